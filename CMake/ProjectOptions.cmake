@@ -1,0 +1,40 @@
+# The options of every target of this project, on one interface target.
+add_library(IsosurfaceOptions INTERFACE)
+target_compile_features(IsosurfaceOptions INTERFACE cxx_std_17)
+
+option(ISOSURFACE_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
+set(ISOSURFACE_SANITIZERS "" CACHE STRING
+  "Sanitizers to build with, as -fsanitize takes them (address,undefined or thread)")
+option(ISOSURFACE_CLANG_TIDY "Run clang-tidy beside the compiler" OFF)
+
+target_compile_options(IsosurfaceOptions INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  # The same results on every machine and in every build of a kernel: no fused multiply-add.
+  -ffp-contract=off)
+if(ISOSURFACE_WARNINGS_AS_ERRORS)
+  target_compile_options(IsosurfaceOptions INTERFACE -Werror)
+endif()
+if(ISOSURFACE_SANITIZERS)
+  target_compile_options(IsosurfaceOptions INTERFACE
+    -fsanitize=${ISOSURFACE_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(IsosurfaceOptions INTERFACE -fsanitize=${ISOSURFACE_SANITIZERS})
+endif()
+if(ISOSURFACE_CLANG_TIDY)
+  find_program(ISOSURFACE_CLANG_TIDY_PROGRAM clang-tidy REQUIRED)
+endif()
+
+# One Core room: an object library whose sources are part of IsosurfaceCore.
+#   isosurface_add_room(<name> SOURCES <files> [LINK <libraries>])
+function(isosurface_add_room name)
+  cmake_parse_arguments(room "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} OBJECT ${room_SOURCES})
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/Core>)
+  target_link_libraries(${name} PUBLIC Threads::Threads PRIVATE IsosurfaceOptions ${room_LINK})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  if(ISOSURFACE_CLANG_TIDY)
+    set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY
+      "${ISOSURFACE_CLANG_TIDY_PROGRAM};--quiet")
+  endif()
+  target_sources(IsosurfaceCore PRIVATE $<TARGET_OBJECTS:${name}>)
+  target_link_libraries(IsosurfaceCore PRIVATE ${room_LINK})
+endfunction()

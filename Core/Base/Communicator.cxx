@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Base/Communicator.h"
+
+#include <algorithm>
+#include <string>
+
+namespace isosurface
+{
+
+Status Communicator::Agree(const Status& mine)
+{
+  if (this->GetSize() == 1)
+  {
+    return mine;
+  }
+  // One cheap reduction in the common case; the messages travel only when there is a failure.
+  std::vector<std::uint64_t> failed{ mine.IsOk() ? 0u : 1u };
+  this->ReduceMaximum(failed);
+  if (failed[0] == 0)
+  {
+    return mine;
+  }
+  const std::string& text = mine.GetMessage();
+  Message message;
+  if (!mine.IsOk())
+  {
+    message.resize(1 + text.size());
+    message[0] = static_cast<std::uint8_t>(mine.GetCode());
+    std::copy(text.begin(), text.end(), message.begin() + 1);
+  }
+  const std::vector<Message> messages = this->AllGather(message);
+  if (!mine.IsOk())
+  {
+    return mine;
+  }
+  for (std::size_t rank = 0; rank < messages.size(); ++rank)
+  {
+    if (!messages[rank].empty())
+    {
+      return Status(StatusCode::RemoteFailure,
+        "rank " + std::to_string(rank) + " failed: " +
+          std::string(messages[rank].begin() + 1, messages[rank].end()));
+    }
+  }
+  return mine;
+}
+
+} // namespace isosurface

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Volume/BlockGrid.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+
+VertexBox VertexBox::Intersect(const VertexBox& other) const
+{
+  VertexBox box;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    box.Low[axis] = std::max(this->Low[axis], other.Low[axis]);
+    box.High[axis] = std::max(box.Low[axis], std::min(this->High[axis], other.High[axis]));
+  }
+  return box;
+}
+
+BlockGrid::BlockGrid(const Index3& dimensions, int blockSize)
+  : Dimensions(dimensions)
+  , BlockSize(blockSize)
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t cells = std::max<std::int64_t>(0, dimensions[axis] - 1);
+    const std::int64_t blocks = (cells + blockSize - 1) / blockSize;
+    this->NumberOfBlocks[axis] =
+      dimensions[axis] == 0 ? 0 : std::max<std::int64_t>(1, blocks);
+  }
+}
+
+int BlockGrid::GetNumberOfLevels() const
+{
+  int levels = 1;
+  while ((this->BlockSize >> levels) > 0)
+  {
+    ++levels;
+  }
+  return levels;
+}
+
+Index3 BlockGrid::GetBlockCoordinates(std::int64_t block) const
+{
+  return { block % this->NumberOfBlocks[0],
+    (block / this->NumberOfBlocks[0]) % this->NumberOfBlocks[1],
+    block / (this->NumberOfBlocks[0] * this->NumberOfBlocks[1]) };
+}
+
+std::int64_t BlockGrid::GetBlockIndex(const Index3& coordinates) const
+{
+  return coordinates[0] +
+    this->NumberOfBlocks[0] * (coordinates[1] + this->NumberOfBlocks[1] * coordinates[2]);
+}
+
+VertexBox BlockGrid::GetVertices(std::int64_t block) const
+{
+  return this->GetVertices(block, 0);
+}
+
+VertexBox BlockGrid::GetVertices(std::int64_t block, int level) const
+{
+  const Index3 coordinates = this->GetBlockCoordinates(block);
+  VertexBox box;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t first = coordinates[axis] * this->BlockSize;
+    const std::int64_t last = std::min(first + this->BlockSize, this->Dimensions[axis] - 1);
+    box.Low[axis] = first >> level;
+    box.High[axis] = (last >> level) + 1;
+  }
+  return box;
+}
+
+VertexBox BlockGrid::GetGhostedVertices(std::int64_t block, int level) const
+{
+  VertexBox box = this->GetVertices(block, level);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t last = (this->Dimensions[axis] - 1) >> level;
+    box.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
+    box.High[axis] = std::min(last + 1, box.High[axis] + 1);
+  }
+  return box;
+}
+
+bool IsBlockSize(int blockSize)
+{
+  return blockSize == 16 || blockSize == 32 || blockSize == 64;
+}
+
+} // namespace isosurface

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockGrid_h
+#define isosurface_BlockGrid_h
+
+#include "Volume/GridGeometry.h"
+
+#include <cstdint>
+
+namespace isosurface
+{
+
+/// A box of vertices [Low, High), counted from 0 at the grid's first vertex.
+struct VertexBox
+{
+  Index3 Low{ 0, 0, 0 };
+  Index3 High{ 0, 0, 0 };
+
+  Index3 GetSize() const
+  {
+    return { this->High[0] - this->Low[0], this->High[1] - this->Low[1],
+      this->High[2] - this->Low[2] };
+  }
+  std::int64_t GetNumberOfVertices() const
+  {
+    const Index3 size = this->GetSize();
+    return this->IsEmpty() ? 0 : size[0] * size[1] * size[2];
+  }
+  bool IsEmpty() const
+  {
+    return this->Low[0] >= this->High[0] || this->Low[1] >= this->High[1] ||
+      this->Low[2] >= this->High[2];
+  }
+  VertexBox Intersect(const VertexBox& other) const;
+  bool operator==(const VertexBox& other) const
+  {
+    return this->Low == other.Low && this->High == other.High;
+  }
+};
+
+/**
+ * The cutting of a grid into cubic blocks of `BlockSize` cells a side (16, 32 or 64; the last
+ * block on an axis may have fewer). Block (I, J, K) covers the cells from (I, J, K) * BlockSize on;
+ * its vertices are its cells' corners, so neighbouring blocks share a face of vertices. An axis
+ * with a single vertex has one block of no cells.
+ *
+ * Block index = I + NumberOfBlocks[0] * (J + NumberOfBlocks[1] * K).
+ *
+ * Level l of the volume holds every vertex whose three coordinates are multiples of 2^l; level 0
+ * is the full resolution. Blocks begin at multiples of their size, so at every level up to
+ * log2(BlockSize) neighbouring blocks agree on which vertices of their shared face a level has.
+ */
+class BlockGrid
+{
+public:
+  BlockGrid() = default;
+  BlockGrid(const Index3& dimensions, int blockSize);
+
+  const Index3& GetDimensions() const { return this->Dimensions; }
+  int GetBlockSize() const { return this->BlockSize; }
+  const Index3& GetNumberOfBlocksPerAxis() const { return this->NumberOfBlocks; }
+  std::int64_t GetNumberOfBlocks() const
+  {
+    return this->NumberOfBlocks[0] * this->NumberOfBlocks[1] * this->NumberOfBlocks[2];
+  }
+  /// log2(BlockSize) + 1: at the coarsest level a full block is one cell.
+  int GetNumberOfLevels() const;
+
+  Index3 GetBlockCoordinates(std::int64_t block) const;
+  std::int64_t GetBlockIndex(const Index3& coordinates) const;
+
+  /// The vertices of a block's own cells, far faces included, at full resolution.
+  VertexBox GetVertices(std::int64_t block) const;
+
+  /// The same for a level, in that level's coordinates (level-0 coordinates / 2^level).
+  VertexBox GetVertices(std::int64_t block, int level) const;
+
+  /// As GetVertices, with one more layer of that level's vertices on each side where the volume
+  /// has one: what central differences at the block's own vertices need.
+  VertexBox GetGhostedVertices(std::int64_t block, int level) const;
+
+private:
+  Index3 Dimensions{ 0, 0, 0 };
+  int BlockSize = 0;
+  Index3 NumberOfBlocks{ 0, 0, 0 };
+};
+
+/// Whether a block size is one that the format knows: 16, 32 or 64.
+bool IsBlockSize(int blockSize);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_GridGeometry_h
+#define isosurface_GridGeometry_h
+
+#include <array>
+#include <cstdint>
+
+namespace isosurface
+{
+
+using Index3 = std::array<std::int64_t, 3>;
+
+/**
+ * A regular grid of vertices, as vtkImageData has it. The vertex with structured coordinates
+ * (i, j, k), each within Extent, lies at Origin + Direction * (Spacing .* (i, j, k)).
+ *
+ * Inside Core, vertices are counted from 0 on each axis (index 0 is Extent's low end), x fastest:
+ * vertex number = i + Dimensions[0] * (j + Dimensions[1] * k).
+ */
+struct GridGeometry
+{
+  std::array<std::int64_t, 6> Extent{ 0, -1, 0, -1, 0, -1 }; ///< x0, x1, y0, y1, z0, z1, inclusive
+  std::array<double, 3> Origin{ 0, 0, 0 };
+  std::array<double, 3> Spacing{ 1, 1, 1 };
+  std::array<double, 9> Direction{ 1, 0, 0, 0, 1, 0, 0, 0, 1 }; ///< row-major
+
+  /// Vertices on each axis; 0 for an empty extent.
+  Index3 GetDimensions() const;
+  std::int64_t GetNumberOfVertices() const;
+  std::int64_t GetNumberOfCells() const;
+
+  /// The grid of every 2^level-th vertex, counted from this grid's first one. Its extent begins at
+  /// 0 (level > 0 only), its origin lies at this grid's first vertex.
+  GridGeometry Coarsen(int level) const;
+
+  bool operator==(const GridGeometry& other) const;
+  bool operator!=(const GridGeometry& other) const { return !(*this == other); }
+};
+
+} // namespace isosurface
+
+#endif

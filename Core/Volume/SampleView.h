@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SampleView_h
+#define isosurface_SampleView_h
+
+#include "Volume/BlockGrid.h"
+#include "Volume/ValueType.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace isosurface
+{
+
+/**
+ * Samples of one array on a box of vertices, somewhere in memory that somebody else owns: a decoded
+ * block, or a part of a vtkImageData. Box is the vertices to work on; Available contains Box and
+ * may be larger: samples around it that gradients may use.
+ *
+ * The sample of the vertex (i, j, k) of Available's coordinates stands at
+ * First + ((i - Available.Low[0]) * Stride[0] + (j - ...) * Stride[1] + ...) samples.
+ */
+struct SampleView
+{
+  ValueType Type = ValueType::UInt8;
+  const void* First = nullptr;            ///< the sample at Available.Low
+  std::array<std::ptrdiff_t, 3> Stride{}; ///< in samples
+  VertexBox Available;
+  VertexBox Box;
+
+  /// The sample at a vertex of Available; T must be the type that Type names.
+  template <typename T>
+  const T* At(const Index3& vertex) const
+  {
+    return static_cast<const T*>(this->First) +
+      (vertex[0] - this->Available.Low[0]) * this->Stride[0] +
+      (vertex[1] - this->Available.Low[1]) * this->Stride[1] +
+      (vertex[2] - this->Available.Low[2]) * this->Stride[2];
+  }
+};
+
+} // namespace isosurface
+
+#endif
