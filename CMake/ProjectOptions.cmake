@@ -1,4 +1,5 @@
-# The options of every target of this project, on one interface target.
+# The options of every target of this project, on one interface target. (Core adds -Wpedantic, which
+# the macros of VTK's classes do not bear.)
 add_library(IsosurfaceOptions INTERFACE)
 target_compile_features(IsosurfaceOptions INTERFACE cxx_std_17)
 
@@ -8,7 +9,7 @@ set(ISOSURFACE_SANITIZERS "" CACHE STRING
 option(ISOSURFACE_CLANG_TIDY "Run clang-tidy beside the compiler" OFF)
 
 target_compile_options(IsosurfaceOptions INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   # The same results on every machine and in every build of a kernel: no fused multiply-add.
   -ffp-contract=off)
 if(ISOSURFACE_WARNINGS_AS_ERRORS)
@@ -30,6 +31,7 @@ function(isosurface_add_room name)
   add_library(${name} OBJECT ${room_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/Core>)
   target_link_libraries(${name} PUBLIC Threads::Threads PRIVATE IsosurfaceOptions ${room_LINK})
+  target_compile_options(${name} PRIVATE -Wpedantic)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(ISOSURFACE_CLANG_TIDY)
     set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY
@@ -37,4 +39,9 @@ function(isosurface_add_room name)
   endif()
   target_sources(IsosurfaceCore PRIVATE $<TARGET_OBJECTS:${name}>)
   target_link_libraries(IsosurfaceCore PRIVATE ${room_LINK})
+endfunction()
+
+# A VTK module of this project: on top of Core, with the project's options.
+function(isosurface_configure_module module)
+  vtk_module_link(${module} PUBLIC isosurface::Core PRIVATE IsosurfaceOptions)
 endfunction()

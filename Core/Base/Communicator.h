@@ -25,8 +25,8 @@ public:
 
   virtual int GetRank() const = 0;
   virtual int GetSize() const = 0;
-  /// How many ranks run on this rank's node, itself included.
-  virtual int GetRanksOnNode() const = 0;
+  /// How many ranks run on this rank's node, itself included. Collective like the rest.
+  virtual int GetRanksOnNode() = 0;
 
   /// Element-wise over all ranks, in place; the vectors have equal length on all ranks.
   virtual void ReduceMinimum(std::vector<std::uint64_t>& values) = 0;
@@ -53,7 +53,7 @@ class SerialCommunicator : public Communicator
 public:
   int GetRank() const override { return 0; }
   int GetSize() const override { return 1; }
-  int GetRanksOnNode() const override { return 1; }
+  int GetRanksOnNode() override { return 1; }
   void ReduceMinimum(std::vector<std::uint64_t>&) override {}
   void ReduceMaximum(std::vector<std::uint64_t>&) override {}
   void ReduceSum(std::vector<std::uint64_t>&) override {}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ControllerCommunicator.h"
+
+#include <vtkCommunicator.h>
+#include <vtkMultiProcessController.h>
+#include <vtksys/SystemInformation.hxx>
+#if __has_include(<vtkMPIController.h>)
+#  include <vtkMPICommunicator.h>
+#  include <vtkMPIController.h>
+#  define ISOSURFACE_HAS_MPI_CONTROLLER
+#endif
+
+#include <algorithm>
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+constexpr int ExchangeTag = 48211;
+// VTK's messages count in vtkIdType but MPI counts in int: larger messages go in parts.
+constexpr std::size_t LargestPart = std::size_t{ 1 } << 30;
+
+// Calls send(pointer, length) for parts of a message that fit one MPI call each.
+template <typename Pointer, typename Function>
+void ForEachPart(Pointer data, std::size_t size, const Function& function)
+{
+  for (std::size_t offset = 0; offset < size; offset += LargestPart)
+  {
+    function(data + offset, static_cast<int>(std::min(LargestPart, size - offset)));
+  }
+}
+} // namespace
+
+ControllerCommunicator::ControllerCommunicator(vtkMultiProcessController* controller)
+  : Controller(controller)
+{
+}
+
+int ControllerCommunicator::GetRank() const
+{
+  return this->Controller ? this->Controller->GetLocalProcessId() : 0;
+}
+
+int ControllerCommunicator::GetSize() const
+{
+  return this->Controller ? this->Controller->GetNumberOfProcesses() : 1;
+}
+
+int ControllerCommunicator::GetRanksOnNode()
+{
+  if (this->GetSize() == 1)
+  {
+    return 1;
+  }
+  vtksys::SystemInformation information;
+  const char* name = information.GetHostname();
+  const std::string host = name ? name : "";
+  const Message mine(host.begin(), host.end());
+  const std::vector<Message> hosts = this->AllGather(mine);
+  return static_cast<int>(std::count(hosts.begin(), hosts.end(), mine));
+}
+
+void ControllerCommunicator::Reduce(std::vector<std::uint64_t>& values, int operation)
+{
+  if (this->GetSize() == 1 || values.empty())
+  {
+    return;
+  }
+  std::vector<unsigned long long> mine(values.begin(), values.end());
+  std::vector<unsigned long long> all(values.size());
+  this->Controller->AllReduce(
+    mine.data(), all.data(), static_cast<vtkIdType>(mine.size()), operation);
+  std::copy(all.begin(), all.end(), values.begin());
+}
+
+void ControllerCommunicator::ReduceMinimum(std::vector<std::uint64_t>& values)
+{
+  this->Reduce(values, vtkCommunicator::MIN_OP);
+}
+
+void ControllerCommunicator::ReduceMaximum(std::vector<std::uint64_t>& values)
+{
+  this->Reduce(values, vtkCommunicator::MAX_OP);
+}
+
+void ControllerCommunicator::ReduceSum(std::vector<std::uint64_t>& values)
+{
+  this->Reduce(values, vtkCommunicator::SUM_OP);
+}
+
+std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
+{
+  const int ranks = this->GetSize();
+  if (ranks == 1)
+  {
+    return { mine };
+  }
+  const auto length = static_cast<vtkIdType>(mine.size());
+  std::vector<vtkIdType> lengths(ranks);
+  this->Controller->AllGather(&length, lengths.data(), 1);
+
+  std::vector<vtkIdType> offsets(ranks, 0);
+  vtkIdType total = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+  {
+    offsets[rank] = total;
+    total += lengths[rank];
+  }
+  std::vector<Message> messages(ranks);
+  if (total == 0)
+  {
+    return messages;
+  }
+  Message all(total);
+  this->Controller->AllGatherV(mine.data(), all.data(), length, lengths.data(), offsets.data());
+  for (int rank = 0; rank < ranks; ++rank)
+  {
+    messages[rank].assign(
+      all.begin() + offsets[rank], all.begin() + offsets[rank] + lengths[rank]);
+  }
+  return messages;
+}
+
+std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgoing)
+{
+  const int ranks = this->GetSize();
+  const int me = this->GetRank();
+  std::vector<Message> incoming(ranks);
+  incoming[me] = std::move(outgoing[me]);
+  if (ranks == 1)
+  {
+    return incoming;
+  }
+
+  // Everybody learns what it is sent: row r of the table holds the lengths that rank r sends.
+  std::vector<vtkIdType> lengths(ranks);
+  for (int rank = 0; rank < ranks; ++rank)
+  {
+    lengths[rank] = rank == me ? 0 : static_cast<vtkIdType>(outgoing[rank].size());
+  }
+  std::vector<vtkIdType> table(static_cast<std::size_t>(ranks) * ranks);
+  this->Controller->AllGather(lengths.data(), table.data(), ranks);
+  for (int rank = 0; rank < ranks; ++rank)
+  {
+    if (rank != me)
+    {
+      incoming[rank].resize(table[static_cast<std::size_t>(rank) * ranks + me]);
+    }
+  }
+
+  auto send = [&](int rank) {
+    ForEachPart(outgoing[rank].data(), outgoing[rank].size(),
+      [&](const std::uint8_t* part, int size) {
+        this->Controller->Send(part, size, rank, ExchangeTag);
+      });
+  };
+  auto receive = [&](int rank) {
+    ForEachPart(incoming[rank].data(), incoming[rank].size(), [&](std::uint8_t* part, int size) {
+      this->Controller->Receive(part, size, rank, ExchangeTag);
+    });
+  };
+
+#ifdef ISOSURFACE_HAS_MPI_CONTROLLER
+  if (auto* mpi = vtkMPIController::SafeDownCast(this->Controller))
+  {
+    std::vector<vtkMPICommunicator::Request> requests;
+    for (int step = 1; step < ranks; ++step)
+    {
+      const int rank = (me + step) % ranks;
+      ForEachPart(outgoing[rank].data(), outgoing[rank].size(),
+        [&](const std::uint8_t* part, int size) {
+          requests.emplace_back();
+          mpi->NoBlockSend(part, size, rank, ExchangeTag, requests.back());
+        });
+    }
+    for (int step = 1; step < ranks; ++step)
+    {
+      receive((me + ranks - step) % ranks);
+    }
+    if (!requests.empty())
+    {
+      mpi->WaitAll(static_cast<int>(requests.size()), requests.data());
+    }
+    return incoming;
+  }
+#endif
+  for (int low = 0; low < ranks; ++low)
+  {
+    for (int high = low + 1; high < ranks; ++high)
+    {
+      if (me == low)
+      {
+        send(high);
+        receive(high);
+      }
+      else if (me == high)
+      {
+        receive(low);
+        send(low);
+      }
+    }
+  }
+  return incoming;
+}
+
+} // namespace isosurface

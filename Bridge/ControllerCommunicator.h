@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ControllerCommunicator_h
+#define isosurface_ControllerCommunicator_h
+
+#include "IsosurfaceBridgeModule.h"
+
+#include "Base/Communicator.h"
+
+class vtkMultiProcessController;
+
+namespace isosurface
+{
+
+/**
+ * The ranks of a vtkMultiProcessController as Core sees them. The controller is not owned and must
+ * outlive this object; a null controller is a group of one rank.
+ *
+ * Exchange() sends without blocking where the controller is a vtkMPIController; with any other
+ * controller pairs of ranks take turns, the lower rank sending first.
+ */
+class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
+{
+public:
+  explicit ControllerCommunicator(vtkMultiProcessController* controller);
+
+  int GetRank() const override;
+  int GetSize() const override;
+  /// Compares host names over all ranks: collective.
+  int GetRanksOnNode() override;
+  void ReduceMinimum(std::vector<std::uint64_t>& values) override;
+  void ReduceMaximum(std::vector<std::uint64_t>& values) override;
+  void ReduceSum(std::vector<std::uint64_t>& values) override;
+  std::vector<Message> AllGather(const Message& mine) override;
+  std::vector<Message> Exchange(std::vector<Message> outgoing) override;
+
+private:
+  void Reduce(std::vector<std::uint64_t>& values, int operation);
+
+  vtkMultiProcessController* Controller;
+};
+
+} // namespace isosurface
+
+#endif

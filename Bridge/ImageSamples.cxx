@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ImageSamples.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkImageData.h"
+#include "vtkMatrix3x3.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+std::string NameOf(vtkDataArray* array)
+{
+  return std::string("array \"") + (array->GetName() ? array->GetName() : "") + "\"";
+}
+} // namespace
+
+Result<ValueType> GetValueTypeOf(vtkDataArray* array)
+{
+  const int type = array->GetDataType();
+  if (type == VTK_FLOAT)
+  {
+    return ValueType::Float32;
+  }
+  if (type == VTK_DOUBLE)
+  {
+    return ValueType::Float64;
+  }
+  const int size = array->GetDataTypeSize();
+  if (type == VTK_BIT || size <= 0)
+  {
+    return Status(StatusCode::Unsupported,
+      NameOf(array) + " is of type " + array->GetDataTypeAsString() + ", which has no isosurfaces");
+  }
+  const bool isSigned = array->GetDataTypeMin() < 0;
+  switch (size)
+  {
+    case 1:
+      return isSigned ? ValueType::Int8 : ValueType::UInt8;
+    case 2:
+      return isSigned ? ValueType::Int16 : ValueType::UInt16;
+    case 4:
+      return isSigned ? ValueType::Int32 : ValueType::UInt32;
+    default:
+      return isSigned ? ValueType::Int64 : ValueType::UInt64;
+  }
+}
+
+int GetVTKType(ValueType type)
+{
+  switch (type)
+  {
+    case ValueType::Int8:
+      return VTK_SIGNED_CHAR;
+    case ValueType::UInt8:
+      return VTK_UNSIGNED_CHAR;
+    case ValueType::Int16:
+      return VTK_SHORT;
+    case ValueType::UInt16:
+      return VTK_UNSIGNED_SHORT;
+    case ValueType::Int32:
+      return VTK_INT;
+    case ValueType::UInt32:
+      return VTK_UNSIGNED_INT;
+    case ValueType::Int64:
+      return VTK_LONG_LONG;
+    case ValueType::UInt64:
+      return VTK_UNSIGNED_LONG_LONG;
+    case ValueType::Float32:
+      return VTK_FLOAT;
+    case ValueType::Float64:
+    default:
+      return VTK_DOUBLE;
+  }
+}
+
+GridGeometry MakeGridGeometry(vtkImageData* image, const int wholeExtent[6])
+{
+  GridGeometry grid;
+  std::copy(wholeExtent, wholeExtent + 6, grid.Extent.begin());
+  image->GetOrigin(grid.Origin.data());
+  image->GetSpacing(grid.Spacing.data());
+  std::copy_n(image->GetDirectionMatrix()->GetData(), 9, grid.Direction.begin());
+  return grid;
+}
+
+VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6])
+{
+  VertexBox box;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    box.Low[axis] = extent[2 * axis] - grid.Extent[2 * axis];
+    box.High[axis] = extent[2 * axis + 1] - grid.Extent[2 * axis] + 1;
+  }
+  return box;
+}
+
+VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image)
+{
+  const VertexBox all = MakeVertexBox(grid, image->GetExtent());
+  vtkUnsignedCharArray* ghosts = image->GetCellGhostArray();
+  if (!ghosts || all.IsEmpty())
+  {
+    return all;
+  }
+  // The bounding box of the own cells, row by row of cells.
+  const Index3 size = all.GetSize();
+  Index3 cells;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    cells[axis] = std::max<std::int64_t>(1, size[axis] - 1);
+  }
+  Index3 low = cells;
+  Index3 high{ -1, -1, -1 };
+  const unsigned char* mark = ghosts->GetPointer(0);
+  for (std::int64_t k = 0; k < cells[2]; ++k)
+  {
+    for (std::int64_t j = 0; j < cells[1]; ++j, mark += cells[0])
+    {
+      auto isOwn = [](unsigned char ghost) {
+        return (ghost & vtkDataSetAttributes::DUPLICATECELL) == 0;
+      };
+      const auto* first = std::find_if(mark, mark + cells[0], isOwn);
+      if (first == mark + cells[0])
+      {
+        continue;
+      }
+      std::int64_t last = cells[0] - 1;
+      while (!isOwn(mark[last]))
+      {
+        --last;
+      }
+      const Index3 rowLow{ first - mark, j, k };
+      const Index3 rowHigh{ last, j, k };
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        low[axis] = std::min(low[axis], rowLow[axis]);
+        high[axis] = std::max(high[axis], rowHigh[axis]);
+      }
+    }
+  }
+  if (high[0] < 0)
+  {
+    return VertexBox();
+  }
+  VertexBox own;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    own.Low[axis] = all.Low[axis] + low[axis];
+    own.High[axis] = std::min(all.High[axis], all.Low[axis] + high[axis] + 2);
+  }
+  return own;
+}
+
+Result<ImageSamples> MakeImageSamples(
+  const GridGeometry& grid, vtkImageData* image, vtkDataArray* array)
+{
+  if (array->GetNumberOfComponents() != 1)
+  {
+    return Status(StatusCode::InvalidArgument,
+      NameOf(array) + " has " + std::to_string(array->GetNumberOfComponents()) +
+        " components; isosurfaces are of arrays of one component");
+  }
+  if (array->GetNumberOfTuples() != image->GetNumberOfPoints())
+  {
+    return Status(StatusCode::InvalidArgument,
+      NameOf(array) + " has " + std::to_string(array->GetNumberOfTuples()) + " values for " +
+        std::to_string(image->GetNumberOfPoints()) + " points; cell arrays must be converted to " +
+        "point arrays first");
+  }
+  const Result<ValueType> type = GetValueTypeOf(array);
+  if (!type.IsOk())
+  {
+    return type.GetStatus();
+  }
+  ImageSamples samples;
+  samples.Array = array;
+  if (!array->HasStandardMemoryLayout())
+  {
+    samples.Array =
+      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
+    samples.Array->DeepCopy(array);
+  }
+  const VertexBox all = MakeVertexBox(grid, image->GetExtent());
+  const Index3 size = all.GetSize();
+  samples.View.Type = *type;
+  samples.View.First = samples.Array->GetVoidPointer(0);
+  samples.View.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
+    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+  samples.View.Available = all;
+  samples.View.Box = FindOwnVertices(grid, image);
+  return samples;
+}
+
+} // namespace isosurface

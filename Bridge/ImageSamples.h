@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ImageSamples_h
+#define isosurface_ImageSamples_h
+
+#include "IsosurfaceBridgeModule.h"
+
+#include "vtkSmartPointer.h"
+
+#include "Base/Status.h"
+#include "Volume/GridGeometry.h"
+#include "Volume/SampleView.h"
+
+class vtkDataArray;
+class vtkImageData;
+
+namespace isosurface
+{
+
+/// The Core type of a VTK data type (VTK_SHORT, ...); Unsupported for VTK_BIT and strings.
+ISOSURFACEBRIDGE_EXPORT Result<ValueType> GetValueTypeOf(vtkDataArray* array);
+
+/// The VTK data type of a Core type.
+ISOSURFACEBRIDGE_EXPORT int GetVTKType(ValueType type);
+
+/// The grid of the whole extent, of which the image is a piece.
+ISOSURFACEBRIDGE_EXPORT GridGeometry MakeGridGeometry(
+  vtkImageData* image, const int wholeExtent[6]);
+
+/// The vertices of an extent, counted from the grid's first vertex.
+ISOSURFACEBRIDGE_EXPORT VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6]);
+
+/**
+ * The vertices of the cells that are the image's own: those that vtkGhostType does not mark as
+ * duplicates. Ghost cells form layers around the own ones, so these are a box; an image of nothing
+ * but ghosts has an empty one. Cost: one pass over vtkGhostType, if there is one.
+ */
+ISOSURFACEBRIDGE_EXPORT VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image);
+
+/// The samples of an array of an image, and who owns them.
+struct ImageSamples
+{
+  SampleView View;                    ///< Box is the image's own vertices, Available all of them
+  vtkSmartPointer<vtkDataArray> Array; ///< keeps the samples alive
+};
+
+/**
+ * A point array of one component of an image, as Core sees it. No sample is copied, unless the
+ * array's memory is not laid out in the standard way. Errors (InvalidArgument, Unsupported) name
+ * the array.
+ */
+ISOSURFACEBRIDGE_EXPORT Result<ImageSamples> MakeImageSamples(
+  const GridGeometry& grid, vtkImageData* image, vtkDataArray* array);
+
+} // namespace isosurface
+
+#endif

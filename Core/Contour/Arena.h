@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Arena_h
+#define isosurface_Arena_h
+
+#include "Base/Buffer.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Memory that is handed out front to back and ended as a whole. Pieces begin at multiples of 64
+ * bytes. For one thread at a time.
+ */
+class Arena
+{
+public:
+  /// Room for `count` values, the most that may be needed. Holds until the next call unless kept.
+  template <typename T>
+  T* Reserve(std::size_t count)
+  {
+    const std::size_t bytes = count * sizeof(T);
+    if (this->Chunks.empty() || this->Chunks.back().GetSize() - this->Used < bytes)
+    {
+      this->Chunks.emplace_back(std::max(bytes, ChunkSize - Alignment) + Alignment);
+      this->Used = 0;
+      const auto address = reinterpret_cast<std::uintptr_t>(this->Chunks.back().GetData());
+      this->Used = (Alignment - address % Alignment) % Alignment;
+    }
+    return reinterpret_cast<T*>(this->Chunks.back().GetData() + this->Used);
+  }
+
+  /// Keeps the first `count` values of what was reserved last.
+  template <typename T>
+  void Keep(std::size_t count)
+  {
+    const std::size_t bytes = (count * sizeof(T) + Alignment - 1) / Alignment * Alignment;
+    this->Used = std::min(this->Used + bytes, this->Chunks.back().GetSize());
+  }
+
+  template <typename T>
+  T* Allocate(std::size_t count)
+  {
+    T* values = this->Reserve<T>(count);
+    this->Keep<T>(count);
+    return values;
+  }
+
+private:
+  static constexpr std::size_t ChunkSize = std::size_t(8) << 20;
+  static constexpr std::size_t Alignment = 64;
+
+  std::vector<Buffer<std::uint8_t>> Chunks;
+  std::size_t Used = 0; ///< bytes of the last chunk
+};
+
+} // namespace isosurface
+
+#endif

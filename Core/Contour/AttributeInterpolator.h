@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_AttributeInterpolator_h
+#define isosurface_AttributeInterpolator_h
+
+#include "Contour/BlockSource.h"
+#include "Contour/BrickKernel.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace isosurface
+{
+
+/**
+ * Interpolates an attribute linearly along the edges of a brick, in double, and puts the tuples one
+ * after the other in the attribute's own type (towards zero for integers, as vtkFlyingEdges3D).
+ *
+ * codes, parameters: `count` edges and how far along each the surface is; low: the brick's first
+ * vertex; tuples: room for count * view.NumberOfComponents values, aligned for their type.
+ */
+void InterpolateAttribute(const AttributeView& view, const Index3& low, const EdgeCode* codes,
+  const double* parameters, std::size_t count, std::uint8_t* tuples);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Contour/BlockRanges.h"
+
+#include "Base/ParallelFor.h"
+#include "Contour/BrickKernel.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+namespace isosurface
+{
+namespace
+{
+
+// What has been seen of one block.
+template <typename T>
+struct Extremes
+{
+  T Minimum = std::numeric_limits<T>::has_infinity ? std::numeric_limits<T>::infinity()
+                                                   : std::numeric_limits<T>::max();
+  T Maximum = std::numeric_limits<T>::has_infinity ? -std::numeric_limits<T>::infinity()
+                                                   : std::numeric_limits<T>::lowest();
+  bool HasNotANumber = false;
+
+  KeyRange GetRange() const
+  {
+    KeyRange range;
+    if (this->Minimum <= this->Maximum)
+    {
+      range = { MakeValueKey(this->Minimum), MakeValueKey(this->Maximum) };
+    }
+    if (this->HasNotANumber)
+    {
+      range.Minimum = NotANumberKey;
+    }
+    return range;
+  }
+};
+
+// The ranges of all blocks of one row of blocks, reading whole rows of samples in their order.
+template <typename T>
+void ComputeRowOfBlocks(const SampleView& samples, const BlockGrid& grid, std::int64_t firstBlock,
+  std::vector<KeyRange>& ranges)
+{
+  const BrickKernels& kernels = GetBrickKernels();
+  const std::int64_t count = grid.GetNumberOfBlocksPerAxis()[0];
+  const VertexBox first = grid.GetVertices(firstBlock);
+  std::vector<Extremes<T>> extremes(static_cast<std::size_t>(count));
+  const Index3& low = samples.Box.Low;
+  for (std::int64_t k = first.Low[2]; k < first.High[2]; ++k)
+  {
+    for (std::int64_t j = first.Low[1]; j < first.High[1]; ++j)
+    {
+      const T* row = samples.At<T>({ low[0], low[1] + j, low[2] + k });
+      for (std::int64_t block = 0; block < count; ++block)
+      {
+        Extremes<T>& seen = extremes[static_cast<std::size_t>(block)];
+        const std::int64_t begin = block * BlockRanges::BlockSize;
+        const std::int64_t end =
+          std::min(begin + BlockRanges::BlockSize + 1, grid.GetDimensions()[0]);
+        kernels.JoinRange(samples.Type, row + begin * samples.Stride[0], samples.Stride[0],
+          end - begin, &seen.Minimum, &seen.Maximum, &seen.HasNotANumber);
+      }
+    }
+  }
+  for (std::int64_t block = 0; block < count; ++block)
+  {
+    ranges[static_cast<std::size_t>(firstBlock + block)] =
+      extremes[static_cast<std::size_t>(block)].GetRange();
+  }
+}
+
+} // namespace
+
+Result<BlockRanges> BlockRanges::Compute(
+  const SampleView& samples, int threads, const Progress& progress)
+{
+  BlockRanges made;
+  made.Type = samples.Type;
+  if (samples.Box.IsEmpty())
+  {
+    return made;
+  }
+  made.Grid = BlockGrid(samples.Box.GetSize(), BlockSize);
+  made.Ranges.resize(static_cast<std::size_t>(made.Grid.GetNumberOfBlocks()));
+  const Index3& blocks = made.Grid.GetNumberOfBlocksPerAxis();
+  const bool finished = ParallelFor(
+    static_cast<std::size_t>(blocks[1] * blocks[2]), threads,
+    [&](std::size_t row, int)
+    {
+      DispatchValueType(samples.Type,
+        [&](auto zero)
+        {
+          ComputeRowOfBlocks<decltype(zero)>(
+            samples, made.Grid, static_cast<std::int64_t>(row) * blocks[0], made.Ranges);
+        });
+    },
+    progress);
+  if (!finished)
+  {
+    return Status(StatusCode::Aborted, "The search for the blocks' ranges was stopped.");
+  }
+  return made;
+}
+
+std::vector<std::int64_t> BlockRanges::FindActiveBlocks(const std::vector<double>& isovalues) const
+{
+  std::vector<ValueKey> thresholds;
+  DispatchValueType(this->Type,
+    [&](auto zero)
+    {
+      for (const double isovalue : isovalues)
+      {
+        if (const auto threshold = FindThreshold<decltype(zero)>(isovalue))
+        {
+          thresholds.push_back(MakeValueKey(*threshold));
+        }
+      }
+    });
+  std::vector<std::int64_t> active;
+  for (std::size_t block = 0; block < this->Ranges.size(); ++block)
+  {
+    const KeyRange& range = this->Ranges[block];
+    if (std::any_of(thresholds.begin(), thresholds.end(),
+          [&range](ValueKey threshold) { return range.Straddles(threshold); }))
+    {
+      active.push_back(static_cast<std::int64_t>(block));
+    }
+  }
+  return active;
+}
+
+} // namespace isosurface

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockSource_h
+#define isosurface_BlockSource_h
+
+#include "Base/Status.h"
+#include "Volume/BlockGrid.h"
+#include "Volume/SampleView.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A further array on the vertices of a block. Component c of a vertex stands c * ComponentStride
+/// samples after Samples.At(vertex).
+struct AttributeView
+{
+  SampleView Samples;
+  int NumberOfComponents = 1;
+  std::ptrdiff_t ComponentStride = 1;
+};
+
+/// The samples of a block, in grid coordinates, for as long as Owner is held.
+struct BlockSamples
+{
+  SampleView Scalars; ///< Box is the block's vertices
+  std::vector<AttributeView> Attributes;
+  std::shared_ptr<const void> Owner; ///< empty if the memory outlives the extraction anyway
+};
+
+/**
+ * The blocks of a grid that an extraction is to visit: a part of a lattice of boxes, of any size,
+ * of which neighbours (lattice coordinates that differ by one on an axis) share a face of vertices.
+ * Blocks with equal lattice coordinates on an axis span the same vertices on it.
+ *
+ * The source counts its blocks from 0; blocks of the grid that no isovalue can cross are left out.
+ */
+class BlockSource
+{
+public:
+  virtual ~BlockSource() = default;
+
+  virtual std::size_t GetNumberOfBlocks() const = 0;
+  virtual Index3 GetLatticeCoordinates(std::size_t block) const = 0;
+
+  /// The block's vertices, shared faces included, counted from 0 at the grid's first vertex.
+  virtual VertexBox GetVertices(std::size_t block) const = 0;
+
+  /// The type of the scalars of all blocks.
+  virtual ValueType GetValueType() const = 0;
+
+  /**
+   * The block's samples. Called once for each block, in no certain order, by several threads at
+   * once; the samples are let go before the same thread asks for another block. Available covers
+   * the block, and one layer more where the grid has one if normals are asked for.
+   */
+  virtual Result<BlockSamples> Acquire(std::size_t block) = 0;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BrickLattice_h
+#define isosurface_BrickLattice_h
+
+#include "Base/Status.h"
+#include "Contour/BlockSource.h"
+#include "Contour/BrickKernel.h"
+#include "Volume/BlockGrid.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A part of a block, at most 32 cells a side.
+struct Brick
+{
+  std::size_t Block = 0;
+  Index3 Coordinates{}; ///< in the lattice of bricks
+  VertexBox Vertices;
+};
+
+/// No brick.
+constexpr std::size_t NoBrick = static_cast<std::size_t>(-1);
+
+/**
+ * The bricks around one, itself included, and which of them makes the point of a shared edge: among
+ * the bricks of the lattice that contain an edge, the one with the greatest coordinates, z before y
+ * before x.
+ */
+struct BrickNeighborhood
+{
+  /// How the owner of an edge lies from this brick.
+  struct Step
+  {
+    int X = 0;
+    int Y = 0;
+    int Z = 0;
+    bool operator==(const Step& other) const
+    {
+      return this->X == other.X && this->Y == other.Y && this->Z == other.Z;
+    }
+  };
+
+  std::array<std::size_t, 27> Bricks; ///< at (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1), or NoBrick
+
+  std::size_t Get(const Step& step) const
+  {
+    return this->Bricks[static_cast<std::size_t>(step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1))];
+  }
+
+  /// The owner of edges along `axis` at the places (0 near face, 1 between, 2 far face) on the two
+  /// axes across, lower axis first.
+  Step FindOwner(int axis, int lowerPlace, int upperPlace) const;
+
+  /// What this brick owns, as masks for the kernels.
+  BrickOwnership ComputeOwnership(const int size[3]) const;
+};
+
+/**
+ * All bricks of the blocks of a source, in the order of the blocks, and their neighbours.
+ */
+class BrickLattice
+{
+public:
+  /// Errors: InvalidArgument for blocks that do not form a lattice within the grid.
+  static Result<BrickLattice> Cut(const Index3& dimensions, const BlockSource& source);
+
+  const std::vector<Brick>& GetBricks() const { return this->Bricks; }
+
+  /// The bricks of block b are numbers [first(b), first(b + 1)).
+  std::size_t GetFirstBrick(std::size_t block) const { return this->FirstBricks[block]; }
+
+  BrickNeighborhood FindNeighborhood(std::size_t brick) const;
+
+private:
+  struct Hash
+  {
+    std::size_t operator()(const Index3& coordinates) const
+    {
+      std::uint64_t hash = 0;
+      for (const std::int64_t coordinate : coordinates)
+      {
+        hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * 0x9E3779B97F4A7C15u;
+        hash ^= hash >> 29;
+      }
+      return static_cast<std::size_t>(hash);
+    }
+  };
+
+  void CutBlock(std::size_t block, const Index3& lattice, const VertexBox& vertices,
+    const Index3& bricksPerBlock);
+
+  std::vector<Brick> Bricks;
+  std::vector<std::size_t> FirstBricks;
+  std::unordered_map<Index3, std::size_t, Hash> Numbers;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Contour/BrickScan.h"
+
+#include "Base/ParallelFor.h"
+#include "Contour/AttributeInterpolator.h"
+#include "Volume/ValueKey.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <mutex>
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+
+bool Contains(const VertexBox& outer, const VertexBox& inner)
+{
+  return outer.Intersect(inner) == inner;
+}
+
+// The box with one more layer on each side, where the grid has one.
+VertexBox AddGhostLayer(VertexBox box, const Index3& dimensions)
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    box.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
+    box.High[axis] = std::min(dimensions[axis], box.High[axis] + 1);
+  }
+  return box;
+}
+
+Status MakeError(std::size_t block, const std::string& reason)
+{
+  return { StatusCode::InvalidArgument,
+    "The samples of block " + std::to_string(block) + " " + reason + "." };
+}
+
+bool IsCrossed(const std::uint64_t* inside, std::size_t rows, int verticesPerRow)
+{
+  const std::uint64_t full = (std::uint64_t(1) << verticesPerRow) - 1;
+  std::uint64_t any = 0;
+  std::uint64_t all = full;
+  for (std::size_t row = 0; row < rows; ++row)
+  {
+    any |= inside[row];
+    all &= inside[row];
+  }
+  return any != 0 && all != full;
+}
+
+} // namespace
+
+BrickSamples MakeBrickSamples(
+  const GridGeometry& geometry, const VertexBox& brick, const SampleView* samples)
+{
+  BrickSamples view{};
+  const Index3 dimensions = geometry.GetDimensions();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    view.Size[axis] = static_cast<int>(brick.High[axis] - brick.Low[axis]);
+    view.Low[axis] = brick.Low[axis];
+    view.Dimensions[axis] = dimensions[axis];
+    view.ExtentLow[axis] = geometry.Extent[2 * axis];
+    view.Stride[axis] = samples ? samples->Stride[axis] : 0;
+  }
+  if (samples)
+  {
+    DispatchValueType(
+      samples->Type, [&](auto zero) { view.First = samples->At<decltype(zero)>(brick.Low); });
+  }
+  return view;
+}
+
+BrickScan::BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, BlockSource& source,
+  const ContourRequest& request)
+  : Geometry(geometry)
+  , Lattice(lattice)
+  , Source(source)
+  , Request(request)
+  , Kernels(GetBrickKernels())
+{
+  DispatchValueType(source.GetValueType(),
+    [&](auto zero)
+    {
+      for (const double isovalue : request.Isovalues)
+      {
+        Threshold threshold;
+        if (const auto value = FindThreshold<decltype(zero)>(isovalue))
+        {
+          threshold.Exists = true;
+          std::memcpy(threshold.Value.data(), &*value, sizeof(*value));
+        }
+        this->Thresholds.push_back(threshold);
+      }
+    });
+}
+
+Status BrickScan::Run(int threads, const Progress& progress)
+{
+  const std::size_t bricks = this->Lattice.GetBricks().size();
+  this->Parts.resize(bricks * this->Request.Isovalues.size());
+  this->Ownerships.resize(bricks);
+  this->Workers = std::vector<Worker>(static_cast<std::size_t>(std::max(1, threads)));
+
+  Status failure;
+  std::atomic<bool> failed{ false };
+  std::mutex failureMutex;
+  const bool finished = ParallelFor(
+    this->Source.GetNumberOfBlocks(), threads,
+    [&](std::size_t block, int thread)
+    {
+      if (failed)
+      {
+        return;
+      }
+      Status status = this->ScanBlock(block, this->Workers[static_cast<std::size_t>(thread)]);
+      if (!status.IsOk())
+      {
+        const std::lock_guard<std::mutex> lock(failureMutex);
+        if (!failed.exchange(true))
+        {
+          failure = std::move(status);
+        }
+      }
+    },
+    progress);
+  if (!failure.IsOk())
+  {
+    return failure;
+  }
+  return finished ? Status::Ok() : Status(StatusCode::Aborted, "The contour was stopped.");
+}
+
+double BrickScan::GetAcquireSeconds() const
+{
+  double seconds = 0;
+  for (const Worker& worker : this->Workers)
+  {
+    seconds += worker.AcquireSeconds;
+  }
+  return seconds;
+}
+
+Status BrickScan::ScanBlock(std::size_t block, Worker& worker)
+{
+  const auto start = std::chrono::steady_clock::now();
+  const Result<BlockSamples> samples = this->Source.Acquire(block);
+  worker.AcquireSeconds +=
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!samples.IsOk())
+  {
+    return samples.GetStatus();
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckSamples(block, *samples));
+  for (std::size_t brick = this->Lattice.GetFirstBrick(block);
+       brick < this->Lattice.GetFirstBrick(block + 1); ++brick)
+  {
+    this->ScanBrick(brick, *samples, worker);
+  }
+  return Status::Ok();
+}
+
+Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) const
+{
+  const SampleView& scalars = samples.Scalars;
+  const VertexBox vertices = this->Source.GetVertices(block);
+  if (!scalars.First || scalars.Type != this->Source.GetValueType())
+  {
+    return MakeError(block, "are missing or of another type");
+  }
+  const VertexBox needed =
+    this->Request.Normals ? AddGhostLayer(vertices, this->Geometry.GetDimensions()) : vertices;
+  if (!Contains(scalars.Available, needed))
+  {
+    return MakeError(block,
+      this->Request.Normals ? "lack the layer around it that normals need" : "do not cover it");
+  }
+  if (samples.Attributes.size() != this->Request.Attributes.size())
+  {
+    return MakeError(block, "come with another number of attributes than asked for");
+  }
+  for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
+  {
+    const AttributeView& view = samples.Attributes[n];
+    const AttributeLayout& layout = this->Request.Attributes[n];
+    if (!view.Samples.First || view.Samples.Type != layout.Type ||
+      view.NumberOfComponents != layout.NumberOfComponents ||
+      !Contains(view.Samples.Available, vertices))
+    {
+      return MakeError(block, "come with attribute " + std::to_string(n) + " unlike asked for");
+    }
+  }
+  return Status::Ok();
+}
+
+void BrickScan::ScanBrick(std::size_t brick, const BlockSamples& samples, Worker& worker)
+{
+  const std::size_t bricks = this->Lattice.GetBricks().size();
+  const BrickSamples view =
+    MakeBrickSamples(this->Geometry, this->Lattice.GetBricks()[brick].Vertices, &samples.Scalars);
+  this->Ownerships[brick] = this->Lattice.FindNeighborhood(brick).ComputeOwnership(view.Size);
+  for (std::size_t isovalue = 0; isovalue < this->Thresholds.size(); ++isovalue)
+  {
+    if (this->Thresholds[isovalue].Exists)
+    {
+      this->Parts[isovalue * bricks + brick] =
+        this->ScanIsovalue(isovalue, brick, view, samples, worker);
+    }
+  }
+}
+
+BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
+  const BlockSamples& samples, Worker& worker)
+{
+  BrickPart part;
+  const auto rows = static_cast<std::size_t>(view.Size[1]) * static_cast<std::size_t>(view.Size[2]);
+  auto* inside = worker.Memory.Reserve<std::uint64_t>(rows);
+  this->Kernels.ClassifyRows(
+    samples.Scalars.Type, view, this->Thresholds[isovalue].Value.data(), inside);
+  if (!IsCrossed(inside, rows, view.Size[0]))
+  {
+    return part;
+  }
+  worker.Memory.Keep<std::uint64_t>(rows);
+  auto* offsets = worker.Memory.Allocate<std::uint32_t>(rows);
+  const std::size_t mostPoints = 3 * rows * static_cast<std::size_t>(view.Size[0]);
+  auto* codes = worker.Memory.Reserve<EdgeCode>(mostPoints + EdgeCodeSlack);
+  part.Inside = inside;
+  part.Offsets = offsets;
+  part.Codes = codes;
+  part.Counts =
+    this->Kernels.NumberRows(view.Size, inside, this->Ownerships[brick], offsets, codes);
+  worker.Memory.Keep<EdgeCode>(part.Counts.Points);
+  this->MakePoints(this->Request.Isovalues[isovalue], view,
+    this->Lattice.GetBricks()[brick].Vertices.Low, samples, part, worker);
+  return part;
+}
+
+void BrickScan::MakePoints(double isovalue, const BrickSamples& view, const Index3& low,
+  const BlockSamples& samples, BrickPart& part, Worker& worker) const
+{
+  const std::uint32_t count = part.Counts.Points;
+  double* parameters = nullptr;
+  if (this->Request.Normals || !samples.Attributes.empty())
+  {
+    worker.Parameters.resize(std::max<std::size_t>(worker.Parameters.size(), count));
+    parameters = worker.Parameters.data();
+  }
+  auto* coordinates = worker.Memory.Allocate<float>(count);
+  this->Kernels.LocatePoints(
+    samples.Scalars.Type, view, isovalue, part.Codes, count, coordinates, parameters);
+  part.Coordinates = coordinates;
+  if (this->Request.Normals)
+  {
+    auto* normals = worker.Memory.Allocate<float>(3 * std::size_t(count));
+    this->Kernels.ComputeNormals(
+      samples.Scalars.Type, view, part.Codes, parameters, count, normals);
+    part.Normals = normals;
+  }
+  if (!samples.Attributes.empty())
+  {
+    auto** attributes = worker.Memory.Allocate<const std::uint8_t*>(samples.Attributes.size());
+    for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
+    {
+      const AttributeView& attribute = samples.Attributes[n];
+      auto* tuples = worker.Memory.Allocate<std::uint8_t>(count *
+        static_cast<std::size_t>(attribute.NumberOfComponents) *
+        GetValueSize(attribute.Samples.Type));
+      InterpolateAttribute(attribute, low, part.Codes, parameters, count, tuples);
+      attributes[n] = tuples;
+    }
+    part.Attributes = attributes;
+  }
+}
+
+} // namespace isosurface

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BrickScan_h
+#define isosurface_BrickScan_h
+
+#include "Base/Progress.h"
+#include "Base/Status.h"
+#include "Contour/Arena.h"
+#include "Contour/BlockSource.h"
+#include "Contour/BrickKernel.h"
+#include "Contour/BrickLattice.h"
+#include "Contour/SurfaceExtractor.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What is kept of one brick at one isovalue between the two phases; all null where it is empty.
+struct BrickPart
+{
+  const std::uint64_t* Inside = nullptr;  ///< a word a row of vertices, y fastest
+  const std::uint32_t* Offsets = nullptr; ///< a row's first point, counted in the brick
+  const EdgeCode* Codes = nullptr;        ///< the owned points' edges
+  const float* Coordinates = nullptr;     ///< the structured coordinate along each edge
+  const float* Normals = nullptr;
+  const std::uint8_t* const* Attributes = nullptr; ///< tuples of each attribute
+  BrickCounts Counts{ 0, 0, 0 };
+
+  // Set when all counts are known: where the brick's output begins.
+  std::int64_t FirstPoint = 0;
+  std::int64_t FirstCell = 0;
+  std::int64_t FirstIndex = 0; ///< into the connectivity
+};
+
+/**
+ * The first phase of an extraction: goes through the samples, each block once, and keeps what the
+ * second phase (SurfaceAssembler) needs to finish without them.
+ */
+class BrickScan
+{
+public:
+  BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, BlockSource& source,
+    const ContourRequest& request);
+
+  /// Visits every block. Errors: those of Acquire, InvalidArgument for what it gave, Aborted.
+  Status Run(int threads, const Progress& progress);
+
+  /// The part of brick b at isovalue n stands at n * number of bricks + b.
+  std::vector<BrickPart>& GetParts() { return this->Parts; }
+  const std::vector<BrickPart>& GetParts() const { return this->Parts; }
+  const std::vector<BrickOwnership>& GetOwnerships() const { return this->Ownerships; }
+  double GetAcquireSeconds() const;
+
+private:
+  struct Worker
+  {
+    Arena Memory;
+    std::vector<double> Parameters;
+    double AcquireSeconds = 0;
+  };
+  /// A threshold as one value of the samples' type; not there if no value is inside.
+  struct Threshold
+  {
+    bool Exists = false;
+    alignas(8) std::array<std::uint8_t, 8> Value{};
+  };
+
+  Status ScanBlock(std::size_t block, Worker& worker);
+  Status CheckSamples(std::size_t block, const BlockSamples& samples) const;
+  void ScanBrick(std::size_t brick, const BlockSamples& samples, Worker& worker);
+  BrickPart ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
+    const BlockSamples& samples, Worker& worker);
+  void MakePoints(double isovalue, const BrickSamples& view, const Index3& low,
+    const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+
+  const GridGeometry& Geometry;
+  const BrickLattice& Lattice;
+  BlockSource& Source;
+  const ContourRequest& Request;
+  const BrickKernels& Kernels;
+  std::vector<Threshold> Thresholds;
+  std::vector<Worker> Workers;
+  std::vector<BrickPart> Parts;
+  std::vector<BrickOwnership> Ownerships;
+};
+
+/// The brick's place in the grid and, with a view of its block's samples, where they are.
+BrickSamples MakeBrickSamples(
+  const GridGeometry& geometry, const VertexBox& brick, const SampleView* samples = nullptr);
+
+} // namespace isosurface
+
+#endif

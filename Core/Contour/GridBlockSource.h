@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_GridBlockSource_h
+#define isosurface_GridBlockSource_h
+
+#include "Contour/BlockRanges.h"
+#include "Contour/BlockSource.h"
+
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The active blocks of samples that lie in memory as a whole (a vtkImageData, or the piece of one
+ * that a rank has). The blocks are those of `ranges`, which must have been computed for the same
+ * samples; only those that an isovalue crosses are counted. No sample is copied.
+ *
+ * The samples and the attributes must outlive the source.
+ */
+class GridBlockSource : public BlockSource
+{
+public:
+  GridBlockSource(
+    const SampleView& samples, const BlockRanges& ranges, const std::vector<double>& isovalues);
+
+  /// Arrays on the same vertices to interpolate; their Available must cover the samples' Box.
+  void SetAttributes(std::vector<AttributeView> attributes);
+
+  std::size_t GetNumberOfBlocks() const override { return this->Active.size(); }
+  Index3 GetLatticeCoordinates(std::size_t block) const override;
+  VertexBox GetVertices(std::size_t block) const override;
+  ValueType GetValueType() const override { return this->Samples.Type; }
+  Result<BlockSamples> Acquire(std::size_t block) override;
+
+private:
+  SampleView Samples;
+  std::vector<AttributeView> Attributes;
+  BlockGrid Grid;
+  std::vector<std::int64_t> Active;
+};
+
+} // namespace isosurface
+
+#endif

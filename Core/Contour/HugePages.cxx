@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Contour/HugePages.h"
+
+#include <cstdint>
+
+#if defined(__linux__)
+#  include <sys/mman.h>
+#endif
+
+namespace isosurface
+{
+
+void AdviseHugePages(void* memory, std::size_t size)
+{
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  constexpr std::uintptr_t page = std::uintptr_t(2) << 20;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
+  const auto end = (reinterpret_cast<std::uintptr_t>(memory) + size) / page * page;
+  if (memory && begin < end)
+  {
+    // Advice may be refused; the memory is as good without it.
+    (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  }
+#else
+  (void)memory;
+  (void)size;
+#endif
+}
+
+} // namespace isosurface

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_MarchingCubesCases_h
+#define isosurface_MarchingCubesCases_h
+
+#include <cstdint>
+
+namespace isosurface
+{
+
+/**
+ * The 256 cases of marching cubes: W. E. Lorensen and H. E. Cline, "Marching cubes: A high
+ * resolution 3D surface construction algorithm", SIGGRAPH 1987. Of the tables that agree on shared
+ * faces this is the one that VTK has (vtkMarchingCubesTriangleCases), triangle for triangle.
+ *
+ * Vertices of a cell: vertex x + 2y + 4z stands at the corner (x, y, z). A case has bit v set if
+ * vertex v is inside.
+ *
+ * Edges of a cell, by axis: 0-3 along x from (0, y, z), number y + 2z; 4-7 along y from (x, 0, z),
+ * number 4 + x + 2z; 8-11 along z from (x, y, 0), number 8 + x + 2y.
+ *
+ * A case is one word: nibble n (from the lowest) is the edge on which corner n % 3 of triangle n /
+ * 3 lies; the highest nibble is the number of triangles, at most 5.
+ */
+extern const std::uint64_t MarchingCubesCases[256];
+
+/**
+ * A case as polygons, one for each loop in which the surface crosses the cell's faces, turning as
+ * the triangles do. Derived from MarchingCubesCases: the outline of triangles that hang together.
+ */
+struct PolygonCase
+{
+  std::uint8_t NumberOfPolygons = 0;
+  std::uint8_t NumberOfCorners = 0; ///< of all polygons: the crossed edges of the cell
+  std::uint8_t Sizes[4] = {};       ///< corners of each polygon
+  std::uint8_t Corners[12] = {};    ///< cell edges, polygon after polygon
+};
+
+/// The 256 polygon cases; made on first use.
+const PolygonCase* GetPolygonCases();
+
+} // namespace isosurface
+
+#endif

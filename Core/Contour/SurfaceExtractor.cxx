@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Contour/SurfaceExtractor.h"
+
+#include "Contour/BrickLattice.h"
+#include "Contour/BrickScan.h"
+#include "Contour/SurfaceAssembler.h"
+
+#include <chrono>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+// The share of the time that the first phase usually takes.
+constexpr double ScanShare = 0.5;
+
+Progress MakeProgressPart(const Progress& progress, double begin, double end)
+{
+  if (!progress)
+  {
+    return {};
+  }
+  return [&progress, begin, end](double share) { return progress(begin + share * (end - begin)); };
+}
+
+Status CheckRequest(const GridGeometry& geometry, const ContourRequest& request)
+{
+  for (const AttributeLayout& attribute : request.Attributes)
+  {
+    if (attribute.NumberOfComponents < 1)
+    {
+      return { StatusCode::InvalidArgument, "An attribute to interpolate has no components." };
+    }
+  }
+  for (const std::int64_t size : geometry.GetDimensions())
+  {
+    if (size < 1)
+    {
+      return { StatusCode::InvalidArgument, "The grid has no vertices." };
+    }
+  }
+  return Status::Ok();
+}
+
+} // namespace
+
+Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source,
+  const ContourRequest& request, int threads, const Progress& progress)
+{
+  const auto start = std::chrono::steady_clock::now();
+  Surface surface;
+  if (source.GetNumberOfBlocks() != 0)
+  {
+    const Status valid = CheckRequest(geometry, request);
+    if (!valid.IsOk())
+    {
+      return valid;
+    }
+  }
+  const Result<BrickLattice> lattice = BrickLattice::Cut(geometry.GetDimensions(), source);
+  if (!lattice.IsOk())
+  {
+    return lattice.GetStatus();
+  }
+
+  BrickScan scan(geometry, *lattice, source, request);
+  const Status scanned = scan.Run(threads, MakeProgressPart(progress, 0.0, ScanShare));
+  if (!scanned.IsOk())
+  {
+    return scanned;
+  }
+  surface.NumberOfBlocks = source.GetNumberOfBlocks();
+  surface.AcquireSeconds = scan.GetAcquireSeconds();
+
+  SurfaceAssembler assembler(geometry, *lattice, scan, request);
+  if (!assembler.Run(threads, MakeProgressPart(progress, ScanShare, 1.0), surface))
+  {
+    return Status(StatusCode::Aborted, "The contour was stopped.");
+  }
+  surface.TotalSeconds =
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return surface;
+}
+
+} // namespace isosurface

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Index/ExternalIntervalTree.h"
+
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * One query on its way through the tree. It goes on a stack instead of recursion. That it ends,
+ * even on pages made to prevent it: a node refers to pages before it only; nodes visited, pages
+ * read and intervals reported are limited by what a whole tree of this size could ask for.
+ */
+class ExternalIntervalTree::Query
+{
+public:
+  Query(const ExternalIntervalTree& tree, ValueKey low, ValueKey high, const Visitor& visit,
+    PageStatistics& statistics)
+    : File(*tree.File)
+    , Header(tree.Header)
+    , RecordsPerPage(tree.GetRecordsPerPage())
+    , Low(low)
+    , High(high)
+    , Visit(visit)
+    , Statistics(statistics)
+    , VisitsLeft(64 + 16 * tree.GetPageCount())
+    , ReportsLeft(tree.GetCount())
+  {
+  }
+
+  Status Run()
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->Enter(this->Header.Root));
+    while (!this->Nodes.empty())
+    {
+      const IntervalSubtree next = this->Nodes.back();
+      this->Nodes.pop_back();
+      ISOSURFACE_RETURN_IF_ERROR(this->VisitNode(next));
+    }
+    return Status::Ok();
+  }
+
+private:
+  using Page = PagedFileReader::Page;
+
+  /// What the order and purpose of a list promise of its records.
+  enum class ListKind : std::uint8_t
+  {
+    AscendingMinimum,  // answers are a prefix
+    DescendingMaximum, // answers are a prefix
+    Mixed              // answers are anywhere
+  };
+
+  Status Enter(const IntervalSubtree& subtree)
+  {
+    if (subtree.Height == 0)
+    {
+      return this->ReadList(subtree.List, ListKind::Mixed);
+    }
+    this->Nodes.push_back(subtree);
+    return Status::Ok();
+  }
+
+  Status VisitNode(const IntervalSubtree& subtree)
+  {
+    const std::uint32_t number = subtree.List.Page;
+    const auto page = this->ReadPage(number);
+    if (!page.IsOk())
+    {
+      return page.GetStatus();
+    }
+    const auto node = IntervalTreeNode::Decode(this->File, number, (*page)->data());
+    if (!node.IsOk())
+    {
+      return node.GetStatus();
+    }
+    if (node->Height != subtree.Height)
+    {
+      return this->File.MakeCorrupt(number, "a node of another height than its parent says");
+    }
+    const std::size_t first = node->FindSlab(this->Low);
+    const std::size_t last = node->FindSlab(this->High);
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadLeftLists(*node, first, last));
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadListsAcross(*node, first));
+    return this->EnterChildren(*node, first, last);
+  }
+
+  /// The intervals that begin in the query's slabs, at or before its end.
+  Status ReadLeftLists(const IntervalTreeNode& node, std::size_t first, std::size_t last)
+  {
+    for (std::size_t slab = first; slab <= last; ++slab)
+    {
+      if (node.Slabs[slab].Left.Count > 0 && node.Slabs[slab].LeftMinimum <= this->High)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(
+          this->ReadList(node.Slabs[slab].Left, ListKind::AscendingMinimum));
+      }
+    }
+    return Status::Ok();
+  }
+
+  /// The intervals that begin before the slab of the query's begin, and reach it.
+  Status ReadListsAcross(const IntervalTreeNode& node, std::size_t slab)
+  {
+    const IntervalTreeSlab& entry = node.Slabs[slab];
+    if (entry.Right.Count > 0 && entry.RightMaximum >= this->Low)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadList(entry.Right, ListKind::DescendingMaximum));
+    }
+    for (const IntervalTreeMultislab& multislab : node.Multislabs)
+    {
+      if (multislab.First <= slab && slab <= multislab.Last)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->ReadList(multislab.List, ListKind::Mixed));
+      }
+    }
+    return entry.Window == IntervalTreeSlab::NoWindow
+      ? Status::Ok()
+      : this->ReadWindow(node.Windows[entry.Window], node, slab);
+  }
+
+  Status EnterChildren(const IntervalTreeNode& node, std::size_t first, std::size_t last)
+  {
+    for (std::size_t slab = first; slab <= last; ++slab)
+    {
+      // Intervals of a child end before the upper boundary of its slab.
+      const bool isBefore = slab < node.Boundaries.size() && node.Boundaries[slab] == this->Low;
+      if (node.Slabs[slab].Child.List.Count > 0 && !isBefore)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->Enter(node.Slabs[slab].Child));
+      }
+    }
+    return Status::Ok();
+  }
+
+  Status ReadList(const IntervalList& list, ListKind kind)
+  {
+    KeyInterval before;
+    for (std::uint32_t index = 0; index < list.Count; ++index)
+    {
+      KeyInterval interval;
+      ISOSURFACE_RETURN_IF_ERROR(this->GetRecord(list, index, interval));
+      if (index > 0 &&
+        ((kind == ListKind::AscendingMinimum && interval.Minimum < before.Minimum) ||
+          (kind == ListKind::DescendingMaximum && interval.Maximum > before.Maximum)))
+      {
+        return this->File.MakeCorrupt(this->RecordPageNumber, "a list is not in order");
+      }
+      if (interval.Overlaps(this->Low, this->High))
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->Report(interval));
+      }
+      else if (kind != ListKind::Mixed)
+      {
+        return Status::Ok();
+      }
+      before = interval;
+    }
+    return Status::Ok();
+  }
+
+  /// The intervals of a window that begin in an earlier slab and span this one. Others of them may
+  /// overlap a range, too, but begin in or after this slab: their left list reports them.
+  Status ReadWindow(const IntervalList& list, const IntervalTreeNode& node, std::size_t slab)
+  {
+    for (std::uint32_t index = 0; index < list.Count; ++index)
+    {
+      KeyInterval interval;
+      ISOSURFACE_RETURN_IF_ERROR(this->GetRecord(list, index, interval));
+      const bool spans = slab > 0 && interval.Minimum <= node.Boundaries[slab - 1] &&
+        slab < node.Boundaries.size() && interval.Maximum >= node.Boundaries[slab];
+      if (spans && interval.Overlaps(this->Low, this->High))
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->Report(interval));
+      }
+    }
+    return Status::Ok();
+  }
+
+  /// A record of a list; reads its page unless it was the last one that was read.
+  Status GetRecord(const IntervalList& list, std::uint32_t index, KeyInterval& interval)
+  {
+    const std::uint64_t position = std::uint64_t(list.Record) + index;
+    const std::uint64_t number = list.Page + position / this->RecordsPerPage;
+    if (!this->RecordPage || number != this->RecordPageNumber)
+    {
+      auto page = this->ReadPage(number);
+      if (!page.IsOk())
+      {
+        return page.GetStatus();
+      }
+      if (!IntervalRecordPage::IsOne((*page)->data()))
+      {
+        return this->File.MakeCorrupt(number, "this is not a page of intervals");
+      }
+      this->RecordPage = std::move(*page);
+      this->RecordPageNumber = number;
+    }
+    interval = IntervalRecordPage::Get(
+      this->RecordPage->data(), static_cast<std::uint32_t>(position % this->RecordsPerPage));
+    if (interval.Minimum > interval.Maximum)
+    {
+      return this->File.MakeCorrupt(number, "an interval with its minimum above its maximum");
+    }
+    return Status::Ok();
+  }
+
+  Result<Page> ReadPage(std::uint64_t number)
+  {
+    if (this->VisitsLeft == 0)
+    {
+      return this->File.MakeCorrupt(number, "the tree leads to more pages than it can have");
+    }
+    --this->VisitsLeft;
+    return this->File.ReadPage(number, this->Statistics);
+  }
+
+  Status Report(const KeyInterval& interval)
+  {
+    if (this->ReportsLeft == 0)
+    {
+      return this->File.MakeCorrupt(
+        this->RecordPageNumber, "more intervals are found than the tree has");
+    }
+    --this->ReportsLeft;
+    this->Visit(interval);
+    return Status::Ok();
+  }
+
+  const PagedFileReader& File;
+  const IntervalTreeHeader& Header;
+  const std::uint32_t RecordsPerPage;
+  const ValueKey Low;
+  const ValueKey High;
+  const Visitor& Visit;
+  PageStatistics& Statistics;
+  std::uint64_t VisitsLeft;
+  std::uint64_t ReportsLeft;
+  std::vector<IntervalSubtree> Nodes; // to be visited
+  Page RecordPage;                    // the last one read
+  std::uint64_t RecordPageNumber = 0;
+};
+
+Result<std::unique_ptr<ExternalIntervalTree>> ExternalIntervalTree::Open(
+  FileSystem& fileSystem, const std::string& path, std::size_t cacheBytes)
+{
+  auto file = fileSystem.OpenForReading(path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  return Open(std::move(*file), cacheBytes);
+}
+
+Result<std::unique_ptr<ExternalIntervalTree>> ExternalIntervalTree::Open(
+  std::unique_ptr<RandomAccessFile> file, std::size_t cacheBytes)
+{
+  auto pages = PagedFileReader::Open(std::move(file), IntervalTreeFormat::Kind, cacheBytes);
+  if (!pages.IsOk())
+  {
+    return pages.GetStatus();
+  }
+  std::unique_ptr<ExternalIntervalTree> tree(new ExternalIntervalTree(std::move(*pages)));
+  auto header = IntervalTreeHeader::Decode(*tree->File);
+  if (!header.IsOk())
+  {
+    return header.GetStatus();
+  }
+  tree->Header = *header;
+  return tree;
+}
+
+ExternalIntervalTree::ExternalIntervalTree(std::unique_ptr<PagedFileReader> file)
+  : File(std::move(file))
+{
+}
+
+std::uint32_t ExternalIntervalTree::GetRecordsPerPage() const
+{
+  return IntervalTreeFormat::GetRecordsPerPage(this->File->GetPayloadSize());
+}
+
+Status ExternalIntervalTree::FindStabbed(
+  ValueKey key, const Visitor& visit, PageStatistics& statistics) const
+{
+  return this->FindOverlapping(key, key, visit, statistics);
+}
+
+Status ExternalIntervalTree::FindOverlapping(
+  ValueKey low, ValueKey high, const Visitor& visit, PageStatistics& statistics) const
+{
+  if (low > high || low > this->Header.Greatest || high < this->Header.Least)
+  {
+    return Status::Ok();
+  }
+  return Query(*this, low, high, visit, statistics).Run();
+}
+
+} // namespace isosurface

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_IntervalSorter_h
+#define isosurface_IntervalSorter_h
+
+#include "Base/Status.h"
+#include "Index/TemporaryRecords.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Sorts records within a byte budget: in memory if they fit, else by merging sorted runs from
+ * temporary files (external merge sort; the file reads and writes are sequential). The order is
+ * total, so that the same set gives the same sequence whatever the order it came in.
+ *
+ * Usage: Add() all, Sort(), then Next() until null. Temporary files end with the sorter.
+ */
+class IntervalSorter
+{
+public:
+  enum class Order : std::uint8_t
+  {
+    AscendingMinimum, ///< by group, then Minimum, Maximum, payload
+    DescendingMaximum ///< by group, then Maximum downwards, Minimum, payload
+  };
+
+  IntervalSorter(TemporaryNames& names, std::size_t memoryBytes, Order order);
+  ~IntervalSorter();
+  IntervalSorter(const IntervalSorter&) = delete;
+  IntervalSorter& operator=(const IntervalSorter&) = delete;
+
+  /// The most records that a sorter of so many bytes keeps without a temporary file.
+  static std::size_t GetMemoryRecords(std::size_t memoryBytes);
+
+  Status Add(const IntervalRecord& record);
+  Status Sort();
+  std::uint64_t GetCount() const { return this->Count; }
+
+  /// The next record in order, or null at the end (or on an error: see `status`).
+  const IntervalRecord* Next(Status& status);
+
+  /// Whether no temporary file was needed; then all records can be taken at once after Sort().
+  bool IsInMemory() const { return this->Runs.empty(); }
+  std::vector<IntervalRecord> TakeRecords() { return std::move(this->Records); }
+
+private:
+  class Merge;
+
+  bool IsBefore(const IntervalRecord& a, const IntervalRecord& b) const;
+  void SortMemory();
+  Status WriteRun();
+  Status MergeFirstRuns(std::size_t count);
+
+  TemporaryNames& Names;
+  std::size_t MemoryBytes;
+  Order RecordOrder;
+  std::uint64_t Count = 0;
+  std::vector<IntervalRecord> Records;
+  std::size_t Position = 0;
+  std::vector<std::unique_ptr<TemporaryRecords>> Runs;
+  std::unique_ptr<Merge> FinalMerge;
+};
+
+} // namespace isosurface
+
+#endif

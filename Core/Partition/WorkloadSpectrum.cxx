@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Partition/WorkloadSpectrum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace isosurface
+{
+namespace
+{
+
+/// floor(value / 2^exponent), where that is below 2^63 in magnitude.
+template <typename T>
+std::int64_t FloorQuotient(T value, int exponent)
+{
+  if constexpr (std::is_floating_point_v<T>)
+  {
+    const double quotient = std::floor(std::ldexp(static_cast<double>(value), -exponent));
+    // A small negative quotient may have underflowed to zero.
+    return value < 0 && quotient > -1 ? -1 : static_cast<std::int64_t>(quotient);
+  }
+  else
+  {
+    return static_cast<std::int64_t>(value >> exponent);
+  }
+}
+
+/// The exponent of the finest width that is worth having for values of a range.
+template <typename T>
+int FindFinestExponent(T minimum, T maximum)
+{
+  if constexpr (std::is_floating_point_v<T>)
+  {
+    using Limits = std::numeric_limits<T>;
+    const T largest = std::max(std::abs(minimum), std::abs(maximum));
+    const int spacing = largest == 0
+      ? 0
+      : std::max(std::ilogb(largest), Limits::min_exponent - 1) - Limits::digits + 1;
+    // Halved, since the difference of two doubles may overflow.
+    const double half = 0.5 * static_cast<double>(maximum) - 0.5 * static_cast<double>(minimum);
+    return half > 0 ? std::max(spacing, std::ilogb(half) + 1 - 11) : spacing;
+  }
+  else
+  {
+    return static_cast<std::uint64_t>(maximum) > std::uint64_t{ 1 } << 63 && std::is_unsigned_v<T>
+      ? 1
+      : 0;
+  }
+}
+
+template <typename T>
+SpectrumBins ChooseBins(T minimum, T maximum)
+{
+  SpectrumBins bins;
+  bins.Exponent = FindFinestExponent(minimum, maximum);
+  for (;; ++bins.Exponent)
+  {
+    bins.First = FloorQuotient(minimum, bins.Exponent);
+    const auto last = static_cast<std::uint64_t>(FloorQuotient(maximum, bins.Exponent));
+    const std::uint64_t steps = last - static_cast<std::uint64_t>(bins.First);
+    if (steps < SpectrumBins::MaximumCount)
+    {
+      bins.Count = static_cast<std::uint32_t>(steps + 1);
+      return bins;
+    }
+  }
+}
+
+} // namespace
+
+SpectrumBins SpectrumBins::Choose(ValueType type, const KeyRange& finiteRange)
+{
+  if (finiteRange.IsEmpty())
+  {
+    return {};
+  }
+  return DispatchValueType(type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      return ChooseBins(
+        MakeValueOfKey<T>(finiteRange.Minimum), MakeValueOfKey<T>(finiteRange.Maximum));
+    });
+}
+
+double SpectrumBins::GetWidth() const
+{
+  return std::ldexp(1.0, this->Exponent);
+}
+
+double SpectrumBins::GetEdge(std::size_t bin) const
+{
+  const auto multiple = this->First + static_cast<std::int64_t>(bin);
+  return std::ldexp(static_cast<double>(multiple), this->Exponent);
+}
+
+SpectrumBins SpectrumBins::Coarsen() const
+{
+  SpectrumBins coarse;
+  coarse.Exponent = this->Exponent + 1;
+  coarse.First = this->First >> 1;
+  if (this->Count > 0)
+  {
+    const std::int64_t last = this->First + (this->Count - 1);
+    coarse.Count = static_cast<std::uint32_t>((last >> 1) - coarse.First + 1);
+  }
+  return coarse;
+}
+
+WorkloadSpectrum::WorkloadSpectrum(const SpectrumBins& bins)
+  : Bins(bins)
+  , Triangles(bins.Count, 0)
+  , ActiveCells(bins.Count, 0)
+{
+}
+
+std::size_t WorkloadSpectrum::FindBin(double isovalue) const
+{
+  std::size_t low = 0;
+  std::size_t high = this->Bins.Count;
+  while (low + 1 < high)
+  {
+    const std::size_t middle = low + (high - low) / 2;
+    (this->Bins.GetEdge(middle) <= isovalue ? low : high) = middle;
+  }
+  return low;
+}
+
+bool WorkloadSpectrum::Add(const WorkloadSpectrum& other)
+{
+  if (this->Bins != other.Bins)
+  {
+    return false;
+  }
+  for (std::size_t bin = 0; bin < this->Triangles.size(); ++bin)
+  {
+    this->Triangles[bin] += other.Triangles[bin];
+    this->ActiveCells[bin] += other.ActiveCells[bin];
+  }
+  return true;
+}
+
+WorkloadSpectrum WorkloadSpectrum::Coarsen() const
+{
+  WorkloadSpectrum coarse(this->Bins.Coarsen());
+  for (std::size_t bin = 0; bin < coarse.Triangles.size(); ++bin)
+  {
+    // An odd first edge is no edge any more; the edge before it has the first one's counts, since
+    // no value lies between them.
+    const std::int64_t from =
+      2 * (coarse.Bins.First + static_cast<std::int64_t>(bin)) - this->Bins.First;
+    const auto source = static_cast<std::size_t>(std::max<std::int64_t>(0, from));
+    coarse.Triangles[bin] = this->Triangles[source];
+    coarse.ActiveCells[bin] = this->ActiveCells[source];
+  }
+  return coarse;
+}
+
+bool WorkloadSpectrum::Widen(const SpectrumBins& bins)
+{
+  WorkloadSpectrum source = *this;
+  while (source.Bins.Exponent < bins.Exponent)
+  {
+    source = source.Coarsen();
+  }
+  const std::int64_t shift = source.Bins.First - bins.First;
+  if (source.Bins.Exponent != bins.Exponent || shift < 0 ||
+    shift + std::int64_t{ source.Bins.Count } > std::int64_t{ bins.Count })
+  {
+    return false;
+  }
+  WorkloadSpectrum wide(bins);
+  if (source.Bins.Count > 0)
+  {
+    std::fill_n(wide.Triangles.begin(), shift, source.Triangles[0]);
+    std::fill_n(wide.ActiveCells.begin(), shift, source.ActiveCells[0]);
+    std::copy(source.Triangles.begin(), source.Triangles.end(), wide.Triangles.begin() + shift);
+    std::copy(
+      source.ActiveCells.begin(), source.ActiveCells.end(), wide.ActiveCells.begin() + shift);
+  }
+  *this = std::move(wide);
+  return true;
+}
+
+} // namespace isosurface

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_WorkloadSpectrum_h
+#define isosurface_WorkloadSpectrum_h
+
+#include "Volume/ValueKey.h"
+#include "Volume/ValueType.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The isovalues at which a spectrum is sampled: bin b stands for the isovalue
+ * GetEdge(b) = (First + b) * 2^Exponent, for b in [0, Count).
+ *
+ * As every width is a power of two and every edge a multiple of it, two sets of bins of one array
+ * are equal after coarsening the finer one and widening both, whatever ranges they were made for.
+ */
+struct SpectrumBins
+{
+  /// Never more bins than this: what counts them packs a number of edges into 12 bits.
+  static constexpr std::uint32_t MaximumCount = 2048;
+
+  std::int64_t First = 0;
+  std::int32_t Exponent = 0;
+  std::uint32_t Count = 0;
+
+  /**
+   * The bins for a range of finite values (infinities and NaN left out): the least power of two
+   * that covers it by at most 2048 bins (hence at least 1024), but for integers not less than 1,
+   * for floats not less than the spacing of the type's numbers at the end of larger magnitude. So
+   * integers of at most 2048 values, all 8-bit data among them, have a bin for every value. The
+   * first edge is the last one <= the minimum, the last edge the last one <= the maximum. An empty
+   * range has no bins. (uint64 values from 2^63 on have a width of at least 2; an isovalue, being a
+   * double, cannot tell them apart anyway.)
+   */
+  static SpectrumBins Choose(ValueType type, const KeyRange& finiteRange);
+
+  double GetWidth() const;
+  double GetEdge(std::size_t bin) const;
+
+  /// The bins of twice the width whose edges are every second edge of these, widened to an aligned
+  /// first edge.
+  SpectrumBins Coarsen() const;
+
+  bool operator==(const SpectrumBins& other) const
+  {
+    return this->First == other.First && this->Exponent == other.Exponent &&
+      this->Count == other.Count;
+  }
+  bool operator!=(const SpectrumBins& other) const { return !(*this == other); }
+};
+
+/**
+ * How much work an isosurface is, by isovalue: the triangles that marching cubes extracts and the
+ * cells that it passes through, exact at every bin's edge (inside is value >= isovalue).
+ *
+ * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997.
+ */
+struct WorkloadSpectrum
+{
+  SpectrumBins Bins;
+  std::vector<std::uint64_t> Triangles;   ///< Bins.Count counts
+  std::vector<std::uint64_t> ActiveCells; ///< Bins.Count counts
+
+  WorkloadSpectrum() = default;
+  /// All counts 0.
+  explicit WorkloadSpectrum(const SpectrumBins& bins);
+
+  /// The bin whose edge is the last one <= isovalue, clamped to the bins; 0 if there is none. Exact
+  /// for an isovalue on an edge, else a close guess.
+  std::size_t FindBin(double isovalue) const;
+
+  /// Adds a spectrum of equal bins; false (and nothing added) if the bins differ.
+  bool Add(const WorkloadSpectrum& other);
+
+  /// The same spectrum, sampled at every second edge.
+  WorkloadSpectrum Coarsen() const;
+
+  /**
+   * The same spectrum in wider bins, as a growing range needs it; false (and nothing changed) if
+   * `bins` do not contain these after coarsening. Isovalues below the first edge have its counts
+   * (0 but for NaN and -infinity), those above the last edge have 0.
+   */
+  bool Widen(const SpectrumBins& bins);
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/BlockCache.h"
+
+#include "Base/Checksum.h"
+
+#include <exception>
+
+namespace isosurface
+{
+
+const std::shared_ptr<BlockCache>& BlockCache::GetProcessCache()
+{
+  static const auto cache = std::make_shared<BlockCache>(std::uint64_t{ 1 } << 30);
+  return cache;
+}
+
+std::size_t BlockCache::KeyHash::operator()(const BlockCacheKey& key) const
+{
+  static_assert(sizeof(BlockCacheKey) == 24, "a key has no padding to hash");
+  return static_cast<std::size_t>(ComputeChecksum(&key, sizeof(key)));
+}
+
+Result<std::shared_ptr<const DecodedBlock>> BlockCache::Get(
+  const BlockCacheKey& key, const Loader& load, bool& hit)
+{
+  std::unique_lock<std::mutex> lock(this->Mutex);
+  const auto found = this->Index.find(key);
+  if (found != this->Index.end())
+  {
+    this->Entries.splice(this->Entries.begin(), this->Entries, found->second);
+    hit = true;
+    return found->second->Block;
+  }
+  const auto inFlight = this->InFlight.find(key);
+  if (inFlight != this->InFlight.end())
+  {
+    const std::shared_ptr<Loading> loading = inFlight->second;
+    this->LoadingDone.wait(lock, [&] { return loading->Done; });
+    hit = true;
+    if (!loading->Error.IsOk())
+    {
+      return loading->Error;
+    }
+    return loading->Block;
+  }
+
+  hit = false;
+  const auto loading = std::make_shared<Loading>();
+  this->InFlight.emplace(key, loading);
+  lock.unlock();
+  const auto finish = [&] {
+    loading->Done = true;
+    this->InFlight.erase(key);
+    this->LoadingDone.notify_all();
+  };
+  try
+  {
+    auto result = load();
+    lock.lock();
+    if (result.IsOk())
+    {
+      loading->Block = *result;
+      this->Insert(key, *result);
+    }
+    else
+    {
+      loading->Error = result.GetStatus();
+    }
+    finish();
+    return result;
+  }
+  catch (...)
+  {
+    // Short of memory: those who wait must not wait for ever.
+    if (!lock.owns_lock())
+    {
+      lock.lock();
+    }
+    loading->Error = Status(StatusCode::IoError, "loading a block failed for want of memory");
+    finish();
+    throw;
+  }
+}
+
+void BlockCache::Insert(const BlockCacheKey& key, const std::shared_ptr<const DecodedBlock>& block)
+{
+  const std::uint64_t bytes = sizeof(Entry) + sizeof(DecodedBlock) + block->Bytes.GetSize();
+  if (bytes > this->Budget)
+  {
+    return;
+  }
+  this->Trim(this->Budget - bytes);
+  this->Entries.push_front({ key, block, bytes });
+  this->Index[key] = this->Entries.begin();
+  this->Size += bytes;
+}
+
+void BlockCache::Trim(std::uint64_t budget)
+{
+  while (this->Size > budget)
+  {
+    this->Size -= this->Entries.back().Bytes;
+    this->Index.erase(this->Entries.back().Key);
+    this->Entries.pop_back();
+  }
+}
+
+void BlockCache::SetBudget(std::uint64_t budget)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->Budget = budget;
+  this->Trim(budget);
+}
+
+std::uint64_t BlockCache::GetBudget() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  return this->Budget;
+}
+
+std::uint64_t BlockCache::GetSize() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  return this->Size;
+}
+
+void BlockCache::Clear()
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->Trim(0);
+}
+
+} // namespace isosurface

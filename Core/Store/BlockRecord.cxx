@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/BlockRecord.h"
+
+#include "Base/ByteOrder.h"
+#include "Base/Checksum.h"
+
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::size_t ChecksumSize = 8;
+
+std::uint64_t ComputeSegmentChecksum(
+  const std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place)
+{
+  std::uint8_t bytes[16];
+  StoreLittleEndian(bytes, static_cast<std::uint64_t>(place.Block));
+  StoreLittleEndian(bytes + 8, place.Array);
+  StoreLittleEndian(bytes + 12, place.Level);
+  return ComputeChecksum(segment + ChecksumSize,
+    BlockRecord::SegmentHeaderSize - ChecksumSize + stored, ComputeChecksum(bytes, sizeof(bytes)));
+}
+
+} // namespace
+
+void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place)
+{
+  StoreLittleEndian(segment + 8, stored);
+  StoreLittleEndian(segment + 12, std::uint32_t{ 0 }); // codec, filter, reserved
+  StoreLittleEndian(segment, ComputeSegmentChecksum(segment, stored, place));
+}
+
+Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place)
+{
+  const std::string name = "block " + std::to_string(place.Block) + ", array " +
+    std::to_string(place.Array) + ", level " + std::to_string(place.Level);
+  if (LoadLittleEndian<std::uint64_t>(segment) != ComputeSegmentChecksum(segment, stored, place))
+  {
+    return Status(StatusCode::Corrupt, name + " does not have the checksum that was written with it");
+  }
+  if (LoadLittleEndian<std::uint32_t>(segment + 8) != stored)
+  {
+    return Status(StatusCode::Corrupt, name + " does not have the length that the directory says");
+  }
+  if (segment[12] != 0 || segment[13] != 0)
+  {
+    return Status(StatusCode::Unsupported, name + " is stored by a codec that this version does not know");
+  }
+  return Status::Ok();
+}
+
+std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,
+  ValueType type, const std::vector<const std::uint8_t*>& segments)
+{
+  const std::size_t size = GetValueSize(type);
+  auto decoded = std::make_shared<DecodedBlock>();
+  decoded->Block = block;
+  decoded->Level = level;
+  SampleView& view = decoded->View;
+  view.Type = type;
+  view.Box = grid.GetVertices(block, level);
+  view.Available = grid.GetGhostedVertices(block, level);
+  const Index3 extent = view.Available.GetSize();
+  view.Stride = { 1, extent[0], extent[0] * extent[1] };
+  decoded->Bytes =
+    Buffer<std::uint8_t>(static_cast<std::size_t>(view.Available.GetNumberOfVertices()) * size);
+  view.First = decoded->Bytes.GetData();
+
+  const int coarsest = grid.GetNumberOfLevels() - 1;
+  for (int from = coarsest; from >= level; --from)
+  {
+    // A coarser level's ghost layer lies outside of this one's box; its own vertices lie inside.
+    const BlockSegment segment(grid, block, from);
+    const int shift = from - level;
+    const std::uint8_t* samples = segments[static_cast<std::size_t>(coarsest - from)];
+    segment.VisitRows(shift == 0 ? segment.GetBox() : segment.GetOwnBox(), [&](const SegmentRow& row) {
+      const Index3 to = { (row.I << shift) - view.Available.Low[0],
+        (row.J << shift) - view.Available.Low[1], (row.K << shift) - view.Available.Low[2] };
+      const std::ptrdiff_t offset = to[0] + to[1] * view.Stride[1] + to[2] * view.Stride[2];
+      CopySamples(decoded->Bytes.GetData() + static_cast<std::size_t>(offset) * size,
+        row.Step << shift, samples + row.Offset * size, 1, row.Count, size);
+    });
+  }
+  return decoded;
+}
+
+std::uint64_t ComputeRecordSize(
+  const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types)
+{
+  std::uint64_t valueSize = 0;
+  for (const ValueType type : types)
+  {
+    valueSize += GetValueSize(type);
+  }
+  std::uint64_t size = 0;
+  for (int level = 0; level < grid.GetNumberOfLevels(); ++level)
+  {
+    size += BlockSegment(grid, block, level).GetNumberOfSamples() * valueSize +
+      BlockRecord::SegmentHeaderSize * types.size();
+  }
+  return size;
+}
+
+} // namespace isosurface

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StoredBlockSource_h
+#define isosurface_StoredBlockSource_h
+
+#include "Contour/BlockSource.h"
+#include "Store/BlockedVolume.h"
+#include "Store/QueryStatistics.h"
+
+#include <cstddef>
+#include <mutex>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Blocks of a blocked volume on disk as an extraction visits them: each is read when its turn
+ * comes, through the block cache, and let go afterwards. Coordinates are those of the level.
+ *
+ * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadBlock.
+ */
+class StoredBlockSource : public BlockSource
+{
+public:
+  StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+    std::vector<BlockReference> blocks);
+
+  std::size_t GetNumberOfBlocks() const override { return this->Blocks.size(); }
+  Index3 GetLatticeCoordinates(std::size_t block) const override;
+  VertexBox GetVertices(std::size_t block) const override;
+  ValueType GetValueType() const override;
+  Result<BlockSamples> Acquire(std::size_t block) override;
+
+  /// What the blocks acquired so far cost, over all threads.
+  QueryStatistics GetStatistics() const;
+
+private:
+  BlockedVolume& Volume;
+  std::size_t TimeStep;
+  std::size_t Array;
+  int Level;
+  std::vector<BlockReference> Blocks;
+
+  mutable std::mutex StatisticsMutex;
+  QueryStatistics Statistics;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The scans that the examples and tests use, from Debian's packages, as vtkImageData.
+
+head_mri():   T1 head MRI, uint8, 181 x 217 x 181 (package mricron-data: ch2.nii.gz)
+cranium_ct(): head CT, int16 Hounsfield units, 256 x 256 x 108 (package invesalius-examples:
+              Cranium.inv3, a gzipped tar with a raw matrix and a property list)
+"""
+import plistlib
+import tarfile
+
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOImage import vtkNIFTIImageReader
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+import numpy
+
+HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
+CRANIUM_CT = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3"
+
+
+def head_mri():
+    reader = vtkNIFTIImageReader()
+    reader.SetFileName(HEAD_MRI)
+    reader.Update()
+    image = vtkImageData()
+    image.DeepCopy(reader.GetOutput())
+    image.GetPointData().GetScalars().SetName("T1")
+    return image
+
+
+def cranium_ct():
+    with tarfile.open(CRANIUM_CT) as archive:
+        members = {name.rsplit("/", 1)[-1]: name for name in archive.getnames()}
+        description = plistlib.load(archive.extractfile(members["main.plist"]))
+        matrix = description["matrix"]
+        samples = numpy.frombuffer(
+            archive.extractfile(members[matrix["filename"]]).read(), dtype=matrix["dtype"]
+        )
+    slices, rows, columns = matrix["shape"]
+    image = vtkImageData()
+    image.SetDimensions(columns, rows, slices)
+    image.SetSpacing(description["spacing"])
+    scalars = numpy_to_vtk(samples, deep=True)
+    scalars.SetName("HU")
+    image.GetPointData().SetScalars(scalars)
+    return image
+
+
+def write(image, path):
+    """Writes an image as .vti, with inline data, which every ParaView reads."""
+    writer = vtkXMLImageDataWriter()
+    writer.SetInputData(image)
+    writer.SetFileName(path)
+    writer.SetDataModeToBinary()
+    writer.SetCompressorTypeToZLib()
+    if not writer.Write():
+        raise RuntimeError(f"{path}: cannot be written")

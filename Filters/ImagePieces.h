@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ImagePieces_h
+#define isosurface_ImagePieces_h
+
+#include "Base/Communicator.h"
+#include "Base/Status.h"
+#include "ImageSamples.h"
+#include "Volume/GridGeometry.h"
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+class vtkDataArray;
+class vtkDataObject;
+class vtkImageData;
+class vtkInformation;
+
+namespace isosurface
+{
+
+/// The samples of one image of a rank, in the coordinates of the grid it is a piece of.
+struct ImagePiece
+{
+  ImageSamples Samples;
+  std::size_t Grid = 0; ///< into ImagePieces::Grids
+};
+
+/**
+ * The images of all ranks, sorted out: images of equal origin, spacing and direction are pieces of
+ * one grid, whose extent covers them all.
+ */
+struct ImagePieces
+{
+  std::vector<GridGeometry> Grids; ///< equal on all ranks
+  std::vector<ImagePiece> Pieces;  ///< this rank's
+};
+
+/**
+ * Collects the array of a vtkImageData, or of all images in a composite, over all ranks. Images
+ * without points, or within a composite without the array, are left out. Collective.
+ *
+ * `findArray` gives an image's point array to contour, or null. Errors: a dataset that is no
+ * vtkImageData, an array that no rank has or that cannot be contoured.
+ */
+Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
+  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray);
+
+} // namespace isosurface
+
+#endif

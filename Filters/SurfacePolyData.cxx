@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SurfacePolyData.h"
+
+#include "vtkCellArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkFloatArray.h"
+#include "vtkIdTypeArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkTypeInt32Array.h"
+#include "vtkTypeInt64Array.h"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace isosurface
+{
+namespace
+{
+
+/// Gives a buffer's memory to a VTK array.
+template <typename ArrayT, typename T>
+void Adopt(ArrayT* array, Buffer<T>& buffer)
+{
+  static_assert(std::is_same_v<typename ArrayT::ValueType, T> ||
+      (std::is_integral_v<T> && sizeof(typename ArrayT::ValueType) == sizeof(T)),
+    "the memory must have the array's type");
+  const auto size = static_cast<vtkIdType>(buffer.GetSize());
+  using Value = typename ArrayT::ValueType;
+  array->SetArray(reinterpret_cast<Value*>(buffer.Release()), size, 0, ArrayT::VTK_DATA_ARRAY_FREE);
+}
+
+void FillCells(Surface& surface, vtkPolyData* output)
+{
+  vtkNew<vtkCellArray> cells;
+  if (surface.Connectivity.Is64Bit)
+  {
+    vtkNew<vtkTypeInt64Array> offsets;
+    vtkNew<vtkTypeInt64Array> connectivity;
+    Adopt(offsets.Get(), surface.Offsets.Values64);
+    Adopt(connectivity.Get(), surface.Connectivity.Values64);
+    cells->SetData(offsets, connectivity);
+  }
+  else
+  {
+    vtkNew<vtkTypeInt32Array> offsets;
+    vtkNew<vtkTypeInt32Array> connectivity;
+    Adopt(offsets.Get(), surface.Offsets.Values32);
+    Adopt(connectivity.Get(), surface.Connectivity.Values32);
+    cells->SetData(offsets, connectivity);
+  }
+  output->SetPolys(cells);
+}
+
+template <typename ArrayT>
+void FillScalars(const Surface& surface, const std::string& name, vtkPolyData* output)
+{
+  vtkNew<ArrayT> scalars;
+  scalars->SetName(name.c_str());
+  scalars->SetNumberOfTuples(static_cast<vtkIdType>(surface.NumberOfPoints));
+  for (const SurfacePart& part : surface.Parts)
+  {
+    auto* first = scalars->GetPointer(0) + part.FirstPoint;
+    std::fill(first, first + part.NumberOfPoints,
+      static_cast<typename ArrayT::ValueType>(part.Isovalue));
+  }
+  output->GetPointData()->SetScalars(scalars);
+}
+
+} // namespace
+
+void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyData* output)
+{
+  vtkNew<vtkFloatArray> coordinates;
+  coordinates->SetNumberOfComponents(3);
+  const bool normals = !surface.Normals.IsEmpty();
+  Adopt(coordinates.Get(), surface.Points);
+  vtkNew<vtkPoints> points;
+  points->SetData(coordinates);
+  output->SetPoints(points);
+  if (surface.NumberOfCells > 0)
+  {
+    FillCells(surface, output);
+  }
+  if (normals)
+  {
+    vtkNew<vtkFloatArray> array;
+    array->SetName("Normals");
+    array->SetNumberOfComponents(3);
+    Adopt(array.Get(), surface.Normals);
+    output->GetPointData()->SetNormals(array);
+  }
+  vtkNew<vtkIdTypeArray> ids;
+  ids->SetName("GlobalIds");
+  Adopt(ids.Get(), surface.GlobalIds);
+  output->GetPointData()->SetGlobalIds(ids);
+  if (!scalarsName.empty())
+  {
+    const bool exact =
+      std::all_of(surface.Parts.begin(), surface.Parts.end(), [](const SurfacePart& part) {
+        return static_cast<double>(static_cast<float>(part.Isovalue)) == part.Isovalue;
+      });
+    if (exact)
+    {
+      FillScalars<vtkFloatArray>(surface, scalarsName, output);
+    }
+    else
+    {
+      FillScalars<vtkDoubleArray>(surface, scalarsName, output);
+    }
+  }
+}
+
+void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
+{
+  auto add = [output](const char* name, auto value) {
+    using Array = std::conditional_t<std::is_floating_point_v<decltype(value)>, vtkDoubleArray,
+      vtkIdTypeArray>;
+    vtkNew<Array> array;
+    array->SetName(name);
+    array->InsertNextValue(static_cast<typename Array::ValueType>(value));
+    output->GetFieldData()->AddArray(array);
+  };
+  add("Rank", rank);
+  add("TreePagesRead", cost.Reading.TreePagesRead);
+  add("DirectoryPagesRead", cost.Reading.DirectoryPagesRead);
+  add("ActiveBlocks", cost.Reading.ActiveBlocks);
+  add("BlocksRead", cost.Reading.BlocksRead);
+  add("BytesRead", cost.Reading.BytesRead);
+  add("BlockCacheHits", cost.Reading.BlockCacheHits);
+  add("Triangles", cost.Triangles);
+  add("QuerySeconds", cost.Reading.QuerySeconds);
+  add("ReadSeconds", cost.Reading.ReadSeconds);
+  add("ExtractSeconds", cost.ExtractSeconds);
+}
+
+} // namespace isosurface

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SurfacePolyData_h
+#define isosurface_SurfacePolyData_h
+
+#include "Contour/SurfaceExtractor.h"
+#include "Store/QueryStatistics.h"
+
+#include <string>
+
+class vtkPolyData;
+
+namespace isosurface
+{
+
+/// What a query cost one rank.
+struct QueryCost
+{
+  QueryStatistics Reading;
+  std::uint64_t Triangles = 0;
+  double ExtractSeconds = 0; ///< wall clock of extraction, the reading that it waited for included
+};
+
+/**
+ * Hands a surface over to a vtkPolyData, without copying: points, polygons, GlobalIds, Normals,
+ * and, if a name is given, the isovalues as active scalars of that name (float where all isovalues
+ * are floats, else double).
+ */
+void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyData* output);
+
+/**
+ * Adds what the query cost this rank to the output's field data, one array of one value a quantity:
+ * Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks, BlocksRead, BytesRead, BlockCacheHits,
+ * Triangles, QuerySeconds, ReadSeconds, ExtractSeconds. Written as a table, the ranks' values are
+ * its rows.
+ */
+void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,348 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkStabbingContour.h"
+
+#include "ImagePieces.h"
+#include "SurfacePolyData.h"
+#include "vtkBlockedVolumeHandle.h"
+#include "vtkBlockedVolumeReader.h"
+#include "vtkInformationBlockedVolumeKey.h"
+#include "vtkInformationStabbingRequestKey.h"
+#include "vtkStabbingRequest.h"
+
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkLogger.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "Base/ParallelFor.h"
+#include "Contour/BlockRanges.h"
+#include "Contour/GridBlockSource.h"
+#include "Contour/SurfaceMerge.h"
+#include "ControllerCommunicator.h"
+#include "Store/BlockedVolume.h"
+#include "Store/StoredBlockSource.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+vtkStandardNewMacro(vtkStabbingContour);
+vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
+
+using isosurface::ContourRequest;
+using isosurface::QueryCost;
+using isosurface::Result;
+using isosurface::Status;
+using isosurface::StatusCode;
+using isosurface::Surface;
+
+/**
+ * The value ranges of the blocks of the images of the last execution. An array is known by its
+ * address and modification time, which no other array shares.
+ */
+struct vtkStabbingContour::Index
+{
+  struct Entry
+  {
+    vtkDataArray* Array;
+    vtkMTimeType Time;
+    isosurface::VertexBox Box;
+    isosurface::BlockRanges Ranges;
+  };
+  std::vector<Entry> Entries;
+
+  bool Take(const isosurface::ImageSamples& samples, Entry& entry)
+  {
+    for (Entry& kept : this->Entries)
+    {
+      if (kept.Array == samples.Array && kept.Time == samples.Array->GetMTime() &&
+        kept.Box == samples.View.Box)
+      {
+        entry = std::move(kept);
+        kept.Array = nullptr;
+        return true;
+      }
+    }
+    return false;
+  }
+};
+
+//------------------------------------------------------------------------------
+vtkStabbingContour::vtkStabbingContour()
+  : ComputeNormals(1)
+  , ComputeScalars(1)
+  , GenerateTriangles(1)
+  , NumberOfThreads(0)
+  , RanksOnNode(0)
+  , Controller(nullptr)
+  , ImageIndex(new Index)
+{
+  this->SetController(vtkMultiProcessController::GetGlobalController());
+  this->SetInputArrayToProcess(
+    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, vtkDataSetAttributes::SCALARS);
+}
+
+//------------------------------------------------------------------------------
+vtkStabbingContour::~vtkStabbingContour()
+{
+  this->SetController(nullptr);
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkStabbingContour::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
+}
+
+//------------------------------------------------------------------------------
+int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+std::string vtkStabbingContour::GetArrayToContour()
+{
+  vtkInformation* array = this->GetInputArrayInformation(0);
+  return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
+}
+
+//------------------------------------------------------------------------------
+int vtkStabbingContour::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  const int pieces = outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES());
+  inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()));
+  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), pieces);
+  // Gradients at the border of a piece need one sample beyond it. Ghost levels that consumers ask
+  // of the surface are not needed: its pieces fit by GlobalIds.
+  inInfo->Set(
+    Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), this->ComputeNormals && pieces > 1 ? 1 : 0);
+
+  // Straight behind a reader the blocks are taken through the handle, without a request.
+  vtkNew<vtkStabbingRequest> request;
+  if (!vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo))
+  {
+    const double* values = this->ContourValues->GetValues();
+    request->SetArrayName(this->GetArrayToContour());
+    request->SetIsovalues(std::vector<double>(values, values + this->GetNumberOfContours()));
+  }
+  vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkStabbingContour::RequestData(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
+  vtkBlockedVolumeReader::STABBING_REQUEST()->Withdraw(inInfo);
+
+  ContourRequest request;
+  const double* values = this->ContourValues->GetValues();
+  request.Isovalues.assign(values, values + this->GetNumberOfContours());
+  request.Normals = this->ComputeNormals != 0;
+  request.GlobalIds = true;
+  request.Polygons = this->GenerateTriangles == 0;
+  request.Offsets = true;
+
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  if (this->RanksOnNode == 0)
+  {
+    this->RanksOnNode = ranks.GetRanksOnNode();
+  }
+  Surface surface;
+  QueryCost cost;
+  std::string arrayName;
+  Status status = vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
+    ? this->ExtractFromVolume(inInfo, outInfo, request, surface, arrayName, cost)
+    : this->ExtractFromImages(input, request, surface, arrayName, cost);
+  const bool aborted = status.GetCode() == StatusCode::Aborted;
+  status = ranks.Agree(status);
+  if (!status.IsOk())
+  {
+    if (!aborted)
+    {
+      vtkErrorMacro(<< status.GetMessage());
+    }
+    return aborted ? 1 : 0;
+  }
+
+  cost.Triangles = surface.NumberOfTriangles;
+  cost.ExtractSeconds = surface.TotalSeconds;
+  vtkLogF(INFO,
+    "Stabbing Contour: rank %d: %llu tree pages read, %llu active blocks, %llu blocks and %llu "
+    "bytes read, %llu cache hits, %llu triangles; query %.4f s, read %.4f s, extract %.4f s",
+    ranks.GetRank(), static_cast<unsigned long long>(cost.Reading.TreePagesRead),
+    static_cast<unsigned long long>(cost.Reading.ActiveBlocks),
+    static_cast<unsigned long long>(cost.Reading.BlocksRead),
+    static_cast<unsigned long long>(cost.Reading.BytesRead),
+    static_cast<unsigned long long>(cost.Reading.BlockCacheHits),
+    static_cast<unsigned long long>(cost.Triangles), cost.Reading.QuerySeconds,
+    cost.Reading.ReadSeconds, cost.ExtractSeconds);
+  isosurface::MoveToPolyData(surface, this->ComputeScalars ? arrayName : "", polyData);
+  isosurface::AddCostToFieldData(ranks.GetRank(), cost, polyData);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+bool vtkStabbingContour::TellProgress(double share)
+{
+  this->UpdateProgress(share);
+  return this->GetAbortExecute() == 0;
+}
+
+//------------------------------------------------------------------------------
+int vtkStabbingContour::ChooseThreads()
+{
+  return this->NumberOfThreads > 0 ? this->NumberOfThreads
+                                   : isosurface::ChooseThreadCount(this->RanksOnNode);
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
+  const ContourRequest& request, Surface& surface, std::string& arrayName, QueryCost& cost)
+{
+  auto* handle = static_cast<vtkBlockedVolumeHandle*>(
+    vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
+  isosurface::BlockedVolume& volume = *handle->GetVolume();
+  const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
+  const std::size_t step = handle->FindTimeStep(inInfo);
+  arrayName = this->GetArrayToContour();
+  // Without a choice: the first array, which the reader makes the active scalars.
+  const auto array =
+    arrayName.empty() ? std::optional<std::size_t>(0) : header.FindArray(arrayName);
+  if (!array)
+  {
+    return Status(StatusCode::NotFound,
+      volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
+  }
+  arrayName = header.Arrays[*array].Name;
+
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  auto active = volume.FindActiveBlocks(step, *array, request.Isovalues,
+    outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
+    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), cost.Reading);
+  if (!active.IsOk())
+  {
+    return active.GetStatus();
+  }
+  isosurface::StoredBlockSource source(volume, step, *array, 0, std::move(*active));
+  auto extracted = isosurface::ExtractSurface(header.Grid, source, request, this->ChooseThreads(),
+    [this](double share) { return this->TellProgress(share); });
+  cost.Reading.Add(source.GetStatistics());
+  if (!extracted.IsOk())
+  {
+    return extracted.GetStatus();
+  }
+  surface = std::move(*extracted);
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
+  const ContourRequest& request, Surface& surface, std::string& arrayName, QueryCost& cost)
+{
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*> {
+    int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+    vtkDataArray* array = this->GetInputArrayToProcess(0, image, association);
+    if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
+    {
+      return Status(StatusCode::InvalidArgument,
+        std::string("array \"") + (array->GetName() ? array->GetName() : "") +
+          "\" is not a point array; convert it to point data first");
+    }
+    if (array && array->GetName())
+    {
+      arrayName = array->GetName();
+    }
+    return array;
+  };
+  const auto pieces = isosurface::CollectImagePieces(
+    ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
+  if (!pieces.IsOk())
+  {
+    const std::string name = this->GetArrayToContour();
+    return pieces.GetStatus().GetCode() == StatusCode::NotFound
+      ? Status(StatusCode::NotFound, "the input has no point array \"" + name + "\" to contour")
+      : pieces.GetStatus();
+  }
+
+  // The ids of several grids follow each other.
+  std::vector<std::int64_t> firstIds(1, 0);
+  for (const isosurface::GridGeometry& grid : pieces->Grids)
+  {
+    firstIds.push_back(firstIds.back() +
+      3 * grid.GetNumberOfVertices() * static_cast<std::int64_t>(request.Isovalues.size()));
+  }
+  std::vector<Surface> surfaces;
+  std::vector<Index::Entry> kept;
+  for (std::size_t number = 0; number < pieces->Pieces.size(); ++number)
+  {
+    const isosurface::ImagePiece& piece = pieces->Pieces[number];
+    const auto progress = [&](double share) {
+      return this->TellProgress(
+        (static_cast<double>(number) + share) / static_cast<double>(pieces->Pieces.size()));
+    };
+    Index::Entry entry;
+    if (!this->ImageIndex->Take(piece.Samples, entry))
+    {
+      auto ranges = isosurface::BlockRanges::Compute(piece.Samples.View, this->ChooseThreads());
+      if (!ranges.IsOk())
+      {
+        return ranges.GetStatus();
+      }
+      entry = { piece.Samples.Array, piece.Samples.Array->GetMTime(), piece.Samples.View.Box,
+        std::move(*ranges) };
+    }
+    isosurface::GridBlockSource source(piece.Samples.View, entry.Ranges, request.Isovalues);
+    kept.push_back(std::move(entry));
+    cost.Reading.ActiveBlocks += source.GetNumberOfBlocks();
+    auto extracted = isosurface::ExtractSurface(
+      pieces->Grids[piece.Grid], source, request, this->ChooseThreads(), progress);
+    if (!extracted.IsOk())
+    {
+      return extracted.GetStatus();
+    }
+    for (std::int64_t& id : extracted->GlobalIds)
+    {
+      id += firstIds[piece.Grid];
+    }
+    surfaces.push_back(std::move(*extracted));
+  }
+  this->ImageIndex->Entries = std::move(kept);
+  surface = surfaces.size() == 1 ? std::move(surfaces.front())
+                                 : isosurface::MergeSurfaces(surfaces);
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ContourValues:\n";
+  this->ContourValues->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
+  os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
+  os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
+  os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+  os << indent << "Controller: " << this->Controller << "\n";
+}

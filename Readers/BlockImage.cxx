@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BlockImage.h"
+
+#include "ImageSamples.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace isosurface
+{
+namespace
+{
+
+vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const VertexBox& vertices)
+{
+  int extent[6];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    extent[2 * axis] = static_cast<int>(geometry.Extent[2 * axis] + vertices.Low[axis]);
+    extent[2 * axis + 1] = static_cast<int>(geometry.Extent[2 * axis] + vertices.High[axis] - 1);
+  }
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetExtent(extent);
+  image->SetOrigin(geometry.Origin.data());
+  image->SetSpacing(geometry.Spacing.data());
+  image->SetDirectionMatrix(geometry.Direction.data());
+  return image;
+}
+
+// Marks what lies outside the block's own vertices; `layer` is 1 for cells, 0 for vertices, so
+// that both are counted by their low corner.
+vtkSmartPointer<vtkUnsignedCharArray> MakeGhosts(
+  const VertexBox& available, const VertexBox& own, int layer, unsigned char mark)
+{
+  const Index3 size = available.GetSize();
+  Index3 count;
+  bool flat[3];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    // An axis of one vertex has one layer of cells, as vtkImageData counts them.
+    flat[axis] = size[axis] == 1;
+    count[axis] = std::max<std::int64_t>(1, size[axis] - layer);
+  }
+  auto ghosts = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  ghosts->SetNumberOfTuples(count[0] * count[1] * count[2]);
+  auto isOwn = [&](int axis, std::int64_t index) {
+    const std::int64_t vertex = available.Low[axis] + index;
+    return flat[axis] || (vertex >= own.Low[axis] && vertex < own.High[axis] - layer);
+  };
+  vtkIdType id = 0;
+  for (std::int64_t k = 0; k < count[2]; ++k)
+  {
+    for (std::int64_t j = 0; j < count[1]; ++j)
+    {
+      const bool ownRow = isOwn(1, j) && isOwn(2, k);
+      for (std::int64_t i = 0; i < count[0]; ++i)
+      {
+        ghosts->SetValue(id++, ownRow && isOwn(0, i) ? 0 : mark);
+      }
+    }
+  }
+  return ghosts;
+}
+
+} // namespace
+
+Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
+  const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
+  int level, QueryStatistics& statistics)
+{
+  const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
+  const VertexBox available = volume.GetBlockGrid().GetGhostedVertices(block.Block, level);
+  const VertexBox own = volume.GetBlockGrid().GetVertices(block.Block, level);
+  vtkSmartPointer<vtkImageData> image = MakeImage(geometry, available);
+
+  for (const std::size_t array : arrays)
+  {
+    Result<std::shared_ptr<const DecodedBlock>> decoded =
+      volume.ReadBlock(block, timeStep, array, level, statistics);
+    if (!decoded.IsOk())
+    {
+      return decoded.GetStatus();
+    }
+    const ArrayDescription& description = volume.GetHeader().Arrays[array];
+    auto values =
+      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
+    values->SetName(description.Name.c_str());
+    values->SetNumberOfTuples(image->GetNumberOfPoints());
+    std::memcpy(values->GetVoidPointer(0), (*decoded)->View.First,
+      static_cast<std::size_t>(available.GetNumberOfVertices()) * GetValueSize(description.Type));
+    image->GetPointData()->AddArray(values);
+    if (!image->GetPointData()->GetScalars())
+    {
+      image->GetPointData()->SetActiveScalars(description.Name.c_str());
+    }
+  }
+  image->GetPointData()->AddArray(
+    MakeGhosts(available, own, 0, vtkDataSetAttributes::DUPLICATEPOINT));
+  image->GetCellData()->AddArray(
+    MakeGhosts(available, own, 1, vtkDataSetAttributes::DUPLICATECELL));
+  return image;
+}
+
+} // namespace isosurface

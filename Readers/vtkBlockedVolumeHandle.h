@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkBlockedVolumeHandle
+ * @brief   gives a consumer the opened blocked volume behind a reader
+ *
+ * Travels downstream under vtkBlockedVolumeReader::BLOCKED_VOLUME(), so that a filter can take
+ * blocks straight from the stores. The handle shares the volume with the reader: it stays valid
+ * when the reader opens another file or is deleted.
+ */
+
+#ifndef vtkBlockedVolumeHandle_h
+#define vtkBlockedVolumeHandle_h
+
+#include "IsosurfaceReadersModule.h" // For export macro
+#include "vtkObject.h"
+
+#include <cstddef> // For std::size_t
+#include <memory>  // For std::shared_ptr
+
+class vtkInformation;
+
+namespace isosurface
+{
+class BlockedVolume;
+}
+
+class ISOSURFACEREADERS_EXPORT vtkBlockedVolumeHandle : public vtkObject
+{
+public:
+  static vtkBlockedVolumeHandle* New();
+  vtkTypeMacro(vtkBlockedVolumeHandle, vtkObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  void SetVolume(std::shared_ptr<isosurface::BlockedVolume> volume);
+  const std::shared_ptr<isosurface::BlockedVolume>& GetVolume() const { return this->Volume; }
+
+  /**
+   * The time step that pipeline information asks for: the last one at or before UPDATE_TIME_STEP(),
+   * the first one if there is none.
+   */
+  std::size_t FindTimeStep(vtkInformation* pipelineInfo) const;
+
+protected:
+  vtkBlockedVolumeHandle();
+  ~vtkBlockedVolumeHandle() override;
+
+private:
+  vtkBlockedVolumeHandle(const vtkBlockedVolumeHandle&) = delete;
+  void operator=(const vtkBlockedVolumeHandle&) = delete;
+
+  std::shared_ptr<isosurface::BlockedVolume> Volume;
+};
+
+#endif

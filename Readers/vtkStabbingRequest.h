@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkStabbingRequest
+ * @brief   what a consumer wants of a blocked volume: the blocks that some isovalues cross
+ *
+ * Travels upstream in the pipeline information under
+ * vtkBlockedVolumeReader::STABBING_REQUEST(). A request is not changed once it has been put there.
+ * A request without isovalues asks for nothing in particular: the reader then gives the finest
+ * level that fits its memory limit.
+ */
+
+#ifndef vtkStabbingRequest_h
+#define vtkStabbingRequest_h
+
+#include "IsosurfaceReadersModule.h" // For export macro
+#include "vtkObject.h"
+
+#include <string> // For the array's name
+#include <vector> // For the isovalues
+
+class ISOSURFACEREADERS_EXPORT vtkStabbingRequest : public vtkObject
+{
+public:
+  static vtkStabbingRequest* New();
+  vtkTypeMacro(vtkStabbingRequest, vtkObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The point array whose isosurfaces are wanted, by name.
+   */
+  void SetArrayName(const std::string& name);
+  const std::string& GetArrayName() const { return this->ArrayName; }
+  ///@}
+
+  ///@{
+  /**
+   * The isovalues; a block is wanted if it is crossed by at least one of them.
+   */
+  void SetIsovalues(const std::vector<double>& isovalues);
+  const std::vector<double>& GetIsovalues() const { return this->Isovalues; }
+  ///@}
+
+  /**
+   * Whether two requests ask for the same; a null request asks for nothing in particular.
+   */
+  static bool AreEqual(const vtkStabbingRequest* a, const vtkStabbingRequest* b);
+
+protected:
+  vtkStabbingRequest() = default;
+  ~vtkStabbingRequest() override = default;
+
+private:
+  vtkStabbingRequest(const vtkStabbingRequest&) = delete;
+  void operator=(const vtkStabbingRequest&) = delete;
+
+  std::string ArrayName;
+  std::vector<double> Isovalues;
+};
+
+#endif

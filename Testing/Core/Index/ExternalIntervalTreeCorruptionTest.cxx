@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Base/ByteOrder.h"
+#include "Base/Checksum.h"
+#include "IntervalSets.h"
+
+#include <memory>
+
+using namespace isosurface;
+
+namespace
+{
+
+using Bytes = MemoryFileSystem::Bytes;
+
+constexpr std::size_t PageSize = PagedFile::DefaultPageSize;
+
+Bytes MakeTreeBytes(const IntervalVector& intervals)
+{
+  MemoryFileSystem disk;
+  EXPECT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
+  return *disk.Files["tree"];
+}
+
+/// Makes the checksums of all whole pages right again.
+void Reseal(Bytes& bytes)
+{
+  for (std::size_t page = 0; page < bytes.size() / PageSize; ++page)
+  {
+    std::uint8_t* begin = bytes.data() + page * PageSize;
+    StoreLittleEndian(begin + PageSize - 8, ComputeChecksum(begin, PageSize - 8, page));
+  }
+}
+
+Result<std::unique_ptr<ExternalIntervalTree>> OpenBytes(MemoryFileSystem& disk, Bytes bytes)
+{
+  disk.Files["tree"] = std::make_shared<Bytes>(std::move(bytes));
+  return ExternalIntervalTree::Open(disk, "tree", 0);
+}
+
+} // namespace
+
+TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
+{
+  // A root with leaves and all kinds of lists, in a few pages.
+  IntervalVector intervals = MakeIntervalSets()[0].MakeAll(420);
+  const Bytes good = MakeTreeBytes(intervals);
+  ASSERT_LE(good.size(), 10 * PageSize);
+  MemoryFileSystem disk;
+  PageStatistics statistics;
+  int errors = 0;
+  for (std::size_t offset = 0; offset < good.size(); ++offset)
+  {
+    Bytes bad = good;
+    bad[offset] ^= static_cast<std::uint8_t>(1u << (offset % 8));
+    const auto tree = OpenBytes(disk, std::move(bad));
+    if (!tree.IsOk())
+    {
+      ASSERT_NE(tree.GetStatus().GetMessage().find("tree"), std::string::npos);
+      ++errors;
+      continue;
+    }
+    std::vector<int> seen(intervals.size(), 0);
+    const Status status = (*tree)->FindOverlapping(
+      0, LargestKey, [&](const KeyInterval& interval) { ++seen.at(interval.Payload); }, statistics);
+    const bool complete = std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; });
+    ASSERT_TRUE(complete || !status.IsOk()) << "byte " << offset;
+    errors += !status.IsOk();
+    const ValueKey key = intervals[offset % intervals.size()].Minimum;
+    std::uint64_t expected = 0;
+    for (const KeyInterval& interval : intervals)
+    {
+      expected += interval.Minimum <= key && key <= interval.Maximum;
+    }
+    std::uint64_t found = 0;
+    const Status stabbed = (*tree)->FindStabbed(
+      key, [&](const KeyInterval&) { ++found; }, statistics);
+    ASSERT_TRUE(!stabbed.IsOk() || found == expected) << "byte " << offset;
+  }
+  EXPECT_GT(errors, static_cast<int>(PageSize));
+}
+
+TEST(ExternalIntervalTreeCorruption, EveryTruncationIsAnError)
+{
+  const Bytes good = MakeTreeBytes(MakeIntervalSets()[0].MakeAll(420));
+  MemoryFileSystem disk;
+  for (std::size_t size = 0; size < good.size(); ++size)
+  {
+    const auto tree =
+      OpenBytes(disk, Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)));
+    ASSERT_FALSE(tree.IsOk()) << size;
+    ASSERT_EQ(tree.GetStatus().GetCode(), StatusCode::Corrupt) << size;
+  }
+  Bytes longer = good;
+  longer.resize(good.size() + PageSize);
+  EXPECT_EQ(OpenBytes(disk, longer).GetStatus().GetCode(), StatusCode::Corrupt);
+}
+
+TEST(ExternalIntervalTreeCorruption, NewerVersionsAndOtherFilesAreToldApart)
+{
+  const Bytes good = MakeTreeBytes({ { 1, 2, 3 } });
+  MemoryFileSystem disk;
+  for (const std::size_t offset : { 8, 32 }) // of the paged file, of the tree
+  {
+    Bytes newer = good;
+    ++newer[offset];
+    Reseal(newer);
+    const auto tree = OpenBytes(disk, newer);
+    ASSERT_FALSE(tree.IsOk());
+    EXPECT_EQ(tree.GetStatus().GetCode(), StatusCode::Unsupported);
+    EXPECT_NE(tree.GetStatus().GetMessage().find("newer version"), std::string::npos);
+  }
+  for (const std::size_t offset : { 0, 24 }) // magic, kind
+  {
+    Bytes other = good;
+    other[offset] = 'x';
+    Reseal(other);
+    EXPECT_EQ(OpenBytes(disk, other).GetStatus().GetCode(), StatusCode::Corrupt);
+  }
+  EXPECT_EQ(
+    ExternalIntervalTree::Open(disk, "nowhere", 0).GetStatus().GetCode(), StatusCode::NotFound);
+}
+
+TEST(ExternalIntervalTreeCorruption, AFileWithoutItsFirstPageNeverOpens)
+{
+  Bytes bytes = MakeTreeBytes({ { 1, 2, 3 } });
+  std::fill(bytes.begin(), bytes.begin() + PageSize, std::uint8_t(0));
+  MemoryFileSystem disk;
+  EXPECT_EQ(OpenBytes(disk, bytes).GetStatus().GetCode(), StatusCode::Corrupt);
+}
+
+TEST(ExternalIntervalTreeCorruption, HostilePagesWithRightChecksumsNeitherCrashNorHang)
+{
+  std::mt19937_64 random(11);
+  MemoryFileSystem disk;
+  int errors = 0;
+  const auto sets = MakeIntervalSets();
+  for (std::size_t set = 0; set < sets.size(); set += 2)
+  {
+    const IntervalVector intervals = sets[set].MakeAll(8000);
+    const Bytes good = MakeTreeBytes(intervals);
+    for (int iteration = 0; iteration < 400; ++iteration)
+    {
+      Bytes bad = good;
+      const std::size_t changes = 1 + random() % 6;
+      for (std::size_t change = 0; change < changes; ++change)
+      {
+        // Nodes come last and matter most; fields are 2, 4 or 8 bytes, in their first half mostly.
+        const std::size_t pages = bad.size() / PageSize;
+        const std::size_t page = random() % 3 ? pages - 1 - random() % 2 : random() % pages;
+        const std::size_t offset = page * PageSize + random() % (random() % 2 ? 4080 : 400);
+        const std::size_t width = std::size_t(1) << random() % 4;
+        const std::uint64_t value = random() >> (random() % 64);
+        std::memcpy(bad.data() + offset, &value, width);
+      }
+      Reseal(bad);
+      const std::uint64_t limit = 2 * (64 + 16 * (bad.size() / PageSize)) + 2;
+      const auto tree = OpenBytes(disk, std::move(bad));
+      if (!tree.IsOk())
+      {
+        ++errors;
+        continue;
+      }
+      PageStatistics statistics;
+      const ValueKey low = MakeQueryKey(intervals, random);
+      const ValueKey high = std::max(low, MakeQueryKey(intervals, random));
+      bool right = true;
+      const auto visit = [&](const KeyInterval& interval)
+      { right = right && interval.Minimum <= high && interval.Maximum >= low; };
+      errors += !(*tree)->FindStabbed(low, visit, statistics).IsOk();
+      errors += !(*tree)->FindOverlapping(low, high, visit, statistics).IsOk();
+      ASSERT_TRUE(right) << "an interval that does not overlap the query";
+      ASSERT_LE(statistics.PageReads, limit);
+    }
+  }
+  EXPECT_GT(errors, 500);
+}
+
+TEST(ExternalIntervalTreeCorruption, ATreeThatLeadsToItsPagesAgainAndAgainEnds)
+{
+  // All children of each node are the one node before it: 28^n ways to the last of n nodes.
+  const IntervalVector intervals = MakeIntervalSets()[4].MakeAll(200000);
+  Bytes bytes = MakeTreeBytes(intervals);
+  constexpr std::size_t childOffset = 36, slabSize = 50;
+  std::uint32_t before = 0;
+  std::uint16_t height = 0;
+  for (std::size_t page = 1; page < bytes.size() / PageSize && height < 30; ++page)
+  {
+    std::uint8_t* node = bytes.data() + page * PageSize;
+    if (std::memcmp(node, "NODE", 4) != 0)
+    {
+      continue;
+    }
+    ++height;
+    StoreLittleEndian(node + 4, height);
+    const auto slabs = LoadLittleEndian<std::uint16_t>(node + 6);
+    for (std::size_t slab = 0; slab < slabs; ++slab)
+    {
+      std::uint8_t* child = node + 8 + 8u * slabs + slab * slabSize + childOffset;
+      StoreLittleEndian(child, before);
+      StoreLittleEndian(child + 4, std::uint16_t(0));
+      StoreLittleEndian(child + 6, std::uint32_t(before == 0 ? 0 : 1));
+      StoreLittleEndian(child + 10, std::uint16_t(height - 1));
+    }
+    before = static_cast<std::uint32_t>(page);
+  }
+  ASSERT_GT(height, 10);
+  StoreLittleEndian(bytes.data() + 32 + 32, before);
+  StoreLittleEndian(bytes.data() + 32 + 42, height);
+  Reseal(bytes);
+  MemoryFileSystem disk;
+  const auto tree = OpenBytes(disk, bytes);
+  ASSERT_TRUE(tree.IsOk()) << tree.GetStatus().GetMessage();
+  PageStatistics statistics;
+  const Status status = (*tree)->FindOverlapping(
+    0, LargestKey, [](const KeyInterval&) {}, statistics);
+  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
+  EXPECT_LE(statistics.PageReads, 64 + 16 * (*tree)->GetPageCount());
+}
+
+TEST(ExternalIntervalTreeCorruption, ADiskThatFailsToReadGivesItsError)
+{
+  MemoryFileSystem disk;
+  const auto tree = OpenBytes(disk, MakeTreeBytes(MakeIntervalSets()[0].MakeAll(5000)));
+  ASSERT_TRUE(tree.IsOk());
+  disk.ReadsLeft = 3;
+  PageStatistics statistics;
+  EXPECT_EQ((*tree)
+              ->FindOverlapping(
+                0, LargestKey, [](const KeyInterval&) {}, statistics)
+              .GetCode(),
+    StatusCode::IoError);
+}

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Partition/BlockDistribution.h"
+
+#include "Partition/BlockWorkload.h"
+#include "SampleVolume.h"
+#include "Volume/BlockGrid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr DistributionMethod Methods[] = { DistributionMethod::Greedy, DistributionMethod::Random,
+  DistributionMethod::Slab };
+
+std::vector<std::uint64_t> CountBlocks(
+  const std::vector<std::uint32_t>& stores, std::uint32_t count)
+{
+  std::vector<std::uint64_t> blocks(count, 0);
+  for (const std::uint32_t store : stores)
+  {
+    ++blocks.at(store); // throws for a store that does not exist
+  }
+  return blocks;
+}
+
+std::uint64_t FindSpread(const std::vector<std::uint64_t>& counts)
+{
+  const auto ends = std::minmax_element(counts.begin(), counts.end());
+  return *ends.second - *ends.first;
+}
+
+std::vector<KeyRange> MakeRandomRanges(std::size_t count)
+{
+  std::mt19937 random(5);
+  std::vector<KeyRange> ranges(count);
+  for (KeyRange& range : ranges)
+  {
+    const float low = std::normal_distribution<float>(0, 10)(random);
+    const float size = random() % 4 == 0 ? 0 : std::exponential_distribution<float>(1)(random);
+    range = { MakeValueKey(low), MakeValueKey(low + size) };
+  }
+  return ranges;
+}
+
+/// A ball of smooth values in an empty surrounding, with noise: blocks differ very much.
+struct Scene
+{
+  Scene()
+    : Volume({ 129, 129, 129 })
+    , Grid(Volume.Size, 16)
+  {
+    std::mt19937 random(6);
+    Volume = SampleVolume<std::uint8_t>(Volume.Size,
+      [&](auto i, auto j, auto k)
+      {
+        const double x = static_cast<double>(i) / 40 - 1;
+        const double y = static_cast<double>(j) / 40 - 1.2;
+        const double z = static_cast<double>(k) / 40 - 0.9;
+        const double ball = 220 * std::exp(-1.5 * (x * x + y * y + z * z));
+        return std::max(0.0, ball - 5) + static_cast<double>(random() % 20);
+      });
+    for (std::int64_t block = 0; block < Grid.GetNumberOfBlocks(); ++block)
+    {
+      const SampleView view = Volume.GetView(Grid.GetVertices(block));
+      KeyRange range;
+      for (std::int64_t k = view.Box.Low[2]; k < view.Box.High[2]; ++k)
+      {
+        for (std::int64_t j = view.Box.Low[1]; j < view.Box.High[1]; ++j)
+        {
+          for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
+          {
+            const ValueKey key = MakeValueKey(Volume.At(i, j, k));
+            range = { std::min(range.Minimum, key), std::max(range.Maximum, key) };
+          }
+        }
+      }
+      Ranges.push_back(range);
+      WorkloadSpectrum spectrum(Bins);
+      BlockWorkload counter(Bins);
+      counter.Count(view);
+      counter.MoveTo(spectrum);
+      Spectra.push_back(spectrum);
+    }
+  }
+
+  /// The worst max/mean of triangles a store, over all isovalues with so many triangles a store.
+  double FindImbalance(
+    const std::vector<std::uint32_t>& blockStores, std::uint32_t stores, double least) const
+  {
+    double worst = 1;
+    for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)
+    {
+      std::vector<std::uint64_t> triangles(stores, 0);
+      std::uint64_t total = 0;
+      for (std::size_t block = 0; block < blockStores.size(); ++block)
+      {
+        triangles[blockStores[block]] += this->Spectra[block].Triangles[bin];
+        total += this->Spectra[block].Triangles[bin];
+      }
+      const double mean = static_cast<double>(total) / stores;
+      if (mean >= least)
+      {
+        const std::uint64_t most = *std::max_element(triangles.begin(), triangles.end());
+        worst = std::max(worst, static_cast<double>(most) / mean);
+      }
+    }
+    return worst;
+  }
+
+  SampleVolume<std::uint8_t> Volume;
+  BlockGrid Grid;
+  SpectrumBins Bins{ 0, 0, 256 };
+  std::vector<KeyRange> Ranges;
+  std::vector<WorkloadSpectrum> Spectra;
+};
+
+} // namespace
+
+TEST(BlockDistribution, GivesEveryBlockOneStore)
+{
+  const std::vector<KeyRange> ranges = MakeRandomRanges(1000);
+  for (const DistributionMethod method : Methods)
+  {
+    for (const std::uint32_t stores : { 1u, 2u, 7u, 96u, 1000u, 1024u })
+    {
+      const auto result = DistributeBlocks(method, ValueType::Float32, ranges, stores, 1);
+      EXPECT_EQ(result.size(), ranges.size());
+      const auto counts = CountBlocks(result, stores);
+      if (method != DistributionMethod::Random)
+      {
+        EXPECT_LE(FindSpread(counts), 1u) << GetDistributionName(method) << ' ' << stores;
+      }
+    }
+    EXPECT_TRUE(DistributeBlocks(method, ValueType::Float32, {}, 3, 1).empty());
+  }
+}
+
+TEST(BlockDistribution, SpreadsConstantBlocksEvenly)
+{
+  const std::vector<KeyRange> ranges = MakeRandomRanges(2000);
+  const auto result =
+    DistributeBlocks(DistributionMethod::Greedy, ValueType::Float32, ranges, 16, 0);
+  std::vector<std::uint64_t> constant(16, 0);
+  for (std::size_t block = 0; block < ranges.size(); ++block)
+  {
+    constant[result[block]] += ranges[block].Minimum == ranges[block].Maximum;
+  }
+  EXPECT_LE(FindSpread(constant), 1u);
+}
+
+TEST(BlockDistribution, DealsBlocksOfOneElementByDecreasingRange)
+{
+  // Of four blocks, the middle two fall into one element; the larger one comes first.
+  std::vector<KeyRange> ranges;
+  for (const double high : { 1000.0, 10.3, 10.4, 0.0 })
+  {
+    ranges.push_back({ MakeValueKey(0.0), MakeValueKey(high) });
+  }
+  const auto result =
+    DistributeBlocks(DistributionMethod::Greedy, ValueType::Float64, ranges, 4, 0);
+  EXPECT_EQ(result, (std::vector<std::uint32_t>{ 2, 1, 0, 3 }));
+}
+
+TEST(BlockDistribution, TakesNaNAndInfinitiesAndTheLargestNumbers)
+{
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double largest = std::numeric_limits<double>::max();
+  const std::vector<KeyRange> ranges = { { NotANumberKey, MakeValueKey(3.0) },
+    { MakeValueKey(-infinity), MakeValueKey(infinity) }, { NotANumberKey, NotANumberKey },
+    { MakeValueKey(-largest), MakeValueKey(largest) }, { NotANumberKey, MakeValueKey(infinity) },
+    KeyRange{} };
+  const auto result =
+    DistributeBlocks(DistributionMethod::Greedy, ValueType::Float64, ranges, 3, 0);
+  EXPECT_EQ(CountBlocks(result, 3), (std::vector<std::uint64_t>{ 2, 2, 2 }));
+  const std::vector<KeyRange> nothing(5, KeyRange{ NotANumberKey, NotANumberKey });
+  EXPECT_EQ(
+    DistributeBlocks(DistributionMethod::Greedy, ValueType::Float64, nothing, 2, 0).size(), 5u);
+}
+
+TEST(BlockDistribution, RandomDependsOnTheSeedAlone)
+{
+  const std::vector<KeyRange> ranges = MakeRandomRanges(500);
+  const auto random = [&](std::uint64_t seed)
+  { return DistributeBlocks(DistributionMethod::Random, ValueType::Float32, ranges, 8, seed); };
+  EXPECT_EQ(random(1), random(1));
+  EXPECT_NE(random(1), random(2));
+  // Written in files: these numbers must never change.
+  const auto first = random(42);
+  EXPECT_EQ(std::vector<std::uint32_t>(first.begin(), first.begin() + 8),
+    (std::vector<std::uint32_t>{ 6, 3, 5, 6, 7, 4, 3, 3 }));
+}
+
+TEST(BlockDistribution, GreedyAndRandomBalanceTrianglesAndSlabDoesNot)
+{
+  const Scene scene;
+  const auto measure = [&](DistributionMethod method, std::uint32_t stores, double least)
+  {
+    const auto result = DistributeBlocks(method, ValueType::UInt8, scene.Ranges, stores, 1);
+    const double imbalance = scene.FindImbalance(result, stores, least);
+    RecordProperty(GetDistributionName(method) + std::to_string(stores) + "_" +
+        std::to_string(static_cast<int>(least)),
+      std::to_string(imbalance));
+    return imbalance;
+  };
+  // A block of 16^3 cells in the surface has up to 5,000 triangles here: with only 1,000 a store no
+  // way of dealing out whole blocks is even.
+  for (const double least : { 1000.0, 20000.0 })
+  {
+    const double greedy = measure(DistributionMethod::Greedy, 4, least);
+    const double random = measure(DistributionMethod::Random, 4, least);
+    const double slab = measure(DistributionMethod::Slab, 4, least);
+    EXPECT_LT(greedy, least == 1000 ? 2.0 : 1.2);
+    EXPECT_LT(random, least == 1000 ? 2.5 : 1.5);
+    EXPECT_GT(slab, 1.5 * greedy);
+    EXPECT_GT(slab, 1.2 * random);
+  }
+}
+
+TEST(BlockDistribution, NamesRoundTrip)
+{
+  for (const DistributionMethod method : Methods)
+  {
+    EXPECT_EQ(FindDistribution(GetDistributionName(method)), method);
+  }
+  EXPECT_FALSE(FindDistribution("Greedy").has_value());
+}

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Partition/WorkloadSpectrum.h"
+
+#include "Partition/BlockWorkload.h"
+#include "SampleVolume.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+using namespace isosurface;
+
+namespace
+{
+
+template <typename T>
+SpectrumBins Choose(T minimum, T maximum)
+{
+  return SpectrumBins::Choose(
+    ValueTypeOf<T>::Value, { MakeValueKey(minimum), MakeValueKey(maximum) });
+}
+
+template <typename T>
+void ExpectFits(T minimum, T maximum, std::uint32_t fewest)
+{
+  const SpectrumBins bins = Choose(minimum, maximum);
+  EXPECT_GE(bins.Count, fewest);
+  EXPECT_LE(bins.Count, SpectrumBins::MaximumCount);
+  const auto low = static_cast<double>(minimum);
+  const auto high = static_cast<double>(maximum);
+  EXPECT_LE(bins.GetEdge(0), low);
+  EXPECT_LE(bins.GetEdge(bins.Count - 1), high);
+  if (bins.Count > 1)
+  {
+    EXPECT_GT(bins.GetEdge(1), low);
+  }
+  // (2^63 - 1 and 2^64 - 1 as doubles are the next edge itself.)
+  const double next = bins.GetEdge(bins.Count);
+  EXPECT_TRUE(next > high || std::isinf(next) || (sizeof(T) == 8 && next == high));
+}
+
+} // namespace
+
+TEST(SpectrumBins, AreOneValueWideForIntegersOfSmallRange)
+{
+  const SpectrumBins bytes = Choose<std::uint8_t>(0, 255);
+  EXPECT_EQ(bytes.Count, 256u);
+  EXPECT_EQ(bytes.GetWidth(), 1);
+  const SpectrumBins scan = Choose<std::int16_t>(-1024, 1023);
+  EXPECT_EQ(scan.Count, 2048u);
+  EXPECT_EQ(scan.GetEdge(0), -1024);
+  const std::int64_t large = std::int64_t{ 1 } << 60;
+  EXPECT_EQ(Choose<std::int64_t>(large, large + 9).First, large);
+}
+
+TEST(SpectrumBins, CoverTheRangeByAtLeast1024Bins)
+{
+  ExpectFits<std::int16_t>(-1024, 1024, 1024);
+  ExpectFits<std::uint16_t>(0, 65535, 1024);
+  ExpectFits<std::int64_t>(
+    std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(), 1024);
+  ExpectFits<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max(), 1024);
+  ExpectFits<float>(-1, 1, 1024);
+  ExpectFits<float>(-std::numeric_limits<float>::max(), std::numeric_limits<float>::max(), 1024);
+  ExpectFits<double>(-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(), 1024);
+  ExpectFits<double>(0, 1e-310, 1024);
+  ExpectFits<double>(1e-3, 1.7e7, 1024);
+  // No finer than the numbers themselves.
+  ExpectFits<float>(1.0f, std::nextafter(1.0f, 2.0f), 2);
+  ExpectFits<double>(0, std::numeric_limits<double>::denorm_min(), 2);
+}
+
+TEST(SpectrumBins, ReachTheLargestIntegers)
+{
+  const std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
+  const SpectrumBins bins = Choose<std::uint64_t>(largest - 5000, largest);
+  EXPECT_EQ(bins.Exponent, 2);
+  EXPECT_EQ(static_cast<std::uint64_t>(bins.First) << 2, (largest - 5000) / 4 * 4);
+  EXPECT_EQ(bins.Count, 1251u);
+  EXPECT_EQ(Choose<std::uint64_t>(largest - 5, largest).Exponent, 1);
+}
+
+TEST(WorkloadSpectrum, CoarsenedEqualsCountedInCoarseBins)
+{
+  std::mt19937 random(3);
+  const SampleVolume<std::int32_t> volume({ 17, 15, 16 },
+    [&](auto i, auto, auto) { return -700 + 30 * i + static_cast<int>(random() % 301); });
+  SpectrumBins bins = Choose<std::int32_t>(-701, 200);
+  WorkloadSpectrum fine(bins);
+  BlockWorkload counter(bins);
+  counter.Count(volume.GetView());
+  counter.MoveTo(fine);
+  for (int step = 0; step < 4; ++step)
+  {
+    bins = bins.Coarsen();
+    fine = fine.Coarsen();
+    WorkloadSpectrum coarse(bins);
+    BlockWorkload coarseCounter(bins);
+    coarseCounter.Count(volume.GetView());
+    coarseCounter.MoveTo(coarse);
+    EXPECT_EQ(fine.Bins, bins);
+    EXPECT_EQ(fine.Triangles, coarse.Triangles);
+    EXPECT_EQ(fine.ActiveCells, coarse.ActiveCells);
+  }
+}
+
+TEST(WorkloadSpectrum, OfAGrowingRangeEqualsThatOfTheWholeRange)
+{
+  // Two parts with ranges of their own, as a writer that streams its input meets them.
+  std::mt19937 random(4);
+  const SampleVolume<float> low({ 9, 9, 9 },
+    [&](auto...) { return std::uniform_real_distribution<float>(0.1f, 0.3f)(random); });
+  const SampleVolume<float> high(
+    { 9, 9, 9 }, [&](auto...) { return std::uniform_real_distribution<float>(-2, 5)(random); });
+  const SpectrumBins all = Choose<float>(-2, 5);
+  const auto count = [](const SampleVolume<float>& volume, const SpectrumBins& bins)
+  {
+    WorkloadSpectrum spectrum(bins);
+    BlockWorkload counter(bins);
+    counter.Count(volume.GetView());
+    counter.MoveTo(spectrum);
+    return spectrum;
+  };
+  WorkloadSpectrum grown = count(low, Choose<float>(0.1f, 0.3f));
+  ASSERT_TRUE(grown.Widen(all));
+  ASSERT_TRUE(grown.Add(count(high, all)));
+  WorkloadSpectrum expected = count(low, all);
+  ASSERT_TRUE(expected.Add(count(high, all)));
+  EXPECT_EQ(grown.Triangles, expected.Triangles);
+  EXPECT_EQ(grown.ActiveCells, expected.ActiveCells);
+
+  WorkloadSpectrum narrow(Choose<float>(0.1f, 0.3f));
+  EXPECT_FALSE(narrow.Add(expected));
+  EXPECT_FALSE(expected.Widen(narrow.Bins));
+}
+
+TEST(WorkloadSpectrum, FindsTheBinOfAnIsovalue)
+{
+  const WorkloadSpectrum spectrum(Choose<std::uint8_t>(10, 20));
+  EXPECT_EQ(spectrum.FindBin(-5), 0u);
+  EXPECT_EQ(spectrum.FindBin(10), 0u);
+  EXPECT_EQ(spectrum.FindBin(13.5), 3u);
+  EXPECT_EQ(spectrum.FindBin(14), 4u);
+  EXPECT_EQ(spectrum.FindBin(1e9), 10u);
+}

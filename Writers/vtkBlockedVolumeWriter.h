@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkBlockedVolumeWriter
+ * @brief   writes image data as a blocked volume (.bvol)
+ *
+ * The image data may be spread over the ranks of the controller in any pieces, overlapping ones
+ * included; every rank calls Write(). All point arrays of one component are written. The file
+ * appears in one step when everything is written; if anything fails, on any rank, all ranks report
+ * an error and what was there before is left as it was.
+ *
+ * The file does not depend on the number of ranks, but for the default of NumberOfStores.
+ */
+
+#ifndef vtkBlockedVolumeWriter_h
+#define vtkBlockedVolumeWriter_h
+
+#include "IsosurfaceWritersModule.h" // For export macro
+#include "vtkWriter.h"
+
+class vtkImageData;
+class vtkMultiProcessController;
+
+class ISOSURFACEWRITERS_EXPORT vtkBlockedVolumeWriter : public vtkWriter
+{
+public:
+  static vtkBlockedVolumeWriter* New();
+  vtkTypeMacro(vtkBlockedVolumeWriter, vtkWriter);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum DistributionType
+  {
+    GREEDY = 0, ///< deal blocks of like value range round robin
+    RANDOM = 1, ///< scatter blocks by a seeded hash
+    SLAB = 2    ///< keep neighbours together; not balanced
+  };
+
+  ///@{
+  /**
+   * The .bvol file to write. The stores go into the folder FileName + ".stores".
+   */
+  vtkSetFilePathMacro(FileName);
+  vtkGetFilePathMacro(FileName);
+  ///@}
+
+  ///@{
+  /**
+   * Cells along the side of a block: 16, 32 (the default) or 64.
+   */
+  vtkSetMacro(BlockSize, int);
+  vtkGetMacro(BlockSize, int);
+  ///@}
+
+  ///@{
+  /**
+   * How many stores the blocks are spread over; 0 (the default) means as many as there are ranks.
+   */
+  vtkSetClampMacro(NumberOfStores, int, 0, 65536);
+  vtkGetMacro(NumberOfStores, int);
+  ///@}
+
+  ///@{
+  /**
+   * How blocks are spread over stores. Default GREEDY.
+   */
+  vtkSetClampMacro(Distribution, int, GREEDY, SLAB);
+  vtkGetMacro(Distribution, int);
+  ///@}
+
+  ///@{
+  /**
+   * The seed of the random distribution.
+   */
+  vtkSetClampMacro(RandomSeed, int, 0, VTK_INT_MAX);
+  vtkGetMacro(RandomSeed, int);
+  ///@}
+
+  ///@{
+  /**
+   * The ranks that write together, the global controller by default. Null: this rank alone.
+   */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+  ///@{
+  /**
+   * The image data to write.
+   */
+  vtkImageData* GetInput();
+  vtkImageData* GetInput(int port);
+  ///@}
+
+protected:
+  vtkBlockedVolumeWriter();
+  ~vtkBlockedVolumeWriter() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  vtkTypeBool ProcessRequest(vtkInformation* request, vtkInformationVector** input,
+    vtkInformationVector* output) override;
+  void WriteData() override;
+
+private:
+  vtkBlockedVolumeWriter(const vtkBlockedVolumeWriter&) = delete;
+  void operator=(const vtkBlockedVolumeWriter&) = delete;
+
+  char* FileName;
+  int BlockSize;
+  int NumberOfStores;
+  int Distribution;
+  int RandomSeed;
+  vtkMultiProcessController* Controller;
+};
+
+#endif
