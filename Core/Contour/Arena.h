@@ -3,6 +3,7 @@
 #define isosurface_Arena_h
 
 #include "Base/Buffer.h"
+#include "Contour/HugePages.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -27,7 +28,7 @@ public:
     if (this->Chunks.empty() || this->Chunks.back().GetSize() - this->Used < bytes)
     {
       this->Chunks.emplace_back(std::max(bytes, ChunkSize - Alignment) + Alignment);
-      this->Used = 0;
+      AdviseHugePages(this->Chunks.back().GetData(), this->Chunks.back().GetSize());
       const auto address = reinterpret_cast<std::uintptr_t>(this->Chunks.back().GetData());
       this->Used = (Alignment - address % Alignment) % Alignment;
     }

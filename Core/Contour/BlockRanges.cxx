@@ -38,7 +38,7 @@ struct Extremes
   }
 };
 
-// The ranges of all blocks of one row of blocks, reading whole rows of samples in their order.
+// The ranges of all blocks of one row of blocks, plane by plane, in about the samples' order.
 template <typename T>
 void ComputeRowOfBlocks(const SampleView& samples, const BlockGrid& grid, std::int64_t firstBlock,
   std::vector<KeyRange>& ranges)
@@ -48,20 +48,20 @@ void ComputeRowOfBlocks(const SampleView& samples, const BlockGrid& grid, std::i
   const VertexBox first = grid.GetVertices(firstBlock);
   std::vector<Extremes<T>> extremes(static_cast<std::size_t>(count));
   const Index3& low = samples.Box.Low;
+  SampleRows rows{};
+  rows.Stride[0] = samples.Stride[0];
+  rows.Stride[1] = samples.Stride[1];
+  rows.Size[1] = first.High[1] - first.Low[1];
   for (std::int64_t k = first.Low[2]; k < first.High[2]; ++k)
   {
-    for (std::int64_t j = first.Low[1]; j < first.High[1]; ++j)
+    for (std::int64_t block = 0; block < count; ++block)
     {
-      const T* row = samples.At<T>({ low[0], low[1] + j, low[2] + k });
-      for (std::int64_t block = 0; block < count; ++block)
-      {
-        Extremes<T>& seen = extremes[static_cast<std::size_t>(block)];
-        const std::int64_t begin = block * BlockRanges::BlockSize;
-        const std::int64_t end =
-          std::min(begin + BlockRanges::BlockSize + 1, grid.GetDimensions()[0]);
-        kernels.JoinRange(samples.Type, row + begin * samples.Stride[0], samples.Stride[0],
-          end - begin, &seen.Minimum, &seen.Maximum, &seen.HasNotANumber);
-      }
+      Extremes<T>& seen = extremes[static_cast<std::size_t>(block)];
+      const std::int64_t begin = block * BlockRanges::BlockSize;
+      rows.First = samples.At<T>({ low[0] + begin, low[1] + first.Low[1], low[2] + k });
+      rows.Size[0] =
+        std::min<std::int64_t>(BlockRanges::BlockSize + 1, grid.GetDimensions()[0] - begin);
+      kernels.JoinRange(samples.Type, rows, &seen.Minimum, &seen.Maximum, &seen.HasNotANumber);
     }
   }
   for (std::int64_t block = 0; block < count; ++block)

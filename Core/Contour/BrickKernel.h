@@ -86,11 +86,29 @@ struct PointOutput
   std::int64_t FirstGlobalId; ///< added to every global id
 };
 
+/// Rows of samples, one after the other along y.
+struct SampleRows
+{
+  const void* First;
+  std::ptrdiff_t Stride[2]; ///< in samples, along a row and between rows
+  std::int64_t Size[2];     ///< samples a row, rows
+};
+
 /// The points of one row of edges: the bits that have one, and the number of the first.
 struct EdgeRow
 {
   std::uint64_t Bits;
   std::int64_t First;
+};
+
+/// What a brick keeps of its rows, and where its points begin; see BrickKernels::NumberRows.
+struct NumberedRows
+{
+  const std::uint64_t* Inside;
+  const std::uint32_t* Offsets;
+  const BrickOwnership* Ownership;
+  std::int64_t FirstPoint;
+  int Size[3]; ///< vertices
 };
 
 /**
@@ -149,6 +167,10 @@ struct BrickKernels
   void (*WritePoints)(
     const BrickSamples& position, const WorldTransform& transform, const PointOutput& output);
 
+  /// The X, Y and Z rows of edges that begin in plane k, one each for every row of vertices, as far
+  /// as the brick owns them.
+  void (*FindRows)(const NumberedRows& rows, int k, EdgeRow* x, EdgeRow* y, EdgeRow* z);
+
   /**
    * Writes the triangles of a slab's cells; returns where the next ones go. Values between that
    * and `end` may be overwritten.
@@ -168,11 +190,11 @@ struct BrickKernels
     std::int64_t*& connectivity, std::int64_t*& offsets, std::int64_t& index);
 
   /**
-   * Least and greatest value of `count` samples, NaN left out, joined to what minimum and maximum
+   * Least and greatest of some rows of samples, NaN left out, joined to what minimum and maximum
    * hold; these point to one value of the type each. Sets *notANumber if there is a NaN.
    */
-  void (*JoinRange)(ValueType type, const void* first, std::ptrdiff_t stride, std::int64_t count,
-    void* minimum, void* maximum, bool* notANumber);
+  void (*JoinRange)(
+    ValueType type, const SampleRows& rows, void* minimum, void* maximum, bool* notANumber);
 };
 
 /// The kernels for any processor.

@@ -147,7 +147,13 @@ void ClassifyRows(ValueType type, const BrickSamples& samples, const void* thres
         const T* row = plane;
         for (int j = 0; j < samples.Size[1]; ++j, row += samples.Stride[1])
         {
-          *inside++ = ClassifyRow(row, samples.Stride[0], samples.Size[0], limit);
+          // The rows of a brick are too short for the processor to see where the next ones are.
+        if (k + 1 < samples.Size[2])
+        {
+          __builtin_prefetch(row + samples.Stride[2]);
+          __builtin_prefetch(row + samples.Stride[2] + lastInRow);
+        }
+        *inside++ = ClassifyRow(row, samples.Stride[0], samples.Size[0], limit);
         }
       }
     });
@@ -524,6 +530,30 @@ void WritePoints(
   }
 }
 
+// ---- Rows ---------------------------------------------------------------------------------------
+
+void FindRows(const NumberedRows& rows, int k, EdgeRow* x, EdgeRow* y, EdgeRow* z)
+{
+  const int nx = rows.Size[0];
+  const int ny = rows.Size[1];
+  const int zPlace = PlaceOf(k, rows.Size[2]);
+  const Word cells = MaskBelow(nx - 1);
+  const Word* inside = rows.Inside + k * ny;
+  const std::uint32_t* offsets = rows.Offsets + k * ny;
+  const Word* insideZ = k + 1 < rows.Size[2] ? inside + ny : inside;
+  for (int j = 0; j < ny; ++j)
+  {
+    const int yPlace = PlaceOf(j, ny);
+    const Word row = inside[j];
+    x[j].Bits = (row ^ row >> 1) & cells & rows.Ownership->X[yPlace][zPlace];
+    x[j].First = rows.FirstPoint + offsets[j];
+    y[j].Bits = (row ^ inside[j + 1 < ny ? j + 1 : j]) & rows.Ownership->Y[zPlace];
+    y[j].First = x[j].First + CountBits(x[j].Bits);
+    z[j].Bits = (row ^ insideZ[j]) & rows.Ownership->Z[yPlace];
+    z[j].First = y[j].First + CountBits(y[j].Bits);
+  }
+}
+
 // ---- Triangles ---------------------------------------------------------------------------------
 
 template <typename Id>
@@ -654,46 +684,50 @@ void WritePolygons(const RowSlab& slab, const PolygonCase* cases, Id*& connectiv
 
 // ---- Ranges ------------------------------------------------------------------------------------
 
+// 32 bytes of samples side by side, as GCC and Clang have it: operators work on all lanes, and the
+// compiler breaks them down to what the processor has.
 template <typename T>
-void JoinRangeOf(const T* first, std::ptrdiff_t stride, std::int64_t count, T& minimum, T& maximum,
-  bool& notANumber)
+struct LanesOf
 {
-  // Lanes, since the compiler may not reorder a chain of floating-point comparisons.
-  constexpr int lanes = static_cast<int>(64 / sizeof(T));
-  std::int64_t n = 0;
-  T low[lanes];
-  T high[lanes];
-  std::uint8_t odd[lanes];
-  for (int lane = 0; lane < lanes; ++lane)
+  static constexpr int Count = static_cast<int>(32 / sizeof(T));
+  typedef T Type __attribute__((vector_size(32)));
+};
+
+template <typename T>
+void JoinRows(const SampleRows& rows, T& minimum, T& maximum, bool& notANumber)
+{
+  using Lanes = typename LanesOf<T>::Type;
+  constexpr int width = LanesOf<T>::Count;
+  const std::int64_t count = rows.Size[0];
+  const std::ptrdiff_t stride = rows.Stride[0];
+  Lanes low = Lanes{} + minimum;
+  Lanes high = Lanes{} + maximum;
+  auto odd = low != low;
+  const T* row = static_cast<const T*>(rows.First);
+  for (std::int64_t n = 0; n < rows.Size[1]; ++n, row += rows.Stride[1])
   {
-    low[lane] = minimum;
-    high[lane] = maximum;
-    odd[lane] = 0;
-  }
-  if (stride == 1)
-  {
-    for (; n + lanes <= count; n += lanes)
+    if (stride != 1 || count < width)
     {
-      for (int lane = 0; lane < lanes; ++lane)
+      for (std::int64_t i = 0; i < count; ++i)
       {
-        const T value = first[n + lane];
-        low[lane] = value < low[lane] ? value : low[lane];
-        high[lane] = high[lane] < value ? value : high[lane];
-        if constexpr (IsFloating<T>::Value)
-        {
-          odd[lane] = static_cast<std::uint8_t>(odd[lane] | (value != value));
-        }
+        const T value = row[i * stride];
+        minimum = value < minimum ? value : minimum;
+        maximum = maximum < value ? value : maximum;
+        notANumber = notANumber || value != value;
       }
+      continue;
+    }
+    for (std::int64_t i = 0; i < count; i += width)
+    {
+      // The last step goes back to end with the row: samples may be seen twice.
+      Lanes values;
+      __builtin_memcpy(&values, row + (i + width <= count ? i : count - width), sizeof(values));
+      low = values < low ? values : low;
+      high = high < values ? values : high;
+      odd |= values != values;
     }
   }
-  for (; n < count; ++n)
-  {
-    const T value = first[n * stride];
-    low[0] = value < low[0] ? value : low[0];
-    high[0] = high[0] < value ? value : high[0];
-    odd[0] = static_cast<std::uint8_t>(odd[0] | (value != value));
-  }
-  for (int lane = 0; lane < lanes; ++lane)
+  for (int lane = 0; lane < width; ++lane)
   {
     minimum = low[lane] < minimum ? low[lane] : minimum;
     maximum = maximum < high[lane] ? high[lane] : maximum;
@@ -701,15 +735,14 @@ void JoinRangeOf(const T* first, std::ptrdiff_t stride, std::int64_t count, T& m
   }
 }
 
-void JoinRange(ValueType type, const void* first, std::ptrdiff_t stride, std::int64_t count,
-  void* minimum, void* maximum, bool* notANumber)
+void JoinRange(
+  ValueType type, const SampleRows& rows, void* minimum, void* maximum, bool* notANumber)
 {
   Dispatch(type,
     [&](auto zero)
     {
       using T = decltype(zero);
-      JoinRangeOf(static_cast<const T*>(first), stride, count, *static_cast<T*>(minimum),
-        *static_cast<T*>(maximum), *notANumber);
+      JoinRows(rows, *static_cast<T*>(minimum), *static_cast<T*>(maximum), *notANumber);
     });
 }
 
@@ -717,7 +750,7 @@ void JoinRange(ValueType type, const void* first, std::ptrdiff_t stride, std::in
 
 extern const BrickKernels Kernels;
 const BrickKernels Kernels = { ClassifyRows, NumberRows, LocatePoints, ComputeNormals, WritePoints,
-  WriteTriangles<std::int32_t>, WriteTriangles<std::int64_t>, WritePolygons<std::int32_t>,
+  FindRows, WriteTriangles<std::int32_t>, WriteTriangles<std::int64_t>, WritePolygons<std::int32_t>,
   WritePolygons<std::int64_t>, JoinRange };
 
 } // namespace ISOSURFACE_KERNEL

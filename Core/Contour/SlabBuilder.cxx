@@ -29,9 +29,10 @@ SlabBuilder::SlabBuilder(
   : Lattice(lattice)
   , Scan(scan)
   , FirstPart(firstPart)
+  , Kernels(GetBrickKernels())
   , Neighborhood(lattice.FindNeighborhood(brick))
 {
-  this->Self = this->GetView({});
+  this->Self = this->GetRows({});
   for (int axis = 0; axis < 3; ++axis)
   {
     for (int lower = 0; lower < NumberOfPlaces; ++lower)
@@ -55,25 +56,31 @@ SlabBuilder::SlabBuilder(
   }
 }
 
-const SlabBuilder::View& SlabBuilder::GetView(const BrickNeighborhood::Step& step)
+const NumberedRows& SlabBuilder::GetRows(const BrickNeighborhood::Step& step)
 {
-  View& view =
-    this->Views[static_cast<std::size_t>(step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1))];
-  if (!view.Part)
+  NumberedRows& rows =
+    this->Neighbors[static_cast<std::size_t>(step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1))];
+  if (!rows.Ownership)
   {
     const std::size_t brick = this->Neighborhood.Get(step);
-    view.Part = &this->Scan.GetParts()[this->FirstPart + brick];
-    view.Ownership = &this->Scan.GetOwnerships()[brick];
+    const BrickPart& part = this->Scan.GetParts()[this->FirstPart + brick];
+    rows.Inside = part.Inside;
+    rows.Offsets = part.Offsets;
+    rows.Ownership = &this->Scan.GetOwnerships()[brick];
+    rows.FirstPoint = part.FirstPoint;
     const Index3 size = this->Lattice.GetBricks()[brick].Vertices.GetSize();
-    view.Size = { static_cast<int>(size[0]), static_cast<int>(size[1]), static_cast<int>(size[2]) };
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      rows.Size[axis] = static_cast<int>(size[axis]);
+    }
   }
-  return view;
+  return rows;
 }
 
 bool SlabBuilder::IsActive(int k) const
 {
   const int rows = 2 * this->Self.Size[1];
-  const std::uint64_t* inside = this->Self.Part->Inside + k * this->Self.Size[1];
+  const std::uint64_t* inside = this->Self.Inside + k * this->Self.Size[1];
   const std::uint64_t full = (std::uint64_t(1) << this->Self.Size[0]) - 1;
   std::uint64_t any = 0;
   std::uint64_t all = full;
@@ -89,127 +96,125 @@ const RowSlab& SlabBuilder::Build(int k)
 {
   this->FillPlane(k);
   this->FillPlane(k + 1);
-  this->FillZ(k);
+  this->FillColumns(2, k, this->ColumnZ[0], this->ColumnZ[1]);
   for (int plane = 0; plane < 2; ++plane)
   {
     const auto slot = static_cast<std::size_t>((k + plane) % 2);
-    this->Slab.Inside[plane] = this->Self.Part->Inside + (k + plane) * this->Self.Size[1];
+    this->Slab.Inside[plane] = this->Self.Inside + (k + plane) * this->Self.Size[1];
     this->Slab.X[plane] = this->X[slot].data();
     this->Slab.Y[plane] = this->Y[slot].data();
     for (std::size_t side = 0; side < 2; ++side)
     {
       this->Slab.ColumnY[side][plane] = this->ColumnY[side][slot].data();
+      this->Slab.ColumnZ[side] = this->ColumnZ[side].data();
     }
   }
-  this->Slab.Z = this->Z.data();
-  this->Slab.ColumnZ[0] = this->ColumnZ[0].data();
-  this->Slab.ColumnZ[1] = this->ColumnZ[1].data();
+  this->Slab.Z = this->Z[static_cast<std::size_t>(k % 2)].data();
   return this->Slab;
-}
-
-EdgeRow SlabBuilder::FindRow(const View& view, int axis, int j, int k)
-{
-  const BrickPart& part = *view.Part;
-  if (!part.Inside)
-  {
-    return { 0, 0 }; // a brick without a surface: nothing crosses the shared row
-  }
-  const int ny = view.Size[1];
-  const int row = k * ny + j;
-  const int yPlace = PlaceOf(j, ny);
-  const int zPlace = PlaceOf(k, view.Size[2]);
-  const std::uint64_t inside = part.Inside[row];
-  const std::uint64_t x = (inside ^ inside >> 1) & view.Ownership->X[yPlace][zPlace];
-  EdgeRow edges{ x, part.FirstPoint + part.Offsets[row] };
-  if (axis == 0)
-  {
-    return edges;
-  }
-  edges.First += CountBits(x);
-  edges.Bits = j + 1 < ny ? (inside ^ part.Inside[row + 1]) & view.Ownership->Y[zPlace] : 0;
-  if (axis == 1)
-  {
-    return edges;
-  }
-  edges.First += CountBits(edges.Bits);
-  edges.Bits =
-    k + 1 < view.Size[2] ? (inside ^ part.Inside[row + ny]) & view.Ownership->Z[yPlace] : 0;
-  return edges;
-}
-
-SlabBuilder::Vertex SlabBuilder::Translate(
-  const View& owner, const BrickNeighborhood::Step& step, Vertex vertex) const
-{
-  return { TranslateCoordinate(vertex.I, step.X, owner.Size[0]),
-    TranslateCoordinate(vertex.J, step.Y, owner.Size[1]),
-    TranslateCoordinate(vertex.K, step.Z, owner.Size[2]) };
-}
-
-// The row of edges between the first and the last column, wherever it is.
-EdgeRow SlabBuilder::FindRow(int axis, int j, int k)
-{
-  const int yPlace = PlaceOf(j, this->Self.Size[1]);
-  const int zPlace = PlaceOf(k, this->Self.Size[2]);
-  const BrickNeighborhood::Step& step = axis == 0 ? this->Owners[0][yPlace][zPlace]
-    : axis == 1                                   ? this->Owners[1][1][zPlace]
-                                                  : this->Owners[2][1][yPlace];
-  if (step == BrickNeighborhood::Step{})
-  {
-    return FindRow(this->Self, axis, j, k);
-  }
-  const View& owner = this->GetView(step);
-  const Vertex vertex = this->Translate(owner, step, { 1, j, k });
-  return FindRow(owner, axis, vertex.J, vertex.K);
-}
-
-// The point on the Y or Z edge from a vertex of the first or last column; anything if uncrossed.
-std::int64_t SlabBuilder::FindColumn(int axis, int side, int j, int k)
-{
-  const int ny = this->Self.Size[1];
-  const int i = side == 0 ? 0 : this->Self.Size[0] - 1;
-  const std::uint64_t* inside = this->Self.Part->Inside + k * ny + j;
-  if (((inside[0] ^ inside[axis == 1 ? 1 : ny]) >> i & 1) == 0)
-  {
-    return 0;
-  }
-  const int place = axis == 1 ? PlaceOf(k, this->Self.Size[2]) : PlaceOf(j, ny);
-  const BrickNeighborhood::Step& step = this->Owners[axis][side == 0 ? 0 : 2][place];
-  const View& owner = this->GetView(step);
-  const Vertex vertex = this->Translate(owner, step, { i, j, k });
-  const EdgeRow row = FindRow(owner, axis, vertex.J, vertex.K);
-  return row.First + CountBits(row.Bits & ((std::uint64_t(1) << vertex.I) - 1));
 }
 
 void SlabBuilder::FillPlane(int k)
 {
   const auto slot = static_cast<std::size_t>(k % 2);
-  if (this->Filled[slot] == k)
+  if (this->Filled[slot] != k)
   {
-    return;
+    this->Filled[slot] = k;
+    this->Kernels.FindRows(
+      this->Self, k, this->X[slot].data(), this->Y[slot].data(), this->Z[slot].data());
+    this->FillSharedRows(k);
+    this->FillColumns(1, k, this->ColumnY[0][slot], this->ColumnY[1][slot]);
   }
-  this->Filled[slot] = k;
-  for (int j = 0; j < this->Self.Size[1]; ++j)
+}
+
+// Puts rows that other bricks own in the place of the brick's own.
+void SlabBuilder::FillSharedRows(int k)
+{
+  const BrickNeighborhood::Step self;
+  const auto slot = static_cast<std::size_t>(k % 2);
+  const int ny = this->Self.Size[1];
+  const int zPlace = PlaceOf(k, this->Self.Size[2]);
+  const BrickNeighborhood::Step& ownerY = this->Owners[1][1][zPlace];
+  for (int j = 0; j < ny; j += zPlace == 1 && j == 0 ? ny - 1 : 1)
   {
     const auto row = static_cast<std::size_t>(j);
-    this->X[slot][row] = this->FindRow(0, j, k);
-    if (j + 1 < this->Self.Size[1])
+    const int yPlace = PlaceOf(j, ny);
+    const BrickNeighborhood::Step& ownerX = this->Owners[0][yPlace][zPlace];
+    const BrickNeighborhood::Step& ownerZ = this->Owners[2][1][yPlace];
+    if (!(ownerX == self))
     {
-      this->Y[slot][row] = this->FindRow(1, j, k);
-      this->ColumnY[0][slot][row] = this->FindColumn(1, 0, j, k);
-      this->ColumnY[1][slot][row] = this->FindColumn(1, 1, j, k);
+      this->X[slot][row] = this->FindSharedRow(0, ownerX, j, k);
+    }
+    if (!(ownerY == self) && j + 1 < ny)
+    {
+      this->Y[slot][row] = this->FindSharedRow(1, ownerY, j, k);
+    }
+    if (!(ownerZ == self) && k + 1 < this->Self.Size[2])
+    {
+      this->Z[slot][row] = this->FindSharedRow(2, ownerZ, j, k);
     }
   }
 }
 
-void SlabBuilder::FillZ(int k)
+// The row of edges from (., j, k) as the brick has it that lies at `owner`.
+EdgeRow SlabBuilder::FindSharedRow(int axis, const BrickNeighborhood::Step& owner, int j, int k)
 {
-  for (int j = 0; j < this->Self.Size[1]; ++j)
+  const NumberedRows& rows = this->GetRows(owner);
+  if (!rows.Inside)
   {
-    const auto row = static_cast<std::size_t>(j);
-    this->Z[row] = this->FindRow(2, j, k);
-    this->ColumnZ[0][row] = this->FindColumn(2, 0, j, k);
-    this->ColumnZ[1][row] = this->FindColumn(2, 1, j, k);
+    return { 0, 0 }; // a brick without a surface: nothing crosses the shared row
   }
+  const int ny = rows.Size[1];
+  j = TranslateCoordinate(j, owner.Y, ny);
+  k = TranslateCoordinate(k, owner.Z, rows.Size[2]);
+  const int row = k * ny + j;
+  const int yPlace = PlaceOf(j, ny);
+  const int zPlace = PlaceOf(k, rows.Size[2]);
+  const std::uint64_t inside = rows.Inside[row];
+  EdgeRow edges{ (inside ^ inside >> 1) & rows.Ownership->X[yPlace][zPlace],
+    rows.FirstPoint + rows.Offsets[row] };
+  if (axis >= 1)
+  {
+    edges.First += CountBits(edges.Bits);
+    edges.Bits = j + 1 < ny ? (inside ^ rows.Inside[row + 1]) & rows.Ownership->Y[zPlace] : 0;
+  }
+  if (axis == 2)
+  {
+    edges.First += CountBits(edges.Bits);
+    edges.Bits =
+      k + 1 < rows.Size[2] ? (inside ^ rows.Inside[row + ny]) & rows.Ownership->Z[yPlace] : 0;
+  }
+  return edges;
+}
+
+// The numbers of the points on the Y or Z edges from the first and the last column of plane k.
+void SlabBuilder::FillColumns(int axis, int k, Column& first, Column& last)
+{
+  const int ny = this->Self.Size[1];
+  const std::uint64_t* from = this->Self.Inside + k * ny;
+  const std::uint64_t* to = from + (axis == 1 ? 1 : ny);
+  const std::uint64_t lastBit = std::uint64_t(1) << (this->Self.Size[0] - 1);
+  for (int j = 0; j < (axis == 1 ? ny - 1 : ny); ++j)
+  {
+    const std::uint64_t crossed = from[j] ^ to[j];
+    if ((crossed & lastBit) != 0)
+    {
+      last[static_cast<std::size_t>(j)] = this->FindColumnPoint(axis, 1, j, k);
+    }
+    if ((crossed & 1) != 0 && !this->Slab.FirstColumnInRow)
+    {
+      first[static_cast<std::size_t>(j)] = this->FindColumnPoint(axis, 0, j, k);
+    }
+  }
+}
+
+std::int64_t SlabBuilder::FindColumnPoint(int axis, int side, int j, int k)
+{
+  const int place = axis == 1 ? PlaceOf(k, this->Self.Size[2]) : PlaceOf(j, this->Self.Size[1]);
+  const BrickNeighborhood::Step& owner = this->Owners[axis][side == 0 ? 0 : 2][place];
+  const EdgeRow row = this->FindSharedRow(axis, owner, j, k);
+  const int own = side == 0 ? 0 : this->Self.Size[0] - 1;
+  const int i = TranslateCoordinate(own, owner.X, this->GetRows(owner).Size[0]);
+  return row.First + CountBits(row.Bits & ((std::uint64_t(1) << i) - 1));
 }
 
 } // namespace isosurface

@@ -33,47 +33,33 @@ public:
   const RowSlab& Build(int k);
 
 private:
-  /// A brick of the neighbourhood at the isovalue.
-  struct View
-  {
-    const BrickPart* Part = nullptr;
-    const BrickOwnership* Ownership = nullptr;
-    std::array<int, 3> Size{};
-  };
-  /// A vertex of the brick, and the same vertex in the brick that owns an edge from there.
-  struct Vertex
-  {
-    int I = 0;
-    int J = 0;
-    int K = 0;
-  };
   using Rows = std::array<EdgeRow, MaximumBrickSize>;
   using Column = std::array<std::int64_t, MaximumBrickSize>;
 
-  static EdgeRow FindRow(const View& view, int axis, int j, int k);
-  const View& GetView(const BrickNeighborhood::Step& step);
-  Vertex Translate(const View& owner, const BrickNeighborhood::Step& step, Vertex vertex) const;
-  EdgeRow FindRow(int axis, int j, int k);
-  std::int64_t FindColumn(int axis, int side, int j, int k);
+  const NumberedRows& GetRows(const BrickNeighborhood::Step& step);
+  EdgeRow FindSharedRow(int axis, const BrickNeighborhood::Step& owner, int j, int k);
+  std::int64_t FindColumnPoint(int axis, int side, int j, int k);
   void FillPlane(int k);
-  void FillZ(int k);
+  void FillSharedRows(int k);
+  void FillColumns(int axis, int k, Column& first, Column& last);
 
   const BrickLattice& Lattice;
   const BrickScan& Scan;
   std::size_t FirstPart;
-  View Self;
+  const BrickKernels& Kernels;
+  NumberedRows Self{};
   BrickNeighborhood Neighborhood;
-  std::array<View, 27> Views; ///< filled as they are asked for
+  std::array<NumberedRows, 27> Neighbors{}; ///< of the neighbourhood, filled as they are asked for
   /// Owners by axis and places; see BrickNeighborhood::FindOwner.
   std::array<std::array<std::array<BrickNeighborhood::Step, 3>, 3>, 3> Owners;
 
   RowSlab Slab{};
   std::array<Rows, 2> X; ///< of planes with even and with odd numbers
   std::array<Rows, 2> Y;
-  Rows Z;
-  std::array<std::array<Column, 2>, 2> ColumnY; ///< [column][plane even or odd]
-  std::array<Column, 2> ColumnZ;
-  std::array<int, 2> Filled{ -1, -1 }; ///< the planes that X and Y hold
+  std::array<Rows, 2> Z;
+  std::array<std::array<Column, 2>, 2> ColumnY{}; ///< [column][plane even or odd]
+  std::array<Column, 2> ColumnZ{};                ///< [column]
+  std::array<int, 2> Filled{ -1, -1 };            ///< the planes that X, Y and Z hold
 };
 
 } // namespace isosurface

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Index/ExternalIntervalTree.h"
 
+#include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -295,6 +297,29 @@ Status ExternalIntervalTree::FindOverlapping(
     return Status::Ok();
   }
   return Query(*this, low, high, visit, statistics).Run();
+}
+
+Status ExternalIntervalTree::Verify(PageStatistics& statistics) const
+{
+  for (std::uint64_t page = 0; page < this->File->GetPageCount(); ++page)
+  {
+    const auto read = this->File->ReadPage(page, statistics);
+    if (!read.IsOk())
+    {
+      return read.GetStatus();
+    }
+  }
+  std::uint64_t found = 0;
+  ISOSURFACE_RETURN_IF_ERROR(this->FindOverlapping(
+    0, std::numeric_limits<ValueKey>::max(), [&found](const KeyInterval&) { ++found; },
+    statistics));
+  if (found != this->Header.Count)
+  {
+    return this->File->MakeCorrupt(0,
+      "the tree leads to " + std::to_string(found) + " intervals, not to " +
+        std::to_string(this->Header.Count));
+  }
+  return Status::Ok();
 }
 
 } // namespace isosurface

@@ -48,7 +48,8 @@ Result<std::shared_ptr<const DecodedBlock>> BlockCache::Get(
   const auto loading = std::make_shared<Loading>();
   this->InFlight.emplace(key, loading);
   lock.unlock();
-  const auto finish = [&] {
+  const auto finish = [&]
+  {
     loading->Done = true;
     this->InFlight.erase(key);
     this->LoadingDone.notify_all();

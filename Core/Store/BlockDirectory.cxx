@@ -113,8 +113,7 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
   {
     return pages.MakeCorrupt(0, "its number of pages does not fit its number of blocks");
   }
-  return std::unique_ptr<BlockDirectory>(
-    new BlockDirectory(std::move(*reader), entries, segments));
+  return std::unique_ptr<BlockDirectory>(new BlockDirectory(std::move(*reader), entries, segments));
 }
 
 Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int64_t blocks,

@@ -39,7 +39,8 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
     std::to_string(place.Array) + ", level " + std::to_string(place.Level);
   if (LoadLittleEndian<std::uint64_t>(segment) != ComputeSegmentChecksum(segment, stored, place))
   {
-    return Status(StatusCode::Corrupt, name + " does not have the checksum that was written with it");
+    return Status(
+      StatusCode::Corrupt, name + " does not have the checksum that was written with it");
   }
   if (LoadLittleEndian<std::uint32_t>(segment + 8) != stored)
   {
@@ -47,7 +48,8 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
   }
   if (segment[12] != 0 || segment[13] != 0)
   {
-    return Status(StatusCode::Unsupported, name + " is stored by a codec that this version does not know");
+    return Status(
+      StatusCode::Unsupported, name + " is stored by a codec that this version does not know");
   }
   return Status::Ok();
 }
@@ -76,32 +78,33 @@ std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t 
     const BlockSegment segment(grid, block, from);
     const int shift = from - level;
     const std::uint8_t* samples = segments[static_cast<std::size_t>(coarsest - from)];
-    segment.VisitRows(shift == 0 ? segment.GetBox() : segment.GetOwnBox(), [&](const SegmentRow& row) {
-      const Index3 to = { (row.I << shift) - view.Available.Low[0],
-        (row.J << shift) - view.Available.Low[1], (row.K << shift) - view.Available.Low[2] };
-      const std::ptrdiff_t offset = to[0] + to[1] * view.Stride[1] + to[2] * view.Stride[2];
-      CopySamples(decoded->Bytes.GetData() + static_cast<std::size_t>(offset) * size,
-        row.Step << shift, samples + row.Offset * size, 1, row.Count, size);
-    });
+    segment.VisitRows(shift == 0 ? segment.GetBox() : segment.GetOwnBox(),
+      [&](const SegmentRow& row)
+      {
+        const Index3 to = { (row.I << shift) - view.Available.Low[0],
+          (row.J << shift) - view.Available.Low[1], (row.K << shift) - view.Available.Low[2] };
+        const std::ptrdiff_t offset = to[0] + to[1] * view.Stride[1] + to[2] * view.Stride[2];
+        CopySamples(decoded->Bytes.GetData() + static_cast<std::size_t>(offset) * size,
+          row.Step << shift, samples + row.Offset * size, 1, row.Count, size);
+      });
   }
   return decoded;
 }
 
-std::uint64_t ComputeRecordSize(
+BlockRecordLayout::BlockRecordLayout(
   const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types)
 {
-  std::uint64_t valueSize = 0;
   for (const ValueType type : types)
   {
-    valueSize += GetValueSize(type);
+    for (int level = grid.GetNumberOfLevels() - 1; level >= 0; --level)
+    {
+      const std::uint64_t samples = BlockSegment(grid, block, level).GetNumberOfSamples();
+      this->Samples += samples;
+      this->Offsets.push_back(this->Size);
+      this->Lengths.push_back(static_cast<std::uint32_t>(samples * GetValueSize(type)));
+      this->Size += BlockRecord::SegmentHeaderSize + this->Lengths.back();
+    }
   }
-  std::uint64_t size = 0;
-  for (int level = 0; level < grid.GetNumberOfLevels(); ++level)
-  {
-    size += BlockSegment(grid, block, level).GetNumberOfSamples() * valueSize +
-      BlockRecord::SegmentHeaderSize * types.size();
-  }
-  return size;
 }
 
 } // namespace isosurface

@@ -65,9 +65,18 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,
   ValueType type, const std::vector<const std::uint8_t*>& segments);
 
-/// The size of a record if every segment is stored as it is, without padding.
-std::uint64_t ComputeRecordSize(
-  const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types);
+/// Where the segments of a record are if every one is stored as it is.
+struct BlockRecordLayout
+{
+  BlockRecordLayout(const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types);
+
+  /// Per segment in the order of the record: bytes from the record's begin to its header.
+  std::vector<std::uint64_t> Offsets;
+  /// Per segment: the bytes stored, without the header.
+  std::vector<std::uint32_t> Lengths;
+  std::uint64_t Samples = 0; ///< of all segments
+  std::uint64_t Size = 0;    ///< of the record, without padding
+};
 
 } // namespace isosurface
 

@@ -97,8 +97,8 @@ public:
     std::size_t timeStep, std::size_t array, std::uint32_t store);
 
 private:
-  BlockedVolume(
-    std::string path, FileSystem& files, std::shared_ptr<BlockCache> cache, std::string text);
+  BlockedVolume(std::string path, FileSystem& files, std::shared_ptr<BlockCache> cache,
+    std::string text, BlockedVolumeHeader header);
 
   struct OpenStore
   {

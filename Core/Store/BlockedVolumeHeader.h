@@ -76,6 +76,8 @@ struct BlockedVolumeHeader
   /// Whether the header can be written: a grid with vertices, distinct names, finite numbers, ...
   /// The message names the member that is wrong.
   Status Validate() const;
+  /// The same for all but the time steps.
+  Status ValidateVolume() const;
 
   /// The file's text.
   std::string Format() const;

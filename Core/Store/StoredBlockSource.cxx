@@ -6,8 +6,8 @@
 namespace isosurface
 {
 
-StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep,
-  std::size_t array, int level, std::vector<BlockReference> blocks)
+StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t array,
+  int level, std::vector<BlockReference> blocks)
   : Volume(volume)
   , TimeStep(timeStep)
   , Array(array)

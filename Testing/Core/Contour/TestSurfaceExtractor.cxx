@@ -1,1 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PlainContour.h"
+
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace isosurface
+{
+namespace
+{
+
+ContourRequest MakeRequest(std::vector<double> isovalues)
+{
+  ContourRequest request;
+  request.Isovalues = std::move(isovalues);
+  request.Normals = true;
+  request.GlobalIds = true;
+  return request;
+}
+
+template <typename T>
+Surface Extract(const TestVolume<T>& volume, int blockSize, const ContourRequest& request,
+  int threads = 1, int components = 1)
+{
+  TestBlockSource<T> source(volume, blockSize, 1, components);
+  Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, threads);
+  EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
+  return std::move(*surface);
+}
+
+// Everything is checked that does not need the oracle's tables: sizes, ranges, parts.
+void CheckShape(const Surface& surface, const ContourRequest& request)
+{
+  EXPECT_EQ(surface.Points.GetSize(), 3 * surface.NumberOfPoints);
+  EXPECT_EQ(surface.Connectivity.GetSize(), 3 * surface.NumberOfTriangles);
+  EXPECT_EQ(surface.Parts.size(), request.Isovalues.size());
+  std::size_t points = 0;
+  std::size_t cells = 0;
+  for (const SurfacePart& part : surface.Parts)
+  {
+    EXPECT_EQ(part.FirstPoint, points);
+    EXPECT_EQ(part.FirstCell, cells);
+    points += part.NumberOfPoints;
+    cells += part.NumberOfCells;
+  }
+  EXPECT_EQ(points, surface.NumberOfPoints);
+  EXPECT_EQ(cells, surface.NumberOfCells);
+  std::vector<bool> used(surface.NumberOfPoints, false);
+  for (std::size_t n = 0; n < surface.Connectivity.GetSize(); ++n)
+  {
+    const auto point = static_cast<std::size_t>(surface.Connectivity[n]);
+    ASSERT_LT(point, used.size());
+    used[point] = true;
+  }
+  EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "points that no triangle uses";
+}
+
+template <typename T>
+void CheckAgainstOracle(const TestVolume<T>& volume, int blockSize,
+  const std::vector<double>& isovalues, int threads = 1, int components = 1)
+{
+  const ContourRequest request = MakeRequest(isovalues);
+  const Surface surface = Extract(volume, blockSize, request, threads, components);
+  CheckShape(surface, request);
+  const PlainSurface plain = MakePlain(surface);
+  EXPECT_EQ(plain.Points.size(), surface.NumberOfPoints) << "a point is there twice";
+  EXPECT_TRUE(plain == ContourPlainly(volume, isovalues));
+}
+
+template <typename T>
+class SurfaceOfType : public testing::Test
+{
+};
+using AllTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+  std::int32_t, std::uint32_t, std::int64_t, std::uint64_t, float, double>;
+TYPED_TEST_SUITE(SurfaceOfType, AllTypes);
+
+} // namespace
+
+TYPED_TEST(SurfaceOfType, EveryCellCaseEqualsOracle)
+{
+  for (unsigned cellCase = 0; cellCase < 256; ++cellCase)
+  {
+    TestVolume<TypeParam> volume({ 2, 2, 2 });
+    for (unsigned vertex = 0; vertex < 8; ++vertex)
+    {
+      volume.Samples[vertex] = static_cast<TypeParam>(cellCase >> vertex & 1 ? 7 + vertex : 1);
+    }
+    CheckAgainstOracle(volume, 16, { 6.5 });
+  }
+}
+
+TYPED_TEST(SurfaceOfType, RandomSmallGridsInSmallBlocksEqualOracle)
+{
+  std::mt19937 random(20);
+  std::uniform_int_distribution<int> size(1, 9);
+  std::uniform_int_distribution<int> blockSize(1, 5);
+  for (int trial = 0; trial < 150; ++trial)
+  {
+    const Index3 dimensions{ size(random), size(random), size(random) };
+    const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, trial % 2 == 0 ? 4 : 100);
+    // A whole number equals samples, a half lies between them.
+    CheckAgainstOracle(volume, blockSize(random), { trial % 3 == 0 ? 1.0 : 1.5 }, 1, trial % 4 + 1);
+  }
+}
+
+TYPED_TEST(SurfaceOfType, BlocksOfAllSizesWithRestsEqualOracle)
+{
+  std::mt19937 random(21);
+  const Index3 sizes[] = { { 70, 5, 4 }, { 4, 67, 3 }, { 3, 4, 66 }, { 34, 33, 2 }, { 65, 3, 33 } };
+  for (const Index3& dimensions : sizes)
+  {
+    const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, 100);
+    for (const int blockSize : { 16, 32, 64 })
+    {
+      CheckAgainstOracle(volume, blockSize, { 30.25 }, 2);
+    }
+  }
+}
+
+TEST(SurfaceExtractor, ExtremesOfWideIntegersDoNotOverflow)
+{
+  using Signed = std::numeric_limits<std::int64_t>;
+  using Unsigned = std::numeric_limits<std::uint64_t>;
+  std::mt19937 random(22);
+  TestVolume<std::int64_t> wide({ 4, 4, 4 });
+  TestVolume<std::uint64_t> wideUnsigned({ 4, 4, 4 });
+  TestVolume<std::int32_t> narrow({ 4, 4, 4 });
+  for (std::size_t n = 0; n < 64; ++n)
+  {
+    const bool inside = random() % 2 == 0;
+    wide.Samples[n] = inside ? Signed::max() : Signed::min();
+    wideUnsigned.Samples[n] = inside ? Unsigned::max() - n : n;
+    narrow.Samples[n] = inside ? std::numeric_limits<std::int32_t>::max() - static_cast<int>(n)
+                               : std::numeric_limits<std::int32_t>::min() + static_cast<int>(n);
+  }
+  CheckAgainstOracle(wide, 2, { 0.0 });
+  CheckAgainstOracle(wideUnsigned, 2, { 9007199254740993.0 });
+  CheckAgainstOracle(narrow, 2, { -12345.5 });
+}
+
+TEST(SurfaceExtractor, NeighbouringWideIntegersAreToldApart)
+{
+  // Both samples round to the same double; only one is inside.
+  TestVolume<std::int64_t> volume({ 2, 2, 2 });
+  const std::int64_t limit = std::int64_t(1) << 60;
+  std::fill(volume.Samples.begin(), volume.Samples.end(), limit - 1);
+  volume.Samples[3] = limit;
+  const Surface surface = Extract(volume, 16, MakeRequest({ static_cast<double>(limit) }));
+  EXPECT_EQ(surface.NumberOfTriangles, 1u);
+  for (const float coordinate : surface.Points)
+  {
+    EXPECT_GE(coordinate, 0.0f);
+    EXPECT_LE(coordinate, 1.0f);
+  }
+}
+
+TEST(SurfaceExtractor, InfinitiesAndNaNEqualOracle)
+{
+  std::mt19937 random(23);
+  for (int trial = 0; trial < 100; ++trial)
+  {
+    auto volume = MakeRandomVolume<float>(random, { 5, 6, 4 }, 10);
+    for (float& sample : volume.Samples)
+    {
+      const auto draw = random() % 12;
+      sample = draw == 0 ? std::numeric_limits<float>::infinity()
+        : draw == 1      ? -std::numeric_limits<float>::infinity()
+        : draw == 2      ? std::numeric_limits<float>::max()
+        : draw == 3      ? std::numeric_limits<float>::denorm_min()
+        : draw == 4      ? -0.0f
+                         : sample;
+    }
+    CheckAgainstOracle(volume, 3, { trial % 2 == 0 ? 0.0 : 1.25 });
+  }
+}
+
+TEST(SurfaceExtractor, SeveralIsovaluesAreSeparatePartsOfOneSurface)
+{
+  std::mt19937 random(24);
+  const auto volume = MakeRandomVolume<std::int16_t>(random, { 21, 18, 17 }, 200);
+  CheckAgainstOracle(volume, 16, { 10.5, -40.0, 10.5, 99.0 }, 2);
+}
+
+TEST(SurfaceExtractor, ValuesWithoutSurfaceGiveEmptyParts)
+{
+  std::mt19937 random(25);
+  const auto volume = MakeRandomVolume<std::uint8_t>(random, { 6, 6, 6 }, 200);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const ContourRequest request = MakeRequest({ nan, 255.5, 1e300, -1.0, 0.0, 100.0 });
+  const Surface surface = Extract(volume, 16, request);
+  CheckShape(surface, request);
+  for (std::size_t n = 0; n < 5; ++n)
+  {
+    EXPECT_EQ(surface.Parts[n].NumberOfPoints, 0u);
+  }
+  EXPECT_GT(surface.Parts[5].NumberOfCells, 0u);
+}
+
+TEST(SurfaceExtractor, FlatAndEmptyGridsHaveNoSurface)
+{
+  std::mt19937 random(26);
+  for (const Index3& dimensions : { Index3{ 1, 1, 1 }, Index3{ 1, 9, 9 }, Index3{ 9, 1, 9 },
+         Index3{ 9, 9, 1 }, Index3{ 0, 0, 0 } })
+  {
+    const auto volume = MakeRandomVolume<float>(random, dimensions, 4);
+    const Surface surface = Extract(volume, 16, MakeRequest({ 1.5 }));
+    EXPECT_EQ(surface.NumberOfPoints, 0u);
+    EXPECT_EQ(surface.NumberOfCells, 0u);
+  }
+}
+
+TEST(SurfaceExtractor, NegativeExtentsAndOriginEqualOracle)
+{
+  std::mt19937 random(27);
+  auto volume = MakeRandomVolume<std::uint16_t>(random, { 19, 8, 12 }, 60000);
+  volume.Geometry.Extent = { -1000, -982, 7, 14, -12, -1 };
+  CheckAgainstOracle(volume, 16, { 30000.0 });
+  volume.Geometry.Origin = { 0.1, -7.3, 1e6 };
+  CheckAgainstOracle(volume, 16, { 30000.0 });
+}
+
+TEST(SurfaceExtractor, ObliqueGridsPlacePointsByTheMatrixAndTurnNormals)
+{
+  std::mt19937 random(28);
+  auto volume = MakeRandomVolume<std::uint16_t>(random, { 19, 8, 12 }, 60000);
+  const PlainSurface straight = MakePlain(Extract(volume, 16, MakeRequest({ 30000.0 })));
+  const double cosine = std::cos(0.7);
+  const double sine = std::sin(0.7);
+  for (const double flip : { 1.0, -1.0 })
+  {
+    volume.Geometry.Direction = { cosine, -sine, 0, sine, cosine, 0, 0, 0, flip };
+    volume.Geometry.Spacing = { 0.3, 1.7, 2.1 };
+    volume.Geometry.Origin = { 1, 2, 3.3 };
+    const PlainSurface surface = MakePlain(Extract(volume, 16, MakeRequest({ 30000.0 })));
+    const PlainSurface oracle = ContourPlainly(volume, { 30000.0 });
+    ASSERT_EQ(surface.Triangles, oracle.Triangles);
+    ASSERT_EQ(surface.Points.size(), oracle.Points.size());
+    for (const auto& [id, bits] : surface.Points)
+    {
+      const PointBits& plain = straight.Points.at(id);
+      double dot = 0;
+      double norm = 0;
+      double turned[3];
+      float before[3];
+      float after[3];
+      std::memcpy(before, &plain[3], sizeof(before));
+      std::memcpy(after, &bits[3], sizeof(after));
+      for (std::size_t row = 0; row < 3; ++row)
+      {
+        EXPECT_EQ(bits[row], oracle.Points.at(id)[row]);
+        turned[row] = 0;
+        for (std::size_t column = 0; column < 3; ++column)
+        {
+          // A rotation is its own transposed inverse; the sign of a mirror turns the normal.
+          turned[row] += flip * volume.Geometry.Direction[3 * row + column] *
+            static_cast<double>(before[column]) / volume.Geometry.Spacing[column];
+        }
+        dot += turned[row] * static_cast<double>(after[row]);
+        norm += turned[row] * turned[row];
+      }
+      if (norm > 0)
+      {
+        EXPECT_NEAR(dot / std::sqrt(norm), 1.0, 1e-5);
+      }
+    }
+  }
+}
+
+TEST(SurfaceExtractor, ThreadsDoNotChangeABit)
+{
+  std::mt19937 random(29);
+  const auto volume = MakeRandomVolume<std::uint16_t>(random, { 70, 40, 50 }, 1000);
+  const ContourRequest request = MakeRequest({ 900.0, 990.0 });
+  const Surface one = Extract(volume, 16, request, 1);
+  for (const int threads : { 2, 7 })
+  {
+    const Surface many = Extract(volume, 16, request, threads);
+    ASSERT_EQ(one.NumberOfPoints, many.NumberOfPoints);
+    ASSERT_EQ(one.NumberOfCells, many.NumberOfCells);
+    EXPECT_TRUE(std::equal(one.Points.begin(), one.Points.end(), many.Points.begin()));
+    EXPECT_TRUE(std::equal(one.GlobalIds.begin(), one.GlobalIds.end(), many.GlobalIds.begin()));
+    EXPECT_EQ(std::memcmp(one.Normals.GetData(), many.Normals.GetData(),
+                one.Normals.GetSize() * sizeof(float)),
+      0);
+    EXPECT_TRUE(std::equal(one.Connectivity.Values32.begin(), one.Connectivity.Values32.end(),
+      many.Connectivity.Values32.begin()));
+  }
+}
+
+TEST(SurfaceExtractor, WideIndicesEqualNarrowOnes)
+{
+  std::mt19937 random(30);
+  const auto volume = MakeRandomVolume<std::uint8_t>(random, { 30, 20, 25 }, 100);
+  for (const bool polygons : { false, true })
+  {
+    ContourRequest request = MakeRequest({ 50.5 });
+    request.Offsets = true;
+    request.Polygons = polygons;
+    const Surface narrow = Extract(volume, 16, request);
+    request.WideIndices = true;
+    const Surface wide = Extract(volume, 16, request);
+    EXPECT_FALSE(narrow.Connectivity.Is64Bit);
+    EXPECT_TRUE(wide.Connectivity.Is64Bit);
+    ASSERT_EQ(narrow.Connectivity.GetSize(), wide.Connectivity.GetSize());
+    for (std::size_t n = 0; n < wide.Connectivity.GetSize(); ++n)
+    {
+      ASSERT_EQ(narrow.Connectivity[n], wide.Connectivity[n]);
+    }
+    ASSERT_EQ(narrow.Offsets.GetSize(), narrow.NumberOfCells + 1);
+    ASSERT_EQ(wide.Offsets.GetSize(), wide.NumberOfCells + 1);
+    for (std::size_t n = 0; n <= wide.NumberOfCells; ++n)
+    {
+      ASSERT_EQ(narrow.Offsets[n], wide.Offsets[n]);
+      if (!polygons)
+      {
+        ASSERT_EQ(wide.Offsets[n], 3 * static_cast<std::int64_t>(n));
+      }
+    }
+  }
+}
+
+} // namespace isosurface

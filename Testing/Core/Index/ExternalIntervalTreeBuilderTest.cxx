@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AllocationCounter.h"
+#include "Base/Checksum.h"
 #include "IntervalSets.h"
 
 #include <filesystem>
@@ -106,6 +107,22 @@ TEST(ExternalIntervalTreeBuilder, SameBytesForTheSameSetWhateverOrderAndMemory)
     EXPECT_EQ(*disk.Files.at("a"), *disk.Files.at("b")) << set.Name;
     EXPECT_EQ(disk.Files.size(), 2u) << set.Name << ": a temporary file is left";
   }
+}
+
+TEST(ExternalIntervalTreeBuilder, TheFormatStaysAsItIs)
+{
+  // Files are kept for years. Who changes their bytes raises IntervalTreeFormat::Version (or
+  // PagedFile::FormatVersion), reads the old ones still, and changes the specification.
+  IntervalVector intervals;
+  for (std::uint32_t index = 0; index < 10000; ++index)
+  {
+    const ValueKey minimum = std::uint64_t(index) * 7919 % 10007;
+    intervals.push_back({ minimum, minimum + (std::uint64_t(index) * 104729 % 1000), index });
+  }
+  MemoryFileSystem disk;
+  ASSERT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
+  const auto& bytes = *disk.Files["tree"];
+  EXPECT_EQ(ComputeChecksum(bytes.data(), bytes.size()), 17274510250033190819u);
 }
 
 TEST(ExternalIntervalTreeBuilder, SetsThatFitTheMemoryNeedNoTemporaryFile)

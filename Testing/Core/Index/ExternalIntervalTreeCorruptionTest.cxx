@@ -47,6 +47,9 @@ TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
   ASSERT_LE(good.size(), 10 * PageSize);
   MemoryFileSystem disk;
   PageStatistics statistics;
+  const auto whole = OpenBytes(disk, good);
+  ASSERT_TRUE(whole.IsOk());
+  ASSERT_TRUE((*whole)->Verify(statistics).IsOk());
   int errors = 0;
   for (std::size_t offset = 0; offset < good.size(); ++offset)
   {
@@ -59,6 +62,7 @@ TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
       ++errors;
       continue;
     }
+    ASSERT_FALSE((*tree)->Verify(statistics).IsOk()) << "byte " << offset;
     std::vector<int> seen(intervals.size(), 0);
     const Status status = (*tree)->FindOverlapping(
       0, LargestKey, [&](const KeyInterval& interval) { ++seen.at(interval.Payload); }, statistics);
@@ -215,6 +219,21 @@ TEST(ExternalIntervalTreeCorruption, ATreeThatLeadsToItsPagesAgainAndAgainEnds)
     0, LargestKey, [](const KeyInterval&) {}, statistics);
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
   EXPECT_LE(statistics.PageReads, 64 + 16 * (*tree)->GetPageCount());
+}
+
+TEST(ExternalIntervalTreeCorruption, VerifyMissesNoIntervalThatTheTreeNoLongerLeadsTo)
+{
+  Bytes bytes = MakeTreeBytes(MakeIntervalSets()[4].MakeAll(1000));
+  std::uint8_t* root = bytes.data() + bytes.size() - PageSize;
+  ASSERT_EQ(std::memcmp(root, "NODE", 4), 0);
+  const auto slabs = LoadLittleEndian<std::uint16_t>(root + 6);
+  StoreLittleEndian(root + 8 + 8u * slabs + 36 + 6, std::uint32_t(0)); // the first child's count
+  Reseal(bytes);
+  MemoryFileSystem disk;
+  const auto tree = OpenBytes(disk, bytes);
+  ASSERT_TRUE(tree.IsOk());
+  PageStatistics statistics;
+  EXPECT_EQ((*tree)->Verify(statistics).GetCode(), StatusCode::Corrupt);
 }
 
 TEST(ExternalIntervalTreeCorruption, ADiskThatFailsToReadGivesItsError)

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockStore_h
+#define isosurface_BlockStore_h
+
+#include "Base/FileSystem.h"
+#include "Base/Status.h"
+#include "Index/ExternalIntervalTree.h"
+#include "Store/BlockCache.h"
+#include "Store/BlockDirectory.h"
+#include "Store/BlockedVolumeHeader.h"
+#include "Store/QueryStatistics.h"
+#include "Volume/BlockGrid.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * One store of one time step, opened for reading: a folder with the files
+ *
+ *     blocks          the records (BlockRecord.h)
+ *     directory       where they are (BlockDirectory.h)
+ *     array-N.tree    per array: the external interval tree over the blocks' value ranges
+ *                     (ExternalIntervalTree.h); payload = the block's ordinal
+ *
+ * The folder may be a link or a mount point, so that each store has a disk of its own. A tree is
+ * opened at the first query of its array. Any number of threads may use one store at once.
+ */
+class BlockStore
+{
+public:
+  /// Of the pages of the directory and of each tree, so many bytes are kept in memory.
+  static constexpr std::size_t PageCacheBytes = 1024 * 1024;
+
+  static std::string GetBlocksPath(const std::string& folder) { return folder + "/blocks"; }
+  static std::string GetDirectoryPath(const std::string& folder) { return folder + "/directory"; }
+  static std::string GetTreePath(const std::string& folder, std::size_t array)
+  {
+    return folder + "/array-" + std::to_string(array) + ".tree";
+  }
+
+  /// Opens the records and the directory. `header` must outlive the store. A missing folder is
+  /// NotFound; files that do not fit `description` are Corrupt.
+  static Result<std::shared_ptr<BlockStore>> Open(FileSystem& files, const std::string& folder,
+    const BlockedVolumeHeader& header, const StoreDescription& description);
+
+  std::uint64_t GetNumberOfBlocks() const { return this->Directory->GetCount(); }
+
+  /// The ordinals of the blocks that an isosurface of one of the isovalues passes, ascending.
+  Result<std::vector<std::uint32_t>> FindActive(
+    std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics);
+
+  /// The grid's index of a block.
+  Result<std::int64_t> FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const;
+
+  /// Reads one array of a block up to a level, by one read, and decodes it. Corrupt if the ordinal
+  /// is not that of `block`.
+  Result<std::shared_ptr<const DecodedBlock>> Read(std::uint32_t ordinal, std::int64_t block,
+    std::size_t array, int level, QueryStatistics& statistics) const;
+
+private:
+  BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header);
+  Result<const ExternalIntervalTree*> GetTree(std::size_t array);
+
+  FileSystem& Files;
+  std::string Folder;
+  const BlockedVolumeHeader& Header;
+  BlockGrid Grid;
+  std::unique_ptr<RandomAccessFile> Blocks;
+  std::unique_ptr<BlockDirectory> Directory;
+  std::mutex TreeMutex;
+  std::vector<std::unique_ptr<ExternalIntervalTree>> Trees;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/BlockedVolumeHeader.h"
+
+#include "Store/BlockDirectory.h"
+#include "Store/BlockRecord.h"
+#include "Store/JsonDocument.h"
+#include "Volume/BlockGrid.h"
+
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <type_traits>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr const char* FormatName = "ScalableIsosurface blocked volume";
+constexpr std::int64_t MaximumStores = 1 << 20;
+constexpr std::int64_t MaximumCoordinate = std::int64_t{ 1 } << 40;
+/// So that three numbers a vertex (its grid edges) fit 63 bits.
+constexpr double MaximumVertices = 1152921504606846976.0; // 2^60
+
+template <std::size_t Size>
+void ReadNumbers(JsonMembers& members, const char* name, std::array<double, Size>& numbers)
+{
+  const Json& array = members.GetArray(name, Size);
+  for (std::size_t index = 0; index < array.size(); ++index)
+  {
+    if (!array[index].is_number())
+    {
+      members.Fail(name, "is not an array of numbers");
+      return;
+    }
+    numbers[index] = array[index].get<double>();
+  }
+}
+
+GridGeometry ReadGrid(JsonMembers& document, const std::string& path, Status& status)
+{
+  JsonMembers members(document.GetAny("grid"), path, "grid.", status);
+  GridGeometry grid;
+  const Json& extent = members.GetArray("extent", 6);
+  for (std::size_t index = 0; index < extent.size(); ++index)
+  {
+    if (!extent[index].is_number_integer())
+    {
+      members.Fail("extent", "is not an array of integers");
+      return grid;
+    }
+    // Beyond 63 bits it wraps around, and is then refused or was meant.
+    grid.Extent[index] = extent[index].get<std::int64_t>();
+  }
+  ReadNumbers(members, "origin", grid.Origin);
+  ReadNumbers(members, "spacing", grid.Spacing);
+  ReadNumbers(members, "direction", grid.Direction);
+  return grid;
+}
+
+Json FormatRange(ValueType type, const KeyRange& range)
+{
+  if (range.IsEmpty())
+  {
+    return nullptr;
+  }
+  return DispatchValueType(type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      return Json::array({ MakeValueOfKey<T>(range.Minimum), MakeValueOfKey<T>(range.Maximum) });
+    });
+}
+
+/// The key of a number that the type can hold exactly.
+template <typename T>
+std::optional<ValueKey> ReadKey(const Json& number)
+{
+  if constexpr (std::is_floating_point_v<T>)
+  {
+    if (!number.is_number())
+    {
+      return std::nullopt;
+    }
+    const double value = number.get<double>();
+    // Compared before the conversion, which is undefined for doubles that a float cannot hold.
+    if (!std::isfinite(value) ||
+      std::abs(value) > static_cast<double>(std::numeric_limits<T>::max()))
+    {
+      return std::nullopt;
+    }
+    return MakeValueKey(static_cast<T>(value));
+  }
+  else
+  {
+    if (!number.is_number_integer())
+    {
+      return std::nullopt;
+    }
+    if (number.is_number_unsigned())
+    {
+      const auto value = number.get<std::uint64_t>();
+      return value > static_cast<std::uint64_t>(std::numeric_limits<T>::max())
+        ? std::nullopt
+        : std::optional<ValueKey>(MakeValueKey(static_cast<T>(value)));
+    }
+    const auto value = number.get<std::int64_t>(); // negative
+    return std::is_unsigned_v<T> || value < static_cast<std::int64_t>(std::numeric_limits<T>::min())
+      ? std::nullopt
+      : std::optional<ValueKey>(MakeValueKey(static_cast<T>(value)));
+  }
+}
+
+KeyRange ReadRange(JsonMembers& members, const Json& json, ValueType type)
+{
+  if (json.is_null())
+  {
+    return {};
+  }
+  std::optional<ValueKey> minimum;
+  std::optional<ValueKey> maximum;
+  if (json.is_array() && json.size() == 2)
+  {
+    DispatchValueType(type,
+      [&](auto zero)
+      {
+        minimum = ReadKey<decltype(zero)>(json[0]);
+        maximum = ReadKey<decltype(zero)>(json[1]);
+      });
+  }
+  if (!minimum || !maximum || *minimum > *maximum)
+  {
+    members.Fail("ranges", "is not an array of ranges of values of the arrays");
+    return {};
+  }
+  return { *minimum, *maximum };
+}
+
+std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
+{
+  std::vector<ArrayDescription> arrays;
+  const Json& list = document.GetArray("arrays", JsonMembers::AnySize);
+  for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
+  {
+    JsonMembers members = document.GetElement("arrays", list, index);
+    ArrayDescription array;
+    array.Name = members.GetString("name");
+    const std::string typeName = members.GetString("type");
+    const auto type = FindValueType(typeName);
+    if (!type)
+    {
+      members.Fail("type", "\"" + typeName + "\" is not known");
+    }
+    array.Type = type.value_or(ValueType::UInt8);
+    if (members.GetInteger("components", 1, 1 << 20) != 1)
+    {
+      members.Fail("components", "is above 1, which needs a newer version of this program");
+    }
+    arrays.push_back(array);
+  }
+  return arrays;
+}
+
+TimeStepDescription ReadTimeStep(
+  JsonMembers& members, const BlockedVolumeHeader& header, Status& status)
+{
+  TimeStepDescription step;
+  if (!members.GetAny("time").is_null())
+  {
+    step.Time = members.GetNumber("time");
+  }
+  step.Folder = members.GetString("folder");
+  const Json& ranges = members.GetArray("ranges", header.Arrays.size());
+  for (std::size_t array = 0; array < ranges.size(); ++array)
+  {
+    step.Ranges.push_back(ReadRange(members, ranges[array], header.Arrays[array].Type));
+  }
+  const Json& stores = members.GetArray("stores", header.NumberOfStores);
+  for (std::size_t index = 0; index < stores.size() && status.IsOk(); ++index)
+  {
+    JsonMembers store = members.GetElement("stores", stores, index);
+    step.Stores.push_back(
+      { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum") });
+  }
+  return step;
+}
+
+Status MakeMemberError(const char* member, const std::string& reason)
+{
+  return Status(StatusCode::InvalidArgument, std::string("member ") + member + " " + reason);
+}
+
+bool IsUtf8(const std::string& text)
+{
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::ignore)) == Json(text);
+}
+
+Status ValidateGrid(const GridGeometry& grid)
+{
+  double vertices = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t low = grid.Extent[2 * axis];
+    const std::int64_t high = grid.Extent[2 * axis + 1];
+    if (low < -MaximumCoordinate || high > MaximumCoordinate || low > high)
+    {
+      return MakeMemberError("grid.extent", "is empty or beyond 2^40");
+    }
+    vertices *= static_cast<double>(high - low + 1);
+  }
+  if (vertices > MaximumVertices)
+  {
+    return MakeMemberError("grid.extent", "has more than 2^60 vertices");
+  }
+  bool isFinite = true;
+  for (std::size_t axis = 0; axis < 9; ++axis)
+  {
+    isFinite = isFinite && std::isfinite(grid.Direction[axis]) &&
+      std::isfinite(grid.Origin[axis % 3]) && std::isfinite(grid.Spacing[axis % 3]);
+  }
+  return isFinite
+    ? Status::Ok()
+    : MakeMemberError("grid", "has an origin, spacing or direction that is not finite");
+}
+
+Status ValidateTimeStep(const TimeStepDescription& step, const BlockedVolumeHeader& header)
+{
+  if (step.Time && !std::isfinite(*step.Time))
+  {
+    return MakeMemberError("timeSteps[].time", "is not finite");
+  }
+  if (step.Folder.size() < 6 || step.Folder.size() > 18 ||
+    step.Folder.find_first_not_of("0123456789") != std::string::npos)
+  {
+    return MakeMemberError("timeSteps[].folder", "is not a number of 6 to 18 digits");
+  }
+  if (step.Ranges.size() != header.Arrays.size() || step.Stores.size() != header.NumberOfStores)
+  {
+    return MakeMemberError("timeSteps[]", "does not fit the numbers of arrays and stores");
+  }
+  const auto expected = static_cast<std::uint64_t>(
+    BlockGrid(header.Grid.GetDimensions(), header.BlockSize).GetNumberOfBlocks());
+  std::uint64_t blocks = 0;
+  for (const StoreDescription& store : step.Stores)
+  {
+    if (store.Blocks > expected - blocks || store.Bytes % BlockRecord::Alignment != 0 ||
+      store.Bytes >> 62 != 0)
+    {
+      return MakeMemberError("timeSteps[].stores", "has impossible numbers of blocks or bytes");
+    }
+    blocks += store.Blocks;
+  }
+  return blocks == expected
+    ? Status::Ok()
+    : MakeMemberError("timeSteps[].stores", "does not have as many blocks as the volume");
+}
+
+} // namespace
+
+std::optional<std::size_t> BlockedVolumeHeader::FindArray(const std::string& name) const
+{
+  for (std::size_t index = 0; index < this->Arrays.size(); ++index)
+  {
+    if (this->Arrays[index].Name == name)
+    {
+      return index;
+    }
+  }
+  return std::nullopt;
+}
+
+Status BlockedVolumeHeader::ValidateVolume() const
+{
+  ISOSURFACE_RETURN_IF_ERROR(ValidateGrid(this->Grid));
+  if (!IsBlockSize(this->BlockSize))
+  {
+    return MakeMemberError("blockSize", "is not 16, 32 or 64");
+  }
+  double blocks = 1;
+  for (const std::int64_t vertices : this->Grid.GetDimensions())
+  {
+    blocks *= std::ceil(static_cast<double>(vertices) / this->BlockSize);
+  }
+  if (blocks > std::numeric_limits<std::uint32_t>::max())
+  {
+    return MakeMemberError("blockSize", "gives more than 2^32 blocks");
+  }
+  if (this->NumberOfStores < 1 || this->NumberOfStores > MaximumStores)
+  {
+    return MakeMemberError("stores", "is not from 1 to " + std::to_string(MaximumStores));
+  }
+  std::set<std::string> names;
+  for (const ArrayDescription& array : this->Arrays)
+  {
+    if (!names.insert(array.Name).second || !IsUtf8(array.Name))
+    {
+      return MakeMemberError("arrays[].name", "is there twice or not UTF-8: " + array.Name);
+    }
+  }
+  const auto levels = static_cast<std::size_t>(
+    BlockGrid(this->Grid.GetDimensions(), this->BlockSize).GetNumberOfLevels());
+  if (this->Arrays.empty() || this->Arrays.size() > BlockDirectory::MaximumSegments / levels)
+  {
+    return MakeMemberError("arrays",
+      "does not have from 1 to " + std::to_string(BlockDirectory::MaximumSegments / levels) +
+        " elements");
+  }
+  return Status::Ok();
+}
+
+Status BlockedVolumeHeader::Validate() const
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->ValidateVolume());
+  if (this->TimeSteps.empty())
+  {
+    return MakeMemberError("timeSteps", "has no element");
+  }
+  for (const TimeStepDescription& step : this->TimeSteps)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ValidateTimeStep(step, *this));
+  }
+  return Status::Ok();
+}
+
+std::string BlockedVolumeHeader::Format() const
+{
+  Json document;
+  document["format"] = FormatName;
+  document["formatVersion"] = FormatVersion;
+  document["grid"] = { { "extent", this->Grid.Extent }, { "origin", this->Grid.Origin },
+    { "spacing", this->Grid.Spacing }, { "direction", this->Grid.Direction } };
+  document["blockSize"] = this->BlockSize;
+  document["ghostLayers"] = 1;
+  document["numberOfLevels"] =
+    BlockGrid(this->Grid.GetDimensions(), this->BlockSize).GetNumberOfLevels();
+  document["stores"] = this->NumberOfStores;
+  document["distribution"] = { { "method", GetDistributionName(this->Distribution) },
+    { "seed", this->RandomSeed } };
+  document["compression"] = "none";
+  document["arrays"] = Json::array();
+  for (const ArrayDescription& array : this->Arrays)
+  {
+    document["arrays"].push_back(
+      { { "name", array.Name }, { "type", GetValueTypeName(array.Type) }, { "components", 1 } });
+  }
+  document["timeSteps"] = Json::array();
+  for (const TimeStepDescription& step : this->TimeSteps)
+  {
+    Json json = { { "time", nullptr }, { "folder", step.Folder }, { "ranges", Json::array() },
+      { "stores", Json::array() } };
+    if (step.Time)
+    {
+      json["time"] = *step.Time;
+    }
+    for (std::size_t array = 0; array < step.Ranges.size(); ++array)
+    {
+      json["ranges"].push_back(FormatRange(this->Arrays[array].Type, step.Ranges[array]));
+    }
+    for (const StoreDescription& store : step.Stores)
+    {
+      json["stores"].push_back({ { "blocks", store.Blocks }, { "bytes", store.Bytes },
+        { "checksum", FormatChecksum(store.Checksum) } });
+    }
+    document["timeSteps"].push_back(std::move(json));
+  }
+  return FormatDocument(std::move(document));
+}
+
+Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
+  const std::string& text, const std::string& path)
+{
+  const auto document = ParseDocument(text, path, FormatName, FormatVersion);
+  if (!document.IsOk())
+  {
+    return document.GetStatus();
+  }
+  Status status;
+  JsonMembers members(*document, path, "", status);
+  BlockedVolumeHeader header;
+  header.Grid = ReadGrid(members, path, status);
+  header.BlockSize = static_cast<int>(members.GetInteger("blockSize", 16, 64));
+  header.NumberOfStores =
+    static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
+  members.GetInteger("ghostLayers", 1, 1);
+  members.GetInteger("numberOfLevels", static_cast<int>(std::log2(header.BlockSize)) + 1,
+    static_cast<int>(std::log2(header.BlockSize)) + 1);
+  JsonMembers distribution(members.GetAny("distribution"), path, "distribution.", status);
+  const auto method = FindDistribution(distribution.GetString("method"));
+  if (!method)
+  {
+    distribution.Fail("method", "is not known");
+  }
+  header.Distribution = method.value_or(DistributionMethod::Greedy);
+  header.RandomSeed = distribution.GetUnsigned("seed");
+  const std::string compression = members.GetString("compression");
+  header.Arrays = ReadArrays(members, status);
+  const Json& steps = members.GetArray("timeSteps", JsonMembers::AnySize);
+  for (std::size_t index = 0; index < steps.size() && status.IsOk(); ++index)
+  {
+    JsonMembers step = members.GetElement("timeSteps", steps, index);
+    header.TimeSteps.push_back(ReadTimeStep(step, header, status));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  if (compression != "none")
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": compression \"" + compression + "\" is not known to this version");
+  }
+  const Status valid = header.Validate();
+  if (!valid.IsOk())
+  {
+    return Status(StatusCode::Corrupt, path + ": " + valid.GetMessage());
+  }
+  return header;
+}
+
+std::string GetStoresFolder(const std::string& path)
+{
+  return path + ".stores";
+}
+
+std::string GetStoreFolder(
+  const std::string& path, const std::string& generation, std::uint32_t store)
+{
+  char name[32];
+  std::snprintf(name, sizeof(name), "/store-%05u", store);
+  return GetStoresFolder(path) + "/" + generation + name;
+}
+
+} // namespace isosurface

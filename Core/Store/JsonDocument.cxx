@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/JsonDocument.h"
+
+#include "Base/Checksum.h"
+
+#include <cmath>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr int MaximumDepth = 16;
+constexpr const char* ChecksumMember = "checksum";
+
+const Json Nothing;
+const Json EmptyArray = Json::array();
+
+std::uint64_t ComputeDocumentChecksum(const Json& object)
+{
+  const std::string text = object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return ComputeChecksum(text.data(), text.size());
+}
+
+} // namespace
+
+std::string FormatChecksum(std::uint64_t checksum)
+{
+  std::string text(16, '0');
+  for (std::size_t digit = 16; digit-- > 0; checksum >>= 4)
+  {
+    text[digit] = "0123456789abcdef"[checksum & 15];
+  }
+  return text;
+}
+
+std::string FormatDocument(Json object)
+{
+  object.erase(ChecksumMember);
+  object[ChecksumMember] = FormatChecksum(ComputeDocumentChecksum(object));
+  return object.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<Json> ParseDocument(
+  const std::string& text, const std::string& path, const std::string& format, std::int64_t version)
+{
+  bool isTooDeep = false;
+  const auto limitDepth = [&](int depth, Json::parse_event_t, Json&)
+  {
+    isTooDeep |= depth > MaximumDepth;
+    return depth <= MaximumDepth;
+  };
+  Json document = Json::parse(text, limitDepth, false);
+  if (document.is_discarded() || isTooDeep || !document.is_object())
+  {
+    return Status(StatusCode::Corrupt, path + ": is not a JSON object, or incomplete");
+  }
+  Status status;
+  JsonMembers members(document, path, "", status);
+  const std::string found = members.GetString("format");
+  if (members.IsOk() && found != format)
+  {
+    members.Fail("format", "is not \"" + format + "\"");
+  }
+  const std::int64_t foundVersion =
+    members.GetInteger("formatVersion", 1, std::numeric_limits<std::int64_t>::max());
+  if (members.IsOk() && foundVersion > version)
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": has format version " + std::to_string(foundVersion) + ", this program knows " +
+        std::to_string(version) + " at most; please update it");
+  }
+  const std::uint64_t expected = members.GetChecksum(ChecksumMember);
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  document.erase(ChecksumMember);
+  if (ComputeDocumentChecksum(document) != expected)
+  {
+    return Status(StatusCode::Corrupt, path + ": member checksum does not fit the contents");
+  }
+  return document;
+}
+
+Result<std::string> ReadText(FileSystem& files, const std::string& path, std::uint64_t limit)
+{
+  const auto file = files.OpenForReading(path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  const std::uint64_t size = (*file)->GetSize();
+  if (size > limit)
+  {
+    return Status(StatusCode::Corrupt, path + ": is larger than such a file can be");
+  }
+  std::string text(static_cast<std::size_t>(size), '\0');
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  return text;
+}
+
+JsonMembers::JsonMembers(const Json& object, std::string path, std::string where, Status& status)
+  : Object(object)
+  , Path(std::move(path))
+  , Where(std::move(where))
+  , Error(status)
+{
+}
+
+void JsonMembers::Fail(const std::string& member, const std::string& reason)
+{
+  if (this->Error.IsOk())
+  {
+    this->Error =
+      Status(StatusCode::Corrupt, this->Path + ": member " + this->Where + member + " " + reason);
+  }
+}
+
+const Json& JsonMembers::GetAny(const char* member)
+{
+  if (!this->Object.is_object())
+  {
+    this->Fail(member, "is missing");
+    return Nothing;
+  }
+  const auto found = this->Object.find(member);
+  if (found == this->Object.end())
+  {
+    this->Fail(member, "is missing");
+    return Nothing;
+  }
+  return *found;
+}
+
+std::int64_t JsonMembers::GetInteger(const char* member, std::int64_t least, std::int64_t most)
+{
+  const Json& value = this->GetAny(member);
+  const bool isTooLarge = value.is_number_unsigned() &&
+    value.get<std::uint64_t>() >
+      static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  const std::int64_t number =
+    value.is_number_integer() && !isTooLarge ? value.get<std::int64_t>() : 0;
+  if (!value.is_number_integer() || isTooLarge || number < least || number > most)
+  {
+    this->Fail(
+      member, "is not an integer from " + std::to_string(least) + " to " + std::to_string(most));
+    return least;
+  }
+  return number;
+}
+
+std::uint64_t JsonMembers::GetUnsigned(const char* member)
+{
+  const Json& value = this->GetAny(member);
+  if (!value.is_number_unsigned())
+  {
+    this->Fail(member, "is not a whole number of at most 64 bits");
+    return 0;
+  }
+  return value.get<std::uint64_t>();
+}
+
+double JsonMembers::GetNumber(const char* member)
+{
+  const Json& value = this->GetAny(member);
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+  {
+    this->Fail(member, "is not a number");
+    return 0;
+  }
+  return value.get<double>();
+}
+
+std::string JsonMembers::GetString(const char* member)
+{
+  const Json& value = this->GetAny(member);
+  if (!value.is_string())
+  {
+    this->Fail(member, "is not a string");
+    return {};
+  }
+  return value.get<std::string>();
+}
+
+std::uint64_t JsonMembers::GetChecksum(const char* member)
+{
+  const std::string text = this->GetString(member);
+  std::uint64_t checksum = 0;
+  for (const char character : text)
+  {
+    const std::size_t digit = std::string("0123456789abcdef").find(character);
+    if (digit == std::string::npos || text.size() != 16)
+    {
+      this->Fail(member, "is not a number of 16 hexadecimal digits");
+      return 0;
+    }
+    checksum = checksum << 4 | digit;
+  }
+  if (text.empty())
+  {
+    this->Fail(member, "is not a number of 16 hexadecimal digits");
+  }
+  return checksum;
+}
+
+const Json& JsonMembers::GetArray(const char* member, std::size_t size)
+{
+  const Json& value = this->GetAny(member);
+  if (!value.is_array() || (size != AnySize && value.size() != size))
+  {
+    this->Fail(
+      member, size == AnySize ? "is not an array" : "is not an array of " + std::to_string(size));
+    return EmptyArray;
+  }
+  return value;
+}
+
+JsonMembers JsonMembers::GetElement(const char* member, const Json& array, std::size_t index)
+{
+  return JsonMembers(array[index], this->Path,
+    this->Where + member + "[" + std::to_string(index) + "].", this->Error);
+}
+
+} // namespace isosurface

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_JsonDocument_h
+#define isosurface_JsonDocument_h
+
+#include "Base/FileSystem.h"
+#include "Base/Status.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace isosurface
+{
+
+using Json = nlohmann::json;
+
+/// A 64-bit checksum as 16 hexadecimal digits.
+std::string FormatChecksum(std::uint64_t checksum);
+
+/// The text of an object with the member "checksum" added: XXH3-64 of its compact dump (keys in
+/// alphabetical order, numbers in their shortest form) without that member.
+std::string FormatDocument(Json object);
+
+/**
+ * Reads what FormatDocument wrote. Nesting is bounded before anything recursive sees the document.
+ * Errors name `path`: Corrupt (no JSON object, another "format", a wrong checksum), Unsupported (a
+ * "formatVersion" above `version`).
+ */
+Result<Json> ParseDocument(const std::string& text, const std::string& path,
+  const std::string& format, std::int64_t version);
+
+/// A whole file of at most `limit` bytes.
+Result<std::string> ReadText(FileSystem& files, const std::string& path, std::uint64_t limit);
+
+/**
+ * Reads the members of an object whose contents are not to be trusted. After the first error every
+ * function returns a harmless value; the error (Corrupt) names file and member.
+ */
+class JsonMembers
+{
+public:
+  /// `status` must outlive this; `where` is the object's own name, "" for the document.
+  JsonMembers(const Json& object, std::string path, std::string where, Status& status);
+
+  bool IsOk() const { return this->Error.IsOk(); }
+  void Fail(const std::string& member, const std::string& reason);
+
+  std::int64_t GetInteger(const char* member, std::int64_t least, std::int64_t most);
+  std::uint64_t GetUnsigned(const char* member);
+  double GetNumber(const char* member);
+  std::string GetString(const char* member);
+  std::uint64_t GetChecksum(const char* member);
+  /// An array of `size` elements, or of any number if size is AnySize.
+  const Json& GetArray(const char* member, std::size_t size);
+  /// Any value; an error if the member is missing.
+  const Json& GetAny(const char* member);
+  /// The members of element `index` of an array member.
+  JsonMembers GetElement(const char* member, const Json& array, std::size_t index);
+
+  static constexpr std::size_t AnySize = static_cast<std::size_t>(-1);
+
+private:
+  const Json& Object;
+  std::string Path;
+  std::string Where;
+  Status& Error;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PlainContour_h
+#define isosurface_PlainContour_h
+
+#include "Contour/MarchingCubesCases.h"
+#include "Contour/SurfaceExtractor.h"
+#include "TestVolume.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <type_traits>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A point and a normal by their bits; every NaN is the same.
+using PointBits = std::array<std::uint32_t, 6>;
+
+inline std::uint32_t BitsOf(float value)
+{
+  std::uint32_t bits = 0x7fc00000;
+  if (!std::isnan(value))
+  {
+    std::memcpy(&bits, &value, sizeof(bits));
+  }
+  return bits;
+}
+
+/// A surface in a form that does not depend on numbering: triangles of global ids, lowest first,
+/// sorted; what each id stands for.
+struct PlainSurface
+{
+  std::vector<std::array<std::int64_t, 3>> Triangles;
+  std::map<std::int64_t, PointBits> Points;
+
+  void AddTriangle(std::array<std::int64_t, 3> ids)
+  {
+    std::rotate(ids.begin(), std::min_element(ids.begin(), ids.end()), ids.end());
+    this->Triangles.push_back(ids);
+  }
+  bool operator==(const PlainSurface& other) const
+  {
+    return this->Triangles == other.Triangles && this->Points == other.Points;
+  }
+};
+
+/**
+ * Marching cubes as slow and plain as can be: cell by cell, every point made anew for every cell it
+ * is met in. Knows nothing of blocks, words or shared points.
+ */
+template <typename T>
+class PlainContour
+{
+public:
+  explicit PlainContour(const TestVolume<T>& volume)
+    : Volume(volume)
+  {
+  }
+
+  void Contour(double isovalue, std::int64_t firstId, PlainSurface& surface) const
+  {
+    const Index3 size = this->Volume.GetDimensions();
+    for (std::int64_t k = 0; k + 1 < size[2]; ++k)
+    {
+      for (std::int64_t j = 0; j + 1 < size[1]; ++j)
+      {
+        for (std::int64_t i = 0; i + 1 < size[0]; ++i)
+        {
+          this->ContourCell({ i, j, k }, isovalue, firstId, surface);
+        }
+      }
+    }
+    std::sort(surface.Triangles.begin(), surface.Triangles.end());
+  }
+
+private:
+  void ContourCell(
+    const Index3& cell, double isovalue, std::int64_t firstId, PlainSurface& surface) const
+  {
+    unsigned cellCase = 0;
+    for (int vertex = 0; vertex < 8; ++vertex)
+    {
+      const long double value = this->Volume.At(
+        cell[0] + (vertex & 1), cell[1] + (vertex >> 1 & 1), cell[2] + (vertex >> 2));
+      cellCase |= value >= static_cast<long double>(isovalue) ? 1u << vertex : 0u;
+    }
+    const std::uint64_t triangles = MarchingCubesCases[cellCase];
+    const int corners = 3 * static_cast<int>(triangles >> 60);
+    std::array<std::int64_t, 3> ids{};
+    for (int corner = 0; corner < corners; ++corner)
+    {
+      const int edge = static_cast<int>(triangles >> (4 * corner) & 15);
+      const int axis = edge / 4;
+      Index3 from = cell;
+      from[axis == 0 ? 1 : 0] += edge & 1;
+      from[axis == 2 ? 1 : 2] += edge >> 1 & 1;
+      const Index3 size = this->Volume.GetDimensions();
+      const std::int64_t id =
+        firstId + 3 * (from[0] + size[0] * (from[1] + size[1] * from[2])) + axis;
+      surface.Points[id] = this->MakePoint(from, axis, isovalue);
+      ids[static_cast<std::size_t>(corner % 3)] = id;
+      if (corner % 3 == 2)
+      {
+        surface.AddTriangle(ids);
+      }
+    }
+  }
+
+  static double Subtract(T a, T b)
+  {
+    if constexpr (std::is_floating_point_v<T>)
+    {
+      return static_cast<T>(a - b);
+    }
+    else
+    {
+      return static_cast<double>(static_cast<long double>(a) - static_cast<long double>(b));
+    }
+  }
+
+  std::array<float, 3> Gradient(const Index3& vertex) const
+  {
+    const Index3 size = this->Volume.GetDimensions();
+    std::array<float, 3> gradient{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      Index3 before = vertex;
+      Index3 after = vertex;
+      before[axis] = std::max<std::int64_t>(0, vertex[axis] - 1);
+      after[axis] = std::min(size[axis] - 1, vertex[axis] + 1);
+      const double difference = Subtract(this->Volume.At(after[0], after[1], after[2]),
+        this->Volume.At(before[0], before[1], before[2]));
+      gradient[axis] =
+        static_cast<float>(after[axis] - before[axis] == 2 ? 0.5 * difference : difference);
+    }
+    return gradient;
+  }
+
+  PointBits MakePoint(const Index3& from, int axis, double isovalue) const
+  {
+    Index3 to = from;
+    ++to[static_cast<std::size_t>(axis)];
+    const T s0 = this->Volume.At(from[0], from[1], from[2]);
+    const T s1 = this->Volume.At(to[0], to[1], to[2]);
+    double t = (isovalue - static_cast<double>(s0)) / Subtract(s1, s0);
+    if (!std::is_floating_point_v<T> && sizeof(T) == 8)
+    {
+      t = std::min(1.0, std::max(0.0, t));
+    }
+    const GridGeometry& geometry = this->Volume.Geometry;
+    std::array<float, 3> index{};
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      index[n] = static_cast<float>(static_cast<double>(from[n]) +
+        t * static_cast<double>(to[n] - from[n]) + static_cast<double>(geometry.Extent[2 * n]));
+    }
+    const std::array<float, 3> g0 = this->Gradient(from);
+    const std::array<float, 3> g1 = this->Gradient(to);
+    std::array<float, 3> normal{};
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      normal[n] = -static_cast<float>(g0[n] + t * (g1[n] - g0[n]));
+    }
+    const float length =
+      std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    PointBits bits{};
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      double world = geometry.Origin[n];
+      if (geometry == this->Placed())
+      {
+        world = static_cast<double>(index[n]) + geometry.Origin[n];
+      }
+      else
+      {
+        const auto* row = &geometry.Direction[3 * n];
+        world = row[0] * geometry.Spacing[0] * index[0] + row[1] * geometry.Spacing[1] * index[1] +
+          row[2] * geometry.Spacing[2] * index[2] + geometry.Origin[n];
+      }
+      bits[n] = BitsOf(static_cast<float>(world));
+      bits[3 + n] = BitsOf(length != 0 ? normal[n] / length : normal[n]);
+    }
+    return bits;
+  }
+
+  // The same grid without spacing and direction.
+  GridGeometry Placed() const
+  {
+    GridGeometry plain;
+    plain.Extent = this->Volume.Geometry.Extent;
+    plain.Origin = this->Volume.Geometry.Origin;
+    return plain;
+  }
+
+  const TestVolume<T>& Volume;
+};
+
+template <typename T>
+PlainSurface ContourPlainly(const TestVolume<T>& volume, const std::vector<double>& isovalues)
+{
+  PlainSurface surface;
+  for (std::size_t n = 0; n < isovalues.size(); ++n)
+  {
+    PlainContour<T>(volume).Contour(isovalues[n],
+      static_cast<std::int64_t>(n) * 3 * volume.Geometry.GetNumberOfVertices(), surface);
+  }
+  return surface;
+}
+
+/// The same form of an extracted surface, which must have global ids; normals may be missing.
+inline PlainSurface MakePlain(const Surface& surface)
+{
+  PlainSurface plain;
+  for (std::size_t point = 0; point < surface.NumberOfPoints; ++point)
+  {
+    PointBits bits{};
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      bits[n] = BitsOf(surface.Points[3 * point + n]);
+      bits[3 + n] = surface.Normals.IsEmpty() ? 0 : BitsOf(surface.Normals[3 * point + n]);
+    }
+    plain.Points[surface.GlobalIds[point]] = bits;
+  }
+  for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles; ++triangle)
+  {
+    std::array<std::int64_t, 3> ids{};
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      ids[n] = surface.GlobalIds[static_cast<std::size_t>(surface.Connectivity[3 * triangle + n])];
+    }
+    plain.AddTriangle(ids);
+  }
+  std::sort(plain.Triangles.begin(), plain.Triangles.end());
+  return plain;
+}
+
+} // namespace isosurface
+
+#endif

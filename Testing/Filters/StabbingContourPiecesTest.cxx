@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TestImages.h"
+
+#include "vtkDataArray.h"
+#include "vtkExtractVOI.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkMultiPieceDataSet.h"
+#include "vtkNew.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkRTAnalyticSource.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr Extent Whole{ -7, 40, 3, 37, 0, 33 };
+
+// Noise within, 0 on the faces: whatever is inside is closed.
+Field MakeClosedNoise(const Extent& extent)
+{
+  return [extent, noise = MakeNoise(100, 21)](int i, int j, int k) mutable
+  {
+    const double value = noise(i, j, k);
+    const bool onFace = i == extent[0] || i == extent[1] || j == extent[2] || j == extent[3] ||
+      k == extent[4] || k == extent[5];
+    return onFace ? 0.0 : value;
+  };
+}
+
+vtkSmartPointer<vtkImageData> MakeWhole()
+{
+  const auto image = MakeImage(Whole, VTK_FLOAT, MakeClosedNoise(Whole));
+  image->SetOrigin(0.1, -7.7, 23.0);
+  image->SetSpacing(0.3, 1.1, 2.7);
+  return image;
+}
+
+// Boxes of cells that fill the extent: 3 x 2 x 2, of unequal sizes.
+std::vector<Extent> CutExtent(const Extent& extent)
+{
+  const std::vector<int> cuts[3] = { { extent[0], extent[0] + 5, extent[0] + 38, extent[1] },
+    { extent[2], extent[2] + 1, extent[3] }, { extent[4], extent[4] + 17, extent[5] } };
+  std::vector<Extent> parts;
+  for (std::size_t k = 0; k + 1 < cuts[2].size(); ++k)
+  {
+    for (std::size_t j = 0; j + 1 < cuts[1].size(); ++j)
+    {
+      for (std::size_t i = 0; i + 1 < cuts[0].size(); ++i)
+      {
+        parts.push_back(
+          { cuts[0][i], cuts[0][i + 1], cuts[1][j], cuts[1][j + 1], cuts[2][k], cuts[2][k + 1] });
+      }
+    }
+  }
+  return parts;
+}
+
+// One more layer on every side that has one.
+Extent Grow(Extent part, const Extent& whole)
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    part[2 * axis] = std::max(part[2 * axis] - 1, whole[2 * axis]);
+    part[2 * axis + 1] = std::min(part[2 * axis + 1] + 1, whole[2 * axis + 1]);
+  }
+  return part;
+}
+
+std::vector<vtkSmartPointer<vtkImageData>> CutIntoPiecesWithGhosts(vtkImageData* image)
+{
+  std::vector<vtkSmartPointer<vtkImageData>> pieces;
+  Extent whole;
+  image->GetExtent(whole.data());
+  for (const Extent& part : CutExtent(whole))
+  {
+    pieces.push_back(CutImage(image, Grow(part, whole), part));
+  }
+  return pieces;
+}
+
+// Points of one output must be distinct already.
+void ExpectPointsAreShared(vtkPolyData* output)
+{
+  vtkDataArray* ids = output->GetPointData()->GetGlobalIds();
+  std::set<double> distinct;
+  for (vtkIdType point = 0; ids && point < ids->GetNumberOfTuples(); ++point)
+  {
+    distinct.insert(ids->GetTuple1(point));
+  }
+  EXPECT_EQ(static_cast<vtkIdType>(distinct.size()), output->GetNumberOfPoints());
+}
+
+void ExpectWholeSurface(vtkDataObject* pieces, const EdgeSurface& expected)
+{
+  const auto output = Contour(pieces, { 50.5 });
+  ExpectPointsAreShared(output);
+  EdgeSurface surface;
+  surface.Add(output);
+  EXPECT_TRUE(AreEqual(surface, expected));
+}
+
+} // namespace
+
+TEST(StabbingContourPieces, GlobalIdsAreTheGridEdgesOfThePoints)
+{
+  const Extent extent{ -3, 35, 5, 20, 0, 33 };
+  const auto image = MakeImage(extent, VTK_FLOAT, MakeWaves());
+  const auto output = Contour(image, { 0.1234 });
+  vtkDataArray* ids = output->GetPointData()->GetGlobalIds();
+  ASSERT_GT(output->GetNumberOfPoints(), 0);
+  for (vtkIdType point = 0; point < output->GetNumberOfPoints(); ++point)
+  {
+    const double* position = output->GetPoint(point);
+    int vertex[3];
+    int axis = -1;
+    for (int n = 0; n < 3; ++n)
+    {
+      vertex[n] = static_cast<int>(std::floor(position[n]));
+      if (position[n] != vertex[n])
+      {
+        ASSERT_EQ(axis, -1);
+        axis = n;
+      }
+    }
+    ASSERT_NE(axis, -1);
+    ASSERT_EQ(
+      static_cast<vtkIdType>(ids->GetTuple1(point)), 3 * image->ComputePointId(vertex) + axis);
+  }
+}
+
+TEST(StabbingContourPieces, SurfaceOfClosedInputIsAClosedManifold)
+{
+  for (const int type : { VTK_UNSIGNED_CHAR, VTK_FLOAT })
+  {
+    const auto image = MakeImage(Whole, type, MakeClosedNoise(Whole));
+    for (const double isovalue : { 20.0, 50.5, 90.0 })
+    {
+      const EdgeSurface surface = ContourToEdges(image, isovalue);
+      EXPECT_FALSE(surface.Triangles.empty());
+      EXPECT_TRUE(IsClosedManifold(surface));
+    }
+  }
+}
+
+// The source gives any piece, with ghost levels if they are asked for.
+TEST(StabbingContourPieces, AnyNumberOfUpdatePiecesGivesTheWholeSurface)
+{
+  vtkNew<vtkRTAnalyticSource> source;
+  source->SetWholeExtent(-20, 21, -13, 27, -9, 30);
+  source->Update();
+  vtkNew<vtkImageData> whole;
+  whole->DeepCopy(source->GetOutput());
+  const EdgeSurface expected = ContourByFlyingEdges(whole, 157.0);
+
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter errors(contour);
+  contour->SetInputConnection(source->GetOutputPort());
+  contour->SetValue(0, 157.0);
+  for (int pieces = 1; pieces <= 7; ++pieces)
+  {
+    for (const int ghosts : { 0, 1 })
+    {
+      EdgeSurface surface;
+      for (int piece = 0; piece < pieces; ++piece)
+      {
+        contour->UpdatePiece(piece, pieces, ghosts);
+        surface.Add(contour->GetOutput());
+      }
+      surface.MergeEqualPoints();
+      EXPECT_TRUE(AreEqual(surface, expected)) << pieces << " pieces, " << ghosts << " ghosts";
+    }
+  }
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+TEST(StabbingContourPieces, UpdatePiecesWithoutNormalsGiveTheWholeSurface)
+{
+  vtkNew<vtkRTAnalyticSource> source;
+  source->SetWholeExtent(-20, 21, -13, 27, -9, 30);
+  source->Update();
+  vtkNew<vtkImageData> whole;
+  whole->DeepCopy(source->GetOutput());
+  EdgeSurface expected = ContourByFlyingEdges(whole, 157.0);
+  expected.DropNormals();
+
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(source->GetOutputPort());
+  contour->SetValue(0, 157.0);
+  contour->ComputeNormalsOff();
+  EdgeSurface surface;
+  for (int piece = 0; piece < 5; ++piece)
+  {
+    contour->UpdatePiece(piece, 5, 0);
+    surface.Add(contour->GetOutput());
+  }
+  surface.MergeEqualPoints();
+  EXPECT_TRUE(AreEqual(surface, expected));
+}
+
+// A cut-out knows its extent in the whole, but nothing of the samples beyond it: normals differ
+// where it ends.
+TEST(StabbingContourPieces, AdjacentExtentsGiveTheWholeSurface)
+{
+  const auto whole = MakeWhole();
+  EdgeSurface expected = ContourByFlyingEdges(whole, 50.5);
+  expected.DropNormals();
+  vtkNew<vtkPartitionedDataSet> pieces;
+  for (Extent part : CutExtent(Whole))
+  {
+    vtkNew<vtkExtractVOI> cutOut;
+    cutOut->SetInputData(whole);
+    cutOut->SetVOI(part.data());
+    cutOut->Update();
+    pieces->SetPartition(pieces->GetNumberOfPartitions(), cutOut->GetOutput());
+  }
+  const auto output = Contour(pieces, { 50.5 });
+  ExpectPointsAreShared(output);
+  EdgeSurface surface;
+  surface.Add(output);
+  surface.DropNormals();
+  EXPECT_TRUE(AreEqual(surface, expected));
+  EXPECT_TRUE(IsClosedManifold(surface));
+}
+
+TEST(StabbingContourPieces, PartitionedDataSetEqualsTheWholeImage)
+{
+  const auto whole = MakeWhole();
+  vtkNew<vtkPartitionedDataSet> pieces;
+  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
+  {
+    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
+  }
+  ExpectWholeSurface(pieces, ContourByFlyingEdges(whole, 50.5));
+}
+
+TEST(StabbingContourPieces, MultiBlockDataSetEqualsTheWholeImage)
+{
+  const auto whole = MakeWhole();
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
+  {
+    blocks->SetBlock(blocks->GetNumberOfBlocks() + 1, piece); // every other one is empty
+  }
+  ExpectWholeSurface(blocks, ContourByFlyingEdges(whole, 50.5));
+}
+
+TEST(StabbingContourPieces, NestedCompositesEqualTheWholeImage)
+{
+  const auto whole = MakeWhole();
+  const EdgeSurface expected = ContourByFlyingEdges(whole, 50.5);
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  vtkNew<vtkPartitionedDataSetCollection> collection;
+  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
+  {
+    const unsigned int number = collection->GetNumberOfPartitionedDataSets();
+    collection->SetPartition(number, 0, piece);
+    vtkNew<vtkMultiPieceDataSet> nested;
+    nested->SetPiece(1, piece);
+    vtkNew<vtkMultiBlockDataSet> outer;
+    outer->SetBlock(0, nested);
+    blocks->SetBlock(number, outer);
+  }
+  ExpectWholeSurface(blocks, expected);
+  ExpectWholeSurface(collection, expected);
+}
+
+// Pieces without a surface, first and last ones included.
+TEST(StabbingContourPieces, PiecesWithoutSurfaceDoNotMatter)
+{
+  const auto whole =
+    MakeImage(Whole, VTK_FLOAT, [](int i, int, int) { return i > 8 && i < 12 ? 100.0 : 0.0; });
+  vtkNew<vtkPartitionedDataSet> pieces;
+  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
+  {
+    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
+  }
+  ExpectWholeSurface(pieces, ContourByFlyingEdges(whole, 50.5));
+  EXPECT_EQ(Contour(pieces, { 200.0 })->GetNumberOfPoints(), 0);
+}
+
+TEST(StabbingContourPieces, CompositeWithoutImagesHasNoSurface)
+{
+  vtkNew<vtkPartitionedDataSet> pieces;
+  EXPECT_EQ(Contour(pieces, { 50.5 })->GetNumberOfPoints(), 0);
+  pieces->SetPartition(3, vtkNew<vtkImageData>());
+  EXPECT_EQ(Contour(pieces, { 50.5 })->GetNumberOfPoints(), 0);
+}
+
+TEST(StabbingContourPieces, SeveralIsovaluesOfACompositeEqualThoseOfTheWholeImage)
+{
+  const auto whole = MakeWhole();
+  vtkNew<vtkPartitionedDataSet> pieces;
+  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
+  {
+    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
+  }
+  const auto output = Contour(pieces, { 80.0, 30.5 });
+  ExpectPointsAreShared(output);
+  const vtkIdType edges = 3 * whole->GetNumberOfPoints();
+  EdgeSurface first;
+  first.Add(output, 0, edges);
+  EXPECT_TRUE(AreEqual(first, ContourByFlyingEdges(whole, 80.0)));
+  EdgeSurface second;
+  second.Add(output, edges, 2 * edges);
+  EXPECT_TRUE(AreEqual(second, ContourByFlyingEdges(whole, 30.5)));
+}
+
+TEST(StabbingContourPieces, ImagesOfDifferentSpacingHaveConsecutiveIds)
+{
+  const auto coarse = MakeImage(Whole, VTK_FLOAT, MakeClosedNoise(Whole));
+  coarse->SetSpacing(2.0, 2.0, 2.0);
+  const Extent extent{ 0, 20, 0, 20, 0, 40 };
+  const auto fine = MakeImage(extent, VTK_SHORT, MakeClosedNoise(extent));
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  blocks->SetBlock(0, coarse);
+  blocks->SetBlock(1, fine);
+  const auto output = Contour(blocks, { 50.5 });
+  ExpectPointsAreShared(output);
+  const vtkIdType fineEdges = 3 * fine->GetNumberOfPoints();
+  EdgeSurface first;
+  first.Add(output, 0, fineEdges);
+  EXPECT_TRUE(AreEqual(first, ContourByFlyingEdges(fine, 50.5)));
+  EdgeSurface second;
+  second.Add(output, fineEdges);
+  EXPECT_TRUE(AreEqual(second, ContourByFlyingEdges(coarse, 50.5)));
+}

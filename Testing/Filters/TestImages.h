@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_TestImages_h
+#define isosurface_TestImages_h
+
+#include "EdgeSurface.h"
+
+#include "vtkImageData.h"
+#include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStabbingContour.h"
+#include "vtkType.h"
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace isosurface
+{
+
+using Extent = std::array<int, 6>; ///< as vtkImageData has it
+
+/// A value for each vertex, by its structured coordinates.
+using Field = std::function<double(int, int, int)>;
+
+/// An image with the active scalars "density" of a VTK type.
+vtkSmartPointer<vtkImageData> MakeImage(const Extent& extent, int type, const Field& field);
+
+/// A smooth field from about -amplitude to amplitude, with surfaces in every block.
+Field MakeWaves(double amplitude = 1.0);
+
+/// Whole numbers from 0 to levels - 1, at random, but the same for the same seed.
+Field MakeNoise(int levels, unsigned int seed);
+
+/// The part of an image that lies in an extent. Its cells outside of `own` are marked as ghosts.
+vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent, Extent own);
+vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent);
+
+/// Counts the errors that an algorithm reports, and keeps them from being printed.
+class ErrorCounter
+{
+public:
+  explicit ErrorCounter(vtkObject* object);
+  ~ErrorCounter();
+  ErrorCounter(const ErrorCounter&) = delete;
+  ErrorCounter& operator=(const ErrorCounter&) = delete;
+
+  std::vector<std::string> Messages;
+
+private:
+  vtkSmartPointer<vtkObject> Object;
+  unsigned long Tag;
+};
+
+/// The output of a vtkStabbingContour with default options; a test fails if it reports an error.
+vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<double>& isovalues);
+
+/// The same as an EdgeSurface.
+EdgeSurface ContourToEdges(vtkDataObject* input, double isovalue);
+
+} // namespace isosurface
+
+#endif
