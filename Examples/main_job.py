@@ -25,9 +25,9 @@ BONE = (0.92, 0.90, 0.82)
 
 # blocked volume, array, isovalue, what it is, colour, where it stands in the picture (mm)
 SURFACES = [
-    ("head.bvol", "T1", 40.5, "skin (MRI)", SKIN, (0, 0, 0)),
-    ("cranium.bvol", "HU", -300.5, "skin (CT)", SKIN, (130, -125, 0)),
-    ("cranium.bvol", "HU", 250.5, "bone (CT)", BONE, (390, -125, 0)),
+    ("head.bvol", "T1", 40.5, "skin (MRI)", SKIN, (220, 0, 0)),
+    ("cranium.bvol", "HU", -300.5, "skin (CT)", SKIN, (-40, 0, 15)),
+    ("cranium.bvol", "HU", 250.5, "bone (CT)", BONE, (-290, 0, 15)),
 ]
 
 
@@ -57,7 +57,6 @@ def extract(folder, view):
     table = []
     for file_name, array, isovalue, name, color, position in SURFACES:
         if file_name not in readers:
-            # All levels of detail fit the default memory limit; here only isosurfaces are wanted.
             readers[file_name] = simple.OpenDataFile(os.path.join(folder, file_name))
         contour = simple.StabbingContour(
             Input=readers[file_name], ContourBy=["POINTS", array], Isosurfaces=[isovalue]
@@ -92,8 +91,12 @@ def main():
         writer.writeheader()
         writer.writerows(table)
 
-    # From the front and a little from the side: the patients look along +y in the MRI, -y in the CT.
-    simple.ResetCamera(view)
+    # Both patients look along +y, heads up along +z.
+    view.CameraFocalPoint = [75, 120, 88]
+    view.CameraPosition = [175, 1120, 238]
+    view.CameraViewUp = [0, 0, 1]
+    view.CameraParallelProjection = 1
+    view.CameraParallelScale = 145
     simple.SaveScreenshot(os.path.join(arguments.output, "main_job.png"), view)
     for row in table:
         print(

@@ -133,9 +133,13 @@ int vtkStabbingContour::RequestUpdateExtent(
   inInfo->Set(
     Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), this->ComputeNormals && pieces > 1 ? 1 : 0);
 
-  // Straight behind a reader the blocks are taken through the handle, without a request.
+  // Straight behind a reader the blocks are taken through the handle.
   vtkNew<vtkStabbingRequest> request;
-  if (!vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo))
+  if (vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo))
+  {
+    request->SetHandleOnly(true);
+  }
+  else
   {
     const double* values = this->ContourValues->GetValues();
     request->SetArrayName(this->GetArrayToContour());

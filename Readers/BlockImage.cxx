@@ -110,4 +110,51 @@ Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   return image;
 }
 
+vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::size_t timeStep)
+{
+  const BlockedVolumeHeader& header = volume.GetHeader();
+  // The grid whose one cell is the whole volume.
+  GridGeometry box = header.Grid;
+  VertexBox vertices;
+  const Index3 dimensions = header.Grid.GetDimensions();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    for (int row = 0; row < 3; ++row)
+    {
+      box.Origin[row] += box.Direction[3 * row + axis] * box.Spacing[axis] *
+        static_cast<double>(box.Extent[2 * axis]);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    box.Extent[2 * axis] = 0;
+    box.Spacing[axis] *= static_cast<double>(std::max<std::int64_t>(1, dimensions[axis] - 1));
+    vertices.High[axis] = dimensions[axis] > 1 ? 2 : 1;
+  }
+  vtkSmartPointer<vtkImageData> image = MakeImage(box, vertices);
+  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+  {
+    const ArrayDescription& description = header.Arrays[array];
+    const KeyRange& range = header.TimeSteps[timeStep].Ranges[array];
+    auto values = vtkSmartPointer<vtkDataArray>::Take(
+      vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
+    values->SetName(description.Name.c_str());
+    values->SetNumberOfTuples(image->GetNumberOfPoints());
+    DispatchValueType(description.Type, [&](auto zero) {
+      using Value = decltype(zero);
+      auto* samples = static_cast<Value*>(values->GetVoidPointer(0));
+      const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
+      const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
+      std::fill_n(samples, image->GetNumberOfPoints(), greatest);
+      samples[0] = least;
+    });
+    image->GetPointData()->AddArray(values);
+  }
+  if (!header.Arrays.empty())
+  {
+    image->GetPointData()->SetActiveScalars(header.Arrays[0].Name.c_str());
+  }
+  return image;
+}
+
 } // namespace isosurface

@@ -25,6 +25,13 @@ Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
   int level, QueryStatistics& statistics);
 
+/**
+ * The box of the whole volume as an image of 2 vertices an axis (1 where the volume has 1), with
+ * every array at its least value in the first vertex and its greatest one elsewhere. Stands for a
+ * volume of which nothing was read: bounds, arrays and ranges are right.
+ */
+vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::size_t timeStep);
+
 } // namespace isosurface
 
 #endif

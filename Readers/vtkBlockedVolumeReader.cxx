@@ -281,10 +281,22 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     }
   }
 
+  vtkStabbingRequest* request = this->STABBING_REQUEST()->GetRequest(outInfo);
+  if (request && request->GetHandleOnly())
+  {
+    // The consumer takes its blocks itself. Whoever else asks for information (ParaView's panels)
+    // learns the bounds, arrays and ranges.
+    if (piece == 0)
+    {
+      partitions->SetNumberOfPartitions(1);
+      partitions->SetPartition(0, isosurface::MakeBoxImage(volume, step));
+    }
+    return Status::Ok();
+  }
+
   // Which blocks, at which level.
   isosurface::QueryStatistics statistics;
   std::vector<isosurface::BlockReference> blocks;
-  vtkStabbingRequest* request = this->STABBING_REQUEST()->GetRequest(outInfo);
   const auto asked =
     request ? header.FindArray(request->GetArrayName()) : std::optional<std::size_t>();
   if (asked && !request->GetIsovalues().empty())

@@ -13,7 +13,9 @@
  * - else all blocks at the finest level that fits MemoryLimit.
  *
  * A consumer that finds BLOCKED_VOLUME() in its input's information can do without the output and
- * take blocks straight from the volume, as vtkStabbingContour does.
+ * take blocks straight from the volume, as vtkStabbingContour does. It says so by a request with
+ * HandleOnly; if there is no output yet, the reader then reads nothing and puts an image of one
+ * cell in its place, the box of the volume.
  *
  * Decoded blocks are kept in one cache a process, of CacheSize. Errors name file and reason, on
  * every rank of the controller; the output is empty then.

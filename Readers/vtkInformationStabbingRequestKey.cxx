@@ -83,7 +83,7 @@ void vtkInformationStabbingRequestKey::Withdraw(vtkInformation* info)
 bool vtkInformationStabbingRequestKey::NeedToExecute(
   vtkInformation* pipelineInfo, vtkInformation* dobjInfo)
 {
-  return !vtkStabbingRequest::AreEqual(this->GetRequest(pipelineInfo), this->GetRequest(dobjInfo));
+  return !vtkStabbingRequest::Serves(this->GetRequest(dobjInfo), this->GetRequest(pipelineInfo));
 }
 
 //------------------------------------------------------------------------------

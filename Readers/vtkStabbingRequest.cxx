@@ -27,15 +27,23 @@ void vtkStabbingRequest::SetIsovalues(const std::vector<double>& isovalues)
 }
 
 //------------------------------------------------------------------------------
-bool vtkStabbingRequest::AreEqual(const vtkStabbingRequest* a, const vtkStabbingRequest* b)
+bool vtkStabbingRequest::Serves(const vtkStabbingRequest* made, const vtkStabbingRequest* wanted)
 {
-  const bool emptyA = !a || a->Isovalues.empty();
-  const bool emptyB = !b || b->Isovalues.empty();
-  if (emptyA || emptyB)
+  if (wanted && wanted->HandleOnly)
   {
-    return emptyA == emptyB;
+    return true;
   }
-  return a->ArrayName == b->ArrayName && a->Isovalues == b->Isovalues;
+  if (made && made->HandleOnly)
+  {
+    return false;
+  }
+  const bool madeForAll = !made || made->Isovalues.empty();
+  const bool wantedForAll = !wanted || wanted->Isovalues.empty();
+  if (madeForAll || wantedForAll)
+  {
+    return madeForAll == wantedForAll;
+  }
+  return made->ArrayName == wanted->ArrayName && made->Isovalues == wanted->Isovalues;
 }
 
 //------------------------------------------------------------------------------
@@ -49,4 +57,5 @@ void vtkStabbingRequest::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << isovalue;
   }
   os << "\n";
+  os << indent << "HandleOnly: " << this->HandleOnly << "\n";
 }

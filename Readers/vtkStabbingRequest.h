@@ -7,7 +7,8 @@
  * Travels upstream in the pipeline information under
  * vtkBlockedVolumeReader::STABBING_REQUEST(). A request is not changed once it has been put there.
  * A request without isovalues asks for nothing in particular: the reader then gives the finest
- * level that fits its memory limit.
+ * level that fits its memory limit. A request with HandleOnly says that the consumer takes its
+ * blocks through the vtkBlockedVolumeHandle: any output will do, an existing one is left as it is.
  */
 
 #ifndef vtkStabbingRequest_h
@@ -42,10 +43,19 @@ public:
   const std::vector<double>& GetIsovalues() const { return this->Isovalues; }
   ///@}
 
+  ///@{
   /**
-   * Whether two requests ask for the same; a null request asks for nothing in particular.
+   * Whether no blocks are wanted in the reader's output.
    */
-  static bool AreEqual(const vtkStabbingRequest* a, const vtkStabbingRequest* b);
+  vtkSetMacro(HandleOnly, bool);
+  vtkGetMacro(HandleOnly, bool);
+  ///@}
+
+  /**
+   * Whether an output that was made for one request serves another one; a null request asks for
+   * nothing in particular.
+   */
+  static bool Serves(const vtkStabbingRequest* made, const vtkStabbingRequest* wanted);
 
 protected:
   vtkStabbingRequest() = default;
@@ -57,6 +67,7 @@ private:
 
   std::string ArrayName;
   std::vector<double> Isovalues;
+  bool HandleOnly = false;
 };
 
 #endif

@@ -27,7 +27,10 @@ public:
     const std::size_t bytes = count * sizeof(T);
     if (this->Chunks.empty() || this->Chunks.back().GetSize() - this->Used < bytes)
     {
-      this->Chunks.emplace_back(std::max(bytes, ChunkSize - Alignment) + Alignment);
+      const std::size_t size = this->Chunks.empty()
+        ? FirstChunkSize
+        : std::min(2 * this->Chunks.back().GetSize(), MostChunkSize);
+      this->Chunks.emplace_back(std::max(size, bytes + Alignment));
       AdviseHugePages(this->Chunks.back().GetData(), this->Chunks.back().GetSize());
       const auto address = reinterpret_cast<std::uintptr_t>(this->Chunks.back().GetData());
       this->Used = (Alignment - address % Alignment) % Alignment;
@@ -52,7 +55,9 @@ public:
   }
 
 private:
-  static constexpr std::size_t ChunkSize = std::size_t(8) << 20;
+  // Small at first, so that a small surface does not pay for much memory.
+  static constexpr std::size_t FirstChunkSize = std::size_t(1) << 18;
+  static constexpr std::size_t MostChunkSize = std::size_t(8) << 20;
   static constexpr std::size_t Alignment = 64;
 
   std::vector<Buffer<std::uint8_t>> Chunks;

@@ -142,18 +142,19 @@ void ClassifyRows(ValueType type, const BrickSamples& samples, const void* thres
       using T = decltype(zero);
       const T limit = *static_cast<const T*>(threshold);
       const T* plane = static_cast<const T*>(samples.First);
+      const std::ptrdiff_t lastInRow = (samples.Size[0] - 1) * samples.Stride[0];
       for (int k = 0; k < samples.Size[2]; ++k, plane += samples.Stride[2])
       {
         const T* row = plane;
         for (int j = 0; j < samples.Size[1]; ++j, row += samples.Stride[1])
         {
           // The rows of a brick are too short for the processor to see where the next ones are.
-        if (k + 1 < samples.Size[2])
-        {
-          __builtin_prefetch(row + samples.Stride[2]);
-          __builtin_prefetch(row + samples.Stride[2] + lastInRow);
-        }
-        *inside++ = ClassifyRow(row, samples.Stride[0], samples.Size[0], limit);
+          if (k + 1 < samples.Size[2])
+          {
+            __builtin_prefetch(row + samples.Stride[2]);
+            __builtin_prefetch(row + samples.Stride[2] + lastInRow);
+          }
+          *inside++ = ClassifyRow(row, samples.Stride[0], samples.Size[0], limit);
         }
       }
     });

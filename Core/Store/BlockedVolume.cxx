@@ -141,6 +141,16 @@ Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t array) co
   return Status::Ok();
 }
 
+Status BlockedVolume::CheckRank(int rank, int ranks) const
+{
+  if (rank < 0 || rank >= ranks)
+  {
+    return Status(StatusCode::InvalidArgument,
+      this->Path + ": there is no rank " + std::to_string(rank) + " of " + std::to_string(ranks));
+  }
+  return Status::Ok();
+}
+
 Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
 {
   const auto text = ReadText(this->Files, this->Path, MaximumHeaderSize);
@@ -203,6 +213,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
   std::vector<BlockReference> references;
   for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
   {
@@ -238,6 +249,7 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
   std::vector<BlockReference> references;
   for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
   {

@@ -112,6 +112,7 @@ private:
   /// Ok if the header on disk still names the time step as it was when this was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
   Status CheckArguments(std::size_t timeStep, std::size_t array) const;
+  Status CheckRank(int rank, int ranks) const;
 
   std::string Path;
   FileSystem& Files;

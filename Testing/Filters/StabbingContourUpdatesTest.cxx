@@ -138,7 +138,7 @@ TEST(StabbingContourUpdates, ChangedIsovaluesDoNotExecuteTheSourceAgain)
     [](vtkObject*, unsigned long, void* number, void*) { ++*static_cast<int*>(number); });
   source->AddObserver(vtkCommand::StartEvent, count);
 
-  for (vtkAlgorithm* input : { static_cast<vtkAlgorithm*>(source), passThrough.Get() })
+  for (vtkAlgorithm* input : std::vector<vtkAlgorithm*>{ source, passThrough })
   {
     vtkNew<vtkStabbingContour> contour;
     contour->SetInputConnection(input->GetOutputPort());

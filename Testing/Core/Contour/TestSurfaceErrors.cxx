@@ -16,7 +16,9 @@ struct SurfaceErrors : testing::Test
 {
   std::mt19937 Random{ 60 };
   TestVolume<float> Volume = MakeRandomVolume<float>(this->Random, { 40, 40, 40 }, 10);
-  ContourRequest Request{ { 1.5 } };
+  ContourRequest Request;
+
+  void SetUp() override { this->Request.Isovalues = { 1.5 }; }
 
   StatusCode Extract(BlockSource& source, int threads = 2, const Progress& progress = {})
   {
@@ -81,7 +83,7 @@ TEST_F(SurfaceErrors, ProgressCanStopEitherPhase)
   for (const double stopAt : { 0.0, 0.3, 0.6, 0.9 })
   {
     TestBlockSource<float> source(this->Volume, 16);
-    EXPECT_EQ(this->Extract(source, 2, [stopAt](double share) { return share < stopAt; }),
+    EXPECT_EQ(this->Extract(source, 1, [stopAt](double share) { return share < stopAt; }),
       StatusCode::Aborted);
   }
 }

@@ -98,7 +98,7 @@ TYPED_TEST(SurfaceOfType, RandomSmallGridsInSmallBlocksEqualOracle)
   std::mt19937 random(20);
   std::uniform_int_distribution<int> size(1, 9);
   std::uniform_int_distribution<int> blockSize(1, 5);
-  for (int trial = 0; trial < 150; ++trial)
+  for (int trial = 0; trial < 300; ++trial)
   {
     const Index3 dimensions{ size(random), size(random), size(random) };
     const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, trial % 2 == 0 ? 4 : 100);

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/BlockedVolumeHeader.h"
+
+#include "Store/JsonDocument.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+using namespace isosurface;
+
+namespace
+{
+
+const std::string Path = "/data/a.bvol";
+
+BlockedVolumeHeader MakeHeader()
+{
+  BlockedVolumeHeader header;
+  header.Grid.Extent = { -5, 44, 0, 9, 7, 7 };
+  header.Grid.Origin = { 0.1, -1.0 / 3.0, 1e-300 };
+  header.Grid.Spacing = { 1e30, 2.0 / 7.0, 5e-324 };
+  header.Grid.Direction = { 0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1 };
+  header.BlockSize = 16;
+  header.NumberOfStores = 2;
+  header.Distribution = DistributionMethod::Random;
+  header.RandomSeed = std::numeric_limits<std::uint64_t>::max();
+  header.Arrays = { { "a", ValueType::Int64 }, { "b", ValueType::Float32 },
+    { "c", ValueType::UInt64 }, { "", ValueType::Float64 } };
+  TimeStepDescription step;
+  step.Time = 0.3;
+  step.Folder = "000012";
+  const auto range = [](auto low, auto high) {
+    return KeyRange{ MakeValueKey(low), MakeValueKey(high) };
+  };
+  step.Ranges = { range(std::numeric_limits<std::int64_t>::min(),
+                    std::numeric_limits<std::int64_t>::max() - 1),
+    range(-0.1f, std::numeric_limits<float>::max()),
+    range(std::uint64_t{ 3 }, (std::uint64_t{ 1 } << 63) + 1), KeyRange{} };
+  step.Stores = { { 3, 8192, 0xFEDCBA9876543210u }, { 1, 4096, 7 } };
+  header.TimeSteps = { step };
+  step.Time.reset();
+  step.Folder = "1000000";
+  header.TimeSteps.push_back(step);
+  return header;
+}
+
+/// A header's text after a change, with a right checksum.
+std::string Change(const std::function<void(Json&)>& change)
+{
+  Json document = Json::parse(MakeHeader().Format());
+  change(document);
+  return FormatDocument(document);
+}
+
+void ExpectRefused(
+  const std::string& text, const std::string& part, StatusCode code = StatusCode::Corrupt)
+{
+  const auto header = BlockedVolumeHeader::Parse(text, Path);
+  ASSERT_FALSE(header.IsOk()) << part;
+  EXPECT_EQ(header.GetStatus().GetCode(), code) << header.GetStatus().GetMessage();
+  EXPECT_EQ(header.GetStatus().GetMessage().find(Path), 0u) << header.GetStatus().GetMessage();
+  EXPECT_NE(header.GetStatus().GetMessage().find(part), std::string::npos)
+    << header.GetStatus().GetMessage() << " does not name " << part;
+}
+
+} // namespace
+
+TEST(BlockedVolumeHeader, RoundTripsExactly)
+{
+  const BlockedVolumeHeader header = MakeHeader();
+  const std::string text = header.Format();
+  const auto parsed = BlockedVolumeHeader::Parse(text, Path);
+  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
+  EXPECT_EQ(parsed->Format(), text);
+  EXPECT_EQ(parsed->Grid, header.Grid);
+  EXPECT_EQ(parsed->RandomSeed, header.RandomSeed);
+  for (std::size_t step = 0; step < 2; ++step)
+  {
+    EXPECT_EQ(parsed->TimeSteps[step].Time, header.TimeSteps[step].Time);
+    for (std::size_t array = 0; array < 4; ++array)
+    {
+      EXPECT_EQ(parsed->TimeSteps[step].Ranges[array].Minimum,
+        header.TimeSteps[step].Ranges[array].Minimum);
+      EXPECT_EQ(parsed->TimeSteps[step].Ranges[array].Maximum,
+        header.TimeSteps[step].Ranges[array].Maximum);
+    }
+    EXPECT_EQ(parsed->TimeSteps[step].Stores[0].Checksum, 0xFEDCBA9876543210u);
+  }
+}
+
+TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
+{
+  const auto header = BlockedVolumeHeader::Parse(Change(
+                                                   [](Json& document)
+                                                   {
+                                                     document["comment"] = { 1, 2, 3 };
+                                                     document["arrays"][0]["unit"] = "HU";
+                                                     document["timeSteps"][0]["stores"][0]["host"] =
+                                                       nullptr;
+                                                   }),
+    Path);
+  EXPECT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
+}
+
+TEST(BlockedVolumeHeader, RefusesANewerVersionWithAdvice)
+{
+  ExpectRefused(Change([](Json& document) { document["formatVersion"] = 2; }), "update",
+    StatusCode::Unsupported);
+  ExpectRefused(Change([](Json& document) { document["compression"] = "zstd"; }), "zstd",
+    StatusCode::Unsupported);
+}
+
+TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
+{
+  const Json huge = Json::parse("18446744073709551615");
+  const std::pair<const char*, std::function<void(Json&)>> changes[] = {
+    { "format", [](Json& d) { d["format"] = "other"; } },
+    { "formatVersion", [](Json& d) { d["formatVersion"] = "1"; } },
+    { "formatVersion", [](Json& d) { d.erase("formatVersion"); } },
+    { "grid.extent", [](Json& d) { d["grid"].erase("extent"); } },
+    { "grid.extent",
+      [](Json& d) {
+        d["grid"]["extent"] = { 0, 1, 0, 1, 0 };
+      } },
+    { "grid.extent", [](Json& d) { d["grid"]["extent"][0] = 1.5; } },
+    { "grid.extent", [&](Json& d) { d["grid"]["extent"][1] = huge; } },
+    { "grid.extent",
+      [](Json& d) {
+        d["grid"]["extent"] = { 0, -1, 0, 1, 0, 1 };
+      } },
+    { "grid.extent",
+      [](Json& d) {
+        d["grid"]["extent"] = { 0, 1LL << 39, 0, 1LL << 39, 0, 1LL << 39 };
+      } },
+    { "grid.origin", [](Json& d) { d["grid"]["origin"][2] = "x"; } },
+    { "grid.spacing", [](Json& d) { d["grid"]["spacing"] = nullptr; } },
+    { "grid.", [](Json& d) { d["grid"] = 5; } },
+    { "blockSize", [](Json& d) { d["blockSize"] = 48; } },
+    { "blockSize", [](Json& d) { d["blockSize"] = -16; } },
+    { "blockSize",
+      [](Json& d) {
+        d["grid"]["extent"] = { 0, 1LL << 24, 0, 1LL << 24, 0, 9999 };
+      } },
+    { "ghostLayers", [](Json& d) { d["ghostLayers"] = 2; } },
+    { "numberOfLevels", [](Json& d) { d["numberOfLevels"] = 6; } },
+    { "stores", [](Json& d) { d["stores"] = 0; } },
+    { "stores", [](Json& d) { d["stores"] = 4000000000u; } },
+    { "timeSteps[0].stores", [](Json& d) { d["stores"] = 3; } },
+    { "distribution.method", [](Json& d) { d["distribution"]["method"] = "best"; } },
+    { "distribution.seed", [](Json& d) { d["distribution"]["seed"] = -1; } },
+    { "arrays", [](Json& d) { d["arrays"] = Json::object(); } },
+    { "arrays[1].type", [](Json& d) { d["arrays"][1]["type"] = "float16"; } },
+    { "arrays[0].components", [](Json& d) { d["arrays"][0]["components"] = 3; } },
+    { "arrays[].name", [](Json& d) { d["arrays"][1]["name"] = "a"; } },
+    { "timeSteps", [](Json& d) { d["timeSteps"] = Json::array(); } },
+    { "timeSteps[1].folder", [](Json& d) { d["timeSteps"][1]["folder"] = 7; } },
+    { "timeSteps[].folder", [](Json& d) { d["timeSteps"][1]["folder"] = "../../etc"; } },
+    { "timeSteps[0].time", [](Json& d) { d["timeSteps"][0]["time"] = "now"; } },
+    { "timeSteps[0].ranges",
+      [](Json& d) {
+        d["timeSteps"][0]["ranges"][0] = { 5, 4 };
+      } },
+    { "timeSteps[0].ranges",
+      [](Json& d) {
+        d["timeSteps"][0]["ranges"][2] = { -1, 4 };
+      } },
+    { "timeSteps[0].ranges",
+      [](Json& d) {
+        d["timeSteps"][0]["ranges"][1] = { 0, 1e39 };
+      } },
+    { "timeSteps[0].stores[1].checksum",
+      [](Json& d) { d["timeSteps"][0]["stores"][1]["checksum"] = "12"; } },
+    { "timeSteps[].stores", [](Json& d) { d["timeSteps"][0]["stores"][1]["blocks"] = 2; } },
+    { "timeSteps[].stores", [&](Json& d) { d["timeSteps"][0]["stores"][1]["blocks"] = huge; } },
+    { "timeSteps[].stores", [](Json& d) { d["timeSteps"][0]["stores"][1]["bytes"] = 4097; } },
+  };
+  for (const auto& change : changes)
+  {
+    SCOPED_TRACE(change.first);
+    ExpectRefused(Change(change.second), change.first);
+  }
+}
+
+TEST(BlockedVolumeHeader, RefusesDamagedText)
+{
+  const std::string text = MakeHeader().Format();
+  for (std::size_t size = 0; size + 2 < text.size(); size += 7)
+  {
+    ExpectRefused(text.substr(0, size), "");
+  }
+  for (std::size_t position = 0; position < text.size(); ++position)
+  {
+    std::string damaged = text;
+    damaged[position] = static_cast<char>(damaged[position] ^ 4);
+    const auto header = BlockedVolumeHeader::Parse(damaged, Path);
+    // White space alone may change without harm.
+    EXPECT_TRUE(!header.IsOk() || header->Format() == text) << position;
+  }
+  ExpectRefused(std::string(10000000, '['), "");
+  std::string deep = "{\"a\":";
+  for (int depth = 0; depth < 100000; ++depth)
+  {
+    deep += "{\"a\":";
+  }
+  ExpectRefused(deep + "1" + std::string(100001, '}'), "");
+  ExpectRefused("[]", "");
+  ExpectRefused("\xff\xfe", "");
+}

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Testing_MemoryDisk_h
+#define isosurface_Testing_MemoryDisk_h
+
+#include "Base/FileSystem.h"
+
+#include <cstring>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A disk in memory, with folders, for several threads. It fails from a given write on, and counts
+/// what is read.
+class MemoryDisk : public FileSystem
+{
+public:
+  using Bytes = std::vector<std::uint8_t>;
+  static constexpr std::uint64_t Never = std::numeric_limits<std::uint64_t>::max();
+
+  /// A file's bytes, to look at or to damage.
+  Bytes& GetFile(const std::string& path) { return *this->Files.at(path); }
+  const std::map<std::string, std::shared_ptr<Bytes>>& GetFiles() const { return this->Files; }
+  /// The names of all files, each with its contents.
+  std::map<std::string, Bytes> Copy() const
+  {
+    std::map<std::string, Bytes> copy;
+    for (const auto& file : this->Files)
+    {
+      copy[file.first] = *file.second;
+    }
+    return copy;
+  }
+  const std::set<std::string>& GetFolders() const { return this->Folders; }
+
+  void FailFromWrite(std::uint64_t write)
+  {
+    this->Writes = 0;
+    this->FirstFailure = write;
+  }
+  std::uint64_t GetWrites() const { return this->Writes; }
+  std::uint64_t GetBytesRead(const std::string& nameEnd) const
+  {
+    std::uint64_t sum = 0;
+    for (const auto& count : this->BytesRead)
+    {
+      const std::string& path = count.first;
+      sum += path.size() >= nameEnd.size() &&
+          path.compare(path.size() - nameEnd.size(), nameEnd.size(), nameEnd) == 0
+        ? count.second
+        : 0;
+    }
+    return sum;
+  }
+  std::uint64_t GetReads() const { return this->Reads; }
+
+  Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto found = this->Files.find(path);
+    if (found == this->Files.end())
+    {
+      return Status(StatusCode::NotFound, path + ": cannot open: No such file");
+    }
+    return std::unique_ptr<RandomAccessFile>(new Reader(*this, path, found->second));
+  }
+  Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    ISOSURFACE_RETURN_IF_ERROR(this->CountWrite(path));
+    if (this->Folders.count(path.substr(0, path.rfind('/'))) == 0)
+    {
+      return Status(StatusCode::NotFound, path + ": cannot create: No such folder");
+    }
+    auto bytes = std::make_shared<Bytes>();
+    this->Files[path] = bytes;
+    return std::unique_ptr<WritableFile>(new Writer(*this, path, bytes));
+  }
+  Status Rename(const std::string& from, const std::string& to) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    ISOSURFACE_RETURN_IF_ERROR(this->CountWrite(to));
+    this->Files[to] = this->Files.at(from);
+    this->Files.erase(from);
+    return Status::Ok();
+  }
+  Status MakeDirectories(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    ISOSURFACE_RETURN_IF_ERROR(this->CountWrite(path));
+    for (std::size_t end = path.find('/', 1); end != std::string::npos;
+         end = path.find('/', end + 1))
+    {
+      this->Folders.insert(path.substr(0, end));
+    }
+    this->Folders.insert(path);
+    return Status::Ok();
+  }
+  Status RemoveAll(const std::string& path) override
+  {
+    // Removing needs no space: it works on a full disk.
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto isWithin = [&](const std::string& name)
+    { return name == path || name.compare(0, path.size() + 1, path + "/") == 0; };
+    for (auto file = this->Files.begin(); file != this->Files.end();)
+    {
+      file = isWithin(file->first) ? this->Files.erase(file) : std::next(file);
+    }
+    for (auto folder = this->Folders.begin(); folder != this->Folders.end();)
+    {
+      folder = isWithin(*folder) ? this->Folders.erase(folder) : std::next(folder);
+    }
+    return Status::Ok();
+  }
+  bool Exists(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    return this->Files.count(path) + this->Folders.count(path) > 0;
+  }
+  Result<std::vector<std::string>> List(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    std::set<std::string> names;
+    const auto add = [&](const std::string& name)
+    {
+      if (name.compare(0, path.size() + 1, path + "/") == 0)
+      {
+        const std::string rest = name.substr(path.size() + 1);
+        names.insert(rest.substr(0, rest.find('/')));
+      }
+    };
+    for (const auto& file : this->Files)
+    {
+      add(file.first);
+    }
+    for (const std::string& folder : this->Folders)
+    {
+      add(folder);
+    }
+    return std::vector<std::string>(names.begin(), names.end());
+  }
+  Status SyncDirectory(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    return this->CountWrite(path);
+  }
+
+private:
+  Status CountWrite(const std::string& path)
+  {
+    if (this->Writes++ >= this->FirstFailure)
+    {
+      return Status(StatusCode::IoError, path + ": cannot write: No space left on device");
+    }
+    return Status::Ok();
+  }
+
+  class Reader : public RandomAccessFile
+  {
+  public:
+    Reader(MemoryDisk& disk, std::string path, std::shared_ptr<const Bytes> content)
+      : Disk(disk)
+      , Path(std::move(path))
+      , Content(std::move(content))
+    {
+    }
+    Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
+    {
+      const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
+      ++this->Disk.Reads;
+      this->Disk.BytesRead[this->Path] += size;
+      if (offset > this->Content->size() || size > this->Content->size() - offset)
+      {
+        return Status(StatusCode::Corrupt, this->Path + ": truncated");
+      }
+      if (size > 0)
+      {
+        std::memcpy(bytes, this->Content->data() + offset, size);
+      }
+      return Status::Ok();
+    }
+    std::uint64_t GetSize() const override { return this->Content->size(); }
+    const std::string& GetPath() const override { return this->Path; }
+
+  private:
+    MemoryDisk& Disk;
+    std::string Path;
+    std::shared_ptr<const Bytes> Content;
+  };
+
+  class Writer : public WritableFile
+  {
+  public:
+    Writer(MemoryDisk& disk, std::string path, std::shared_ptr<Bytes> content)
+      : Disk(disk)
+      , Path(std::move(path))
+      , Content(std::move(content))
+    {
+    }
+    Status Append(const void* bytes, std::size_t size) override
+    {
+      return this->WriteAt(this->Content->size(), bytes, size);
+    }
+    Status WriteAt(std::uint64_t offset, const void* bytes, std::size_t size) override
+    {
+      const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
+      ISOSURFACE_RETURN_IF_ERROR(this->Disk.CountWrite(this->Path));
+      this->Content->resize(std::max<std::size_t>(this->Content->size(), offset + size));
+      std::memcpy(this->Content->data() + offset, bytes, size);
+      return Status::Ok();
+    }
+    std::uint64_t GetSize() const override { return this->Content->size(); }
+    Status SyncAndClose() override
+    {
+      const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
+      return this->Disk.CountWrite(this->Path);
+    }
+    const std::string& GetPath() const override { return this->Path; }
+
+  private:
+    MemoryDisk& Disk;
+    std::string Path;
+    std::shared_ptr<Bytes> Content;
+  };
+
+  std::mutex Mutex;
+  std::map<std::string, std::shared_ptr<Bytes>> Files;
+  std::set<std::string> Folders{ "/data" };
+  std::map<std::string, std::uint64_t> BytesRead;
+  std::uint64_t Reads = 0;
+  std::uint64_t Writes = 0;
+  std::uint64_t FirstFailure = Never;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Testing_ThreadCommunicator_h
+#define isosurface_Testing_ThreadCommunicator_h
+
+#include "Base/Communicator.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Ranks that are threads of one process.
+class ThreadCommunicator : public Communicator
+{
+public:
+  /// Calls body(communicator) as each of `size` ranks at once, and waits for all.
+  static void Run(int size, const std::function<void(Communicator&)>& body)
+  {
+    Group group(static_cast<std::size_t>(size));
+    std::vector<std::thread> threads;
+    for (int rank = 0; rank < size; ++rank)
+    {
+      threads.emplace_back(
+        [&group, &body, rank]
+        {
+          ThreadCommunicator communicator(group, rank);
+          body(communicator);
+        });
+    }
+    for (std::thread& thread : threads)
+    {
+      thread.join();
+    }
+  }
+
+  int GetRank() const override { return this->Rank; }
+  int GetSize() const override { return static_cast<int>(this->Shared.Slots.size()); }
+  int GetRanksOnNode() override { return this->GetSize(); }
+
+  void ReduceMinimum(std::vector<std::uint64_t>& values) override
+  {
+    this->Reduce(values, [](std::uint64_t a, std::uint64_t b) { return std::min(a, b); });
+  }
+  void ReduceMaximum(std::vector<std::uint64_t>& values) override
+  {
+    this->Reduce(values, [](std::uint64_t a, std::uint64_t b) { return std::max(a, b); });
+  }
+  void ReduceSum(std::vector<std::uint64_t>& values) override
+  {
+    this->Reduce(values, [](std::uint64_t a, std::uint64_t b) { return a + b; });
+  }
+  std::vector<Message> AllGather(const Message& mine) override
+  {
+    std::vector<Message> outgoing(this->Shared.Slots.size(), mine);
+    return this->Exchange(std::move(outgoing));
+  }
+  std::vector<Message> Exchange(std::vector<Message> outgoing) override
+  {
+    this->Shared.Slots[static_cast<std::size_t>(this->Rank)] = std::move(outgoing);
+    this->Shared.Wait();
+    std::vector<Message> incoming;
+    for (std::vector<Message>& slot : this->Shared.Slots)
+    {
+      incoming.push_back(std::move(slot[static_cast<std::size_t>(this->Rank)]));
+    }
+    this->Shared.Wait();
+    return incoming;
+  }
+
+private:
+  struct Group
+  {
+    explicit Group(std::size_t size)
+      : Slots(size)
+      , Values(size)
+    {
+    }
+    void Wait()
+    {
+      std::unique_lock<std::mutex> lock(this->Mutex);
+      const std::uint64_t round = this->Round;
+      if (++this->Arrived == this->Slots.size())
+      {
+        this->Arrived = 0;
+        ++this->Round;
+        this->Condition.notify_all();
+        return;
+      }
+      this->Condition.wait(lock, [&] { return this->Round != round; });
+    }
+    std::mutex Mutex;
+    std::condition_variable Condition;
+    std::size_t Arrived = 0;
+    std::uint64_t Round = 0;
+    std::vector<std::vector<Message>> Slots;
+    std::vector<std::vector<std::uint64_t>> Values;
+  };
+
+  ThreadCommunicator(Group& group, int rank)
+    : Shared(group)
+    , Rank(rank)
+  {
+  }
+
+  template <typename Operation>
+  void Reduce(std::vector<std::uint64_t>& values, Operation operation)
+  {
+    this->Shared.Values[static_cast<std::size_t>(this->Rank)] = values;
+    this->Shared.Wait();
+    for (std::size_t rank = 0; rank < this->Shared.Values.size(); ++rank)
+    {
+      for (std::size_t index = 0; index < values.size(); ++index)
+      {
+        values[index] = rank == 0 ? this->Shared.Values[0][index]
+                                  : operation(values[index], this->Shared.Values[rank][index]);
+      }
+    }
+    this->Shared.Wait();
+  }
+
+  Group& Shared;
+  int Rank;
+};
+
+} // namespace isosurface
+
+#endif
