@@ -123,9 +123,8 @@ VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image)
   {
     for (std::int64_t j = 0; j < cells[1]; ++j, mark += cells[0])
     {
-      auto isOwn = [](unsigned char ghost) {
-        return (ghost & vtkDataSetAttributes::DUPLICATECELL) == 0;
-      };
+      auto isOwn = [](unsigned char ghost)
+      { return (ghost & vtkDataSetAttributes::DUPLICATECELL) == 0; };
       const auto* first = std::find_if(mark, mark + cells[0], isOwn);
       if (first == mark + cells[0])
       {
@@ -187,6 +186,7 @@ Result<ImageSamples> MakeImageSamples(
       vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
     samples.Array->DeepCopy(array);
   }
+  samples.Time = std::max(image->GetMTime(), samples.Array->GetMTime());
   const VertexBox all = MakeVertexBox(grid, image->GetExtent());
   const Index3 size = all.GetSize();
   samples.View.Type = *type;

@@ -5,6 +5,7 @@
 #include "IsosurfaceBridgeModule.h"
 
 #include "vtkSmartPointer.h"
+#include "vtkType.h"
 
 #include "Base/Status.h"
 #include "Volume/GridGeometry.h"
@@ -39,8 +40,9 @@ ISOSURFACEBRIDGE_EXPORT VertexBox FindOwnVertices(const GridGeometry& grid, vtkI
 /// The samples of an array of an image, and who owns them.
 struct ImageSamples
 {
-  SampleView View;                    ///< Box is the image's own vertices, Available all of them
+  SampleView View;                     ///< Box is the image's own vertices, Available all of them
   vtkSmartPointer<vtkDataArray> Array; ///< keeps the samples alive
+  vtkMTimeType Time = 0;               ///< when the image or the array was last modified
 };
 
 /**

@@ -8,6 +8,9 @@
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Contour/GridBlockSource.h"
+#include "Contour/SurfaceExtractor.h"
+
 #include <algorithm>
 #include <cstring>
 #include <string>
@@ -34,7 +37,8 @@ auto GetFrame(const GridGeometry& grid)
 Result<std::vector<vtkImageData*>> FindImages(vtkDataObject* input)
 {
   std::vector<vtkImageData*> images;
-  auto add = [&images](vtkDataObject* data) {
+  auto add = [&images](vtkDataObject* data)
+  {
     auto* image = vtkImageData::SafeDownCast(data);
     if (data && !image)
     {
@@ -50,8 +54,7 @@ Result<std::vector<vtkImageData*>> FindImages(vtkDataObject* input)
   };
   if (auto* composite = vtkCompositeDataSet::SafeDownCast(input))
   {
-    const auto iterator =
-      vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
+    const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
     iterator->SkipEmptyNodesOn();
     for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
     {
@@ -122,9 +125,8 @@ std::vector<GridGeometry> UniteGrids(Communicator& ranks, const std::vector<Leaf
       std::memcpy(&all.back(), &message[at], sizeof(GridGeometry));
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const GridGeometry& a, const GridGeometry& b) {
-    return GetFrame(a) < GetFrame(b);
-  });
+  std::stable_sort(all.begin(), all.end(),
+    [](const GridGeometry& a, const GridGeometry& b) { return GetFrame(a) < GetFrame(b); });
   std::vector<GridGeometry> united;
   for (const GridGeometry& grid : all)
   {
@@ -140,6 +142,63 @@ std::vector<GridGeometry> UniteGrids(Communicator& ranks, const std::vector<Leaf
     }
   }
   return united;
+}
+
+// Whether the samples reach one layer beyond Box on every side where the grid goes on.
+bool HasLayerForGradients(const GridGeometry& grid, const SampleView& samples)
+{
+  const Index3 size = grid.GetDimensions();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t low = std::max<std::int64_t>(samples.Box.Low[axis] - 1, 0);
+    const std::int64_t high = std::min(samples.Box.High[axis] + 1, size[axis]);
+    if (samples.Available.Low[axis] > low || samples.Available.High[axis] < high)
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Counts the samples' vertices from Available's low corner, and returns the grid of Available.
+GridGeometry Isolate(const GridGeometry& grid, SampleView& samples)
+{
+  GridGeometry part = grid;
+  const Index3 low = samples.Available.Low;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    part.Extent[2 * axis] = grid.Extent[2 * axis] + low[axis];
+    part.Extent[2 * axis + 1] = grid.Extent[2 * axis] + samples.Available.High[axis] - 1;
+    for (VertexBox* box : { &samples.Available, &samples.Box })
+    {
+      box->Low[axis] -= low[axis];
+      box->High[axis] -= low[axis];
+    }
+  }
+  return part;
+}
+
+// From the numbers of a part of a grid to those of the grid.
+void RenumberGlobalIds(const GridGeometry& part, const GridGeometry& grid, Surface& surface)
+{
+  const Index3 from = part.GetDimensions();
+  const Index3 to = grid.GetDimensions();
+  Index3 low;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    low[axis] = part.Extent[2 * axis] - grid.Extent[2 * axis];
+  }
+  const std::int64_t count = 3 * part.GetNumberOfVertices();
+  for (std::int64_t& id : surface.GlobalIds)
+  {
+    const std::int64_t isovalueNumber = id / count;
+    const std::int64_t axis = id % 3;
+    const std::int64_t vertex = id % count / 3;
+    const std::int64_t i = low[0] + vertex % from[0];
+    const std::int64_t j = low[1] + vertex / from[0] % from[1];
+    const std::int64_t k = low[2] + vertex / (from[0] * from[1]);
+    id = 3 * (isovalueNumber * grid.GetNumberOfVertices() + i + to[0] * (j + to[1] * k)) + axis;
+  }
 }
 
 } // namespace
@@ -178,6 +237,25 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   }
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
   return pieces;
+}
+
+Result<Surface> ExtractPiece(const GridGeometry& grid, const SampleView& samples,
+  const BlockRanges& ranges, const ContourRequest& request, int threads, const Progress& progress)
+{
+  if (!request.Normals || HasLayerForGradients(grid, samples))
+  {
+    GridBlockSource source(samples, ranges, request.Isovalues);
+    return ExtractSurface(grid, source, request, threads, progress);
+  }
+  SampleView isolated = samples;
+  const GridGeometry part = Isolate(grid, isolated);
+  GridBlockSource source(isolated, ranges, request.Isovalues);
+  Result<Surface> surface = ExtractSurface(part, source, request, threads, progress);
+  if (surface.IsOk())
+  {
+    RenumberGlobalIds(part, grid, *surface);
+  }
+  return surface;
 }
 
 } // namespace isosurface

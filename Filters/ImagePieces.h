@@ -3,7 +3,10 @@
 #define isosurface_ImagePieces_h
 
 #include "Base/Communicator.h"
+#include "Base/Progress.h"
 #include "Base/Status.h"
+#include "Contour/BlockRanges.h"
+#include "Contour/Surface.h"
 #include "ImageSamples.h"
 #include "Volume/GridGeometry.h"
 
@@ -45,6 +48,17 @@ struct ImagePieces
  */
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray);
+
+/**
+ * The surface of one piece of a grid, with the GlobalIds of the grid. `ranges` are those of the
+ * piece's samples.
+ *
+ * Where the image ends before its grid does, and has no ghost samples beyond its own, normals are
+ * made of one-sided differences, as at the border of the grid: they are not those of the
+ * neighbouring piece there.
+ */
+Result<Surface> ExtractPiece(const GridGeometry& grid, const SampleView& samples,
+  const BlockRanges& ranges, const ContourRequest& request, int threads, const Progress& progress);
 
 } // namespace isosurface
 

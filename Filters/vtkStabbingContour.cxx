@@ -12,8 +12,10 @@
 
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationExecutivePortKey.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
@@ -24,7 +26,7 @@
 
 #include "Base/ParallelFor.h"
 #include "Contour/BlockRanges.h"
-#include "Contour/GridBlockSource.h"
+#include "Contour/SurfaceExtractor.h"
 #include "Contour/SurfaceMerge.h"
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
@@ -45,9 +47,30 @@ using isosurface::Status;
 using isosurface::StatusCode;
 using isosurface::Surface;
 
+namespace
+{
+
+// Whether a request set in this input information reaches a blocked volume's reader.
+bool IsBehindReader(vtkInformation* info)
+{
+  if (vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(info))
+  {
+    return true;
+  }
+  if (!vtkInformationStabbingRequestKey::IsTransparent(info))
+  {
+    return false;
+  }
+  vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(info);
+  return executive->GetNumberOfInputPorts() > 0 && executive->GetNumberOfInputConnections(0) > 0 &&
+    IsBehindReader(executive->GetInputInformation(0, 0));
+}
+
+} // namespace
+
 /**
  * The value ranges of the blocks of the images of the last execution. An array is known by its
- * address and modification time, which no other array shares.
+ * address and by when it or its image was modified.
  */
 struct vtkStabbingContour::Index
 {
@@ -64,8 +87,7 @@ struct vtkStabbingContour::Index
   {
     for (Entry& kept : this->Entries)
     {
-      if (kept.Array == samples.Array && kept.Time == samples.Array->GetMTime() &&
-        kept.Box == samples.View.Box)
+      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Box == samples.View.Box)
       {
         entry = std::move(kept);
         kept.Array = nullptr;
@@ -133,6 +155,11 @@ int vtkStabbingContour::RequestUpdateExtent(
   inInfo->Set(
     Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), this->ComputeNormals && pieces > 1 ? 1 : 0);
 
+  // A source that does not know the request would execute again for each one, and to no purpose.
+  if (!IsBehindReader(inInfo))
+  {
+    return 1;
+  }
   // Straight behind a reader the blocks are taken through the handle.
   vtkNew<vtkStabbingRequest> request;
   if (vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo))
@@ -209,7 +236,7 @@ int vtkStabbingContour::RequestData(
 bool vtkStabbingContour::TellProgress(double share)
 {
   this->UpdateProgress(share);
-  return this->GetAbortExecute() == 0;
+  return !this->CheckAbort();
 }
 
 //------------------------------------------------------------------------------
@@ -223,8 +250,8 @@ int vtkStabbingContour::ChooseThreads()
 Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
   const ContourRequest& request, Surface& surface, std::string& arrayName, QueryCost& cost)
 {
-  auto* handle = static_cast<vtkBlockedVolumeHandle*>(
-    vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
+  auto* handle =
+    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
   isosurface::BlockedVolume& volume = *handle->GetVolume();
   const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
   const std::size_t step = handle->FindTimeStep(inInfo);
@@ -234,8 +261,8 @@ Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformat
     arrayName.empty() ? std::optional<std::size_t>(0) : header.FindArray(arrayName);
   if (!array)
   {
-    return Status(StatusCode::NotFound,
-      volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
+    return Status(
+      StatusCode::NotFound, volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
   }
   arrayName = header.Arrays[*array].Name;
 
@@ -265,7 +292,8 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
-  auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*> {
+  auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
+  {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
     vtkDataArray* array = this->GetInputArrayToProcess(0, image, association);
     if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
@@ -280,8 +308,8 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
     }
     return array;
   };
-  const auto pieces = isosurface::CollectImagePieces(
-    ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
+  const auto pieces =
+    isosurface::CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
   if (!pieces.IsOk())
   {
     const std::string name = this->GetArrayToContour();
@@ -302,7 +330,8 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
   for (std::size_t number = 0; number < pieces->Pieces.size(); ++number)
   {
     const isosurface::ImagePiece& piece = pieces->Pieces[number];
-    const auto progress = [&](double share) {
+    const auto progress = [&](double share)
+    {
       return this->TellProgress(
         (static_cast<double>(number) + share) / static_cast<double>(pieces->Pieces.size()));
     };
@@ -314,18 +343,17 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
       {
         return ranges.GetStatus();
       }
-      entry = { piece.Samples.Array, piece.Samples.Array->GetMTime(), piece.Samples.View.Box,
+      entry = { piece.Samples.Array, piece.Samples.Time, piece.Samples.View.Box,
         std::move(*ranges) };
     }
-    isosurface::GridBlockSource source(piece.Samples.View, entry.Ranges, request.Isovalues);
+    auto extracted = isosurface::ExtractPiece(pieces->Grids[piece.Grid], piece.Samples.View,
+      entry.Ranges, request, this->ChooseThreads(), progress);
     kept.push_back(std::move(entry));
-    cost.Reading.ActiveBlocks += source.GetNumberOfBlocks();
-    auto extracted = isosurface::ExtractSurface(
-      pieces->Grids[piece.Grid], source, request, this->ChooseThreads(), progress);
     if (!extracted.IsOk())
     {
       return extracted.GetStatus();
     }
+    cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
     for (std::int64_t& id : extracted->GlobalIds)
     {
       id += firstIds[piece.Grid];
@@ -333,8 +361,8 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
     surfaces.push_back(std::move(*extracted));
   }
   this->ImageIndex->Entries = std::move(kept);
-  surface = surfaces.size() == 1 ? std::move(surfaces.front())
-                                 : isosurface::MergeSurfaces(surfaces);
+  surface =
+    surfaces.size() == 1 ? std::move(surfaces.front()) : isosurface::MergeSurfaces(surfaces);
   return Status::Ok();
 }
 

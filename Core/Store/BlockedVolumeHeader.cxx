@@ -44,13 +44,15 @@ GridGeometry ReadGrid(JsonMembers& document, const std::string& path, Status& st
   const Json& extent = members.GetArray("extent", 6);
   for (std::size_t index = 0; index < extent.size(); ++index)
   {
-    if (!extent[index].is_number_integer())
+    const Json& coordinate = extent[index];
+    const bool isTooLarge = coordinate.is_number_unsigned() &&
+      coordinate.get<std::uint64_t>() > static_cast<std::uint64_t>(MaximumCoordinate);
+    if (!coordinate.is_number_integer() || isTooLarge)
     {
-      members.Fail("extent", "is not an array of integers");
+      members.Fail("extent", "is not an array of integers up to 2^40");
       return grid;
     }
-    // Beyond 63 bits it wraps around, and is then refused or was meant.
-    grid.Extent[index] = extent[index].get<std::int64_t>();
+    grid.Extent[index] = coordinate.get<std::int64_t>();
   }
   ReadNumbers(members, "origin", grid.Origin);
   ReadNumbers(members, "spacing", grid.Spacing);
@@ -379,11 +381,15 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   BlockedVolumeHeader header;
   header.Grid = ReadGrid(members, path, status);
   header.BlockSize = static_cast<int>(members.GetInteger("blockSize", 16, 64));
+  if (!IsBlockSize(header.BlockSize))
+  {
+    members.Fail("blockSize", "is not 16, 32 or 64");
+  }
+  const int levels = BlockGrid({ 1, 1, 1 }, header.BlockSize).GetNumberOfLevels();
   header.NumberOfStores =
     static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
   members.GetInteger("ghostLayers", 1, 1);
-  members.GetInteger("numberOfLevels", static_cast<int>(std::log2(header.BlockSize)) + 1,
-    static_cast<int>(std::log2(header.BlockSize)) + 1);
+  members.GetInteger("numberOfLevels", levels, levels);
   JsonMembers distribution(members.GetAny("distribution"), path, "distribution.", status);
   const auto method = FindDistribution(distribution.GetString("method"));
   if (!method)

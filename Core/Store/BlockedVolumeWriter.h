@@ -66,8 +66,8 @@ struct WriteStatistics
  * and what was at `path` before is untouched. The new dataset becomes visible by one rename at the
  * end; then the folders of older ones that no header names are removed.
  *
- * Cost: one pass over the samples for ranges, one for writing. Memory beyond the piece: 20 bytes a
- * block and array, about 2.5 RoundBytes (but at least one block), IndexBytes.
+ * Cost: one pass over the samples for ranges, one for writing. Memory beyond the piece: 16 bytes a
+ * block and array, about 60 a block that this rank writes, up to 3 RoundBytes, IndexBytes.
  *
  * Source: X. Zhang, C. Bajaj, "Scalable isosurface visualization of massive datasets on commodity
  * off-the-shelf clusters", 2009, sections 4.1.1 (preprocessing steps 1 to 3).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/VolumeSpectra.h"
 
+#include "Base/ByteOrder.h"
 #include "Store/JsonDocument.h"
 
 namespace isosurface
@@ -60,6 +61,31 @@ Status VolumeSpectra::Write(FileSystem& files, const std::string& path,
   }
   ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
   return (*file)->SyncAndClose();
+}
+
+void VolumeSpectra::AppendCounts(const WorkloadSpectrum& spectrum, Message& message)
+{
+  for (const std::vector<std::uint64_t>* counts : { &spectrum.Triangles, &spectrum.ActiveCells })
+  {
+    for (const std::uint64_t count : *counts)
+    {
+      message.resize(message.size() + sizeof(count));
+      StoreLittleEndian(message.data() + message.size() - sizeof(count), count);
+    }
+  }
+}
+
+void VolumeSpectra::TakeCounts(
+  const Message& message, std::size_t& position, WorkloadSpectrum& spectrum)
+{
+  for (std::vector<std::uint64_t>* counts : { &spectrum.Triangles, &spectrum.ActiveCells })
+  {
+    for (std::uint64_t& count : *counts)
+    {
+      count = LoadLittleEndian<std::uint64_t>(message.data() + position);
+      position += sizeof(count);
+    }
+  }
 }
 
 Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(

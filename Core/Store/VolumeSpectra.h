@@ -2,6 +2,7 @@
 #ifndef isosurface_VolumeSpectra_h
 #define isosurface_VolumeSpectra_h
 
+#include "Base/Communicator.h"
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
 #include "Partition/WorkloadSpectrum.h"
@@ -41,6 +42,11 @@ struct VolumeSpectra
   /// stores[array][store]; all spectra of an array have the same bins.
   static Status Write(FileSystem& files, const std::string& path,
     const std::vector<std::vector<WorkloadSpectrum>>& stores);
+
+  /// A spectrum's counts on their way between ranks: triangles, then active cells, each a run of
+  /// 64-bit numbers. The receiver knows the bins; `position` moves on to the next spectrum.
+  static void AppendCounts(const WorkloadSpectrum& spectrum, Message& message);
+  static void TakeCounts(const Message& message, std::size_t& position, WorkloadSpectrum& spectrum);
 
   static Result<std::shared_ptr<const VolumeSpectra>> Read(
     FileSystem& files, const std::string& path, std::size_t arrays, std::size_t stores);

@@ -12,6 +12,7 @@
 #include "vtkPointData.h"
 #include "vtkTriangleFilter.h"
 
+#include <algorithm>
 #include <map>
 
 using namespace isosurface;
@@ -49,13 +50,11 @@ std::map<Side, int> FindBoundary(vtkPolyData* surface)
     {
       const auto from = static_cast<vtkIdType>(ids->GetTuple1(points[n]));
       const auto to = static_cast<vtkIdType>(ids->GetTuple1(points[(n + 1) % size]));
-      if (--boundary[{ to, from }] == 0)
+      // Sides that go the other way round count as -1.
+      const Side side = std::minmax(from, to);
+      if ((boundary[side] += from < to ? 1 : -1) == 0)
       {
-        boundary.erase({ to, from });
-      }
-      if (++boundary[{ from, to }] == 0)
-      {
-        boundary.erase({ from, to });
+        boundary.erase(side);
       }
     }
   }

@@ -141,7 +141,7 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "blockSize", [](Json& d) { d["blockSize"] = -16; } },
     { "blockSize",
       [](Json& d) {
-        d["grid"]["extent"] = { 0, 1LL << 24, 0, 1LL << 24, 0, 9999 };
+        d["grid"]["extent"] = { 0, 1LL << 24, 0, 1LL << 24, 0, 3000 };
       } },
     { "ghostLayers", [](Json& d) { d["ghostLayers"] = 2; } },
     { "numberOfLevels", [](Json& d) { d["numberOfLevels"] = 6; } },

@@ -163,9 +163,14 @@ TEST(BlockedVolumeQuery, ReadsActiveBlocksAndNothingElse)
   ASSERT_GT(active->size(), 3u);
   EXPECT_EQ(disk.GetBytesRead("/blocks"), 0u);
   EXPECT_GT(statistics.TreePagesRead, 0u);
-  // Beside page 0 of each file, which opening reads.
-  EXPECT_EQ(disk.GetBytesRead(".tree"), (statistics.TreePagesRead + 2) * 4096);
-  EXPECT_EQ(disk.GetBytesRead("/directory"), (statistics.DirectoryPagesRead + 2) * 4096);
+  // Beside page 0 of the two files of a kind, which opening reads in one or two steps.
+  const auto expectPages = [&](const std::string& name, std::uint64_t pages)
+  {
+    EXPECT_GE(disk.GetBytesRead(name), (pages + 2) * 4096);
+    EXPECT_LE(disk.GetBytesRead(name), (pages + 4) * 4096);
+  };
+  expectPages(".tree", statistics.TreePagesRead);
+  expectPages("/directory", statistics.DirectoryPagesRead);
   EXPECT_GE(statistics.QuerySeconds, 0);
 
   std::uint64_t bytes = 0;

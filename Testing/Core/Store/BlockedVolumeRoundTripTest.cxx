@@ -58,7 +58,7 @@ class BlockedVolumeOfType : public ::testing::Test
 };
 using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
   std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(BlockedVolumeOfType, Types);
+TYPED_TEST_SUITE(BlockedVolumeOfType, Types, );
 
 } // namespace
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_TestVolumes_h
+#define isosurface_TestVolumes_h
+
+#include "TestImages.h"
+
+#include "vtkBlockedVolumeWriter.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * A ball with a rough surface, from about 0 (far off) to 250 (in its middle), and 0 on the border,
+ * so that all isosurfaces are closed. The same for the same arguments on every machine and rank.
+ */
+vtkSmartPointer<vtkImageData> MakeClosedVolume(const Extent& extent, int type);
+
+/// Gives an image an origin, unequal spacings and axes that are oblique to the world's.
+void TurnObliquely(vtkImageData* image);
+
+/// How a volume is cut and spread when it is written.
+struct VolumeSettings
+{
+  int BlockSize = 16;
+  int NumberOfStores = 1;
+  int Distribution = vtkBlockedVolumeWriter::GREEDY;
+};
+
+/// Writes an image, on this process alone; a test fails if that reports an error.
+void WriteVolume(vtkImageData* image, const std::string& path, const VolumeSettings& settings = {});
+
+/// What a query must cost: counted from the image alone.
+struct ExpectedCost
+{
+  std::uint64_t ActiveBlocks = 0; ///< blocks with samples on both sides of the isovalue
+  std::uint64_t ActiveBytes = 0;  ///< samples of those, ghost layers included
+};
+ExpectedCost CountActiveBlocks(vtkImageData* image, int blockSize, double isovalue);
+
+/// The sum of a number that a contour's outputs have in their field data.
+std::uint64_t GetCost(vtkPolyData* surface, const char* name);
+
+} // namespace isosurface
+
+#endif
