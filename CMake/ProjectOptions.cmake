@@ -1,3 +1,6 @@
+# Also included by projects that build our modules in their own tree, whatever policies they set.
+cmake_policy(VERSION 3.18)
+
 # The options of every target of this project, on one interface target. (Core adds -Wpedantic, which
 # the macros of VTK's classes do not bear.)
 add_library(IsosurfaceOptions INTERFACE)
@@ -29,7 +32,7 @@ endif()
 function(isosurface_add_room name)
   cmake_parse_arguments(room "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} OBJECT ${room_SOURCES})
-  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/Core>)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../Core>)
   target_link_libraries(${name} PUBLIC Threads::Threads PRIVATE IsosurfaceOptions ${room_LINK})
   target_compile_options(${name} PRIVATE -Wpedantic)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)

@@ -354,9 +354,12 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
       return extracted.GetStatus();
     }
     cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
-    for (std::int64_t& id : extracted->GlobalIds)
+    if (const std::int64_t firstId = firstIds[piece.Grid]; firstId != 0)
     {
-      id += firstIds[piece.Grid];
+      for (std::int64_t& id : extracted->GlobalIds)
+      {
+        id += firstId;
+      }
     }
     surfaces.push_back(std::move(*extracted));
   }

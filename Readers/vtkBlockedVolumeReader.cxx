@@ -281,6 +281,11 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     }
   }
 
+  if (header.TimeSteps[step].Time)
+  {
+    partitions->GetInformation()->Set(
+      vtkDataObject::DATA_TIME_STEP(), *header.TimeSteps[step].Time);
+  }
   vtkStabbingRequest* request = this->STABBING_REQUEST()->GetRequest(outInfo);
   if (request && request->GetHandleOnly())
   {
@@ -369,11 +374,6 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
   for (std::size_t index = 0; index < images.size(); ++index)
   {
     partitions->SetPartition(static_cast<unsigned int>(index), images[index]);
-  }
-  if (header.TimeSteps[step].Time)
-  {
-    partitions->GetInformation()->Set(
-      vtkDataObject::DATA_TIME_STEP(), *header.TimeSteps[step].Time);
   }
 
   for (const isosurface::QueryStatistics& cost : costs)

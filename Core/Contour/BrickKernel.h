@@ -70,7 +70,9 @@ struct WorldTransform
   Kind Steps;
   double Origin[3];
   double Points[12]; ///< 3 rows of 4: direction * spacing, origin
-  double Normals[9]; ///< 3 rows of 3
+  double Normals[9]; ///< 3 rows of 3: the transposed inverse of the direction
+  double Spacing[3] = { 1, 1, 1 };
+  double Determinant = 1; ///< of the direction; -1 flips normals along with the triangles
 };
 
 /// Where the points of a brick go, and from what they are made.

@@ -218,16 +218,26 @@ void WriteNormals(const WorldTransform& transform, const PointOutput& output)
     __builtin_memcpy(to, from, sizeof(float) * 3 * output.NumberOfPoints);
     return;
   }
+  // Rounded to float after each step, as vtkImageTransform does.
+  const double* spacing = transform.Spacing;
   for (std::uint32_t n = 0; n < output.NumberOfPoints; ++n, from += 3, to += 3)
   {
-    const double x = m[0] * from[0] + m[1] * from[1] + m[2] * from[2];
-    const double y = m[3] * from[0] + m[4] * from[1] + m[5] * from[2];
-    const double z = m[6] * from[0] + m[7] * from[1] + m[8] * from[2];
-    const double length = sqrt(x * x + y * y + z * z);
-    const double divisor = length != 0.0 ? length : 1.0;
-    to[0] = static_cast<float>(x / divisor);
-    to[1] = static_cast<float>(y / divisor);
-    to[2] = static_cast<float>(z / divisor);
+    const float x = static_cast<float>(from[0] / spacing[0]);
+    const float y = static_cast<float>(from[1] / spacing[1]);
+    const float z = static_cast<float>(from[2] / spacing[2]);
+    float normal[3];
+    for (int row = 0; row < 3; ++row)
+    {
+      normal[row] = static_cast<float>(m[3 * row] * x + m[3 * row + 1] * y + m[3 * row + 2] * z);
+      normal[row] = static_cast<float>(normal[row] * transform.Determinant);
+    }
+    const float square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    // No gradient stays (0, 0, 0), where vtkImageTransform divides by 0.
+    const float factor =
+      square != 0.0f ? static_cast<float>(1.0 / sqrt(static_cast<double>(square))) : 0.0f;
+    to[0] = normal[0] * factor;
+    to[1] = normal[1] * factor;
+    to[2] = normal[2] * factor;
   }
 }
 

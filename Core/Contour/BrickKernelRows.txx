@@ -123,6 +123,20 @@ inline Word ActiveCells(Word row00, Word row10, Word row01, Word row11, Word cel
   return any & ~all & cells;
 }
 
+// The crossed edges of each cell of a row of cells, summed up: an edge counts for each of its
+// cells.
+inline Word CountCorners(Word row00, Word row10, Word row01, Word row11, Word cells)
+{
+  const auto alongX = [cells](Word row) { return CountBits((row ^ row >> 1) & cells); };
+  const auto across = [cells](Word from, Word to)
+  {
+    const Word crossed = from ^ to;
+    return CountBits(crossed & cells) + CountBits(crossed >> 1 & cells);
+  };
+  return static_cast<Word>(alongX(row00) + alongX(row10) + alongX(row01) + alongX(row11) +
+    across(row00, row10) + across(row01, row11) + across(row00, row01) + across(row10, row11));
+}
+
 BrickCounts NumberRows(const int size[3], const Word* inside, const BrickOwnership& ownership,
   std::uint32_t* offsets, EdgeCode* codes)
 {
@@ -130,10 +144,9 @@ BrickCounts NumberRows(const int size[3], const Word* inside, const BrickOwnersh
   const int ny = size[1];
   const int nz = size[2];
   const Word cells = MaskBelow(nx - 1);
-  const Word noWord = 0;
   EdgeCode* const first = codes;
   Word triangles = 0;
-  Word corners = 0;
+  Word corners = 0; // a cell has as many triangles as corners, less two for each of its loops
   for (int k = 0; k < nz; ++k)
   {
     const int zPlace = PlaceOf(k, nz);
@@ -147,7 +160,7 @@ BrickCounts NumberRows(const int size[3], const Word* inside, const BrickOwnersh
       const Word y = row ^ rowY;
       const Word z = row ^ rowZ;
       *offsets++ = static_cast<std::uint32_t>(codes - first);
-      if ((x | y | z) != noWord)
+      if ((x | y | z) != 0)
       {
         const EdgeCode base = static_cast<EdgeCode>(j) << 6 | static_cast<EdgeCode>(k) << 12;
         codes = AppendCodes(codes, x & ownership.X[yPlace][zPlace], base);
@@ -164,17 +177,7 @@ BrickCounts NumberRows(const int size[3], const Word* inside, const BrickOwnersh
       {
         continue;
       }
-      // Crossed edges of all the row's cells; each cell's triangles number its crossed edges less
-      // two for each of its loops.
-      const Word xY = (rowY ^ rowY >> 1) & cells;
-      const Word xZ = (rowZ ^ rowZ >> 1) & cells;
-      const Word xYZ = (rowYZ ^ rowYZ >> 1) & cells;
-      const Word yZ = rowZ ^ rowYZ;
-      const Word zY = rowY ^ rowYZ;
-      corners += static_cast<Word>(CountBits(x) + CountBits(xY) + CountBits(xZ) + CountBits(xYZ) +
-        CountBits(y & cells) + CountBits(y >> 1 & cells) + CountBits(yZ & cells) +
-        CountBits(yZ >> 1 & cells) + CountBits(z & cells) + CountBits(z >> 1 & cells) +
-        CountBits(zY & cells) + CountBits(zY >> 1 & cells));
+      corners += CountCorners(row, rowY, rowZ, rowYZ, cells);
       for (; active != 0; active &= active - 1)
       {
         triangles += MarchingCubesCases[CaseOf(FindFirstBit(active), row, rowY, rowZ, rowYZ)] >> 60;

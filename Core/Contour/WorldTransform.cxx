@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/WorldTransform.h"
 
+#include <algorithm>
 #include <array>
 
 namespace isosurface
@@ -58,18 +59,10 @@ WorldTransform MakeWorldTransform(const GridGeometry& geometry)
     : moves                 ? WorldTransform::Kind::Translation
                             : WorldTransform::Kind::Identity;
 
-  // Normals go by the transposed inverse; a determinant of -1 flips them with the triangles.
-  const double determinant = ComputeDeterminant(geometry.Direction);
-  const Matrix inverse = InvertAndTranspose(geometry.Direction, determinant);
-  for (int row = 0; row < 3; ++row)
-  {
-    for (int column = 0; column < 3; ++column)
-    {
-      const double spacing = geometry.Spacing[column];
-      transform.Normals[3 * row + column] =
-        spacing != 0.0 ? inverse[3 * row + column] / spacing * determinant : 0.0;
-    }
-  }
+  transform.Determinant = ComputeDeterminant(geometry.Direction);
+  const Matrix normals = InvertAndTranspose(geometry.Direction, transform.Determinant);
+  std::copy(normals.begin(), normals.end(), transform.Normals);
+  std::copy(geometry.Spacing.begin(), geometry.Spacing.end(), transform.Spacing);
   return transform;
 }
 

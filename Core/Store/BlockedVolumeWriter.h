@@ -59,7 +59,7 @@ struct WriteStatistics
  * Collective: every rank calls Write with equal arguments but for its piece. The pieces may overlap
  * in any way; together they must cover the grid. The stores d with d mod P == r are written by rank
  * r of P, on a file system that all ranks see. Every array has its own tree; the first array's
- * values and workload decide which store a block goes to. The files are byte for byte the same for
+ * value ranges decide which store a block goes to. The files are byte for byte the same for
  * any number of ranks and threads.
  *
  * Whatever fails on any rank, or whichever rank's progress asks to stop: all ranks return an error,

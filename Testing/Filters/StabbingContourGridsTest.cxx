@@ -151,6 +151,7 @@ TEST(StabbingContourGrids, OriginAndSpacingEqualFlyingEdges)
   ExpectEqualInFrame({ "unit", { 0, 0, 0 }, { 1, 1, 1 }, Identity });
   ExpectEqualInFrame({ "moved", { 12.3, -0.7, 1e4 }, { 1, 1, 1 }, Identity });
   ExpectEqualInFrame({ "scaled", { 0, 0, 0 }, { 0.957, 0.957, 1.5 }, Identity });
+  ExpectEqualInFrame({ "backwards", { 5, 6, 7 }, { -1, 2, -0.5 }, Identity });
   ExpectEqualInFrame({ "moved and scaled", { -91.1, 3.7, 0.001 }, { 0.3, 7.1, 1e-3 }, Identity });
 }
 

@@ -210,8 +210,6 @@ TEST(StabbingContourPieces, UpdatePiecesWithoutNormalsGiveTheWholeSurface)
 TEST(StabbingContourPieces, AdjacentExtentsGiveTheWholeSurface)
 {
   const auto whole = MakeWhole();
-  EdgeSurface expected = ContourByFlyingEdges(whole, 50.5);
-  expected.DropNormals();
   vtkNew<vtkPartitionedDataSet> pieces;
   for (Extent part : CutExtent(Whole))
   {
@@ -221,13 +219,43 @@ TEST(StabbingContourPieces, AdjacentExtentsGiveTheWholeSurface)
     cutOut->Update();
     pieces->SetPartition(pieces->GetNumberOfPartitions(), cutOut->GetOutput());
   }
-  const auto output = Contour(pieces, { 50.5 });
+  const std::vector<double> isovalues{ 50.5, 70.0 };
+  const auto output = Contour(pieces, isovalues);
   ExpectPointsAreShared(output);
+  const vtkIdType edges = 3 * whole->GetNumberOfPoints();
+  for (int number = 0; number < 2; ++number)
+  {
+    EdgeSurface expected = ContourByFlyingEdges(whole, isovalues[number]);
+    expected.DropNormals();
+    EdgeSurface surface;
+    surface.Add(output, number * edges, (number + 1) * edges);
+    surface.DropNormals();
+    EXPECT_TRUE(AreEqual(surface, expected));
+    EXPECT_TRUE(IsClosedManifold(surface));
+  }
+}
+
+// As vtkFlyingEdges3D makes them of the piece alone.
+TEST(StabbingContourPieces, NormalsWhereExtentsEndAreOneSided)
+{
+  const Extent extent{ 0, 20, 0, 20, 0, 20 };
+  const auto whole = MakeImage(extent, VTK_FLOAT, MakeWaves());
+  const Extent low{ 0, 10, 0, 20, 0, 20 };
+  vtkNew<vtkPartitionedDataSet> pieces;
+  pieces->SetPartition(0, CutImage(whole, low));
+  pieces->SetPartition(1, CutImage(whole, { 12, 20, 0, 20, 0, 20 }));
+  const auto alone = CutImage(whole, low);
+  EdgeSurface expected = ContourByFlyingEdges(alone, 0.1);
   EdgeSurface surface;
-  surface.Add(output);
-  surface.DropNormals();
-  EXPECT_TRUE(AreEqual(surface, expected));
-  EXPECT_TRUE(IsClosedManifold(surface));
+  surface.Add(Contour(pieces, { 0.1 }));
+  std::size_t found = 0;
+  for (const EdgePoint& point : surface.Points)
+  {
+    found += std::any_of(expected.Points.begin(), expected.Points.end(),
+      [&](const EdgePoint& other)
+      { return other.Position == point.Position && other.Normal == point.Normal; });
+  }
+  EXPECT_EQ(found, expected.Points.size());
 }
 
 TEST(StabbingContourPieces, PartitionedDataSetEqualsTheWholeImage)

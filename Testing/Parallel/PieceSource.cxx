@@ -35,7 +35,10 @@ int PieceSource::RequestInformation(
 {
   vtkInformation* info = output->GetInformationObject(0);
   info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), this->Image->GetExtent(), 6);
+  // With neither of these the pipeline executes a source on the first rank alone.
   info->Set(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT(), this->Layout == SUB_EXTENTS ? 1 : 0);
+  info->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(),
+    this->Layout == SUB_EXTENTS || this->Layout == FIRST_RANK ? 0 : 1);
   return 1;
 }
 
