@@ -43,7 +43,8 @@ public:
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     std::ofstream file(folder / name, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.write(
+      reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     this->Ok = this->Ok && file.good();
   }
 
@@ -69,8 +70,9 @@ template <typename T>
 void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores)
 {
   const SampleVolume<T> volume(size,
-    [](auto i, auto j, auto k)
-    { return 60 + 40 * std::sin(0.4 * static_cast<double>(i) + 0.3 * static_cast<double>(j * k)); });
+    [](auto i, auto j, auto k) {
+      return 60 + 40 * std::sin(0.4 * static_cast<double>(i) + 0.3 * static_cast<double>(j * k));
+    });
   GridGeometry grid;
   grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
   VolumePiece piece;
