@@ -4,6 +4,7 @@
 
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
+#include "Store/BlockCompression.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/ValueKey.h"
 #include "Volume/ValueType.h"
@@ -46,10 +47,12 @@ struct TimeStepDescription
  * The file is one JSON object:
  *
  *   { "format": "ScalableIsosurface blocked volume", "formatVersion": 1,
- *     "grid": { "extent": [6 integers], "origin": [3], "spacing": [3], "direction": [9, row-major]
- * }, "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": log2(blockSize) + 1, "stores":
- * D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer }, "compression":
- * "none", "arrays": [ { "name": string, "type": "uint8" | ..., "components": 1 }, ... ],
+ *     "grid": { "extent": [6 integers], "origin": [3], "spacing": [3],
+ *               "direction": [9, row-major] },
+ *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": log2(blockSize) + 1,
+ *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer },
+ *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, if not "none",
+ *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": 1 }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
  *                      "ranges": [ [minimum, maximum] | null, ... ],           per array
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ] }, ... ],
@@ -67,6 +70,7 @@ struct BlockedVolumeHeader
   std::uint32_t NumberOfStores = 1;
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
+  BlockCompression Compression; ///< what the writer was asked for; each segment says what it is
   std::vector<ArrayDescription> Arrays;
   std::vector<TimeStepDescription> TimeSteps;
 
