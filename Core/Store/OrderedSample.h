@@ -3,7 +3,6 @@
 #define isosurface_OrderedSample_h
 
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 namespace isosurface

@@ -118,9 +118,13 @@ Status MakeError(StatusCode code, const SegmentTask& task, std::uint32_t array, 
 
 SegmentFilter ChooseFilter(SegmentCodec codec, ValueType type)
 {
-  static_cast<void>(codec);
-  static_cast<void>(type);
-  return { SamplePredictor::Coarser, SampleLayout::BytePlanes };
+  if (codec == SegmentCodec::Lz4)
+  {
+    return { SamplePredictor::None, SampleLayout::BytePlanes };
+  }
+  const bool isFloat = type == ValueType::Float32 || type == ValueType::Float64;
+  return { isFloat ? SamplePredictor::Previous : SamplePredictor::Coarser,
+    SampleLayout::BytePlanes };
 }
 
 void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, std::int64_t block,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 namespace isosurface
 {
@@ -15,9 +16,9 @@ namespace
 /// that may lie behind the row's.
 constexpr std::size_t Step = 16;
 
-std::size_t AlignToStep(std::size_t size)
+std::size_t CountSteps(std::size_t size)
 {
-  return (size + Step - 1) / Step * Step;
+  return (size + Step - 1) / Step;
 }
 
 template <typename U>
@@ -35,28 +36,22 @@ U Mean(U a, U b)
 }
 
 template <typename U>
-void ComputeMeans(const U* a, const U* b, U* to, std::size_t size)
+void ComputeMeans(const U* __restrict a, const U* __restrict b, U* __restrict to, std::size_t steps)
 {
-  for (std::size_t begin = 0; begin < size; begin += Step)
+  for (std::size_t index = 0; index < steps * Step; ++index)
   {
-    for (std::size_t index = begin; index < begin + Step; ++index)
-    {
-      to[index] = Mean(a[index], b[index]);
-    }
+    to[index] = Mean(a[index], b[index]);
   }
 }
 
-/// The samples at and between those of a row: to[2 n] = row[n], to[2 n + 1] = their mean.
+/// a[0], b[0], a[1], b[1], ...
 template <typename U>
-void ComputeAll(const U* row, U* to, std::size_t size)
+void Interleave(const U* __restrict a, const U* __restrict b, U* __restrict to, std::size_t steps)
 {
-  for (std::size_t begin = 0; begin < size; begin += Step)
+  for (std::size_t index = 0; index < steps * Step; ++index)
   {
-    for (std::size_t index = begin; index < begin + Step; ++index)
-    {
-      to[2 * index] = row[index];
-      to[2 * index + 1] = Mean(row[index], row[index + 1]);
-    }
+    to[2 * index] = a[index];
+    to[2 * index + 1] = b[index];
   }
 }
 
@@ -97,7 +92,7 @@ struct CoarseRows
   }
 };
 
-/// The coarse row that predicts the fine row (j, k) at its even vertices; `memory` for 2 pitches.
+/// The coarse row that predicts the fine row (j, k) at its even vertices; `memory` for 3 pitches.
 template <typename U>
 const U* CombineRows(const CoarseRows<U>& coarse, std::int64_t j, std::int64_t k, U* memory)
 {
@@ -110,7 +105,7 @@ const U* CombineRows(const CoarseRows<U>& coarse, std::int64_t j, std::int64_t k
     {
       return low;
     }
-    ComputeMeans(low, high, to, pitch);
+    ComputeMeans(low, high, to, pitch / Step);
     return to;
   };
   const U* low = combineInPlane(k >> 1, memory);
@@ -119,8 +114,8 @@ const U* CombineRows(const CoarseRows<U>& coarse, std::int64_t j, std::int64_t k
     return low;
   }
   const U* high = combineInPlane((k + 1) >> 1, memory + pitch);
-  ComputeMeans(low, high, memory, pitch);
-  return memory;
+  ComputeMeans(low, high, memory + 2 * pitch, pitch / Step);
+  return memory + 2 * pitch;
 }
 
 } // namespace
@@ -132,38 +127,42 @@ const void* SegmentPrediction::Compute(const BlockSegment& segment, const Sample
     {
       using T = decltype(zero);
       using U = OrderedOf<T>;
-      // A row's last step may read one sample and write two steps behind the row.
       CoarseRows<U> coarse;
       coarse.Box = coarser.Available;
-      coarse.Pitch = AlignToStep(static_cast<std::size_t>(coarse.Box.GetSize()[0]) + 1);
+      coarse.Pitch = CountSteps(static_cast<std::size_t>(coarse.Box.GetSize()[0]) + 1) * Step;
+      // A row's last step may read one sample and write two steps behind the row.
       const std::size_t margin = 4 * coarse.Pitch;
       const auto grow = [](std::vector<std::uint8_t>& bytes, std::size_t size)
       { bytes.resize(std::max(bytes.size(), size * sizeof(U))); };
       const Index3 size = coarse.Box.GetSize();
       grow(this->Coarse, static_cast<std::size_t>(size[1] * size[2]) * coarse.Pitch + margin);
-      grow(this->Row, 2 * coarse.Pitch + margin);
+      grow(this->Rows, 4 * coarse.Pitch + margin);
       grow(this->Predictions, static_cast<std::size_t>(segment.GetNumberOfSamples()) + 1 + margin);
       coarse.First = reinterpret_cast<U*>(this->Coarse.data());
       coarse.template Fill<T>(coarser);
-      U* rowMemory = reinterpret_cast<U*>(this->Row.data());
+      U* between = reinterpret_cast<U*>(this->Rows.data());
+      U* combined = between + coarse.Pitch + Step;
       // One sample before the first, since rows are computed from an even vertex on.
       U* predictions = reinterpret_cast<U*>(this->Predictions.data()) + 1;
 
       segment.VisitRows(segment.GetBox(),
         [&](const SegmentRow& row)
         {
-          const U* means = CombineRows(coarse, row.J, row.K, rowMemory);
-          const auto begin = static_cast<std::size_t>((row.I >> 1) - coarse.Box.Low[0]);
+          const U* means =
+            CombineRows(coarse, row.J, row.K, combined) + (row.I >> 1) - coarse.Box.Low[0];
           U* to = predictions + row.Offset;
           const auto count = static_cast<std::size_t>(row.Count);
           if (row.Step == 2)
           {
-            ComputeMeans(means + begin, means + begin + 1, to, AlignToStep(count));
+            ComputeMeans(means, means + 1, to, CountSteps(count));
             return;
           }
+          // The even vertex before an odd first one belongs to the row before.
           U* even = to - (row.I & 1);
           const U before = *even;
-          ComputeAll(means + begin, even, AlignToStep(count / 2 + 1));
+          const std::size_t steps = CountSteps(count / 2 + 1);
+          ComputeMeans(means, means + 1, between, steps);
+          Interleave(means, between, even, steps);
           if ((row.I & 1) != 0)
           {
             *even = before;

@@ -29,14 +29,13 @@ class SegmentPrediction
 public:
   /**
    * Predicts the samples of `segment`, in its order. `coarser`: the whole ghosted box of the next
-   * coarser level (AssembleLevel). Returns memory of this object, valid until the next call. Cost:
-   * some 0.3 ns a sample of one byte.
+   * coarser level (AssembleLevel). Returns memory of this object, valid until the next call.
    */
   const void* Compute(const BlockSegment& segment, const SampleView& coarser);
 
 private:
   std::vector<std::uint8_t> Coarse;
-  std::vector<std::uint8_t> Row;
+  std::vector<std::uint8_t> Rows;
   std::vector<std::uint8_t> Predictions;
 };
 
