@@ -201,14 +201,15 @@ TEST(BlockCompression, HoldsForEveryLevelOfACodec)
   const auto volume = MakeVolume<std::int16_t>({ 35, 35, 35 });
   for (const SegmentCodec codec : { SegmentCodec::Lz4, SegmentCodec::Zstd })
   {
-    std::uint64_t first = 0;
+    std::uint64_t least = TestRecord(volume, 32, 0).Layout.Size;
     for (int level = 0; BlockCompression{ codec, level, {} }.IsValid(); ++level)
     {
       TestRecord record(volume, 32, 0);
       record.Encode({ codec, level, {} });
       ExpectDecodes(record, volume);
-      first = level == 1 ? record.Layout.Size : first;
-      EXPECT_LE(record.Layout.Size, level < 2 ? record.Layout.Size : first + first / 20);
+      // Higher levels try harder, but need not succeed with every block.
+      EXPECT_LT(record.Layout.Size, least + least / 10);
+      least = std::min(least, record.Layout.Size);
     }
   }
   EXPECT_FALSE((BlockCompression{ SegmentCodec::Lz4, 13, {} }.IsValid()));
