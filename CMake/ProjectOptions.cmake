@@ -10,6 +10,7 @@ option(ISOSURFACE_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
 set(ISOSURFACE_SANITIZERS "" CACHE STRING
   "Sanitizers to build with, as -fsanitize takes them (address,undefined or thread)")
 option(ISOSURFACE_CLANG_TIDY "Run clang-tidy beside the compiler" OFF)
+option(ISOSURFACE_FUZZING "Build Core and the fuzz targets for libFuzzer (clang)" OFF)
 
 target_compile_options(IsosurfaceOptions INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
@@ -17,6 +18,12 @@ target_compile_options(IsosurfaceOptions INTERFACE
   -ffp-contract=off)
 if(ISOSURFACE_WARNINGS_AS_ERRORS)
   target_compile_options(IsosurfaceOptions INTERFACE -Werror)
+endif()
+if(ISOSURFACE_FUZZING)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "ISOSURFACE_FUZZING needs clang, for its libFuzzer")
+  endif()
+  set(ISOSURFACE_SANITIZERS "fuzzer-no-link,address,undefined")
 endif()
 if(ISOSURFACE_SANITIZERS)
   target_compile_options(IsosurfaceOptions INTERFACE

@@ -204,15 +204,15 @@ int vtkStabbingContour::RequestData(
   Status status = vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
     ? this->ExtractFromVolume(inInfo, outInfo, request, surface, arrayName, cost)
     : this->ExtractFromImages(input, request, surface, arrayName, cost);
-  const bool aborted = status.GetCode() == StatusCode::Aborted;
   status = ranks.Agree(status);
+  if (status.GetCode() == StatusCode::Aborted)
+  {
+    return 1;
+  }
   if (!status.IsOk())
   {
-    if (!aborted)
-    {
-      vtkErrorMacro(<< status.GetMessage());
-    }
-    return aborted ? 1 : 0;
+    vtkErrorMacro(<< status.GetMessage());
+    return 0;
   }
 
   cost.Triangles = surface.NumberOfTriangles;

@@ -19,8 +19,9 @@
  * Point data: GlobalIds, the grid edge that a point lies on: 3 * vertex + axis +
  * n * 3 * numberOfVertices for the n-th isovalue, where vertex is the edge's low end, numbered over
  * the whole grid (x fastest) from 0. Equal ids, on whatever rank, mean bitwise equal points and
- * normals: merging by GlobalIds alone makes the surface watertight. Images of several different
- * grids in one composite have consecutive ranges of ids. With ComputeNormals, Normals; with
+ * normals: merging by GlobalIds alone makes the surface watertight. (Where images meet without a
+ * ghost layer, normals are of one side only, and differ.) Images of several different grids in one
+ * composite have consecutive ranges of ids. With ComputeNormals, Normals; with
  * ComputeScalars, the isovalue under the name of the contoured array.
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,

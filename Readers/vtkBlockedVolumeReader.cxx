@@ -247,15 +247,16 @@ int vtkBlockedVolumeReader::RequestData(
   const int ranksOnNode = ranks.GetRanksOnNode();
   status = this->ReadBlocks(output->GetInformationObject(0),
     isosurface::ChooseThreadCount(ranksOnNode), partitions);
-  const bool aborted = status.GetCode() == StatusCode::Aborted;
   status = ranks.Agree(status);
+  if (status.GetCode() == StatusCode::Aborted)
+  {
+    partitions->Initialize();
+    return 1;
+  }
   if (!status.IsOk())
   {
     partitions->Initialize();
-    if (!aborted)
-    {
-      vtkErrorMacro(<< status.GetMessage());
-    }
+    vtkErrorMacro(<< status.GetMessage());
     return 0;
   }
   return 1;
@@ -361,7 +362,7 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     },
     [this](double share) {
       this->UpdateProgress(share);
-      return this->GetAbortExecute() == 0;
+      return !this->CheckAbort();
     });
   for (const Status& failure : failures)
   {

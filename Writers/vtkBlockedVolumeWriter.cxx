@@ -271,7 +271,7 @@ void vtkBlockedVolumeWriter::WriteData()
     auto written = isosurface::BlockedVolumeWriter(ranks).Write(this->FileName, local.Grid,
       local.Arrays, local.Piece, settings, [this](double share) {
         this->UpdateProgress(share);
-        return this->GetAbortExecute() == 0;
+        return !this->CheckAbort();
       });
     status = written.GetStatus();
     if (written.IsOk() && ranks.GetRank() == 0)

@@ -20,6 +20,7 @@ enum class StatusCode : std::uint8_t
   IoError,         ///< the operating system refused (disk full, permission, ...)
   Corrupt,         ///< bytes that are not what was written: truncated, altered, inconsistent
   Unsupported,     ///< a newer format version, an unknown codec or value type
+  OutOfMemory,     ///< what was asked for does not fit
   Aborted,         ///< the user asked to stop
   RemoteFailure    ///< another rank failed; its own message is told by that rank
 };
