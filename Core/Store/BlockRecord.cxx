@@ -59,7 +59,7 @@ std::optional<SegmentCoding> LoadSegmentCoding(const std::uint8_t* segment)
   const bool isKnown = codec == static_cast<std::uint8_t>(SegmentCodec::None)
     ? filter == 0
     : codec <= static_cast<std::uint8_t>(SegmentCodec::Zstd) && SegmentFilter::IsCode(filter);
-  if (!isKnown || LoadLittleEndian<std::uint16_t>(segment + 14) != 0)
+  if (!isKnown)
   {
     return std::nullopt;
   }
