@@ -8,6 +8,7 @@
  * before each run.
  */
 #include "BenchmarkVolume.h"
+#include "VolumeQuery.h"
 
 #include "vtkDataArray.h"
 #include "vtkImageData.h"
@@ -17,91 +18,15 @@
 #include "vtkUnsignedShortArray.h"
 #include "vtkXMLImageDataReader.h"
 
-#include "Contour/SurfaceExtractor.h"
 #include "ImageSamples.h"
-#include "Store/BlockedVolume.h"
 #include "Store/BlockedVolumeWriter.h"
-#include "Store/StoredBlockSource.h"
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <vector>
-
-#include <fcntl.h>
-#include <unistd.h>
-
-namespace
-{
-
-using isosurface::BlockedVolume;
-
-double Now()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-void DropFromPageCache(const std::string& folder)
-{
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-  {
-    const int file = ::open(entry.path().c_str(), O_RDONLY);
-    if (entry.is_regular_file() && file >= 0)
-    {
-      static_cast<void>(::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED));
-    }
-    ::close(file);
-  }
-}
-
-struct Query
-{
-  double Seconds = 0;
-  isosurface::QueryStatistics Statistics;
-  std::size_t Triangles = 0;
-};
-
-Query Extract(const std::string& path, double isovalue, int threads)
-{
-  const double start = Now();
-  auto cache = std::make_shared<isosurface::BlockCache>(0);
-  auto volume = BlockedVolume::Open(path, isosurface::GetLocalFileSystem(), cache);
-  Query query;
-  auto active = (*volume)->FindActiveBlocks(0, 0, { isovalue }, 0, 1, query.Statistics);
-  isosurface::StoredBlockSource source(**volume, 0, 0, 0, std::move(*active));
-  isosurface::ContourRequest request;
-  request.Isovalues = { isovalue };
-  request.GlobalIds = true;
-  auto surface = isosurface::ExtractSurface((*volume)->GetHeader().Grid, source, request, threads);
-  query.Seconds = Now() - start;
-  query.Statistics.Add(source.GetStatistics());
-  query.Triangles = surface->NumberOfTriangles;
-  return query;
-}
-
-double MedianSeconds(
-  const std::string& path, double isovalue, int threads, int repeats, bool cold, Query& query)
-{
-  std::vector<double> seconds;
-  for (int repeat = 0; repeat < repeats; ++repeat)
-  {
-    if (cold)
-    {
-      DropFromPageCache(path + ".stores");
-    }
-    query = Extract(path, isovalue, threads);
-    seconds.push_back(query.Seconds);
-  }
-  std::sort(seconds.begin(), seconds.end());
-  return seconds[seconds.size() / 2];
-}
-
-} // namespace
 
 int main(int argc, char** argv)
 {
@@ -162,7 +87,7 @@ int main(int argc, char** argv)
     isosurface::BlockedVolumeSettings settings;
     settings.BlockSize = blockSize;
     settings.Threads = threads;
-    const double start = Now();
+    const double start = isosurface::GetSeconds();
     auto written = isosurface::BlockedVolumeWriter(alone).Write(path, grid,
       { { "samples", samples->View.Type } }, { samples->View.Box, { samples->View } }, settings);
     if (!written.IsOk())
@@ -171,16 +96,16 @@ int main(int argc, char** argv)
       return EXIT_FAILURE;
     }
     std::printf("block size %d: written in %.2f s, %.2f x the raw bytes\n", blockSize,
-      Now() - start, static_cast<double>(written->Bytes) / raw);
+      isosurface::GetSeconds() - start, static_cast<double>(written->Bytes) / raw);
     for (const double isovalue : isovalues)
     {
-      Query query;
-      const double warm = MedianSeconds(path, isovalue, threads, repeats, false, query);
-      const double cold = MedianSeconds(path, isovalue, threads, repeats, true, query);
+      const auto query = isosurface::MeasureQuery(path, isovalue, threads, repeats, false);
+      const auto cold = isosurface::MeasureQuery(path, isovalue, threads, repeats, true);
       std::printf("  isovalue %8.1f: %6llu blocks, %8.1f MB read, %9zu triangles, "
                   "warm %.4f s, cold %.4f s\n",
         isovalue, static_cast<unsigned long long>(query.Statistics.BlocksRead),
-        static_cast<double>(query.Statistics.BytesRead) / 1e6, query.Triangles, warm, cold);
+        static_cast<double>(query.Statistics.BytesRead) / 1e6, query.Triangles,
+        query.Seconds, cold.Seconds);
       std::fflush(stdout);
     }
   }

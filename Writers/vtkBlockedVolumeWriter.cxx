@@ -170,6 +170,8 @@ vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
   , NumberOfStores(0)
   , Distribution(GREEDY)
   , RandomSeed(0)
+  , Compression(LZ4)
+  , CompressionLevel(0)
   , Controller(nullptr)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
@@ -258,6 +260,8 @@ void vtkBlockedVolumeWriter::WriteData()
     settings.NumberOfStores = static_cast<std::uint32_t>(this->NumberOfStores);
     settings.Distribution = static_cast<isosurface::DistributionMethod>(this->Distribution);
     settings.RandomSeed = static_cast<std::uint64_t>(this->RandomSeed);
+    settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Compression);
+    settings.Compression.Level = this->CompressionLevel;
     if (local.Time[0] != 0)
     {
       settings.Time = local.Time[1];
@@ -297,5 +301,7 @@ void vtkBlockedVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "NumberOfStores: " << this->NumberOfStores << "\n";
   os << indent << "Distribution: " << this->Distribution << "\n";
   os << indent << "RandomSeed: " << this->RandomSeed << "\n";
+  os << indent << "Compression: " << this->Compression << "\n";
+  os << indent << "CompressionLevel: " << this->CompressionLevel << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -35,6 +35,13 @@ public:
     SLAB = 2    ///< keep neighbours together; not balanced
   };
 
+  enum CompressionType
+  {
+    NONE = 0, ///< samples as they are
+    LZ4 = 1,  ///< fast
+    ZSTD = 2  ///< small
+  };
+
   ///@{
   /**
    * The .bvol file to write. The stores go into the folder FileName + ".stores".
@@ -77,6 +84,25 @@ public:
 
   ///@{
   /**
+   * How blocks are compressed, always without loss. Default LZ4, which is read nearly as fast as
+   * uncompressed blocks; ZSTD takes the fewest bytes. Blocks that do not shrink are stored as they
+   * are.
+   */
+  vtkSetClampMacro(Compression, int, NONE, ZSTD);
+  vtkGetMacro(Compression, int);
+  ///@}
+
+  ///@{
+  /**
+   * How hard to compress: 1 (fast) to 12 for LZ4, 1 to 19 for ZSTD. 0 (the default) means 1. A level
+   * that the compression does not have is an error when writing.
+   */
+  vtkSetClampMacro(CompressionLevel, int, 0, 19);
+  vtkGetMacro(CompressionLevel, int);
+  ///@}
+
+  ///@{
+  /**
    * The ranks that write together, the global controller by default. Null: this rank alone.
    */
   virtual void SetController(vtkMultiProcessController* controller);
@@ -109,6 +135,8 @@ private:
   int NumberOfStores;
   int Distribution;
   int RandomSeed;
+  int Compression;
+  int CompressionLevel;
   vtkMultiProcessController* Controller;
 };
 

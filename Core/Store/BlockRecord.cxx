@@ -26,10 +26,13 @@ std::uint64_t ComputeSegmentChecksum(
 
 } // namespace
 
-void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place)
+void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentCoding& coding,
+  const SegmentPlace& place)
 {
   StoreLittleEndian(segment + 8, stored);
-  StoreLittleEndian(segment + 12, std::uint32_t{ 0 }); // codec, filter, reserved
+  segment[12] = static_cast<std::uint8_t>(coding.Codec);
+  segment[13] = coding.Filter.GetCode();
+  StoreLittleEndian(segment + 14, std::uint16_t{ 0 });
   StoreLittleEndian(segment, ComputeSegmentChecksum(segment, stored, place));
 }
 
@@ -46,12 +49,21 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
   {
     return Status(StatusCode::Corrupt, name + " does not have the length that the directory says");
   }
-  if (segment[12] != 0 || segment[13] != 0)
-  {
-    return Status(
-      StatusCode::Unsupported, name + " is stored by a codec that this version does not know");
-  }
   return Status::Ok();
+}
+
+std::optional<SegmentCoding> LoadSegmentCoding(const std::uint8_t* segment)
+{
+  const std::uint8_t codec = segment[12];
+  const std::uint8_t filter = segment[13];
+  const bool isKnown = codec == static_cast<std::uint8_t>(SegmentCodec::None)
+    ? filter == 0
+    : codec <= static_cast<std::uint8_t>(SegmentCodec::Zstd) && SegmentFilter::IsCode(filter);
+  if (!isKnown)
+  {
+    return std::nullopt;
+  }
+  return SegmentCoding{ static_cast<SegmentCodec>(codec), SegmentFilter::FromCode(filter) };
 }
 
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,

@@ -4,12 +4,15 @@
 
 #include "Base/Status.h"
 #include "Store/BlockCache.h"
+#include "Store/BlockCompression.h"
 #include "Store/BlockSegment.h"
+#include "Store/SegmentFilter.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/ValueType.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -23,11 +26,12 @@ namespace isosurface
  *     +---------------------------------+        +----+--------------------------------------+
  *     | array 0: segment, level L - 1   |        |  0 | checksum                   (uint64)  |
  *     |          ...                    |        |  8 | bytes stored               (uint32)  |
- *     |          segment, level 0       |        | 12 | codec: 0 as it is          (uint8)   |
- *     | array 1: segment, level L - 1   |        | 13 | filter: 0 none             (uint8)   |
+ *     |          segment, level 0       |        | 12 | codec: SegmentCodec        (uint8)   |
+ *     | array 1: segment, level L - 1   |        | 13 | filter: SegmentFilter      (uint8)   |
  *     |          ...                    |        | 14 | 0                          (uint16)  |
  *     | zeros                           |        | 16 | stored bytes: the samples of the     |
- *     +---------------------------------+        |    | level as BlockSegment lists them     |
+ *     +---------------------------------+        |    | level as BlockSegment lists them,    |
+ *                                                |    | filtered and compressed              |
  *                                                +----+--------------------------------------+
  *     checksum: XXH3-64 of the segment from byte 8 on, seeded by XXH3-64 of block index (uint64),
  *     array (uint32), level (uint32): a segment in a wrong place is recognised like a damaged one.
@@ -51,21 +55,32 @@ struct SegmentPlace
   std::uint32_t Level;
 };
 
-/// Writes the header before the `stored` bytes that already stand at segment + SegmentHeaderSize.
-void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place);
+/// How the stored bytes of a segment give its samples.
+struct SegmentCoding
+{
+  SegmentCodec Codec = SegmentCodec::None;
+  SegmentFilter Filter;
+};
 
-/// Checks a segment of SegmentHeaderSize + stored bytes. The message (Corrupt, Unsupported) names
-/// the place, not the file.
+/// Writes the header before the `stored` bytes that already stand at segment + SegmentHeaderSize.
+void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentCoding& coding,
+  const SegmentPlace& place);
+
+/// What a segment's header says; nothing if this version does not know it.
+std::optional<SegmentCoding> LoadSegmentCoding(const std::uint8_t* segment);
+
+/// Checks a segment of SegmentHeaderSize + stored bytes against its checksum and length. The
+/// message (Corrupt) names the place, not the file.
 Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place);
 
 /**
- * Puts the samples of a level together. segments[n] is the payload of level L - 1 - n, for the
- * levels from the coarsest to `level`.
+ * Puts the samples of a level together. segments[n] is the samples of the segment of level
+ * L - 1 - n, at any address, for the levels from the coarsest to `level`.
  */
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,
   ValueType type, const std::vector<const std::uint8_t*>& segments);
 
-/// Where the segments of a record are if every one is stored as it is.
+/// Where the segments of a record are; when made, if every one is stored as it is.
 struct BlockRecordLayout
 {
   BlockRecordLayout(const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types);

@@ -2,6 +2,7 @@
 #include "Store/BlockStore.h"
 
 #include "Store/BlockRecord.h"
+#include "Store/RecordCodec.h"
 
 #include <algorithm>
 
@@ -164,7 +165,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
   for (std::size_t index = 0; index < segmentCount; ++index)
   {
     const BlockSegment segment(this->Grid, block, levels - 1 - static_cast<int>(index));
-    if (entry->Lengths[firstSegment + index] != segment.GetNumberOfSamples() * GetValueSize(type))
+    if (entry->Lengths[firstSegment + index] > segment.GetNumberOfSamples() * GetValueSize(type))
     {
       return fail(StatusCode::Corrupt,
         "block " + std::to_string(block) + " has an impossible length in the directory");
@@ -179,6 +180,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
   statistics.BytesRead += size;
 
   std::vector<const std::uint8_t*> segments;
+  std::vector<std::uint32_t> lengths;
   const std::uint8_t* segment = bytes.GetData();
   for (std::size_t index = 0; index < segmentCount; ++index)
   {
@@ -190,11 +192,17 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
     {
       return fail(status.GetCode(), status.GetMessage());
     }
-    segments.push_back(segment + BlockRecord::SegmentHeaderSize);
+    segments.push_back(segment);
+    lengths.push_back(stored);
     segment += BlockRecord::SegmentHeaderSize + stored;
   }
-  return std::shared_ptr<const DecodedBlock>(
-    AssembleLevel(this->Grid, block, level, type, segments));
+  const auto decoded = DecodeLevel(
+    this->Grid, block, static_cast<std::uint32_t>(array), level, type, segments, lengths);
+  if (!decoded.IsOk())
+  {
+    return fail(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
+  }
+  return std::shared_ptr<const DecodedBlock>(*decoded);
 }
 
 } // namespace isosurface

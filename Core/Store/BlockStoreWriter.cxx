@@ -4,6 +4,7 @@
 #include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
 #include "Index/ExternalIntervalTreeBuilder.h"
+#include "Store/BlockRecord.h"
 #include "Store/BlockStore.h"
 
 #include <algorithm>
@@ -43,7 +44,8 @@ Status BlockStoreWriter::Append(const PendingBlock& block)
     checksums.push_back(LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset));
   }
   this->Checksum = ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
-  return this->Blocks->Append(block.Record.GetData(), block.Record.GetSize());
+  return this->Blocks->Append(block.Record.GetData(),
+    static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
 }
 
 Result<StoreDescription> BlockStoreWriter::Finish(

@@ -291,6 +291,10 @@ Status BlockedVolumeHeader::ValidateVolume() const
   {
     return MakeMemberError("stores", "is not from 1 to " + std::to_string(MaximumStores));
   }
+  if (!this->Compression.IsValid())
+  {
+    return MakeMemberError("compressionLevel", "is beyond those of the codec");
+  }
   std::set<std::string> names;
   for (const ArrayDescription& array : this->Arrays)
   {
@@ -338,7 +342,11 @@ std::string BlockedVolumeHeader::Format() const
   document["stores"] = this->NumberOfStores;
   document["distribution"] = { { "method", GetDistributionName(this->Distribution) },
     { "seed", this->RandomSeed } };
-  document["compression"] = "none";
+  document["compression"] = GetCodecName(this->Compression.Codec);
+  if (this->Compression.Codec != SegmentCodec::None)
+  {
+    document["compressionLevel"] = this->Compression.GetEffectiveLevel();
+  }
   document["arrays"] = Json::array();
   for (const ArrayDescription& array : this->Arrays)
   {
@@ -399,6 +407,12 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   header.Distribution = method.value_or(DistributionMethod::Greedy);
   header.RandomSeed = distribution.GetUnsigned("seed");
   const std::string compression = members.GetString("compression");
+  const auto codec = FindCodec(compression);
+  header.Compression.Codec = codec.value_or(SegmentCodec::None);
+  if (header.Compression.Codec != SegmentCodec::None)
+  {
+    header.Compression.Level = static_cast<int>(members.GetInteger("compressionLevel", 1, 99));
+  }
   header.Arrays = ReadArrays(members, status);
   const Json& steps = members.GetArray("timeSteps", JsonMembers::AnySize);
   for (std::size_t index = 0; index < steps.size() && status.IsOk(); ++index)
@@ -407,7 +421,7 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
     header.TimeSteps.push_back(ReadTimeStep(step, header, status));
   }
   ISOSURFACE_RETURN_IF_ERROR(status);
-  if (compression != "none")
+  if (!codec)
   {
     return Status(StatusCode::Unsupported,
       path + ": compression \"" + compression + "\" is not known to this version");

@@ -4,6 +4,7 @@
 
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
+#include "Store/BlockCompression.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/ValueKey.h"
 #include "Volume/ValueType.h"
@@ -51,7 +52,7 @@ struct TimeStepDescription
  *               "direction": [9, row-major] },
  *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": log2(blockSize) + 1,
  *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer },
- *     "compression": "none",
+ *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, if not "none",
  *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": 1 }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
  *                      "ranges": [ [minimum, maximum] | null, ... ],           per array
@@ -71,6 +72,7 @@ struct BlockedVolumeHeader
   std::uint32_t NumberOfStores = 1;
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
+  BlockCompression Compression; ///< what the writer was asked for; each segment says what it is
   std::vector<ArrayDescription> Arrays;
   std::vector<TimeStepDescription> TimeSteps;
 

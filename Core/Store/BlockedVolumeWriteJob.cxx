@@ -8,6 +8,7 @@
 #include "Store/BlockRecord.h"
 #include "Store/GenerationFolder.h"
 #include "Store/PieceOwnership.h"
+#include "Store/RecordCodec.h"
 #include "Store/VolumeSpectra.h"
 
 #include <algorithm>
@@ -81,6 +82,7 @@ Status BlockedVolumeWriteJob::Prepare(
   this->Header.NumberOfStores = this->Settings.NumberOfStores;
   this->Header.Distribution = this->Settings.Distribution;
   this->Header.RandomSeed = this->Settings.RandomSeed;
+  this->Header.Compression = this->Settings.Compression;
   this->Header.Arrays = arrays;
   Status status = this->Header.ValidateVolume();
   if (!status.IsOk())
@@ -330,7 +332,7 @@ Status BlockedVolumeWriteJob::FinishRound(std::vector<PendingBlock>& blocks)
   return Status::Ok();
 }
 
-/// Counts the triangles of a filled block, and writes the headers of its segments.
+/// Counts the triangles of a filled block, and makes its record what the file will have.
 void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters)
 {
   const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
@@ -339,11 +341,8 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
     std::vector<const std::uint8_t*> samples;
     for (std::size_t index = array * levels; index < (array + 1) * levels; ++index)
     {
-      std::uint8_t* segment = block.Record.GetData() + block.Layout.Offsets[index];
-      samples.push_back(segment + BlockRecord::SegmentHeaderSize);
-      SealSegment(segment, block.Layout.Lengths[index],
-        { block.Block, static_cast<std::uint32_t>(array),
-          static_cast<std::uint32_t>((array + 1) * levels - 1 - index) });
+      samples.push_back(
+        block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
     }
     const KeyRange& range = this->Scan.GetRanges()[array][static_cast<std::size_t>(block.Block)];
     if (range.Minimum < range.Maximum)
@@ -355,6 +354,8 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
       counters[array].MoveTo(spectra.Arrays[array]);
     }
   }
+  EncodeRecord(this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout,
+    block.Record);
 }
 
 Status BlockedVolumeWriteJob::FinishStores()

@@ -7,6 +7,7 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
+#include "Store/BlockCompression.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/SampleView.h"
@@ -36,6 +37,7 @@ struct BlockedVolumeSettings
   std::uint32_t NumberOfStores = 0; ///< 0: as many as there are ranks
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
+  BlockCompression Compression;
   std::optional<double> Time;                  ///< the time of the one time step
   std::uint64_t RoundBytes = 64 * 1024 * 1024; ///< samples that travel in a round, all ranks
   std::uint64_t IndexBytes = 64 * 1024 * 1024; ///< a rank's memory for sorting intervals

@@ -67,7 +67,8 @@ void Append(Bytes& bytes, const Bytes& others)
 
 /// One volume's files, for the four targets that read them.
 template <typename T>
-void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores)
+void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores,
+  const BlockCompression& compression = {})
 {
   const SampleVolume<T> volume(size,
     [](auto i, auto j, auto k) {
@@ -82,6 +83,7 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   settings.BlockSize = 16;
   settings.NumberOfStores = stores;
   settings.Time = 0.25;
+  settings.Compression = compression;
   settings.Threads = 1;
   MemoryDisk disk;
   SerialCommunicator alone;
@@ -178,6 +180,10 @@ int main(int argc, char* argv[])
   AddVolume<std::int16_t>(corpus, "int16", { 5, 4, 3 }, 1);
   AddVolume<float>(corpus, "float32", { 3, 18, 2 }, 1);
   AddVolume<std::uint64_t>(corpus, "uint64-two-stores", { 2, 2, 20 }, 2);
+  AddVolume<std::uint8_t>(corpus, "uint8-lz4", { 20, 9, 5 }, 1, { SegmentCodec::Lz4, 0, {} });
+  AddVolume<std::int16_t>(corpus, "int16-zstd", { 18, 9, 5 }, 1, { SegmentCodec::Zstd, 0, {} });
+  AddVolume<float>(corpus, "float32-lz4-bits", { 9, 18, 5 }, 1,
+    { SegmentCodec::Lz4, 0, SegmentFilter::FromCode(0x22) });
   AddTrees(corpus);
   if (!corpus.IsOk())
   {

@@ -124,6 +124,33 @@ double MakePatches(std::int64_t, std::int64_t j, std::int64_t k)
   return std::clamp(centre + (noise - 0.5) * width, 0.0, 1.0);
 }
 
+/// All kinds of types, by all codecs, predictors and layouts.
+bool WriteCompressed(const std::string& folder)
+{
+  const Index3 size = { 35, 20, 18 };
+  const std::vector<SampleArray> arrays = { MakeArray<std::int8_t>("i8", size, MakeWaves),
+    MakeArray<std::uint8_t>("u8", size, MakeWaves), MakeArray<std::int16_t>("i16", size, MakeWaves),
+    MakeArray<std::uint32_t>("u32", size, MakeWaves), MakeArray<float>("f32", size, MakeWaves),
+    MakeArray<double>("f64", size, MakeWaves) };
+  const std::pair<const char*, BlockCompression> ways[] = {
+    { "compressed-by-lz4", { SegmentCodec::Lz4, 0, {} } },
+    { "compressed-by-zstd", { SegmentCodec::Zstd, 0, {} } },
+    { "coarser-bits", { SegmentCodec::Lz4, 9, SegmentFilter::FromCode(0x22) } },
+    { "previous-samples", { SegmentCodec::Zstd, 5, SegmentFilter::FromCode(0x01) } },
+  };
+  bool isWritten = true;
+  for (const auto& way : ways)
+  {
+    BlockedVolumeSettings settings;
+    settings.BlockSize = 16;
+    settings.NumberOfStores = 2;
+    settings.Compression = way.second;
+    isWritten = isWritten &&
+      WriteVolume(folder + "/" + way.first, MakeGrid({ 0, 0, 0 }, size), arrays, settings);
+  }
+  return isWritten;
+}
+
 bool WriteAll(const std::string& folder)
 {
   BlockedVolumeSettings settings;
@@ -165,7 +192,7 @@ bool WriteAll(const std::string& folder)
   size = { 1, 1300, 1300 };
   const bool highTree = WriteVolume(folder + "/high-tree", MakeGrid({ 0, 0, 0 }, size),
     { MakeArray<std::uint16_t>("patches", size, MakePatches) }, settings);
-  return everyType && manyLevels && emptyStores && highTree;
+  return everyType && manyLevels && emptyStores && highTree && WriteCompressed(folder);
 }
 
 } // namespace

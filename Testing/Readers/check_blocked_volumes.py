@@ -139,11 +139,12 @@ def check_volume(path):
 def main(folder):
     random.seed(1)
     paths = sorted(glob.glob(os.path.join(folder, "*.bvol")))
-    check(len(paths) == 4, f"{folder}: not the volumes that were written")
+    check(len(paths) == 8, f"{folder}: not the volumes that were written")
     kinds = [check_volume(path) for path in paths]
     unused = [kind for kind in kinds[0] if not any(lists[kind] for lists in kinds)]
     check(not unused, f"no tree has lists of the kinds {unused}")
     check_damage(os.path.join(folder, "empty-stores.bvol"))
+    check_damage(os.path.join(folder, "compressed-by-zstd.bvol"))
 
 
 if __name__ == "__main__":

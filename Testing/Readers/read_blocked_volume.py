@@ -14,6 +14,7 @@ import struct
 import sys
 
 from read_interval_tree import FormatError, IntervalTree, PagedFile, check, hash64, read_file
+from read_segment import decode_segment
 
 
 # By name of the type: code of array and struct, signed integer, bits.
@@ -117,10 +118,19 @@ class Store:
             seed = hash64(struct.pack("<QII", block, where, level))
             check(checksum == hash64(self.records[offset + 8:offset + 16 + stored], seed),
                   f"{name}: wrong checksum")
-            check(own == stored and codec == 0 and filter_ == 0, f"{name}: length or codec")
-            values = array.array(TYPES[self.volume.arrays[where]["type"]][0])
-            values.frombytes(self.records[offset + 16:offset + 16 + stored])
-            samples[where, level] = values
+            check(own == stored and (codec != 0 or filter_ == 0), f"{name}: length or codec")
+            payload = self.records[offset + 16:offset + 16 + stored]
+            type_name = self.volume.arrays[where]["type"]
+            typecode = TYPES[type_name][0]
+            if codec == 0:
+                samples[where, level] = array.array(typecode)
+                samples[where, level].frombytes(payload)
+            else:
+                samples[where, level] = decode_segment(
+                    payload, codec, filter_, typecode, type_name[0],
+                    self.volume.list_vertices(block, level),
+                    lambda: (self.volume.decode(block, samples, where, level + 1),
+                             self.volume.find_box(block, level + 1, True)))
             offset += 16 + stored
         check(not any(self.records[offset:-(-offset // 4096) * 4096]), f"{name}: no zeros behind")
         return block, samples
@@ -156,7 +166,7 @@ class BlockedVolume:
         check(self.block_size in (16, 32, 64), f"{path}: block size")
         self.levels = self.block_size.bit_length()
         check(self.header["numberOfLevels"] == self.levels and self.header["ghostLayers"] == 1
-              and self.header["compression"] == "none"
+              and self.header["compression"] in ("none", "lz4", "zstd")
               and all(a["components"] == 1 and a["type"] in TYPES for a in self.arrays),
               f"{path}: needs a newer reader")
         extent = self.header["grid"]["extent"]
@@ -185,6 +195,12 @@ class BlockedVolume:
                 low, high = max(0, low - 1), min((self.dimensions[axis] - 1) >> level, high + 1)
             box.append((low, high + 1))
         return box
+
+    def list_vertices(self, block, level):
+        """The vertices of a level's segment, in its order."""
+        xs, ys, zs = (range(*of_axis) for of_axis in self.find_box(block, level, True))
+        return [(i, j, k) for k in zs for j in ys for i in xs
+                if level == self.levels - 1 or (i | j | k) % 2 == 1]
 
     def decode(self, block, samples, number, level):
         """The samples of an array on the block's ghosted box at a level, x fastest."""

@@ -90,6 +90,17 @@ TEST(BlockedVolumeHeader, RoundTripsExactly)
   }
 }
 
+TEST(BlockedVolumeHeader, SaysHowBlocksAreCompressed)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  header.Compression = { SegmentCodec::Zstd, 7, {} };
+  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
+  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
+  EXPECT_EQ(parsed->Compression.Codec, SegmentCodec::Zstd);
+  EXPECT_EQ(parsed->Compression.Level, 7);
+  EXPECT_EQ(parsed->Format(), header.Format());
+}
+
 TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
 {
   const auto header = BlockedVolumeHeader::Parse(Change(
@@ -108,7 +119,7 @@ TEST(BlockedVolumeHeader, RefusesANewerVersionWithAdvice)
 {
   ExpectRefused(Change([](Json& document) { document["formatVersion"] = 2; }), "update",
     StatusCode::Unsupported);
-  ExpectRefused(Change([](Json& document) { document["compression"] = "zstd"; }), "zstd",
+  ExpectRefused(Change([](Json& document) { document["compression"] = "brotli"; }), "brotli",
     StatusCode::Unsupported);
 }
 
@@ -148,6 +159,14 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "stores", [](Json& d) { d["stores"] = 0; } },
     { "stores", [](Json& d) { d["stores"] = 4000000000u; } },
     { "timeSteps[0].stores", [](Json& d) { d["stores"] = 3; } },
+    { "compression", [](Json& d) { d["compression"] = 3; } },
+    { "compressionLevel", [](Json& d) { d["compression"] = "lz4"; } },
+    { "compressionLevel",
+      [](Json& d)
+      {
+        d["compression"] = "lz4";
+        d["compressionLevel"] = 13;
+      } },
     { "distribution.method", [](Json& d) { d["distribution"]["method"] = "best"; } },
     { "distribution.seed", [](Json& d) { d["distribution"]["seed"] = -1; } },
     { "arrays", [](Json& d) { d["arrays"] = Json::object(); } },
