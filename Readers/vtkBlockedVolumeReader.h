@@ -6,8 +6,8 @@
  *
  * The output is a vtkPartitionedDataSet of vtkImageData. What it holds depends on what is asked for
  * upstream:
- * - STABBING_REQUEST() with isovalues: the blocks that they cross, at full resolution, each an image
- *   of its own. Any number of pieces (ranks) reads any number of stores: each piece takes whole
+ * - STABBING_REQUEST() with isovalues: the blocks that they cross, at full resolution, each an
+ * image of its own. Any number of pieces (ranks) reads any number of stores: each piece takes whole
  *   stores, or pieces share the blocks of one.
  * - else the whole volume, at the finest level of detail that fits MemoryLimit: one image a piece,
  *   a slab of blocks from whatever stores they are in.
