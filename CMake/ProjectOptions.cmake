@@ -32,6 +32,9 @@ if(ISOSURFACE_SANITIZERS)
 endif()
 if(ISOSURFACE_CLANG_TIDY)
   find_program(ISOSURFACE_CLANG_TIDY_PROGRAM clang-tidy REQUIRED)
+  # Its own default may be an older standard than the compiler's, which CMake then does not name.
+  set(isosurface_clang_tidy
+    "${ISOSURFACE_CLANG_TIDY_PROGRAM};--quiet;--extra-arg-before=-std=c++17")
 endif()
 
 # One Core room: an object library whose sources are part of IsosurfaceCore.
@@ -44,8 +47,7 @@ function(isosurface_add_room name)
   target_compile_options(${name} PRIVATE -Wpedantic)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(ISOSURFACE_CLANG_TIDY)
-    set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY
-      "${ISOSURFACE_CLANG_TIDY_PROGRAM};--quiet")
+    set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY "${isosurface_clang_tidy}")
   endif()
   target_sources(IsosurfaceCore PRIVATE $<TARGET_OBJECTS:${name}>)
   target_link_libraries(IsosurfaceCore PRIVATE ${room_LINK})
@@ -54,4 +56,7 @@ endfunction()
 # A VTK module of this project: on top of Core, with the project's options.
 function(isosurface_configure_module module)
   vtk_module_link(${module} PUBLIC isosurface::Core PRIVATE IsosurfaceOptions)
+  if(ISOSURFACE_CLANG_TIDY)
+    vtk_module_set_properties(${module} CXX_CLANG_TIDY "${isosurface_clang_tidy}")
+  endif()
 endfunction()

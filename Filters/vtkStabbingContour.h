@@ -25,8 +25,8 @@
  * ComputeScalars, the isovalue under the name of the contoured array.
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
- * BlocksRead, BytesRead, BlockCacheHits, Triangles, QuerySeconds, ReadSeconds, ExtractSeconds); also
- * a line in the log.
+ * BlocksRead, BytesRead, BlockCacheHits, Triangles, QuerySeconds, ReadSeconds, ExtractSeconds);
+ * also a line in the log.
  *
  * Every rank of the controller must execute together. Errors of any rank are reported by all.
  */
@@ -136,11 +136,11 @@ private:
   struct Index; ///< value ranges of the blocks of images, kept between isovalues
 
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
-    const isosurface::ContourRequest& request, isosurface::Surface& surface,
-    std::string& arrayName, isosurface::QueryCost& cost);
+    const isosurface::ContourRequest& request, isosurface::Surface& surface, std::string& arrayName,
+    isosurface::QueryCost& cost);
   isosurface::Status ExtractFromImages(vtkInformationVector** input,
-    const isosurface::ContourRequest& request, isosurface::Surface& surface,
-    std::string& arrayName, isosurface::QueryCost& cost);
+    const isosurface::ContourRequest& request, isosurface::Surface& surface, std::string& arrayName,
+    isosurface::QueryCost& cost);
   bool TellProgress(double share);
   std::string GetArrayToContour();
   int ChooseThreads();

@@ -122,8 +122,8 @@ protected:
   ~vtkBlockedVolumeWriter() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  vtkTypeBool ProcessRequest(vtkInformation* request, vtkInformationVector** input,
-    vtkInformationVector* output) override;
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   void WriteData() override;
 
 private:

@@ -82,14 +82,14 @@ private:
 } // namespace isosurface
 
 /// Returns from the enclosing function with the error that `expression` gives, if any.
-#define ISOSURFACE_RETURN_IF_ERROR(expression)                                                     \
-  do                                                                                               \
-  {                                                                                                \
-    ::isosurface::Status isosurfaceStatus = (expression);                                          \
-    if (!isosurfaceStatus.IsOk())                                                                  \
-    {                                                                                              \
-      return isosurfaceStatus;                                                                     \
-    }                                                                                              \
+#define ISOSURFACE_RETURN_IF_ERROR(expression)            \
+  do                                                      \
+  {                                                       \
+    ::isosurface::Status isosurfaceStatus = (expression); \
+    if (!isosurfaceStatus.IsOk())                         \
+    {                                                     \
+      return isosurfaceStatus;                            \
+    }                                                     \
   } while (false)
 
 #endif

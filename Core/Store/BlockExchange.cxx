@@ -199,7 +199,7 @@ void BlockExchange::FillFromPiece(PendingBlock& block, std::atomic<std::uint64_t
 Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
   std::atomic<std::uint64_t>& samples) const
 {
-  const Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
+  Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
   const std::uint8_t* from = message.data();
   const std::uint8_t* end = from + message.size();
   std::uint64_t count = 0;

@@ -51,9 +51,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (file.size() >= ClientAreaOffset + 12)
   {
     entries = LoadLittleEndian<std::uint64_t>(file.data() + ClientAreaOffset);
-    segments = std::clamp<std::size_t>(
-      LoadLittleEndian<std::uint32_t>(file.data() + ClientAreaOffset + 8), 1,
-      BlockDirectory::MaximumSegments);
+    segments =
+      std::clamp<std::size_t>(LoadLittleEndian<std::uint32_t>(file.data() + ClientAreaOffset + 8),
+        1, BlockDirectory::MaximumSegments);
   }
   MemoryDisk disk;
   PutFile(disk, Path, std::move(file));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Input: flags (1 byte: 1 seals pages and segments, 2 cuts into blocks of 32 instead of 16, 4 adds a
-// second array), dimensions (3 bytes), value types (2 bytes), pages of the first array's tree (1
+// Input: flags (1 byte: 1 seals pages and segments, 2 cuts into blocks of 32 instead of 16, 4 adds
+// a second array), dimensions (3 bytes), value types (2 bytes), pages of the first array's tree (1
 // byte), an isovalue (float64); then the files: directory, tree, blocks. The header is made from
 // the first bytes, so the length of the directory is known. The store is asked for the blocks at
 // the isovalue; the first blocks are decoded at all levels.
@@ -71,8 +71,8 @@ SealedBytes SealTree(SealedBytes file, std::uint32_t blocks)
 }
 
 /// Puts the checksum of each segment right that the directory leads to.
-void SealRecords(SealedBytes& records, const SealedBytes& directory, const BlockGrid& grid,
-  std::uint32_t segments)
+void SealRecords(
+  SealedBytes& records, const SealedBytes& directory, const BlockGrid& grid, std::uint32_t segments)
 {
   const auto levels = static_cast<std::uint32_t>(grid.GetNumberOfLevels());
   const std::size_t entrySize = 16 + std::size_t{ 4 } * segments;
@@ -90,8 +90,8 @@ void SealRecords(SealedBytes& records, const SealedBytes& directory, const Block
       {
         break;
       }
-      SealSegmentBytes(records.data() + offset, stored, block, segment / levels,
-        levels - 1 - segment % levels);
+      SealSegmentBytes(
+        records.data() + offset, stored, block, segment / levels, levels - 1 - segment % levels);
       offset += std::uint64_t{ 16 } + stored;
     }
   }
@@ -137,15 +137,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const BlockedVolumeHeader header = MakeHeader(bytes);
   const BlockGrid grid(header.Grid.GetDimensions(), header.BlockSize);
   const auto blocks = static_cast<std::uint32_t>(grid.GetNumberOfBlocks());
-  const auto segments =
-    static_cast<std::uint32_t>(header.Arrays.size()) * static_cast<std::uint32_t>(grid.GetNumberOfLevels());
+  const auto segments = static_cast<std::uint32_t>(header.Arrays.size()) *
+    static_cast<std::uint32_t>(grid.GetNumberOfLevels());
   const std::size_t perPage = (PageSize - 8) / (16 + std::size_t{ 4 } * segments);
   const std::size_t treePages = bytes[6];
   const auto isovalue = LoadLittleEndian<double>(bytes + 7);
 
   const std::uint8_t* at = bytes + PrefixSize;
-  SealedBytes directory =
-    Take(at, bytes + size, (1 + (blocks + perPage - 1) / perPage) * PageSize);
+  SealedBytes directory = Take(at, bytes + size, (1 + (blocks + perPage - 1) / perPage) * PageSize);
   SealedBytes tree = Take(at, bytes + size, treePages * PageSize);
   SealedBytes records(at, bytes + size);
   if (isSealed)
@@ -177,7 +176,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     for (const std::uint32_t ordinal : *active)
     {
       const auto block = (*store)->FindBlock(ordinal, statistics);
-      Require(!block.IsOk() || *block < grid.GetNumberOfBlocks(), "an active block is in the volume");
+      Require(
+        !block.IsOk() || *block < grid.GetNumberOfBlocks(), "an active block is in the volume");
     }
   }
   ReadBlocks(**store, header, grid);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Input: flags (1 byte: 1 seals the pages, 2 gives a page cache), the ends of a range (uint64 each),
-// the file of a tree. Its bytes are stabbed, asked for the range, and verified.
+// Input: flags (1 byte: 1 seals the pages, 2 gives a page cache), the ends of a range (uint64
+// each), the file of a tree. Its bytes are stabbed, asked for the range, and verified.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 

@@ -14,7 +14,10 @@
 #endif
 
 #ifdef ISOSURFACE_TELLS_ALLOCATIONS
-#  include <sanitizer/allocator_interface.h>
+// Of <sanitizer/allocator_interface.h>, which GCC does not install.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(
+  void (*allocated)(const volatile void*, std::size_t), void (*released)(const volatile void*));
+extern "C" std::size_t __sanitizer_get_allocated_size(const volatile void*);
 #endif
 
 namespace isosurface
@@ -38,8 +41,7 @@ void CountAllocation(const volatile void*, std::size_t size)
 
 void CountRelease(const volatile void* bytes)
 {
-  Allocated -= static_cast<std::ptrdiff_t>(
-    __sanitizer_get_allocated_size(const_cast<const void*>(bytes)));
+  Allocated -= static_cast<std::ptrdiff_t>(__sanitizer_get_allocated_size(bytes));
 }
 #endif
 
@@ -70,7 +72,8 @@ MemoryLimit::~MemoryLimit()
 {
   if (Peak > Limit)
   {
-    std::fprintf(stderr, "%td bytes were allocated at a time, %td are allowed\n", Peak.load(), Limit);
+    std::fprintf(
+      stderr, "%td bytes were allocated at a time, %td are allowed\n", Peak.load(), Limit);
     std::abort();
   }
 }

@@ -24,9 +24,9 @@ SealedBytes SealPages(const std::uint8_t* bytes, std::size_t size, const char* k
 void SealSegmentBytes(std::uint8_t* segment, std::uint32_t stored, std::int64_t block,
   std::uint32_t array, std::uint32_t level);
 
-/// The text of a JSON object with its member "checksum" put right; the text as it is if it is no
-/// object.
-std::string SealJson(const std::string& text);
+/// The text of a JSON document with the value of its last member "checksum" put right, if it has
+/// one: the hash of all that stands before that name.
+std::string SealJson(std::string text);
 
 /// Puts a file on a disk in memory.
 void PutFile(MemoryDisk& disk, const std::string& path, SealedBytes bytes);

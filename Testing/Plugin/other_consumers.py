@@ -10,10 +10,6 @@ import plugin_testing as testing
 class Beside(unittest.TestCase):
     """Consumers of the same reader see the whole volume, whatever Stabbing Contour asks for."""
 
-    @classmethod
-    def setUpClass(cls):
-        testing.load_plugin(remote=True)
-
     def setUp(self):
         self.image = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         self.image.UpdatePipeline()
@@ -33,7 +29,10 @@ class Beside(unittest.TestCase):
         return area, integral.PointData["RTData"].GetRange()[0]
 
     def assert_whole(self, source):
-        self.assertEqual(source.GetDataInformation().GetBounds(), self.image.GetDataInformation().GetBounds())
+        source.UpdatePipeline()
+        self.assertEqual(
+            source.GetDataInformation().GetBounds(), self.image.GetDataInformation().GetBounds()
+        )
         area, integral = self.area_and_integral(source)
         expected_area, expected = self.area_and_integral(self.image)
         self.assertAlmostEqual(area / expected_area, 1, places=5)
@@ -47,33 +46,33 @@ class Beside(unittest.TestCase):
         surface.Isosurfaces = [270.0]
         surface.UpdatePipeline()
         self.assert_whole(self.reader)
-        self.assertEqual(testing.count_cells(surface), testing.count_stock_triangles(270.0))
+        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles(270.0))
 
     def test_slice_after_the_contour_is_whole(self):
         surface = testing.contour(self.reader, 270.0)
         self.assert_whole(self.reader)
         surface.Isosurfaces = [testing.ISOVALUE]
-        self.assertEqual(testing.count_cells(surface), testing.count_stock_triangles())
+        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
         self.assert_whole(self.reader)
 
     def test_two_contours_do_not_disturb_each_other(self):
         first = testing.contour(self.reader, 270.0)
         second = testing.contour(self.reader, testing.ISOVALUE)
-        self.assertEqual(testing.count_cells(first), testing.count_stock_triangles(270.0))
-        self.assertEqual(testing.count_cells(second), testing.count_stock_triangles())
+        self.assertEqual(testing.count_cells(first), testing.count_expected_triangles(270.0))
+        self.assertEqual(testing.count_cells(second), testing.count_expected_triangles())
         first.Isosurfaces = [testing.OTHER_ISOVALUE]
         self.assertEqual(
-            testing.count_cells(first), testing.count_stock_triangles(testing.OTHER_ISOVALUE)
+            testing.count_cells(first), testing.count_expected_triangles(testing.OTHER_ISOVALUE)
         )
-        self.assertEqual(testing.count_cells(second), testing.count_stock_triangles())
+        self.assertEqual(testing.count_cells(second), testing.count_expected_triangles())
 
     def test_filter_between_serves_contour_and_slice(self):
         between = simple.PassArrays(Input=self.reader, PointDataArrays=["RTData"])
         surface = testing.contour(between, 270.0)
         self.assert_whole(between)
-        self.assertEqual(testing.count_cells(surface), testing.count_stock_triangles(270.0))
+        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles(270.0))
         surface.Isosurfaces = [testing.ISOVALUE]
-        self.assertEqual(testing.count_cells(surface), testing.count_stock_triangles())
+        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
         self.assert_whole(between)
 
     def test_volume_of_cells_counts_none_twice(self):
@@ -92,10 +91,6 @@ class Beside(unittest.TestCase):
 class Behind(unittest.TestCase):
     """Behind a filter the surface is that of the filter's output: no silent wrong result."""
 
-    @classmethod
-    def setUpClass(cls):
-        testing.load_plugin(remote=True)
-
     def setUp(self):
         self.image = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         self.reader = simple.OpenDataFile(testing.volume("wave.bvol"))
@@ -103,35 +98,48 @@ class Behind(unittest.TestCase):
     def test_pass_arrays_gives_the_same_surface(self):
         passed = simple.PassArrays(Input=self.reader, PointDataArrays=["RTData"])
         self.assertEqual(
-            testing.count_cells(testing.contour(passed)), testing.count_stock_triangles()
+            testing.count_cells(testing.contour(passed)), testing.count_expected_triangles()
         )
 
     def test_calculator_is_contoured_by_its_own_values(self):
-        def calculate(source):
-            return simple.Calculator(
-                Input=source, ResultArrayName="RTData", Function="300-RTData"
-            )
-
+        calculator = simple.Calculator(
+            Input=self.reader, ResultArrayName="RTData", Function="300-RTData"
+        )
         for isovalue in (30.0, testing.ISOVALUE, 250.0):
             with self.subTest(isovalue=isovalue):
                 self.assertEqual(
-                    testing.count_cells(testing.contour(calculate(self.reader), isovalue)),
-                    testing.count_stock_triangles(isovalue, calculate(self.image)),
+                    testing.count_cells(testing.contour(calculator, isovalue)),
+                    testing.count_expected_triangles(isovalue, "300-RTData"),
                 )
 
     def test_calculated_array_is_contoured(self):
-        def calculate(source):
-            return simple.Calculator(
-                Input=source, ResultArrayName="Shifted", Function="RTData+1000"
-            )
+        calculator = simple.Calculator(
+            Input=self.reader, ResultArrayName="Shifted", Function="RTData+1000"
+        )
+        surface = testing.contour(calculator, 1150.0, "Shifted")
+        self.assertEqual(
+            testing.count_cells(surface), testing.count_expected_triangles(1150.0, "RTData+1000")
+        )
 
-        surface = testing.contour(calculate(self.reader), testing.ISOVALUE + 1000, "Shifted")
-        self.assertEqual(testing.count_cells(surface), testing.count_stock_triangles())
+    def test_filter_that_needs_neighbours_has_no_seams_between_blocks(self):
+        gradient = simple.Gradient(
+            Input=self.reader, ScalarArray=["POINTS", "RTData"], ResultArrayName="Gradient"
+        )
+        steepness = simple.Calculator(
+            Input=gradient, ResultArrayName="Steepness", Function="mag(Gradient)"
+        )
+        steepness.ResultArrayType = "Float"
+        self.assertEqual(
+            testing.count_cells(testing.contour(steepness, 12.0, "Steepness")),
+            testing.count_expected_triangles(12.0, "mag(Gradient)"),
+        )
 
     def test_image_in_memory_gives_the_stock_surface(self):
         self.assertEqual(
-            testing.count_cells(testing.contour(self.image)), testing.count_stock_triangles()
+            testing.count_cells(testing.contour(self.image)), testing.count_expected_triangles()
         )
 
 
+testing.parse_arguments()
+testing.load_plugin()
 testing.run()

@@ -7,6 +7,7 @@ VOLUMES is what write_volumes.py wrote; OUTPUT is the test's own folder, emptied
 """
 import argparse
 import csv
+import functools
 import os
 import shutil
 import sys
@@ -26,6 +27,7 @@ arguments = None
 
 
 def volume(name):
+    """The path of one of the volumes; absolute paths stay as they are."""
     return os.path.join(arguments.volumes, name)
 
 
@@ -35,10 +37,6 @@ def output(name):
 
 def baseline(name):
     return os.path.join(arguments.baselines, name)
-
-
-def load_plugin(remote=False):
-    simple.LoadPlugin(arguments.plugin, remote=remote, ns=vars(simple))
 
 
 def parse_arguments(add_arguments=None):
@@ -51,14 +49,34 @@ def parse_arguments(add_arguments=None):
     if add_arguments:
         add_arguments(parser)
     arguments = parser.parse_args()
+    arguments.output = os.path.abspath(arguments.output)
     shutil.rmtree(arguments.output, ignore_errors=True)
     os.makedirs(arguments.output)
 
 
-def run(add_arguments=None):
-    """Runs the tests of the main script."""
-    parse_arguments(add_arguments)
-    result = unittest.main(argv=sys.argv[:1], verbosity=2, exit=False).result
+def load_plugin():
+    """Into the servers, this process, and paraview.simple."""
+    simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
+    if simple.servermanager.ActiveConnection.IsRemote():
+        simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
+
+
+def make_mpi_environment():
+    """For programs that are started under mpiexec: pvpython, itself a rank, leaves Open MPI's
+    variables in the environment, with which a second mpiexec does nothing."""
+    return {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("OMPI_", "ORTE_", "PMIX_")) or name.startswith("OMPI_ALLOW_")
+    }
+
+
+def run():
+    """Runs the tests of the main script, whose arguments are parsed and plugin is loaded."""
+    # ParaView's own scripts give warnings, of which nobody here can do anything.
+    result = unittest.main(
+        argv=sys.argv[:1], verbosity=2, exit=False, warnings="ignore"
+    ).result
     # Only a failure may end in sys.exit(): pvbatch then leaves without finalizing MPI.
     if not result.wasSuccessful():
         sys.exit(1)
@@ -66,7 +84,7 @@ def run(add_arguments=None):
 
 def open_volume(name):
     """A reader with its pipeline up to date."""
-    reader = simple.OpenDataFile(name if os.path.isabs(name) else volume(name))
+    reader = simple.OpenDataFile(volume(name))
     reader.UpdatePipeline()
     return reader
 
@@ -85,12 +103,39 @@ def count_cells(proxy):
     return proxy.GetDataInformation().GetNumberOfCells()
 
 
-def count_stock_triangles(isovalue=ISOVALUE, source=None):
-    """What ParaView's own Contour makes of the volume that the blocked ones were written from."""
-    source = source or simple.XMLImageDataReader(FileName=[volume("wave.vti")])
-    return count_cells(
-        simple.Contour(Input=source, ContourBy=["POINTS", "RTData"], Isosurfaces=[isovalue])
-    )
+@functools.lru_cache(maxsize=None)
+def count_expected_triangles(isovalue=ISOVALUE, function=None):
+    """What vtkFlyingEdges3D makes of the whole volume, or of a function of it, on this rank alone.
+
+    The function is one of RTData and of Gradient, RTData's gradient.
+
+    On several ranks ParaView's Contour is no oracle: it counts triangles between pieces twice.
+    """
+    from vtkmodules.vtkFiltersCore import vtkArrayCalculator, vtkFlyingEdges3D
+    from vtkmodules.vtkFiltersGeneral import vtkGradientFilter
+    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+
+    reader = vtkXMLImageDataReader()
+    reader.SetFileName(volume("wave.vti"))
+    calculator = vtkArrayCalculator()
+    gradient = vtkGradientFilter()
+    gradient.SetInputConnection(reader.GetOutputPort())
+    gradient.SetInputScalars(0, "RTData")
+    gradient.SetResultArrayName("Gradient")
+    calculator.SetInputConnection(gradient.GetOutputPort())
+    calculator.AddScalarVariable("RTData", "RTData")
+    calculator.AddVectorVariable("Gradient", "Gradient")
+    calculator.SetFunction(function or "RTData")
+    calculator.SetResultArrayName("Result")
+    calculator.SetResultArrayType(10)  # VTK_FLOAT
+    edges = vtkFlyingEdges3D()
+    edges.SetInputConnection(calculator.GetOutputPort())
+    edges.SetInputArrayToProcess(0, 0, 0, 0, "Result")
+    edges.SetValue(0, isovalue)
+    edges.Update()
+    triangles = edges.GetOutput().GetNumberOfPolys()
+    assert triangles > 0, "nothing to compare with"
+    return triangles
 
 
 def read_costs(surface):

@@ -11,10 +11,6 @@ import plugin_testing as testing
 
 
 class Proxies(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        testing.load_plugin()
-
     def test_every_proxy_and_property_has_a_documentation(self):
         files = glob.glob(os.path.join(testing.arguments.xml, "*.xml"))
         self.assertTrue(files)
@@ -76,4 +72,6 @@ def add_arguments(parser):
     parser.add_argument("--xml", required=True, help="the folder of the plugin's XML files")
 
 
-testing.run(add_arguments)
+testing.parse_arguments(add_arguments)
+testing.load_plugin()
+testing.run()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Save Data: its properties arrive in the file, and a file can be saved over. Any number of ranks."""
+"""Save Data: its properties arrive in the file; a file can be saved over. On any number of ranks."""
 import json
 import unittest
 
@@ -16,9 +16,8 @@ def read_header(path):
 class SaveData(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        testing.load_plugin(remote=True)
         cls.wave = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        cls.triangles = testing.count_stock_triangles(source=cls.wave)
+        cls.triangles = testing.count_expected_triangles()
 
     def save(self, name, source=None, **properties):
         path = testing.output(name)
@@ -76,7 +75,7 @@ class SaveData(unittest.TestCase):
         self.save("over.bvol", source=shifted)
         simple.ReloadFiles(reader)
         self.assertEqual(
-            testing.count_cells(surface), testing.count_stock_triangles(testing.ISOVALUE - 20)
+            testing.count_cells(surface), testing.count_expected_triangles(testing.ISOVALUE - 20)
         )
         low, high = reader.PointData["RTData"].GetRange()
         old_low, old_high = self.wave.PointData["RTData"].GetRange()
@@ -88,4 +87,6 @@ def add_arguments(parser):
     parser.add_argument("--ranks", type=int, required=True)
 
 
-testing.run(add_arguments)
+testing.parse_arguments(add_arguments)
+testing.load_plugin()
+testing.run()

@@ -116,8 +116,8 @@ testing::AssertionResult BlockChecks::HaveEachCellOnce(
     {
       vtkUnsignedCharArray* ghostCells = block->GetCellGhostArray();
       vtkUnsignedCharArray* ghostPoints = block->GetPointGhostArray();
-      if (!ghostCells || !ghostPoints ||
-        ghostCells->GetNumberOfTuples() != block->GetNumberOfCells())
+      if (!ghostCells != !ghostPoints ||
+        (ghostCells && ghostCells->GetNumberOfTuples() != block->GetNumberOfCells()))
       {
         ++outside;
         return;
@@ -131,7 +131,7 @@ testing::AssertionResult BlockChecks::HaveEachCellOnce(
         [&](const Vertex& cell)
         {
           Vertex here = cell;
-          if (ghostCells->GetValue(block->ComputeCellId(here.data())) != 0)
+          if (ghostCells && ghostCells->GetValue(block->ComputeCellId(here.data())) != 0)
           {
             return;
           }
@@ -157,7 +157,7 @@ testing::AssertionResult BlockChecks::HaveEachCellOnce(
           }
         });
       const bool hasOwnCells = std::count(isOwn.begin(), isOwn.end(), 1) > 0;
-      for (vtkIdType point = 0; point < block->GetNumberOfPoints(); ++point)
+      for (vtkIdType point = 0; ghostPoints && point < block->GetNumberOfPoints(); ++point)
       {
         const bool isGhost =
           (ghostPoints->GetValue(point) & vtkDataSetAttributes::DUPLICATEPOINT) != 0;

@@ -26,7 +26,7 @@ struct BlockChecks
     const std::vector<vtkPartitionedDataSet*>& pieces, const char* array) const;
 
   /// Every cell of the level's grid is in one block not a ghost; a vertex is a ghost if all cells
-  /// at it are.
+  /// at it are. Blocks without vtkGhostType have no ghosts.
   testing::AssertionResult HaveEachCellOnce(
     const std::vector<vtkPartitionedDataSet*>& pieces) const;
 };

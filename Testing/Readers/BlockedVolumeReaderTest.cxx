@@ -73,7 +73,7 @@ TEST(BlockedVolumeReader, GivesFinerLevelToPiecesThanToWhole)
   EXPECT_EQ(reader->GetLevel(), 0);
 }
 
-TEST(BlockedVolumeReader, PiecesTogetherHaveEachBlockOnce)
+TEST(BlockedVolumeReader, PiecesTogetherHaveEachCellOnce)
 {
   const ScratchFolder folder;
   const auto image = MakeImage({ -5, 60, 0, 40, 7, 50 }, VTK_SHORT, MakeNoise(3000, 2));
@@ -91,7 +91,7 @@ TEST(BlockedVolumeReader, PiecesTogetherHaveEachBlockOnce)
       {
         kept.push_back(ReadPiece(reader, piece, pieces));
         all.push_back(kept.back());
-        EXPECT_GT(kept.back()->GetNumberOfPartitions(), 0u);
+        EXPECT_LE(kept.back()->GetNumberOfPartitions(), 1u) << "one image a piece";
       }
       EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce(all))) << stores << ", " << pieces;
       EXPECT_TRUE((BlockChecks{ image }.HaveValues(all, "density"))) << stores << ", " << pieces;
@@ -126,20 +126,19 @@ TEST(BlockedVolumeReader, GivesSelectedArraysAlone)
     }
     for (const std::string& name : found)
     {
-      EXPECT_TRUE(
-        name == "vtkGhostType" || (BlockChecks{ image }.HaveValues({ blocks }, name.c_str())));
+      EXPECT_TRUE((BlockChecks{ image }.HaveValues({ blocks }, name.c_str()))) << name;
     }
     return found;
   };
   using Names = std::vector<std::string>;
-  EXPECT_EQ(names(), (Names{ "density", "pressure", "vtkGhostType" }));
+  EXPECT_EQ(names(), (Names{ "density", "pressure" }));
   reader->SetPointArrayStatus("density", 0);
   EXPECT_EQ(reader->GetPointArrayStatus("density"), 0);
-  EXPECT_EQ(names(), (Names{ "pressure", "vtkGhostType" }));
+  EXPECT_EQ(names(), (Names{ "pressure" }));
   reader->SetPointArrayStatus("pressure", 0);
-  EXPECT_EQ(names(), (Names{ "vtkGhostType" }));
+  EXPECT_EQ(names(), Names());
   reader->SetPointArrayStatus("density", 1);
-  EXPECT_EQ(names(), (Names{ "density", "vtkGhostType" }));
+  EXPECT_EQ(names(), (Names{ "density" }));
 }
 
 TEST(BlockedVolumeReader, CanReadBlockedVolumesAlone)
