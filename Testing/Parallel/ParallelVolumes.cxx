@@ -42,6 +42,7 @@ void WriteFromPieces(
   writer->SetBlockSize(settings.BlockSize);
   writer->SetNumberOfStores(settings.NumberOfStores);
   writer->SetDistribution(settings.Distribution);
+  writer->SetCompression(settings.Compression);
   EXPECT_EQ(writer->Write(), 1);
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }

@@ -36,7 +36,9 @@ protected:
     , Image(MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT))
     , Path(this->Folder.GetPath("volume.bvol"))
   {
-    WriteFromPieces(this->Image, PieceSource::SUB_EXTENTS, this->Path, { 16, GetParam(), 0 });
+    // Not compressed, so that the size of a block can be told from the image.
+    WriteFromPieces(this->Image, PieceSource::SUB_EXTENTS, this->Path,
+      { 16, GetParam(), vtkBlockedVolumeWriter::GREEDY, vtkBlockedVolumeWriter::NONE });
   }
   ~QueryCost() override { ContourPipeline(this->Path).Reader->SetCacheSize(WarmCache); }
 

@@ -28,6 +28,7 @@ struct VolumeSettings
   int BlockSize = 16;
   int NumberOfStores = 1;
   int Distribution = vtkBlockedVolumeWriter::GREEDY;
+  int Compression = vtkBlockedVolumeWriter::LZ4;
 };
 
 /// Writes an image, on this process alone; a test fails if that reports an error.
