@@ -24,14 +24,14 @@ public:
   virtual const std::string& GetPath() const = 0;
 };
 
-/// A new file that is written front to back, or in place where it was written before.
+/// A new file that is written front to back, or at any offset; what is left out is zero.
 class WritableFile
 {
 public:
   virtual ~WritableFile() = default;
   virtual Status Append(const void* bytes, std::size_t size) = 0;
   virtual Status WriteAt(std::uint64_t offset, const void* bytes, std::size_t size) = 0;
-  /// Bytes appended so far.
+  /// Where the next Append() goes: behind what was appended so far.
   virtual std::uint64_t GetSize() const = 0;
   /// Flushes to stable storage, then closes; a file that is dropped without it may be incomplete.
   virtual Status SyncAndClose() = 0;

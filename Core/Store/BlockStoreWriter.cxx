@@ -11,17 +11,20 @@
 namespace isosurface
 {
 
-BlockStoreWriter::BlockStoreWriter(
-  FileSystem& files, std::string folder, std::size_t segments, std::unique_ptr<WritableFile> blocks)
+BlockStoreWriter::BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
+  std::unique_ptr<WritableFile> blocks, std::vector<StoreCursor> cursors)
   : Files(files)
   , Folder(std::move(folder))
   , Segments(segments)
   , Blocks(std::move(blocks))
+  , Entries(static_cast<std::size_t>(cursors.back().Ordinal))
+  , Cursors(std::move(cursors))
+  , Checksums(Entries.size())
 {
 }
 
-Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
-  FileSystem& files, const std::string& folder, std::size_t segments)
+Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& files,
+  const std::string& folder, std::size_t segments, std::vector<StoreCursor> cursors)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
   auto blocks = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
@@ -30,27 +33,32 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
     return blocks.GetStatus();
   }
   return std::unique_ptr<BlockStoreWriter>(
-    new BlockStoreWriter(files, folder, segments, std::move(*blocks)));
+    new BlockStoreWriter(files, folder, segments, std::move(*blocks), std::move(cursors)));
 }
 
-Status BlockStoreWriter::Append(const PendingBlock& block)
+Status BlockStoreWriter::Write(const PendingBlock& block, std::size_t lane)
 {
-  this->Entries.push_back({ block.Block, this->Blocks->GetSize(), block.Layout.Lengths });
-  // The store's checksum chains the segments' own, which stand at the begin of each.
-  std::vector<std::uint64_t> checksums = { this->Checksum };
+  StoreCursor& cursor = this->Cursors[lane];
+  const auto ordinal = static_cast<std::size_t>(cursor.Ordinal);
+  this->Entries[ordinal] = { block.Block, cursor.Offset, block.Layout.Lengths };
+  // A segment's own checksum stands at its begin.
+  std::vector<std::uint64_t> checksums;
   for (const std::uint64_t offset : block.Layout.Offsets)
   {
     checksums.push_back(LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset));
   }
-  this->Checksum = ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
-  return this->Blocks->Append(block.Record.GetData(), block.Record.GetSize());
+  this->Checksums[ordinal] =
+    ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
+  const std::uint64_t offset = cursor.Offset;
+  cursor = { cursor.Ordinal + 1, offset + block.Record.GetSize() };
+  return this->Blocks->WriteAt(offset, block.Record.GetData(), block.Record.GetSize());
 }
 
 Result<StoreDescription> BlockStoreWriter::Finish(
   const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes)
 {
-  const StoreDescription description = { this->Entries.size(), this->Blocks->GetSize(),
-    this->Checksum };
+  const StoreDescription description = { this->Entries.size(), this->Cursors.back().Offset,
+    ComputeChecksum(this->Checksums.data(), this->Checksums.size() * sizeof(std::uint64_t)) };
   ISOSURFACE_RETURN_IF_ERROR(this->Blocks->SyncAndClose());
   for (std::size_t array = 0; array < ranges.size(); ++array)
   {

@@ -18,29 +18,44 @@
 namespace isosurface
 {
 
+/// Where the next block of a lane (RoundPlan.h) goes in a store.
+struct StoreCursor
+{
+  std::uint64_t Ordinal = 0;
+  std::uint64_t Offset = 0;
+};
+
 /**
- * Writes one store: Append() its blocks in the order of their ordinals, then Finish(). The files
- * are those that BlockStore.h names. Memory: one directory entry a block; for the trees what
- * Finish() is allowed.
+ * Writes one store: Write() its blocks, those of a lane in the order of their indices, then
+ * Finish(). The files are those that BlockStore.h names; they do not depend on the lanes, since
+ * a block's place follows from the sizes of the records before it. Memory: one directory entry and
+ * a checksum a block; for the trees what Finish() is allowed.
  */
 class BlockStoreWriter
 {
 public:
   /// Creates the folder and the file of records, each of so many segments (arrays times levels).
-  static Result<std::unique_ptr<BlockStoreWriter>> Create(
-    FileSystem& files, const std::string& folder, std::size_t segments);
+  /// `cursors`: where each lane begins, and last where the store ends.
+  static Result<std::unique_ptr<BlockStoreWriter>> Create(FileSystem& files,
+    const std::string& folder, std::size_t segments, std::vector<StoreCursor> cursors);
 
-  /// Appends a record whose segments are sealed.
-  Status Append(const PendingBlock& block);
+  /// Writes a record whose segments are sealed.
+  Status Write(const PendingBlock& block, std::size_t lane);
 
   /// Writes the directory and the trees, brings all to stable storage. ranges[array][block] are the
   /// value ranges of all blocks of the volume.
   Result<StoreDescription> Finish(
     const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes);
 
+  /// The memory of a block's entry.
+  static std::uint64_t GetEntryBytes(std::size_t segments)
+  {
+    return sizeof(BlockDirectoryEntry) + 4 * segments + 16 + sizeof(std::uint64_t);
+  }
+
 private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
-    std::unique_ptr<WritableFile> blocks);
+    std::unique_ptr<WritableFile> blocks, std::vector<StoreCursor> cursors);
   Status WriteTree(
     std::size_t array, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 
@@ -49,7 +64,8 @@ private:
   std::size_t Segments;
   std::unique_ptr<WritableFile> Blocks;
   std::vector<BlockDirectoryEntry> Entries;
-  std::uint64_t Checksum = 0;
+  std::vector<StoreCursor> Cursors;
+  std::vector<std::uint64_t> Checksums; ///< per block: of its segments' checksums
 };
 
 } // namespace isosurface

@@ -70,7 +70,7 @@ TEST(BlockedVolumeWriter, WritesTheSameBytesOnAnyNumberOfRanks)
     for (const std::uint32_t stores : { 1u, 4u, 7u })
     {
       BlockedVolumeSettings settings = MakeSettings(16, stores, method);
-      settings.RoundBytes = 100000;
+      settings.MemoryLimit = 6000000;
       MemoryDisk expected;
       WriteVolumeOk(expected, volume, settings);
       std::size_t next = 0;
@@ -86,29 +86,48 @@ TEST(BlockedVolumeWriter, WritesTheSameBytesOnAnyNumberOfRanks)
   }
 }
 
-TEST(BlockedVolumeWriter, WritesTheSameBytesInAnyRoundsAndThreads)
+TEST(BlockedVolumeWriter, WritesTheSameBytesInAnyMemoryAndThreads)
 {
-  const auto volume = MakeVolume<float>({ 50, 50, 50 });
+  const auto volume = MakeVolume<float>({ 70, 70, 70 });
   BlockedVolumeSettings settings = MakeSettings(16, 3);
   settings.Threads = 1;
   MemoryDisk expected;
   WriteVolumeOk(expected, volume, settings);
-  for (const std::uint64_t bytes : { 1ull, 70000ull, 1000000ull })
+  settings.Threads = 4;
+  std::uint64_t most = 0;
+  for (const std::uint64_t bytes : { 2400000ull, 4000000ull, 1000000000ull })
   {
-    settings.RoundBytes = bytes;
-    settings.Threads = 4;
-    MemoryDisk disk;
-    const auto results = WriteVolume(disk, volume, settings, 3, OverlappingColumns);
-    for (const auto& result : results)
+    for (const Layout& layout : { Layout(OverlappingColumns), Layout(WholeOnAll) })
     {
-      ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
-      EXPECT_EQ(result->Blocks, 64u);
-      // A round keeps its budget, but holds a block at least.
-      const std::uint64_t block = 19 * 19 * 19 * 4 + 4000;
-      EXPECT_LE(result->LargestRoundBytes, std::max(bytes, block));
-      EXPECT_EQ(result->Rounds, bytes == 1 ? 64u : result->Rounds);
+      settings.MemoryLimit = bytes;
+      MemoryDisk disk;
+      for (const auto& result : WriteVolume(disk, volume, settings, 3, layout))
+      {
+        ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
+        EXPECT_EQ(result->Blocks, 125u);
+        EXPECT_LE(result->MemoryBytes, bytes);
+        most = std::max(most, result->Rounds);
+        EXPECT_LE(result->Rounds, bytes == 1000000000ull ? 4u : 125u);
+      }
+      EXPECT_TRUE(disk.Copy() == expected.Copy());
     }
-    EXPECT_TRUE(disk.Copy() == expected.Copy());
+  }
+  EXPECT_GT(most, 8u);
+}
+
+TEST(BlockedVolumeWriter, RefusesAMemoryLimitThatIsTooSmall)
+{
+  for (const std::uint64_t bytes : { 1000ull, 1000000ull })
+  {
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.MemoryLimit = bytes;
+    MemoryDisk disk;
+    for (const auto& result : WriteVolume(disk, MakeVolume<float>({ 50, 50, 50 }), settings, 3))
+    {
+      ASSERT_FALSE(result.IsOk());
+      EXPECT_NE(result.GetStatus().GetMessage().find("memory limit"), std::string::npos);
+    }
+    EXPECT_TRUE(disk.GetFiles().empty());
   }
 }
 
@@ -275,7 +294,7 @@ TEST(BlockedVolumeWriter, StopsOnAllRanksWhenOneIsAsked)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 60, 60, 60 });
   BlockedVolumeSettings settings = MakeSettings(16, 2);
-  settings.RoundBytes = 50000;
+  settings.MemoryLimit = 2000000;
   for (const double limit : { 0.0, 0.1, 0.4, 0.7, 0.93 })
   {
     MemoryDisk disk;
