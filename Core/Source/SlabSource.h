@@ -42,6 +42,9 @@ public:
   /// The memory that Read() takes for a box, what it needs on the way included.
   virtual std::uint64_t GetReadBytes(const VertexBox& box) const = 0;
 
+  /// The memory that the source takes between reads, at most.
+  virtual std::uint64_t GetHeldBytes() const { return 0; }
+
   /// Whether Read() may be called by another thread than the one that made the source. Never by
   /// two at once.
   virtual bool CanReadAhead() const { return true; }

@@ -19,7 +19,7 @@ BlockStoreWriter::BlockStoreWriter(FileSystem& files, std::string folder, std::s
   , Blocks(std::move(blocks))
   , Entries(static_cast<std::size_t>(cursors.back().Ordinal))
   , Cursors(std::move(cursors))
-  , Checksums(Entries.size())
+  , Checksums(Entries.size() * segments)
 {
 }
 
@@ -42,13 +42,11 @@ Status BlockStoreWriter::Write(const PendingBlock& block, std::size_t lane)
   const auto ordinal = static_cast<std::size_t>(cursor.Ordinal);
   this->Entries[ordinal] = { block.Block, cursor.Offset, block.Layout.Lengths };
   // A segment's own checksum stands at its begin.
-  std::vector<std::uint64_t> checksums;
+  std::uint64_t* checksum = this->Checksums.data() + ordinal * this->Segments;
   for (const std::uint64_t offset : block.Layout.Offsets)
   {
-    checksums.push_back(LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset));
+    *checksum++ = LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset);
   }
-  this->Checksums[ordinal] =
-    ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
   const std::uint64_t offset = cursor.Offset;
   cursor = { cursor.Ordinal + 1, offset + block.Record.GetSize() };
   return this->Blocks->WriteAt(offset, block.Record.GetData(), block.Record.GetSize());
@@ -58,7 +56,7 @@ Result<StoreDescription> BlockStoreWriter::Finish(
   const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes)
 {
   const StoreDescription description = { this->Entries.size(), this->Cursors.back().Offset,
-    ComputeChecksum(this->Checksums.data(), this->Checksums.size() * sizeof(std::uint64_t)) };
+    this->ChainChecksums() };
   ISOSURFACE_RETURN_IF_ERROR(this->Blocks->SyncAndClose());
   for (std::size_t array = 0; array < ranges.size(); ++array)
   {
@@ -68,6 +66,18 @@ Result<StoreDescription> BlockStoreWriter::Finish(
     this->Files, BlockStore::GetDirectoryPath(this->Folder), this->Segments, this->Entries));
   ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->Folder));
   return description;
+}
+
+/// The store's checksum chains those of the segments, block by block.
+std::uint64_t BlockStoreWriter::ChainChecksums() const
+{
+  std::vector<std::uint64_t> link(1 + this->Segments, 0);
+  for (std::size_t first = 0; first < this->Checksums.size(); first += this->Segments)
+  {
+    std::copy_n(this->Checksums.data() + first, this->Segments, link.begin() + 1);
+    link[0] = ComputeChecksum(link.data(), link.size() * sizeof(link[0]));
+  }
+  return link[0];
 }
 
 Status BlockStoreWriter::WriteTree(

@@ -29,7 +29,7 @@ struct StoreCursor
  * Writes one store: Write() its blocks, those of a lane in the order of their indices, then
  * Finish(). The files are those that BlockStore.h names; they do not depend on the lanes, since
  * a block's place follows from the sizes of the records before it. Memory: one directory entry and
- * a checksum a block; for the trees what Finish() is allowed.
+ * the segments' checksums a block; for the trees what Finish() is allowed.
  */
 class BlockStoreWriter
 {
@@ -50,12 +50,13 @@ public:
   /// The memory of a block's entry.
   static std::uint64_t GetEntryBytes(std::size_t segments)
   {
-    return sizeof(BlockDirectoryEntry) + 4 * segments + 16 + sizeof(std::uint64_t);
+    return sizeof(BlockDirectoryEntry) + (4 + sizeof(std::uint64_t)) * segments + 16;
   }
 
 private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
     std::unique_ptr<WritableFile> blocks, std::vector<StoreCursor> cursors);
+  std::uint64_t ChainChecksums() const;
   Status WriteTree(
     std::size_t array, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 
@@ -65,7 +66,7 @@ private:
   std::unique_ptr<WritableFile> Blocks;
   std::vector<BlockDirectoryEntry> Entries;
   std::vector<StoreCursor> Cursors;
-  std::vector<std::uint64_t> Checksums; ///< per block: of its segments' checksums
+  std::vector<std::uint64_t> Checksums; ///< per block and segment
 };
 
 } // namespace isosurface

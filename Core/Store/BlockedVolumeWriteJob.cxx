@@ -196,7 +196,7 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
     bytes += StoreSpectra::GetBytes(
       this->Spectra->GetBins(), this->Settings.NumberOfStores, this->Rank, this->Size);
   }
-  return bytes;
+  return bytes + this->Source.GetHeldBytes();
 }
 
 /// What the threads need to work on a block each.
