@@ -79,19 +79,21 @@ std::vector<std::uint16_t> MakeBenchmarkVolume(int side, int threads)
 
   const auto n = static_cast<std::size_t>(side);
   std::vector<std::uint16_t> volume(n * n * n);
-  ParallelFor(n, threads, [&](std::size_t k, int) {
-    std::vector<float> row(n);
-    for (std::size_t j = 0; j < n; ++j)
+  ParallelFor(n, threads,
+    [&](std::size_t k, int)
     {
-      FillRow(waves, side, static_cast<int>(j), static_cast<int>(k), row);
-      std::uint16_t* out = &volume[(k * n + j) * n];
-      for (std::size_t i = 0; i < n; ++i)
+      std::vector<float> row(n);
+      for (std::size_t j = 0; j < n; ++j)
       {
-        out[i] = static_cast<std::uint16_t>(
-          std::clamp(32768.0F + scale * row[i], 0.0F, 65535.0F));
+        FillRow(waves, side, static_cast<int>(j), static_cast<int>(k), row);
+        std::uint16_t* out = &volume[(k * n + j) * n];
+        for (std::size_t i = 0; i < n; ++i)
+        {
+          out[i] =
+            static_cast<std::uint16_t>(std::clamp(32768.0F + scale * row[i], 0.0F, 65535.0F));
+        }
       }
-    }
-  });
+    });
   return volume;
 }
 

@@ -77,8 +77,7 @@ Query Extract(const std::string& path, double isovalue, int threads)
   isosurface::ContourRequest request;
   request.Isovalues = { isovalue };
   request.GlobalIds = true;
-  auto surface =
-    isosurface::ExtractSurface((*volume)->GetHeader().Grid, source, request, threads);
+  auto surface = isosurface::ExtractSurface((*volume)->GetHeader().Grid, source, request, threads);
   query.Seconds = Now() - start;
   query.Statistics.Add(source.GetStatistics());
   query.Triangles = surface->NumberOfTriangles;

@@ -45,8 +45,8 @@ struct Measurement
 };
 
 /// The median time of the repeats; `prepare` is not timed.
-Measurement Measure(int repeats, const std::function<void()>& prepare,
-  const std::function<std::size_t()>& run)
+Measurement Measure(
+  int repeats, const std::function<void()>& prepare, const std::function<std::size_t()>& run)
 {
   std::vector<double> seconds;
   std::size_t triangles = 0;
@@ -65,8 +65,7 @@ Measurement Measure(int repeats, const std::function<void()>& prepare,
 void Print(const char* name, const Measurement& measurement, const Measurement& ours)
 {
   std::printf("  %-28s %9.4f s %12zu triangles %8.1f M/s   x %.2f\n", name, measurement.Seconds,
-    measurement.Triangles,
-    static_cast<double>(measurement.Triangles) / measurement.Seconds / 1e6,
+    measurement.Triangles, static_cast<double>(measurement.Triangles) / measurement.Seconds / 1e6,
     measurement.Seconds / ours.Seconds);
 }
 
@@ -80,8 +79,14 @@ Measurement MeasureStock(vtkImageData* image, double isovalue, int repeats, bool
   filter->SetComputeScalars(attributes);
   filter->SetValue(0, isovalue);
   return Measure(
-    repeats, [&] { filter->Modified(); filter->GetOutput()->Initialize(); },
-    [&] {
+    repeats,
+    [&]
+    {
+      filter->Modified();
+      filter->GetOutput()->Initialize();
+    },
+    [&]
+    {
       filter->Update();
       return static_cast<std::size_t>(filter->GetOutput()->GetNumberOfPolys());
     });
@@ -137,12 +142,16 @@ int main(int argc, char** argv)
     isosurface::ContourRequest request;
     request.Isovalues = { isovalue };
     request.Normals = attributes;
-    const Measurement kernel = Measure(repeats, [] {}, [&] {
-      isosurface::GridBlockSource source(view, *ranges, request.Isovalues);
-      return isosurface::ExtractSurface(grid, source, request, threads)->NumberOfTriangles;
-    });
+    const Measurement kernel = Measure(
+      repeats, [] {},
+      [&]
+      {
+        isosurface::GridBlockSource source(view, *ranges, request.Isovalues);
+        return isosurface::ExtractSurface(grid, source, request, threads)->NumberOfTriangles;
+      });
 
-    auto runFilter = [&](vtkStabbingContour* filter) {
+    auto runFilter = [&](vtkStabbingContour* filter)
+    {
       filter->SetInputData(image);
       filter->SetNumberOfThreads(threads);
       filter->SetComputeNormals(attributes);
@@ -154,12 +163,20 @@ int main(int argc, char** argv)
     vtkNew<vtkStabbingContour> kept;
     runFilter(kept);
     const Measurement filter = Measure(
-      repeats, [&] { kept->Modified(); kept->GetOutput()->Initialize(); },
+      repeats,
+      [&]
+      {
+        kept->Modified();
+        kept->GetOutput()->Initialize();
+      },
       [&] { return runFilter(kept); });
-    const Measurement first = Measure(repeats, [] {}, [&] {
-      vtkNew<vtkStabbingContour> fresh;
-      return runFilter(fresh);
-    });
+    const Measurement first = Measure(
+      repeats, [] {},
+      [&]
+      {
+        vtkNew<vtkStabbingContour> fresh;
+        return runFilter(fresh);
+      });
 
     Print("ours: kernel", kernel, filter);
     Print("ours: filter", filter, filter);

@@ -116,8 +116,7 @@ std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
   this->Controller->AllGatherV(mine.data(), all.data(), length, lengths.data(), offsets.data());
   for (int rank = 0; rank < ranks; ++rank)
   {
-    messages[rank].assign(
-      all.begin() + offsets[rank], all.begin() + offsets[rank] + lengths[rank]);
+    messages[rank].assign(all.begin() + offsets[rank], all.begin() + offsets[rank] + lengths[rank]);
   }
   return messages;
 }
@@ -149,16 +148,17 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
     }
   }
 
-  auto send = [&](int rank) {
+  auto send = [&](int rank)
+  {
     ForEachPart(outgoing[rank].data(), outgoing[rank].size(),
-      [&](const std::uint8_t* part, int size) {
-        this->Controller->Send(part, size, rank, ExchangeTag);
-      });
+      [&](const std::uint8_t* part, int size)
+      { this->Controller->Send(part, size, rank, ExchangeTag); });
   };
-  auto receive = [&](int rank) {
-    ForEachPart(incoming[rank].data(), incoming[rank].size(), [&](std::uint8_t* part, int size) {
-      this->Controller->Receive(part, size, rank, ExchangeTag);
-    });
+  auto receive = [&](int rank)
+  {
+    ForEachPart(incoming[rank].data(), incoming[rank].size(),
+      [&](std::uint8_t* part, int size)
+      { this->Controller->Receive(part, size, rank, ExchangeTag); });
   };
 
 #ifdef ISOSURFACE_HAS_MPI_CONTROLLER
@@ -169,7 +169,8 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
     {
       const int rank = (me + step) % ranks;
       ForEachPart(outgoing[rank].data(), outgoing[rank].size(),
-        [&](const std::uint8_t* part, int size) {
+        [&](const std::uint8_t* part, int size)
+        {
           requests.emplace_back();
           mpi->NoBlockSend(part, size, rank, ExchangeTag, requests.back());
         });

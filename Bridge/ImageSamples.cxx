@@ -4,8 +4,11 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkIntArray.h"
 #include "vtkMatrix3x3.h"
+#include "vtkNew.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -15,6 +18,8 @@ namespace isosurface
 {
 namespace
 {
+constexpr const char* WholeExtentName = "BlockedVolumeExtent";
+
 std::string NameOf(vtkDataArray* array)
 {
   return std::string("array \"") + (array->GetName() ? array->GetName() : "") + "\"";
@@ -88,6 +93,35 @@ GridGeometry MakeGridGeometry(vtkImageData* image, const int wholeExtent[6])
   image->GetSpacing(grid.Spacing.data());
   std::copy_n(image->GetDirectionMatrix()->GetData(), 9, grid.Direction.begin());
   return grid;
+}
+
+void StoreWholeExtent(vtkImageData* image, const int wholeExtent[6])
+{
+  vtkNew<vtkIntArray> array;
+  array->SetName(WholeExtentName);
+  array->SetNumberOfComponents(6);
+  array->InsertNextTypedTuple(wholeExtent);
+  image->GetFieldData()->AddArray(array);
+}
+
+bool FindWholeExtent(vtkImageData* image, int wholeExtent[6])
+{
+  auto* array = vtkIntArray::SafeDownCast(image->GetFieldData()->GetArray(WholeExtentName));
+  if (!array || array->GetNumberOfComponents() != 6 || array->GetNumberOfTuples() != 1)
+  {
+    return false;
+  }
+  array->GetTypedTuple(0, wholeExtent);
+  const int* extent = image->GetExtent();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    if (wholeExtent[2 * axis] > extent[2 * axis] ||
+      wholeExtent[2 * axis + 1] < extent[2 * axis + 1])
+    {
+      return false;
+    }
+  }
+  return true;
 }
 
 VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6])

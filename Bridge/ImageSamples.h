@@ -27,6 +27,13 @@ ISOSURFACEBRIDGE_EXPORT int GetVTKType(ValueType type);
 ISOSURFACEBRIDGE_EXPORT GridGeometry MakeGridGeometry(
   vtkImageData* image, const int wholeExtent[6]);
 
+/**
+ * Keeps, in an image's field data, the whole extent of the grid that it is a block of; filters hand
+ * field data on. FindWholeExtent gives it back, or false if there is none that holds the image.
+ */
+ISOSURFACEBRIDGE_EXPORT void StoreWholeExtent(vtkImageData* image, const int wholeExtent[6]);
+ISOSURFACEBRIDGE_EXPORT bool FindWholeExtent(vtkImageData* image, int wholeExtent[6]);
+
 /// The vertices of an extent, counted from the grid's first vertex.
 ISOSURFACEBRIDGE_EXPORT VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6]);
 

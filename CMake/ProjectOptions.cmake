@@ -10,6 +10,7 @@ option(ISOSURFACE_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
 set(ISOSURFACE_SANITIZERS "" CACHE STRING
   "Sanitizers to build with, as -fsanitize takes them (address,undefined or thread)")
 option(ISOSURFACE_CLANG_TIDY "Run clang-tidy beside the compiler" OFF)
+option(ISOSURFACE_FUZZING "Build Core and the fuzz targets for libFuzzer (clang)" OFF)
 
 target_compile_options(IsosurfaceOptions INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
@@ -18,6 +19,12 @@ target_compile_options(IsosurfaceOptions INTERFACE
 if(ISOSURFACE_WARNINGS_AS_ERRORS)
   target_compile_options(IsosurfaceOptions INTERFACE -Werror)
 endif()
+if(ISOSURFACE_FUZZING)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "ISOSURFACE_FUZZING needs clang, for its libFuzzer")
+  endif()
+  set(ISOSURFACE_SANITIZERS "fuzzer-no-link,address,undefined")
+endif()
 if(ISOSURFACE_SANITIZERS)
   target_compile_options(IsosurfaceOptions INTERFACE
     -fsanitize=${ISOSURFACE_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)
@@ -25,6 +32,9 @@ if(ISOSURFACE_SANITIZERS)
 endif()
 if(ISOSURFACE_CLANG_TIDY)
   find_program(ISOSURFACE_CLANG_TIDY_PROGRAM clang-tidy REQUIRED)
+  # Its own default may be an older standard than the compiler's, which CMake then does not name.
+  set(isosurface_clang_tidy
+    "${ISOSURFACE_CLANG_TIDY_PROGRAM};--quiet;--extra-arg-before=-std=c++17")
 endif()
 
 # One Core room: an object library whose sources are part of IsosurfaceCore.
@@ -37,8 +47,7 @@ function(isosurface_add_room name)
   target_compile_options(${name} PRIVATE -Wpedantic)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(ISOSURFACE_CLANG_TIDY)
-    set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY
-      "${ISOSURFACE_CLANG_TIDY_PROGRAM};--quiet")
+    set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY "${isosurface_clang_tidy}")
   endif()
   target_sources(IsosurfaceCore PRIVATE $<TARGET_OBJECTS:${name}>)
   target_link_libraries(IsosurfaceCore PRIVATE ${room_LINK})
@@ -47,4 +56,7 @@ endfunction()
 # A VTK module of this project: on top of Core, with the project's options.
 function(isosurface_configure_module module)
   vtk_module_link(${module} PUBLIC isosurface::Core PRIVATE IsosurfaceOptions)
+  if(ISOSURFACE_CLANG_TIDY)
+    vtk_module_set_properties(${module} CXX_CLANG_TIDY "${isosurface_clang_tidy}")
+  endif()
 endfunction()

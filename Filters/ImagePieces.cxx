@@ -91,10 +91,15 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
     }
     int extent[6];
     image->GetExtent(extent);
+    int whole[6];
+    bool hasWhole = FindWholeExtent(image, whole);
     if (image == input && inputInfo->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
     {
-      int whole[6];
       inputInfo->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+      hasWhole = true;
+    }
+    if (hasWhole)
+    {
       for (int axis = 0; axis < 3; ++axis)
       {
         extent[2 * axis] = std::min(extent[2 * axis], whole[2 * axis]);

@@ -31,7 +31,7 @@ struct ImagePiece
 
 /**
  * The images of all ranks, sorted out: images of equal origin, spacing and direction are pieces of
- * one grid, whose extent covers them all.
+ * one grid, whose extent covers them all, and the volume that they are blocks of (FindWholeExtent).
  */
 struct ImagePieces
 {

@@ -64,8 +64,8 @@ void FillScalars(const Surface& surface, const std::string& name, vtkPolyData* o
   for (const SurfacePart& part : surface.Parts)
   {
     auto* first = scalars->GetPointer(0) + part.FirstPoint;
-    std::fill(first, first + part.NumberOfPoints,
-      static_cast<typename ArrayT::ValueType>(part.Isovalue));
+    std::fill(
+      first, first + part.NumberOfPoints, static_cast<typename ArrayT::ValueType>(part.Isovalue));
   }
   output->GetPointData()->SetScalars(scalars);
 }
@@ -99,10 +99,9 @@ void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyDat
   output->GetPointData()->SetGlobalIds(ids);
   if (!scalarsName.empty())
   {
-    const bool exact =
-      std::all_of(surface.Parts.begin(), surface.Parts.end(), [](const SurfacePart& part) {
-        return static_cast<double>(static_cast<float>(part.Isovalue)) == part.Isovalue;
-      });
+    const bool exact = std::all_of(surface.Parts.begin(), surface.Parts.end(),
+      [](const SurfacePart& part)
+      { return static_cast<double>(static_cast<float>(part.Isovalue)) == part.Isovalue; });
     if (exact)
     {
       FillScalars<vtkFloatArray>(surface, scalarsName, output);
@@ -116,9 +115,10 @@ void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyDat
 
 void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
 {
-  auto add = [output](const char* name, auto value) {
-    using Array = std::conditional_t<std::is_floating_point_v<decltype(value)>, vtkDoubleArray,
-      vtkIdTypeArray>;
+  auto add = [output](const char* name, auto value)
+  {
+    using Array =
+      std::conditional_t<std::is_floating_point_v<decltype(value)>, vtkDoubleArray, vtkIdTypeArray>;
     vtkNew<Array> array;
     array->SetName(name);
     array->InsertNextValue(static_cast<typename Array::ValueType>(value));

@@ -89,8 +89,7 @@ struct vtkStabbingContour::Index
     {
       if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Box == samples.View.Box)
       {
-        entry = std::move(kept);
-        kept.Array = nullptr;
+        entry = std::exchange(kept, Entry());
         return true;
       }
     }
@@ -204,15 +203,19 @@ int vtkStabbingContour::RequestData(
   Status status = vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
     ? this->ExtractFromVolume(inInfo, outInfo, request, surface, arrayName, cost)
     : this->ExtractFromImages(input, request, surface, arrayName, cost);
-  const bool aborted = status.GetCode() == StatusCode::Aborted;
+  if (status.IsOk() && this->CheckAbort())
+  {
+    status = Status(StatusCode::Aborted, "The contour was stopped.");
+  }
   status = ranks.Agree(status);
+  if (status.GetCode() == StatusCode::Aborted)
+  {
+    return 1;
+  }
   if (!status.IsOk())
   {
-    if (!aborted)
-    {
-      vtkErrorMacro(<< status.GetMessage());
-    }
-    return aborted ? 1 : 0;
+    vtkErrorMacro(<< status.GetMessage());
+    return 0;
   }
 
   cost.Triangles = surface.NumberOfTriangles;

@@ -19,13 +19,14 @@
  * Point data: GlobalIds, the grid edge that a point lies on: 3 * vertex + axis +
  * n * 3 * numberOfVertices for the n-th isovalue, where vertex is the edge's low end, numbered over
  * the whole grid (x fastest) from 0. Equal ids, on whatever rank, mean bitwise equal points and
- * normals: merging by GlobalIds alone makes the surface watertight. Images of several different
- * grids in one composite have consecutive ranges of ids. With ComputeNormals, Normals; with
+ * normals: merging by GlobalIds alone makes the surface watertight. (Where images meet without a
+ * ghost layer, normals are of one side only, and differ.) Images of several different grids in one
+ * composite have consecutive ranges of ids. With ComputeNormals, Normals; with
  * ComputeScalars, the isovalue under the name of the contoured array.
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
- * BlocksRead, BytesRead, BlockCacheHits, Triangles, QuerySeconds, ReadSeconds, ExtractSeconds); also
- * a line in the log.
+ * BlocksRead, BytesRead, BlockCacheHits, Triangles, QuerySeconds, ReadSeconds, ExtractSeconds);
+ * also a line in the log.
  *
  * Every rank of the controller must execute together. Errors of any rank are reported by all.
  */
@@ -135,11 +136,11 @@ private:
   struct Index; ///< value ranges of the blocks of images, kept between isovalues
 
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
-    const isosurface::ContourRequest& request, isosurface::Surface& surface,
-    std::string& arrayName, isosurface::QueryCost& cost);
+    const isosurface::ContourRequest& request, isosurface::Surface& surface, std::string& arrayName,
+    isosurface::QueryCost& cost);
   isosurface::Status ExtractFromImages(vtkInformationVector** input,
-    const isosurface::ContourRequest& request, isosurface::Surface& surface,
-    std::string& arrayName, isosurface::QueryCost& cost);
+    const isosurface::ContourRequest& request, isosurface::Surface& surface, std::string& arrayName,
+    isosurface::QueryCost& cost);
   bool TellProgress(double share);
   std::string GetArrayToContour();
   int ChooseThreads();

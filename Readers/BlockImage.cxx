@@ -52,7 +52,8 @@ vtkSmartPointer<vtkUnsignedCharArray> MakeGhosts(
   auto ghosts = vtkSmartPointer<vtkUnsignedCharArray>::New();
   ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
   ghosts->SetNumberOfTuples(count[0] * count[1] * count[2]);
-  auto isOwn = [&](int axis, std::int64_t index) {
+  auto isOwn = [&](int axis, std::int64_t index)
+  {
     const std::int64_t vertex = available.Low[axis] + index;
     return flat[axis] || (vertex >= own.Low[axis] && vertex < own.High[axis] - layer);
   };
@@ -71,42 +72,100 @@ vtkSmartPointer<vtkUnsignedCharArray> MakeGhosts(
   return ghosts;
 }
 
+// An image of a level's vertices without arrays yet; it remembers the whole level's extent.
+vtkSmartPointer<vtkImageData> MakeLevelImage(
+  const BlockedVolume& volume, int level, const VertexBox& vertices)
+{
+  const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
+  vtkSmartPointer<vtkImageData> image = MakeImage(geometry, vertices);
+  int wholeExtent[6];
+  std::copy(geometry.Extent.begin(), geometry.Extent.end(), wholeExtent);
+  StoreWholeExtent(image, wholeExtent);
+  return image;
+}
+
+// Adds an array for the image's vertices, uninitialised; the first one becomes the active scalars.
+vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description)
+{
+  auto values = vtkSmartPointer<vtkDataArray>::Take(
+    vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
+  values->SetName(description.Name.c_str());
+  values->SetNumberOfTuples(image->GetNumberOfPoints());
+  image->GetPointData()->AddArray(values);
+  if (!image->GetPointData()->GetScalars())
+  {
+    image->GetPointData()->SetActiveScalars(description.Name.c_str());
+  }
+  return values;
+}
+
+void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox& own)
+{
+  image->GetPointData()->AddArray(
+    MakeGhosts(available, own, 0, vtkDataSetAttributes::DUPLICATEPOINT));
+  image->GetCellData()->AddArray(
+    MakeGhosts(available, own, 1, vtkDataSetAttributes::DUPLICATECELL));
+}
+
 } // namespace
 
 Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
   int level, QueryStatistics& statistics)
 {
-  const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
   const VertexBox available = volume.GetBlockGrid().GetGhostedVertices(block.Block, level);
-  const VertexBox own = volume.GetBlockGrid().GetVertices(block.Block, level);
-  vtkSmartPointer<vtkImageData> image = MakeImage(geometry, available);
-
+  vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
   for (const std::size_t array : arrays)
   {
-    Result<std::shared_ptr<const DecodedBlock>> decoded =
+    const Result<std::shared_ptr<const DecodedBlock>> decoded =
       volume.ReadBlock(block, timeStep, array, level, statistics);
     if (!decoded.IsOk())
     {
       return decoded.GetStatus();
     }
     const ArrayDescription& description = volume.GetHeader().Arrays[array];
-    auto values =
-      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
-    values->SetName(description.Name.c_str());
-    values->SetNumberOfTuples(image->GetNumberOfPoints());
-    std::memcpy(values->GetVoidPointer(0), (*decoded)->View.First,
+    std::memcpy(AddArray(image, description)->GetVoidPointer(0), (*decoded)->View.First,
       static_cast<std::size_t>(available.GetNumberOfVertices()) * GetValueSize(description.Type));
-    image->GetPointData()->AddArray(values);
-    if (!image->GetPointData()->GetScalars())
+  }
+  AddGhosts(image, available, volume.GetBlockGrid().GetVertices(block.Block, level));
+  return image;
+}
+
+Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
+  std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
+  QueryStatistics& statistics, const Progress& progress)
+{
+  const BlockGrid& grid = volume.GetBlockGrid();
+  Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  const auto isOutside = [&](const BlockReference& block)
+  { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };
+  blocks->erase(std::remove_if(blocks->begin(), blocks->end(), isOutside), blocks->end());
+
+  const VertexBox available = box.GetGhostedVertices(grid, level);
+  vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
+  for (std::size_t index = 0; index < arrays.size(); ++index)
+  {
+    const auto partProgress = [&](double share)
+    { return progress((static_cast<double>(index) + share) / static_cast<double>(arrays.size())); };
+    const ArrayDescription& description = volume.GetHeader().Arrays[arrays[index]];
+    vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
+    const Status status = AssembleBlocks(volume, timeStep, arrays[index], level, box, *blocks,
+      threads, values->GetVoidPointer(0), statistics, partProgress);
+    if (!status.IsOk())
     {
-      image->GetPointData()->SetActiveScalars(description.Name.c_str());
+      return status;
     }
   }
-  image->GetPointData()->AddArray(
-    MakeGhosts(available, own, 0, vtkDataSetAttributes::DUPLICATEPOINT));
-  image->GetCellData()->AddArray(
-    MakeGhosts(available, own, 1, vtkDataSetAttributes::DUPLICATECELL));
+  // One piece alone has no neighbours, hence no ghosts.
+  const VertexBox own = box.GetVertices(grid, level);
+  if (!(own == available))
+  {
+    AddGhosts(image, available, own);
+  }
   return image;
 }
 
@@ -140,14 +199,16 @@ vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::siz
       vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
     values->SetName(description.Name.c_str());
     values->SetNumberOfTuples(image->GetNumberOfPoints());
-    DispatchValueType(description.Type, [&](auto zero) {
-      using Value = decltype(zero);
-      auto* samples = static_cast<Value*>(values->GetVoidPointer(0));
-      const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
-      const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
-      std::fill_n(samples, image->GetNumberOfPoints(), greatest);
-      samples[0] = least;
-    });
+    DispatchValueType(description.Type,
+      [&](auto zero)
+      {
+        using Value = decltype(zero);
+        auto* samples = static_cast<Value*>(values->GetVoidPointer(0));
+        const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
+        const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
+        std::fill_n(samples, image->GetNumberOfPoints(), greatest);
+        samples[0] = least;
+      });
     image->GetPointData()->AddArray(values);
   }
   if (!header.Arrays.empty())

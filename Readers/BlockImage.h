@@ -4,7 +4,9 @@
 
 #include "vtkSmartPointer.h"
 
+#include "Base/Progress.h"
 #include "Base/Status.h"
+#include "Store/BlockAssembly.h"
 #include "Store/BlockedVolume.h"
 
 #include <cstddef>
@@ -18,12 +20,21 @@ namespace isosurface
 /**
  * A block of a blocked volume as a vtkImageData of its own: the given arrays at a level, with the
  * ghost layer of vertices and cells marked in vtkGhostType. Extent, origin, spacing and direction
- * are those of the level's grid (GridGeometry::Coarsen), so that blocks fit together. May be called
- * from any thread.
+ * are those of the level's grid (GridGeometry::Coarsen), so that blocks fit together; its whole
+ * extent is in the field data (StoreWholeExtent). May be called from any thread.
  */
 Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
   int level, QueryStatistics& statistics);
+
+/**
+ * A box of blocks of a blocked volume as one vtkImageData, whatever stores the blocks are in, as
+ * ReadBlockImage makes it; without vtkGhostType where there are no ghosts. Reads the directories of
+ * all stores and every block of the box once, on `threads` threads.
+ */
+Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
+  std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
+  QueryStatistics& statistics, const Progress& progress);
 
 /**
  * The box of the whole volume as an image of 2 vertices an axis (1 where the volume has 1), with

@@ -218,8 +218,8 @@ int vtkBlockedVolumeReader::RequestInformation(
   if (!times.empty())
   {
     const double range[2] = { times.front(), times.back() };
-    outInfo->Set(vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(),
-      static_cast<int>(times.size()));
+    outInfo->Set(
+      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(), static_cast<int>(times.size()));
     outInfo->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
   }
   return 1;
@@ -245,17 +245,23 @@ int vtkBlockedVolumeReader::RequestData(
     return 0;
   }
   const int ranksOnNode = ranks.GetRanksOnNode();
-  status = this->ReadBlocks(output->GetInformationObject(0),
-    isosurface::ChooseThreadCount(ranksOnNode), partitions);
-  const bool aborted = status.GetCode() == StatusCode::Aborted;
+  status = this->ReadBlocks(
+    output->GetInformationObject(0), isosurface::ChooseThreadCount(ranksOnNode), partitions);
+  // Progress is told by one of the threads: a stop may have come when others did the last blocks.
+  if (status.IsOk() && this->CheckAbort())
+  {
+    status = Status(StatusCode::Aborted, "reading was stopped");
+  }
   status = ranks.Agree(status);
+  if (status.GetCode() == StatusCode::Aborted)
+  {
+    partitions->Initialize();
+    return 1;
+  }
   if (!status.IsOk())
   {
     partitions->Initialize();
-    if (!aborted)
-    {
-      vtkErrorMacro(<< status.GetMessage());
-    }
+    vtkErrorMacro(<< status.GetMessage());
     return 0;
   }
   return 1;
@@ -299,56 +305,99 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     return Status::Ok();
   }
 
-  // Which blocks, at which level.
   isosurface::QueryStatistics statistics;
-  std::vector<isosurface::BlockReference> blocks;
-  const auto asked =
-    request ? header.FindArray(request->GetArrayName()) : std::optional<std::size_t>();
-  if (asked && !request->GetIsovalues().empty())
+  const auto asked = request && !request->GetIsovalues().empty()
+    ? header.FindArray(request->GetArrayName())
+    : std::optional<std::size_t>();
+  if (asked)
   {
-    this->Level = 0;
+    if (std::find(arrays.begin(), arrays.end(), *asked) == arrays.end())
+    {
+      arrays.push_back(*asked);
+    }
     auto active =
       volume.FindActiveBlocks(step, *asked, request->GetIsovalues(), piece, pieces, statistics);
     if (!active.IsOk())
     {
       return active.GetStatus();
     }
-    blocks = std::move(*active);
-    if (std::find(arrays.begin(), arrays.end(), *asked) == arrays.end())
-    {
-      arrays.push_back(*asked);
-    }
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->ReadActiveBlocks(*active, step, arrays, threads, partitions, statistics));
   }
   else
   {
-    const int level = ChooseLevel(volume, arrays, pieces, this->MemoryLimit * Mebibyte);
-    if (level < 0)
-    {
-      vtkWarningMacro(<< this->FileName << ": not even the coarsest level fits the memory limit of "
-                      << this->MemoryLimit << " MiB: the output is empty.");
-      return Status::Ok();
-    }
-    this->Level = level;
-    auto share = volume.GetShare(step, piece, pieces, statistics);
-    if (!share.IsOk())
-    {
-      return share.GetStatus();
-    }
-    blocks = std::move(*share);
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->ReadSlab(piece, pieces, step, arrays, threads, partitions, statistics));
   }
+  vtkLogF(INFO,
+    "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
+    "%llu tree pages read, query %.4f s, read %.4f s",
+    this->FileName, piece, pieces, this->Level,
+    static_cast<unsigned long long>(statistics.BlocksRead),
+    static_cast<unsigned long long>(statistics.BlockCacheHits),
+    static_cast<unsigned long long>(statistics.BytesRead),
+    static_cast<unsigned long long>(statistics.TreePagesRead), statistics.QuerySeconds,
+    statistics.ReadSeconds);
+  return Status::Ok();
+}
 
-  // Read and decode them on all threads, each into its own image.
-  partitions->SetNumberOfPartitions(static_cast<unsigned int>(blocks.size()));
+//------------------------------------------------------------------------------
+bool vtkBlockedVolumeReader::TellProgress(double share)
+{
+  this->UpdateProgress(share);
+  return !this->CheckAbort();
+}
+
+//------------------------------------------------------------------------------
+isosurface::Status vtkBlockedVolumeReader::ReadSlab(int piece, int pieces, std::size_t step,
+  const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
+  isosurface::QueryStatistics& statistics)
+{
+  isosurface::BlockedVolume& volume = *this->Handle->GetVolume();
+  const int level = ChooseLevel(volume, arrays, pieces, this->MemoryLimit * Mebibyte);
+  if (level < 0)
+  {
+    vtkWarningMacro(<< this->FileName << ": not even the coarsest level fits the memory limit of "
+                    << this->MemoryLimit << " MiB: the output is empty.");
+    return Status::Ok();
+  }
+  this->Level = level;
+  const isosurface::BlockBox slab =
+    isosurface::PartitionBlocks(volume.GetBlockGrid(), piece, pieces);
+  if (slab.IsEmpty())
+  {
+    return Status::Ok();
+  }
+  const auto image = isosurface::ReadSlabImage(volume, slab, step, arrays, level, threads,
+    statistics, [this](double share) { return this->TellProgress(share); });
+  if (!image.IsOk())
+  {
+    return image.GetStatus();
+  }
+  partitions->SetNumberOfPartitions(1);
+  partitions->SetPartition(0, *image);
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+isosurface::Status vtkBlockedVolumeReader::ReadActiveBlocks(
+  const std::vector<isosurface::BlockReference>& blocks, std::size_t step,
+  const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
+  isosurface::QueryStatistics& statistics)
+{
+  isosurface::BlockedVolume& volume = *this->Handle->GetVolume();
+  this->Level = 0;
   std::vector<vtkSmartPointer<vtkImageData>> images(blocks.size());
   std::vector<isosurface::QueryStatistics> costs(static_cast<std::size_t>(threads));
   std::vector<Status> failures(static_cast<std::size_t>(threads));
   const bool finished = isosurface::ParallelFor(
     blocks.size(), threads,
-    [&](std::size_t index, int thread) {
+    [&](std::size_t index, int thread)
+    {
       if (failures[thread].IsOk())
       {
-        auto image = isosurface::ReadBlockImage(
-          volume, blocks[index], step, arrays, this->Level, costs[thread]);
+        auto image =
+          isosurface::ReadBlockImage(volume, blocks[index], step, arrays, 0, costs[thread]);
         if (image.IsOk())
         {
           images[index] = *image;
@@ -359,10 +408,11 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
         }
       }
     },
-    [this](double share) {
-      this->UpdateProgress(share);
-      return this->GetAbortExecute() == 0;
-    });
+    [this](double share) { return this->TellProgress(share); });
+  for (const isosurface::QueryStatistics& cost : costs)
+  {
+    statistics.Add(cost);
+  }
   for (const Status& failure : failures)
   {
     ISOSURFACE_RETURN_IF_ERROR(failure);
@@ -371,24 +421,11 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
   {
     return Status(StatusCode::Aborted, "reading was stopped");
   }
+  partitions->SetNumberOfPartitions(static_cast<unsigned int>(images.size()));
   for (std::size_t index = 0; index < images.size(); ++index)
   {
     partitions->SetPartition(static_cast<unsigned int>(index), images[index]);
   }
-
-  for (const isosurface::QueryStatistics& cost : costs)
-  {
-    statistics.Add(cost);
-  }
-  vtkLogF(INFO,
-    "%s: piece %d of %d: level %d: %zu blocks (%llu read, %llu from the cache), %llu bytes read, "
-    "%llu tree pages read, query %.4f s, read %.4f s",
-    this->FileName, piece, pieces, this->Level, blocks.size(),
-    static_cast<unsigned long long>(statistics.BlocksRead),
-    static_cast<unsigned long long>(statistics.BlockCacheHits),
-    static_cast<unsigned long long>(statistics.BytesRead),
-    static_cast<unsigned long long>(statistics.TreePagesRead), statistics.QuerySeconds,
-    statistics.ReadSeconds);
   return Status::Ok();
 }
 

@@ -4,13 +4,14 @@
  * @class   vtkBlockedVolumeReader
  * @brief   reads blocked volumes (.bvol): only the blocks that a consumer needs
  *
- * The output is a vtkPartitionedDataSet of vtkImageData, one a block, each with a layer of ghost
- * vertices and cells marked by vtkGhostType. Any number of pieces (ranks) reads any number of
- * stores: each piece takes whole stores, or pieces share the blocks of one.
- *
- * What it holds depends on what is asked for upstream:
- * - STABBING_REQUEST() with isovalues: the blocks that they cross, at full resolution;
- * - else all blocks at the finest level that fits MemoryLimit.
+ * The output is a vtkPartitionedDataSet of vtkImageData. What it holds depends on what is asked for
+ * upstream:
+ * - STABBING_REQUEST() with isovalues: the blocks that they cross, at full resolution, each an image
+ *   of its own. Any number of pieces (ranks) reads any number of stores: each piece takes whole
+ *   stores, or pieces share the blocks of one.
+ * - else the whole volume, at the finest level of detail that fits MemoryLimit: one image a piece,
+ *   a slab of blocks from whatever stores they are in.
+ * A layer of ghost vertices and cells around blocks and slabs is marked by vtkGhostType.
  *
  * A consumer that finds BLOCKED_VOLUME() in its input's information can do without the output and
  * take blocks straight from the volume, as vtkStabbingContour does. It says so by a request with
@@ -29,10 +30,13 @@
 #include "vtkSmartPointer.h" // For the handle
 
 #include <string> // For the file name
+#include <vector> // For lists of blocks
 
 namespace isosurface
 {
 class Status;
+struct BlockReference;
+struct QueryStatistics;
 }
 
 class vtkBlockedVolumeHandle;
@@ -129,6 +133,13 @@ private:
   bool OpenVolume();
   isosurface::Status ReadBlocks(
     vtkInformation* outInfo, int threads, vtkPartitionedDataSet* partitions);
+  isosurface::Status ReadSlab(int piece, int pieces, std::size_t step,
+    const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
+    isosurface::QueryStatistics& statistics);
+  isosurface::Status ReadActiveBlocks(const std::vector<isosurface::BlockReference>& blocks,
+    std::size_t step, const std::vector<std::size_t>& arrays, int threads,
+    vtkPartitionedDataSet* partitions, isosurface::QueryStatistics& statistics);
+  bool TellProgress(double share);
 
   char* FileName;
   int MemoryLimit;

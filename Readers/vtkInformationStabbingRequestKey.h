@@ -21,8 +21,7 @@
 
 class vtkStabbingRequest;
 
-class ISOSURFACEREADERS_EXPORT vtkInformationStabbingRequestKey
-  : public vtkInformationObjectBaseKey
+class ISOSURFACEREADERS_EXPORT vtkInformationStabbingRequestKey : public vtkInformationObjectBaseKey
 {
 public:
   vtkTypeMacro(vtkInformationStabbingRequestKey, vtkInformationObjectBaseKey);

@@ -55,8 +55,7 @@ Status CollectArrays(vtkImageData* image, LocalVolume& local)
   for (int index = 0; index < points->GetNumberOfArrays(); ++index)
   {
     vtkDataArray* array = points->GetArray(index);
-    if (array && array != points->GetScalars() &&
-      array != image->GetPointGhostArray())
+    if (array && array != points->GetScalars() && array != image->GetPointGhostArray())
     {
       arrays.push_back(array);
     }
@@ -84,8 +83,8 @@ Status CollectArrays(vtkImageData* image, LocalVolume& local)
   }
   if (local.Arrays.empty())
   {
-    return Status(
-      StatusCode::InvalidArgument, "the input has no numeric point array of one component to write");
+    return Status(StatusCode::InvalidArgument,
+      "the input has no numeric point array of one component to write");
   }
   return Status::Ok();
 }
@@ -93,10 +92,8 @@ Status CollectArrays(vtkImageData* image, LocalVolume& local)
 Message Describe(const LocalVolume& local)
 {
   std::string text;
-  auto add = [&text](const auto& values) {
-    text.append(
-      reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
-  };
+  auto add = [&text](const auto& values)
+  { text.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])); };
   add(local.Grid.Extent);
   add(local.Grid.Origin);
   add(local.Grid.Spacing);
@@ -135,7 +132,8 @@ Status AgreeOnVolume(isosurface::Communicator& ranks, LocalVolume& local)
   {
     const char* from = reinterpret_cast<const char*>(first->data());
     const char* end = from + first->size();
-    auto take = [&from](auto& values) {
+    auto take = [&from](auto& values)
+    {
       const std::size_t bytes = values.size() * sizeof(values[0]);
       std::copy(from, from + bytes, reinterpret_cast<char*>(values.data()));
       from += bytes;
@@ -265,9 +263,11 @@ void vtkBlockedVolumeWriter::WriteData()
       settings.Time = local.Time[1];
     }
     auto written = isosurface::BlockedVolumeWriter(ranks).Write(this->FileName, local.Grid,
-      local.Arrays, local.Piece, settings, [this](double share) {
+      local.Arrays, local.Piece, settings,
+      [this](double share)
+      {
         this->UpdateProgress(share);
-        return this->GetAbortExecute() == 0;
+        return !this->CheckAbort();
       });
     status = written.GetStatus();
     if (written.IsOk() && ranks.GetRank() == 0)
@@ -279,9 +279,8 @@ void vtkBlockedVolumeWriter::WriteData()
   }
   if (!status.IsOk())
   {
-    this->SetErrorCode(status.GetCode() == StatusCode::IoError
-        ? vtkErrorCode::OutOfDiskSpaceError
-        : vtkErrorCode::UnknownError);
+    this->SetErrorCode(status.GetCode() == StatusCode::IoError ? vtkErrorCode::OutOfDiskSpaceError
+                                                               : vtkErrorCode::UnknownError);
     if (status.GetCode() != StatusCode::Aborted)
     {
       vtkErrorMacro(<< status.GetMessage());

@@ -96,8 +96,8 @@ protected:
   ~vtkBlockedVolumeWriter() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  vtkTypeBool ProcessRequest(vtkInformation* request, vtkInformationVector** input,
-    vtkInformationVector* output) override;
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   void WriteData() override;
 
 private:

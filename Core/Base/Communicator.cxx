@@ -37,9 +37,11 @@ Status Communicator::Agree(const Status& mine)
   {
     if (!messages[rank].empty())
     {
-      return Status(StatusCode::RemoteFailure,
-        "rank " + std::to_string(rank) + " failed: " +
-          std::string(messages[rank].begin() + 1, messages[rank].end()));
+      const std::string reason(messages[rank].begin() + 1, messages[rank].end());
+      // A stop that the user asked one rank for is no failure of the others.
+      return static_cast<StatusCode>(messages[rank][0]) == StatusCode::Aborted
+        ? Status(StatusCode::Aborted, reason)
+        : Status(StatusCode::RemoteFailure, "rank " + std::to_string(rank) + " failed: " + reason);
     }
   }
   return mine;

@@ -41,8 +41,9 @@ public:
 
   /**
    * Makes one outcome of all ranks' outcomes: Ok if all are Ok; else the own error where there is
-   * one, and RemoteFailure with the first failing rank's message elsewhere. Called before any
-   * collective that a failed rank could not enter, so that no rank is left waiting.
+   * one, and RemoteFailure with the first failing rank's message elsewhere; Aborted if that rank
+   * was stopped. Called before any collective that a failed rank could not enter, so that no rank
+   * is left waiting.
    */
   Status Agree(const Status& mine);
 };

@@ -162,8 +162,8 @@ public:
       ::close(descriptor);
       return MakeSystemError(path, "open", error);
     }
-    return std::unique_ptr<RandomAccessFile>(new LocalRandomAccessFile(
-      path, descriptor, static_cast<std::uint64_t>(information.st_size)));
+    return std::unique_ptr<RandomAccessFile>(
+      new LocalRandomAccessFile(path, descriptor, static_cast<std::uint64_t>(information.st_size)));
   }
 
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override

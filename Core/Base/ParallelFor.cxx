@@ -17,8 +17,8 @@ int ChooseThreadCount(int processesOnNode)
   return std::max(1, cores / std::max(1, processesOnNode));
 }
 
-bool ParallelFor(std::size_t count, int threads,
-  const std::function<void(std::size_t, int)>& body, const Progress& progress)
+bool ParallelFor(std::size_t count, int threads, const std::function<void(std::size_t, int)>& body,
+  const Progress& progress)
 {
   std::atomic<std::size_t> next{ 0 };
   std::atomic<bool> stopped{ false };
@@ -27,7 +27,8 @@ bool ParallelFor(std::size_t count, int threads,
 
   // Progress is told from the caller's thread alone, at most a hundred times.
   const std::size_t step = std::max<std::size_t>(1, count / 100);
-  auto work = [&](int thread) {
+  auto work = [&](int thread)
+  {
     std::size_t told = 0;
     try
     {
@@ -52,7 +53,8 @@ bool ParallelFor(std::size_t count, int threads,
     }
   };
 
-  const std::size_t useful = std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));
+  const std::size_t useful =
+    std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));
   std::vector<std::thread> helpers;
   for (std::size_t thread = 1; thread < useful; ++thread)
   {

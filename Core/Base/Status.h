@@ -20,6 +20,7 @@ enum class StatusCode : std::uint8_t
   IoError,         ///< the operating system refused (disk full, permission, ...)
   Corrupt,         ///< bytes that are not what was written: truncated, altered, inconsistent
   Unsupported,     ///< a newer format version, an unknown codec or value type
+  OutOfMemory,     ///< what was asked for does not fit
   Aborted,         ///< the user asked to stop
   RemoteFailure    ///< another rank failed; its own message is told by that rank
 };
@@ -81,14 +82,14 @@ private:
 } // namespace isosurface
 
 /// Returns from the enclosing function with the error that `expression` gives, if any.
-#define ISOSURFACE_RETURN_IF_ERROR(expression)                                                     \
-  do                                                                                               \
-  {                                                                                                \
-    ::isosurface::Status isosurfaceStatus = (expression);                                          \
-    if (!isosurfaceStatus.IsOk())                                                                  \
-    {                                                                                              \
-      return isosurfaceStatus;                                                                     \
-    }                                                                                              \
+#define ISOSURFACE_RETURN_IF_ERROR(expression)            \
+  do                                                      \
+  {                                                       \
+    ::isosurface::Status isosurfaceStatus = (expression); \
+    if (!isosurfaceStatus.IsOk())                         \
+    {                                                     \
+      return isosurfaceStatus;                            \
+    }                                                     \
   } while (false)
 
 #endif

@@ -133,8 +133,9 @@ inline Word CountCorners(Word row00, Word row10, Word row01, Word row11, Word ce
     const Word crossed = from ^ to;
     return CountBits(crossed & cells) + CountBits(crossed >> 1 & cells);
   };
-  return static_cast<Word>(alongX(row00) + alongX(row10) + alongX(row01) + alongX(row11) +
-    across(row00, row10) + across(row01, row11) + across(row00, row01) + across(row10, row11));
+  const int count = alongX(row00) + alongX(row10) + alongX(row01) + alongX(row11) +
+    across(row00, row10) + across(row01, row11) + across(row00, row01) + across(row10, row11);
+  return static_cast<Word>(count);
 }
 
 BrickCounts NumberRows(const int size[3], const Word* inside, const BrickOwnership& ownership,

@@ -48,10 +48,13 @@ struct BrickNeighborhood
 
   std::array<std::size_t, 27> Bricks; ///< at (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1), or NoBrick
 
-  std::size_t Get(const Step& step) const
+  /// Where a step stands in Bricks.
+  static std::size_t GetIndex(const Step& step)
   {
-    return this->Bricks[static_cast<std::size_t>(step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1))];
+    const int index = step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1);
+    return static_cast<std::size_t>(index);
   }
+  std::size_t Get(const Step& step) const { return this->Bricks[GetIndex(step)]; }
 
   /// The owner of edges along `axis` at the places (0 near face, 1 between, 2 far face) on the two
   /// axes across, lower axis first.

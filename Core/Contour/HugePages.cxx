@@ -14,12 +14,13 @@ void AdviseHugePages(void* memory, std::size_t size)
 {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
   constexpr std::uintptr_t page = std::uintptr_t(2) << 20;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
-  const auto end = (reinterpret_cast<std::uintptr_t>(memory) + size) / page * page;
+  const auto address = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t begin = (address + page - 1) / page * page;
+  const std::uintptr_t end = (address + size) / page * page;
   if (memory && begin < end)
   {
     // Advice may be refused; the memory is as good without it.
-    (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+    (void)madvise(static_cast<char*>(memory) + (begin - address), end - begin, MADV_HUGEPAGE);
   }
 #else
   (void)memory;

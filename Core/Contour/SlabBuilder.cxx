@@ -58,8 +58,7 @@ SlabBuilder::SlabBuilder(
 
 const NumberedRows& SlabBuilder::GetRows(const BrickNeighborhood::Step& step)
 {
-  NumberedRows& rows =
-    this->Neighbors[static_cast<std::size_t>(step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1))];
+  NumberedRows& rows = this->Neighbors[BrickNeighborhood::GetIndex(step)];
   if (!rows.Ownership)
   {
     const std::size_t brick = this->Neighborhood.Get(step);

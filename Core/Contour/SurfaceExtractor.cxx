@@ -6,6 +6,7 @@
 #include "Contour/SurfaceAssembler.h"
 
 #include <chrono>
+#include <new>
 #include <utility>
 
 namespace isosurface
@@ -44,9 +45,7 @@ Status CheckRequest(const GridGeometry& geometry, const ContourRequest& request)
   return Status::Ok();
 }
 
-} // namespace
-
-Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source,
+Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& source,
   const ContourRequest& request, int threads, const Progress& progress)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -82,6 +81,21 @@ Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source
   surface.TotalSeconds =
     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return surface;
+}
+
+} // namespace
+
+Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source,
+  const ContourRequest& request, int threads, const Progress& progress)
+{
+  try
+  {
+    return ExtractWithinMemory(geometry, source, request, threads, progress);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return Status(StatusCode::OutOfMemory, "There is not enough memory for the isosurface.");
+  }
 }
 
 } // namespace isosurface

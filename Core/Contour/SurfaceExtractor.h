@@ -29,7 +29,8 @@ namespace isosurface
  *
  * Errors: InvalidArgument (blocks that do not fit each other or the grid, samples that do not
  * cover what is needed: with Normals, one layer more than the block on every side where the grid
- * has one); whatever Acquire returns first; Aborted.
+ * has one); whatever Acquire returns first; OutOfMemory;
+ * Aborted.
  * Cost: every block is acquired once, from any of `threads` threads, and released before the next
  * one of that thread. Memory beside the result: about 13 KB per 32^3 active cells and isovalue, and
  * per point 4 bytes, 12 with normals, and the attributes.

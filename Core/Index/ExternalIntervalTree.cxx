@@ -12,7 +12,8 @@ namespace isosurface
 /**
  * One query on its way through the tree. It goes on a stack instead of recursion. That it ends,
  * even on pages made to prevent it: a node refers to pages before it only; nodes visited, pages
- * read and intervals reported are limited by what a whole tree of this size could ask for.
+ * read, records looked at and intervals reported are limited by what a whole tree of this size
+ * could ask for.
  */
 class ExternalIntervalTree::Query
 {
@@ -27,6 +28,7 @@ public:
     , Visit(visit)
     , Statistics(statistics)
     , VisitsLeft(64 + 16 * tree.GetPageCount())
+    , RecordsLeft(tree.GetPageCount() * RecordsPerPage)
     , ReportsLeft(tree.GetCount())
   {
   }
@@ -185,6 +187,11 @@ private:
   {
     const std::uint64_t position = std::uint64_t(list.Record) + index;
     const std::uint64_t number = list.Page + position / this->RecordsPerPage;
+    if (this->RecordsLeft == 0)
+    {
+      return this->File.MakeCorrupt(number, "the tree leads to more intervals than its pages hold");
+    }
+    --this->RecordsLeft;
     if (!this->RecordPage || number != this->RecordPageNumber)
     {
       auto page = this->ReadPage(number);
@@ -238,6 +245,7 @@ private:
   const Visitor& Visit;
   PageStatistics& Statistics;
   std::uint64_t VisitsLeft;
+  std::uint64_t RecordsLeft; // no two lists of a tree share records
   std::uint64_t ReportsLeft;
   std::vector<IntervalSubtree> Nodes; // to be visited
   Page RecordPage;                    // the last one read

@@ -24,7 +24,7 @@ namespace isosurface
  * a page, fan-out s = 2 floor(sqrt(B)):
  * - FindStabbed:     at most 1 + 4 h + 2 T/B page reads, h = ceil(log_s(N/B)), so at most
  *                    7 log_B max(N, B) + 2 T/B; at most h + 1 if T = 0;
- * - FindOverlapping: at most 2 + 9 h + 6 T/B, so at most 15 log_B max(N, B) + 6 T/B;
+ * - FindOverlapping: at most 1 + 13 h + 6 T/B (at most 2 + 9 h + 6 T/B measured);
  * - the file:        at most 16 N/B + 2 pages for any intervals (at most 5.4 N/B measured).
  * A query keeps one record page and the nodes of its path in memory, besides the cache.
  *

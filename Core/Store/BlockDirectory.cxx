@@ -109,7 +109,8 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
     return pages.MakeCorrupt(0, "its numbers of blocks and segments are not those of the header");
   }
   const std::size_t perPage = pages.GetPayloadSize() / GetEntrySize(segments);
-  if (perPage == 0 || pages.GetPageCount() != 1 + (entries + perPage - 1) / perPage)
+  if (perPage == 0 ||
+    pages.GetPageCount() - 1 != entries / perPage + (entries % perPage != 0 ? 1 : 0))
   {
     return pages.MakeCorrupt(0, "its number of pages does not fit its number of blocks");
   }

@@ -29,18 +29,19 @@ struct BlockDirectoryEntry
   std::uint64_t FindSegment(std::size_t segment) const;
 };
 
+// clang-format off
 /**
  * The file `directory` of a store: one entry a block, in the order of their ordinals, in a paged
  * file (PagedFile.h) of kind "BLOCKDIR". Entries do not cross pages:
  *
- *     page 0, client area                   page p: entries (p - 1) * n, ... of floor(payload /
- * size)
+ *     page 0, client area                   page p: entries (p - 1) * n, ..., n = floor(payload / size)
  *     +----+-----------------------------+ +----+-------------------------------------------------+
  *     |  0 | number of entries  (uint64) |  |  0 | block index                       (uint64)     |
  *     |  8 | segments an entry  (uint32) |  |  8 | offset of the record in `blocks`  (uint64)     |
  *     | 12 | zeros                       |  | 16 | bytes stored, of each segment     (uint32 each)|
  *     +----+-----------------------------+ +----+-------------------------------------------------+
  */
+// clang-format on
 class BlockDirectory
 {
 public:

@@ -233,7 +233,7 @@ void BlockExchange::FillFromSource(
 Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
   std::atomic<std::uint64_t>& count) const
 {
-  const Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
+  Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
   const std::uint8_t* from = message.data();
   const std::uint8_t* end = from + message.size();
   std::uint64_t filled = 0;

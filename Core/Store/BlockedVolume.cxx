@@ -6,6 +6,7 @@
 #include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iterator>
@@ -307,18 +308,21 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
 
 std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const
 {
-  // The volume of a sum of boxes is the product of the sums over the axes.
+  // The volume of a sum of boxes is the product of the sums over the axes. On an axis all blocks
+  // are alike but for the first one and the last two: a header may promise billions of them.
   std::uint64_t samples = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
+    const std::int64_t blocks = this->Grid.GetNumberOfBlocksPerAxis()[axis];
+    const std::int64_t alike = std::max<std::int64_t>(1, blocks - 3);
     std::uint64_t sum = 0;
-    for (std::int64_t index = 0; index < this->Grid.GetNumberOfBlocksPerAxis()[axis]; ++index)
+    for (std::int64_t index = 0; index < blocks; index += index == 1 ? alike : 1)
     {
       Index3 coordinates = { 0, 0, 0 };
       coordinates[axis] = index;
       const VertexBox box =
         this->Grid.GetGhostedVertices(this->Grid.GetBlockIndex(coordinates), level);
-      sum += static_cast<std::uint64_t>(box.GetSize()[axis]);
+      sum += static_cast<std::uint64_t>(box.GetSize()[axis] * (index == 1 ? alike : 1));
     }
     samples *= sum;
   }

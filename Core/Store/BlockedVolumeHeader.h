@@ -40,24 +40,28 @@ struct TimeStepDescription
   std::vector<StoreDescription> Stores;
 };
 
+// clang-format off
 /**
  * What the file NAME.bvol says: everything about a blocked volume but its samples and indices.
  *
  * The file is one JSON object:
  *
  *   { "format": "ScalableIsosurface blocked volume", "formatVersion": 1,
- *     "grid": { "extent": [6 integers], "origin": [3], "spacing": [3], "direction": [9, row-major]
- * }, "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": log2(blockSize) + 1, "stores":
- * D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer }, "compression":
- * "none", "arrays": [ { "name": string, "type": "uint8" | ..., "components": 1 }, ... ],
+ *     "grid": { "extent": [6 integers], "origin": [3], "spacing": [3],
+ *               "direction": [9, row-major] },
+ *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": log2(blockSize) + 1,
+ *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer },
+ *     "compression": "none",
+ *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": 1 }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
  *                      "ranges": [ [minimum, maximum] | null, ... ],           per array
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ] }, ... ],
- *     "checksum": hex, XXH3 of the object's compact dump (keys sorted) without this member }
+ *     "checksum": hex, XXH3 of all bytes before this member's name; the last member }
  *
  * Members that are not known are ignored; a newer formatVersion is refused. Numbers round-trip
  * exactly, the values of 64-bit integer arrays included.
  */
+// clang-format on
 struct BlockedVolumeHeader
 {
   static constexpr std::int64_t FormatVersion = 1;

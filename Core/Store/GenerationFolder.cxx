@@ -47,7 +47,8 @@ Result<std::string> GenerationFolder::Create(FileSystem& files, const std::strin
     last = std::max(last, FindNumber(name).value_or(0));
   }
   char name[32];
-  std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(last + 1));
+  const std::uint64_t next = last + 1;
+  std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(next));
   const std::string folder = GetStoresFolder(path) + "/" + name;
   const Status status = files.MakeDirectories(folder);
   if (!status.IsOk())

@@ -12,15 +12,10 @@ namespace
 
 constexpr int MaximumDepth = 16;
 constexpr const char* ChecksumMember = "checksum";
+constexpr const char* ChecksumName = "\"checksum\"";
 
 const Json Nothing;
 const Json EmptyArray = Json::array();
-
-std::uint64_t ComputeDocumentChecksum(const Json& object)
-{
-  const std::string text = object.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return ComputeChecksum(text.data(), text.size());
-}
 
 } // namespace
 
@@ -37,8 +32,12 @@ std::string FormatChecksum(std::uint64_t checksum)
 std::string FormatDocument(Json object)
 {
   object.erase(ChecksumMember);
-  object[ChecksumMember] = FormatChecksum(ComputeDocumentChecksum(object));
-  return object.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = object.dump(1, ' ', false, Json::error_handler_t::replace);
+  // Instead of the line break and the brace at the end, one more member.
+  text.resize(text.size() - 2);
+  text += ",\n ";
+  const std::uint64_t checksum = ComputeChecksum(text.data(), text.size());
+  return text + ChecksumName + ": \"" + FormatChecksum(checksum) + "\"\n}\n";
 }
 
 Result<Json> ParseDocument(
@@ -72,11 +71,13 @@ Result<Json> ParseDocument(
   }
   const std::uint64_t expected = members.GetChecksum(ChecksumMember);
   ISOSURFACE_RETURN_IF_ERROR(status);
-  document.erase(ChecksumMember);
-  if (ComputeDocumentChecksum(document) != expected)
+  // The document has the member, and names inside strings are escaped: the last one is found.
+  const std::size_t covered = text.rfind(ChecksumName);
+  if (covered == std::string::npos || ComputeChecksum(text.data(), covered) != expected)
   {
     return Status(StatusCode::Corrupt, path + ": member checksum does not fit the contents");
   }
+  document.erase(ChecksumMember);
   return document;
 }
 

@@ -19,8 +19,11 @@ using Json = nlohmann::json;
 /// A 64-bit checksum as 16 hexadecimal digits.
 std::string FormatChecksum(std::uint64_t checksum);
 
-/// The text of an object with the member "checksum" added: XXH3-64 of its compact dump (keys in
-/// alphabetical order, numbers in their shortest form) without that member.
+/**
+ * The text of an object with the member "checksum" added as its last one: XXH3-64 of all bytes of
+ * the text before the opening quote of that member's name. So it depends on no way of writing
+ * numbers, and any language can check it without parsing.
+ */
 std::string FormatDocument(Json object);
 
 /**

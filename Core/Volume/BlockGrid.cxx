@@ -25,8 +25,7 @@ BlockGrid::BlockGrid(const Index3& dimensions, int blockSize)
   {
     const std::int64_t cells = std::max<std::int64_t>(0, dimensions[axis] - 1);
     const std::int64_t blocks = (cells + blockSize - 1) / blockSize;
-    this->NumberOfBlocks[axis] =
-      dimensions[axis] == 0 ? 0 : std::max<std::int64_t>(1, blocks);
+    this->NumberOfBlocks[axis] = dimensions[axis] == 0 ? 0 : std::max<std::int64_t>(1, blocks);
   }
 }
 

@@ -76,9 +76,8 @@ T MakeValueOfKey(ValueKey key)
   else
   {
     using Unsigned = std::make_unsigned_t<T>;
-    return static_cast<T>(
-      static_cast<Unsigned>(static_cast<Unsigned>(key == 0 ? 0 : key - 1) +
-        static_cast<Unsigned>(std::numeric_limits<T>::min())));
+    return static_cast<T>(static_cast<Unsigned>(static_cast<Unsigned>(key == 0 ? 0 : key - 1) +
+      static_cast<Unsigned>(std::numeric_limits<T>::min())));
   }
 }
 

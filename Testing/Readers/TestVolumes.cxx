@@ -26,6 +26,28 @@ int Roughness(int i, int j, int k)
   return static_cast<int>(hash % 25u);
 }
 
+// The samples that a block stores: at the coarsest level all vertices of its box and ghost layer,
+// at each finer one those with an odd coordinate.
+std::uint64_t CountStoredSamples(
+  const int first[3], const int last[3], const int dimensions[3], int blockSize)
+{
+  std::uint64_t samples = 0;
+  for (int level = 0; (blockSize >> level) >= 1; ++level)
+  {
+    std::uint64_t all = 1;
+    std::uint64_t even = 1;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const int low = std::max((first[axis] >> level) - 1, 0);
+      const int high = std::min((last[axis] >> level) + 1, (dimensions[axis] - 1) >> level);
+      all *= static_cast<std::uint64_t>(high - low + 1);
+      even *= static_cast<std::uint64_t>(high / 2 - (low + 1) / 2 + 1);
+    }
+    samples += (blockSize >> level) == 1 ? all : all - even;
+  }
+  return samples;
+}
+
 } // namespace
 
 vtkSmartPointer<vtkImageData> MakeClosedVolume(const Extent& extent, int type)
@@ -88,12 +110,9 @@ ExpectedCost CountActiveBlocks(vtkImageData* image, int blockSize, double isoval
       for (first[0] = 0; first[0] < std::max(1, dimensions[0] - 1); first[0] += blockSize)
       {
         int last[3];
-        std::uint64_t stored = static_cast<std::uint64_t>(samples->GetDataTypeSize());
         for (int axis = 0; axis < 3; ++axis)
         {
           last[axis] = std::min(first[axis] + blockSize, dimensions[axis] - 1);
-          stored *= static_cast<std::uint64_t>(
-            std::min(last[axis] + 1, dimensions[axis] - 1) - std::max(first[axis] - 1, 0) + 1);
         }
         bool hasInside = false;
         bool hasOutside = false;
@@ -109,8 +128,12 @@ ExpectedCost CountActiveBlocks(vtkImageData* image, int blockSize, double isoval
             }
           }
         }
-        cost.ActiveBlocks += hasInside && hasOutside ? 1 : 0;
-        cost.ActiveBytes += hasInside && hasOutside ? stored : 0;
+        if (hasInside && hasOutside)
+        {
+          ++cost.ActiveBlocks;
+          cost.StoredBytes += static_cast<std::uint64_t>(samples->GetDataTypeSize()) *
+            CountStoredSamples(first, last, dimensions, blockSize);
+        }
       }
     }
   }

@@ -37,7 +37,7 @@ void WriteVolume(vtkImageData* image, const std::string& path, const VolumeSetti
 struct ExpectedCost
 {
   std::uint64_t ActiveBlocks = 0; ///< blocks with samples on both sides of the isovalue
-  std::uint64_t ActiveBytes = 0;  ///< samples of those, ghost layers included
+  std::uint64_t StoredBytes = 0;  ///< samples that those store: all levels, with ghost layers
 };
 ExpectedCost CountActiveBlocks(vtkImageData* image, int blockSize, double isovalue);
 

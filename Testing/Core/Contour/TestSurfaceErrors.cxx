@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
 #include <random>
 
 namespace isosurface
@@ -57,7 +58,23 @@ struct DisplacedSource : TestBlockSource<float>
   }
 };
 
+// A source for whose blocks there is no memory.
+struct HungrySource : TestBlockSource<float>
+{
+  using TestBlockSource<float>::TestBlockSource;
+  Result<BlockSamples> Acquire(std::size_t) override { throw std::bad_alloc(); }
+};
+
 } // namespace
+
+TEST_F(SurfaceErrors, LackOfMemoryIsAnErrorNotAnException)
+{
+  HungrySource source(this->Volume, 16);
+  for (const int threads : { 1, 2, 7 })
+  {
+    EXPECT_EQ(this->Extract(source, threads), StatusCode::OutOfMemory);
+  }
+}
 
 TEST_F(SurfaceErrors, ErrorOfAcquireIsTold)
 {

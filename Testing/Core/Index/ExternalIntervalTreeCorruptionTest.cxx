@@ -221,6 +221,45 @@ TEST(ExternalIntervalTreeCorruption, ATreeThatLeadsToItsPagesAgainAndAgainEnds)
   EXPECT_LE(statistics.PageReads, 64 + 16 * (*tree)->GetPageCount());
 }
 
+TEST(ExternalIntervalTreeCorruption, ANodeThatLeadsToOnePageOfRecordsAgainAndAgainEnds)
+{
+  // The page at hand is not read again, so that no count of pages ends the query.
+  Bytes bytes = MakeTreeBytes(MakeIntervalSets()[4].MakeAll(1000));
+  std::uint8_t* root = bytes.data() + bytes.size() - PageSize;
+  ASSERT_EQ(std::memcmp(root, "NODE", 4), 0);
+  constexpr std::size_t slabSize = 50, multislabSize = 14, windowOffset = 48;
+  const auto slabs = LoadLittleEndian<std::uint16_t>(root + 6);
+  std::uint8_t* slab = root + 8 + 8u * slabs;
+  for (std::size_t index = 0; index < slabs; ++index)
+  {
+    StoreLittleEndian(slab + windowOffset, std::uint16_t(0xffff));
+    slab += slabSize;
+  }
+  const std::size_t multislabs =
+    static_cast<std::size_t>(root + PageSize - 8 - slab) / multislabSize;
+  for (std::size_t index = 0; index < multislabs; ++index)
+  {
+    std::uint8_t* multislab = slab + index * multislabSize;
+    StoreLittleEndian(multislab, std::uint16_t(1));
+    StoreLittleEndian(multislab + 2, std::uint16_t(slabs - 2));
+    StoreLittleEndian(multislab + 4, std::uint32_t(1));
+    StoreLittleEndian(multislab + 8, std::uint16_t(0));
+    StoreLittleEndian(multislab + 10, std::uint32_t(200));
+  }
+  StoreLittleEndian(root + 8, static_cast<std::uint16_t>(multislabs));
+  StoreLittleEndian(root + 10, std::uint16_t(0));
+  Reseal(bytes);
+  MemoryFileSystem disk;
+  const auto tree = OpenBytes(disk, bytes);
+  ASSERT_TRUE(tree.IsOk());
+  PageStatistics statistics;
+  const Status status = (*tree)->FindStabbed(
+    5005, [](const KeyInterval&) {}, statistics);
+  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(status.GetMessage().find("more intervals than its pages hold"), std::string::npos)
+    << status.GetMessage();
+}
+
 TEST(ExternalIntervalTreeCorruption, VerifyMissesNoIntervalThatTheTreeNoLongerLeadsTo)
 {
   Bytes bytes = MakeTreeBytes(MakeIntervalSets()[4].MakeAll(1000));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockedVolume.h"
 
+#include "Base/ByteOrder.h"
+#include "Base/Checksum.h"
+#include "Store/BlockDirectory.h"
 #include "VolumeOnDisk.h"
 
 using namespace isosurface;
@@ -165,4 +168,23 @@ TEST_F(BlockedVolumeCorruption, AMissingStoreIsNamed)
   const auto opened = OpenVolume(this->Disk);
   QueryStatistics statistics;
   EXPECT_TRUE(opened->GetShare(0, 0, 2, statistics).IsOk());
+}
+
+TEST(BlockDirectoryCorruption, OfItsNumberOfEntriesIsFoundWhateverTheNumber)
+{
+  constexpr std::size_t pageSize = 4096, countOffset = 32;
+  MemoryDisk disk;
+  ASSERT_TRUE(BlockDirectory::Write(disk, "/data/directory", 5, {}).IsOk());
+  EXPECT_TRUE(BlockDirectory::Open(disk, "/data/directory", 0, 5, 0).IsOk());
+  std::uint8_t* page = disk.GetFile("/data/directory").data();
+  // So many that a sum of them and anything begins at 0 again.
+  for (const std::uint64_t below : { 0, 1, 50, 112, 113 })
+  {
+    const std::uint64_t count = MemoryDisk::Never - below;
+    StoreLittleEndian(page + countOffset, count);
+    StoreLittleEndian(page + pageSize - 8, ComputeChecksum(page, pageSize - 8, 0));
+    EXPECT_EQ(BlockDirectory::Open(disk, "/data/directory", count, 5, 0).GetStatus().GetCode(),
+      StatusCode::Corrupt)
+      << below;
+  }
 }

@@ -189,3 +189,26 @@ TEST(BlockedVolumeRoundTrip, ReadsACoarseLevelAsAShortPrefix)
     finer = statistics.BytesRead;
   }
 }
+
+TEST(BlockedVolumeRoundTrip, EstimatesBytesOfBillionsOfBlocksWithoutVisitingThem)
+{
+  BlockedVolumeHeader header;
+  header.Grid.Extent = { 0, (std::int64_t{ 1 } << 35) - 1, 0, 0, 0, 0 };
+  header.BlockSize = 16;
+  header.Arrays = { { "density", ValueType::UInt16 } };
+  TimeStepDescription step;
+  step.Folder = "000001";
+  step.Ranges = { KeyRange{} };
+  step.Stores = { { std::uint64_t{ 1 } << 31, 0, 0 } };
+  header.TimeSteps = { step };
+  const std::string text = header.Format();
+  MemoryDisk disk;
+  ASSERT_TRUE(disk.CreateForWriting(VolumePath).IsOk());
+  disk.GetFile(VolumePath) = MemoryDisk::Bytes(text.begin(), text.end());
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  // 17 vertices and two ghosts a block; the first has one ghost, the last one, and a vertex less.
+  EXPECT_EQ(opened->EstimateBytes(0, 0), 2 * ((std::uint64_t{ 19 } << 31) - 3));
+  // Two vertices and two ghosts; the last block has one of the vertices.
+  EXPECT_EQ(opened->EstimateBytes(0, 4), 2 * ((std::uint64_t{ 4 } << 31) - 4));
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockAssembly_h
+#define isosurface_BlockAssembly_h
+
+#include "Base/Progress.h"
+#include "Base/Status.h"
+#include "Store/BlockedVolume.h"
+#include "Store/QueryStatistics.h"
+#include "Volume/BlockGrid.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * A box of whole blocks, [Low, High) in block coordinates: the part of a volume that one piece of
+ * several gets when neighbours are to stay together, whatever stores they are in.
+ */
+struct BlockBox
+{
+  Index3 Low{ 0, 0, 0 };
+  Index3 High{ 0, 0, 0 };
+
+  bool IsEmpty() const;
+  bool Contains(const Index3& block) const;
+
+  /// The vertices of the box's own cells at a level, and those with the ghost layer around them.
+  VertexBox GetVertices(const BlockGrid& grid, int level) const;
+  VertexBox GetGhostedVertices(const BlockGrid& grid, int level) const;
+};
+
+/// The slab of a piece: pieces of equally many layers of blocks along the axis that has most of
+/// them. With more pieces than layers some are empty.
+BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces);
+
+/**
+ * Fills `samples` with one array in a box of blocks at a level, ghost layer included, x fastest:
+ * the vertices of GetGhostedVertices. `blocks` are the blocks of the box, in any order.
+ *
+ * Every block is read once, through the block cache, on `threads` threads; the ghost layer comes
+ * from the ghost layers of the box's own blocks. Errors: of ReadBlock; Aborted.
+ */
+Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+  const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
+  QueryStatistics& statistics, const Progress& progress = {});
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
+// small volumes and trees, as Core writes them, behind the bytes that each target wants first.
+#include "../Core/Partition/SampleVolume.h"
+#include "../Core/Store/MemoryDisk.h"
+
+#include "Base/ByteOrder.h"
+#include "Index/ExternalIntervalTreeBuilder.h"
+#include "Store/BlockStore.h"
+#include "Store/BlockedVolumeWriter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+using namespace isosurface;
+
+namespace
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+const std::string Path = "/data/volume.bvol";
+const std::string StoreFolder = Path + ".stores/000001/store-00000";
+
+class Corpus
+{
+public:
+  explicit Corpus(std::string folder)
+    : Folder(std::move(folder))
+  {
+  }
+  bool IsOk() const { return this->Ok; }
+  void Fail() { this->Ok = false; }
+
+  void Add(const std::string& target, const std::string& name, const Bytes& bytes)
+  {
+    const std::filesystem::path folder = std::filesystem::path(this->Folder) / target;
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    std::ofstream file(folder / name, std::ios::binary);
+    file.write(
+      reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    this->Ok = this->Ok && file.good();
+  }
+
+private:
+  std::string Folder;
+  bool Ok = true;
+};
+
+template <typename T>
+void Append(Bytes& bytes, T value)
+{
+  bytes.resize(bytes.size() + sizeof(T));
+  StoreLittleEndian(bytes.data() + bytes.size() - sizeof(T), value);
+}
+
+void Append(Bytes& bytes, const Bytes& others)
+{
+  bytes.insert(bytes.end(), others.begin(), others.end());
+}
+
+/// One volume's files, for the four targets that read them.
+template <typename T>
+void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores)
+{
+  const SampleVolume<T> volume(size,
+    [](auto i, auto j, auto k) {
+      return 60 + 40 * std::sin(0.4 * static_cast<double>(i) + 0.3 * static_cast<double>(j * k));
+    });
+  GridGeometry grid;
+  grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
+  VolumePiece piece;
+  piece.Box = { { 0, 0, 0 }, size };
+  piece.Arrays = { volume.GetView() };
+  BlockedVolumeSettings settings;
+  settings.BlockSize = 16;
+  settings.NumberOfStores = stores;
+  settings.Time = 0.25;
+  settings.Threads = 1;
+  MemoryDisk disk;
+  SerialCommunicator alone;
+  BlockedVolumeWriter writer(alone, disk);
+  const ValueType type = ValueTypeOf<T>::Value;
+  if (!writer.Write(Path, grid, { { "density", type } }, piece, settings).IsOk())
+  {
+    corpus.Fail();
+    return;
+  }
+  corpus.Add("BlockedVolumeHeader", name, disk.GetFile(Path));
+  corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+  const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
+  const Bytes& tree = disk.GetFile(BlockStore::GetTreePath(StoreFolder, 0));
+  const Bytes& records = disk.GetFile(BlockStore::GetBlocksPath(StoreFolder));
+
+  Bytes input = { 1 };
+  Append(input, std::uint32_t{ 64 });
+  Append(input, static_cast<std::uint32_t>(records.size() / 4096));
+  Append(input, directory);
+  corpus.Add("BlockDirectory", name, input);
+  if (stores == 1)
+  {
+    input = { 1, static_cast<std::uint8_t>(size[0] - 1), static_cast<std::uint8_t>(size[1] - 1),
+      static_cast<std::uint8_t>(size[2] - 1), static_cast<std::uint8_t>(type), 0,
+      static_cast<std::uint8_t>(tree.size() / 4096) };
+    Append(input, 60.0);
+    Append(input, directory);
+    Append(input, tree);
+    Append(input, records);
+    corpus.Add("BlockStore", name, input);
+  }
+}
+
+/// The file of one tree over make(0), ..., make(count - 1).
+template <typename Function>
+void AddTree(
+  Corpus& corpus, const std::string& name, std::uint8_t flags, std::uint64_t count, Function&& make)
+{
+  MemoryDisk disk;
+  ExternalIntervalTreeBuilder builder(
+    disk, "/data/tree", ExternalIntervalTreeBuilder::LeastMemoryLimit);
+  Status status;
+  for (std::uint64_t index = 0; index < count && status.IsOk(); ++index)
+  {
+    KeyInterval interval = make(index);
+    interval.Payload = static_cast<std::uint32_t>(index);
+    status = builder.Add(interval);
+  }
+  if (!status.IsOk() || !builder.Finish().IsOk())
+  {
+    corpus.Fail();
+    return;
+  }
+  Bytes input = { flags };
+  Append(input, make(count / 2).Minimum);
+  Append(input, make(count / 3).Maximum);
+  Append(input, disk.GetFile("/data/tree"));
+  corpus.Add("ExternalIntervalTree", name, input);
+}
+
+void AddTrees(Corpus& corpus)
+{
+  const auto nested = [](std::uint64_t i) { return KeyInterval{ i, 1000 - i, 0 }; };
+  const auto stairs = [](std::uint64_t i) { return KeyInterval{ i, i + 60, 0 }; };
+  const auto points = [](std::uint64_t i) { return KeyInterval{ 3 * i, 3 * i, 0 }; };
+  // The golden ratio spreads them over all keys.
+  const auto spread = [](std::uint64_t i)
+  {
+    const std::uint64_t a = i * 0x9e3779b97f4a7c15;
+    const std::uint64_t b = (i + 7) * (i + 3) * 0x9e3779b97f4a7c15;
+    return KeyInterval{ std::min(a, b), std::max(a, b), 0 };
+  };
+  // Up to two hundred intervals are one leaf, more are a tree of nodes.
+  AddTree(corpus, "unsealed-leaf", 0, 3, nested);
+  AddTree(corpus, "leaf", 1, 12, spread);
+  AddTree(corpus, "nested", 1, 260, nested);
+  AddTree(corpus, "stairs", 3, 260, stairs);
+  AddTree(corpus, "points", 1, 260, points);
+  AddTree(corpus, "spread", 1, 420, spread);
+}
+
+} // namespace
+
+int main(int argc, char* argv[])
+{
+  if (argc != 2)
+  {
+    std::fprintf(stderr, "Usage: %s <folder>\n", argv[0]);
+    return 2;
+  }
+  Corpus corpus(argv[1]);
+  AddVolume<std::uint8_t>(corpus, "uint8", { 20, 3, 2 }, 1);
+  AddVolume<std::int16_t>(corpus, "int16", { 5, 4, 3 }, 1);
+  AddVolume<float>(corpus, "float32", { 3, 18, 2 }, 1);
+  AddVolume<std::uint64_t>(corpus, "uint64-two-stores", { 2, 2, 20 }, 2);
+  AddTrees(corpus);
+  if (!corpus.IsOk())
+  {
+    std::fprintf(stderr, "%s: the corpus cannot be written\n", argv[1]);
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RankGroup.h"
+
+#include "ControllerCommunicator.h"
+
+#include "vtkMultiProcessController.h"
+
+#include <gtest/gtest.h>
+
+namespace isosurface
+{
+namespace
+{
+
+// A message that tells who sent it to whom; some are empty, some longer than MPI sends eagerly.
+Message MakeMessage(int from, int to)
+{
+  const std::size_t sizes[] = { 0, 1, 300000, 17 };
+  return Message(sizes[(from + 2 * to) % 4], static_cast<std::uint8_t>(16 * from + to));
+}
+
+TEST(ControllerCommunicator, KnowsItsRanks)
+{
+  ControllerCommunicator ranks(GetRanks());
+  EXPECT_EQ(ranks.GetRank(), GetRank());
+  EXPECT_EQ(ranks.GetSize(), GetNumberOfRanks());
+  EXPECT_EQ(ranks.GetRanksOnNode(), GetNumberOfRanks()) << "these tests run on one machine";
+}
+
+TEST(ControllerCommunicator, WithoutControllerIsOneRank)
+{
+  ControllerCommunicator one(nullptr);
+  EXPECT_EQ(one.GetRank(), 0);
+  EXPECT_EQ(one.GetSize(), 1);
+  EXPECT_EQ(one.GetRanksOnNode(), 1);
+  std::vector<std::uint64_t> values{ 3, 5 };
+  one.ReduceSum(values);
+  EXPECT_EQ(values, (std::vector<std::uint64_t>{ 3, 5 }));
+  EXPECT_EQ(one.AllGather({ 1, 2 }), std::vector<Message>(1, { 1, 2 }));
+  EXPECT_EQ(one.Exchange({ { 4 } }), std::vector<Message>(1, { 4 }));
+}
+
+TEST(ControllerCommunicator, ReducesEachElement)
+{
+  ControllerCommunicator ranks(GetRanks());
+  const auto me = static_cast<std::uint64_t>(GetRank());
+  const auto size = static_cast<std::uint64_t>(GetNumberOfRanks());
+  const std::uint64_t large = UINT64_MAX - 100;
+  const std::vector<std::uint64_t> mine{ me, large - me, 7 };
+  std::vector<std::uint64_t> values = mine;
+  ranks.ReduceMinimum(values);
+  EXPECT_EQ(values, (std::vector<std::uint64_t>{ 0, large - (size - 1), 7 }));
+  values = mine;
+  ranks.ReduceMaximum(values);
+  EXPECT_EQ(values, (std::vector<std::uint64_t>{ size - 1, large, 7 }));
+  values = { me, 7 };
+  ranks.ReduceSum(values);
+  EXPECT_EQ(values, (std::vector<std::uint64_t>{ size * (size - 1) / 2, 7 * size }));
+  values.clear();
+  ranks.ReduceSum(values);
+  EXPECT_TRUE(values.empty());
+}
+
+TEST(ControllerCommunicator, GathersMessagesOfAnyLength)
+{
+  ControllerCommunicator ranks(GetRanks());
+  const std::vector<Message> all = ranks.AllGather(MakeMessage(GetRank(), 1));
+  EXPECT_EQ(all.size(), static_cast<std::size_t>(GetNumberOfRanks()));
+  for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
+  {
+    EXPECT_EQ(all.at(static_cast<std::size_t>(rank)), MakeMessage(rank, 1)) << rank;
+  }
+  EXPECT_EQ(ranks.AllGather({}), std::vector<Message>(all.size()));
+}
+
+TEST(ControllerCommunicator, ExchangesMessagesOfAnyLength)
+{
+  ControllerCommunicator ranks(GetRanks());
+  for (int turn = 0; turn < 3; ++turn)
+  {
+    std::vector<Message> outgoing;
+    for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
+    {
+      outgoing.push_back(MakeMessage(GetRank() + turn, rank));
+    }
+    const std::vector<Message> incoming = ranks.Exchange(outgoing);
+    EXPECT_EQ(incoming.size(), outgoing.size());
+    for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
+    {
+      EXPECT_EQ(incoming.at(static_cast<std::size_t>(rank)), MakeMessage(rank + turn, GetRank()))
+        << "from " << rank;
+    }
+  }
+}
+
+TEST(ControllerCommunicator, AgreesOnTheFailureOfOneRank)
+{
+  ControllerCommunicator ranks(GetRanks());
+  EXPECT_TRUE(ranks.Agree(Status::Ok()).IsOk());
+  for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
+  {
+    const bool isMine = failing == GetRank();
+    const Status status =
+      ranks.Agree(isMine ? Status(StatusCode::Corrupt, "a/file: is broken") : Status::Ok());
+    EXPECT_EQ(status.GetCode(), isMine ? StatusCode::Corrupt : StatusCode::RemoteFailure);
+    EXPECT_NE(status.GetMessage().find("a/file: is broken"), std::string::npos);
+    EXPECT_EQ(
+      status.GetMessage().find("rank " + std::to_string(failing)) == std::string::npos, isMine);
+  }
+}
+
+} // namespace
+} // namespace isosurface

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a query costs all ranks together is what it must cost.
+#include "ParallelVolumes.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkMultiProcessController.h"
+#include "vtkStabbingContour.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr int WarmCache = 256; // MiB
+
+struct Cost
+{
+  std::uint64_t ActiveBlocks, BlocksRead, BytesRead, BlockCacheHits, TreePagesRead;
+};
+
+// Of all ranks.
+Cost SumCost(vtkPolyData* mine)
+{
+  return { SumOverRanks(GetCost(mine, "ActiveBlocks")), SumOverRanks(GetCost(mine, "BlocksRead")),
+    SumOverRanks(GetCost(mine, "BytesRead")), SumOverRanks(GetCost(mine, "BlockCacheHits")),
+    SumOverRanks(GetCost(mine, "TreePagesRead")) };
+}
+
+class QueryCost : public testing::TestWithParam<int>
+{
+protected:
+  QueryCost()
+    : Folder("QueryCost-" + std::to_string(GetParam()))
+    , Image(MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT))
+    , Path(this->Folder.GetPath("volume.bvol"))
+  {
+    WriteFromPieces(this->Image, PieceSource::SUB_EXTENTS, this->Path, { 16, GetParam(), 0 });
+  }
+  ~QueryCost() override { ContourPipeline(this->Path).Reader->SetCacheSize(WarmCache); }
+
+  const SharedFolder Folder;
+  const vtkSmartPointer<vtkImageData> Image;
+  const std::string Path;
+};
+
+TEST_P(QueryCost, WithoutCacheIsTheActiveBlocks)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Reader->SetCacheSize(0);
+  bool isSeveral = false;
+  for (const double isovalue : { 200.0, 60.5, 1.0, 0.0, -1.0, 1e4 })
+  {
+    const ExpectedCost expected = CountActiveBlocks(this->Image, 16, isovalue);
+    const Cost cost = SumCost(pipeline.Update({ isovalue }));
+    EXPECT_EQ(cost.ActiveBlocks, expected.ActiveBlocks) << "at " << isovalue;
+    EXPECT_EQ(cost.BlocksRead, expected.ActiveBlocks) << "at " << isovalue;
+    EXPECT_EQ(cost.BlockCacheHits, 0u) << "at " << isovalue;
+    EXPECT_GE(cost.BytesRead, expected.StoredBytes) << "at " << isovalue;
+    EXPECT_LE(20 * cost.BytesRead, 21 * expected.StoredBytes) << "at " << isovalue;
+    isSeveral = isSeveral || expected.ActiveBlocks > 20;
+  }
+  EXPECT_TRUE(isSeveral);
+}
+
+TEST_P(QueryCost, OfSeveralIsovaluesHasEachBlockOnce)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Reader->SetCacheSize(0);
+  const Cost together = SumCost(pipeline.Update({ 60.5, 61.0, 62.0 }));
+  EXPECT_EQ(together.BlocksRead, together.ActiveBlocks);
+  EXPECT_GE(together.ActiveBlocks, CountActiveBlocks(this->Image, 16, 61.0).ActiveBlocks);
+  EXPECT_LE(together.ActiveBlocks, 2 * CountActiveBlocks(this->Image, 16, 61.0).ActiveBlocks);
+}
+
+TEST_P(QueryCost, WithWarmCacheIsNothing)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Reader->SetCacheSize(WarmCache);
+  const Cost first = SumCost(pipeline.Update({ 60.5 }));
+  EXPECT_EQ(first.BlocksRead, first.ActiveBlocks);
+  pipeline.Contour->Modified();
+  const Cost second = SumCost(pipeline.Update({ 60.5 }));
+  EXPECT_EQ(second.ActiveBlocks, first.ActiveBlocks);
+  EXPECT_EQ(second.BlocksRead, 0u);
+  EXPECT_EQ(second.BytesRead, 0u);
+  EXPECT_EQ(second.BlockCacheHits, first.ActiveBlocks);
+  EXPECT_EQ(second.TreePagesRead, 0u);
+}
+
+TEST_P(QueryCost, TreePagesAreFew)
+{
+  ContourPipeline pipeline(this->Path);
+  const Cost cost = SumCost(pipeline.Update({ 60.5 }));
+  // A tree of so few blocks is one leaf below its header. A rank opens its own stores; where there
+  // are more ranks than stores, each of them opens one.
+  const int opened = std::max(GetParam(), GetNumberOfRanks());
+  EXPECT_GT(cost.TreePagesRead, 0u);
+  EXPECT_LE(cost.TreePagesRead, 2u * static_cast<unsigned int>(opened));
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, QueryCost, testing::Values(1, 4, 7));
+
+} // namespace
+} // namespace isosurface

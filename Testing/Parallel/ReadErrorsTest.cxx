@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whatever is wrong on one rank: one message on all of them, nobody waits for ever, and all is well
+// again once the cause is mended.
+#include "ParallelVolumes.h"
+#include "VolumeDamage.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkExecutive.h"
+#include "vtkMultiProcessController.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkStabbingContour.h"
+
+#include <filesystem>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr double Isovalue = 120.0; // of noise: every block is active
+
+// A reader with a contour behind it, whose errors are caught.
+struct ListenedPipeline
+{
+  explicit ListenedPipeline(const std::string& path)
+    : Pipeline(path)
+    , ReaderErrors(this->Pipeline.Reader)
+    , ReaderExecutiveErrors(this->Pipeline.Reader->GetExecutive())
+    , ContourErrors(this->Pipeline.Contour)
+    , ContourExecutiveErrors(this->Pipeline.Contour->GetExecutive())
+  {
+    this->Pipeline.Contour->SetValue(0, Isovalue);
+  }
+
+  // Collective; gives the messages of both classes.
+  std::vector<std::string> Update()
+  {
+    this->ReaderErrors.Messages.clear();
+    this->ContourErrors.Messages.clear();
+    this->Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    std::vector<std::string> messages = this->ReaderErrors.Messages;
+    messages.insert(
+      messages.end(), this->ContourErrors.Messages.begin(), this->ContourErrors.Messages.end());
+    return messages;
+  }
+
+  vtkIdType GetNumberOfPolys() { return this->Pipeline.Contour->GetOutput()->GetNumberOfPolys(); }
+
+  ContourPipeline Pipeline;
+  ErrorCounter ReaderErrors;
+  ErrorCounter ReaderExecutiveErrors; ///< VTK's own, that there was an error
+  ErrorCounter ContourErrors;
+  ErrorCounter ContourExecutiveErrors;
+};
+
+vtkSmartPointer<vtkImageData> MakeNoisyImage()
+{
+  return MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
+}
+
+std::size_t CountTriangles(vtkImageData* image)
+{
+  return GetRank() == 0 ? ContourByFlyingEdges(image, Isovalue).Triangles.size() : 0;
+}
+
+class ReadErrors : public testing::TestWithParam<VolumeDamage>
+{
+};
+
+TEST_P(ReadErrors, AreToldOnceByEveryRank)
+{
+  const SharedFolder folder("ReadErrors-" + GetParam().Name);
+  const std::string path = folder.GetPath("volume.bvol");
+  const auto image = MakeNoisyImage();
+  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  if (GetRank() == 0)
+  {
+    std::filesystem::create_directory(folder.GetPath("good"));
+    CopyVolume(path, folder.GetPath("good/volume.bvol"));
+    GetParam().Apply(path);
+  }
+  GetRanks()->Barrier();
+
+  ListenedPipeline listened(path);
+  const std::vector<std::string> messages = listened.Update();
+  EXPECT_TRUE(IsOneMessageAbout(messages, GetParam())) << testing::PrintToString(messages);
+  EXPECT_EQ(listened.GetNumberOfPolys(), 0);
+  GetRanks()->Barrier();
+
+  if (GetRank() == 0)
+  {
+    std::filesystem::remove(path);
+    std::filesystem::remove_all(path + ".stores");
+    CopyVolume(folder.GetPath("good/volume.bvol"), path);
+  }
+  GetRanks()->Barrier();
+  listened.Pipeline.Reader->Modified();
+  EXPECT_EQ(listened.Update(), std::vector<std::string>());
+  const auto triangles = SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys()));
+  EXPECT_EQ(triangles, SumOverRanks(CountTriangles(image)));
+}
+
+std::string NameOfDamage(const testing::TestParamInfo<VolumeDamage>& info)
+{
+  return info.param.Name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Damages, ReadErrors, testing::ValuesIn(MakeDamages()), NameOfDamage);
+
+TEST(ReadErrorsOfOneRank, AreToldOnceByEveryRank)
+{
+  const SharedFolder folder("ReadErrorsOfOneRank");
+  const std::string path = folder.GetPath("volume.bvol");
+  const auto image = MakeNoisyImage();
+  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  ListenedPipeline listened(path);
+  for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
+  {
+    const std::string wrong = folder.GetPath("wrong.bvol");
+    listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : path).c_str());
+    listened.Pipeline.Reader->Modified();
+    const std::vector<std::string> messages = listened.Update();
+    EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "wrong.bvol", "No such file" }))
+      << testing::PrintToString(messages);
+
+    listened.Pipeline.Reader->SetFileName(path.c_str());
+    listened.Pipeline.Reader->Modified();
+    EXPECT_EQ(listened.Update(), std::vector<std::string>());
+    EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);
+  }
+}
+
+TEST(ReadErrorsOfOneRank, MissingFileNameIsToldByEveryRank)
+{
+  const SharedFolder folder("NoFileName");
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  ListenedPipeline listened(path);
+  const int last = GetNumberOfRanks() - 1;
+  listened.Pipeline.Reader->SetFileName(GetRank() == last ? "" : path.c_str());
+  const std::vector<std::string> messages = listened.Update();
+  EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "", "No file name is set" }))
+    << testing::PrintToString(messages);
+}
+
+TEST(ReadErrorsOfOneRank, ArrayThatIsNotThereIsToldByEveryRank)
+{
+  const SharedFolder folder("NoArray");
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  ListenedPipeline listened(path);
+  const int last = GetNumberOfRanks() - 1;
+  listened.Pipeline.Contour->SetInputArrayToProcess(
+    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, GetRank() == last ? "pressure" : "density");
+  const std::vector<std::string> messages = listened.Update();
+  EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "volume.bvol", "no array \"pressure\"" }))
+    << testing::PrintToString(messages);
+
+  listened.Pipeline.Contour->SetInputArrayToProcess(
+    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  listened.Pipeline.Contour->Modified();
+  EXPECT_EQ(listened.Update(), std::vector<std::string>());
+  EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);
+}
+
+TEST(ReadErrorsOfOneRank, BlocksOfOneRankFailOnAll)
+{
+  // The reader alone, no contour: ranks that have read their blocks do not keep them.
+  const SharedFolder folder("BlocksOfOneRank");
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 7, 1 });
+  if (GetRank() == 0)
+  {
+    FlipBit(GetFirstStore(path) + "/blocks", 2000);
+  }
+  GetRanks()->Barrier();
+  ListenedPipeline listened(path);
+  vtkBlockedVolumeReader* reader = listened.Pipeline.Reader;
+  reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_TRUE(
+    IsOneMessageAbout(listened.ReaderErrors.Messages, { "", {}, "store-00000/blocks", "checksum" }))
+    << testing::PrintToString(listened.ReaderErrors.Messages);
+  EXPECT_EQ(reader->GetOutput()->GetNumberOfPartitions(), 0u);
+}
+
+} // namespace
+} // namespace isosurface

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A pvserver of N ranks with surface_pictures.py in pvpython as its client; then the server's log.
+
+    client_and_server.py ... --ranks N --pvserver PATH --pvpython PATH --mpiexec "mpiexec -n"
+"""
+import os
+import re
+import socket
+import subprocess
+import time
+import unittest
+
+import plugin_testing as testing
+
+
+def find_free_port():
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return probe.getsockname()[1]
+
+
+class ClientAndServer(unittest.TestCase):
+    def read_log(self):
+        with open(testing.output("server.log"), errors="replace") as file:
+            return file.read()
+
+    def start_server(self, port):
+        with open(testing.output("server.log"), "wb") as log:
+            server = subprocess.Popen(
+                [
+                    *testing.arguments.mpiexec.split(),
+                    str(testing.arguments.ranks),
+                    testing.arguments.pvserver,
+                    f"--server-port={port}",
+                ],
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=testing.make_mpi_environment(),
+            )
+        deadline = time.monotonic() + 30
+        while "Accepting connection" not in self.read_log():
+            self.assertIsNone(server.poll(), "the server has ended")
+            self.assertLess(time.monotonic(), deadline, "the server does not start")
+            time.sleep(0.1)
+        return server
+
+    def run_client(self, port):
+        here = os.path.dirname(os.path.abspath(__file__))
+        return subprocess.run(
+            [
+                testing.arguments.pvpython,
+                os.path.join(here, "surface_pictures.py"),
+                f"--plugin={testing.arguments.plugin}",
+                f"--volumes={testing.arguments.volumes}",
+                f"--output={testing.output('client')}",
+                f"--baselines={testing.arguments.baselines}",
+                f"--ranks={testing.arguments.ranks}",
+                f"--port={port}",
+            ],
+            env=testing.make_mpi_environment(),
+            timeout=90,
+            check=False,
+        )
+
+    def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
+        port = find_free_port()
+        server = self.start_server(port)
+        try:
+            self.assertEqual(self.run_client(port).returncode, 0)
+            # A server ends with its client.
+            self.assertEqual(server.wait(timeout=30), 0)
+        finally:
+            server.kill()
+            server.wait()
+        log = self.read_log()
+        for rank in range(testing.arguments.ranks):
+            lines = re.findall(rf"Stabbing Contour: rank {rank}: .*", log)
+            self.assertEqual(len(lines), 2, f"two isovalues, but lines {lines}")
+            for part in ("tree pages read", "active blocks", "bytes read", "triangles", "query"):
+                self.assertIn(part, lines[0])
+
+
+def add_arguments(parser):
+    parser.add_argument("--ranks", type=int, required=True)
+    parser.add_argument("--pvserver", required=True)
+    parser.add_argument("--pvpython", required=True)
+    parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
+
+
+testing.parse_arguments(add_arguments)
+testing.run()

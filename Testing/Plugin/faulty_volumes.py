@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Volumes that cannot be read: ParaView says which file and why, and goes on working.
+
+pvpython faulty_volumes.py ... --pvbatch PVBATCH --mpiexec "MPIEXEC -n" --ranks N
+
+damages copies of a volume, has pvbatch open them with open_volumes.py, and judges what it said.
+"""
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+import plugin_testing as testing
+
+
+def copy_volume(name):
+    path = testing.output(name)
+    shutil.copy(testing.volume("wave.bvol"), path)
+    shutil.copytree(testing.volume("wave.bvol.stores"), path + ".stores")
+    return path
+
+
+def edit(path, change):
+    with open(path) as file:
+        text = file.read()
+    changed = change(text)
+    assert changed != text
+    with open(path, "w") as file:
+        file.write(changed)
+
+
+def damage_header_end():
+    path = copy_volume("truncated.bvol")
+    os.truncate(path, os.path.getsize(path) // 2)
+    return path
+
+
+def raise_version():
+    path = copy_volume("newer.bvol")
+    edit(path, lambda text: re.sub(r'("formatVersion": )\d+', r"\g<1>99", text))
+    return path
+
+
+def change_header():
+    path = copy_volume("changed.bvol")
+    edit(path, lambda text: text.replace('"blockSize": 16', '"blockSize": 32'))
+    return path
+
+
+def remove_store():
+    path = copy_volume("storeless.bvol")
+    (generation,) = os.listdir(path + ".stores")
+    shutil.rmtree(os.path.join(path + ".stores", generation, "store-00002"))
+    return path
+
+
+def truncate_blocks():
+    path = copy_volume("blockless.bvol")
+    (generation,) = os.listdir(path + ".stores")
+    blocks = os.path.join(path + ".stores", generation, "store-00001", "blocks")
+    os.truncate(blocks, os.path.getsize(blocks) // 3)
+    return path
+
+
+# What damages a volume, and what its message must say beside the path.
+FAULTS = [
+    (damage_header_end, r"(?i)json|end of|truncated|parse"),
+    (raise_version, r"99"),
+    (change_header, r"(?i)checksum"),
+    (remove_store, r"store-00002"),
+    (truncate_blocks, r"store-00001"),
+]
+
+
+class FaultyVolumes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.paths = [damage() for damage, _ in FAULTS]
+        ranks = testing.arguments.ranks
+        cls.done = subprocess.run(
+            [
+                *testing.arguments.mpiexec.split(),
+                str(ranks),
+                testing.arguments.pvbatch,
+                os.path.join(os.path.dirname(os.path.abspath(__file__)), "open_volumes.py"),
+                testing.arguments.plugin,
+                *cls.paths,
+                testing.volume("wave.bvol"),
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=testing.make_mpi_environment(),
+            timeout=60,  # else it hangs
+            text=True,
+            errors="replace",
+        )
+        cls.log = re.sub(r"\x1b\[[0-9;]*m", "", cls.done.stderr)  # without colours
+        print(cls.done.stdout, cls.log)
+
+    def test_pvbatch_goes_on_and_opens_a_good_volume_afterwards(self):
+        self.assertEqual(self.done.returncode, 0)
+        self.assertIn(
+            f"wave.bvol: {testing.count_expected_triangles()} triangles", self.done.stdout
+        )
+
+    def test_no_fault_gives_a_surface(self):
+        for path in self.paths:
+            self.assertIn(f"{os.path.basename(path)}: 0 triangles", self.done.stdout)
+
+    def test_each_fault_is_told_with_file_and_reason_by_one_message_a_rank(self):
+        errors = [line for line in self.log.splitlines() if "ERR|" in line]
+        for path, (_, reason) in zip(self.paths, FAULTS):
+            with self.subTest(path=os.path.basename(path)):
+                told = [line for line in errors if os.path.basename(path) in line]
+                for line in told:
+                    self.assertRegex(line.split(os.path.basename(path), 1)[1], reason)
+                # Once with the contour and once without, by every rank.
+                self.assertEqual(len(told), 2 * testing.arguments.ranks, "\n".join(told))
+
+
+def add_arguments(parser):
+    parser.add_argument("--ranks", type=int, required=True)
+    parser.add_argument("--pvbatch", required=True)
+    parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
+
+
+testing.parse_arguments(add_arguments)
+testing.run()

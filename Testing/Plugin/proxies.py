@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the plugin's proxies offer: names, defaults, and a tooltip for each property."""
+import glob
+import os
+import unittest
+import xml.etree.ElementTree
+
+from paraview import simple
+
+import plugin_testing as testing
+
+
+class Proxies(unittest.TestCase):
+    def test_every_proxy_and_property_has_a_documentation(self):
+        files = glob.glob(os.path.join(testing.arguments.xml, "*.xml"))
+        self.assertTrue(files)
+        for path in files:
+            root = xml.etree.ElementTree.parse(path).getroot()
+            for proxy in root.iter():
+                if not proxy.tag.endswith("Proxy"):
+                    continue
+                with self.subTest(file=os.path.basename(path), proxy=proxy.get("name")):
+                    documentation = proxy.find("Documentation")
+                    self.assertTrue(documentation.text.strip())
+                    self.assertTrue(documentation.get("short_help"))
+                    self.assertTrue(documentation.get("long_help"))
+                for element in proxy:
+                    if not element.tag.endswith("Property"):
+                        continue
+                    with self.subTest(proxy=proxy.get("name"), property=element.get("name")):
+                        self.assertTrue((element.findtext("Documentation") or "").strip())
+
+    def check_properties(self, proxy, names):
+        for name in names:
+            with self.subTest(name=name):
+                self.assertIn(name, dir(proxy))
+        for name in proxy.ListProperties():
+            tooltip = proxy.GetProperty(name).SMProperty.GetDocumentation()
+            with self.subTest(name=name):
+                self.assertTrue(tooltip and tooltip.GetDescription().strip())
+
+    def test_reader_has_its_properties(self):
+        reader = testing.open_volume("wave.bvol")
+        self.check_properties(
+            reader, ["FileName", "PointArrayStatus", "MemoryLimit", "CacheSize"]
+        )
+        self.assertEqual(list(reader.PointArrayStatus), ["RTData"])
+
+    def test_contour_has_the_properties_of_the_stock_one_with_its_defaults(self):
+        reader = testing.open_volume("wave.bvol")
+        ours = simple.StabbingContour(Input=reader)
+        names = ["ContourBy", "Isosurfaces", "ComputeNormals", "ComputeScalars"]
+        names.append("GenerateTriangles")
+        self.check_properties(ours, names)
+        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+        source.UpdatePipeline()
+        stock = simple.Contour(Input=source)
+        for name in names:
+            with self.subTest(name=name):
+                self.assertEqual(str(getattr(ours, name)), str(getattr(stock, name)))
+
+    def test_writer_has_its_properties_in_save_data(self):
+        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+        source.UpdatePipeline()
+        writer = simple.CreateWriter(testing.output("new.bvol"), source)
+        self.check_properties(
+            writer, ["FileName", "BlockSize", "NumberOfStores", "Distribution", "RandomSeed"]
+        )
+
+
+def add_arguments(parser):
+    parser.add_argument("--xml", required=True, help="the folder of the plugin's XML files")
+
+
+testing.parse_arguments(add_arguments)
+testing.load_plugin()
+testing.run()

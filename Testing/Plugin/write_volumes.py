@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes the volumes that the tests of the plugin read: write_volumes.py PLUGIN FOLDER
+
+    wave.vti    82 x 76 x 67 samples of ParaView's Wavelet, float, at a negative extent
+    wave.bvol   the same as a blocked volume of 4 stores and blocks of 16 cells
+"""
+import os
+import sys
+
+from paraview import simple
+
+plugin, folder = sys.argv[1:3]
+os.makedirs(folder, exist_ok=True)
+simple.LoadPlugin(plugin, ns=globals())
+wave = simple.Wavelet(WholeExtent=[-40, 41, -35, 40, -30, 36])
+simple.SaveData(os.path.join(folder, "wave.vti"), proxy=wave, DataMode="Binary")
+simple.SaveData(
+    os.path.join(folder, "wave.bvol"), proxy=wave, BlockSize=16, NumberOfStores=4
+)

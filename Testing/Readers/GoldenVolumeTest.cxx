@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files of format version 1 stay readable, and mean the same, for ever. What is compared here was
+// computed when they were written; neither may change together with the code.
+#include "BlockChecks.h"
+#include "ScratchFolder.h"
+#include "TestVolumes.h"
+#include "VolumeDamage.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkStabbingContour.h"
+
+#include "vtkExecutive.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+
+#include <filesystem>
+
+namespace isosurface
+{
+namespace
+{
+
+std::string GetDataPath(const std::string& name)
+{
+  return std::string(ISOSURFACE_TEST_DATA) + "/" + name;
+}
+
+// The contents, told once more by a formula in whole numbers.
+vtkSmartPointer<vtkImageData> MakeGoldenImage()
+{
+  const Extent extent{ -3, 17, 5, 21, 0, 17 };
+  auto image = MakeImage(extent, VTK_SHORT,
+    [](int i, int j, int k) { return (7 * i * i + 11 * j * k + 13 * k) % 40 - 10; });
+  const auto other = MakeImage(
+    extent, VTK_UNSIGNED_CHAR, [](int i, int j, int k) { return (i * i + j * j + k * k) / 20; });
+  other->GetPointData()->GetScalars()->SetName("distance");
+  image->GetPointData()->AddArray(other->GetPointData()->GetScalars());
+  image->SetOrigin(10, -20, 0.5);
+  image->SetSpacing(0.5, 1, 2);
+  image->SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1);
+  return image;
+}
+
+constexpr vtkIdType DensityTriangles = 13488;
+constexpr vtkIdType DensityPoints = 8147;
+constexpr vtkIdType DistanceTriangles = 941;
+constexpr vtkIdType DistancePoints = 514;
+
+constexpr VolumeSettings GoldenSettings{ 16, 2, vtkBlockedVolumeWriter::GREEDY };
+
+vtkSmartPointer<vtkPolyData> ContourFile(
+  const std::string& path, const char* array, double isovalue)
+{
+  vtkNew<vtkBlockedVolumeReader> reader;
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter readerErrors(reader);
+  const ErrorCounter errors(contour);
+  reader->SetFileName(path.c_str());
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, array);
+  contour->SetValue(0, isovalue);
+  contour->Update();
+  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  return contour->GetOutput();
+}
+
+TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
+{
+  vtkNew<vtkBlockedVolumeReader> reader;
+  const ErrorCounter errors(reader);
+  reader->SetFileName(GetDataPath("golden-v1/golden.bvol").c_str());
+  const auto blocks = ReadPiece(reader, 0, 1);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_EQ(reader->GetLevel(), 0);
+  const auto image = MakeGoldenImage();
+  const BlockChecks checks{ image };
+  EXPECT_TRUE(checks.HaveValues({ blocks }, "density"));
+  EXPECT_TRUE(checks.HaveValues({ blocks }, "distance"));
+  EXPECT_TRUE(checks.HaveEachCellOnce({ blocks }));
+}
+
+TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
+{
+  const std::string path = GetDataPath("golden-v1/golden.bvol");
+  const auto density = ContourFile(path, "density", 15.5);
+  EXPECT_EQ(density->GetNumberOfPolys(), DensityTriangles);
+  EXPECT_EQ(density->GetNumberOfPoints(), DensityPoints);
+  EXPECT_EQ(GetCost(density, "ActiveBlocks"), 4u);
+  const auto distance = ContourFile(path, "distance", 12);
+  EXPECT_EQ(distance->GetNumberOfPolys(), DistanceTriangles);
+  EXPECT_EQ(distance->GetNumberOfPoints(), DistancePoints);
+
+  EdgeSurface surface;
+  surface.Add(density);
+  EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(MakeGoldenImage(), 15.5)));
+}
+
+TEST(GoldenVolume, IsWrittenByteForByteToday)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("golden.bvol");
+  WriteVolume(MakeGoldenImage(), path, GoldenSettings);
+  const std::string golden = GetDataPath("golden-v1/golden.bvol");
+  const std::vector<std::string> names = ListVolumeFiles(golden);
+  EXPECT_EQ(ListVolumeFiles(path), names);
+  for (const std::string& name : names)
+  {
+    EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("golden-v1/" + name)))
+      << name << " differs: a change of format needs a new version, specification and golden file";
+  }
+}
+
+TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("golden.bvol");
+  CopyVolume(GetDataPath("golden-v1/golden.bvol"), path);
+  const std::string good = ReadBytes(path);
+  const auto image = MakeGoldenImage();
+  vtkNew<vtkBlockedVolumeReader> reader;
+  const ErrorCounter errors(reader);
+  const ErrorCounter executiveErrors(reader->GetExecutive());
+  reader->SetFileName(path.c_str());
+  int accepted = 0;
+  for (std::size_t byte = 0; byte < good.size(); ++byte)
+  {
+    std::string bad = good;
+    bad[byte] ^= static_cast<char>(1 << (byte % 8));
+    WriteBytes(path, bad);
+    reader->Modified();
+    const std::size_t before = errors.Messages.size();
+    reader->Update();
+    if (errors.Messages.size() == before)
+    {
+      // A blank that became another one, at most: it must mean the same.
+      ++accepted;
+      EXPECT_TRUE((BlockChecks{ image }.HaveValues({ reader->GetOutput() }, "density"))) << byte;
+      continue;
+    }
+    ASSERT_EQ(errors.Messages.size(), before + 1) << byte;
+    ASSERT_NE(errors.Messages.back().find("golden.bvol"), std::string::npos)
+      << errors.Messages.back();
+    ASSERT_EQ(reader->GetOutput()->GetNumberOfPartitions(), 0u);
+  }
+  EXPECT_LT(accepted, 20);
+}
+
+// Committed as they are: what programs of other times must refuse, and how.
+TEST(BadVolumes, AreRefusedWithFileAndReason)
+{
+  const std::vector<VolumeDamage> files = {
+    { "corrupt-header.bvol", {}, "corrupt-header.bvol", "checksum" },
+    { "newer-version.bvol", {}, "newer-version.bvol", "format version 2" },
+  };
+  for (const VolumeDamage& file : files)
+  {
+    EXPECT_TRUE(vtkBlockedVolumeReader::CanReadFile(GetDataPath(file.Name).c_str()));
+    vtkNew<vtkBlockedVolumeReader> reader;
+    const ErrorCounter errors(reader);
+    const ErrorCounter executiveErrors(reader->GetExecutive());
+    reader->SetFileName(GetDataPath(file.Name).c_str());
+    reader->Update();
+    EXPECT_TRUE(IsOneMessageAbout(errors.Messages, file))
+      << testing::PrintToString(errors.Messages);
+  }
+}
+
+} // namespace
+} // namespace isosurface

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One message that names file and reason; none of what cannot be trusted; and all is well again
+// once the cause is mended.
+#include "BlockChecks.h"
+#include "ScratchFolder.h"
+#include "TestVolumes.h"
+#include "VolumeDamage.h"
+
+#include "vtkBlockedVolumeReader.h"
+
+#include "vtkExecutive.h"
+#include "vtkPartitionedDataSet.h"
+
+#include <filesystem>
+
+namespace isosurface
+{
+namespace
+{
+
+class ReaderErrors : public testing::TestWithParam<VolumeDamage>
+{
+};
+
+TEST_P(ReaderErrors, NameFileAndReasonOnce)
+{
+  const ScratchFolder folder;
+  const auto image = MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteVolume(image, path, { 16, 2 });
+  std::filesystem::create_directory(folder.GetPath("good"));
+  CopyVolume(path, folder.GetPath("good/volume.bvol"));
+  GetParam().Apply(path);
+
+  vtkNew<vtkBlockedVolumeReader> reader;
+  const ErrorCounter errors(reader);
+  const ErrorCounter executiveErrors(reader->GetExecutive());
+  reader->SetFileName(path.c_str());
+  reader->UpdateInformation();
+  reader->Update();
+  if (GetParam().IsOfIndex)
+  {
+    EXPECT_EQ(errors.Messages, std::vector<std::string>()) << "the index is not needed";
+    EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce({ reader->GetOutput() })));
+    return;
+  }
+  EXPECT_TRUE(IsOneMessageAbout(errors.Messages, GetParam()))
+    << testing::PrintToString(errors.Messages);
+  EXPECT_EQ(reader->GetOutput()->GetNumberOfPartitions(), 0u);
+
+  std::filesystem::remove(path);
+  std::filesystem::remove_all(path + ".stores");
+  CopyVolume(folder.GetPath("good/volume.bvol"), path);
+  reader->Modified();
+  const auto blocks = ReadPiece(reader, 0, 1);
+  EXPECT_TRUE((BlockChecks{ image }.HaveValues({ blocks }, "density")));
+  EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce({ blocks })));
+}
+
+std::string NameOfDamage(const testing::TestParamInfo<VolumeDamage>& info)
+{
+  return info.param.Name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Damages, ReaderErrors, testing::ValuesIn(MakeDamages()), NameOfDamage);
+
+TEST(ReaderErrorsOfName, AreToldOnce)
+{
+  const ScratchFolder folder;
+  for (const char* name : { static_cast<const char*>(nullptr), "" })
+  {
+    vtkNew<vtkBlockedVolumeReader> reader;
+    const ErrorCounter errors(reader);
+    const ErrorCounter executiveErrors(reader->GetExecutive());
+    reader->SetFileName(name);
+    reader->Update();
+    EXPECT_TRUE(IsOneMessageAbout(errors.Messages, { "", {}, "", "No file name is set" }));
+  }
+  vtkNew<vtkBlockedVolumeReader> reader;
+  const ErrorCounter errors(reader);
+  const ErrorCounter executiveErrors(reader->GetExecutive());
+  const std::string path = folder.GetPath("folder.bvol");
+  std::filesystem::create_directory(path);
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  EXPECT_TRUE(IsOneMessageAbout(errors.Messages, { "", {}, "folder.bvol", "" }))
+    << testing::PrintToString(errors.Messages);
+}
+
+TEST(ReaderMemoryLimit, LimitIsAtLeastAMebibyte)
+{
+  const ScratchFolder folder;
+  const auto image = MakeImage({ 0, 9, 0, 9, 0, 9 }, VTK_DOUBLE, MakeNoise(250, 3));
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteVolume(image, path, { 16, 2 });
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->SetMemoryLimit(-3);
+  EXPECT_EQ(reader->GetMemoryLimit(), 1) << "the least there is";
+  EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce({ ReadPiece(reader, 0, 1) })));
+}
+
+} // namespace
+} // namespace isosurface

@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Compares blocked volumes with the samples that they were made from, through the second reader.
+
+usage: check_blocked_volumes.py FOLDER, with volumes as WriteSampleVolumes makes them.
+"""
+import array
+import glob
+import os
+import random
+import shutil
+import sys
+
+from read_blocked_volume import TYPES, BlockedVolume, make_key
+from read_interval_tree import FormatError, check, read_file
+
+
+def check_samples(volume, sources):
+    """Every sample of every block at every level; returns the own samples' key ranges."""
+    strides = (1, volume.dimensions[0], volume.dimensions[0] * volume.dimensions[1])
+    ranges = [[] for _ in volume.stores]
+    for store, found in zip(volume.stores, ranges):
+        for ordinal in range(store.count):
+            block, samples = store.read_segments(ordinal)
+            found.append([])
+            for number, source in enumerate(sources):
+                for level in range(volume.levels):
+                    (x0, x1), ys, zs = volume.find_box(block, level, True)
+                    expected = array.array(source.typecode)
+                    for k in range(*zs):
+                        for j in range(*ys):
+                            row = (j << level) * strides[1] + (k << level) * strides[2]
+                            expected += source[row + (x0 << level):
+                                               row + (x1 - 1 << level) + 1:1 << level]
+                    decoded = volume.decode(block, samples, number, level)
+                    check(decoded.tobytes() == expected.tobytes(),
+                          f"{store.path}: block {block}, array {number}, level {level} differs")
+                keys = find_keys(volume, block, source, strides, number)
+                found[-1].append((min(keys), max(keys)))
+    return ranges
+
+
+def find_keys(volume, block, source, strides, number):
+    (x0, x1), ys, zs = volume.find_box(block, 0, False)
+    type_name = volume.arrays[number]["type"]
+    values = set()
+    for k in range(*zs):
+        for j in range(*ys):
+            row = j * strides[1] + k * strides[2]
+            values.update(source[row + x0:row + x1])
+    return [make_key(value, type_name) for value in values]
+
+
+def check_queries(volume, ranges, number):
+    for store, of_store in zip(volume.stores, ranges):
+        tree = store.trees[number]
+        intervals = [(*pair[number], ordinal) for ordinal, pair in enumerate(of_store)]
+        ends = sorted({end for interval in intervals for end in interval[:2]}) or [0]
+        queries = random.sample(ends, min(len(ends), 60)) + [0, 1, 2**64 - 1]
+        queries += [end + shift for end in random.sample(ends, min(len(ends), 60))
+                    for shift in (-1, 1) if 0 <= end + shift < 2**64]
+        pairs = [(key, key) for key in queries]
+        pairs += [tuple(sorted(random.choices(queries, k=2))) for _ in range(40)] + [(0, 2**64 - 1)]
+        for low, high in pairs:
+            expected = [i for i in intervals if i[0] <= high and i[1] >= low]
+            check(sorted(tree.find(low, high)) == sorted(expected),
+                  f"{tree.file.path}: another answer for {low} to {high}")
+
+
+def check_active(volume, sources, number, isovalue):
+    expected = [[] for _ in volume.stores]
+    strides = (1, volume.dimensions[0], volume.dimensions[0] * volume.dimensions[1])
+    for store, ordinals in zip(volume.stores, expected):
+        for ordinal in range(store.count):
+            (x0, x1), ys, zs = volume.find_box(store.find_block(ordinal)[0], 0, False)
+            inside = {value >= isovalue for k in range(*zs) for j in range(*ys)
+                      for value in sources[number][j * strides[1] + k * strides[2] + x0:
+                                                   j * strides[1] + k * strides[2] + x1]}
+            if len(inside) == 2:
+                ordinals.append(ordinal)
+    check(volume.find_active(number, isovalue) == expected,
+          f"array {number}: other active blocks at {isovalue}")
+
+
+def check_ranges(volume, sources):
+    finite = float("inf")
+    for source, told, description in zip(sources, volume.header["timeSteps"][0]["ranges"],
+                                         volume.arrays):
+        values = [value for value in source if -finite < value < finite]
+        most = 2**64 - 2 if description["type"] == "uint64" else max(values)
+        check(told == [min(values), min(most, max(values))], f"range of {description['name']}")
+
+
+def check_damage(path):
+    """Flips one bit after the other; the reader must notice each."""
+    copy = path + ".damaged"
+    shutil.rmtree(copy + ".stores", ignore_errors=True)
+    shutil.copyfile(path, copy)
+    shutil.copytree(path + ".stores", copy + ".stores")
+    files = [copy] + [name for name in glob.glob(copy + ".stores/**", recursive=True)
+                      if os.path.isfile(name)]
+    for name in files:
+        good = read_file(name)
+        for _ in range(8 if good else 0):  # a store without blocks has an empty file of them
+            damaged = bytearray(good)
+            damaged[random.randrange(len(good))] ^= 1 << random.randrange(8)
+            with open(name, "wb") as file:
+                file.write(damaged)
+            try:
+                BlockedVolume(copy).verify()
+            except FormatError:
+                continue
+            raise FormatError(f"{name}: a flipped bit goes unnoticed")
+        with open(name, "wb") as file:
+            file.write(good)
+    BlockedVolume(copy).verify()
+
+
+def check_volume(path):
+    volume = BlockedVolume(path)
+    volume.verify()
+    sources = []
+    for number, description in enumerate(volume.arrays):
+        source = array.array(TYPES[description["type"]][0])
+        source.frombytes(read_file(f"{path[:-5]}.array-{number}.raw"))
+        sources.append(source)
+    check_ranges(volume, sources)
+    ranges = check_samples(volume, sources)
+    for number, source in enumerate(sources):
+        check_queries(volume, ranges, number)
+        for isovalue in (0.0, -1e300, 1e300, 40.5, float(random.choice(source))):
+            check_active(volume, sources, number, isovalue)
+    lists = volume.stores[0].trees[0].lists_read
+    print(f"{path}: {volume.block_count} blocks, tree height {volume.stores[0].trees[0].root[3]}, "
+          f"lists read {lists}: as the source has it")
+    return lists
+
+
+def main(folder):
+    random.seed(1)
+    paths = sorted(glob.glob(os.path.join(folder, "*.bvol")))
+    check(len(paths) == 4, f"{folder}: not the volumes that were written")
+    kinds = [check_volume(path) for path in paths]
+    unused = [kind for kind in kinds[0] if not any(lists[kind] for lists in kinds)]
+    check(not unused, f"no tree has lists of the kinds {unused}")
+    check_damage(os.path.join(folder, "empty-stores.bvol"))
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1])
+    except FormatError as error:
+        sys.exit(str(error))

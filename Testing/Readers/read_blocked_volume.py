@@ -1,0 +1,259 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads blocked volumes: a second implementation of blocked-volume.md.
+
+It was written from Documentation/formats alone, to prove that these texts tell all. It checks every
+rule that it can see, and needs no more than read_interval_tree.py does.
+"""
+import argparse
+import array
+import json
+import math
+import os
+import struct
+import sys
+
+from read_interval_tree import FormatError, IntervalTree, PagedFile, check, hash64, read_file
+
+
+# By name of the type: code of array and struct, signed integer, bits.
+TYPES = {"int8": ("b", True, 8), "uint8": ("B", False, 8), "int16": ("h", True, 16),
+         "uint16": ("H", False, 16), "int32": ("i", True, 32), "uint32": ("I", False, 32),
+         "int64": ("q", True, 64), "uint64": ("Q", False, 64),
+         "float32": ("f", None, 32), "float64": ("d", None, 64)}
+
+
+def make_key(value, type_name):
+    code, signed, bits = TYPES[type_name]
+    if signed is not None:
+        least = -(1 << (bits - 1)) if signed else 0
+        return min(value - least + 1, 2**64 - 1)
+    if math.isnan(value):
+        return 0
+    raw = struct.unpack("<" + {32: "I", 64: "Q"}[bits], struct.pack("<" + code, value + 0.0))[0]
+    sign = 1 << (bits - 1)
+    return raw ^ (2 * sign - 1) if raw & sign else raw | sign
+
+
+def make_threshold_key(isovalue, type_name):
+    """The key of the least value of the type that is >= isovalue, or None."""
+    _, signed, bits = TYPES[type_name]
+    if math.isnan(isovalue):
+        return None
+    if signed is not None:
+        least = -(1 << (bits - 1)) if signed else 0
+        end = least + (1 << bits)
+        if isovalue >= end or math.isinf(isovalue):
+            return make_key(least, type_name) if isovalue < 0 else None
+        ceiling = max(least, math.ceil(isovalue))
+        return make_key(ceiling, type_name) if ceiling < end else None
+    if bits == 64 or math.isinf(isovalue):
+        return make_key(isovalue, type_name)
+    try:
+        nearest = struct.unpack("<f", struct.pack("<f", isovalue))[0]
+    except OverflowError:  # beyond the range of float32
+        nearest = math.copysign(math.inf, isovalue)
+    # Keys of successive floats are successive, -0.0 and 0.0 apart, which are one value.
+    key = make_key(nearest, type_name)
+    negative_zero = 0x7fffffff
+    return key + (2 if key + 1 == negative_zero else 1) if nearest < isovalue else key
+
+
+def read_document(path, format_name):
+    content = read_file(path)
+    try:
+        document = json.loads(content.decode(),
+                              parse_constant=lambda name: check(False, f"{path}: {name}"))
+    except ValueError as error:
+        raise FormatError(f"{path}: {error}") from error
+    check(isinstance(document, dict) and document.get("format") == format_name,
+          f"{path}: is no {format_name}")
+    check(document.get("formatVersion") == 1, f"{path}: another version")
+    covered = content[:content.rfind(b'"checksum"')]
+    found = f"{hash64(covered):016x}"
+    check(document.get("checksum") == found, f"{path}: the checksum is {found}")
+    return document
+
+
+class Store:
+    def __init__(self, volume, folder, description):
+        self.volume = volume
+        self.path = os.path.join(folder, "blocks")
+        self.records = read_file(self.path)
+        check(len(self.records) == description["bytes"], f"{self.path}: wrong size")
+        self.checksum = description["checksum"]
+        self.directory = PagedFile(os.path.join(folder, "directory"), b"BLOCKDIR")
+        self.segments = len(volume.arrays) * volume.levels
+        self.count, segments = struct.unpack_from("<QI", self.directory.client_area)
+        self.per_page = (self.directory.page_size - 8) // (16 + 4 * self.segments)
+        check(self.count == description["blocks"] and segments == self.segments
+              and not any(self.directory.client_area[12:])
+              and self.directory.page_count == 1 + -(-self.count // self.per_page),
+              f"{self.directory.path}: does not fit the header")
+        self.trees = [IntervalTree(os.path.join(folder, f"array-{number}.tree"))
+                      for number in range(len(volume.arrays))]
+        check(all(tree.count == self.count for tree in self.trees), f"{folder}: a tree's count")
+
+    def find_block(self, ordinal):
+        """Index, offset, and the segments' lengths of a block."""
+        page, entry = divmod(ordinal, self.per_page)
+        values = struct.unpack_from(f"<QQ{self.segments}I", self.directory.read(1 + page),
+                                    entry * (16 + 4 * self.segments))
+        block, offset, lengths = values[0], values[1], values[2:]
+        check(block < self.volume.block_count and offset % 4096 == 0
+              and offset + sum(lengths) + 16 * self.segments <= len(self.records),
+              f"{self.directory.path}: impossible entry {ordinal}")
+        return block, offset, lengths
+
+    def read_segments(self, ordinal):
+        """The block's index, and checked samples by array and level."""
+        block, offset, lengths = self.find_block(ordinal)
+        samples = {}
+        for number, stored in enumerate(lengths):
+            where, level = divmod(number, self.volume.levels)
+            level = self.volume.levels - 1 - level
+            name = f"{self.path}: block {block}, array {where}, level {level}"
+            checksum, own, codec, filter_, _ = struct.unpack_from("<QIBBH", self.records, offset)
+            seed = hash64(struct.pack("<QII", block, where, level))
+            check(checksum == hash64(self.records[offset + 8:offset + 16 + stored], seed),
+                  f"{name}: wrong checksum")
+            check(own == stored and codec == 0 and filter_ == 0, f"{name}: length or codec")
+            values = array.array(TYPES[self.volume.arrays[where]["type"]][0])
+            values.frombytes(self.records[offset + 16:offset + 16 + stored])
+            samples[where, level] = values
+            offset += 16 + stored
+        check(not any(self.records[offset:-(-offset // 4096) * 4096]), f"{name}: no zeros behind")
+        return block, samples
+
+    def verify(self):
+        """Checks everything; returns the block indices by ordinal."""
+        for file in [self.directory] + [tree.file for tree in self.trees]:
+            for page in range(file.page_count):
+                file.read(page)
+        for tree in self.trees:
+            payloads = sorted(r[2] for r in tree.find(0, 2**64 - 1))
+            check(payloads == list(range(self.count)), f"{tree.file.path}: not all ordinals once")
+        blocks, checksum, used = [], 0, 0
+        for ordinal in range(self.count):
+            blocks.append(self.read_segments(ordinal)[0])
+            _, offset, lengths = self.find_block(ordinal)
+            sums = [checksum]
+            for stored in lengths:
+                sums += struct.unpack_from("<Q", self.records, offset)
+                offset += 16 + stored
+            checksum = hash64(struct.pack(f"<{len(sums)}Q", *sums))
+            used += -(-(sum(lengths) + 16 * self.segments) // 4096) * 4096
+        check(f"{checksum:016x}" == self.checksum, f"{self.path}: wrong checksum of the store")
+        check(used == len(self.records), f"{self.path}: holds more than its records")
+        return blocks
+
+
+class BlockedVolume:
+    def __init__(self, path, time_step=0):
+        self.header = read_document(path, "ScalableIsosurface blocked volume")
+        self.arrays = self.header["arrays"]
+        self.block_size = self.header["blockSize"]
+        check(self.block_size in (16, 32, 64), f"{path}: block size")
+        self.levels = self.block_size.bit_length()
+        check(self.header["numberOfLevels"] == self.levels and self.header["ghostLayers"] == 1
+              and self.header["compression"] == "none"
+              and all(a["components"] == 1 and a["type"] in TYPES for a in self.arrays),
+              f"{path}: needs a newer reader")
+        extent = self.header["grid"]["extent"]
+        self.dimensions = [extent[2 * axis + 1] - extent[2 * axis] + 1 for axis in range(3)]
+        self.blocks = [max(1, -(-(n - 1) // self.block_size)) for n in self.dimensions]
+        self.block_count = math.prod(self.blocks)
+        step = self.header["timeSteps"][time_step]
+        folder = os.path.join(path + ".stores", step["folder"])
+        check(len(step["stores"]) == self.header["stores"]
+              and sum(store["blocks"] for store in step["stores"]) == self.block_count,
+              f"{path}: numbers of stores or blocks")
+        self.stores = [Store(self, os.path.join(folder, f"store-{number:05d}"), store)
+                       for number, store in enumerate(step["stores"])]
+        self.spectra = read_document(os.path.join(folder, "spectra.json"),
+                                     "ScalableIsosurface spectra")
+
+    def find_box(self, block, level, ghosted):
+        """Per axis [low, high) in the level's coordinates."""
+        box = []
+        for axis in range(3):
+            block, index = divmod(block, self.blocks[axis])
+            first = index * self.block_size
+            last = min(first + self.block_size, self.dimensions[axis] - 1)
+            low, high = first >> level, last >> level
+            if ghosted:
+                low, high = max(0, low - 1), min((self.dimensions[axis] - 1) >> level, high + 1)
+            box.append((low, high + 1))
+        return box
+
+    def decode(self, block, samples, number, level):
+        """The samples of an array on the block's ghosted box at a level, x fastest."""
+        (x0, x1), (y0, y1), (z0, z1) = self.find_box(block, level, True)
+        width, height = x1 - x0, y1 - y0
+        result = array.array(samples[number, level].typecode)
+        result.frombytes(bytes(result.itemsize * width * height * (z1 - z0)))
+        for source in range(self.levels - 1, level - 1, -1):
+            segment, position, shift = samples[number, source], 0, source - level
+            ghosted = self.find_box(block, source, True)
+            own = ghosted if shift == 0 else self.find_box(block, source, False)
+            for k in range(*ghosted[2]):
+                for j in range(*ghosted[1]):
+                    is_whole = source == self.levels - 1 or (j | k) % 2 == 1
+                    step = 1 if is_whole else 2
+                    begin = ghosted[0][0] if is_whole else ghosted[0][0] | 1
+                    row = range(begin, ghosted[0][1], step)
+                    if own[2][0] <= k < own[2][1] and own[1][0] <= j < own[1][1] and row:
+                        skip = int(row[0] < own[0][0])
+                        end = len(row) - int(row[-1] >= own[0][1])
+                        to = ((row[0] + step * skip << shift) - x0 + width *
+                              ((j << shift) - y0 + height * ((k << shift) - z0)))
+                        stride = step << shift
+                        if skip < end:
+                            result[to:to + stride * (end - skip - 1) + 1:stride] = \
+                                segment[position + skip:position + end]
+                    position += len(row)
+            check(position == len(segment), f"block {block}: impossible length at level {source}")
+        return result
+
+    def find_active(self, number, isovalue):
+        """Per store the ordinals of the blocks that the isosurface passes."""
+        key = make_threshold_key(isovalue, self.arrays[number]["type"])
+        return [sorted(r[2] for r in store.trees[number].find(key, key) if r[0] != key)
+                if key is not None else [] for store in self.stores]
+
+    def verify(self):
+        blocks = sorted(block for store in self.stores for block in store.verify())
+        check(blocks == list(range(self.block_count)), "the stores do not have each block once")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Checks a blocked volume; tells what is in it.")
+    parser.add_argument("volume", help="the .bvol file")
+    parser.add_argument("--blocks", action="store_true", help="list the blocks of all stores")
+    parser.add_argument("--array", type=int, default=0, help="number of an array")
+    parser.add_argument("--isovalue", type=float, help="list the active blocks")
+    parser.add_argument("--samples", nargs=3, type=int, metavar=("STORE", "ORDINAL", "LEVEL"),
+                        help="print the samples of a block, ghost layer included")
+    options = parser.parse_args()
+    volume = BlockedVolume(options.volume)
+    volume.verify()
+    print(f"{options.volume}: {volume.dimensions} vertices, {volume.block_count} blocks, "
+          f"{len(volume.stores)} stores, arrays {[a['name'] for a in volume.arrays]}: sound")
+    active = None if options.isovalue is None else volume.find_active(options.array,
+                                                                      options.isovalue)
+    for number, store in enumerate(volume.stores):
+        for ordinal in range(store.count) if active is None else active[number]:
+            if options.blocks or active is not None:
+                print("store", number, "ordinal", ordinal, "block", store.find_block(ordinal)[0])
+    if options.samples:
+        store, ordinal, level = options.samples
+        block, samples = volume.stores[store].read_segments(ordinal)
+        print(volume.find_box(block, level, True))
+        print(*volume.decode(block, samples, options.array, level))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (FormatError, OSError) as error:
+        sys.exit(str(error))

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BlockChecks.h"
+#include "EventCounter.h"
+#include "FileSizeLimit.h"
+#include "ScratchFolder.h"
+#include "TestVolumes.h"
+
+#include "vtkBlockedVolumeReader.h"
+
+#include "vtkDataArray.h"
+#include "vtkErrorCode.h"
+#include "vtkExecutive.h"
+#include "vtkFloatArray.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPointData.h"
+#include "vtkStringArray.h"
+
+#include <filesystem>
+#include <limits>
+
+namespace isosurface
+{
+namespace
+{
+
+class BlockedVolumeWriter : public testing::Test
+{
+protected:
+  std::string GetPath() const { return this->Folder.GetPath("volume.bvol"); }
+
+  // Reads the file back and compares an array.
+  void ExpectRead(vtkImageData* image, const char* array)
+  {
+    vtkNew<vtkBlockedVolumeReader> reader;
+    reader->SetFileName(this->GetPath().c_str());
+    const auto blocks = ReadPiece(reader, 0, 1);
+    EXPECT_TRUE((BlockChecks{ image }.HaveValues({ blocks }, array))) << array;
+    EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce({ blocks })));
+  }
+
+  const ScratchFolder Folder;
+};
+
+TEST_F(BlockedVolumeWriter, WritesEveryNumericType)
+{
+  for (const int type : { VTK_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT,
+         VTK_UNSIGNED_SHORT, VTK_INT, VTK_UNSIGNED_INT, VTK_LONG, VTK_UNSIGNED_LONG, VTK_LONG_LONG,
+         VTK_UNSIGNED_LONG_LONG, VTK_ID_TYPE, VTK_FLOAT, VTK_DOUBLE })
+  {
+    const auto image = MakeImage({ -4, 16, 0, 17, 3, 20 }, type, MakeNoise(100, 1));
+    vtkDataArray* samples = image->GetPointData()->GetScalars();
+    // The largest that doubles have exactly, and the ends of the smaller types.
+    samples->SetComponent(5, 0, std::min(samples->GetDataTypeMax(), 9007199254740992.0));
+    samples->SetComponent(6, 0, std::max(samples->GetDataTypeMin(), -9007199254740992.0));
+    WriteVolume(image, this->GetPath(), { 16, 2 });
+    this->ExpectRead(image, "density");
+  }
+}
+
+TEST_F(BlockedVolumeWriter, KeepsInfinities)
+{
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
+  vtkDataArray* samples = image->GetPointData()->GetScalars();
+  samples->SetComponent(77, 0, std::numeric_limits<double>::infinity());
+  samples->SetComponent(78, 0, -std::numeric_limits<double>::infinity());
+  WriteVolume(image, this->GetPath());
+  this->ExpectRead(image, "density");
+}
+
+TEST_F(BlockedVolumeWriter, WritesAllArraysOfOneComponentActiveScalarsFirst)
+{
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
+  vtkNew<vtkFloatArray> vectors;
+  vectors->SetName("velocity");
+  vectors->SetNumberOfComponents(3);
+  vectors->SetNumberOfTuples(image->GetNumberOfPoints());
+  vectors->FillValue(1);
+  vtkNew<vtkStringArray> names;
+  names->SetName("names");
+  names->SetNumberOfValues(image->GetNumberOfPoints());
+  const auto other = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_INT, MakeNoise(100, 2));
+  other->GetPointData()->GetScalars()->SetName("temperature");
+  image->GetPointData()->AddArray(vectors);
+  image->GetPointData()->AddArray(names);
+  image->GetPointData()->SetScalars(other->GetPointData()->GetScalars());
+  image->GetPointData()->AddArray(
+    MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1))->GetPointData()->GetScalars());
+  WriteVolume(image, this->GetPath());
+
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(this->GetPath().c_str());
+  reader->UpdateInformation();
+  ASSERT_EQ(reader->GetNumberOfPointArrays(), 2);
+  EXPECT_STREQ(reader->GetPointArrayName(0), "temperature");
+  EXPECT_STREQ(reader->GetPointArrayName(1), "density");
+  this->ExpectRead(image, "temperature");
+  this->ExpectRead(image, "density");
+}
+
+TEST_F(BlockedVolumeWriter, WritesGhostSamplesLikeOthers)
+{
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
+  const auto part = CutImage(image, { 0, 20, 0, 20, 0, 20 }, { 0, 20, 0, 20, 0, 15 });
+  WriteVolume(part, this->GetPath());
+  this->ExpectRead(image, "density");
+}
+
+TEST_F(BlockedVolumeWriter, WritesTheSameBytesAgain)
+{
+  const auto image = MakeClosedVolume({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT);
+  std::vector<std::uint64_t> fingerprints;
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    std::filesystem::remove(this->GetPath());
+    std::filesystem::remove_all(this->GetPath() + ".stores");
+    WriteVolume(image, this->GetPath(), { 16, 3, vtkBlockedVolumeWriter::RANDOM });
+    fingerprints.push_back(ComputeFingerprint(this->GetPath()));
+  }
+  EXPECT_EQ(fingerprints[0], fingerprints[1]);
+}
+
+TEST_F(BlockedVolumeWriter, ReplacesOldFileAndItsStores)
+{
+  WriteVolume(
+    MakeImage({ 0, 40, 0, 40, 0, 40 }, VTK_FLOAT, MakeNoise(100, 1)), this->GetPath(), { 16, 5 });
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));
+  WriteVolume(image, this->GetPath(), { 16, 1 });
+  this->ExpectRead(image, "density");
+  // One generation with one store: header, blocks, directory, tree and spectra.
+  EXPECT_EQ(ListVolumeFiles(this->GetPath()).size(), 5u);
+}
+
+TEST_F(BlockedVolumeWriter, TellsProgressThatRises)
+{
+  const auto image = MakeClosedVolume({ 0, 60, 0, 60, 0, 60 }, VTK_SHORT);
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  const ProgressKeeper progress(writer);
+  writer->SetInputData(image);
+  writer->SetFileName(this->GetPath().c_str());
+  writer->SetNumberOfStores(3);
+  EXPECT_EQ(writer->Write(), 1);
+  EXPECT_TRUE(progress.IsRising()) << testing::PrintToString(progress.Shares);
+  EXPECT_GT(progress.Shares.size(), 3u);
+}
+
+TEST_F(BlockedVolumeWriter, StopsWhenToldToAndLeavesOldFile)
+{
+  const auto old = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));
+  WriteVolume(old, this->GetPath());
+  const std::uint64_t before = ComputeFingerprint(this->GetPath());
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  writer->SetInputData(MakeClosedVolume({ 0, 60, 0, 60, 0, 60 }, VTK_FLOAT));
+  writer->SetFileName(this->GetPath().c_str());
+  writer->SetNumberOfStores(3);
+  for (const double stop : { 0.0, 0.1, 0.5, 0.9 })
+  {
+    const ErrorCounter errors(writer);
+    const ProgressKeeper progress(writer,
+      [&](double share)
+      {
+        if (share > stop && share < 1)
+        {
+          writer->SetAbortExecute(1);
+        }
+      });
+    EXPECT_EQ(writer->Write(), 0) << stop;
+    EXPECT_EQ(errors.Messages, std::vector<std::string>());
+    EXPECT_EQ(ComputeFingerprint(this->GetPath()), before) << stop;
+    writer->SetAbortExecute(0);
+  }
+  EXPECT_EQ(writer->Write(), 1);
+  EXPECT_NE(ComputeFingerprint(this->GetPath()), before);
+}
+
+TEST_F(BlockedVolumeWriter, FullDiskLeavesOldFile)
+{
+  const auto old = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));
+  WriteVolume(old, this->GetPath());
+  const std::uint64_t before = ComputeFingerprint(this->GetPath());
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  writer->SetInputData(MakeClosedVolume({ 0, 60, 0, 60, 0, 60 }, VTK_FLOAT));
+  writer->SetFileName(this->GetPath().c_str());
+  // Stops at the header or the small files of the index, or at the blocks.
+  for (const rlim_t bytes : { 100, 5000, 100000 })
+  {
+    const FileSizeLimit limit(bytes);
+    const ErrorCounter errors(writer);
+    EXPECT_EQ(writer->Write(), 0) << bytes;
+    EXPECT_EQ(
+      writer->GetErrorCode(), static_cast<unsigned long>(vtkErrorCode::OutOfDiskSpaceError));
+    ASSERT_EQ(errors.Messages.size(), 1u) << bytes;
+    EXPECT_NE(errors.Messages[0].find(this->GetPath()), std::string::npos);
+    EXPECT_NE(errors.Messages[0].find("File too large"), std::string::npos);
+    EXPECT_EQ(ComputeFingerprint(this->GetPath()), before) << bytes;
+  }
+  this->ExpectRead(old, "density");
+  EXPECT_EQ(writer->Write(), 1);
+}
+
+} // namespace
+} // namespace isosurface
