@@ -99,6 +99,20 @@ public:
     return Status::Ok();
   }
 
+  /// Goes on to the end of the stream's member, where its checksum stands; unless inflating began
+  /// in the middle of it.
+  Status CheckEnd(std::vector<std::uint8_t>& scratch)
+  {
+    Status status;
+    const std::uint64_t members = this->Members;
+    std::size_t count = 0;
+    while (status.IsOk() && !this->IsRaw && this->Members == members)
+    {
+      status = this->Inflate(scratch.data(), scratch.size(), count);
+    }
+    return status;
+  }
+
 private:
   Status FillInput()
   {
@@ -123,6 +137,7 @@ private:
     // Without a header, zlib does not expect the trailer either.
     this->In = this->GetIn() + (this->IsRaw ? GzipTrailerSize : 0);
     this->IsRaw = false;
+    ++this->Members;
     this->Stream.avail_in = 0;
     ::inflateReset2(&this->Stream, AnyHeader);
     return Status::Ok();
@@ -132,6 +147,7 @@ private:
   std::uint64_t In; ///< behind what stands in Input
   std::uint64_t Out;
   bool IsRaw;
+  std::uint64_t Members = 0; ///< that have ended
   std::vector<std::uint8_t> Input;
   z_stream Stream = {};
 };
@@ -211,6 +227,10 @@ Status GzipFile::Read(std::uint64_t offset, std::size_t size, void* bytes) const
     {
       this->NotePlace();
     }
+  }
+  if (status.IsOk() && this->State->GetOut() == this->Size)
+  {
+    status = this->State->CheckEnd(skipped);
   }
   if (!status.IsOk())
   {

@@ -29,14 +29,16 @@ inline void WriteFile(MemoryDisk& disk, const std::string& path, const Bytes& by
 
 inline Bytes MakeBytes(const std::string& text)
 {
-  return Bytes(text.begin(), text.end());
+  Bytes bytes(text.size());
+  std::copy(text.begin(), text.end(), bytes.begin());
+  return bytes;
 }
 
 /// What gzip, or zlib (15 window bits), makes of some bytes.
 inline Bytes Deflate(const Bytes& bytes, int windowBits = 15 + 16)
 {
   z_stream stream = {};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, windowBits, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  EXPECT_EQ(deflateInit2(&stream, 1, Z_DEFLATED, windowBits, 8, Z_DEFAULT_STRATEGY), Z_OK);
   Bytes result(deflateBound(&stream, bytes.size()) + 64);
   stream.next_in = const_cast<Bytef*>(bytes.data());
   stream.avail_in = static_cast<uInt>(bytes.size());
