@@ -1,14 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Source/RawSource.h"
 
-#include "Base/Buffer.h"
-
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include <sys/mman.h>
 
 namespace isosurface
 {
 namespace
 {
+
+/// Memory straight from the system, which gets it back at once: slabs are large, and a heap would
+/// keep some of them.
+class PageBuffer
+{
+public:
+  explicit PageBuffer(std::size_t size)
+    : Size(size)
+    , Pages(::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))
+  {
+  }
+  PageBuffer(const PageBuffer&) = delete;
+  PageBuffer& operator=(const PageBuffer&) = delete;
+  ~PageBuffer()
+  {
+    if (this->IsValid())
+    {
+      ::munmap(this->Pages, this->Size);
+    }
+  }
+  bool IsValid() const { return this->Pages != MAP_FAILED; }
+  std::uint8_t* GetData() const { return static_cast<std::uint8_t*>(this->Pages); }
+  std::size_t GetSize() const { return this->Size; }
+
+private:
+  std::size_t Size;
+  void* Pages;
+};
 
 template <typename T>
 void SwapBytes(std::uint8_t* bytes, std::size_t samples)
@@ -28,8 +59,13 @@ std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 
 Result<SampleSlab> RawSource::Read(const VertexBox& box)
 {
-  auto samples =
-    std::make_shared<Buffer<std::uint8_t>>(static_cast<std::size_t>(this->GetReadBytes(box)));
+  auto samples = std::make_shared<PageBuffer>(static_cast<std::size_t>(this->GetReadBytes(box)));
+  if (!samples->IsValid())
+  {
+    return Status(StatusCode::IoError,
+      this->File->GetPath() + ": cannot read: no memory for " + std::to_string(samples->GetSize()) +
+        " bytes: " + std::strerror(errno));
+  }
   ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, samples->GetData()));
   if (this->IsBigEndian)
   {

@@ -211,14 +211,16 @@ std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
 
 Result<std::uint64_t> BlockedVolumeWriteJob::GetMemoryLeft(std::uint64_t taken) const
 {
-  if (taken >= this->Settings.MemoryLimit)
+  // A part is left to what no plan knows: the heap's own losses, stacks, files.
+  const std::uint64_t usable = this->Settings.MemoryLimit - this->Settings.MemoryLimit / 8;
+  if (taken >= usable)
   {
     return Status(StatusCode::InvalidArgument,
       this->Path + ": cannot be written: the memory limit of " +
         std::to_string(this->Settings.MemoryLimit) + " bytes is too small: " +
         std::to_string(taken) + " are taken by tables of blocks, bins and threads alone");
   }
-  return this->Settings.MemoryLimit - taken;
+  return usable - taken;
 }
 
 Status BlockedVolumeWriteJob::FindRanges()

@@ -319,6 +319,67 @@ TEST(BlockedVolumeWriter, StopsOnAllRanksWhenOneIsAsked)
   }
 }
 
+namespace
+{
+
+/// Fails from a given read on.
+class FailingSource : public MemorySource
+{
+public:
+  FailingSource(const VolumePiece& piece, int reads)
+    : MemorySource(piece)
+    , Reads(reads)
+  {
+  }
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    if (this->Reads-- <= 0)
+    {
+      return Status(StatusCode::IoError, "samples.raw: cannot read: Input/output error");
+    }
+    return MemorySource::Read(box);
+  }
+
+private:
+  int Reads;
+};
+
+} // namespace
+
+TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenARankCannotRead)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 60, 60, 60 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+  const auto files = disk.Copy();
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.MemoryLimit = 2000000;
+  for (const Layout& layout : { Layout(SlabOfEach), Layout(WholeOnAll) })
+  {
+    for (const int reads : { 0, 1, 2, 5, 9 })
+    {
+      std::atomic<int> failed{ 0 };
+      std::atomic<int> told{ 0 };
+      ThreadCommunicator::Run(3,
+        [&](Communicator& communicator)
+        {
+          const VertexBox box = layout(communicator.GetRank(), 3, volume.Size);
+          const PieceOfVolume<std::uint8_t> part(volume, box);
+          FailingSource source({ box, { part.View } }, communicator.GetRank() == 1 ? reads : 1000);
+          const auto written = BlockedVolumeWriter(communicator, disk)
+                                 .Write(VolumePath, MakeGeometry(volume.Size),
+                                   { { "density", ValueType::UInt8 } }, source, settings);
+          failed += written.IsOk() ? 0 : 1;
+          const std::string& message = written.GetStatus().GetMessage();
+          told += message.find("samples.raw") != std::string::npos ? 1 : 0;
+        });
+      EXPECT_EQ(failed, 3) << reads;
+      EXPECT_EQ(told, 3) << reads;
+      EXPECT_TRUE(disk.Copy() == files);
+    }
+  }
+}
+
 TEST(BlockedVolumeWriter, WritesToTheLocalDisk)
 {
   const std::string folder = ::testing::TempDir() + "isosurface-writer-test";
