@@ -77,6 +77,21 @@ public:
 
   ///@{
   /**
+   * The MiB that a rank may take to write a volume larger than memory: the input is asked for in
+   * slabs, each rank for its share of all. 0 (the default): each rank asks for its piece at once,
+   * and the input is in memory as a whole.
+   *
+   * The input must deliver any part of its whole extent on every rank, as readers of one file that
+   * all ranks see do, and must not need the other ranks to do so. What it takes itself is not
+   * counted. An input that delivers the whole of what it has, whatever part is asked for, is
+   * written all the same, but is in memory then.
+   */
+  vtkSetClampMacro(MemoryLimit, int, 0, VTK_INT_MAX);
+  vtkGetMacro(MemoryLimit, int);
+  ///@}
+
+  ///@{
+  /**
    * The ranks that write together, the global controller by default. Null: this rank alone.
    */
   virtual void SetController(vtkMultiProcessController* controller);
@@ -109,6 +124,7 @@ private:
   int NumberOfStores;
   int Distribution;
   int RandomSeed;
+  int MemoryLimit;
   vtkMultiProcessController* Controller;
 };
 
