@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBlockedVolumeWriter.h"
 
-#include "vtkDataArray.h"
 #include "vtkErrorCode.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -10,157 +9,23 @@
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
-#include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkUnsignedCharArray.h"
 
 #include "ControllerCommunicator.h"
 #include "ImageSamples.h"
+#include "LocalVolume.h"
+#include "PipelineSource.h"
 #include "Store/BlockedVolumeWriter.h"
 
-#include <algorithm>
-#include <array>
-#include <string>
-#include <utility>
-#include <vector>
+#include <memory>
 
 vtkStandardNewMacro(vtkBlockedVolumeWriter);
 vtkCxxSetObjectMacro(vtkBlockedVolumeWriter, Controller, vtkMultiProcessController);
 
 namespace
 {
-using isosurface::Message;
 using isosurface::Status;
 using isosurface::StatusCode;
-
-/// What this rank has of the volume; arrays in the order of `arrays`, all of one component.
-struct LocalVolume
-{
-  isosurface::GridGeometry Grid;
-  std::array<double, 2> Time{ 0, 0 }; ///< 1 and the time, if there is one
-  std::vector<isosurface::ArrayDescription> Arrays;
-  isosurface::VolumePiece Piece;
-  std::vector<vtkSmartPointer<vtkDataArray>> Owners;
-};
-
-Status CollectArrays(vtkImageData* image, LocalVolume& local)
-{
-  vtkPointData* points = image->GetPointData();
-  // The active scalars come first: they decide which store a block goes to.
-  std::vector<vtkDataArray*> arrays;
-  if (vtkDataArray* scalars = points->GetScalars())
-  {
-    arrays.push_back(scalars);
-  }
-  for (int index = 0; index < points->GetNumberOfArrays(); ++index)
-  {
-    vtkDataArray* array = points->GetArray(index);
-    if (array && array != points->GetScalars() && array != image->GetPointGhostArray())
-    {
-      arrays.push_back(array);
-    }
-  }
-  for (vtkDataArray* array : arrays)
-  {
-    const auto type = isosurface::GetValueTypeOf(array);
-    if (array->GetNumberOfComponents() != 1 || !type.IsOk())
-    {
-      vtkLogF(WARNING, "array \"%s\" is left out: only numeric arrays of one component are written",
-        array->GetName() ? array->GetName() : "");
-      continue;
-    }
-    auto samples = isosurface::MakeImageSamples(local.Grid, image, array);
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
-    const char* name = array->GetName();
-    local.Arrays.push_back({ name && *name ? name : "scalars", *type });
-    // A writer needs what there is, ghosts included: they are samples like all others.
-    samples->View.Box = samples->View.Available;
-    local.Piece.Arrays.push_back(samples->View);
-    local.Owners.push_back(samples->Array);
-  }
-  if (local.Arrays.empty())
-  {
-    return Status(StatusCode::InvalidArgument,
-      "the input has no numeric point array of one component to write");
-  }
-  return Status::Ok();
-}
-
-Message Describe(const LocalVolume& local)
-{
-  std::string text;
-  auto add = [&text](const auto& values)
-  { text.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])); };
-  add(local.Grid.Extent);
-  add(local.Grid.Origin);
-  add(local.Grid.Spacing);
-  add(local.Grid.Direction);
-  add(local.Time);
-  for (const isosurface::ArrayDescription& array : local.Arrays)
-  {
-    text += isosurface::GetValueTypeName(array.Type) + std::string("\n") + array.Name + '\0';
-  }
-  return Message(text.begin(), text.end());
-}
-
-/**
- * Makes all ranks speak of the same volume: a rank without any part of it learns grid and arrays
- * from the others; ranks that have different ideas of them get an error.
- */
-Status AgreeOnVolume(isosurface::Communicator& ranks, LocalVolume& local)
-{
-  const bool hasPart = !local.Piece.Box.IsEmpty();
-  const std::vector<Message> all = ranks.AllGather(hasPart ? Describe(local) : Message());
-  const auto first =
-    std::find_if(all.begin(), all.end(), [](const Message& text) { return !text.empty(); });
-  if (first == all.end())
-  {
-    return Status(StatusCode::InvalidArgument, "the input is empty");
-  }
-  for (const Message& text : all)
-  {
-    if (!text.empty() && text != *first)
-    {
-      return Status(StatusCode::InvalidArgument,
-        "the ranks' pieces differ in whole extent, origin, spacing, direction, time or arrays");
-    }
-  }
-  if (!hasPart)
-  {
-    const char* from = reinterpret_cast<const char*>(first->data());
-    const char* end = from + first->size();
-    auto take = [&from](auto& values)
-    {
-      const std::size_t bytes = values.size() * sizeof(values[0]);
-      std::copy(from, from + bytes, reinterpret_cast<char*>(values.data()));
-      from += bytes;
-    };
-    take(local.Grid.Extent);
-    take(local.Grid.Origin);
-    take(local.Grid.Spacing);
-    take(local.Grid.Direction);
-    take(local.Time);
-    local.Arrays.clear();
-    while (from != end)
-    {
-      const char* line = std::find(from, end, '\n');
-      const char* stop = std::find(line, end, '\0');
-      local.Arrays.push_back(
-        { std::string(line + 1, stop), *isosurface::FindValueType(std::string(from, line)) });
-      from = stop + 1;
-    }
-    local.Piece = {};
-    for (const isosurface::ArrayDescription& array : local.Arrays)
-    {
-      local.Piece.Arrays.emplace_back();
-      local.Piece.Arrays.back().Type = array.Type;
-    }
-  }
-  return Status::Ok();
-}
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -172,6 +37,7 @@ vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
   , RandomSeed(0)
   , Compression(LZ4)
   , CompressionLevel(0)
+  , MemoryLimit(0)
   , Controller(nullptr)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
@@ -207,9 +73,16 @@ int vtkBlockedVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
 vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
-  if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()) && this->Controller)
+  if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()) &&
+    (this->Controller || this->MemoryLimit > 0))
   {
     vtkInformation* inInfo = input[0]->GetInformationObject(0);
+    if (this->MemoryLimit > 0)
+    {
+      // Enough to learn of the arrays; WriteData() asks for the rest.
+      isosurface::PipelineSource::AskForFirstSlice(inInfo);
+      return 1;
+    }
     inInfo->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(),
       this->Controller->GetLocalProcessId());
     inInfo->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(),
@@ -224,7 +97,7 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
 void vtkBlockedVolumeWriter::WriteData()
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
-  LocalVolume local;
+  isosurface::LocalVolume local;
   Status status;
   vtkImageData* image = this->GetInput();
   if (!this->FileName || !*this->FileName)
@@ -246,12 +119,12 @@ void vtkBlockedVolumeWriter::WriteData()
     {
       local.Time = { 1, image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) };
     }
-    status = CollectArrays(image, local);
+    status = local.CollectArrays(image, true);
   }
   status = ranks.Agree(status);
   if (status.IsOk())
   {
-    status = AgreeOnVolume(ranks, local);
+    status = local.Agree(ranks);
   }
   if (status.IsOk())
   {
@@ -266,8 +139,21 @@ void vtkBlockedVolumeWriter::WriteData()
     {
       settings.Time = local.Time[1];
     }
+    std::unique_ptr<isosurface::SlabSource> source;
+    if (this->MemoryLimit > 0)
+    {
+      settings.MemoryLimit = static_cast<std::uint64_t>(this->MemoryLimit) << 20;
+      // The slice that is here is one of many that are asked for.
+      local.Owners.clear();
+      source = std::make_unique<isosurface::PipelineSource>(
+        this->GetInputConnection(0, 0), this->GetInputInformation(), local.Grid, local.Arrays);
+    }
+    else
+    {
+      source = std::make_unique<isosurface::MemorySource>(local.Piece);
+    }
     auto written = isosurface::BlockedVolumeWriter(ranks).Write(this->FileName, local.Grid,
-      local.Arrays, local.Piece, settings,
+      local.Arrays, *source, settings,
       [this](double share)
       {
         this->UpdateProgress(share);
@@ -303,5 +189,6 @@ void vtkBlockedVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "RandomSeed: " << this->RandomSeed << "\n";
   os << indent << "Compression: " << this->Compression << "\n";
   os << indent << "CompressionLevel: " << this->CompressionLevel << "\n";
+  os << indent << "MemoryLimit: " << this->MemoryLimit << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -94,11 +94,26 @@ public:
 
   ///@{
   /**
-   * How hard to compress: 1 (fast) to 12 for LZ4, 1 to 19 for ZSTD. 0 (the default) means 1. A level
-   * that the compression does not have is an error when writing.
+   * How hard to compress: 1 (fast) to 12 for LZ4, 1 to 19 for ZSTD. 0 (the default) means 1. A
+   * level that the compression does not have is an error when writing.
    */
   vtkSetClampMacro(CompressionLevel, int, 0, 19);
   vtkGetMacro(CompressionLevel, int);
+  ///@}
+
+  ///@{
+  /**
+   * The MiB that a rank may take to write a volume larger than memory: the input is asked for in
+   * slabs, each rank for its share of all. 0 (the default): each rank asks for its piece at once,
+   * and the input is in memory as a whole.
+   *
+   * The input must deliver any part of its whole extent on every rank, as readers of one file that
+   * all ranks see do, and must not need the other ranks to do so. What it takes itself is not
+   * counted. An input that delivers the whole of what it has, whatever part is asked for, is
+   * written all the same, but is in memory then.
+   */
+  vtkSetClampMacro(MemoryLimit, int, 0, VTK_INT_MAX);
+  vtkGetMacro(MemoryLimit, int);
   ///@}
 
   ///@{
@@ -137,6 +152,7 @@ private:
   int RandomSeed;
   int Compression;
   int CompressionLevel;
+  int MemoryLimit;
   vtkMultiProcessController* Controller;
 };
 

@@ -38,6 +38,15 @@ ChangeTable MakeChangeTable()
   return table;
 }
 
+// The inner loops exist for several processors; the loader picks the best of them. Sanitizers do
+// not work before the loader has finished.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && \
+  !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+#  define ISOSURFACE_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
+#else
+#  define ISOSURFACE_CLONES
+#endif
+
 /// The offset of a corner of a cell in a row-major lattice of vertices.
 std::int64_t FindCorner(int corner, std::int64_t rowStride, std::int64_t sliceStride)
 {
@@ -109,6 +118,59 @@ private:
   double Scale[2];
 };
 
+/// Whether any value of four rows of `count` differs from the first one.
+ISOSURFACE_CLONES bool HasDifference(
+  const std::int16_t* base, std::int64_t count, std::int64_t rowStride, std::int64_t sliceStride)
+{
+  int different = 0;
+  for (const std::int64_t offset :
+    { std::int64_t{ 0 }, rowStride, sliceStride, rowStride + sliceStride })
+  {
+    const std::int16_t* row = base + offset;
+    for (std::int64_t i = 0; i < count; ++i)
+    {
+      different |= row[i] ^ *base;
+    }
+  }
+  return different != 0;
+}
+
+/// For cells in a row: per corner, the corners (one bit each) that are inside until it goes
+/// outside. Of equal corners the one of lower number goes outside first.
+ISOSURFACE_CLONES void FindInside(const std::array<const std::int16_t*, 8>& values,
+  const std::array<std::int16_t*, 8>& masks, std::int64_t cells)
+{
+  const std::int16_t *v0 = values[0], *v1 = values[1], *v2 = values[2], *v3 = values[3],
+                     *v4 = values[4], *v5 = values[5], *v6 = values[6], *v7 = values[7];
+  std::int16_t *m0 = masks[0], *m1 = masks[1], *m2 = masks[2], *m3 = masks[3], *m4 = masks[4],
+               *m5 = masks[5], *m6 = masks[6], *m7 = masks[7];
+#pragma GCC ivdep
+  for (std::int64_t i = 0; i < cells; ++i)
+  {
+    const std::int16_t value[8] = { v0[i], v1[i], v2[i], v3[i], v4[i], v5[i], v6[i], v7[i] };
+    std::int16_t mask[8] = { 1, 2, 4, 8, 16, 32, 64, 128 };
+#pragma GCC unroll 8
+    for (int b = 1; b < 8; ++b)
+    {
+#pragma GCC unroll 8
+      for (int a = 0; a < b; ++a)
+      {
+        const bool later = value[a] > value[b];
+        mask[a] = static_cast<std::int16_t>(mask[a] | (later ? 0 : 1 << b));
+        mask[b] = static_cast<std::int16_t>(mask[b] | (later ? 1 << a : 0));
+      }
+    }
+    m0[i] = mask[0];
+    m1[i] = mask[1];
+    m2[i] = mask[2];
+    m3[i] = mask[3];
+    m4[i] = mask[4];
+    m5[i] = mask[5];
+    m6[i] = mask[6];
+    m7[i] = mask[7];
+  }
+}
+
 } // namespace
 
 BlockWorkload::BlockWorkload(const SpectrumBins& bins)
@@ -130,10 +192,7 @@ void BlockWorkload::Count(const SampleView& samples)
   DispatchValueType(samples.Type, [&](auto zero) { this->FindBins<decltype(zero)>(samples); });
   for (std::int64_t k = 0; k + 1 < size[2]; ++k)
   {
-    for (std::int64_t j = 0; j + 1 < size[1]; ++j)
-    {
-      this->CountRow(size[0] * (j + size[1] * k), size[0] - 1, size[0], size[0] * size[1]);
-    }
+    this->CountSlice(size[0] * size[1] * k, size[0], size[1]);
   }
   for (std::size_t vertex = 0; vertex < this->EdgeCounts.size(); ++vertex)
   {
@@ -167,27 +226,27 @@ void BlockWorkload::FindBins(const SampleView& samples)
   }
 }
 
-void BlockWorkload::CountRow(
-  std::int64_t row, std::int64_t cells, std::int64_t rowStride, std::int64_t sliceStride)
+/// The cells of a slice, as if it were one long row: so the inner loops are long in small blocks,
+/// too. The cell from the end of a row to the begin of the next is none, and changes nothing.
+void BlockWorkload::CountSlice(std::int64_t begin, std::int64_t columns, std::int64_t rows)
 {
+  const std::int64_t cells = columns * (rows - 1) - 1;
   for (std::int64_t first = 0; first < cells; first += CellsAtOnce)
   {
     const std::int64_t count = std::min(CellsAtOnce, cells - first);
-    const std::int16_t* base = this->EdgeCounts.data() + row + first;
-    int different = 0;
-    for (const std::int64_t offset :
-      { std::int64_t{ 0 }, rowStride, sliceStride, rowStride + sliceStride })
-    {
-      for (std::int64_t i = 0; i <= count; ++i)
-      {
-        different |= base[offset + i] ^ *base;
-      }
-    }
-    if (different != 0)
+    const std::int16_t* base = this->EdgeCounts.data() + begin + first;
+    if (HasDifference(base, count + 1, columns, columns * rows))
     {
       CornerMasks masks;
-      FindMasks(base, count, rowStride, sliceStride, masks);
-      this->AddChanges(masks, row + first, count, rowStride, sliceStride);
+      FindMasks(base, count, columns, columns * rows, masks);
+      for (std::int64_t cell = columns - 1 - first % columns; cell < count; cell += columns)
+      {
+        for (std::array<std::int16_t, CellsAtOnce>& ofCorner : masks)
+        {
+          ofCorner[static_cast<std::size_t>(cell)] = 0; // no corner is inside
+        }
+      }
+      this->AddChanges(masks, begin + first, count, columns, columns * rows);
     }
   }
 }
@@ -195,47 +254,36 @@ void BlockWorkload::CountRow(
 void BlockWorkload::FindMasks(const std::int16_t* base, std::int64_t cells, std::int64_t rowStride,
   std::int64_t sliceStride, CornerMasks& masks)
 {
-  const std::int16_t* corners[8];
+  std::array<const std::int16_t*, 8> values;
+  std::array<std::int16_t*, 8> to;
   for (int corner = 0; corner < 8; ++corner)
   {
-    corners[corner] = base + FindCorner(corner, rowStride, sliceStride);
-    masks[corner].fill(static_cast<std::int16_t>(1 << corner));
+    values[static_cast<std::size_t>(corner)] = base + FindCorner(corner, rowStride, sliceStride);
+    to[static_cast<std::size_t>(corner)] = masks[static_cast<std::size_t>(corner)].data();
   }
-  for (int b = 1; b < 8; ++b)
-  {
-    for (int a = 0; a < b; ++a)
-    {
-      // Of equal corners the one of lower number goes outside first.
-      const std::int16_t* valuesA = corners[a];
-      const std::int16_t* valuesB = corners[b];
-      std::int16_t* masksA = masks[a].data();
-      std::int16_t* masksB = masks[b].data();
-      const auto bitA = static_cast<std::int16_t>(1 << a);
-      const auto bitB = static_cast<std::int16_t>(1 << b);
-      for (std::int64_t i = 0; i < cells; ++i)
-      {
-        const auto later = static_cast<std::int16_t>(valuesA[i] > valuesB[i] ? -1 : 0);
-        masksA[i] = static_cast<std::int16_t>(masksA[i] | (~later & bitB));
-        masksB[i] = static_cast<std::int16_t>(masksB[i] | (later & bitA));
-      }
-    }
-  }
+  FindInside(values, to, cells);
 }
 
 void BlockWorkload::AddChanges(const CornerMasks& masks, std::int64_t row, std::int64_t cells,
   std::int64_t rowStride, std::int64_t sliceStride)
 {
   static const ChangeTable table = MakeChangeTable();
-  for (int corner = 0; corner < 8; ++corner)
+  // A vertex of a row is the low corner of one cell and the high one of the cell before.
+  for (std::size_t corner = 0; corner < 8; corner += 2)
   {
-    const std::array<std::int16_t, 256>& changes = table[static_cast<std::size_t>(corner)];
-    std::int16_t* to =
-      this->VertexChanges.data() + row + FindCorner(corner, rowStride, sliceStride);
+    const std::int16_t* lowChanges = table[corner].data();
+    const std::int16_t* highChanges = table[corner + 1].data();
+    const std::int16_t* low = masks[corner].data();
+    const std::int16_t* high = masks[corner + 1].data();
+    std::int16_t* to = this->VertexChanges.data() + row +
+      FindCorner(static_cast<int>(corner), rowStride, sliceStride);
+    int before = 0;
     for (std::int64_t i = 0; i < cells; ++i)
     {
-      const auto inside = static_cast<std::size_t>(masks[corner][static_cast<std::size_t>(i)]);
-      to[i] = static_cast<std::int16_t>(to[i] + changes[inside]);
+      to[i] = static_cast<std::int16_t>(to[i] + before + lowChanges[low[i]]);
+      before = highChanges[high[i]];
     }
+    to[cells] = static_cast<std::int16_t>(to[cells] + before);
   }
 }
 

@@ -24,8 +24,8 @@ namespace isosurface
  * off-the-shelf clusters", 2009, section 4.1.1, after C. Bajaj, V. Pascucci, D. Schikore, "The
  * contour spectrum", 1997.
  *
- * Cost: about 10 ns a cell, rows of equal values less; memory 4 bytes a vertex of the largest box
- * and 32 KiB. One object serves one thread at a time.
+ * Cost: about 5 ns a cell (AVX-512; 8 without), runs of 256 equal cells less; memory 4 bytes a
+ * vertex of the largest box and 32 KiB. One object serves one thread at a time.
  */
 class BlockWorkload
 {
@@ -39,7 +39,7 @@ public:
   void MoveTo(WorkloadSpectrum& spectrum);
 
 private:
-  static constexpr std::int64_t CellsAtOnce = 64;
+  static constexpr std::int64_t CellsAtOnce = 256;
 
   /// Per corner and cell: the corners (one bit each) that are inside until this one goes outside.
   using CornerMasks = std::array<std::array<std::int16_t, CellsAtOnce>, 8>;
@@ -51,8 +51,7 @@ private:
 
   template <typename T>
   void FindBins(const SampleView& samples);
-  void CountRow(
-    std::int64_t row, std::int64_t cells, std::int64_t rowStride, std::int64_t sliceStride);
+  void CountSlice(std::int64_t begin, std::int64_t columns, std::int64_t rows);
   static void FindMasks(const std::int16_t* base, std::int64_t cells, std::int64_t rowStride,
     std::int64_t sliceStride, CornerMasks& masks);
   void AddChanges(const CornerMasks& masks, std::int64_t row, std::int64_t cells,

@@ -67,118 +67,152 @@ PendingBlock::PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint3
     this->Record.GetData() + this->Layout.Size, 0, this->Record.GetSize() - this->Layout.Size);
 }
 
-BlockExchange::BlockExchange(Communicator& communicator, const BlockGrid& grid,
-  const std::vector<ValueType>& types, const VolumePiece& piece,
-  const std::vector<VertexBox>& pieces, const std::vector<VertexBox>& owned, int threads)
+BlockExchange::BlockExchange(const BlockGrid& grid, const std::vector<ValueType>& types,
+  const std::vector<VertexBox>& boxes, std::size_t rank, int threads)
   : Grid(grid)
   , Types(types)
-  , Piece(piece)
+  , Box(boxes[rank])
   , Threads(threads)
-  , Rank(communicator.GetRank())
+  , Owned(FindOwnedBoxes(boxes, rank))
 {
-  for (const VertexBox& other : pieces)
+  for (const VertexBox& other : boxes)
   {
-    this->ToSend.push_back(SubtractBox(owned, other));
+    this->ToSend.push_back(SubtractBox(this->Owned, other));
+    this->HasParts = this->HasParts || !(other == boxes[0]);
   }
 }
 
-std::vector<Message> BlockExchange::Pack(const std::vector<Target>& round) const
+template <typename Visitor>
+void BlockExchange::VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const
 {
-  std::vector<Message> messages(this->ToSend.size());
-  std::vector<std::vector<std::int64_t>> blocks(this->ToSend.size());
-  for (const Target& target : round)
+  for (std::int64_t block = run.Begin; block < run.End && !this->ToSend[rank].empty(); ++block)
   {
-    blocks[static_cast<std::size_t>(target.Rank)].push_back(target.Block);
-  }
-  ParallelFor(messages.size(), this->Threads,
-    [&](std::size_t rank, int)
+    for (int level = 0; level < this->Grid.GetNumberOfLevels(); ++level)
     {
-      for (const std::int64_t block : blocks[rank])
+      const BlockSegment segment(this->Grid, block, level);
+      for (const VertexBox& box : this->ToSend[rank])
       {
-        this->PackBlock(block, this->ToSend[rank], messages[rank]);
-      }
-    });
-  return messages;
-}
-
-void BlockExchange::PackBlock(
-  std::int64_t block, const std::vector<VertexBox>& boxes, Message& message) const
-{
-  for (int level = 0; level < this->Grid.GetNumberOfLevels() && !boxes.empty(); ++level)
-  {
-    const BlockSegment segment(this->Grid, block, level);
-    for (const VertexBox& box : boxes)
-    {
-      const VertexBox part = segment.GetBox().Intersect(CoarsenBox(box, level));
-      if (part.IsEmpty())
-      {
-        continue;
-      }
-      std::int64_t samples = 0;
-      segment.VisitRows(part, [&](const SegmentRow& row) { samples += row.Count; });
-      if (samples == 0)
-      {
-        continue;
-      }
-      std::size_t size = PartHeaderSize;
-      for (const ValueType type : this->Types)
-      {
-        size += static_cast<std::size_t>(samples) * GetValueSize(type);
-      }
-      message.resize(message.size() + size);
-      std::uint8_t* to = message.data() + message.size() - size;
-      StoreLittleEndian(to, static_cast<std::uint64_t>(block));
-      StoreLittleEndian(to + 8, static_cast<std::uint64_t>(level));
-      StoreBox(to + 16, part);
-      to += PartHeaderSize;
-      for (std::size_t array = 0; array < this->Types.size(); ++array)
-      {
-        segment.VisitRows(part,
-          [&](const SegmentRow& row)
-          {
-            CopyFromSamples(to, this->Piece.Arrays[array], row, level);
-            to += static_cast<std::size_t>(row.Count) * GetValueSize(this->Types[array]);
-          });
+        const VertexBox part = segment.GetBox().Intersect(CoarsenBox(box, level));
+        if (!part.IsEmpty())
+        {
+          visit(segment, part, block, level);
+        }
       }
     }
   }
 }
 
-Status BlockExchange::Fill(
-  std::vector<PendingBlock>& blocks, const std::vector<Message>& messages) const
+std::vector<VertexBox> BlockExchange::FindBoxes(const BlockRun& run, std::size_t rank) const
 {
-  std::atomic<std::uint64_t> samples{ 0 };
+  if (this->ToSend[rank].empty())
+  {
+    return {};
+  }
+  VertexBox bounds = this->ToSend[rank].front();
+  for (const VertexBox& box : this->ToSend[rank])
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      bounds.Low[axis] = std::min(bounds.Low[axis], box.Low[axis]);
+      bounds.High[axis] = std::max(bounds.High[axis], box.High[axis]);
+    }
+  }
+  return RunSamples::FindBoxes(this->Grid, run, bounds);
+}
+
+std::uint64_t BlockExchange::GetMessageBytes(const BlockRun& run, std::size_t rank) const
+{
+  std::uint64_t valueSize = 0;
+  for (const ValueType type : this->Types)
+  {
+    valueSize += GetValueSize(type);
+  }
+  std::uint64_t bytes = 0;
+  this->VisitParts(run, rank,
+    [&](const BlockSegment&, const VertexBox& part, std::int64_t, int) {
+      bytes += PartHeaderSize + static_cast<std::uint64_t>(part.GetNumberOfVertices()) * valueSize;
+    });
+  return bytes;
+}
+
+Message BlockExchange::Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const
+{
+  Message message;
+  // A vector that grows by itself would take twice the memory at times.
+  message.reserve(static_cast<std::size_t>(this->GetMessageBytes(run, rank)));
+  this->VisitParts(run, rank,
+    [&](const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level)
+    { this->PackPart(segment, part, block, level, samples, message); });
+  return message;
+}
+
+void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block,
+  int level, const RunSamples& samples, Message& message) const
+{
+  std::int64_t count = 0;
+  segment.VisitRows(part, [&](const SegmentRow& row) { count += row.Count; });
+  if (count == 0)
+  {
+    return;
+  }
+  std::size_t size = PartHeaderSize;
+  for (const ValueType type : this->Types)
+  {
+    size += static_cast<std::size_t>(count) * GetValueSize(type);
+  }
+  message.resize(message.size() + size);
+  std::uint8_t* to = message.data() + message.size() - size;
+  StoreLittleEndian(to, static_cast<std::uint64_t>(block));
+  StoreLittleEndian(to + 8, static_cast<std::uint64_t>(level));
+  StoreBox(to + 16, part);
+  to += PartHeaderSize;
+  for (std::size_t array = 0; array < this->Types.size(); ++array)
+  {
+    segment.VisitRows(part,
+      [&](const SegmentRow& row)
+      {
+        CopyFromSamples(to, samples.Find(array, row.K << level), row, level);
+        to += static_cast<std::size_t>(row.Count) * GetValueSize(this->Types[array]);
+      });
+  }
+}
+
+Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
+  const std::vector<Message>& messages) const
+{
+  std::atomic<std::uint64_t> count{ 0 };
   std::uint64_t expected = 0;
   for (const PendingBlock& block : blocks)
   {
     expected += block.Layout.Samples;
   }
   ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int) { this->FillFromPiece(blocks[index], samples); });
+    [&](std::size_t index, int) { this->FillFromSource(blocks[index], samples, count); });
   std::vector<Status> outcomes(messages.size());
   ParallelFor(messages.size(), this->Threads,
     [&](std::size_t index, int)
-    { outcomes[index] = this->FillFromMessage(blocks, messages[index], samples); });
+    { outcomes[index] = this->FillFromMessage(blocks, messages[index], count); });
   for (const Status& outcome : outcomes)
   {
     ISOSURFACE_RETURN_IF_ERROR(outcome);
   }
-  if (samples != expected)
+  if (count != expected)
   {
     return Status(StatusCode::Corrupt,
-      "the ranks supplied " + std::to_string(samples) + " samples of blocks that have " +
+      "the ranks supplied " + std::to_string(count) + " samples of blocks that have " +
         std::to_string(expected));
   }
   return Status::Ok();
 }
 
-void BlockExchange::FillFromPiece(PendingBlock& block, std::atomic<std::uint64_t>& samples) const
+void BlockExchange::FillFromSource(
+  PendingBlock& block, const RunSamples& samples, std::atomic<std::uint64_t>& count) const
 {
-  std::uint64_t count = 0;
+  std::uint64_t filled = 0;
   for (int level = 0; level < this->Grid.GetNumberOfLevels(); ++level)
   {
     const BlockSegment segment(this->Grid, block.Block, level);
-    const VertexBox part = segment.GetBox().Intersect(CoarsenBox(this->Piece.Box, level));
+    const VertexBox part = segment.GetBox().Intersect(CoarsenBox(this->Box, level));
     for (std::size_t array = 0; array < this->Types.size() && !part.IsEmpty(); ++array)
     {
       const std::size_t index = FindSegmentIndex(this->Grid, array, level);
@@ -188,21 +222,21 @@ void BlockExchange::FillFromPiece(PendingBlock& block, std::atomic<std::uint64_t
       segment.VisitRows(part,
         [&](const SegmentRow& row)
         {
-          CopyFromSamples(to + row.Offset * size, this->Piece.Arrays[array], row, level);
-          count += static_cast<std::uint64_t>(row.Count);
+          CopyFromSamples(to + row.Offset * size, samples.Find(array, row.K << level), row, level);
+          filled += static_cast<std::uint64_t>(row.Count);
         });
     }
   }
-  samples += count;
+  count += filled;
 }
 
 Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
-  std::atomic<std::uint64_t>& samples) const
+  std::atomic<std::uint64_t>& count) const
 {
   Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
   const std::uint8_t* from = message.data();
   const std::uint8_t* end = from + message.size();
-  std::uint64_t count = 0;
+  std::uint64_t filled = 0;
   while (from != end)
   {
     if (static_cast<std::size_t>(end - from) < PartHeaderSize)
@@ -237,7 +271,7 @@ Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const M
           {
             std::memcpy(to + row.Offset * size, from, bytes);
             from += bytes;
-            count += static_cast<std::uint64_t>(row.Count);
+            filled += static_cast<std::uint64_t>(row.Count);
           }
         });
       if (!isComplete)
@@ -246,7 +280,7 @@ Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const M
       }
     }
   }
-  samples += count;
+  count += filled;
   return Status::Ok();
 }
 

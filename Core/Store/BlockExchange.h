@@ -7,7 +7,7 @@
 #include "Base/Status.h"
 #include "Store/BlockRecord.h"
 #include "Store/BlockSegment.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Store/RunSamples.h"
 #include "Volume/BlockGrid.h"
 
 #include <atomic>
@@ -17,11 +17,17 @@
 namespace isosurface
 {
 
-/// A block whose record this rank is to fill and write.
+/// A block whose record is being made, on its way to the rank that writes it.
 struct PendingBlock
 {
   PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
     const std::vector<ValueType>& types);
+
+  /// The memory of a block whose record has so many bytes.
+  static std::uint64_t GetBytes(std::uint64_t record)
+  {
+    return BlockRecord::AlignUp(record) + 1024;
+  }
 
   std::int64_t Block;
   std::uint32_t Store;
@@ -30,9 +36,9 @@ struct PendingBlock
 };
 
 /**
- * Brings the samples of blocks from the ranks that have them to the ranks that write the blocks.
+ * Brings the samples of blocks from the ranks that have them to the ranks that make their records.
  *
- * What a rank has itself it takes from its own piece. The rest comes from the vertices' owners
+ * What a rank's own source has it takes from there. The rest comes from the vertices' owners
  * (PieceOwnership.h), one message a pair of ranks and round:
  *
  *     message: parts, one after another
@@ -47,39 +53,45 @@ struct PendingBlock
 class BlockExchange
 {
 public:
-  /// Where a block goes.
-  struct Target
-  {
-    std::int64_t Block;
-    int Rank;
-  };
+  /// `boxes`: what the source of each rank has. The references must outlive this object.
+  BlockExchange(const BlockGrid& grid, const std::vector<ValueType>& types,
+    const std::vector<VertexBox>& boxes, std::size_t rank, int threads);
 
-  /// `pieces`: the boxes of all ranks; `owned`: what this rank is to supply. The references must
-  /// outlive this object.
-  BlockExchange(Communicator& communicator, const BlockGrid& grid,
-    const std::vector<ValueType>& types, const VolumePiece& piece,
-    const std::vector<VertexBox>& pieces, const std::vector<VertexBox>& owned, int threads);
+  /// What this rank is to supply.
+  const std::vector<VertexBox>& GetOwned() const { return this->Owned; }
+  /// Whether any rank lacks anything that another one has.
+  bool IsNeeded() const { return this->HasParts; }
 
-  /// The messages to all ranks with this rank's samples of some blocks, sorted by block index.
-  std::vector<Message> Pack(const std::vector<Target>& round) const;
+  /// What this rank reads to supply another rank's run.
+  std::vector<VertexBox> FindBoxes(const BlockRun& run, std::size_t rank) const;
+  /// A bound of the bytes of Pack()'s message.
+  std::uint64_t GetMessageBytes(const BlockRun& run, std::size_t rank) const;
+  /// The samples of FindBoxes() for that rank's run.
+  Message Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const;
 
-  /// Fills the records of this rank's blocks, sorted by block index, from its own piece and from
-  /// the messages of all ranks. Fails if the samples do not add up.
-  Status Fill(std::vector<PendingBlock>& blocks, const std::vector<Message>& messages) const;
+  /// Fills the records of this rank's run from its own samples and from the messages of all ranks.
+  /// Fails if the samples do not add up.
+  Status Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
+    const std::vector<Message>& messages) const;
 
 private:
-  void PackBlock(std::int64_t block, const std::vector<VertexBox>& boxes, Message& message) const;
-  void FillFromPiece(PendingBlock& block, std::atomic<std::uint64_t>& samples) const;
+  template <typename Visitor>
+  void VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const;
+  void PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level,
+    const RunSamples& samples, Message& message) const;
+  void FillFromSource(
+    PendingBlock& block, const RunSamples& samples, std::atomic<std::uint64_t>& count) const;
   Status FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
-    std::atomic<std::uint64_t>& samples) const;
+    std::atomic<std::uint64_t>& count) const;
 
   const BlockGrid& Grid;
   const std::vector<ValueType>& Types;
-  const VolumePiece& Piece;
+  const VertexBox Box;
   int Threads;
-  int Rank;
+  std::vector<VertexBox> Owned;
   /// Per rank: what it has to be sent from here.
   std::vector<std::vector<VertexBox>> ToSend;
+  bool HasParts = false;
 };
 
 } // namespace isosurface

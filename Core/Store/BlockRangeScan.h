@@ -4,11 +4,14 @@
 
 #include "Base/Communicator.h"
 #include "Base/Progress.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Base/Status.h"
+#include "Source/SlabSource.h"
+#include "Store/SampleRange.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/ValueKey.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace isosurface
@@ -18,10 +21,13 @@ namespace isosurface
 class BlockRangeScan
 {
 public:
-  /// Reads this rank's part of the vertices once; false if `progress` asked to stop. `owned` are
-  /// boxes within the piece.
-  bool Scan(const BlockGrid& grid, const VolumePiece& piece, const std::vector<VertexBox>& owned,
-    std::size_t arrays, int threads, const Progress& progress);
+  BlockRangeScan(const BlockGrid& grid, std::vector<ValueType> types, int threads);
+
+  /// Reads this rank's part of the vertices once, in slabs that take at most `memoryBytes` (the
+  /// one being read ahead included), but a row of vertices at least. `owned` are boxes within the
+  /// source's. Aborted if `progress` asked to stop.
+  Status Scan(SlabSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
+    const Progress& progress);
 
   /// Collective: joins the ranges of all ranks.
   void Reduce(Communicator& communicator);
@@ -32,6 +38,11 @@ public:
   const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
 
 private:
+  void AddSlab(const SampleSlab& slab, const VertexBox& box);
+
+  BlockGrid Grid;
+  std::vector<ValueType> Types;
+  int Threads;
   std::vector<std::vector<KeyRange>> Ranges;
   std::vector<KeyRange> FiniteRanges;
 };

@@ -12,26 +12,27 @@
 namespace isosurface
 {
 
-BlockStoreWriter::BlockStoreWriter(
-  FileSystem& files, std::string folder, std::size_t segments, std::unique_ptr<WritableFile> blocks)
+BlockStoreWriter::BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
+  std::unique_ptr<WritableFile> blocksFile, std::size_t blocks)
   : Files(files)
   , Folder(std::move(folder))
   , Segments(segments)
-  , Blocks(std::move(blocks))
+  , Blocks(std::move(blocksFile))
 {
+  this->Entries.reserve(blocks);
 }
 
 Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
-  FileSystem& files, const std::string& folder, std::size_t segments)
+  FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
-  auto blocks = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
-  if (!blocks.IsOk())
+  auto blocksFile = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
+  if (!blocksFile.IsOk())
   {
-    return blocks.GetStatus();
+    return blocksFile.GetStatus();
   }
   return std::unique_ptr<BlockStoreWriter>(
-    new BlockStoreWriter(files, folder, segments, std::move(*blocks)));
+    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks));
 }
 
 Status BlockStoreWriter::Append(const PendingBlock& block)
@@ -44,8 +45,8 @@ Status BlockStoreWriter::Append(const PendingBlock& block)
     checksums.push_back(LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset));
   }
   this->Checksum = ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
-  return this->Blocks->Append(block.Record.GetData(),
-    static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
+  return this->Blocks->Append(
+    block.Record.GetData(), static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
 }
 
 Result<StoreDescription> BlockStoreWriter::Finish(

@@ -26,9 +26,10 @@ namespace isosurface
 class BlockStoreWriter
 {
 public:
-  /// Creates the folder and the file of records, each of so many segments (arrays times levels).
+  /// Creates the folder and the file of records: `blocks` of so many segments (arrays times levels)
+  /// each.
   static Result<std::unique_ptr<BlockStoreWriter>> Create(
-    FileSystem& files, const std::string& folder, std::size_t segments);
+    FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks);
 
   /// Appends a record whose segments are sealed.
   Status Append(const PendingBlock& block);
@@ -38,9 +39,15 @@ public:
   Result<StoreDescription> Finish(
     const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes);
 
+  /// The memory of a block's entry.
+  static std::uint64_t GetEntryBytes(std::size_t segments)
+  {
+    return sizeof(BlockDirectoryEntry) + 4 * segments + 16;
+  }
+
 private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
-    std::unique_ptr<WritableFile> blocks);
+    std::unique_ptr<WritableFile> blocksFile, std::size_t blocks);
   Status WriteTree(
     std::size_t array, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 

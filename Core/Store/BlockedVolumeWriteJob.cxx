@@ -6,8 +6,9 @@
 #include "Base/ParallelFor.h"
 #include "Partition/BlockDistribution.h"
 #include "Store/BlockRecord.h"
+#include "Store/BlockRounds.h"
+#include "Store/BlockShipment.h"
 #include "Store/GenerationFolder.h"
-#include "Store/PieceOwnership.h"
 #include "Store/RecordCodec.h"
 #include "Store/VolumeSpectra.h"
 
@@ -19,8 +20,11 @@ namespace
 {
 
 /// The shares of the work that are done when ranges are known, and when blocks are written.
-constexpr double RangesDone = 0.15;
-constexpr double BlocksDone = 0.9;
+constexpr double RangesDone = 0.25;
+constexpr double BlocksDone = 0.95;
+
+/// Sorting a store's intervals is not worth more.
+constexpr std::uint64_t LargestTreeBytes = std::uint64_t{ 64 } << 20;
 
 } // namespace
 
@@ -91,7 +95,7 @@ Status BlockedVolumeWriteJob::Prepare(
   }
   if (status.IsOk())
   {
-    status = this->CheckPiece();
+    status = this->CheckBox();
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments());
@@ -105,26 +109,14 @@ Status BlockedVolumeWriteJob::Prepare(
   return this->ShareBoxes();
 }
 
-Status BlockedVolumeWriteJob::CheckPiece() const
+Status BlockedVolumeWriteJob::CheckBox() const
 {
-  if (this->Piece.Box.IsEmpty())
-  {
-    return Status::Ok();
-  }
-  const auto contains = [](const VertexBox& outer, const VertexBox& inner)
-  { return outer.Intersect(inner) == inner; };
-  bool fits = contains({ { 0, 0, 0 }, this->Header.Grid.GetDimensions() }, this->Piece.Box) &&
-    this->Piece.Arrays.size() == this->Header.Arrays.size();
-  for (std::size_t array = 0; fits && array < this->Piece.Arrays.size(); ++array)
-  {
-    const SampleView& view = this->Piece.Arrays[array];
-    fits = view.Type == this->Header.Arrays[array].Type &&
-      contains(view.Available, this->Piece.Box) && view.First;
-  }
-  return fits
+  const VertexBox& box = this->Source.GetBox();
+  const VertexBox whole = { { 0, 0, 0 }, this->Header.Grid.GetDimensions() };
+  return box.IsEmpty() || whole.Intersect(box) == box
     ? Status::Ok()
     : Status(StatusCode::InvalidArgument,
-        this->Path + ": cannot be written: a rank's piece does not fit the grid or arrays");
+        this->Path + ": cannot be written: a rank's piece does not fit the grid");
 }
 
 Status BlockedVolumeWriteJob::CheckEqualArguments()
@@ -134,7 +126,7 @@ Status BlockedVolumeWriteJob::CheckEqualArguments()
   header.TimeSteps.resize(1);
   header.TimeSteps[0].Time = this->Settings.Time;
   const std::string text =
-    this->Path + "\n" + header.Format() + "\n" + std::to_string(this->Settings.RoundBytes);
+    this->Path + "\n" + header.Format() + "\n" + std::to_string(this->Settings.MemoryLimit);
   const std::uint64_t hash = ComputeChecksum(text.data(), text.size());
   std::vector<std::uint64_t> least = { hash };
   std::vector<std::uint64_t> greatest = { hash };
@@ -149,7 +141,7 @@ Status BlockedVolumeWriteJob::CheckEqualArguments()
 Status BlockedVolumeWriteJob::ShareBoxes()
 {
   std::vector<std::int64_t> mine;
-  for (const Index3& corner : { this->Piece.Box.Low, this->Piece.Box.High })
+  for (const Index3& corner : { this->Source.GetBox().Low, this->Source.GetBox().High })
   {
     mine.insert(mine.end(), corner.begin(), corner.end());
   }
@@ -158,6 +150,7 @@ Status BlockedVolumeWriteJob::ShareBoxes()
   {
     StoreLittleEndian(message.data() + 8 * index, mine[index]);
   }
+  std::vector<VertexBox> boxes;
   for (const Message& other : this->Ranks.AllGather(message))
   {
     VertexBox box;
@@ -166,11 +159,12 @@ Status BlockedVolumeWriteJob::ShareBoxes()
       box.Low[axis] = LoadLittleEndian<std::int64_t>(other.data() + 8 * axis);
       box.High[axis] = LoadLittleEndian<std::int64_t>(other.data() + 24 + 8 * axis);
     }
-    this->Boxes.push_back(box);
+    boxes.push_back(box);
   }
-  this->Owned = FindOwnedBoxes(this->Boxes, this->Rank);
+  this->Exchange.emplace(this->Grid, this->Types, boxes, this->Rank, this->Settings.Threads);
+  this->Plan.emplace(this->Grid, this->Size);
   std::vector<std::uint64_t> covered = { 0 };
-  for (const VertexBox& box : this->Owned)
+  for (const VertexBox& box : this->Exchange->GetOwned())
   {
     covered[0] += static_cast<std::uint64_t>(box.GetNumberOfVertices());
   }
@@ -183,22 +177,76 @@ Status BlockedVolumeWriteJob::ShareBoxes()
           " of " + std::to_string(all) + " vertices");
 }
 
+/// What is held for every block of the volume while the rounds go on, and each array's bins.
+std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
+{
+  const auto blocks = static_cast<std::uint64_t>(this->Grid.GetNumberOfBlocks());
+  // Ranges, twice more while they are joined; stores, and what distributing takes.
+  constexpr std::uint64_t distributionBytes = 48;
+  std::uint64_t bytes =
+    blocks * (this->Types.size() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
+  std::uint64_t mine = 0;
+  for (const std::uint32_t store : this->BlockStores)
+  {
+    mine += this->IsMine(store) ? 1 : 0;
+  }
+  const std::size_t segments =
+    this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  bytes += mine * BlockStoreWriter::GetEntryBytes(segments);
+  if (this->Spectra)
+  {
+    bytes += StoreSpectra::GetBytes(
+      this->Spectra->GetBins(), this->Settings.NumberOfStores, this->Rank, this->Size);
+  }
+  return bytes + this->Source.GetHeldBytes();
+}
+
+/// What the threads need to work on a block each.
+std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
+{
+  const auto side = static_cast<std::uint64_t>(this->Settings.BlockSize) + 3;
+  // A block as it is decoded, twice that for compressing it, and for an array's spectrum 4 bytes a
+  // vertex and 16 a bin.
+  const std::uint64_t bytes =
+    side * side * side * (24 + 4 * this->Types.size()) + this->Types.size() * 16 * 2048;
+  return static_cast<std::uint64_t>(this->Settings.Threads) * bytes;
+}
+
+Result<std::uint64_t> BlockedVolumeWriteJob::GetMemoryLeft(std::uint64_t taken) const
+{
+  // A part is left to what no plan knows: the heap's own losses, stacks, files.
+  const std::uint64_t usable = this->Settings.MemoryLimit - this->Settings.MemoryLimit / 8;
+  if (taken >= usable)
+  {
+    return Status(StatusCode::InvalidArgument,
+      this->Path + ": cannot be written: the memory limit of " +
+        std::to_string(this->Settings.MemoryLimit) + " bytes is too small: " +
+        std::to_string(taken) + " are taken by tables of blocks, bins and threads alone");
+  }
+  return usable - taken;
+}
+
 Status BlockedVolumeWriteJob::FindRanges()
 {
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Attempt(
-    [&]
+    [&]() -> Status
     {
-      const bool isDone = this->Scan.Scan(this->Grid, this->Piece, this->Owned, this->Types.size(),
-        this->Settings.Threads, [&](double share) { return this->TellShare(share * RangesDone); });
-      return isDone ? Status::Ok() : this->MakeAborted();
+      const auto left = this->GetMemoryLeft(this->GetTableBytes());
+      if (!left.IsOk())
+      {
+        return left.GetStatus();
+      }
+      this->Scan.emplace(this->Grid, this->Types, this->Settings.Threads);
+      return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
+        [&](double share) { return this->TellShare(share * RangesDone); });
     })));
-  this->Scan.Reduce(this->Ranks);
-  this->GetStep().Ranges = this->Scan.GetFiniteRanges();
+  this->Scan->Reduce(this->Ranks);
+  this->GetStep().Ranges = this->Scan->GetFiniteRanges();
   return this->AgreeOn(this->Attempt(
     [&]
     {
       this->BlockStores = DistributeBlocks(this->Settings.Distribution, this->Types[0],
-        this->Scan.GetRanges()[0], this->Settings.NumberOfStores, this->Settings.RandomSeed);
+        this->Scan->GetRanges()[0], this->Settings.NumberOfStores, this->Settings.RandomSeed);
       return Status::Ok();
     }));
 }
@@ -228,28 +276,32 @@ Status BlockedVolumeWriteJob::CreateStores()
     [&]() -> Status
     {
       this->Writers.resize(this->Settings.NumberOfStores);
-      this->StoreSpectra.resize(this->Settings.NumberOfStores);
+      std::vector<SpectrumBins> bins;
+      for (std::size_t array = 0; array < this->Types.size(); ++array)
+      {
+        bins.push_back(SpectrumBins::Choose(this->Types[array], this->GetStep().Ranges[array]));
+      }
+      this->Spectra.emplace(std::move(bins), this->Settings.NumberOfStores, this->Rank, this->Size);
       const std::size_t segments =
         this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+      std::vector<std::size_t> blocks(this->Settings.NumberOfStores, 0);
+      for (const std::uint32_t store : this->BlockStores)
+      {
+        ++blocks[store];
+      }
       for (std::uint32_t store = 0; store < this->Settings.NumberOfStores; ++store)
       {
-        if (this->GetWriter(store) != this->Rank)
+        if (!this->IsMine(store))
         {
           continue;
         }
-        auto writer = BlockStoreWriter::Create(
-          this->Files, GetStoreFolder(this->Path, this->GetStep().Folder, store), segments);
+        auto writer = BlockStoreWriter::Create(this->Files,
+          GetStoreFolder(this->Path, this->GetStep().Folder, store), segments, blocks[store]);
         if (!writer.IsOk())
         {
           return writer.GetStatus();
         }
         this->Writers[store] = std::move(*writer);
-        this->StoreSpectra[store] = std::make_unique<Spectra>();
-        for (std::size_t array = 0; array < this->Types.size(); ++array)
-        {
-          this->StoreSpectra[store]->Arrays.emplace_back(
-            SpectrumBins::Choose(this->Types[array], this->GetStep().Ranges[array]));
-        }
       }
       return Status::Ok();
     }));
@@ -257,79 +309,37 @@ Status BlockedVolumeWriteJob::CreateStores()
 
 Status BlockedVolumeWriteJob::WriteBlocks()
 {
-  const BlockExchange exchange(this->Ranks, this->Grid, this->Types, this->Piece, this->Boxes,
-    this->Owned, this->Settings.Threads);
-  const std::int64_t blocks = this->Grid.GetNumberOfBlocks();
-  for (std::int64_t next = 0; next < blocks;)
-  {
-    Round round;
-    round.Begin = next;
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->AgreeOn(this->Attempt([&] { return this->PackRound(exchange, round); })));
-    const std::vector<Message> messages = this->Ranks.Exchange(std::move(round.Messages));
-    Status status = this->Attempt(
-      [&]() -> Status
-      {
-        ISOSURFACE_RETURN_IF_ERROR(exchange.Fill(round.Mine, messages));
-        return this->FinishRound(round.Mine);
-      });
-    next = round.End;
-    const double share = static_cast<double>(next) / static_cast<double>(blocks);
-    if (status.IsOk() && !this->TellShare(RangesDone + (BlocksDone - RangesDone) * share))
-    {
-      status = this->MakeAborted();
-    }
-    ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
-    ++this->Statistics.Rounds;
-    this->Statistics.LargestRoundBytes = std::max(this->Statistics.LargestRoundBytes, round.Bytes);
-  }
-  return Status::Ok();
-}
-
-Status BlockedVolumeWriteJob::PackRound(const BlockExchange& exchange, Round& round) const
-{
-  // As many blocks as the budget allows, but at least one.
-  std::vector<BlockExchange::Target> targets;
-  const std::int64_t blocks = this->Grid.GetNumberOfBlocks();
-  for (round.End = round.Begin; round.End < blocks; ++round.End)
-  {
-    const std::uint64_t size = BlockRecordLayout(this->Grid, round.End, this->Types).Size;
-    if (round.End > round.Begin && round.Bytes + size > this->Settings.RoundBytes)
-    {
-      break;
-    }
-    round.Bytes += size;
-    const std::uint32_t store = this->BlockStores[static_cast<std::size_t>(round.End)];
-    targets.push_back({ round.End, static_cast<int>(this->GetWriter(store)) });
-    if (this->GetWriter(store) == this->Rank)
-    {
-      round.Mine.emplace_back(this->Grid, round.End, store, this->Types);
-    }
-  }
-  round.Messages = exchange.Pack(targets);
-  return Status::Ok();
-}
-
-Status BlockedVolumeWriteJob::FinishRound(std::vector<PendingBlock>& blocks)
-{
+  const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
   std::vector<std::vector<BlockWorkload>> counters(
     static_cast<std::size_t>(this->Settings.Threads));
-  ParallelFor(blocks.size(), this->Settings.Threads,
-    [&](std::size_t index, int thread)
-    {
-      std::vector<BlockWorkload>& mine = counters[static_cast<std::size_t>(thread)];
-      for (std::size_t array = mine.size(); array < this->Types.size(); ++array)
-      {
-        mine.emplace_back(
-          SpectrumBins::Choose(this->Types[array], this->Header.TimeSteps[0].Ranges[array]));
-      }
-      this->FinishBlock(blocks[index], mine);
-    });
-  for (const PendingBlock& block : blocks)
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(left.GetStatus()));
+  // Rounds are planned alike on all ranks, so what the fullest one has left counts.
+  std::vector<std::uint64_t> memory = { *left };
+  this->Ranks.ReduceMinimum(memory);
+  for (std::vector<BlockWorkload>& ofThread : counters)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->Writers[block.Store]->Append(block));
+    for (const SpectrumBins& bins : this->Spectra->GetBins())
+    {
+      ofThread.emplace_back(bins);
+    }
   }
-  return Status::Ok();
+  const BlockShipment shipment(this->Grid, this->Types, this->BlockStores, this->Rank, this->Size);
+  BlockRounds rounds(this->Ranks, this->Source, this->Grid, this->Types, *this->Exchange, shipment,
+    *this->Plan, this->Settings.Threads, memory[0]);
+  BlockRoundsSteps steps;
+  steps.Agree = [&](const Status& mine) { return this->AgreeOn(mine); };
+  steps.Finish = [&](PendingBlock& block, int thread)
+  { this->FinishBlock(block, counters[static_cast<std::size_t>(thread)]); };
+  steps.Write = [&](const PendingBlock& block)
+  { return this->Writers[block.Store]->Append(block); };
+  steps.Tell = [&](double share)
+  { return this->TellShare(RangesDone + (BlocksDone - RangesDone) * share); };
+  const Status status = rounds.Run(steps);
+  this->Statistics.Rounds = rounds.GetRounds();
+  this->Statistics.MemoryBytes = this->Settings.MemoryLimit - memory[0] + rounds.GetLargestBytes();
+  return status.IsOk() || status.GetCode() == StatusCode::Aborted
+    ? status
+    : Status(status.GetCode(), this->Path + ": cannot be written: " + status.GetMessage());
 }
 
 /// Counts the triangles of a filled block, and makes its record what the file will have.
@@ -344,18 +354,16 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
       samples.push_back(
         block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
     }
-    const KeyRange& range = this->Scan.GetRanges()[array][static_cast<std::size_t>(block.Block)];
+    const KeyRange& range = this->Scan->GetRanges()[array][static_cast<std::size_t>(block.Block)];
     if (range.Minimum < range.Maximum)
     {
       const auto decoded = AssembleLevel(this->Grid, block.Block, 0, this->Types[array], samples);
       counters[array].Count(decoded->View);
-      Spectra& spectra = *this->StoreSpectra[block.Store];
-      const std::lock_guard<std::mutex> lock(spectra.Mutex);
-      counters[array].MoveTo(spectra.Arrays[array]);
+      this->Spectra->Add(block.Store, array, counters[array]);
     }
   }
-  EncodeRecord(this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout,
-    block.Record);
+  EncodeRecord(
+    this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
 }
 
 Status BlockedVolumeWriteJob::FinishStores()
@@ -364,27 +372,40 @@ Status BlockedVolumeWriteJob::FinishStores()
   const Status status = this->Attempt(
     [&]() -> Status
     {
+      std::vector<std::uint32_t> mine;
       for (std::uint32_t store = 0; store < this->Settings.NumberOfStores; ++store)
       {
-        if (!this->Writers[store])
+        if (this->Writers[store])
         {
-          continue;
-        }
-        const auto description =
-          this->Writers[store]->Finish(this->Scan.GetRanges(), this->Settings.IndexBytes);
-        if (!description.IsOk())
-        {
-          return description.GetStatus();
-        }
-        this->GetStep().Stores[store] = *description;
-        this->Writers[store].reset();
-        const double share = static_cast<double>(store + 1) / this->Settings.NumberOfStores;
-        if (!this->TellShare(BlocksDone + (1 - BlocksDone) * share))
-        {
-          return this->MakeAborted();
+          mine.push_back(store);
         }
       }
-      return Status::Ok();
+      // Together, so that the disk is waited for once rather than once a store.
+      const auto threads = std::min<std::size_t>(
+        std::max<std::size_t>(1, mine.size()), static_cast<std::size_t>(this->Settings.Threads));
+      const auto left = this->GetMemoryLeft(this->GetTableBytes());
+      const std::size_t memory =
+        static_cast<std::size_t>(left.IsOk() ? std::min(*left, LargestTreeBytes) : 0) / threads;
+      std::vector<Status> outcomes(mine.size());
+      const bool isDone = ParallelFor(
+        mine.size(), static_cast<int>(threads),
+        [&](std::size_t index, int)
+        {
+          std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
+          const auto description = writer->Finish(this->Scan->GetRanges(), memory);
+          outcomes[index] = description.GetStatus();
+          if (description.IsOk())
+          {
+            this->GetStep().Stores[mine[index]] = *description;
+          }
+          writer.reset();
+        },
+        [&](double share) { return this->TellShare(BlocksDone + (1 - BlocksDone) * share); });
+      for (const Status& outcome : outcomes)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(outcome);
+      }
+      return isDone ? Status::Ok() : this->MakeAborted();
     });
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
   this->ShareDescriptions();
@@ -410,55 +431,24 @@ void BlockedVolumeWriteJob::ShareDescriptions()
   this->Statistics.Stores = this->GetStep().Stores;
 }
 
-/// Brings the spectra of all stores to rank 0, store by store, array by array.
+/// Brings the spectra of all stores to rank 0, which writes them.
 Status BlockedVolumeWriteJob::ShareSpectra()
 {
   std::vector<Message> outgoing(this->Size);
-  const auto visit = [&](std::size_t rank, auto&& perCounts)
-  {
-    for (std::uint32_t store = 0; store < this->Settings.NumberOfStores; ++store)
-    {
-      for (std::size_t array = 0; array < this->Types.size(); ++array)
-      {
-        if (this->GetWriter(store) == rank)
-        {
-          perCounts(store, array);
-        }
-      }
-    }
-  };
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Attempt(
     [&]
     {
-      visit(this->Rank,
-        [&](std::uint32_t store, std::size_t array)
-        { VolumeSpectra::AppendCounts(this->StoreSpectra[store]->Arrays[array], outgoing[0]); });
+      outgoing[0] = this->Spectra->Pack();
       return Status::Ok();
     })));
   const std::vector<Message> incoming = this->Ranks.Exchange(std::move(outgoing));
   return this->AgreeOn(this->Attempt(
-    [&]() -> Status
+    [&]
     {
-      if (this->Rank != 0)
-      {
-        return Status::Ok();
-      }
-      std::vector<std::vector<WorkloadSpectrum>> spectra;
-      for (std::size_t array = 0; array < this->Types.size(); ++array)
-      {
-        const WorkloadSpectrum empty(
-          SpectrumBins::Choose(this->Types[array], this->GetStep().Ranges[array]));
-        spectra.emplace_back(this->Settings.NumberOfStores, empty);
-      }
-      for (std::size_t rank = 0; rank < this->Size; ++rank)
-      {
-        std::size_t position = 0;
-        visit(rank,
-          [&](std::uint32_t store, std::size_t array)
-          { VolumeSpectra::TakeCounts(incoming[rank], position, spectra[array][store]); });
-      }
-      return VolumeSpectra::Write(
-        this->Files, VolumeSpectra::GetPath(this->Path, this->GetStep().Folder), spectra);
+      return this->Rank != 0 ? Status::Ok()
+                             : VolumeSpectra::Write(this->Files,
+                                 VolumeSpectra::GetPath(this->Path, this->GetStep().Folder),
+                                 this->Spectra->Unpack(incoming));
     }));
 }
 

@@ -7,19 +7,21 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Partition/BlockWorkload.h"
-#include "Partition/WorkloadSpectrum.h"
+#include "Source/SlabSource.h"
 #include "Store/BlockExchange.h"
 #include "Store/BlockRangeScan.h"
 #include "Store/BlockStoreWriter.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/BlockedVolumeWriter.h"
+#include "Store/RoundPlan.h"
+#include "Store/StoreSpectra.h"
 #include "Volume/BlockGrid.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,11 +37,11 @@ class BlockedVolumeWriteJob
 {
 public:
   BlockedVolumeWriteJob(Communicator& ranks, FileSystem& files, std::string path,
-    const VolumePiece& piece, const BlockedVolumeSettings& settings, Progress progress)
+    SlabSource& source, const BlockedVolumeSettings& settings, Progress progress)
     : Ranks(ranks)
     , Files(files)
     , Path(std::move(path))
-    , Piece(piece)
+    , Source(source)
     , Settings(settings)
     , Tell(std::move(progress))
     , Rank(static_cast<std::size_t>(ranks.GetRank()))
@@ -51,38 +53,23 @@ public:
     const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
 
 private:
-  struct Spectra
-  {
-    std::vector<WorkloadSpectrum> Arrays;
-    std::mutex Mutex;
-  };
-
-  /// Blocks [Begin, End), in the order of their indices; the same on all ranks.
-  struct Round
-  {
-    std::int64_t Begin = 0;
-    std::int64_t End = 0;
-    std::uint64_t Bytes = 0;        ///< of their records
-    std::vector<PendingBlock> Mine; ///< those that this rank writes
-    std::vector<Message> Messages;
-  };
-
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
-  Status CheckPiece() const;
+  Status CheckBox() const;
   Status CheckEqualArguments();
   Status ShareBoxes();
   Status FindRanges();
   Status MakeGeneration();
   Status CreateStores();
   Status WriteBlocks();
-  Status PackRound(const BlockExchange& exchange, Round& round) const;
-  Status FinishRound(std::vector<PendingBlock>& blocks);
   void FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters);
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
   Status Commit();
 
+  std::uint64_t GetTableBytes() const;
+  std::uint64_t GetThreadBytes() const;
+  Result<std::uint64_t> GetMemoryLeft(std::uint64_t taken) const;
   Status AgreeOn(const Status& mine);
   /// Runs a step of this rank alone; shortage of memory or threads is an error like others.
   template <typename Step>
@@ -93,13 +80,13 @@ private:
   {
     return Status(StatusCode::Aborted, this->Path + ": writing was stopped on request");
   }
-  std::size_t GetWriter(std::uint32_t store) const { return store % this->Size; }
+  bool IsMine(std::uint32_t store) const { return store % this->Size == this->Rank; }
   TimeStepDescription& GetStep() { return this->Header.TimeSteps[0]; }
 
   Communicator& Ranks;
   FileSystem& Files;
   std::string Path;
-  const VolumePiece& Piece;
+  SlabSource& Source;
   BlockedVolumeSettings Settings;
   Progress Tell;
   std::size_t Rank;
@@ -108,12 +95,12 @@ private:
   BlockedVolumeHeader Header;
   BlockGrid Grid;
   std::vector<ValueType> Types;
-  std::vector<VertexBox> Boxes; ///< of all ranks
-  std::vector<VertexBox> Owned;
-  BlockRangeScan Scan;
+  std::optional<BlockExchange> Exchange;
+  std::optional<RoundPlan> Plan;
+  std::optional<BlockRangeScan> Scan;
   std::vector<std::uint32_t> BlockStores;                 ///< per block
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
-  std::vector<std::unique_ptr<Spectra>> StoreSpectra;     ///< likewise
+  std::optional<StoreSpectra> Spectra;
   bool IsVisible = false;
   WriteStatistics Statistics;
 };

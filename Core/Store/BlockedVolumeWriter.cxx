@@ -7,11 +7,19 @@ namespace isosurface
 {
 
 Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays, SlabSource& source,
+  const BlockedVolumeSettings& settings, const Progress& progress)
+{
+  return BlockedVolumeWriteJob(this->Ranks, this->Files, path, source, settings, progress)
+    .Run(grid, arrays);
+}
+
+Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
   const GridGeometry& grid, const std::vector<ArrayDescription>& arrays, const VolumePiece& piece,
   const BlockedVolumeSettings& settings, const Progress& progress)
 {
-  return BlockedVolumeWriteJob(this->Ranks, this->Files, path, piece, settings, progress)
-    .Run(grid, arrays);
+  MemorySource source(piece);
+  return this->Write(path, grid, arrays, source, settings, progress);
 }
 
 } // namespace isosurface

@@ -7,10 +7,11 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
+#include "Source/MemorySource.h"
+#include "Source/SlabSource.h"
 #include "Store/BlockCompression.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Volume/GridGeometry.h"
-#include "Volume/SampleView.h"
 
 #include <cstdint>
 #include <optional>
@@ -20,16 +21,6 @@
 namespace isosurface
 {
 
-/**
- * The part of a volume that one rank has in memory: the vertices of Box (counted from 0 at the
- * grid's first vertex), one view an array, each with Box within its Available. Box may be empty.
- */
-struct VolumePiece
-{
-  VertexBox Box;
-  std::vector<SampleView> Arrays;
-};
-
 /// What the user of a writer chooses; equal on all ranks.
 struct BlockedVolumeSettings
 {
@@ -38,38 +29,44 @@ struct BlockedVolumeSettings
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
   BlockCompression Compression;
-  std::optional<double> Time;                  ///< the time of the one time step
-  std::uint64_t RoundBytes = 64 * 1024 * 1024; ///< samples that travel in a round, all ranks
-  std::uint64_t IndexBytes = 64 * 1024 * 1024; ///< a rank's memory for sorting intervals
-  int Threads = 0;                             ///< 0: this rank's share of the node's cores
+  std::optional<double> Time; ///< the time of the one time step
+  /// Bytes that a rank may hold beside what its source had in memory before.
+  std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
+  int Threads = 0; ///< 0: this rank's share of the node's cores
 };
 
 /// What was written; equal on all ranks.
 struct WriteStatistics
 {
   std::uint64_t Blocks = 0;
-  std::uint64_t Bytes = 0;             ///< of blocks, all stores
-  std::uint64_t Rounds = 0;            ///< of exchange between the ranks
-  std::uint64_t LargestRoundBytes = 0; ///< samples in the largest round, all ranks
+  std::uint64_t Bytes = 0;       ///< of blocks, all stores
+  std::uint64_t Rounds = 0;      ///< of reading, exchange and writing
+  std::uint64_t MemoryBytes = 0; ///< of a rank, as planned; within the limit
   std::vector<StoreDescription> Stores;
 };
 
 /**
- * Writes a volume, held in pieces by the ranks of a group, as a blocked volume: blocks with ghost
- * layers and levels, spread over stores, and an external interval tree a store and array.
+ * Writes a volume as a blocked volume: blocks with ghost layers and levels, spread over stores, and
+ * an external interval tree a store and array. The volume may be larger than the memory of all
+ * ranks: it is read from each rank's source in slabs.
  *
- * Collective: every rank calls Write with equal arguments but for its piece. The pieces may overlap
- * in any way; together they must cover the grid. The stores d with d mod P == r are written by rank
- * r of P, on a file system that all ranks see. Every array has its own tree; the first array's
- * value ranges decide which store a block goes to. The files are byte for byte the same for
- * any number of ranks and threads.
+ * Collective: every rank calls Write with equal arguments but for its source. The sources' boxes
+ * may overlap in any way; together they must cover the grid. If every rank's source has the whole
+ * grid (a file that all see), each reads its share and nothing but finished records travels;
+ * otherwise the ranks supply each other with what their parts lack. The stores d with d mod P == r
+ * are written by rank r of P, on a file system that all ranks see. Every array has its own tree;
+ * the first array's value ranges decide which store a block goes to. The files are byte for byte
+ * the same for any number of ranks and threads, and any memory limit.
  *
  * Whatever fails on any rank, or whichever rank's progress asks to stop: all ranks return an error,
  * and what was at `path` before is untouched. The new dataset becomes visible by one rename at the
- * end; then the folders of older ones that no header names are removed.
+ * end; then the folders of older ones that no header names are removed. A killed run leaves a
+ * folder that no header names, which the next write to the path removes.
  *
- * Cost: one pass over the samples for ranges, one for writing. Memory beyond the piece: 16 bytes a
- * block and array, about 60 a block that this rank writes, up to 3 RoundBytes, IndexBytes.
+ * Cost: two passes over the samples: one for the blocks' value ranges, from which the distribution
+ * follows, one for writing, which reads up to ten slices a layer of blocks once more for the ghost
+ * layers of coarser levels. Memory: within MemoryLimit; InvalidArgument if that does not suffice
+ * for a block a rank and about 100 bytes for every block of the volume.
  *
  * Source: X. Zhang, C. Bajaj, "Scalable isosurface visualization of massive datasets on commodity
  * off-the-shelf clusters", 2009, sections 4.1.1 (preprocessing steps 1 to 3).
@@ -84,6 +81,11 @@ public:
   {
   }
 
+  Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
+    const std::vector<ArrayDescription>& arrays, SlabSource& source,
+    const BlockedVolumeSettings& settings, const Progress& progress = {});
+
+  /// The same for a piece that is in memory.
   Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, const VolumePiece& piece,
     const BlockedVolumeSettings& settings, const Progress& progress = {});

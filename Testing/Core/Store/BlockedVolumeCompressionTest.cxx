@@ -61,7 +61,7 @@ TEST(BlockedVolumeCompression, GivesTheSameBytesOnAnyRanksThreadsAndRounds)
     {
       BlockedVolumeSettings other = settings;
       other.Threads = 1 + ranks;
-      other.RoundBytes = 40000u * static_cast<unsigned>(ranks);
+      other.MemoryLimit = (8u << 20) * static_cast<unsigned>(ranks);
       MemoryDisk disk;
       WriteVolumeOk(disk, volume, other, ranks, OverlappingColumns);
       ASSERT_TRUE(disk.Copy() == expected.Copy()) << ranks;

@@ -70,7 +70,7 @@ TEST(BlockedVolumeWriter, WritesTheSameBytesOnAnyNumberOfRanks)
     for (const std::uint32_t stores : { 1u, 4u, 7u })
     {
       BlockedVolumeSettings settings = MakeSettings(16, stores, method);
-      settings.RoundBytes = 100000;
+      settings.MemoryLimit = 6000000;
       MemoryDisk expected;
       WriteVolumeOk(expected, volume, settings);
       std::size_t next = 0;
@@ -86,29 +86,48 @@ TEST(BlockedVolumeWriter, WritesTheSameBytesOnAnyNumberOfRanks)
   }
 }
 
-TEST(BlockedVolumeWriter, WritesTheSameBytesInAnyRoundsAndThreads)
+TEST(BlockedVolumeWriter, WritesTheSameBytesInAnyMemoryAndThreads)
 {
-  const auto volume = MakeVolume<float>({ 50, 50, 50 });
+  const auto volume = MakeVolume<float>({ 70, 70, 70 });
   BlockedVolumeSettings settings = MakeSettings(16, 3);
   settings.Threads = 1;
   MemoryDisk expected;
   WriteVolumeOk(expected, volume, settings);
-  for (const std::uint64_t bytes : { 1ull, 70000ull, 1000000ull })
+  settings.Threads = 4;
+  std::uint64_t most = 0;
+  for (const std::uint64_t bytes : { 2400000ull, 4000000ull, 1000000000ull })
   {
-    settings.RoundBytes = bytes;
-    settings.Threads = 4;
-    MemoryDisk disk;
-    const auto results = WriteVolume(disk, volume, settings, 3, OverlappingColumns);
-    for (const auto& result : results)
+    for (const Layout& layout : { Layout(OverlappingColumns), Layout(WholeOnAll) })
     {
-      ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
-      EXPECT_EQ(result->Blocks, 64u);
-      // A round keeps its budget, but holds a block at least.
-      const std::uint64_t block = 19 * 19 * 19 * 4 + 4000;
-      EXPECT_LE(result->LargestRoundBytes, std::max(bytes, block));
-      EXPECT_EQ(result->Rounds, bytes == 1 ? 64u : result->Rounds);
+      settings.MemoryLimit = bytes;
+      MemoryDisk disk;
+      for (const auto& result : WriteVolume(disk, volume, settings, 3, layout))
+      {
+        ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
+        EXPECT_EQ(result->Blocks, 125u);
+        EXPECT_LE(result->MemoryBytes, bytes);
+        most = std::max(most, result->Rounds);
+        EXPECT_LE(result->Rounds, bytes == 1000000000ull ? 4u : 125u);
+      }
+      EXPECT_TRUE(disk.Copy() == expected.Copy());
     }
-    EXPECT_TRUE(disk.Copy() == expected.Copy());
+  }
+  EXPECT_GT(most, 8u);
+}
+
+TEST(BlockedVolumeWriter, RefusesAMemoryLimitThatIsTooSmall)
+{
+  for (const std::uint64_t bytes : { 1000ull, 1000000ull })
+  {
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.MemoryLimit = bytes;
+    MemoryDisk disk;
+    for (const auto& result : WriteVolume(disk, MakeVolume<float>({ 50, 50, 50 }), settings, 3))
+    {
+      ASSERT_FALSE(result.IsOk());
+      EXPECT_NE(result.GetStatus().GetMessage().find("memory limit"), std::string::npos);
+    }
+    EXPECT_TRUE(disk.GetFiles().empty());
   }
 }
 
@@ -275,7 +294,7 @@ TEST(BlockedVolumeWriter, StopsOnAllRanksWhenOneIsAsked)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 60, 60, 60 });
   BlockedVolumeSettings settings = MakeSettings(16, 2);
-  settings.RoundBytes = 50000;
+  settings.MemoryLimit = 2000000;
   for (const double limit : { 0.0, 0.1, 0.4, 0.7, 0.93 })
   {
     MemoryDisk disk;
@@ -297,6 +316,67 @@ TEST(BlockedVolumeWriter, StopsOnAllRanksWhenOneIsAsked)
     EXPECT_GT(told, limit);
     EXPECT_TRUE(disk.GetFiles().empty());
     EXPECT_EQ(CountFolders(disk), 0u);
+  }
+}
+
+namespace
+{
+
+/// Fails from a given read on.
+class FailingSource : public MemorySource
+{
+public:
+  FailingSource(const VolumePiece& piece, int reads)
+    : MemorySource(piece)
+    , Reads(reads)
+  {
+  }
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    if (this->Reads-- <= 0)
+    {
+      return Status(StatusCode::IoError, "samples.raw: cannot read: Input/output error");
+    }
+    return MemorySource::Read(box);
+  }
+
+private:
+  int Reads;
+};
+
+} // namespace
+
+TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenARankCannotRead)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 60, 60, 60 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+  const auto files = disk.Copy();
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.MemoryLimit = 2000000;
+  for (const Layout& layout : { Layout(SlabOfEach), Layout(WholeOnAll) })
+  {
+    for (const int reads : { 0, 1, 2, 5, 9 })
+    {
+      std::atomic<int> failed{ 0 };
+      std::atomic<int> told{ 0 };
+      ThreadCommunicator::Run(3,
+        [&](Communicator& communicator)
+        {
+          const VertexBox box = layout(communicator.GetRank(), 3, volume.Size);
+          const PieceOfVolume<std::uint8_t> part(volume, box);
+          FailingSource source({ box, { part.View } }, communicator.GetRank() == 1 ? reads : 1000);
+          const auto written = BlockedVolumeWriter(communicator, disk)
+                                 .Write(VolumePath, MakeGeometry(volume.Size),
+                                   { { "density", ValueType::UInt8 } }, source, settings);
+          failed += written.IsOk() ? 0 : 1;
+          const std::string& message = written.GetStatus().GetMessage();
+          told += message.find("samples.raw") != std::string::npos ? 1 : 0;
+        });
+      EXPECT_EQ(failed, 3) << reads;
+      EXPECT_EQ(told, 3) << reads;
+      EXPECT_TRUE(disk.Copy() == files);
+    }
   }
 }
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_MemorySource_h
+#define isosurface_MemorySource_h
+
+#include "Source/SlabSource.h"
+
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The part of a volume that one rank has in memory: the vertices of Box (counted from 0 at the
+ * grid's first vertex), one view an array, each with Box within its Available. Box may be empty.
+ */
+struct VolumePiece
+{
+  VertexBox Box;
+  std::vector<SampleView> Arrays;
+};
+
+/// Samples that are in memory: Read() copies nothing. The piece's samples must outlive the source.
+class MemorySource : public SlabSource
+{
+public:
+  explicit MemorySource(const VolumePiece& piece)
+    : Piece(piece)
+  {
+  }
+
+  const VertexBox& GetBox() const override { return this->Piece.Box; }
+  std::uint64_t GetReadBytes(const VertexBox&) const override { return 0; }
+  Result<SampleSlab> Read(const VertexBox& box) override;
+
+private:
+  VolumePiece Piece;
+};
+
+} // namespace isosurface
+
+#endif

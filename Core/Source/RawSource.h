@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_RawSource_h
+#define isosurface_RawSource_h
+
+#include "Base/FileSystem.h"
+#include "Source/SlabSource.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace isosurface
+{
+
+/**
+ * The samples of one array in a file, x fastest, then y, then z. A box of whole slices is one read,
+ * one of whole rows a read a slice, any other a read a row.
+ */
+class RawSource : public SlabSource
+{
+public:
+  /// The samples begin at `offset`; the file has all of them. `heldBytes`: the file's own memory.
+  RawSource(std::unique_ptr<RandomAccessFile> file, std::uint64_t offset, const Index3& size,
+    ValueType type, bool isBigEndian, std::uint64_t heldBytes)
+    : File(std::move(file))
+    , Offset(offset)
+    , Box{ { 0, 0, 0 }, size }
+    , Type(type)
+    , IsBigEndian(isBigEndian)
+    , HeldBytes(heldBytes)
+  {
+  }
+
+  const VertexBox& GetBox() const override { return this->Box; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override;
+  std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
+  Result<SampleSlab> Read(const VertexBox& box) override;
+
+private:
+  Status ReadSamples(const VertexBox& box, std::uint8_t* to) const;
+
+  std::unique_ptr<RandomAccessFile> File;
+  std::uint64_t Offset;
+  VertexBox Box;
+  ValueType Type;
+  bool IsBigEndian;
+  std::uint64_t HeldBytes;
+};
+
+} // namespace isosurface
+
+#endif

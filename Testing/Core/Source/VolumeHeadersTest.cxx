@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SampleFiles.h"
+
+#include <cmath>
+
+using namespace isosurface;
+
+namespace
+{
+
+const Index3 Size = { 6, 5, 4 };
+
+Bytes Join(const std::string& header, const Bytes& samples)
+{
+  Bytes bytes = MakeBytes(header);
+  bytes.insert(bytes.end(), samples.begin(), samples.end());
+  return bytes;
+}
+
+template <typename T>
+RawVolume ExpectVolume(MemoryDisk& disk, const std::string& path, const SampleVolume<T>& volume)
+{
+  const auto raw = RawVolume::ReadHeader(disk, path);
+  EXPECT_TRUE(raw.IsOk()) << raw.GetStatus().GetMessage();
+  if (!raw.IsOk())
+  {
+    return {};
+  }
+  EXPECT_EQ(raw->Grid.GetDimensions(), volume.Size);
+  EXPECT_EQ(raw->Type, ValueTypeOf<T>::Value);
+  const auto source = raw->Open(disk);
+  EXPECT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
+  if (source.IsOk())
+  {
+    ExpectSamples(**source, volume);
+  }
+  return *raw;
+}
+
+void ExpectRefused(const std::string& name, const std::string& text, const std::string& reason)
+{
+  MemoryDisk disk;
+  WriteFile(disk, "/data/" + name, MakeBytes(text));
+  const auto raw = RawVolume::ReadHeader(disk, "/data/" + name);
+  ASSERT_FALSE(raw.IsOk()) << text;
+  const std::string& message = raw.GetStatus().GetMessage();
+  EXPECT_EQ(message.find("/data/" + name + ": "), 0u) << message;
+  EXPECT_NE(message.find(reason), std::string::npos) << message;
+}
+
+const std::string MetaStart = "ObjectType = Image\nNDims = 3\nDimSize = 6 5 4\n";
+const std::string NrrdStart = "NRRD0004\n# made by hand\ntype: short\ndimension: 3\n"
+                              "sizes: 6 5 4\nendian: little\n";
+
+} // namespace
+
+TEST(MetaImageHeader, ReadsSamplesBesideTheHeader)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.raw", MakeBytes(volume, true));
+  WriteFile(disk, "/data/a.mhd",
+    MakeBytes(MetaStart +
+      "BinaryData = True\r\nBinaryDataByteOrderMSB = True\nCompressedData = False\n"
+      "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = -1.5 2 3e1\nElementSpacing = 0.5 0.25 2\n"
+      "AnatomicalOrientation = RAI\nElementType = MET_SHORT\nElementDataFile = a.raw\n"));
+  const RawVolume raw = ExpectVolume(disk, "/data/a.mhd", volume);
+  EXPECT_EQ(raw.Grid.Origin, (std::array<double, 3>{ -1.5, 2, 30 }));
+  EXPECT_EQ(raw.Grid.Spacing, (std::array<double, 3>{ 0.5, 0.25, 2 }));
+  // The x axis points along +y: (0, 1, 0) is the first column.
+  EXPECT_EQ(raw.Grid.Direction, (std::array<double, 9>{ 0, -1, 0, 1, 0, 0, 0, 0, 1 }));
+}
+
+TEST(MetaImageHeader, ReadsSamplesBehindTheHeaderAndCompressedOnes)
+{
+  const auto volume = MakeRamp<float>(Size);
+  MemoryDisk disk;
+  const std::string header = MetaStart + "ElementType = MET_FLOAT\n";
+  WriteFile(disk, "/data/a.mha", Join(header + "ElementDataFile = LOCAL\n", MakeBytes(volume)));
+  ExpectVolume(disk, "/data/a.mha", volume);
+  WriteFile(disk, "/data/b.mha",
+    Join(header + "CompressedData = True\nCompressedDataSize = 77\nElementDataFile = LOCAL\n",
+      Deflate(MakeBytes(volume), 15)));
+  ExpectVolume(disk, "/data/b.mha", volume);
+  WriteFile(disk, "/data/c.raw", Join("any header", MakeBytes(volume)));
+  WriteFile(disk, "/data/c.mhd", MakeBytes(header + "HeaderSize = -1\nElementDataFile = c.raw\n"));
+  ExpectVolume(disk, "/data/c.mhd", volume);
+}
+
+TEST(MetaImageHeader, ReadsSeriesOfFiles)
+{
+  const auto volume = MakeRamp<std::uint8_t>(Size);
+  const Bytes samples = MakeBytes(volume);
+  MemoryDisk disk;
+  std::string list;
+  for (int slice = 0; slice < 4; ++slice)
+  {
+    const auto from = samples.begin() + slice * 30;
+    const std::string name = "slice0" + std::to_string(2 * slice + 1) + ".raw";
+    WriteFile(disk, "/data/" + name, Bytes(from, from + 30));
+    list += name + "\n";
+  }
+  const std::string header = MetaStart + "ElementType = MET_UCHAR\nElementDataFile = ";
+  WriteFile(disk, "/data/a.mhd", MakeBytes(header + "LIST\n" + list));
+  WriteFile(disk, "/data/b.mhd", MakeBytes(header + "slice%02d.raw 1 7 2\n"));
+  ExpectVolume(disk, "/data/a.mhd", volume);
+  ExpectVolume(disk, "/data/b.mhd", volume);
+}
+
+TEST(MetaImageHeader, SaysWhatItCannotRead)
+{
+  const std::string data = "ElementType = MET_SHORT\nElementDataFile = a.raw\n";
+  ExpectRefused("a.mhd", "", "no ElementDataFile");
+  ExpectRefused("a.mhd", "what is this\n", "without \"=\"");
+  ExpectRefused("a.mhd", "NDims = 4\nDimSize = 6 5 4 3\n" + data, "NDims");
+  ExpectRefused("a.mhd", "NDims = 3\nDimSize = 6 5\n" + data, "DimSize");
+  ExpectRefused("a.mhd", "NDims = 3\nDimSize = 6 -5 4\n" + data, "DimSize");
+  ExpectRefused("a.mhd", MetaStart + "ElementSpacing = 1 2\n" + data, "ElementSpacing");
+  ExpectRefused("a.mhd", MetaStart + "ElementNumberOfChannels = 3\n" + data, "channel");
+  ExpectRefused("a.mhd", MetaStart + "BinaryData = False\n" + data, "text");
+  ExpectRefused("a.mhd", MetaStart + "HeaderSize = -7\n" + data, "HeaderSize");
+  ExpectRefused("a.mhd", MetaStart + "ElementType = MET_STRING\nElementDataFile = a\n", "string");
+  ExpectRefused(
+    "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile = %s 1 2 3\n", "pattern");
+  ExpectRefused("a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile =\n", "no file");
+  ExpectRefused("a.tif", "", "only .mhd");
+}
+
+TEST(NrrdHeader, ReadsRawAndGzipSamplesBehindTheHeader)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.nrrd",
+    Join(NrrdStart +
+        "space: left-posterior-superior\nspace directions: (0,2,0) (-3,0,0) (0,0,0.5)\n"
+        "space origin: (1,2,3.5)\nkinds: domain domain domain\nencoding: raw\nkey:=value\n\n",
+      MakeBytes(volume)));
+  const RawVolume raw = ExpectVolume(disk, "/data/a.nrrd", volume);
+  EXPECT_EQ(raw.Grid.Origin, (std::array<double, 3>{ 1, 2, 3.5 }));
+  EXPECT_EQ(raw.Grid.Spacing, (std::array<double, 3>{ 2, 3, 0.5 }));
+  EXPECT_EQ(raw.Grid.Direction, (std::array<double, 9>{ 0, -1, 0, 1, 0, 0, 0, 0, 1 }));
+  const Bytes skipped = Join("skipped", MakeBytes(volume));
+  WriteFile(disk, "/data/b.nrrd",
+    Join(NrrdStart + "spacings: 1 nan 2\nencoding: gzip\nbyte skip: 7\n\n", Deflate(skipped)));
+  EXPECT_EQ(
+    ExpectVolume(disk, "/data/b.nrrd", volume).Grid.Spacing, (std::array<double, 3>{ 1, 1, 2 }));
+  WriteFile(disk, "/data/c.nrrd", Join(NrrdStart + "encoding: raw\nbyte skip: -1\n\n", skipped));
+  ExpectVolume(disk, "/data/c.nrrd", volume);
+}
+
+TEST(NrrdHeader, ReadsSamplesInOtherFiles)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  const Bytes samples = MakeBytes(volume);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.raw", samples);
+  WriteFile(disk, "/data/1.raw", Bytes(samples.begin(), samples.begin() + 120));
+  WriteFile(disk, "/data/2.raw", Bytes(samples.begin() + 120, samples.end()));
+  const std::string header = NrrdStart + "encoding: raw\ndata file: ";
+  WriteFile(disk, "/data/a.nhdr", MakeBytes(header + "a.raw\n"));
+  WriteFile(disk, "/data/b.nhdr", MakeBytes(header + "LIST\n1.raw\n2.raw\n"));
+  WriteFile(disk, "/data/c.nhdr", MakeBytes(header + "%d.raw 1 2 1\n"));
+  for (const char* path : { "/data/a.nhdr", "/data/b.nhdr", "/data/c.nhdr" })
+  {
+    ExpectVolume(disk, path, volume);
+  }
+}
+
+TEST(NrrdHeader, SaysWhatItCannotRead)
+{
+  ExpectRefused("a.nrrd", "", "does not begin with NRRD");
+  ExpectRefused("a.nrrd", NrrdStart + "encoding: ascii\n", "encoding \"ascii\"");
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 4\nsizes: 3 6 5 4\n", "dimension");
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5\n", "sizes");
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5 0\n", "sizes");
+  ExpectRefused("a.nrrd", NrrdStart + "kinds: vector domain domain\n", "vector");
+  ExpectRefused("a.nrrd", NrrdStart + "space directions: none (1,0,0) (0,1,0)\n", "directions");
+  ExpectRefused("a.nrrd", NrrdStart + "space origin: (1,2)\nencoding: raw\n", "space origin");
+  ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nline skip: 2\n", "line skip");
+  ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nbyte skip: -3\n", "byte skip");
+  ExpectRefused("a.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 6 5 4\n", "block");
+  ExpectRefused(
+    "a.nrrd", "NRRD0004\ntype: int\ndimension: 3\nsizes: 6 5 4\nencoding: raw\n", "endian");
+}

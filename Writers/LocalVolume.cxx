@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LocalVolume.h"
+
+#include "vtkImageData.h"
+#include "vtkLogger.h"
+#include "vtkPointData.h"
+#include "vtkUnsignedCharArray.h"
+
+#include "ImageSamples.h"
+
+#include <algorithm>
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+
+Message Describe(const LocalVolume& local)
+{
+  std::string text;
+  auto add = [&text](const auto& values)
+  { text.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])); };
+  add(local.Grid.Extent);
+  add(local.Grid.Origin);
+  add(local.Grid.Spacing);
+  add(local.Grid.Direction);
+  add(local.Time);
+  for (const ArrayDescription& array : local.Arrays)
+  {
+    text += GetValueTypeName(array.Type) + std::string("\n") + array.Name + '\0';
+  }
+  return Message(text.begin(), text.end());
+}
+
+} // namespace
+
+Status LocalVolume::CollectArrays(vtkImageData* image, bool isFirst)
+{
+  vtkPointData* points = image->GetPointData();
+  // The active scalars come first: they decide which store a block goes to.
+  std::vector<vtkDataArray*> arrays;
+  if (vtkDataArray* scalars = points->GetScalars())
+  {
+    arrays.push_back(scalars);
+  }
+  for (int index = 0; index < points->GetNumberOfArrays(); ++index)
+  {
+    vtkDataArray* array = points->GetArray(index);
+    if (array && array != points->GetScalars() && array != image->GetPointGhostArray())
+    {
+      arrays.push_back(array);
+    }
+  }
+  for (vtkDataArray* array : arrays)
+  {
+    const auto type = GetValueTypeOf(array);
+    if (array->GetNumberOfComponents() != 1 || !type.IsOk())
+    {
+      vtkLogIfF(WARNING, isFirst,
+        "array \"%s\" is left out: only numeric arrays of one component are written",
+        array->GetName() ? array->GetName() : "");
+      continue;
+    }
+    auto samples = MakeImageSamples(this->Grid, image, array);
+    if (!samples.IsOk())
+    {
+      return samples.GetStatus();
+    }
+    const char* name = array->GetName();
+    this->Arrays.push_back({ name && *name ? name : "scalars", *type });
+    // A writer needs what there is, ghosts included: they are samples like all others.
+    samples->View.Box = samples->View.Available;
+    this->Piece.Arrays.push_back(samples->View);
+    this->Owners.push_back(samples->Array);
+  }
+  if (this->Arrays.empty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "the input has no numeric point array of one component to write");
+  }
+  return Status::Ok();
+}
+
+Status LocalVolume::Agree(Communicator& ranks)
+{
+  const bool hasPart = !this->Piece.Box.IsEmpty();
+  const std::vector<Message> all = ranks.AllGather(hasPart ? Describe(*this) : Message());
+  const auto first =
+    std::find_if(all.begin(), all.end(), [](const Message& text) { return !text.empty(); });
+  if (first == all.end())
+  {
+    return Status(StatusCode::InvalidArgument, "the input is empty");
+  }
+  for (const Message& text : all)
+  {
+    if (!text.empty() && text != *first)
+    {
+      return Status(StatusCode::InvalidArgument,
+        "the ranks' pieces differ in whole extent, origin, spacing, direction, time or arrays");
+    }
+  }
+  if (!hasPart)
+  {
+    const char* from = reinterpret_cast<const char*>(first->data());
+    const char* end = from + first->size();
+    auto take = [&from](auto& values)
+    {
+      const std::size_t bytes = values.size() * sizeof(values[0]);
+      std::copy(from, from + bytes, reinterpret_cast<char*>(values.data()));
+      from += bytes;
+    };
+    take(this->Grid.Extent);
+    take(this->Grid.Origin);
+    take(this->Grid.Spacing);
+    take(this->Grid.Direction);
+    take(this->Time);
+    this->Arrays.clear();
+    while (from != end)
+    {
+      const char* line = std::find(from, end, '\n');
+      const char* stop = std::find(line, end, '\0');
+      this->Arrays.push_back(
+        { std::string(line + 1, stop), *FindValueType(std::string(from, line)) });
+      from = stop + 1;
+    }
+    this->Piece = {};
+    for (const ArrayDescription& array : this->Arrays)
+    {
+      this->Piece.Arrays.emplace_back();
+      this->Piece.Arrays.back().Type = array.Type;
+    }
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PipelineSource.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkAlgorithmOutput.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "ImageSamples.h"
+#include "LocalVolume.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+/// Every rank asks for an extent of the whole, not for a piece.
+void AskForExtent(vtkInformation* information, const int extent[6])
+{
+  information->Set(Pipeline::UPDATE_EXTENT(), extent, 6);
+  information->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
+  information->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+  information->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+}
+
+} // namespace
+
+PipelineSource::PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+  : Input(input)
+  , Information(information)
+  , Grid(grid)
+  , Arrays(arrays)
+  , Box{ { 0, 0, 0 }, grid.GetDimensions() }
+{
+}
+
+void PipelineSource::AskForFirstSlice(vtkInformation* information)
+{
+  if (information->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    int extent[6];
+    information->Get(Pipeline::WHOLE_EXTENT(), extent);
+    extent[5] = extent[4];
+    AskForExtent(information, extent);
+  }
+}
+
+std::uint64_t PipelineSource::GetReadBytes(const VertexBox& box) const
+{
+  std::uint64_t bytes = 0;
+  for (const ArrayDescription& array : this->Arrays)
+  {
+    bytes += GetValueSize(array.Type);
+  }
+  return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
+}
+
+Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
+{
+  int extent[6];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const auto index = static_cast<std::size_t>(axis);
+    const std::int64_t first = this->Grid.Extent[2 * index];
+    extent[2 * axis] = static_cast<int>(first + box.Low[index]);
+    extent[2 * axis + 1] = static_cast<int>(first + box.High[index] - 1);
+  }
+  vtkNew<vtkInformationVector> requests;
+  requests->SetNumberOfInformationObjects(this->Input->GetIndex() + 1);
+  vtkInformation* request = requests->GetInformationObject(this->Input->GetIndex());
+  AskForExtent(request, extent);
+  if (this->Information->Has(Pipeline::UPDATE_TIME_STEP()))
+  {
+    request->Set(
+      Pipeline::UPDATE_TIME_STEP(), this->Information->Get(Pipeline::UPDATE_TIME_STEP()));
+  }
+  vtkAlgorithm* producer = this->Input->GetProducer();
+  producer->Update(this->Input->GetIndex(), requests);
+
+  auto* image = vtkImageData::SafeDownCast(producer->GetOutputDataObject(this->Input->GetIndex()));
+  auto owner = std::make_shared<LocalVolume>();
+  owner->Grid = this->Grid;
+  const Status status = image
+    ? owner->CollectArrays(image, false)
+    : Status(StatusCode::InvalidArgument, "the input is no image data any more");
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  SampleSlab slab;
+  bool fits = owner->Arrays.size() == this->Arrays.size();
+  for (std::size_t array = 0; fits && array < this->Arrays.size(); ++array)
+  {
+    SampleView view = owner->Piece.Arrays[array];
+    fits = owner->Arrays[array].Name == this->Arrays[array].Name &&
+      owner->Arrays[array].Type == this->Arrays[array].Type && view.Available.Intersect(box) == box;
+    view.Box = box;
+    slab.Arrays.push_back(view);
+  }
+  if (!fits)
+  {
+    return Status(StatusCode::Unsupported,
+      std::string("the input (") + producer->GetClassName() +
+        ") does not deliver the part of its extent that it is asked for, with the same arrays; "
+        "without a memory limit it is asked for its piece at once");
+  }
+  slab.Owner = std::move(owner);
+  return slab;
+}
+
+} // namespace isosurface

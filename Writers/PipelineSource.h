@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PipelineSource_h
+#define isosurface_PipelineSource_h
+
+#include "Source/SlabSource.h"
+#include "Store/BlockedVolumeHeader.h"
+#include "Volume/GridGeometry.h"
+
+#include <vector>
+
+class vtkAlgorithmOutput;
+class vtkInformation;
+
+namespace isosurface
+{
+
+/**
+ * The samples of a pipeline's image data, of which Read() asks for a part: an update of the
+ * pipeline with an extent of its own. Every rank's source has the whole grid.
+ *
+ * An input that delivers more than what it is asked for is not asked again for what it has.
+ */
+class PipelineSource : public SlabSource
+{
+public:
+  /// `input` is asked for what `information` (of the input) has for the time; both outlive this.
+  PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information, const GridGeometry& grid,
+    const std::vector<ArrayDescription>& arrays);
+
+  /// The least request that tells which arrays there are.
+  static void AskForFirstSlice(vtkInformation* information);
+
+  const VertexBox& GetBox() const override { return this->Box; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override;
+  bool CanReadAhead() const override { return false; }
+  Result<SampleSlab> Read(const VertexBox& box) override;
+
+private:
+  vtkAlgorithmOutput* Input;
+  vtkInformation* Information;
+  GridGeometry Grid;
+  std::vector<ArrayDescription> Arrays;
+  VertexBox Box;
+};
+
+} // namespace isosurface
+
+#endif
