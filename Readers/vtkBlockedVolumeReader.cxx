@@ -363,7 +363,7 @@ isosurface::Status vtkBlockedVolumeReader::ReadSlab(int piece, int pieces, std::
   }
   this->Level = level;
   const isosurface::BlockBox slab =
-    isosurface::PartitionBlocks(volume.GetBlockGrid(), piece, pieces);
+    isosurface::PartitionBlocks(*volume.FindLevel(level).Grid, piece, pieces);
   if (slab.IsEmpty())
   {
     return Status::Ok();

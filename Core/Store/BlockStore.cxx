@@ -37,7 +37,7 @@ BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolum
   : Files(files)
   , Folder(std::move(folder))
   , Header(header)
-  , Grid(header.Grid.GetDimensions(), header.BlockSize)
+  , Grid(header.GetBlockGrid())
   , Trees(header.Arrays.size())
 {
 }

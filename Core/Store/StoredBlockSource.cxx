@@ -12,18 +12,19 @@ StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep
   , TimeStep(timeStep)
   , Array(array)
   , Level(level)
+  , Stored(volume.FindLevel(level))
   , Blocks(std::move(blocks))
 {
 }
 
 Index3 StoredBlockSource::GetLatticeCoordinates(std::size_t block) const
 {
-  return this->Volume.GetBlockGrid().GetBlockCoordinates(this->Blocks[block].Block);
+  return this->Stored.Grid->GetBlockCoordinates(this->Blocks[block].Block);
 }
 
 VertexBox StoredBlockSource::GetVertices(std::size_t block) const
 {
-  return this->Volume.GetBlockGrid().GetVertices(this->Blocks[block].Block, this->Level);
+  return this->Stored.Grid->GetVertices(this->Blocks[block].Block, this->Stored.Level);
 }
 
 ValueType StoredBlockSource::GetValueType() const

@@ -15,7 +15,8 @@ namespace isosurface
 
 /**
  * Blocks of a blocked volume on disk as an extraction visits them: each is read when its turn
- * comes, through the block cache, and let go afterwards. Coordinates are those of the level.
+ * comes, through the block cache, and let go afterwards. The blocks must have the level
+ * (FindLevel); coordinates are those of the level.
  *
  * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadBlock.
  */
@@ -39,6 +40,7 @@ private:
   std::size_t TimeStep;
   std::size_t Array;
   int Level;
+  StoredLevel Stored;
   std::vector<BlockReference> Blocks;
 
   mutable std::mutex StatisticsMutex;
