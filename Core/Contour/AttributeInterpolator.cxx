@@ -29,33 +29,41 @@ T InterpolateValue(T v0, T v1, double t)
   }
 }
 
+template <typename T>
+void InterpolateComponent(const SampleView& samples, const T* first, const EdgeCode* codes,
+  const double* parameters, std::size_t count, T* out, std::size_t step)
+{
+  // A code of no axis is that of a vertex.
+  const std::ptrdiff_t along[4] = { samples.Stride[0], samples.Stride[1], samples.Stride[2], 0 };
+  for (std::size_t n = 0; n < count; ++n, out += step)
+  {
+    const EdgeCode code = codes[n];
+    const T* from = first;
+    for (unsigned axis = 0; axis < 3; ++axis)
+    {
+      from += static_cast<std::ptrdiff_t>(code >> (6 * axis) & 63) * samples.Stride[axis];
+    }
+    *out = InterpolateValue(*from, from[along[code >> 18]], parameters[n]);
+  }
+}
+
 } // namespace
 
 void InterpolateAttribute(const AttributeView& view, const Index3& low, const EdgeCode* codes,
   const double* parameters, std::size_t count, std::uint8_t* tuples)
 {
-  DispatchValueType(view.Samples.Type,
-    [&](auto zero)
-    {
-      using T = decltype(zero);
-      const T* first = view.Samples.At<T>(low);
-      T* out = reinterpret_cast<T*>(tuples);
-      for (std::size_t n = 0; n < count; ++n)
+  const std::size_t components = view.Components.size();
+  for (std::size_t component = 0; component < components; ++component)
+  {
+    const SampleView& samples = view.Components[component];
+    DispatchValueType(samples.Type,
+      [&](auto zero)
       {
-        const EdgeCode code = codes[n];
-        const T* from = first;
-        for (unsigned axis = 0; axis < 3; ++axis)
-        {
-          from += static_cast<std::ptrdiff_t>(code >> (6 * axis) & 63) * view.Samples.Stride[axis];
-        }
-        const T* to = from + view.Samples.Stride[code >> 18];
-        for (int component = 0; component < view.NumberOfComponents; ++component)
-        {
-          const std::ptrdiff_t offset = component * view.ComponentStride;
-          *out++ = InterpolateValue(from[offset], to[offset], parameters[n]);
-        }
-      }
-    });
+        using T = decltype(zero);
+        InterpolateComponent(samples, samples.At<T>(low), codes, parameters, count,
+          reinterpret_cast<T*>(tuples) + component, components);
+      });
+  }
 }
 
 } // namespace isosurface

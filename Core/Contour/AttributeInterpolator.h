@@ -16,7 +16,7 @@ namespace isosurface
  * after the other in the attribute's own type (towards zero for integers, as vtkFlyingEdges3D).
  *
  * codes, parameters: `count` edges and how far along each the surface is; low: the brick's first
- * vertex; tuples: room for count * view.NumberOfComponents values, aligned for their type.
+ * vertex; tuples: room for count * number of components values, aligned for their type.
  */
 void InterpolateAttribute(const AttributeView& view, const Index3& low, const EdgeCode* codes,
   const double* parameters, std::size_t count, std::uint8_t* tuples);

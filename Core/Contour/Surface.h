@@ -3,6 +3,7 @@
 #define isosurface_Surface_h
 
 #include "Base/Buffer.h"
+#include "Volume/GridSides.h"
 #include "Volume/ValueType.h"
 
 #include <cstddef>
@@ -31,6 +32,11 @@ struct ContourRequest
   bool Polygons = false;
   /// Fill Surface::Offsets for triangles, too (for polygons they are always there).
   bool Offsets = false;
+  /// Make points at one vertex of the grid one, and leave out the triangles that collapse thereby.
+  /// Without effect on polygons. See ExtractSurface.
+  bool DropDegenerateTriangles = false;
+  /// Close the surface at these sides of the grid, as if all were outside beyond them.
+  GridSides ClosedSides;
   /// Indices of 64 bits even where 32 suffice.
   bool WideIndices = false;
   /// Interpolate these: the arrays that the source gives in BlockSamples::Attributes, in order.

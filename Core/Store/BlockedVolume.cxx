@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <map>
 
 namespace isosurface
 {
@@ -251,7 +252,7 @@ Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
 
 Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t timeStep,
   std::size_t array, const std::vector<double>& isovalues, int rank, int ranks,
-  QueryStatistics& statistics, int level)
+  QueryStatistics& statistics, int level, const BlockSelection& selection)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
@@ -265,6 +266,21 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
     if (!store.IsOk())
     {
       return store.GetStatus();
+    }
+    if (!selection.IsPlain())
+    {
+      const auto selected =
+        this->SelectBlocks(**store, part.Store, array, isovalues, selection, level, statistics);
+      if (!selected.IsOk())
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+        return selected.GetStatus();
+      }
+      const auto first = selected->begin();
+      references.insert(references.end(),
+        first + static_cast<std::ptrdiff_t>(part.FindBegin(selected->size())),
+        first + static_cast<std::ptrdiff_t>(part.FindEnd(selected->size())));
+      continue;
     }
     const auto active = (*store)->FindActive(array, isovalues, statistics);
     if (!active.IsOk())
@@ -285,6 +301,46 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
     }
   }
   statistics.ActiveBlocks += references.size();
+  return references;
+}
+
+Result<std::vector<BlockReference>> BlockedVolume::SelectBlocks(BlockStore& store,
+  std::uint32_t number, std::size_t array, const std::vector<double>& isovalues,
+  const BlockSelection& selection, int level, QueryStatistics& statistics)
+{
+  const auto active = store.FindActive(array, isovalues, statistics);
+  if (!active.IsOk())
+  {
+    return active.GetStatus();
+  }
+  std::vector<std::uint32_t> candidates = *active;
+  if (!selection.ClosedSides.IsEmpty())
+  {
+    const auto inside = store.FindInside(array, isovalues, statistics);
+    if (!inside.IsOk())
+    {
+      return inside.GetStatus();
+    }
+    candidates.clear();
+    std::set_union(active->begin(), active->end(), inside->begin(), inside->end(),
+      std::back_inserter(candidates));
+  }
+  const GridGeometry geometry = this->GetHeader().Grid.Coarsen(level);
+  const StoredLevel stored = this->FindLevel(level);
+  std::vector<BlockReference> references;
+  for (const std::uint32_t ordinal : candidates)
+  {
+    const auto block = store.FindBlock(ordinal, statistics);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
+    if (selection.Selects(geometry, stored.Grid->GetVertices(*block, stored.Level), isCrossed))
+    {
+      references.push_back({ *block, number, ordinal, stored.Part });
+    }
+  }
   return references;
 }
 
@@ -323,8 +379,23 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
   const BlockReference& reference, std::size_t timeStep, std::size_t array, int level,
   QueryStatistics& statistics)
 {
+  const auto blocks = this->ReadArrays(reference, timeStep, { array }, level, statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  return blocks->front();
+}
+
+Result<DecodedBlocks> BlockedVolume::ReadArrays(const BlockReference& reference,
+  std::size_t timeStep, const std::vector<std::size_t>& arrays, int level,
+  QueryStatistics& statistics)
+{
   const Stopwatch stopwatch(statistics.ReadSeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  for (const std::size_t array : arrays)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  }
   const StoredLevel stored = this->FindLevel(level);
   const Part& part = *this->Parts[stored.Part];
   if (reference.Part != stored.Part || reference.Store >= part.Header.NumberOfStores ||
@@ -334,22 +405,56 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
       this->Path + ": has no block " + std::to_string(reference.Block) + " in store " +
         std::to_string(reference.Store) + " at level " + std::to_string(level));
   }
-  const auto load = [&]() -> Result<std::shared_ptr<const DecodedBlock>>
+  const auto makeKey = [&](std::size_t array)
   {
+    return BlockCacheKey{ part.Identities[timeStep], reference.Block,
+      static_cast<std::uint32_t>(array), static_cast<std::uint32_t>(stored.Level) };
+  };
+  std::map<std::size_t, std::shared_ptr<const DecodedBlock>> readAlong;
+  const auto load = [&](std::size_t array) -> Result<std::shared_ptr<const DecodedBlock>>
+  {
+    const auto found = readAlong.find(array);
+    if (found != readAlong.end())
+    {
+      return found->second;
+    }
     const auto store = this->GetStore(timeStep, stored.Part, reference.Store);
     if (!store.IsOk())
     {
       return store.GetStatus();
     }
-    return (*store)->Read(reference.Ordinal, reference.Block, array, stored.Level, statistics);
+    std::size_t end = array + 1;
+    while (stored.Level == 0 && std::find(arrays.begin(), arrays.end(), end) != arrays.end() &&
+      !this->Cache->Contains(makeKey(end)))
+    {
+      ++end;
+    }
+    auto blocks = (*store)->ReadAdjacent(
+      reference.Ordinal, reference.Block, array, end - array, stored.Level, statistics);
+    if (!blocks.IsOk())
+    {
+      return blocks.GetStatus();
+    }
+    for (std::size_t n = 1; n < blocks->size(); ++n)
+    {
+      readAlong[array + n] = (*blocks)[n];
+    }
+    return blocks->front();
   };
-  bool hit = false;
-  auto block = this->Cache->Get(
-    { part.Identities[timeStep], reference.Block, static_cast<std::uint32_t>(array),
-      static_cast<std::uint32_t>(stored.Level) },
-    load, hit);
-  statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
-  return block;
+  DecodedBlocks blocks;
+  for (const std::size_t array : arrays)
+  {
+    bool hit = false;
+    auto block = this->Cache->Get(
+      makeKey(array), [&] { return load(array); }, hit);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    statistics.BlockCacheHits += hit ? 1 : 0;
+    blocks.push_back(std::move(*block));
+  }
+  return blocks;
 }
 
 std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const

@@ -4,6 +4,7 @@
 
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
+#include "Contour/BlockSelection.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Store/BlockCache.h"
 #include "Store/BlockedVolumeHeader.h"
@@ -90,10 +91,14 @@ public:
    * have the given level (FindLevel). They are active at the finest level there,
    * GetSpectrumLevel(); at a coarser one some of them may turn out empty. Cost: one tree query a
    * store and isovalue, and the directory pages of the reported blocks.
+   *
+   * A selection adds blocks and leaves blocks out, before they are shared among ranks; it is of the
+   * grid of `level`. It costs the directory pages of all blocks of the rank's stores that may be
+   * selected; if sides are closed, a range query of the trees for all blocks with samples inside.
    */
   Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t array,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
-    int level = 0);
+    int level = 0, const BlockSelection& selection = {});
 
   /// This rank's share of all blocks that have a level, sorted by store and ordinal. Reads the
   /// directories of their stores.
@@ -107,6 +112,13 @@ public:
    */
   Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
     std::size_t timeStep, std::size_t array, int level, QueryStatistics& statistics);
+
+  /**
+   * Several arrays of a block, in the order asked for. At the finest level of a block, arrays that
+   * follow each other in the record and are not in the cache are read by one read.
+   */
+  Result<DecodedBlocks> ReadArrays(const BlockReference& reference, std::size_t timeStep,
+    const std::vector<std::size_t>& arrays, int level, QueryStatistics& statistics);
 
   /// Memory for one array of all blocks at a level, decoded, in bytes (ghost layers included).
   std::uint64_t EstimateBytes(std::size_t array, int level) const;
@@ -154,6 +166,10 @@ private:
   };
 
   void AddPart(BlockedVolumeHeader header);
+  /// All blocks of a store that FindActiveBlocks finds with a selection, by ordinal.
+  Result<std::vector<BlockReference>> SelectBlocks(BlockStore& store, std::uint32_t number,
+    std::size_t array, const std::vector<double>& isovalues, const BlockSelection& selection,
+    int level, QueryStatistics& statistics);
   Result<std::shared_ptr<BlockStore>> GetStore(
     std::size_t timeStep, std::uint32_t part, std::uint32_t store);
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);

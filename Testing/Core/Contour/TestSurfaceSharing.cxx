@@ -212,19 +212,21 @@ TEST(SurfaceSharing, AttributesAreInterpolatedAlongTheEdges)
   };
   Source source(volume, 16);
   AttributeView vectors;
-  vectors.Samples = volume.GetView();
-  vectors.Samples.Type = ValueType::Float64;
-  vectors.Samples.First = field.data();
-  for (std::ptrdiff_t& stride : vectors.Samples.Stride)
+  for (std::size_t component = 0; component < 3; ++component)
   {
-    stride *= 3;
+    SampleView view = volume.GetView();
+    view.Type = ValueType::Float64;
+    view.First = &field[component];
+    for (std::ptrdiff_t& stride : view.Stride)
+    {
+      stride *= 3;
+    }
+    vectors.Components.push_back(view);
   }
-  vectors.NumberOfComponents = 3;
-  AttributeView integers;
-  integers.Samples = volume.GetView();
-  integers.Samples.Type = ValueType::Int16;
-  integers.Samples.First = shorts.data();
-  source.Attributes = { vectors, integers };
+  SampleView integers = volume.GetView();
+  integers.Type = ValueType::Int16;
+  integers.First = shorts.data();
+  source.Attributes = { vectors, { { integers } } };
   ContourRequest request = MakeRequest(300.5);
   request.Attributes = { { ValueType::Float64, 3 }, { ValueType::Int16, 1 } };
   const Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 2);
