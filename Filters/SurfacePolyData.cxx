@@ -132,6 +132,7 @@ void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
   add("BytesRead", cost.Reading.BytesRead);
   add("BlockCacheHits", cost.Reading.BlockCacheHits);
   add("Triangles", cost.Triangles);
+  add("Level", cost.Level);
   add("QuerySeconds", cost.Reading.QuerySeconds);
   add("ReadSeconds", cost.Reading.ReadSeconds);
   add("ExtractSeconds", cost.ExtractSeconds);

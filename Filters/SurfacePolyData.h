@@ -17,6 +17,7 @@ struct QueryCost
 {
   QueryStatistics Reading;
   std::uint64_t Triangles = 0;
+  int Level = 0;             ///< that the surface was extracted from
   double ExtractSeconds = 0; ///< wall clock of extraction, the reading that it waited for included
 };
 
@@ -30,8 +31,8 @@ void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyDat
 /**
  * Adds what the query cost this rank to the output's field data, one array of one value a quantity:
  * Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks, BlocksRead, BytesRead, BlockCacheHits,
- * Triangles, QuerySeconds, ReadSeconds, ExtractSeconds. Written as a table, the ranks' values are
- * its rows.
+ * Triangles, Level, QuerySeconds, ReadSeconds, ExtractSeconds. Written as a table, the ranks'
+ * values are its rows.
  */
 void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output);
 

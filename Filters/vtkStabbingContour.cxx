@@ -102,6 +102,7 @@ vtkStabbingContour::vtkStabbingContour()
   : ComputeNormals(1)
   , ComputeScalars(1)
   , GenerateTriangles(1)
+  , Level(0)
   , NumberOfThreads(0)
   , RanksOnNode(0)
   , Controller(nullptr)
@@ -170,6 +171,7 @@ int vtkStabbingContour::RequestUpdateExtent(
     const double* values = this->ContourValues->GetValues();
     request->SetArrayName(this->GetArrayToContour());
     request->SetIsovalues(std::vector<double>(values, values + this->GetNumberOfContours()));
+    request->SetLevel(this->Level);
   }
   vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
   return 1;
@@ -270,16 +272,18 @@ Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformat
   arrayName = header.Arrays[*array].Name;
 
   using Pipeline = vtkStreamingDemandDrivenPipeline;
+  const int level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
+  cost.Level = level;
   auto active = volume.FindActiveBlocks(step, *array, request.Isovalues,
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
-    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), cost.Reading);
+    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), cost.Reading, level);
   if (!active.IsOk())
   {
     return active.GetStatus();
   }
-  isosurface::StoredBlockSource source(volume, step, *array, 0, std::move(*active));
-  auto extracted = isosurface::ExtractSurface(header.Grid, source, request, this->ChooseThreads(),
-    [this](double share) { return this->TellProgress(share); });
+  isosurface::StoredBlockSource source(volume, step, *array, level, std::move(*active));
+  auto extracted = isosurface::ExtractSurface(header.Grid.Coarsen(level), source, request,
+    this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
   cost.Reading.Add(source.GetStatistics());
   if (!extracted.IsOk())
   {
@@ -295,6 +299,7 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  cost.Level = IsBehindReader(inInfo) ? this->Level : 0;
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
@@ -381,6 +386,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
+  os << indent << "Level: " << this->Level << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

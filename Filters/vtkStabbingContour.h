@@ -16,6 +16,11 @@
  * and the reader gives the active blocks. For image data the value ranges of blocks are computed
  * once an array, and kept between isovalues.
  *
+ * Of a blocked volume with Level l > 0 the surface is that of the volume subsampled by 2^l: of all
+ * vertices whose coordinates, counted from the extent's low corner, are multiples of 2^l. Only what
+ * this level needs is read. GlobalIds then count the vertices of the subsampled grid, so they fit
+ * together within a level, not across levels. Image data have level 0 only.
+ *
  * Point data: GlobalIds, the grid edge that a point lies on: 3 * vertex + axis +
  * n * 3 * numberOfVertices for the n-th isovalue, where vertex is the edge's low end, numbered over
  * the whole grid (x fastest) from 0. Equal ids, on whatever rank, mean bitwise equal points and
@@ -25,8 +30,8 @@
  * ComputeScalars, the isovalue under the name of the contoured array.
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
- * BlocksRead, BytesRead, BlockCacheHits, Triangles, QuerySeconds, ReadSeconds, ExtractSeconds);
- * also a line in the log.
+ * BlocksRead, BytesRead, BlockCacheHits, Triangles, Level, QuerySeconds, ReadSeconds,
+ * ExtractSeconds); also a line in the log.
  *
  * Every rank of the controller must execute together. Errors of any rank are reported by all.
  */
@@ -103,6 +108,15 @@ public:
 
   ///@{
   /**
+   * The level of detail of a blocked volume: 0 (the default) is full resolution, each next one half
+   * of it on every axis. A level above the volume's coarsest gives the coarsest.
+   */
+  vtkSetClampMacro(Level, int, 0, 64);
+  vtkGetMacro(Level, int);
+  ///@}
+
+  ///@{
+  /**
    * Threads to extract with; 0 (the default): this rank's share of the node's cores.
    */
   vtkSetClampMacro(NumberOfThreads, int, 0, 4096);
@@ -149,6 +163,7 @@ private:
   vtkTypeBool ComputeNormals;
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
+  int Level;
   int NumberOfThreads;
   int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;

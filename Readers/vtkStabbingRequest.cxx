@@ -43,7 +43,8 @@ bool vtkStabbingRequest::Serves(const vtkStabbingRequest* made, const vtkStabbin
   {
     return madeForAll == wantedForAll;
   }
-  return made->ArrayName == wanted->ArrayName && made->Isovalues == wanted->Isovalues;
+  return made->ArrayName == wanted->ArrayName && made->Isovalues == wanted->Isovalues &&
+    made->Level == wanted->Level;
 }
 
 //------------------------------------------------------------------------------
@@ -57,5 +58,6 @@ void vtkStabbingRequest::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << isovalue;
   }
   os << "\n";
+  os << indent << "Level: " << this->Level << "\n";
   os << indent << "HandleOnly: " << this->HandleOnly << "\n";
 }

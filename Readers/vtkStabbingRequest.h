@@ -45,6 +45,15 @@ public:
 
   ///@{
   /**
+   * The level of detail of the blocks, 0 (full resolution) by default; of a volume with fewer
+   * levels the coarsest.
+   */
+  vtkSetMacro(Level, int);
+  vtkGetMacro(Level, int);
+  ///@}
+
+  ///@{
+  /**
    * Whether no blocks are wanted in the reader's output.
    */
   vtkSetMacro(HandleOnly, bool);
@@ -67,6 +76,7 @@ private:
 
   std::string ArrayName;
   std::vector<double> Isovalues;
+  int Level = 0;
   bool HandleOnly = false;
 };
 
