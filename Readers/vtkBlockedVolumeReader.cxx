@@ -315,8 +315,8 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     {
       arrays.push_back(*asked);
     }
-    auto active =
-      volume.FindActiveBlocks(step, *asked, request->GetIsovalues(), piece, pieces, statistics);
+    auto active = volume.FindActiveBlocks(
+      step, *asked, request->GetIsovalues(), piece, pieces, statistics, request->GetSelection());
     if (!active.IsOk())
     {
       return active.GetStatus();
