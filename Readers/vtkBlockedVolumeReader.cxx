@@ -317,7 +317,8 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     }
     const int level = std::clamp(request->GetLevel(), 0, volume.GetNumberOfLevels() - 1);
     auto active = volume.FindActiveBlocks(
-      step, *asked, request->GetIsovalues(), piece, pieces, statistics, level);
+      step, *asked, request->GetIsovalues(), piece, pieces, statistics, level,
+      request->GetSelection());
     if (!active.IsOk())
     {
       return active.GetStatus();

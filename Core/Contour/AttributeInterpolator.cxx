@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/AttributeInterpolator.h"
 
-#include <cmath>
-#include <limits>
 #include <type_traits>
 
 namespace isosurface
@@ -10,28 +8,24 @@ namespace isosurface
 namespace
 {
 
-// v0 + t * (v1 - v0). A product beyond the type's range (t is NaN, say) must not be converted.
+// v0 + t * (v1 - v0), without overflow.
 template <typename T>
-T InterpolateValue(T v0, T v1, double t)
+double InterpolateValue(T v0, T v1, double t)
 {
   if constexpr (std::is_floating_point_v<T>)
   {
-    return static_cast<T>(static_cast<double>(v0) + t * static_cast<double>(v1 - v0));
+    return static_cast<double>(v0) + t * static_cast<double>(v1 - v0);
   }
   else
   {
     const double first = static_cast<double>(v0);
-    const double value = first + t * (static_cast<double>(v1) - first);
-    const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
-    return value >= static_cast<double>(std::numeric_limits<T>::min()) && value < end
-      ? static_cast<T>(value)
-      : (t > 0.5 ? v1 : v0);
+    return first + t * (static_cast<double>(v1) - first);
   }
 }
 
-template <typename T>
+template <typename T, typename Out>
 void InterpolateComponent(const SampleView& samples, const T* first, const EdgeCode* codes,
-  const double* parameters, std::size_t count, T* out, std::size_t step)
+  const double* parameters, std::size_t count, Out* out, std::size_t step)
 {
   // A code of no axis is that of a vertex.
   const std::ptrdiff_t along[4] = { samples.Stride[0], samples.Stride[1], samples.Stride[2], 0 };
@@ -43,7 +37,7 @@ void InterpolateComponent(const SampleView& samples, const T* first, const EdgeC
     {
       from += static_cast<std::ptrdiff_t>(code >> (6 * axis) & 63) * samples.Stride[axis];
     }
-    *out = InterpolateValue(*from, from[along[code >> 18]], parameters[n]);
+    *out = static_cast<Out>(InterpolateValue(*from, from[along[code >> 18]], parameters[n]));
   }
 }
 
@@ -60,8 +54,9 @@ void InterpolateAttribute(const AttributeView& view, const Index3& low, const Ed
       [&](auto zero)
       {
         using T = decltype(zero);
+        using Out = std::conditional_t<std::is_same_v<T, double>, double, float>;
         InterpolateComponent(samples, samples.At<T>(low), codes, parameters, count,
-          reinterpret_cast<T*>(tuples) + component, components);
+          reinterpret_cast<Out*>(tuples) + component, components);
       });
   }
 }

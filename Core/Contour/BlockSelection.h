@@ -23,6 +23,11 @@ struct BlockSelection
   /// Whether just the crossed blocks are needed, all of them.
   bool IsPlain() const { return this->ClosedSides.IsEmpty() && this->Region.IsEverything(); }
 
+  bool operator==(const BlockSelection& other) const
+  {
+    return this->ClosedSides == other.ClosedSides && this->Region == other.Region;
+  }
+
   /// Whether a block is needed that the isosurface crosses, or that is inside as a whole.
   bool Selects(const GridGeometry& grid, const VertexBox& vertices, bool isCrossed) const
   {

@@ -313,8 +313,9 @@ void BrickScan::MakeAttributes(
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
     const AttributeView& attribute = samples.Attributes[n];
+    const ValueType type = GetInterpolatedType(attribute.Components.front().Type);
     part.Attributes[n] = worker.Memory.Allocate<std::uint8_t>(
-      count * attribute.Components.size() * GetValueSize(attribute.Components.front().Type));
+      count * attribute.Components.size() * GetValueSize(type));
     InterpolateAttribute(attribute, this->Lattice.GetBricks()[brick].Vertices.Low, part.Codes,
       worker.Parameters.data(), count, part.Attributes[n]);
   }

@@ -20,6 +20,13 @@ struct AttributeLayout
   int NumberOfComponents = 1;
 };
 
+/// The type that values of an attribute have on the surface, as in vtkFlyingEdges3D: float32, but
+/// for float64, which stays.
+inline ValueType GetInterpolatedType(ValueType type)
+{
+  return type == ValueType::Float64 ? type : ValueType::Float32;
+}
+
 /// What to extract.
 struct ContourRequest
 {
@@ -60,7 +67,7 @@ struct IndexArray
   }
 };
 
-/// One interpolated attribute: tuples in the order of the points, in the attribute's own type.
+/// One interpolated attribute: tuples in the order of the points, of the interpolated type.
 struct SurfaceAttribute
 {
   AttributeLayout Layout;

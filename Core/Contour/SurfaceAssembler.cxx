@@ -41,7 +41,8 @@ IndexArray AllocateIndices(std::size_t size, bool is64Bit)
 
 std::size_t GetTupleSize(const AttributeLayout& layout)
 {
-  return static_cast<std::size_t>(layout.NumberOfComponents) * GetValueSize(layout.Type);
+  return static_cast<std::size_t>(layout.NumberOfComponents) *
+    GetValueSize(GetInterpolatedType(layout.Type));
 }
 
 std::size_t CountConnectivity(const Surface& surface, bool polygons)
@@ -185,7 +186,7 @@ void SurfaceAssembler::Allocate(Surface& surface) const
   for (const AttributeLayout& layout : this->Request.Attributes)
   {
     SurfaceAttribute attribute;
-    attribute.Layout = layout;
+    attribute.Layout = { GetInterpolatedType(layout.Type), layout.NumberOfComponents };
     attribute.Bytes = AllocateHuge<std::uint8_t>(points * GetTupleSize(layout));
     surface.Attributes.push_back(std::move(attribute));
   }

@@ -25,6 +25,8 @@ struct GridSides
     return std::none_of(this->Sides.begin(), this->Sides.end(), [](bool side) { return side; });
   }
 
+  bool operator==(const GridSides& other) const { return this->Sides == other.Sides; }
+
   /// Whether a box of vertices of a grid of `dimensions` vertices reaches one of these sides.
   bool Touch(const VertexBox& box, const Index3& dimensions) const
   {

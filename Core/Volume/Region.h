@@ -16,6 +16,11 @@ struct HalfSpace
 {
   std::array<double, 3> Normal{};
   double Offset = 0;
+
+  bool operator==(const HalfSpace& other) const
+  {
+    return this->Normal == other.Normal && this->Offset == other.Offset;
+  }
 };
 
 /**
@@ -32,6 +37,9 @@ public:
 
   const std::vector<HalfSpace>& GetHalfSpaces() const { return this->HalfSpaces; }
   bool IsEverything() const { return this->HalfSpaces.empty(); }
+
+  /// Whether both have the same half-spaces, in the same order.
+  bool operator==(const Region& other) const { return this->HalfSpaces == other.HalfSpaces; }
 
   /// What lies in both regions.
   Region Intersect(const Region& other) const;

@@ -274,11 +274,11 @@ TEST(BlockedVolumeSelection, InterpolatedArraysOfTheContouredOneHaveTheIsovalue)
     ASSERT_GT(surface->NumberOfPoints, 0u);
     const auto* negative = reinterpret_cast<const float*>(surface->Attributes[0].Bytes.GetData());
     const auto* twice =
-      reinterpret_cast<const std::uint16_t*>(surface->Attributes[1].Bytes.GetData());
+      reinterpret_cast<const float*>(surface->Attributes[1].Bytes.GetData());
     for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
     {
       ASSERT_NEAR(negative[point], -30.25f, 1e-4f);
-      ASSERT_EQ(twice[point], 60);
+      ASSERT_NEAR(twice[point], 60.5f, 1e-4f);
     }
     // Both further arrays follow each other, but are asked for in the other order.
     EXPECT_LE(source.GetStatistics().BlocksRead, 3 * active->size());
