@@ -87,7 +87,7 @@ Result<BlockCompression> ParseCompression(const std::string& text)
   if (colon != std::string::npos)
   {
     const auto level = HeaderText::ParseInteger(text.substr(colon + 1));
-    isValid = isValid && level && *level >= 1 && *level <= 100;
+    isValid = isValid && *codec != SegmentCodec::None && level && *level >= 1 && *level <= 100;
     compression.Level = isValid ? static_cast<int>(*level) : 0;
   }
   if (!isValid || !compression.IsValid())

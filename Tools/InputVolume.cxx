@@ -56,7 +56,7 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options)
   const bool isFile = options.Raw || VolumeFile::IsKnown(GetLocalFileSystem(), options.Input);
   auto volume = isFile
     ? OpenFile(options)
-    : OpenPipelineInput(options.Input, options.Arrays, options.Settings.MemoryLimit / 2);
+    : OpenPipelineInput(options.Input, options.Arrays, options.Settings.MemoryLimit / 4);
   if (volume.IsOk())
   {
     volume->Grid.Spacing = options.Spacing.value_or(volume->Grid.Spacing);
