@@ -442,7 +442,7 @@ Status vtkStabbingContour::ExtractFromImages(
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
-  cost.Level = IsBehindReader(inInfo) ? this->Level : 0;
+  output.Cost.Level = IsBehindReader(inInfo) ? this->Level : 0;
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
