@@ -58,6 +58,17 @@ int ChooseLevel(const isosurface::BlockedVolume& volume, const std::vector<std::
   }
   return -1;
 }
+
+/// The array of a request; without a name the one that becomes the active scalars.
+std::optional<std::size_t> FindAskedArray(const isosurface::BlockedVolumeHeader& header,
+  const std::vector<std::size_t>& enabled, const std::string& name)
+{
+  if (name.empty())
+  {
+    return enabled.empty() ? std::nullopt : std::make_optional(enabled.front());
+  }
+  return header.FindArray(name);
+}
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -307,7 +318,7 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
 
   isosurface::QueryStatistics statistics;
   const auto asked = request && !request->GetIsovalues().empty()
-    ? header.FindArray(request->GetArrayName())
+    ? FindAskedArray(header, arrays, request->GetArrayName())
     : std::optional<std::size_t>();
   if (asked)
   {
@@ -316,9 +327,8 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
       arrays.push_back(*asked);
     }
     const int level = std::clamp(request->GetLevel(), 0, volume.GetNumberOfLevels() - 1);
-    auto active = volume.FindActiveBlocks(
-      step, *asked, request->GetIsovalues(), piece, pieces, statistics, level,
-      request->GetSelection());
+    auto active = volume.FindActiveBlocks(step, *asked, request->GetIsovalues(), piece, pieces,
+      statistics, level, request->GetSelection());
     if (!active.IsOk())
     {
       return active.GetStatus();

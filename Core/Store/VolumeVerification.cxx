@@ -331,7 +331,7 @@ std::vector<Status> StoreCheck::TakeFaults()
   return faults;
 }
 
-/// The whole volume, a time step after the other.
+/// The whole volume, a time step after the other; of each the volume, then its overviews.
 class VolumeCheck
 {
 public:
@@ -354,15 +354,25 @@ public:
       this->AddFault(header.GetStatus());
       return std::move(this->Found);
     }
-    const BlockGrid grid(header->Grid.GetDimensions(), header->BlockSize);
+    std::vector<BlockedVolumeHeader> parts = { *header };
+    std::uint64_t blocks = this->CountBlocks(*header);
+    for (std::size_t overview = 0; overview < header->Overviews.size(); ++overview)
+    {
+      parts.push_back(header->MakeOverview(overview));
+      blocks += this->CountBlocks(parts.back());
+    }
+    const double shares =
+      static_cast<double>(blocks) * static_cast<double>(header->TimeSteps.size());
     for (std::size_t step = 0; step < header->TimeSteps.size(); ++step)
     {
-      const auto shares = static_cast<double>(header->TimeSteps.size());
-      this->StepBegin = static_cast<double>(step) / shares;
-      this->StepShare = 1 / shares;
-      if (!this->CheckTimeStep(*header, grid, header->TimeSteps[step]))
+      for (const BlockedVolumeHeader& part : parts)
       {
-        return Status(StatusCode::Aborted, this->Path + ": the check was stopped");
+        this->PartShare = static_cast<double>(this->CountBlocks(part)) / shares;
+        if (!this->CheckTimeStep(part, part.TimeSteps[step]))
+        {
+          return Status(StatusCode::Aborted, this->Path + ": the check was stopped");
+        }
+        this->PartBegin += this->PartShare;
       }
     }
     return std::move(this->Found);
@@ -378,10 +388,15 @@ private:
     }
   }
 
-  /// False if it was asked to stop.
-  bool CheckTimeStep(
-    const BlockedVolumeHeader& header, const BlockGrid& grid, const TimeStepDescription& step)
+  static std::uint64_t CountBlocks(const BlockedVolumeHeader& header)
   {
+    return static_cast<std::uint64_t>(header.GetBlockGrid().GetNumberOfBlocks());
+  }
+
+  /// Of the volume itself, or of an overview. False if it was asked to stop.
+  bool CheckTimeStep(const BlockedVolumeHeader& header, const TimeStepDescription& step)
+  {
+    const BlockGrid grid = header.GetBlockGrid();
     const std::string spectraPath = VolumeSpectra::GetPath(this->Path, step.Folder);
     const auto spectra =
       VolumeSpectra::Read(this->Files, spectraPath, header.Arrays.size(), header.NumberOfStores);
@@ -460,7 +475,7 @@ private:
     return [this, begin, end](double share)
     {
       return !this->Tell ||
-        this->Tell(this->StepBegin + this->StepShare * (begin + (end - begin) * share));
+        this->Tell(this->PartBegin + this->PartShare * (begin + (end - begin) * share));
     };
   }
 
@@ -468,8 +483,8 @@ private:
   FileSystem& Files;
   int Threads;
   const Progress& Tell;
-  double StepBegin = 0;
-  double StepShare = 1;
+  double PartBegin = 0;
+  double PartShare = 1;
   VolumeVerification Found;
 };
 

@@ -19,11 +19,12 @@ struct VolumeVerification
   /// More faults than this are counted, but not kept.
   static constexpr std::size_t MostFaults = 10000;
 
-  /// Each names a file and what is wrong with it; in the order of time steps, stores and blocks.
+  /// Each names a file and what is wrong with it; in the order of time steps, overviews, stores and
+  /// blocks.
   std::vector<Status> Faults;
   std::uint64_t FaultCount = 0;
   std::uint64_t Files = 0;  ///< that were looked at
-  std::uint64_t Blocks = 0; ///< of all time steps
+  std::uint64_t Blocks = 0; ///< of all time steps and overviews
   std::uint64_t Bytes = 0;  ///< of records
 };
 

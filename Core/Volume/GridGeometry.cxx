@@ -42,13 +42,16 @@ GridGeometry GridGeometry::Coarsen(int level) const
   }
   GridGeometry coarse = *this;
   const Index3 dimensions = this->GetDimensions();
+  // Rounded as vtkImageData::TransformIndexToPhysicalPoint does.
   for (int row = 0; row < 3; ++row)
   {
+    double offset = 0;
     for (int axis = 0; axis < 3; ++axis)
     {
-      coarse.Origin[row] += this->Direction[3 * row + axis] * this->Spacing[axis] *
-        static_cast<double>(this->Extent[2 * axis]);
+      offset += static_cast<double>(this->Extent[2 * axis]) *
+        (this->Direction[3 * row + axis] * this->Spacing[axis]);
     }
+    coarse.Origin[row] = offset + this->Origin[row];
   }
   for (int axis = 0; axis < 3; ++axis)
   {
