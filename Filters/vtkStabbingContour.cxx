@@ -31,6 +31,7 @@
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
 #include "Store/StoredBlockSource.h"
+#include "Volume/Magnitude.h"
 
 #include <algorithm>
 #include <string>
@@ -66,6 +67,37 @@ bool IsBehindReader(vtkInformation* info)
     IsBehindReader(executive->GetInputInformation(0, 0));
 }
 
+Status MakeComponentError(const std::string& name, int components, int component)
+{
+  return Status(StatusCode::InvalidArgument,
+    "array \"" + name + "\" has " + std::to_string(components) +
+      " components, and after them the magnitude; there is no component " +
+      std::to_string(component) + " to contour");
+}
+
+// Magnitudes of all samples of an image, x fastest; nothing if a component is contoured.
+std::vector<double> FindMagnitudes(
+  const isosurface::ImageSamples& samples, int component, int threads)
+{
+  if (component != isosurface::Variable::Magnitude)
+  {
+    return {};
+  }
+  const isosurface::VertexBox& all = samples.Components.front().Available;
+  const isosurface::Index3 size = all.GetSize();
+  std::vector<double> magnitudes(static_cast<std::size_t>(all.GetNumberOfVertices()));
+  isosurface::ParallelFor(static_cast<std::size_t>(size[2]), threads,
+    [&](std::size_t slice, int)
+    {
+      isosurface::VertexBox box = all;
+      box.Low[2] += static_cast<std::int64_t>(slice);
+      box.High[2] = box.Low[2] + 1;
+      isosurface::ComputeMagnitudes(samples.Components, box,
+        magnitudes.data() + static_cast<std::int64_t>(slice) * size[0] * size[1]);
+    });
+  return magnitudes;
+}
+
 } // namespace
 
 /**
@@ -76,18 +108,34 @@ struct vtkStabbingContour::Index
 {
   struct Entry
   {
-    vtkDataArray* Array;
-    vtkMTimeType Time;
+    vtkDataArray* Array = nullptr;
+    vtkMTimeType Time = 0;
+    int Component = 0; ///< or Variable::Magnitude
     isosurface::VertexBox Box;
+    std::vector<double> Magnitudes;
     isosurface::BlockRanges Ranges;
+
+    // What is contoured.
+    isosurface::SampleView GetView(const isosurface::ImageSamples& samples) const
+    {
+      if (this->Component != isosurface::Variable::Magnitude)
+      {
+        return samples.Components[static_cast<std::size_t>(this->Component)];
+      }
+      isosurface::SampleView view = isosurface::MakeMagnitudeView(
+        samples.Components.front().Available, this->Magnitudes.data());
+      view.Box = samples.Components.front().Box;
+      return view;
+    }
   };
   std::vector<Entry> Entries;
 
-  bool Take(const isosurface::ImageSamples& samples, Entry& entry)
+  bool Take(const isosurface::ImageSamples& samples, int component, Entry& entry)
   {
     for (Entry& kept : this->Entries)
     {
-      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Box == samples.View.Box)
+      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Component == component &&
+        kept.Box == samples.Components.front().Box)
       {
         entry = std::exchange(kept, Entry());
         return true;
@@ -99,7 +147,8 @@ struct vtkStabbingContour::Index
 
 //------------------------------------------------------------------------------
 vtkStabbingContour::vtkStabbingContour()
-  : ComputeNormals(1)
+  : Component(0)
+  , ComputeNormals(1)
   , ComputeScalars(1)
   , GenerateTriangles(1)
   , NumberOfThreads(0)
@@ -169,6 +218,7 @@ int vtkStabbingContour::RequestUpdateExtent(
   {
     const double* values = this->ContourValues->GetValues();
     request->SetArrayName(this->GetArrayToContour());
+    request->SetComponent(this->Component);
     request->SetIsovalues(std::vector<double>(values, values + this->GetNumberOfContours()));
   }
   vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
@@ -268,16 +318,21 @@ Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformat
       StatusCode::NotFound, volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
   }
   arrayName = header.Arrays[*array].Name;
+  const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
+  if (!variable)
+  {
+    return MakeComponentError(arrayName, header.Arrays[*array].Components, this->Component);
+  }
 
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  auto active = volume.FindActiveBlocks(step, *array, request.Isovalues,
+  auto active = volume.FindActiveBlocks(step, *variable, request.Isovalues,
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
     std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), cost.Reading);
   if (!active.IsOk())
   {
     return active.GetStatus();
   }
-  isosurface::StoredBlockSource source(volume, step, *array, 0, std::move(*active));
+  isosurface::StoredBlockSource source(volume, step, *variable, 0, std::move(*active));
   auto extracted = isosurface::ExtractSurface(header.Grid, source, request, this->ChooseThreads(),
     [this](double share) { return this->TellProgress(share); });
   cost.Reading.Add(source.GetStatistics());
@@ -309,6 +364,10 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
     {
       arrayName = array->GetName();
     }
+    if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), this->Component))
+    {
+      return MakeComponentError(arrayName, array->GetNumberOfComponents(), this->Component);
+    }
     return array;
   };
   const auto pieces =
@@ -338,19 +397,26 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
       return this->TellProgress(
         (static_cast<double>(number) + share) / static_cast<double>(pieces->Pieces.size()));
     };
+    const int component = *isosurface::FindChosenComponent(
+      static_cast<int>(piece.Samples.Components.size()), this->Component);
     Index::Entry entry;
-    if (!this->ImageIndex->Take(piece.Samples, entry))
+    if (!this->ImageIndex->Take(piece.Samples, component, entry))
     {
-      auto ranges = isosurface::BlockRanges::Compute(piece.Samples.View, this->ChooseThreads());
+      entry.Array = piece.Samples.Array;
+      entry.Time = piece.Samples.Time;
+      entry.Component = component;
+      entry.Box = piece.Samples.Components.front().Box;
+      entry.Magnitudes = FindMagnitudes(piece.Samples, component, this->ChooseThreads());
+      auto ranges =
+        isosurface::BlockRanges::Compute(entry.GetView(piece.Samples), this->ChooseThreads());
       if (!ranges.IsOk())
       {
         return ranges.GetStatus();
       }
-      entry = { piece.Samples.Array, piece.Samples.Time, piece.Samples.View.Box,
-        std::move(*ranges) };
+      entry.Ranges = std::move(*ranges);
     }
-    auto extracted = isosurface::ExtractPiece(pieces->Grids[piece.Grid], piece.Samples.View,
-      entry.Ranges, request, this->ChooseThreads(), progress);
+    auto extracted = isosurface::ExtractPiece(pieces->Grids[piece.Grid],
+      entry.GetView(piece.Samples), entry.Ranges, request, this->ChooseThreads(), progress);
     kept.push_back(std::move(entry));
     if (!extracted.IsOk())
     {
@@ -378,6 +444,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ContourValues:\n";
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "Component: " << this->Component << "\n";
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";

@@ -14,7 +14,7 @@
  * reader's output is not used. Behind a filter that passes samples on unchanged (vtkPassThrough,
  * vtkPassArrays) the isovalues travel upstream under vtkBlockedVolumeReader::STABBING_REQUEST(),
  * and the reader gives the active blocks. For image data the value ranges of blocks are computed
- * once an array, and kept between isovalues.
+ * once an array, and kept between isovalues; so are magnitudes, which take 8 bytes a vertex.
  *
  * Point data: GlobalIds, the grid edge that a point lies on: 3 * vertex + axis +
  * n * 3 * numberOfVertices for the n-th isovalue, where vertex is the edge's low end, numbered over
@@ -71,6 +71,16 @@ public:
   {
     this->ContourValues->GenerateValues(number, rangeStart, rangeEnd);
   }
+  ///@}
+
+  ///@{
+  /**
+   * What is contoured of an array of several components: below their number that component, at
+   * their number the magnitude, as in ParaView's menus of components. Default 0. Arrays of one
+   * component are contoured whatever this is.
+   */
+  vtkSetClampMacro(Component, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Component, int);
   ///@}
 
   ///@{
@@ -146,6 +156,7 @@ private:
   int ChooseThreads();
 
   vtkNew<vtkContourValues> ContourValues;
+  int Component;
   vtkTypeBool ComputeNormals;
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;

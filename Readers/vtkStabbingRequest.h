@@ -37,6 +37,15 @@ public:
 
   ///@{
   /**
+   * Which component of that array, or, if it is their number, the magnitude. Any will do for an
+   * array of one component. Default 0.
+   */
+  vtkSetMacro(Component, int);
+  vtkGetMacro(Component, int);
+  ///@}
+
+  ///@{
+  /**
    * The isovalues; a block is wanted if it is crossed by at least one of them.
    */
   void SetIsovalues(const std::vector<double>& isovalues);
@@ -67,6 +76,7 @@ private:
 
   std::string ArrayName;
   std::vector<double> Isovalues;
+  int Component = 0;
   bool HandleOnly = false;
 };
 

@@ -12,6 +12,7 @@
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -60,7 +61,7 @@ std::uint64_t PipelineSource::GetReadBytes(const VertexBox& box) const
   std::uint64_t bytes = 0;
   for (const ArrayDescription& array : this->Arrays)
   {
-    bytes += GetValueSize(array.Type);
+    bytes += GetValueSize(array.Type) * static_cast<std::uint64_t>(array.Components);
   }
   return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
@@ -90,8 +91,13 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
   auto* image = vtkImageData::SafeDownCast(producer->GetOutputDataObject(this->Input->GetIndex()));
   auto owner = std::make_shared<LocalVolume>();
   owner->Grid = this->Grid;
+  const auto isWanted = [this](const std::string& name)
+  {
+    return std::any_of(this->Arrays.begin(), this->Arrays.end(),
+      [&name](const ArrayDescription& array) { return array.Name == name; });
+  };
   const Status status = image
-    ? owner->CollectArrays(image, false)
+    ? owner->CollectArrays(image, isWanted)
     : Status(StatusCode::InvalidArgument, "the input is no image data any more");
   if (!status.IsOk())
   {
@@ -101,9 +107,13 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
   bool fits = owner->Arrays.size() == this->Arrays.size();
   for (std::size_t array = 0; fits && array < this->Arrays.size(); ++array)
   {
-    SampleView view = owner->Piece.Arrays[array];
     fits = owner->Arrays[array].Name == this->Arrays[array].Name &&
-      owner->Arrays[array].Type == this->Arrays[array].Type && view.Available.Intersect(box) == box;
+      owner->Arrays[array].Type == this->Arrays[array].Type &&
+      owner->Arrays[array].Components == this->Arrays[array].Components;
+  }
+  for (SampleView view : owner->Piece.Arrays)
+  {
+    fits = fits && view.Available.Intersect(box) == box;
     view.Box = box;
     slab.Arrays.push_back(view);
   }

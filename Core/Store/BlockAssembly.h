@@ -37,15 +37,17 @@ struct BlockBox
 BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces);
 
 /**
- * Fills `samples` with one array in a box of blocks at a level, ghost layer included, x fastest:
- * the vertices of GetGhostedVertices. `blocks` are the blocks of the box, in any order.
+ * Fills `samples` with one variable in a box of blocks at a level, ghost layer included, x fastest:
+ * the vertices of GetGhostedVertices. A vertex and the next one are `stride` samples apart, so that
+ * the components of an array can be put between each other. `blocks` are the blocks of the box, in
+ * any order.
  *
  * Every block is read once, through the block cache, on `threads` threads; the ghost layer comes
  * from the ghost layers of the box's own blocks. Errors: of ReadBlock; Aborted.
  */
-Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
-  QueryStatistics& statistics, const Progress& progress = {});
+  std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress = {});
 
 } // namespace isosurface
 

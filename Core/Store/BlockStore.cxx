@@ -5,6 +5,7 @@
 #include "Store/RecordCodec.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace isosurface
 {
@@ -33,12 +34,28 @@ std::vector<ValueKey> FindThresholdKeys(ValueType type, const std::vector<double
 
 } // namespace
 
+std::string BlockStore::GetTreePath(
+  const std::string& folder, const ArrayVariables& variables, std::size_t variable)
+{
+  const Variable& named = variables[variable];
+  std::string name = folder + "/array-" + std::to_string(named.Array);
+  if (named.IsMagnitude())
+  {
+    name += "-magnitude";
+  }
+  else if (variables.GetComponents(named.Array) > 1)
+  {
+    name += "-component-" + std::to_string(named.Component);
+  }
+  return name + ".tree";
+}
+
 BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header)
   : Files(files)
   , Folder(std::move(folder))
-  , Header(header)
+  , Variables(header.GetVariables())
   , Grid(header.Grid.GetDimensions(), header.BlockSize)
-  , Trees(header.Arrays.size())
+  , Trees(Variables.GetCount())
 {
 }
 
@@ -63,7 +80,8 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
         " bytes instead of the " + std::to_string(description.Bytes) + " that the header says");
   }
   auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
-    header.Arrays.size() * static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
+    store->Variables.GetNumberOfStored() *
+      static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
     PageCacheBytes);
   if (!directory.IsOk())
   {
@@ -73,13 +91,13 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   return store;
 }
 
-Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t array)
+Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
 {
   const std::lock_guard<std::mutex> lock(this->TreeMutex);
-  std::unique_ptr<ExternalIntervalTree>& tree = this->Trees[array];
+  std::unique_ptr<ExternalIntervalTree>& tree = this->Trees[variable];
   if (!tree)
   {
-    const std::string path = GetTreePath(this->Folder, array);
+    const std::string path = GetTreePath(this->Folder, this->Variables, variable);
     auto opened = ExternalIntervalTree::Open(this->Files, path, PageCacheBytes);
     if (!opened.IsOk())
     {
@@ -96,9 +114,9 @@ Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t array)
 }
 
 Result<std::vector<std::uint32_t>> BlockStore::FindActive(
-  std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics)
+  std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics)
 {
-  const auto tree = this->GetTree(array);
+  const auto tree = this->GetTree(variable);
   if (!tree.IsOk())
   {
     return tree.GetStatus();
@@ -106,7 +124,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
   std::vector<std::uint32_t> ordinals;
   PageStatistics pages;
   Status status;
-  for (const ValueKey key : FindThresholdKeys(this->Header.Arrays[array].Type, isovalues))
+  for (const ValueKey key : FindThresholdKeys(this->Variables[variable].Type, isovalues))
   {
     const auto visit = [&](const KeyInterval& interval)
     {
@@ -142,8 +160,13 @@ Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistic
   return entry->Block;
 }
 
+Status BlockStore::MakeError(StatusCode code, const std::string& reason) const
+{
+  return Status(code, this->Blocks->GetPath() + ": " + reason);
+}
+
 Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordinal,
-  std::int64_t block, std::size_t array, int level, QueryStatistics& statistics) const
+  std::int64_t block, std::size_t variable, int level, QueryStatistics& statistics) const
 {
   const auto entry = this->Directory->Read(
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
@@ -151,58 +174,99 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
   {
     return entry.GetStatus();
   }
-  const auto fail = [&](StatusCode code, const std::string& reason)
-  { return Status(code, this->Blocks->GetPath() + ": " + reason); };
   if (entry->Block != block)
   {
-    return fail(StatusCode::Corrupt,
+    return this->MakeError(StatusCode::Corrupt,
       "block number " + std::to_string(ordinal) + " is not block " + std::to_string(block));
   }
-  const ValueType type = this->Header.Arrays[array].Type;
-  const int levels = this->Grid.GetNumberOfLevels();
-  const std::size_t firstSegment = array * static_cast<std::size_t>(levels);
-  const std::size_t segmentCount = static_cast<std::size_t>(levels - level);
-  for (std::size_t index = 0; index < segmentCount; ++index)
+  const Variable& wanted = this->Variables[variable];
+  const std::size_t first =
+    wanted.IsMagnitude() ? this->Variables.GetFirst(wanted.Array) : variable;
+  const int count = wanted.IsMagnitude() ? this->Variables.GetComponents(wanted.Array) : 1;
+  const auto components =
+    this->ReadComponents(*entry, first, static_cast<std::size_t>(count), level, statistics);
+  if (!components.IsOk())
   {
-    const BlockSegment segment(this->Grid, block, levels - 1 - static_cast<int>(index));
-    if (entry->Lengths[firstSegment + index] > segment.GetNumberOfSamples() * GetValueSize(type))
+    return components.GetStatus();
+  }
+  ++statistics.BlocksRead;
+  return std::shared_ptr<const DecodedBlock>(
+    wanted.IsMagnitude() ? MakeMagnitudeBlock(*components) : components->front());
+}
+
+/// Components that follow each other in the record; all their levels are one piece of it.
+Result<std::vector<std::shared_ptr<DecodedBlock>>> BlockStore::ReadComponents(
+  const BlockDirectoryEntry& entry, std::size_t first, std::size_t count, int level,
+  QueryStatistics& statistics) const
+{
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  const std::size_t wanted = levels - static_cast<std::size_t>(level);
+  for (std::size_t component = first; component < first + count; ++component)
+  {
+    const std::size_t valueSize = GetValueSize(this->Variables[component].Type);
+    for (std::size_t index = 0; index < wanted; ++index)
     {
-      return fail(StatusCode::Corrupt,
-        "block " + std::to_string(block) + " has an impossible length in the directory");
+      const BlockSegment segment(this->Grid, entry.Block, static_cast<int>(levels - 1 - index));
+      if (entry.Lengths[component * levels + index] > segment.GetNumberOfSamples() * valueSize)
+      {
+        return this->MakeError(StatusCode::Corrupt,
+          "block " + std::to_string(entry.Block) + " has an impossible length in the directory");
+      }
     }
   }
-  const std::uint64_t begin = entry->FindSegment(firstSegment);
-  const std::uint64_t size = entry->FindSegment(firstSegment + segmentCount) - begin;
-  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  ISOSURFACE_RETURN_IF_ERROR(
-    this->Blocks->Read(entry->Offset + begin, bytes.GetSize(), bytes.GetData()));
-  ++statistics.BlocksRead;
-  statistics.BytesRead += size;
-
-  std::vector<const std::uint8_t*> segments;
-  std::vector<std::uint32_t> lengths;
-  const std::uint8_t* segment = bytes.GetData();
-  for (std::size_t index = 0; index < segmentCount; ++index)
+  std::vector<std::shared_ptr<DecodedBlock>> decoded;
+  Buffer<std::uint8_t> bytes;
+  std::uint64_t begin = 0;
+  for (std::size_t component = first; component < first + count; ++component)
   {
-    const std::uint32_t stored = entry->Lengths[firstSegment + index];
-    const Status status = CheckSegment(segment, stored,
-      { block, static_cast<std::uint32_t>(array),
-        static_cast<std::uint32_t>(levels - 1) - static_cast<std::uint32_t>(index) });
+    if (component == first || level > 0)
+    {
+      const std::size_t last = level > 0 ? component : first + count - 1;
+      begin = entry.FindSegment(component * levels);
+      const std::uint64_t size = entry.FindSegment(last * levels + wanted) - begin;
+      bytes = Buffer<std::uint8_t>(static_cast<std::size_t>(size));
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->Blocks->Read(entry.Offset + begin, bytes.GetSize(), bytes.GetData()));
+      statistics.BytesRead += size;
+    }
+    const std::uint8_t* segments =
+      bytes.GetData() + (entry.FindSegment(component * levels) - begin);
+    auto block = this->DecodeComponent(entry, component, level, segments);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    decoded.push_back(std::move(*block));
+  }
+  return decoded;
+}
+
+/// `segments`: those of the levels from the coarsest to `level`, as they are on disk.
+Result<std::shared_ptr<DecodedBlock>> BlockStore::DecodeComponent(const BlockDirectoryEntry& entry,
+  std::size_t component, int level, const std::uint8_t* segments) const
+{
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  std::vector<const std::uint8_t*> bytes;
+  std::vector<std::uint32_t> lengths;
+  for (std::size_t index = 0; index < levels - static_cast<std::size_t>(level); ++index)
+  {
+    const std::uint32_t stored = entry.Lengths[component * levels + index];
+    const Status status = CheckSegment(segments, stored,
+      { entry.Block, static_cast<std::uint32_t>(component),
+        static_cast<std::uint32_t>(levels - 1 - index) });
     if (!status.IsOk())
     {
-      return fail(status.GetCode(), status.GetMessage());
+      return this->MakeError(status.GetCode(), status.GetMessage());
     }
-    segments.push_back(segment);
+    bytes.push_back(segments);
     lengths.push_back(stored);
-    segment += BlockRecord::SegmentHeaderSize + stored;
+    segments += BlockRecord::SegmentHeaderSize + stored;
   }
-  const auto decoded = DecodeLevel(
-    this->Grid, block, static_cast<std::uint32_t>(array), level, type, segments, lengths);
-  if (!decoded.IsOk())
-  {
-    return fail(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
-  }
-  return std::shared_ptr<const DecodedBlock>(*decoded);
+  auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(component), level,
+    this->Variables[component].Type, bytes, lengths);
+  return decoded.IsOk()
+    ? std::move(decoded)
+    : this->MakeError(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
 }
 
 } // namespace isosurface

@@ -16,7 +16,6 @@ namespace isosurface
 namespace
 {
 
-constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 1 } << 30;
 /// Each has a few files open; a process has about a thousand.
 constexpr std::size_t MaximumOpenStores = 64;
 
@@ -103,6 +102,7 @@ BlockedVolume::BlockedVolume(std::string path, FileSystem& files, std::shared_pt
   , Cache(std::move(cache))
   , HeaderText(std::move(text))
   , Header(std::move(header))
+  , Variables(Header.GetVariables())
   , Grid(Header.Grid.GetDimensions(), Header.BlockSize)
   , Spectra(Header.TimeSteps.size())
 {
@@ -117,7 +117,7 @@ BlockedVolume::~BlockedVolume() = default;
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
   const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)
 {
-  auto text = ReadText(fileSystem, path, MaximumHeaderSize);
+  auto text = ReadText(fileSystem, path, BlockedVolumeHeader::MaximumSize);
   if (!text.IsOk())
   {
     return text.GetStatus();
@@ -131,13 +131,13 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
     new BlockedVolume(path, fileSystem, std::move(cache), std::move(*text), std::move(*header)));
 }
 
-Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t array) const
+Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t variable) const
 {
-  if (timeStep >= this->Header.TimeSteps.size() || array >= this->Header.Arrays.size())
+  if (timeStep >= this->Header.TimeSteps.size() || variable >= this->Variables.GetCount())
   {
     return Status(StatusCode::InvalidArgument,
-      this->Path + ": has no time step " + std::to_string(timeStep) + " or no array " +
-        std::to_string(array));
+      this->Path + ": has no time step " + std::to_string(timeStep) + " or no variable " +
+        std::to_string(variable));
   }
   return Status::Ok();
 }
@@ -154,7 +154,7 @@ Status BlockedVolume::CheckRank(int rank, int ranks) const
 
 Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
 {
-  const auto text = ReadText(this->Files, this->Path, MaximumHeaderSize);
+  const auto text = ReadText(this->Files, this->Path, BlockedVolumeHeader::MaximumSize);
   if (text.IsOk() && *text == this->HeaderText)
   {
     return Status::Ok();
@@ -209,11 +209,11 @@ Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
 }
 
 Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t timeStep,
-  std::size_t array, const std::vector<double>& isovalues, int rank, int ranks,
+  std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
   QueryStatistics& statistics)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
   std::vector<BlockReference> references;
   for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
@@ -223,7 +223,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
     {
       return store.GetStatus();
     }
-    const auto active = (*store)->FindActive(array, isovalues, statistics);
+    const auto active = (*store)->FindActive(variable, isovalues, statistics);
     if (!active.IsOk())
     {
       ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
@@ -275,11 +275,11 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
-  const BlockReference& reference, std::size_t timeStep, std::size_t array, int level,
+  const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level,
   QueryStatistics& statistics)
 {
   const Stopwatch stopwatch(statistics.ReadSeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
   if (level < 0 || level >= this->GetNumberOfLevels() ||
     reference.Store >= this->Header.NumberOfStores || reference.Block < 0 ||
     reference.Block >= this->Grid.GetNumberOfBlocks())
@@ -295,18 +295,18 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
     {
       return store.GetStatus();
     }
-    return (*store)->Read(reference.Ordinal, reference.Block, array, level, statistics);
+    return (*store)->Read(reference.Ordinal, reference.Block, variable, level, statistics);
   };
   bool hit = false;
   auto block =
     this->Cache->Get({ this->Identities[timeStep], reference.Block,
-                       static_cast<std::uint32_t>(array), static_cast<std::uint32_t>(level) },
+                       static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(level) },
       load, hit);
   statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
   return block;
 }
 
-std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const
+std::uint64_t BlockedVolume::EstimateBytes(std::size_t variable, int level) const
 {
   // The volume of a sum of boxes is the product of the sums over the axes. On an axis all blocks
   // are alike but for the first one and the last two: a header may promise billions of them.
@@ -326,7 +326,7 @@ std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const
     }
     samples *= sum;
   }
-  return samples * GetValueSize(this->Header.Arrays[array].Type);
+  return samples * GetValueSize(this->Variables[variable].Type);
 }
 
 Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(std::size_t timeStep)
@@ -336,7 +336,7 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(std::size
   {
     auto spectra = VolumeSpectra::Read(this->Files,
       VolumeSpectra::GetPath(this->Path, this->Header.TimeSteps[timeStep].Folder),
-      this->Header.Arrays.size(), this->Header.NumberOfStores);
+      this->Variables.GetCount(), this->Header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
     {
@@ -348,21 +348,21 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(std::size
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
-  std::size_t timeStep, std::size_t array)
+  std::size_t timeStep, std::size_t variable)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
   const auto spectra = this->GetSpectra(timeStep);
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();
   }
-  return (*spectra)->Totals[array];
+  return (*spectra)->Totals[variable];
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
-  std::size_t timeStep, std::size_t array, std::uint32_t store)
+  std::size_t timeStep, std::size_t variable, std::uint32_t store)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
   const auto spectra = this->GetSpectra(timeStep);
   if (!spectra.IsOk())
   {
@@ -373,7 +373,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
   }
-  return (*spectra)->Stores[array][store];
+  return (*spectra)->Stores[variable][store];
 }
 
 } // namespace isosurface

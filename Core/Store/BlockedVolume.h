@@ -63,6 +63,8 @@ public:
 
   const std::string& GetPath() const { return this->Path; }
   const BlockedVolumeHeader& GetHeader() const { return this->Header; }
+  /// What can be contoured and read, by number.
+  const ArrayVariables& GetVariables() const { return this->Variables; }
   const BlockGrid& GetBlockGrid() const { return this->Grid; }
   int GetNumberOfLevels() const { return this->Grid.GetNumberOfLevels(); }
 
@@ -72,7 +74,7 @@ public:
    * active at full resolution; at a coarser level some of them may turn out empty.
    * Cost: one tree query a store and isovalue, and the directory pages of the reported blocks.
    */
-  Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t array,
+  Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics);
 
   /// This rank's share of all blocks, sorted by store and ordinal. Reads the stores' directories.
@@ -80,21 +82,22 @@ public:
     std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics);
 
   /**
-   * One array of a block at a level, decoded, with its ghost layer; from the block cache or by one
-   * read of the part of the block's record that holds the levels up to this one.
+   * One variable of a block at a level, decoded, with its ghost layer; from the block cache or by
+   * one read of the part of the block's record that holds the levels up to this one. A magnitude is
+   * computed from the components, by a read of them all at level 0, else by one of each.
    */
   Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
-    std::size_t timeStep, std::size_t array, int level, QueryStatistics& statistics);
+    std::size_t timeStep, std::size_t variable, int level, QueryStatistics& statistics);
 
-  /// Memory for one array of all blocks at a level, decoded, in bytes (ghost layers included).
-  std::uint64_t EstimateBytes(std::size_t array, int level) const;
+  /// Memory for one variable of all blocks at a level, decoded, in bytes (ghost layers included).
+  std::uint64_t EstimateBytes(std::size_t variable, int level) const;
 
-  /// Triangles and active cells by isovalue, of an array's whole volume; and of each store. Read
+  /// Triangles and active cells by isovalue, of a variable's whole volume; and of each store. Read
   /// from disk at the first call for a time step, then kept.
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
-    std::size_t timeStep, std::size_t array);
+    std::size_t timeStep, std::size_t variable);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(
-    std::size_t timeStep, std::size_t array, std::uint32_t store);
+    std::size_t timeStep, std::size_t variable, std::uint32_t store);
 
 private:
   BlockedVolume(std::string path, FileSystem& files, std::shared_ptr<BlockCache> cache,
@@ -111,7 +114,7 @@ private:
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep);
   /// Ok if the header on disk still names the time step as it was when this was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
-  Status CheckArguments(std::size_t timeStep, std::size_t array) const;
+  Status CheckArguments(std::size_t timeStep, std::size_t variable) const;
   Status CheckRank(int rank, int ranks) const;
 
   std::string Path;
@@ -119,6 +122,7 @@ private:
   std::shared_ptr<BlockCache> Cache;
   std::string HeaderText;
   BlockedVolumeHeader Header;
+  ArrayVariables Variables;
   BlockGrid Grid;
   std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
 

@@ -6,6 +6,7 @@
 #include "Store/JsonDocument.h"
 #include "Volume/BlockGrid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -154,10 +155,8 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
       members.Fail("type", "\"" + typeName + "\" is not known");
     }
     array.Type = type.value_or(ValueType::UInt8);
-    if (members.GetInteger("components", 1, 1 << 20) != 1)
-    {
-      members.Fail("components", "is above 1, which needs a newer version of this program");
-    }
+    array.Components =
+      static_cast<int>(members.GetInteger("components", 1, BlockDirectory::MaximumSegments));
     arrays.push_back(array);
   }
   return arrays;
@@ -172,10 +171,11 @@ TimeStepDescription ReadTimeStep(
     step.Time = members.GetNumber("time");
   }
   step.Folder = members.GetString("folder");
-  const Json& ranges = members.GetArray("ranges", header.Arrays.size());
-  for (std::size_t array = 0; array < ranges.size(); ++array)
+  const ArrayVariables variables = header.GetVariables();
+  const Json& ranges = members.GetArray("ranges", variables.GetCount());
+  for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
-    step.Ranges.push_back(ReadRange(members, ranges[array], header.Arrays[array].Type));
+    step.Ranges.push_back(ReadRange(members, ranges[variable], variables[variable].Type));
   }
   const Json& stores = members.GetArray("stores", header.NumberOfStores);
   for (std::size_t index = 0; index < stores.size() && status.IsOk(); ++index)
@@ -236,7 +236,8 @@ Status ValidateTimeStep(const TimeStepDescription& step, const BlockedVolumeHead
   {
     return MakeMemberError("timeSteps[].folder", "is not a number of 6 to 18 digits");
   }
-  if (step.Ranges.size() != header.Arrays.size() || step.Stores.size() != header.NumberOfStores)
+  if (step.Ranges.size() != header.GetVariables().GetCount() ||
+    step.Stores.size() != header.NumberOfStores)
   {
     return MakeMemberError("timeSteps[]", "does not fit the numbers of arrays and stores");
   }
@@ -271,6 +272,12 @@ std::optional<std::size_t> BlockedVolumeHeader::FindArray(const std::string& nam
   return std::nullopt;
 }
 
+bool BlockedVolumeHeader::HasFolder(const std::string& folder) const
+{
+  return std::any_of(this->TimeSteps.begin(), this->TimeSteps.end(),
+    [&](const TimeStepDescription& step) { return step.Folder == folder; });
+}
+
 Status BlockedVolumeHeader::ValidateVolume() const
 {
   ISOSURFACE_RETURN_IF_ERROR(ValidateGrid(this->Grid));
@@ -296,8 +303,14 @@ Status BlockedVolumeHeader::ValidateVolume() const
     return MakeMemberError("compressionLevel", "is beyond those of the codec");
   }
   std::set<std::string> names;
+  std::size_t components = 0;
   for (const ArrayDescription& array : this->Arrays)
   {
+    if (array.Components < 1)
+    {
+      return MakeMemberError("arrays[].components", "is below 1");
+    }
+    components += static_cast<std::size_t>(array.Components);
     if (!names.insert(array.Name).second || !IsUtf8(array.Name))
     {
       return MakeMemberError("arrays[].name", "is there twice or not UTF-8: " + array.Name);
@@ -305,11 +318,11 @@ Status BlockedVolumeHeader::ValidateVolume() const
   }
   const auto levels = static_cast<std::size_t>(
     BlockGrid(this->Grid.GetDimensions(), this->BlockSize).GetNumberOfLevels());
-  if (this->Arrays.empty() || this->Arrays.size() > BlockDirectory::MaximumSegments / levels)
+  if (this->Arrays.empty() || components > BlockDirectory::MaximumSegments / levels)
   {
     return MakeMemberError("arrays",
       "does not have from 1 to " + std::to_string(BlockDirectory::MaximumSegments / levels) +
-        " elements");
+        " components in all");
   }
   return Status::Ok();
 }
@@ -321,9 +334,15 @@ Status BlockedVolumeHeader::Validate() const
   {
     return MakeMemberError("timeSteps", "has no element");
   }
+  const TimeStepDescription* before = nullptr;
   for (const TimeStepDescription& step : this->TimeSteps)
   {
     ISOSURFACE_RETURN_IF_ERROR(ValidateTimeStep(step, *this));
+    if (this->TimeSteps.size() > 1 && (!step.Time || (before && !(*before->Time < *step.Time))))
+    {
+      return MakeMemberError("timeSteps[].time", "is not above that of the time step before");
+    }
+    before = &step;
   }
   return Status::Ok();
 }
@@ -350,9 +369,10 @@ std::string BlockedVolumeHeader::Format() const
   document["arrays"] = Json::array();
   for (const ArrayDescription& array : this->Arrays)
   {
-    document["arrays"].push_back(
-      { { "name", array.Name }, { "type", GetValueTypeName(array.Type) }, { "components", 1 } });
+    document["arrays"].push_back({ { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
+      { "components", array.Components } });
   }
+  const ArrayVariables variables = this->GetVariables();
   document["timeSteps"] = Json::array();
   for (const TimeStepDescription& step : this->TimeSteps)
   {
@@ -362,9 +382,9 @@ std::string BlockedVolumeHeader::Format() const
     {
       json["time"] = *step.Time;
     }
-    for (std::size_t array = 0; array < step.Ranges.size(); ++array)
+    for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
     {
-      json["ranges"].push_back(FormatRange(this->Arrays[array].Type, step.Ranges[array]));
+      json["ranges"].push_back(FormatRange(variables[variable].Type, step.Ranges[variable]));
     }
     for (const StoreDescription& store : step.Stores)
     {
@@ -432,6 +452,12 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
     return Status(StatusCode::Corrupt, path + ": " + valid.GetMessage());
   }
   return header;
+}
+
+Result<BlockedVolumeHeader> BlockedVolumeHeader::Read(FileSystem& files, const std::string& path)
+{
+  const auto text = ReadText(files, path, MaximumSize);
+  return text.IsOk() ? Parse(*text, path) : text.GetStatus();
 }
 
 std::string GetStoresFolder(const std::string& path)

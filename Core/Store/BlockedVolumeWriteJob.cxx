@@ -9,6 +9,7 @@
 #include "Store/BlockRounds.h"
 #include "Store/BlockShipment.h"
 #include "Store/GenerationFolder.h"
+#include "Store/JsonDocument.h"
 #include "Store/RecordCodec.h"
 #include "Store/VolumeSpectra.h"
 
@@ -36,10 +37,10 @@ Status BlockedVolumeWriteJob::AgreeOn(const Status& mine)
   return aborted[0] != 0 ? this->MakeAborted() : all;
 }
 
-Result<WriteStatistics> BlockedVolumeWriteJob::Run(
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays));
+  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
   ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
   ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
   Status status = this->CreateStores();
@@ -69,9 +70,15 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(
   return this->Statistics;
 }
 
-Status BlockedVolumeWriteJob::Prepare(
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
+  const auto existing = this->FindVolumeToAppendTo(pending);
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(existing.GetStatus()));
+  if (this->Settings.NumberOfStores == 0 && *existing)
+  {
+    this->Settings.NumberOfStores = (*existing)->NumberOfStores;
+  }
   if (this->Settings.NumberOfStores == 0)
   {
     this->Settings.NumberOfStores = static_cast<std::uint32_t>(this->Size);
@@ -97,16 +104,91 @@ Status BlockedVolumeWriteJob::Prepare(
   {
     status = this->CheckBox();
   }
+  if (status.IsOk() && *existing)
+  {
+    status = this->CheckAppends(**existing);
+    this->Header.TimeSteps = (*existing)->TimeSteps;
+  }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
+  this->Header.TimeSteps.emplace_back();
+  this->GetStep().Time = this->Settings.Time;
   ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments());
   this->Grid = BlockGrid(grid.GetDimensions(), this->Settings.BlockSize);
-  for (const ArrayDescription& array : arrays)
-  {
-    this->Types.push_back(array.Type);
-  }
-  this->Header.TimeSteps.resize(1);
-  this->GetStep().Time = this->Settings.Time;
+  this->Variables = ArrayVariables(arrays);
+  this->Types = this->Variables.GetStoredTypes();
   return this->ShareBoxes();
+}
+
+/// Nothing if the time step is the first one.
+Result<std::optional<BlockedVolumeHeader>> BlockedVolumeWriteJob::FindVolumeToAppendTo(
+  const std::optional<BlockedVolumeHeader>& pending) const
+{
+  if (!this->Settings.Append)
+  {
+    return std::optional<BlockedVolumeHeader>();
+  }
+  if (!this->Settings.Time)
+  {
+    return Status(StatusCode::InvalidArgument,
+      this->Path + ": cannot be appended to: the time step has no time");
+  }
+  if (pending || !this->Files.Exists(this->Path))
+  {
+    return pending;
+  }
+  const auto existing = BlockedVolumeHeader::Read(this->Files, this->Path);
+  return existing.IsOk() ? Result<std::optional<BlockedVolumeHeader>>(*existing)
+                         : existing.GetStatus();
+}
+
+/// Whether the time step goes on where the volume ends.
+Status BlockedVolumeWriteJob::CheckAppends(const BlockedVolumeHeader& existing) const
+{
+  const BlockedVolumeHeader& header = this->Header;
+  const BlockCompression& compression = existing.Compression;
+  const auto isSameArray = [](const ArrayDescription& a, const ArrayDescription& b)
+  { return a.Name == b.Name && a.Type == b.Type && a.Components == b.Components; };
+  std::string reason;
+  if (existing.Grid != header.Grid)
+  {
+    reason = "it has another extent, origin, spacing or direction";
+  }
+  else if (!std::equal(existing.Arrays.begin(), existing.Arrays.end(), header.Arrays.begin(),
+             header.Arrays.end(), isSameArray))
+  {
+    reason = "it has arrays of other names, types or numbers of components, or in another order";
+  }
+  else if (existing.BlockSize != header.BlockSize)
+  {
+    reason = "its blocks have " + std::to_string(existing.BlockSize) + " cells a side";
+  }
+  else if (existing.NumberOfStores != header.NumberOfStores)
+  {
+    reason = "it has " + std::to_string(existing.NumberOfStores) + " stores";
+  }
+  else if (existing.Distribution != header.Distribution || existing.RandomSeed != header.RandomSeed)
+  {
+    reason = std::string("its blocks are distributed otherwise: ") +
+      GetDistributionName(existing.Distribution) + ", seed " + std::to_string(existing.RandomSeed);
+  }
+  else if (compression.Codec != header.Compression.Codec ||
+    compression.GetEffectiveLevel() != header.Compression.GetEffectiveLevel())
+  {
+    reason = std::string("it is compressed otherwise: ") + GetCodecName(compression.Codec) +
+      ", level " + std::to_string(compression.GetEffectiveLevel());
+  }
+  else if (!existing.TimeSteps.back().Time)
+  {
+    reason = "its time step has no time";
+  }
+  else if (!(*existing.TimeSteps.back().Time < *this->Settings.Time))
+  {
+    reason = "its last time step is that of time " + Json(*existing.TimeSteps.back().Time).dump() +
+      ", this one of time " + Json(*this->Settings.Time).dump() + "; times must ascend";
+  }
+  return reason.empty()
+    ? Status::Ok()
+    : Status(StatusCode::InvalidArgument, this->Path + ": cannot be appended to: " + reason);
 }
 
 Status BlockedVolumeWriteJob::CheckBox() const
@@ -121,12 +203,9 @@ Status BlockedVolumeWriteJob::CheckBox() const
 
 Status BlockedVolumeWriteJob::CheckEqualArguments()
 {
-  // The header has all that matters; a time step stands for the rest.
-  BlockedVolumeHeader header = this->Header;
-  header.TimeSteps.resize(1);
-  header.TimeSteps[0].Time = this->Settings.Time;
-  const std::string text =
-    this->Path + "\n" + header.Format() + "\n" + std::to_string(this->Settings.MemoryLimit);
+  // The header has all else that matters.
+  const std::string text = this->Path + "\n" + this->Header.Format() + "\n" +
+    std::to_string(this->Settings.MemoryLimit) + (this->Settings.Publish ? "" : "\n");
   const std::uint64_t hash = ComputeChecksum(text.data(), text.size());
   std::vector<std::uint64_t> least = { hash };
   std::vector<std::uint64_t> greatest = { hash };
@@ -183,8 +262,8 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   const auto blocks = static_cast<std::uint64_t>(this->Grid.GetNumberOfBlocks());
   // Ranges, twice more while they are joined; stores, and what distributing takes.
   constexpr std::uint64_t distributionBytes = 48;
-  std::uint64_t bytes =
-    blocks * (this->Types.size() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
+  std::uint64_t bytes = blocks *
+    (this->Variables.GetCount() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
   std::uint64_t mine = 0;
   for (const std::uint32_t store : this->BlockStores)
   {
@@ -205,10 +284,12 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
 std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
 {
   const auto side = static_cast<std::uint64_t>(this->Settings.BlockSize) + 3;
-  // A block as it is decoded, twice that for compressing it, and for an array's spectrum 4 bytes a
-  // vertex and 16 a bin.
+  const std::size_t variables = this->Variables.GetCount();
+  const std::uint64_t magnitude = variables > this->Types.size() ? sizeof(double) : 0;
+  // A block as it is decoded, its magnitude, twice that for compressing it, and for a variable's
+  // spectrum 4 bytes a vertex and 16 a bin.
   const std::uint64_t bytes =
-    side * side * side * (24 + 4 * this->Types.size()) + this->Types.size() * 16 * 2048;
+    side * side * side * (24 + magnitude + 4 * variables) + variables * 16 * 2048;
   return static_cast<std::uint64_t>(this->Settings.Threads) * bytes;
 }
 
@@ -236,7 +317,7 @@ Status BlockedVolumeWriteJob::FindRanges()
       {
         return left.GetStatus();
       }
-      this->Scan.emplace(this->Grid, this->Types, this->Settings.Threads);
+      this->Scan.emplace(this->Grid, this->Variables, this->Settings.Threads);
       return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
         [&](double share) { return this->TellShare(share * RangesDone); });
     })));
@@ -245,8 +326,10 @@ Status BlockedVolumeWriteJob::FindRanges()
   return this->AgreeOn(this->Attempt(
     [&]
     {
-      this->BlockStores = DistributeBlocks(this->Settings.Distribution, this->Types[0],
-        this->Scan->GetRanges()[0], this->Settings.NumberOfStores, this->Settings.RandomSeed);
+      const std::size_t variable = *this->Variables.Find(0, Variable::Magnitude);
+      this->BlockStores = DistributeBlocks(this->Settings.Distribution,
+        this->Variables[variable].Type, this->Scan->GetRanges()[variable],
+        this->Settings.NumberOfStores, this->Settings.RandomSeed);
       return Status::Ok();
     }));
 }
@@ -277,9 +360,10 @@ Status BlockedVolumeWriteJob::CreateStores()
     {
       this->Writers.resize(this->Settings.NumberOfStores);
       std::vector<SpectrumBins> bins;
-      for (std::size_t array = 0; array < this->Types.size(); ++array)
+      for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
       {
-        bins.push_back(SpectrumBins::Choose(this->Types[array], this->GetStep().Ranges[array]));
+        bins.push_back(
+          SpectrumBins::Choose(this->Variables[variable].Type, this->GetStep().Ranges[variable]));
       }
       this->Spectra.emplace(std::move(bins), this->Settings.NumberOfStores, this->Rank, this->Size);
       const std::size_t segments =
@@ -345,25 +429,44 @@ Status BlockedVolumeWriteJob::WriteBlocks()
 /// Counts the triangles of a filled block, and makes its record what the file will have.
 void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters)
 {
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  for (std::size_t array = 0; array < this->Types.size(); ++array)
+  const auto& ranges = this->Scan->GetRanges();
+  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
-    std::vector<const std::uint8_t*> samples;
-    for (std::size_t index = array * levels; index < (array + 1) * levels; ++index)
-    {
-      samples.push_back(
-        block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
-    }
-    const KeyRange& range = this->Scan->GetRanges()[array][static_cast<std::size_t>(block.Block)];
+    const KeyRange& range = ranges[variable][static_cast<std::size_t>(block.Block)];
     if (range.Minimum < range.Maximum)
     {
-      const auto decoded = AssembleLevel(this->Grid, block.Block, 0, this->Types[array], samples);
-      counters[array].Count(decoded->View);
-      this->Spectra->Add(block.Store, array, counters[array]);
+      const auto samples = this->AssembleVariable(block, variable);
+      counters[variable].Count(samples->View);
+      this->Spectra->Add(block.Store, variable, counters[variable]);
     }
   }
   EncodeRecord(
     this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
+}
+
+/// The samples of a filled block at full resolution.
+std::shared_ptr<DecodedBlock> BlockedVolumeWriteJob::AssembleVariable(
+  const PendingBlock& block, std::size_t variable) const
+{
+  const Variable& wanted = this->Variables[variable];
+  if (wanted.IsMagnitude())
+  {
+    std::vector<std::shared_ptr<DecodedBlock>> components;
+    for (int component = 0; component < this->Variables.GetComponents(wanted.Array); ++component)
+    {
+      components.push_back(
+        this->AssembleVariable(block, *this->Variables.Find(wanted.Array, component)));
+    }
+    return MakeMagnitudeBlock(components);
+  }
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  std::vector<const std::uint8_t*> segments;
+  for (std::size_t index = variable * levels; index < (variable + 1) * levels; ++index)
+  {
+    segments.push_back(
+      block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
+  }
+  return AssembleLevel(this->Grid, block.Block, 0, wanted.Type, segments);
 }
 
 Status BlockedVolumeWriteJob::FinishStores()
@@ -392,7 +495,7 @@ Status BlockedVolumeWriteJob::FinishStores()
         [&](std::size_t index, int)
         {
           std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
-          const auto description = writer->Finish(this->Scan->GetRanges(), memory);
+          const auto description = writer->Finish(this->Variables, this->Scan->GetRanges(), memory);
           outcomes[index] = description.GetStatus();
           if (description.IsOk())
           {
@@ -464,6 +567,10 @@ Status BlockedVolumeWriteJob::Commit()
       const std::string& folder = this->GetStep().Folder;
       ISOSURFACE_RETURN_IF_ERROR(
         this->Files.SyncDirectory(GetStoresFolder(this->Path) + "/" + folder));
+      if (!this->Settings.Publish)
+      {
+        return Status::Ok();
+      }
       ISOSURFACE_RETURN_IF_ERROR(
         GenerationFolder::Commit(this->Files, this->Path, this->Header, this->IsVisible));
       GenerationFolder::RemoveOlder(this->Files, this->Path, folder, this->Header);

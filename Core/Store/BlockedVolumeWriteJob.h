@@ -49,11 +49,19 @@ public:
   {
   }
 
-  Result<WriteStatistics> Run(
-    const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
+  /// `pending`: the volume to append to, if it is not the one on disk.
+  Result<WriteStatistics> Run(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+
+  /// What was written, with the time steps before.
+  const BlockedVolumeHeader& GetHeader() const { return this->Header; }
 
 private:
-  Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
+  Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+  Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(
+    const std::optional<BlockedVolumeHeader>& pending) const;
+  Status CheckAppends(const BlockedVolumeHeader& existing) const;
   Status CheckBox() const;
   Status CheckEqualArguments();
   Status ShareBoxes();
@@ -62,6 +70,8 @@ private:
   Status CreateStores();
   Status WriteBlocks();
   void FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters);
+  std::shared_ptr<DecodedBlock> AssembleVariable(
+    const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
@@ -81,7 +91,7 @@ private:
     return Status(StatusCode::Aborted, this->Path + ": writing was stopped on request");
   }
   bool IsMine(std::uint32_t store) const { return store % this->Size == this->Rank; }
-  TimeStepDescription& GetStep() { return this->Header.TimeSteps[0]; }
+  TimeStepDescription& GetStep() { return this->Header.TimeSteps.back(); }
 
   Communicator& Ranks;
   FileSystem& Files;
@@ -94,7 +104,8 @@ private:
 
   BlockedVolumeHeader Header;
   BlockGrid Grid;
-  std::vector<ValueType> Types;
+  ArrayVariables Variables;
+  std::vector<ValueType> Types; ///< of the components
   std::optional<BlockExchange> Exchange;
   std::optional<RoundPlan> Plan;
   std::optional<BlockRangeScan> Scan;

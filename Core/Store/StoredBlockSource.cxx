@@ -6,11 +6,11 @@
 namespace isosurface
 {
 
-StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t array,
-  int level, std::vector<BlockReference> blocks)
+StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep,
+  std::size_t variable, int level, std::vector<BlockReference> blocks)
   : Volume(volume)
   , TimeStep(timeStep)
-  , Array(array)
+  , VariableNumber(variable)
   , Level(level)
   , Blocks(std::move(blocks))
 {
@@ -28,14 +28,14 @@ VertexBox StoredBlockSource::GetVertices(std::size_t block) const
 
 ValueType StoredBlockSource::GetValueType() const
 {
-  return this->Volume.GetHeader().Arrays[this->Array].Type;
+  return this->Volume.GetVariables()[this->VariableNumber].Type;
 }
 
 Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
 {
   QueryStatistics statistics;
   Result<std::shared_ptr<const DecodedBlock>> decoded = this->Volume.ReadBlock(
-    this->Blocks[block], this->TimeStep, this->Array, this->Level, statistics);
+    this->Blocks[block], this->TimeStep, this->VariableNumber, this->Level, statistics);
   {
     const std::lock_guard<std::mutex> lock(this->StatisticsMutex);
     this->Statistics.Add(statistics);

@@ -22,7 +22,7 @@ namespace isosurface
 class StoredBlockSource : public BlockSource
 {
 public:
-  StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+  StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
     std::vector<BlockReference> blocks);
 
   std::size_t GetNumberOfBlocks() const override { return this->Blocks.size(); }
@@ -37,7 +37,7 @@ public:
 private:
   BlockedVolume& Volume;
   std::size_t TimeStep;
-  std::size_t Array;
+  std::size_t VariableNumber;
   int Level;
   std::vector<BlockReference> Blocks;
 

@@ -57,7 +57,7 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
             QueryStatistics statistics;
             const auto blocks = FindBlocks(*volume, box);
             const Status status =
-              AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), statistics);
+              AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), 1, statistics);
             ASSERT_TRUE(status.IsOk()) << status.GetMessage();
             EXPECT_EQ(statistics.BlocksRead + statistics.BlockCacheHits, blocks.size());
             std::size_t at = 0;
@@ -93,7 +93,7 @@ TEST(BlockAssembly, TellsWhatABlockSuffers)
     box.GetGhostedVertices(volume->GetBlockGrid(), 0).GetNumberOfVertices()));
   QueryStatistics statistics;
   const Status status =
-    AssembleBlocks(*volume, 0, 0, 0, box, FindBlocks(*volume, box), 2, samples.data(), statistics);
+    AssembleBlocks(*volume, 0, 0, 0, box, FindBlocks(*volume, box), 2, samples.data(), 1, statistics);
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
   EXPECT_NE(status.GetMessage().find("blocks"), std::string::npos);
 }
@@ -108,7 +108,7 @@ TEST(BlockAssembly, StopsWhenTold)
   std::vector<std::uint8_t> samples(40 * 40 * 40);
   QueryStatistics statistics;
   const Status status = AssembleBlocks(*volume, 0, 0, 0, box, FindBlocks(*volume, box), 1,
-    samples.data(), statistics, [](double) { return false; });
+    samples.data(), 1, statistics, [](double) { return false; });
   EXPECT_EQ(status.GetCode(), StatusCode::Aborted);
 }
 
