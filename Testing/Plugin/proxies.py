@@ -51,7 +51,7 @@ class Proxies(unittest.TestCase):
         ours = simple.StabbingContour(Input=reader)
         names = ["ContourBy", "Isosurfaces", "ComputeNormals", "ComputeScalars"]
         names.append("GenerateTriangles")
-        self.check_properties(ours, names)
+        self.check_properties(ours, names + ["Component"])
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         source.UpdatePipeline()
         stock = simple.Contour(Input=source)
@@ -65,6 +65,10 @@ class Proxies(unittest.TestCase):
         writer = simple.CreateWriter(testing.output("new.bvol"), source)
         self.check_properties(
             writer, ["FileName", "BlockSize", "NumberOfStores", "Distribution", "RandomSeed"]
+        )
+        self.check_properties(
+            writer,
+            ["ChooseArraysToWrite", "PointDataArrays", "WriteAllTimeSteps", "AppendTimeStep"],
         )
 
 
