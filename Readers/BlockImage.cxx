@@ -143,25 +143,35 @@ Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
   int level, QueryStatistics& statistics)
 {
-  const VertexBox available = volume.GetBlockGrid().GetGhostedVertices(block.Block, level);
+  const StoredLevel stored = volume.FindLevel(level);
+  const VertexBox available = stored.Grid->GetGhostedVertices(block.Block, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
+  std::vector<std::size_t> variables;
+  for (const std::size_t array : arrays)
+  {
+    for (int component = 0; component < volume.GetVariables().GetComponents(array); ++component)
+    {
+      variables.push_back(*volume.GetVariables().Find(array, component));
+    }
+  }
+  const Result<DecodedBlocks> decoded =
+    volume.ReadVariables(block, timeStep, variables, level, statistics);
+  if (!decoded.IsOk())
+  {
+    return decoded.GetStatus();
+  }
+  auto next = decoded->begin();
   for (const std::size_t array : arrays)
   {
     const ArrayDescription& description = volume.GetHeader().Arrays[array];
     vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
-    for (int component = 0; component < description.Components; ++component)
+    for (int component = 0; component < description.Components; ++component, ++next)
     {
-      const Result<std::shared_ptr<const DecodedBlock>> decoded = volume.ReadBlock(
-        block, timeStep, *volume.GetVariables().Find(array, component), level, statistics);
-      if (!decoded.IsOk())
-      {
-        return decoded.GetStatus();
-      }
-      CopySamples(values->GetVoidPointer(component), description.Components, (*decoded)->View.First,
-        1, available.GetNumberOfVertices(), GetValueSize(description.Type));
+      CopySamples(values->GetVoidPointer(component), description.Components, (*next)->View.First, 1,
+        available.GetNumberOfVertices(), GetValueSize(description.Type));
     }
   }
-  AddGhosts(image, available, volume.GetBlockGrid().GetVertices(block.Block, level));
+  AddGhosts(image, available, stored.Grid->GetVertices(block.Block, stored.Level));
   return image;
 }
 
@@ -169,8 +179,9 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress)
 {
-  const BlockGrid& grid = volume.GetBlockGrid();
-  Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics);
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics, level);
   if (!blocks.IsOk())
   {
     return blocks.GetStatus();
@@ -179,7 +190,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };
   blocks->erase(std::remove_if(blocks->begin(), blocks->end(), isOutside), blocks->end());
 
-  const VertexBox available = box.GetGhostedVertices(grid, level);
+  const VertexBox available = box.GetGhostedVertices(grid, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
   int all = 0;
   for (const std::size_t array : arrays)
@@ -204,7 +215,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
     }
   }
   // One piece alone has no neighbours, hence no ghosts.
-  const VertexBox own = box.GetVertices(grid, level);
+  const VertexBox own = box.GetVertices(grid, stored.Level);
   if (!(own == available))
   {
     AddGhosts(image, available, own);

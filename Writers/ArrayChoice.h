@@ -2,6 +2,8 @@
 #ifndef isosurface_ArrayChoice_h
 #define isosurface_ArrayChoice_h
 
+#include "IsosurfaceWritersModule.h"
+
 #include "Base/Status.h"
 
 #include <set>
@@ -15,7 +17,7 @@ namespace isosurface
 {
 
 /// Which of an image's arrays are written.
-struct ArrayChoice
+struct ISOSURFACEWRITERS_EXPORT ArrayChoice
 {
   std::set<std::string> Names;
   std::string LeftOut; ///< says what else there is, and why it is not written; empty if nothing is

@@ -2,6 +2,8 @@
 #ifndef isosurface_LocalVolume_h
 #define isosurface_LocalVolume_h
 
+#include "IsosurfaceWritersModule.h"
+
 #include "vtkDataArray.h"
 #include "vtkSmartPointer.h"
 
@@ -22,7 +24,7 @@ namespace isosurface
 {
 
 /// What this rank has of the volume: of each of `Arrays` in turn, a view a component.
-struct LocalVolume
+struct ISOSURFACEWRITERS_EXPORT LocalVolume
 {
   GridGeometry Grid;
   std::array<double, 2> Time{ 0, 0 }; ///< 1 and the time, if there is one

@@ -13,6 +13,7 @@
 #include "LocalVolume.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
@@ -104,18 +105,28 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
     return status;
   }
   SampleSlab slab;
-  bool fits = owner->Arrays.size() == this->Arrays.size();
+  bool fits = true;
   for (std::size_t array = 0; fits && array < this->Arrays.size(); ++array)
   {
-    fits = owner->Arrays[array].Name == this->Arrays[array].Name &&
-      owner->Arrays[array].Type == this->Arrays[array].Type &&
-      owner->Arrays[array].Components == this->Arrays[array].Components;
-  }
-  for (SampleView view : owner->Piece.Arrays)
-  {
-    fits = fits && view.Available.Intersect(box) == box;
-    view.Box = box;
-    slab.Arrays.push_back(view);
+    const ArrayDescription& wanted = this->Arrays[array];
+    const auto found = std::find_if(owner->Arrays.begin(), owner->Arrays.end(),
+      [&wanted](const ArrayDescription& any)
+      {
+        return any.Name == wanted.Name && any.Type == wanted.Type &&
+          any.Components == wanted.Components;
+      });
+    fits = found != owner->Arrays.end();
+    const std::size_t first = fits
+      ? ArrayVariables(owner->Arrays)
+          .GetFirst(static_cast<std::size_t>(found - owner->Arrays.begin()))
+      : 0;
+    for (std::size_t n = 0; fits && n < static_cast<std::size_t>(wanted.Components); ++n)
+    {
+      SampleView view = owner->Piece.Arrays[first + n];
+      fits = view.Available.Intersect(box) == box;
+      view.Box = box;
+      slab.Arrays.push_back(view);
+    }
   }
   if (!fits)
   {

@@ -73,7 +73,8 @@ private:
   std::vector<std::size_t> First;
 };
 
-/// The component, or Variable::Magnitude, that such a menu means for an array of so many components.
+/// The component, or Variable::Magnitude, that such a menu means for an array of so many
+/// components.
 std::optional<int> FindChosenComponent(int components, int choice);
 
 } // namespace isosurface

@@ -114,8 +114,9 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t v
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)
 {
-  const BlockGrid& grid = volume.GetBlockGrid();
-  const VertexBox whole = box.GetGhostedVertices(grid, level);
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  const VertexBox whole = box.GetGhostedVertices(grid, stored.Level);
   const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
 
   std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
@@ -135,8 +136,8 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t v
         failures[own] = decoded.GetStatus();
         return;
       }
-      CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, level), valueSize,
-        whole, static_cast<std::uint8_t*>(samples), stride);
+      CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, stored.Level),
+        valueSize, whole, static_cast<std::uint8_t*>(samples), stride);
     },
     progress);
   for (const QueryStatistics& cost : costs)

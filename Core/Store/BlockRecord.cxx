@@ -104,8 +104,7 @@ std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t 
   return decoded;
 }
 
-std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(
-  const std::vector<std::shared_ptr<DecodedBlock>>& components)
+std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(const DecodedBlocks& components)
 {
   auto block = std::make_shared<DecodedBlock>();
   block->Block = components.front()->Block;
@@ -115,7 +114,7 @@ std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(
     Buffer<std::uint8_t>(static_cast<std::size_t>(box.GetNumberOfVertices()) * sizeof(double));
   auto* magnitudes = reinterpret_cast<double*>(block->Bytes.GetData());
   std::vector<SampleView> views;
-  for (const std::shared_ptr<DecodedBlock>& component : components)
+  for (const std::shared_ptr<const DecodedBlock>& component : components)
   {
     views.push_back(component->View);
   }

@@ -85,8 +85,7 @@ std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t 
   ValueType type, const std::vector<const std::uint8_t*>& segments);
 
 /// The magnitudes of an array's tuples, from all of its components at one level.
-std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(
-  const std::vector<std::shared_ptr<DecodedBlock>>& components);
+std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(const DecodedBlocks& components);
 
 /// Where the segments of a record are; when made, if every one is stored as it is.
 struct BlockRecordLayout

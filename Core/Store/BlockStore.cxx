@@ -5,7 +5,7 @@
 #include "Store/RecordCodec.h"
 
 #include <algorithm>
-#include <utility>
+#include <limits>
 
 namespace isosurface
 {
@@ -54,7 +54,7 @@ BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolum
   : Files(files)
   , Folder(std::move(folder))
   , Variables(header.GetVariables())
-  , Grid(header.Grid.GetDimensions(), header.BlockSize)
+  , Grid(header.GetBlockGrid())
   , Trees(Variables.GetCount())
 {
 }
@@ -149,6 +149,39 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
   return ordinals;
 }
 
+Result<std::vector<std::uint32_t>> BlockStore::FindInside(
+  std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics)
+{
+  std::vector<std::uint32_t> ordinals;
+  const std::vector<ValueKey> keys = FindThresholdKeys(this->Variables[variable].Type, isovalues);
+  const auto tree = this->GetTree(variable);
+  if (!tree.IsOk())
+  {
+    return tree.GetStatus();
+  }
+  if (keys.empty())
+  {
+    return ordinals;
+  }
+  // What is inside for a higher isovalue is so for the lowest one.
+  PageStatistics pages;
+  const auto visit = [&](const KeyInterval& interval)
+  {
+    ++statistics.IntervalsReported;
+    if (interval.Minimum >= keys.front())
+    {
+      ordinals.push_back(interval.Payload);
+    }
+  };
+  const Status status =
+    (*tree)->FindOverlapping(keys.front(), std::numeric_limits<ValueKey>::max(), visit, pages);
+  statistics.TreePagesRead += pages.PageReads;
+  statistics.TreePageCacheHits += pages.CacheHits;
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  std::sort(ordinals.begin(), ordinals.end());
+  return ordinals;
+}
+
 Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const
 {
   const auto entry = this->Directory->Read(
@@ -168,6 +201,17 @@ Status BlockStore::MakeError(StatusCode code, const std::string& reason) const
 Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordinal,
   std::int64_t block, std::size_t variable, int level, QueryStatistics& statistics) const
 {
+  auto blocks = this->ReadAdjacent(ordinal, block, variable, 1, level, statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  return blocks->front();
+}
+
+Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64_t block,
+  std::size_t first, std::size_t count, int level, QueryStatistics& statistics) const
+{
   const auto entry = this->Directory->Read(
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
   if (!entry.IsOk())
@@ -179,94 +223,82 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
     return this->MakeError(StatusCode::Corrupt,
       "block number " + std::to_string(ordinal) + " is not block " + std::to_string(block));
   }
-  const Variable& wanted = this->Variables[variable];
-  const std::size_t first =
-    wanted.IsMagnitude() ? this->Variables.GetFirst(wanted.Array) : variable;
-  const int count = wanted.IsMagnitude() ? this->Variables.GetComponents(wanted.Array) : 1;
-  const auto components =
-    this->ReadComponents(*entry, first, static_cast<std::size_t>(count), level, statistics);
-  if (!components.IsOk())
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  const std::size_t last = first + count - 1;
+  for (std::size_t variable = first; variable <= last; ++variable)
   {
-    return components.GetStatus();
+    // What is read past goes up to level 0.
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, variable, variable == last ? level : 0));
   }
+  const std::uint64_t begin = entry->FindSegment(first * levels);
+  const std::uint64_t size =
+    entry->FindSegment(last * levels + levels - static_cast<std::size_t>(level)) - begin;
+  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->Blocks->Read(entry->Offset + begin, bytes.GetSize(), bytes.GetData()));
   ++statistics.BlocksRead;
-  return std::shared_ptr<const DecodedBlock>(
-    wanted.IsMagnitude() ? MakeMagnitudeBlock(*components) : components->front());
+  statistics.BytesRead += size;
+  DecodedBlocks blocks;
+  for (std::size_t variable = first; variable <= last; ++variable)
+  {
+    auto decoded = this->Decode(
+      *entry, variable, level, bytes.GetData() + (entry->FindSegment(variable * levels) - begin));
+    if (!decoded.IsOk())
+    {
+      return decoded.GetStatus();
+    }
+    blocks.push_back(std::move(*decoded));
+  }
+  return blocks;
 }
 
-/// Components that follow each other in the record; all their levels are one piece of it.
-Result<std::vector<std::shared_ptr<DecodedBlock>>> BlockStore::ReadComponents(
-  const BlockDirectoryEntry& entry, std::size_t first, std::size_t count, int level,
-  QueryStatistics& statistics) const
+// A length from the directory is checked before memory is allocated by it.
+Status BlockStore::CheckLengths(
+  const BlockDirectoryEntry& entry, std::size_t variable, int level) const
 {
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  const std::size_t wanted = levels - static_cast<std::size_t>(level);
-  for (std::size_t component = first; component < first + count; ++component)
+  const int levels = this->Grid.GetNumberOfLevels();
+  const std::size_t firstSegment = variable * static_cast<std::size_t>(levels);
+  for (int from = levels - 1; from >= level; --from)
   {
-    const std::size_t valueSize = GetValueSize(this->Variables[component].Type);
-    for (std::size_t index = 0; index < wanted; ++index)
+    const BlockSegment segment(this->Grid, entry.Block, from);
+    if (entry.Lengths[firstSegment + static_cast<std::size_t>(levels - 1 - from)] >
+      segment.GetNumberOfSamples() * GetValueSize(this->Variables[variable].Type))
     {
-      const BlockSegment segment(this->Grid, entry.Block, static_cast<int>(levels - 1 - index));
-      if (entry.Lengths[component * levels + index] > segment.GetNumberOfSamples() * valueSize)
-      {
-        return this->MakeError(StatusCode::Corrupt,
-          "block " + std::to_string(entry.Block) + " has an impossible length in the directory");
-      }
+      return this->MakeError(StatusCode::Corrupt,
+        "block " + std::to_string(entry.Block) + " has an impossible length in the directory");
     }
   }
-  std::vector<std::shared_ptr<DecodedBlock>> decoded;
-  Buffer<std::uint8_t> bytes;
-  std::uint64_t begin = 0;
-  for (std::size_t component = first; component < first + count; ++component)
-  {
-    if (component == first || level > 0)
-    {
-      const std::size_t last = level > 0 ? component : first + count - 1;
-      begin = entry.FindSegment(component * levels);
-      const std::uint64_t size = entry.FindSegment(last * levels + wanted) - begin;
-      bytes = Buffer<std::uint8_t>(static_cast<std::size_t>(size));
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->Blocks->Read(entry.Offset + begin, bytes.GetSize(), bytes.GetData()));
-      statistics.BytesRead += size;
-    }
-    const std::uint8_t* segments =
-      bytes.GetData() + (entry.FindSegment(component * levels) - begin);
-    auto block = this->DecodeComponent(entry, component, level, segments);
-    if (!block.IsOk())
-    {
-      return block.GetStatus();
-    }
-    decoded.push_back(std::move(*block));
-  }
-  return decoded;
+  return Status::Ok();
 }
 
-/// `segments`: those of the levels from the coarsest to `level`, as they are on disk.
-Result<std::shared_ptr<DecodedBlock>> BlockStore::DecodeComponent(const BlockDirectoryEntry& entry,
-  std::size_t component, int level, const std::uint8_t* segments) const
+Result<std::shared_ptr<const DecodedBlock>> BlockStore::Decode(const BlockDirectoryEntry& entry,
+  std::size_t variable, int level, const std::uint8_t* segment) const
 {
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  std::vector<const std::uint8_t*> bytes;
+  const int levels = this->Grid.GetNumberOfLevels();
+  const std::size_t firstSegment = variable * static_cast<std::size_t>(levels);
+  std::vector<const std::uint8_t*> segments;
   std::vector<std::uint32_t> lengths;
-  for (std::size_t index = 0; index < levels - static_cast<std::size_t>(level); ++index)
+  for (std::size_t index = 0; index < static_cast<std::size_t>(levels - level); ++index)
   {
-    const std::uint32_t stored = entry.Lengths[component * levels + index];
-    const Status status = CheckSegment(segments, stored,
-      { entry.Block, static_cast<std::uint32_t>(component),
-        static_cast<std::uint32_t>(levels - 1 - index) });
+    const std::uint32_t stored = entry.Lengths[firstSegment + index];
+    const Status status = CheckSegment(segment, stored,
+      { entry.Block, static_cast<std::uint32_t>(variable),
+        static_cast<std::uint32_t>(levels - 1) - static_cast<std::uint32_t>(index) });
     if (!status.IsOk())
     {
       return this->MakeError(status.GetCode(), status.GetMessage());
     }
-    bytes.push_back(segments);
+    segments.push_back(segment);
     lengths.push_back(stored);
-    segments += BlockRecord::SegmentHeaderSize + stored;
+    segment += BlockRecord::SegmentHeaderSize + stored;
   }
-  auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(component), level,
-    this->Variables[component].Type, bytes, lengths);
-  return decoded.IsOk()
-    ? std::move(decoded)
-    : this->MakeError(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
+  const auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(variable),
+    level, this->Variables[variable].Type, segments, lengths);
+  if (!decoded.IsOk())
+  {
+    return this->MakeError(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
+  }
+  return std::shared_ptr<const DecodedBlock>(*decoded);
 }
 
 } // namespace isosurface

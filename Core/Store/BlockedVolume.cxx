@@ -2,14 +2,18 @@
 #include "Store/BlockedVolume.h"
 
 #include "Base/Checksum.h"
+#include "Store/BlockRecord.h"
 #include "Store/BlockStore.h"
 #include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <map>
+#include <set>
 
 namespace isosurface
 {
@@ -101,15 +105,32 @@ BlockedVolume::BlockedVolume(std::string path, FileSystem& files, std::shared_pt
   , Files(files)
   , Cache(std::move(cache))
   , HeaderText(std::move(text))
-  , Header(std::move(header))
-  , Variables(Header.GetVariables())
-  , Grid(Header.Grid.GetDimensions(), Header.BlockSize)
-  , Spectra(Header.TimeSteps.size())
+  , Variables(header.GetVariables())
 {
-  for (const TimeStepDescription& step : this->Header.TimeSteps)
+  std::vector<BlockedVolumeHeader> overviews;
+  for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
   {
-    this->Identities.push_back(ComputeIdentity(this->Path, step));
+    overviews.push_back(header.MakeOverview(overview));
   }
+  this->AddPart(std::move(header));
+  for (BlockedVolumeHeader& overview : overviews)
+  {
+    this->AddPart(std::move(overview));
+  }
+}
+
+void BlockedVolume::AddPart(BlockedVolumeHeader header)
+{
+  auto part = std::make_unique<Part>();
+  part->FirstLevel = this->Parts.empty() ? 0 : this->GetNumberOfLevels();
+  part->Header = std::move(header);
+  part->Grid = part->Header.GetBlockGrid();
+  for (const TimeStepDescription& step : part->Header.TimeSteps)
+  {
+    part->Identities.push_back(ComputeIdentity(this->Path, step));
+  }
+  part->Spectra.resize(part->Header.TimeSteps.size());
+  this->Parts.push_back(std::move(part));
 }
 
 BlockedVolume::~BlockedVolume() = default;
@@ -131,13 +152,35 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
     new BlockedVolume(path, fileSystem, std::move(cache), std::move(*text), std::move(*header)));
 }
 
-Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t variable) const
+int BlockedVolume::GetNumberOfLevels() const
 {
-  if (timeStep >= this->Header.TimeSteps.size() || variable >= this->Variables.GetCount())
+  return this->Parts.back()->FirstLevel + this->Parts.back()->Grid.GetNumberOfLevels();
+}
+
+StoredLevel BlockedVolume::FindLevel(int level) const
+{
+  std::uint32_t part = 0;
+  while (part + 1 < this->Parts.size() && this->Parts[part + 1]->FirstLevel <= level)
+  {
+    ++part;
+  }
+  return { part, level - this->Parts[part]->FirstLevel, &this->Parts[part]->Grid };
+}
+
+int BlockedVolume::GetSpectrumLevel(int level) const
+{
+  return level - this->FindLevel(level).Level;
+}
+
+Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t variable, int level) const
+{
+  const BlockedVolumeHeader& header = this->GetHeader();
+  if (timeStep >= header.TimeSteps.size() || variable >= this->Variables.GetCount() || level < 0 ||
+    level >= this->GetNumberOfLevels())
   {
     return Status(StatusCode::InvalidArgument,
-      this->Path + ": has no time step " + std::to_string(timeStep) + " or no variable " +
-        std::to_string(variable));
+      this->Path + ": has no time step " + std::to_string(timeStep) + ", no variable " +
+        std::to_string(variable) + " or no level " + std::to_string(level));
   }
   return Status::Ok();
 }
@@ -167,7 +210,7 @@ Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
     {
       for (const TimeStepDescription& step : header->TimeSteps)
       {
-        if (HasSameContents(step, this->Header.TimeSteps[timeStep]))
+        if (HasSameContents(step, this->GetHeader().TimeSteps[timeStep]))
         {
           return Status::Ok();
         }
@@ -179,20 +222,21 @@ Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
 }
 
 Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
-  std::size_t timeStep, std::uint32_t store)
+  std::size_t timeStep, std::uint32_t part, std::uint32_t store)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   for (auto open = this->OpenStores.begin(); open != this->OpenStores.end(); ++open)
   {
-    if (open->TimeStep == timeStep && open->Index == store)
+    if (open->TimeStep == timeStep && open->Part == part && open->Index == store)
     {
       this->OpenStores.splice(this->OpenStores.begin(), this->OpenStores, open);
       return open->Store;
     }
   }
-  const TimeStepDescription& step = this->Header.TimeSteps[timeStep];
+  const BlockedVolumeHeader& header = this->Parts[part]->Header;
+  const TimeStepDescription& step = header.TimeSteps[timeStep];
   auto opened = BlockStore::Open(
-    this->Files, GetStoreFolder(this->Path, step.Folder, store), this->Header, step.Stores[store]);
+    this->Files, GetStoreFolder(this->Path, step.Folder, store), header, step.Stores[store]);
   // A rewritten dataset explains whatever is wrong; and one whose folder has the old name, too,
   // would go unnoticed.
   ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
@@ -204,24 +248,41 @@ Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
   {
     this->OpenStores.pop_back();
   }
-  this->OpenStores.push_front({ timeStep, store, *opened });
+  this->OpenStores.push_front({ timeStep, part, store, *opened });
   return *opened;
 }
 
 Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t timeStep,
   std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
-  QueryStatistics& statistics)
+  QueryStatistics& statistics, int level, const BlockSelection& selection)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
+  const std::uint32_t partIndex = this->FindLevel(level).Part;
   std::vector<BlockReference> references;
-  for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
+  for (const StorePart& part :
+    FindParts(this->Parts[partIndex]->Header.NumberOfStores, rank, ranks))
   {
-    const auto store = this->GetStore(timeStep, part.Store);
+    const auto store = this->GetStore(timeStep, partIndex, part.Store);
     if (!store.IsOk())
     {
       return store.GetStatus();
+    }
+    if (!selection.IsPlain())
+    {
+      const auto selected =
+        this->SelectBlocks(**store, part.Store, variable, isovalues, selection, level, statistics);
+      if (!selected.IsOk())
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+        return selected.GetStatus();
+      }
+      const auto first = selected->begin();
+      references.insert(references.end(),
+        first + static_cast<std::ptrdiff_t>(part.FindBegin(selected->size())),
+        first + static_cast<std::ptrdiff_t>(part.FindEnd(selected->size())));
+      continue;
     }
     const auto active = (*store)->FindActive(variable, isovalues, statistics);
     if (!active.IsOk())
@@ -238,23 +299,65 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
       {
         return block.GetStatus();
       }
-      references.push_back({ *block, part.Store, ordinal });
+      references.push_back({ *block, part.Store, ordinal, partIndex });
     }
   }
   statistics.ActiveBlocks += references.size();
   return references;
 }
 
+Result<std::vector<BlockReference>> BlockedVolume::SelectBlocks(BlockStore& store,
+  std::uint32_t number, std::size_t variable, const std::vector<double>& isovalues,
+  const BlockSelection& selection, int level, QueryStatistics& statistics)
+{
+  const auto active = store.FindActive(variable, isovalues, statistics);
+  if (!active.IsOk())
+  {
+    return active.GetStatus();
+  }
+  std::vector<std::uint32_t> candidates = *active;
+  if (!selection.ClosedSides.IsEmpty())
+  {
+    const auto inside = store.FindInside(variable, isovalues, statistics);
+    if (!inside.IsOk())
+    {
+      return inside.GetStatus();
+    }
+    candidates.clear();
+    std::set_union(active->begin(), active->end(), inside->begin(), inside->end(),
+      std::back_inserter(candidates));
+  }
+  const GridGeometry geometry = this->GetHeader().Grid.Coarsen(level);
+  const StoredLevel stored = this->FindLevel(level);
+  std::vector<BlockReference> references;
+  for (const std::uint32_t ordinal : candidates)
+  {
+    const auto block = store.FindBlock(ordinal, statistics);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
+    if (selection.Selects(geometry, stored.Grid->GetVertices(*block, stored.Level), isCrossed))
+    {
+      references.push_back({ *block, number, ordinal, stored.Part });
+    }
+  }
+  return references;
+}
+
 Result<std::vector<BlockReference>> BlockedVolume::GetShare(
-  std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics)
+  std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
+  const std::uint32_t partIndex = this->FindLevel(level).Part;
   std::vector<BlockReference> references;
-  for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
+  for (const StorePart& part :
+    FindParts(this->Parts[partIndex]->Header.NumberOfStores, rank, ranks))
   {
-    const auto store = this->GetStore(timeStep, part.Store);
+    const auto store = this->GetStore(timeStep, partIndex, part.Store);
     if (!store.IsOk())
     {
       return store.GetStatus();
@@ -268,7 +371,7 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
       {
         return block.GetStatus();
       }
-      references.push_back({ *block, part.Store, ordinal });
+      references.push_back({ *block, part.Store, ordinal, partIndex });
     }
   }
   return references;
@@ -278,50 +381,203 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
   const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level,
   QueryStatistics& statistics)
 {
+  const auto blocks = this->ReadVariables(reference, timeStep, { variable }, level, statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  return blocks->front();
+}
+
+/// Reads variables of one block at one level, each through the block cache.
+class BlockedVolume::BlockReading
+{
+public:
+  BlockReading(BlockedVolume& volume, const BlockReference& reference, std::size_t timeStep,
+    const StoredLevel& stored, QueryStatistics& statistics)
+    : Volume(volume)
+    , Reference(reference)
+    , TimeStep(timeStep)
+    , Stored(stored)
+    , Statistics(statistics)
+  {
+  }
+
+  /// Tells beforehand what will be asked for, so that one read can bring several components.
+  void Announce(const std::vector<std::size_t>& variables);
+
+  Result<std::shared_ptr<const DecodedBlock>> Get(std::size_t variable);
+
+private:
+  using Block = std::shared_ptr<const DecodedBlock>;
+
+  BlockCacheKey MakeKey(std::size_t variable) const;
+  bool IsCached(std::size_t variable) const
+  {
+    return this->Volume.Cache->Contains(this->MakeKey(variable));
+  }
+  Result<Block> ReadComponent(std::size_t component);
+  Result<Block> MakeMagnitude(std::size_t array);
+
+  BlockedVolume& Volume;
+  const BlockReference& Reference;
+  std::size_t TimeStep;
+  StoredLevel Stored;
+  QueryStatistics& Statistics;
+  std::set<std::size_t> Asked;        ///< variables
+  std::set<std::size_t> Needed;       ///< the components among them, and those of magnitudes
+  std::map<std::size_t, Block> Found; ///< components that were read
+};
+
+void BlockedVolume::BlockReading::Announce(const std::vector<std::size_t>& variables)
+{
+  const ArrayVariables& all = this->Volume.Variables;
+  for (const std::size_t variable : variables)
+  {
+    this->Asked.insert(variable);
+    const std::size_t array = all[variable].Array;
+    if (!all[variable].IsMagnitude())
+    {
+      this->Needed.insert(variable);
+    }
+    else if (!this->IsCached(variable))
+    {
+      for (int component = 0; component < all.GetComponents(array); ++component)
+      {
+        this->Needed.insert(all.GetFirst(array) + static_cast<std::size_t>(component));
+      }
+    }
+  }
+}
+
+BlockCacheKey BlockedVolume::BlockReading::MakeKey(std::size_t variable) const
+{
+  return { this->Volume.Parts[this->Stored.Part]->Identities[this->TimeStep], this->Reference.Block,
+    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(this->Stored.Level) };
+}
+
+Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::Get(std::size_t variable)
+{
+  const Variable& wanted = this->Volume.Variables[variable];
+  bool hit = false;
+  auto block = this->Volume.Cache->Get(
+    this->MakeKey(variable),
+    [&]
+    {
+      return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array)
+                                  : this->ReadComponent(variable);
+    },
+    hit);
+  this->Statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
+  return block;
+}
+
+/// With the components that follow it in the record, if they are needed too. At a coarser level
+/// what lies between them is not worth reading.
+Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadComponent(
+  std::size_t component)
+{
+  const auto found = this->Found.find(component);
+  if (found != this->Found.end())
+  {
+    return found->second;
+  }
+  const auto store =
+    this->Volume.GetStore(this->TimeStep, this->Stored.Part, this->Reference.Store);
+  if (!store.IsOk())
+  {
+    return store.GetStatus();
+  }
+  std::size_t end = component + 1;
+  while (this->Stored.Level == 0 && this->Needed.count(end) != 0 && this->Found.count(end) == 0 &&
+    !this->IsCached(end))
+  {
+    ++end;
+  }
+  const auto blocks = (*store)->ReadAdjacent(this->Reference.Ordinal, this->Reference.Block,
+    component, end - component, this->Stored.Level, this->Statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  for (std::size_t n = 0; n < blocks->size(); ++n)
+  {
+    this->Found[component + n] = (*blocks)[n];
+  }
+  return blocks->front();
+}
+
+/// Components that nobody asked for do not take the place of others in the cache.
+Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::MakeMagnitude(
+  std::size_t array)
+{
+  const ArrayVariables& all = this->Volume.Variables;
+  DecodedBlocks components;
+  for (int number = 0; number < all.GetComponents(array); ++number)
+  {
+    const std::size_t component = all.GetFirst(array) + static_cast<std::size_t>(number);
+    const auto block = this->Asked.count(component) != 0 || this->IsCached(component)
+      ? this->Get(component)
+      : this->ReadComponent(component);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    components.push_back(*block);
+  }
+  return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));
+}
+
+Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& reference,
+  std::size_t timeStep, const std::vector<std::size_t>& variables, int level,
+  QueryStatistics& statistics)
+{
   const Stopwatch stopwatch(statistics.ReadSeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
-  if (level < 0 || level >= this->GetNumberOfLevels() ||
-    reference.Store >= this->Header.NumberOfStores || reference.Block < 0 ||
-    reference.Block >= this->Grid.GetNumberOfBlocks())
+  for (const std::size_t variable : variables)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
+  }
+  const StoredLevel stored = this->FindLevel(level);
+  const Part& part = *this->Parts[stored.Part];
+  if (reference.Part != stored.Part || reference.Store >= part.Header.NumberOfStores ||
+    reference.Block < 0 || reference.Block >= part.Grid.GetNumberOfBlocks())
   {
     return Status(StatusCode::InvalidArgument,
       this->Path + ": has no block " + std::to_string(reference.Block) + " in store " +
         std::to_string(reference.Store) + " at level " + std::to_string(level));
   }
-  const auto load = [&]() -> Result<std::shared_ptr<const DecodedBlock>>
+  BlockReading reading(*this, reference, timeStep, stored, statistics);
+  reading.Announce(variables);
+  DecodedBlocks blocks;
+  for (const std::size_t variable : variables)
   {
-    const auto store = this->GetStore(timeStep, reference.Store);
-    if (!store.IsOk())
+    auto block = reading.Get(variable);
+    if (!block.IsOk())
     {
-      return store.GetStatus();
+      return block.GetStatus();
     }
-    return (*store)->Read(reference.Ordinal, reference.Block, variable, level, statistics);
-  };
-  bool hit = false;
-  auto block =
-    this->Cache->Get({ this->Identities[timeStep], reference.Block,
-                       static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(level) },
-      load, hit);
-  statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
-  return block;
+    blocks.push_back(std::move(*block));
+  }
+  return blocks;
 }
 
 std::uint64_t BlockedVolume::EstimateBytes(std::size_t variable, int level) const
 {
   // The volume of a sum of boxes is the product of the sums over the axes. On an axis all blocks
   // are alike but for the first one and the last two: a header may promise billions of them.
+  const StoredLevel stored = this->FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
   std::uint64_t samples = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const std::int64_t blocks = this->Grid.GetNumberOfBlocksPerAxis()[axis];
+    const std::int64_t blocks = grid.GetNumberOfBlocksPerAxis()[axis];
     const std::int64_t alike = std::max<std::int64_t>(1, blocks - 3);
     std::uint64_t sum = 0;
     for (std::int64_t index = 0; index < blocks; index += index == 1 ? alike : 1)
     {
       Index3 coordinates = { 0, 0, 0 };
       coordinates[axis] = index;
-      const VertexBox box =
-        this->Grid.GetGhostedVertices(this->Grid.GetBlockIndex(coordinates), level);
+      const VertexBox box = grid.GetGhostedVertices(grid.GetBlockIndex(coordinates), stored.Level);
       sum += static_cast<std::uint64_t>(box.GetSize()[axis] * (index == 1 ? alike : 1));
     }
     samples *= sum;
@@ -329,29 +585,32 @@ std::uint64_t BlockedVolume::EstimateBytes(std::size_t variable, int level) cons
   return samples * GetValueSize(this->Variables[variable].Type);
 }
 
-Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(std::size_t timeStep)
+Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
+  std::size_t timeStep, std::uint32_t part)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  if (!this->Spectra[timeStep])
+  const BlockedVolumeHeader& header = this->Parts[part]->Header;
+  std::shared_ptr<const VolumeSpectra>& kept = this->Parts[part]->Spectra[timeStep];
+  if (!kept)
   {
     auto spectra = VolumeSpectra::Read(this->Files,
-      VolumeSpectra::GetPath(this->Path, this->Header.TimeSteps[timeStep].Folder),
-      this->Variables.GetCount(), this->Header.NumberOfStores);
+      VolumeSpectra::GetPath(this->Path, header.TimeSteps[timeStep].Folder),
+      this->Variables.GetCount(), header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
     {
       return spectra.GetStatus();
     }
-    this->Spectra[timeStep] = *spectra;
+    kept = *spectra;
   }
-  return this->Spectra[timeStep];
+  return kept;
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
-  std::size_t timeStep, std::size_t variable)
+  std::size_t timeStep, std::size_t variable, int level)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
-  const auto spectra = this->GetSpectra(timeStep);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
+  const auto spectra = this->GetSpectra(timeStep, this->FindLevel(level).Part);
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();
@@ -362,18 +621,52 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
   std::size_t timeStep, std::size_t variable, std::uint32_t store)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable));
-  const auto spectra = this->GetSpectra(timeStep);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, 0));
+  const auto spectra = this->GetSpectra(timeStep, 0);
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();
   }
-  if (store >= this->Header.NumberOfStores)
+  if (store >= this->GetHeader().NumberOfStores)
   {
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
   }
   return (*spectra)->Stores[variable][store];
+}
+
+Result<double> BlockedVolume::EstimateTriangles(
+  std::size_t timeStep, std::size_t variable, double isovalue, int level)
+{
+  const auto count = [&](int ofLevel) -> Result<double>
+  {
+    const auto spectrum = this->GetSpectrum(timeStep, variable, ofLevel);
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
+    const std::vector<std::uint64_t>& triangles = (*spectrum)->Triangles;
+    return triangles.empty() ? 0.0 : static_cast<double>(triangles[(*spectrum)->FindBin(isovalue)]);
+  };
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
+  const StoredLevel stored = this->FindLevel(level);
+  const auto finer = count(level);
+  if (!finer.IsOk() || stored.Level == 0)
+  {
+    return finer;
+  }
+  if (stored.Part + 1 == this->Parts.size())
+  {
+    return std::ldexp(*finer, -2 * stored.Level);
+  }
+  const auto coarser = count(this->Parts[stored.Part + 1]->FirstLevel);
+  if (!coarser.IsOk() || *coarser <= 0 || *finer <= 0)
+  {
+    return coarser.IsOk() ? Result<double>(std::ldexp(*finer, -2 * stored.Level)) : coarser;
+  }
+  const double share =
+    static_cast<double>(stored.Level) / static_cast<double>(stored.Grid->GetNumberOfLevels());
+  return *finer * std::pow(*coarser / *finer, share);
 }
 
 } // namespace isosurface

@@ -10,6 +10,7 @@
 #include "Store/BlockShipment.h"
 #include "Store/GenerationFolder.h"
 #include "Store/JsonDocument.h"
+#include "Store/OverviewSamples.h"
 #include "Store/RecordCodec.h"
 #include "Store/VolumeSpectra.h"
 
@@ -23,9 +24,17 @@ namespace
 /// The shares of the work that are done when ranges are known, and when blocks are written.
 constexpr double RangesDone = 0.25;
 constexpr double BlocksDone = 0.95;
+constexpr double StoresDone = 0.97;
 
 /// Sorting a store's intervals is not worth more.
 constexpr std::uint64_t LargestTreeBytes = std::uint64_t{ 64 } << 20;
+
+/// The levels that the records of a volume's blocks hold; the next one is an overview's. With two,
+/// an overview is 1/64 of the volume: Documentation/dev/levels.md.
+constexpr int LevelsBelowOverview = 2;
+
+/// A store of an overview with fewer blocks is not worth its files.
+constexpr std::int64_t BlocksPerOverviewStore = 64;
 
 } // namespace
 
@@ -54,11 +63,16 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
   }
   if (status.IsOk())
   {
+    status = this->WriteOverviews();
+  }
+  if (status.IsOk())
+  {
     status = this->Commit();
   }
   if (!status.IsOk())
   {
     this->Writers.clear();
+    this->OverviewSamples.reset();
     // Every rank has closed its files before their folder is removed.
     static_cast<void>(this->Ranks.Agree(Status::Ok()));
     if (this->Rank == 0 && !this->IsVisible)
@@ -68,6 +82,20 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
     return status;
   }
   return this->Statistics;
+}
+
+/// `header`: the overview as a volume of its own, its last time step the one that is written.
+Status BlockedVolumeWriteJob::RunOverview(const BlockedVolumeHeader& header, bool hasCoarser)
+{
+  this->Header = header;
+  this->HasCoarser = hasCoarser;
+  ISOSURFACE_RETURN_IF_ERROR(this->PrepareBlocks());
+  ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
+  // Those of the volume, so that all spectra have the same bins.
+  this->GetStep().Ranges = header.TimeSteps.back().Ranges;
+  ISOSURFACE_RETURN_IF_ERROR(this->CreateStores());
+  ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
+  return this->FinishStores();
 }
 
 Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
@@ -107,14 +135,50 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
   if (status.IsOk() && *existing)
   {
     status = this->CheckAppends(**existing);
+    // Whichever version wrote the steps before, all have the same levels in the same places.
+    this->Header.NumberOfLevels = (*existing)->NumberOfLevels;
+    this->Header.Overviews = (*existing)->Overviews;
     this->Header.TimeSteps = (*existing)->TimeSteps;
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
+  if (!*existing)
+  {
+    this->PlanLevels();
+  }
   this->Header.TimeSteps.emplace_back();
   this->GetStep().Time = this->Settings.Time;
   ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments());
-  this->Grid = BlockGrid(grid.GetDimensions(), this->Settings.BlockSize);
-  this->Variables = ArrayVariables(arrays);
+  this->HasCoarser = !this->Header.Overviews.empty();
+  this->GetStep().Overviews.resize(this->Header.Overviews.size());
+  return this->PrepareBlocks();
+}
+
+/// What the levels of a new volume are stored in: the first ones in the volume's blocks, the next
+/// ones in those of an overview, and so on until an overview is a single block, which has the rest.
+void BlockedVolumeWriteJob::PlanLevels()
+{
+  BlockedVolumeHeader& header = this->Header;
+  GridGeometry geometry = header.Grid;
+  BlockGrid grid = header.GetBlockGrid();
+  if (grid.GetNumberOfBlocks() > 1)
+  {
+    header.NumberOfLevels = LevelsBelowOverview;
+  }
+  while (grid.GetNumberOfBlocks() > 1)
+  {
+    geometry = geometry.Coarsen(LevelsBelowOverview);
+    grid = BlockGrid(geometry.GetDimensions(), header.BlockSize);
+    const std::int64_t blocks = grid.GetNumberOfBlocks();
+    const auto stores = static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1);
+    header.Overviews.push_back({ blocks > 1 ? LevelsBelowOverview : grid.GetNumberOfLevels(),
+      std::min(header.NumberOfStores, stores) });
+  }
+}
+
+Status BlockedVolumeWriteJob::PrepareBlocks()
+{
+  this->Grid = this->Header.GetBlockGrid();
+  this->Variables = this->Header.GetVariables();
   this->Types = this->Variables.GetStoredTypes();
   return this->ShareBoxes();
 }
@@ -285,11 +349,16 @@ std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
 {
   const auto side = static_cast<std::uint64_t>(this->Settings.BlockSize) + 3;
   const std::size_t variables = this->Variables.GetCount();
-  const std::uint64_t magnitude = variables > this->Types.size() ? sizeof(double) : 0;
-  // A block as it is decoded, its magnitude, twice that for compressing it, and for a variable's
-  // spectrum 4 bytes a vertex and 16 a bin.
+  // A block as it is decoded and twice that for compressing it, or all components of a magnitude
+  // and itself; and for a variable's spectrum 4 bytes a vertex and 16 a bin.
+  std::uint64_t vertexBytes = 24;
+  for (const ArrayDescription& array : this->Header.Arrays)
+  {
+    const auto components = static_cast<std::uint64_t>(array.Components);
+    vertexBytes = std::max(vertexBytes, components * GetValueSize(array.Type) + sizeof(double));
+  }
   const std::uint64_t bytes =
-    side * side * side * (24 + magnitude + 4 * variables) + variables * 16 * 2048;
+    side * side * side * (vertexBytes + 4 * variables) + variables * 16 * 2048;
   return static_cast<std::uint64_t>(this->Settings.Threads) * bytes;
 }
 
@@ -387,6 +456,17 @@ Status BlockedVolumeWriteJob::CreateStores()
         }
         this->Writers[store] = std::move(*writer);
       }
+      // A rank without stores has no folder there, and no blocks.
+      if (this->HasCoarser && this->Rank < this->Settings.NumberOfStores)
+      {
+        auto samples =
+          this->Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), this->Rank));
+        if (!samples.IsOk())
+        {
+          return samples.GetStatus();
+        }
+        this->OverviewSamples = std::move(*samples);
+      }
       return Status::Ok();
     }));
 }
@@ -415,7 +495,14 @@ Status BlockedVolumeWriteJob::WriteBlocks()
   steps.Finish = [&](PendingBlock& block, int thread)
   { this->FinishBlock(block, counters[static_cast<std::size_t>(thread)]); };
   steps.Write = [&](const PendingBlock& block)
-  { return this->Writers[block.Store]->Append(block); };
+  {
+    if (this->OverviewSamples)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
+    }
+    return this->Writers[block.Store]->Append(block);
+  };
   steps.Tell = [&](double share)
   { return this->TellShare(RangesDone + (BlocksDone - RangesDone) * share); };
   const Status status = rounds.Run(steps);
@@ -440,6 +527,10 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
       this->Spectra->Add(block.Store, variable, counters[variable]);
     }
   }
+  if (this->OverviewSamples)
+  {
+    block.OverviewSamples = PickOverviewSamples(this->Grid, this->Types, block);
+  }
   EncodeRecord(
     this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
 }
@@ -451,7 +542,7 @@ std::shared_ptr<DecodedBlock> BlockedVolumeWriteJob::AssembleVariable(
   const Variable& wanted = this->Variables[variable];
   if (wanted.IsMagnitude())
   {
-    std::vector<std::shared_ptr<DecodedBlock>> components;
+    DecodedBlocks components;
     for (int component = 0; component < this->Variables.GetComponents(wanted.Array); ++component)
     {
       components.push_back(
@@ -503,10 +594,16 @@ Status BlockedVolumeWriteJob::FinishStores()
           }
           writer.reset();
         },
-        [&](double share) { return this->TellShare(BlocksDone + (1 - BlocksDone) * share); });
+        [&](double share)
+        { return this->TellShare(BlocksDone + (StoresDone - BlocksDone) * share); });
       for (const Status& outcome : outcomes)
       {
         ISOSURFACE_RETURN_IF_ERROR(outcome);
+      }
+      if (this->OverviewSamples)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->OverviewSamples->SyncAndClose());
+        this->OverviewSamples.reset();
       }
       return isDone ? Status::Ok() : this->MakeAborted();
     });
@@ -555,6 +652,56 @@ Status BlockedVolumeWriteJob::ShareSpectra()
     }));
 }
 
+/// Each overview is written as the volume was, from the samples that writing the one before it
+/// left.
+Status BlockedVolumeWriteJob::WriteOverviews()
+{
+  std::unique_ptr<BlockedVolumeWriteJob> coarsest;
+  for (std::size_t overview = 0; overview < this->Header.Overviews.size(); ++overview)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->WriteOverview(overview, coarsest));
+  }
+  return Status::Ok();
+}
+
+/// `coarsest`: the job of the overview before, null for none; then that of the one written.
+Status BlockedVolumeWriteJob::WriteOverview(
+  std::size_t overview, std::unique_ptr<BlockedVolumeWriteJob>& coarsest)
+{
+  BlockedVolumeWriteJob& finer = coarsest ? *coarsest : *this;
+  std::optional<OverviewSource> source;
+  std::unique_ptr<BlockedVolumeWriteJob> job;
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Attempt(
+    [&]
+    {
+      finer.Scan.reset();
+      finer.Spectra.reset();
+      source.emplace(this->Files, finer.GetFolder(), finer.Grid, this->Types,
+        std::move(finer.BlockStores), this->Size);
+      BlockedVolumeSettings settings = this->Settings;
+      settings.NumberOfStores = this->Header.Overviews[overview].NumberOfStores;
+      job = std::make_unique<BlockedVolumeWriteJob>(this->Ranks, this->Files, this->Path, *source,
+        settings,
+        [&](double share) { return this->TellShare(StoresDone + (1 - StoresDone) * share); });
+      return Status::Ok();
+    })));
+  ISOSURFACE_RETURN_IF_ERROR(job->RunOverview(
+    this->Header.MakeOverview(overview), overview + 1 < this->Header.Overviews.size()));
+  ISOSURFACE_RETURN_IF_ERROR(finer.RemoveOverviewSamples());
+  this->GetStep().Overviews[overview] = job->GetStep().Stores;
+  this->Statistics.OverviewBytes += job->Statistics.Bytes;
+  this->Statistics.MemoryBytes =
+    std::max(this->Statistics.MemoryBytes, job->Statistics.MemoryBytes);
+  coarsest = std::move(job);
+  return Status::Ok();
+}
+
+Status BlockedVolumeWriteJob::RemoveOverviewSamples()
+{
+  return this->AgreeOn(this->Attempt(
+    [&] { return this->Files.RemoveAll(OverviewSource::GetPath(this->GetFolder(), this->Rank)); }));
+}
+
 Status BlockedVolumeWriteJob::Commit()
 {
   return this->AgreeOn(this->Attempt(
@@ -565,8 +712,12 @@ Status BlockedVolumeWriteJob::Commit()
         return Status::Ok();
       }
       const std::string& folder = this->GetStep().Folder;
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->Files.SyncDirectory(GetStoresFolder(this->Path) + "/" + folder));
+      for (std::size_t overview = 0; overview < this->Header.Overviews.size(); ++overview)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(
+          GetStoresFolder(this->Path) + "/" + GetOverviewFolder(folder, overview)));
+      }
+      ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->GetFolder()));
       if (!this->Settings.Publish)
       {
         return Status::Ok();

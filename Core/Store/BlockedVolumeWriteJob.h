@@ -57,12 +57,17 @@ public:
   const BlockedVolumeHeader& GetHeader() const { return this->Header; }
 
 private:
+  /// The steps of an overview of a volume: Run() but for the generation folder, which is there, and
+  /// what makes it visible.
+  Status RunOverview(const BlockedVolumeHeader& header, bool hasCoarser);
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
     const std::optional<BlockedVolumeHeader>& pending);
   Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(
     const std::optional<BlockedVolumeHeader>& pending) const;
   Status CheckAppends(const BlockedVolumeHeader& existing) const;
   Status CheckBox() const;
+  void PlanLevels();
+  Status PrepareBlocks();
   Status CheckEqualArguments();
   Status ShareBoxes();
   Status FindRanges();
@@ -75,6 +80,9 @@ private:
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
+  Status WriteOverviews();
+  Status WriteOverview(std::size_t overview, std::unique_ptr<BlockedVolumeWriteJob>& coarsest);
+  Status RemoveOverviewSamples();
   Status Commit();
 
   std::uint64_t GetTableBytes() const;
@@ -92,6 +100,8 @@ private:
   }
   bool IsMine(std::uint32_t store) const { return store % this->Size == this->Rank; }
   TimeStepDescription& GetStep() { return this->Header.TimeSteps.back(); }
+  /// The folder of this volume's, or overview's, stores.
+  std::string GetFolder() { return GetStoresFolder(this->Path) + "/" + this->GetStep().Folder; }
 
   Communicator& Ranks;
   FileSystem& Files;
@@ -103,6 +113,7 @@ private:
   std::size_t Size;
 
   BlockedVolumeHeader Header;
+  bool HasCoarser = false; ///< whether an overview is made of this volume, or overview
   BlockGrid Grid;
   ArrayVariables Variables;
   std::vector<ValueType> Types; ///< of the components
@@ -111,6 +122,7 @@ private:
   std::optional<BlockRangeScan> Scan;
   std::vector<std::uint32_t> BlockStores;                 ///< per block
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
+  std::unique_ptr<WritableFile> OverviewSamples;          ///< null if there is no coarser volume
   std::optional<StoreSpectra> Spectra;
   bool IsVisible = false;
   WriteStatistics Statistics;

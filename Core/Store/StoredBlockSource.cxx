@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/StoredBlockSource.h"
 
+#include <string>
 #include <utility>
 
 namespace isosurface
@@ -12,18 +13,19 @@ StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep
   , TimeStep(timeStep)
   , VariableNumber(variable)
   , Level(level)
+  , Stored(volume.FindLevel(level))
   , Blocks(std::move(blocks))
 {
 }
 
 Index3 StoredBlockSource::GetLatticeCoordinates(std::size_t block) const
 {
-  return this->Volume.GetBlockGrid().GetBlockCoordinates(this->Blocks[block].Block);
+  return this->Stored.Grid->GetBlockCoordinates(this->Blocks[block].Block);
 }
 
 VertexBox StoredBlockSource::GetVertices(std::size_t block) const
 {
-  return this->Volume.GetBlockGrid().GetVertices(this->Blocks[block].Block, this->Level);
+  return this->Stored.Grid->GetVertices(this->Blocks[block].Block, this->Stored.Level);
 }
 
 ValueType StoredBlockSource::GetValueType() const
@@ -31,22 +33,50 @@ ValueType StoredBlockSource::GetValueType() const
   return this->Volume.GetVariables()[this->VariableNumber].Type;
 }
 
+void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
+{
+  this->Attributes = std::move(arrays);
+}
+
 Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
 {
   QueryStatistics statistics;
-  Result<std::shared_ptr<const DecodedBlock>> decoded = this->Volume.ReadBlock(
-    this->Blocks[block], this->TimeStep, this->VariableNumber, this->Level, statistics);
+  std::vector<std::size_t> variables = { this->VariableNumber };
+  const ArrayVariables& all = this->Volume.GetVariables();
+  for (const std::size_t array : this->Attributes)
+  {
+    if (!all.Find(array, 0))
+    {
+      return Status(StatusCode::InvalidArgument,
+        this->Volume.GetPath() + ": has no array " + std::to_string(array));
+    }
+    for (int component = 0; component < all.GetComponents(array); ++component)
+    {
+      variables.push_back(*all.Find(array, component));
+    }
+  }
+  auto blocks = this->Volume.ReadVariables(
+    this->Blocks[block], this->TimeStep, variables, this->Level, statistics);
   {
     const std::lock_guard<std::mutex> lock(this->StatisticsMutex);
     this->Statistics.Add(statistics);
   }
-  if (!decoded.IsOk())
+  if (!blocks.IsOk())
   {
-    return decoded.GetStatus();
+    return blocks.GetStatus();
   }
   BlockSamples samples;
-  samples.Scalars = (*decoded)->View;
-  samples.Owner = std::move(*decoded);
+  samples.Scalars = blocks->front()->View;
+  std::size_t next = 1;
+  for (const std::size_t array : this->Attributes)
+  {
+    AttributeView& attribute = samples.Attributes.emplace_back();
+    for (int component = 0; component < all.GetComponents(array); ++component, ++next)
+    {
+      attribute.Components.push_back((*blocks)[next]->View);
+    }
+  }
+  samples.Owner = std::make_shared<DecodedBlocks>(std::move(*blocks));
   return samples;
 }
 

@@ -60,7 +60,7 @@ def make_threshold_key(isovalue, type_name):
     return key + (2 if key + 1 == negative_zero else 1) if nearest < isovalue else key
 
 
-def read_document(path, format_name):
+def read_document(path, format_name, versions=(1,)):
     content = read_file(path)
     try:
         document = json.loads(content.decode(),
@@ -69,11 +69,30 @@ def read_document(path, format_name):
         raise FormatError(f"{path}: {error}") from error
     check(isinstance(document, dict) and document.get("format") == format_name,
           f"{path}: is no {format_name}")
-    check(document.get("formatVersion") == 1, f"{path}: another version")
+    check(document.get("formatVersion") in versions, f"{path}: another version")
     covered = content[:content.rfind(b'"checksum"')]
     found = f"{hash64(covered):016x}"
     check(document.get("checksum") == found, f"{path}: the checksum is {found}")
     return document
+
+
+def find_magnitude(values):
+    total = 0.0
+    for value in values:
+        total += float(value) * float(value)
+    return math.sqrt(total)
+
+
+def list_variables(arrays):
+    """The type and the tree's name of each variable: all components, then all magnitudes."""
+    components, magnitudes = [], []
+    for number, description in enumerate(arrays):
+        name, count = f"array-{number}", description["components"]
+        ends = [".tree"] if count == 1 else [f"-component-{n}.tree" for n in range(count)]
+        components += [(description["type"], name + end) for end in ends]
+        if count > 1:
+            magnitudes.append(("float64", name + "-magnitude.tree"))
+    return components + magnitudes
 
 
 class Store:
@@ -84,15 +103,14 @@ class Store:
         check(len(self.records) == description["bytes"], f"{self.path}: wrong size")
         self.checksum = description["checksum"]
         self.directory = PagedFile(os.path.join(folder, "directory"), b"BLOCKDIR")
-        self.segments = len(volume.arrays) * volume.levels
+        self.segments = len(volume.components) * volume.levels
         self.count, segments = struct.unpack_from("<QI", self.directory.client_area)
         self.per_page = (self.directory.page_size - 8) // (16 + 4 * self.segments)
         check(self.count == description["blocks"] and segments == self.segments
               and not any(self.directory.client_area[12:])
               and self.directory.page_count == 1 + -(-self.count // self.per_page),
               f"{self.directory.path}: does not fit the header")
-        self.trees = [IntervalTree(os.path.join(folder, f"array-{number}.tree"))
-                      for number in range(len(volume.arrays))]
+        self.trees = [IntervalTree(os.path.join(folder, name)) for _, name in volume.variables]
         check(all(tree.count == self.count for tree in self.trees), f"{folder}: a tree's count")
 
     def find_block(self, ordinal):
@@ -107,20 +125,20 @@ class Store:
         return block, offset, lengths
 
     def read_segments(self, ordinal):
-        """The block's index, and checked samples by array and level."""
+        """The block's index, and checked samples by component and level."""
         block, offset, lengths = self.find_block(ordinal)
         samples = {}
         for number, stored in enumerate(lengths):
             where, level = divmod(number, self.volume.levels)
             level = self.volume.levels - 1 - level
-            name = f"{self.path}: block {block}, array {where}, level {level}"
+            name = f"{self.path}: block {block}, component {where}, level {level}"
             checksum, own, codec, filter_, _ = struct.unpack_from("<QIBBH", self.records, offset)
             seed = hash64(struct.pack("<QII", block, where, level))
             check(checksum == hash64(self.records[offset + 8:offset + 16 + stored], seed),
                   f"{name}: wrong checksum")
             check(own == stored and (codec != 0 or filter_ == 0), f"{name}: length or codec")
             payload = self.records[offset + 16:offset + 16 + stored]
-            type_name = self.volume.arrays[where]["type"]
+            type_name = self.volume.components[where]
             typecode = TYPES[type_name][0]
             if codec == 0:
                 samples[where, level] = array.array(typecode)
@@ -135,6 +153,20 @@ class Store:
         check(not any(self.records[offset:-(-offset // 4096) * 4096]), f"{name}: no zeros behind")
         return block, samples
 
+    def verify_magnitudes(self, ordinal, block, samples):
+        """Checks the trees' intervals of magnitudes, which are not stored themselves."""
+        volume, first = self.volume, 0
+        trees = iter(self.trees[len(volume.components):])
+        for description in volume.arrays:
+            count = description["components"]
+            if count > 1:
+                keys = [make_key(find_magnitude(values), "float64") for values in zip(*(
+                    volume.list_own(block, samples, first + n) for n in range(count)))]
+                tree = next(trees)
+                check((min(keys), max(keys), ordinal) in tree.find(min(keys), min(keys)),
+                      f"{tree.file.path}: the interval of block {block}")
+            first += count
+
     def verify(self):
         """Checks everything; returns the block indices by ordinal."""
         for file in [self.directory] + [tree.file for tree in self.trees]:
@@ -145,7 +177,9 @@ class Store:
             check(payloads == list(range(self.count)), f"{tree.file.path}: not all ordinals once")
         blocks, checksum, used = [], 0, 0
         for ordinal in range(self.count):
-            blocks.append(self.read_segments(ordinal)[0])
+            block, samples = self.read_segments(ordinal)
+            self.verify_magnitudes(ordinal, block, samples)
+            blocks.append(block)
             _, offset, lengths = self.find_block(ordinal)
             sums = [checksum]
             for stored in lengths:
@@ -159,29 +193,52 @@ class Store:
 
 
 class BlockedVolume:
-    def __init__(self, path, time_step=0):
-        self.header = read_document(path, "ScalableIsosurface blocked volume")
+    """A volume, or, with number > 0, one of its overviews, which are blocked volumes like it."""
+
+    def __init__(self, path, time_step=0, number=0):
+        self.header = read_document(path, "ScalableIsosurface blocked volume", (1, 2))
+        version = self.header["formatVersion"]
         self.arrays = self.header["arrays"]
         self.block_size = self.header["blockSize"]
         check(self.block_size in (16, 32, 64), f"{path}: block size")
-        self.levels = self.block_size.bit_length()
-        check(self.header["numberOfLevels"] == self.levels and self.header["ghostLayers"] == 1
+        most_levels = self.block_size.bit_length()
+        overviews = self.header["overviews"] if version > 1 else []
+        parts = [self.header, *overviews]
+        levels = [part["numberOfLevels"] for part in parts]
+        check(all((1 if version > 1 else most_levels) <= n <= most_levels for n in levels)
+              and self.header["ghostLayers"] == 1
               and self.header["compression"] in ("none", "lz4", "zstd")
-              and all(a["components"] == 1 and a["type"] in TYPES for a in self.arrays),
+              and all(a["components"] >= 1 and a["type"] in TYPES for a in self.arrays),
               f"{path}: needs a newer reader")
+        self.variables = list_variables(self.arrays)
+        self.components = [type_name for type_name, name in self.variables
+                           if "magnitude" not in name]
         extent = self.header["grid"]["extent"]
-        self.dimensions = [extent[2 * axis + 1] - extent[2 * axis] + 1 for axis in range(3)]
+        self.first_level = sum(levels[:number])
+        self.levels = levels[number]
+        self.dimensions = [(extent[2 * axis + 1] - extent[2 * axis] >> self.first_level) + 1
+                           for axis in range(3)]
         self.blocks = [max(1, -(-(n - 1) // self.block_size)) for n in self.dimensions]
         self.block_count = math.prod(self.blocks)
+        check(number == len(overviews) or self.block_count > 1,
+              f"{path}: an overview of a single block")
         step = self.header["timeSteps"][time_step]
+        check(version == 1 or len(step["overviews"]) == len(overviews),
+              f"{path}: number of overviews")
         folder = os.path.join(path + ".stores", step["folder"])
-        check(len(step["stores"]) == self.header["stores"]
+        if number > 0:
+            folder = os.path.join(folder, f"overview-{number}")
+            step = step["overviews"][number - 1]
+        check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
+        check(len(step["stores"]) == parts[number]["stores"]
               and sum(store["blocks"] for store in step["stores"]) == self.block_count,
               f"{path}: numbers of stores or blocks")
-        self.stores = [Store(self, os.path.join(folder, f"store-{number:05d}"), store)
-                       for number, store in enumerate(step["stores"])]
+        self.stores = [Store(self, os.path.join(folder, f"store-{index:05d}"), store)
+                       for index, store in enumerate(step["stores"])]
         self.spectra = read_document(os.path.join(folder, "spectra.json"),
                                      "ScalableIsosurface spectra")
+        self.overviews = [BlockedVolume(path, time_step, 1 + index)
+                          for index in range(len(overviews))] if number == 0 else []
 
     def find_box(self, block, level, ghosted):
         """Per axis [low, high) in the level's coordinates."""
@@ -203,7 +260,7 @@ class BlockedVolume:
                 if level == self.levels - 1 or (i | j | k) % 2 == 1]
 
     def decode(self, block, samples, number, level):
-        """The samples of an array on the block's ghosted box at a level, x fastest."""
+        """The samples of a component on the block's ghosted box at a level, x fastest."""
         (x0, x1), (y0, y1), (z0, z1) = self.find_box(block, level, True)
         width, height = x1 - x0, y1 - y0
         result = array.array(samples[number, level].typecode)
@@ -231,30 +288,45 @@ class BlockedVolume:
             check(position == len(segment), f"block {block}: impossible length at level {source}")
         return result
 
+    def list_own(self, block, samples, number):
+        """The samples of a component on the block's own vertices at level 0."""
+        values = self.decode(block, samples, number, 0)
+        ghosted, own = self.find_box(block, 0, True), self.find_box(block, 0, False)
+        (x0, x1), (y0, y1), (z0, _) = ghosted
+        return [values[i - x0 + (x1 - x0) * (j - y0 + (y1 - y0) * (k - z0))]
+                for k in range(*own[2]) for j in range(*own[1]) for i in range(*own[0])]
+
     def find_active(self, number, isovalue):
         """Per store the ordinals of the blocks that the isosurface passes."""
-        key = make_threshold_key(isovalue, self.arrays[number]["type"])
+        key = make_threshold_key(isovalue, self.variables[number][0])
         return [sorted(r[2] for r in store.trees[number].find(key, key) if r[0] != key)
                 if key is not None else [] for store in self.stores]
 
     def verify(self):
         blocks = sorted(block for store in self.stores for block in store.verify())
         check(blocks == list(range(self.block_count)), "the stores do not have each block once")
+        for overview in self.overviews:
+            overview.verify()
 
 
 def main():
     parser = argparse.ArgumentParser(description="Checks a blocked volume; tells what is in it.")
     parser.add_argument("volume", help="the .bvol file")
     parser.add_argument("--blocks", action="store_true", help="list the blocks of all stores")
-    parser.add_argument("--array", type=int, default=0, help="number of an array")
+    parser.add_argument("--array", type=int, default=0, help="number of a variable")
     parser.add_argument("--isovalue", type=float, help="list the active blocks")
+    parser.add_argument("--overview", type=int, default=0,
+                        help="number of an overview, whose blocks are meant then; 0: none")
     parser.add_argument("--samples", nargs=3, type=int, metavar=("STORE", "ORDINAL", "LEVEL"),
                         help="print the samples of a block, ghost layer included")
     options = parser.parse_args()
     volume = BlockedVolume(options.volume)
     volume.verify()
     print(f"{options.volume}: {volume.dimensions} vertices, {volume.block_count} blocks, "
-          f"{len(volume.stores)} stores, arrays {[a['name'] for a in volume.arrays]}: sound")
+          f"{len(volume.stores)} stores, arrays {[a['name'] for a in volume.arrays]}, "
+          f"overviews of {[overview.dimensions for overview in volume.overviews]}: sound")
+    if options.overview:
+        volume = volume.overviews[options.overview - 1]
     active = None if options.isovalue is None else volume.find_active(options.array,
                                                                       options.isovalue)
     for number, store in enumerate(volume.stores):

@@ -43,21 +43,25 @@ void ExpectSteps(FileSystem& disk, unsigned count)
     EXPECT_EQ(opened->GetHeader().TimeSteps[step].Time, 0.5 * step);
     const auto volume = MakeStep(step);
     QueryStatistics statistics;
-    const auto blocks = opened->GetShare(step, 0, 1, statistics);
-    ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
-    for (const BlockReference& reference : *blocks)
+    for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
     {
-      const auto block = opened->ReadBlock(reference, step, 0, 0, statistics);
-      ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
-      const SampleView& view = (*block)->View;
-      for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
+      const auto blocks = opened->GetShare(step, 0, 1, statistics, level);
+      ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
+      for (const BlockReference& reference : *blocks)
       {
-        const Index3 vertex = { i, view.Box.Low[1], view.Box.High[2] - 1 };
-        ASSERT_EQ(*view.At<std::uint16_t>(vertex), volume.At(i, vertex[1], vertex[2]));
+        const auto block = opened->ReadBlock(reference, step, 0, level, statistics);
+        ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
+        const SampleView& view = (*block)->View;
+        for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
+        {
+          const Index3 vertex = { i, view.Box.Low[1], view.Box.High[2] - 1 };
+          ASSERT_EQ(*view.At<std::uint16_t>(vertex),
+            volume.At(i << level, vertex[1] << level, vertex[2] << level));
+        }
       }
+      const auto spectrum = opened->GetSpectrum(step, 0, level);
+      ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
     }
-    const auto spectrum = opened->GetSpectrum(step, 0);
-    ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
   }
 }
 
