@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 using namespace isosurface;
 
@@ -112,19 +113,22 @@ void ReadBlocks(const BlockStore& store, const BlockedVolumeHeader& header, cons
       continue;
     }
     Require(*block >= 0 && *block < grid.GetNumberOfBlocks(), "a store's block is in the volume");
-    const ArrayVariables variables = header.GetVariables();
-    for (std::size_t variable = 0; variable < variables.GetCount(); ++variable)
+    const std::vector<ValueType> types = header.GetVariables().GetStoredTypes();
+    for (int level = 0; level < grid.GetNumberOfLevels(); ++level)
     {
-      for (int level = 0; level < grid.GetNumberOfLevels(); ++level)
+      const auto samples =
+        static_cast<std::size_t>(grid.GetGhostedVertices(*block, level).GetNumberOfVertices());
+      for (std::size_t component = 0; component < types.size(); ++component)
       {
-        const auto decoded = store.Read(ordinal, *block, variable, level, statistics);
+        const auto decoded = store.Read(ordinal, *block, component, level, statistics);
         Require(!decoded.IsOk() ||
-            (*decoded)->Bytes.GetSize() ==
-              static_cast<std::size_t>(
-                grid.GetGhostedVertices(*block, level).GetNumberOfVertices()) *
-                GetValueSize(variables[variable].Type),
+            (*decoded)->Bytes.GetSize() == samples * GetValueSize(types[component]),
           "a decoded block has the samples of its box");
       }
+      const auto all = store.ReadAdjacent(ordinal, *block, 0, types.size(), level, statistics);
+      Require(!all.IsOk() ||
+          MakeMagnitudeBlock(*all)->Bytes.GetSize() == samples * GetValueSize(ValueType::Float64),
+        "a magnitude has the samples of its components' box");
     }
   }
 }

@@ -100,7 +100,11 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
     }
   }
   corpus.Add("BlockedVolumeHeader", name, disk.GetFile(Path));
-  corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+  // Those of components are as those of arrays, and long.
+  if (components == 1)
+  {
+    corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+  }
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
   const ArrayVariables variables({ { "density", type, components } });
   const Bytes& tree = disk.GetFile(BlockStore::GetTreePath(StoreFolder, variables, 0));

@@ -62,6 +62,24 @@ class Arrays(unittest.TestCase):
                     testing.count_cells(surface), testing.count_expected_triangles(5.0, function)
                 )
 
+    def test_vectors_are_interpolated_with_all_components(self):
+        path = testing.output("interpolated.bvol")
+        simple.SaveData(path, proxy=make_vectors(), BlockSize=16)
+        surface = testing.contour(testing.open_volume(path))
+        surface.InterpolatedArrays = ["Gradient"]
+        surface.UpdatePipeline()
+        array = surface.PointData["Gradient"]
+        self.assertEqual(array.GetNumberOfComponents(), 3)
+        # Normals are the negative gradient, so the vectors are those of the points.
+        check = simple.Calculator(
+            Input=surface,
+            AttributeType="Point Data",
+            Function="dot(Normals,Gradient)/mag(Gradient)",
+            ResultArrayName="Cosine",
+        )
+        check.UpdatePipeline()
+        self.assertLess(check.PointData["Cosine"].GetRange()[1], -0.9)
+
     def test_range_of_isovalues_is_that_of_the_component(self):
         path = testing.output("ranges.bvol")
         simple.SaveData(path, proxy=make_vectors())

@@ -19,6 +19,10 @@
 #include "vtkPassThrough.h"
 #include "vtkPointData.h"
 #include "vtkTestErrorObserver.h"
+#include "vtkTrivialProducer.h"
+
+#include <array>
+#include <map>
 
 namespace isosurface
 {
@@ -214,6 +218,45 @@ TEST_P(ArraysOfType, OfSeveralComponentsAreReadAndContouredByEachAndByMagnitude)
 
 INSTANTIATE_TEST_SUITE_P(
   SomeOfVTK, ArraysOfType, testing::Values(VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_FLOAT, VTK_DOUBLE));
+
+TEST_F(Arrays, OfSeveralComponentsAreInterpolatedAsOneArrayOfTuples)
+{
+  const auto image = MakeVectors(VTK_SHORT, 3);
+  WriteVolume(image, this->Path, { 16, 2 });
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(this->Path.c_str());
+  vtkNew<vtkPassThrough> pass;
+  pass->SetInputConnection(reader->GetOutputPort());
+  vtkNew<vtkTrivialProducer> inMemory;
+  inMemory->SetOutput(image);
+  std::vector<std::map<vtkIdType, std::array<double, 3>>> found;
+  for (vtkAlgorithm* input : std::vector<vtkAlgorithm*>{ inMemory, reader, pass })
+  {
+    vtkNew<vtkStabbingContour> contour;
+    contour->SetInputConnection(input->GetOutputPort());
+    contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "velocity");
+    contour->SetComponent(1);
+    contour->SetValue(0, 30.5);
+    contour->ComputeScalarsOff();
+    contour->AddInterpolatedArray("velocity");
+    contour->Update();
+    vtkPointData* points = contour->GetOutput()->GetPointData();
+    vtkDataArray* vectors = points->GetArray("velocity");
+    ASSERT_NE(vectors, nullptr);
+    ASSERT_EQ(vectors->GetNumberOfComponents(), 3);
+    found.emplace_back();
+    for (vtkIdType point = 0; point < vectors->GetNumberOfTuples(); ++point)
+    {
+      std::array<double, 3>& tuple =
+        found.back()[static_cast<vtkIdType>(points->GetGlobalIds()->GetTuple1(point))];
+      vectors->GetTuple(point, tuple.data());
+      ASSERT_NEAR(tuple[1], 30.5, 1e-5);
+    }
+  }
+  EXPECT_GT(found[0].size(), 100u);
+  EXPECT_EQ(found[0], found[1]);
+  EXPECT_EQ(found[0], found[2]);
+}
 
 TEST_F(Arrays, HaveNoComponentBehindTheMagnitude)
 {
