@@ -194,12 +194,6 @@ VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image)
 Result<ImageSamples> MakeImageSamples(
   const GridGeometry& grid, vtkImageData* image, vtkDataArray* array)
 {
-  if (array->GetNumberOfComponents() != 1)
-  {
-    return Status(StatusCode::InvalidArgument,
-      NameOf(array) + " has " + std::to_string(array->GetNumberOfComponents()) +
-        " components; isosurfaces are of arrays of one component");
-  }
   if (array->GetNumberOfTuples() != image->GetNumberOfPoints())
   {
     return Status(StatusCode::InvalidArgument,
@@ -223,12 +217,19 @@ Result<ImageSamples> MakeImageSamples(
   samples.Time = std::max(image->GetMTime(), samples.Array->GetMTime());
   const VertexBox all = MakeVertexBox(grid, image->GetExtent());
   const Index3 size = all.GetSize();
-  samples.View.Type = *type;
-  samples.View.First = samples.Array->GetVoidPointer(0);
-  samples.View.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
-    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-  samples.View.Available = all;
-  samples.View.Box = FindOwnVertices(grid, image);
+  const VertexBox own = FindOwnVertices(grid, image);
+  const int components = samples.Array->GetNumberOfComponents();
+  for (int component = 0; component < components; ++component)
+  {
+    SampleView view;
+    view.Type = *type;
+    view.First = samples.Array->GetVoidPointer(component);
+    view.Stride = { components, static_cast<std::ptrdiff_t>(components * size[0]),
+      static_cast<std::ptrdiff_t>(components * size[0] * size[1]) };
+    view.Available = all;
+    view.Box = own;
+    samples.Components.push_back(view);
+  }
   return samples;
 }
 

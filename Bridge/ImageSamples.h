@@ -11,6 +11,8 @@
 #include "Volume/GridGeometry.h"
 #include "Volume/SampleView.h"
 
+#include <vector>
+
 class vtkDataArray;
 class vtkImageData;
 
@@ -47,15 +49,16 @@ ISOSURFACEBRIDGE_EXPORT VertexBox FindOwnVertices(const GridGeometry& grid, vtkI
 /// The samples of an array of an image, and who owns them.
 struct ImageSamples
 {
-  SampleView View;                     ///< Box is the image's own vertices, Available all of them
+  /// A view a component; Box is the image's own vertices, Available all of them.
+  std::vector<SampleView> Components;
   vtkSmartPointer<vtkDataArray> Array; ///< keeps the samples alive
   vtkMTimeType Time = 0;               ///< when the image or the array was last modified
 };
 
 /**
- * A point array of one component of an image, as Core sees it. No sample is copied, unless the
- * array's memory is not laid out in the standard way. Errors (InvalidArgument, Unsupported) name
- * the array.
+ * A point array of an image, as Core sees it. No sample is copied, unless the array's memory is not
+ * laid out in the standard way: components are views with a stride. Errors (InvalidArgument,
+ * Unsupported) name the array.
  */
 ISOSURFACEBRIDGE_EXPORT Result<ImageSamples> MakeImageSamples(
   const GridGeometry& grid, vtkImageData* image, vtkDataArray* array);

@@ -307,24 +307,22 @@ Result<PieceAttributes> FindAttributes(
         vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
       attributes.Owners.back()->DeepCopy(array);
     }
-    InterpolatedArray description{ name, {}, { *type, array->GetNumberOfComponents() } };
+    const int components = array->GetNumberOfComponents();
+    InterpolatedArray description{ name, {}, { *type, components } };
     AttributeView view;
-    for (int component = 0; component < array->GetNumberOfComponents(); ++component)
+    for (int component = 0; component < components; ++component)
     {
       if (array->HasAComponentName())
       {
         const char* componentName = array->GetComponentName(component);
         description.ComponentNames.emplace_back(componentName ? componentName : "");
       }
-      SampleView samples = piece.Samples.View;
+      SampleView samples = piece.Samples.Components.front();
+      const Index3 size = samples.Available.GetSize();
       samples.Type = *type;
-      samples.First =
-        static_cast<const unsigned char*>(attributes.Owners.back()->GetVoidPointer(0)) +
-        static_cast<std::size_t>(component) * GetValueSize(*type);
-      for (std::ptrdiff_t& stride : samples.Stride)
-      {
-        stride *= array->GetNumberOfComponents();
-      }
+      samples.First = attributes.Owners.back()->GetVoidPointer(component);
+      samples.Stride = { components, static_cast<std::ptrdiff_t>(components * size[0]),
+        static_cast<std::ptrdiff_t>(components * size[0] * size[1]) };
       view.Components.push_back(samples);
     }
     attributes.Arrays.push_back(std::move(description));

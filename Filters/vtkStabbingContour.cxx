@@ -35,6 +35,7 @@
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
 #include "Store/StoredBlockSource.h"
+#include "Volume/Magnitude.h"
 
 #include <algorithm>
 #include <array>
@@ -72,6 +73,37 @@ bool IsBehindReader(vtkInformation* info)
     IsBehindReader(executive->GetInputInformation(0, 0));
 }
 
+Status MakeComponentError(const std::string& name, int components, int component)
+{
+  return Status(StatusCode::InvalidArgument,
+    "array \"" + name + "\" has " + std::to_string(components) +
+      " components, and after them the magnitude; there is no component " +
+      std::to_string(component) + " to contour");
+}
+
+// Magnitudes of all samples of an image, x fastest; nothing if a component is contoured.
+std::vector<double> FindMagnitudes(
+  const isosurface::ImageSamples& samples, int component, int threads)
+{
+  if (component != isosurface::Variable::Magnitude)
+  {
+    return {};
+  }
+  const isosurface::VertexBox& all = samples.Components.front().Available;
+  const isosurface::Index3 size = all.GetSize();
+  std::vector<double> magnitudes(static_cast<std::size_t>(all.GetNumberOfVertices()));
+  isosurface::ParallelFor(static_cast<std::size_t>(size[2]), threads,
+    [&](std::size_t slice, int)
+    {
+      isosurface::VertexBox box = all;
+      box.Low[2] += static_cast<std::int64_t>(slice);
+      box.High[2] = box.Low[2] + 1;
+      isosurface::ComputeMagnitudes(samples.Components, box,
+        magnitudes.data() + static_cast<std::int64_t>(slice) * size[0] * size[1]);
+    });
+  return magnitudes;
+}
+
 } // namespace
 
 /**
@@ -82,18 +114,34 @@ struct vtkStabbingContour::Index
 {
   struct Entry
   {
-    vtkDataArray* Array;
-    vtkMTimeType Time;
+    vtkDataArray* Array = nullptr;
+    vtkMTimeType Time = 0;
+    int Component = 0; ///< or Variable::Magnitude
     isosurface::VertexBox Box;
+    std::vector<double> Magnitudes;
     isosurface::BlockRanges Ranges;
+
+    // What is contoured.
+    isosurface::SampleView GetView(const isosurface::ImageSamples& samples) const
+    {
+      if (this->Component != isosurface::Variable::Magnitude)
+      {
+        return samples.Components[static_cast<std::size_t>(this->Component)];
+      }
+      isosurface::SampleView view = isosurface::MakeMagnitudeView(
+        samples.Components.front().Available, this->Magnitudes.data());
+      view.Box = samples.Components.front().Box;
+      return view;
+    }
   };
   std::vector<Entry> Entries;
 
-  bool Take(const isosurface::ImageSamples& samples, Entry& entry)
+  bool Take(const isosurface::ImageSamples& samples, int component, Entry& entry)
   {
     for (Entry& kept : this->Entries)
     {
-      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Box == samples.View.Box)
+      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Component == component &&
+        kept.Box == samples.Components.front().Box)
       {
         entry = std::exchange(kept, Entry());
         return true;
@@ -113,7 +161,8 @@ struct vtkStabbingContour::Output
 
 //------------------------------------------------------------------------------
 vtkStabbingContour::vtkStabbingContour()
-  : ComputeNormals(1)
+  : Component(0)
+  , ComputeNormals(1)
   , ComputeScalars(1)
   , GenerateTriangles(1)
   , Level(0)
@@ -288,6 +337,7 @@ int vtkStabbingContour::RequestUpdateExtent(
   {
     const double* values = this->ContourValues->GetValues();
     request->SetArrayName(this->GetArrayToContour());
+    request->SetComponent(this->Component);
     request->SetIsovalues(std::vector<double>(values, values + this->GetNumberOfContours()));
     request->SetLevel(this->Level);
     request->SetSelection(
@@ -397,6 +447,11 @@ Status vtkStabbingContour::ExtractFromVolume(
       StatusCode::NotFound, volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
   }
   arrayName = header.Arrays[*array].Name;
+  const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
+  if (!variable)
+  {
+    return MakeComponentError(arrayName, header.Arrays[*array].Components, this->Component);
+  }
   std::vector<std::size_t> attributes;
   for (const std::string& name : this->ChooseInterpolatedArrays(arrayName))
   {
@@ -406,16 +461,16 @@ Status vtkStabbingContour::ExtractFromVolume(
       return Status(
         StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to interpolate");
     }
-    const isosurface::ValueType type = header.Arrays[*attribute].Type;
+    const isosurface::ArrayDescription& description = header.Arrays[*attribute];
     attributes.push_back(*attribute);
-    request.Attributes.push_back({ type, 1 });
-    output.Arrays.push_back({ name, {}, { type, 1 } });
+    request.Attributes.push_back({ description.Type, description.Components });
+    output.Arrays.push_back({ name, {}, request.Attributes.back() });
   }
 
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   const int level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
   output.Cost.Level = level;
-  auto active = volume.FindActiveBlocks(step, *array, request.Isovalues,
+  auto active = volume.FindActiveBlocks(step, *variable, request.Isovalues,
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
     std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), output.Cost.Reading, level,
     { request.ClosedSides, this->MakeRegion() });
@@ -423,7 +478,7 @@ Status vtkStabbingContour::ExtractFromVolume(
   {
     return active.GetStatus();
   }
-  isosurface::StoredBlockSource source(volume, step, *array, level, std::move(*active));
+  isosurface::StoredBlockSource source(volume, step, *variable, level, std::move(*active));
   source.SetAttributes(std::move(attributes));
   auto extracted = isosurface::ExtractSurface(header.Grid.Coarsen(level), source, request,
     this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
@@ -457,6 +512,10 @@ Status vtkStabbingContour::ExtractFromImages(
     {
       output.ArrayName = array->GetName();
     }
+    if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), this->Component))
+    {
+      return MakeComponentError(output.ArrayName, array->GetNumberOfComponents(), this->Component);
+    }
     return array;
   };
   const auto pieces =
@@ -486,6 +545,8 @@ Status vtkStabbingContour::ExtractFromImages(
       return this->TellProgress(
         (static_cast<double>(number) + share) / static_cast<double>(pieces->Pieces.size()));
     };
+    const int component = *isosurface::FindChosenComponent(
+      static_cast<int>(piece.Samples.Components.size()), this->Component);
     const auto attributes =
       isosurface::FindAttributes(piece, this->ChooseInterpolatedArrays(output.ArrayName));
     if (!attributes.IsOk())
@@ -506,18 +567,24 @@ Status vtkStabbingContour::ExtractFromImages(
       }
     }
     Index::Entry entry;
-    if (!this->ImageIndex->Take(piece.Samples, entry))
+    if (!this->ImageIndex->Take(piece.Samples, component, entry))
     {
-      auto ranges = isosurface::BlockRanges::Compute(piece.Samples.View, this->ChooseThreads());
+      entry.Array = piece.Samples.Array;
+      entry.Time = piece.Samples.Time;
+      entry.Component = component;
+      entry.Box = piece.Samples.Components.front().Box;
+      entry.Magnitudes = FindMagnitudes(piece.Samples, component, this->ChooseThreads());
+      auto ranges =
+        isosurface::BlockRanges::Compute(entry.GetView(piece.Samples), this->ChooseThreads());
       if (!ranges.IsOk())
       {
         return ranges.GetStatus();
       }
-      entry = { piece.Samples.Array, piece.Samples.Time, piece.Samples.View.Box,
-        std::move(*ranges) };
+      entry.Ranges = std::move(*ranges);
     }
-    auto extracted = isosurface::ExtractPiece(pieces->Grids[piece.Grid], piece.Samples.View,
-      attributes->Views, entry.Ranges, request, region, this->ChooseThreads(), progress);
+    auto extracted =
+      isosurface::ExtractPiece(pieces->Grids[piece.Grid], entry.GetView(piece.Samples),
+        attributes->Views, entry.Ranges, request, region, this->ChooseThreads(), progress);
     kept.push_back(std::move(entry));
     if (!extracted.IsOk())
     {
@@ -545,6 +612,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ContourValues:\n";
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "Component: " << this->Component << "\n";
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";

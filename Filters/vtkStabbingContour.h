@@ -14,7 +14,7 @@
  * reader's output is not used. Behind a filter that passes samples on unchanged (vtkPassThrough,
  * vtkPassArrays) the isovalues travel upstream under vtkBlockedVolumeReader::STABBING_REQUEST(),
  * and the reader gives the active blocks. For image data the value ranges of blocks are computed
- * once an array, and kept between isovalues.
+ * once an array, and kept between isovalues; so are magnitudes, which take 8 bytes a vertex.
  *
  * Of a blocked volume with Level l > 0 the surface is that of the volume subsampled by 2^l: of all
  * vertices whose coordinates, counted from the extent's low corner, are multiples of 2^l. Only what
@@ -80,6 +80,16 @@ public:
   {
     this->ContourValues->GenerateValues(number, rangeStart, rangeEnd);
   }
+  ///@}
+
+  ///@{
+  /**
+   * What is contoured of an array of several components: below their number that component, at
+   * their number the magnitude, as in ParaView's menus of components. Default 0. Arrays of one
+   * component are contoured whatever this is.
+   */
+  vtkSetClampMacro(Component, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Component, int);
   ///@}
 
   ///@{
@@ -233,6 +243,7 @@ private:
   int ChooseThreads();
 
   vtkNew<vtkContourValues> ContourValues;
+  int Component;
   vtkTypeBool ComputeNormals;
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;

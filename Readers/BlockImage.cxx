@@ -2,6 +2,7 @@
 #include "BlockImage.h"
 
 #include "ImageSamples.h"
+#include "Store/BlockSegment.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -12,7 +13,6 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace isosurface
 {
@@ -84,19 +84,49 @@ vtkSmartPointer<vtkImageData> MakeLevelImage(
   return image;
 }
 
-// Adds an array for the image's vertices, uninitialised; the first one becomes the active scalars.
-vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description)
+// An array for the image's vertices, uninitialised.
+vtkSmartPointer<vtkDataArray> MakeArray(vtkImageData* image, const ArrayDescription& description)
 {
   auto values = vtkSmartPointer<vtkDataArray>::Take(
     vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
   values->SetName(description.Name.c_str());
+  values->SetNumberOfComponents(description.Components);
   values->SetNumberOfTuples(image->GetNumberOfPoints());
+  return values;
+}
+
+// Adds an array for the image's vertices, uninitialised; the first one becomes the active scalars.
+vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description)
+{
+  auto values = MakeArray(image, description);
   image->GetPointData()->AddArray(values);
   if (!image->GetPointData()->GetScalars())
   {
     image->GetPointData()->SetActiveScalars(description.Name.c_str());
   }
   return values;
+}
+
+// Makes a component take its least value in the first vertex, its greatest one in the last.
+void FillWithRange(const KeyRange& range, ValueType type, int component, vtkDataArray* values)
+{
+  DispatchValueType(type,
+    [&](auto zero)
+    {
+      using Value = decltype(zero);
+      const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
+      const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
+      auto* samples = static_cast<Value*>(values->GetVoidPointer(component));
+      const int components = values->GetNumberOfComponents();
+      const vtkIdType last = values->GetNumberOfTuples() - 1;
+      for (vtkIdType vertex = 0; vertex <= last; ++vertex)
+      {
+        // In between what is nearest to zero, so that magnitudes have about their range.
+        samples[vertex * components] = std::clamp(zero, least, greatest);
+      }
+      samples[last * components] = greatest;
+      samples[0] = least;
+    });
 }
 
 void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox& own)
@@ -116,17 +146,30 @@ Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const StoredLevel stored = volume.FindLevel(level);
   const VertexBox available = stored.Grid->GetGhostedVertices(block.Block, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
+  std::vector<std::size_t> variables;
   for (const std::size_t array : arrays)
   {
-    const Result<std::shared_ptr<const DecodedBlock>> decoded =
-      volume.ReadBlock(block, timeStep, array, level, statistics);
-    if (!decoded.IsOk())
+    for (int component = 0; component < volume.GetVariables().GetComponents(array); ++component)
     {
-      return decoded.GetStatus();
+      variables.push_back(*volume.GetVariables().Find(array, component));
     }
+  }
+  const Result<DecodedBlocks> decoded =
+    volume.ReadVariables(block, timeStep, variables, level, statistics);
+  if (!decoded.IsOk())
+  {
+    return decoded.GetStatus();
+  }
+  auto next = decoded->begin();
+  for (const std::size_t array : arrays)
+  {
     const ArrayDescription& description = volume.GetHeader().Arrays[array];
-    std::memcpy(AddArray(image, description)->GetVoidPointer(0), (*decoded)->View.First,
-      static_cast<std::size_t>(available.GetNumberOfVertices()) * GetValueSize(description.Type));
+    vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
+    for (int component = 0; component < description.Components; ++component, ++next)
+    {
+      CopySamples(values->GetVoidPointer(component), description.Components, (*next)->View.First, 1,
+        available.GetNumberOfVertices(), GetValueSize(description.Type));
+    }
   }
   AddGhosts(image, available, stored.Grid->GetVertices(block.Block, stored.Level));
   return image;
@@ -149,17 +192,26 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
 
   const VertexBox available = box.GetGhostedVertices(grid, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
-  for (std::size_t index = 0; index < arrays.size(); ++index)
+  int all = 0;
+  for (const std::size_t array : arrays)
   {
-    const auto partProgress = [&](double share)
-    { return progress((static_cast<double>(index) + share) / static_cast<double>(arrays.size())); };
-    const ArrayDescription& description = volume.GetHeader().Arrays[arrays[index]];
+    all += volume.GetHeader().Arrays[array].Components;
+  }
+  int done = 0;
+  const auto partProgress = [&](double share) { return progress((done + share) / all); };
+  for (const std::size_t array : arrays)
+  {
+    const ArrayDescription& description = volume.GetHeader().Arrays[array];
     vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
-    const Status status = AssembleBlocks(volume, timeStep, arrays[index], level, box, *blocks,
-      threads, values->GetVoidPointer(0), statistics, partProgress);
-    if (!status.IsOk())
+    for (int component = 0; component < description.Components; ++component, ++done)
     {
-      return status;
+      const Status status = AssembleBlocks(volume, timeStep,
+        *volume.GetVariables().Find(array, component), level, box, *blocks, threads,
+        values->GetVoidPointer(component), description.Components, statistics, partProgress);
+      if (!status.IsOk())
+      {
+        return status;
+      }
     }
   }
   // One piece alone has no neighbours, hence no ghosts.
@@ -196,21 +248,13 @@ vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::siz
   for (std::size_t array = 0; array < header.Arrays.size(); ++array)
   {
     const ArrayDescription& description = header.Arrays[array];
-    const KeyRange& range = header.TimeSteps[timeStep].Ranges[array];
-    auto values = vtkSmartPointer<vtkDataArray>::Take(
-      vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
-    values->SetName(description.Name.c_str());
-    values->SetNumberOfTuples(image->GetNumberOfPoints());
-    DispatchValueType(description.Type,
-      [&](auto zero)
-      {
-        using Value = decltype(zero);
-        auto* samples = static_cast<Value*>(values->GetVoidPointer(0));
-        const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
-        const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
-        std::fill_n(samples, image->GetNumberOfPoints(), greatest);
-        samples[0] = least;
-      });
+    auto values = MakeArray(image, description);
+    for (int component = 0; component < description.Components; ++component)
+    {
+      FillWithRange(
+        header.TimeSteps[timeStep].Ranges[*volume.GetVariables().Find(array, component)],
+        description.Type, component, values);
+    }
     image->GetPointData()->AddArray(values);
   }
   if (!header.Arrays.empty())

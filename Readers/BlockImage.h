@@ -39,8 +39,8 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
 
 /**
  * The box of the whole volume as an image of 2 vertices an axis (1 where the volume has 1), with
- * every array at its least value in the first vertex and its greatest one elsewhere. Stands for a
- * volume of which nothing was read: bounds, arrays and ranges are right.
+ * every component at its least value in the first vertex and its greatest one in the last. Stands
+ * for a volume of which nothing was read: bounds, arrays and the components' ranges are right.
  */
 vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::size_t timeStep);
 

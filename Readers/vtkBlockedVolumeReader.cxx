@@ -49,7 +49,10 @@ int ChooseLevel(const isosurface::BlockedVolume& volume, const std::vector<std::
     std::uint64_t bytes = 0;
     for (const std::size_t array : arrays)
     {
-      bytes += volume.EstimateBytes(array, level) / static_cast<std::uint64_t>(pieces);
+      const auto components =
+        static_cast<std::uint64_t>(volume.GetHeader().Arrays[array].Components);
+      bytes += components * volume.EstimateBytes(volume.GetVariables().GetFirst(array), level) /
+        static_cast<std::uint64_t>(pieces);
     }
     if (bytes <= limit)
     {
@@ -320,14 +323,16 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
   const auto asked = request && !request->GetIsovalues().empty()
     ? FindAskedArray(header, arrays, request->GetArrayName())
     : std::optional<std::size_t>();
-  if (asked)
+  const auto variable = asked ? volume.GetVariables().FindChoice(*asked, request->GetComponent())
+                              : std::optional<std::size_t>();
+  if (variable)
   {
     if (std::find(arrays.begin(), arrays.end(), *asked) == arrays.end())
     {
       arrays.push_back(*asked);
     }
     const int level = std::clamp(request->GetLevel(), 0, volume.GetNumberOfLevels() - 1);
-    auto active = volume.FindActiveBlocks(step, *asked, request->GetIsovalues(), piece, pieces,
+    auto active = volume.FindActiveBlocks(step, *variable, request->GetIsovalues(), piece, pieces,
       statistics, level, request->GetSelection());
     if (!active.IsOk())
     {

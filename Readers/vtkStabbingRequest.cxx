@@ -64,8 +64,9 @@ bool vtkStabbingRequest::Serves(const vtkStabbingRequest* made, const vtkStabbin
   {
     return madeForAll == wantedForAll;
   }
-  return made->ArrayName == wanted->ArrayName && made->Isovalues == wanted->Isovalues &&
-    made->Level == wanted->Level && *made->Selection == *wanted->Selection;
+  return made->ArrayName == wanted->ArrayName && made->Component == wanted->Component &&
+    made->Isovalues == wanted->Isovalues && made->Level == wanted->Level &&
+    *made->Selection == *wanted->Selection;
 }
 
 //------------------------------------------------------------------------------
@@ -73,6 +74,7 @@ void vtkStabbingRequest::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ArrayName: " << this->ArrayName << "\n";
+  os << indent << "Component: " << this->Component << "\n";
   os << indent << "Isovalues:";
   for (const double isovalue : this->Isovalues)
   {

@@ -43,6 +43,15 @@ public:
 
   ///@{
   /**
+   * Which component of that array, or, if it is their number, the magnitude. Any will do for an
+   * array of one component. Default 0.
+   */
+  vtkSetMacro(Component, int);
+  vtkGetMacro(Component, int);
+  ///@}
+
+  ///@{
+  /**
    * The isovalues; a block is wanted if it is crossed by at least one of them.
    */
   void SetIsovalues(const std::vector<double>& isovalues);
@@ -90,6 +99,7 @@ private:
 
   std::string ArrayName;
   std::vector<double> Isovalues;
+  int Component = 0;
   int Level = 0;
   std::unique_ptr<isosurface::BlockSelection> Selection;
   bool HandleOnly = false;

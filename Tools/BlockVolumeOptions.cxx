@@ -34,6 +34,7 @@ Examples:
   blockvolume head.mhd head.bvol
   mpirun -n 8 blockvolume 'slices/*.tif' scan.bvol --stores 32 --compression zstd:3
   blockvolume ct.raw ct.bvol --dimensions 2048,2048,2048 --type uint16 --memory 4096
+  blockvolume step7.vti run.bvol --append --time 0.35 --arrays density,velocity
   blockvolume --info scan.bvol --json
   blockvolume --verify scan.bvol
 
@@ -153,7 +154,13 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
   app
     .add_option("--arrays", texts.Arrays,
       "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
-      "Without it: all numeric arrays of one component")
+      "Without it: all numeric point arrays, of any number of components")
+    ->group(group);
+  app
+    .add_flag("--append", settings.Append,
+      "Add IN to the time steps that OUT.bvol has; it must have the same grid, arrays and options")
+    ->group(group);
+  app.add_option("--time", settings.Time, "The time of the time step, instead of what IN says")
     ->group(group);
   app
     .add_option(

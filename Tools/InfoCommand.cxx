@@ -51,11 +51,21 @@ Json MakeGrid(const BlockedVolume& volume)
     { "origin", grid.Origin }, { "spacing", grid.Spacing }, { "direction", grid.Direction } };
 }
 
+/// "density", "velocity, component 1", "velocity, magnitude": what can be contoured.
+std::string FormatVariable(const BlockedVolume& volume, std::size_t variable)
+{
+  const Variable& described = volume.GetVariables()[variable];
+  const ArrayDescription& array = volume.GetHeader().Arrays[described.Array];
+  const std::string component =
+    described.IsMagnitude() ? ", magnitude" : ", component " + std::to_string(described.Component);
+  return array.Name + (array.Components > 1 ? component : "");
+}
+
 /// How evenly the triangles are spread, over the isovalues that have many.
-Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::size_t array)
+Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::size_t variable)
 {
   const std::uint32_t stores = volume.GetHeader().NumberOfStores;
-  const auto total = volume.GetSpectrum(step, array);
+  const auto total = volume.GetSpectrum(step, variable);
   if (!total.IsOk())
   {
     return total.GetStatus();
@@ -63,7 +73,7 @@ Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::s
   std::vector<std::shared_ptr<const WorkloadSpectrum>> spectra;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
-    const auto spectrum = volume.GetStoreSpectrum(step, array, store);
+    const auto spectrum = volume.GetStoreSpectrum(step, variable, store);
     if (!spectrum.IsOk())
     {
       return spectrum.GetStatus();
@@ -97,14 +107,14 @@ Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::s
 Result<Json> MakeSpectra(BlockedVolume& volume, std::size_t step)
 {
   Json spectra = Json::array();
-  for (std::size_t array = 0; array < volume.GetHeader().Arrays.size(); ++array)
+  for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
-    const auto spectrum = volume.GetSpectrum(step, array);
+    const auto spectrum = volume.GetSpectrum(step, variable);
     if (!spectrum.IsOk())
     {
       return spectrum.GetStatus();
     }
-    Json columns = { { "array", volume.GetHeader().Arrays[array].Name } };
+    Json columns = { { "variable", FormatVariable(volume, variable) } };
     for (const SpectrumColumn& column : MakeSpectrumColumns(**spectrum))
     {
       columns[column.Name] = column.Values;
@@ -120,10 +130,10 @@ Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
   const TimeStepDescription& step = header.TimeSteps[index];
   Json result = { { "time", step.Time ? Json(*step.Time) : Json() }, { "folder", step.Folder } };
   result["ranges"] = Json::array();
-  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+  for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
   {
-    const KeyRange& range = step.Ranges[array];
-    const ValueType type = header.Arrays[array].Type;
+    const KeyRange& range = step.Ranges[variable];
+    const ValueType type = volume.GetVariables()[variable].Type;
     result["ranges"].push_back(range.IsEmpty()
         ? Json()
         : Json::array({ MakeValue(type, range.Minimum), MakeValue(type, range.Maximum) }));
@@ -142,9 +152,9 @@ Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
     result["stores"].push_back({ { "blocks", store.Blocks }, { "bytes", store.Bytes } });
   }
   Json triangles = Json::array();
-  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+  for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
   {
-    auto balance = MakeTriangleBalance(volume, index, array);
+    auto balance = MakeTriangleBalance(volume, index, variable);
     if (!balance.IsOk())
     {
       return balance.GetStatus();
@@ -169,10 +179,15 @@ Result<Json> Describe(BlockedVolume& volume, bool withSpectrum)
   std::uint64_t sampleBytes = 0;
   for (const ArrayDescription& array : header.Arrays)
   {
-    result["arrays"].push_back(
-      { { "name", array.Name }, { "type", GetValueTypeName(array.Type) }, { "components", 1 } });
-    sampleBytes +=
-      static_cast<std::uint64_t>(header.Grid.GetNumberOfVertices()) * GetValueSize(array.Type);
+    result["arrays"].push_back({ { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
+      { "components", array.Components } });
+    sampleBytes += static_cast<std::uint64_t>(header.Grid.GetNumberOfVertices()) *
+      GetValueSize(array.Type) * static_cast<std::uint64_t>(array.Components);
+  }
+  result["variables"] = Json::array();
+  for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
+  {
+    result["variables"].push_back(FormatVariable(volume, variable));
   }
   result["sampleBytes"] = sampleBytes;
   result["timeSteps"] = Json::array();
@@ -222,10 +237,10 @@ void PrintTimeStep(const Json& volume, const Json& step)
 {
   std::printf("time step     %s%s\n", step["folder"].get<std::string>().c_str(),
     step["time"].is_null() ? "" : (", time " + step["time"].dump()).c_str());
-  for (std::size_t array = 0; array < volume["arrays"].size(); ++array)
+  for (std::size_t variable = 0; variable < volume["variables"].size(); ++variable)
   {
-    const Json& range = step["ranges"][array];
-    std::printf("  range       %s: %s\n", volume["arrays"][array]["name"].dump().c_str(),
+    const Json& range = step["ranges"][variable];
+    std::printf("  range       %s: %s\n", volume["variables"][variable].dump().c_str(),
       range.is_null() ? "no finite values" : Join(range, " to ").c_str());
   }
   const auto bytes = step["bytes"].get<double>();
@@ -240,10 +255,10 @@ void PrintTimeStep(const Json& volume, const Json& step)
   const Json& balance = step["balance"];
   std::printf("  balance     (most over mean) blocks %s, bytes %s\n",
     FormatRatio(balance["blocks"]).c_str(), FormatRatio(balance["bytes"]).c_str());
-  for (std::size_t array = 0; array < volume["arrays"].size(); ++array)
+  for (std::size_t variable = 0; variable < volume["variables"].size(); ++variable)
   {
-    const Json& triangles = balance["triangles"][array];
-    const std::string name = volume["arrays"][array]["name"].dump();
+    const Json& triangles = balance["triangles"][variable];
+    const std::string name = volume["variables"][variable].dump();
     if (triangles.is_null())
     {
       std::printf("              triangles of %s: no isovalue has %llu a store\n", name.c_str(),
@@ -260,14 +275,14 @@ void PrintTimeStep(const Json& volume, const Json& step)
 
 Status PrintSpectra(BlockedVolume& volume, std::size_t step)
 {
-  for (std::size_t array = 0; array < volume.GetHeader().Arrays.size(); ++array)
+  for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
-    const auto spectrum = volume.GetSpectrum(step, array);
+    const auto spectrum = volume.GetSpectrum(step, variable);
     if (!spectrum.IsOk())
     {
       return spectrum.GetStatus();
     }
-    std::printf("  spectrum    %s\n%s", Json(volume.GetHeader().Arrays[array].Name).dump().c_str(),
+    std::printf("  spectrum    %s\n%s", Json(FormatVariable(volume, variable)).dump().c_str(),
       FormatSpectrumTable(MakeSpectrumColumns(**spectrum)).c_str());
   }
   return Status::Ok();
@@ -292,8 +307,10 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
     told["distribution"]["seed"].dump().c_str());
   for (const Json& array : told["arrays"])
   {
-    std::printf("array         %s: %s\n", array["name"].dump().c_str(),
-      array["type"].get<std::string>().c_str());
+    const auto components = array["components"].get<int>();
+    std::printf("array         %s: %s%s\n", array["name"].dump().c_str(),
+      array["type"].get<std::string>().c_str(),
+      components > 1 ? (", " + std::to_string(components) + " components").c_str() : "");
   }
   for (std::size_t step = 0; step < told["timeSteps"].size(); ++step)
   {

@@ -84,8 +84,8 @@ Result<std::vector<ArrayDescription>> ChooseArrays(const std::string& path,
       {
         known += (known.empty() ? "\"" : ", \"") + array.Name + "\"";
       }
-      return Status(StatusCode::NotFound,
-        path + ": has no numeric array \"" + name + "\" of one component, but " + known);
+      return Status(
+        StatusCode::NotFound, path + ": has no numeric point array \"" + name + "\", but " + known);
     }
     chosen.push_back(*found);
   }

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -23,6 +24,7 @@ struct InputVolume
   GridGeometry Grid;
   std::vector<ArrayDescription> Arrays;
   std::optional<double> Time;
+  std::string LeftOut; ///< says what is not written though nobody chose; empty if nothing is
   std::uint64_t HeldBytes = 0; ///< of samples that are in memory already
   std::shared_ptr<void> Owner; ///< of what the source reads from; goes after it
   std::unique_ptr<SlabSource> Source;

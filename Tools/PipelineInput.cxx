@@ -19,12 +19,14 @@
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPImageDataReader.h"
 
+#include "ArrayChoice.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
 #include "Source/HeaderText.h"
 #include "Source/MemorySource.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -207,11 +209,17 @@ Status TakeWhole(
 {
   auto local = std::make_shared<LocalVolume>();
   local->Grid = MakeGridGeometry(image, whole);
-  const Status status = local->CollectArrays(image, false);
+  const auto isWanted = [&volume](const std::string& name)
+  {
+    return std::any_of(volume.Arrays.begin(), volume.Arrays.end(),
+      [&name](const ArrayDescription& array) { return array.Name == name; });
+  };
+  const Status status = local->CollectArrays(image, isWanted);
   if (!status.IsOk())
   {
     return Status(status.GetCode(), path + ": " + status.GetMessage());
   }
+  const ArrayVariables variables(local->Arrays);
   auto owners = std::make_shared<std::vector<vtkSmartPointer<vtkDataArray>>>();
   VolumePiece piece;
   piece.Box = MakeVertexBox(local->Grid, image->GetExtent());
@@ -221,13 +229,15 @@ Status TakeWhole(
     {
       if (local->Arrays[array].Name == wanted.Name)
       {
-        piece.Arrays.push_back(local->Piece.Arrays[array]);
+        const auto first =
+          local->Piece.Arrays.begin() + static_cast<std::ptrdiff_t>(variables.GetFirst(array));
+        piece.Arrays.insert(piece.Arrays.end(), first, first + variables.GetComponents(array));
         owners->push_back(local->Owners[array]);
         break;
       }
     }
   }
-  if (piece.Arrays.size() != volume.Arrays.size() ||
+  if (piece.Arrays.size() != ArrayVariables(volume.Arrays).GetNumberOfStored() ||
     piece.Box.GetSize() != local->Grid.GetDimensions())
   {
     return Status(
@@ -270,7 +280,10 @@ Result<InputVolume> OpenPipelineInput(
   }
   LocalVolume local;
   local.Grid = MakeGridGeometry(*image, whole);
-  const Status status = local.CollectArrays(*image, false);
+  const auto choice = ArrayChoice::Make(*image, nullptr);
+  const Status status = choice.IsOk()
+    ? local.CollectArrays(*image, [&](const std::string& name) { return choice->Has(name); })
+    : choice.GetStatus();
   if (!status.IsOk())
   {
     return Status(status.GetCode(), path + ": " + status.GetMessage());
@@ -283,6 +296,7 @@ Result<InputVolume> OpenPipelineInput(
   InputVolume volume;
   volume.Grid = local.Grid;
   volume.Arrays = *chosen;
+  volume.LeftOut = arrays.empty() ? choice->LeftOut : "";
   if ((*image)->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
   {
     volume.Time = (*image)->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP());

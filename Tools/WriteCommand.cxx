@@ -20,12 +20,19 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
   for (const ArrayDescription& array : volume->Arrays)
   {
     samples += static_cast<double>(volume->Grid.GetNumberOfVertices()) *
-      static_cast<double>(GetValueSize(array.Type));
+      static_cast<double>(GetValueSize(array.Type)) * array.Components;
   }
   BlockedVolumeSettings settings = options.Settings;
-  settings.Time = volume->Time;
+  if (!settings.Time)
+  {
+    settings.Time = volume->Time;
+  }
   settings.MemoryLimit -= volume->HeldBytes;
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
+  if (isTold && !volume->LeftOut.empty())
+  {
+    std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(), volume->LeftOut.c_str());
+  }
   double seconds = 0;
   const auto written = [&]
   {

@@ -2,10 +2,10 @@
 #include "LocalVolume.h"
 
 #include "vtkImageData.h"
-#include "vtkLogger.h"
 #include "vtkPointData.h"
 #include "vtkUnsignedCharArray.h"
 
+#include "ArrayChoice.h"
 #include "ImageSamples.h"
 
 #include <algorithm>
@@ -28,14 +28,15 @@ Message Describe(const LocalVolume& local)
   add(local.Time);
   for (const ArrayDescription& array : local.Arrays)
   {
-    text += GetValueTypeName(array.Type) + std::string("\n") + array.Name + '\0';
+    text += GetValueTypeName(array.Type) + std::string("\n") + std::to_string(array.Components) +
+      "\n" + array.Name + '\0';
   }
   return Message(text.begin(), text.end());
 }
 
 } // namespace
 
-Status LocalVolume::CollectArrays(vtkImageData* image, bool isFirst)
+Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelected)
 {
   vtkPointData* points = image->GetPointData();
   // The active scalars come first: they decide which store a block goes to.
@@ -54,30 +55,29 @@ Status LocalVolume::CollectArrays(vtkImageData* image, bool isFirst)
   }
   for (vtkDataArray* array : arrays)
   {
-    const auto type = GetValueTypeOf(array);
-    if (array->GetNumberOfComponents() != 1 || !type.IsOk())
+    const std::string name = GetNameOf(array);
+    if (!isSelected(name))
     {
-      vtkLogIfF(WARNING, isFirst,
-        "array \"%s\" is left out: only numeric arrays of one component are written",
-        array->GetName() ? array->GetName() : "");
       continue;
+    }
+    const auto type = GetValueTypeOf(array);
+    if (!type.IsOk())
+    {
+      return type.GetStatus();
     }
     auto samples = MakeImageSamples(this->Grid, image, array);
     if (!samples.IsOk())
     {
       return samples.GetStatus();
     }
-    const char* name = array->GetName();
-    this->Arrays.push_back({ name && *name ? name : "scalars", *type });
-    // A writer needs what there is, ghosts included: they are samples like all others.
-    samples->View.Box = samples->View.Available;
-    this->Piece.Arrays.push_back(samples->View);
+    this->Arrays.push_back({ name, *type, array->GetNumberOfComponents() });
+    for (SampleView& view : samples->Components)
+    {
+      // A writer needs what there is, ghosts included: they are samples like all others.
+      view.Box = view.Available;
+      this->Piece.Arrays.push_back(view);
+    }
     this->Owners.push_back(samples->Array);
-  }
-  if (this->Arrays.empty())
-  {
-    return Status(StatusCode::InvalidArgument,
-      "the input has no numeric point array of one component to write");
   }
   return Status::Ok();
 }
@@ -119,16 +119,18 @@ Status LocalVolume::Agree(Communicator& ranks)
     while (from != end)
     {
       const char* line = std::find(from, end, '\n');
-      const char* stop = std::find(line, end, '\0');
-      this->Arrays.push_back(
-        { std::string(line + 1, stop), *FindValueType(std::string(from, line)) });
+      const char* name = std::find(line + 1, end, '\n') + 1;
+      const char* stop = std::find(name, end, '\0');
+      this->Arrays.push_back({ std::string(name, stop), *FindValueType(std::string(from, line)),
+        std::stoi(std::string(line + 1, name)) });
       from = stop + 1;
     }
     this->Piece = {};
-    for (const ArrayDescription& array : this->Arrays)
+    const ArrayVariables variables(this->Arrays);
+    for (const ValueType type : variables.GetStoredTypes())
     {
       this->Piece.Arrays.emplace_back();
-      this->Piece.Arrays.back().Type = array.Type;
+      this->Piece.Arrays.back().Type = type;
     }
   }
   return Status::Ok();

@@ -14,6 +14,8 @@
 #include "Volume/GridGeometry.h"
 
 #include <array>
+#include <functional>
+#include <string>
 #include <vector>
 
 class vtkImageData;
@@ -21,7 +23,7 @@ class vtkImageData;
 namespace isosurface
 {
 
-/// What this rank has of the volume; arrays in the order of `Arrays`, all of one component.
+/// What this rank has of the volume: of each of `Arrays` in turn, a view a component.
 struct ISOSURFACEWRITERS_EXPORT LocalVolume
 {
   GridGeometry Grid;
@@ -30,9 +32,12 @@ struct ISOSURFACEWRITERS_EXPORT LocalVolume
   VolumePiece Piece;
   std::vector<vtkSmartPointer<vtkDataArray>> Owners;
 
-  /// Takes all point arrays of one component of an image that is a part of the grid; the active
-  /// scalars come first. The others are left out, with a warning if `isFirst`.
-  Status CollectArrays(vtkImageData* image, bool isFirst);
+  /// Which arrays to take, by name.
+  using Selection = std::function<bool(const std::string& name)>;
+
+  /// Takes the numeric point arrays of an image that is a part of the grid; the active scalars come
+  /// first.
+  Status CollectArrays(vtkImageData* image, const Selection& isSelected);
 
   /**
    * Makes all ranks speak of the same volume: a rank without any part of it learns grid and arrays

@@ -62,7 +62,7 @@ std::uint64_t PipelineSource::GetReadBytes(const VertexBox& box) const
   std::uint64_t bytes = 0;
   for (const ArrayDescription& array : this->Arrays)
   {
-    bytes += GetValueSize(array.Type);
+    bytes += GetValueSize(array.Type) * static_cast<std::uint64_t>(array.Components);
   }
   return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
@@ -92,8 +92,13 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
   auto* image = vtkImageData::SafeDownCast(producer->GetOutputDataObject(this->Input->GetIndex()));
   auto owner = std::make_shared<LocalVolume>();
   owner->Grid = this->Grid;
+  const auto isWanted = [this](const std::string& name)
+  {
+    return std::any_of(this->Arrays.begin(), this->Arrays.end(),
+      [&name](const ArrayDescription& array) { return array.Name == name; });
+  };
   const Status status = image
-    ? owner->CollectArrays(image, false)
+    ? owner->CollectArrays(image, isWanted)
     : Status(StatusCode::InvalidArgument, "the input is no image data any more");
   if (!status.IsOk())
   {
@@ -106,12 +111,18 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
     const ArrayDescription& wanted = this->Arrays[array];
     const auto found = std::find_if(owner->Arrays.begin(), owner->Arrays.end(),
       [&wanted](const ArrayDescription& any)
-      { return any.Name == wanted.Name && any.Type == wanted.Type; });
+      {
+        return any.Name == wanted.Name && any.Type == wanted.Type &&
+          any.Components == wanted.Components;
+      });
     fits = found != owner->Arrays.end();
-    if (fits)
+    const std::size_t first = fits
+      ? ArrayVariables(owner->Arrays)
+          .GetFirst(static_cast<std::size_t>(found - owner->Arrays.begin()))
+      : 0;
+    for (std::size_t n = 0; fits && n < static_cast<std::size_t>(wanted.Components); ++n)
     {
-      SampleView view =
-        owner->Piece.Arrays[static_cast<std::size_t>(found - owner->Arrays.begin())];
+      SampleView view = owner->Piece.Arrays[first + n];
       fits = view.Available.Intersect(box) == box;
       view.Box = box;
       slab.Arrays.push_back(view);

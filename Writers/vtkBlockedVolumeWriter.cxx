@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBlockedVolumeWriter.h"
 
+#include "vtkDataArraySelection.h"
 #include "vtkErrorCode.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -11,13 +12,15 @@
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "ArrayChoice.h"
 #include "ControllerCommunicator.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
 #include "Store/BlockedVolumeWriter.h"
 
-#include <memory>
+#include <algorithm>
+#include <string>
 
 vtkStandardNewMacro(vtkBlockedVolumeWriter);
 vtkCxxSetObjectMacro(vtkBlockedVolumeWriter, Controller, vtkMultiProcessController);
@@ -26,7 +29,23 @@ namespace
 {
 using isosurface::Status;
 using isosurface::StatusCode;
+using Pipeline = vtkStreamingDemandDrivenPipeline;
 } // namespace
+
+/**
+ * The writer of Core, which holds the time steps that are not published yet.
+ */
+struct vtkBlockedVolumeWriter::Session
+{
+  explicit Session(vtkMultiProcessController* controller)
+    : Ranks(controller)
+    , Writer(Ranks)
+  {
+  }
+
+  isosurface::ControllerCommunicator Ranks;
+  isosurface::BlockedVolumeWriter Writer;
+};
 
 //------------------------------------------------------------------------------
 vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
@@ -38,7 +57,11 @@ vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
   , Compression(LZ4)
   , CompressionLevel(0)
   , MemoryLimit(0)
+  , ChooseArraysToWrite(false)
+  , AppendTimeStep(false)
+  , WriteAllTimeSteps(false)
   , Controller(nullptr)
+  , TimeIndex(0)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
@@ -46,6 +69,7 @@ vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
 //------------------------------------------------------------------------------
 vtkBlockedVolumeWriter::~vtkBlockedVolumeWriter()
 {
+  this->Writing.reset();
   this->SetFileName(nullptr);
   this->SetController(nullptr);
 }
@@ -70,105 +94,206 @@ int vtkBlockedVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+vtkDataArraySelection* vtkBlockedVolumeWriter::GetPointDataArraySelection()
+{
+  return this->PointDataArraySelection;
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkBlockedVolumeWriter::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->PointDataArraySelection->GetMTime());
+}
+
+//------------------------------------------------------------------------------
+bool vtkBlockedVolumeWriter::IsLastTimeStep() const
+{
+  return this->TimeIndex + 1 >= this->TimeSteps.size();
+}
+
+//------------------------------------------------------------------------------
 vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
-  if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()) &&
-    (this->Controller || this->MemoryLimit > 0))
+  vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  if (request->Has(vtkDemandDrivenPipeline::REQUEST_INFORMATION()))
   {
-    vtkInformation* inInfo = input[0]->GetInformationObject(0);
+    this->Writing.reset();
+    this->TimeIndex = 0;
+    this->TimeSteps.clear();
+    if (this->WriteAllTimeSteps && inInfo->Has(Pipeline::TIME_STEPS()))
+    {
+      const double* times = inInfo->Get(Pipeline::TIME_STEPS());
+      this->TimeSteps.assign(times, times + inInfo->Length(Pipeline::TIME_STEPS()));
+    }
+  }
+  if (request->Has(Pipeline::REQUEST_UPDATE_EXTENT()))
+  {
+    if (!this->TimeSteps.empty())
+    {
+      inInfo->Set(Pipeline::UPDATE_TIME_STEP(), this->TimeSteps[this->TimeIndex]);
+    }
     if (this->MemoryLimit > 0)
     {
       // Enough to learn of the arrays; WriteData() asks for the rest.
       isosurface::PipelineSource::AskForFirstSlice(inInfo);
       return 1;
     }
-    inInfo->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(),
-      this->Controller->GetLocalProcessId());
-    inInfo->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(),
-      this->Controller->GetNumberOfProcesses());
-    inInfo->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-    return 1;
+    if (this->Controller)
+    {
+      inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), this->Controller->GetLocalProcessId());
+      inInfo->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), this->Controller->GetNumberOfProcesses());
+      inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+      return 1;
+    }
   }
-  return this->Superclass::ProcessRequest(request, input, output);
+  const vtkTypeBool result = this->Superclass::ProcessRequest(request, input, output);
+  if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA()))
+  {
+    if (this->Writing && !this->IsLastTimeStep())
+    {
+      ++this->TimeIndex;
+      request->Set(Pipeline::CONTINUE_EXECUTING(), 1);
+    }
+    else
+    {
+      this->Writing.reset();
+      this->TimeIndex = 0;
+      request->Remove(Pipeline::CONTINUE_EXECUTING());
+    }
+  }
+  return result;
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeWriter::CollectInput(isosurface::LocalVolume& local)
+{
+  vtkImageData* image = this->GetInput();
+  if (!this->FileName || !*this->FileName)
+  {
+    return Status(StatusCode::InvalidArgument, "No file name is set.");
+  }
+  if (!image || image->GetNumberOfPoints() == 0)
+  {
+    return Status::Ok();
+  }
+  int whole[6];
+  image->GetExtent(whole);
+  vtkInformation* inInfo = this->GetInputInformation();
+  if (inInfo->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    inInfo->Get(Pipeline::WHOLE_EXTENT(), whole);
+  }
+  local.Grid = isosurface::MakeGridGeometry(image, whole);
+  local.Piece.Box = isosurface::MakeVertexBox(local.Grid, image->GetExtent());
+  if (!this->TimeSteps.empty())
+  {
+    local.Time = { 1, this->TimeSteps[this->TimeIndex] };
+  }
+  else if (image->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
+  {
+    local.Time = { 1, image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) };
+  }
+  else if (this->AppendTimeStep && inInfo->Has(Pipeline::UPDATE_TIME_STEP()))
+  {
+    local.Time = { 1, inInfo->Get(Pipeline::UPDATE_TIME_STEP()) };
+  }
+  const auto choice = isosurface::ArrayChoice::Make(
+    image, this->ChooseArraysToWrite ? this->PointDataArraySelection.Get() : nullptr);
+  if (!choice.IsOk())
+  {
+    return choice.GetStatus();
+  }
+  const bool isFirst =
+    this->TimeIndex == 0 && (!this->Controller || this->Controller->GetLocalProcessId() == 0);
+  if (isFirst && !choice->LeftOut.empty())
+  {
+    vtkWarningMacro(<< choice->LeftOut);
+  }
+  return local.CollectArrays(image, [&](const std::string& name) { return choice->Has(name); });
+}
+
+//------------------------------------------------------------------------------
+isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::MakeSettings(
+  const isosurface::LocalVolume& local) const
+{
+  isosurface::BlockedVolumeSettings settings;
+  settings.BlockSize = this->BlockSize;
+  settings.NumberOfStores = static_cast<std::uint32_t>(this->NumberOfStores);
+  settings.Distribution = static_cast<isosurface::DistributionMethod>(this->Distribution);
+  settings.RandomSeed = static_cast<std::uint64_t>(this->RandomSeed);
+  settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Compression);
+  settings.Compression.Level = this->CompressionLevel;
+  if (local.Time[0] != 0)
+  {
+    settings.Time = local.Time[1];
+  }
+  settings.Append = this->AppendTimeStep || this->TimeIndex > 0;
+  settings.Publish = this->IsLastTimeStep();
+  if (this->MemoryLimit > 0)
+  {
+    settings.MemoryLimit = static_cast<std::uint64_t>(this->MemoryLimit) << 20;
+  }
+  return settings;
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeWriter::WriteStep(const isosurface::LocalVolume& local)
+{
+  std::unique_ptr<isosurface::SlabSource> source;
+  if (this->MemoryLimit > 0)
+  {
+    source = std::make_unique<isosurface::PipelineSource>(
+      this->GetInputConnection(0, 0), this->GetInputInformation(), local.Grid, local.Arrays);
+  }
+  else
+  {
+    source = std::make_unique<isosurface::MemorySource>(local.Piece);
+  }
+  const double steps = static_cast<double>(std::max<std::size_t>(1, this->TimeSteps.size()));
+  const auto written = this->Writing->Writer.Write(this->FileName, local.Grid, local.Arrays,
+    *source, this->MakeSettings(local),
+    [this, steps](double share)
+    {
+      this->UpdateProgress((static_cast<double>(this->TimeIndex) + share) / steps);
+      return !this->CheckAbort();
+    });
+  if (written.IsOk() && this->Writing->Ranks.GetRank() == 0)
+  {
+    vtkLogF(INFO, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->FileName,
+      static_cast<unsigned long long>(written->Blocks), this->BlockSize, written->Stores.size(),
+      static_cast<unsigned long long>(written->Bytes));
+  }
+  return written.GetStatus();
 }
 
 //------------------------------------------------------------------------------
 void vtkBlockedVolumeWriter::WriteData()
 {
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  if (!this->Writing)
+  {
+    this->Writing = std::make_unique<Session>(this->Controller);
+  }
+  isosurface::ControllerCommunicator& ranks = this->Writing->Ranks;
   isosurface::LocalVolume local;
-  Status status;
-  vtkImageData* image = this->GetInput();
-  if (!this->FileName || !*this->FileName)
-  {
-    status = Status(StatusCode::InvalidArgument, "No file name is set.");
-  }
-  else if (image && image->GetNumberOfPoints() > 0)
-  {
-    int whole[6];
-    image->GetExtent(whole);
-    vtkInformation* inInfo = this->GetInputInformation();
-    if (inInfo->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-    {
-      inInfo->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-    }
-    local.Grid = isosurface::MakeGridGeometry(image, whole);
-    local.Piece.Box = isosurface::MakeVertexBox(local.Grid, image->GetExtent());
-    if (image->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
-    {
-      local.Time = { 1, image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) };
-    }
-    status = local.CollectArrays(image, true);
-  }
-  status = ranks.Agree(status);
+  Status status = ranks.Agree(this->CollectInput(local));
   if (status.IsOk())
   {
     status = local.Agree(ranks);
   }
   if (status.IsOk())
   {
-    isosurface::BlockedVolumeSettings settings;
-    settings.BlockSize = this->BlockSize;
-    settings.NumberOfStores = static_cast<std::uint32_t>(this->NumberOfStores);
-    settings.Distribution = static_cast<isosurface::DistributionMethod>(this->Distribution);
-    settings.RandomSeed = static_cast<std::uint64_t>(this->RandomSeed);
-    settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Compression);
-    settings.Compression.Level = this->CompressionLevel;
-    if (local.Time[0] != 0)
-    {
-      settings.Time = local.Time[1];
-    }
-    std::unique_ptr<isosurface::SlabSource> source;
     if (this->MemoryLimit > 0)
     {
-      settings.MemoryLimit = static_cast<std::uint64_t>(this->MemoryLimit) << 20;
       // The slice that is here is one of many that are asked for.
       local.Owners.clear();
-      source = std::make_unique<isosurface::PipelineSource>(
-        this->GetInputConnection(0, 0), this->GetInputInformation(), local.Grid, local.Arrays);
     }
-    else
-    {
-      source = std::make_unique<isosurface::MemorySource>(local.Piece);
-    }
-    auto written = isosurface::BlockedVolumeWriter(ranks).Write(this->FileName, local.Grid,
-      local.Arrays, *source, settings,
-      [this](double share)
-      {
-        this->UpdateProgress(share);
-        return !this->CheckAbort();
-      });
-    status = written.GetStatus();
-    if (written.IsOk() && ranks.GetRank() == 0)
-    {
-      vtkLogF(INFO, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->FileName,
-        static_cast<unsigned long long>(written->Blocks), this->BlockSize, written->Stores.size(),
-        static_cast<unsigned long long>(written->Bytes));
-    }
+    status = this->WriteStep(local);
   }
   if (!status.IsOk())
   {
+    // Steps that were not published go with it.
+    this->Writing.reset();
     this->SetErrorCode(status.GetCode() == StatusCode::IoError ? vtkErrorCode::OutOfDiskSpaceError
                                                                : vtkErrorCode::UnknownError);
     if (status.GetCode() != StatusCode::Aborted)
@@ -190,5 +315,10 @@ void vtkBlockedVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Compression: " << this->Compression << "\n";
   os << indent << "CompressionLevel: " << this->CompressionLevel << "\n";
   os << indent << "MemoryLimit: " << this->MemoryLimit << "\n";
+  os << indent << "ChooseArraysToWrite: " << this->ChooseArraysToWrite << "\n";
+  os << indent << "PointDataArraySelection:\n";
+  this->PointDataArraySelection->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "AppendTimeStep: " << this->AppendTimeStep << "\n";
+  os << indent << "WriteAllTimeSteps: " << this->WriteAllTimeSteps << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -5,9 +5,13 @@
  * @brief   writes image data as a blocked volume (.bvol)
  *
  * The image data may be spread over the ranks of the controller in any pieces, overlapping ones
- * included; every rank calls Write(). All point arrays of one component are written. The file
- * appears in one step when everything is written; if anything fails, on any rank, all ranks report
- * an error and what was there before is left as it was.
+ * included; every rank calls Write(). All numeric point arrays are written, of any number of
+ * components, or those that are chosen. Of cell arrays there is a warning; an input of cell arrays
+ * alone is an error. The file appears in one step when everything is written; if anything fails, on
+ * any rank, all ranks report an error and what was there before is left as it was.
+ *
+ * A volume may have several time steps: AppendTimeStep adds one to those that the file has,
+ * WriteAllTimeSteps writes all that the input has.
  *
  * The file does not depend on the number of ranks, but for the default of NumberOfStores.
  */
@@ -16,8 +20,21 @@
 #define vtkBlockedVolumeWriter_h
 
 #include "IsosurfaceWritersModule.h" // For export macro
+#include "vtkNew.h"                  // For the selection
 #include "vtkWriter.h"
 
+#include <cstddef> // For std::size_t
+#include <memory>  // For the session
+#include <vector>  // For the time steps
+
+namespace isosurface
+{
+class Status;
+struct BlockedVolumeSettings;
+struct LocalVolume;
+}
+
+class vtkDataArraySelection;
 class vtkImageData;
 class vtkMultiProcessController;
 
@@ -118,6 +135,41 @@ public:
 
   ///@{
   /**
+   * Whether only those arrays are written that GetPointDataArraySelection() enables. Default off:
+   * all of them. A chosen array that the input does not have is an error.
+   */
+  vtkSetMacro(ChooseArraysToWrite, bool);
+  vtkGetMacro(ChooseArraysToWrite, bool);
+  vtkBooleanMacro(ChooseArraysToWrite, bool);
+  vtkDataArraySelection* GetPointDataArraySelection();
+  ///@}
+
+  ///@{
+  /**
+   * Whether the input is added, as another time step, to the file that is there; without one, it
+   * is the first step of a new file. Default off: a file is replaced. The time is that of the input
+   * (DATA_TIME_STEP, else UPDATE_TIME_STEP) and must be above that of the file's last step; grid,
+   * arrays and settings must be those of the file (NumberOfStores 0: as many as it has). Steps
+   * before are not touched: whoever reads sees them alone, or the new one as well.
+   */
+  vtkSetMacro(AppendTimeStep, bool);
+  vtkGetMacro(AppendTimeStep, bool);
+  vtkBooleanMacro(AppendTimeStep, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether all time steps of the input (its TIME_STEPS) are written. Default off: the one that it
+   * is at. They become visible together at the end. With AppendTimeStep they are added to those of
+   * the file.
+   */
+  vtkSetMacro(WriteAllTimeSteps, bool);
+  vtkGetMacro(WriteAllTimeSteps, bool);
+  vtkBooleanMacro(WriteAllTimeSteps, bool);
+  ///@}
+
+  ///@{
+  /**
    * The ranks that write together, the global controller by default. Null: this rank alone.
    */
   virtual void SetController(vtkMultiProcessController* controller);
@@ -132,6 +184,8 @@ public:
   vtkImageData* GetInput(int port);
   ///@}
 
+  vtkMTimeType GetMTime() override;
+
 protected:
   vtkBlockedVolumeWriter();
   ~vtkBlockedVolumeWriter() override;
@@ -145,6 +199,13 @@ private:
   vtkBlockedVolumeWriter(const vtkBlockedVolumeWriter&) = delete;
   void operator=(const vtkBlockedVolumeWriter&) = delete;
 
+  struct Session; ///< what is written between the first and the last time step
+
+  isosurface::Status CollectInput(isosurface::LocalVolume& local);
+  isosurface::Status WriteStep(const isosurface::LocalVolume& local);
+  isosurface::BlockedVolumeSettings MakeSettings(const isosurface::LocalVolume& local) const;
+  bool IsLastTimeStep() const;
+
   char* FileName;
   int BlockSize;
   int NumberOfStores;
@@ -153,7 +214,14 @@ private:
   int Compression;
   int CompressionLevel;
   int MemoryLimit;
+  bool ChooseArraysToWrite;
+  bool AppendTimeStep;
+  bool WriteAllTimeSteps;
   vtkMultiProcessController* Controller;
+  vtkNew<vtkDataArraySelection> PointDataArraySelection;
+  std::vector<double> TimeSteps; ///< that are to be written; empty for the one that is there
+  std::size_t TimeIndex;         ///< into TimeSteps
+  std::unique_ptr<Session> Writing;
 };
 
 #endif

@@ -2,9 +2,9 @@
 #include "Store/BlockAssembly.h"
 
 #include "Base/ParallelFor.h"
+#include "Store/BlockSegment.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace isosurface
 {
@@ -37,10 +37,9 @@ VertexBox FindContribution(
 }
 
 void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSize,
-  const VertexBox& whole, std::uint8_t* to)
+  const VertexBox& whole, std::uint8_t* to, std::ptrdiff_t stride)
 {
   const Index3 size = whole.GetSize();
-  const auto rowBytes = static_cast<std::size_t>(part.High[0] - part.Low[0]) * valueSize;
   for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
   {
     for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
@@ -49,10 +48,10 @@ void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSiz
         (j - from.Available.Low[1]) * from.Stride[1] + (k - from.Available.Low[2]) * from.Stride[2];
       const std::int64_t target =
         part.Low[0] - whole.Low[0] + size[0] * (j - whole.Low[1] + size[1] * (k - whole.Low[2]));
-      std::memcpy(to + static_cast<std::size_t>(target) * valueSize,
+      CopySamples(to + static_cast<std::size_t>(target * stride) * valueSize, stride,
         static_cast<const std::uint8_t*>(from.First) +
           source * static_cast<std::ptrdiff_t>(valueSize),
-        rowBytes);
+        from.Stride[0], part.High[0] - part.Low[0], valueSize);
     }
   }
 }
@@ -111,14 +110,14 @@ BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces)
   return box;
 }
 
-Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
-  QueryStatistics& statistics, const Progress& progress)
+  std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)
 {
   const StoredLevel stored = volume.FindLevel(level);
   const BlockGrid& grid = *stored.Grid;
   const VertexBox whole = box.GetGhostedVertices(grid, stored.Level);
-  const std::size_t valueSize = GetValueSize(volume.GetHeader().Arrays[array].Type);
+  const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
 
   std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
   std::vector<Status> failures(static_cast<std::size_t>(threads));
@@ -131,14 +130,14 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t a
       {
         return;
       }
-      const auto decoded = volume.ReadBlock(blocks[index], timeStep, array, level, costs[own]);
+      const auto decoded = volume.ReadBlock(blocks[index], timeStep, variable, level, costs[own]);
       if (!decoded.IsOk())
       {
         failures[own] = decoded.GetStatus();
         return;
       }
       CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, stored.Level),
-        valueSize, whole, static_cast<std::uint8_t*>(samples));
+        valueSize, whole, static_cast<std::uint8_t*>(samples), stride);
     },
     progress);
   for (const QueryStatistics& cost : costs)

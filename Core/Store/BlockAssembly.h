@@ -38,16 +38,17 @@ struct BlockBox
 BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces);
 
 /**
- * Fills `samples` with one array in a box of blocks at a level of the volume, ghost layer included,
- * x fastest: the vertices of GetGhostedVertices. `box` counts, and `blocks` are, in any order,
- * blocks of those that have the level (BlockedVolume::FindLevel).
+ * Fills `samples` with one variable in a box of blocks at a level of the volume, ghost layer
+ * included, x fastest: the vertices of GetGhostedVertices. A vertex and the next one are `stride`
+ * samples apart, so that the components of an array can be put between each other. `box` counts,
+ * and `blocks` are, in any order, blocks of those that have the level (BlockedVolume::FindLevel).
  *
  * Every block is read once, through the block cache, on `threads` threads; the ghost layer comes
  * from the ghost layers of the box's own blocks. Errors: of ReadBlock; Aborted.
  */
-Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
-  QueryStatistics& statistics, const Progress& progress = {});
+  std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress = {});
 
 } // namespace isosurface
 

@@ -19,7 +19,7 @@ namespace isosurface
 {
 
 /**
- * The samples of one array of one block at one level, x fastest. View.Box is the block's own
+ * The samples of one variable of one block at one level, x fastest. View.Box is the block's own
  * vertices, View.Available those and the ghost layer, both in the level's vertex coordinates
  * (BlockGrid); View points into Bytes.
  */
@@ -37,13 +37,13 @@ struct BlockCacheKey
 {
   std::uint64_t Dataset = 0; ///< a hash of path, time step's folder and contents
   std::int64_t Block = 0;
-  std::uint32_t Array = 0;
+  std::uint32_t Variable = 0;
   std::uint32_t Level = 0;
 
   bool operator==(const BlockCacheKey& other) const
   {
     return this->Dataset == other.Dataset && this->Block == other.Block &&
-      this->Array == other.Array && this->Level == other.Level;
+      this->Variable == other.Variable && this->Level == other.Level;
   }
 };
 

@@ -2,6 +2,7 @@
 #include "Store/BlockRangeScan.h"
 
 #include "Base/ParallelFor.h"
+#include "Volume/Magnitude.h"
 
 #include <algorithm>
 #include <array>
@@ -59,12 +60,13 @@ std::array<std::int64_t, 2> FindBlocks(
 
 } // namespace
 
-BlockRangeScan::BlockRangeScan(const BlockGrid& grid, std::vector<ValueType> types, int threads)
+BlockRangeScan::BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads)
   : Grid(grid)
-  , Types(std::move(types))
+  , Variables(std::move(variables))
   , Threads(threads)
-  , Ranges(Types.size(), std::vector<KeyRange>(static_cast<std::size_t>(grid.GetNumberOfBlocks())))
-  , FiniteRanges(Types.size())
+  , Ranges(Variables.GetCount(),
+      std::vector<KeyRange>(static_cast<std::size_t>(grid.GetNumberOfBlocks())))
+  , FiniteRanges(Variables.GetCount())
 {
 }
 
@@ -94,7 +96,7 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
     {
       next = read(slab + 1);
     }
-    if (!samples->Fits(this->Types, slabs[slab]))
+    if (!samples->Fits(this->Variables.GetStoredTypes(), slabs[slab]))
     {
       return Status(
         StatusCode::InvalidArgument, "a rank's samples do not fit the grid or the arrays");
@@ -106,6 +108,23 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
     }
   }
   return Status::Ok();
+}
+
+SampleRange BlockRangeScan::FindRange(
+  const SampleSlab& slab, std::size_t variable, const VertexBox& part) const
+{
+  const Variable& wanted = this->Variables[variable];
+  if (!wanted.IsMagnitude())
+  {
+    return FindSampleRange(slab.Arrays[variable], part);
+  }
+  const auto first =
+    slab.Arrays.begin() + static_cast<std::ptrdiff_t>(this->Variables.GetFirst(wanted.Array));
+  const std::vector<SampleView> components(
+    first, first + this->Variables.GetComponents(wanted.Array));
+  std::vector<double> magnitudes(static_cast<std::size_t>(part.GetNumberOfVertices()));
+  ComputeMagnitudes(components, part, magnitudes.data());
+  return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part);
 }
 
 void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
@@ -125,29 +144,30 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
       {
         const std::int64_t block = this->Grid.GetBlockIndex({ i, y[0] + row, z[0] + layer });
         const VertexBox part = this->Grid.GetVertices(block).Intersect(box);
-        for (std::size_t array = 0; array < this->Ranges.size() && !part.IsEmpty(); ++array)
+        for (std::size_t variable = 0; variable < this->Ranges.size() && !part.IsEmpty();
+             ++variable)
         {
-          const SampleRange range = FindSampleRange(slab.Arrays[array], part);
-          Extend(this->Ranges[array][static_cast<std::size_t>(block)], range.All);
-          totals[static_cast<std::size_t>(thread)][array].Add(range);
+          const SampleRange range = this->FindRange(slab, variable, part);
+          Extend(this->Ranges[variable][static_cast<std::size_t>(block)], range.All);
+          totals[static_cast<std::size_t>(thread)][variable].Add(range);
         }
       }
     });
   for (const std::vector<SampleRange>& ofThread : totals)
   {
-    for (std::size_t array = 0; array < ofThread.size(); ++array)
+    for (std::size_t variable = 0; variable < ofThread.size(); ++variable)
     {
-      Extend(this->FiniteRanges[array], ofThread[array].Finite);
+      Extend(this->FiniteRanges[variable], ofThread[variable].Finite);
     }
   }
 }
 
 void BlockRangeScan::Reduce(Communicator& communicator)
 {
-  for (std::size_t array = 0; array < this->Ranges.size(); ++array)
+  for (std::size_t variable = 0; variable < this->Ranges.size(); ++variable)
   {
-    std::vector<KeyRange>& ranges = this->Ranges[array];
-    KeyRange& finite = this->FiniteRanges[array];
+    std::vector<KeyRange>& ranges = this->Ranges[variable];
+    KeyRange& finite = this->FiniteRanges[variable];
     std::vector<std::uint64_t> minima = { finite.Minimum };
     std::vector<std::uint64_t> maxima = { finite.Maximum };
     minima.reserve(ranges.size() + 1);

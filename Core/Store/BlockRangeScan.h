@@ -6,6 +6,7 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Source/SlabSource.h"
+#include "Store/ArrayVariables.h"
 #include "Store/SampleRange.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/ValueKey.h"
@@ -17,11 +18,11 @@
 namespace isosurface
 {
 
-/// The range of values of every block's own vertices, in every array, on all ranks.
+/// The range of values of every block's own vertices, in every variable, on all ranks.
 class BlockRangeScan
 {
 public:
-  BlockRangeScan(const BlockGrid& grid, std::vector<ValueType> types, int threads);
+  BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads);
 
   /// Reads this rank's part of the vertices once, in slabs that take at most `memoryBytes` (the
   /// one being read ahead included), but a row of vertices at least. `owned` are boxes within the
@@ -32,16 +33,17 @@ public:
   /// Collective: joins the ranges of all ranks.
   void Reduce(Communicator& communicator);
 
-  /// Per array and block.
+  /// Per variable and block.
   const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
-  /// Per array: of the whole volume's finite values.
+  /// Per variable: of the whole volume's finite values.
   const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
 
 private:
   void AddSlab(const SampleSlab& slab, const VertexBox& box);
+  SampleRange FindRange(const SampleSlab& slab, std::size_t variable, const VertexBox& part) const;
 
   BlockGrid Grid;
-  std::vector<ValueType> Types;
+  ArrayVariables Variables;
   int Threads;
   std::vector<std::vector<KeyRange>> Ranges;
   std::vector<KeyRange> FiniteRanges;

@@ -3,6 +3,7 @@
 
 #include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Volume/Magnitude.h"
 
 #include <string>
 
@@ -18,7 +19,7 @@ std::uint64_t ComputeSegmentChecksum(
 {
   std::uint8_t bytes[16];
   StoreLittleEndian(bytes, static_cast<std::uint64_t>(place.Block));
-  StoreLittleEndian(bytes + 8, place.Array);
+  StoreLittleEndian(bytes + 8, place.Variable);
   StoreLittleEndian(bytes + 12, place.Level);
   return ComputeChecksum(segment + ChecksumSize,
     BlockRecord::SegmentHeaderSize - ChecksumSize + stored, ComputeChecksum(bytes, sizeof(bytes)));
@@ -38,8 +39,8 @@ void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentCodin
 
 Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place)
 {
-  const std::string name = "block " + std::to_string(place.Block) + ", array " +
-    std::to_string(place.Array) + ", level " + std::to_string(place.Level);
+  const std::string name = "block " + std::to_string(place.Block) + ", variable " +
+    std::to_string(place.Variable) + ", level " + std::to_string(place.Level);
   if (LoadLittleEndian<std::uint64_t>(segment) != ComputeSegmentChecksum(segment, stored, place))
   {
     return Status(
@@ -101,6 +102,26 @@ std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t 
       });
   }
   return decoded;
+}
+
+std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(const DecodedBlocks& components)
+{
+  auto block = std::make_shared<DecodedBlock>();
+  block->Block = components.front()->Block;
+  block->Level = components.front()->Level;
+  const VertexBox& box = components.front()->View.Available;
+  block->Bytes =
+    Buffer<std::uint8_t>(static_cast<std::size_t>(box.GetNumberOfVertices()) * sizeof(double));
+  auto* magnitudes = reinterpret_cast<double*>(block->Bytes.GetData());
+  std::vector<SampleView> views;
+  for (const std::shared_ptr<const DecodedBlock>& component : components)
+  {
+    views.push_back(component->View);
+  }
+  ComputeMagnitudes(views, box, magnitudes);
+  block->View = MakeMagnitudeView(box, magnitudes);
+  block->View.Box = components.front()->View.Box;
+  return block;
 }
 
 BlockRecordLayout::BlockRecordLayout(

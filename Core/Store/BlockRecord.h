@@ -24,17 +24,21 @@ namespace isosurface
  *
  *     record                                     segment
  *     +---------------------------------+        +----+--------------------------------------+
- *     | array 0: segment, level L - 1   |        |  0 | checksum                   (uint64)  |
+ *     | variable 0: segment, level L - 1|        |  0 | checksum                   (uint64)  |
  *     |          ...                    |        |  8 | bytes stored               (uint32)  |
  *     |          segment, level 0       |        | 12 | codec: SegmentCodec        (uint8)   |
- *     | array 1: segment, level L - 1   |        | 13 | filter: SegmentFilter      (uint8)   |
+ *     | variable 1: segment, level L - 1|        | 13 | filter: SegmentFilter      (uint8)   |
  *     |          ...                    |        | 14 | 0                          (uint16)  |
  *     | zeros                           |        | 16 | stored bytes: the samples of the     |
  *     +---------------------------------+        |    | level as BlockSegment lists them,    |
  *                                                |    | filtered and compressed              |
  *                                                +----+--------------------------------------+
  *     checksum: XXH3-64 of the segment from byte 8 on, seeded by XXH3-64 of block index (uint64),
- *     array (uint32), level (uint32): a segment in a wrong place is recognised like a damaged one.
+ *     variable (uint32), level (uint32): a segment in a wrong place is recognised like a damaged
+ * one.
+ *
+ * Variables: the components of all arrays (ArrayVariables), each a scalar grid of its own, so that
+ * one component is read without the others and compression sees like next to like.
  */
 struct BlockRecord
 {
@@ -51,7 +55,7 @@ struct BlockRecord
 struct SegmentPlace
 {
   std::int64_t Block;
-  std::uint32_t Array;
+  std::uint32_t Variable;
   std::uint32_t Level;
 };
 
@@ -79,6 +83,9 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
  */
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,
   ValueType type, const std::vector<const std::uint8_t*>& segments);
+
+/// The magnitudes of an array's tuples, from all of its components at one level.
+std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(const DecodedBlocks& components);
 
 /// Where the segments of a record are; when made, if every one is stored as it is.
 struct BlockRecordLayout

@@ -34,12 +34,28 @@ std::vector<ValueKey> FindThresholdKeys(ValueType type, const std::vector<double
 
 } // namespace
 
+std::string BlockStore::GetTreePath(
+  const std::string& folder, const ArrayVariables& variables, std::size_t variable)
+{
+  const Variable& named = variables[variable];
+  std::string name = folder + "/array-" + std::to_string(named.Array);
+  if (named.IsMagnitude())
+  {
+    name += "-magnitude";
+  }
+  else if (variables.GetComponents(named.Array) > 1)
+  {
+    name += "-component-" + std::to_string(named.Component);
+  }
+  return name + ".tree";
+}
+
 BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header)
   : Files(files)
   , Folder(std::move(folder))
-  , Header(header)
+  , Variables(header.GetVariables())
   , Grid(header.GetBlockGrid())
-  , Trees(header.Arrays.size())
+  , Trees(Variables.GetCount())
 {
 }
 
@@ -64,7 +80,8 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
         " bytes instead of the " + std::to_string(description.Bytes) + " that the header says");
   }
   auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
-    header.Arrays.size() * static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
+    store->Variables.GetNumberOfStored() *
+      static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
     PageCacheBytes);
   if (!directory.IsOk())
   {
@@ -74,13 +91,13 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   return store;
 }
 
-Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t array)
+Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
 {
   const std::lock_guard<std::mutex> lock(this->TreeMutex);
-  std::unique_ptr<ExternalIntervalTree>& tree = this->Trees[array];
+  std::unique_ptr<ExternalIntervalTree>& tree = this->Trees[variable];
   if (!tree)
   {
-    const std::string path = GetTreePath(this->Folder, array);
+    const std::string path = GetTreePath(this->Folder, this->Variables, variable);
     auto opened = ExternalIntervalTree::Open(this->Files, path, PageCacheBytes);
     if (!opened.IsOk())
     {
@@ -97,9 +114,9 @@ Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t array)
 }
 
 Result<std::vector<std::uint32_t>> BlockStore::FindActive(
-  std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics)
+  std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics)
 {
-  const auto tree = this->GetTree(array);
+  const auto tree = this->GetTree(variable);
   if (!tree.IsOk())
   {
     return tree.GetStatus();
@@ -107,7 +124,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
   std::vector<std::uint32_t> ordinals;
   PageStatistics pages;
   Status status;
-  for (const ValueKey key : FindThresholdKeys(this->Header.Arrays[array].Type, isovalues))
+  for (const ValueKey key : FindThresholdKeys(this->Variables[variable].Type, isovalues))
   {
     const auto visit = [&](const KeyInterval& interval)
     {
@@ -133,11 +150,11 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
 }
 
 Result<std::vector<std::uint32_t>> BlockStore::FindInside(
-  std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics)
+  std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics)
 {
   std::vector<std::uint32_t> ordinals;
-  const std::vector<ValueKey> keys = FindThresholdKeys(this->Header.Arrays[array].Type, isovalues);
-  const auto tree = this->GetTree(array);
+  const std::vector<ValueKey> keys = FindThresholdKeys(this->Variables[variable].Type, isovalues);
+  const auto tree = this->GetTree(variable);
   if (!tree.IsOk())
   {
     return tree.GetStatus();
@@ -182,9 +199,9 @@ Status BlockStore::MakeError(StatusCode code, const std::string& reason) const
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordinal,
-  std::int64_t block, std::size_t array, int level, QueryStatistics& statistics) const
+  std::int64_t block, std::size_t variable, int level, QueryStatistics& statistics) const
 {
-  auto blocks = this->ReadAdjacent(ordinal, block, array, 1, level, statistics);
+  auto blocks = this->ReadAdjacent(ordinal, block, variable, 1, level, statistics);
   if (!blocks.IsOk())
   {
     return blocks.GetStatus();
@@ -208,10 +225,10 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   }
   const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
   const std::size_t last = first + count - 1;
-  for (std::size_t array = first; array <= last; ++array)
+  for (std::size_t variable = first; variable <= last; ++variable)
   {
     // What is read past goes up to level 0.
-    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, array, array == last ? level : 0));
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, variable, variable == last ? level : 0));
   }
   const std::uint64_t begin = entry->FindSegment(first * levels);
   const std::uint64_t size =
@@ -222,10 +239,10 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   ++statistics.BlocksRead;
   statistics.BytesRead += size;
   DecodedBlocks blocks;
-  for (std::size_t array = first; array <= last; ++array)
+  for (std::size_t variable = first; variable <= last; ++variable)
   {
     auto decoded = this->Decode(
-      *entry, array, level, bytes.GetData() + (entry->FindSegment(array * levels) - begin));
+      *entry, variable, level, bytes.GetData() + (entry->FindSegment(variable * levels) - begin));
     if (!decoded.IsOk())
     {
       return decoded.GetStatus();
@@ -237,15 +254,15 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
 
 // A length from the directory is checked before memory is allocated by it.
 Status BlockStore::CheckLengths(
-  const BlockDirectoryEntry& entry, std::size_t array, int level) const
+  const BlockDirectoryEntry& entry, std::size_t variable, int level) const
 {
   const int levels = this->Grid.GetNumberOfLevels();
-  const std::size_t firstSegment = array * static_cast<std::size_t>(levels);
+  const std::size_t firstSegment = variable * static_cast<std::size_t>(levels);
   for (int from = levels - 1; from >= level; --from)
   {
     const BlockSegment segment(this->Grid, entry.Block, from);
     if (entry.Lengths[firstSegment + static_cast<std::size_t>(levels - 1 - from)] >
-      segment.GetNumberOfSamples() * GetValueSize(this->Header.Arrays[array].Type))
+      segment.GetNumberOfSamples() * GetValueSize(this->Variables[variable].Type))
     {
       return this->MakeError(StatusCode::Corrupt,
         "block " + std::to_string(entry.Block) + " has an impossible length in the directory");
@@ -254,18 +271,18 @@ Status BlockStore::CheckLengths(
   return Status::Ok();
 }
 
-Result<std::shared_ptr<const DecodedBlock>> BlockStore::Decode(
-  const BlockDirectoryEntry& entry, std::size_t array, int level, const std::uint8_t* segment) const
+Result<std::shared_ptr<const DecodedBlock>> BlockStore::Decode(const BlockDirectoryEntry& entry,
+  std::size_t variable, int level, const std::uint8_t* segment) const
 {
   const int levels = this->Grid.GetNumberOfLevels();
-  const std::size_t firstSegment = array * static_cast<std::size_t>(levels);
+  const std::size_t firstSegment = variable * static_cast<std::size_t>(levels);
   std::vector<const std::uint8_t*> segments;
   std::vector<std::uint32_t> lengths;
   for (std::size_t index = 0; index < static_cast<std::size_t>(levels - level); ++index)
   {
     const std::uint32_t stored = entry.Lengths[firstSegment + index];
     const Status status = CheckSegment(segment, stored,
-      { entry.Block, static_cast<std::uint32_t>(array),
+      { entry.Block, static_cast<std::uint32_t>(variable),
         static_cast<std::uint32_t>(levels - 1) - static_cast<std::uint32_t>(index) });
     if (!status.IsOk())
     {
@@ -275,8 +292,8 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Decode(
     lengths.push_back(stored);
     segment += BlockRecord::SegmentHeaderSize + stored;
   }
-  const auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(array),
-    level, this->Header.Arrays[array].Type, segments, lengths);
+  const auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(variable),
+    level, this->Variables[variable].Type, segments, lengths);
   if (!decoded.IsOk())
   {
     return this->MakeError(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());

@@ -26,11 +26,12 @@ namespace isosurface
  *
  *     blocks          the records (BlockRecord.h)
  *     directory       where they are (BlockDirectory.h)
- *     array-N.tree    per array: the external interval tree over the blocks' value ranges
- *                     (ExternalIntervalTree.h); payload = the block's ordinal
+ *     array-N.tree    per variable: the external interval tree over the blocks' value ranges
+ *                     (ExternalIntervalTree.h); payload = the block's ordinal. Of an array of
+ *                     several components: array-N-component-C.tree, array-N-magnitude.tree
  *
  * The folder may be a link or a mount point, so that each store has a disk of its own. A tree is
- * opened at the first query of its array. Any number of threads may use one store at once.
+ * opened at the first query of its variable. Any number of threads may use one store at once.
  */
 class BlockStore
 {
@@ -40,13 +41,11 @@ public:
 
   static std::string GetBlocksPath(const std::string& folder) { return folder + "/blocks"; }
   static std::string GetDirectoryPath(const std::string& folder) { return folder + "/directory"; }
-  static std::string GetTreePath(const std::string& folder, std::size_t array)
-  {
-    return folder + "/array-" + std::to_string(array) + ".tree";
-  }
+  static std::string GetTreePath(
+    const std::string& folder, const ArrayVariables& variables, std::size_t variable);
 
-  /// Opens the records and the directory. `header` must outlive the store. A missing folder is
-  /// NotFound; files that do not fit `description` are Corrupt.
+  /// Opens the records and the directory. A missing folder is NotFound; files that do not fit
+  /// `description` are Corrupt.
   static Result<std::shared_ptr<BlockStore>> Open(FileSystem& files, const std::string& folder,
     const BlockedVolumeHeader& header, const StoreDescription& description);
 
@@ -54,38 +53,38 @@ public:
 
   /// The ordinals of the blocks that an isosurface of one of the isovalues passes, ascending.
   Result<std::vector<std::uint32_t>> FindActive(
-    std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics);
+    std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics);
 
   /// The ordinals of the blocks of which all samples are inside for one of the isovalues,
   /// ascending. Cost: a range query for all blocks with samples inside.
   Result<std::vector<std::uint32_t>> FindInside(
-    std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics);
+    std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics);
 
   /// The grid's index of a block.
   Result<std::int64_t> FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const;
 
-  /// Reads one array of a block up to a level, by one read, and decodes it. Corrupt if the ordinal
-  /// is not that of `block`.
+  /// Reads one component of a block up to a level, by one read, and decodes it. Corrupt if the
+  /// ordinal is not that of `block`.
   Result<std::shared_ptr<const DecodedBlock>> Read(std::uint32_t ordinal, std::int64_t block,
-    std::size_t array, int level, QueryStatistics& statistics) const;
+    std::size_t variable, int level, QueryStatistics& statistics) const;
 
-  /// The same for the arrays [first, first + count), by one read, which skips nothing: at a coarser
-  /// level than 0 it has the finer levels of all but the last one in it.
+  /// The same for the components [first, first + count) of the variables, by one read, which skips
+  /// nothing: at a coarser level than 0 it has the finer levels of all but the last one in it.
   Result<DecodedBlocks> ReadAdjacent(std::uint32_t ordinal, std::int64_t block, std::size_t first,
     std::size_t count, int level, QueryStatistics& statistics) const;
 
 private:
   BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header);
-  Result<const ExternalIntervalTree*> GetTree(std::size_t array);
+  Result<const ExternalIntervalTree*> GetTree(std::size_t variable);
   Status MakeError(StatusCode code, const std::string& reason) const;
-  Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t array, int level) const;
+  Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
   /// `segment`: those of the levels from the coarsest to `level`, as they are on disk.
   Result<std::shared_ptr<const DecodedBlock>> Decode(const BlockDirectoryEntry& entry,
-    std::size_t array, int level, const std::uint8_t* segment) const;
+    std::size_t variable, int level, const std::uint8_t* segment) const;
 
   FileSystem& Files;
   std::string Folder;
-  const BlockedVolumeHeader& Header;
+  ArrayVariables Variables;
   BlockGrid Grid;
   std::unique_ptr<RandomAccessFile> Blocks;
   std::unique_ptr<BlockDirectory> Directory;

@@ -49,15 +49,16 @@ Status BlockStoreWriter::Append(const PendingBlock& block)
     block.Record.GetData(), static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
 }
 
-Result<StoreDescription> BlockStoreWriter::Finish(
+Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variables,
   const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes)
 {
   const StoreDescription description = { this->Entries.size(), this->Blocks->GetSize(),
     this->Checksum };
   ISOSURFACE_RETURN_IF_ERROR(this->Blocks->SyncAndClose());
-  for (std::size_t array = 0; array < ranges.size(); ++array)
+  for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->WriteTree(array, ranges[array], memoryBytes));
+    const std::string path = BlockStore::GetTreePath(this->Folder, variables, variable);
+    ISOSURFACE_RETURN_IF_ERROR(this->WriteTree(path, ranges[variable], memoryBytes));
   }
   ISOSURFACE_RETURN_IF_ERROR(BlockDirectory::Write(
     this->Files, BlockStore::GetDirectoryPath(this->Folder), this->Segments, this->Entries));
@@ -66,10 +67,10 @@ Result<StoreDescription> BlockStoreWriter::Finish(
 }
 
 Status BlockStoreWriter::WriteTree(
-  std::size_t array, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
+  const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
 {
-  ExternalIntervalTreeBuilder builder(this->Files, BlockStore::GetTreePath(this->Folder, array),
-    std::max(memoryBytes, ExternalIntervalTreeBuilder::LeastMemoryLimit));
+  ExternalIntervalTreeBuilder builder(
+    this->Files, path, std::max(memoryBytes, ExternalIntervalTreeBuilder::LeastMemoryLimit));
   for (std::size_t ordinal = 0; ordinal < this->Entries.size(); ++ordinal)
   {
     const KeyRange& range = ranges[static_cast<std::size_t>(this->Entries[ordinal].Block)];

@@ -26,17 +26,17 @@ namespace isosurface
 class BlockStoreWriter
 {
 public:
-  /// Creates the folder and the file of records: `blocks` of so many segments (arrays times levels)
-  /// each.
+  /// Creates the folder and the file of records: `blocks` of so many segments (components times
+  /// levels) each.
   static Result<std::unique_ptr<BlockStoreWriter>> Create(
     FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks);
 
   /// Appends a record whose segments are sealed.
   Status Append(const PendingBlock& block);
 
-  /// Writes the directory and the trees, brings all to stable storage. ranges[array][block] are the
-  /// value ranges of all blocks of the volume.
-  Result<StoreDescription> Finish(
+  /// Writes the directory and the trees, brings all to stable storage. ranges[variable][block] are
+  /// the value ranges of all blocks of the volume.
+  Result<StoreDescription> Finish(const ArrayVariables& variables,
     const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes);
 
   /// The memory of a block's entry.
@@ -49,7 +49,7 @@ private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
     std::unique_ptr<WritableFile> blocksFile, std::size_t blocks);
   Status WriteTree(
-    std::size_t array, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
+    const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 
   FileSystem& Files;
   std::string Folder;

@@ -2,6 +2,7 @@
 #include "Store/BlockedVolume.h"
 
 #include "Base/Checksum.h"
+#include "Store/BlockRecord.h"
 #include "Store/BlockStore.h"
 #include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
@@ -12,13 +13,13 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <set>
 
 namespace isosurface
 {
 namespace
 {
 
-constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 1 } << 30;
 /// Each has a few files open; a process has about a thousand.
 constexpr std::size_t MaximumOpenStores = 64;
 
@@ -104,6 +105,7 @@ BlockedVolume::BlockedVolume(std::string path, FileSystem& files, std::shared_pt
   , Files(files)
   , Cache(std::move(cache))
   , HeaderText(std::move(text))
+  , Variables(header.GetVariables())
 {
   std::vector<BlockedVolumeHeader> overviews;
   for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
@@ -136,7 +138,7 @@ BlockedVolume::~BlockedVolume() = default;
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
   const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)
 {
-  auto text = ReadText(fileSystem, path, MaximumHeaderSize);
+  auto text = ReadText(fileSystem, path, BlockedVolumeHeader::MaximumSize);
   if (!text.IsOk())
   {
     return text.GetStatus();
@@ -170,15 +172,15 @@ int BlockedVolume::GetSpectrumLevel(int level) const
   return level - this->FindLevel(level).Level;
 }
 
-Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t array, int level) const
+Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t variable, int level) const
 {
   const BlockedVolumeHeader& header = this->GetHeader();
-  if (timeStep >= header.TimeSteps.size() || array >= header.Arrays.size() || level < 0 ||
+  if (timeStep >= header.TimeSteps.size() || variable >= this->Variables.GetCount() || level < 0 ||
     level >= this->GetNumberOfLevels())
   {
     return Status(StatusCode::InvalidArgument,
-      this->Path + ": has no time step " + std::to_string(timeStep) + ", no array " +
-        std::to_string(array) + " or no level " + std::to_string(level));
+      this->Path + ": has no time step " + std::to_string(timeStep) + ", no variable " +
+        std::to_string(variable) + " or no level " + std::to_string(level));
   }
   return Status::Ok();
 }
@@ -195,7 +197,7 @@ Status BlockedVolume::CheckRank(int rank, int ranks) const
 
 Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
 {
-  const auto text = ReadText(this->Files, this->Path, MaximumHeaderSize);
+  const auto text = ReadText(this->Files, this->Path, BlockedVolumeHeader::MaximumSize);
   if (text.IsOk() && *text == this->HeaderText)
   {
     return Status::Ok();
@@ -251,11 +253,11 @@ Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
 }
 
 Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t timeStep,
-  std::size_t array, const std::vector<double>& isovalues, int rank, int ranks,
+  std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
   QueryStatistics& statistics, int level, const BlockSelection& selection)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
   const std::uint32_t partIndex = this->FindLevel(level).Part;
   std::vector<BlockReference> references;
@@ -270,7 +272,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
     if (!selection.IsPlain())
     {
       const auto selected =
-        this->SelectBlocks(**store, part.Store, array, isovalues, selection, level, statistics);
+        this->SelectBlocks(**store, part.Store, variable, isovalues, selection, level, statistics);
       if (!selected.IsOk())
       {
         ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
@@ -282,7 +284,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
         first + static_cast<std::ptrdiff_t>(part.FindEnd(selected->size())));
       continue;
     }
-    const auto active = (*store)->FindActive(array, isovalues, statistics);
+    const auto active = (*store)->FindActive(variable, isovalues, statistics);
     if (!active.IsOk())
     {
       ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
@@ -305,10 +307,10 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
 }
 
 Result<std::vector<BlockReference>> BlockedVolume::SelectBlocks(BlockStore& store,
-  std::uint32_t number, std::size_t array, const std::vector<double>& isovalues,
+  std::uint32_t number, std::size_t variable, const std::vector<double>& isovalues,
   const BlockSelection& selection, int level, QueryStatistics& statistics)
 {
-  const auto active = store.FindActive(array, isovalues, statistics);
+  const auto active = store.FindActive(variable, isovalues, statistics);
   if (!active.IsOk())
   {
     return active.GetStatus();
@@ -316,7 +318,7 @@ Result<std::vector<BlockReference>> BlockedVolume::SelectBlocks(BlockStore& stor
   std::vector<std::uint32_t> candidates = *active;
   if (!selection.ClosedSides.IsEmpty())
   {
-    const auto inside = store.FindInside(array, isovalues, statistics);
+    const auto inside = store.FindInside(variable, isovalues, statistics);
     if (!inside.IsOk())
     {
       return inside.GetStatus();
@@ -376,10 +378,10 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
-  const BlockReference& reference, std::size_t timeStep, std::size_t array, int level,
+  const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level,
   QueryStatistics& statistics)
 {
-  const auto blocks = this->ReadArrays(reference, timeStep, { array }, level, statistics);
+  const auto blocks = this->ReadVariables(reference, timeStep, { variable }, level, statistics);
   if (!blocks.IsOk())
   {
     return blocks.GetStatus();
@@ -387,14 +389,153 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
   return blocks->front();
 }
 
-Result<DecodedBlocks> BlockedVolume::ReadArrays(const BlockReference& reference,
-  std::size_t timeStep, const std::vector<std::size_t>& arrays, int level,
+/// Reads variables of one block at one level, each through the block cache.
+class BlockedVolume::BlockReading
+{
+public:
+  BlockReading(BlockedVolume& volume, const BlockReference& reference, std::size_t timeStep,
+    const StoredLevel& stored, QueryStatistics& statistics)
+    : Volume(volume)
+    , Reference(reference)
+    , TimeStep(timeStep)
+    , Stored(stored)
+    , Statistics(statistics)
+  {
+  }
+
+  /// Tells beforehand what will be asked for, so that one read can bring several components.
+  void Announce(const std::vector<std::size_t>& variables);
+
+  Result<std::shared_ptr<const DecodedBlock>> Get(std::size_t variable);
+
+private:
+  using Block = std::shared_ptr<const DecodedBlock>;
+
+  BlockCacheKey MakeKey(std::size_t variable) const;
+  bool IsCached(std::size_t variable) const
+  {
+    return this->Volume.Cache->Contains(this->MakeKey(variable));
+  }
+  Result<Block> ReadComponent(std::size_t component);
+  Result<Block> MakeMagnitude(std::size_t array);
+
+  BlockedVolume& Volume;
+  const BlockReference& Reference;
+  std::size_t TimeStep;
+  StoredLevel Stored;
+  QueryStatistics& Statistics;
+  std::set<std::size_t> Asked;        ///< variables
+  std::set<std::size_t> Needed;       ///< the components among them, and those of magnitudes
+  std::map<std::size_t, Block> Found; ///< components that were read
+};
+
+void BlockedVolume::BlockReading::Announce(const std::vector<std::size_t>& variables)
+{
+  const ArrayVariables& all = this->Volume.Variables;
+  for (const std::size_t variable : variables)
+  {
+    this->Asked.insert(variable);
+    const std::size_t array = all[variable].Array;
+    if (!all[variable].IsMagnitude())
+    {
+      this->Needed.insert(variable);
+    }
+    else if (!this->IsCached(variable))
+    {
+      for (int component = 0; component < all.GetComponents(array); ++component)
+      {
+        this->Needed.insert(all.GetFirst(array) + static_cast<std::size_t>(component));
+      }
+    }
+  }
+}
+
+BlockCacheKey BlockedVolume::BlockReading::MakeKey(std::size_t variable) const
+{
+  return { this->Volume.Parts[this->Stored.Part]->Identities[this->TimeStep], this->Reference.Block,
+    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(this->Stored.Level) };
+}
+
+Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::Get(std::size_t variable)
+{
+  const Variable& wanted = this->Volume.Variables[variable];
+  bool hit = false;
+  auto block = this->Volume.Cache->Get(
+    this->MakeKey(variable),
+    [&]
+    {
+      return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array)
+                                  : this->ReadComponent(variable);
+    },
+    hit);
+  this->Statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
+  return block;
+}
+
+/// With the components that follow it in the record, if they are needed too. At a coarser level
+/// what lies between them is not worth reading.
+Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadComponent(
+  std::size_t component)
+{
+  const auto found = this->Found.find(component);
+  if (found != this->Found.end())
+  {
+    return found->second;
+  }
+  const auto store =
+    this->Volume.GetStore(this->TimeStep, this->Stored.Part, this->Reference.Store);
+  if (!store.IsOk())
+  {
+    return store.GetStatus();
+  }
+  std::size_t end = component + 1;
+  while (this->Stored.Level == 0 && this->Needed.count(end) != 0 && this->Found.count(end) == 0 &&
+    !this->IsCached(end))
+  {
+    ++end;
+  }
+  const auto blocks = (*store)->ReadAdjacent(this->Reference.Ordinal, this->Reference.Block,
+    component, end - component, this->Stored.Level, this->Statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  for (std::size_t n = 0; n < blocks->size(); ++n)
+  {
+    this->Found[component + n] = (*blocks)[n];
+  }
+  return blocks->front();
+}
+
+/// Components that nobody asked for do not take the place of others in the cache.
+Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::MakeMagnitude(
+  std::size_t array)
+{
+  const ArrayVariables& all = this->Volume.Variables;
+  DecodedBlocks components;
+  for (int number = 0; number < all.GetComponents(array); ++number)
+  {
+    const std::size_t component = all.GetFirst(array) + static_cast<std::size_t>(number);
+    const auto block = this->Asked.count(component) != 0 || this->IsCached(component)
+      ? this->Get(component)
+      : this->ReadComponent(component);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    components.push_back(*block);
+  }
+  return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));
+}
+
+Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& reference,
+  std::size_t timeStep, const std::vector<std::size_t>& variables, int level,
   QueryStatistics& statistics)
 {
   const Stopwatch stopwatch(statistics.ReadSeconds);
-  for (const std::size_t array : arrays)
+  for (const std::size_t variable : variables)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   }
   const StoredLevel stored = this->FindLevel(level);
   const Part& part = *this->Parts[stored.Part];
@@ -405,59 +546,22 @@ Result<DecodedBlocks> BlockedVolume::ReadArrays(const BlockReference& reference,
       this->Path + ": has no block " + std::to_string(reference.Block) + " in store " +
         std::to_string(reference.Store) + " at level " + std::to_string(level));
   }
-  const auto makeKey = [&](std::size_t array)
-  {
-    return BlockCacheKey{ part.Identities[timeStep], reference.Block,
-      static_cast<std::uint32_t>(array), static_cast<std::uint32_t>(stored.Level) };
-  };
-  std::map<std::size_t, std::shared_ptr<const DecodedBlock>> readAlong;
-  const auto load = [&](std::size_t array) -> Result<std::shared_ptr<const DecodedBlock>>
-  {
-    const auto found = readAlong.find(array);
-    if (found != readAlong.end())
-    {
-      return found->second;
-    }
-    const auto store = this->GetStore(timeStep, stored.Part, reference.Store);
-    if (!store.IsOk())
-    {
-      return store.GetStatus();
-    }
-    std::size_t end = array + 1;
-    while (stored.Level == 0 && std::find(arrays.begin(), arrays.end(), end) != arrays.end() &&
-      !this->Cache->Contains(makeKey(end)))
-    {
-      ++end;
-    }
-    auto blocks = (*store)->ReadAdjacent(
-      reference.Ordinal, reference.Block, array, end - array, stored.Level, statistics);
-    if (!blocks.IsOk())
-    {
-      return blocks.GetStatus();
-    }
-    for (std::size_t n = 1; n < blocks->size(); ++n)
-    {
-      readAlong[array + n] = (*blocks)[n];
-    }
-    return blocks->front();
-  };
+  BlockReading reading(*this, reference, timeStep, stored, statistics);
+  reading.Announce(variables);
   DecodedBlocks blocks;
-  for (const std::size_t array : arrays)
+  for (const std::size_t variable : variables)
   {
-    bool hit = false;
-    auto block = this->Cache->Get(
-      makeKey(array), [&] { return load(array); }, hit);
+    auto block = reading.Get(variable);
     if (!block.IsOk())
     {
       return block.GetStatus();
     }
-    statistics.BlockCacheHits += hit ? 1 : 0;
     blocks.push_back(std::move(*block));
   }
   return blocks;
 }
 
-std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const
+std::uint64_t BlockedVolume::EstimateBytes(std::size_t variable, int level) const
 {
   // The volume of a sum of boxes is the product of the sums over the axes. On an axis all blocks
   // are alike but for the first one and the last two: a header may promise billions of them.
@@ -478,7 +582,7 @@ std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const
     }
     samples *= sum;
   }
-  return samples * GetValueSize(this->GetHeader().Arrays[array].Type);
+  return samples * GetValueSize(this->Variables[variable].Type);
 }
 
 Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
@@ -490,8 +594,8 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
   if (!kept)
   {
     auto spectra = VolumeSpectra::Read(this->Files,
-      VolumeSpectra::GetPath(this->Path, header.TimeSteps[timeStep].Folder), header.Arrays.size(),
-      header.NumberOfStores);
+      VolumeSpectra::GetPath(this->Path, header.TimeSteps[timeStep].Folder),
+      this->Variables.GetCount(), header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
     {
@@ -503,21 +607,21 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
-  std::size_t timeStep, std::size_t array, int level)
+  std::size_t timeStep, std::size_t variable, int level)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const auto spectra = this->GetSpectra(timeStep, this->FindLevel(level).Part);
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();
   }
-  return (*spectra)->Totals[array];
+  return (*spectra)->Totals[variable];
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
-  std::size_t timeStep, std::size_t array, std::uint32_t store)
+  std::size_t timeStep, std::size_t variable, std::uint32_t store)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, 0));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, 0));
   const auto spectra = this->GetSpectra(timeStep, 0);
   if (!spectra.IsOk())
   {
@@ -528,15 +632,15 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
   }
-  return (*spectra)->Stores[array][store];
+  return (*spectra)->Stores[variable][store];
 }
 
 Result<double> BlockedVolume::EstimateTriangles(
-  std::size_t timeStep, std::size_t array, double isovalue, int level)
+  std::size_t timeStep, std::size_t variable, double isovalue, int level)
 {
   const auto count = [&](int ofLevel) -> Result<double>
   {
-    const auto spectrum = this->GetSpectrum(timeStep, array, ofLevel);
+    const auto spectrum = this->GetSpectrum(timeStep, variable, ofLevel);
     if (!spectrum.IsOk())
     {
       return spectrum.GetStatus();
@@ -544,7 +648,7 @@ Result<double> BlockedVolume::EstimateTriangles(
     const std::vector<std::uint64_t>& triangles = (*spectrum)->Triangles;
     return triangles.empty() ? 0.0 : static_cast<double>(triangles[(*spectrum)->FindBin(isovalue)]);
   };
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const StoredLevel stored = this->FindLevel(level);
   const auto finer = count(level);
   if (!finer.IsOk() || stored.Level == 0)

@@ -78,6 +78,8 @@ public:
 
   const std::string& GetPath() const { return this->Path; }
   const BlockedVolumeHeader& GetHeader() const { return this->Parts.front()->Header; }
+  /// What can be contoured and read, by number.
+  const ArrayVariables& GetVariables() const { return this->Variables; }
   /// The volume's own blocks, which have its finest levels.
   const BlockGrid& GetBlockGrid() const { return this->Parts.front()->Grid; }
   /// Level l has every vertex whose coordinates are multiples of 2^l, whatever it is stored in.
@@ -96,7 +98,7 @@ public:
    * grid of `level`. It costs the directory pages of all blocks of the rank's stores that may be
    * selected; if sides are closed, a range query of the trees for all blocks with samples inside.
    */
-  Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t array,
+  Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
     int level = 0, const BlockSelection& selection = {});
 
@@ -106,33 +108,34 @@ public:
     std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level = 0);
 
   /**
-   * One array of a block at a level, decoded, with its ghost layer; from the block cache or by one
-   * read of the part of the block's record that holds the levels up to this one. The block must be
-   * one that has the level. Coordinates are the level's.
+   * One variable of a block at a level, decoded, with its ghost layer; from the block cache or by
+   * one read of the part of the block's record that holds the levels up to this one. The block must
+   * be one that has the level. Coordinates are the level's. A magnitude is computed from the
+   * components, which are read as by ReadVariables.
    */
   Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
-    std::size_t timeStep, std::size_t array, int level, QueryStatistics& statistics);
+    std::size_t timeStep, std::size_t variable, int level, QueryStatistics& statistics);
 
   /**
-   * Several arrays of a block, in the order asked for. At the finest level of a block, arrays that
-   * follow each other in the record and are not in the cache are read by one read.
+   * Several variables of a block, in the order asked for. At the finest level of a block,
+   * components that follow each other in the record and are not in the cache are read by one read.
    */
-  Result<DecodedBlocks> ReadArrays(const BlockReference& reference, std::size_t timeStep,
-    const std::vector<std::size_t>& arrays, int level, QueryStatistics& statistics);
+  Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,
+    const std::vector<std::size_t>& variables, int level, QueryStatistics& statistics);
 
-  /// Memory for one array of all blocks at a level, decoded, in bytes (ghost layers included).
-  std::uint64_t EstimateBytes(std::size_t array, int level) const;
+  /// Memory for one variable of all blocks at a level, decoded, in bytes (ghost layers included).
+  std::uint64_t EstimateBytes(std::size_t variable, int level) const;
 
   /// The finest level that is stored in the same blocks as this one. Its spectrum is stored too.
   int GetSpectrumLevel(int level) const;
 
-  /// Triangles and active cells by isovalue, of an array's whole volume at GetSpectrumLevel(level);
-  /// and of each of the volume's own stores, at level 0. Read from disk at the first call for a
-  /// time step, then kept. All spectra of an array have the same bins.
+  /// Triangles and active cells by isovalue, of a variable's whole volume at
+  /// GetSpectrumLevel(level); and of each of the volume's own stores, at level 0. Read from disk at
+  /// the first call for a time step, then kept. All spectra of a variable have the same bins.
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
-    std::size_t timeStep, std::size_t array, int level = 0);
+    std::size_t timeStep, std::size_t variable, int level = 0);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(
-    std::size_t timeStep, std::size_t array, std::uint32_t store);
+    std::size_t timeStep, std::size_t variable, std::uint32_t store);
 
   /**
    * The triangles of an isosurface at a level: counted ones where the level has a spectrum and the
@@ -141,7 +144,7 @@ public:
    * level has a quarter of the triangles of the one before.
    */
   Result<double> EstimateTriangles(
-    std::size_t timeStep, std::size_t array, double isovalue, int level);
+    std::size_t timeStep, std::size_t variable, double isovalue, int level);
 
 private:
   BlockedVolume(std::string path, FileSystem& files, std::shared_ptr<BlockCache> cache,
@@ -157,6 +160,7 @@ private:
     std::vector<std::shared_ptr<const VolumeSpectra>> Spectra; ///< per time step
   };
 
+  class BlockReading;
   struct OpenStore
   {
     std::size_t TimeStep;
@@ -168,20 +172,21 @@ private:
   void AddPart(BlockedVolumeHeader header);
   /// All blocks of a store that FindActiveBlocks finds with a selection, by ordinal.
   Result<std::vector<BlockReference>> SelectBlocks(BlockStore& store, std::uint32_t number,
-    std::size_t array, const std::vector<double>& isovalues, const BlockSelection& selection,
+    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection,
     int level, QueryStatistics& statistics);
   Result<std::shared_ptr<BlockStore>> GetStore(
     std::size_t timeStep, std::uint32_t part, std::uint32_t store);
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
   /// Ok if the header on disk still names the time step as it was when this was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
-  Status CheckArguments(std::size_t timeStep, std::size_t array, int level) const;
+  Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
   Status CheckRank(int rank, int ranks) const;
 
   std::string Path;
   FileSystem& Files;
   std::shared_ptr<BlockCache> Cache;
   std::string HeaderText;
+  ArrayVariables Variables;
   std::vector<std::unique_ptr<Part>> Parts; ///< the volume, then its overviews
 
   std::mutex Mutex;

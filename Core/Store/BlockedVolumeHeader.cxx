@@ -5,6 +5,7 @@
 #include "Store/BlockRecord.h"
 #include "Store/JsonDocument.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -153,10 +154,8 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
       members.Fail("type", "\"" + typeName + "\" is not known");
     }
     array.Type = type.value_or(ValueType::UInt8);
-    if (members.GetInteger("components", 1, 1 << 20) != 1)
-    {
-      members.Fail("components", "is above 1, which needs a newer version of this program");
-    }
+    array.Components =
+      static_cast<int>(members.GetInteger("components", 1, BlockDirectory::MaximumSegments));
     arrays.push_back(array);
   }
   return arrays;
@@ -203,10 +202,11 @@ TimeStepDescription ReadTimeStep(
     step.Time = members.GetNumber("time");
   }
   step.Folder = members.GetString("folder");
-  const Json& ranges = members.GetArray("ranges", header.Arrays.size());
-  for (std::size_t array = 0; array < ranges.size(); ++array)
+  const ArrayVariables variables = header.GetVariables();
+  const Json& ranges = members.GetArray("ranges", variables.GetCount());
+  for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
-    step.Ranges.push_back(ReadRange(members, ranges[array], header.Arrays[array].Type));
+    step.Ranges.push_back(ReadRange(members, ranges[variable], variables[variable].Type));
   }
   step.Stores = ReadStores(members, header.NumberOfStores, status);
   if (version > 1)
@@ -288,8 +288,8 @@ Status ValidateTimeStep(const TimeStepDescription& step, const BlockedVolumeHead
   {
     return MakeMemberError("timeSteps[].folder", "is not a number of 6 to 18 digits");
   }
-  if (step.Ranges.size() != header.Arrays.size() || step.Stores.size() != header.NumberOfStores ||
-    step.Overviews.size() != header.Overviews.size())
+  if (step.Ranges.size() != header.GetVariables().GetCount() ||
+    step.Stores.size() != header.NumberOfStores || step.Overviews.size() != header.Overviews.size())
   {
     return MakeMemberError(
       "timeSteps[]", "does not fit the numbers of arrays, stores and overviews");
@@ -359,6 +359,12 @@ std::optional<std::size_t> BlockedVolumeHeader::FindArray(const std::string& nam
   return std::nullopt;
 }
 
+bool BlockedVolumeHeader::HasFolder(const std::string& folder) const
+{
+  return std::any_of(this->TimeSteps.begin(), this->TimeSteps.end(),
+    [&](const TimeStepDescription& step) { return step.Folder == folder; });
+}
+
 Status BlockedVolumeHeader::ValidateVolume() const
 {
   ISOSURFACE_RETURN_IF_ERROR(ValidateGrid(this->Grid));
@@ -384,8 +390,14 @@ Status BlockedVolumeHeader::ValidateVolume() const
     return MakeMemberError("compressionLevel", "is beyond those of the codec");
   }
   std::set<std::string> names;
+  std::size_t components = 0;
   for (const ArrayDescription& array : this->Arrays)
   {
+    if (array.Components < 1)
+    {
+      return MakeMemberError("arrays[].components", "is below 1");
+    }
+    components += static_cast<std::size_t>(array.Components);
     if (!names.insert(array.Name).second || !IsUtf8(array.Name))
     {
       return MakeMemberError("arrays[].name", "is there twice or not UTF-8: " + array.Name);
@@ -398,11 +410,11 @@ Status BlockedVolumeHeader::ValidateVolume() const
   }
   // The coarsest overview has all levels that a block can have.
   const auto levels = static_cast<std::size_t>(mostLevels);
-  if (this->Arrays.empty() || this->Arrays.size() > BlockDirectory::MaximumSegments / levels)
+  if (this->Arrays.empty() || components > BlockDirectory::MaximumSegments / levels)
   {
     return MakeMemberError("arrays",
       "does not have from 1 to " + std::to_string(BlockDirectory::MaximumSegments / levels) +
-        " elements");
+        " components in all");
   }
   return Status::Ok();
 }
@@ -414,9 +426,15 @@ Status BlockedVolumeHeader::Validate() const
   {
     return MakeMemberError("timeSteps", "has no element");
   }
+  const TimeStepDescription* before = nullptr;
   for (const TimeStepDescription& step : this->TimeSteps)
   {
     ISOSURFACE_RETURN_IF_ERROR(ValidateTimeStep(step, *this));
+    if (this->TimeSteps.size() > 1 && (!step.Time || (before && !(*before->Time < *step.Time))))
+    {
+      return MakeMemberError("timeSteps[].time", "is not above that of the time step before");
+    }
+    before = &step;
   }
   return ValidateOverviews(*this);
 }
@@ -471,9 +489,10 @@ std::string BlockedVolumeHeader::Format() const
   document["arrays"] = Json::array();
   for (const ArrayDescription& array : this->Arrays)
   {
-    document["arrays"].push_back(
-      { { "name", array.Name }, { "type", GetValueTypeName(array.Type) }, { "components", 1 } });
+    document["arrays"].push_back({ { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
+      { "components", array.Components } });
   }
+  const ArrayVariables variables = this->GetVariables();
   if (hasOverviews)
   {
     document["overviews"] = Json::array();
@@ -492,9 +511,9 @@ std::string BlockedVolumeHeader::Format() const
     {
       json["time"] = *step.Time;
     }
-    for (std::size_t array = 0; array < step.Ranges.size(); ++array)
+    for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
     {
-      json["ranges"].push_back(FormatRange(this->Arrays[array].Type, step.Ranges[array]));
+      json["ranges"].push_back(FormatRange(variables[variable].Type, step.Ranges[variable]));
     }
     if (hasOverviews)
     {
@@ -571,6 +590,12 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
     return Status(StatusCode::Corrupt, path + ": " + valid.GetMessage());
   }
   return header;
+}
+
+Result<BlockedVolumeHeader> BlockedVolumeHeader::Read(FileSystem& files, const std::string& path)
+{
+  const auto text = ReadText(files, path, MaximumSize);
+  return text.IsOk() ? Parse(*text, path) : text.GetStatus();
 }
 
 std::string GetStoresFolder(const std::string& path)

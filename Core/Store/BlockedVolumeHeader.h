@@ -2,8 +2,10 @@
 #ifndef isosurface_BlockedVolumeHeader_h
 #define isosurface_BlockedVolumeHeader_h
 
+#include "Base/FileSystem.h"
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
+#include "Store/ArrayVariables.h"
 #include "Store/BlockCompression.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/GridGeometry.h"
@@ -17,13 +19,6 @@
 
 namespace isosurface
 {
-
-/// A named array of samples on the vertices of the grid.
-struct ArrayDescription
-{
-  std::string Name;
-  ValueType Type = ValueType::UInt8;
-};
 
 /// One store of one time step.
 struct StoreDescription
@@ -45,7 +40,7 @@ struct TimeStepDescription
 {
   std::optional<double> Time;
   std::string Folder;           ///< the generation folder, six or more digits
-  std::vector<KeyRange> Ranges; ///< per array: of its finite values; empty if it has none
+  std::vector<KeyRange> Ranges; ///< per variable: of its finite values; empty if it has none
   std::vector<StoreDescription> Stores;
   std::vector<std::vector<StoreDescription>> Overviews; ///< per overview: its stores
 };
@@ -64,9 +59,9 @@ struct TimeStepDescription
  *     "overviews": [ { "numberOfLevels": as above, "stores": D }, ... ],       since version 2
  *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer },
  *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, if not "none",
- *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": 1 }, ... ],
+ *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": n }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
- *                      "ranges": [ [minimum, maximum] | null, ... ],           per array
+ *                      "ranges": [ [minimum, maximum] | null, ... ],           per variable
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ],
  *                      "overviews": [ { "stores": as above }, ... ] }, ... ],  since version 2
  *     "checksum": hex, XXH3 of all bytes before this member's name; the last member }
@@ -83,6 +78,7 @@ struct TimeStepDescription
 struct BlockedVolumeHeader
 {
   static constexpr std::int64_t FormatVersion = 2;
+  static constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 30;
 
   GridGeometry Grid;
   int BlockSize = 32;
@@ -97,6 +93,12 @@ struct BlockedVolumeHeader
 
   /// The index of an array, or nothing.
   std::optional<std::size_t> FindArray(const std::string& name) const;
+
+  /// Whether a time step has this folder.
+  bool HasFolder(const std::string& folder) const;
+
+  /// What can be contoured.
+  ArrayVariables GetVariables() const { return ArrayVariables(this->Arrays); }
 
   /// The blocks of the volume, with the levels that their records hold.
   BlockGrid GetBlockGrid() const;
@@ -117,6 +119,8 @@ struct BlockedVolumeHeader
   /// A header from a file's text, validated in full; `path` is named in errors (Corrupt,
   /// Unsupported).
   static Result<BlockedVolumeHeader> Parse(const std::string& text, const std::string& path);
+  /// The same for a file of at most MaximumSize bytes.
+  static Result<BlockedVolumeHeader> Read(FileSystem& files, const std::string& path);
 };
 
 /// The folder that holds the stores of all time steps of a blocked volume: path + ".stores".

@@ -9,6 +9,7 @@
 #include "Store/BlockRounds.h"
 #include "Store/BlockShipment.h"
 #include "Store/GenerationFolder.h"
+#include "Store/JsonDocument.h"
 #include "Store/OverviewSamples.h"
 #include "Store/RecordCodec.h"
 #include "Store/VolumeSpectra.h"
@@ -45,10 +46,10 @@ Status BlockedVolumeWriteJob::AgreeOn(const Status& mine)
   return aborted[0] != 0 ? this->MakeAborted() : all;
 }
 
-Result<WriteStatistics> BlockedVolumeWriteJob::Run(
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays));
+  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
   ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
   ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
   Status status = this->CreateStores();
@@ -83,22 +84,29 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(
   return this->Statistics;
 }
 
-Status BlockedVolumeWriteJob::RunOverview(const GridGeometry& grid,
-  const std::vector<ArrayDescription>& arrays, const std::string& folder,
-  const std::vector<KeyRange>& ranges)
+/// `header`: the overview as a volume of its own, its last time step the one that is written.
+Status BlockedVolumeWriteJob::RunOverview(const BlockedVolumeHeader& header, bool hasCoarser)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays));
+  this->Header = header;
+  this->HasCoarser = hasCoarser;
+  ISOSURFACE_RETURN_IF_ERROR(this->PrepareBlocks());
   ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
-  this->GetStep().Folder = folder;
-  this->GetStep().Ranges = ranges;
+  // Those of the volume, so that all spectra have the same bins.
+  this->GetStep().Ranges = header.TimeSteps.back().Ranges;
   ISOSURFACE_RETURN_IF_ERROR(this->CreateStores());
   ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
   return this->FinishStores();
 }
 
-Status BlockedVolumeWriteJob::Prepare(
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
+  const auto existing = this->FindVolumeToAppendTo(pending);
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(existing.GetStatus()));
+  if (this->Settings.NumberOfStores == 0 && *existing)
+  {
+    this->Settings.NumberOfStores = (*existing)->NumberOfStores;
+  }
   if (this->Settings.NumberOfStores == 0)
   {
     this->Settings.NumberOfStores = static_cast<std::uint32_t>(this->Size);
@@ -124,22 +132,127 @@ Status BlockedVolumeWriteJob::Prepare(
   {
     status = this->CheckBox();
   }
+  if (status.IsOk() && *existing)
+  {
+    status = this->CheckAppends(**existing);
+    // Whichever version wrote the steps before, all have the same levels in the same places.
+    this->Header.NumberOfLevels = (*existing)->NumberOfLevels;
+    this->Header.Overviews = (*existing)->Overviews;
+    this->Header.TimeSteps = (*existing)->TimeSteps;
+  }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments());
-  // A volume of several blocks has an overview, and one of a single block all levels.
-  this->Grid = this->Header.GetBlockGrid();
-  if (this->Grid.GetNumberOfBlocks() > 1)
+  if (!*existing)
   {
-    this->Header.NumberOfLevels = LevelsBelowOverview;
-    this->Grid = this->Header.GetBlockGrid();
+    this->PlanLevels();
   }
-  for (const ArrayDescription& array : arrays)
-  {
-    this->Types.push_back(array.Type);
-  }
-  this->Header.TimeSteps.resize(1);
+  this->Header.TimeSteps.emplace_back();
   this->GetStep().Time = this->Settings.Time;
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments());
+  this->HasCoarser = !this->Header.Overviews.empty();
+  this->GetStep().Overviews.resize(this->Header.Overviews.size());
+  return this->PrepareBlocks();
+}
+
+/// What the levels of a new volume are stored in: the first ones in the volume's blocks, the next
+/// ones in those of an overview, and so on until an overview is a single block, which has the rest.
+void BlockedVolumeWriteJob::PlanLevels()
+{
+  BlockedVolumeHeader& header = this->Header;
+  GridGeometry geometry = header.Grid;
+  BlockGrid grid = header.GetBlockGrid();
+  if (grid.GetNumberOfBlocks() > 1)
+  {
+    header.NumberOfLevels = LevelsBelowOverview;
+  }
+  while (grid.GetNumberOfBlocks() > 1)
+  {
+    geometry = geometry.Coarsen(LevelsBelowOverview);
+    grid = BlockGrid(geometry.GetDimensions(), header.BlockSize);
+    const std::int64_t blocks = grid.GetNumberOfBlocks();
+    const auto stores = static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1);
+    header.Overviews.push_back({ blocks > 1 ? LevelsBelowOverview : grid.GetNumberOfLevels(),
+      std::min(header.NumberOfStores, stores) });
+  }
+}
+
+Status BlockedVolumeWriteJob::PrepareBlocks()
+{
+  this->Grid = this->Header.GetBlockGrid();
+  this->Variables = this->Header.GetVariables();
+  this->Types = this->Variables.GetStoredTypes();
   return this->ShareBoxes();
+}
+
+/// Nothing if the time step is the first one.
+Result<std::optional<BlockedVolumeHeader>> BlockedVolumeWriteJob::FindVolumeToAppendTo(
+  const std::optional<BlockedVolumeHeader>& pending) const
+{
+  if (!this->Settings.Append)
+  {
+    return std::optional<BlockedVolumeHeader>();
+  }
+  if (!this->Settings.Time)
+  {
+    return Status(StatusCode::InvalidArgument,
+      this->Path + ": cannot be appended to: the time step has no time");
+  }
+  if (pending || !this->Files.Exists(this->Path))
+  {
+    return pending;
+  }
+  const auto existing = BlockedVolumeHeader::Read(this->Files, this->Path);
+  return existing.IsOk() ? Result<std::optional<BlockedVolumeHeader>>(*existing)
+                         : existing.GetStatus();
+}
+
+/// Whether the time step goes on where the volume ends.
+Status BlockedVolumeWriteJob::CheckAppends(const BlockedVolumeHeader& existing) const
+{
+  const BlockedVolumeHeader& header = this->Header;
+  const BlockCompression& compression = existing.Compression;
+  const auto isSameArray = [](const ArrayDescription& a, const ArrayDescription& b)
+  { return a.Name == b.Name && a.Type == b.Type && a.Components == b.Components; };
+  std::string reason;
+  if (existing.Grid != header.Grid)
+  {
+    reason = "it has another extent, origin, spacing or direction";
+  }
+  else if (!std::equal(existing.Arrays.begin(), existing.Arrays.end(), header.Arrays.begin(),
+             header.Arrays.end(), isSameArray))
+  {
+    reason = "it has arrays of other names, types or numbers of components, or in another order";
+  }
+  else if (existing.BlockSize != header.BlockSize)
+  {
+    reason = "its blocks have " + std::to_string(existing.BlockSize) + " cells a side";
+  }
+  else if (existing.NumberOfStores != header.NumberOfStores)
+  {
+    reason = "it has " + std::to_string(existing.NumberOfStores) + " stores";
+  }
+  else if (existing.Distribution != header.Distribution || existing.RandomSeed != header.RandomSeed)
+  {
+    reason = std::string("its blocks are distributed otherwise: ") +
+      GetDistributionName(existing.Distribution) + ", seed " + std::to_string(existing.RandomSeed);
+  }
+  else if (compression.Codec != header.Compression.Codec ||
+    compression.GetEffectiveLevel() != header.Compression.GetEffectiveLevel())
+  {
+    reason = std::string("it is compressed otherwise: ") + GetCodecName(compression.Codec) +
+      ", level " + std::to_string(compression.GetEffectiveLevel());
+  }
+  else if (!existing.TimeSteps.back().Time)
+  {
+    reason = "its time step has no time";
+  }
+  else if (!(*existing.TimeSteps.back().Time < *this->Settings.Time))
+  {
+    reason = "its last time step is that of time " + Json(*existing.TimeSteps.back().Time).dump() +
+      ", this one of time " + Json(*this->Settings.Time).dump() + "; times must ascend";
+  }
+  return reason.empty()
+    ? Status::Ok()
+    : Status(StatusCode::InvalidArgument, this->Path + ": cannot be appended to: " + reason);
 }
 
 Status BlockedVolumeWriteJob::CheckBox() const
@@ -154,12 +267,9 @@ Status BlockedVolumeWriteJob::CheckBox() const
 
 Status BlockedVolumeWriteJob::CheckEqualArguments()
 {
-  // The header has all that matters; a time step stands for the rest.
-  BlockedVolumeHeader header = this->Header;
-  header.TimeSteps.resize(1);
-  header.TimeSteps[0].Time = this->Settings.Time;
-  const std::string text =
-    this->Path + "\n" + header.Format() + "\n" + std::to_string(this->Settings.MemoryLimit);
+  // The header has all else that matters.
+  const std::string text = this->Path + "\n" + this->Header.Format() + "\n" +
+    std::to_string(this->Settings.MemoryLimit) + (this->Settings.Publish ? "" : "\n");
   const std::uint64_t hash = ComputeChecksum(text.data(), text.size());
   std::vector<std::uint64_t> least = { hash };
   std::vector<std::uint64_t> greatest = { hash };
@@ -216,8 +326,8 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   const auto blocks = static_cast<std::uint64_t>(this->Grid.GetNumberOfBlocks());
   // Ranges, twice more while they are joined; stores, and what distributing takes.
   constexpr std::uint64_t distributionBytes = 48;
-  std::uint64_t bytes =
-    blocks * (this->Types.size() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
+  std::uint64_t bytes = blocks *
+    (this->Variables.GetCount() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
   std::uint64_t mine = 0;
   for (const std::uint32_t store : this->BlockStores)
   {
@@ -238,10 +348,17 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
 std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
 {
   const auto side = static_cast<std::uint64_t>(this->Settings.BlockSize) + 3;
-  // A block as it is decoded, twice that for compressing it, and for an array's spectrum 4 bytes a
-  // vertex and 16 a bin.
+  const std::size_t variables = this->Variables.GetCount();
+  // A block as it is decoded and twice that for compressing it, or all components of a magnitude
+  // and itself; and for a variable's spectrum 4 bytes a vertex and 16 a bin.
+  std::uint64_t vertexBytes = 24;
+  for (const ArrayDescription& array : this->Header.Arrays)
+  {
+    const auto components = static_cast<std::uint64_t>(array.Components);
+    vertexBytes = std::max(vertexBytes, components * GetValueSize(array.Type) + sizeof(double));
+  }
   const std::uint64_t bytes =
-    side * side * side * (24 + 4 * this->Types.size()) + this->Types.size() * 16 * 2048;
+    side * side * side * (vertexBytes + 4 * variables) + variables * 16 * 2048;
   return static_cast<std::uint64_t>(this->Settings.Threads) * bytes;
 }
 
@@ -269,7 +386,7 @@ Status BlockedVolumeWriteJob::FindRanges()
       {
         return left.GetStatus();
       }
-      this->Scan.emplace(this->Grid, this->Types, this->Settings.Threads);
+      this->Scan.emplace(this->Grid, this->Variables, this->Settings.Threads);
       return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
         [&](double share) { return this->TellShare(share * RangesDone); });
     })));
@@ -278,8 +395,10 @@ Status BlockedVolumeWriteJob::FindRanges()
   return this->AgreeOn(this->Attempt(
     [&]
     {
-      this->BlockStores = DistributeBlocks(this->Settings.Distribution, this->Types[0],
-        this->Scan->GetRanges()[0], this->Settings.NumberOfStores, this->Settings.RandomSeed);
+      const std::size_t variable = *this->Variables.Find(0, Variable::Magnitude);
+      this->BlockStores = DistributeBlocks(this->Settings.Distribution,
+        this->Variables[variable].Type, this->Scan->GetRanges()[variable],
+        this->Settings.NumberOfStores, this->Settings.RandomSeed);
       return Status::Ok();
     }));
 }
@@ -310,9 +429,10 @@ Status BlockedVolumeWriteJob::CreateStores()
     {
       this->Writers.resize(this->Settings.NumberOfStores);
       std::vector<SpectrumBins> bins;
-      for (std::size_t array = 0; array < this->Types.size(); ++array)
+      for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
       {
-        bins.push_back(SpectrumBins::Choose(this->Types[array], this->GetStep().Ranges[array]));
+        bins.push_back(
+          SpectrumBins::Choose(this->Variables[variable].Type, this->GetStep().Ranges[variable]));
       }
       this->Spectra.emplace(std::move(bins), this->Settings.NumberOfStores, this->Rank, this->Size);
       const std::size_t segments =
@@ -337,7 +457,7 @@ Status BlockedVolumeWriteJob::CreateStores()
         this->Writers[store] = std::move(*writer);
       }
       // A rank without stores has no folder there, and no blocks.
-      if (this->Grid.GetNumberOfBlocks() > 1 && this->Rank < this->Settings.NumberOfStores)
+      if (this->HasCoarser && this->Rank < this->Settings.NumberOfStores)
       {
         auto samples =
           this->Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), this->Rank));
@@ -396,21 +516,15 @@ Status BlockedVolumeWriteJob::WriteBlocks()
 /// Counts the triangles of a filled block, and makes its record what the file will have.
 void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters)
 {
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  for (std::size_t array = 0; array < this->Types.size(); ++array)
+  const auto& ranges = this->Scan->GetRanges();
+  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
-    std::vector<const std::uint8_t*> samples;
-    for (std::size_t index = array * levels; index < (array + 1) * levels; ++index)
-    {
-      samples.push_back(
-        block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
-    }
-    const KeyRange& range = this->Scan->GetRanges()[array][static_cast<std::size_t>(block.Block)];
+    const KeyRange& range = ranges[variable][static_cast<std::size_t>(block.Block)];
     if (range.Minimum < range.Maximum)
     {
-      const auto decoded = AssembleLevel(this->Grid, block.Block, 0, this->Types[array], samples);
-      counters[array].Count(decoded->View);
-      this->Spectra->Add(block.Store, array, counters[array]);
+      const auto samples = this->AssembleVariable(block, variable);
+      counters[variable].Count(samples->View);
+      this->Spectra->Add(block.Store, variable, counters[variable]);
     }
   }
   if (this->OverviewSamples)
@@ -419,6 +533,31 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
   }
   EncodeRecord(
     this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
+}
+
+/// The samples of a filled block at full resolution.
+std::shared_ptr<DecodedBlock> BlockedVolumeWriteJob::AssembleVariable(
+  const PendingBlock& block, std::size_t variable) const
+{
+  const Variable& wanted = this->Variables[variable];
+  if (wanted.IsMagnitude())
+  {
+    DecodedBlocks components;
+    for (int component = 0; component < this->Variables.GetComponents(wanted.Array); ++component)
+    {
+      components.push_back(
+        this->AssembleVariable(block, *this->Variables.Find(wanted.Array, component)));
+    }
+    return MakeMagnitudeBlock(components);
+  }
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  std::vector<const std::uint8_t*> segments;
+  for (std::size_t index = variable * levels; index < (variable + 1) * levels; ++index)
+  {
+    segments.push_back(
+      block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
+  }
+  return AssembleLevel(this->Grid, block.Block, 0, wanted.Type, segments);
 }
 
 Status BlockedVolumeWriteJob::FinishStores()
@@ -447,7 +586,7 @@ Status BlockedVolumeWriteJob::FinishStores()
         [&](std::size_t index, int)
         {
           std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
-          const auto description = writer->Finish(this->Scan->GetRanges(), memory);
+          const auto description = writer->Finish(this->Variables, this->Scan->GetRanges(), memory);
           outcomes[index] = description.GetStatus();
           if (description.IsOk())
           {
@@ -518,23 +657,20 @@ Status BlockedVolumeWriteJob::ShareSpectra()
 Status BlockedVolumeWriteJob::WriteOverviews()
 {
   std::unique_ptr<BlockedVolumeWriteJob> coarsest;
-  Status status;
-  while (status.IsOk() && (coarsest ? *coarsest : *this).Grid.GetNumberOfBlocks() > 1)
+  for (std::size_t overview = 0; overview < this->Header.Overviews.size(); ++overview)
   {
-    status = this->WriteOverview(coarsest);
+    ISOSURFACE_RETURN_IF_ERROR(this->WriteOverview(overview, coarsest));
   }
-  return status;
+  return Status::Ok();
 }
 
-/// `coarsest`: the last overview's job, null for none; then that of the one written.
-Status BlockedVolumeWriteJob::WriteOverview(std::unique_ptr<BlockedVolumeWriteJob>& coarsest)
+/// `coarsest`: the job of the overview before, null for none; then that of the one written.
+Status BlockedVolumeWriteJob::WriteOverview(
+  std::size_t overview, std::unique_ptr<BlockedVolumeWriteJob>& coarsest)
 {
   BlockedVolumeWriteJob& finer = coarsest ? *coarsest : *this;
   std::optional<OverviewSource> source;
   std::unique_ptr<BlockedVolumeWriteJob> job;
-  const GridGeometry grid = finer.Header.Grid.Coarsen(finer.Grid.GetNumberOfLevels());
-  const std::string folder =
-    GetOverviewFolder(this->GetStep().Folder, this->Header.Overviews.size());
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Attempt(
     [&]
     {
@@ -543,20 +679,16 @@ Status BlockedVolumeWriteJob::WriteOverview(std::unique_ptr<BlockedVolumeWriteJo
       source.emplace(this->Files, finer.GetFolder(), finer.Grid, this->Types,
         std::move(finer.BlockStores), this->Size);
       BlockedVolumeSettings settings = this->Settings;
-      const std::int64_t blocks =
-        BlockGrid(grid.GetDimensions(), settings.BlockSize).GetNumberOfBlocks();
-      settings.NumberOfStores = std::min(settings.NumberOfStores,
-        static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1));
+      settings.NumberOfStores = this->Header.Overviews[overview].NumberOfStores;
       job = std::make_unique<BlockedVolumeWriteJob>(this->Ranks, this->Files, this->Path, *source,
         settings,
         [&](double share) { return this->TellShare(StoresDone + (1 - StoresDone) * share); });
       return Status::Ok();
     })));
-  ISOSURFACE_RETURN_IF_ERROR(
-    job->RunOverview(grid, this->Header.Arrays, folder, this->GetStep().Ranges));
+  ISOSURFACE_RETURN_IF_ERROR(job->RunOverview(
+    this->Header.MakeOverview(overview), overview + 1 < this->Header.Overviews.size()));
   ISOSURFACE_RETURN_IF_ERROR(finer.RemoveOverviewSamples());
-  this->Header.Overviews.push_back({ job->Grid.GetNumberOfLevels(), job->Settings.NumberOfStores });
-  this->GetStep().Overviews.push_back(job->GetStep().Stores);
+  this->GetStep().Overviews[overview] = job->GetStep().Stores;
   this->Statistics.OverviewBytes += job->Statistics.Bytes;
   this->Statistics.MemoryBytes =
     std::max(this->Statistics.MemoryBytes, job->Statistics.MemoryBytes);
@@ -586,6 +718,10 @@ Status BlockedVolumeWriteJob::Commit()
           GetStoresFolder(this->Path) + "/" + GetOverviewFolder(folder, overview)));
       }
       ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->GetFolder()));
+      if (!this->Settings.Publish)
+      {
+        return Status::Ok();
+      }
       ISOSURFACE_RETURN_IF_ERROR(
         GenerationFolder::Commit(this->Files, this->Path, this->Header, this->IsVisible));
       GenerationFolder::RemoveOlder(this->Files, this->Path, folder, this->Header);

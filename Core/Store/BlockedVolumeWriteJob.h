@@ -49,17 +49,25 @@ public:
   {
   }
 
-  Result<WriteStatistics> Run(
-    const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
+  /// `pending`: the volume to append to, if it is not the one on disk.
+  Result<WriteStatistics> Run(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+
+  /// What was written, with the time steps before.
+  const BlockedVolumeHeader& GetHeader() const { return this->Header; }
 
 private:
   /// The steps of an overview of a volume: Run() but for the generation folder, which is there, and
-  /// what makes it visible. `ranges`: of the volume's finite values, so that all spectra have the
-  /// same bins.
-  Status RunOverview(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
-    const std::string& folder, const std::vector<KeyRange>& ranges);
-  Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
+  /// what makes it visible.
+  Status RunOverview(const BlockedVolumeHeader& header, bool hasCoarser);
+  Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+  Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(
+    const std::optional<BlockedVolumeHeader>& pending) const;
+  Status CheckAppends(const BlockedVolumeHeader& existing) const;
   Status CheckBox() const;
+  void PlanLevels();
+  Status PrepareBlocks();
   Status CheckEqualArguments();
   Status ShareBoxes();
   Status FindRanges();
@@ -67,11 +75,13 @@ private:
   Status CreateStores();
   Status WriteBlocks();
   void FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters);
+  std::shared_ptr<DecodedBlock> AssembleVariable(
+    const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
   Status WriteOverviews();
-  Status WriteOverview(std::unique_ptr<BlockedVolumeWriteJob>& coarsest);
+  Status WriteOverview(std::size_t overview, std::unique_ptr<BlockedVolumeWriteJob>& coarsest);
   Status RemoveOverviewSamples();
   Status Commit();
 
@@ -89,7 +99,7 @@ private:
     return Status(StatusCode::Aborted, this->Path + ": writing was stopped on request");
   }
   bool IsMine(std::uint32_t store) const { return store % this->Size == this->Rank; }
-  TimeStepDescription& GetStep() { return this->Header.TimeSteps[0]; }
+  TimeStepDescription& GetStep() { return this->Header.TimeSteps.back(); }
   /// The folder of this volume's, or overview's, stores.
   std::string GetFolder() { return GetStoresFolder(this->Path) + "/" + this->GetStep().Folder; }
 
@@ -103,8 +113,10 @@ private:
   std::size_t Size;
 
   BlockedVolumeHeader Header;
+  bool HasCoarser = false; ///< whether an overview is made of this volume, or overview
   BlockGrid Grid;
-  std::vector<ValueType> Types;
+  ArrayVariables Variables;
+  std::vector<ValueType> Types; ///< of the components
   std::optional<BlockExchange> Exchange;
   std::optional<RoundPlan> Plan;
   std::optional<BlockRangeScan> Scan;

@@ -2,6 +2,7 @@
 #include "Store/BlockedVolumeWriter.h"
 
 #include "Store/BlockedVolumeWriteJob.h"
+#include "Store/GenerationFolder.h"
 
 namespace isosurface
 {
@@ -10,8 +11,40 @@ Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
   const GridGeometry& grid, const std::vector<ArrayDescription>& arrays, SlabSource& source,
   const BlockedVolumeSettings& settings, const Progress& progress)
 {
-  return BlockedVolumeWriteJob(this->Ranks, this->Files, path, source, settings, progress)
-    .Run(grid, arrays);
+  if (!settings.Append || path != this->PendingPath)
+  {
+    this->DiscardPending();
+  }
+  BlockedVolumeWriteJob job(this->Ranks, this->Files, path, source, settings, progress);
+  auto written = job.Run(grid, arrays, this->Pending);
+  if (!written.IsOk())
+  {
+    this->DiscardPending();
+  }
+  else if (settings.Publish)
+  {
+    this->Pending.reset();
+  }
+  else
+  {
+    this->PendingPath = path;
+    this->Pending = job.GetHeader();
+  }
+  return written;
+}
+
+BlockedVolumeWriter::~BlockedVolumeWriter()
+{
+  this->DiscardPending();
+}
+
+void BlockedVolumeWriter::DiscardPending()
+{
+  if (this->Pending && this->Ranks.GetRank() == 0)
+  {
+    GenerationFolder::DiscardUnnamed(this->Files, this->PendingPath, *this->Pending);
+  }
+  this->Pending.reset();
 }
 
 Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,

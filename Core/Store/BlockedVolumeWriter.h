@@ -29,7 +29,14 @@ struct BlockedVolumeSettings
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
   BlockCompression Compression;
-  std::optional<double> Time; ///< the time of the one time step
+  std::optional<double> Time; ///< the time of the time step
+  /// Adds the time step to the volume at the path, behind those that it has. They must have the
+  /// same grid, arrays, block size, stores (0: as many as they have), distribution and compression,
+  /// and an earlier time; else this is an InvalidArgument. A volume that is not there is begun.
+  bool Append = false;
+  /// Whether the time step is visible at the end. If not, it becomes so with the next one that the
+  /// same writer appends and publishes, all in one step.
+  bool Publish = true;
   /// Bytes that a rank may hold beside what its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores
@@ -64,6 +71,10 @@ struct WriteStatistics
  * end; then the folders of older ones that no header names are removed. A killed run leaves a
  * folder that no header names, which the next write to the path removes.
  *
+ * Appending a time step touches no file of the steps before but for the header, which is written
+ * anew with about 80 bytes for each store and step. Steps that are not published yet are removed
+ * when a later one fails, or with the writer.
+ *
  * Cost: two passes over the samples: one for the blocks' value ranges, from which the distribution
  * follows, one for writing, which reads up to ten slices a layer of blocks once more for the ghost
  * layers of coarser levels. Memory: within MemoryLimit; InvalidArgument if that does not suffice
@@ -81,19 +92,26 @@ public:
     , Files(fileSystem)
   {
   }
+  BlockedVolumeWriter(const BlockedVolumeWriter&) = delete;
+  BlockedVolumeWriter& operator=(const BlockedVolumeWriter&) = delete;
+  ~BlockedVolumeWriter();
 
   Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, SlabSource& source,
     const BlockedVolumeSettings& settings, const Progress& progress = {});
 
-  /// The same for a piece that is in memory.
+  /// The same for a piece that is in memory: a view a component, array after array.
   Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, const VolumePiece& piece,
     const BlockedVolumeSettings& settings, const Progress& progress = {});
 
 private:
+  void DiscardPending();
+
   Communicator& Ranks;
   FileSystem& Files;
+  std::string PendingPath;
+  std::optional<BlockedVolumeHeader> Pending; ///< with time steps that are not published yet
 };
 
 } // namespace isosurface

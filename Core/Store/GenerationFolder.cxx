@@ -91,12 +91,32 @@ void GenerationFolder::RemoveOlder(FileSystem& files, const std::string& path,
   for (const std::string& name : *names)
   {
     const auto number = FindNumber(name);
-    const bool isNamed = std::any_of(header.TimeSteps.begin(), header.TimeSteps.end(),
-      [&](const TimeStepDescription& step) { return step.Folder == name; });
     // A higher number is another writer's at work.
-    if (number && *number < FindNumber(current).value_or(0) && !isNamed)
+    if (number && *number < FindNumber(current).value_or(0) && !header.HasFolder(name))
     {
       static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + name));
+    }
+  }
+}
+
+void GenerationFolder::DiscardUnnamed(
+  FileSystem& files, const std::string& path, const BlockedVolumeHeader& header)
+{
+  BlockedVolumeHeader onDisk;
+  if (files.Exists(path))
+  {
+    const auto read = BlockedVolumeHeader::Read(files, path);
+    if (!read.IsOk())
+    {
+      return;
+    }
+    onDisk = *read;
+  }
+  for (const TimeStepDescription& step : header.TimeSteps)
+  {
+    if (!onDisk.HasFolder(step.Folder))
+    {
+      Discard(files, path, step.Folder);
     }
   }
 }

@@ -12,8 +12,8 @@ namespace isosurface
 {
 
 /**
- * How a blocked volume is replaced in one step. Each write fills a folder of its own beside those
- * of earlier ones; only the header says which one counts:
+ * How a blocked volume is replaced, or gets another time step, in one step. Each write fills a
+ * folder of its own beside those of earlier ones; only the header says which ones count:
  *
  *     NAME.bvol                           the header; replaced by a rename, last of all
  *     NAME.bvol.partial                   the next header, while it is being written
@@ -40,6 +40,11 @@ public:
   /// cannot be removed is left for the next write.
   static void RemoveOlder(FileSystem& files, const std::string& path, const std::string& current,
     const BlockedVolumeHeader& header);
+
+  /// Removes the folders of those of the header's time steps that the header on disk does not name.
+  /// If that cannot be read, all are left for the next write.
+  static void DiscardUnnamed(
+    FileSystem& files, const std::string& path, const BlockedVolumeHeader& header);
 
   /// Removes what an unfinished write has left.
   static void Discard(FileSystem& files, const std::string& path, const std::string& current);

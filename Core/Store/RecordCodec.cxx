@@ -107,10 +107,11 @@ EncodedSegment EncodeSegment(const BlockCompression& compression, const SegmentT
     : EncodedSegment{ { compression.Codec, filter }, coded, static_cast<std::uint32_t>(stored) };
 }
 
-Status MakeError(StatusCode code, const SegmentTask& task, std::uint32_t array, const char* reason)
+Status MakeError(
+  StatusCode code, const SegmentTask& task, std::uint32_t variable, const char* reason)
 {
   return Status(code,
-    "block " + std::to_string(task.Block) + ", array " + std::to_string(array) + ", level " +
+    "block " + std::to_string(task.Block) + ", variable " + std::to_string(variable) + ", level " +
       std::to_string(task.Level) + " " + reason);
 }
 
@@ -134,13 +135,13 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
   const auto levels = static_cast<std::size_t>(grid.GetNumberOfLevels());
   workspace.Samples.resize(std::max(workspace.Samples.size(), levels));
   std::uint64_t end = 0;
-  for (std::size_t array = 0; array < types.size(); ++array)
+  for (std::size_t variable = 0; variable < types.size(); ++variable)
   {
     std::vector<const std::uint8_t*> samples;
     for (std::size_t index = 0; index < levels; ++index)
     {
-      const std::size_t segment = array * levels + index;
-      const SegmentTask task(grid, block, static_cast<int>(levels - 1 - index), types[array]);
+      const std::size_t segment = variable * levels + index;
+      const SegmentTask task(grid, block, static_cast<int>(levels - 1 - index), types[variable]);
       const std::uint8_t* from =
         record.GetData() + layout.Offsets[segment] + BlockRecord::SegmentHeaderSize;
       // Finer levels are predicted from these samples when code stands in their place.
@@ -156,7 +157,7 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       // Samples that stay as they are may move by less than their length.
       std::memmove(to + BlockRecord::SegmentHeaderSize, encoded.Bytes, encoded.Stored);
       SealSegment(to, encoded.Stored, encoded.Coding,
-        { block, static_cast<std::uint32_t>(array), static_cast<std::uint32_t>(task.Level) });
+        { block, static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(task.Level) });
       layout.Offsets[segment] = end;
       layout.Lengths[segment] = encoded.Stored;
       end += BlockRecord::SegmentHeaderSize + encoded.Stored;
@@ -167,8 +168,8 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
 }
 
 Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::int64_t block,
-  std::uint32_t array, int level, ValueType type, const std::vector<const std::uint8_t*>& segments,
-  const std::vector<std::uint32_t>& stored)
+  std::uint32_t variable, int level, ValueType type,
+  const std::vector<const std::uint8_t*>& segments, const std::vector<std::uint32_t>& stored)
 {
   Workspace& workspace = Workspace::OfThisThread();
   workspace.Samples.resize(std::max(workspace.Samples.size(), segments.size()));
@@ -181,7 +182,7 @@ Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::in
     const auto coding = LoadSegmentCoding(segments[index]);
     if (!coding)
     {
-      return MakeError(StatusCode::Unsupported, task, array,
+      return MakeError(StatusCode::Unsupported, task, variable,
         "is stored by a codec or filter that this version does not know");
     }
     if (coding->Codec == SegmentCodec::None)
@@ -189,20 +190,21 @@ Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::in
       if (stored[index] != task.Size)
       {
         return MakeError(
-          StatusCode::Corrupt, task, array, "does not have the length of its samples");
+          StatusCode::Corrupt, task, variable, "does not have the length of its samples");
       }
       samples.push_back(bytes);
       continue;
     }
     if (task.IsCoarsest() && coding->Filter.Predictor == SamplePredictor::Coarser)
     {
-      return MakeError(
-        StatusCode::Corrupt, task, array, "is predicted from a coarser level, which is not there");
+      return MakeError(StatusCode::Corrupt, task, variable,
+        "is predicted from a coarser level, which is not there");
     }
     std::uint8_t* filtered = Grow(workspace.Filtered, task.Size);
     if (!DecompressBytes(coding->Codec, bytes, stored[index], filtered, task.Size))
     {
-      return MakeError(StatusCode::Corrupt, task, array, "cannot be decompressed to its samples");
+      return MakeError(
+        StatusCode::Corrupt, task, variable, "cannot be decompressed to its samples");
     }
     const void* predictions = task.Predict(coding->Filter, samples, workspace.Prediction);
     std::uint8_t* decoded = Grow(workspace.Samples[index], task.Size);

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/StoredBlockSource.h"
 
+#include <string>
 #include <utility>
 
 namespace isosurface
 {
 
-StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t array,
-  int level, std::vector<BlockReference> blocks)
+StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep,
+  std::size_t variable, int level, std::vector<BlockReference> blocks)
   : Volume(volume)
   , TimeStep(timeStep)
-  , Array(array)
+  , VariableNumber(variable)
   , Level(level)
   , Stored(volume.FindLevel(level))
   , Blocks(std::move(blocks))
@@ -29,7 +30,7 @@ VertexBox StoredBlockSource::GetVertices(std::size_t block) const
 
 ValueType StoredBlockSource::GetValueType() const
 {
-  return this->Volume.GetHeader().Arrays[this->Array].Type;
+  return this->Volume.GetVariables()[this->VariableNumber].Type;
 }
 
 void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
@@ -40,10 +41,22 @@ void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
 Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
 {
   QueryStatistics statistics;
-  std::vector<std::size_t> arrays = this->Attributes;
-  arrays.insert(arrays.begin(), this->Array);
-  auto blocks =
-    this->Volume.ReadArrays(this->Blocks[block], this->TimeStep, arrays, this->Level, statistics);
+  std::vector<std::size_t> variables = { this->VariableNumber };
+  const ArrayVariables& all = this->Volume.GetVariables();
+  for (const std::size_t array : this->Attributes)
+  {
+    if (!all.Find(array, 0))
+    {
+      return Status(StatusCode::InvalidArgument,
+        this->Volume.GetPath() + ": has no array " + std::to_string(array));
+    }
+    for (int component = 0; component < all.GetComponents(array); ++component)
+    {
+      variables.push_back(*all.Find(array, component));
+    }
+  }
+  auto blocks = this->Volume.ReadVariables(
+    this->Blocks[block], this->TimeStep, variables, this->Level, statistics);
   {
     const std::lock_guard<std::mutex> lock(this->StatisticsMutex);
     this->Statistics.Add(statistics);
@@ -54,9 +67,14 @@ Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
   }
   BlockSamples samples;
   samples.Scalars = blocks->front()->View;
-  for (std::size_t n = 1; n < blocks->size(); ++n)
+  std::size_t next = 1;
+  for (const std::size_t array : this->Attributes)
   {
-    samples.Attributes.push_back({ { (*blocks)[n]->View } });
+    AttributeView& attribute = samples.Attributes.emplace_back();
+    for (int component = 0; component < all.GetComponents(array); ++component, ++next)
+    {
+      attribute.Components.push_back((*blocks)[next]->View);
+    }
   }
   samples.Owner = std::make_shared<DecodedBlocks>(std::move(*blocks));
   return samples;

@@ -18,13 +18,13 @@ namespace isosurface
  * comes, through the block cache, and let go afterwards. The blocks must have the level
  * (FindLevel); coordinates are those of the level.
  *
- * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadBlock, for the array and
- * for each one to interpolate.
+ * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadVariables, of the
+ * variable and of all components of the arrays to interpolate.
  */
 class StoredBlockSource : public BlockSource
 {
 public:
-  StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t array, int level,
+  StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
     std::vector<BlockReference> blocks);
 
   /// Further arrays to interpolate, in the order of the attributes. Those of inactive blocks are
@@ -43,8 +43,8 @@ public:
 private:
   BlockedVolume& Volume;
   std::size_t TimeStep;
-  std::size_t Array;
-  std::vector<std::size_t> Attributes;
+  std::size_t VariableNumber;
+  std::vector<std::size_t> Attributes; ///< arrays
   int Level;
   StoredLevel Stored;
   std::vector<BlockReference> Blocks;

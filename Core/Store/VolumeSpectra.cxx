@@ -89,7 +89,7 @@ void VolumeSpectra::TakeCounts(
 }
 
 Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(
-  FileSystem& files, const std::string& path, std::size_t arrays, std::size_t stores)
+  FileSystem& files, const std::string& path, std::size_t variables, std::size_t stores)
 {
   const auto text = ReadText(files, path, MaximumFileSize);
   if (!text.IsOk())
@@ -104,7 +104,7 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(
   auto result = std::make_shared<VolumeSpectra>();
   Status status;
   JsonMembers members(*document, path, "", status);
-  const Json& list = members.GetArray("arrays", arrays);
+  const Json& list = members.GetArray("arrays", variables);
   for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
   {
     JsonMembers array = members.GetElement("arrays", list, index);

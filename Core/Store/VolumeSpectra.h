@@ -22,7 +22,7 @@ namespace isosurface
  * small with many stores and time steps:
  *
  *   { "format": "ScalableIsosurface spectra", "formatVersion": 1,
- *     "arrays": [ { "first": integer, "exponent": integer, "count": n,             per array
+ *     "arrays": [ { "first": integer, "exponent": integer, "count": n,          per variable
  *                   "stores": [ { "triangles": [n integers], "activeCells": [n integers] },
  *                               ... ] }, ... ],
  *     "checksum": as in the header }
@@ -31,15 +31,15 @@ namespace isosurface
  */
 struct VolumeSpectra
 {
-  /// Per array: the whole volume's.
+  /// Per variable: the whole volume's.
   std::vector<std::shared_ptr<const WorkloadSpectrum>> Totals;
-  /// Per array and store.
+  /// Per variable and store.
   std::vector<std::vector<std::shared_ptr<const WorkloadSpectrum>>> Stores;
 
   /// The file of a time step.
   static std::string GetPath(const std::string& volumePath, const std::string& generation);
 
-  /// stores[array][store]; all spectra of an array have the same bins.
+  /// stores[variable][store]; all spectra of a variable have the same bins.
   static Status Write(FileSystem& files, const std::string& path,
     const std::vector<std::vector<WorkloadSpectrum>>& stores);
 
@@ -49,7 +49,7 @@ struct VolumeSpectra
   static void TakeCounts(const Message& message, std::size_t& position, WorkloadSpectrum& spectrum);
 
   static Result<std::shared_ptr<const VolumeSpectra>> Read(
-    FileSystem& files, const std::string& path, std::size_t arrays, std::size_t stores);
+    FileSystem& files, const std::string& path, std::size_t variables, std::size_t stores);
 };
 
 } // namespace isosurface

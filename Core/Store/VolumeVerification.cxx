@@ -26,22 +26,22 @@ namespace isosurface
 namespace
 {
 
-constexpr std::uint64_t LargestHeader = std::uint64_t{ 1 } << 30;
 /// Blocks that a thread takes at a time.
 constexpr std::uint64_t RunLength = 32;
 
-/// One store of one time step. Threads work on different blocks of it, each with its own results.
+/// One store of one time step, of the volume or an overview. Threads work on different blocks of
+/// it, each with its own results.
 class StoreCheck
 {
 public:
-  StoreCheck(FileSystem& files, const BlockedVolumeHeader& header, const BlockGrid& grid,
+  StoreCheck(FileSystem& files, const ArrayVariables& variables, const BlockGrid& grid,
     const StoreDescription& description, std::string folder)
     : Files(files)
-    , Header(header)
+    , Variables(variables)
     , Grid(grid)
     , Description(description)
     , Folder(std::move(folder))
-    , Segments(header.Arrays.size() * static_cast<std::size_t>(grid.GetNumberOfLevels()))
+    , Segments(variables.GetNumberOfStored() * static_cast<std::size_t>(grid.GetNumberOfLevels()))
   {
   }
 
@@ -57,21 +57,30 @@ public:
   void Finish(std::vector<std::uint8_t>& seen);
 
   std::vector<Status> TakeFaults();
-  std::uint64_t GetFiles() const { return 2 + this->Header.Arrays.size(); }
+  std::uint64_t GetFiles() const { return 2 + this->Variables.GetCount(); }
   std::uint64_t GetBytes() const { return this->Blocks ? this->Blocks->GetSize() : 0; }
 
 private:
-  void OpenTree(std::size_t array);
+  std::string GetTreePath(std::size_t variable) const
+  {
+    return BlockStore::GetTreePath(this->Folder, this->Variables, variable);
+  }
+  void OpenTree(std::size_t variable);
   Status CheckRecord(std::uint64_t ordinal, std::vector<Status>& faults);
-  void CheckArray(const BlockDirectoryEntry& entry, std::uint64_t ordinal, std::size_t array,
-    const std::uint8_t* record, std::vector<Status>& faults);
+  std::shared_ptr<const DecodedBlock> CheckComponent(const BlockDirectoryEntry& entry,
+    std::uint64_t ordinal, std::size_t component, const std::uint8_t* record,
+    std::vector<Status>& faults);
+  std::shared_ptr<const DecodedBlock> Find(
+    const DecodedBlocks& components, std::size_t variable) const;
+  void CheckRange(const DecodedBlock& block, std::uint64_t ordinal, std::size_t variable,
+    std::vector<Status>& faults) const;
   Status MakeFault(const std::string& reason) const
   {
     return Status(StatusCode::Corrupt, BlockStore::GetBlocksPath(this->Folder) + ": " + reason);
   }
 
   FileSystem& Files;
-  const BlockedVolumeHeader& Header;
+  const ArrayVariables& Variables;
   const BlockGrid& Grid;
   const StoreDescription& Description;
   std::string Folder;
@@ -79,7 +88,7 @@ private:
 
   std::unique_ptr<RandomAccessFile> Blocks;
   std::unique_ptr<BlockDirectory> Directory;
-  std::vector<std::vector<KeyRange>> Ranges; ///< per array and ordinal, as the tree has it
+  std::vector<std::vector<KeyRange>> Ranges; ///< per variable and ordinal, as the tree has it
   std::vector<std::int64_t> Numbers;         ///< per ordinal: the block, or -1
   std::vector<std::uint64_t> Sizes;          ///< per ordinal: bytes of the record and what pads it
   std::vector<std::uint64_t> Checksums;      ///< per ordinal and segment
@@ -95,10 +104,10 @@ void StoreCheck::Open()
       StatusCode::NotFound, this->Folder + ": this store of the blocked volume is missing");
     return;
   }
-  this->Ranges.resize(this->Header.Arrays.size());
-  for (std::size_t array = 0; array < this->Header.Arrays.size(); ++array)
+  this->Ranges.resize(this->Variables.GetCount());
+  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
-    this->OpenTree(array);
+    this->OpenTree(variable);
   }
   auto blocks = this->Files.OpenForReading(BlockStore::GetBlocksPath(this->Folder));
   if (!blocks.IsOk())
@@ -128,9 +137,9 @@ void StoreCheck::Open()
   this->RunFaults.resize(static_cast<std::size_t>(this->GetNumberOfRuns()));
 }
 
-void StoreCheck::OpenTree(std::size_t array)
+void StoreCheck::OpenTree(std::size_t variable)
 {
-  const std::string path = BlockStore::GetTreePath(this->Folder, array);
+  const std::string path = this->GetTreePath(variable);
   auto tree = ExternalIntervalTree::Open(this->Files, path, BlockStore::PageCacheBytes);
   PageStatistics pages;
   Status status = tree.IsOk() ? (*tree)->Verify(pages) : tree.GetStatus();
@@ -165,7 +174,7 @@ void StoreCheck::OpenTree(std::size_t array)
     this->OpenFaults.push_back(status);
     return;
   }
-  this->Ranges[array] = std::move(ranges);
+  this->Ranges[variable] = std::move(ranges);
 }
 
 void StoreCheck::CheckRun(std::uint64_t run)
@@ -203,10 +212,10 @@ Status StoreCheck::CheckRecord(std::uint64_t ordinal, std::vector<Status>& fault
   for (std::size_t segment = 0; segment < this->Segments; ++segment)
   {
     const int level = levels - 1 - static_cast<int>(segment % static_cast<std::size_t>(levels));
-    const std::size_t array = segment / static_cast<std::size_t>(levels);
+    const std::size_t component = segment / static_cast<std::size_t>(levels);
     const BlockSegment samples(this->Grid, entry->Block, level);
     if (entry->Lengths[segment] >
-      samples.GetNumberOfSamples() * GetValueSize(this->Header.Arrays[array].Type))
+      samples.GetNumberOfSamples() * GetValueSize(this->Variables[component].Type))
     {
       return this->MakeFault(
         "block " + std::to_string(entry->Block) + " has an impossible length in the directory");
@@ -216,9 +225,19 @@ Status StoreCheck::CheckRecord(std::uint64_t ordinal, std::vector<Status>& fault
     std::min(this->Sizes[index], this->Blocks->GetSize() - entry->Offset);
   Buffer<std::uint8_t> record(static_cast<std::size_t>(padded));
   ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Read(entry->Offset, record.GetSize(), record.GetData()));
-  for (std::size_t array = 0; array < this->Header.Arrays.size(); ++array)
+  DecodedBlocks components;
+  for (std::size_t component = 0; component < this->Variables.GetNumberOfStored(); ++component)
   {
-    this->CheckArray(*entry, ordinal, array, record.GetData(), faults);
+    components.push_back(
+      this->CheckComponent(*entry, ordinal, component, record.GetData(), faults));
+  }
+  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
+  {
+    const std::shared_ptr<const DecodedBlock> block = this->Find(components, variable);
+    if (block)
+    {
+      this->CheckRange(*block, ordinal, variable, faults);
+    }
   }
   const bool isPadded = std::all_of(record.GetData() + size, record.GetData() + padded,
     [](std::uint8_t byte) { return byte == 0; });
@@ -227,11 +246,13 @@ Status StoreCheck::CheckRecord(std::uint64_t ordinal, std::vector<Status>& fault
                       ": the bytes behind its record are not zero");
 }
 
-void StoreCheck::CheckArray(const BlockDirectoryEntry& entry, std::uint64_t ordinal,
-  std::size_t array, const std::uint8_t* record, std::vector<Status>& faults)
+/// The samples of a component; null, and a fault, if they are damaged.
+std::shared_ptr<const DecodedBlock> StoreCheck::CheckComponent(const BlockDirectoryEntry& entry,
+  std::uint64_t ordinal, std::size_t component, const std::uint8_t* record,
+  std::vector<Status>& faults)
 {
   const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  const std::size_t first = array * levels;
+  const std::size_t first = component * levels;
   std::vector<const std::uint8_t*> segments;
   std::vector<std::uint32_t> lengths;
   bool isIntact = true;
@@ -240,7 +261,7 @@ void StoreCheck::CheckArray(const BlockDirectoryEntry& entry, std::uint64_t ordi
     const std::uint8_t* segment = record + entry.FindSegment(first + index);
     const std::uint32_t stored = entry.Lengths[first + index];
     const Status status = CheckSegment(segment, stored,
-      { entry.Block, static_cast<std::uint32_t>(array),
+      { entry.Block, static_cast<std::uint32_t>(component),
         static_cast<std::uint32_t>(levels - 1 - index) });
     if (!status.IsOk())
     {
@@ -254,25 +275,50 @@ void StoreCheck::CheckArray(const BlockDirectoryEntry& entry, std::uint64_t ordi
   }
   if (!isIntact)
   {
-    return;
+    return nullptr;
   }
-  const auto block = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(array), 0,
-    this->Header.Arrays[array].Type, segments, lengths);
+  const auto block = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(component), 0,
+    this->Variables[component].Type, segments, lengths);
   if (!block.IsOk())
   {
     faults.push_back(this->MakeFault(block.GetStatus().GetMessage()));
+    return nullptr;
+  }
+  return *block;
+}
+
+/// The samples of a variable, of a magnitude if all components are there; else null.
+std::shared_ptr<const DecodedBlock> StoreCheck::Find(
+  const DecodedBlocks& components, std::size_t variable) const
+{
+  const Variable& wanted = this->Variables[variable];
+  if (!wanted.IsMagnitude())
+  {
+    return components[variable];
+  }
+  const auto first =
+    components.begin() + static_cast<std::ptrdiff_t>(this->Variables.GetFirst(wanted.Array));
+  const DecodedBlocks tuple(first, first + this->Variables.GetComponents(wanted.Array));
+  const bool areThere =
+    std::all_of(tuple.begin(), tuple.end(), [](const auto& block) { return block != nullptr; });
+  return areThere ? MakeMagnitudeBlock(tuple) : nullptr;
+}
+
+/// Whether the tree says of a block what its samples are.
+void StoreCheck::CheckRange(const DecodedBlock& block, std::uint64_t ordinal, std::size_t variable,
+  std::vector<Status>& faults) const
+{
+  if (this->Ranges[variable].empty())
+  {
     return;
   }
-  if (!this->Ranges[array].empty())
+  const KeyRange& stated = this->Ranges[variable][static_cast<std::size_t>(ordinal)];
+  const KeyRange found = FindSampleRange(block.View, block.View.Box).All;
+  if (stated.Minimum != found.Minimum || stated.Maximum != found.Maximum)
   {
-    const KeyRange& stated = this->Ranges[array][static_cast<std::size_t>(ordinal)];
-    const KeyRange found = FindSampleRange((*block)->View, (*block)->View.Box).All;
-    if (stated.Minimum != found.Minimum || stated.Maximum != found.Maximum)
-    {
-      faults.emplace_back(StatusCode::Corrupt,
-        BlockStore::GetTreePath(this->Folder, array) + ": the interval of block " +
-          std::to_string(entry.Block) + " is not the range of its values");
-    }
+    faults.emplace_back(StatusCode::Corrupt,
+      this->GetTreePath(variable) + ": the interval of block " + std::to_string(block.Block) +
+        " is not the range of its values");
   }
 }
 
@@ -331,7 +377,7 @@ std::vector<Status> StoreCheck::TakeFaults()
   return faults;
 }
 
-/// The whole volume, a time step after the other; of each the volume, then its overviews.
+/// The whole volume with its overviews, a time step after the other.
 class VolumeCheck
 {
 public:
@@ -346,33 +392,34 @@ public:
   Result<VolumeVerification> Run()
   {
     this->Found.Files = 1;
-    const auto text = ReadText(this->Files, this->Path, LargestHeader);
-    const auto header = text.IsOk() ? BlockedVolumeHeader::Parse(*text, this->Path)
-                                    : Result<BlockedVolumeHeader>(text.GetStatus());
+    const auto header = BlockedVolumeHeader::Read(this->Files, this->Path);
     if (!header.IsOk())
     {
       this->AddFault(header.GetStatus());
       return std::move(this->Found);
     }
     std::vector<BlockedVolumeHeader> parts = { *header };
-    std::uint64_t blocks = this->CountBlocks(*header);
     for (std::size_t overview = 0; overview < header->Overviews.size(); ++overview)
     {
       parts.push_back(header->MakeOverview(overview));
-      blocks += this->CountBlocks(parts.back());
     }
-    const double shares =
-      static_cast<double>(blocks) * static_cast<double>(header->TimeSteps.size());
+    double blocks = 0;
+    for (const BlockedVolumeHeader& part : parts)
+    {
+      blocks += static_cast<double>(part.GetBlockGrid().GetNumberOfBlocks());
+    }
     for (std::size_t step = 0; step < header->TimeSteps.size(); ++step)
     {
       for (const BlockedVolumeHeader& part : parts)
       {
-        this->PartShare = static_cast<double>(this->CountBlocks(part)) / shares;
-        if (!this->CheckTimeStep(part, part.TimeSteps[step]))
+        const BlockGrid grid = part.GetBlockGrid();
+        this->Begin += this->Share;
+        this->Share = static_cast<double>(grid.GetNumberOfBlocks()) / blocks /
+          static_cast<double>(header->TimeSteps.size());
+        if (!this->CheckTimeStep(part, grid, part.TimeSteps[step]))
         {
           return Status(StatusCode::Aborted, this->Path + ": the check was stopped");
         }
-        this->PartBegin += this->PartShare;
       }
     }
     return std::move(this->Found);
@@ -388,18 +435,14 @@ private:
     }
   }
 
-  static std::uint64_t CountBlocks(const BlockedVolumeHeader& header)
+  /// False if it was asked to stop.
+  bool CheckTimeStep(
+    const BlockedVolumeHeader& header, const BlockGrid& grid, const TimeStepDescription& step)
   {
-    return static_cast<std::uint64_t>(header.GetBlockGrid().GetNumberOfBlocks());
-  }
-
-  /// Of the volume itself, or of an overview. False if it was asked to stop.
-  bool CheckTimeStep(const BlockedVolumeHeader& header, const TimeStepDescription& step)
-  {
-    const BlockGrid grid = header.GetBlockGrid();
+    const ArrayVariables variables = header.GetVariables();
     const std::string spectraPath = VolumeSpectra::GetPath(this->Path, step.Folder);
     const auto spectra =
-      VolumeSpectra::Read(this->Files, spectraPath, header.Arrays.size(), header.NumberOfStores);
+      VolumeSpectra::Read(this->Files, spectraPath, variables.GetCount(), header.NumberOfStores);
     this->Found.Files += 1;
     if (!spectra.IsOk())
     {
@@ -408,8 +451,8 @@ private:
     std::vector<std::unique_ptr<StoreCheck>> stores;
     for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
     {
-      stores.push_back(std::make_unique<StoreCheck>(this->Files, header, grid, step.Stores[store],
-        GetStoreFolder(this->Path, step.Folder, store)));
+      stores.push_back(std::make_unique<StoreCheck>(this->Files, variables, grid,
+        step.Stores[store], GetStoreFolder(this->Path, step.Folder, store)));
     }
     if (!ParallelFor(
           stores.size(), this->Threads, [&](std::size_t store, int) { stores[store]->Open(); },
@@ -472,10 +515,8 @@ private:
 
   Progress MakeProgress(double begin, double end) const
   {
-    return [this, begin, end](double share)
-    {
-      return !this->Tell ||
-        this->Tell(this->PartBegin + this->PartShare * (begin + (end - begin) * share));
+    return [this, begin, end](double share) {
+      return !this->Tell || this->Tell(this->Begin + this->Share * (begin + (end - begin) * share));
     };
   }
 
@@ -483,8 +524,8 @@ private:
   FileSystem& Files;
   int Threads;
   const Progress& Tell;
-  double PartBegin = 0;
-  double PartShare = 1;
+  double Begin = 0; ///< the share of the work that is done before the part that is checked now
+  double Share = 0; ///< that of this part
   VolumeVerification Found;
 };
 

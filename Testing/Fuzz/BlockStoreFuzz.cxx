@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Input: flags (1 byte: 1 seals pages and segments, 2 cuts into blocks of 32 instead of 16, 4 adds
-// a second array), dimensions (3 bytes), value types (2 bytes), pages of the first array's tree (1
-// byte), an isovalue (float64); then the files: directory, tree, blocks. The header is made from
-// the first bytes, so the length of the directory is known. The store is asked for the blocks at
-// the isovalue; the first blocks are decoded at all levels.
+// a second array, 8 makes the first one have 2 to 4 components by the second value type),
+// dimensions (3 bytes), value types (2 bytes), pages of the first array's tree (1 byte), an
+// isovalue (float64); then the files: directory, tree, blocks. The header is made from the first
+// bytes, so the length of the directory is known. The store is asked for the blocks at the
+// isovalue, in the first and in the last variable, which share the tree; the first blocks are
+// decoded at all levels.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
@@ -13,6 +15,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 using namespace isosurface;
 
@@ -33,7 +36,8 @@ BlockedVolumeHeader MakeHeader(const std::uint8_t* bytes)
     header.Grid.Extent[2 * axis] = 0;
     header.Grid.Extent[2 * axis + 1] = bytes[1 + axis] % 36;
   }
-  header.Arrays.push_back({ "a", static_cast<ValueType>(bytes[4] % 10) });
+  const int components = (bytes[0] & 8) != 0 ? 2 + bytes[5] % 3 : 1;
+  header.Arrays.push_back({ "a", static_cast<ValueType>(bytes[4] % 10), components });
   if ((bytes[0] & 4) != 0)
   {
     header.Arrays.push_back({ "b", static_cast<ValueType>(bytes[5] % 10) });
@@ -109,18 +113,22 @@ void ReadBlocks(const BlockStore& store, const BlockedVolumeHeader& header, cons
       continue;
     }
     Require(*block >= 0 && *block < grid.GetNumberOfBlocks(), "a store's block is in the volume");
-    for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+    const std::vector<ValueType> types = header.GetVariables().GetStoredTypes();
+    for (int level = 0; level < grid.GetNumberOfLevels(); ++level)
     {
-      for (int level = 0; level < grid.GetNumberOfLevels(); ++level)
+      const auto samples =
+        static_cast<std::size_t>(grid.GetGhostedVertices(*block, level).GetNumberOfVertices());
+      for (std::size_t component = 0; component < types.size(); ++component)
       {
-        const auto decoded = store.Read(ordinal, *block, array, level, statistics);
+        const auto decoded = store.Read(ordinal, *block, component, level, statistics);
         Require(!decoded.IsOk() ||
-            (*decoded)->Bytes.GetSize() ==
-              static_cast<std::size_t>(
-                grid.GetGhostedVertices(*block, level).GetNumberOfVertices()) *
-                GetValueSize(header.Arrays[array].Type),
+            (*decoded)->Bytes.GetSize() == samples * GetValueSize(types[component]),
           "a decoded block has the samples of its box");
       }
+      const auto all = store.ReadAdjacent(ordinal, *block, 0, types.size(), level, statistics);
+      Require(!all.IsOk() ||
+          MakeMagnitudeBlock(*all)->Bytes.GetSize() == samples * GetValueSize(ValueType::Float64),
+        "a magnitude has the samples of its components' box");
     }
   }
 }
@@ -137,7 +145,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const BlockedVolumeHeader header = MakeHeader(bytes);
   const BlockGrid grid(header.Grid.GetDimensions(), header.BlockSize);
   const auto blocks = static_cast<std::uint32_t>(grid.GetNumberOfBlocks());
-  const auto segments = static_cast<std::uint32_t>(header.Arrays.size()) *
+  const ArrayVariables variables = header.GetVariables();
+  const auto segments = static_cast<std::uint32_t>(variables.GetNumberOfStored()) *
     static_cast<std::uint32_t>(grid.GetNumberOfLevels());
   const std::size_t perPage = (PageSize - 8) / (16 + std::size_t{ 4 } * segments);
   const std::size_t treePages = bytes[6];
@@ -157,25 +166,28 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const StoreDescription description = { blocks, records.size(), 0 };
   MemoryDisk disk;
   PutFile(disk, BlockStore::GetDirectoryPath(Folder), std::move(directory));
-  PutFile(disk, BlockStore::GetTreePath(Folder, 0), std::move(tree));
+  const std::size_t last = variables.GetCount() - 1;
+  PutFile(disk, BlockStore::GetTreePath(Folder, variables, last), SealedBytes(tree));
+  PutFile(disk, BlockStore::GetTreePath(Folder, variables, 0), std::move(tree));
   PutFile(disk, BlockStore::GetBlocksPath(Folder), std::move(records));
 
   // The page caches, a record's part and its samples, a query's node.
   const std::size_t edge = static_cast<std::size_t>(header.BlockSize) + 3;
-  const MemoryLimit limit(
-    2 * pageBytes + 3 * edge * edge * edge * sizeof(double) + std::size_t{ 256 } * 1024);
+  const MemoryLimit limit(3 * pageBytes +
+    (3 + 2 * variables.GetCount()) * edge * edge * edge * sizeof(double) +
+    std::size_t{ 256 } * 1024);
   const auto store = BlockStore::Open(disk, Folder, header, description);
   if (!store.IsOk())
   {
     return 0;
   }
   QueryStatistics statistics;
-  const auto active = (*store)->FindActive(0, { isovalue, -isovalue, 0.5 }, statistics);
-  if (active.IsOk())
+  for (const std::size_t variable : { std::size_t{ 0 }, last })
   {
-    for (const std::uint32_t ordinal : *active)
+    const auto active = (*store)->FindActive(variable, { isovalue, -isovalue, 0.5 }, statistics);
+    for (std::size_t index = 0; active.IsOk() && index < active->size(); ++index)
     {
-      const auto block = (*store)->FindBlock(ordinal, statistics);
+      const auto block = (*store)->FindBlock((*active)[index], statistics);
       Require(
         !block.IsOk() || *block < grid.GetNumberOfBlocks(), "an active block is in the volume");
     }

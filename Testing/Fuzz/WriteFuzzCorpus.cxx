@@ -65,10 +65,11 @@ void Append(Bytes& bytes, const Bytes& others)
   bytes.insert(bytes.end(), others.begin(), others.end());
 }
 
-/// One volume's files, for the four targets that read them.
+/// One volume's files, for the four targets that read them: an array of one component or more, in
+/// one time step or more.
 template <typename T>
 void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores,
-  const BlockCompression& compression = {})
+  const BlockCompression& compression = {}, int components = 1, int steps = 1)
 {
   const SampleVolume<T> volume(size,
     [](auto i, auto j, auto k) {
@@ -78,26 +79,35 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
   VolumePiece piece;
   piece.Box = { { 0, 0, 0 }, size };
-  piece.Arrays = { volume.GetView() };
+  piece.Arrays.assign(static_cast<std::size_t>(components), volume.GetView());
   BlockedVolumeSettings settings;
   settings.BlockSize = 16;
   settings.NumberOfStores = stores;
-  settings.Time = 0.25;
+  settings.Append = true;
   settings.Compression = compression;
   settings.Threads = 1;
   MemoryDisk disk;
   SerialCommunicator alone;
   BlockedVolumeWriter writer(alone, disk);
   const ValueType type = ValueTypeOf<T>::Value;
-  if (!writer.Write(Path, grid, { { "density", type } }, piece, settings).IsOk())
+  for (int step = 0; step < steps; ++step)
   {
-    corpus.Fail();
-    return;
+    settings.Time = step + 0.25;
+    if (!writer.Write(Path, grid, { { "density", type, components } }, piece, settings).IsOk())
+    {
+      corpus.Fail();
+      return;
+    }
   }
   corpus.Add("BlockedVolumeHeader", name, disk.GetFile(Path));
-  corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+  // Those of components are as those of arrays, and long.
+  if (components == 1)
+  {
+    corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+  }
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
-  const Bytes& tree = disk.GetFile(BlockStore::GetTreePath(StoreFolder, 0));
+  const ArrayVariables variables({ { "density", type, components } });
+  const Bytes& tree = disk.GetFile(BlockStore::GetTreePath(StoreFolder, variables, 0));
   const Bytes& records = disk.GetFile(BlockStore::GetBlocksPath(StoreFolder));
 
   Bytes input = { 1 };
@@ -107,8 +117,10 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   corpus.Add("BlockDirectory", name, input);
   if (stores == 1)
   {
-    input = { 1, static_cast<std::uint8_t>(size[0] - 1), static_cast<std::uint8_t>(size[1] - 1),
-      static_cast<std::uint8_t>(size[2] - 1), static_cast<std::uint8_t>(type), 0,
+    input = { static_cast<std::uint8_t>(components > 1 ? 1 + 8 : 1),
+      static_cast<std::uint8_t>(size[0] - 1), static_cast<std::uint8_t>(size[1] - 1),
+      static_cast<std::uint8_t>(size[2] - 1), static_cast<std::uint8_t>(type),
+      static_cast<std::uint8_t>(components > 1 ? components - 2 : 0),
       static_cast<std::uint8_t>(tree.size() / 4096) };
     Append(input, 60.0);
     Append(input, directory);
@@ -184,6 +196,10 @@ int main(int argc, char* argv[])
   AddVolume<std::int16_t>(corpus, "int16-zstd", { 18, 9, 5 }, 1, { SegmentCodec::Zstd, 0, {} });
   AddVolume<float>(corpus, "float32-lz4-bits", { 9, 18, 5 }, 1,
     { SegmentCodec::Lz4, 0, SegmentFilter::FromCode(0x22) });
+  AddVolume<float>(corpus, "float32-vectors", { 18, 4, 3 }, 1, {}, 3);
+  AddVolume<std::uint8_t>(
+    corpus, "uint8-pairs-lz4", { 9, 8, 7 }, 1, { SegmentCodec::Lz4, 0, {} }, 2);
+  AddVolume<std::int16_t>(corpus, "int16-steps", { 5, 4, 3 }, 2, {}, 1, 3);
   AddTrees(corpus);
   if (!corpus.IsOk())
   {

@@ -51,7 +51,7 @@ class Proxies(unittest.TestCase):
         ours = simple.StabbingContour(Input=reader)
         names = ["ContourBy", "Isosurfaces", "ComputeNormals", "ComputeScalars"]
         names.append("GenerateTriangles")
-        self.check_properties(ours, names)
+        self.check_properties(ours, names + ["Component"])
         options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "UseRegion"]
         options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
         self.check_properties(ours, options)
@@ -68,6 +68,10 @@ class Proxies(unittest.TestCase):
         writer = simple.CreateWriter(testing.output("new.bvol"), source)
         self.check_properties(
             writer, ["FileName", "BlockSize", "NumberOfStores", "Distribution", "RandomSeed"]
+        )
+        self.check_properties(
+            writer,
+            ["ChooseArraysToWrite", "PointDataArrays", "WriteAllTimeSteps", "AppendTimeStep"],
         )
 
 

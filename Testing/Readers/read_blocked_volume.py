@@ -76,6 +76,25 @@ def read_document(path, format_name, versions=(1,)):
     return document
 
 
+def find_magnitude(values):
+    total = 0.0
+    for value in values:
+        total += float(value) * float(value)
+    return math.sqrt(total)
+
+
+def list_variables(arrays):
+    """The type and the tree's name of each variable: all components, then all magnitudes."""
+    components, magnitudes = [], []
+    for number, description in enumerate(arrays):
+        name, count = f"array-{number}", description["components"]
+        ends = [".tree"] if count == 1 else [f"-component-{n}.tree" for n in range(count)]
+        components += [(description["type"], name + end) for end in ends]
+        if count > 1:
+            magnitudes.append(("float64", name + "-magnitude.tree"))
+    return components + magnitudes
+
+
 class Store:
     def __init__(self, volume, folder, description):
         self.volume = volume
@@ -84,15 +103,14 @@ class Store:
         check(len(self.records) == description["bytes"], f"{self.path}: wrong size")
         self.checksum = description["checksum"]
         self.directory = PagedFile(os.path.join(folder, "directory"), b"BLOCKDIR")
-        self.segments = len(volume.arrays) * volume.levels
+        self.segments = len(volume.components) * volume.levels
         self.count, segments = struct.unpack_from("<QI", self.directory.client_area)
         self.per_page = (self.directory.page_size - 8) // (16 + 4 * self.segments)
         check(self.count == description["blocks"] and segments == self.segments
               and not any(self.directory.client_area[12:])
               and self.directory.page_count == 1 + -(-self.count // self.per_page),
               f"{self.directory.path}: does not fit the header")
-        self.trees = [IntervalTree(os.path.join(folder, f"array-{number}.tree"))
-                      for number in range(len(volume.arrays))]
+        self.trees = [IntervalTree(os.path.join(folder, name)) for _, name in volume.variables]
         check(all(tree.count == self.count for tree in self.trees), f"{folder}: a tree's count")
 
     def find_block(self, ordinal):
@@ -107,20 +125,20 @@ class Store:
         return block, offset, lengths
 
     def read_segments(self, ordinal):
-        """The block's index, and checked samples by array and level."""
+        """The block's index, and checked samples by component and level."""
         block, offset, lengths = self.find_block(ordinal)
         samples = {}
         for number, stored in enumerate(lengths):
             where, level = divmod(number, self.volume.levels)
             level = self.volume.levels - 1 - level
-            name = f"{self.path}: block {block}, array {where}, level {level}"
+            name = f"{self.path}: block {block}, component {where}, level {level}"
             checksum, own, codec, filter_, _ = struct.unpack_from("<QIBBH", self.records, offset)
             seed = hash64(struct.pack("<QII", block, where, level))
             check(checksum == hash64(self.records[offset + 8:offset + 16 + stored], seed),
                   f"{name}: wrong checksum")
             check(own == stored and (codec != 0 or filter_ == 0), f"{name}: length or codec")
             payload = self.records[offset + 16:offset + 16 + stored]
-            type_name = self.volume.arrays[where]["type"]
+            type_name = self.volume.components[where]
             typecode = TYPES[type_name][0]
             if codec == 0:
                 samples[where, level] = array.array(typecode)
@@ -135,6 +153,20 @@ class Store:
         check(not any(self.records[offset:-(-offset // 4096) * 4096]), f"{name}: no zeros behind")
         return block, samples
 
+    def verify_magnitudes(self, ordinal, block, samples):
+        """Checks the trees' intervals of magnitudes, which are not stored themselves."""
+        volume, first = self.volume, 0
+        trees = iter(self.trees[len(volume.components):])
+        for description in volume.arrays:
+            count = description["components"]
+            if count > 1:
+                keys = [make_key(find_magnitude(values), "float64") for values in zip(*(
+                    volume.list_own(block, samples, first + n) for n in range(count)))]
+                tree = next(trees)
+                check((min(keys), max(keys), ordinal) in tree.find(min(keys), min(keys)),
+                      f"{tree.file.path}: the interval of block {block}")
+            first += count
+
     def verify(self):
         """Checks everything; returns the block indices by ordinal."""
         for file in [self.directory] + [tree.file for tree in self.trees]:
@@ -145,7 +177,9 @@ class Store:
             check(payloads == list(range(self.count)), f"{tree.file.path}: not all ordinals once")
         blocks, checksum, used = [], 0, 0
         for ordinal in range(self.count):
-            blocks.append(self.read_segments(ordinal)[0])
+            block, samples = self.read_segments(ordinal)
+            self.verify_magnitudes(ordinal, block, samples)
+            blocks.append(block)
             _, offset, lengths = self.find_block(ordinal)
             sums = [checksum]
             for stored in lengths:
@@ -174,8 +208,11 @@ class BlockedVolume:
         check(all((1 if version > 1 else most_levels) <= n <= most_levels for n in levels)
               and self.header["ghostLayers"] == 1
               and self.header["compression"] in ("none", "lz4", "zstd")
-              and all(a["components"] == 1 and a["type"] in TYPES for a in self.arrays),
+              and all(a["components"] >= 1 and a["type"] in TYPES for a in self.arrays),
               f"{path}: needs a newer reader")
+        self.variables = list_variables(self.arrays)
+        self.components = [type_name for type_name, name in self.variables
+                           if "magnitude" not in name]
         extent = self.header["grid"]["extent"]
         self.first_level = sum(levels[:number])
         self.levels = levels[number]
@@ -192,6 +229,7 @@ class BlockedVolume:
         if number > 0:
             folder = os.path.join(folder, f"overview-{number}")
             step = step["overviews"][number - 1]
+        check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
         check(len(step["stores"]) == parts[number]["stores"]
               and sum(store["blocks"] for store in step["stores"]) == self.block_count,
               f"{path}: numbers of stores or blocks")
@@ -222,7 +260,7 @@ class BlockedVolume:
                 if level == self.levels - 1 or (i | j | k) % 2 == 1]
 
     def decode(self, block, samples, number, level):
-        """The samples of an array on the block's ghosted box at a level, x fastest."""
+        """The samples of a component on the block's ghosted box at a level, x fastest."""
         (x0, x1), (y0, y1), (z0, z1) = self.find_box(block, level, True)
         width, height = x1 - x0, y1 - y0
         result = array.array(samples[number, level].typecode)
@@ -250,9 +288,17 @@ class BlockedVolume:
             check(position == len(segment), f"block {block}: impossible length at level {source}")
         return result
 
+    def list_own(self, block, samples, number):
+        """The samples of a component on the block's own vertices at level 0."""
+        values = self.decode(block, samples, number, 0)
+        ghosted, own = self.find_box(block, 0, True), self.find_box(block, 0, False)
+        (x0, x1), (y0, y1), (z0, _) = ghosted
+        return [values[i - x0 + (x1 - x0) * (j - y0 + (y1 - y0) * (k - z0))]
+                for k in range(*own[2]) for j in range(*own[1]) for i in range(*own[0])]
+
     def find_active(self, number, isovalue):
         """Per store the ordinals of the blocks that the isosurface passes."""
-        key = make_threshold_key(isovalue, self.arrays[number]["type"])
+        key = make_threshold_key(isovalue, self.variables[number][0])
         return [sorted(r[2] for r in store.trees[number].find(key, key) if r[0] != key)
                 if key is not None else [] for store in self.stores]
 
@@ -267,7 +313,7 @@ def main():
     parser = argparse.ArgumentParser(description="Checks a blocked volume; tells what is in it.")
     parser.add_argument("volume", help="the .bvol file")
     parser.add_argument("--blocks", action="store_true", help="list the blocks of all stores")
-    parser.add_argument("--array", type=int, default=0, help="number of an array")
+    parser.add_argument("--array", type=int, default=0, help="number of a variable")
     parser.add_argument("--isovalue", type=float, help="list the active blocks")
     parser.add_argument("--overview", type=int, default=0,
                         help="number of an overview, whose blocks are meant then; 0: none")

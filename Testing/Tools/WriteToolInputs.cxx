@@ -3,6 +3,7 @@
 // volume that vtkBlockedVolumeWriter makes of what VTK's own reader gives: NAME.bvol of NAME.
 #include "vtkBlockedVolumeWriter.h"
 
+#include "vtkCellData.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkMetaImageReader.h"
@@ -58,6 +59,22 @@ void AddArray(vtkImageData* image, const char* name, double height)
   }
 }
 
+/// "flow": three components, of "pressure".
+void AddVectors(vtkImageData* image)
+{
+  vtkDataArray* pressure = image->GetPointData()->GetArray("pressure");
+  vtkNew<vtkFloatArray> flow;
+  flow->SetName("flow");
+  flow->SetNumberOfComponents(3);
+  flow->SetNumberOfTuples(image->GetNumberOfPoints());
+  for (vtkIdType vertex = 0; vertex < image->GetNumberOfPoints(); ++vertex)
+  {
+    const double value = pressure->GetTuple1(vertex);
+    flow->SetTuple3(vertex, value, 4 - value, value * value / 8);
+  }
+  image->GetPointData()->AddArray(flow);
+}
+
 template <typename Reader>
 bool WriteBlocked(const std::string& path)
 {
@@ -107,6 +124,25 @@ bool WriteAll(const std::string& folder)
   xml->SetInputData(image);
   xml->SetFileName((folder + "/a.vti").c_str());
   xml->Write();
+  // Tuples, and cells, which are not written.
+  vtkNew<vtkImageData> flow;
+  flow->CopyStructure(image);
+  AddArray<vtkFloatArray>(flow, "pressure", 3);
+  AddVectors(flow);
+  xml->SetInputData(flow);
+  xml->SetFileName((folder + "/flow.vti").c_str());
+  xml->Write();
+  vtkNew<vtkFloatArray> cells;
+  cells->SetName("cells");
+  cells->SetNumberOfValues(flow->GetNumberOfCells());
+  cells->FillValue(1);
+  flow->GetCellData()->AddArray(cells);
+  xml->SetFileName((folder + "/flow_and_cells.vti").c_str());
+  xml->Write();
+  flow->GetPointData()->Initialize();
+  xml->SetFileName((folder + "/cells.vti").c_str());
+  xml->Write();
+  xml->SetInputData(image);
   // One array, for the choice of arrays.
   image->GetPointData()->RemoveArray("density");
   image->GetPointData()->SetActiveScalars("height");
@@ -117,6 +153,7 @@ bool WriteAll(const std::string& folder)
     WriteBlocked<vtkTIFFReader>(folder + "/a.tif") &&
     WriteBlocked<vtkStructuredPointsReader>(folder + "/a.vtk") &&
     WriteBlocked<vtkXMLImageDataReader>(folder + "/a.vti") &&
+    WriteBlocked<vtkXMLImageDataReader>(folder + "/flow.vti") &&
     WriteBlocked<vtkXMLImageDataReader>(folder + "/height.vti");
 }
 

@@ -160,6 +160,63 @@ class SettingsReachTheFile(Case):
         self.assertEqual((header["compression"], header["stores"]), ("none", 2))
 
 
+class WritesVectorsAndTimeSteps(Case):
+    def test_vectors(self):
+        source = os.path.join(INPUTS, "flow.vti")
+        for arguments in ([], ["--memory", "9"]):
+            path = self.write(source, "o.bvol", "--stores", "3", *arguments, ranks=2)
+            self.assert_equal_volumes(path, source + ".bvol")
+        self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
+        code, out, err = run("--info", path)
+        self.assertEqual(code, 0, err)
+        self.assertIn('array         "flow": float32, 3 components\n', out)
+        for name in ("pressure", "flow, component 0", "flow, component 2", "flow, magnitude"):
+            self.assertIn(f'  range       "{name}": ', out)
+
+    def test_chosen_vectors_come_first(self):
+        for memory in ("9", "500"):
+            path = self.write(os.path.join(INPUTS, "flow.vti"), "o.bvol", "--block-size", "64",
+                              "--compression", "none", "--arrays", "flow,pressure",
+                              "--memory", memory)
+            volume = BlockedVolume(path)
+            self.assertEqual([(a["name"], a["components"]) for a in volume.arrays],
+                             [("flow", 3), ("pressure", 1)])
+            ranges = volume.header["timeSteps"][0]["ranges"]
+            self.assertEqual(ranges[0], ranges[3])  # the first component is the pressure
+            volume.overviews[0].verify()  # the trees of magnitudes, too
+
+    def test_cells_are_refused(self):
+        source = os.path.join(INPUTS, "flow_and_cells.vti")
+        code, _, err = run(source, "cells.bvol", "--stores", "3")
+        self.assertEqual(code, 0)
+        self.assertRegex(err, r'blockvolume: .*cell arrays are not written \("cells"\)')
+        self.assert_equal_volumes(os.path.join(SCRATCH, "cells.bvol"),
+                                  os.path.join(INPUTS, "flow.vti.bvol"))
+        self.assertEqual(run(source, "cells.bvol", "--quiet"), (0, "", ""))
+        code, _, err = run(os.path.join(INPUTS, "cells.vti"), "none.bvol")
+        self.assertEqual(code, 1)
+        self.assertIn('has only cell arrays ("cells")', err)
+
+    def test_time_steps_are_appended(self):
+        source = os.path.join(INPUTS, "a.mhd")
+        path = self.write(source, "t.bvol", "--stores", "2", "--time", "0.5")
+        before = {name: os.stat(file).st_mtime_ns for name, file in list_files(path).items()}
+        for time_ in ("1.5", "2.5"):
+            self.assertEqual(run(source, path, "--append", "--time", time_, "--quiet", ranks=2),
+                             (0, "", ""))
+        self.assertEqual([step["time"] for step in BlockedVolume(path).header["timeSteps"]],
+                         [0.5, 1.5, 2.5])
+        after = {name: os.stat(file).st_mtime_ns for name, file in list_files(path).items()}
+        self.assertTrue(all(after[name] == time_ for name, time_ in before.items()
+                            if name != "header"))
+        self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
+        for arguments, reason in ((["--time", "2.5"], "times must ascend"), ([], "has no time"),
+                                  (["--time", "3", "--stores", "3"], "it has 2 stores")):
+            code, _, err = run(source, path, "--append", "--quiet", *arguments)
+            self.assertEqual(code, 1)
+            self.assertIn(reason, err)
+
+
 class VerifyFindsAnyFault(Case):
     def test_sound(self):
         path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
@@ -214,7 +271,8 @@ class InfoTellsWhatIndependentReadersFind(Case):
         for member in ("extent", "origin", "spacing", "direction"):
             self.assertEqual(told["grid"][member], header["grid"][member])
         self.assertEqual(told["grid"]["dimensions"], volume.dimensions)
-        self.assertEqual((told["blockSize"], told["levels"]), (volume.block_size, volume.levels))
+        levels = volume.levels + sum(overview.levels for overview in volume.overviews)
+        self.assertEqual((told["blockSize"], told["levels"]), (volume.block_size, levels))
         self.assertEqual(told["compression"],
                          {"codec": header["compression"], "level": header["compressionLevel"]})
         self.assertEqual(told["distribution"], header["distribution"])

@@ -67,7 +67,7 @@ TEST_F(BlockedVolumeWriter, KeepsInfinities)
   this->ExpectRead(image, "density");
 }
 
-TEST_F(BlockedVolumeWriter, WritesAllArraysOfOneComponentActiveScalarsFirst)
+TEST_F(BlockedVolumeWriter, WritesAllNumericArraysActiveScalarsFirst)
 {
   const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
   vtkNew<vtkFloatArray> vectors;
@@ -90,9 +90,10 @@ TEST_F(BlockedVolumeWriter, WritesAllArraysOfOneComponentActiveScalarsFirst)
   vtkNew<vtkBlockedVolumeReader> reader;
   reader->SetFileName(this->GetPath().c_str());
   reader->UpdateInformation();
-  ASSERT_EQ(reader->GetNumberOfPointArrays(), 2);
+  ASSERT_EQ(reader->GetNumberOfPointArrays(), 3);
   EXPECT_STREQ(reader->GetPointArrayName(0), "temperature");
-  EXPECT_STREQ(reader->GetPointArrayName(1), "density");
+  EXPECT_STREQ(reader->GetPointArrayName(1), "velocity");
+  EXPECT_STREQ(reader->GetPointArrayName(2), "density");
   this->ExpectRead(image, "temperature");
   this->ExpectRead(image, "density");
 }

@@ -58,7 +58,7 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
             QueryStatistics statistics;
             const auto blocks = FindBlocks(*volume, box, level);
             const Status status =
-              AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), statistics);
+              AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), 1, statistics);
             ASSERT_TRUE(status.IsOk()) << status.GetMessage();
             EXPECT_EQ(statistics.BlocksRead + statistics.BlockCacheHits, blocks.size());
             std::size_t at = 0;
@@ -93,8 +93,8 @@ TEST(BlockAssembly, TellsWhatABlockSuffers)
   std::vector<std::uint8_t> samples(static_cast<std::size_t>(
     box.GetGhostedVertices(volume->GetBlockGrid(), 0).GetNumberOfVertices()));
   QueryStatistics statistics;
-  const Status status =
-    AssembleBlocks(*volume, 0, 0, 0, box, FindBlocks(*volume, box), 2, samples.data(), statistics);
+  const Status status = AssembleBlocks(
+    *volume, 0, 0, 0, box, FindBlocks(*volume, box), 2, samples.data(), 1, statistics);
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
   EXPECT_NE(status.GetMessage().find("blocks"), std::string::npos);
 }
@@ -109,7 +109,7 @@ TEST(BlockAssembly, StopsWhenTold)
   std::vector<std::uint8_t> samples(40 * 40 * 40);
   QueryStatistics statistics;
   const Status status = AssembleBlocks(*volume, 0, 0, 0, box, FindBlocks(*volume, box), 1,
-    samples.data(), statistics, [](double) { return false; });
+    samples.data(), 1, statistics, [](double) { return false; });
   EXPECT_EQ(status.GetCode(), StatusCode::Aborted);
 }
 

@@ -39,25 +39,36 @@ protected:
 
   Status Write(const SampleVolume<std::uint8_t>& volume)
   {
+    return this->Write(volume, MakeSettings(16, 5));
+  }
+  Status Append(const SampleVolume<std::uint8_t>& volume, double time)
+  {
+    BlockedVolumeSettings settings = MakeSettings(16, 5);
+    settings.Time = time;
+    settings.Append = true;
+    return this->Write(volume, settings);
+  }
+  Status Write(const SampleVolume<std::uint8_t>& volume, const BlockedVolumeSettings& settings)
+  {
     SerialCommunicator serial;
     return BlockedVolumeWriter(serial)
       .Write(this->Path, MakeGeometry(volume.Size), { { "density", ValueType::UInt8 } },
-        VolumePiece{ { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, MakeSettings(16, 5))
+        VolumePiece{ { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, settings)
       .GetStatus();
   }
 
-  /// Whether what is at the path has exactly the samples of the volume.
-  bool Holds(const SampleVolume<std::uint8_t>& volume)
+  /// Whether a time step of what is at the path has exactly the samples of the volume.
+  bool Holds(const SampleVolume<std::uint8_t>& volume, std::size_t step = 0)
   {
     const auto opened =
       BlockedVolume::Open(this->Path, this->Files, std::make_shared<BlockCache>(1 << 20));
     EXPECT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
     QueryStatistics statistics;
-    const auto blocks = (*opened)->GetShare(0, 0, 1, statistics);
+    const auto blocks = (*opened)->GetShare(step, 0, 1, statistics);
     bool equal = blocks.IsOk();
     for (std::size_t index = 0; equal && index < blocks->size(); ++index)
     {
-      const auto block = (*opened)->ReadBlock((*blocks)[index], 0, 0, 0, statistics);
+      const auto block = (*opened)->ReadBlock((*blocks)[index], step, 0, 0, statistics);
       EXPECT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
       if (!block.IsOk())
       {
@@ -153,6 +164,45 @@ TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
   EXPECT_EQ(this->CountGenerations(), 1u);
   EXPECT_EQ(*this->Files.List(this->Folder),
     (std::vector<std::string>{ "volume.bvol", "volume.bvol.stores" }));
+}
+
+TEST_F(BlockedVolumeCrash, LeavesAllTimeStepsWheneverAnAppendIsKilled)
+{
+  const Index3 size = { 100, 90, 80 };
+  const auto first = MakeVolume<std::uint8_t>(size, 1);
+  const auto later = MakeVolume<std::uint8_t>(size, 2);
+  ASSERT_TRUE(this->Append(first, 0).IsOk());
+  const auto begin = Clock::now();
+  ASSERT_EQ(Wait(Start([&] { return this->Append(later, 1).IsOk() ? 0 : 1; })), 0);
+  const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin);
+  std::mt19937 random(5);
+  std::size_t steps = 2;
+  int killed = 0;
+  for (int turn = 0; turn < 30; ++turn)
+  {
+    const pid_t child =
+      Start([&] { return this->Append(later, static_cast<double>(steps)).IsOk() ? 0 : 1; });
+    ASSERT_GT(child, 0);
+    ::usleep(static_cast<unsigned>(random() % static_cast<unsigned>(whole.count())));
+    ::kill(child, SIGKILL);
+    const int outcome = Wait(child);
+    ASSERT_TRUE(outcome == 0 || outcome == -SIGKILL);
+    killed += outcome == -SIGKILL ? 1 : 0;
+    const auto header = BlockedVolumeHeader::Read(this->Files, this->Path);
+    ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
+    ASSERT_TRUE(header->TimeSteps.size() == steps || header->TimeSteps.size() == steps + 1);
+    ASSERT_TRUE(outcome != 0 || header->TimeSteps.size() == steps + 1);
+    steps = header->TimeSteps.size();
+    ASSERT_TRUE(this->Holds(first, 0)) << "after turn " << turn;
+    ASSERT_TRUE(this->Holds(later, steps - 1)) << "after turn " << turn;
+  }
+  EXPECT_GT(killed, 5);
+  ASSERT_TRUE(this->Append(later, static_cast<double>(steps)).IsOk());
+  EXPECT_EQ(this->CountGenerations(), steps + 1);
+  for (std::size_t step = 0; step <= steps; ++step)
+  {
+    EXPECT_TRUE(this->Holds(step == 0 ? first : later, step));
+  }
 }
 
 TEST_F(BlockedVolumeCrash, LeavesTheOldVolumeWhenFilesMayNotGrow)

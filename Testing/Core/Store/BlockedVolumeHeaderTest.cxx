@@ -40,7 +40,7 @@ BlockedVolumeHeader MakeHeader()
     range(std::uint64_t{ 3 }, (std::uint64_t{ 1 } << 63) + 1), KeyRange{} };
   step.Stores = { { 3, 8192, 0xFEDCBA9876543210u }, { 1, 4096, 7 } };
   header.TimeSteps = { step };
-  step.Time.reset();
+  step.Time = 1e300;
   step.Folder = "1000000";
   header.TimeSteps.push_back(step);
   return header;
@@ -88,6 +88,41 @@ TEST(BlockedVolumeHeader, RoundTripsExactly)
     }
     EXPECT_EQ(parsed->TimeSteps[step].Stores[0].Checksum, 0xFEDCBA9876543210u);
   }
+}
+
+TEST(BlockedVolumeHeader, HasARangeOfEachComponentAndOfEachMagnitude)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  header.Arrays[1].Components = 3;
+  const KeyRange floats = { MakeValueKey(-2.5f), MakeValueKey(1.5f) };
+  const KeyRange magnitudes = { MakeValueKey(0.1), MakeValueKey(4.25) };
+  for (TimeStepDescription& step : header.TimeSteps)
+  {
+    step.Ranges.insert(step.Ranges.begin() + 2, { KeyRange{}, floats });
+    step.Ranges.push_back(magnitudes);
+  }
+  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
+  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
+  EXPECT_EQ(parsed->Format(), header.Format());
+  EXPECT_EQ(parsed->Arrays[1].Components, 3);
+  ASSERT_EQ(parsed->TimeSteps[0].Ranges.size(), 7u);
+  EXPECT_TRUE(parsed->TimeSteps[0].Ranges[2].IsEmpty());
+  EXPECT_EQ(parsed->TimeSteps[0].Ranges[3].Minimum, floats.Minimum);
+  EXPECT_EQ(parsed->TimeSteps[0].Ranges[6].Maximum, magnitudes.Maximum);
+
+  const ArrayVariables variables = parsed->GetVariables();
+  ASSERT_EQ(variables.GetCount(), 7u);
+  EXPECT_EQ(variables.GetNumberOfStored(), 6u);
+  EXPECT_EQ(variables.Find(1, 2), std::size_t{ 3 });
+  EXPECT_EQ(variables.Find(2, 0), std::size_t{ 4 });
+  EXPECT_EQ(variables.Find(1, Variable::Magnitude), std::size_t{ 6 });
+  EXPECT_EQ(variables.Find(2, Variable::Magnitude), std::size_t{ 4 });
+  EXPECT_EQ(variables.FindChoice(1, 3), std::size_t{ 6 });
+  EXPECT_EQ(variables.FindChoice(2, 3), std::size_t{ 4 });
+  EXPECT_FALSE(variables.Find(1, 3).has_value());
+  EXPECT_FALSE(variables.FindChoice(1, 4).has_value());
+  EXPECT_FALSE(variables.FindChoice(1, -1).has_value());
+  EXPECT_FALSE(variables.Find(4, 0).has_value());
 }
 
 TEST(BlockedVolumeHeader, SaysHowBlocksAreCompressed)
@@ -171,7 +206,26 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "distribution.seed", [](Json& d) { d["distribution"]["seed"] = -1; } },
     { "arrays", [](Json& d) { d["arrays"] = Json::object(); } },
     { "arrays[1].type", [](Json& d) { d["arrays"][1]["type"] = "float16"; } },
-    { "arrays[0].components", [](Json& d) { d["arrays"][0]["components"] = 3; } },
+    { "arrays[0].components", [](Json& d) { d["arrays"][0]["components"] = 0; } },
+    { "arrays[0].components", [](Json& d) { d["arrays"][0]["components"] = 1.5; } },
+    { "arrays[0].components", [&](Json& d) { d["arrays"][0]["components"] = huge; } },
+    // 815 and three others, of 5 levels each, are as many as a page of the directory takes.
+    { "timeSteps[0].ranges", [](Json& d) { d["arrays"][0]["components"] = 815; } },
+    { "arrays",
+      [](Json& d)
+      {
+        d["arrays"][0]["components"] = 816;
+        for (Json& step : d["timeSteps"])
+        {
+          step["ranges"] = std::vector<Json>(820);
+        }
+      } },
+    { "timeSteps[0].ranges", [](Json& d) { d["arrays"][0]["components"] = 2; } },
+    { "timeSteps[0].ranges", [](Json& d) { d["timeSteps"][0]["ranges"].push_back(nullptr); } },
+    { "timeSteps[].time", [](Json& d) { d["timeSteps"][1]["time"] = nullptr; } },
+    { "timeSteps[].time", [](Json& d) { d["timeSteps"][0]["time"] = nullptr; } },
+    { "timeSteps[].time", [](Json& d) { d["timeSteps"][1]["time"] = 0.3; } },
+    { "timeSteps[].time", [](Json& d) { d["timeSteps"][1]["time"] = -4; } },
     { "arrays[].name", [](Json& d) { d["arrays"][1]["name"] = "a"; } },
     { "timeSteps", [](Json& d) { d["timeSteps"] = Json::array(); } },
     { "timeSteps[1].folder", [](Json& d) { d["timeSteps"][1]["folder"] = 7; } },

@@ -233,7 +233,7 @@ TEST(BlockedVolumeSelection, AdjacentArraysOfABlockAreReadByOneRead)
     }
     QueryStatistics cost;
     const std::uint64_t before = disk.GetReads();
-    const auto together = opened->ReadArrays(reference, 0, arrays, 0, cost);
+    const auto together = opened->ReadVariables(reference, 0, arrays, 0, cost);
     ASSERT_TRUE(together.IsOk());
     EXPECT_EQ(cost.BlocksRead, reads);
     EXPECT_LE(disk.GetReads() - before, reads + 1); // one page of the directory
@@ -273,8 +273,7 @@ TEST(BlockedVolumeSelection, InterpolatedArraysOfTheContouredOneHaveTheIsovalue)
     ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
     ASSERT_GT(surface->NumberOfPoints, 0u);
     const auto* negative = reinterpret_cast<const float*>(surface->Attributes[0].Bytes.GetData());
-    const auto* twice =
-      reinterpret_cast<const float*>(surface->Attributes[1].Bytes.GetData());
+    const auto* twice = reinterpret_cast<const float*>(surface->Attributes[1].Bytes.GetData());
     for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
     {
       ASSERT_NEAR(negative[point], -30.25f, 1e-4f);

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Time steps that are appended to a volume one at a time.
+#include "VolumeOnDisk.h"
+
+#include <cmath>
+#include <functional>
+#include <utility>
+
+using namespace isosurface;
+
+namespace
+{
+
+const Index3 Size = { 40, 33, 20 };
+
+SampleVolume<std::uint16_t> MakeStep(unsigned step)
+{
+  return MakeVolume<std::uint16_t>(Size, step + 1);
+}
+
+BlockedVolumeSettings MakeStepSettings(double time)
+{
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.Time = time;
+  settings.Append = true;
+  return settings;
+}
+
+/// Appends step n at time n / 2.
+void AppendStep(FileSystem& disk, unsigned step, int ranks = 1)
+{
+  WriteVolumeOk(disk, MakeStep(step), MakeStepSettings(0.5 * step), ranks);
+}
+
+/// Expects the steps 0, 1, ... with their own samples and trees.
+void ExpectSteps(FileSystem& disk, unsigned count)
+{
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  ASSERT_EQ(opened->GetHeader().TimeSteps.size(), count);
+  for (unsigned step = 0; step < count; ++step)
+  {
+    EXPECT_EQ(opened->GetHeader().TimeSteps[step].Time, 0.5 * step);
+    const auto volume = MakeStep(step);
+    QueryStatistics statistics;
+    for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
+    {
+      const auto blocks = opened->GetShare(step, 0, 1, statistics, level);
+      ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
+      for (const BlockReference& reference : *blocks)
+      {
+        const auto block = opened->ReadBlock(reference, step, 0, level, statistics);
+        ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
+        const SampleView& view = (*block)->View;
+        for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
+        {
+          const Index3 vertex = { i, view.Box.Low[1], view.Box.High[2] - 1 };
+          ASSERT_EQ(*view.At<std::uint16_t>(vertex),
+            volume.At(i << level, vertex[1] << level, vertex[2] << level));
+        }
+      }
+      const auto spectrum = opened->GetSpectrum(step, 0, level);
+      ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
+    }
+  }
+}
+
+void ExpectRefused(FileSystem& disk, const BlockedVolumeSettings& settings, const std::string& part,
+  const Index3& size = Size)
+{
+  for (const auto& result : WriteVolume(disk, MakeVolume<std::uint16_t>(size), settings, 2))
+  {
+    ASSERT_FALSE(result.IsOk()) << part;
+    EXPECT_EQ(result.GetStatus().GetCode(), StatusCode::InvalidArgument);
+    EXPECT_NE(result.GetStatus().GetMessage().find(VolumePath), std::string::npos);
+    EXPECT_NE(result.GetStatus().GetMessage().find(part), std::string::npos)
+      << result.GetStatus().GetMessage();
+  }
+}
+
+} // namespace
+
+TEST(BlockedVolumeTimeSteps, AreAppendedWithoutTouchingThoseBefore)
+{
+  MemoryDisk disk;
+  for (unsigned step = 0; step < 4; ++step)
+  {
+    const auto before = disk.Copy();
+    AppendStep(disk, step, static_cast<int>(step) + 1);
+    for (const auto& file : before)
+    {
+      if (file.first != VolumePath)
+      {
+        EXPECT_EQ(disk.GetFile(file.first), file.second) << file.first;
+      }
+    }
+    ExpectSteps(disk, step + 1);
+  }
+}
+
+TEST(BlockedVolumeTimeSteps, AreTheSameFilesOnAnyNumberOfRanks)
+{
+  MemoryDisk one;
+  AppendStep(one, 0);
+  AppendStep(one, 1);
+  for (int ranks = 2; ranks <= 7; ++ranks)
+  {
+    MemoryDisk disk;
+    AppendStep(disk, 0, ranks);
+    AppendStep(disk, 1, 8 - ranks);
+    EXPECT_EQ(disk.Copy(), one.Copy()) << ranks << " ranks";
+  }
+}
+
+TEST(BlockedVolumeTimeSteps, AreReplacedAllTogetherByAWriteThatDoesNotAppend)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  AppendStep(disk, 1);
+  WriteVolumeOk(disk, MakeStep(2), MakeSettings(16, 2));
+  EXPECT_EQ(disk.List(VolumePath + ".stores")->size(), 1u);
+  EXPECT_EQ(OpenVolume(disk)->GetHeader().TimeSteps.size(), 1u);
+}
+
+TEST(BlockedVolumeTimeSteps, MustFitTheVolumeThatTheyAreAppendedTo)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  AppendStep(disk, 1);
+  const auto before = disk.Copy();
+  using Settings = BlockedVolumeSettings;
+  const std::pair<std::string, std::function<void(Settings&)>> changes[] = {
+    { "time 0.5, this one of time 0.5", [](Settings& s) { s.Time = 0.5; } },
+    { "time 0.5, this one of time 0.25", [](Settings& s) { s.Time = 0.25; } },
+    { "has no time", [](Settings& s) { s.Time.reset(); } },
+    { "time", [](Settings& s) { s.Time = std::nan(""); } },
+    { "16 cells", [](Settings& s) { s.BlockSize = 32; } },
+    { "3 stores", [](Settings& s) { s.NumberOfStores = 4; } },
+    { "greedy", [](Settings& s) { s.Distribution = DistributionMethod::Slab; } },
+    { "seed 7", [](Settings& s) { s.RandomSeed = 8; } },
+    { "compressed otherwise", [](Settings& s) { s.Compression.Codec = SegmentCodec::Zstd; } },
+  };
+  for (const auto& change : changes)
+  {
+    SCOPED_TRACE(change.first);
+    BlockedVolumeSettings settings = MakeStepSettings(1);
+    change.second(settings);
+    ExpectRefused(disk, settings, change.first);
+  }
+  ExpectRefused(disk, MakeStepSettings(1), "extent", { 40, 33, 21 });
+  for (const auto& result : WriteVolume(disk, MakeVolume<float>(Size), MakeStepSettings(1), 2))
+  {
+    EXPECT_NE(result.GetStatus().GetMessage().find("types"), std::string::npos);
+  }
+  EXPECT_EQ(disk.Copy(), before);
+}
+
+TEST(BlockedVolumeTimeSteps, GoIntoAsManyStoresAsThereAreUnlessANumberIsGiven)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  BlockedVolumeSettings settings = MakeStepSettings(0.5);
+  settings.NumberOfStores = 0;
+  WriteVolumeOk(disk, MakeStep(1), settings, 2);
+  ExpectSteps(disk, 2);
+}
+
+TEST(BlockedVolumeTimeSteps, CannotFollowAStepWithoutTime)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeStep(0), MakeSettings(16, 3));
+  ExpectRefused(disk, MakeStepSettings(1), "has no time");
+}
+
+TEST(BlockedVolumeTimeSteps, CannotBeAppendedToADamagedHeader)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  disk.GetFile(VolumePath)[100] ^= 1;
+  const auto before = disk.Copy();
+  for (const auto& result : WriteVolume(disk, MakeStep(1), MakeStepSettings(1), 2))
+  {
+    EXPECT_EQ(result.GetStatus().GetCode(), StatusCode::Corrupt);
+  }
+  EXPECT_EQ(disk.Copy(), before);
+}
+
+TEST(BlockedVolumeTimeSteps, OfAnOpenVolumeStayReadableWhenAnotherIsAppended)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  AppendStep(disk, 1);
+  QueryStatistics statistics;
+  const auto active = opened->FindActiveBlocks(0, 0, { 40.0 }, 0, 1, statistics);
+  ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
+  EXPECT_FALSE(active->empty());
+}
+
+TEST(BlockedVolumeTimeSteps, BeforeOneThatFailsAtAnyWriteStay)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  AppendStep(disk, 1);
+  const auto before = disk.Copy();
+  std::uint64_t failures = 0;
+  // Only the very last write, which makes the new header's name durable, comes after the rename.
+  for (bool isVisible = false; !isVisible; ++failures)
+  {
+    disk.FailFromWrite(failures);
+    const auto results = WriteVolume(disk, MakeStep(2), MakeStepSettings(1), 2);
+    disk.FailFromWrite(MemoryDisk::Never);
+    EXPECT_FALSE(results[0].IsOk());
+    EXPECT_FALSE(results[1].IsOk());
+    isVisible = disk.Copy() != before;
+    ExpectSteps(disk, isVisible ? 3 : 2);
+  }
+  EXPECT_GT(failures, 20u);
+}
+
+TEST(BlockedVolumeTimeSteps, ThatAreNotPublishedAreSeenTogetherWithTheOneThatIs)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeStep(7), MakeSettings(16, 2));
+  const auto old = disk.GetFile(VolumePath);
+  for (const int ranks : { 1, 3 })
+  {
+    ThreadCommunicator::Run(ranks,
+      [&](Communicator& communicator)
+      {
+        BlockedVolumeWriter writer(communicator, disk);
+        for (unsigned step = 0; step < 3; ++step)
+        {
+          const auto volume = MakeStep(step);
+          const VertexBox box = SlabOfEach(communicator.GetRank(), ranks, Size);
+          const PieceOfVolume<std::uint16_t> part(volume, box);
+          BlockedVolumeSettings settings = MakeStepSettings(0.5 * step);
+          settings.Append = step > 0;
+          settings.Publish = step == 2;
+          if (ranks == 1)
+          {
+            EXPECT_EQ(disk.GetFile(VolumePath), old);
+          }
+          const auto written = writer.Write(VolumePath, MakeGeometry(Size),
+            { { "density", ValueType::UInt16 } }, VolumePiece{ box, { part.View } }, settings);
+          ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+        }
+      });
+    ExpectSteps(disk, 3);
+    EXPECT_EQ(disk.List(VolumePath + ".stores")->size(), 3u);
+  }
+}
+
+TEST(BlockedVolumeTimeSteps, ThatAreNeverPublishedAreRemoved)
+{
+  MemoryDisk disk;
+  AppendStep(disk, 0);
+  const auto before = disk.Copy();
+  SerialCommunicator serial;
+  const auto volume = MakeStep(1);
+  const VolumePiece piece = { { { 0, 0, 0 }, Size }, { volume.GetView() } };
+  const std::vector<ArrayDescription> arrays = { { "density", ValueType::UInt16 } };
+  BlockedVolumeSettings settings = MakeStepSettings(1);
+  settings.Publish = false;
+  {
+    BlockedVolumeWriter writer(serial, disk);
+    ASSERT_TRUE(writer.Write(VolumePath, MakeGeometry(Size), arrays, piece, settings).IsOk());
+    EXPECT_NE(disk.Copy(), before);
+  }
+  EXPECT_EQ(disk.Copy(), before);
+  BlockedVolumeWriter writer(serial, disk);
+  ASSERT_TRUE(writer.Write(VolumePath, MakeGeometry(Size), arrays, piece, settings).IsOk());
+  // A later one fails, since its time is not above.
+  settings.Publish = true;
+  EXPECT_FALSE(writer.Write(VolumePath, MakeGeometry(Size), arrays, piece, settings).IsOk());
+  EXPECT_EQ(disk.Copy(), before);
+}

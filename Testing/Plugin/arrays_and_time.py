@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Vectors, chosen arrays, and time steps in ParaView: saved, animated, appended, reloaded."""
+import json
+import unittest
+
+from paraview import simple
+
+import plugin_testing as testing
+
+
+def read_header(path):
+    with open(path) as file:
+        return json.load(file)
+
+
+def make_vectors():
+    wave = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+    vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
+    vectors.UpdatePipeline()
+    return vectors
+
+
+def make_series():
+    """A volume that changes with time: RTData + 10 t at t = 0, 1, 2, 3."""
+    wave = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+    series = simple.ProgrammableFilter(Input=wave)
+    series.RequestInformationScript = """
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
+info = self.GetOutputInformation(0)
+info.Set(pipeline.TIME_STEPS(), [0.0, 1.0, 2.0, 3.0], 4)
+info.Set(pipeline.TIME_RANGE(), [0.0, 3.0], 2)
+"""
+    series.Script = """
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
+time = self.GetOutputInformation(0).Get(pipeline.UPDATE_TIME_STEP())
+output.PointData.append(inputs[0].PointData["RTData"] + 10 * time, "RTData")
+output.VTKObject.GetInformation().Set(vtk.vtkDataObject.DATA_TIME_STEP(), time)
+output.VTKObject.GetPointData().SetActiveScalars("RTData")
+"""
+    series.UpdatePipelineInformation()
+    return series
+
+
+class Arrays(unittest.TestCase):
+    def test_vectors_are_contoured_by_component_and_by_magnitude(self):
+        vectors = make_vectors()
+        path = testing.output("vectors.bvol")
+        simple.SaveData(path, proxy=vectors, BlockSize=16, NumberOfStores=3)
+        header = read_header(path)
+        components = {array["name"]: array["components"] for array in header["arrays"]}
+        self.assertEqual(components, {"RTData": 1, "Gradient": 3})
+        reader = testing.open_volume(path)
+        surface = simple.StabbingContour(
+            Input=reader, ContourBy=["POINTS", "Gradient"], Isosurfaces=[5.0]
+        )
+        for component, function in enumerate(
+            ["dot(Gradient,iHat)", "dot(Gradient,jHat)", "dot(Gradient,kHat)", "mag(Gradient)"]
+        ):
+            with self.subTest(function=function):
+                surface.Component = component
+                self.assertEqual(
+                    testing.count_cells(surface), testing.count_expected_triangles(5.0, function)
+                )
+
+    def test_vectors_are_interpolated_with_all_components(self):
+        path = testing.output("interpolated.bvol")
+        simple.SaveData(path, proxy=make_vectors(), BlockSize=16)
+        surface = testing.contour(testing.open_volume(path))
+        surface.InterpolatedArrays = ["Gradient"]
+        surface.UpdatePipeline()
+        array = surface.PointData["Gradient"]
+        self.assertEqual(array.GetNumberOfComponents(), 3)
+        # Normals are the negative gradient, so the vectors are those of the points.
+        check = simple.Calculator(
+            Input=surface,
+            AttributeType="Point Data",
+            Function="dot(Normals,Gradient)/mag(Gradient)",
+            ResultArrayName="Cosine",
+        )
+        check.UpdatePipeline()
+        self.assertLess(check.PointData["Cosine"].GetRange()[1], -0.9)
+
+    def test_range_of_isovalues_is_that_of_the_component(self):
+        path = testing.output("ranges.bvol")
+        simple.SaveData(path, proxy=make_vectors())
+        reader = testing.open_volume(path)
+        surface = simple.StabbingContour(Input=reader, ContourBy=["POINTS", "Gradient"])
+        domain = surface.GetProperty("Isosurfaces").SMProperty.FindDomain("vtkSMArrayRangeDomain")
+        for component in range(4):
+            surface.Component = component
+            low, high = reader.PointData["Gradient"].GetRange(component if component < 3 else -1)
+            self.assertAlmostEqual(domain.GetMinimum(0), low, places=5)
+            self.assertAlmostEqual(domain.GetMaximum(0), high, places=5)
+
+    def test_arrays_are_chosen_in_save_data(self):
+        path = testing.output("chosen.bvol")
+        simple.SaveData(
+            path, proxy=make_vectors(), ChooseArraysToWrite=1, PointDataArrays=["Gradient"]
+        )
+        self.assertEqual([array["name"] for array in read_header(path)["arrays"]], ["Gradient"])
+
+
+class TimeSteps(unittest.TestCase):
+    def check_steps(self, reader, times):
+        """In an animation, each step shows its own surface."""
+        self.assertEqual(list(reader.TimestepValues), times)
+        surface = testing.contour(reader)
+        scene = simple.GetAnimationScene()
+        scene.UpdateAnimationUsingDataTimeSteps()
+        view = testing.make_view()
+        simple.Show(surface, view)
+        scene.PlayMode = "Snap To TimeSteps"
+        shown = []
+        scene.GoToFirst()
+        for _ in times:
+            simple.Render(view)
+            shown.append(scene.AnimationTime)
+            # What the view shows, without an update of our own.
+            cells = surface.GetDataInformation().GetNumberOfCells()
+            expected = testing.count_expected_triangles(testing.ISOVALUE - 10 * shown[-1])
+            self.assertEqual(cells, expected, f"time {shown[-1]}")
+            scene.GoToNext()
+        self.assertEqual(shown, times)
+        simple.Delete(view)
+        simple.Delete(surface)
+
+    def test_all_are_saved_into_one_file_and_animated(self):
+        path = testing.output("series.bvol")
+        simple.SaveData(
+            path, proxy=make_series(), WriteAllTimeSteps=1, BlockSize=16, NumberOfStores=2
+        )
+        self.assertEqual(
+            [step["time"] for step in read_header(path)["timeSteps"]], [0.0, 1.0, 2.0, 3.0]
+        )
+        reader = simple.OpenDataFile(path)
+        reader.UpdatePipelineInformation()
+        self.check_steps(reader, [0.0, 1.0, 2.0, 3.0])
+        simple.Delete(reader)
+
+    def test_appended_ones_are_seen_after_reload(self):
+        path = testing.output("appended.bvol")
+        series = make_series()
+        reader = None
+        for time in range(3):
+            series.UpdatePipeline(time)
+            simple.GetAnimationScene().AnimationTime = time
+            simple.SaveData(path, proxy=series, AppendTimeStep=1, BlockSize=16, NumberOfStores=2)
+            if reader is None:
+                reader = simple.OpenDataFile(path)
+            else:
+                simple.ReloadFiles(reader)
+            reader.UpdatePipelineInformation()
+            times = [float(step) for step in range(time + 1)]
+            if len(times) > 1:
+                self.check_steps(reader, times)
+        simple.Delete(reader)
+
+
+testing.parse_arguments()
+testing.load_plugin()
+testing.run()

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ArrayChoice_h
+#define isosurface_ArrayChoice_h
+
+#include "IsosurfaceWritersModule.h"
+
+#include "Base/Status.h"
+
+#include <set>
+#include <string>
+
+class vtkDataArray;
+class vtkDataArraySelection;
+class vtkImageData;
+
+namespace isosurface
+{
+
+/// Which of an image's arrays are written.
+struct ISOSURFACEWRITERS_EXPORT ArrayChoice
+{
+  std::set<std::string> Names;
+  std::string LeftOut; ///< says what else there is, and why it is not written; empty if nothing is
+
+  bool Has(const std::string& name) const { return this->Names.count(name) != 0; }
+
+  /**
+   * All numeric point arrays but vtkGhostType; with `chosen`, those that it enables. Errors
+   * (InvalidArgument, Unsupported) name the array that is chosen but cannot be written, or tell
+   * what to do with an input that has cell arrays alone.
+   */
+  static Result<ArrayChoice> Make(vtkImageData* image, vtkDataArraySelection* chosen);
+};
+
+/// An array's name; of one without, "scalars".
+std::string GetNameOf(vtkDataArray* array);
+
+} // namespace isosurface
+
+#endif
