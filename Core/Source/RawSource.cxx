@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
+#include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <sys/mman.h>
 
@@ -41,6 +45,53 @@ private:
   void* Pages;
 };
 
+} // namespace
+
+/// Memory of slabs that nobody needs any more. The next ones are mostly as large: to get new memory
+/// for them costs as much as to copy their samples.
+class RawSource::IdleBuffers
+{
+public:
+  /// A buffer of at least `size` bytes, hardly larger. Takes no new memory before the idle one is
+  /// given back. Null without memory.
+  std::unique_ptr<PageBuffer> Take(std::size_t size)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto fits = [size](const std::unique_ptr<PageBuffer>& buffer)
+    { return buffer->GetSize() >= size && buffer->GetSize() - size <= size / 16; };
+    const auto found = std::find_if(this->Buffers.begin(), this->Buffers.end(), fits);
+    if (found != this->Buffers.end())
+    {
+      std::unique_ptr<PageBuffer> buffer = std::move(*found);
+      this->Buffers.erase(found);
+      return buffer;
+    }
+    this->Buffers.clear();
+    auto buffer = std::make_unique<PageBuffer>(size);
+    return buffer->IsValid() ? std::move(buffer) : nullptr;
+  }
+
+  void Return(std::unique_ptr<PageBuffer> buffer)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    try
+    {
+      this->Buffers.push_back(std::move(buffer));
+    }
+    catch (const std::bad_alloc&)
+    {
+      // It is freed rather than kept.
+    }
+  }
+
+private:
+  std::mutex Mutex;
+  std::vector<std::unique_ptr<PageBuffer>> Buffers;
+};
+
+namespace
+{
+
 template <typename T>
 void SwapBytes(std::uint8_t* bytes, std::size_t samples)
 {
@@ -52,6 +103,18 @@ void SwapBytes(std::uint8_t* bytes, std::size_t samples)
 
 } // namespace
 
+RawSource::RawSource(std::unique_ptr<RandomAccessFile> file, std::uint64_t offset,
+  const Index3& size, ValueType type, bool isBigEndian, std::uint64_t heldBytes)
+  : File(std::move(file))
+  , Offset(offset)
+  , Box{ { 0, 0, 0 }, size }
+  , Type(type)
+  , IsBigEndian(isBigEndian)
+  , HeldBytes(heldBytes)
+  , Idle(std::make_shared<IdleBuffers>())
+{
+}
+
 std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 {
   return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
@@ -59,13 +122,16 @@ std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 
 Result<SampleSlab> RawSource::Read(const VertexBox& box)
 {
-  auto samples = std::make_shared<PageBuffer>(static_cast<std::size_t>(this->GetReadBytes(box)));
-  if (!samples->IsValid())
+  const auto bytes = static_cast<std::size_t>(this->GetReadBytes(box));
+  std::unique_ptr<PageBuffer> buffer = this->Idle->Take(bytes);
+  if (!buffer)
   {
     return Status(StatusCode::IoError,
-      this->File->GetPath() + ": cannot read: no memory for " + std::to_string(samples->GetSize()) +
+      this->File->GetPath() + ": cannot read: no memory for " + std::to_string(bytes) +
         " bytes: " + std::strerror(errno));
   }
+  const std::shared_ptr<PageBuffer> samples(buffer.release(),
+    [idle = this->Idle](PageBuffer* used) { idle->Return(std::unique_ptr<PageBuffer>(used)); });
   ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, samples->GetData()));
   if (this->IsBigEndian)
   {
@@ -73,7 +139,7 @@ Result<SampleSlab> RawSource::Read(const VertexBox& box)
       [&](auto zero)
       {
         using T = decltype(zero);
-        SwapBytes<T>(samples->GetData(), samples->GetSize() / sizeof(T));
+        SwapBytes<T>(samples->GetData(), bytes / sizeof(T));
       });
   }
   SampleSlab slab;
@@ -85,7 +151,7 @@ Result<SampleSlab> RawSource::Read(const VertexBox& box)
   const Index3 size = box.GetSize();
   view.Stride = { 1, size[0], size[0] * size[1] };
   slab.Arrays = { view };
-  slab.Owner = std::move(samples);
+  slab.Owner = samples;
   return slab;
 }
 

@@ -20,15 +20,7 @@ class RawSource : public SlabSource
 public:
   /// The samples begin at `offset`; the file has all of them. `heldBytes`: the file's own memory.
   RawSource(std::unique_ptr<RandomAccessFile> file, std::uint64_t offset, const Index3& size,
-    ValueType type, bool isBigEndian, std::uint64_t heldBytes)
-    : File(std::move(file))
-    , Offset(offset)
-    , Box{ { 0, 0, 0 }, size }
-    , Type(type)
-    , IsBigEndian(isBigEndian)
-    , HeldBytes(heldBytes)
-  {
-  }
+    ValueType type, bool isBigEndian, std::uint64_t heldBytes);
 
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
@@ -38,12 +30,15 @@ public:
 private:
   Status ReadSamples(const VertexBox& box, std::uint8_t* to) const;
 
+  class IdleBuffers;
+
   std::unique_ptr<RandomAccessFile> File;
   std::uint64_t Offset;
   VertexBox Box;
   ValueType Type;
   bool IsBigEndian;
   std::uint64_t HeldBytes;
+  std::shared_ptr<IdleBuffers> Idle; ///< shared with the slabs that are still in use
 };
 
 } // namespace isosurface

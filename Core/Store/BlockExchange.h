@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace isosurface
@@ -33,6 +34,7 @@ struct PendingBlock
   std::uint32_t Store;
   BlockRecordLayout Layout;
   Buffer<std::uint8_t> Record; ///< padded; segments without their headers until they are sealed
+  bool IsFinished = false;     ///< whether the record is what the file will have
 };
 
 /**
@@ -70,17 +72,19 @@ public:
   Message Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const;
 
   /// Fills the records of this rank's run from its own samples and from the messages of all ranks.
-  /// Fails if the samples do not add up.
+  /// Fails if the samples do not add up. `whenFilled` is called, by several threads at once, for
+  /// each block that takes nothing from messages, while its samples are still near.
   Status Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
-    const std::vector<Message>& messages) const;
+    const std::vector<Message>& messages,
+    const std::function<void(PendingBlock&, int thread)>& whenFilled) const;
 
 private:
   template <typename Visitor>
   void VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const;
   void PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level,
     const RunSamples& samples, Message& message) const;
-  void FillFromSource(
-    PendingBlock& block, const RunSamples& samples, std::atomic<std::uint64_t>& count) const;
+  /// Returns the number of samples that the source had.
+  std::uint64_t FillFromSource(PendingBlock& block, const RunSamples& samples) const;
   Status FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
     std::atomic<std::uint64_t>& count) const;
 

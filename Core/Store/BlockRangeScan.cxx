@@ -14,7 +14,7 @@ namespace
 {
 
 /// More than this at once is not read faster.
-constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 16 } << 20;
+constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 8 } << 20;
 
 void Extend(KeyRange& range, const KeyRange& other)
 {

@@ -179,7 +179,16 @@ Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples 
       {
         blocks.emplace_back(this->Grid, block, this->Shipment.FindStore(block), this->Types);
       }
-      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages);
+      // What stays here is finished at once, what travels by its writer.
+      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages,
+        [&](PendingBlock& block, int thread)
+        {
+          if (this->Shipment.FindWriter(block.Block) == this->Rank)
+          {
+            steps.Finish(block, thread);
+            block.IsFinished = true;
+          }
+        });
     }));
 }
 
@@ -200,7 +209,13 @@ Status BlockRounds::FinishBlocks(const BlockRoundsSteps& steps, std::vector<Pend
   std::future<Status>& writing) const
 {
   ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int thread) { steps.Finish(blocks[index], thread); });
+    [&](std::size_t index, int thread)
+    {
+      if (!blocks[index].IsFinished)
+      {
+        steps.Finish(blocks[index], thread);
+      }
+    });
   if (writing.valid())
   {
     ISOSURFACE_RETURN_IF_ERROR(writing.get());
