@@ -57,14 +57,12 @@ VertexBox LoadBox(const std::uint8_t* bytes)
 } // namespace
 
 PendingBlock::PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
-  const std::vector<ValueType>& types)
+  const std::vector<ValueType>& types, Buffer<std::uint8_t> record)
   : Block(block)
   , Store(store)
   , Layout(grid, block, types)
-  , Record(static_cast<std::size_t>(BlockRecord::AlignUp(Layout.Size)))
+  , Record(std::move(record))
 {
-  std::memset(
-    this->Record.GetData() + this->Layout.Size, 0, this->Record.GetSize() - this->Layout.Size);
 }
 
 BlockExchange::BlockExchange(const BlockGrid& grid, const std::vector<ValueType>& types,

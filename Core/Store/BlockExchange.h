@@ -21,8 +21,9 @@ namespace isosurface
 /// A block whose record is being made, on its way to the rank that writes it.
 struct PendingBlock
 {
+  /// `record`: at least as large as the record will be, padded.
   PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
-    const std::vector<ValueType>& types);
+    const std::vector<ValueType>& types, Buffer<std::uint8_t> record);
 
   /// The memory of a block whose record has so many bytes.
   static std::uint64_t GetBytes(std::uint64_t record)

@@ -328,8 +328,8 @@ Status BlockedVolumeWriteJob::WriteBlocks()
     *this->Plan, this->Settings.Threads, memory[0]);
   BlockRoundsSteps steps;
   steps.Agree = [&](const Status& mine) { return this->AgreeOn(mine); };
-  steps.Finish = [&](PendingBlock& block, int thread)
-  { this->FinishBlock(block, counters[static_cast<std::size_t>(thread)]); };
+  steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
+  { this->FinishBlock(block, views, counters[static_cast<std::size_t>(thread)]); };
   steps.Write = [&](const PendingBlock& block)
   { return this->Writers[block.Store]->Append(block); };
   steps.Tell = [&](double share)
@@ -343,27 +343,41 @@ Status BlockedVolumeWriteJob::WriteBlocks()
 }
 
 /// Counts the triangles of a filled block, and makes its record what the file will have.
-void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters)
+void BlockedVolumeWriteJob::FinishBlock(
+  PendingBlock& block, const std::vector<SampleView>& views, std::vector<BlockWorkload>& counters)
 {
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
   for (std::size_t array = 0; array < this->Types.size(); ++array)
   {
-    std::vector<const std::uint8_t*> samples;
-    for (std::size_t index = array * levels; index < (array + 1) * levels; ++index)
-    {
-      samples.push_back(
-        block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
-    }
     const KeyRange& range = this->Scan->GetRanges()[array][static_cast<std::size_t>(block.Block)];
     if (range.Minimum < range.Maximum)
     {
-      const auto decoded = AssembleLevel(this->Grid, block.Block, 0, this->Types[array], samples);
-      counters[array].Count(decoded->View);
+      if (views.empty())
+      {
+        counters[array].Count(this->AssembleBlock(block, array)->View);
+      }
+      else
+      {
+        counters[array].Count(views[array]);
+      }
       this->Spectra->Add(block.Store, array, counters[array]);
     }
   }
   EncodeRecord(
     this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
+}
+
+/// The samples of a record that is not encoded yet.
+std::shared_ptr<DecodedBlock> BlockedVolumeWriteJob::AssembleBlock(
+  const PendingBlock& block, std::size_t array) const
+{
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  std::vector<const std::uint8_t*> samples;
+  for (std::size_t index = array * levels; index < (array + 1) * levels; ++index)
+  {
+    samples.push_back(
+      block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
+  }
+  return AssembleLevel(this->Grid, block.Block, 0, this->Types[array], samples);
 }
 
 Status BlockedVolumeWriteJob::FinishStores()

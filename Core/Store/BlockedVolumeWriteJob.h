@@ -61,7 +61,9 @@ private:
   Status MakeGeneration();
   Status CreateStores();
   Status WriteBlocks();
-  void FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters);
+  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
+    std::vector<BlockWorkload>& counters);
+  std::shared_ptr<DecodedBlock> AssembleBlock(const PendingBlock& block, std::size_t array) const;
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
