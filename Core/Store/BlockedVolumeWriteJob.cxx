@@ -257,16 +257,36 @@ Status BlockedVolumeWriteJob::MakeGeneration()
   Message name;
   if (this->Rank == 0)
   {
-    const auto created = GenerationFolder::Create(this->Files, this->Path);
-    status = created.GetStatus();
-    if (created.IsOk())
+    status = this->LockVolume();
+    if (status.IsOk())
     {
-      name.assign(created->begin(), created->end());
+      const auto created = GenerationFolder::Create(this->Files, this->Path);
+      status = created.GetStatus();
+      if (created.IsOk())
+      {
+        name.assign(created->begin(), created->end());
+      }
     }
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
   const Message shared = this->Ranks.AllGather(name)[0];
   this->GetStep().Folder.assign(shared.begin(), shared.end());
+  return Status::Ok();
+}
+
+/// Keeps other writers out, and clears away what killed ones have left.
+Status BlockedVolumeWriteJob::LockVolume()
+{
+  auto lock = this->Files.LockFolder(GetStoresFolder(this->Path));
+  if (!lock.IsOk())
+  {
+    return lock.GetStatus();
+  }
+  this->Lock = std::move(*lock);
+  if (this->Lock->IsExclusive())
+  {
+    GenerationFolder::RemoveUnnamed(this->Files, this->Path, this->Header);
+  }
   return Status::Ok();
 }
 

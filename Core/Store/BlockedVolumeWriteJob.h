@@ -59,6 +59,7 @@ private:
   Status ShareBoxes();
   Status FindRanges();
   Status MakeGeneration();
+  Status LockVolume();
   Status CreateStores();
   Status WriteBlocks();
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
@@ -103,6 +104,7 @@ private:
   std::vector<std::uint32_t> BlockStores;                 ///< per block
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
   std::optional<StoreSpectra> Spectra;
+  std::unique_ptr<FolderLock> Lock; ///< of rank 0
   bool IsVisible = false;
   WriteStatistics Statistics;
 };

@@ -61,7 +61,8 @@ struct WriteStatistics
  * Whatever fails on any rank, or whichever rank's progress asks to stop: all ranks return an error,
  * and what was at `path` before is untouched. The new dataset becomes visible by one rename at the
  * end; then the folders of older ones that no header names are removed. A killed run leaves a
- * folder that no header names, which the next write to the path removes.
+ * folder that no header names, which the next write to the path removes before it begins. While one
+ * writer is at work, another one to the same path fails at once.
  *
  * Cost: two passes over the samples: one for the blocks' value ranges, from which the distribution
  * follows, one for writing, which reads up to ten slices a layer of blocks once more for the ghost

@@ -23,11 +23,17 @@ namespace isosurface
  *         store-00000/  store-00001/  ...
  *
  * Whatever dies on the way leaves the header and its generation as they were, and folders that no
- * header names, which the next write removes. One rank does all of this.
+ * header names, which the next write removes first of all, so that a full disk has room again. One
+ * rank does all of this. A writer holds the lock of NAME.bvol.stores/ (FileSystem::LockFolder).
  */
 class GenerationFolder
 {
 public:
+  /// Removes what killed writers have left: the folders that neither the header on disk nor
+  /// `pending` names. Nothing is removed if the header on disk cannot be read.
+  static void RemoveUnnamed(
+    FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending);
+
   /// Makes a folder whose number is above all that exist; returns its name.
   static Result<std::string> Create(FileSystem& files, const std::string& path);
 
