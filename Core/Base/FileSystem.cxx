@@ -234,6 +234,12 @@ public:
     return error ? MakeSystemError(path, "create folder", error) : Status::Ok();
   }
 
+  Status MakeNewDirectory(const std::string& path) override
+  {
+    return ::mkdir(path.c_str(), 0777) == 0 ? Status::Ok()
+                                            : MakeSystemError(path, "create folder", errno);
+  }
+
   Status RemoveAll(const std::string& path) override
   {
     std::error_code error;

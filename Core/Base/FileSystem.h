@@ -62,6 +62,8 @@ public:
   /// Replaces `to` in one step: whoever opens it sees the old file or the new one.
   virtual Status Rename(const std::string& from, const std::string& to) = 0;
   virtual Status MakeDirectories(const std::string& path) = 0;
+  /// Makes one folder that is not there yet: of several programs that try, one succeeds.
+  virtual Status MakeNewDirectory(const std::string& path) { return this->MakeDirectories(path); }
   /// Removes a file, or a folder with all that is in it; what is not there is no error.
   virtual Status RemoveAll(const std::string& path) = 0;
   virtual bool Exists(const std::string& path) = 0;

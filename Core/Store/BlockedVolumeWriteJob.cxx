@@ -39,22 +39,9 @@ Status BlockedVolumeWriteJob::AgreeOn(const Status& mine)
 Result<WriteStatistics> BlockedVolumeWriteJob::Run(
   const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays));
-  ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
-  ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
-  Status status = this->CreateStores();
-  if (status.IsOk())
-  {
-    status = this->WriteBlocks();
-  }
-  if (status.IsOk())
-  {
-    status = this->FinishStores();
-  }
-  if (status.IsOk())
-  {
-    status = this->Commit();
-  }
+  // First of all, so that a second writer fails before it works in vain.
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Rank == 0 ? this->LockVolume() : Status::Ok()));
+  const Status status = this->WriteVolume(grid, arrays);
   if (!status.IsOk())
   {
     this->Writers.clear();
@@ -62,11 +49,34 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(
     static_cast<void>(this->Ranks.Agree(Status::Ok()));
     if (this->Rank == 0 && !this->IsVisible)
     {
-      GenerationFolder::Discard(this->Files, this->Path, this->GetStep().Folder);
+      GenerationFolder::Discard(this->Files, this->Path, this->NewFolder);
     }
     return status;
   }
   return this->Statistics;
+}
+
+/// Keeps other writers out until this job ends.
+Status BlockedVolumeWriteJob::LockVolume()
+{
+  auto lock = this->Files.LockFolder(GetStoresFolder(this->Path));
+  if (lock.IsOk())
+  {
+    this->Lock = std::move(*lock);
+  }
+  return lock.GetStatus();
+}
+
+Status BlockedVolumeWriteJob::WriteVolume(
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays));
+  ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
+  ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
+  ISOSURFACE_RETURN_IF_ERROR(this->CreateStores());
+  ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
+  ISOSURFACE_RETURN_IF_ERROR(this->FinishStores());
+  return this->Commit();
 }
 
 Status BlockedVolumeWriteJob::Prepare(
@@ -257,36 +267,21 @@ Status BlockedVolumeWriteJob::MakeGeneration()
   Message name;
   if (this->Rank == 0)
   {
-    status = this->LockVolume();
-    if (status.IsOk())
+    if (this->Lock->IsExclusive())
     {
-      const auto created = GenerationFolder::Create(this->Files, this->Path);
-      status = created.GetStatus();
-      if (created.IsOk())
-      {
-        name.assign(created->begin(), created->end());
-      }
+      GenerationFolder::RemoveUnnamed(this->Files, this->Path, this->Header);
+    }
+    const auto created = GenerationFolder::Create(this->Files, this->Path);
+    status = created.GetStatus();
+    if (created.IsOk())
+    {
+      this->NewFolder = *created;
+      name.assign(created->begin(), created->end());
     }
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
   const Message shared = this->Ranks.AllGather(name)[0];
   this->GetStep().Folder.assign(shared.begin(), shared.end());
-  return Status::Ok();
-}
-
-/// Keeps other writers out, and clears away what killed ones have left.
-Status BlockedVolumeWriteJob::LockVolume()
-{
-  auto lock = this->Files.LockFolder(GetStoresFolder(this->Path));
-  if (!lock.IsOk())
-  {
-    return lock.GetStatus();
-  }
-  this->Lock = std::move(*lock);
-  if (this->Lock->IsExclusive())
-  {
-    GenerationFolder::RemoveUnnamed(this->Files, this->Path, this->Header);
-  }
   return Status::Ok();
 }
 

@@ -53,13 +53,14 @@ public:
     const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
 
 private:
+  Status LockVolume();
+  Status WriteVolume(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
   Status CheckBox() const;
   Status CheckEqualArguments();
   Status ShareBoxes();
   Status FindRanges();
   Status MakeGeneration();
-  Status LockVolume();
   Status CreateStores();
   Status WriteBlocks();
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
@@ -105,6 +106,7 @@ private:
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
   std::optional<StoreSpectra> Spectra;
   std::unique_ptr<FolderLock> Lock; ///< of rank 0
+  std::string NewFolder;            ///< of rank 0; empty until it is made
   bool IsVisible = false;
   WriteStatistics Statistics;
 };

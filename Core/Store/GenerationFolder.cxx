@@ -79,12 +79,7 @@ Result<std::string> GenerationFolder::Create(FileSystem& files, const std::strin
   const std::uint64_t next = last + 1;
   std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(next));
   const std::string folder = GetStoresFolder(path) + "/" + name;
-  const Status status = files.MakeDirectories(folder);
-  if (!status.IsOk())
-  {
-    Discard(files, path, name);
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(files.MakeNewDirectory(folder));
   return std::string(name);
 }
 
@@ -133,8 +128,11 @@ void GenerationFolder::RemoveOlder(FileSystem& files, const std::string& path,
 void GenerationFolder::Discard(
   FileSystem& files, const std::string& path, const std::string& current)
 {
-  static_cast<void>(files.RemoveAll(GetPartialPath(path)));
-  static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + current));
+  if (!current.empty())
+  {
+    static_cast<void>(files.RemoveAll(GetPartialPath(path)));
+    static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + current));
+  }
   const auto names = files.List(GetStoresFolder(path));
   if (names.IsOk() && names->empty())
   {

@@ -34,7 +34,8 @@ public:
   static void RemoveUnnamed(
     FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending);
 
-  /// Makes a folder whose number is above all that exist; returns its name.
+  /// Makes a folder whose number is above all that exist; returns its name. An error if somebody
+  /// else makes the same one meanwhile.
   static Result<std::string> Create(FileSystem& files, const std::string& path);
 
   /// Puts the header in place, once all that it names is on stable storage. On an error before the
@@ -47,7 +48,7 @@ public:
   static void RemoveOlder(FileSystem& files, const std::string& path, const std::string& current,
     const BlockedVolumeHeader& header);
 
-  /// Removes what an unfinished write has left.
+  /// Removes what an unfinished write has left; `current`: empty before its folder is made.
   static void Discard(FileSystem& files, const std::string& path, const std::string& current);
 };
 
