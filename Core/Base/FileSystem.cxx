@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -160,6 +161,31 @@ private:
   std::uint64_t Unsent = 0; ///< bytes written since the disk was last told
 };
 
+class LocalFolderLock : public FolderLock
+{
+public:
+  explicit LocalFolderLock(int descriptor)
+    : Descriptor(descriptor)
+  {
+  }
+  LocalFolderLock(const LocalFolderLock&) = delete;
+  LocalFolderLock& operator=(const LocalFolderLock&) = delete;
+  ~LocalFolderLock() override { ::close(this->Descriptor); }
+
+  bool IsExclusive() const override { return true; }
+  /// Whether the folder at the path is still the one that is locked.
+  bool IsOf(const std::string& path) const
+  {
+    struct stat mine = {};
+    struct stat there = {};
+    return ::fstat(this->Descriptor, &mine) == 0 && ::stat(path.c_str(), &there) == 0 &&
+      mine.st_ino == there.st_ino && mine.st_dev == there.st_dev;
+  }
+
+private:
+  int Descriptor;
+};
+
 class LocalFileSystem : public FileSystem
 {
 public:
@@ -208,6 +234,12 @@ public:
     return error ? MakeSystemError(path, "create folder", error) : Status::Ok();
   }
 
+  Status MakeNewDirectory(const std::string& path) override
+  {
+    return ::mkdir(path.c_str(), 0777) == 0 ? Status::Ok()
+                                            : MakeSystemError(path, "create folder", errno);
+  }
+
   Status RemoveAll(const std::string& path) override
   {
     std::error_code error;
@@ -236,6 +268,34 @@ public:
     }
     std::sort(names.begin(), names.end());
     return names;
+  }
+
+  Result<std::unique_ptr<FolderLock>> LockFolder(const std::string& path) override
+  {
+    for (;;)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->MakeDirectories(path));
+      const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (descriptor < 0)
+      {
+        return MakeSystemError(path, "open", errno);
+      }
+      auto lock = std::make_unique<LocalFolderLock>(descriptor);
+      if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+      {
+        if (errno == EWOULDBLOCK)
+        {
+          return Status(
+            StatusCode::IoError, path + ": cannot be locked: another program is writing there");
+        }
+        return std::make_unique<FolderLock>(); // unknown here: NFS, for one, locks no folders
+      }
+      // Whoever had it until now may have removed the folder; then the lock is worth nothing.
+      if (lock->IsOf(path))
+      {
+        return std::unique_ptr<FolderLock>(std::move(lock));
+      }
+    }
   }
 
   Status SyncDirectory(const std::string& path) override

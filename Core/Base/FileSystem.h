@@ -38,6 +38,16 @@ public:
   virtual const std::string& GetPath() const = 0;
 };
 
+/// The right to change a folder; given back when it is dropped, or when the process ends, however
+/// it does.
+class FolderLock
+{
+public:
+  virtual ~FolderLock() = default;
+  /// Whether nobody else can have it: there are file systems that know no locks.
+  virtual bool IsExclusive() const { return false; }
+};
+
 /**
  * The one door to the disk: everything in Core reads and writes through it, so that tests can put
  * a failing disk in its place. Errors name the path and the system's reason.
@@ -52,11 +62,19 @@ public:
   /// Replaces `to` in one step: whoever opens it sees the old file or the new one.
   virtual Status Rename(const std::string& from, const std::string& to) = 0;
   virtual Status MakeDirectories(const std::string& path) = 0;
+  /// Makes one folder that is not there yet: of several programs that try, one succeeds.
+  virtual Status MakeNewDirectory(const std::string& path) { return this->MakeDirectories(path); }
   /// Removes a file, or a folder with all that is in it; what is not there is no error.
   virtual Status RemoveAll(const std::string& path) = 0;
   virtual bool Exists(const std::string& path) = 0;
   /// The names (not paths) in a folder, sorted; a missing folder has none.
   virtual Result<std::vector<std::string>> List(const std::string& path) = 0;
+  /// Makes a folder that is missing, and takes its lock. IoError if somebody else has it.
+  virtual Result<std::unique_ptr<FolderLock>> LockFolder(const std::string& path)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->MakeDirectories(path));
+    return std::make_unique<FolderLock>();
+  }
   /// Makes the names in a folder durable.
   virtual Status SyncDirectory(const std::string& path) = 0;
 };

@@ -135,7 +135,7 @@ void CountEdges(const SpectrumBins& bins, const SampleView& samples, std::int16_
 BlockWorkload::BlockWorkload(const SpectrumBins& bins)
   : Bins(bins)
   , Changes(bins.Count + 1)
-  , PackedChanges(bins.Count + 1, 0)
+  , PackedChanges(Changes.size() * PackedSums, 0)
 {
   static_assert(SpectrumBins::MaximumCount <= 32767, "numbers of edges are compared as int16");
 }
@@ -180,7 +180,10 @@ void BlockWorkload::AddChanges(std::size_t begin, std::size_t end)
     const int change = changes[vertex];
     const int cells = (change + unit / 2) >> 8;
     const int triangles = change - cells * unit;
-    this->PackedChanges[static_cast<std::size_t>(values[vertex])] += triangles + cells * PackedCell;
+    // Neighbours often have equal values: each adds to a sum of its own, so as not to wait.
+    const std::size_t sum =
+      static_cast<std::size_t>(values[vertex]) * PackedSums + vertex % PackedSums;
+    this->PackedChanges[sum] += triangles + cells * PackedCell;
   };
   // Most are 0 where values are smooth.
   constexpr std::size_t atOnce = sizeof(std::uint64_t) / sizeof(std::int16_t);
@@ -204,7 +207,11 @@ void BlockWorkload::Unpack()
 {
   for (std::size_t count = 0; count < this->Changes.size(); ++count)
   {
-    const std::int64_t packed = std::exchange(this->PackedChanges[count], 0);
+    std::int64_t packed = 0;
+    for (std::size_t sum = count * PackedSums; sum < (count + 1) * PackedSums; ++sum)
+    {
+      packed += std::exchange(this->PackedChanges[sum], 0);
+    }
     const std::int64_t cells = (packed + PackedCell / 2) >> 32;
     this->Changes[count].Triangles += packed - cells * PackedCell;
     this->Changes[count].Cells += cells;

@@ -24,7 +24,7 @@ namespace isosurface
  * contour spectrum", 1997.
  *
  * Cost: 2 ns a cell where values are smooth, 4 in noise (vectors of 32 bytes); memory 4 bytes a
- * vertex of the largest box and 16 a bin. One object serves one thread at a time.
+ * vertex of the largest box and 32 a bin. One object serves one thread at a time.
  */
 class BlockWorkload
 {
@@ -52,6 +52,7 @@ private:
   std::vector<Change> Changes; ///< per number of edges
   /// The latest changes, per number of edges: triangles + cells * 2^32, of so few vertices that the
   /// triangles fill less than half of it.
+  static constexpr std::size_t PackedSums = 2; ///< per number of edges
   std::vector<std::int64_t> PackedChanges;
   std::size_t PackedVertices = 0;
 };

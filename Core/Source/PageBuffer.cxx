@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -27,6 +28,52 @@ Result<std::shared_ptr<PageBuffer>> PageBuffer::Create(std::uint64_t size)
 PageBuffer::~PageBuffer()
 {
   ::munmap(this->Pages, this->Size);
+}
+
+Result<std::shared_ptr<PageBuffer>> PageBufferPool::Take(std::uint64_t size)
+{
+  std::shared_ptr<PageBuffer> buffer;
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto found = std::find_if(this->Idle.begin(), this->Idle.end(),
+      [size](const std::shared_ptr<PageBuffer>& idle)
+      { return idle->GetSize() >= size && idle->GetSize() - size <= size / 16; });
+    if (found != this->Idle.end())
+    {
+      buffer = std::move(*found);
+      this->Idle.erase(found);
+    }
+    else
+    {
+      this->Idle.clear();
+    }
+  }
+  if (!buffer)
+  {
+    auto created = PageBuffer::Create(size);
+    if (!created.IsOk())
+    {
+      return created.GetStatus();
+    }
+    buffer = std::move(*created);
+  }
+  PageBuffer* const pages = buffer.get();
+  return std::shared_ptr<PageBuffer>(pages,
+    [pool = this->shared_from_this(), buffer = std::move(buffer)](PageBuffer*) mutable
+    { pool->Return(std::move(buffer)); });
+}
+
+void PageBufferPool::Return(std::shared_ptr<PageBuffer> buffer)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  try
+  {
+    this->Idle.push_back(std::move(buffer));
+  }
+  catch (const std::bad_alloc&)
+  {
+    // It is freed rather than kept.
+  }
 }
 
 SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples)

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <vector>
 
 namespace isosurface
 {
@@ -35,6 +37,25 @@ private:
 
   void* Pages;
   std::size_t Size;
+};
+
+/**
+ * Page buffers that nobody needs any more. The next slabs are mostly as large, and to get new
+ * memory for them costs as much as to copy their samples. Safe for use by any number of threads.
+ */
+class PageBufferPool : public std::enable_shared_from_this<PageBufferPool>
+{
+public:
+  /// A buffer of at least `size` bytes, hardly larger, that comes back here when it is let go. Its
+  /// bytes are arbitrary. Idle buffers that do not fit are given back to the system before new
+  /// memory is taken. OutOfMemory as Create.
+  Result<std::shared_ptr<PageBuffer>> Take(std::uint64_t size);
+
+private:
+  void Return(std::shared_ptr<PageBuffer> buffer);
+
+  std::mutex Mutex;
+  std::vector<std::shared_ptr<PageBuffer>> Idle;
 };
 
 /// The slab of one array whose samples of a box stand in a buffer without gaps, x fastest.

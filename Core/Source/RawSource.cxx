@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Source/RawSource.h"
 
-#include "Source/PageBuffer.h"
-
 #include <algorithm>
 #include <utility>
 
@@ -22,6 +20,17 @@ void SwapBytes(std::uint8_t* bytes, std::size_t samples)
 
 } // namespace
 
+RawSource::RawSource(std::unique_ptr<RandomAccessFile> file, const Index3& size, ValueType type,
+  bool isBigEndian, std::uint64_t heldBytes)
+  : File(std::move(file))
+  , Box{ { 0, 0, 0 }, size }
+  , Type(type)
+  , IsBigEndian(isBigEndian)
+  , HeldBytes(heldBytes)
+  , Pool(std::make_shared<PageBufferPool>())
+{
+}
+
 std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 {
   return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
@@ -29,7 +38,7 @@ std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 
 Result<SampleSlab> RawSource::Read(const VertexBox& box)
 {
-  auto samples = PageBuffer::Create(this->GetReadBytes(box));
+  auto samples = this->Pool->Take(this->GetReadBytes(box));
   if (!samples.IsOk())
   {
     return Status(samples.GetStatus().GetCode(),

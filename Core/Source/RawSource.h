@@ -3,6 +3,7 @@
 #define isosurface_RawSource_h
 
 #include "Base/FileSystem.h"
+#include "Source/PageBuffer.h"
 #include "Source/SlabSource.h"
 
 #include <cstdint>
@@ -20,14 +21,7 @@ class RawSource : public SlabSource
 public:
   /// The file has all samples, and nothing before them. `heldBytes`: the file's own memory.
   RawSource(std::unique_ptr<RandomAccessFile> file, const Index3& size, ValueType type,
-    bool isBigEndian, std::uint64_t heldBytes)
-    : File(std::move(file))
-    , Box{ { 0, 0, 0 }, size }
-    , Type(type)
-    , IsBigEndian(isBigEndian)
-    , HeldBytes(heldBytes)
-  {
-  }
+    bool isBigEndian, std::uint64_t heldBytes);
 
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
@@ -42,6 +36,7 @@ private:
   ValueType Type;
   bool IsBigEndian;
   std::uint64_t HeldBytes;
+  std::shared_ptr<PageBufferPool> Pool;
 };
 
 } // namespace isosurface

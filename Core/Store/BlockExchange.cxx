@@ -57,14 +57,12 @@ VertexBox LoadBox(const std::uint8_t* bytes)
 } // namespace
 
 PendingBlock::PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
-  const std::vector<ValueType>& types)
+  const std::vector<ValueType>& types, Buffer<std::uint8_t> record)
   : Block(block)
   , Store(store)
   , Layout(grid, block, types)
-  , Record(static_cast<std::size_t>(BlockRecord::AlignUp(Layout.Size)))
+  , Record(std::move(record))
 {
-  std::memset(
-    this->Record.GetData() + this->Layout.Size, 0, this->Record.GetSize() - this->Layout.Size);
 }
 
 BlockExchange::BlockExchange(const BlockGrid& grid, const std::vector<ValueType>& types,
@@ -178,7 +176,8 @@ void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part,
 }
 
 Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
-  const std::vector<Message>& messages) const
+  const std::vector<Message>& messages,
+  const std::function<void(PendingBlock&, int thread)>& whenFilled) const
 {
   std::atomic<std::uint64_t> count{ 0 };
   std::uint64_t expected = 0;
@@ -187,7 +186,16 @@ Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& 
     expected += block.Layout.Samples;
   }
   ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int) { this->FillFromSource(blocks[index], samples, count); });
+    [&](std::size_t index, int thread)
+    {
+      PendingBlock& block = blocks[index];
+      const std::uint64_t filled = this->FillFromSource(block, samples);
+      count += filled;
+      if (filled == block.Layout.Samples)
+      {
+        whenFilled(block, thread);
+      }
+    });
   std::vector<Status> outcomes(messages.size());
   ParallelFor(messages.size(), this->Threads,
     [&](std::size_t index, int)
@@ -205,8 +213,7 @@ Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& 
   return Status::Ok();
 }
 
-void BlockExchange::FillFromSource(
-  PendingBlock& block, const RunSamples& samples, std::atomic<std::uint64_t>& count) const
+std::uint64_t BlockExchange::FillFromSource(PendingBlock& block, const RunSamples& samples) const
 {
   std::uint64_t filled = 0;
   for (int level = 0; level < this->Grid.GetNumberOfLevels(); ++level)
@@ -227,7 +234,7 @@ void BlockExchange::FillFromSource(
         });
     }
   }
-  count += filled;
+  return filled;
 }
 
 Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,

@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace isosurface
@@ -20,8 +21,9 @@ namespace isosurface
 /// A block whose record is being made, on its way to the rank that writes it.
 struct PendingBlock
 {
+  /// `record`: at least as large as the record will be, padded.
   PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
-    const std::vector<ValueType>& types);
+    const std::vector<ValueType>& types, Buffer<std::uint8_t> record);
 
   /// The memory of a block whose record has so many bytes.
   static std::uint64_t GetBytes(std::uint64_t record)
@@ -34,6 +36,7 @@ struct PendingBlock
   BlockRecordLayout Layout;
   Buffer<std::uint8_t> Record; ///< padded; segments without their headers until they are sealed
   std::vector<std::uint8_t> OverviewSamples; ///< what the next overview takes of it; see there
+  bool IsFinished = false;     ///< whether the record is what the file will have
 };
 
 /**
@@ -71,17 +74,19 @@ public:
   Message Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const;
 
   /// Fills the records of this rank's run from its own samples and from the messages of all ranks.
-  /// Fails if the samples do not add up.
+  /// Fails if the samples do not add up. `whenFilled` is called, by several threads at once, for
+  /// each block that takes nothing from messages, while its samples are still near.
   Status Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
-    const std::vector<Message>& messages) const;
+    const std::vector<Message>& messages,
+    const std::function<void(PendingBlock&, int thread)>& whenFilled) const;
 
 private:
   template <typename Visitor>
   void VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const;
   void PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level,
     const RunSamples& samples, Message& message) const;
-  void FillFromSource(
-    PendingBlock& block, const RunSamples& samples, std::atomic<std::uint64_t>& count) const;
+  /// Returns the number of samples that the source had.
+  std::uint64_t FillFromSource(PendingBlock& block, const RunSamples& samples) const;
   Status FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
     std::atomic<std::uint64_t>& count) const;
 

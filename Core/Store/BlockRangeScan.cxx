@@ -15,7 +15,7 @@ namespace
 {
 
 /// More than this at once is not read faster.
-constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 16 } << 20;
+constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 8 } << 20;
 
 void Extend(KeyRange& range, const KeyRange& other)
 {
@@ -23,29 +23,50 @@ void Extend(KeyRange& range, const KeyRange& other)
   range.Maximum = std::max(range.Maximum, other.Maximum);
 }
 
+/// The part [begin, end) of a box on an axis.
+VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::int64_t end)
+{
+  VertexBox part = box;
+  part.Low[axis] = begin;
+  part.High[axis] = end;
+  return part;
+}
+
+/// The largest thickness on an axis with which a box, cut into parts as equal as can be, is read
+/// within `bytes`; at least 1.
+std::int64_t FindThickness(
+  const SlabSource& source, const VertexBox& box, std::size_t axis, std::uint64_t bytes)
+{
+  const std::int64_t size = box.GetSize()[axis];
+  std::int64_t thickness = size;
+  for (std::int64_t parts = 2; thickness > 1 &&
+       source.GetReadBytes(Cut(box, axis, box.Low[axis], box.Low[axis] + thickness)) > bytes;
+       ++parts)
+  {
+    thickness = (size + parts - 1) / parts;
+  }
+  return thickness;
+}
+
 /// Cuts a box into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
-/// rows of a slice.
+/// rows of a slice. Most are equally large, so that memory can be used again.
 void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
   std::uint64_t bytes, std::vector<VertexBox>& slabs)
 {
-  VertexBox slab = box;
-  for (; slab.Low[2] < box.High[2]; slab.Low[2] = slab.High[2])
+  for (std::int64_t layer = box.Low[2]; layer < box.High[2];)
   {
-    slab.High[2] = std::min(box.High[2], (slab.Low[2] / blockSize + 1) * blockSize);
-    while (slab.GetSize()[2] > 1 && source.GetReadBytes(slab) > bytes)
+    const std::int64_t end = std::min(box.High[2], (layer / blockSize + 1) * blockSize);
+    const std::int64_t slices = FindThickness(source, Cut(box, 2, layer, end), 2, bytes);
+    for (; layer < end; layer += slices)
     {
-      slab.High[2] -= slab.GetSize()[2] / 2;
-    }
-    VertexBox rows = slab;
-    for (rows.Low[1] = box.Low[1]; rows.Low[1] < box.High[1]; rows.Low[1] = rows.High[1])
-    {
-      rows.High[1] = box.High[1];
-      while (rows.GetSize()[1] > 1 && source.GetReadBytes(rows) > bytes)
+      const VertexBox slab = Cut(box, 2, layer, std::min(end, layer + slices));
+      const std::int64_t rows = FindThickness(source, slab, 1, bytes);
+      for (std::int64_t row = box.Low[1]; row < box.High[1]; row += rows)
       {
-        rows.High[1] -= rows.GetSize()[1] / 2;
+        slabs.push_back(Cut(slab, 1, row, std::min(box.High[1], row + rows)));
       }
-      slabs.push_back(rows);
     }
+    layer = end;
   }
 }
 

@@ -60,6 +60,7 @@ BlockRounds::BlockRounds(Communicator& ranks, SlabSource& source, const BlockGri
   , Rank(static_cast<std::size_t>(ranks.GetRank()))
   , MemoryBytes(memoryBytes)
   , RecordBytes(FindLargestRecord(grid, types))
+  , Records(static_cast<std::size_t>(BlockRecord::AlignUp(RecordBytes)))
 {
   const Index3& blocks = grid.GetNumberOfBlocksPerAxis();
   const std::uint64_t layer = static_cast<std::uint64_t>(blocks[0] * blocks[1]) * RecordBytes;
@@ -177,9 +178,20 @@ Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples 
       const BlockRun& mine = runs[this->Rank];
       for (std::int64_t block = mine.Begin; block < mine.End; ++block)
       {
-        blocks.emplace_back(this->Grid, block, this->Shipment.FindStore(block), this->Types);
+        blocks.emplace_back(
+          this->Grid, block, this->Shipment.FindStore(block), this->Types, this->Records.Take());
       }
-      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages);
+      // What stays here is finished at once, what travels by its writer.
+      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages,
+        [&](PendingBlock& block, int thread)
+        {
+          if (this->Shipment.FindWriter(block.Block) == this->Rank)
+          {
+            const VertexBox own = this->Grid.GetVertices(block.Block);
+            steps.Finish(block, samples.OfRank[this->Rank].FindViews(own), thread);
+            block.IsFinished = true;
+          }
+        });
     }));
 }
 
@@ -189,27 +201,35 @@ Status BlockRounds::Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock
   ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
     [&]
     {
-      messages = this->Shipment.Pack(blocks);
+      messages = this->Shipment.Pack(blocks, this->Records);
       return Status::Ok();
     })));
   messages = this->Ranks.Exchange(std::move(messages));
-  return steps.Agree(Attempt([&] { return this->Shipment.Unpack(messages, blocks); }));
+  return steps.Agree(
+    Attempt([&] { return this->Shipment.Unpack(messages, blocks, this->Records); }));
 }
 
-Status BlockRounds::FinishBlocks(const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks,
-  std::future<Status>& writing) const
+Status BlockRounds::FinishBlocks(
+  const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks, std::future<Status>& writing)
 {
   ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int thread) { steps.Finish(blocks[index], thread); });
+    [&](std::size_t index, int thread)
+    {
+      if (!blocks[index].IsFinished)
+      {
+        steps.Finish(blocks[index], {}, thread);
+      }
+    });
   if (writing.valid())
   {
     ISOSURFACE_RETURN_IF_ERROR(writing.get());
   }
-  auto write = [&steps, finished = std::move(blocks)]
+  auto write = [this, &steps, finished = std::move(blocks)]() mutable
   {
-    for (const PendingBlock& block : finished)
+    for (PendingBlock& block : finished)
     {
       ISOSURFACE_RETURN_IF_ERROR(steps.Write(block));
+      this->Records.Return(std::move(block.Record));
     }
     return Status::Ok();
   };

@@ -8,6 +8,7 @@
 #include "Source/SlabSource.h"
 #include "Store/BlockExchange.h"
 #include "Store/BlockShipment.h"
+#include "Store/RecordBuffers.h"
 #include "Store/RoundPlan.h"
 #include "Store/RunSamples.h"
 
@@ -25,8 +26,9 @@ struct BlockRoundsSteps
 {
   /// An agreement of all ranks, as Communicator::Agree.
   std::function<Status(const Status&)> Agree;
-  /// Completes the record of a block that this rank writes; called by several threads at once.
-  std::function<void(PendingBlock&, int thread)> Finish;
+  /// Completes the record of a block that this rank writes; called by several threads at once. The
+  /// views, one an array, are of the samples of its vertices; none where only the record has them.
+  std::function<void(PendingBlock&, const std::vector<SampleView>&, int thread)> Finish;
   /// Writes a finished block; called by one thread at a time, in the order of the blocks.
   std::function<Status(const PendingBlock&)> Write;
   Progress Tell;
@@ -78,8 +80,8 @@ private:
     const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
   Status Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
   /// Finishes the blocks and starts writing them, once those before are written.
-  Status FinishBlocks(const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks,
-    std::future<Status>& writing) const;
+  Status FinishBlocks(
+    const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks, std::future<Status>& writing);
 
   Communicator& Ranks;
   SlabSource& Source;
@@ -92,6 +94,7 @@ private:
   std::size_t Rank;
   std::uint64_t MemoryBytes;
   std::uint64_t RecordBytes; ///< of the largest block
+  RecordBuffers Records;
   std::int64_t BlocksAtOnce; ///< a rank
   std::uint64_t Rounds = 0;
   std::uint64_t LargestBytes = 0;

@@ -33,7 +33,8 @@ BlockShipment::Load BlockShipment::GetLoad(const std::vector<BlockRun>& runs) co
   return load;
 }
 
-std::vector<Message> BlockShipment::Pack(std::vector<PendingBlock>& blocks) const
+std::vector<Message> BlockShipment::Pack(
+  std::vector<PendingBlock>& blocks, RecordBuffers& buffers) const
 {
   std::vector<Message> messages(this->Ranks);
   std::vector<std::size_t> sizes(this->Ranks, 0);
@@ -60,13 +61,14 @@ std::vector<Message> BlockShipment::Pack(std::vector<PendingBlock>& blocks) cons
     const std::uint8_t* record = block.Record.GetData();
     message.insert(message.end(), header, header + BlockHeaderSize);
     message.insert(message.end(), record, record + block.Layout.Size);
+    buffers.Return(std::move(block.Record));
   }
   blocks = std::move(mine);
   return messages;
 }
 
 Status BlockShipment::Unpack(
-  std::vector<Message>& messages, std::vector<PendingBlock>& blocks) const
+  std::vector<Message>& messages, std::vector<PendingBlock>& blocks, RecordBuffers& buffers) const
 {
   const Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
   for (std::size_t rank = 0; rank < messages.size(); ++rank)
@@ -85,8 +87,8 @@ Status BlockShipment::Unpack(
         return damaged;
       }
       position += BlockHeaderSize;
-      PendingBlock block(
-        this->Grid, static_cast<std::int64_t>(number), this->Stores[number], this->Types);
+      PendingBlock block(this->Grid, static_cast<std::int64_t>(number), this->Stores[number],
+        this->Types, buffers.Take());
       if (message.size() - position < block.Layout.Size)
       {
         return damaged;

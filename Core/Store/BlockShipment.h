@@ -5,6 +5,7 @@
 #include "Base/Communicator.h"
 #include "Base/Status.h"
 #include "Store/BlockExchange.h"
+#include "Store/RecordBuffers.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -54,10 +55,11 @@ public:
   Load GetLoad(const std::vector<BlockRun>& runs) const;
 
   /// The messages to all ranks; leaves the blocks that this rank writes.
-  std::vector<Message> Pack(std::vector<PendingBlock>& blocks) const;
+  std::vector<Message> Pack(std::vector<PendingBlock>& blocks, RecordBuffers& buffers) const;
 
   /// Adds what other ranks sent, and sorts all by block index. Frees the messages one by one.
-  Status Unpack(std::vector<Message>& messages, std::vector<PendingBlock>& blocks) const;
+  Status Unpack(std::vector<Message>& messages, std::vector<PendingBlock>& blocks,
+    RecordBuffers& buffers) const;
 
 private:
   const BlockGrid& Grid;

@@ -49,26 +49,9 @@ Status BlockedVolumeWriteJob::AgreeOn(const Status& mine)
 Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
-  ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
-  ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
-  Status status = this->CreateStores();
-  if (status.IsOk())
-  {
-    status = this->WriteBlocks();
-  }
-  if (status.IsOk())
-  {
-    status = this->FinishStores();
-  }
-  if (status.IsOk())
-  {
-    status = this->WriteOverviews();
-  }
-  if (status.IsOk())
-  {
-    status = this->Commit();
-  }
+  // First of all, so that a second writer fails before it works in vain.
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Rank == 0 ? this->LockVolume() : Status::Ok()));
+  const Status status = this->WriteVolume(grid, arrays, pending);
   if (!status.IsOk())
   {
     this->Writers.clear();
@@ -77,11 +60,39 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
     static_cast<void>(this->Ranks.Agree(Status::Ok()));
     if (this->Rank == 0 && !this->IsVisible)
     {
-      GenerationFolder::Discard(this->Files, this->Path, this->GetStep().Folder);
+      GenerationFolder::Discard(this->Files, this->Path, this->NewFolder);
     }
     return status;
   }
   return this->Statistics;
+}
+
+/// Keeps other writers out until this job ends.
+Status BlockedVolumeWriteJob::LockVolume()
+{
+  if (this->Lock)
+  {
+    return Status::Ok();
+  }
+  auto lock = this->Files.LockFolder(GetStoresFolder(this->Path));
+  if (lock.IsOk())
+  {
+    this->Lock = std::move(*lock);
+  }
+  return lock.GetStatus();
+}
+
+Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
+  ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
+  ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
+  ISOSURFACE_RETURN_IF_ERROR(this->CreateStores());
+  ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
+  ISOSURFACE_RETURN_IF_ERROR(this->FinishStores());
+  ISOSURFACE_RETURN_IF_ERROR(this->WriteOverviews());
+  return this->Commit();
 }
 
 /// `header`: the overview as a volume of its own, its last time step the one that is written.
@@ -409,10 +420,15 @@ Status BlockedVolumeWriteJob::MakeGeneration()
   Message name;
   if (this->Rank == 0)
   {
+    if (this->Lock->IsExclusive())
+    {
+      GenerationFolder::RemoveUnnamed(this->Files, this->Path, this->Header);
+    }
     const auto created = GenerationFolder::Create(this->Files, this->Path);
     status = created.GetStatus();
     if (created.IsOk())
     {
+      this->NewFolder = *created;
       name.assign(created->begin(), created->end());
     }
   }
@@ -492,8 +508,8 @@ Status BlockedVolumeWriteJob::WriteBlocks()
     *this->Plan, this->Settings.Threads, memory[0]);
   BlockRoundsSteps steps;
   steps.Agree = [&](const Status& mine) { return this->AgreeOn(mine); };
-  steps.Finish = [&](PendingBlock& block, int thread)
-  { this->FinishBlock(block, counters[static_cast<std::size_t>(thread)]); };
+  steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
+  { this->FinishBlock(block, views, counters[static_cast<std::size_t>(thread)]); };
   steps.Write = [&](const PendingBlock& block)
   {
     if (this->OverviewSamples)
@@ -514,7 +530,8 @@ Status BlockedVolumeWriteJob::WriteBlocks()
 }
 
 /// Counts the triangles of a filled block, and makes its record what the file will have.
-void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters)
+void BlockedVolumeWriteJob::FinishBlock(
+  PendingBlock& block, const std::vector<SampleView>& views, std::vector<BlockWorkload>& counters)
 {
   const auto& ranges = this->Scan->GetRanges();
   for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
@@ -522,8 +539,14 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
     const KeyRange& range = ranges[variable][static_cast<std::size_t>(block.Block)];
     if (range.Minimum < range.Maximum)
     {
-      const auto samples = this->AssembleVariable(block, variable);
-      counters[variable].Count(samples->View);
+      if (variable < views.size())
+      {
+        counters[variable].Count(views[variable]);
+      }
+      else
+      {
+        counters[variable].Count(this->AssembleVariable(block, variable)->View);
+      }
       this->Spectra->Add(block.Store, variable, counters[variable]);
     }
   }

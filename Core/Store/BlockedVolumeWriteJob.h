@@ -53,6 +53,10 @@ public:
   Result<WriteStatistics> Run(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
     const std::optional<BlockedVolumeHeader>& pending);
 
+  /// The lock of the volume's folder, on rank 0, is taken by Run() unless it is held already.
+  void HoldLock(std::unique_ptr<FolderLock> lock) { this->Lock = std::move(lock); }
+  std::unique_ptr<FolderLock> TakeLock() { return std::move(this->Lock); }
+
   /// What was written, with the time steps before.
   const BlockedVolumeHeader& GetHeader() const { return this->Header; }
 
@@ -60,6 +64,9 @@ private:
   /// The steps of an overview of a volume: Run() but for the generation folder, which is there, and
   /// what makes it visible.
   Status RunOverview(const BlockedVolumeHeader& header, bool hasCoarser);
+  Status LockVolume();
+  Status WriteVolume(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
     const std::optional<BlockedVolumeHeader>& pending);
   Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(
@@ -74,7 +81,8 @@ private:
   Status MakeGeneration();
   Status CreateStores();
   Status WriteBlocks();
-  void FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters);
+  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
+    std::vector<BlockWorkload>& counters);
   std::shared_ptr<DecodedBlock> AssembleVariable(
     const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();
@@ -124,6 +132,8 @@ private:
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
   std::unique_ptr<WritableFile> OverviewSamples;          ///< null if there is no coarser volume
   std::optional<StoreSpectra> Spectra;
+  std::unique_ptr<FolderLock> Lock; ///< of rank 0
+  std::string NewFolder;            ///< of rank 0; empty until it is made
   bool IsVisible = false;
   WriteStatistics Statistics;
 };

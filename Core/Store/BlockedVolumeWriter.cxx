@@ -16,9 +16,11 @@ Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
     this->DiscardPending();
   }
   BlockedVolumeWriteJob job(this->Ranks, this->Files, path, source, settings, progress);
+  job.HoldLock(std::move(this->PendingLock));
   auto written = job.Run(grid, arrays, this->Pending);
   if (!written.IsOk())
   {
+    this->PendingLock = job.TakeLock();
     this->DiscardPending();
   }
   else if (settings.Publish)
@@ -29,6 +31,7 @@ Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
   {
     this->PendingPath = path;
     this->Pending = job.GetHeader();
+    this->PendingLock = job.TakeLock();
   }
   return written;
 }
@@ -45,6 +48,7 @@ void BlockedVolumeWriter::DiscardPending()
     GenerationFolder::DiscardUnnamed(this->Files, this->PendingPath, *this->Pending);
   }
   this->Pending.reset();
+  this->PendingLock.reset();
 }
 
 Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,

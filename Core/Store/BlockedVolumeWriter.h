@@ -14,6 +14,7 @@
 #include "Volume/GridGeometry.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -69,7 +70,8 @@ struct WriteStatistics
  * Whatever fails on any rank, or whichever rank's progress asks to stop: all ranks return an error,
  * and what was at `path` before is untouched. The new dataset becomes visible by one rename at the
  * end; then the folders of older ones that no header names are removed. A killed run leaves a
- * folder that no header names, which the next write to the path removes.
+ * folder that no header names, which the next write to the path removes before it begins. While one
+ * writer is at work, another one to the same path fails at once.
  *
  * Appending a time step touches no file of the steps before but for the header, which is written
  * anew with about 80 bytes for each store and step. Steps that are not published yet are removed
@@ -112,6 +114,7 @@ private:
   FileSystem& Files;
   std::string PendingPath;
   std::optional<BlockedVolumeHeader> Pending; ///< with time steps that are not published yet
+  std::unique_ptr<FolderLock> PendingLock;    ///< keeps other writers out meanwhile, on rank 0
 };
 
 } // namespace isosurface

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/GenerationFolder.h"
 
+#include "Store/JsonDocument.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -34,6 +36,33 @@ std::string GetParent(const std::string& path)
 
 } // namespace
 
+void GenerationFolder::RemoveUnnamed(
+  FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending)
+{
+  std::vector<TimeStepDescription> named = pending.TimeSteps;
+  if (files.Exists(path))
+  {
+    const auto text = ReadText(files, path, std::uint64_t{ 1 } << 30);
+    const auto header = text.IsOk() ? BlockedVolumeHeader::Parse(*text, path) : text.GetStatus();
+    if (!header.IsOk())
+    {
+      return;
+    }
+    named.insert(named.end(), header->TimeSteps.begin(), header->TimeSteps.end());
+  }
+  const auto names = files.List(GetStoresFolder(path));
+  for (std::size_t index = 0; names.IsOk() && index < names->size(); ++index)
+  {
+    const std::string& name = (*names)[index];
+    const bool isNamed = std::any_of(named.begin(), named.end(),
+      [&](const TimeStepDescription& step) { return step.Folder == name; });
+    if (FindNumber(name) && !isNamed)
+    {
+      static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + name));
+    }
+  }
+}
+
 Result<std::string> GenerationFolder::Create(FileSystem& files, const std::string& path)
 {
   const auto names = files.List(GetStoresFolder(path));
@@ -50,12 +79,7 @@ Result<std::string> GenerationFolder::Create(FileSystem& files, const std::strin
   const std::uint64_t next = last + 1;
   std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(next));
   const std::string folder = GetStoresFolder(path) + "/" + name;
-  const Status status = files.MakeDirectories(folder);
-  if (!status.IsOk())
-  {
-    Discard(files, path, name);
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(files.MakeNewDirectory(folder));
   return std::string(name);
 }
 
@@ -124,8 +148,11 @@ void GenerationFolder::DiscardUnnamed(
 void GenerationFolder::Discard(
   FileSystem& files, const std::string& path, const std::string& current)
 {
-  static_cast<void>(files.RemoveAll(GetPartialPath(path)));
-  static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + current));
+  if (!current.empty())
+  {
+    static_cast<void>(files.RemoveAll(GetPartialPath(path)));
+    static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + current));
+  }
   const auto names = files.List(GetStoresFolder(path));
   if (names.IsOk() && names->empty())
   {

@@ -23,12 +23,19 @@ namespace isosurface
  *         store-00000/  store-00001/  ...
  *
  * Whatever dies on the way leaves the header and its generation as they were, and folders that no
- * header names, which the next write removes. One rank does all of this.
+ * header names, which the next write removes first of all, so that a full disk has room again. One
+ * rank does all of this. A writer holds the lock of NAME.bvol.stores/ (FileSystem::LockFolder).
  */
 class GenerationFolder
 {
 public:
-  /// Makes a folder whose number is above all that exist; returns its name.
+  /// Removes what killed writers have left: the folders that neither the header on disk nor
+  /// `pending` names. Nothing is removed if the header on disk cannot be read.
+  static void RemoveUnnamed(
+    FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending);
+
+  /// Makes a folder whose number is above all that exist; returns its name. An error if somebody
+  /// else makes the same one meanwhile.
   static Result<std::string> Create(FileSystem& files, const std::string& path);
 
   /// Puts the header in place, once all that it names is on stable storage. On an error before the
@@ -46,7 +53,7 @@ public:
   static void DiscardUnnamed(
     FileSystem& files, const std::string& path, const BlockedVolumeHeader& header);
 
-  /// Removes what an unfinished write has left.
+  /// Removes what an unfinished write has left; `current`: empty before its folder is made.
   static void Discard(FileSystem& files, const std::string& path, const std::string& current);
 };
 

@@ -164,7 +164,7 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
     }
   }
   layout.Size = end;
-  std::memset(record.GetData() + end, 0, record.GetSize() - static_cast<std::size_t>(end));
+  std::memset(record.GetData() + end, 0, static_cast<std::size_t>(BlockRecord::AlignUp(end) - end));
 }
 
 Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::int64_t block,

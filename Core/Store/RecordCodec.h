@@ -26,8 +26,8 @@ SegmentFilter ChooseFilter(SegmentCodec codec, ValueType type);
 /**
  * Compresses a filled record in place and seals its segments, variable by variable, from the
  * coarsest level on. `layout` says where the samples are, one segment after another as they are;
- * afterwards where the stored segments are. The record's memory keeps its size; its bytes behind
- * layout.Size are zero.
+ * afterwards where the stored segments are. The record's memory keeps its size; its padding
+ * behind layout.Size is zero.
  *
  * A segment whose code takes more than 15/16 of its samples' bytes is stored as it is. Memory:
  * twice the largest segment, kept for each thread. The bytes depend on the arguments alone.

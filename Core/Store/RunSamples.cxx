@@ -104,4 +104,21 @@ Status RunSamples::Read(
   return Status::Ok();
 }
 
+std::vector<SampleView> RunSamples::FindViews(const VertexBox& box) const
+{
+  for (const SampleSlab& slab : this->Slabs)
+  {
+    if (!slab.Arrays.empty() && slab.Arrays[0].Available.Intersect(box) == box)
+    {
+      std::vector<SampleView> views = slab.Arrays;
+      for (SampleView& view : views)
+      {
+        view.Box = box;
+      }
+      return views;
+    }
+  }
+  return {};
+}
+
 } // namespace isosurface

@@ -54,6 +54,9 @@ public:
       .Arrays[array];
   }
 
+  /// The samples of a box, one view an array; none if they were not read by one read.
+  std::vector<SampleView> FindViews(const VertexBox& box) const;
+
 private:
   std::vector<SampleSlab> Slabs;
   std::int64_t FirstSlice = 0;

@@ -62,8 +62,9 @@ TEST(RawVolume, ReadsAFileOfASliceOrASlab)
     for (std::size_t file = 0; file < count; ++file)
     {
       const auto from = samples.begin() + static_cast<std::ptrdiff_t>(file * size);
-      Bytes bytes(count == 4 ? 100 : 0, 0xee);
-      bytes.insert(bytes.end(), from, from + static_cast<std::ptrdiff_t>(size));
+      const std::size_t header = count == 4 ? 100 : 0;
+      Bytes bytes(header + size, 0xee);
+      std::copy_n(from, size, bytes.begin() + static_cast<std::ptrdiff_t>(header));
       raw.Paths.push_back("/data/" + std::to_string(file) + ".raw");
       WriteFile(disk, raw.Paths.back(), bytes);
     }

@@ -37,9 +37,12 @@ protected:
   }
   void TearDown() override { ASSERT_TRUE(this->Files.RemoveAll(this->Folder).IsOk()); }
 
-  Status Write(const SampleVolume<std::uint8_t>& volume)
+  Status Write(const SampleVolume<std::uint8_t>& volume, const Progress& progress = {},
+    SegmentCodec codec = SegmentCodec::None)
   {
-    return this->Write(volume, MakeSettings(16, 5));
+    BlockedVolumeSettings settings = MakeSettings(16, 5);
+    settings.Compression.Codec = codec;
+    return this->Write(volume, settings, progress);
   }
   Status Append(const SampleVolume<std::uint8_t>& volume, double time)
   {
@@ -48,12 +51,13 @@ protected:
     settings.Append = true;
     return this->Write(volume, settings);
   }
-  Status Write(const SampleVolume<std::uint8_t>& volume, const BlockedVolumeSettings& settings)
+  Status Write(const SampleVolume<std::uint8_t>& volume, const BlockedVolumeSettings& settings,
+    const Progress& progress = {})
   {
     SerialCommunicator serial;
     return BlockedVolumeWriter(serial)
       .Write(this->Path, MakeGeometry(volume.Size), { { "density", ValueType::UInt8 } },
-        VolumePiece{ { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, settings)
+        VolumePiece{ { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, settings, progress)
       .GetStatus();
   }
 
@@ -114,20 +118,6 @@ int Wait(pid_t child)
   return WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
 }
 
-/// The peak of this process's resident memory, as the system has it.
-std::uint64_t FindPeakBytes()
-{
-  std::ifstream file("/proc/self/status");
-  for (std::string line; std::getline(file, line);)
-  {
-    if (line.compare(0, 6, "VmHWM:") == 0)
-    {
-      return std::stoull(line.substr(6)) * 1024;
-    }
-  }
-  return 0;
-}
-
 } // namespace
 
 TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
@@ -139,13 +129,15 @@ TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
   const auto begin = Clock::now();
   ASSERT_EQ(Wait(Start([&] { return this->Write(even).IsOk() ? 0 : 1; })), 0);
   const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin);
+  constexpr SegmentCodec codecs[] = { SegmentCodec::None, SegmentCodec::Lz4, SegmentCodec::Zstd };
   std::mt19937 random(3);
   bool isEven = true;
   int killed = 0;
   for (int turn = 0; turn < 50; ++turn)
   {
     const auto& next = isEven ? odd : even;
-    const pid_t child = Start([&] { return this->Write(next).IsOk() ? 0 : 1; });
+    const pid_t child =
+      Start([&] { return this->Write(next, {}, codecs[turn % 3]).IsOk() ? 0 : 1; });
     ::usleep(static_cast<unsigned>(random() % static_cast<unsigned>(whole.count())));
     ASSERT_GT(child, 0);
     ::kill(child, SIGKILL);
@@ -233,7 +225,89 @@ TEST_F(BlockedVolumeCrash, LeavesTheOldVolumeWhenFilesMayNotGrow)
   }
 }
 
-#if !defined(__SANITIZE_ADDRESS__)
+TEST_F(BlockedVolumeCrash, LeavesRoomForTheNextRunAfterAKilledOne)
+{
+  const Index3 size = { 60, 50, 40 };
+  const auto before = MakeVolume<std::uint8_t>(size, 1);
+  const auto after = MakeVolume<std::uint8_t>(size, 2);
+  ASSERT_TRUE(this->Write(before).IsOk());
+  // Killed with its blocks written.
+  const auto killItself = [](double share) { return share < 0.9 || ::raise(SIGKILL) == 0; };
+  ASSERT_EQ(Wait(Start([&] { return this->Write(after, killItself).IsOk() ? 0 : 1; })), -SIGKILL);
+  EXPECT_EQ(this->CountGenerations(), 2u);
+  EXPECT_TRUE(this->Holds(before));
+  std::size_t atBegin = 0;
+  const auto look = [&](double)
+  {
+    atBegin = std::max(atBegin, this->CountGenerations());
+    return true;
+  };
+  ASSERT_TRUE(this->Write(after, look).IsOk());
+  EXPECT_EQ(atBegin, 2u) << "the killed run's folder stood beside the old one and the new one";
+  EXPECT_EQ(this->CountGenerations(), 1u);
+  EXPECT_TRUE(this->Holds(after));
+}
+
+TEST_F(BlockedVolumeCrash, RefusesASecondWriterUntilTheFirstOneIsGone)
+{
+  const Index3 size = { 60, 50, 40 };
+  const auto before = MakeVolume<std::uint8_t>(size, 1);
+  const auto after = MakeVolume<std::uint8_t>(size, 2);
+  ASSERT_TRUE(this->Write(before).IsOk());
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t first = Start(
+    [&]
+    {
+      const auto stop = [&](double share)
+      {
+        if (share > 0.5)
+        {
+          static_cast<void>(::write(ready[1], "", 1));
+          ::pause();
+        }
+        return true;
+      };
+      return this->Write(after, stop).IsOk() ? 0 : 1;
+    });
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  const Status refused = this->Write(after);
+  EXPECT_EQ(refused.GetCode(), StatusCode::IoError);
+  EXPECT_NE(refused.GetMessage().find("volume.bvol"), std::string::npos) << refused.GetMessage();
+  EXPECT_NE(refused.GetMessage().find("another program is writing"), std::string::npos)
+    << refused.GetMessage();
+  EXPECT_EQ(this->CountGenerations(), 2u) << "the second writer touched the first one's folder";
+  EXPECT_TRUE(this->Holds(before));
+  ::kill(first, SIGKILL);
+  EXPECT_EQ(Wait(first), -SIGKILL);
+  EXPECT_TRUE(this->Write(after).IsOk());
+  EXPECT_EQ(this->CountGenerations(), 1u);
+  EXPECT_TRUE(this->Holds(after));
+  ::close(ready[0]);
+  ::close(ready[1]);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) // it takes memory of its own
+namespace
+{
+
+/// The peak of this process's resident memory, as the system has it.
+std::uint64_t FindPeakBytes()
+{
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);)
+  {
+    if (line.compare(0, 6, "VmHWM:") == 0)
+    {
+      return std::stoull(line.substr(6)) * 1024;
+    }
+  }
+  return 0;
+}
+
+} // namespace
+
 TEST_F(BlockedVolumeCrash, KeepsItsMemoryWithinTheLimit)
 {
   // 64 MB, of which no slice is like another.
