@@ -34,6 +34,7 @@
 #include "Contour/SurfaceMerge.h"
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
+#include "Store/ProgressiveLevels.h"
 #include "Store/StoredBlockSource.h"
 #include "Volume/Magnitude.h"
 
@@ -157,6 +158,26 @@ struct vtkStabbingContour::Output
   std::vector<isosurface::InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                             ///< of the contoured array
   QueryCost Cost;
+  bool Final = true;
+};
+
+/**
+ * What the last execution was made of. It goes on with the same surface if neither this filter, nor
+ * the volume, nor the time step has changed.
+ */
+struct vtkStabbingContour::Pass
+{
+  int Level = 0;
+  bool Shown = false;    ///< whether the surface of this level was extracted
+  vtkMTimeType Time = 0; ///< of the filter
+  std::weak_ptr<isosurface::BlockedVolume> Volume;
+  std::size_t TimeStep = 0;
+
+  bool IsOf(vtkMTimeType time, const std::shared_ptr<isosurface::BlockedVolume>& volume,
+    std::size_t step) const
+  {
+    return this->Time == time && this->Volume.lock() == volume && this->TimeStep == step;
+  }
 };
 
 //------------------------------------------------------------------------------
@@ -166,6 +187,8 @@ vtkStabbingContour::vtkStabbingContour()
   , ComputeScalars(1)
   , GenerateTriangles(1)
   , Level(0)
+  , Progressive(0)
+  , Final(1)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , UseRegion(0)
@@ -176,6 +199,7 @@ vtkStabbingContour::vtkStabbingContour()
   , RanksOnNode(0)
   , Controller(nullptr)
   , ImageIndex(new Index)
+  , LastPass(new Pass)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -293,6 +317,21 @@ vtkMTimeType vtkStabbingContour::GetMTime()
 }
 
 //------------------------------------------------------------------------------
+void vtkStabbingContour::Refine()
+{
+  Pass& pass = *this->LastPass;
+  const std::shared_ptr<isosurface::BlockedVolume> volume = pass.Volume.lock();
+  if (!this->Progressive || this->Final || !pass.Shown || pass.Time != this->GetMTime() || !volume)
+  {
+    return;
+  }
+  pass.Level = isosurface::GetNextLevel(*volume, pass.Level, this->Level);
+  pass.Shown = false;
+  this->Modified();
+  pass.Time = this->GetMTime();
+}
+
+//------------------------------------------------------------------------------
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
@@ -384,6 +423,8 @@ int vtkStabbingContour::RequestData(
     status = Status(StatusCode::Aborted, "The contour was stopped.");
   }
   status = ranks.Agree(status);
+  this->Final = !status.IsOk() || made.Final;
+  this->LastPass->Shown = status.IsOk();
   if (status.GetCode() == StatusCode::Aborted)
   {
     return 1;
@@ -428,12 +469,43 @@ int vtkStabbingContour::ChooseThreads()
 }
 
 //------------------------------------------------------------------------------
+Result<int> vtkStabbingContour::ChoosePassLevel(
+  const std::shared_ptr<isosurface::BlockedVolume>& volume, std::size_t step, std::size_t variable,
+  const std::vector<double>& isovalues)
+{
+  const int finest = std::min(this->Level, volume->GetNumberOfLevels() - 1);
+  if (!this->Progressive)
+  {
+    return finest;
+  }
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  Pass& pass = *this->LastPass;
+  std::vector<std::uint64_t> isNew = { pass.IsOf(this->GetMTime(), volume, step) ? 0U : 1U };
+  ranks.ReduceMaximum(isNew);
+  if (isNew.front() != 0)
+  {
+    const auto first =
+      isosurface::ChooseFirstLevel(*volume, step, variable, isovalues, finest, ranks);
+    if (!first.IsOk())
+    {
+      return first;
+    }
+    pass.Level = *first;
+    pass.Time = this->GetMTime();
+    pass.Volume = volume;
+    pass.TimeStep = step;
+  }
+  return pass.Level;
+}
+
+//------------------------------------------------------------------------------
 Status vtkStabbingContour::ExtractFromVolume(
   vtkInformation* inInfo, vtkInformation* outInfo, ContourRequest& request, Output& output)
 {
   auto* handle =
     static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
-  isosurface::BlockedVolume& volume = *handle->GetVolume();
+  const std::shared_ptr<isosurface::BlockedVolume> shared = handle->GetVolume();
+  isosurface::BlockedVolume& volume = *shared;
   const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
   const std::size_t step = handle->FindTimeStep(inInfo);
   std::string& arrayName = output.ArrayName;
@@ -468,8 +540,14 @@ Status vtkStabbingContour::ExtractFromVolume(
   }
 
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const int level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
+  const auto chosen = this->ChoosePassLevel(shared, step, *variable, request.Isovalues);
+  if (!chosen.IsOk())
+  {
+    return chosen.GetStatus();
+  }
+  const int level = *chosen;
   output.Cost.Level = level;
+  output.Final = level <= this->Level;
   auto active = volume.FindActiveBlocks(step, *variable, request.Isovalues,
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
     std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), output.Cost.Reading, level,
@@ -617,6 +695,8 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
   os << indent << "Level: " << this->Level << "\n";
+  os << indent << "Progressive: " << this->Progressive << "\n";
+  os << indent << "Final: " << this->Final << "\n";
   os << indent << "InterpolatedArrays:";
   for (const std::string& name : this->InterpolatedArrays)
   {

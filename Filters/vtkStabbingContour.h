@@ -47,12 +47,16 @@
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
 
-#include <memory> // For the index
-#include <string> // For array names
-#include <vector> // For array names
+#include <cstddef> // For std::size_t
+#include <memory>  // For the index
+#include <string>  // For array names
+#include <vector>  // For array names
 
 namespace isosurface
 {
+class BlockedVolume;
+template <class T>
+class Result;
 class Status;
 struct ContourRequest;
 class Region;
@@ -127,6 +131,27 @@ public:
    */
   vtkSetClampMacro(Level, int, 0, 64);
   vtkGetMacro(Level, int);
+  ///@}
+
+  ///@{
+  /**
+   * With Progressive, the first execution after a change gives a coarse surface of a blocked volume
+   * soon: that of the finest level with at most 1/20 of the triangles at Level, as far as the
+   * volume's spectra tell. Final then tells whether the last execution was at Level. If not, Refine
+   * makes the next execution one of a finer level, the next for which other blocks are read:
+   *
+   *   for (contour->Update(); !contour->GetFinal(); contour->Update()) { ...; contour->Refine(); }
+   *
+   * A change of a property, the volume or the time step begins anew. Refine without effect: when
+   * the surface is final, or nothing was extracted since the last change. Only straight behind a
+   * vtkBlockedVolumeReader; surfaces of other inputs are final at once. All ranks take the same
+   * level. Default off.
+   */
+  vtkSetMacro(Progressive, vtkTypeBool);
+  vtkGetMacro(Progressive, vtkTypeBool);
+  vtkBooleanMacro(Progressive, vtkTypeBool);
+  vtkGetMacro(Final, vtkTypeBool);
+  void Refine();
   ///@}
 
   ///@{
@@ -232,6 +257,11 @@ private:
 
   struct Output; ///< what is extracted
 
+  struct Pass; ///< of a progressive extraction: the last one
+
+  isosurface::Result<int> ChoosePassLevel(const std::shared_ptr<isosurface::BlockedVolume>& volume,
+    std::size_t step, std::size_t variable, const std::vector<double>& isovalues);
+
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
     isosurface::ContourRequest& request, Output& output);
   isosurface::Status ExtractFromImages(
@@ -248,6 +278,8 @@ private:
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
   int Level;
+  vtkTypeBool Progressive;
+  vtkTypeBool Final;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
@@ -259,6 +291,7 @@ private:
   int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;
   std::unique_ptr<Index> ImageIndex;
+  std::unique_ptr<Pass> LastPass;
 };
 
 #endif
