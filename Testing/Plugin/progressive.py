@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Progressive contours in Python, on N ranks of pvbatch: progressive.py ... --ranks N"""
+"""Progressive contours in Python, on N ranks of pvbatch, or of the server at a port:
+
+    progressive.py ... --ranks N [--port PORT]
+"""
 import unittest
 
 from paraview import simple
@@ -88,8 +91,11 @@ class Progressive(unittest.TestCase):
 
 def add_arguments(parser):
     parser.add_argument("--ranks", type=int, required=True)
+    parser.add_argument("--port", type=int, help="of a pvserver on this machine")
 
 
 testing.parse_arguments(add_arguments)
+if testing.arguments.port:
+    simple.Connect("localhost", testing.arguments.port)
 testing.load_plugin()
 testing.run()
