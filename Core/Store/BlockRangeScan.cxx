@@ -68,6 +68,22 @@ BlockRangeScan::BlockRangeScan(const BlockGrid& grid, std::vector<ValueType> typ
 {
 }
 
+void BlockRangeScan::AddProfiles()
+{
+  this->Profiles.emplace(this->Grid, this->Types[0], this->Threads);
+}
+
+std::vector<BlockProfile> BlockRangeScan::TakeProfiles()
+{
+  std::vector<BlockProfile> profiles;
+  if (this->Profiles)
+  {
+    profiles = this->Profiles->GetProfiles();
+    this->Profiles.reset();
+  }
+  return profiles;
+}
+
 Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& owned,
   std::uint64_t memoryBytes, const Progress& progress)
 {
@@ -100,6 +116,10 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
         StatusCode::InvalidArgument, "a rank's samples do not fit the grid or the arrays");
     }
     this->AddSlab(*samples, slabs[slab]);
+    if (this->Profiles)
+    {
+      this->Profiles->Add(samples->Arrays[0], slabs[slab]);
+    }
     if (progress && !progress(static_cast<double>(slab + 1) / static_cast<double>(slabs.size())))
     {
       return Status(StatusCode::Aborted, "stopped on request");
@@ -164,6 +184,10 @@ void BlockRangeScan::Reduce(Communicator& communicator)
     {
       ranges[block] = { minima[block + 1], maxima[block + 1] };
     }
+  }
+  if (this->Profiles)
+  {
+    this->Profiles->Reduce(communicator);
   }
 }
 

@@ -6,12 +6,14 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Source/SlabSource.h"
+#include "Store/BlockProfileScan.h"
 #include "Store/SampleRange.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/ValueKey.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -22,6 +24,9 @@ class BlockRangeScan
 {
 public:
   BlockRangeScan(const BlockGrid& grid, std::vector<ValueType> types, int threads);
+
+  /// Call before Scan() to have the first array's profiles as well.
+  void AddProfiles();
 
   /// Reads this rank's part of the vertices once, in slabs that take at most `memoryBytes` (the
   /// one being read ahead included), but a row of vertices at least. `owned` are boxes within the
@@ -36,6 +41,8 @@ public:
   const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
   /// Per array: of the whole volume's finite values.
   const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
+  /// Per block; none without AddProfiles(), or after the call.
+  std::vector<BlockProfile> TakeProfiles();
 
 private:
   void AddSlab(const SampleSlab& slab, const VertexBox& box);
@@ -45,6 +52,7 @@ private:
   int Threads;
   std::vector<std::vector<KeyRange>> Ranges;
   std::vector<KeyRange> FiniteRanges;
+  std::optional<BlockProfileScan> Profiles;
 };
 
 } // namespace isosurface

@@ -4,6 +4,7 @@
 #include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
+#include "Partition/BlockBalancer.h"
 #include "Partition/BlockDistribution.h"
 #include "Store/BlockRecord.h"
 #include "Store/BlockRounds.h"
@@ -185,6 +186,11 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   constexpr std::uint64_t distributionBytes = 48;
   std::uint64_t bytes =
     blocks * (this->Types.size() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
+  if (this->Settings.Distribution == DistributionMethod::Balanced && this->BlockStores.empty())
+  {
+    bytes += BlockProfileScan::GetBytes(this->Grid) +
+      BlockBalancer::GetBytes(this->Settings.NumberOfStores);
+  }
   std::uint64_t mine = 0;
   for (const std::uint32_t store : this->BlockStores)
   {
@@ -237,6 +243,10 @@ Status BlockedVolumeWriteJob::FindRanges()
         return left.GetStatus();
       }
       this->Scan.emplace(this->Grid, this->Types, this->Settings.Threads);
+      if (this->Settings.Distribution == DistributionMethod::Balanced)
+      {
+        this->Scan->AddProfiles();
+      }
       return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
         [&](double share) { return this->TellShare(share * RangesDone); });
     })));
@@ -245,8 +255,9 @@ Status BlockedVolumeWriteJob::FindRanges()
   return this->AgreeOn(this->Attempt(
     [&]
     {
-      this->BlockStores = DistributeBlocks(this->Settings.Distribution, this->Types[0],
-        this->Scan->GetRanges()[0], this->Settings.NumberOfStores, this->Settings.RandomSeed);
+      this->BlockStores =
+        DistributeBlocks(this->Settings.Distribution, this->Types[0], this->Scan->GetRanges()[0],
+          this->Settings.NumberOfStores, this->Settings.RandomSeed, this->Scan->TakeProfiles());
       return Status::Ok();
     }));
 }
