@@ -211,7 +211,7 @@ int main(int argc, char** argv)
   Status status;
   if (!isBlocked)
   {
-    status = WriteOneStore(options.Volume, path, options.BlockSize, options.Threads);
+    status = WriteVolume(options.Volume, path, options.BlockSize, 1, options.Threads);
   }
   const auto volume =
     status.IsOk() ? MeasuredVolume::Read(path, options.Threads) : Result<MeasuredVolume>(status);

@@ -106,7 +106,8 @@ Result<MeasuredVolume> MeasuredVolume::Read(const std::string& path, int threads
   return measurement.Take();
 }
 
-Status WriteOneStore(const std::string& from, const std::string& to, int blockSize, int threads)
+Status WriteVolume(
+  const std::string& from, const std::string& to, int blockSize, std::uint32_t stores, int threads)
 {
   const auto raw = RawVolume::ReadHeader(GetLocalFileSystem(), from);
   if (!raw.IsOk())
@@ -120,7 +121,8 @@ Status WriteOneStore(const std::string& from, const std::string& to, int blockSi
   }
   BlockedVolumeSettings settings;
   settings.BlockSize = blockSize;
-  settings.NumberOfStores = 1;
+  settings.NumberOfStores = stores;
+  settings.Distribution = DistributionMethod::Balanced;
   settings.Compression.Codec = SegmentCodec::Lz4;
   settings.Threads = threads;
   SerialCommunicator alone;

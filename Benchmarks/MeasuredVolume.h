@@ -34,8 +34,9 @@ struct MeasuredVolume
   }
 };
 
-/// Writes a .mhd, .mha, .nrrd or .nhdr file as a blocked volume of one store, lz4.
-Status WriteOneStore(const std::string& from, const std::string& to, int blockSize, int threads);
+/// Writes a .mhd, .mha, .nrrd or .nhdr file as a blocked volume: balanced, lz4.
+Status WriteVolume(
+  const std::string& from, const std::string& to, int blockSize, std::uint32_t stores, int threads);
 
 } // namespace isosurface
 

@@ -62,7 +62,7 @@ protected:
 TEST_F(MeasuredVolumeTest, FindsTheLoadsOfVolumesThatAreWritten)
 {
   const std::string oneStore = this->Folder + "/one.bvol";
-  ASSERT_TRUE(WriteOneStore(this->Folder + "/large.mhd", oneStore, 16, 1).IsOk());
+  ASSERT_TRUE(WriteVolume(this->Folder + "/large.mhd", oneStore, 16, 1, 1).IsOk());
   const auto measured = MeasuredVolume::Read(oneStore, 2);
   ASSERT_TRUE(measured.IsOk()) << measured.GetStatus().GetMessage();
 
@@ -118,5 +118,5 @@ TEST_F(MeasuredVolumeTest, TellsWhatCannotBeRead)
 {
   EXPECT_EQ(MeasuredVolume::Read(this->Folder + "/none.bvol", 1).GetStatus().GetCode(),
     StatusCode::NotFound);
-  EXPECT_FALSE(WriteOneStore(this->Folder + "/none.mhd", this->Folder + "/x.bvol", 16, 1).IsOk());
+  EXPECT_FALSE(WriteVolume(this->Folder + "/none.mhd", this->Folder + "/x.bvol", 16, 1, 1).IsOk());
 }
