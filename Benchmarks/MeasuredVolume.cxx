@@ -122,6 +122,7 @@ Status WriteVolume(
   BlockedVolumeSettings settings;
   settings.BlockSize = blockSize;
   settings.NumberOfStores = stores;
+  settings.MemoryLimit = std::uint64_t{ 4 } << 30; // the spectra of thousands of stores
   settings.Distribution = DistributionMethod::Balanced;
   settings.Compression.Codec = SegmentCodec::Lz4;
   settings.Threads = threads;

@@ -3,7 +3,7 @@
 
     pvpython load_balance.py --programs BUILD/bin [--output FOLDER] [--large SIDE] [VOLUME ...]
 
-Volumes: .bvol, .mhd, .nrrd or .vti files; else two scans from Debian's packages. Each is read once and
+Volumes: .bvol, .mhd, .nrrd or .vti files; else three scans from Debian's packages. Each is read once and
 distributed in memory, for every number of stores. Writes into FOLDER (default: the current one):
     load_balance.md    a table a volume: greatest over mean of the stores
     NAME.csv           for each isovalue with enough triangles a store: totals and greatest
@@ -19,7 +19,9 @@ import sys
 import numpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from study_volumes import COLORS, prepare, pyplot, read_table, remove_prepared, run, save  # noqa: E402
+from study_volumes import (  # noqa: E402
+    COLORS, add_volume_arguments, prepare, pyplot, read_table, remove_prepared, run, save,
+)  # fmt: skip
 
 KINDS = {"triangles": "Triangles", "activeBlocks": "ActiveBlocks", "bytes": "Bytes"}
 LABELS = {"triangles": "triangles", "activeBlocks": "active blocks", "bytes": "bytes"}
@@ -47,7 +49,7 @@ def plot_balance(rows, name, path):
                 axis.set_title(f"{stores} stores")
             axis.set_yscale("log")
             axis.set_ylim(0.97, 10)
-            axis.set_yticks([1, 1.1, 1.5, 2, 5, 10], labels=["1", "1.1", "1.5", "2", "5", "10"])
+            axis.set_yticks([1.1, 1.5, 2, 5, 10], labels=["1.1", "1.5", "2", "5", "10"])
             axis.minorticks_off()
             axis.axhline(1.1, color="black", lw=0.5, ls=":")
             if column == 0:
@@ -87,19 +89,15 @@ def plot_stores(rows, name, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("volumes", nargs="*", help=".bvol, .mhd, .nrrd or .vti; else Debian's scans")
-    parser.add_argument("--programs", required=True, help="folder of the built programs")
-    parser.add_argument("--output", default=".", help="folder to write into")
-    parser.add_argument("--large", type=int, default=0, help="side of a large volume to be made")
+    add_volume_arguments(parser)
     parser.add_argument("--stores", type=int, nargs="+", default=[8, 32, 96, 1024])
     parser.add_argument("--plotted", type=int, default=32, help="stores in NAME_stores.png")
     parser.add_argument("--least", type=float, default=1000, help="triangles a store that count")
-    parser.add_argument("--block-size", type=int, default=32, help="16, 32 or 64 cells")
     arguments = parser.parse_args()
     folder = os.path.abspath(arguments.output)
     os.makedirs(folder, exist_ok=True)
 
-    volumes = prepare(arguments.volumes, folder, arguments.programs, arguments.large)
+    volumes = prepare(arguments, folder)
     with open(os.path.join(folder, "load_balance.md"), "w") as report:
         for name, path in volumes.items():
             table = os.path.join(folder, name + ".csv")
@@ -112,12 +110,13 @@ def main():
             )  # fmt: skip
             report.write(text.replace(path, name) + "\n")
             print(text)
-            rows = read_table(table)
-            if rows:
-                plot_balance(rows, name, os.path.join(folder, name + "_balance.png"))
-            rows = read_table(curves)
-            if rows:
-                plot_stores(rows, name, os.path.join(folder, name + "_stores.png"))
+            if pyplot:
+                rows = read_table(table)
+                if rows:
+                    plot_balance(rows, name, os.path.join(folder, name + "_balance.png"))
+                rows = read_table(curves)
+                if rows:
+                    plot_stores(rows, name, os.path.join(folder, name + "_stores.png"))
             os.remove(curves)
     remove_prepared(volumes, folder)
 

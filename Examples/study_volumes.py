@@ -41,11 +41,29 @@ def write_mhd(image, path):
     return path
 
 
-def prepare(paths, folder, programs, large):
-    """Name -> file for each volume: those at the paths (.vti is converted), or Debian's scans; and a
-    large one of `large` samples a side, if not 0."""
+SCANS = {
+    "head": debian_scans.head_mri,
+    "macaque": debian_scans.macaque_mri,
+    "cranium": debian_scans.cranium_ct,
+}
+
+
+def add_volume_arguments(parser):
+    parser.add_argument("volumes", nargs="*", help=".bvol, .mhd, .nrrd or .vti; else Debian's scans")
+    parser.add_argument("--programs", required=True, help="folder of the built programs")
+    parser.add_argument("--output", default=".", help="folder to write into")
+    parser.add_argument(
+        "--scans", nargs="*", choices=SCANS, default=list(SCANS), help="which of Debian's scans"
+    )
+    parser.add_argument("--large", type=int, default=0, help="side of a large volume to be made")
+    parser.add_argument("--block-size", type=int, default=32, help="16, 32 or 64 cells")
+
+
+def prepare(arguments, folder):
+    """Name -> file for each volume that add_volume_arguments() asks for; .vti files and Debian's
+    scans are converted, the large volume is made."""
     volumes = {}
-    for path in paths:
+    for path in arguments.volumes:
         name, extension = os.path.splitext(os.path.basename(path))
         volumes[name] = path
         if extension == ".vti":
@@ -53,17 +71,14 @@ def prepare(paths, folder, programs, large):
             reader.SetFileName(path)
             reader.Update()
             volumes[name] = write_mhd(reader.GetOutput(), os.path.join(folder, name + ".mhd"))
-    if not paths:
-        for name, image in (
-            ("head", debian_scans.head_mri()),
-            ("macaque", debian_scans.macaque_mri()),
-            ("cranium", debian_scans.cranium_ct()),
-        ):
-            volumes[name] = write_mhd(image, os.path.join(folder, name + ".mhd"))
-    if large:
-        name = f"head{large}"
+    if not arguments.volumes:
+        for name in arguments.scans:
+            volumes[name] = write_mhd(SCANS[name](), os.path.join(folder, name + ".mhd"))
+    if arguments.large:
+        name = f"head{arguments.large}"
         volumes[name] = os.path.join(folder, name + ".mhd")
-        run(programs, "MakeLargeVolume", volumes[name], "--dimensions", large, large, large)
+        side = [arguments.large] * 3
+        run(arguments.programs, "MakeLargeVolume", volumes[name], "--dimensions", *side)
     return volumes
 
 
