@@ -5,7 +5,7 @@
 
 Volumes: .bvol, .mhd, .nrrd or .vti files; else three scans from Debian's packages. Each is read once and
 distributed in memory, for every number of stores. Writes into FOLDER (default: the current one):
-    load_balance.md    a table a volume: greatest over mean of the stores
+    load_balance.md    tables of each volume: greatest over mean of the stores
     NAME.csv           for each isovalue with enough triangles a store: totals and greatest
     NAME_balance.png   greatest over mean by isovalue (triangles, active blocks, bytes)
     NAME_stores.png    the load of every store by isovalue, like Figs. 16 to 18 of X. Zhang, C. Bajaj,
@@ -13,6 +13,7 @@ distributed in memory, for every number of stores. Writes into FOLDER (default: 
                        off-the-shelf clusters", 2009
 """
 import argparse
+import itertools
 import os
 import sys
 
@@ -24,7 +25,31 @@ from study_volumes import (  # noqa: E402
 )  # fmt: skip
 
 KINDS = {"triangles": "Triangles", "activeBlocks": "ActiveBlocks", "bytes": "Bytes"}
+SIZES = (0, 10, 30, 100, 300)  # active blocks a store
 LABELS = {"triangles": "triangles", "activeBlocks": "active blocks", "bytes": "bytes"}
+
+
+def write_by_size(rows, report):
+    """Greatest over mean of the triangles: median and greatest, of ever larger surfaces."""
+    methods = [method for method in COLORS if any(row["distribution"] == method for row in rows)]
+    report.write("| stores | active blocks a store, at least | isovalues | " + " | ".join(methods))
+    report.write(" |\n" + "|---" * (3 + len(methods)) + "|\n")
+    for stores, least in itertools.product(sorted({row["stores"] for row in rows}), SIZES):
+        ratios = {
+            method: [
+                row["greatestTriangles"] * stores / row["triangles"]
+                for row in rows
+                if row["stores"] == stores
+                and row["distribution"] == method
+                and row["activeBlocks"] >= least * stores
+            ]
+            for method in methods
+        }
+        if ratios[methods[0]]:
+            cells = [f"{numpy.median(own):.3f}, {max(own):.2f}" for own in ratios.values()]
+            count = len(ratios[methods[0]])
+            report.write(f"| {stores:g} | {least} | {count} | " + " | ".join(cells) + " |\n")
+    report.write("\n")
 
 
 def plot_balance(rows, name, path):
@@ -55,9 +80,9 @@ def plot_balance(rows, name, path):
             if column == 0:
                 axis.set_ylabel(LABELS[kind])
     axes[-1][0].set_xlabel("isovalue")
-    axes[0][-1].legend(fontsize=7)
     figure.suptitle(f"{name}: greatest over mean of the stores")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.03, 1, 1))
+    figure.legend(*axes[0][0].get_legend_handles_labels(), loc="lower right", ncol=5, fontsize=8)
     save(figure, path)
 
 
@@ -110,13 +135,13 @@ def main():
             )  # fmt: skip
             report.write(text.replace(path, name) + "\n")
             print(text)
-            if pyplot:
-                rows = read_table(table)
-                if rows:
-                    plot_balance(rows, name, os.path.join(folder, name + "_balance.png"))
+            rows = read_table(table)
+            write_by_size(rows, report)
+            if pyplot and rows:
+                plot_balance(rows, name, os.path.join(folder, name + "_balance.png"))
+            if pyplot and arguments.plotted in arguments.stores:
                 rows = read_table(curves)
-                if rows:
-                    plot_stores(rows, name, os.path.join(folder, name + "_stores.png"))
+                plot_stores(rows, name, os.path.join(folder, name + "_stores.png"))
             os.remove(curves)
     remove_prepared(volumes, folder)
 

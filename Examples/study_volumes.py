@@ -15,6 +15,7 @@ try:
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as pyplot
+    from PIL import Image
 except ImportError:
     pyplot = None
     print("matplotlib is missing (Debian: python3-matplotlib): tables only, no plots")
@@ -104,6 +105,9 @@ def read_table(source):
 
 
 def save(figure, path):
-    """Saves a figure as a small PNG (palette colours)."""
-    figure.savefig(path, dpi=80, pil_kwargs={"optimize": True})
+    """Saves a figure as a small PNG (a palette of 48 colours)."""
+    figure.savefig(path, dpi=80)
     pyplot.close(figure)
+    with Image.open(path) as picture:
+        small = picture.convert("RGB").quantize(48)
+    small.save(path, optimize=True)

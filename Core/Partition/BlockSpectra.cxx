@@ -83,15 +83,16 @@ std::uint64_t BlockSpectra::GetLeastMaximum(std::size_t bin, std::uint32_t store
     }
   }
   std::sort(triangles.begin(), triangles.end(), std::greater<>());
+  std::vector<std::uint64_t> sums(1, 0); // of the n largest
+  for (const std::uint64_t count : triangles)
+  {
+    sums.push_back(sums.back() + count);
+  }
   std::uint64_t least = (total + stores - 1) / stores;
   for (std::size_t n = 0; n * stores < triangles.size(); ++n)
   {
-    std::uint64_t together = 0;
-    for (std::size_t index = n * stores - std::min(n, n * stores); index <= n * stores; ++index)
-    {
-      together += triangles[index];
-    }
-    least = std::max(least, together);
+    const std::size_t end = n * stores + 1;
+    least = std::max(least, sums[end] - sums[end - (n + 1)]);
   }
   return least;
 }
