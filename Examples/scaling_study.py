@@ -170,17 +170,18 @@ def write_check(model, runs, report):
 
 
 def write_prediction(model, loads, isovalues, report):
+    numbers = sorted({int(load["stores"]) for load in loads})
+    triangles = {load["isovalue"]: int(load["triangles"]) for load in loads}
+    report.write("Predicted, a disk and a store a rank: seconds, speed-up\n\n")
+    report.write("| isovalue | triangles | distribution | cache | ")
+    report.write(" | ".join(str(number) for number in numbers) + " |\n")
+    report.write("|---" * (4 + len(numbers)) + "|\n")
     methods = sorted({load["distribution"] for load in loads})
-    report.write(
-        "Predicted, a disk and a store a rank: seconds, speed-up\n\n| isovalue | distribution "
-        "| cache | " + " | ".join(f"{int(n)}" for n in sorted({load["stores"] for load in loads}))
-    )
-    report.write(" |\n" + "|---" * (3 + len({load["stores"] for load in loads})) + "|\n")
     for isovalue, method, cache in itertools.product(isovalues, methods, CACHES):
         seconds = predict(model, loads, method, isovalue, cache)
-        first = seconds[min(seconds)]
-        cells = [f"{seconds[n]:.3g}, {first / seconds[n]:.3g}" for n in sorted(seconds)]
-        report.write(f"| {isovalue:g} | {method} | {cache} | " + " | ".join(cells) + " |\n")
+        cells = [f"{seconds[n]:.3g}, {seconds[1] / seconds[n]:.3g}" for n in numbers]
+        report.write(f"| {isovalue:g} | {triangles[isovalue]:,} | {method} | {cache} | ")
+        report.write(" | ".join(cells) + " |\n")
     report.write("\n")
 
 
@@ -188,7 +189,7 @@ def plot_scaling(model, loads, runs, isovalues, name, path):
     figure, (time, speed) = pyplot.subplots(1, 2, figsize=(9.6, 4.2))
     ranks = sorted({int(load["stores"]) for load in loads})
     speed.plot(ranks, ranks, color="black", lw=0.6, label="ideal")
-    for isovalue, color in zip(isovalues, ("#3b76af", "#d1832c")):
+    for isovalue, color in zip(isovalues, ("#3b76af", "#d1832c", "#3a8f4d")):
         for cache, style in zip(CACHES, ("-", "--")):
             seconds = predict(model, loads, "balanced", isovalue, cache)
             label = f"isovalue {isovalue:g}, {cache}"
@@ -201,6 +202,8 @@ def plot_scaling(model, loads, runs, isovalues, name, path):
                     for key, shares in runs.items()
                     if key[:3] == (mode, cache, isovalue)
                 }
+                if not measured:
+                    continue
                 filled = {"color": color, "mfc": color if cache == "cold" else "white"}
                 time.plot(*zip(*sorted(measured.items())), marker, ms=5, **filled)
                 if 1 in measured:
@@ -215,9 +218,9 @@ def plot_scaling(model, loads, runs, isovalues, name, path):
         axis.set_xlabel("ranks")
         axis.set_ylabel(label)
         axis.legend(fontsize=7)
-    time.set_title("lines: predicted; o: shares in turn; x: at once", fontsize=9)
-    speed.set_title("predicted, balanced distribution", fontsize=9)
-    figure.suptitle(f"{name}: prediction from costs measured on one machine")
+    time.set_title("lines: predicted; measured: o in turn, x at once, filled cold", fontsize=9)
+    speed.set_title("balanced distribution, but for the dotted line", fontsize=9)
+    figure.suptitle(f"{name}: a prediction, from costs measured on one machine")
     figure.tight_layout()
     save(figure, path)
 
@@ -244,7 +247,8 @@ def study(name, path, arguments, folder, report):
         [row for row in shares if row["mode"] == "in turn" and row["isovalue"] in fitted]
     )
     runs = group_runs(row for row in shares if row["isovalue"] in checked)
-    shown = [checked[0], checked[-1]]
+    largest = max(loads, key=lambda load: load["triangles"])["isovalue"]
+    shown = [checked[0], checked[-1], largest]
     report.write(f"## {name}\n\n")
     write_costs(model, report)
     write_check(model, runs, report)

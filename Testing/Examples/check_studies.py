@@ -80,7 +80,7 @@ def check_scaling_study():
     for row in checked:
         expect(float(row["predicted s"]) > 0, f"nothing predicted: {row}")
     predicted = [row for row in tables if "4096" in row]
-    expect(len(predicted) == 8, "2 isovalues, 2 distributions, cold and warm should be predicted")
+    expect(len(predicted) == 12, "3 isovalues, 2 distributions, cold and warm should be predicted")
     for row in predicted:
         speedups = {
             int(ranks): float(cell.split(",")[1])
