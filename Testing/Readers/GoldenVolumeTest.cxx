@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format version 1 stay readable, and mean the same, for ever. What is compared here was
-// computed when they were written; neither may change together with the code.
+// Files of every format version stay readable, and mean the same, for ever. What is compared here
+// was computed when they were written; neither may change together with the code.
 #include "BlockChecks.h"
 #include "ScratchFolder.h"
 #include "TestVolumes.h"
@@ -52,7 +52,7 @@ constexpr VolumeSettings GoldenSettings{ 16, 2, vtkBlockedVolumeWriter::GREEDY,
   vtkBlockedVolumeWriter::NONE };
 
 vtkSmartPointer<vtkPolyData> ContourFile(
-  const std::string& path, const char* array, double isovalue)
+  const std::string& path, const char* array, double isovalue, int level = 0)
 {
   vtkNew<vtkBlockedVolumeReader> reader;
   vtkNew<vtkStabbingContour> contour;
@@ -62,17 +62,24 @@ vtkSmartPointer<vtkPolyData> ContourFile(
   contour->SetInputConnection(reader->GetOutputPort());
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, array);
   contour->SetValue(0, isovalue);
+  contour->SetLevel(level);
   contour->Update();
   EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
 }
 
-TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
+class GoldenVolumes : public testing::TestWithParam<const char*>
+{
+protected:
+  const std::string Path = GetDataPath(std::string(GetParam()) + "/golden.bvol");
+};
+
+TEST_P(GoldenVolumes, HaveTheValuesTheyWereWrittenWith)
 {
   vtkNew<vtkBlockedVolumeReader> reader;
   const ErrorCounter errors(reader);
-  reader->SetFileName(GetDataPath("golden-v1/golden.bvol").c_str());
+  reader->SetFileName(this->Path.c_str());
   const auto blocks = ReadPiece(reader, 0, 1);
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(reader->GetLevel(), 0);
@@ -83,14 +90,13 @@ TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
   EXPECT_TRUE(checks.HaveEachCellOnce({ blocks }));
 }
 
-TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
+TEST_P(GoldenVolumes, HaveTheSurfaceTheyWereWrittenWith)
 {
-  const std::string path = GetDataPath("golden-v1/golden.bvol");
-  const auto density = ContourFile(path, "density", 15.5);
+  const auto density = ContourFile(this->Path, "density", 15.5);
   EXPECT_EQ(density->GetNumberOfPolys(), DensityTriangles);
   EXPECT_EQ(density->GetNumberOfPoints(), DensityPoints);
   EXPECT_EQ(GetCost(density, "ActiveBlocks"), 4u);
-  const auto distance = ContourFile(path, "distance", 12);
+  const auto distance = ContourFile(this->Path, "distance", 12);
   EXPECT_EQ(distance->GetNumberOfPolys(), DistanceTriangles);
   EXPECT_EQ(distance->GetNumberOfPoints(), DistancePoints);
 
@@ -99,17 +105,30 @@ TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
   EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(MakeGoldenImage(), 15.5)));
 }
 
+TEST_P(GoldenVolumes, HaveTheSurfaceAtEveryLevel)
+{
+  for (int level = 0; level < 5; ++level)
+  {
+    EdgeSurface surface;
+    surface.Add(ContourFile(this->Path, "density", 15.5, level));
+    const auto expected = ContourByFlyingEdges(SubsampleImage(MakeGoldenImage(), level), 15.5);
+    EXPECT_TRUE(AreEqual(surface, expected)) << "level " << level;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, GoldenVolumes, testing::Values("golden-v1", "golden-v2"));
+
 TEST(GoldenVolume, IsWrittenByteForByteToday)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");
   WriteVolume(MakeGoldenImage(), path, GoldenSettings);
-  const std::string golden = GetDataPath("golden-v1/golden.bvol");
+  const std::string golden = GetDataPath("golden-v2/golden.bvol");
   const std::vector<std::string> names = ListVolumeFiles(golden);
   EXPECT_EQ(ListVolumeFiles(path), names);
   for (const std::string& name : names)
   {
-    EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("golden-v1/" + name)))
+    EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("golden-v2/" + name)))
       << name << " differs: a change of format needs a new version, specification and golden file";
   }
 }
@@ -118,7 +137,7 @@ TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");
-  CopyVolume(GetDataPath("golden-v1/golden.bvol"), path);
+  CopyVolume(GetDataPath("golden-v2/golden.bvol"), path);
   const std::string good = ReadBytes(path);
   const auto image = MakeGoldenImage();
   vtkNew<vtkBlockedVolumeReader> reader;
@@ -154,7 +173,7 @@ TEST(BadVolumes, AreRefusedWithFileAndReason)
 {
   const std::vector<VolumeDamage> files = {
     { "corrupt-header.bvol", {}, "corrupt-header.bvol", "checksum" },
-    { "newer-version.bvol", {}, "newer-version.bvol", "format version 2" },
+    { "newer-version.bvol", {}, "newer-version.bvol", "format version 3" },
   };
   for (const VolumeDamage& file : files)
   {
