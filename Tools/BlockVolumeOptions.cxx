@@ -133,8 +133,8 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->capture_default_str();
   app
     .add_option("--distribution", texts.Distribution,
-      "How blocks are spread: greedy (alike blocks in turn), random (by a seeded hash), slab\n"
-      "(neighbours together)")
+      "How blocks are spread: greedy (alike blocks in turn), balanced (equal shares of the\n"
+      "estimated triangles), random (by a seeded hash), slab (neighbours together)")
     ->group(group)
     ->capture_default_str();
   app.add_option("--seed", settings.RandomSeed, "Of the random distribution")

@@ -4,6 +4,7 @@
 #include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
+#include "Partition/BlockBalancer.h"
 #include "Partition/BlockDistribution.h"
 #include "Store/BlockRecord.h"
 #include "Store/BlockRounds.h"
@@ -339,6 +340,11 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   constexpr std::uint64_t distributionBytes = 48;
   std::uint64_t bytes = blocks *
     (this->Variables.GetCount() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
+  if (this->Settings.Distribution == DistributionMethod::Balanced && this->BlockStores.empty())
+  {
+    bytes += BlockProfileScan::GetBytes(this->Grid) +
+      BlockBalancer::GetBytes(this->Settings.NumberOfStores);
+  }
   std::uint64_t mine = 0;
   for (const std::uint32_t store : this->BlockStores)
   {
@@ -398,6 +404,10 @@ Status BlockedVolumeWriteJob::FindRanges()
         return left.GetStatus();
       }
       this->Scan.emplace(this->Grid, this->Variables, this->Settings.Threads);
+      if (this->Settings.Distribution == DistributionMethod::Balanced)
+      {
+        this->Scan->AddProfiles();
+      }
       return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
         [&](double share) { return this->TellShare(share * RangesDone); });
     })));
@@ -409,7 +419,7 @@ Status BlockedVolumeWriteJob::FindRanges()
       const std::size_t variable = *this->Variables.Find(0, Variable::Magnitude);
       this->BlockStores = DistributeBlocks(this->Settings.Distribution,
         this->Variables[variable].Type, this->Scan->GetRanges()[variable],
-        this->Settings.NumberOfStores, this->Settings.RandomSeed);
+        this->Settings.NumberOfStores, this->Settings.RandomSeed, this->Scan->TakeProfiles());
       return Status::Ok();
     }));
 }

@@ -12,7 +12,7 @@ namespace
 {
 
 constexpr DistributionMethod Methods[] = { DistributionMethod::Greedy, DistributionMethod::Random,
-  DistributionMethod::Slab };
+  DistributionMethod::Slab, DistributionMethod::Balanced };
 
 std::size_t CountFolders(const MemoryDisk& disk)
 {
