@@ -10,9 +10,13 @@
 #include "vtkStabbingContour.h"
 
 #include "vtkExecutive.h"
+#include "vtkInformation.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+
+#include "Store/BlockedVolumeHeader.h"
+#include "Store/VolumeVerification.h"
 
 #include <filesystem>
 
@@ -114,6 +118,45 @@ TEST_P(GoldenVolumes, HaveTheSurfaceAtEveryLevel)
     const auto expected = ContourByFlyingEdges(SubsampleImage(MakeGoldenImage(), level), 15.5);
     EXPECT_TRUE(AreEqual(surface, expected)) << "level " << level;
   }
+}
+
+TEST_P(GoldenVolumes, TakeFurtherTimeStepsWhoseLevelsAreWhereTheyHaveTheirs)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("golden.bvol");
+  CopyVolume(this->Path, path);
+  FileSystem& files = GetLocalFileSystem();
+  auto before = BlockedVolumeHeader::Read(files, path);
+  ASSERT_TRUE(before.IsOk()) << before.GetStatus().GetMessage();
+  before->TimeSteps[0].Time = 0;
+  WriteBytes(path, before->Format());
+
+  const auto image = MakeGoldenImage();
+  image->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), 1);
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  const ErrorCounter errors(writer);
+  writer->SetInputData(image);
+  writer->SetFileName(path.c_str());
+  writer->SetBlockSize(16);
+  writer->SetCompression(vtkBlockedVolumeWriter::NONE);
+  writer->AppendTimeStepOn();
+  writer->Write();
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+
+  const auto after = BlockedVolumeHeader::Read(files, path);
+  ASSERT_TRUE(after.IsOk()) << after.GetStatus().GetMessage();
+  EXPECT_EQ(after->NumberOfLevels, before->NumberOfLevels);
+  EXPECT_EQ(after->Overviews.size(), before->Overviews.size());
+  ASSERT_EQ(after->TimeSteps.size(), 2u);
+  for (std::size_t store = 0; store < 2; ++store)
+  {
+    const StoreDescription& old = after->TimeSteps[0].Stores[store];
+    EXPECT_EQ(after->TimeSteps[1].Stores[store].Checksum, old.Checksum);
+    EXPECT_EQ(after->TimeSteps[1].Stores[store].Bytes, old.Bytes);
+  }
+  const auto verified = VerifyBlockedVolume(path, files, 2);
+  ASSERT_TRUE(verified.IsOk());
+  EXPECT_EQ(verified->FaultCount, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Versions, GoldenVolumes, testing::Values("golden-v1", "golden-v2"));

@@ -223,13 +223,13 @@ class BlockedVolume:
         check(number == len(overviews) or self.block_count > 1,
               f"{path}: an overview of a single block")
         step = self.header["timeSteps"][time_step]
+        check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
         check(version == 1 or len(step["overviews"]) == len(overviews),
               f"{path}: number of overviews")
         folder = os.path.join(path + ".stores", step["folder"])
         if number > 0:
             folder = os.path.join(folder, f"overview-{number}")
             step = step["overviews"][number - 1]
-        check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
         check(len(step["stores"]) == parts[number]["stores"]
               and sum(store["blocks"] for store in step["stores"]) == self.block_count,
               f"{path}: numbers of stores or blocks")
