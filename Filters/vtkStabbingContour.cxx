@@ -34,11 +34,13 @@
 #include "Contour/SurfaceMerge.h"
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
+#include "Store/LevelChoice.h"
 #include "Store/StoredBlockSource.h"
 #include "Volume/Magnitude.h"
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,12 +49,15 @@ vtkStandardNewMacro(vtkStabbingContour);
 vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
 vtkCxxSetObjectMacro(vtkStabbingContour, Frustum, vtkPlanes);
 
+using isosurface::BlockedVolume;
 using isosurface::ContourRequest;
+using isosurface::LevelChoice;
 using isosurface::QueryCost;
 using isosurface::Result;
 using isosurface::Status;
 using isosurface::StatusCode;
 using isosurface::Surface;
+using isosurface::SurfaceQuery;
 
 namespace
 {
@@ -166,6 +171,8 @@ vtkStabbingContour::vtkStabbingContour()
   , ComputeScalars(1)
   , GenerateTriangles(1)
   , Level(0)
+  , TimeBudget(0)
+  , MaximumTriangles(0)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , UseRegion(0)
@@ -176,6 +183,7 @@ vtkStabbingContour::vtkStabbingContour()
   , RanksOnNode(0)
   , Controller(nullptr)
   , ImageIndex(new Index)
+  , Rate(new isosurface::ExtractionRate)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -428,32 +436,27 @@ int vtkStabbingContour::ChooseThreads()
 }
 
 //------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractFromVolume(
-  vtkInformation* inInfo, vtkInformation* outInfo, ContourRequest& request, Output& output)
+Status vtkStabbingContour::MakeQuery(
+  const BlockedVolume& volume, const ContourRequest& request, SurfaceQuery& query, Output& output)
 {
-  auto* handle =
-    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
-  isosurface::BlockedVolume& volume = *handle->GetVolume();
   const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
-  const std::size_t step = handle->FindTimeStep(inInfo);
-  std::string& arrayName = output.ArrayName;
-  arrayName = this->GetArrayToContour();
+  output.ArrayName = this->GetArrayToContour();
   // Without a choice: the first array, which the reader makes the active scalars.
   const auto array =
-    arrayName.empty() ? std::optional<std::size_t>(0) : header.FindArray(arrayName);
+    output.ArrayName.empty() ? std::optional<std::size_t>(0) : header.FindArray(output.ArrayName);
   if (!array)
   {
-    return Status(
-      StatusCode::NotFound, volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
+    return Status(StatusCode::NotFound,
+      volume.GetPath() + ": has no array \"" + output.ArrayName + "\" to contour");
   }
-  arrayName = header.Arrays[*array].Name;
+  output.ArrayName = header.Arrays[*array].Name;
   const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
   if (!variable)
   {
-    return MakeComponentError(arrayName, header.Arrays[*array].Components, this->Component);
+    return MakeComponentError(output.ArrayName, header.Arrays[*array].Components, this->Component);
   }
-  std::vector<std::size_t> attributes;
-  for (const std::string& name : this->ChooseInterpolatedArrays(arrayName))
+  query.Variable = *variable;
+  for (const std::string& name : this->ChooseInterpolatedArrays(output.ArrayName))
   {
     const auto attribute = header.FindArray(name);
     if (!attribute)
@@ -462,32 +465,115 @@ Status vtkStabbingContour::ExtractFromVolume(
         StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to interpolate");
     }
     const isosurface::ArrayDescription& description = header.Arrays[*attribute];
-    attributes.push_back(*attribute);
-    request.Attributes.push_back({ description.Type, description.Components });
-    output.Arrays.push_back({ name, {}, request.Attributes.back() });
+    query.Attributes.push_back(*attribute);
+    output.Arrays.push_back({ name, {}, { description.Type, description.Components } });
   }
+  query.Isovalues = request.Isovalues;
+  query.Selection = { request.ClosedSides, this->MakeRegion() };
+  return Status::Ok();
+}
 
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractFromVolume(
+  vtkInformation* inInfo, vtkInformation* outInfo, ContourRequest& request, Output& output)
+{
+  auto* handle =
+    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
+  BlockedVolume& volume = *handle->GetVolume();
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const int level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
-  output.Cost.Level = level;
-  auto active = volume.FindActiveBlocks(step, *variable, request.Isovalues,
-    outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
-    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), output.Cost.Reading, level,
-    { request.ClosedSides, this->MakeRegion() });
+  SurfaceQuery query;
+  query.TimeStep = handle->FindTimeStep(inInfo);
+  query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
+  query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
+  const Status status = this->MakeQuery(volume, request, query, output);
+  for (const isosurface::InterpolatedArray& array : output.Arrays)
+  {
+    request.Attributes.push_back(array.Layout);
+  }
+  const isosurface::ExtractionBudget budget = { this->TimeBudget,
+    static_cast<std::uint64_t>(this->MaximumTriangles) };
+  if (budget.IsLimited())
+  {
+    isosurface::ControllerCommunicator ranks(this->Controller);
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+    return this->ExtractWithinBudget(ranks, budget, volume, query, request, output);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  LevelChoice finest;
+  finest.Level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
+  return this->ExtractAtLevel(volume, query, request, finest, output);
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractWithinBudget(isosurface::Communicator& ranks,
+  const isosurface::ExtractionBudget& budget, BlockedVolume& volume, const SurfaceQuery& query,
+  const ContourRequest& request, Output& output)
+{
+  isosurface::QueryStatistics& reading = output.Cost.Reading;
+  if (budget.Seconds > 0 && !this->Rate->IsKnown())
+  {
+    // A level that takes next to no time tells how fast this machine is.
+    const auto probe = isosurface::ChooseLevel(
+      volume, query, this->Level, { budget.Seconds / 10, 0 }, *this->Rate, ranks, reading);
+    ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
+    Output unused;
+    ISOSURFACE_RETURN_IF_ERROR(
+      ranks.Agree(this->ExtractAtLevel(volume, query, request, *probe, unused)));
+    reading.Add(unused.Cost.Reading);
+  }
+  auto choice =
+    isosurface::ChooseLevel(volume, query, this->Level, budget, *this->Rate, ranks, reading);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  const int coarsest = volume.GetNumberOfLevels() - 1;
+  while (true)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      ranks.Agree(this->ExtractAtLevel(volume, query, request, *choice, output)));
+    output.Cost.Choice = *choice;
+    std::vector<std::uint64_t> triangles = { output.Extracted.NumberOfTriangles };
+    ranks.ReduceSum(triangles);
+    if (budget.Triangles == 0 || triangles[0] <= budget.Triangles || choice->Level == coarsest)
+    {
+      return Status::Ok();
+    }
+    // The estimate was too low.
+    ++choice->Level;
+    choice->Limit = isosurface::LevelLimit::Triangles;
+  }
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractAtLevel(BlockedVolume& volume, const SurfaceQuery& query,
+  const ContourRequest& request, const LevelChoice& choice, Output& output)
+{
+  const auto start = std::chrono::steady_clock::now();
+  output.Cost.Level = choice.Level;
+  isosurface::QueryStatistics& reading = output.Cost.Reading;
+  reading.ActiveBlocks = 0;
+  auto active = volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues, query.Rank,
+    query.Ranks, reading, choice.Level, query.Selection);
   if (!active.IsOk())
   {
     return active.GetStatus();
   }
-  isosurface::StoredBlockSource source(volume, step, *variable, level, std::move(*active));
-  source.SetAttributes(std::move(attributes));
-  auto extracted = isosurface::ExtractSurface(header.Grid.Coarsen(level), source, request,
-    this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
-  output.Cost.Reading.Add(source.GetStatistics());
+  isosurface::StoredBlockSource source(
+    volume, query.TimeStep, query.Variable, choice.Level, std::move(*active));
+  source.SetAttributes(query.Attributes);
+  auto extracted = isosurface::ExtractSurface(volume.GetHeader().Grid.Coarsen(choice.Level), source,
+    request, this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
+  reading.Add(source.GetStatistics());
   if (!extracted.IsOk())
   {
     return extracted.GetStatus();
   }
   output.Extracted = std::move(*extracted);
+  if (choice.Work.Blocks > 0)
+  {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    isosurface::ExtractionWork work = choice.Work;
+    work.Triangles = static_cast<double>(output.Extracted.NumberOfTriangles);
+    this->Rate->Observe(work, seconds.count());
+  }
   return Status::Ok();
 }
 
@@ -617,6 +703,8 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
   os << indent << "Level: " << this->Level << "\n";
+  os << indent << "TimeBudget: " << this->TimeBudget << "\n";
+  os << indent << "MaximumTriangles: " << this->MaximumTriangles << "\n";
   os << indent << "InterpolatedArrays:";
   for (const std::string& name : this->InterpolatedArrays)
   {

@@ -34,7 +34,9 @@
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
  * BlocksRead, BytesRead, BlockCacheHits, Triangles, Level, QuerySeconds, ReadSeconds,
- * ExtractSeconds); also a line in the log.
+ * ExtractSeconds); also a line in the log. With a TimeBudget or MaximumTriangles also
+ * EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit: which of the two forbids the
+ * next finer level, if one does.
  *
  * Every rank of the controller must execute together. Errors of any rank are reported by all.
  */
@@ -53,9 +55,15 @@
 
 namespace isosurface
 {
+class BlockedVolume;
+class Communicator;
+class ExtractionRate;
+class Region;
 class Status;
 struct ContourRequest;
-class Region;
+struct ExtractionBudget;
+struct LevelChoice;
+struct SurfaceQuery;
 }
 
 class vtkMultiProcessController;
@@ -127,6 +135,28 @@ public:
    */
   vtkSetClampMacro(Level, int, 0, 64);
   vtkGetMacro(Level, int);
+  ///@}
+
+  ///@{
+  /**
+   * Seconds that the surface of a blocked volume may take; 0, the default, as many as it takes. The
+   * finest level from Level on is chosen that the slowest rank will have ready in time, as far as
+   * the contour spectrum, the active blocks and the block cache, and how fast earlier executions
+   * were, can tell; the coarsest level if none will be. The same surface may so be coarser the
+   * first time, while its blocks are read, and finer later.
+   */
+  vtkSetClampMacro(TimeBudget, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(TimeBudget, double);
+  ///@}
+
+  ///@{
+  /**
+   * Triangles that the surface of a blocked volume may have, on all ranks and for all isovalues
+   * together; 0, the default, as many as there are. The finest level from Level on is chosen that
+   * keeps to it; the coarsest if none does.
+   */
+  vtkSetClampMacro(MaximumTriangles, vtkIdType, 0, VTK_ID_MAX);
+  vtkGetMacro(MaximumTriangles, vtkIdType);
   ///@}
 
   ///@{
@@ -232,8 +262,19 @@ private:
 
   struct Output; ///< what is extracted
 
+  /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
+  isosurface::Status MakeQuery(const isosurface::BlockedVolume& volume,
+    const isosurface::ContourRequest& request, isosurface::SurfaceQuery& query, Output& output);
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
     isosurface::ContourRequest& request, Output& output);
+  /// At the level that the budget allows. Collective.
+  isosurface::Status ExtractWithinBudget(isosurface::Communicator& ranks,
+    const isosurface::ExtractionBudget& budget, isosurface::BlockedVolume& volume,
+    const isosurface::SurfaceQuery& query, const isosurface::ContourRequest& request,
+    Output& output);
+  isosurface::Status ExtractAtLevel(isosurface::BlockedVolume& volume,
+    const isosurface::SurfaceQuery& query, const isosurface::ContourRequest& request,
+    const isosurface::LevelChoice& choice, Output& output);
   isosurface::Status ExtractFromImages(
     vtkInformationVector** input, isosurface::ContourRequest& request, Output& output);
   isosurface::Region MakeRegion();
@@ -248,6 +289,8 @@ private:
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
   int Level;
+  double TimeBudget;
+  vtkIdType MaximumTriangles;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
@@ -259,6 +302,7 @@ private:
   int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;
   std::unique_ptr<Index> ImageIndex;
+  std::unique_ptr<isosurface::ExtractionRate> Rate;
 };
 
 #endif

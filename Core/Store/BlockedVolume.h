@@ -123,6 +123,18 @@ public:
   Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,
     const std::vector<std::size_t>& variables, int level, QueryStatistics& statistics);
 
+  /// Whether a variable of a block is in the block cache, or on its way there.
+  bool IsCached(
+    const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const;
+
+  /**
+   * Starts reading the blocks [begin, end) of a list for calls of ReadVariables that will follow
+   * soon, without waiting for them: neighbors in a store as one. What is in the block cache is left
+   * out. A hint, without errors: those are ReadVariables' own. Cost: the blocks' directory pages.
+   */
+  void Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin, std::size_t end,
+    std::size_t timeStep, const std::vector<std::size_t>& variables, int level);
+
   /// Memory for one variable of all blocks at a level, decoded, in bytes (ghost layers included).
   std::uint64_t EstimateBytes(std::size_t variable, int level) const;
 
