@@ -309,9 +309,14 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
   }
 
   isosurface::QueryStatistics statistics;
-  const auto asked = request && !request->GetIsovalues().empty()
-    ? header.FindArray(request->GetArrayName())
-    : std::optional<std::size_t>();
+  std::optional<std::size_t> asked;
+  if (request && !request->GetIsovalues().empty())
+  {
+    // Without a name: the active scalars, which the first array becomes.
+    asked = request->GetArrayName().empty() && !arrays.empty()
+      ? arrays.front()
+      : header.FindArray(request->GetArrayName());
+  }
   const auto variable = asked ? volume.GetVariables().FindChoice(*asked, request->GetComponent())
                               : std::optional<std::size_t>();
   if (variable)
