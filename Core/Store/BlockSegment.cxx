@@ -9,15 +9,6 @@ namespace
 {
 
 template <typename T>
-void CopyEverySecond(std::uint8_t* to, const std::uint8_t* from, std::int64_t count)
-{
-  for (std::int64_t sample = 0; sample < count; ++sample)
-  {
-    std::memcpy(to + sample * sizeof(T), from + 2 * sample * sizeof(T), sizeof(T));
-  }
-}
-
-template <typename T>
 void CopyStrided(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
   std::int64_t count)
 {
@@ -25,12 +16,6 @@ void CopyStrided(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdi
   auto* target = static_cast<std::uint8_t*>(to);
   const auto* source = static_cast<const std::uint8_t*>(from);
   constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(T));
-  if (toStride == 1 && fromStride == 2)
-  {
-    // Most rows that have gaps; the compiler vectorises this one.
-    CopyEverySecond<T>(target, source, count);
-    return;
-  }
   for (std::int64_t sample = 0; sample < count; ++sample)
   {
     std::memcpy(target + sample * toStride * size, source + sample * fromStride * size, sizeof(T));
