@@ -241,7 +241,10 @@ private:
       const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
       ISOSURFACE_RETURN_IF_ERROR(this->Disk.CountWrite(this->Path));
       this->Content->resize(std::max<std::size_t>(this->Content->size(), offset + size));
-      std::memcpy(this->Content->data() + offset, bytes, size);
+      if (size > 0)
+      {
+        std::memcpy(this->Content->data() + offset, bytes, size);
+      }
       return Status::Ok();
     }
     std::uint64_t GetSize() const override { return this->Content->size(); }
