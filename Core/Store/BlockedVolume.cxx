@@ -334,9 +334,9 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(std::size
   const std::lock_guard<std::mutex> lock(this->Mutex);
   if (!this->Spectra[timeStep])
   {
-    auto spectra = VolumeSpectra::Read(this->Files,
-      VolumeSpectra::GetPath(this->Path, this->Header.TimeSteps[timeStep].Folder),
-      this->Header.Arrays.size(), this->Header.NumberOfStores);
+    auto spectra =
+      VolumeSpectra::Read(this->Files, this->Path, this->Header.TimeSteps[timeStep].Folder,
+        this->Header.Arrays.size(), this->Header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
     {
@@ -356,7 +356,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   {
     return spectra.GetStatus();
   }
-  return (*spectra)->Totals[array];
+  return (*spectra)->GetTotal(array);
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
@@ -373,7 +373,12 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
   }
-  return (*spectra)->Stores[array][store];
+  auto spectrum = (*spectra)->GetStore(array, store);
+  if (!spectrum.IsOk())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+  }
+  return spectrum;
 }
 
 } // namespace isosurface

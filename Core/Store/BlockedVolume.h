@@ -21,7 +21,7 @@ namespace isosurface
 {
 
 class BlockStore;
-struct VolumeSpectra;
+class VolumeSpectra;
 
 /// Where a block stands: the Ordinal-th one of a store. Block is its index in the BlockGrid.
 struct BlockReference
@@ -89,8 +89,9 @@ public:
   /// Memory for one array of all blocks at a level, decoded, in bytes (ghost layers included).
   std::uint64_t EstimateBytes(std::size_t array, int level) const;
 
-  /// Triangles and active cells by isovalue, of an array's whole volume; and of each store. Read
-  /// from disk at the first call for a time step, then kept.
+  /// The spectrum of an array's whole volume, read from disk at the first call for a time step,
+  /// then kept; and of a store, read at each call. (Volumes of older versions have triangles and
+  /// cells only.)
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
     std::size_t timeStep, std::size_t array);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(

@@ -195,8 +195,7 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   bytes += mine * BlockStoreWriter::GetEntryBytes(segments);
   if (this->Spectra)
   {
-    bytes += StoreSpectra::GetBytes(
-      this->Spectra->GetBins(), this->Settings.NumberOfStores, this->Rank, this->Size);
+    bytes += this->Spectra->GetBytes();
   }
   return bytes + this->Source.GetHeldBytes();
 }
@@ -205,10 +204,10 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
 std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
 {
   const auto side = static_cast<std::uint64_t>(this->Settings.BlockSize) + 3;
-  // A block as it is decoded, twice that for compressing it, and for an array's spectrum 4 bytes a
-  // vertex and 16 a bin.
-  const std::uint64_t bytes =
-    side * side * side * (24 + 4 * this->Types.size()) + this->Types.size() * 16 * 2048;
+  // A block as it is decoded, twice that for compressing it, and what counts for the spectra.
+  const std::uint64_t bytes = side * side * side * 24 +
+    StoreSpectra::GetCounterBytes(
+      this->Types.size(), static_cast<std::uint64_t>(this->Settings.BlockSize));
   return static_cast<std::uint64_t>(this->Settings.Threads) * bytes;
 }
 
@@ -281,7 +280,8 @@ Status BlockedVolumeWriteJob::CreateStores()
       {
         bins.push_back(SpectrumBins::Choose(this->Types[array], this->GetStep().Ranges[array]));
       }
-      this->Spectra.emplace(std::move(bins), this->Settings.NumberOfStores, this->Rank, this->Size);
+      this->Spectra.emplace(this->Header.Grid, this->Types, std::move(bins),
+        this->Settings.NumberOfStores, this->Rank, this->Size);
       const std::size_t segments =
         this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
       std::vector<std::size_t> blocks(this->Settings.NumberOfStores, 0);
@@ -310,18 +310,14 @@ Status BlockedVolumeWriteJob::CreateStores()
 Status BlockedVolumeWriteJob::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
-  std::vector<std::vector<BlockWorkload>> counters(
-    static_cast<std::size_t>(this->Settings.Threads));
+  std::vector<std::vector<BlockCounters>> counters;
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(left.GetStatus()));
   // Rounds are planned alike on all ranks, so what the fullest one has left counts.
   std::vector<std::uint64_t> memory = { *left };
   this->Ranks.ReduceMinimum(memory);
-  for (std::vector<BlockWorkload>& ofThread : counters)
+  for (int thread = 0; thread < this->Settings.Threads; ++thread)
   {
-    for (const SpectrumBins& bins : this->Spectra->GetBins())
-    {
-      ofThread.emplace_back(bins);
-    }
+    counters.push_back(this->Spectra->MakeCounters());
   }
   const BlockShipment shipment(this->Grid, this->Types, this->BlockStores, this->Rank, this->Size);
   BlockRounds rounds(this->Ranks, this->Source, this->Grid, this->Types, *this->Exchange, shipment,
@@ -342,8 +338,8 @@ Status BlockedVolumeWriteJob::WriteBlocks()
     : Status(status.GetCode(), this->Path + ": cannot be written: " + status.GetMessage());
 }
 
-/// Counts the triangles of a filled block, and makes its record what the file will have.
-void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters)
+/// Counts what a filled block adds to the spectra, and makes its record what the file will have.
+void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockCounters>& counters)
 {
   const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
   for (std::size_t array = 0; array < this->Types.size(); ++array)
@@ -358,9 +354,15 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockWo
     if (range.Minimum < range.Maximum)
     {
       const auto decoded = AssembleLevel(this->Grid, block.Block, 0, this->Types[array], samples);
-      counters[array].Count(decoded->View);
-      this->Spectra->Add(block.Store, array, counters[array]);
+      counters[array].Workload.Count(decoded->View);
+      counters[array].Measure.Count(decoded->View);
     }
+    else
+    {
+      counters[array].Measure.CountUniform(
+        this->Types[array], range.Minimum, this->Grid.GetVertices(block.Block));
+    }
+    this->Spectra->Add(block.Store, array, counters[array]);
   }
   EncodeRecord(
     this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
@@ -392,6 +394,7 @@ Status BlockedVolumeWriteJob::FinishStores()
         [&](std::size_t index, int)
         {
           std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
+          this->Spectra->FinishStore(mine[index], writer->GetEntries(), this->Scan->GetRanges());
           const auto description = writer->Finish(this->Scan->GetRanges(), memory);
           outcomes[index] = description.GetStatus();
           if (description.IsOk())
@@ -442,12 +445,13 @@ Status BlockedVolumeWriteJob::ShareSpectra()
       return Status::Ok();
     })));
   const std::vector<Message> incoming = this->Ranks.Exchange(std::move(outgoing));
+  const std::vector<WorkloadSpectrum> totals = this->Spectra->ReduceTotals(this->Ranks);
   return this->AgreeOn(this->Attempt(
     [&]
     {
       return this->Rank != 0 ? Status::Ok()
-                             : VolumeSpectra::Write(this->Files,
-                                 VolumeSpectra::GetPath(this->Path, this->GetStep().Folder),
+                             : SpectraFile::Write(this->Files,
+                                 VolumeSpectra::GetPath(this->Path, this->GetStep().Folder), totals,
                                  this->Spectra->Unpack(incoming));
     }));
 }

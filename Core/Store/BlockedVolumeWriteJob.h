@@ -6,7 +6,6 @@
 #include "Base/FileSystem.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Partition/BlockWorkload.h"
 #include "Source/SlabSource.h"
 #include "Store/BlockExchange.h"
 #include "Store/BlockRangeScan.h"
@@ -61,7 +60,7 @@ private:
   Status MakeGeneration();
   Status CreateStores();
   Status WriteBlocks();
-  void FinishBlock(PendingBlock& block, std::vector<BlockWorkload>& counters);
+  void FinishBlock(PendingBlock& block, std::vector<BlockCounters>& counters);
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();

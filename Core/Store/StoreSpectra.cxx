@@ -1,85 +1,164 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/StoreSpectra.h"
 
-#include "Store/VolumeSpectra.h"
+#include "Base/ByteOrder.h"
+#include "Partition/BlockActivity.h"
 
 #include <utility>
 
 namespace isosurface
 {
 
-StoreSpectra::StoreSpectra(
+StoreSpectra::StoreSpectra(const GridGeometry& grid, std::vector<ValueType> types,
   std::vector<SpectrumBins> bins, std::uint32_t stores, std::size_t rank, std::size_t ranks)
-  : Bins(std::move(bins))
+  : Grid(grid)
+  , Types(std::move(types))
+  , Bins(std::move(bins))
   , Stores(stores)
   , Rank(rank)
   , Ranks(ranks)
 {
   for (std::size_t store = rank; store < stores; store += ranks)
   {
-    this->Mine.push_back(std::make_unique<Spectra>());
+    this->Mine.push_back(std::make_unique<Store>());
     for (const SpectrumBins& ofArray : this->Bins)
     {
-      this->Mine.back()->Arrays.emplace_back(ofArray);
+      Sums sums;
+      sums.Spectrum.Bins = ofArray;
+      sums.Spectrum.Triangles.resize(ofArray.Count);
+      sums.Spectrum.ActiveCells.resize(ofArray.Count);
+      sums.Measure = MeasureSums(ofArray);
+      this->Mine.back()->Arrays.push_back(std::move(sums));
     }
+  }
+  for (std::size_t array = 0; array < this->Bins.size(); ++array)
+  {
+    this->Totals.push_back(this->MakeSpectrum(array));
   }
 }
 
-void StoreSpectra::Add(std::uint32_t store, std::size_t array, BlockWorkload& counted)
+WorkloadSpectrum StoreSpectra::MakeSpectrum(std::size_t array) const
 {
-  Spectra& spectra = *this->Mine[store / this->Ranks];
-  const std::lock_guard<std::mutex> lock(spectra.Mutex);
-  counted.MoveTo(spectra.Arrays[array]);
+  WorkloadSpectrum spectrum(this->Bins[array]);
+  spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid);
+  spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid);
+  return spectrum;
+}
+
+std::vector<BlockCounters> StoreSpectra::MakeCounters() const
+{
+  std::vector<BlockCounters> counters;
+  for (const SpectrumBins& bins : this->Bins)
+  {
+    counters.emplace_back(bins, this->Grid);
+  }
+  return counters;
+}
+
+void StoreSpectra::Add(std::uint32_t store, std::size_t array, BlockCounters& counted)
+{
+  Store& mine = *this->Mine[store / this->Ranks];
+  const std::lock_guard<std::mutex> lock(mine.Mutex);
+  counted.Workload.MoveTo(mine.Arrays[array].Spectrum);
+  counted.Measure.MoveTo(mine.Arrays[array].Measure);
+}
+
+void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
+  const std::vector<std::vector<KeyRange>>& ranges)
+{
+  Store& mine = *this->Mine[store / this->Ranks];
+  for (std::size_t array = 0; array < this->Bins.size(); ++array)
+  {
+    // A query reads the array's segments of all levels.
+    BlockActivity activity(this->Types[array], this->Bins[array]);
+    for (const BlockDirectoryEntry& entry : entries)
+    {
+      const std::size_t levels = entry.Lengths.size() / this->Bins.size();
+      activity.Add(ranges[array][static_cast<std::size_t>(entry.Block)],
+        entry.FindSegment((array + 1) * levels) - entry.FindSegment(array * levels));
+    }
+    Sums sums = std::exchange(mine.Arrays[array], {});
+    WorkloadSpectrum spectrum = this->MakeSpectrum(array);
+    spectrum.Triangles = std::move(sums.Spectrum.Triangles);
+    spectrum.ActiveCells = std::move(sums.Spectrum.ActiveCells);
+    activity.SetActivity(spectrum);
+    sums.Measure.SetMeasures(spectrum);
+    mine.Arrays[array].Packed = SpectraFile::Pack(spectrum);
+    const std::lock_guard<std::mutex> lock(this->TotalsMutex);
+    static_cast<void>(this->Totals[array].Add(spectrum));
+  }
+}
+
+std::vector<WorkloadSpectrum> StoreSpectra::ReduceTotals(Communicator& communicator) const
+{
+  std::vector<WorkloadSpectrum> totals = this->Totals;
+  for (WorkloadSpectrum& total : totals)
+  {
+    for (WorkloadSpectrum::Counts* counts : total.GetQuantities())
+    {
+      communicator.ReduceSum(*counts);
+    }
+  }
+  return totals;
 }
 
 Message StoreSpectra::Pack() const
 {
   Message message;
-  for (const std::unique_ptr<Spectra>& spectra : this->Mine)
+  for (const std::unique_ptr<Store>& store : this->Mine)
   {
-    for (const WorkloadSpectrum& spectrum : spectra->Arrays)
+    for (const Sums& sums : store->Arrays)
     {
-      VolumeSpectra::AppendCounts(spectrum, message);
+      message.resize(message.size() + sizeof(std::uint64_t));
+      StoreLittleEndian<std::uint64_t>(
+        message.data() + message.size() - sizeof(std::uint64_t), sums.Packed.size());
+      message.insert(message.end(), sums.Packed.begin(), sums.Packed.end());
     }
   }
   return message;
 }
 
-std::vector<std::vector<WorkloadSpectrum>> StoreSpectra::Unpack(
-  const std::vector<Message>& messages) const
+std::vector<SpectraFile::Section> StoreSpectra::Unpack(const std::vector<Message>& messages) const
 {
-  std::vector<std::vector<WorkloadSpectrum>> spectra;
-  for (const SpectrumBins& bins : this->Bins)
-  {
-    spectra.emplace_back(this->Stores, WorkloadSpectrum(bins));
-  }
+  std::vector<SpectraFile::Section> sections(this->Bins.size() * this->Stores);
   for (std::size_t rank = 0; rank < this->Ranks; ++rank)
   {
-    std::size_t position = 0;
+    const std::uint8_t* next = messages[rank].data();
     for (std::size_t store = rank; store < this->Stores; store += this->Ranks)
     {
-      for (std::vector<WorkloadSpectrum>& ofArray : spectra)
+      for (std::size_t array = 0; array < this->Bins.size(); ++array)
       {
-        VolumeSpectra::TakeCounts(messages[rank], position, ofArray[store]);
+        const std::uint8_t* begin = next + sizeof(std::uint64_t);
+        next = begin + LoadLittleEndian<std::uint64_t>(next);
+        sections[store * this->Bins.size() + array].assign(begin, next);
       }
     }
   }
-  return spectra;
+  return sections;
 }
 
-std::uint64_t StoreSpectra::GetBytes(
-  const std::vector<SpectrumBins>& bins, std::uint32_t stores, std::size_t rank, std::size_t ranks)
+std::uint64_t StoreSpectra::GetBytes() const
 {
-  // Two counts a bin. A JSON number takes 16 bytes as a value and up to 21 in each of two texts.
-  constexpr std::uint64_t countBytes = 2 * sizeof(std::uint64_t);
-  constexpr std::uint64_t jsonBytes = 2 * (16 + 2 * 21);
+  // A spectrum's triangles, cells and changes of measures; packed, it takes about half of that,
+  // which rank 0 has as sections and as messages.
+  constexpr std::uint64_t sums = 2 * sizeof(std::uint64_t) + sizeof(MeasureSums::Change);
+  constexpr std::uint64_t packed = sums / 2;
   std::uint64_t bytes = 0;
-  for (const SpectrumBins& ofArray : bins)
+  for (const SpectrumBins& ofArray : this->Bins)
   {
-    bytes += ofArray.Count * (stores / ranks + 1) * countBytes;
-    bytes += rank == 0 ? ofArray.Count * std::uint64_t{ stores } * (2 * countBytes + jsonBytes) : 0;
+    bytes += ofArray.Count * (this->Stores / this->Ranks + 1) * sums;
+    bytes += this->Rank == 0 ? ofArray.Count * std::uint64_t{ this->Stores } * 2 * packed : 0;
   }
   return bytes;
+}
+
+std::uint64_t StoreSpectra::GetCounterBytes(std::size_t arrays, std::uint64_t blockSize)
+{
+  const std::uint64_t side = blockSize + 1;
+  const std::uint64_t workload = 4 * side * side * side + 16 * SpectrumBins::MaximumCount;
+  const std::uint64_t measure =
+    8 * side * side + sizeof(MeasureSums::Change) * SpectrumBins::MaximumCount;
+  return arrays * (workload + measure);
 }
 
 } // namespace isosurface

@@ -65,7 +65,8 @@ void Append(Bytes& bytes, const Bytes& others)
   bytes.insert(bytes.end(), others.begin(), others.end());
 }
 
-/// One volume's files, for the four targets that read them.
+/// One volume's files (spectra.json, which is not written any more, stays as it is), for the four
+/// targets that read them.
 template <typename T>
 void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores,
   const BlockCompression& compression = {})
@@ -95,7 +96,7 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
     return;
   }
   corpus.Add("BlockedVolumeHeader", name, disk.GetFile(Path));
-  corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+  corpus.Add("VolumeSpectra", name + "-sections", disk.GetFile(Path + ".stores/000001/spectra"));
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
   const Bytes& tree = disk.GetFile(BlockStore::GetTreePath(StoreFolder, 0));
   const Bytes& records = disk.GetFile(BlockStore::GetBlocksPath(StoreFolder));
