@@ -169,13 +169,17 @@ std::array<double, 3> GetFaces(const GridGeometry& grid)
 
 } // namespace
 
-void MeasureSums::Add(const MeasureSums& other)
+void MeasureSums::Reduce(Communicator& ranks)
 {
+  std::vector<std::uint64_t> values;
+  for (const Change& change : this->Changes)
+  {
+    values.insert(values.end(), { change.Area, change.Constant, change.Slope });
+  }
+  ranks.ReduceSum(values);
   for (std::size_t bin = 0; bin < this->Changes.size(); ++bin)
   {
-    this->Changes[bin].Area += other.Changes[bin].Area;
-    this->Changes[bin].Constant += other.Changes[bin].Constant;
-    this->Changes[bin].Slope += other.Changes[bin].Slope;
+    this->Changes[bin] = { values[3 * bin], values[3 * bin + 1], values[3 * bin + 2] };
   }
 }
 

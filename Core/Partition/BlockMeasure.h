@@ -2,6 +2,7 @@
 #ifndef isosurface_BlockMeasure_h
 #define isosurface_BlockMeasure_h
 
+#include "Base/Communicator.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/SampleView.h"
@@ -39,7 +40,8 @@ struct MeasureSums
   {
   }
 
-  void Add(const MeasureSums& other);
+  /// Collective: adds those of all ranks, on all ranks.
+  void Reduce(Communicator& ranks);
 
   /// Sets the spectrum's Area and Volume, for the bins that these sums are for.
   void SetMeasures(WorkloadSpectrum& spectrum) const;

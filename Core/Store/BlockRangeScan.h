@@ -6,7 +6,7 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Source/SlabSource.h"
-#include "Store/SampleRange.h"
+#include "Volume/SampleRange.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/ValueKey.h"
 
