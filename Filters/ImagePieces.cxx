@@ -3,8 +3,10 @@
 
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
+#include "vtkDataArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkPointData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -183,26 +185,57 @@ GridGeometry Isolate(const GridGeometry& grid, SampleView& samples)
   return part;
 }
 
-// From the numbers of a part of a grid to those of the grid.
-void RenumberGlobalIds(const GridGeometry& part, const GridGeometry& grid, Surface& surface)
+// The sides of a part that are closed sides of the grid.
+GridSides FindClosedSides(
+  const GridGeometry& part, const GridGeometry& grid, const GridSides& closedSides)
 {
-  const Index3 from = part.GetDimensions();
-  const Index3 to = grid.GetDimensions();
+  GridSides closed;
+  for (std::size_t side = 0; side < 6; ++side)
+  {
+    closed.Sides[side] = closedSides.Sides[side] && part.Extent[side] == grid.Extent[side];
+  }
+  return closed;
+}
+
+// From the numbers of a part of a grid to those of the grid.
+void RenumberGlobalIds(const GridGeometry& part, const ContourRequest& partRequest,
+  const GridGeometry& grid, const ContourRequest& request, Surface& surface)
+{
+  const GridGeometry fromGrid = GetNumberedGrid(part, partRequest);
+  const GridGeometry toGrid = GetNumberedGrid(grid, request);
+  const Index3 from = fromGrid.GetDimensions();
+  const Index3 to = toGrid.GetDimensions();
   Index3 low;
   for (int axis = 0; axis < 3; ++axis)
   {
-    low[axis] = part.Extent[2 * axis] - grid.Extent[2 * axis];
+    low[axis] = fromGrid.Extent[2 * axis] - toGrid.Extent[2 * axis];
   }
-  const std::int64_t count = 3 * part.GetNumberOfVertices();
-  for (std::int64_t& id : surface.GlobalIds)
+  const auto findVertex = [&](std::int64_t vertex)
   {
-    const std::int64_t isovalueNumber = id / count;
-    const std::int64_t axis = id % 3;
-    const std::int64_t vertex = id % count / 3;
     const std::int64_t i = low[0] + vertex % from[0];
     const std::int64_t j = low[1] + vertex / from[0] % from[1];
     const std::int64_t k = low[2] + vertex / (from[0] * from[1]);
-    id = 3 * (isovalueNumber * grid.GetNumberOfVertices() + i + to[0] * (j + to[1] * k)) + axis;
+    return i + to[0] * (j + to[1] * k);
+  };
+  const std::int64_t fromVertices = fromGrid.GetNumberOfVertices();
+  const std::int64_t toVertices = toGrid.GetNumberOfVertices();
+  const auto isovalues = static_cast<std::int64_t>(request.Isovalues.size());
+  for (std::int64_t& id : surface.GlobalIds)
+  {
+    // Ids of edges, then ids of vertices: see ExtractSurface.
+    const std::int64_t edgeIds = 3 * fromVertices * isovalues;
+    if (id < edgeIds)
+    {
+      const std::int64_t isovalueNumber = id / (3 * fromVertices);
+      const std::int64_t vertex = findVertex(id % (3 * fromVertices) / 3);
+      id = 3 * (isovalueNumber * toVertices + vertex) + id % 3;
+    }
+    else
+    {
+      const std::int64_t isovalueNumber = (id - edgeIds) / fromVertices;
+      const std::int64_t vertex = findVertex((id - edgeIds) % fromVertices);
+      id = (3 * isovalues + isovalueNumber) * toVertices + vertex;
+    }
   }
 }
 
@@ -238,27 +271,98 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
       status = samples.GetStatus();
       break;
     }
-    pieces.Pieces.push_back({ std::move(*samples), grid });
+    pieces.Pieces.push_back({ leaf.Image, std::move(*samples), grid });
   }
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
   return pieces;
 }
 
+bool InterpolatedArray::operator==(const InterpolatedArray& other) const
+{
+  return this->Name == other.Name && this->Layout.Type == other.Layout.Type &&
+    this->Layout.NumberOfComponents == other.Layout.NumberOfComponents;
+}
+
+Result<PieceAttributes> FindAttributes(
+  const ImagePiece& piece, const std::vector<std::string>& names)
+{
+  PieceAttributes attributes;
+  for (const std::string& name : names)
+  {
+    vtkDataArray* array = piece.Image->GetPointData()->GetArray(name.c_str());
+    if (!array || array->GetNumberOfTuples() != piece.Image->GetNumberOfPoints())
+    {
+      return Status(StatusCode::NotFound,
+        "the input has no numeric point array \"" + name + "\" to interpolate everywhere");
+    }
+    const Result<ValueType> type = GetValueTypeOf(array);
+    if (!type.IsOk())
+    {
+      return type.GetStatus();
+    }
+    attributes.Owners.emplace_back(array);
+    if (!array->HasStandardMemoryLayout())
+    {
+      attributes.Owners.back() =
+        vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
+      attributes.Owners.back()->DeepCopy(array);
+    }
+    InterpolatedArray description{ name, {}, { *type, array->GetNumberOfComponents() } };
+    AttributeView view;
+    for (int component = 0; component < array->GetNumberOfComponents(); ++component)
+    {
+      if (array->HasAComponentName())
+      {
+        const char* componentName = array->GetComponentName(component);
+        description.ComponentNames.emplace_back(componentName ? componentName : "");
+      }
+      SampleView samples = piece.Samples.View;
+      samples.Type = *type;
+      samples.First =
+        static_cast<const unsigned char*>(attributes.Owners.back()->GetVoidPointer(0)) +
+        static_cast<std::size_t>(component) * GetValueSize(*type);
+      for (std::ptrdiff_t& stride : samples.Stride)
+      {
+        stride *= array->GetNumberOfComponents();
+      }
+      view.Components.push_back(samples);
+    }
+    attributes.Arrays.push_back(std::move(description));
+    attributes.Views.push_back(std::move(view));
+  }
+  return attributes;
+}
+
 Result<Surface> ExtractPiece(const GridGeometry& grid, const SampleView& samples,
-  const BlockRanges& ranges, const ContourRequest& request, int threads, const Progress& progress)
+  const std::vector<AttributeView>& attributes, const BlockRanges& ranges,
+  const ContourRequest& request, const Region& region, int threads, const Progress& progress)
 {
   if (!request.Normals || HasLayerForGradients(grid, samples))
   {
-    GridBlockSource source(samples, ranges, request.Isovalues);
+    GridBlockSource source(
+      samples, ranges, request.Isovalues, { request.ClosedSides, region }, grid);
+    source.SetAttributes(attributes);
     return ExtractSurface(grid, source, request, threads, progress);
   }
   SampleView isolated = samples;
   const GridGeometry part = Isolate(grid, isolated);
-  GridBlockSource source(isolated, ranges, request.Isovalues);
-  Result<Surface> surface = ExtractSurface(part, source, request, threads, progress);
+  std::vector<AttributeView> isolatedAttributes = attributes;
+  for (AttributeView& attribute : isolatedAttributes)
+  {
+    for (SampleView& component : attribute.Components)
+    {
+      Isolate(grid, component);
+    }
+  }
+  ContourRequest partRequest = request;
+  partRequest.ClosedSides = FindClosedSides(part, grid, request.ClosedSides);
+  GridBlockSource source(
+    isolated, ranges, request.Isovalues, { partRequest.ClosedSides, region }, part);
+  source.SetAttributes(std::move(isolatedAttributes));
+  Result<Surface> surface = ExtractSurface(part, source, partRequest, threads, progress);
   if (surface.IsOk())
   {
-    RenumberGlobalIds(part, grid, *surface);
+    RenumberGlobalIds(part, partRequest, grid, request, *surface);
   }
   return surface;
 }

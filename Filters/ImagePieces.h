@@ -2,16 +2,21 @@
 #ifndef isosurface_ImagePieces_h
 #define isosurface_ImagePieces_h
 
+#include "vtkSmartPointer.h"
+
 #include "Base/Communicator.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/BlockRanges.h"
+#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
 #include "ImageSamples.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/Region.h"
 
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <vector>
 
 class vtkDataArray;
@@ -25,6 +30,7 @@ namespace isosurface
 /// The samples of one image of a rank, in the coordinates of the grid it is a piece of.
 struct ImagePiece
 {
+  vtkImageData* Image = nullptr;
   ImageSamples Samples;
   std::size_t Grid = 0; ///< into ImagePieces::Grids
 };
@@ -49,16 +55,40 @@ struct ImagePieces
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray);
 
+/// A point array of the input, as it is interpolated to the surface.
+struct InterpolatedArray
+{
+  std::string Name;
+  std::vector<std::string> ComponentNames; ///< of all components, or none
+  AttributeLayout Layout;
+
+  bool operator==(const InterpolatedArray& other) const;
+};
+
+/// The arrays of these names on all vertices of a piece's image, to interpolate.
+struct PieceAttributes
+{
+  std::vector<InterpolatedArray> Arrays;
+  std::vector<AttributeView> Views;
+  std::vector<vtkSmartPointer<vtkDataArray>> Owners; ///< keep the samples alive
+};
+
+/// Errors: NotFound for an image without one of the arrays; Unsupported for a type that is not one
+/// of numbers.
+Result<PieceAttributes> FindAttributes(
+  const ImagePiece& piece, const std::vector<std::string>& names);
+
 /**
  * The surface of one piece of a grid, with the GlobalIds of the grid. `ranges` are those of the
- * piece's samples.
+ * piece's samples; the request's closed sides are those of the grid.
  *
  * Where the image ends before its grid does, and has no ghost samples beyond its own, normals are
  * made of one-sided differences, as at the border of the grid: they are not those of the
  * neighbouring piece there.
  */
 Result<Surface> ExtractPiece(const GridGeometry& grid, const SampleView& samples,
-  const BlockRanges& ranges, const ContourRequest& request, int threads, const Progress& progress);
+  const std::vector<AttributeView>& attributes, const BlockRanges& ranges,
+  const ContourRequest& request, const Region& region, int threads, const Progress& progress);
 
 } // namespace isosurface
 

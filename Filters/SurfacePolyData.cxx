@@ -2,6 +2,7 @@
 #include "SurfacePolyData.h"
 
 #include "vtkCellArray.h"
+#include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
@@ -10,6 +11,7 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
 #include "vtkTypeInt32Array.h"
 #include "vtkTypeInt64Array.h"
 
@@ -70,9 +72,28 @@ void FillScalars(const Surface& surface, const std::string& name, vtkPolyData* o
   output->GetPointData()->SetScalars(scalars);
 }
 
+void FillAttribute(
+  SurfaceAttribute& attribute, const InterpolatedArray& description, vtkPolyData* output)
+{
+  const auto array = vtkSmartPointer<vtkDataArray>::Take(
+    vtkDataArray::CreateDataArray(GetVTKType(attribute.Layout.Type)));
+  array->SetName(description.Name.c_str());
+  array->SetNumberOfComponents(attribute.Layout.NumberOfComponents);
+  for (std::size_t component = 0; component < description.ComponentNames.size(); ++component)
+  {
+    array->SetComponentName(
+      static_cast<vtkIdType>(component), description.ComponentNames[component].c_str());
+  }
+  const std::size_t values = attribute.Bytes.GetSize() / GetValueSize(attribute.Layout.Type);
+  array->SetVoidArray(attribute.Bytes.Release(), static_cast<vtkIdType>(values), 0,
+    vtkAbstractArray::VTK_DATA_ARRAY_FREE);
+  output->GetPointData()->AddArray(array);
+}
+
 } // namespace
 
-void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyData* output)
+void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arrays,
+  const std::string& scalarsName, vtkPolyData* output)
 {
   vtkNew<vtkFloatArray> coordinates;
   coordinates->SetNumberOfComponents(3);
@@ -84,6 +105,10 @@ void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyDat
   if (surface.NumberOfCells > 0)
   {
     FillCells(surface, output);
+  }
+  for (std::size_t n = 0; n < surface.Attributes.size(); ++n)
+  {
+    FillAttribute(surface.Attributes[n], arrays[n], output);
   }
   if (normals)
   {
@@ -132,6 +157,7 @@ void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
   add("BytesRead", cost.Reading.BytesRead);
   add("BlockCacheHits", cost.Reading.BlockCacheHits);
   add("Triangles", cost.Triangles);
+  add("Level", cost.Level);
   add("QuerySeconds", cost.Reading.QuerySeconds);
   add("ReadSeconds", cost.Reading.ReadSeconds);
   add("ExtractSeconds", cost.ExtractSeconds);

@@ -3,9 +3,11 @@
 #define isosurface_SurfacePolyData_h
 
 #include "Contour/SurfaceExtractor.h"
+#include "ImagePieces.h"
 #include "Store/QueryStatistics.h"
 
 #include <string>
+#include <vector>
 
 class vtkPolyData;
 
@@ -17,21 +19,24 @@ struct QueryCost
 {
   QueryStatistics Reading;
   std::uint64_t Triangles = 0;
+  int Level = 0;             ///< that the surface was extracted from
   double ExtractSeconds = 0; ///< wall clock of extraction, the reading that it waited for included
 };
 
 /**
- * Hands a surface over to a vtkPolyData, without copying: points, polygons, GlobalIds, Normals,
- * and, if a name is given, the isovalues as active scalars of that name (float where all isovalues
- * are floats, else double).
+ * Hands a surface over to a vtkPolyData, without copying: points, polygons, GlobalIds, Normals, the
+ * attributes as the arrays that describe them, and, if a name is given, the isovalues as active
+ * scalars of that name (float where all isovalues are floats, else double). Of arrays of one name
+ * those that were computed are kept.
  */
-void MoveToPolyData(Surface& surface, const std::string& scalarsName, vtkPolyData* output);
+void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arrays,
+  const std::string& scalarsName, vtkPolyData* output);
 
 /**
  * Adds what the query cost this rank to the output's field data, one array of one value a quantity:
  * Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks, BlocksRead, BytesRead, BlockCacheHits,
- * Triangles, QuerySeconds, ReadSeconds, ExtractSeconds. Written as a table, the ranks' values are
- * its rows.
+ * Triangles, Level, QuerySeconds, ReadSeconds, ExtractSeconds. Written as a table, the ranks'
+ * values are its rows.
  */
 void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output);
 

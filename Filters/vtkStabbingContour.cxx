@@ -18,14 +18,18 @@
 #include "vtkInformationExecutivePortKey.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
+#include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPlane.h"
+#include "vtkPlanes.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/ParallelFor.h"
 #include "Contour/BlockRanges.h"
+#include "Contour/BlockSelection.h"
 #include "Contour/SurfaceExtractor.h"
 #include "Contour/SurfaceMerge.h"
 #include "ControllerCommunicator.h"
@@ -33,12 +37,14 @@
 #include "Store/StoredBlockSource.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkStabbingContour);
 vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
+vtkCxxSetObjectMacro(vtkStabbingContour, Frustum, vtkPlanes);
 
 using isosurface::ContourRequest;
 using isosurface::QueryCost;
@@ -97,11 +103,26 @@ struct vtkStabbingContour::Index
   }
 };
 
+struct vtkStabbingContour::Output
+{
+  Surface Extracted;
+  std::vector<isosurface::InterpolatedArray> Arrays; ///< of the surface's attributes
+  std::string ArrayName;                             ///< of the contoured array
+  QueryCost Cost;
+};
+
 //------------------------------------------------------------------------------
 vtkStabbingContour::vtkStabbingContour()
   : ComputeNormals(1)
   , ComputeScalars(1)
   , GenerateTriangles(1)
+  , Level(0)
+  , DropDegenerateTriangles(0)
+  , CloseBoundary(0)
+  , UseRegion(0)
+  , RegionPosition{ 0, 0, 0 }
+  , RegionLength{ 1, 1, 1 }
+  , Frustum(nullptr)
   , NumberOfThreads(0)
   , RanksOnNode(0)
   , Controller(nullptr)
@@ -116,12 +137,110 @@ vtkStabbingContour::vtkStabbingContour()
 vtkStabbingContour::~vtkStabbingContour()
 {
   this->SetController(nullptr);
+  this->SetFrustum(nullptr);
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::AddInterpolatedArray(const char* name)
+{
+  if (name && *name &&
+    std::find(this->InterpolatedArrays.begin(), this->InterpolatedArrays.end(), name) ==
+      this->InterpolatedArrays.end())
+  {
+    this->InterpolatedArrays.emplace_back(name);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::RemoveAllInterpolatedArrays()
+{
+  if (!this->InterpolatedArrays.empty())
+  {
+    this->InterpolatedArrays.clear();
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkStabbingContour::GetNumberOfInterpolatedArrays()
+{
+  return static_cast<int>(this->InterpolatedArrays.size());
+}
+
+//------------------------------------------------------------------------------
+const char* vtkStabbingContour::GetInterpolatedArray(int index)
+{
+  return index >= 0 && index < this->GetNumberOfInterpolatedArrays()
+    ? this->InterpolatedArrays[static_cast<std::size_t>(index)].c_str()
+    : nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::SetRegionBounds(const double bounds[6])
+{
+  this->SetRegionPosition(bounds[0], bounds[2], bounds[4]);
+  this->SetRegionLength(bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4]);
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::SetFrustumPlanes(const double planes[24])
+{
+  if (std::all_of(planes, planes + 24, [](double coefficient) { return coefficient == 0; }))
+  {
+    this->SetFrustum(nullptr);
+    return;
+  }
+  double copy[24];
+  std::copy(planes, planes + 24, copy);
+  vtkNew<vtkPlanes> frustum;
+  frustum->SetFrustumPlanes(copy);
+  this->SetFrustum(frustum);
+}
+
+//------------------------------------------------------------------------------
+isosurface::Region vtkStabbingContour::MakeRegion()
+{
+  isosurface::Region region;
+  if (this->UseRegion)
+  {
+    std::array<double, 6> bounds;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      bounds[2 * axis] = this->RegionPosition[axis];
+      bounds[2 * axis + 1] = this->RegionPosition[axis] + this->RegionLength[axis];
+    }
+    region = isosurface::Region::FromBounds(bounds);
+  }
+  std::vector<isosurface::HalfSpace> halfSpaces;
+  vtkNew<vtkPlane> plane;
+  for (int number = 0; this->Frustum && number < this->Frustum->GetNumberOfPlanes(); ++number)
+  {
+    this->Frustum->GetPlane(number, plane);
+    isosurface::HalfSpace halfSpace;
+    plane->GetNormal(halfSpace.Normal.data());
+    halfSpace.Offset = vtkMath::Dot(plane->GetNormal(), plane->GetOrigin());
+    halfSpaces.push_back(halfSpace);
+  }
+  return region.Intersect(isosurface::Region(halfSpaces));
+}
+
+//------------------------------------------------------------------------------
+std::vector<std::string> vtkStabbingContour::ChooseInterpolatedArrays(const std::string& contoured)
+{
+  std::vector<std::string> names = this->InterpolatedArrays;
+  if (this->ComputeScalars)
+  {
+    names.erase(std::remove(names.begin(), names.end(), contoured), names.end());
+  }
+  return names;
 }
 
 //------------------------------------------------------------------------------
 vtkMTimeType vtkStabbingContour::GetMTime()
 {
-  return std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
+  const vtkMTimeType time = std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
+  return this->Frustum ? std::max(time, this->Frustum->GetMTime()) : time;
 }
 
 //------------------------------------------------------------------------------
@@ -170,6 +289,10 @@ int vtkStabbingContour::RequestUpdateExtent(
     const double* values = this->ContourValues->GetValues();
     request->SetArrayName(this->GetArrayToContour());
     request->SetIsovalues(std::vector<double>(values, values + this->GetNumberOfContours()));
+    request->SetLevel(this->Level);
+    request->SetSelection(
+      { this->CloseBoundary ? isosurface::GridSides::All() : isosurface::GridSides(),
+        this->MakeRegion() });
   }
   vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
   return 1;
@@ -191,18 +314,21 @@ int vtkStabbingContour::RequestData(
   request.GlobalIds = true;
   request.Polygons = this->GenerateTriangles == 0;
   request.Offsets = true;
+  request.DropDegenerateTriangles = this->DropDegenerateTriangles != 0;
+  if (this->CloseBoundary)
+  {
+    request.ClosedSides = isosurface::GridSides::All();
+  }
 
   isosurface::ControllerCommunicator ranks(this->Controller);
   if (this->RanksOnNode == 0)
   {
     this->RanksOnNode = ranks.GetRanksOnNode();
   }
-  Surface surface;
-  QueryCost cost;
-  std::string arrayName;
+  Output made;
   Status status = vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
-    ? this->ExtractFromVolume(inInfo, outInfo, request, surface, arrayName, cost)
-    : this->ExtractFromImages(input, request, surface, arrayName, cost);
+    ? this->ExtractFromVolume(inInfo, outInfo, request, made)
+    : this->ExtractFromImages(input, request, made);
   if (status.IsOk() && this->CheckAbort())
   {
     status = Status(StatusCode::Aborted, "The contour was stopped.");
@@ -218,8 +344,9 @@ int vtkStabbingContour::RequestData(
     return 0;
   }
 
-  cost.Triangles = surface.NumberOfTriangles;
-  cost.ExtractSeconds = surface.TotalSeconds;
+  QueryCost& cost = made.Cost;
+  cost.Triangles = made.Extracted.NumberOfTriangles;
+  cost.ExtractSeconds = made.Extracted.TotalSeconds;
   vtkLogF(INFO,
     "Stabbing Contour: rank %d: %llu tree pages read, %llu active blocks, %llu blocks and %llu "
     "bytes read, %llu cache hits, %llu triangles; query %.4f s, read %.4f s, extract %.4f s",
@@ -230,7 +357,8 @@ int vtkStabbingContour::RequestData(
     static_cast<unsigned long long>(cost.Reading.BlockCacheHits),
     static_cast<unsigned long long>(cost.Triangles), cost.Reading.QuerySeconds,
     cost.Reading.ReadSeconds, cost.ExtractSeconds);
-  isosurface::MoveToPolyData(surface, this->ComputeScalars ? arrayName : "", polyData);
+  isosurface::MoveToPolyData(
+    made.Extracted, made.Arrays, this->ComputeScalars ? made.ArrayName : "", polyData);
   isosurface::AddCostToFieldData(ranks.GetRank(), cost, polyData);
   return 1;
 }
@@ -250,14 +378,15 @@ int vtkStabbingContour::ChooseThreads()
 }
 
 //------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
-  const ContourRequest& request, Surface& surface, std::string& arrayName, QueryCost& cost)
+Status vtkStabbingContour::ExtractFromVolume(
+  vtkInformation* inInfo, vtkInformation* outInfo, ContourRequest& request, Output& output)
 {
   auto* handle =
     static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
   isosurface::BlockedVolume& volume = *handle->GetVolume();
   const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
   const std::size_t step = handle->FindTimeStep(inInfo);
+  std::string& arrayName = output.ArrayName;
   arrayName = this->GetArrayToContour();
   // Without a choice: the first array, which the reader makes the active scalars.
   const auto array =
@@ -268,33 +397,52 @@ Status vtkStabbingContour::ExtractFromVolume(vtkInformation* inInfo, vtkInformat
       StatusCode::NotFound, volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
   }
   arrayName = header.Arrays[*array].Name;
+  std::vector<std::size_t> attributes;
+  for (const std::string& name : this->ChooseInterpolatedArrays(arrayName))
+  {
+    const auto attribute = header.FindArray(name);
+    if (!attribute)
+    {
+      return Status(
+        StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to interpolate");
+    }
+    const isosurface::ValueType type = header.Arrays[*attribute].Type;
+    attributes.push_back(*attribute);
+    request.Attributes.push_back({ type, 1 });
+    output.Arrays.push_back({ name, {}, { type, 1 } });
+  }
 
   using Pipeline = vtkStreamingDemandDrivenPipeline;
+  const int level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
+  output.Cost.Level = level;
   auto active = volume.FindActiveBlocks(step, *array, request.Isovalues,
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
-    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), cost.Reading);
+    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), output.Cost.Reading, level,
+    { request.ClosedSides, this->MakeRegion() });
   if (!active.IsOk())
   {
     return active.GetStatus();
   }
-  isosurface::StoredBlockSource source(volume, step, *array, 0, std::move(*active));
-  auto extracted = isosurface::ExtractSurface(header.Grid, source, request, this->ChooseThreads(),
-    [this](double share) { return this->TellProgress(share); });
-  cost.Reading.Add(source.GetStatistics());
+  isosurface::StoredBlockSource source(volume, step, *array, level, std::move(*active));
+  source.SetAttributes(std::move(attributes));
+  auto extracted = isosurface::ExtractSurface(header.Grid.Coarsen(level), source, request,
+    this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
+  output.Cost.Reading.Add(source.GetStatistics());
   if (!extracted.IsOk())
   {
     return extracted.GetStatus();
   }
-  surface = std::move(*extracted);
+  output.Extracted = std::move(*extracted);
   return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
-  const ContourRequest& request, Surface& surface, std::string& arrayName, QueryCost& cost)
+Status vtkStabbingContour::ExtractFromImages(
+  vtkInformationVector** input, ContourRequest& request, Output& output)
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  output.Cost.Level = IsBehindReader(inInfo) ? this->Level : 0;
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
@@ -307,7 +455,7 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
     }
     if (array && array->GetName())
     {
-      arrayName = array->GetName();
+      output.ArrayName = array->GetName();
     }
     return array;
   };
@@ -325,9 +473,9 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
   std::vector<std::int64_t> firstIds(1, 0);
   for (const isosurface::GridGeometry& grid : pieces->Grids)
   {
-    firstIds.push_back(firstIds.back() +
-      3 * grid.GetNumberOfVertices() * static_cast<std::int64_t>(request.Isovalues.size()));
+    firstIds.push_back(firstIds.back() + isosurface::CountGlobalIds(grid, request));
   }
+  const isosurface::Region region = this->MakeRegion();
   std::vector<Surface> surfaces;
   std::vector<Index::Entry> kept;
   for (std::size_t number = 0; number < pieces->Pieces.size(); ++number)
@@ -338,6 +486,25 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
       return this->TellProgress(
         (static_cast<double>(number) + share) / static_cast<double>(pieces->Pieces.size()));
     };
+    const auto attributes =
+      isosurface::FindAttributes(piece, this->ChooseInterpolatedArrays(output.ArrayName));
+    if (!attributes.IsOk())
+    {
+      return attributes.GetStatus();
+    }
+    if (number > 0 && attributes->Arrays != output.Arrays)
+    {
+      return Status(StatusCode::InvalidArgument,
+        "the arrays to interpolate are not of the same types in all images of the input");
+    }
+    if (number == 0)
+    {
+      output.Arrays = attributes->Arrays;
+      for (const isosurface::InterpolatedArray& array : output.Arrays)
+      {
+        request.Attributes.push_back(array.Layout);
+      }
+    }
     Index::Entry entry;
     if (!this->ImageIndex->Take(piece.Samples, entry))
     {
@@ -350,13 +517,13 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
         std::move(*ranges) };
     }
     auto extracted = isosurface::ExtractPiece(pieces->Grids[piece.Grid], piece.Samples.View,
-      entry.Ranges, request, this->ChooseThreads(), progress);
+      attributes->Views, entry.Ranges, request, region, this->ChooseThreads(), progress);
     kept.push_back(std::move(entry));
     if (!extracted.IsOk())
     {
       return extracted.GetStatus();
     }
-    cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
+    output.Cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
     if (const std::int64_t firstId = firstIds[piece.Grid]; firstId != 0)
     {
       for (std::int64_t& id : extracted->GlobalIds)
@@ -367,7 +534,7 @@ Status vtkStabbingContour::ExtractFromImages(vtkInformationVector** input,
     surfaces.push_back(std::move(*extracted));
   }
   this->ImageIndex->Entries = std::move(kept);
-  surface =
+  output.Extracted =
     surfaces.size() == 1 ? std::move(surfaces.front()) : isosurface::MergeSurfaces(surfaces);
   return Status::Ok();
 }
@@ -381,6 +548,21 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
+  os << indent << "Level: " << this->Level << "\n";
+  os << indent << "InterpolatedArrays:";
+  for (const std::string& name : this->InterpolatedArrays)
+  {
+    os << " \"" << name << "\"";
+  }
+  os << "\n";
+  os << indent << "DropDegenerateTriangles: " << this->DropDegenerateTriangles << "\n";
+  os << indent << "CloseBoundary: " << this->CloseBoundary << "\n";
+  os << indent << "UseRegion: " << this->UseRegion << "\n";
+  os << indent << "RegionPosition: " << this->RegionPosition[0] << " " << this->RegionPosition[1]
+     << " " << this->RegionPosition[2] << "\n";
+  os << indent << "RegionLength: " << this->RegionLength[0] << " " << this->RegionLength[1] << " "
+     << this->RegionLength[2] << "\n";
+  os << indent << "Frustum: " << this->Frustum << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -16,17 +16,25 @@
  * and the reader gives the active blocks. For image data the value ranges of blocks are computed
  * once an array, and kept between isovalues.
  *
+ * Of a blocked volume with Level l > 0 the surface is that of the volume subsampled by 2^l: of all
+ * vertices whose coordinates, counted from the extent's low corner, are multiples of 2^l. Only what
+ * this level needs is read. GlobalIds then count the vertices of the subsampled grid, so they fit
+ * together within a level, not across levels. Image data have level 0 only.
+ *
  * Point data: GlobalIds, the grid edge that a point lies on: 3 * vertex + axis +
  * n * 3 * numberOfVertices for the n-th isovalue, where vertex is the edge's low end, numbered over
- * the whole grid (x fastest) from 0. Equal ids, on whatever rank, mean bitwise equal points and
- * normals: merging by GlobalIds alone makes the surface watertight. (Where images meet without a
- * ghost layer, normals are of one side only, and differ.) Images of several different grids in one
- * composite have consecutive ranges of ids. With ComputeNormals, Normals; with
- * ComputeScalars, the isovalue under the name of the contoured array.
+ * the whole grid (x fastest) from 0; with CloseBoundary over the grid with a layer more around it.
+ * With DropDegenerateTriangles, points on vertices have the ids of these: 3 * numberOfVertices *
+ * numberOfIsovalues + vertex + n * numberOfVertices. Equal ids, on whatever rank, mean bitwise
+ * equal points, normals and attributes: merging by GlobalIds alone makes the surface watertight.
+ * (Where images meet without a ghost layer, normals are of one side only, and differ.) Images of
+ * several different grids in one composite have consecutive ranges of ids. With ComputeNormals,
+ * Normals; with ComputeScalars, the isovalue under the name of the contoured array; the
+ * interpolated arrays.
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
- * BlocksRead, BytesRead, BlockCacheHits, Triangles, QuerySeconds, ReadSeconds, ExtractSeconds);
- * also a line in the log.
+ * BlocksRead, BytesRead, BlockCacheHits, Triangles, Level, QuerySeconds, ReadSeconds,
+ * ExtractSeconds); also a line in the log.
  *
  * Every rank of the controller must execute together. Errors of any rank are reported by all.
  */
@@ -41,16 +49,17 @@
 
 #include <memory> // For the index
 #include <string> // For array names
+#include <vector> // For array names
 
 namespace isosurface
 {
 class Status;
 struct ContourRequest;
-struct QueryCost;
-struct Surface;
+class Region;
 }
 
 class vtkMultiProcessController;
+class vtkPlanes;
 
 class ISOSURFACEFILTERS_EXPORT vtkStabbingContour : public vtkPolyDataAlgorithm
 {
@@ -103,6 +112,82 @@ public:
 
   ///@{
   /**
+   * The level of detail of a blocked volume: 0 (the default) is full resolution, each next one half
+   * of it on every axis. A level above the volume's coarsest gives the coarsest.
+   */
+  vtkSetClampMacro(Level, int, 0, 64);
+  vtkGetMacro(Level, int);
+  ///@}
+
+  ///@{
+  /**
+   * Further point arrays to interpolate linearly along the grid edges, to arrays of the same name,
+   * of float for integers, as in vtkFlyingEdges3D. None by default: of a blocked volume
+   * each costs the reading of its active blocks. An array that the input does not have is an error.
+   * With ComputeScalars, the contoured array stands for the isovalues.
+   */
+  void AddInterpolatedArray(const char* name);
+  void RemoveAllInterpolatedArrays();
+  int GetNumberOfInterpolatedArrays();
+  const char* GetInterpolatedArray(int index);
+  ///@}
+
+  ///@{
+  /**
+   * Whether points that lie on one vertex of the grid, as those of all its edges do where the
+   * sample equals the isovalue, become one point, and triangles with two corners there are left
+   * out. The surface stays watertight. Without effect on polygons. Default off, as in
+   * vtkFlyingEdges3D.
+   */
+  vtkSetMacro(DropDegenerateTriangles, vtkTypeBool);
+  vtkGetMacro(DropDegenerateTriangles, vtkTypeBool);
+  vtkBooleanMacro(DropDegenerateTriangles, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether the surface is closed where it meets the border of the grid (of the whole extent of
+   * images), by caps that lie in the border and whose normals point outwards; so it bounds what is
+   * not below the isovalue. Of a blocked volume the blocks at the border that are above the
+   * isovalue as a whole are then read, too. Default off.
+   */
+  vtkSetMacro(CloseBoundary, vtkTypeBool);
+  vtkGetMacro(CloseBoundary, vtkTypeBool);
+  vtkBooleanMacro(CloseBoundary, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * With UseRegion, only the blocks that reach into a box of the world are read and contoured,
+   * whole: the surface ends where these blocks end, not at the box (vtkClipPolyData cuts exactly).
+   * The box goes from RegionPosition along the axes by RegionLength; all of it counts as inside,
+   * its border too. Defaults: off; the unit cube.
+   */
+  vtkSetMacro(UseRegion, vtkTypeBool);
+  vtkGetMacro(UseRegion, vtkTypeBool);
+  vtkBooleanMacro(UseRegion, vtkTypeBool);
+  vtkSetVector3Macro(RegionPosition, double);
+  vtkGetVector3Macro(RegionPosition, double);
+  vtkSetVector3Macro(RegionLength, double);
+  vtkGetVector3Macro(RegionLength, double);
+  /// Both, from the bounds of the box.
+  void SetRegionBounds(const double bounds[6]);
+  ///@}
+
+  ///@{
+  /**
+   * Planes, normals outwards, between which blocks are read and contoured, in the same way and in
+   * addition to a box: those of the view, say. Null, the default: no such limit.
+   */
+  virtual void SetFrustum(vtkPlanes* planes);
+  vtkGetObjectMacro(Frustum, vtkPlanes);
+  /// The same from what vtkCamera::GetFrustumPlanes() gives: a, b, c, d of six planes; no limit if
+  /// all are 0.
+  void SetFrustumPlanes(const double planes[24]);
+  ///@}
+
+  ///@{
+  /**
    * Threads to extract with; 0 (the default): this rank's share of the node's cores.
    */
   vtkSetClampMacro(NumberOfThreads, int, 0, 4096);
@@ -135,12 +220,14 @@ private:
 
   struct Index; ///< value ranges of the blocks of images, kept between isovalues
 
+  struct Output; ///< what is extracted
+
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
-    const isosurface::ContourRequest& request, isosurface::Surface& surface, std::string& arrayName,
-    isosurface::QueryCost& cost);
-  isosurface::Status ExtractFromImages(vtkInformationVector** input,
-    const isosurface::ContourRequest& request, isosurface::Surface& surface, std::string& arrayName,
-    isosurface::QueryCost& cost);
+    isosurface::ContourRequest& request, Output& output);
+  isosurface::Status ExtractFromImages(
+    vtkInformationVector** input, isosurface::ContourRequest& request, Output& output);
+  isosurface::Region MakeRegion();
+  std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
   bool TellProgress(double share);
   std::string GetArrayToContour();
   int ChooseThreads();
@@ -149,6 +236,14 @@ private:
   vtkTypeBool ComputeNormals;
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
+  int Level;
+  std::vector<std::string> InterpolatedArrays;
+  vtkTypeBool DropDegenerateTriangles;
+  vtkTypeBool CloseBoundary;
+  vtkTypeBool UseRegion;
+  double RegionPosition[3];
+  double RegionLength[3];
+  vtkPlanes* Frustum;
   int NumberOfThreads;
   int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;

@@ -113,7 +113,8 @@ Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
   int level, QueryStatistics& statistics)
 {
-  const VertexBox available = volume.GetBlockGrid().GetGhostedVertices(block.Block, level);
+  const StoredLevel stored = volume.FindLevel(level);
+  const VertexBox available = stored.Grid->GetGhostedVertices(block.Block, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
   for (const std::size_t array : arrays)
   {
@@ -127,7 +128,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
     std::memcpy(AddArray(image, description)->GetVoidPointer(0), (*decoded)->View.First,
       static_cast<std::size_t>(available.GetNumberOfVertices()) * GetValueSize(description.Type));
   }
-  AddGhosts(image, available, volume.GetBlockGrid().GetVertices(block.Block, level));
+  AddGhosts(image, available, stored.Grid->GetVertices(block.Block, stored.Level));
   return image;
 }
 
@@ -135,8 +136,9 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress)
 {
-  const BlockGrid& grid = volume.GetBlockGrid();
-  Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics);
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics, level);
   if (!blocks.IsOk())
   {
     return blocks.GetStatus();
@@ -145,7 +147,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };
   blocks->erase(std::remove_if(blocks->begin(), blocks->end(), isOutside), blocks->end());
 
-  const VertexBox available = box.GetGhostedVertices(grid, level);
+  const VertexBox available = box.GetGhostedVertices(grid, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
   for (std::size_t index = 0; index < arrays.size(); ++index)
   {
@@ -161,7 +163,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
     }
   }
   // One piece alone has no neighbours, hence no ghosts.
-  const VertexBox own = box.GetVertices(grid, level);
+  const VertexBox own = box.GetVertices(grid, stored.Level);
   if (!(own == available))
   {
     AddGhosts(image, available, own);

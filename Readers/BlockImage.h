@@ -18,19 +18,20 @@ namespace isosurface
 {
 
 /**
- * A block of a blocked volume as a vtkImageData of its own: the given arrays at a level, with the
- * ghost layer of vertices and cells marked in vtkGhostType. Extent, origin, spacing and direction
- * are those of the level's grid (GridGeometry::Coarsen), so that blocks fit together; its whole
- * extent is in the field data (StoreWholeExtent). May be called from any thread.
+ * A block of a blocked volume as a vtkImageData of its own: the given arrays at a level, of which
+ * it must be a block (BlockedVolume::FindLevel), with the ghost layer of vertices and cells marked
+ * in vtkGhostType. Extent, origin, spacing and direction are those of the level's grid
+ * (GridGeometry::Coarsen), so that blocks fit together; its whole extent is in the field data
+ * (StoreWholeExtent). May be called from any thread.
  */
 Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
   const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
   int level, QueryStatistics& statistics);
 
 /**
- * A box of blocks of a blocked volume as one vtkImageData, whatever stores the blocks are in, as
+ * A box of the blocks that have a level as one vtkImageData, whatever stores the blocks are in, as
  * ReadBlockImage makes it; without vtkGhostType where there are no ghosts. Reads the directories of
- * all stores and every block of the box once, on `threads` threads.
+ * all their stores and every block of the box once, on `threads` threads.
  */
 Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,

@@ -315,14 +315,16 @@ isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
     {
       arrays.push_back(*asked);
     }
-    auto active =
-      volume.FindActiveBlocks(step, *asked, request->GetIsovalues(), piece, pieces, statistics);
+    const int level = std::clamp(request->GetLevel(), 0, volume.GetNumberOfLevels() - 1);
+    auto active = volume.FindActiveBlocks(
+      step, *asked, request->GetIsovalues(), piece, pieces, statistics, level,
+      request->GetSelection());
     if (!active.IsOk())
     {
       return active.GetStatus();
     }
     ISOSURFACE_RETURN_IF_ERROR(
-      this->ReadActiveBlocks(*active, step, arrays, threads, partitions, statistics));
+      this->ReadActiveBlocks(*active, step, arrays, level, threads, partitions, statistics));
   }
   else
   {
@@ -363,7 +365,7 @@ isosurface::Status vtkBlockedVolumeReader::ReadSlab(int piece, int pieces, std::
   }
   this->Level = level;
   const isosurface::BlockBox slab =
-    isosurface::PartitionBlocks(volume.GetBlockGrid(), piece, pieces);
+    isosurface::PartitionBlocks(*volume.FindLevel(level).Grid, piece, pieces);
   if (slab.IsEmpty())
   {
     return Status::Ok();
@@ -382,11 +384,11 @@ isosurface::Status vtkBlockedVolumeReader::ReadSlab(int piece, int pieces, std::
 //------------------------------------------------------------------------------
 isosurface::Status vtkBlockedVolumeReader::ReadActiveBlocks(
   const std::vector<isosurface::BlockReference>& blocks, std::size_t step,
-  const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
+  const std::vector<std::size_t>& arrays, int level, int threads, vtkPartitionedDataSet* partitions,
   isosurface::QueryStatistics& statistics)
 {
   isosurface::BlockedVolume& volume = *this->Handle->GetVolume();
-  this->Level = 0;
+  this->Level = level;
   std::vector<vtkSmartPointer<vtkImageData>> images(blocks.size());
   std::vector<isosurface::QueryStatistics> costs(static_cast<std::size_t>(threads));
   std::vector<Status> failures(static_cast<std::size_t>(threads));
@@ -397,7 +399,7 @@ isosurface::Status vtkBlockedVolumeReader::ReadActiveBlocks(
       if (failures[thread].IsOk())
       {
         auto image =
-          isosurface::ReadBlockImage(volume, blocks[index], step, arrays, 0, costs[thread]);
+          isosurface::ReadBlockImage(volume, blocks[index], step, arrays, level, costs[thread]);
         if (image.IsOk())
         {
           images[index] = *image;

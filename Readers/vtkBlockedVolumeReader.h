@@ -6,9 +6,9 @@
  *
  * The output is a vtkPartitionedDataSet of vtkImageData. What it holds depends on what is asked for
  * upstream:
- * - STABBING_REQUEST() with isovalues: the blocks that they cross, at full resolution, each an
- * image of its own. Any number of pieces (ranks) reads any number of stores: each piece takes whole
- *   stores, or pieces share the blocks of one.
+ * - STABBING_REQUEST() with isovalues: the blocks that they cross, at the level of detail that the
+ *   request names, each an image of its own. Any number of pieces (ranks) reads any number of
+ * stores: each piece takes whole stores, or pieces share the blocks of one.
  * - else the whole volume, at the finest level of detail that fits MemoryLimit: one image a piece,
  *   a slab of blocks from whatever stores they are in.
  * A layer of ghost vertices and cells around blocks and slabs is marked by vtkGhostType.
@@ -137,7 +137,7 @@ private:
     const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
     isosurface::QueryStatistics& statistics);
   isosurface::Status ReadActiveBlocks(const std::vector<isosurface::BlockReference>& blocks,
-    std::size_t step, const std::vector<std::size_t>& arrays, int threads,
+    std::size_t step, const std::vector<std::size_t>& arrays, int level, int threads,
     vtkPartitionedDataSet* partitions, isosurface::QueryStatistics& statistics);
   bool TellProgress(double share);
 

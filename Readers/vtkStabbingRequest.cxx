@@ -4,7 +4,18 @@
 
 #include "vtkObjectFactory.h"
 
+#include "Contour/BlockSelection.h"
+
 vtkStandardNewMacro(vtkStabbingRequest);
+
+//------------------------------------------------------------------------------
+vtkStabbingRequest::vtkStabbingRequest()
+  : Selection(new isosurface::BlockSelection)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkStabbingRequest::~vtkStabbingRequest() = default;
 
 //------------------------------------------------------------------------------
 void vtkStabbingRequest::SetArrayName(const std::string& name)
@@ -27,6 +38,16 @@ void vtkStabbingRequest::SetIsovalues(const std::vector<double>& isovalues)
 }
 
 //------------------------------------------------------------------------------
+void vtkStabbingRequest::SetSelection(const isosurface::BlockSelection& selection)
+{
+  if (!(*this->Selection == selection))
+  {
+    *this->Selection = selection;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 bool vtkStabbingRequest::Serves(const vtkStabbingRequest* made, const vtkStabbingRequest* wanted)
 {
   if (wanted && wanted->HandleOnly)
@@ -43,7 +64,8 @@ bool vtkStabbingRequest::Serves(const vtkStabbingRequest* made, const vtkStabbin
   {
     return madeForAll == wantedForAll;
   }
-  return made->ArrayName == wanted->ArrayName && made->Isovalues == wanted->Isovalues;
+  return made->ArrayName == wanted->ArrayName && made->Isovalues == wanted->Isovalues &&
+    made->Level == wanted->Level && *made->Selection == *wanted->Selection;
 }
 
 //------------------------------------------------------------------------------
@@ -57,5 +79,9 @@ void vtkStabbingRequest::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << isovalue;
   }
   os << "\n";
+  os << indent << "Level: " << this->Level << "\n";
+  os << indent
+     << "Selection: " << (this->Selection->ClosedSides.IsEmpty() ? "open" : "closed at the border")
+     << ", " << this->Selection->Region.GetHalfSpaces().size() << " half-spaces\n";
   os << indent << "HandleOnly: " << this->HandleOnly << "\n";
 }

@@ -17,8 +17,14 @@
 #include "IsosurfaceReadersModule.h" // For export macro
 #include "vtkObject.h"
 
+#include <memory> // For the selection
 #include <string> // For the array's name
 #include <vector> // For the isovalues
+
+namespace isosurface
+{
+struct BlockSelection;
+}
 
 class ISOSURFACEREADERS_EXPORT vtkStabbingRequest : public vtkObject
 {
@@ -45,6 +51,23 @@ public:
 
   ///@{
   /**
+   * The level of detail of the blocks, 0 (full resolution) by default; of a volume with fewer
+   * levels the coarsest.
+   */
+  vtkSetMacro(Level, int);
+  vtkGetMacro(Level, int);
+  ///@}
+
+  ///@{
+  /**
+   * Which blocks are wanted beside those, or not; see isosurface::BlockSelection.
+   */
+  void SetSelection(const isosurface::BlockSelection& selection);
+  const isosurface::BlockSelection& GetSelection() const { return *this->Selection; }
+  ///@}
+
+  ///@{
+  /**
    * Whether no blocks are wanted in the reader's output.
    */
   vtkSetMacro(HandleOnly, bool);
@@ -58,8 +81,8 @@ public:
   static bool Serves(const vtkStabbingRequest* made, const vtkStabbingRequest* wanted);
 
 protected:
-  vtkStabbingRequest() = default;
-  ~vtkStabbingRequest() override = default;
+  vtkStabbingRequest();
+  ~vtkStabbingRequest() override;
 
 private:
   vtkStabbingRequest(const vtkStabbingRequest&) = delete;
@@ -67,6 +90,8 @@ private:
 
   std::string ArrayName;
   std::vector<double> Isovalues;
+  int Level = 0;
+  std::unique_ptr<isosurface::BlockSelection> Selection;
   bool HandleOnly = false;
 };
 

@@ -2,6 +2,8 @@
 #ifndef isosurface_LocalVolume_h
 #define isosurface_LocalVolume_h
 
+#include "IsosurfaceWritersModule.h"
+
 #include "vtkDataArray.h"
 #include "vtkSmartPointer.h"
 
@@ -20,7 +22,7 @@ namespace isosurface
 {
 
 /// What this rank has of the volume; arrays in the order of `Arrays`, all of one component.
-struct LocalVolume
+struct ISOSURFACEWRITERS_EXPORT LocalVolume
 {
   GridGeometry Grid;
   std::array<double, 2> Time{ 0, 0 }; ///< 1 and the time, if there is one

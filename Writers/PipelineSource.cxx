@@ -12,6 +12,8 @@
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
@@ -98,14 +100,22 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
     return status;
   }
   SampleSlab slab;
-  bool fits = owner->Arrays.size() == this->Arrays.size();
+  bool fits = true;
   for (std::size_t array = 0; fits && array < this->Arrays.size(); ++array)
   {
-    SampleView view = owner->Piece.Arrays[array];
-    fits = owner->Arrays[array].Name == this->Arrays[array].Name &&
-      owner->Arrays[array].Type == this->Arrays[array].Type && view.Available.Intersect(box) == box;
-    view.Box = box;
-    slab.Arrays.push_back(view);
+    const ArrayDescription& wanted = this->Arrays[array];
+    const auto found = std::find_if(owner->Arrays.begin(), owner->Arrays.end(),
+      [&wanted](const ArrayDescription& any)
+      { return any.Name == wanted.Name && any.Type == wanted.Type; });
+    fits = found != owner->Arrays.end();
+    if (fits)
+    {
+      SampleView view =
+        owner->Piece.Arrays[static_cast<std::size_t>(found - owner->Arrays.begin())];
+      fits = view.Available.Intersect(box) == box;
+      view.Box = box;
+      slab.Arrays.push_back(view);
+    }
   }
   if (!fits)
   {

@@ -2,6 +2,8 @@
 #ifndef isosurface_PipelineSource_h
 #define isosurface_PipelineSource_h
 
+#include "IsosurfaceWritersModule.h"
+
 #include "Source/SlabSource.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Volume/GridGeometry.h"
@@ -20,10 +22,11 @@ namespace isosurface
  *
  * An input that delivers more than what it is asked for is not asked again for what it has.
  */
-class PipelineSource : public SlabSource
+class ISOSURFACEWRITERS_EXPORT PipelineSource : public SlabSource
 {
 public:
   /// `input` is asked for what `information` (of the input) has for the time; both outlive this.
+  /// Of the input's arrays those that `arrays` names are taken, in that order.
   PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays);
 

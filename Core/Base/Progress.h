@@ -13,6 +13,16 @@ namespace isosurface
  */
 using Progress = std::function<bool(double share)>;
 
+/// What tells `progress`, which must outlive it, of a part of its work, from `begin` to `end`.
+inline Progress MakePartOfProgress(const Progress& progress, double begin, double end)
+{
+  if (!progress)
+  {
+    return {};
+  }
+  return [&progress, begin, end](double share) { return progress(begin + share * (end - begin)); };
+}
+
 } // namespace isosurface
 
 #endif

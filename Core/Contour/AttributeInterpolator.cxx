@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/AttributeInterpolator.h"
 
-#include <cmath>
-#include <limits>
 #include <type_traits>
 
 namespace isosurface
@@ -10,22 +8,36 @@ namespace isosurface
 namespace
 {
 
-// v0 + t * (v1 - v0). A product beyond the type's range (t is NaN, say) must not be converted.
+// v0 + t * (v1 - v0), without overflow.
 template <typename T>
-T InterpolateValue(T v0, T v1, double t)
+double InterpolateValue(T v0, T v1, double t)
 {
   if constexpr (std::is_floating_point_v<T>)
   {
-    return static_cast<T>(static_cast<double>(v0) + t * static_cast<double>(v1 - v0));
+    return static_cast<double>(v0) + t * static_cast<double>(v1 - v0);
   }
   else
   {
     const double first = static_cast<double>(v0);
-    const double value = first + t * (static_cast<double>(v1) - first);
-    const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
-    return value >= static_cast<double>(std::numeric_limits<T>::min()) && value < end
-      ? static_cast<T>(value)
-      : (t > 0.5 ? v1 : v0);
+    return first + t * (static_cast<double>(v1) - first);
+  }
+}
+
+template <typename T, typename Out>
+void InterpolateComponent(const SampleView& samples, const T* first, const EdgeCode* codes,
+  const double* parameters, std::size_t count, Out* out, std::size_t step)
+{
+  // A code of no axis is that of a vertex.
+  const std::ptrdiff_t along[4] = { samples.Stride[0], samples.Stride[1], samples.Stride[2], 0 };
+  for (std::size_t n = 0; n < count; ++n, out += step)
+  {
+    const EdgeCode code = codes[n];
+    const T* from = first;
+    for (unsigned axis = 0; axis < 3; ++axis)
+    {
+      from += static_cast<std::ptrdiff_t>(code >> (6 * axis) & 63) * samples.Stride[axis];
+    }
+    *out = static_cast<Out>(InterpolateValue(*from, from[along[code >> 18]], parameters[n]));
   }
 }
 
@@ -34,28 +46,19 @@ T InterpolateValue(T v0, T v1, double t)
 void InterpolateAttribute(const AttributeView& view, const Index3& low, const EdgeCode* codes,
   const double* parameters, std::size_t count, std::uint8_t* tuples)
 {
-  DispatchValueType(view.Samples.Type,
-    [&](auto zero)
-    {
-      using T = decltype(zero);
-      const T* first = view.Samples.At<T>(low);
-      T* out = reinterpret_cast<T*>(tuples);
-      for (std::size_t n = 0; n < count; ++n)
+  const std::size_t components = view.Components.size();
+  for (std::size_t component = 0; component < components; ++component)
+  {
+    const SampleView& samples = view.Components[component];
+    DispatchValueType(samples.Type,
+      [&](auto zero)
       {
-        const EdgeCode code = codes[n];
-        const T* from = first;
-        for (unsigned axis = 0; axis < 3; ++axis)
-        {
-          from += static_cast<std::ptrdiff_t>(code >> (6 * axis) & 63) * view.Samples.Stride[axis];
-        }
-        const T* to = from + view.Samples.Stride[code >> 18];
-        for (int component = 0; component < view.NumberOfComponents; ++component)
-        {
-          const std::ptrdiff_t offset = component * view.ComponentStride;
-          *out++ = InterpolateValue(from[offset], to[offset], parameters[n]);
-        }
-      }
-    });
+        using T = decltype(zero);
+        using Out = std::conditional_t<std::is_same_v<T, double>, double, float>;
+        InterpolateComponent(samples, samples.At<T>(low), codes, parameters, count,
+          reinterpret_cast<Out*>(tuples) + component, components);
+      });
+  }
 }
 
 } // namespace isosurface

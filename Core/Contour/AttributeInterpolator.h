@@ -13,10 +13,10 @@ namespace isosurface
 
 /**
  * Interpolates an attribute linearly along the edges of a brick, in double, and puts the tuples one
- * after the other in the attribute's own type (towards zero for integers, as vtkFlyingEdges3D).
+ * after the other, as values of the interpolated type (GetInterpolatedType).
  *
  * codes, parameters: `count` edges and how far along each the surface is; low: the brick's first
- * vertex; tuples: room for count * view.NumberOfComponents values, aligned for their type.
+ * vertex; tuples: room for count * number of components values, aligned for that type.
  */
 void InterpolateAttribute(const AttributeView& view, const Index3& low, const EdgeCode* codes,
   const double* parameters, std::size_t count, std::uint8_t* tuples);

@@ -104,7 +104,9 @@ Result<BlockRanges> BlockRanges::Compute(
   return made;
 }
 
-std::vector<std::int64_t> BlockRanges::FindActiveBlocks(const std::vector<double>& isovalues) const
+template <typename Predicate>
+std::vector<std::int64_t> BlockRanges::FindBlocks(
+  const std::vector<double>& isovalues, const Predicate& isWanted) const
 {
   std::vector<ValueKey> thresholds;
   DispatchValueType(this->Type,
@@ -118,17 +120,30 @@ std::vector<std::int64_t> BlockRanges::FindActiveBlocks(const std::vector<double
         }
       }
     });
-  std::vector<std::int64_t> active;
+  std::vector<std::int64_t> blocks;
   for (std::size_t block = 0; block < this->Ranges.size(); ++block)
   {
     const KeyRange& range = this->Ranges[block];
     if (std::any_of(thresholds.begin(), thresholds.end(),
-          [&range](ValueKey threshold) { return range.Straddles(threshold); }))
+          [&](ValueKey threshold) { return isWanted(range, threshold); }))
     {
-      active.push_back(static_cast<std::int64_t>(block));
+      blocks.push_back(static_cast<std::int64_t>(block));
     }
   }
-  return active;
+  return blocks;
+}
+
+std::vector<std::int64_t> BlockRanges::FindActiveBlocks(const std::vector<double>& isovalues) const
+{
+  return this->FindBlocks(isovalues,
+    [](const KeyRange& range, ValueKey threshold) { return range.Straddles(threshold); });
+}
+
+std::vector<std::int64_t> BlockRanges::FindInsideBlocks(const std::vector<double>& isovalues) const
+{
+  return this->FindBlocks(isovalues,
+    [](const KeyRange& range, ValueKey threshold)
+    { return !range.IsEmpty() && threshold <= range.Minimum; });
 }
 
 } // namespace isosurface

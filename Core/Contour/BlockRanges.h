@@ -43,7 +43,14 @@ public:
   /// The blocks that at least one of the isovalues crosses, ascending.
   std::vector<std::int64_t> FindActiveBlocks(const std::vector<double>& isovalues) const;
 
+  /// The blocks of which all samples are inside for at least one of the isovalues, ascending.
+  std::vector<std::int64_t> FindInsideBlocks(const std::vector<double>& isovalues) const;
+
 private:
+  template <typename Predicate>
+  std::vector<std::int64_t> FindBlocks(
+    const std::vector<double>& isovalues, const Predicate& isWanted) const;
+
   ValueType Type = ValueType::UInt8;
   BlockGrid Grid;
   std::vector<KeyRange> Ranges;

@@ -7,20 +7,16 @@
 #include "Volume/SampleView.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace isosurface
 {
 
-/// A further array on the vertices of a block. Component c of a vertex stands c * ComponentStride
-/// samples after Samples.At(vertex).
+/// A further array on the vertices of a block: one view for each component, all of one type.
 struct AttributeView
 {
-  SampleView Samples;
-  int NumberOfComponents = 1;
-  std::ptrdiff_t ComponentStride = 1;
+  std::vector<SampleView> Components;
 };
 
 /// The samples of a block, in grid coordinates, for as long as Owner is held.

@@ -51,7 +51,8 @@ struct BrickCounts
 };
 
 /**
- * A crossed edge as a word: vertex i, j, k of the brick (6 bits each from the lowest), then axis.
+ * A crossed edge as a word: vertex i, j, k of the brick (6 bits each from the lowest), then axis;
+ * or, where what is made of points says so, a vertex: axis 3.
  */
 using EdgeCode = std::uint32_t;
 
@@ -79,7 +80,7 @@ struct WorldTransform
 struct PointOutput
 {
   const EdgeCode* Codes;
-  const float* Coordinates; ///< the structured coordinate along the edge, one an edge
+  const float* Coordinates; ///< the structured coordinate along the edge, or x of a vertex
   const float* Normals;     ///< in structured axes; null for none
   std::uint32_t NumberOfPoints;
   float* Points;
@@ -161,7 +162,8 @@ struct BrickKernels
   void (*LocatePoints)(ValueType type, const BrickSamples& samples, double isovalue,
     const EdgeCode* codes, std::uint32_t count, float* coordinates, double* parameters);
 
-  /// For each edge the unit normal: the negative gradient, interpolated by `parameters`.
+  /// For each edge or vertex the unit normal: the negative gradient, interpolated by `parameters`,
+  /// which are 0 for vertices.
   void (*ComputeNormals)(ValueType type, const BrickSamples& samples, const EdgeCode* codes,
     const double* parameters, std::uint32_t count, float* normals);
 

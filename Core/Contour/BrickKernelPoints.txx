@@ -26,9 +26,13 @@ inline int KOf(EdgeCode code)
 {
   return static_cast<int>(code >> 12 & 63);
 }
-inline int AxisOf(EdgeCode code)
+inline int AxisOf(EdgeCode code) // 3 if the code is that of a vertex
 {
   return static_cast<int>(code >> 18);
+}
+inline int CoordinateOf(EdgeCode code) // which one is told for the point: x of a vertex
+{
+  return 0x24 >> (2 * AxisOf(code)) & 3;
 }
 
 template <typename T>
@@ -122,7 +126,7 @@ void ComputeNormals(ValueType type, const BrickSamples& samples, const EdgeCode*
   {
     MakeStencil(samples, axis, stencils[axis]);
   }
-  const std::ptrdiff_t stride[3] = { samples.Stride[0], samples.Stride[1], samples.Stride[2] };
+  const std::ptrdiff_t stride[4] = { samples.Stride[0], samples.Stride[1], samples.Stride[2], 0 };
   Dispatch(type,
     [&](auto zero)
     {
@@ -195,7 +199,7 @@ void WritePositions(
     point[0] = at[0][IOf(code)];
     point[1] = at[1][JOf(code)];
     point[2] = at[2][KOf(code)];
-    point[AxisOf(code)] = coordinate;
+    point[CoordinateOf(code)] = coordinate;
     if (coordinate != coordinate)
     {
       // As in vtkFlyingEdges3D: beside a NaN there is no point on the edge, nor a part of one.

@@ -68,6 +68,8 @@ private:
 BrickNeighborhood::Step BrickNeighborhood::FindOwner(int axis, int lowerPlace, int upperPlace) const
 {
   // Candidates from the greatest down: the upper axis counts first.
+  Step beyond;
+  bool isBeyondFound = false;
   for (int upper = 1; upper >= -1; --upper)
   {
     for (int lower = 1; lower >= -1; --lower)
@@ -77,13 +79,22 @@ BrickNeighborhood::Step BrickNeighborhood::FindOwner(int axis, int lowerPlace, i
       const Step step = axis == 0 ? Step{ 0, lower, upper }
         : axis == 1               ? Step{ lower, 0, upper }
                                   : Step{ lower, upper, 0 };
-      if (contains && this->Get(step) != NoBrick)
+      if (!contains || this->Get(step) == NoBrick)
+      {
+        continue;
+      }
+      if (!this->AreBeyond[GetIndex(step)])
       {
         return step;
       }
+      if (!isBeyondFound)
+      {
+        beyond = step;
+        isBeyondFound = true;
+      }
     }
   }
-  return {};
+  return beyond;
 }
 
 BrickOwnership BrickNeighborhood::ComputeOwnership(const int size[3]) const
@@ -107,7 +118,8 @@ BrickOwnership BrickNeighborhood::ComputeOwnership(const int size[3]) const
   return ownership;
 }
 
-Result<BrickLattice> BrickLattice::Cut(const Index3& dimensions, const BlockSource& source)
+Result<BrickLattice> BrickLattice::Cut(
+  const Index3& dimensions, const BlockSource& source, const GridSides& closedSides)
 {
   const std::size_t numberOfBlocks = source.GetNumberOfBlocks();
   std::array<LatticeAxis, 3> axes;
@@ -147,6 +159,7 @@ Result<BrickLattice> BrickLattice::Cut(const Index3& dimensions, const BlockSour
     lattice.FirstBricks.push_back(lattice.Bricks.size());
     lattice.CutBlock(
       block, source.GetLatticeCoordinates(block), source.GetVertices(block), bricksPerBlock);
+    lattice.AddBricksBeyond(lattice.FirstBricks.back(), dimensions, closedSides);
   }
   lattice.FirstBricks.push_back(lattice.Bricks.size());
 
@@ -193,6 +206,49 @@ void BrickLattice::CutBlock(
   }
 }
 
+void BrickLattice::AddBricksBeyond(
+  std::size_t first, const Index3& dimensions, const GridSides& closedSides)
+{
+  const std::size_t end = closedSides.IsEmpty() ? first : this->Bricks.size();
+  for (std::size_t number = first; number < end; ++number)
+  {
+    const Brick inner = this->Bricks[number];
+    std::array<int, 3> low{};
+    std::array<int, 3> high{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      low[axis] = closedSides.HasLow(axis) && inner.Vertices.Low[axis] == 0 ? -1 : 0;
+      high[axis] =
+        closedSides.HasHigh(axis) && inner.Vertices.High[axis] == dimensions[axis] ? 1 : 0;
+    }
+    std::array<int, 3> side{};
+    for (side[2] = low[2]; side[2] <= high[2]; ++side[2])
+    {
+      for (side[1] = low[1]; side[1] <= high[1]; ++side[1])
+      {
+        for (side[0] = low[0]; side[0] <= high[0]; ++side[0])
+        {
+          Brick brick = inner;
+          brick.Side = side;
+          for (std::size_t axis = 0; axis < 3; ++axis)
+          {
+            brick.Coordinates[axis] += side[axis];
+            if (side[axis] != 0)
+            {
+              brick.Vertices.Low[axis] = side[axis] < 0 ? -1 : dimensions[axis] - 1;
+              brick.Vertices.High[axis] = brick.Vertices.Low[axis] + 2;
+            }
+          }
+          if (brick.IsBeyond())
+          {
+            this->Bricks.push_back(brick);
+          }
+        }
+      }
+    }
+  }
+}
+
 BrickNeighborhood BrickLattice::FindNeighborhood(std::size_t brick) const
 {
   BrickNeighborhood neighborhood;
@@ -205,7 +261,13 @@ BrickNeighborhood BrickLattice::FindNeighborhood(std::size_t brick) const
       for (std::int64_t dx = -1; dx <= 1; ++dx)
       {
         const auto found = this->Numbers.find({ center[0] + dx, center[1] + dy, center[2] + dz });
-        neighborhood.Bricks[slot++] = found == this->Numbers.end() ? NoBrick : found->second;
+        if (found == this->Numbers.end())
+        {
+          neighborhood.Bricks[slot++] = NoBrick;
+          continue;
+        }
+        neighborhood.AreBeyond[slot] = this->Bricks[found->second].IsBeyond();
+        neighborhood.Bricks[slot++] = found->second;
       }
     }
   }

@@ -6,6 +6,7 @@
 #include "Contour/BlockSource.h"
 #include "Contour/BrickKernel.h"
 #include "Volume/BlockGrid.h"
+#include "Volume/GridSides.h"
 
 #include <array>
 #include <cstddef>
@@ -16,12 +17,20 @@
 namespace isosurface
 {
 
-/// A part of a block, at most 32 cells a side.
+/**
+ * A part of a block, at most 32 cells a side. Where the surface is to be closed, the bricks of a
+ * block at the border have neighbours beyond it, of one cell across the border: they belong to the
+ * same block, and their outer vertices are outside of every surface.
+ */
 struct Brick
 {
   std::size_t Block = 0;
   Index3 Coordinates{}; ///< in the lattice of bricks
   VertexBox Vertices;
+  /// On each axis: -1, 1 for beyond the low or high side of the grid, else 0.
+  std::array<int, 3> Side{};
+
+  bool IsBeyond() const { return this->Side != std::array<int, 3>{}; }
 };
 
 /// No brick.
@@ -30,7 +39,8 @@ constexpr std::size_t NoBrick = static_cast<std::size_t>(-1);
 /**
  * The bricks around one, itself included, and which of them makes the point of a shared edge: among
  * the bricks of the lattice that contain an edge, the one with the greatest coordinates, z before y
- * before x.
+ * before x; one beyond the grid only if there is no other. (Only the others see the samples that
+ * normals at the border are made of.)
  */
 struct BrickNeighborhood
 {
@@ -47,6 +57,7 @@ struct BrickNeighborhood
   };
 
   std::array<std::size_t, 27> Bricks; ///< at (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1), or NoBrick
+  std::array<bool, 27> AreBeyond{};   ///< Brick::IsBeyond of each
 
   /// Where a step stands in Bricks.
   static std::size_t GetIndex(const Step& step)
@@ -70,8 +81,10 @@ struct BrickNeighborhood
 class BrickLattice
 {
 public:
-  /// Errors: InvalidArgument for blocks that do not form a lattice within the grid.
-  static Result<BrickLattice> Cut(const Index3& dimensions, const BlockSource& source);
+  /// Adds bricks beyond the closed sides. Errors: InvalidArgument for blocks that do not form a
+  /// lattice within the grid.
+  static Result<BrickLattice> Cut(
+    const Index3& dimensions, const BlockSource& source, const GridSides& closedSides = {});
 
   const std::vector<Brick>& GetBricks() const { return this->Bricks; }
 
@@ -97,6 +110,8 @@ private:
 
   void CutBlock(std::size_t block, const Index3& lattice, const VertexBox& vertices,
     const Index3& bricksPerBlock);
+  /// Adds the neighbours beyond the grid of the bricks from `first` on.
+  void AddBricksBeyond(std::size_t first, const Index3& dimensions, const GridSides& closedSides);
 
   std::vector<Brick> Bricks;
   std::vector<std::size_t> FirstBricks;

@@ -3,6 +3,7 @@
 
 #include "Base/ParallelFor.h"
 #include "Contour/AttributeInterpolator.h"
+#include "Contour/BorderBrick.h"
 #include "Volume/ValueKey.h"
 
 #include <algorithm>
@@ -187,9 +188,13 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   {
     const AttributeView& view = samples.Attributes[n];
     const AttributeLayout& layout = this->Request.Attributes[n];
-    if (!view.Samples.First || view.Samples.Type != layout.Type ||
-      view.NumberOfComponents != layout.NumberOfComponents ||
-      !Contains(view.Samples.Available, vertices))
+    bool fits = view.Components.size() == static_cast<std::size_t>(layout.NumberOfComponents);
+    for (const SampleView& component : view.Components)
+    {
+      fits = fits && component.First && component.Type == layout.Type &&
+        Contains(component.Available, vertices);
+    }
+    if (!fits)
     {
       return MakeError(block, "come with attribute " + std::to_string(n) + " unlike asked for");
     }
@@ -197,18 +202,24 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   return Status::Ok();
 }
 
-void BrickScan::ScanBrick(std::size_t brick, const BlockSamples& samples, Worker& worker)
+void BrickScan::ScanBrick(std::size_t number, const BlockSamples& samples, Worker& worker)
 {
   const std::size_t bricks = this->Lattice.GetBricks().size();
-  const BrickSamples view =
-    MakeBrickSamples(this->Geometry, this->Lattice.GetBricks()[brick].Vertices, &samples.Scalars);
-  this->Ownerships[brick] = this->Lattice.FindNeighborhood(brick).ComputeOwnership(view.Size);
+  const Brick& brick = this->Lattice.GetBricks()[number];
+  BlockSamples extended;
+  if (brick.IsBeyond())
+  {
+    extended = ExtendBeyond(samples, brick);
+  }
+  const BlockSamples& own = brick.IsBeyond() ? extended : samples;
+  const BrickSamples view = MakeBrickSamples(this->Geometry, brick.Vertices, &own.Scalars);
+  this->Ownerships[number] = this->Lattice.FindNeighborhood(number).ComputeOwnership(view.Size);
   for (std::size_t isovalue = 0; isovalue < this->Thresholds.size(); ++isovalue)
   {
     if (this->Thresholds[isovalue].Exists)
     {
-      this->Parts[isovalue * bricks + brick] =
-        this->ScanIsovalue(isovalue, brick, view, samples, worker);
+      this->Parts[isovalue * bricks + number] =
+        this->ScanIsovalue(isovalue, number, view, own, worker);
     }
   }
 }
@@ -221,6 +232,10 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const
   auto* inside = worker.Memory.Reserve<std::uint64_t>(rows);
   this->Kernels.ClassifyRows(
     samples.Scalars.Type, view, this->Thresholds[isovalue].Value.data(), inside);
+  if (this->Lattice.GetBricks()[brick].IsBeyond())
+  {
+    ClearOuterVertices(this->Lattice.GetBricks()[brick], inside);
+  }
   if (!IsCrossed(inside, rows, view.Size[0]))
   {
     return part;
@@ -228,21 +243,20 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const
   worker.Memory.Keep<std::uint64_t>(rows);
   auto* offsets = worker.Memory.Allocate<std::uint32_t>(rows);
   const std::size_t mostPoints = 3 * rows * static_cast<std::size_t>(view.Size[0]);
-  auto* codes = worker.Memory.Reserve<EdgeCode>(mostPoints + EdgeCodeSlack);
   part.Inside = inside;
   part.Offsets = offsets;
-  part.Codes = codes;
+  part.Codes = worker.Memory.Reserve<EdgeCode>(mostPoints + EdgeCodeSlack);
   part.Counts =
-    this->Kernels.NumberRows(view.Size, inside, this->Ownerships[brick], offsets, codes);
+    this->Kernels.NumberRows(view.Size, inside, this->Ownerships[brick], offsets, part.Codes);
   worker.Memory.Keep<EdgeCode>(part.Counts.Points);
-  this->MakePoints(this->Request.Isovalues[isovalue], view,
-    this->Lattice.GetBricks()[brick].Vertices.Low, samples, part, worker);
+  this->MakePoints(this->Request.Isovalues[isovalue], brick, view, samples, part, worker);
   return part;
 }
 
-void BrickScan::MakePoints(double isovalue, const BrickSamples& view, const Index3& low,
+void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSamples& view,
   const BlockSamples& samples, BrickPart& part, Worker& worker) const
 {
+  const Brick& brick = this->Lattice.GetBricks()[number];
   const std::uint32_t count = part.Counts.Points;
   double* parameters = nullptr;
   if (this->Request.Normals || !samples.Attributes.empty())
@@ -250,30 +264,60 @@ void BrickScan::MakePoints(double isovalue, const BrickSamples& view, const Inde
     worker.Parameters.resize(std::max<std::size_t>(worker.Parameters.size(), count));
     parameters = worker.Parameters.data();
   }
-  auto* coordinates = worker.Memory.Allocate<float>(count);
-  this->Kernels.LocatePoints(
-    samples.Scalars.Type, view, isovalue, part.Codes, count, coordinates, parameters);
-  part.Coordinates = coordinates;
+  part.Coordinates = worker.Memory.Allocate<float>(count);
+  if (brick.IsBeyond())
+  {
+    LocateBorderPoints(brick, view, part.Codes, count, part.Coordinates, parameters);
+  }
+  else
+  {
+    this->Kernels.LocatePoints(
+      samples.Scalars.Type, view, isovalue, part.Codes, count, part.Coordinates, parameters);
+  }
   if (this->Request.Normals)
   {
-    auto* normals = worker.Memory.Allocate<float>(3 * std::size_t(count));
-    this->Kernels.ComputeNormals(
-      samples.Scalars.Type, view, part.Codes, parameters, count, normals);
-    part.Normals = normals;
+    part.Normals = worker.Memory.Allocate<float>(3 * std::size_t(count));
+    if (brick.IsBeyond())
+    {
+      ComputeOutwardNormals(brick, part.Codes, count, part.Normals);
+    }
+  }
+  if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
+  {
+    part.VertexPoints = worker.Memory.Reserve<VertexPoint>(count);
+    part.NumberOfVertexPoints =
+      FindVertexPoints(view, part.Codes, part.Coordinates, parameters, count, part.VertexPoints);
+    worker.Memory.Keep<VertexPoint>(part.NumberOfVertexPoints);
+  }
+  if (this->Request.Normals)
+  {
+    if (!brick.IsBeyond())
+    {
+      this->Kernels.ComputeNormals(
+        samples.Scalars.Type, view, part.Codes, parameters, count, part.Normals);
+    }
+    SetNormalsOnSides(this->Request.ClosedSides, this->Geometry.GetDimensions(), brick.Vertices.Low,
+      part.VertexPoints, part.NumberOfVertexPoints, part.Normals);
   }
   if (!samples.Attributes.empty())
   {
-    auto** attributes = worker.Memory.Allocate<const std::uint8_t*>(samples.Attributes.size());
-    for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
-    {
-      const AttributeView& attribute = samples.Attributes[n];
-      auto* tuples = worker.Memory.Allocate<std::uint8_t>(count *
-        static_cast<std::size_t>(attribute.NumberOfComponents) *
-        GetValueSize(attribute.Samples.Type));
-      InterpolateAttribute(attribute, low, part.Codes, parameters, count, tuples);
-      attributes[n] = tuples;
-    }
-    part.Attributes = attributes;
+    this->MakeAttributes(number, samples, part, worker);
+  }
+}
+
+void BrickScan::MakeAttributes(
+  std::size_t brick, const BlockSamples& samples, BrickPart& part, Worker& worker) const
+{
+  const std::uint32_t count = part.Counts.Points;
+  part.Attributes = worker.Memory.Allocate<std::uint8_t*>(samples.Attributes.size());
+  for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
+  {
+    const AttributeView& attribute = samples.Attributes[n];
+    const ValueType type = GetInterpolatedType(attribute.Components.front().Type);
+    part.Attributes[n] = worker.Memory.Allocate<std::uint8_t>(
+      count * attribute.Components.size() * GetValueSize(type));
+    InterpolateAttribute(attribute, this->Lattice.GetBricks()[brick].Vertices.Low, part.Codes,
+      worker.Parameters.data(), count, part.Attributes[n]);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "Contour/BrickKernel.h"
 #include "Contour/BrickLattice.h"
 #include "Contour/SurfaceExtractor.h"
+#include "Contour/VertexPoints.h"
 
 #include <array>
 #include <cstddef>
@@ -23,14 +24,19 @@ struct BrickPart
 {
   const std::uint64_t* Inside = nullptr;  ///< a word a row of vertices, y fastest
   const std::uint32_t* Offsets = nullptr; ///< a row's first point, counted in the brick
-  const EdgeCode* Codes = nullptr;        ///< the owned points' edges
-  const float* Coordinates = nullptr;     ///< the structured coordinate along each edge
-  const float* Normals = nullptr;
-  const std::uint8_t* const* Attributes = nullptr; ///< tuples of each attribute
+  EdgeCode* Codes = nullptr;              ///< the owned points' edges, or vertices
+  float* Coordinates = nullptr;           ///< the structured coordinate along each edge
+  float* Normals = nullptr;
+  std::uint8_t** Attributes = nullptr; ///< tuples of each attribute
+  /// With DropDegenerateTriangles: the points that lie on vertices.
+  VertexPoint* VertexPoints = nullptr;
+  std::uint32_t NumberOfVertexPoints = 0;
   BrickCounts Counts{ 0, 0, 0 };
+  std::int64_t FirstPoint = 0; ///< when all are counted; what triangles call it
 
-  // Set when all counts are known: where the brick's output begins.
-  std::int64_t FirstPoint = 0;
+  // Set when it is known what is written: how much, and where it begins.
+  BrickCounts Kept{ 0, 0, 0 }; ///< Counts, or what VertexMerge leaves of them
+  std::int64_t FirstKeptPoint = 0;
   std::int64_t FirstCell = 0;
   std::int64_t FirstIndex = 0; ///< into the connectivity
 };
@@ -73,8 +79,10 @@ private:
   void ScanBrick(std::size_t brick, const BlockSamples& samples, Worker& worker);
   BrickPart ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
     const BlockSamples& samples, Worker& worker);
-  void MakePoints(double isovalue, const BrickSamples& view, const Index3& low,
+  void MakePoints(double isovalue, std::size_t brick, const BrickSamples& view,
     const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+  void MakeAttributes(
+    std::size_t brick, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
 
   const GridGeometry& Geometry;
   const BrickLattice& Lattice;

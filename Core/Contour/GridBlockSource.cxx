@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/GridBlockSource.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -12,6 +14,34 @@ GridBlockSource::GridBlockSource(
   , Grid(ranges.GetGrid())
   , Active(ranges.FindActiveBlocks(isovalues))
 {
+}
+
+GridBlockSource::GridBlockSource(const SampleView& samples, const BlockRanges& ranges,
+  const std::vector<double>& isovalues, const BlockSelection& selection, const GridGeometry& grid)
+  : GridBlockSource(samples, ranges, isovalues)
+{
+  if (selection.IsPlain())
+  {
+    return;
+  }
+  std::vector<std::int64_t> candidates = std::move(this->Active);
+  const std::vector<std::int64_t> crossed = candidates;
+  if (!selection.ClosedSides.IsEmpty())
+  {
+    const std::vector<std::int64_t> inside = ranges.FindInsideBlocks(isovalues);
+    candidates.clear();
+    std::set_union(
+      crossed.begin(), crossed.end(), inside.begin(), inside.end(), std::back_inserter(candidates));
+  }
+  this->Active.clear();
+  for (const std::int64_t block : candidates)
+  {
+    const bool isCrossed = std::binary_search(crossed.begin(), crossed.end(), block);
+    if (selection.Selects(grid, this->FindVertices(block), isCrossed))
+    {
+      this->Active.push_back(block);
+    }
+  }
 }
 
 void GridBlockSource::SetAttributes(std::vector<AttributeView> attributes)
@@ -26,7 +56,12 @@ Index3 GridBlockSource::GetLatticeCoordinates(std::size_t block) const
 
 VertexBox GridBlockSource::GetVertices(std::size_t block) const
 {
-  VertexBox vertices = this->Grid.GetVertices(this->Active[block]);
+  return this->FindVertices(this->Active[block]);
+}
+
+VertexBox GridBlockSource::FindVertices(std::int64_t block) const
+{
+  VertexBox vertices = this->Grid.GetVertices(block);
   for (int axis = 0; axis < 3; ++axis)
   {
     vertices.Low[axis] += this->Samples.Box.Low[axis];

@@ -3,6 +3,7 @@
 #define isosurface_GridBlockSource_h
 
 #include "Contour/BlockRanges.h"
+#include "Contour/BlockSelection.h"
 #include "Contour/BlockSource.h"
 
 #include <vector>
@@ -13,7 +14,8 @@ namespace isosurface
 /**
  * The active blocks of samples that lie in memory as a whole (a vtkImageData, or the piece of one
  * that a rank has). The blocks are those of `ranges`, which must have been computed for the same
- * samples; only those that an isovalue crosses are counted. No sample is copied.
+ * samples; only those that an isovalue crosses are counted, or what the selection makes of them,
+ * whose grid is the one that the samples' coordinates are of. No sample is copied.
  *
  * The samples and the attributes must outlive the source.
  */
@@ -22,6 +24,9 @@ class GridBlockSource : public BlockSource
 public:
   GridBlockSource(
     const SampleView& samples, const BlockRanges& ranges, const std::vector<double>& isovalues);
+  GridBlockSource(const SampleView& samples, const BlockRanges& ranges,
+    const std::vector<double>& isovalues, const BlockSelection& selection,
+    const GridGeometry& grid);
 
   /// Arrays on the same vertices to interpolate; their Available must cover the samples' Box.
   void SetAttributes(std::vector<AttributeView> attributes);
@@ -33,6 +38,9 @@ public:
   Result<BlockSamples> Acquire(std::size_t block) override;
 
 private:
+  /// The vertices of a block of Grid, as the samples count them.
+  VertexBox FindVertices(std::int64_t block) const;
+
   SampleView Samples;
   std::vector<AttributeView> Attributes;
   BlockGrid Grid;

@@ -22,6 +22,17 @@ int TranslateCoordinate(int coordinate, int step, int neighborSize)
   return step == 0 ? coordinate : step > 0 ? 0 : neighborSize - 1;
 }
 
+inline std::int32_t* WriteSlab(
+  const BrickKernels& kernels, const RowSlab& slab, std::int32_t* next, std::int32_t* end)
+{
+  return kernels.WriteTriangles32(slab, next, end);
+}
+inline std::int64_t* WriteSlab(
+  const BrickKernels& kernels, const RowSlab& slab, std::int64_t* next, std::int64_t* end)
+{
+  return kernels.WriteTriangles64(slab, next, end);
+}
+
 } // namespace
 
 SlabBuilder::SlabBuilder(
@@ -111,6 +122,22 @@ const RowSlab& SlabBuilder::Build(int k)
   this->Slab.Z = this->Z[static_cast<std::size_t>(k % 2)].data();
   return this->Slab;
 }
+
+template <typename Id>
+Id* SlabBuilder::WriteTriangles(Id* next, Id* end)
+{
+  for (int k = 0; k < this->GetNumberOfSlabs(); ++k)
+  {
+    if (this->IsActive(k))
+    {
+      next = WriteSlab(this->Kernels, this->Build(k), next, end);
+    }
+  }
+  return next;
+}
+
+template std::int32_t* SlabBuilder::WriteTriangles(std::int32_t* next, std::int32_t* end);
+template std::int64_t* SlabBuilder::WriteTriangles(std::int64_t* next, std::int64_t* end);
 
 void SlabBuilder::FillPlane(int k)
 {

@@ -32,6 +32,11 @@ public:
   /// Those cells; holds until the next call.
   const RowSlab& Build(int k);
 
+  /// Writes the triangles of all slabs; returns where the next ones go. Values between that and
+  /// `end` may be overwritten.
+  template <typename Id>
+  Id* WriteTriangles(Id* next, Id* end);
+
 private:
   using Rows = std::array<EdgeRow, MaximumBrickSize>;
   using Column = std::array<std::int64_t, MaximumBrickSize>;

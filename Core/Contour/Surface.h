@@ -3,6 +3,7 @@
 #define isosurface_Surface_h
 
 #include "Base/Buffer.h"
+#include "Volume/GridSides.h"
 #include "Volume/ValueType.h"
 
 #include <cstddef>
@@ -19,6 +20,13 @@ struct AttributeLayout
   int NumberOfComponents = 1;
 };
 
+/// The type that values of an attribute have on the surface, as in vtkFlyingEdges3D: float32, but
+/// for float64, which stays.
+inline ValueType GetInterpolatedType(ValueType type)
+{
+  return type == ValueType::Float64 ? type : ValueType::Float32;
+}
+
 /// What to extract.
 struct ContourRequest
 {
@@ -31,6 +39,11 @@ struct ContourRequest
   bool Polygons = false;
   /// Fill Surface::Offsets for triangles, too (for polygons they are always there).
   bool Offsets = false;
+  /// Make points at one vertex of the grid one, and leave out the triangles that collapse thereby.
+  /// Without effect on polygons. See ExtractSurface.
+  bool DropDegenerateTriangles = false;
+  /// Close the surface at these sides of the grid, as if all were outside beyond them.
+  GridSides ClosedSides;
   /// Indices of 64 bits even where 32 suffice.
   bool WideIndices = false;
   /// Interpolate these: the arrays that the source gives in BlockSamples::Attributes, in order.
@@ -54,7 +67,7 @@ struct IndexArray
   }
 };
 
-/// One interpolated attribute: tuples in the order of the points, in the attribute's own type.
+/// One interpolated attribute: tuples in the order of the points, of the interpolated type.
 struct SurfaceAttribute
 {
   AttributeLayout Layout;

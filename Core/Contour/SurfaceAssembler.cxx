@@ -39,6 +39,12 @@ IndexArray AllocateIndices(std::size_t size, bool is64Bit)
   return indices;
 }
 
+std::size_t GetTupleSize(const AttributeLayout& layout)
+{
+  return static_cast<std::size_t>(layout.NumberOfComponents) *
+    GetValueSize(GetInterpolatedType(layout.Type));
+}
+
 std::size_t CountConnectivity(const Surface& surface, bool polygons)
 {
   // A polygon of n corners is n - 2 triangles.
@@ -46,16 +52,6 @@ std::size_t CountConnectivity(const Surface& surface, bool polygons)
                   : 3 * surface.NumberOfTriangles;
 }
 
-inline std::int32_t* WriteTriangles(
-  const BrickKernels& kernels, const RowSlab& slab, std::int32_t* next, std::int32_t* end)
-{
-  return kernels.WriteTriangles32(slab, next, end);
-}
-inline std::int64_t* WriteTriangles(
-  const BrickKernels& kernels, const RowSlab& slab, std::int64_t* next, std::int64_t* end)
-{
-  return kernels.WriteTriangles64(slab, next, end);
-}
 inline void WritePolygons(const BrickKernels& kernels, const RowSlab& slab, std::int32_t*& next,
   std::int32_t*& offsets, std::int64_t& index)
 {
@@ -71,7 +67,8 @@ inline void WritePolygons(const BrickKernels& kernels, const RowSlab& slab, std:
 
 SurfaceAssembler::SurfaceAssembler(const GridGeometry& geometry, const BrickLattice& lattice,
   BrickScan& scan, const ContourRequest& request)
-  : Geometry(geometry)
+  : NumberedGrid(GetNumberedGrid(geometry, request))
+  , FirstVertex(geometry.Extent[0] - NumberedGrid.Extent[0])
   , Lattice(lattice)
   , Scan(scan)
   , Request(request)
@@ -81,6 +78,18 @@ SurfaceAssembler::SurfaceAssembler(const GridGeometry& geometry, const BrickLatt
 
 bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surface)
 {
+  this->NumberPoints();
+  double done = 0;
+  if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
+  {
+    constexpr double mergeShare = 0.4;
+    this->Merge = std::make_unique<VertexMerge>(this->Lattice, this->Scan);
+    if (!this->Merge->Run(threads, MakePartOfProgress(progress, 0.0, mergeShare)))
+    {
+      return false;
+    }
+    done = mergeShare;
+  }
   this->Count(surface);
   this->Allocate(surface);
 
@@ -93,11 +102,23 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
       active.push_back(part);
     }
   }
-  const std::size_t bricks = this->Lattice.GetBricks().size();
+  std::vector<Corners> corners(static_cast<std::size_t>(std::max(1, threads)));
   return ParallelFor(
     active.size(), threads,
-    [&](std::size_t n, int) { this->WriteBrick(active[n] / bricks, active[n] % bricks, surface); },
-    progress);
+    [&](std::size_t n, int thread)
+    { this->WriteBrick(active[n], surface, corners[static_cast<std::size_t>(thread)]); },
+    MakePartOfProgress(progress, done, 1.0));
+}
+
+void SurfaceAssembler::NumberPoints()
+{
+  std::int64_t points = 0;
+  for (BrickPart& part : this->Scan.GetParts())
+  {
+    part.FirstPoint = points;
+    part.Kept = part.Counts;
+    points += part.Counts.Points;
+  }
 }
 
 void SurfaceAssembler::Count(Surface& surface)
@@ -115,12 +136,12 @@ void SurfaceAssembler::Count(Surface& surface)
     for (std::size_t brick = 0; brick < bricks; ++brick)
     {
       BrickPart& part = this->Scan.GetParts()[isovalue * bricks + brick];
-      part.FirstPoint = points;
+      part.FirstKeptPoint = points;
       part.FirstCell = this->Request.Polygons ? polygons : triangles;
       part.FirstIndex = this->Request.Polygons ? triangles + 2 * polygons : 3 * triangles;
-      points += part.Counts.Points;
-      triangles += part.Counts.Triangles;
-      polygons += part.Counts.Polygons;
+      points += part.Kept.Points;
+      triangles += part.Kept.Triangles;
+      polygons += part.Kept.Polygons;
     }
     whole.NumberOfPoints = static_cast<std::size_t>(points) - whole.FirstPoint;
     whole.NumberOfCells =
@@ -165,46 +186,108 @@ void SurfaceAssembler::Allocate(Surface& surface) const
   for (const AttributeLayout& layout : this->Request.Attributes)
   {
     SurfaceAttribute attribute;
-    attribute.Layout = layout;
-    attribute.Bytes = AllocateHuge<std::uint8_t>(
-      points * static_cast<std::size_t>(layout.NumberOfComponents) * GetValueSize(layout.Type));
+    attribute.Layout = { GetInterpolatedType(layout.Type), layout.NumberOfComponents };
+    attribute.Bytes = AllocateHuge<std::uint8_t>(points * GetTupleSize(layout));
     surface.Attributes.push_back(std::move(attribute));
   }
 }
 
-void SurfaceAssembler::WriteBrick(std::size_t isovalue, std::size_t brick, Surface& surface) const
+void SurfaceAssembler::WriteBrick(std::size_t number, Surface& surface, Corners& corners) const
 {
-  const BrickPart& part =
-    this->Scan.GetParts()[isovalue * this->Lattice.GetBricks().size() + brick];
-  const BrickSamples position =
-    MakeBrickSamples(this->Geometry, this->Lattice.GetBricks()[brick].Vertices);
-  PointOutput output{};
-  output.Codes = part.Codes;
-  output.Coordinates = part.Coordinates;
-  output.Normals = part.Normals;
-  output.NumberOfPoints = part.Counts.Points;
-  output.Points = surface.Points.GetData() + 3 * part.FirstPoint;
-  if (this->Request.Normals)
+  if (this->Merge)
   {
-    output.WorldNormals = surface.Normals.GetData() + 3 * part.FirstPoint;
+    this->DropPoints(this->Scan.GetParts()[number]);
   }
-  if (this->Request.GlobalIds)
-  {
-    output.GlobalIds = surface.GlobalIds.GetData() + part.FirstPoint;
-    output.FirstGlobalId =
-      static_cast<std::int64_t>(isovalue) * 3 * this->Geometry.GetNumberOfVertices();
-  }
-  GetBrickKernels().WritePoints(position, this->Transform, output);
-  this->WriteAttributes(part, surface);
+  this->WritePoints(number, surface);
+  this->WriteAttributes(this->Scan.GetParts()[number], surface);
   if (surface.Connectivity.Is64Bit)
   {
     this->WriteCells(
-      isovalue, brick, surface.Connectivity.Values64.GetData(), surface.Offsets.Values64.GetData());
+      number, surface.Connectivity.Values64.GetData(), surface.Offsets.Values64.GetData(), corners);
   }
   else
   {
     this->WriteCells(
-      isovalue, brick, surface.Connectivity.Values32.GetData(), surface.Offsets.Values32.GetData());
+      number, surface.Connectivity.Values32.GetData(), surface.Offsets.Values32.GetData(), corners);
+  }
+}
+
+// Moves what is kept of the part's points together, in their order.
+void SurfaceAssembler::DropPoints(const BrickPart& part) const
+{
+  if (part.Kept.Points == part.Counts.Points)
+  {
+    return;
+  }
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < part.Counts.Points; ++from)
+  {
+    // The number of a merged point is that of an earlier one.
+    if (this->Merge->GetNumber(part.FirstPoint + static_cast<std::int64_t>(from)) !=
+      part.FirstKeptPoint + static_cast<std::int64_t>(to))
+    {
+      continue;
+    }
+    part.Codes[to] = part.Codes[from];
+    part.Coordinates[to] = part.Coordinates[from];
+    if (part.Normals)
+    {
+      std::memmove(part.Normals + 3 * to, part.Normals + 3 * from, 3 * sizeof(float));
+    }
+    for (std::size_t n = 0; n < this->Request.Attributes.size(); ++n)
+    {
+      const std::size_t tuple = GetTupleSize(this->Request.Attributes[n]);
+      std::memmove(part.Attributes[n] + to * tuple, part.Attributes[n] + from * tuple, tuple);
+    }
+    ++to;
+  }
+}
+
+void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
+{
+  const BrickPart& part = this->Scan.GetParts()[number];
+  const std::size_t bricks = this->Lattice.GetBricks().size();
+  const auto isovalue = static_cast<std::int64_t>(number / bricks);
+  VertexBox vertices = this->Lattice.GetBricks()[number % bricks].Vertices;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    vertices.Low[axis] += this->FirstVertex;
+    vertices.High[axis] += this->FirstVertex;
+  }
+  const BrickSamples position = MakeBrickSamples(this->NumberedGrid, vertices);
+  PointOutput output{};
+  output.Codes = part.Codes;
+  output.Coordinates = part.Coordinates;
+  output.Normals = part.Normals;
+  output.NumberOfPoints = part.Kept.Points;
+  output.Points = surface.Points.GetData() + 3 * part.FirstKeptPoint;
+  if (this->Request.Normals)
+  {
+    output.WorldNormals = surface.Normals.GetData() + 3 * part.FirstKeptPoint;
+  }
+  const std::int64_t idsPerIsovalue = 3 * this->NumberedGrid.GetNumberOfVertices();
+  if (this->Request.GlobalIds)
+  {
+    output.GlobalIds = surface.GlobalIds.GetData() + part.FirstKeptPoint;
+    output.FirstGlobalId = isovalue * idsPerIsovalue;
+  }
+  GetBrickKernels().WritePoints(position, this->Transform, output);
+  if (!this->Merge || !this->Request.GlobalIds)
+  {
+    return;
+  }
+  // The ids of vertices follow those of the edges for all isovalues. The kernel took a vertex for
+  // an edge along the axis of that number.
+  const auto isovalues = static_cast<std::int64_t>(this->Request.Isovalues.size());
+  const std::int64_t firstId =
+    isovalues * idsPerIsovalue + isovalue * this->NumberedGrid.GetNumberOfVertices();
+  for (std::uint32_t n = 0; n < part.Kept.Points; ++n)
+  {
+    if (part.Codes[n] >> 18 == VertexAxis)
+    {
+      std::int64_t& id = output.GlobalIds[n];
+      id = firstId + (id - output.FirstGlobalId - static_cast<std::int64_t>(VertexAxis)) / 3;
+    }
   }
 }
 
@@ -213,49 +296,69 @@ void SurfaceAssembler::WriteAttributes(const BrickPart& part, Surface& surface) 
   for (std::size_t n = 0; n < surface.Attributes.size(); ++n)
   {
     SurfaceAttribute& attribute = surface.Attributes[n];
-    const std::size_t tuple = static_cast<std::size_t>(attribute.Layout.NumberOfComponents) *
-      GetValueSize(attribute.Layout.Type);
-    if (part.Counts.Points != 0 && tuple != 0)
+    const std::size_t tuple = GetTupleSize(attribute.Layout);
+    if (part.Kept.Points != 0)
     {
-      std::memcpy(attribute.Bytes.GetData() + static_cast<std::size_t>(part.FirstPoint) * tuple,
-        part.Attributes[n], part.Counts.Points * tuple);
+      std::memcpy(attribute.Bytes.GetData() + static_cast<std::size_t>(part.FirstKeptPoint) * tuple,
+        part.Attributes[n], part.Kept.Points * tuple);
     }
   }
 }
 
 template <typename Id>
 void SurfaceAssembler::WriteCells(
-  std::size_t isovalue, std::size_t brick, Id* connectivity, Id* offsets) const
+  std::size_t number, Id* connectivity, Id* offsets, Corners& corners) const
 {
-  const BrickKernels& kernels = GetBrickKernels();
-  const std::size_t firstPart = isovalue * this->Lattice.GetBricks().size();
-  const BrickPart& part = this->Scan.GetParts()[firstPart + brick];
+  const std::size_t bricks = this->Lattice.GetBricks().size();
+  const BrickPart& part = this->Scan.GetParts()[number];
   Id* next = connectivity + part.FirstIndex;
-  Id* const end = next + 3 * static_cast<std::ptrdiff_t>(part.Counts.Triangles);
   Id* nextOffset = offsets ? offsets + part.FirstCell : nullptr;
   std::int64_t index = part.FirstIndex;
-  SlabBuilder builder(this->Lattice, this->Scan, firstPart, brick);
-  for (int k = 0; k < builder.GetNumberOfSlabs(); ++k)
+  if (this->Merge)
   {
-    if (!builder.IsActive(k))
+    this->WriteKeptTriangles(number, next, corners);
+  }
+  else
+  {
+    SlabBuilder builder(this->Lattice, this->Scan, number / bricks * bricks, number % bricks);
+    if (!this->Request.Polygons)
     {
-      continue;
+      builder.WriteTriangles(next, next + 3 * static_cast<std::ptrdiff_t>(part.Kept.Triangles));
     }
-    const RowSlab& slab = builder.Build(k);
-    if (this->Request.Polygons)
+    for (int k = 0; this->Request.Polygons && k < builder.GetNumberOfSlabs(); ++k)
     {
-      WritePolygons(kernels, slab, next, nextOffset, index);
-    }
-    else
-    {
-      next = WriteTriangles(kernels, slab, next, end);
+      if (builder.IsActive(k))
+      {
+        WritePolygons(GetBrickKernels(), builder.Build(k), next, nextOffset, index);
+      }
     }
   }
   if (nextOffset && !this->Request.Polygons)
   {
-    for (std::uint32_t triangle = 0; triangle < part.Counts.Triangles; ++triangle, index += 3)
+    for (std::uint32_t triangle = 0; triangle < part.Kept.Triangles; ++triangle, index += 3)
     {
       *nextOffset++ = static_cast<Id>(index);
+    }
+  }
+}
+
+template <typename Id>
+void SurfaceAssembler::WriteKeptTriangles(
+  std::size_t number, Id* connectivity, Corners& corners) const
+{
+  const std::int64_t* corner = this->Merge->MakeTriangles(number, corners);
+  const std::int64_t* const end =
+    corner + 3 * static_cast<std::ptrdiff_t>(this->Scan.GetParts()[number].Counts.Triangles);
+  for (; corner != end; corner += 3)
+  {
+    const std::int64_t a = this->Merge->GetNumber(corner[0]);
+    const std::int64_t b = this->Merge->GetNumber(corner[1]);
+    const std::int64_t c = this->Merge->GetNumber(corner[2]);
+    if (a != b && b != c && c != a)
+    {
+      *connectivity++ = static_cast<Id>(a);
+      *connectivity++ = static_cast<Id>(b);
+      *connectivity++ = static_cast<Id>(c);
     }
   }
 }

@@ -6,9 +6,12 @@
 #include "Contour/BrickLattice.h"
 #include "Contour/BrickScan.h"
 #include "Contour/SurfaceExtractor.h"
+#include "Contour/VertexMerge.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace isosurface
 {
@@ -28,19 +31,30 @@ public:
   bool Run(int threads, const Progress& progress, Surface& surface);
 
 private:
+  using Corners = std::vector<std::int64_t>;
+
+  /// Sets the numbers by which triangles call the parts' points; all is kept at first.
+  void NumberPoints();
   /// Sets where each part begins, and the surface's counts.
   void Count(Surface& surface);
   void Allocate(Surface& surface) const;
-  void WriteBrick(std::size_t isovalue, std::size_t brick, Surface& surface) const;
+  void WriteBrick(std::size_t part, Surface& surface, Corners& corners) const;
+  void WritePoints(std::size_t part, Surface& surface) const;
   void WriteAttributes(const BrickPart& part, Surface& surface) const;
+  void DropPoints(const BrickPart& part) const;
   template <typename Id>
-  void WriteCells(std::size_t isovalue, std::size_t brick, Id* connectivity, Id* offsets) const;
+  void WriteCells(std::size_t number, Id* connectivity, Id* offsets, Corners& corners) const;
+  template <typename Id>
+  void WriteKeptTriangles(std::size_t number, Id* connectivity, Corners& corners) const;
 
-  const GridGeometry& Geometry;
+  /// The grid that global ids count in, and where its first vertex lies in the grid of the blocks.
+  GridGeometry NumberedGrid;
+  std::int64_t FirstVertex;
   const BrickLattice& Lattice;
   BrickScan& Scan;
   const ContourRequest& Request;
   WorldTransform Transform;
+  std::unique_ptr<VertexMerge> Merge; ///< null if all triangles are kept
 };
 
 } // namespace isosurface

@@ -17,15 +17,6 @@ namespace
 // The share of the time that the first phase usually takes.
 constexpr double ScanShare = 0.5;
 
-Progress MakeProgressPart(const Progress& progress, double begin, double end)
-{
-  if (!progress)
-  {
-    return {};
-  }
-  return [&progress, begin, end](double share) { return progress(begin + share * (end - begin)); };
-}
-
 Status CheckRequest(const GridGeometry& geometry, const ContourRequest& request)
 {
   for (const AttributeLayout& attribute : request.Attributes)
@@ -58,14 +49,15 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
       return valid;
     }
   }
-  const Result<BrickLattice> lattice = BrickLattice::Cut(geometry.GetDimensions(), source);
+  const Result<BrickLattice> lattice =
+    BrickLattice::Cut(geometry.GetDimensions(), source, request.ClosedSides);
   if (!lattice.IsOk())
   {
     return lattice.GetStatus();
   }
 
   BrickScan scan(geometry, *lattice, source, request);
-  const Status scanned = scan.Run(threads, MakeProgressPart(progress, 0.0, ScanShare));
+  const Status scanned = scan.Run(threads, MakePartOfProgress(progress, 0.0, ScanShare));
   if (!scanned.IsOk())
   {
     return scanned;
@@ -74,7 +66,7 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
   surface.AcquireSeconds = scan.GetAcquireSeconds();
 
   SurfaceAssembler assembler(geometry, *lattice, scan, request);
-  if (!assembler.Run(threads, MakeProgressPart(progress, ScanShare, 1.0), surface))
+  if (!assembler.Run(threads, MakePartOfProgress(progress, ScanShare, 1.0), surface))
   {
     return Status(StatusCode::Aborted, "The contour was stopped.");
   }
@@ -84,6 +76,23 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
 }
 
 } // namespace
+
+GridGeometry GetNumberedGrid(const GridGeometry& geometry, const ContourRequest& request)
+{
+  GridGeometry grid = geometry;
+  for (std::size_t side = 0; side < 6 && !request.ClosedSides.IsEmpty(); ++side)
+  {
+    grid.Extent[side] += side % 2 == 0 ? -1 : 1;
+  }
+  return grid;
+}
+
+std::int64_t CountGlobalIds(const GridGeometry& geometry, const ContourRequest& request)
+{
+  return (request.DropDegenerateTriangles ? 4 : 3) *
+    GetNumberedGrid(geometry, request).GetNumberOfVertices() *
+    static_cast<std::int64_t>(request.Isovalues.size());
+}
 
 Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source,
   const ContourRequest& request, int threads, const Progress& progress)

@@ -1,57 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/BlockWorkload.h"
 
-#include "Contour/MarchingCubesCases.h"
-
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace isosurface
 {
 namespace
 {
 
-/// What changes in a cell when a corner goes outside, by corner and by the corners that were inside
-/// until then: ActiveCellUnit for a cell that becomes active, plus the number of new triangles.
-using ChangeTable = std::array<std::array<std::int16_t, 256>, 8>;
-constexpr int ActiveCellUnit = 256;
-
-ChangeTable MakeChangeTable()
-{
-  const auto weigh = [](std::size_t inside)
-  {
-    const int active = inside != 0 && inside != 255 ? ActiveCellUnit : 0;
-    return active + static_cast<int>(MarchingCubesCases[inside] >> 60);
-  };
-  ChangeTable table;
-  for (std::size_t corner = 0; corner < 8; ++corner)
-  {
-    for (std::size_t inside = 0; inside < 256; ++inside)
-    {
-      const std::size_t after = inside & ~(std::size_t{ 1 } << corner);
-      table[corner][inside] = static_cast<std::int16_t>(weigh(after) - weigh(inside));
-    }
-  }
-  return table;
-}
-
-// The inner loops exist for several processors; the loader picks the best of them. Sanitizers do
-// not work before the loader has finished.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && \
-  !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-#  define ISOSURFACE_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
-#else
-#  define ISOSURFACE_CLONES
-#endif
-
-/// The offset of a corner of a cell in a row-major lattice of vertices.
-std::int64_t FindCorner(int corner, std::int64_t rowStride, std::int64_t sliceStride)
-{
-  return (corner & 1) + ((corner >> 1) & 1) * rowStride + (corner >> 2) * sliceStride;
-}
+constexpr std::int64_t PackedCell = std::int64_t{ 1 } << 32;
+/// A vertex changes less than 128 triangles.
+constexpr std::size_t MostPackedVertices = std::size_t{ 1 } << 24;
 
 /// How many of the edges First, First + 1, ... (Count of them, in units of the width) are <= value.
 template <typename T>
@@ -62,6 +26,8 @@ public:
     : First(bins.First)
     , Count(bins.Count)
     , Exponent(bins.Exponent)
+    , ShortFirst(static_cast<int>(std::clamp<std::int64_t>(bins.First, -ShortLimit, ShortLimit)))
+    , ShortExponent(std::min(bins.Exponent, 31))
     // In two steps, since 2^-Exponent alone may be beyond the doubles.
     , Scale{ std::ldexp(1.0, -(bins.Exponent / 2)),
       std::ldexp(1.0, -(bins.Exponent - bins.Exponent / 2)) }
@@ -73,6 +39,12 @@ public:
     if constexpr (std::is_floating_point_v<T>)
     {
       return this->CountBelow(static_cast<double>(value));
+    }
+    else if constexpr (sizeof(T) <= sizeof(std::int16_t))
+    {
+      // In 32 bits and without a branch, so that loops become vectors.
+      const int steps = (static_cast<int>(value) >> this->ShortExponent) - this->ShortFirst;
+      return static_cast<std::int16_t>(std::clamp(steps + 1, 0, static_cast<int>(this->Count)));
     }
     else
     {
@@ -112,62 +84,49 @@ private:
     return static_cast<std::int16_t>(floor - this->First + 1);
   }
 
+  /// Beyond all 16-bit values.
+  static constexpr std::int64_t ShortLimit = 1 << 20;
+
   std::int64_t First;
   std::uint32_t Count;
   int Exponent;
+  int ShortFirst;
+  int ShortExponent;
   double Scale[2];
 };
 
-/// Whether any value of four rows of `count` differs from the first one.
-ISOSURFACE_CLONES bool HasDifference(
-  const std::int16_t* base, std::int64_t count, std::int64_t rowStride, std::int64_t sliceStride)
+template <typename T>
+void CountRow(const EdgeCounter<T>& count, const T* from, std::ptrdiff_t stride, std::int64_t size,
+  std::int16_t* to)
 {
-  int different = 0;
-  for (const std::int64_t offset :
-    { std::int64_t{ 0 }, rowStride, sliceStride, rowStride + sliceStride })
+  for (std::int64_t i = 0; i < size; ++i)
   {
-    const std::int16_t* row = base + offset;
-    for (std::int64_t i = 0; i < count; ++i)
-    {
-      different |= row[i] ^ *base;
-    }
+    to[i] = count(from[i * stride]);
   }
-  return different != 0;
 }
 
-/// For cells in a row: per corner, the corners (one bit each) that are inside until it goes
-/// outside. Of equal corners the one of lower number goes outside first.
-ISOSURFACE_CLONES void FindInside(const std::array<const std::int16_t*, 8>& values,
-  const std::array<std::int16_t*, 8>& masks, std::int64_t cells)
+template <typename T>
+void CountEdges(const SpectrumBins& bins, const SampleView& samples, std::int16_t* to)
 {
-  const std::int16_t *v0 = values[0], *v1 = values[1], *v2 = values[2], *v3 = values[3],
-                     *v4 = values[4], *v5 = values[5], *v6 = values[6], *v7 = values[7];
-  std::int16_t *m0 = masks[0], *m1 = masks[1], *m2 = masks[2], *m3 = masks[3], *m4 = masks[4],
-               *m5 = masks[5], *m6 = masks[6], *m7 = masks[7];
-#pragma GCC ivdep
-  for (std::int64_t i = 0; i < cells; ++i)
+  const EdgeCounter<T> count(bins);
+  const Index3 size = samples.Box.GetSize();
+  const std::ptrdiff_t stride = samples.Stride[0];
+  for (std::int64_t k = 0; k < size[2]; ++k)
   {
-    const std::int16_t value[8] = { v0[i], v1[i], v2[i], v3[i], v4[i], v5[i], v6[i], v7[i] };
-    std::int16_t mask[8] = { 1, 2, 4, 8, 16, 32, 64, 128 };
-#pragma GCC unroll 8
-    for (int b = 1; b < 8; ++b)
+    for (std::int64_t j = 0; j < size[1]; ++j)
     {
-#pragma GCC unroll 8
-      for (int a = 0; a < b; ++a)
+      const T* from =
+        samples.At<T>({ samples.Box.Low[0], samples.Box.Low[1] + j, samples.Box.Low[2] + k });
+      if (stride == 1)
       {
-        const bool later = value[a] > value[b];
-        mask[a] = static_cast<std::int16_t>(mask[a] | (later ? 0 : 1 << b));
-        mask[b] = static_cast<std::int16_t>(mask[b] | (later ? 1 << a : 0));
+        CountRow(count, from, 1, size[0], to); // the compiler vectorises this one
       }
+      else
+      {
+        CountRow(count, from, stride, size[0], to);
+      }
+      to += size[0];
     }
-    m0[i] = mask[0];
-    m1[i] = mask[1];
-    m2[i] = mask[2];
-    m3[i] = mask[3];
-    m4[i] = mask[4];
-    m5[i] = mask[5];
-    m6[i] = mask[6];
-    m7[i] = mask[7];
   }
 }
 
@@ -176,6 +135,7 @@ ISOSURFACE_CLONES void FindInside(const std::array<const std::int16_t*, 8>& valu
 BlockWorkload::BlockWorkload(const SpectrumBins& bins)
   : Bins(bins)
   , Changes(bins.Count + 1)
+  , PackedChanges(bins.Count + 1, 0)
 {
   static_assert(SpectrumBins::MaximumCount <= 32767, "numbers of edges are compared as int16");
 }
@@ -187,108 +147,74 @@ void BlockWorkload::Count(const SampleView& samples)
   {
     return;
   }
-  this->EdgeCounts.resize(static_cast<std::size_t>(samples.Box.GetNumberOfVertices()));
-  this->VertexChanges.assign(this->EdgeCounts.size(), 0);
-  DispatchValueType(samples.Type, [&](auto zero) { this->FindBins<decltype(zero)>(samples); });
-  for (std::int64_t k = 0; k + 1 < size[2]; ++k)
+  std::int16_t* values = this->Vertices.Resize(size);
+  DispatchValueType(
+    samples.Type, [&](auto zero) { CountEdges<decltype(zero)>(this->Bins, samples, values); });
+  this->Vertices.Compute();
+  const std::size_t vertices = this->Vertices.GetNumberOfVertices();
+  for (std::size_t begin = 0; begin < vertices; begin += MostPackedVertices)
   {
-    this->CountSlice(size[0] * size[1] * k, size[0], size[1]);
+    const std::size_t end = std::min(begin + MostPackedVertices, vertices);
+    if (this->PackedVertices + (end - begin) > MostPackedVertices)
+    {
+      this->Unpack();
+    }
+    this->PackedVertices += end - begin;
+    this->AddChanges(begin, end);
   }
-  for (std::size_t vertex = 0; vertex < this->EdgeCounts.size(); ++vertex)
+  for (const VertexChanges::Diagonal& diagonal : this->Vertices.GetDiagonals())
   {
-    // At most 8 cells of at most 5 triangles: the triangles fill less than half a unit.
-    const int change = this->VertexChanges[vertex];
-    const int cells = (change + ActiveCellUnit / 2) >> 8;
-    Change& sum = this->Changes[static_cast<std::size_t>(this->EdgeCounts[vertex])];
-    sum.Triangles += change - cells * ActiveCellUnit;
-    sum.Cells += cells;
+    this->Changes[static_cast<std::size_t>(diagonal.Second)].Triangles -= 4;
+    this->Changes[static_cast<std::size_t>(diagonal.Third)].Triangles += 4;
   }
 }
 
-template <typename T>
-void BlockWorkload::FindBins(const SampleView& samples)
+void BlockWorkload::AddChanges(std::size_t begin, std::size_t end)
 {
-  const EdgeCounter<T> count(this->Bins);
-  const Index3 size = samples.Box.GetSize();
-  const std::ptrdiff_t stride = samples.Stride[0];
-  std::int16_t* to = this->EdgeCounts.data();
-  for (std::int64_t k = 0; k < size[2]; ++k)
+  const std::int16_t* values = this->Vertices.GetValues();
+  const std::int16_t* changes = this->Vertices.GetChanges();
+  const auto add = [&](std::size_t vertex)
   {
-    for (std::int64_t j = 0; j < size[1]; ++j)
+    // The triangles fill less than half a unit.
+    constexpr int unit = VertexChanges::ActiveCellUnit;
+    const int change = changes[vertex];
+    const int cells = (change + unit / 2) >> 8;
+    const int triangles = change - cells * unit;
+    this->PackedChanges[static_cast<std::size_t>(values[vertex])] += triangles + cells * PackedCell;
+  };
+  // Most are 0 where values are smooth.
+  constexpr std::size_t atOnce = sizeof(std::uint64_t) / sizeof(std::int16_t);
+  std::size_t vertex = begin;
+  for (; vertex + atOnce <= end; vertex += atOnce)
+  {
+    std::uint64_t some = 0;
+    std::memcpy(&some, changes + vertex, sizeof(some));
+    for (std::size_t next = 0; some != 0 && next < atOnce; ++next)
     {
-      const T* from =
-        samples.At<T>({ samples.Box.Low[0], samples.Box.Low[1] + j, samples.Box.Low[2] + k });
-      for (std::int64_t i = 0; i < size[0]; ++i)
-      {
-        *to++ = count(from[i * stride]);
-      }
+      add(vertex + next);
     }
   }
-}
-
-/// The cells of a slice, as if it were one long row: so the inner loops are long in small blocks,
-/// too. The cell from the end of a row to the begin of the next is none, and changes nothing.
-void BlockWorkload::CountSlice(std::int64_t begin, std::int64_t columns, std::int64_t rows)
-{
-  const std::int64_t cells = columns * (rows - 1) - 1;
-  for (std::int64_t first = 0; first < cells; first += CellsAtOnce)
+  for (; vertex < end; ++vertex)
   {
-    const std::int64_t count = std::min(CellsAtOnce, cells - first);
-    const std::int16_t* base = this->EdgeCounts.data() + begin + first;
-    if (HasDifference(base, count + 1, columns, columns * rows))
-    {
-      CornerMasks masks;
-      FindMasks(base, count, columns, columns * rows, masks);
-      for (std::int64_t cell = columns - 1 - first % columns; cell < count; cell += columns)
-      {
-        for (std::array<std::int16_t, CellsAtOnce>& ofCorner : masks)
-        {
-          ofCorner[static_cast<std::size_t>(cell)] = 0; // no corner is inside
-        }
-      }
-      this->AddChanges(masks, begin + first, count, columns, columns * rows);
-    }
+    add(vertex);
   }
 }
 
-void BlockWorkload::FindMasks(const std::int16_t* base, std::int64_t cells, std::int64_t rowStride,
-  std::int64_t sliceStride, CornerMasks& masks)
+void BlockWorkload::Unpack()
 {
-  std::array<const std::int16_t*, 8> values;
-  std::array<std::int16_t*, 8> to;
-  for (int corner = 0; corner < 8; ++corner)
+  for (std::size_t count = 0; count < this->Changes.size(); ++count)
   {
-    values[static_cast<std::size_t>(corner)] = base + FindCorner(corner, rowStride, sliceStride);
-    to[static_cast<std::size_t>(corner)] = masks[static_cast<std::size_t>(corner)].data();
+    const std::int64_t packed = std::exchange(this->PackedChanges[count], 0);
+    const std::int64_t cells = (packed + PackedCell / 2) >> 32;
+    this->Changes[count].Triangles += packed - cells * PackedCell;
+    this->Changes[count].Cells += cells;
   }
-  FindInside(values, to, cells);
-}
-
-void BlockWorkload::AddChanges(const CornerMasks& masks, std::int64_t row, std::int64_t cells,
-  std::int64_t rowStride, std::int64_t sliceStride)
-{
-  static const ChangeTable table = MakeChangeTable();
-  // A vertex of a row is the low corner of one cell and the high one of the cell before.
-  for (std::size_t corner = 0; corner < 8; corner += 2)
-  {
-    const std::int16_t* lowChanges = table[corner].data();
-    const std::int16_t* highChanges = table[corner + 1].data();
-    const std::int16_t* low = masks[corner].data();
-    const std::int16_t* high = masks[corner + 1].data();
-    std::int16_t* to = this->VertexChanges.data() + row +
-      FindCorner(static_cast<int>(corner), rowStride, sliceStride);
-    int before = 0;
-    for (std::int64_t i = 0; i < cells; ++i)
-    {
-      to[i] = static_cast<std::int16_t>(to[i] + before + lowChanges[low[i]]);
-      before = highChanges[high[i]];
-    }
-    to[cells] = static_cast<std::int16_t>(to[cells] + before);
-  }
+  this->PackedVertices = 0;
 }
 
 void BlockWorkload::MoveTo(WorkloadSpectrum& spectrum)
 {
+  this->Unpack();
   std::int64_t triangles = 0;
   std::int64_t cells = 0;
   for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)

@@ -21,6 +21,12 @@ constexpr int AnyHeader = 15 + 32;
 constexpr int NoHeader = -15;
 constexpr std::uint64_t GzipTrailerSize = 8;
 
+/// Bytes from one place to the next.
+std::uint64_t FindSpacing(std::uint64_t size)
+{
+  return std::max(LeastSpacing, size / LargestPlaces + 1);
+}
+
 } // namespace
 
 /// A zlib stream that takes its input from a file.
@@ -156,15 +162,15 @@ GzipFile::GzipFile(std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, 
   : File(std::move(file))
   , Begin(begin)
   , Size(size)
-  , Spacing(std::max(LeastSpacing, size / LargestPlaces + 1))
+  , Spacing(FindSpacing(size))
 {
 }
 
 GzipFile::~GzipFile() = default;
 
-std::uint64_t GzipFile::GetHeldBytes() const
+std::uint64_t GzipFile::GetHeldBytes(std::uint64_t size)
 {
-  return InputSize + SkipSize + (this->Size / this->Spacing + 3) * (WindowSize + sizeof(Place));
+  return InputSize + SkipSize + (size / FindSpacing(size) + 3) * (WindowSize + sizeof(Place));
 }
 
 /// Makes the state stand at most a place before the offset.

@@ -35,8 +35,8 @@ public:
   std::uint64_t GetSize() const override { return this->Size; }
   const std::string& GetPath() const override { return this->File->GetPath(); }
 
-  /// The most memory that this object takes.
-  std::uint64_t GetHeldBytes() const;
+  /// The most memory that such an object takes, of which `size` bytes are wanted.
+  static std::uint64_t GetHeldBytes(std::uint64_t size);
 
 private:
   /// Where inflating can begin again: between two blocks of the deflate format.

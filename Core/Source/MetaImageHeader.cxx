@@ -3,8 +3,10 @@
 
 #include "Source/HeaderText.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace isosurface
@@ -92,9 +94,9 @@ private:
   Status TakeGrid()
   {
     const auto dimensions = HeaderText::ParseInteger(this->Get({ "ndims" }, ""));
-    if (!dimensions || *dimensions < 2 || *dimensions > 3)
+    if (!dimensions || *dimensions < 2 || *dimensions > 8)
     {
-      return this->Unsupported("NDims is neither 2 nor 3");
+      return this->Unsupported("NDims is not 2 to 8");
     }
     const auto axes = static_cast<std::size_t>(*dimensions);
     const std::vector<std::string> sizes = HeaderText::Split(this->Get({ "dimsize" }, ""));
@@ -111,26 +113,46 @@ private:
       {
         return this->Corrupt("DimSize has an impossible number");
       }
-      grid.Extent[2 * axis + 1] = *size - 1;
+      if (axis < 3)
+      {
+        grid.Extent[2 * axis + 1] = *size - 1;
+      }
+      else if (*size > 1)
+      {
+        return this->Unsupported("NDims is more than 3");
+      }
     }
-    const std::string ones = axes == 3 ? "1 1 1" : "1 1";
-    const std::string zeros = axes == 3 ? "0 0 0" : "0 0";
-    const std::string identity = axes == 3 ? "1 0 0 0 1 0 0 0 1" : "1 0 0 1";
-    const auto spacing =
-      HeaderText::ParseDoubles(this->Get({ "elementspacing", "elementsize" }, ones), axes);
-    const auto origin =
-      HeaderText::ParseDoubles(this->Get({ "offset", "position", "origin" }, zeros), axes);
-    const auto matrix = HeaderText::ParseDoubles(
-      this->Get({ "transformmatrix", "rotation", "orientation" }, identity), axes * axes);
+    return this->TakeSpace(axes);
+  }
+
+  Status TakeSpace(std::size_t axes)
+  {
+    GridGeometry& grid = this->Volume.Grid;
+    const auto take = [&](std::initializer_list<const char*> names, std::size_t count)
+    { return HeaderText::ParseDoubles(this->Get(names, ""), count); };
+    const auto has = [&](std::initializer_list<const char*> names)
+    { return !this->Get(names, "").empty(); };
+    const std::initializer_list<const char*> spacings = { "elementspacing", "elementsize" };
+    const std::initializer_list<const char*> origins = { "offset", "position", "origin" };
+    const std::initializer_list<const char*> matrices = { "transformmatrix", "rotation",
+      "orientation" };
+    const auto spacing = has(spacings) ? take(spacings, axes) : std::vector<double>(axes, 1);
+    const auto origin = has(origins) ? take(origins, axes) : std::vector<double>(axes, 0);
+    std::optional<std::vector<double>> matrix(std::in_place, axes * axes, 0.0);
+    for (std::size_t axis = 0; axis < axes; ++axis)
+    {
+      (*matrix)[axis * axes + axis] = 1;
+    }
+    matrix = has(matrices) ? take(matrices, axes * axes) : matrix;
     if (!spacing || !origin || !matrix)
     {
       return this->Corrupt("ElementSpacing, Offset or TransformMatrix has the wrong numbers");
     }
-    for (std::size_t axis = 0; axis < axes; ++axis)
+    for (std::size_t axis = 0; axis < std::min<std::size_t>(axes, 3); ++axis)
     {
       grid.Spacing[axis] = (*spacing)[axis];
       grid.Origin[axis] = (*origin)[axis];
-      for (std::size_t row = 0; row < axes; ++row)
+      for (std::size_t row = 0; row < std::min<std::size_t>(axes, 3); ++row)
       {
         grid.Direction[3 * row + axis] = (*matrix)[axis * axes + row];
       }

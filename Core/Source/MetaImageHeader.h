@@ -13,10 +13,10 @@ namespace isosurface
 
 /**
  * Reads the header of a MetaImage (.mhd, or .mha with the samples in the same file): two or three
- * dimensions, one channel, binary samples in one file (ElementDataFile = LOCAL or a name) or in one
- * file a slice or slab (LIST, or a pattern with first, last and step), as they are or compressed as
- * a whole (CompressedData). What it does not know it passes over; what it cannot read is
- * Unsupported, what is contradictory Corrupt, by name.
+ * dimensions (further ones of one sample each), one channel, binary samples in one file
+ * (ElementDataFile = LOCAL or a name) or in one file a slice or slab (LIST, or a pattern with
+ * first, last and step), as they are or compressed as a whole (CompressedData). What it does not
+ * know it passes over; what it cannot read is Unsupported, what is contradictory Corrupt, by name.
  *
  * TransformMatrix has the direction of the x axis first; it becomes the first column of Direction.
  *

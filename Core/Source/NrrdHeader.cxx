@@ -4,9 +4,12 @@
 #include "Source/HeaderText.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace isosurface
 {
@@ -106,91 +109,192 @@ private:
     return Status::Ok();
   }
 
+  /// An axis of the file, as the header has it; several axes of one sample may be no grid's.
+  struct Axis
+  {
+    std::int64_t Size = 1;
+    std::string Kind;
+    std::string Spacing;
+    std::optional<std::vector<double>> Direction;
+
+    /// Its samples stand beside each other in space (or time), rather than making up one value.
+    bool IsOfSpace() const
+    {
+      return this->Kind.empty() || this->Kind == "domain" || this->Kind == "space" ||
+        this->Kind == "time" || this->Kind == "???" || this->Kind == "none";
+    }
+  };
+
   Status TakeSizes()
   {
     const auto dimension = HeaderText::ParseInteger(this->Get("dimension", "", ""));
-    if (!dimension || *dimension < 2 || *dimension > 3)
+    if (!dimension || *dimension < 2 || *dimension > 16)
     {
-      return this->Unsupported("its dimension is neither 2 nor 3: one value a sample is read");
+      return this->Unsupported("its dimension is not 2 to 16");
     }
-    this->Axes = static_cast<std::size_t>(*dimension);
     const std::vector<std::string> sizes = HeaderText::Split(this->Get("sizes", "", ""));
-    if (sizes.size() != this->Axes)
+    if (sizes.size() != static_cast<std::size_t>(*dimension))
     {
       return this->Corrupt("\"sizes\" does not have as many numbers as dimensions");
     }
-    this->Volume.Grid.Extent = { 0, 0, 0, 0, 0, 0 };
-    for (std::size_t axis = 0; axis < this->Axes; ++axis)
+    this->Axes.resize(sizes.size());
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis)
     {
       const auto size = HeaderText::ParseInteger(sizes[axis]);
       if (!size || *size < 1 || *size > (std::int64_t{ 1 } << 31))
       {
         return this->Corrupt("\"sizes\" has an impossible number");
       }
-      this->Volume.Grid.Extent[2 * axis + 1] = *size - 1;
+      this->Axes[axis].Size = *size;
     }
-    for (const std::string& kind : HeaderText::Split(HeaderText::Lower(this->Get("kinds", "", ""))))
+    const auto kinds = HeaderText::Split(HeaderText::Lower(this->Get("kinds", "", "")));
+    const auto spacings = HeaderText::Split(this->Get("spacings", "", ""));
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis)
     {
-      if (kind != "domain" && kind != "space" && kind != "time" && kind != "???" && kind != "none")
+      this->Axes[axis].Kind = axis < kinds.size() ? kinds[axis] : "";
+      this->Axes[axis].Spacing = axis < spacings.size() ? spacings[axis] : "";
+    }
+    return this->TakeDirections();
+  }
+
+  /// "space directions": "none" or "(a,b,c)" for each axis.
+  Status TakeDirections()
+  {
+    const std::string text = this->Get("space directions", "", "");
+    std::size_t at = text.find_first_not_of(" \t");
+    for (std::size_t axis = 0; !text.empty() && axis < this->Axes.size(); ++axis)
+    {
+      const bool isVector = at != std::string::npos && text[at] == '(';
+      const std::size_t end = isVector ? text.find(')', at) : text.find_first_of(" \t(", at);
+      const std::string word = at == std::string::npos ? "" : text.substr(at, end - at);
+      if (isVector ? end == std::string::npos : HeaderText::Lower(word) != "none")
       {
-        return this->Unsupported("an axis is of the kind \"" + kind + "\", not of space");
+        return this->Corrupt("\"space directions\" is not a vector or \"none\" an axis");
       }
+      if (isVector)
+      {
+        this->Axes[axis].Direction = ParseVector(word);
+        if (!this->Axes[axis].Direction)
+        {
+          return this->Corrupt("\"space directions\" has a vector that is none of space");
+        }
+      }
+      at = end == std::string::npos ? end : text.find_first_not_of(" \t", isVector ? end + 1 : end);
+    }
+    return Status::Ok();
+  }
+
+  /// Two or three axes are left when those that tell nothing are dropped.
+  Status ChooseAxes()
+  {
+    const bool hasDirections = std::any_of(this->Axes.begin(), this->Axes.end(),
+      [](const Axis& axis) { return axis.Direction.has_value(); });
+    const auto isIdle = [hasDirections](const Axis& axis)
+    { return axis.Size == 1 && (!axis.IsOfSpace() || (hasDirections && !axis.Direction)); };
+    this->Axes.erase(
+      std::remove_if(this->Axes.begin(), this->Axes.end(), isIdle), this->Axes.end());
+    for (const Axis& axis : this->Axes)
+    {
+      if (!axis.IsOfSpace())
+      {
+        return this->Unsupported("an axis is of the kind \"" + axis.Kind +
+          "\", not of space: only one value a sample is read");
+      }
+      if (hasDirections && !axis.Direction)
+      {
+        return this->Unsupported("an axis of several samples has no direction in space");
+      }
+    }
+    // Those of one sample go, the last one first.
+    for (std::size_t axis = this->Axes.size(); axis > 0 && this->Axes.size() > 3; --axis)
+    {
+      if (this->Axes[axis - 1].Size == 1)
+      {
+        this->Axes.erase(this->Axes.begin() + static_cast<std::ptrdiff_t>(axis - 1));
+      }
+    }
+    if (this->Axes.size() < 2 || this->Axes.size() > 3)
+    {
+      return this->Unsupported("it has " + std::to_string(this->Axes.size()) +
+        " axes of space: its dimension must be 2 or 3, with one value a sample");
     }
     return Status::Ok();
   }
 
   Status TakeSpace()
   {
+    ISOSURFACE_RETURN_IF_ERROR(this->ChooseAxes());
     GridGeometry& grid = this->Volume.Grid;
-    const std::vector<std::string> spacings = HeaderText::Split(this->Get("spacings", "", ""));
-    for (std::size_t axis = 0; axis < spacings.size() && axis < this->Axes; ++axis)
+    grid.Extent = { 0, 0, 0, 0, 0, 0 };
+    std::size_t space = this->Axes.size();
+    for (std::size_t axis = 0; axis < this->Axes.size(); ++axis)
     {
-      const auto spacing = HeaderText::ParseDouble(spacings[axis]);
+      grid.Extent[2 * axis + 1] = this->Axes[axis].Size - 1;
+      const auto spacing = HeaderText::ParseDouble(this->Axes[axis].Spacing);
       // "nan" stands for an axis without a spacing.
       grid.Spacing[axis] = spacing && std::isfinite(*spacing) ? *spacing : 1;
+      if (this->Axes[axis].Direction)
+      {
+        const std::vector<double>& vector = *this->Axes[axis].Direction;
+        if (axis > 0 && vector.size() != space)
+        {
+          return this->Corrupt("\"space directions\" has vectors of different spaces");
+        }
+        space = vector.size();
+        this->SetDirection(axis, vector);
+      }
+    }
+    if (this->Axes.size() == 2 && space == 3)
+    {
+      this->SetNormal();
     }
     const std::string origin = this->Get("space origin", "", "");
-    const std::string directions = this->Get("space directions", "", "");
-    if (!directions.empty())
-    {
-      const auto numbers =
-        HeaderText::ParseDoubles(this->WithoutBrackets(directions), this->Axes * this->Axes);
-      if (!numbers)
-      {
-        return this->Unsupported("its space directions are not a vector of space an axis");
-      }
-      for (std::size_t axis = 0; axis < this->Axes; ++axis)
-      {
-        double square = 0;
-        for (std::size_t row = 0; row < this->Axes; ++row)
-        {
-          const double part = (*numbers)[axis * this->Axes + row];
-          square += part * part;
-        }
-        grid.Spacing[axis] = std::sqrt(square);
-        for (std::size_t row = 0; row < this->Axes && square > 0; ++row)
-        {
-          grid.Direction[3 * row + axis] = (*numbers)[axis * this->Axes + row] / grid.Spacing[axis];
-        }
-      }
-    }
     if (!origin.empty())
     {
-      const auto numbers = HeaderText::ParseDoubles(this->WithoutBrackets(origin), this->Axes);
-      if (!numbers)
+      const auto vector = ParseVector(origin);
+      if (!vector || vector->size() != space)
       {
         return this->Corrupt("\"space origin\" is not a vector of space");
       }
-      std::copy(numbers->begin(), numbers->end(), grid.Origin.begin());
+      std::copy(vector->begin(), vector->end(), grid.Origin.begin());
     }
     return Status::Ok();
   }
 
-  static std::string WithoutBrackets(std::string text)
+  void SetDirection(std::size_t axis, const std::vector<double>& vector)
+  {
+    GridGeometry& grid = this->Volume.Grid;
+    double square = 0;
+    for (const double part : vector)
+    {
+      square += part * part;
+    }
+    grid.Spacing[axis] = std::sqrt(square);
+    for (std::size_t row = 0; row < 3 && square > 0; ++row)
+    {
+      grid.Direction[3 * row + axis] = row < vector.size() ? vector[row] / grid.Spacing[axis] : 0;
+    }
+  }
+
+  /// The direction of z for a slice somewhere in space.
+  void SetNormal()
+  {
+    std::array<double, 9>& d = this->Volume.Grid.Direction;
+    for (std::size_t row = 0; row < 3; ++row)
+    {
+      const std::size_t next = 3 * ((row + 1) % 3);
+      const std::size_t last = 3 * ((row + 2) % 3);
+      d[3 * row + 2] = d[next] * d[last + 1] - d[last] * d[next + 1];
+    }
+  }
+
+  /// "(a,b,c)": one to three numbers.
+  static std::optional<std::vector<double>> ParseVector(std::string text)
   {
     std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-    return text;
+    const std::size_t count = HeaderText::Split(text).size();
+    return count < 1 || count > 3 ? std::nullopt : HeaderText::ParseDoubles(text, count);
   }
 
   Status TakeSamples()
@@ -216,18 +320,18 @@ private:
     }
     this->Volume.IsBigEndian = endian == "big";
     const auto skip = HeaderText::ParseInteger(this->Get("byte skip", "byteskip", "0"));
-    const std::string lines = this->Get("line skip", "lineskip", "0");
+    const auto lines = HeaderText::ParseInteger(this->Get("line skip", "lineskip", "0"));
     if (!skip || *skip < -1 || (*skip == -1 && this->Volume.IsGzip))
     {
       return this->Corrupt("\"byte skip\" is impossible");
     }
-    if (lines != "0")
+    if (!lines || *lines < 0)
     {
-      return this->Unsupported("lines before the samples (\"line skip\") are not passed over");
+      return this->Corrupt("\"line skip\" is impossible");
     }
     this->Volume.EndsWithSamples = *skip == -1;
-    const auto bytes = static_cast<std::uint64_t>(*skip == -1 ? 0 : *skip);
-    (this->Volume.IsGzip ? this->Volume.Skip : this->Volume.Offset) = bytes;
+    this->Volume.Lines = static_cast<std::uint64_t>(*lines);
+    this->Volume.Skip = static_cast<std::uint64_t>(*skip == -1 ? 0 : *skip);
     return Status::Ok();
   }
 
@@ -276,7 +380,7 @@ private:
 
   HeaderText& Header;
   std::map<std::string, std::string> Fields;
-  std::size_t Axes = 0;
+  std::vector<Axis> Axes;
   RawVolume Volume;
 };
 

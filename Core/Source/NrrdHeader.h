@@ -13,9 +13,10 @@ namespace isosurface
 
 /**
  * Reads the header of a NRRD file (.nrrd, or .nhdr with the samples in files of their own): two or
- * three dimensions of space, one value a sample, encoding raw or gzip, in one file or in one file a
- * slice or slab (LIST, or a pattern with first, last and step). What it does not know it passes
- * over; what it cannot read is Unsupported, what is contradictory Corrupt, by name.
+ * three axes of space, beside any axes of one sample, one value a sample, encoding raw or gzip, in
+ * one file or in one file a slice or slab (LIST, or a pattern with first, last and step), behind
+ * lines and bytes that are skipped. What it does not know it passes over; what it cannot read is
+ * Unsupported, what is contradictory Corrupt, by name.
  *
  * The lengths of the space directions are the spacing; coordinates stay in the file's own space.
  *

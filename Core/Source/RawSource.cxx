@@ -1,45 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Source/RawSource.h"
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <string>
+#include "Source/PageBuffer.h"
 
-#include <sys/mman.h>
+#include <algorithm>
+#include <utility>
 
 namespace isosurface
 {
 namespace
 {
-
-/// Memory straight from the system, which gets it back at once: slabs are large, and a heap would
-/// keep some of them.
-class PageBuffer
-{
-public:
-  explicit PageBuffer(std::size_t size)
-    : Size(size)
-    , Pages(::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))
-  {
-  }
-  PageBuffer(const PageBuffer&) = delete;
-  PageBuffer& operator=(const PageBuffer&) = delete;
-  ~PageBuffer()
-  {
-    if (this->IsValid())
-    {
-      ::munmap(this->Pages, this->Size);
-    }
-  }
-  bool IsValid() const { return this->Pages != MAP_FAILED; }
-  std::uint8_t* GetData() const { return static_cast<std::uint8_t*>(this->Pages); }
-  std::size_t GetSize() const { return this->Size; }
-
-private:
-  std::size_t Size;
-  void* Pages;
-};
 
 template <typename T>
 void SwapBytes(std::uint8_t* bytes, std::size_t samples)
@@ -59,34 +29,24 @@ std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 
 Result<SampleSlab> RawSource::Read(const VertexBox& box)
 {
-  auto samples = std::make_shared<PageBuffer>(static_cast<std::size_t>(this->GetReadBytes(box)));
-  if (!samples->IsValid())
+  auto samples = PageBuffer::Create(this->GetReadBytes(box));
+  if (!samples.IsOk())
   {
-    return Status(StatusCode::IoError,
-      this->File->GetPath() + ": cannot read: no memory for " + std::to_string(samples->GetSize()) +
-        " bytes: " + std::strerror(errno));
+    return Status(samples.GetStatus().GetCode(),
+      this->File->GetPath() + ": cannot read: " + samples.GetStatus().GetMessage());
   }
-  ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, samples->GetData()));
+  std::uint8_t* bytes = (*samples)->GetData();
+  ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, bytes));
   if (this->IsBigEndian)
   {
     DispatchValueType(this->Type,
       [&](auto zero)
       {
         using T = decltype(zero);
-        SwapBytes<T>(samples->GetData(), samples->GetSize() / sizeof(T));
+        SwapBytes<T>(bytes, static_cast<std::size_t>(box.GetNumberOfVertices()));
       });
   }
-  SampleSlab slab;
-  SampleView view;
-  view.Type = this->Type;
-  view.First = samples->GetData();
-  view.Available = box;
-  view.Box = box;
-  const Index3 size = box.GetSize();
-  view.Stride = { 1, size[0], size[0] * size[1] };
-  slab.Arrays = { view };
-  slab.Owner = std::move(samples);
-  return slab;
+  return MakeSlab(this->Type, box, std::move(*samples));
 }
 
 Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const
@@ -103,7 +63,7 @@ Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const
     for (std::int64_t j = box.Low[1]; j < box.High[1]; j += rows)
     {
       const auto sample = static_cast<std::uint64_t>(box.Low[0] + whole[0] * (j + whole[1] * k));
-      ISOSURFACE_RETURN_IF_ERROR(this->File->Read(this->Offset + sample * valueSize, bytes, to));
+      ISOSURFACE_RETURN_IF_ERROR(this->File->Read(sample * valueSize, bytes, to));
       to += bytes;
     }
   }

@@ -18,11 +18,10 @@ namespace isosurface
 class RawSource : public SlabSource
 {
 public:
-  /// The samples begin at `offset`; the file has all of them. `heldBytes`: the file's own memory.
-  RawSource(std::unique_ptr<RandomAccessFile> file, std::uint64_t offset, const Index3& size,
-    ValueType type, bool isBigEndian, std::uint64_t heldBytes)
+  /// The file has all samples, and nothing before them. `heldBytes`: the file's own memory.
+  RawSource(std::unique_ptr<RandomAccessFile> file, const Index3& size, ValueType type,
+    bool isBigEndian, std::uint64_t heldBytes)
     : File(std::move(file))
-    , Offset(offset)
     , Box{ { 0, 0, 0 }, size }
     , Type(type)
     , IsBigEndian(isBigEndian)
@@ -39,7 +38,6 @@ private:
   Status ReadSamples(const VertexBox& box, std::uint8_t* to) const;
 
   std::unique_ptr<RandomAccessFile> File;
-  std::uint64_t Offset;
   VertexBox Box;
   ValueType Type;
   bool IsBigEndian;

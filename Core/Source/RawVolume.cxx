@@ -6,8 +6,10 @@
 #include "Source/MetaImageHeader.h"
 #include "Source/NrrdHeader.h"
 #include "Source/RawSource.h"
+#include "Source/SectionFile.h"
 #include "Source/SeriesFile.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -32,27 +34,92 @@ std::optional<std::uint64_t> CountBytes(const GridGeometry& grid, ValueType type
   return bytes;
 }
 
+/// Where the text from `begin` on has `lines` ends of lines behind it.
+Result<std::uint64_t> SkipLines(
+  const RandomAccessFile& file, std::uint64_t begin, std::uint64_t lines)
+{
+  std::vector<char> text(std::size_t{ 1 } << 16);
+  std::uint64_t position = begin;
+  while (lines > 0)
+  {
+    const std::uint64_t left = position < file.GetSize() ? file.GetSize() - position : 0;
+    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(text.size(), left));
+    if (size == 0)
+    {
+      return Status(StatusCode::Corrupt,
+        file.GetPath() + ": truncated: " + std::to_string(lines) +
+          " more lines are expected before the samples");
+    }
+    ISOSURFACE_RETURN_IF_ERROR(file.Read(position, size, text.data()));
+    std::size_t at = 0;
+    for (; at < size && lines > 0; ++at)
+    {
+      lines -= text[at] == '\n' ? 1 : 0;
+    }
+    position += at;
+  }
+  return position;
+}
+
 } // namespace
+
+bool RawVolume::HasHeader(const std::string& path)
+{
+  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
+  return extension == ".mhd" || extension == ".mha" || extension == ".nrrd" || extension == ".nhdr";
+}
 
 Result<RawVolume> RawVolume::ReadHeader(FileSystem& files, const std::string& path)
 {
+  if (!HasHeader(path))
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": cannot be read: only .mhd, .mha, .nrrd and .nhdr tell what they hold");
+  }
   const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
-  if (extension == ".mhd" || extension == ".mha")
+  return extension[1] == 'm' ? ReadMetaImageHeader(files, path) : ReadNrrdHeader(files, path);
+}
+
+Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
+  FileSystem& files, const std::string& path, std::uint64_t bytes) const
+{
+  auto file = files.OpenForReading(path);
+  if (!file.IsOk())
   {
-    return ReadMetaImageHeader(files, path);
+    return file.GetStatus();
   }
-  if (extension == ".nrrd" || extension == ".nhdr")
+  const auto behindLines = SkipLines(**file, this->Offset, this->Lines);
+  if (!behindLines.IsOk())
   {
-    return ReadNrrdHeader(files, path);
+    return behindLines.GetStatus();
   }
-  return Status(StatusCode::Unsupported,
-    path + ": cannot be read: only .mhd, .mha, .nrrd and .nhdr tell what they hold");
+  if (this->IsGzip)
+  {
+    // That the stream has as much is seen when it is read.
+    auto inflated = std::make_unique<GzipFile>(std::move(*file), *behindLines, this->Skip + bytes);
+    return std::unique_ptr<RandomAccessFile>(
+      std::make_unique<SectionFile>(std::move(inflated), this->Skip, bytes));
+  }
+  std::uint64_t begin = *behindLines + this->Skip;
+  const std::uint64_t available = (*file)->GetSize();
+  if (this->EndsWithSamples && available >= bytes)
+  {
+    begin = available - bytes;
+  }
+  if (begin > available || available - begin < bytes)
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": truncated: it has " + std::to_string(available) + " bytes where " +
+        std::to_string(begin) + " and " + std::to_string(bytes) + " of samples are expected");
+  }
+  return std::unique_ptr<RandomAccessFile>(
+    std::make_unique<SectionFile>(std::move(*file), begin, bytes));
 }
 
 Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
 {
   const auto bytes = CountBytes(this->Grid, this->Type);
-  if (this->Paths.empty() || !bytes)
+  if (this->Paths.empty() || !bytes || this->Skip > (std::uint64_t{ 1 } << 62))
   {
     return Status(StatusCode::InvalidArgument,
       (this->Paths.empty() ? std::string("a volume without files") : this->Paths.front()) +
@@ -60,47 +127,27 @@ Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
   }
   const Index3 size = this->Grid.GetDimensions();
   const auto count = static_cast<std::uint64_t>(this->Paths.size());
-  if (static_cast<std::uint64_t>(size[2]) % count != 0 || (count > 1 && this->IsGzip))
+  if (static_cast<std::uint64_t>(size[2]) % count != 0)
   {
     return Status(StatusCode::Unsupported,
       this->Paths.front() + ": " + std::to_string(count) + " files cannot hold equal parts of " +
-        std::to_string(size[2]) + " slices" + (this->IsGzip ? " in one compressed stream" : ""));
-  }
-  auto file = files.OpenForReading(this->Paths.front());
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
-  const std::uint64_t available = (*file)->GetSize();
-  std::unique_ptr<RandomAccessFile> samples = std::move(*file);
-  std::uint64_t held = 0;
-  if (this->IsGzip)
-  {
-    auto inflated =
-      std::make_unique<GzipFile>(std::move(samples), this->Offset, this->Skip + *bytes);
-    held = inflated->GetHeldBytes();
-    return std::unique_ptr<SlabSource>(std::make_unique<RawSource>(
-      std::move(inflated), this->Skip, size, this->Type, this->IsBigEndian, held));
+        std::to_string(size[2]) + " slices");
   }
   const std::uint64_t ofFile = *bytes / count;
-  std::uint64_t offset = this->Offset;
-  if (this->EndsWithSamples && available >= ofFile)
+  auto samples = this->OpenPart(files, this->Paths.front(), ofFile);
+  if (!samples.IsOk())
   {
-    offset = available - ofFile;
-  }
-  if (offset > available || available - offset < ofFile)
-  {
-    return Status(StatusCode::Corrupt,
-      this->Paths.front() + ": truncated: it has " + std::to_string(available) + " bytes where " +
-        std::to_string(offset) + " and " + std::to_string(ofFile) + " of samples are expected");
+    return samples.GetStatus();
   }
   if (count > 1)
   {
-    samples = std::make_unique<SeriesFile>(files, this->Paths, offset, ofFile);
-    offset = 0;
+    const auto openPart = [&files, volume = *this, ofFile](const std::string& path)
+    { return volume.OpenPart(files, path, ofFile); };
+    *samples = std::make_unique<SeriesFile>(openPart, this->Paths, ofFile);
   }
-  return std::unique_ptr<SlabSource>(std::make_unique<RawSource>(
-    std::move(samples), offset, size, this->Type, this->IsBigEndian, held));
+  const std::uint64_t held = this->IsGzip ? GzipFile::GetHeldBytes(this->Skip + ofFile) : 0;
+  return std::unique_ptr<SlabSource>(
+    std::make_unique<RawSource>(std::move(*samples), size, this->Type, this->IsBigEndian, held));
 }
 
 } // namespace isosurface

@@ -7,11 +7,9 @@
 namespace isosurface
 {
 
-SeriesFile::SeriesFile(
-  FileSystem& files, std::vector<std::string> paths, std::uint64_t begin, std::uint64_t size)
-  : Files(files)
+SeriesFile::SeriesFile(Opener open, std::vector<std::string> paths, std::uint64_t size)
+  : Open(std::move(open))
   , Paths(std::move(paths))
-  , Begin(begin)
   , Size(size)
 {
 }
@@ -29,7 +27,7 @@ Status SeriesFile::Read(std::uint64_t offset, std::size_t size, void* bytes) con
     }
     if (!this->OpenFile || this->OpenNumber != number)
     {
-      auto file = this->Files.OpenForReading(this->Paths[number]);
+      auto file = this->Open(this->Paths[number]);
       if (!file.IsOk())
       {
         return file.GetStatus();
@@ -38,7 +36,7 @@ Status SeriesFile::Read(std::uint64_t offset, std::size_t size, void* bytes) con
       this->OpenNumber = number;
     }
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(size, this->Size - within));
-    ISOSURFACE_RETURN_IF_ERROR(this->OpenFile->Read(this->Begin + within, count, to));
+    ISOSURFACE_RETURN_IF_ERROR(this->OpenFile->Read(within, count, to));
     to += count;
     offset += count;
     size -= count;

@@ -5,6 +5,7 @@
 #include "Base/FileSystem.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,25 +14,25 @@ namespace isosurface
 {
 
 /**
- * A series of files that each hold an equal number of bytes, as if they were one. A file is opened
+ * A series of files that each give an equal number of bytes, as if they were one. A file is opened
  * when it is read, and the last one read stays open; so there may be any number of them. One
  * thread at a time may read.
  */
 class SeriesFile : public RandomAccessFile
 {
 public:
-  /// Of every file the `size` bytes from `begin` on.
-  SeriesFile(
-    FileSystem& files, std::vector<std::string> paths, std::uint64_t begin, std::uint64_t size);
+  /// Opens one file of the series, such that it has `size` bytes from offset 0 on.
+  using Opener = std::function<Result<std::unique_ptr<RandomAccessFile>>(const std::string& path)>;
+
+  SeriesFile(Opener open, std::vector<std::string> paths, std::uint64_t size);
 
   Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override;
   std::uint64_t GetSize() const override { return this->Paths.size() * this->Size; }
   const std::string& GetPath() const override { return this->Paths.front(); }
 
 private:
-  FileSystem& Files;
+  Opener Open;
   std::vector<std::string> Paths;
-  std::uint64_t Begin;
   std::uint64_t Size;
   mutable std::size_t OpenNumber = 0;
   mutable std::unique_ptr<RandomAccessFile> OpenFile;

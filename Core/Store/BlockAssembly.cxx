@@ -115,8 +115,9 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t a
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   QueryStatistics& statistics, const Progress& progress)
 {
-  const BlockGrid& grid = volume.GetBlockGrid();
-  const VertexBox whole = box.GetGhostedVertices(grid, level);
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  const VertexBox whole = box.GetGhostedVertices(grid, stored.Level);
   const std::size_t valueSize = GetValueSize(volume.GetHeader().Arrays[array].Type);
 
   std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
@@ -136,8 +137,8 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t a
         failures[own] = decoded.GetStatus();
         return;
       }
-      CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, level), valueSize,
-        whole, static_cast<std::uint8_t*>(samples));
+      CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, stored.Level),
+        valueSize, whole, static_cast<std::uint8_t*>(samples));
     },
     progress);
   for (const QueryStatistics& cost : costs)

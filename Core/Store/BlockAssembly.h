@@ -27,7 +27,8 @@ struct BlockBox
   bool IsEmpty() const;
   bool Contains(const Index3& block) const;
 
-  /// The vertices of the box's own cells at a level, and those with the ghost layer around them.
+  /// The vertices of the box's own cells at a level of the blocks' records (StoredLevel::Level),
+  /// and those with the ghost layer around them.
   VertexBox GetVertices(const BlockGrid& grid, int level) const;
   VertexBox GetGhostedVertices(const BlockGrid& grid, int level) const;
 };
@@ -37,8 +38,9 @@ struct BlockBox
 BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces);
 
 /**
- * Fills `samples` with one array in a box of blocks at a level, ghost layer included, x fastest:
- * the vertices of GetGhostedVertices. `blocks` are the blocks of the box, in any order.
+ * Fills `samples` with one array in a box of blocks at a level of the volume, ghost layer included,
+ * x fastest: the vertices of GetGhostedVertices. `box` counts, and `blocks` are, in any order,
+ * blocks of those that have the level (BlockedVolume::FindLevel).
  *
  * Every block is read once, through the block cache, on `threads` threads; the ghost layer comes
  * from the ghost layers of the box's own blocks. Errors: of ReadBlock; Aborted.

@@ -83,6 +83,12 @@ Result<std::shared_ptr<const DecodedBlock>> BlockCache::Get(
   }
 }
 
+bool BlockCache::Contains(const BlockCacheKey& key) const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  return this->Index.count(key) != 0 || this->InFlight.count(key) != 0;
+}
+
 void BlockCache::Insert(const BlockCacheKey& key, const std::shared_ptr<const DecodedBlock>& block)
 {
   const std::uint64_t bytes = sizeof(Entry) + sizeof(DecodedBlock) + block->Bytes.GetSize();

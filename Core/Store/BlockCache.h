@@ -13,6 +13,7 @@
 #include <memory>
 #include <mutex>
 #include <unordered_map>
+#include <vector>
 
 namespace isosurface
 {
@@ -29,6 +30,7 @@ struct DecodedBlock
   SampleView View;
   Buffer<std::uint8_t> Bytes;
 };
+using DecodedBlocks = std::vector<std::shared_ptr<const DecodedBlock>>;
 
 /// What a decoded block is known by.
 struct BlockCacheKey
@@ -69,6 +71,9 @@ public:
   /// is not kept: the next one to ask tries anew.
   Result<std::shared_ptr<const DecodedBlock>> Get(
     const BlockCacheKey& key, const Loader& load, bool& hit);
+
+  /// Whether the block is here, or on its way; by the time of the answer it may be gone.
+  bool Contains(const BlockCacheKey& key) const;
 
   /// In bytes; a lower one takes effect at once, 0 keeps nothing.
   void SetBudget(std::uint64_t budget);

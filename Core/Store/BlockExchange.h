@@ -26,13 +26,14 @@ struct PendingBlock
   /// The memory of a block whose record has so many bytes.
   static std::uint64_t GetBytes(std::uint64_t record)
   {
-    return BlockRecord::AlignUp(record) + 1024;
+    return BlockRecord::AlignUp(record) + record / 32 + 1024;
   }
 
   std::int64_t Block;
   std::uint32_t Store;
   BlockRecordLayout Layout;
   Buffer<std::uint8_t> Record; ///< padded; segments without their headers until they are sealed
+  std::vector<std::uint8_t> OverviewSamples; ///< what the next overview takes of it; see there
 };
 
 /**

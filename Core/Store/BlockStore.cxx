@@ -5,6 +5,7 @@
 #include "Store/RecordCodec.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace isosurface
 {
@@ -37,7 +38,7 @@ BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolum
   : Files(files)
   , Folder(std::move(folder))
   , Header(header)
-  , Grid(header.Grid.GetDimensions(), header.BlockSize)
+  , Grid(header.GetBlockGrid())
   , Trees(header.Arrays.size())
 {
 }
@@ -131,6 +132,39 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
   return ordinals;
 }
 
+Result<std::vector<std::uint32_t>> BlockStore::FindInside(
+  std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics)
+{
+  std::vector<std::uint32_t> ordinals;
+  const std::vector<ValueKey> keys = FindThresholdKeys(this->Header.Arrays[array].Type, isovalues);
+  const auto tree = this->GetTree(array);
+  if (!tree.IsOk())
+  {
+    return tree.GetStatus();
+  }
+  if (keys.empty())
+  {
+    return ordinals;
+  }
+  // What is inside for a higher isovalue is so for the lowest one.
+  PageStatistics pages;
+  const auto visit = [&](const KeyInterval& interval)
+  {
+    ++statistics.IntervalsReported;
+    if (interval.Minimum >= keys.front())
+    {
+      ordinals.push_back(interval.Payload);
+    }
+  };
+  const Status status =
+    (*tree)->FindOverlapping(keys.front(), std::numeric_limits<ValueKey>::max(), visit, pages);
+  statistics.TreePagesRead += pages.PageReads;
+  statistics.TreePageCacheHits += pages.CacheHits;
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  std::sort(ordinals.begin(), ordinals.end());
+  return ordinals;
+}
+
 Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const
 {
   const auto entry = this->Directory->Read(
@@ -142,8 +176,24 @@ Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistic
   return entry->Block;
 }
 
+Status BlockStore::MakeError(StatusCode code, const std::string& reason) const
+{
+  return Status(code, this->Blocks->GetPath() + ": " + reason);
+}
+
 Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordinal,
   std::int64_t block, std::size_t array, int level, QueryStatistics& statistics) const
+{
+  auto blocks = this->ReadAdjacent(ordinal, block, array, 1, level, statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  return blocks->front();
+}
+
+Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64_t block,
+  std::size_t first, std::size_t count, int level, QueryStatistics& statistics) const
 {
   const auto entry = this->Directory->Read(
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
@@ -151,56 +201,85 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
   {
     return entry.GetStatus();
   }
-  const auto fail = [&](StatusCode code, const std::string& reason)
-  { return Status(code, this->Blocks->GetPath() + ": " + reason); };
   if (entry->Block != block)
   {
-    return fail(StatusCode::Corrupt,
+    return this->MakeError(StatusCode::Corrupt,
       "block number " + std::to_string(ordinal) + " is not block " + std::to_string(block));
   }
-  const ValueType type = this->Header.Arrays[array].Type;
-  const int levels = this->Grid.GetNumberOfLevels();
-  const std::size_t firstSegment = array * static_cast<std::size_t>(levels);
-  const std::size_t segmentCount = static_cast<std::size_t>(levels - level);
-  for (std::size_t index = 0; index < segmentCount; ++index)
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  const std::size_t last = first + count - 1;
+  for (std::size_t array = first; array <= last; ++array)
   {
-    const BlockSegment segment(this->Grid, block, levels - 1 - static_cast<int>(index));
-    if (entry->Lengths[firstSegment + index] > segment.GetNumberOfSamples() * GetValueSize(type))
-    {
-      return fail(StatusCode::Corrupt,
-        "block " + std::to_string(block) + " has an impossible length in the directory");
-    }
+    // What is read past goes up to level 0.
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, array, array == last ? level : 0));
   }
-  const std::uint64_t begin = entry->FindSegment(firstSegment);
-  const std::uint64_t size = entry->FindSegment(firstSegment + segmentCount) - begin;
+  const std::uint64_t begin = entry->FindSegment(first * levels);
+  const std::uint64_t size =
+    entry->FindSegment(last * levels + levels - static_cast<std::size_t>(level)) - begin;
   Buffer<std::uint8_t> bytes(static_cast<std::size_t>(size));
   ISOSURFACE_RETURN_IF_ERROR(
     this->Blocks->Read(entry->Offset + begin, bytes.GetSize(), bytes.GetData()));
   ++statistics.BlocksRead;
   statistics.BytesRead += size;
+  DecodedBlocks blocks;
+  for (std::size_t array = first; array <= last; ++array)
+  {
+    auto decoded = this->Decode(
+      *entry, array, level, bytes.GetData() + (entry->FindSegment(array * levels) - begin));
+    if (!decoded.IsOk())
+    {
+      return decoded.GetStatus();
+    }
+    blocks.push_back(std::move(*decoded));
+  }
+  return blocks;
+}
 
+// A length from the directory is checked before memory is allocated by it.
+Status BlockStore::CheckLengths(
+  const BlockDirectoryEntry& entry, std::size_t array, int level) const
+{
+  const int levels = this->Grid.GetNumberOfLevels();
+  const std::size_t firstSegment = array * static_cast<std::size_t>(levels);
+  for (int from = levels - 1; from >= level; --from)
+  {
+    const BlockSegment segment(this->Grid, entry.Block, from);
+    if (entry.Lengths[firstSegment + static_cast<std::size_t>(levels - 1 - from)] >
+      segment.GetNumberOfSamples() * GetValueSize(this->Header.Arrays[array].Type))
+    {
+      return this->MakeError(StatusCode::Corrupt,
+        "block " + std::to_string(entry.Block) + " has an impossible length in the directory");
+    }
+  }
+  return Status::Ok();
+}
+
+Result<std::shared_ptr<const DecodedBlock>> BlockStore::Decode(
+  const BlockDirectoryEntry& entry, std::size_t array, int level, const std::uint8_t* segment) const
+{
+  const int levels = this->Grid.GetNumberOfLevels();
+  const std::size_t firstSegment = array * static_cast<std::size_t>(levels);
   std::vector<const std::uint8_t*> segments;
   std::vector<std::uint32_t> lengths;
-  const std::uint8_t* segment = bytes.GetData();
-  for (std::size_t index = 0; index < segmentCount; ++index)
+  for (std::size_t index = 0; index < static_cast<std::size_t>(levels - level); ++index)
   {
-    const std::uint32_t stored = entry->Lengths[firstSegment + index];
+    const std::uint32_t stored = entry.Lengths[firstSegment + index];
     const Status status = CheckSegment(segment, stored,
-      { block, static_cast<std::uint32_t>(array),
+      { entry.Block, static_cast<std::uint32_t>(array),
         static_cast<std::uint32_t>(levels - 1) - static_cast<std::uint32_t>(index) });
     if (!status.IsOk())
     {
-      return fail(status.GetCode(), status.GetMessage());
+      return this->MakeError(status.GetCode(), status.GetMessage());
     }
     segments.push_back(segment);
     lengths.push_back(stored);
     segment += BlockRecord::SegmentHeaderSize + stored;
   }
-  const auto decoded = DecodeLevel(
-    this->Grid, block, static_cast<std::uint32_t>(array), level, type, segments, lengths);
+  const auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(array),
+    level, this->Header.Arrays[array].Type, segments, lengths);
   if (!decoded.IsOk())
   {
-    return fail(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
+    return this->MakeError(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
   }
   return std::shared_ptr<const DecodedBlock>(*decoded);
 }

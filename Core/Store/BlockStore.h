@@ -56,6 +56,11 @@ public:
   Result<std::vector<std::uint32_t>> FindActive(
     std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics);
 
+  /// The ordinals of the blocks of which all samples are inside for one of the isovalues,
+  /// ascending. Cost: a range query for all blocks with samples inside.
+  Result<std::vector<std::uint32_t>> FindInside(
+    std::size_t array, const std::vector<double>& isovalues, QueryStatistics& statistics);
+
   /// The grid's index of a block.
   Result<std::int64_t> FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const;
 
@@ -64,9 +69,19 @@ public:
   Result<std::shared_ptr<const DecodedBlock>> Read(std::uint32_t ordinal, std::int64_t block,
     std::size_t array, int level, QueryStatistics& statistics) const;
 
+  /// The same for the arrays [first, first + count), by one read, which skips nothing: at a coarser
+  /// level than 0 it has the finer levels of all but the last one in it.
+  Result<DecodedBlocks> ReadAdjacent(std::uint32_t ordinal, std::int64_t block, std::size_t first,
+    std::size_t count, int level, QueryStatistics& statistics) const;
+
 private:
   BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header);
   Result<const ExternalIntervalTree*> GetTree(std::size_t array);
+  Status MakeError(StatusCode code, const std::string& reason) const;
+  Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t array, int level) const;
+  /// `segment`: those of the levels from the coarsest to `level`, as they are on disk.
+  Result<std::shared_ptr<const DecodedBlock>> Decode(const BlockDirectoryEntry& entry,
+    std::size_t array, int level, const std::uint8_t* segment) const;
 
   FileSystem& Files;
   std::string Folder;

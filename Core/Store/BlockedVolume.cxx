@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <map>
 
 namespace isosurface
 {
@@ -102,14 +104,31 @@ BlockedVolume::BlockedVolume(std::string path, FileSystem& files, std::shared_pt
   , Files(files)
   , Cache(std::move(cache))
   , HeaderText(std::move(text))
-  , Header(std::move(header))
-  , Grid(Header.Grid.GetDimensions(), Header.BlockSize)
-  , Spectra(Header.TimeSteps.size())
 {
-  for (const TimeStepDescription& step : this->Header.TimeSteps)
+  std::vector<BlockedVolumeHeader> overviews;
+  for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
   {
-    this->Identities.push_back(ComputeIdentity(this->Path, step));
+    overviews.push_back(header.MakeOverview(overview));
   }
+  this->AddPart(std::move(header));
+  for (BlockedVolumeHeader& overview : overviews)
+  {
+    this->AddPart(std::move(overview));
+  }
+}
+
+void BlockedVolume::AddPart(BlockedVolumeHeader header)
+{
+  auto part = std::make_unique<Part>();
+  part->FirstLevel = this->Parts.empty() ? 0 : this->GetNumberOfLevels();
+  part->Header = std::move(header);
+  part->Grid = part->Header.GetBlockGrid();
+  for (const TimeStepDescription& step : part->Header.TimeSteps)
+  {
+    part->Identities.push_back(ComputeIdentity(this->Path, step));
+  }
+  part->Spectra.resize(part->Header.TimeSteps.size());
+  this->Parts.push_back(std::move(part));
 }
 
 BlockedVolume::~BlockedVolume() = default;
@@ -131,13 +150,35 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
     new BlockedVolume(path, fileSystem, std::move(cache), std::move(*text), std::move(*header)));
 }
 
-Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t array) const
+int BlockedVolume::GetNumberOfLevels() const
 {
-  if (timeStep >= this->Header.TimeSteps.size() || array >= this->Header.Arrays.size())
+  return this->Parts.back()->FirstLevel + this->Parts.back()->Grid.GetNumberOfLevels();
+}
+
+StoredLevel BlockedVolume::FindLevel(int level) const
+{
+  std::uint32_t part = 0;
+  while (part + 1 < this->Parts.size() && this->Parts[part + 1]->FirstLevel <= level)
+  {
+    ++part;
+  }
+  return { part, level - this->Parts[part]->FirstLevel, &this->Parts[part]->Grid };
+}
+
+int BlockedVolume::GetSpectrumLevel(int level) const
+{
+  return level - this->FindLevel(level).Level;
+}
+
+Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t array, int level) const
+{
+  const BlockedVolumeHeader& header = this->GetHeader();
+  if (timeStep >= header.TimeSteps.size() || array >= header.Arrays.size() || level < 0 ||
+    level >= this->GetNumberOfLevels())
   {
     return Status(StatusCode::InvalidArgument,
-      this->Path + ": has no time step " + std::to_string(timeStep) + " or no array " +
-        std::to_string(array));
+      this->Path + ": has no time step " + std::to_string(timeStep) + ", no array " +
+        std::to_string(array) + " or no level " + std::to_string(level));
   }
   return Status::Ok();
 }
@@ -167,7 +208,7 @@ Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
     {
       for (const TimeStepDescription& step : header->TimeSteps)
       {
-        if (HasSameContents(step, this->Header.TimeSteps[timeStep]))
+        if (HasSameContents(step, this->GetHeader().TimeSteps[timeStep]))
         {
           return Status::Ok();
         }
@@ -179,20 +220,21 @@ Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
 }
 
 Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
-  std::size_t timeStep, std::uint32_t store)
+  std::size_t timeStep, std::uint32_t part, std::uint32_t store)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   for (auto open = this->OpenStores.begin(); open != this->OpenStores.end(); ++open)
   {
-    if (open->TimeStep == timeStep && open->Index == store)
+    if (open->TimeStep == timeStep && open->Part == part && open->Index == store)
     {
       this->OpenStores.splice(this->OpenStores.begin(), this->OpenStores, open);
       return open->Store;
     }
   }
-  const TimeStepDescription& step = this->Header.TimeSteps[timeStep];
+  const BlockedVolumeHeader& header = this->Parts[part]->Header;
+  const TimeStepDescription& step = header.TimeSteps[timeStep];
   auto opened = BlockStore::Open(
-    this->Files, GetStoreFolder(this->Path, step.Folder, store), this->Header, step.Stores[store]);
+    this->Files, GetStoreFolder(this->Path, step.Folder, store), header, step.Stores[store]);
   // A rewritten dataset explains whatever is wrong; and one whose folder has the old name, too,
   // would go unnoticed.
   ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
@@ -204,24 +246,41 @@ Result<std::shared_ptr<BlockStore>> BlockedVolume::GetStore(
   {
     this->OpenStores.pop_back();
   }
-  this->OpenStores.push_front({ timeStep, store, *opened });
+  this->OpenStores.push_front({ timeStep, part, store, *opened });
   return *opened;
 }
 
 Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t timeStep,
   std::size_t array, const std::vector<double>& isovalues, int rank, int ranks,
-  QueryStatistics& statistics)
+  QueryStatistics& statistics, int level, const BlockSelection& selection)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
+  const std::uint32_t partIndex = this->FindLevel(level).Part;
   std::vector<BlockReference> references;
-  for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
+  for (const StorePart& part :
+    FindParts(this->Parts[partIndex]->Header.NumberOfStores, rank, ranks))
   {
-    const auto store = this->GetStore(timeStep, part.Store);
+    const auto store = this->GetStore(timeStep, partIndex, part.Store);
     if (!store.IsOk())
     {
       return store.GetStatus();
+    }
+    if (!selection.IsPlain())
+    {
+      const auto selected =
+        this->SelectBlocks(**store, part.Store, array, isovalues, selection, level, statistics);
+      if (!selected.IsOk())
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+        return selected.GetStatus();
+      }
+      const auto first = selected->begin();
+      references.insert(references.end(),
+        first + static_cast<std::ptrdiff_t>(part.FindBegin(selected->size())),
+        first + static_cast<std::ptrdiff_t>(part.FindEnd(selected->size())));
+      continue;
     }
     const auto active = (*store)->FindActive(array, isovalues, statistics);
     if (!active.IsOk())
@@ -238,23 +297,65 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
       {
         return block.GetStatus();
       }
-      references.push_back({ *block, part.Store, ordinal });
+      references.push_back({ *block, part.Store, ordinal, partIndex });
     }
   }
   statistics.ActiveBlocks += references.size();
   return references;
 }
 
+Result<std::vector<BlockReference>> BlockedVolume::SelectBlocks(BlockStore& store,
+  std::uint32_t number, std::size_t array, const std::vector<double>& isovalues,
+  const BlockSelection& selection, int level, QueryStatistics& statistics)
+{
+  const auto active = store.FindActive(array, isovalues, statistics);
+  if (!active.IsOk())
+  {
+    return active.GetStatus();
+  }
+  std::vector<std::uint32_t> candidates = *active;
+  if (!selection.ClosedSides.IsEmpty())
+  {
+    const auto inside = store.FindInside(array, isovalues, statistics);
+    if (!inside.IsOk())
+    {
+      return inside.GetStatus();
+    }
+    candidates.clear();
+    std::set_union(active->begin(), active->end(), inside->begin(), inside->end(),
+      std::back_inserter(candidates));
+  }
+  const GridGeometry geometry = this->GetHeader().Grid.Coarsen(level);
+  const StoredLevel stored = this->FindLevel(level);
+  std::vector<BlockReference> references;
+  for (const std::uint32_t ordinal : candidates)
+  {
+    const auto block = store.FindBlock(ordinal, statistics);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
+    if (selection.Selects(geometry, stored.Grid->GetVertices(*block, stored.Level), isCrossed))
+    {
+      references.push_back({ *block, number, ordinal, stored.Part });
+    }
+  }
+  return references;
+}
+
 Result<std::vector<BlockReference>> BlockedVolume::GetShare(
-  std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics)
+  std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
+  const std::uint32_t partIndex = this->FindLevel(level).Part;
   std::vector<BlockReference> references;
-  for (const StorePart& part : FindParts(this->Header.NumberOfStores, rank, ranks))
+  for (const StorePart& part :
+    FindParts(this->Parts[partIndex]->Header.NumberOfStores, rank, ranks))
   {
-    const auto store = this->GetStore(timeStep, part.Store);
+    const auto store = this->GetStore(timeStep, partIndex, part.Store);
     if (!store.IsOk())
     {
       return store.GetStatus();
@@ -268,7 +369,7 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
       {
         return block.GetStatus();
       }
-      references.push_back({ *block, part.Store, ordinal });
+      references.push_back({ *block, part.Store, ordinal, partIndex });
     }
   }
   return references;
@@ -278,80 +379,133 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
   const BlockReference& reference, std::size_t timeStep, std::size_t array, int level,
   QueryStatistics& statistics)
 {
+  const auto blocks = this->ReadArrays(reference, timeStep, { array }, level, statistics);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  return blocks->front();
+}
+
+Result<DecodedBlocks> BlockedVolume::ReadArrays(const BlockReference& reference,
+  std::size_t timeStep, const std::vector<std::size_t>& arrays, int level,
+  QueryStatistics& statistics)
+{
   const Stopwatch stopwatch(statistics.ReadSeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
-  if (level < 0 || level >= this->GetNumberOfLevels() ||
-    reference.Store >= this->Header.NumberOfStores || reference.Block < 0 ||
-    reference.Block >= this->Grid.GetNumberOfBlocks())
+  for (const std::size_t array : arrays)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  }
+  const StoredLevel stored = this->FindLevel(level);
+  const Part& part = *this->Parts[stored.Part];
+  if (reference.Part != stored.Part || reference.Store >= part.Header.NumberOfStores ||
+    reference.Block < 0 || reference.Block >= part.Grid.GetNumberOfBlocks())
   {
     return Status(StatusCode::InvalidArgument,
       this->Path + ": has no block " + std::to_string(reference.Block) + " in store " +
         std::to_string(reference.Store) + " at level " + std::to_string(level));
   }
-  const auto load = [&]() -> Result<std::shared_ptr<const DecodedBlock>>
+  const auto makeKey = [&](std::size_t array)
   {
-    const auto store = this->GetStore(timeStep, reference.Store);
+    return BlockCacheKey{ part.Identities[timeStep], reference.Block,
+      static_cast<std::uint32_t>(array), static_cast<std::uint32_t>(stored.Level) };
+  };
+  std::map<std::size_t, std::shared_ptr<const DecodedBlock>> readAlong;
+  const auto load = [&](std::size_t array) -> Result<std::shared_ptr<const DecodedBlock>>
+  {
+    const auto found = readAlong.find(array);
+    if (found != readAlong.end())
+    {
+      return found->second;
+    }
+    const auto store = this->GetStore(timeStep, stored.Part, reference.Store);
     if (!store.IsOk())
     {
       return store.GetStatus();
     }
-    return (*store)->Read(reference.Ordinal, reference.Block, array, level, statistics);
+    std::size_t end = array + 1;
+    while (stored.Level == 0 && std::find(arrays.begin(), arrays.end(), end) != arrays.end() &&
+      !this->Cache->Contains(makeKey(end)))
+    {
+      ++end;
+    }
+    auto blocks = (*store)->ReadAdjacent(
+      reference.Ordinal, reference.Block, array, end - array, stored.Level, statistics);
+    if (!blocks.IsOk())
+    {
+      return blocks.GetStatus();
+    }
+    for (std::size_t n = 1; n < blocks->size(); ++n)
+    {
+      readAlong[array + n] = (*blocks)[n];
+    }
+    return blocks->front();
   };
-  bool hit = false;
-  auto block =
-    this->Cache->Get({ this->Identities[timeStep], reference.Block,
-                       static_cast<std::uint32_t>(array), static_cast<std::uint32_t>(level) },
-      load, hit);
-  statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
-  return block;
+  DecodedBlocks blocks;
+  for (const std::size_t array : arrays)
+  {
+    bool hit = false;
+    auto block = this->Cache->Get(
+      makeKey(array), [&] { return load(array); }, hit);
+    if (!block.IsOk())
+    {
+      return block.GetStatus();
+    }
+    statistics.BlockCacheHits += hit ? 1 : 0;
+    blocks.push_back(std::move(*block));
+  }
+  return blocks;
 }
 
 std::uint64_t BlockedVolume::EstimateBytes(std::size_t array, int level) const
 {
   // The volume of a sum of boxes is the product of the sums over the axes. On an axis all blocks
   // are alike but for the first one and the last two: a header may promise billions of them.
+  const StoredLevel stored = this->FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
   std::uint64_t samples = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const std::int64_t blocks = this->Grid.GetNumberOfBlocksPerAxis()[axis];
+    const std::int64_t blocks = grid.GetNumberOfBlocksPerAxis()[axis];
     const std::int64_t alike = std::max<std::int64_t>(1, blocks - 3);
     std::uint64_t sum = 0;
     for (std::int64_t index = 0; index < blocks; index += index == 1 ? alike : 1)
     {
       Index3 coordinates = { 0, 0, 0 };
       coordinates[axis] = index;
-      const VertexBox box =
-        this->Grid.GetGhostedVertices(this->Grid.GetBlockIndex(coordinates), level);
+      const VertexBox box = grid.GetGhostedVertices(grid.GetBlockIndex(coordinates), stored.Level);
       sum += static_cast<std::uint64_t>(box.GetSize()[axis] * (index == 1 ? alike : 1));
     }
     samples *= sum;
   }
-  return samples * GetValueSize(this->Header.Arrays[array].Type);
+  return samples * GetValueSize(this->GetHeader().Arrays[array].Type);
 }
 
-Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(std::size_t timeStep)
+Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
+  std::size_t timeStep, std::uint32_t part)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  if (!this->Spectra[timeStep])
+  const BlockedVolumeHeader& header = this->Parts[part]->Header;
+  std::shared_ptr<const VolumeSpectra>& kept = this->Parts[part]->Spectra[timeStep];
+  if (!kept)
   {
-    auto spectra =
-      VolumeSpectra::Read(this->Files, this->Path, this->Header.TimeSteps[timeStep].Folder,
-        this->Header.Arrays.size(), this->Header.NumberOfStores);
+    auto spectra = VolumeSpectra::Read(this->Files, this->Path, header.TimeSteps[timeStep].Folder,
+      header.Arrays.size(), header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
     {
       return spectra.GetStatus();
     }
-    this->Spectra[timeStep] = *spectra;
+    kept = *spectra;
   }
-  return this->Spectra[timeStep];
+  return kept;
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
-  std::size_t timeStep, std::size_t array)
+  std::size_t timeStep, std::size_t array, int level)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
-  const auto spectra = this->GetSpectra(timeStep);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  const auto spectra = this->GetSpectra(timeStep, this->FindLevel(level).Part);
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();
@@ -362,13 +516,13 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
   std::size_t timeStep, std::size_t array, std::uint32_t store)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array));
-  const auto spectra = this->GetSpectra(timeStep);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, 0));
+  const auto spectra = this->GetSpectra(timeStep, 0);
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();
   }
-  if (store >= this->Header.NumberOfStores)
+  if (store >= this->GetHeader().NumberOfStores)
   {
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
@@ -379,6 +533,40 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
   }
   return spectrum;
+}
+
+Result<double> BlockedVolume::EstimateTriangles(
+  std::size_t timeStep, std::size_t array, double isovalue, int level)
+{
+  const auto count = [&](int ofLevel) -> Result<double>
+  {
+    const auto spectrum = this->GetSpectrum(timeStep, array, ofLevel);
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
+    const std::vector<std::uint64_t>& triangles = (*spectrum)->Triangles;
+    return triangles.empty() ? 0.0 : static_cast<double>(triangles[(*spectrum)->FindBin(isovalue)]);
+  };
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, array, level));
+  const StoredLevel stored = this->FindLevel(level);
+  const auto finer = count(level);
+  if (!finer.IsOk() || stored.Level == 0)
+  {
+    return finer;
+  }
+  if (stored.Part + 1 == this->Parts.size())
+  {
+    return std::ldexp(*finer, -2 * stored.Level);
+  }
+  const auto coarser = count(this->Parts[stored.Part + 1]->FirstLevel);
+  if (!coarser.IsOk() || *coarser <= 0 || *finer <= 0)
+  {
+    return coarser.IsOk() ? Result<double>(std::ldexp(*finer, -2 * stored.Level)) : coarser;
+  }
+  const double share =
+    static_cast<double>(stored.Level) / static_cast<double>(stored.Grid->GetNumberOfLevels());
+  return *finer * std::pow(*coarser / *finer, share);
 }
 
 } // namespace isosurface

@@ -4,6 +4,7 @@
 
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
+#include "Contour/BlockSelection.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Store/BlockCache.h"
 #include "Store/BlockedVolumeHeader.h"
@@ -23,18 +24,32 @@ namespace isosurface
 class BlockStore;
 class VolumeSpectra;
 
-/// Where a block stands: the Ordinal-th one of a store. Block is its index in the BlockGrid.
+/// Where a block stands: the Ordinal-th one of a store. Block is its index in the BlockGrid of the
+/// levels that it has.
 struct BlockReference
 {
   std::int64_t Block = 0;
   std::uint32_t Store = 0;
   std::uint32_t Ordinal = 0;
+  std::uint32_t Part = 0; ///< StoredLevel::Part
 
   bool operator==(const BlockReference& other) const
   {
     return this->Block == other.Block && this->Store == other.Store &&
-      this->Ordinal == other.Ordinal;
+      this->Ordinal == other.Ordinal && this->Part == other.Part;
   }
+};
+
+/**
+ * Where a level of a volume is stored: in the records of the volume's own blocks, or in those of an
+ * overview's, which are blocks of a coarser grid. Grid->GetVertices(block, Level) are the vertices
+ * of such a block in the coordinates of the volume's level, that is, full ones / 2^level.
+ */
+struct StoredLevel
+{
+  std::uint32_t Part = 0;          ///< 0 is the volume itself, n the n-th overview
+  int Level = 0;                   ///< of the records there
+  const BlockGrid* Grid = nullptr; ///< the blocks there; belongs to the volume
 };
 
 /**
@@ -62,70 +77,116 @@ public:
   ~BlockedVolume();
 
   const std::string& GetPath() const { return this->Path; }
-  const BlockedVolumeHeader& GetHeader() const { return this->Header; }
-  const BlockGrid& GetBlockGrid() const { return this->Grid; }
-  int GetNumberOfLevels() const { return this->Grid.GetNumberOfLevels(); }
+  const BlockedVolumeHeader& GetHeader() const { return this->Parts.front()->Header; }
+  /// The volume's own blocks, which have its finest levels.
+  const BlockGrid& GetBlockGrid() const { return this->Parts.front()->Grid; }
+  /// Level l has every vertex whose coordinates are multiples of 2^l, whatever it is stored in.
+  int GetNumberOfLevels() const;
+  /// `level` must be one of the volume's.
+  StoredLevel FindLevel(int level) const;
 
   /**
    * The blocks of this rank's share that an isosurface of one of the isovalues passes (some samples
-   * are >= the isovalue, some are not), sorted by store and ordinal, each once. The blocks are
-   * active at full resolution; at a coarser level some of them may turn out empty.
-   * Cost: one tree query a store and isovalue, and the directory pages of the reported blocks.
+   * are >= the isovalue, some are not), sorted by store and ordinal, each once; of the blocks that
+   * have the given level (FindLevel). They are active at the finest level there,
+   * GetSpectrumLevel(); at a coarser one some of them may turn out empty. Cost: one tree query a
+   * store and isovalue, and the directory pages of the reported blocks.
+   *
+   * A selection adds blocks and leaves blocks out, before they are shared among ranks; it is of the
+   * grid of `level`. It costs the directory pages of all blocks of the rank's stores that may be
+   * selected; if sides are closed, a range query of the trees for all blocks with samples inside.
    */
   Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t array,
-    const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics);
+    const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
+    int level = 0, const BlockSelection& selection = {});
 
-  /// This rank's share of all blocks, sorted by store and ordinal. Reads the stores' directories.
+  /// This rank's share of all blocks that have a level, sorted by store and ordinal. Reads the
+  /// directories of their stores.
   Result<std::vector<BlockReference>> GetShare(
-    std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics);
+    std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level = 0);
 
   /**
    * One array of a block at a level, decoded, with its ghost layer; from the block cache or by one
-   * read of the part of the block's record that holds the levels up to this one.
+   * read of the part of the block's record that holds the levels up to this one. The block must be
+   * one that has the level. Coordinates are the level's.
    */
   Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
     std::size_t timeStep, std::size_t array, int level, QueryStatistics& statistics);
 
+  /**
+   * Several arrays of a block, in the order asked for. At the finest level of a block, arrays that
+   * follow each other in the record and are not in the cache are read by one read.
+   */
+  Result<DecodedBlocks> ReadArrays(const BlockReference& reference, std::size_t timeStep,
+    const std::vector<std::size_t>& arrays, int level, QueryStatistics& statistics);
+
   /// Memory for one array of all blocks at a level, decoded, in bytes (ghost layers included).
   std::uint64_t EstimateBytes(std::size_t array, int level) const;
 
-  /// The spectrum of an array's whole volume, read from disk at the first call for a time step,
-  /// then kept; and of a store, read at each call. (Volumes of older versions have triangles and
-  /// cells only.)
+  /// The finest level that is stored in the same blocks as this one. Its spectrum is stored too.
+  int GetSpectrumLevel(int level) const;
+
+  /// The spectrum of an array's whole volume at GetSpectrumLevel(level), read from disk at the first
+  /// call for a time step, then kept; and of each of the volume's own stores, at level 0, read at
+  /// each call. All spectra of an array have the same bins. (Volumes of older versions have
+  /// triangles and cells only.)
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
-    std::size_t timeStep, std::size_t array);
+    std::size_t timeStep, std::size_t array, int level = 0);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(
     std::size_t timeStep, std::size_t array, std::uint32_t store);
+
+  /**
+   * The triangles of an isosurface at a level: counted ones where the level has a spectrum and the
+   * isovalue is one of its bins' edges; else a guess from the nearest spectra, between which the
+   * logarithm of the count is taken to be linear in the level, and behind the last of which each
+   * level has a quarter of the triangles of the one before.
+   */
+  Result<double> EstimateTriangles(
+    std::size_t timeStep, std::size_t array, double isovalue, int level);
 
 private:
   BlockedVolume(std::string path, FileSystem& files, std::shared_ptr<BlockCache> cache,
     std::string text, BlockedVolumeHeader header);
 
+  /// The volume itself, or an overview: what is needed to read its stores.
+  struct Part
+  {
+    BlockedVolumeHeader Header;
+    BlockGrid Grid;
+    int FirstLevel = 0;                    ///< of the volume's levels, the finest one here
+    std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
+    std::vector<std::shared_ptr<const VolumeSpectra>> Spectra; ///< per time step
+  };
+
   struct OpenStore
   {
     std::size_t TimeStep;
+    std::uint32_t Part;
     std::uint32_t Index;
     std::shared_ptr<BlockStore> Store;
   };
 
-  Result<std::shared_ptr<BlockStore>> GetStore(std::size_t timeStep, std::uint32_t store);
-  Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep);
+  void AddPart(BlockedVolumeHeader header);
+  /// All blocks of a store that FindActiveBlocks finds with a selection, by ordinal.
+  Result<std::vector<BlockReference>> SelectBlocks(BlockStore& store, std::uint32_t number,
+    std::size_t array, const std::vector<double>& isovalues, const BlockSelection& selection,
+    int level, QueryStatistics& statistics);
+  Result<std::shared_ptr<BlockStore>> GetStore(
+    std::size_t timeStep, std::uint32_t part, std::uint32_t store);
+  Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
   /// Ok if the header on disk still names the time step as it was when this was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
-  Status CheckArguments(std::size_t timeStep, std::size_t array) const;
+  Status CheckArguments(std::size_t timeStep, std::size_t array, int level) const;
   Status CheckRank(int rank, int ranks) const;
 
   std::string Path;
   FileSystem& Files;
   std::shared_ptr<BlockCache> Cache;
   std::string HeaderText;
-  BlockedVolumeHeader Header;
-  BlockGrid Grid;
-  std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
+  std::vector<std::unique_ptr<Part>> Parts; ///< the volume, then its overviews
 
   std::mutex Mutex;
   std::list<OpenStore> OpenStores; ///< the most recently used one first
-  std::vector<std::shared_ptr<const VolumeSpectra>> Spectra;
 };
 
 } // namespace isosurface

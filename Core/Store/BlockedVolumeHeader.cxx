@@ -4,7 +4,6 @@
 #include "Store/BlockDirectory.h"
 #include "Store/BlockRecord.h"
 #include "Store/JsonDocument.h"
-#include "Volume/BlockGrid.h"
 
 #include <cmath>
 #include <cstdio>
@@ -163,8 +162,40 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
   return arrays;
 }
 
+std::vector<StoreDescription> ReadStores(
+  JsonMembers& members, std::uint32_t count, const Status& status)
+{
+  std::vector<StoreDescription> stores;
+  const Json& list = members.GetArray("stores", count);
+  for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
+  {
+    JsonMembers store = members.GetElement("stores", list, index);
+    stores.push_back(
+      { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum") });
+  }
+  return stores;
+}
+
+std::vector<OverviewDescription> ReadOverviews(
+  JsonMembers& document, int largestNumberOfLevels, const Status& status)
+{
+  std::vector<OverviewDescription> overviews;
+  const Json& list = document.GetArray("overviews", JsonMembers::AnySize);
+  for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
+  {
+    JsonMembers members = document.GetElement("overviews", list, index);
+    OverviewDescription overview;
+    overview.NumberOfLevels =
+      static_cast<int>(members.GetInteger("numberOfLevels", 1, largestNumberOfLevels));
+    overview.NumberOfStores =
+      static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
+    overviews.push_back(overview);
+  }
+  return overviews;
+}
+
 TimeStepDescription ReadTimeStep(
-  JsonMembers& members, const BlockedVolumeHeader& header, Status& status)
+  JsonMembers& members, const BlockedVolumeHeader& header, std::int64_t version, Status& status)
 {
   TimeStepDescription step;
   if (!members.GetAny("time").is_null())
@@ -177,12 +208,16 @@ TimeStepDescription ReadTimeStep(
   {
     step.Ranges.push_back(ReadRange(members, ranges[array], header.Arrays[array].Type));
   }
-  const Json& stores = members.GetArray("stores", header.NumberOfStores);
-  for (std::size_t index = 0; index < stores.size() && status.IsOk(); ++index)
+  step.Stores = ReadStores(members, header.NumberOfStores, status);
+  if (version > 1)
   {
-    JsonMembers store = members.GetElement("stores", stores, index);
-    step.Stores.push_back(
-      { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum") });
+    const Json& overviews = members.GetArray("overviews", header.Overviews.size());
+    for (std::size_t index = 0; index < overviews.size() && status.IsOk(); ++index)
+    {
+      JsonMembers overview = members.GetElement("overviews", overviews, index);
+      step.Overviews.push_back(
+        ReadStores(overview, header.Overviews[index].NumberOfStores, status));
+    }
   }
   return step;
 }
@@ -225,6 +260,23 @@ Status ValidateGrid(const GridGeometry& grid)
     : MakeMemberError("grid", "has an origin, spacing or direction that is not finite");
 }
 
+Status ValidateStores(
+  const char* member, const std::vector<StoreDescription>& stores, std::uint64_t expected)
+{
+  std::uint64_t blocks = 0;
+  for (const StoreDescription& store : stores)
+  {
+    if (store.Blocks > expected - blocks || store.Bytes % BlockRecord::Alignment != 0 ||
+      store.Bytes >> 62 != 0)
+    {
+      return MakeMemberError(member, "has impossible numbers of blocks or bytes");
+    }
+    blocks += store.Blocks;
+  }
+  return blocks == expected ? Status::Ok()
+                            : MakeMemberError(member, "does not have as many blocks as the volume");
+}
+
 Status ValidateTimeStep(const TimeStepDescription& step, const BlockedVolumeHeader& header)
 {
   if (step.Time && !std::isfinite(*step.Time))
@@ -236,25 +288,61 @@ Status ValidateTimeStep(const TimeStepDescription& step, const BlockedVolumeHead
   {
     return MakeMemberError("timeSteps[].folder", "is not a number of 6 to 18 digits");
   }
-  if (step.Ranges.size() != header.Arrays.size() || step.Stores.size() != header.NumberOfStores)
+  if (step.Ranges.size() != header.Arrays.size() || step.Stores.size() != header.NumberOfStores ||
+    step.Overviews.size() != header.Overviews.size())
   {
-    return MakeMemberError("timeSteps[]", "does not fit the numbers of arrays and stores");
+    return MakeMemberError(
+      "timeSteps[]", "does not fit the numbers of arrays, stores and overviews");
   }
-  const auto expected = static_cast<std::uint64_t>(
-    BlockGrid(header.Grid.GetDimensions(), header.BlockSize).GetNumberOfBlocks());
-  std::uint64_t blocks = 0;
-  for (const StoreDescription& store : step.Stores)
+  return ValidateStores("timeSteps[].stores", step.Stores,
+    static_cast<std::uint64_t>(header.GetBlockGrid().GetNumberOfBlocks()));
+}
+
+/// An overview is made of a volume of several blocks, and it has all blocks in its stores.
+Status ValidateOverviews(const BlockedVolumeHeader& header)
+{
+  BlockGrid finer = header.GetBlockGrid();
+  for (std::size_t index = 0; index < header.Overviews.size(); ++index)
   {
-    if (store.Blocks > expected - blocks || store.Bytes % BlockRecord::Alignment != 0 ||
-      store.Bytes >> 62 != 0)
+    const OverviewDescription& overview = header.Overviews[index];
+    if (overview.NumberOfLevels < 1 ||
+      overview.NumberOfLevels > GetLargestNumberOfLevels(header.BlockSize) ||
+      overview.NumberOfStores < 1 || overview.NumberOfStores > MaximumStores)
     {
-      return MakeMemberError("timeSteps[].stores", "has impossible numbers of blocks or bytes");
+      return MakeMemberError("overviews", "has impossible numbers of levels or stores");
     }
-    blocks += store.Blocks;
+    if (finer.GetNumberOfBlocks() == 1)
+    {
+      return MakeMemberError("overviews", "has an overview of a single block");
+    }
+    Index3 dimensions = finer.GetDimensions();
+    for (std::int64_t& vertices : dimensions)
+    {
+      vertices = ((vertices - 1) >> finer.GetNumberOfLevels()) + 1;
+    }
+    finer = BlockGrid(dimensions, header.BlockSize, overview.NumberOfLevels);
+    for (const TimeStepDescription& step : header.TimeSteps)
+    {
+      if (step.Overviews[index].size() != overview.NumberOfStores)
+      {
+        return MakeMemberError("timeSteps[].overviews", "does not fit the number of stores");
+      }
+      ISOSURFACE_RETURN_IF_ERROR(ValidateStores("timeSteps[].overviews", step.Overviews[index],
+        static_cast<std::uint64_t>(finer.GetNumberOfBlocks())));
+    }
   }
-  return blocks == expected
-    ? Status::Ok()
-    : MakeMemberError("timeSteps[].stores", "does not have as many blocks as the volume");
+  return Status::Ok();
+}
+
+Json FormatStores(const std::vector<StoreDescription>& stores)
+{
+  Json json = Json::array();
+  for (const StoreDescription& store : stores)
+  {
+    json.push_back({ { "blocks", store.Blocks }, { "bytes", store.Bytes },
+      { "checksum", FormatChecksum(store.Checksum) } });
+  }
+  return json;
 }
 
 } // namespace
@@ -303,8 +391,13 @@ Status BlockedVolumeHeader::ValidateVolume() const
       return MakeMemberError("arrays[].name", "is there twice or not UTF-8: " + array.Name);
     }
   }
-  const auto levels = static_cast<std::size_t>(
-    BlockGrid(this->Grid.GetDimensions(), this->BlockSize).GetNumberOfLevels());
+  const int mostLevels = GetLargestNumberOfLevels(this->BlockSize);
+  if (this->NumberOfLevels < 0 || this->NumberOfLevels > mostLevels)
+  {
+    return MakeMemberError("numberOfLevels", "is not from 1 to " + std::to_string(mostLevels));
+  }
+  // The coarsest overview has all levels that a block can have.
+  const auto levels = static_cast<std::size_t>(mostLevels);
   if (this->Arrays.empty() || this->Arrays.size() > BlockDirectory::MaximumSegments / levels)
   {
     return MakeMemberError("arrays",
@@ -325,20 +418,48 @@ Status BlockedVolumeHeader::Validate() const
   {
     ISOSURFACE_RETURN_IF_ERROR(ValidateTimeStep(step, *this));
   }
-  return Status::Ok();
+  return ValidateOverviews(*this);
+}
+
+BlockGrid BlockedVolumeHeader::GetBlockGrid() const
+{
+  return BlockGrid(this->Grid.GetDimensions(), this->BlockSize, this->NumberOfLevels);
+}
+
+BlockedVolumeHeader BlockedVolumeHeader::MakeOverview(std::size_t overview) const
+{
+  int level = this->GetBlockGrid().GetNumberOfLevels();
+  for (std::size_t finer = 0; finer < overview; ++finer)
+  {
+    level += this->Overviews[finer].NumberOfLevels;
+  }
+  BlockedVolumeHeader header = *this;
+  header.Grid = this->Grid.Coarsen(level);
+  header.NumberOfLevels = this->Overviews[overview].NumberOfLevels;
+  header.NumberOfStores = this->Overviews[overview].NumberOfStores;
+  header.Overviews.clear();
+  for (TimeStepDescription& step : header.TimeSteps)
+  {
+    step.Folder = GetOverviewFolder(step.Folder, overview);
+    step.Stores = step.Overviews[overview];
+    step.Overviews.clear();
+  }
+  return header;
 }
 
 std::string BlockedVolumeHeader::Format() const
 {
   Json document;
   document["format"] = FormatName;
-  document["formatVersion"] = FormatVersion;
+  const int levels = this->GetBlockGrid().GetNumberOfLevels();
+  const bool hasOverviews =
+    !this->Overviews.empty() || levels != GetLargestNumberOfLevels(this->BlockSize);
+  document["formatVersion"] = hasOverviews ? 2 : 1;
   document["grid"] = { { "extent", this->Grid.Extent }, { "origin", this->Grid.Origin },
     { "spacing", this->Grid.Spacing }, { "direction", this->Grid.Direction } };
   document["blockSize"] = this->BlockSize;
   document["ghostLayers"] = 1;
-  document["numberOfLevels"] =
-    BlockGrid(this->Grid.GetDimensions(), this->BlockSize).GetNumberOfLevels();
+  document["numberOfLevels"] = levels;
   document["stores"] = this->NumberOfStores;
   document["distribution"] = { { "method", GetDistributionName(this->Distribution) },
     { "seed", this->RandomSeed } };
@@ -353,11 +474,20 @@ std::string BlockedVolumeHeader::Format() const
     document["arrays"].push_back(
       { { "name", array.Name }, { "type", GetValueTypeName(array.Type) }, { "components", 1 } });
   }
+  if (hasOverviews)
+  {
+    document["overviews"] = Json::array();
+    for (const OverviewDescription& overview : this->Overviews)
+    {
+      document["overviews"].push_back(
+        { { "numberOfLevels", overview.NumberOfLevels }, { "stores", overview.NumberOfStores } });
+    }
+  }
   document["timeSteps"] = Json::array();
   for (const TimeStepDescription& step : this->TimeSteps)
   {
     Json json = { { "time", nullptr }, { "folder", step.Folder }, { "ranges", Json::array() },
-      { "stores", Json::array() } };
+      { "stores", FormatStores(step.Stores) } };
     if (step.Time)
     {
       json["time"] = *step.Time;
@@ -366,10 +496,13 @@ std::string BlockedVolumeHeader::Format() const
     {
       json["ranges"].push_back(FormatRange(this->Arrays[array].Type, step.Ranges[array]));
     }
-    for (const StoreDescription& store : step.Stores)
+    if (hasOverviews)
     {
-      json["stores"].push_back({ { "blocks", store.Blocks }, { "bytes", store.Bytes },
-        { "checksum", FormatChecksum(store.Checksum) } });
+      json["overviews"] = Json::array();
+      for (const std::vector<StoreDescription>& stores : step.Overviews)
+      {
+        json["overviews"].push_back({ { "stores", FormatStores(stores) } });
+      }
     }
     document["timeSteps"].push_back(std::move(json));
   }
@@ -393,11 +526,13 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   {
     members.Fail("blockSize", "is not 16, 32 or 64");
   }
-  const int levels = BlockGrid({ 1, 1, 1 }, header.BlockSize).GetNumberOfLevels();
+  const auto version = (*document)["formatVersion"].get<std::int64_t>();
+  const int mostLevels = GetLargestNumberOfLevels(header.BlockSize);
   header.NumberOfStores =
     static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
   members.GetInteger("ghostLayers", 1, 1);
-  members.GetInteger("numberOfLevels", levels, levels);
+  header.NumberOfLevels = static_cast<int>(
+    members.GetInteger("numberOfLevels", version > 1 ? 1 : mostLevels, mostLevels));
   JsonMembers distribution(members.GetAny("distribution"), path, "distribution.", status);
   const auto method = FindDistribution(distribution.GetString("method"));
   if (!method)
@@ -414,11 +549,15 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
     header.Compression.Level = static_cast<int>(members.GetInteger("compressionLevel", 1, 99));
   }
   header.Arrays = ReadArrays(members, status);
+  if (version > 1)
+  {
+    header.Overviews = ReadOverviews(members, mostLevels, status);
+  }
   const Json& steps = members.GetArray("timeSteps", JsonMembers::AnySize);
   for (std::size_t index = 0; index < steps.size() && status.IsOk(); ++index)
   {
     JsonMembers step = members.GetElement("timeSteps", steps, index);
-    header.TimeSteps.push_back(ReadTimeStep(step, header, status));
+    header.TimeSteps.push_back(ReadTimeStep(step, header, version, status));
   }
   ISOSURFACE_RETURN_IF_ERROR(status);
   if (!codec)
@@ -437,6 +576,11 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
 std::string GetStoresFolder(const std::string& path)
 {
   return path + ".stores";
+}
+
+std::string GetOverviewFolder(const std::string& generation, std::size_t overview)
+{
+  return generation + "/overview-" + std::to_string(overview + 1);
 }
 
 std::string GetStoreFolder(

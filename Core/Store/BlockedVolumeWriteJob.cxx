@@ -9,6 +9,7 @@
 #include "Store/BlockRounds.h"
 #include "Store/BlockShipment.h"
 #include "Store/GenerationFolder.h"
+#include "Store/OverviewSamples.h"
 #include "Store/RecordCodec.h"
 #include "Store/VolumeSpectra.h"
 
@@ -22,9 +23,17 @@ namespace
 /// The shares of the work that are done when ranges are known, and when blocks are written.
 constexpr double RangesDone = 0.25;
 constexpr double BlocksDone = 0.95;
+constexpr double StoresDone = 0.97;
 
 /// Sorting a store's intervals is not worth more.
 constexpr std::uint64_t LargestTreeBytes = std::uint64_t{ 64 } << 20;
+
+/// The levels that the records of a volume's blocks hold; the next one is an overview's. With two,
+/// an overview is 1/64 of the volume: Documentation/dev/levels.md.
+constexpr int LevelsBelowOverview = 2;
+
+/// A store of an overview with fewer blocks is not worth its files.
+constexpr std::int64_t BlocksPerOverviewStore = 64;
 
 } // namespace
 
@@ -53,11 +62,16 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(
   }
   if (status.IsOk())
   {
+    status = this->WriteOverviews();
+  }
+  if (status.IsOk())
+  {
     status = this->Commit();
   }
   if (!status.IsOk())
   {
     this->Writers.clear();
+    this->OverviewSamples.reset();
     // Every rank has closed its files before their folder is removed.
     static_cast<void>(this->Ranks.Agree(Status::Ok()));
     if (this->Rank == 0 && !this->IsVisible)
@@ -67,6 +81,19 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(
     return status;
   }
   return this->Statistics;
+}
+
+Status BlockedVolumeWriteJob::RunOverview(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::string& folder,
+  const std::vector<KeyRange>& ranges)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays));
+  ISOSURFACE_RETURN_IF_ERROR(this->FindRanges());
+  this->GetStep().Folder = folder;
+  this->GetStep().Ranges = ranges;
+  ISOSURFACE_RETURN_IF_ERROR(this->CreateStores());
+  ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
+  return this->FinishStores();
 }
 
 Status BlockedVolumeWriteJob::Prepare(
@@ -99,7 +126,13 @@ Status BlockedVolumeWriteJob::Prepare(
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(status));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments());
-  this->Grid = BlockGrid(grid.GetDimensions(), this->Settings.BlockSize);
+  // A volume of several blocks has an overview, and one of a single block all levels.
+  this->Grid = this->Header.GetBlockGrid();
+  if (this->Grid.GetNumberOfBlocks() > 1)
+  {
+    this->Header.NumberOfLevels = LevelsBelowOverview;
+    this->Grid = this->Header.GetBlockGrid();
+  }
   for (const ArrayDescription& array : arrays)
   {
     this->Types.push_back(array.Type);
@@ -303,6 +336,17 @@ Status BlockedVolumeWriteJob::CreateStores()
         }
         this->Writers[store] = std::move(*writer);
       }
+      // A rank without stores has no folder there, and no blocks.
+      if (this->Grid.GetNumberOfBlocks() > 1 && this->Rank < this->Settings.NumberOfStores)
+      {
+        auto samples =
+          this->Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), this->Rank));
+        if (!samples.IsOk())
+        {
+          return samples.GetStatus();
+        }
+        this->OverviewSamples = std::move(*samples);
+      }
       return Status::Ok();
     }));
 }
@@ -327,7 +371,14 @@ Status BlockedVolumeWriteJob::WriteBlocks()
   steps.Finish = [&](PendingBlock& block, int thread)
   { this->FinishBlock(block, counters[static_cast<std::size_t>(thread)]); };
   steps.Write = [&](const PendingBlock& block)
-  { return this->Writers[block.Store]->Append(block); };
+  {
+    if (this->OverviewSamples)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
+    }
+    return this->Writers[block.Store]->Append(block);
+  };
   steps.Tell = [&](double share)
   { return this->TellShare(RangesDone + (BlocksDone - RangesDone) * share); };
   const Status status = rounds.Run(steps);
@@ -363,6 +414,10 @@ void BlockedVolumeWriteJob::FinishBlock(PendingBlock& block, std::vector<BlockCo
         this->Types[array], range.Minimum, this->Grid.GetVertices(block.Block));
     }
     this->Spectra->Add(block.Store, array, counters[array]);
+  }
+  if (this->OverviewSamples)
+  {
+    block.OverviewSamples = PickOverviewSamples(this->Grid, this->Types, block);
   }
   EncodeRecord(
     this->Settings.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
@@ -403,10 +458,16 @@ Status BlockedVolumeWriteJob::FinishStores()
           }
           writer.reset();
         },
-        [&](double share) { return this->TellShare(BlocksDone + (1 - BlocksDone) * share); });
+        [&](double share)
+        { return this->TellShare(BlocksDone + (StoresDone - BlocksDone) * share); });
       for (const Status& outcome : outcomes)
       {
         ISOSURFACE_RETURN_IF_ERROR(outcome);
+      }
+      if (this->OverviewSamples)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->OverviewSamples->SyncAndClose());
+        this->OverviewSamples.reset();
       }
       return isDone ? Status::Ok() : this->MakeAborted();
     });
@@ -456,6 +517,63 @@ Status BlockedVolumeWriteJob::ShareSpectra()
     }));
 }
 
+/// Each overview is written as the volume was, from the samples that writing the one before it
+/// left.
+Status BlockedVolumeWriteJob::WriteOverviews()
+{
+  std::unique_ptr<BlockedVolumeWriteJob> coarsest;
+  Status status;
+  while (status.IsOk() && (coarsest ? *coarsest : *this).Grid.GetNumberOfBlocks() > 1)
+  {
+    status = this->WriteOverview(coarsest);
+  }
+  return status;
+}
+
+/// `coarsest`: the last overview's job, null for none; then that of the one written.
+Status BlockedVolumeWriteJob::WriteOverview(std::unique_ptr<BlockedVolumeWriteJob>& coarsest)
+{
+  BlockedVolumeWriteJob& finer = coarsest ? *coarsest : *this;
+  std::optional<OverviewSource> source;
+  std::unique_ptr<BlockedVolumeWriteJob> job;
+  const GridGeometry grid = finer.Header.Grid.Coarsen(finer.Grid.GetNumberOfLevels());
+  const std::string folder =
+    GetOverviewFolder(this->GetStep().Folder, this->Header.Overviews.size());
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(this->Attempt(
+    [&]
+    {
+      finer.Scan.reset();
+      finer.Spectra.reset();
+      source.emplace(this->Files, finer.GetFolder(), finer.Grid, this->Types,
+        std::move(finer.BlockStores), this->Size);
+      BlockedVolumeSettings settings = this->Settings;
+      const std::int64_t blocks =
+        BlockGrid(grid.GetDimensions(), settings.BlockSize).GetNumberOfBlocks();
+      settings.NumberOfStores = std::min(settings.NumberOfStores,
+        static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1));
+      job = std::make_unique<BlockedVolumeWriteJob>(this->Ranks, this->Files, this->Path, *source,
+        settings,
+        [&](double share) { return this->TellShare(StoresDone + (1 - StoresDone) * share); });
+      return Status::Ok();
+    })));
+  ISOSURFACE_RETURN_IF_ERROR(
+    job->RunOverview(grid, this->Header.Arrays, folder, this->GetStep().Ranges));
+  ISOSURFACE_RETURN_IF_ERROR(finer.RemoveOverviewSamples());
+  this->Header.Overviews.push_back({ job->Grid.GetNumberOfLevels(), job->Settings.NumberOfStores });
+  this->GetStep().Overviews.push_back(job->GetStep().Stores);
+  this->Statistics.OverviewBytes += job->Statistics.Bytes;
+  this->Statistics.MemoryBytes =
+    std::max(this->Statistics.MemoryBytes, job->Statistics.MemoryBytes);
+  coarsest = std::move(job);
+  return Status::Ok();
+}
+
+Status BlockedVolumeWriteJob::RemoveOverviewSamples()
+{
+  return this->AgreeOn(this->Attempt(
+    [&] { return this->Files.RemoveAll(OverviewSource::GetPath(this->GetFolder(), this->Rank)); }));
+}
+
 Status BlockedVolumeWriteJob::Commit()
 {
   return this->AgreeOn(this->Attempt(
@@ -466,8 +584,12 @@ Status BlockedVolumeWriteJob::Commit()
         return Status::Ok();
       }
       const std::string& folder = this->GetStep().Folder;
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->Files.SyncDirectory(GetStoresFolder(this->Path) + "/" + folder));
+      for (std::size_t overview = 0; overview < this->Header.Overviews.size(); ++overview)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(
+          GetStoresFolder(this->Path) + "/" + GetOverviewFolder(folder, overview)));
+      }
+      ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->GetFolder()));
       ISOSURFACE_RETURN_IF_ERROR(
         GenerationFolder::Commit(this->Files, this->Path, this->Header, this->IsVisible));
       GenerationFolder::RemoveOlder(this->Files, this->Path, folder, this->Header);

@@ -52,6 +52,11 @@ public:
     const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
 
 private:
+  /// The steps of an overview of a volume: Run() but for the generation folder, which is there, and
+  /// what makes it visible. `ranges`: of the volume's finite values, so that all spectra have the
+  /// same bins.
+  Status RunOverview(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::string& folder, const std::vector<KeyRange>& ranges);
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
   Status CheckBox() const;
   Status CheckEqualArguments();
@@ -64,6 +69,9 @@ private:
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
+  Status WriteOverviews();
+  Status WriteOverview(std::unique_ptr<BlockedVolumeWriteJob>& coarsest);
+  Status RemoveOverviewSamples();
   Status Commit();
 
   std::uint64_t GetTableBytes() const;
@@ -81,6 +89,8 @@ private:
   }
   bool IsMine(std::uint32_t store) const { return store % this->Size == this->Rank; }
   TimeStepDescription& GetStep() { return this->Header.TimeSteps[0]; }
+  /// The folder of this volume's, or overview's, stores.
+  std::string GetFolder() { return GetStoresFolder(this->Path) + "/" + this->GetStep().Folder; }
 
   Communicator& Ranks;
   FileSystem& Files;
@@ -99,6 +109,7 @@ private:
   std::optional<BlockRangeScan> Scan;
   std::vector<std::uint32_t> BlockStores;                 ///< per block
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
+  std::unique_ptr<WritableFile> OverviewSamples;          ///< null if there is no coarser volume
   std::optional<StoreSpectra> Spectra;
   bool IsVisible = false;
   WriteStatistics Statistics;

@@ -39,9 +39,10 @@ struct BlockedVolumeSettings
 struct WriteStatistics
 {
   std::uint64_t Blocks = 0;
-  std::uint64_t Bytes = 0;       ///< of blocks, all stores
-  std::uint64_t Rounds = 0;      ///< of reading, exchange and writing
-  std::uint64_t MemoryBytes = 0; ///< of a rank, as planned; within the limit
+  std::uint64_t Bytes = 0;         ///< of blocks, all stores
+  std::uint64_t OverviewBytes = 0; ///< of the blocks of all overviews
+  std::uint64_t Rounds = 0;        ///< of reading, exchange and writing
+  std::uint64_t MemoryBytes = 0;   ///< of a rank, as planned; within the limit
   std::vector<StoreDescription> Stores;
 };
 

@@ -12,18 +12,19 @@ StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep
   , TimeStep(timeStep)
   , Array(array)
   , Level(level)
+  , Stored(volume.FindLevel(level))
   , Blocks(std::move(blocks))
 {
 }
 
 Index3 StoredBlockSource::GetLatticeCoordinates(std::size_t block) const
 {
-  return this->Volume.GetBlockGrid().GetBlockCoordinates(this->Blocks[block].Block);
+  return this->Stored.Grid->GetBlockCoordinates(this->Blocks[block].Block);
 }
 
 VertexBox StoredBlockSource::GetVertices(std::size_t block) const
 {
-  return this->Volume.GetBlockGrid().GetVertices(this->Blocks[block].Block, this->Level);
+  return this->Stored.Grid->GetVertices(this->Blocks[block].Block, this->Stored.Level);
 }
 
 ValueType StoredBlockSource::GetValueType() const
@@ -31,22 +32,33 @@ ValueType StoredBlockSource::GetValueType() const
   return this->Volume.GetHeader().Arrays[this->Array].Type;
 }
 
+void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
+{
+  this->Attributes = std::move(arrays);
+}
+
 Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
 {
   QueryStatistics statistics;
-  Result<std::shared_ptr<const DecodedBlock>> decoded = this->Volume.ReadBlock(
-    this->Blocks[block], this->TimeStep, this->Array, this->Level, statistics);
+  std::vector<std::size_t> arrays = this->Attributes;
+  arrays.insert(arrays.begin(), this->Array);
+  auto blocks =
+    this->Volume.ReadArrays(this->Blocks[block], this->TimeStep, arrays, this->Level, statistics);
   {
     const std::lock_guard<std::mutex> lock(this->StatisticsMutex);
     this->Statistics.Add(statistics);
   }
-  if (!decoded.IsOk())
+  if (!blocks.IsOk())
   {
-    return decoded.GetStatus();
+    return blocks.GetStatus();
   }
   BlockSamples samples;
-  samples.Scalars = (*decoded)->View;
-  samples.Owner = std::move(*decoded);
+  samples.Scalars = blocks->front()->View;
+  for (std::size_t n = 1; n < blocks->size(); ++n)
+  {
+    samples.Attributes.push_back({ { (*blocks)[n]->View } });
+  }
+  samples.Owner = std::make_shared<DecodedBlocks>(std::move(*blocks));
   return samples;
 }
 

@@ -17,9 +17,10 @@ VertexBox VertexBox::Intersect(const VertexBox& other) const
   return box;
 }
 
-BlockGrid::BlockGrid(const Index3& dimensions, int blockSize)
+BlockGrid::BlockGrid(const Index3& dimensions, int blockSize, int levels)
   : Dimensions(dimensions)
   , BlockSize(blockSize)
+  , Levels(levels > 0 ? levels : GetLargestNumberOfLevels(blockSize))
 {
   for (int axis = 0; axis < 3; ++axis)
   {
@@ -27,16 +28,6 @@ BlockGrid::BlockGrid(const Index3& dimensions, int blockSize)
     const std::int64_t blocks = (cells + blockSize - 1) / blockSize;
     this->NumberOfBlocks[axis] = dimensions[axis] == 0 ? 0 : std::max<std::int64_t>(1, blocks);
   }
-}
-
-int BlockGrid::GetNumberOfLevels() const
-{
-  int levels = 1;
-  while ((this->BlockSize >> levels) > 0)
-  {
-    ++levels;
-  }
-  return levels;
 }
 
 Index3 BlockGrid::GetBlockCoordinates(std::int64_t block) const
@@ -86,6 +77,16 @@ VertexBox BlockGrid::GetGhostedVertices(std::int64_t block, int level) const
 bool IsBlockSize(int blockSize)
 {
   return blockSize == 16 || blockSize == 32 || blockSize == 64;
+}
+
+int GetLargestNumberOfLevels(int blockSize)
+{
+  int levels = 1;
+  while ((blockSize >> levels) > 0)
+  {
+    ++levels;
+  }
+  return levels;
 }
 
 } // namespace isosurface

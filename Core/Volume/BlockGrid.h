@@ -53,7 +53,9 @@ class BlockGrid
 {
 public:
   BlockGrid() = default;
-  BlockGrid(const Index3& dimensions, int blockSize);
+  /// `levels`: how many levels the blocks' records hold, from the finest on; 0: as many as a block
+  /// can have.
+  BlockGrid(const Index3& dimensions, int blockSize, int levels = 0);
 
   const Index3& GetDimensions() const { return this->Dimensions; }
   int GetBlockSize() const { return this->BlockSize; }
@@ -62,8 +64,8 @@ public:
   {
     return this->NumberOfBlocks[0] * this->NumberOfBlocks[1] * this->NumberOfBlocks[2];
   }
-  /// log2(BlockSize) + 1: at the coarsest level a full block is one cell.
-  int GetNumberOfLevels() const;
+  /// The levels that the blocks' records hold.
+  int GetNumberOfLevels() const { return this->Levels; }
 
   Index3 GetBlockCoordinates(std::int64_t block) const;
   std::int64_t GetBlockIndex(const Index3& coordinates) const;
@@ -81,11 +83,15 @@ public:
 private:
   Index3 Dimensions{ 0, 0, 0 };
   int BlockSize = 0;
+  int Levels = 1;
   Index3 NumberOfBlocks{ 0, 0, 0 };
 };
 
 /// Whether a block size is one that the format knows: 16, 32 or 64.
 bool IsBlockSize(int blockSize);
+
+/// log2(blockSize) + 1: at the coarsest level a full block is one cell.
+int GetLargestNumberOfLevels(int blockSize);
 
 } // namespace isosurface
 

@@ -223,6 +223,27 @@ TEST_P(SurfaceUnion, EqualsSurfaceOfWholeVolume)
   }
 }
 
+TEST(SurfaceUnionAtLevels, EqualsSurfaceOfSubsampledVolume)
+{
+  const SharedFolder folder("SurfaceUnionAtLevels");
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteFromPieces(GetVolume(BALL_INT16), 0, path, { 16, 3 });
+  ContourPipeline pipeline(path);
+  for (int level = 0; level < 8; ++level)
+  {
+    pipeline.Contour->SetLevel(level);
+    EdgeSurface part;
+    part.Add(pipeline.Update({ 150 }));
+    EdgeSurface all = GatherSurfaces(part);
+    if (GetRank() == 0)
+    {
+      all.MergeEqualPoints();
+      const auto expected = ContourByFlyingEdges(SubsampleImage(GetVolume(BALL_INT16), level), 150);
+      EXPECT_TRUE(AreEqual(all, expected)) << "level " << level;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cases, SurfaceUnion, testing::ValuesIn(MakeCases()), NameOfCase);
 
 } // namespace

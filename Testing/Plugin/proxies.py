@@ -52,6 +52,9 @@ class Proxies(unittest.TestCase):
         names = ["ContourBy", "Isosurfaces", "ComputeNormals", "ComputeScalars"]
         names.append("GenerateTriangles")
         self.check_properties(ours, names)
+        options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "UseRegion"]
+        options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
+        self.check_properties(ours, options)
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         source.UpdatePipeline()
         stock = simple.Contour(Input=source)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format version 1 stay readable, and mean the same, for ever. What is compared here was
-// computed when they were written; neither may change together with the code.
+// Files of every format version stay readable, and mean the same, for ever. What is compared here
+// was computed when they were written; neither may change together with the code.
 #include "BlockChecks.h"
 #include "ScratchFolder.h"
 #include "TestVolumes.h"
@@ -14,7 +14,7 @@
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 
-#include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 namespace isosurface
@@ -53,7 +53,7 @@ constexpr VolumeSettings GoldenSettings{ 16, 2, vtkBlockedVolumeWriter::GREEDY,
   vtkBlockedVolumeWriter::NONE };
 
 vtkSmartPointer<vtkPolyData> ContourFile(
-  const std::string& path, const char* array, double isovalue)
+  const std::string& path, const char* array, double isovalue, int level = 0)
 {
   vtkNew<vtkBlockedVolumeReader> reader;
   vtkNew<vtkStabbingContour> contour;
@@ -63,17 +63,24 @@ vtkSmartPointer<vtkPolyData> ContourFile(
   contour->SetInputConnection(reader->GetOutputPort());
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, array);
   contour->SetValue(0, isovalue);
+  contour->SetLevel(level);
   contour->Update();
   EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
 }
 
-TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
+class GoldenVolumes : public testing::TestWithParam<const char*>
+{
+protected:
+  const std::string Path = GetDataPath(std::string(GetParam()) + "/golden.bvol");
+};
+
+TEST_P(GoldenVolumes, HaveTheValuesTheyWereWrittenWith)
 {
   vtkNew<vtkBlockedVolumeReader> reader;
   const ErrorCounter errors(reader);
-  reader->SetFileName(GetDataPath("golden-v1/golden.bvol").c_str());
+  reader->SetFileName(this->Path.c_str());
   const auto blocks = ReadPiece(reader, 0, 1);
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(reader->GetLevel(), 0);
@@ -84,14 +91,13 @@ TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
   EXPECT_TRUE(checks.HaveEachCellOnce({ blocks }));
 }
 
-TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
+TEST_P(GoldenVolumes, HaveTheSurfaceTheyWereWrittenWith)
 {
-  const std::string path = GetDataPath("golden-v1/golden.bvol");
-  const auto density = ContourFile(path, "density", 15.5);
+  const auto density = ContourFile(this->Path, "density", 15.5);
   EXPECT_EQ(density->GetNumberOfPolys(), DensityTriangles);
   EXPECT_EQ(density->GetNumberOfPoints(), DensityPoints);
   EXPECT_EQ(GetCost(density, "ActiveBlocks"), 4u);
-  const auto distance = ContourFile(path, "distance", 12);
+  const auto distance = ContourFile(this->Path, "distance", 12);
   EXPECT_EQ(distance->GetNumberOfPolys(), DistanceTriangles);
   EXPECT_EQ(distance->GetNumberOfPoints(), DistancePoints);
 
@@ -100,30 +106,47 @@ TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
   EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(MakeGoldenImage(), 15.5)));
 }
 
+TEST_P(GoldenVolumes, HaveTheSurfaceAtEveryLevel)
+{
+  for (int level = 0; level < 5; ++level)
+  {
+    EdgeSurface surface;
+    surface.Add(ContourFile(this->Path, "density", 15.5, level));
+    const auto expected = ContourByFlyingEdges(SubsampleImage(MakeGoldenImage(), level), 15.5);
+    EXPECT_TRUE(AreEqual(surface, expected)) << "level " << level;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, GoldenVolumes, testing::Values("golden-v1", "golden-v2"));
+
 TEST(GoldenVolume, IsWrittenByteForByteToday)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");
   WriteVolume(MakeGoldenImage(), path, GoldenSettings);
-  const std::string golden = GetDataPath("golden-v1/golden.bvol");
+  const std::string golden = GetDataPath("golden-v2/golden.bvol");
   std::vector<std::string> names = ListVolumeFiles(golden);
-  // The golden volume has an older file of spectra; the one that took its place stands beside it.
-  const std::string spectra = "golden.bvol.stores/000001/spectra";
-  std::replace(names.begin(), names.end(), spectra + ".json", spectra);
-  EXPECT_EQ(ListVolumeFiles(path), names);
-  for (const std::string& name : names)
+  for (std::string& name : names)
   {
-    const std::string data = name == spectra ? "golden-v1-spectra" : "golden-v1/" + name;
-    EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath(data)))
+    // The golden volume has older files of spectra; those that took their place stand beside it.
+    const std::size_t older = name.rfind("spectra.json");
+    std::string data = "golden-v2/";
+    if (older != std::string::npos)
+    {
+      name.resize(older + std::strlen("spectra"));
+      data = "golden-v2-spectra/";
+    }
+    EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath(data + name)))
       << name << " differs: a change of format needs a new version, specification and golden file";
   }
+  EXPECT_EQ(ListVolumeFiles(path), names);
 }
 
 TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");
-  CopyVolume(GetDataPath("golden-v1/golden.bvol"), path);
+  CopyVolume(GetDataPath("golden-v2/golden.bvol"), path);
   const std::string good = ReadBytes(path);
   const auto image = MakeGoldenImage();
   vtkNew<vtkBlockedVolumeReader> reader;
@@ -159,7 +182,7 @@ TEST(BadVolumes, AreRefusedWithFileAndReason)
 {
   const std::vector<VolumeDamage> files = {
     { "corrupt-header.bvol", {}, "corrupt-header.bvol", "checksum" },
-    { "newer-version.bvol", {}, "newer-version.bvol", "format version 2" },
+    { "newer-version.bvol", {}, "newer-version.bvol", "format version 3" },
   };
   for (const VolumeDamage& file : files)
   {

@@ -2,6 +2,7 @@
 #include "TestVolumes.h"
 
 #include "vtkDataArray.h"
+#include "vtkExtractVOI.h"
 #include "vtkFieldData.h"
 #include "vtkMatrix3x3.h"
 #include "vtkPointData.h"
@@ -31,8 +32,12 @@ int Roughness(int i, int j, int k)
 std::uint64_t CountStoredSamples(
   const int first[3], const int last[3], const int dimensions[3], int blockSize)
 {
+  // A volume of several blocks has the coarser levels elsewhere.
+  const bool isSingle = std::all_of(
+    dimensions, dimensions + 3, [&](int vertices) { return vertices <= blockSize + 1; });
+  const int coarsest = isSingle ? blockSize : 2;
   std::uint64_t samples = 0;
-  for (int level = 0; (blockSize >> level) >= 1; ++level)
+  for (int level = 0; (coarsest >> level) >= 1; ++level)
   {
     std::uint64_t all = 1;
     std::uint64_t even = 1;
@@ -43,7 +48,7 @@ std::uint64_t CountStoredSamples(
       all *= static_cast<std::uint64_t>(high - low + 1);
       even *= static_cast<std::uint64_t>(high / 2 - (low + 1) / 2 + 1);
     }
-    samples += (blockSize >> level) == 1 ? all : all - even;
+    samples += (coarsest >> level) == 1 ? all : all - even;
   }
   return samples;
 }
@@ -96,6 +101,28 @@ void WriteVolume(vtkImageData* image, const std::string& path, const VolumeSetti
   writer->SetCompression(settings.Compression);
   EXPECT_EQ(writer->Write(), 1);
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+vtkSmartPointer<vtkImageData> SubsampleImage(vtkImageData* image, int level)
+{
+  const int* extent = image->GetExtent();
+  vtkNew<vtkExtractVOI> subsampled;
+  subsampled->SetInputData(image);
+  subsampled->SetVOI(image->GetExtent());
+  subsampled->SetSampleRate(1 << level, 1 << level, 1 << level);
+  subsampled->Update();
+  // The same points, counted from 0 as the levels of a blocked volume are.
+  vtkSmartPointer<vtkImageData> result = subsampled->GetOutput();
+  if (level > 0)
+  {
+    double origin[3];
+    image->TransformIndexToPhysicalPoint(extent[0], extent[2], extent[4], origin);
+    const int* size = result->GetDimensions();
+    result->SetExtent(0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1);
+    result->SetOrigin(origin);
+    result->SetDirectionMatrix(image->GetDirectionMatrix());
+  }
+  return result;
 }
 
 ExpectedCost CountActiveBlocks(vtkImageData* image, int blockSize, double isovalue)

@@ -34,6 +34,9 @@ struct VolumeSettings
 /// Writes an image, on this process alone; a test fails if that reports an error.
 void WriteVolume(vtkImageData* image, const std::string& path, const VolumeSettings& settings = {});
 
+/// Every 2^level-th vertex of an image, by vtkExtractVOI; as a level of a blocked volume of it.
+vtkSmartPointer<vtkImageData> SubsampleImage(vtkImageData* image, int level);
+
 /// What a query must cost: counted from the image alone.
 struct ExpectedCost
 {

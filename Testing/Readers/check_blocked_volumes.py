@@ -6,6 +6,7 @@ usage: check_blocked_volumes.py FOLDER, with volumes as WriteSampleVolumes makes
 """
 import array
 import glob
+import math
 import os
 import random
 import shutil
@@ -116,6 +117,27 @@ def check_damage(path):
     BlockedVolume(copy).verify()
 
 
+def subsample(source, dimensions, level):
+    """Every 2^level-th sample on each axis."""
+    width, height, depth = dimensions
+    coarse = array.array(source.typecode)
+    for k in range(0, depth, 1 << level):
+        for j in range(0, height, 1 << level):
+            row = width * (j + height * k)
+            coarse += source[row:row + width:1 << level]
+    return coarse
+
+
+def check_overview(overview, finest, sources):
+    coarse = [subsample(source, finest.dimensions, overview.first_level) for source in sources]
+    check(all(len(source) == math.prod(overview.dimensions) for source in coarse),
+          f"overview from level {overview.first_level}: dimensions")
+    ranges = check_samples(overview, coarse)
+    for number, source in enumerate(coarse):
+        check_queries(overview, ranges, number)
+        check_active(overview, coarse, number, float(random.choice(source)))
+
+
 def check_volume(path):
     volume = BlockedVolume(path)
     volume.verify()
@@ -130,8 +152,13 @@ def check_volume(path):
         check_queries(volume, ranges, number)
         for isovalue in (0.0, -1e300, 1e300, 40.5, float(random.choice(source))):
             check_active(volume, sources, number, isovalue)
+    for overview in volume.overviews:
+        check_overview(overview, volume, sources)
+    coarsest = volume.overviews[-1] if volume.overviews else volume
+    check(coarsest.block_count == 1, f"{path}: no level of a single block")
     lists = volume.stores[0].trees[0].lists_read
-    print(f"{path}: {volume.block_count} blocks, tree height {volume.stores[0].trees[0].root[3]}, "
+    print(f"{path}: {volume.block_count} blocks, {len(volume.overviews)} overviews, "
+          f"tree height {volume.stores[0].trees[0].root[3]}, "
           f"lists read {lists}: as the source has it")
     return lists
 

@@ -60,7 +60,7 @@ def make_threshold_key(isovalue, type_name):
     return key + (2 if key + 1 == negative_zero else 1) if nearest < isovalue else key
 
 
-def read_document(path, format_name):
+def read_document(path, format_name, versions=(1,)):
     content = read_file(path)
     try:
         document = json.loads(content.decode(),
@@ -69,7 +69,7 @@ def read_document(path, format_name):
         raise FormatError(f"{path}: {error}") from error
     check(isinstance(document, dict) and document.get("format") == format_name,
           f"{path}: is no {format_name}")
-    check(document.get("formatVersion") == 1, f"{path}: another version")
+    check(document.get("formatVersion") in versions, f"{path}: another version")
     covered = content[:content.rfind(b'"checksum"')]
     found = f"{hash64(covered):016x}"
     check(document.get("checksum") == found, f"{path}: the checksum is {found}")
@@ -159,29 +159,48 @@ class Store:
 
 
 class BlockedVolume:
-    def __init__(self, path, time_step=0):
-        self.header = read_document(path, "ScalableIsosurface blocked volume")
+    """A volume, or, with number > 0, one of its overviews, which are blocked volumes like it."""
+
+    def __init__(self, path, time_step=0, number=0):
+        self.header = read_document(path, "ScalableIsosurface blocked volume", (1, 2))
+        version = self.header["formatVersion"]
         self.arrays = self.header["arrays"]
         self.block_size = self.header["blockSize"]
         check(self.block_size in (16, 32, 64), f"{path}: block size")
-        self.levels = self.block_size.bit_length()
-        check(self.header["numberOfLevels"] == self.levels and self.header["ghostLayers"] == 1
+        most_levels = self.block_size.bit_length()
+        overviews = self.header["overviews"] if version > 1 else []
+        parts = [self.header, *overviews]
+        levels = [part["numberOfLevels"] for part in parts]
+        check(all((1 if version > 1 else most_levels) <= n <= most_levels for n in levels)
+              and self.header["ghostLayers"] == 1
               and self.header["compression"] in ("none", "lz4", "zstd")
               and all(a["components"] == 1 and a["type"] in TYPES for a in self.arrays),
               f"{path}: needs a newer reader")
         extent = self.header["grid"]["extent"]
-        self.dimensions = [extent[2 * axis + 1] - extent[2 * axis] + 1 for axis in range(3)]
+        self.first_level = sum(levels[:number])
+        self.levels = levels[number]
+        self.dimensions = [(extent[2 * axis + 1] - extent[2 * axis] >> self.first_level) + 1
+                           for axis in range(3)]
         self.blocks = [max(1, -(-(n - 1) // self.block_size)) for n in self.dimensions]
         self.block_count = math.prod(self.blocks)
+        check(number == len(overviews) or self.block_count > 1,
+              f"{path}: an overview of a single block")
         step = self.header["timeSteps"][time_step]
+        check(version == 1 or len(step["overviews"]) == len(overviews),
+              f"{path}: number of overviews")
         folder = os.path.join(path + ".stores", step["folder"])
-        check(len(step["stores"]) == self.header["stores"]
+        if number > 0:
+            folder = os.path.join(folder, f"overview-{number}")
+            step = step["overviews"][number - 1]
+        check(len(step["stores"]) == parts[number]["stores"]
               and sum(store["blocks"] for store in step["stores"]) == self.block_count,
               f"{path}: numbers of stores or blocks")
-        self.stores = [Store(self, os.path.join(folder, f"store-{number:05d}"), store)
-                       for number, store in enumerate(step["stores"])]
+        self.stores = [Store(self, os.path.join(folder, f"store-{index:05d}"), store)
+                       for index, store in enumerate(step["stores"])]
         self.spectra = read_document(os.path.join(folder, "spectra.json"),
                                      "ScalableIsosurface spectra")
+        self.overviews = [BlockedVolume(path, time_step, 1 + index)
+                          for index in range(len(overviews))] if number == 0 else []
 
     def find_box(self, block, level, ghosted):
         """Per axis [low, high) in the level's coordinates."""
@@ -240,6 +259,8 @@ class BlockedVolume:
     def verify(self):
         blocks = sorted(block for store in self.stores for block in store.verify())
         check(blocks == list(range(self.block_count)), "the stores do not have each block once")
+        for overview in self.overviews:
+            overview.verify()
 
 
 def main():
@@ -248,13 +269,18 @@ def main():
     parser.add_argument("--blocks", action="store_true", help="list the blocks of all stores")
     parser.add_argument("--array", type=int, default=0, help="number of an array")
     parser.add_argument("--isovalue", type=float, help="list the active blocks")
+    parser.add_argument("--overview", type=int, default=0,
+                        help="number of an overview, whose blocks are meant then; 0: none")
     parser.add_argument("--samples", nargs=3, type=int, metavar=("STORE", "ORDINAL", "LEVEL"),
                         help="print the samples of a block, ghost layer included")
     options = parser.parse_args()
     volume = BlockedVolume(options.volume)
     volume.verify()
     print(f"{options.volume}: {volume.dimensions} vertices, {volume.block_count} blocks, "
-          f"{len(volume.stores)} stores, arrays {[a['name'] for a in volume.arrays]}: sound")
+          f"{len(volume.stores)} stores, arrays {[a['name'] for a in volume.arrays]}, "
+          f"overviews of {[overview.dimensions for overview in volume.overviews]}: sound")
+    if options.overview:
+        volume = volume.overviews[options.overview - 1]
     active = None if options.isovalue is None else volume.find_active(options.array,
                                                                       options.isovalue)
     for number, store in enumerate(volume.stores):

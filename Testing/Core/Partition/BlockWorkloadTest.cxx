@@ -178,6 +178,49 @@ TEST(BlockWorkload, IsExactAtTheEndsOfTheDoubles)
     }));
 }
 
+TEST(BlockWorkload, CountsTheTrianglesOfEveryCase)
+{
+  for (unsigned inside = 1; inside < 255; ++inside)
+  {
+    const SampleVolume<std::uint8_t> cell(
+      { 2, 2, 2 }, [&](auto i, auto j, auto k) { return (inside >> (i + 2 * j + 4 * k)) & 1; });
+    const WorkloadSpectrum spectrum = CountSpectrum(cell, ChooseBins(cell));
+    EXPECT_EQ(
+      spectrum.Triangles, (std::vector<std::uint64_t>{ 0, MarchingCubesCases[inside] >> 60 }))
+      << "case " << inside;
+    EXPECT_EQ(spectrum.ActiveCells, (std::vector<std::uint64_t>{ 0, 1 })) << "case " << inside;
+  }
+}
+
+TEST(BlockWorkload, CountsTheTrianglesOfEveryOrderOfCorners)
+{
+  // All ways to go from full to empty, and ties: corners of up to four different values.
+  for (unsigned values = 0; values < 65536; ++values)
+  {
+    const SampleVolume<std::uint8_t> cell(
+      { 2, 2, 2 }, [&](auto i, auto j, auto k) { return (values >> 2 * (i + 2 * j + 4 * k)) & 3; });
+    const SpectrumBins bins = ChooseBins(cell);
+    const WorkloadSpectrum spectrum = CountSpectrum(cell, bins);
+    for (std::size_t bin = 0; bin < bins.Count; ++bin)
+    {
+      ASSERT_EQ(spectrum.Triangles[bin],
+        CountAt(cell, { { 0, 0, 0 }, cell.Size }, bins.GetEdge(bin)).Triangles)
+        << "values " << values << ", bin " << bin;
+    }
+  }
+}
+
+TEST(BlockWorkload, CountsMoreCellsThanAPackedSumHolds)
+{
+  // Layers of two values: each cell between them has two triangles at one isovalue.
+  const SampleVolume<std::uint8_t> layers(
+    { 300, 300, 220 }, [](auto, auto, auto k) { return k % 2; });
+  const WorkloadSpectrum spectrum = CountSpectrum(layers, ChooseBins(layers));
+  const std::uint64_t cells = 299 * 299 * 219;
+  EXPECT_EQ(spectrum.Triangles, (std::vector<std::uint64_t>{ 0, 2 * cells }));
+  EXPECT_EQ(spectrum.ActiveCells, (std::vector<std::uint64_t>{ 0, cells }));
+}
+
 TEST(BlockWorkload, ResolvesOneUnitInTheLastPlace)
 {
   std::mt19937 random(11);

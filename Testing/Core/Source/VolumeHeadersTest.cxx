@@ -107,6 +107,21 @@ TEST(MetaImageHeader, ReadsSeriesOfFiles)
   ExpectVolume(disk, "/data/b.mhd", volume);
 }
 
+TEST(MetaImageHeader, DropsAxesOfOneSampleBeyondTheThird)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.mha",
+    Join("NDims = 4\nDimSize = 6 5 4 1\nElementSpacing = 1 2 3 4\nOffset = 5 6 7 8\n"
+         "TransformMatrix = 0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1\nElementType = MET_SHORT\n"
+         "ElementDataFile = LOCAL\n",
+      MakeBytes(volume)));
+  const RawVolume raw = ExpectVolume(disk, "/data/a.mha", volume);
+  EXPECT_EQ(raw.Grid.Spacing, (std::array<double, 3>{ 1, 2, 3 }));
+  EXPECT_EQ(raw.Grid.Origin, (std::array<double, 3>{ 5, 6, 7 }));
+  EXPECT_EQ(raw.Grid.Direction, (std::array<double, 9>{ 0, 1, 0, 1, 0, 0, 0, 0, 1 }));
+}
+
 TEST(MetaImageHeader, SaysWhatItCannotRead)
 {
   const std::string data = "ElementType = MET_SHORT\nElementDataFile = a.raw\n";
@@ -166,6 +181,83 @@ TEST(NrrdHeader, ReadsSamplesInOtherFiles)
   }
 }
 
+TEST(NrrdHeader, PassesOverLinesAndBytes)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  const Bytes samples = MakeBytes(volume);
+  MemoryDisk disk;
+  const std::string text = "first line\n\nthird, of any length\n";
+  WriteFile(disk, "/data/a.raw", Join(text + "1234", samples));
+  const std::string lines = NrrdStart + "line skip: 3\n";
+  WriteFile(
+    disk, "/data/a.nhdr", MakeBytes(lines + "byte skip: 4\nencoding: raw\ndata file: a.raw\n"));
+  ExpectVolume(disk, "/data/a.nhdr", volume);
+  WriteFile(
+    disk, "/data/b.nhdr", MakeBytes(lines + "byte skip: -1\nencoding: raw\ndata file: a.raw\n"));
+  ExpectVolume(disk, "/data/b.nhdr", volume);
+  // Lines before the stream, bytes in what it inflates to.
+  WriteFile(disk, "/data/c.gz", Join(text, Deflate(Join("1234", samples))));
+  WriteFile(
+    disk, "/data/c.nhdr", MakeBytes(lines + "byte skip: 4\nencoding: gzip\ndata file: c.gz\n"));
+  ExpectVolume(disk, "/data/c.nhdr", volume);
+  WriteFile(disk, "/data/d.nrrd", Join(lines + "encoding: raw\n\n" + text, samples));
+  ExpectVolume(disk, "/data/d.nrrd", volume);
+  WriteFile(disk, "/data/short.raw", MakeBytes(std::string("one\ntwo\n")));
+  WriteFile(disk, "/data/e.nhdr", MakeBytes(lines + "encoding: raw\ndata file: short.raw\n"));
+  const auto raw = RawVolume::ReadHeader(disk, "/data/e.nhdr");
+  ASSERT_TRUE(raw.IsOk());
+  EXPECT_EQ(raw->Open(disk).GetStatus().GetCode(), StatusCode::Corrupt);
+}
+
+TEST(NrrdHeader, PassesOverLinesOfEachFileAndInflatesEach)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  const Bytes samples = MakeBytes(volume);
+  MemoryDisk disk;
+  for (int slab = 0; slab < 2; ++slab)
+  {
+    const Bytes part(samples.begin() + slab * 120, samples.begin() + (slab + 1) * 120);
+    const std::string name = "/data/" + std::to_string(slab);
+    WriteFile(
+      disk, name + ".raw", Join(std::string(static_cast<std::size_t>(slab) * 9, 'x') + "\n", part));
+    WriteFile(disk, name + ".gz", Deflate(part));
+  }
+  WriteFile(disk, "/data/a.nhdr",
+    MakeBytes(NrrdStart + "line skip: 1\nencoding: raw\ndata file: %d.raw 0 1 1\n"));
+  ExpectVolume(disk, "/data/a.nhdr", volume);
+  WriteFile(
+    disk, "/data/b.nhdr", MakeBytes(NrrdStart + "encoding: gzip\ndata file: LIST\n0.gz\n1.gz\n"));
+  ExpectVolume(disk, "/data/b.nhdr", volume);
+}
+
+TEST(NrrdHeader, DropsAxesOfOneSampleThatAreNotOfSpace)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  const std::string end = "endian: little\nencoding: raw\n\n";
+  WriteFile(disk, "/data/a.nrrd",
+    Join("NRRD0005\ntype: short\ndimension: 4\nsizes: 1 6 5 4\nkinds: vector domain domain domain\n"
+         "space directions: none (2,0,0) (0,3,0) (0,0,4)\nspace origin: (7,8,9)\n" +
+        end,
+      MakeBytes(volume)));
+  const RawVolume raw = ExpectVolume(disk, "/data/a.nrrd", volume);
+  EXPECT_EQ(raw.Grid.Spacing, (std::array<double, 3>{ 2, 3, 4 }));
+  EXPECT_EQ(raw.Grid.Origin, (std::array<double, 3>{ 7, 8, 9 }));
+  WriteFile(disk, "/data/b.nrrd",
+    Join("NRRD0005\ntype: short\ndimension: 4\nsizes: 6 5 4 1\nspacings: 2 3 4 nan\n" + end,
+      MakeBytes(volume)));
+  EXPECT_EQ(
+    ExpectVolume(disk, "/data/b.nrrd", volume).Grid.Spacing, (std::array<double, 3>{ 2, 3, 4 }));
+  // One slice somewhere in space: z is across it.
+  const auto slice = MakeRamp<std::int16_t>({ 6, 5, 1 });
+  WriteFile(disk, "/data/c.nrrd",
+    Join(
+      "NRRD0005\ntype: short\ndimension: 2\nsizes: 6 5\nspace directions: (0,2,0) (0,0,3)\n" + end,
+      MakeBytes(slice)));
+  EXPECT_EQ(ExpectVolume(disk, "/data/c.nrrd", slice).Grid.Direction,
+    (std::array<double, 9>{ 0, 0, 1, 1, 0, 0, 0, 1, 0 }));
+}
+
 TEST(NrrdHeader, SaysWhatItCannotRead)
 {
   ExpectRefused("a.nrrd", "", "does not begin with NRRD");
@@ -174,9 +266,13 @@ TEST(NrrdHeader, SaysWhatItCannotRead)
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5\n", "sizes");
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5 0\n", "sizes");
   ExpectRefused("a.nrrd", NrrdStart + "kinds: vector domain domain\n", "vector");
-  ExpectRefused("a.nrrd", NrrdStart + "space directions: none (1,0,0) (0,1,0)\n", "directions");
+  ExpectRefused("a.nrrd", NrrdStart + "space directions: none (1,0,0) (0,1,0)\n", "direction");
+  ExpectRefused("a.nrrd", NrrdStart + "space directions: (1,0,0) (0,1,0)\n", "directions");
+  ExpectRefused("a.nrrd", NrrdStart + "space directions: (1,0) (0,1,0) (0,0,1)\n", "directions");
+  ExpectRefused("a.nrrd", NrrdStart + "space directions: (1,0,0) (0,1,0) (0,0,1\n", "directions");
   ExpectRefused("a.nrrd", NrrdStart + "space origin: (1,2)\nencoding: raw\n", "space origin");
-  ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nline skip: 2\n", "line skip");
+  ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nline skip: -2\n", "line skip");
+  ExpectRefused("a.nrrd", NrrdStart + "encoding: gzip\nbyte skip: -1\n", "byte skip");
   ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nbyte skip: -3\n", "byte skip");
   ExpectRefused("a.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 6 5 4\n", "block");
   ExpectRefused(

@@ -9,15 +9,15 @@ namespace isosurface
 namespace
 {
 
-std::vector<BlockReference> FindBlocks(BlockedVolume& volume, const BlockBox& box)
+std::vector<BlockReference> FindBlocks(BlockedVolume& volume, const BlockBox& box, int level = 0)
 {
   QueryStatistics statistics;
-  auto all = volume.GetShare(0, 0, 1, statistics);
+  auto all = volume.GetShare(0, 0, 1, statistics, level);
   EXPECT_TRUE(all.IsOk());
   std::vector<BlockReference> blocks;
   for (const BlockReference& block : *all)
   {
-    if (box.Contains(volume.GetBlockGrid().GetBlockCoordinates(block.Block)))
+    if (box.Contains(volume.FindLevel(level).Grid->GetBlockCoordinates(block.Block)))
     {
       blocks.push_back(block);
     }
@@ -38,9 +38,10 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
       MemoryDisk disk;
       WriteVolumeOk(disk, source, MakeSettings(blockSize, 3));
       const auto volume = OpenVolume(disk);
-      const BlockGrid& grid = volume->GetBlockGrid();
       for (int level = 0; level < volume->GetNumberOfLevels(); ++level)
       {
+        const StoredLevel stored = volume->FindLevel(level);
+        const BlockGrid& grid = *stored.Grid;
         for (const int pieces : { 1, 2, 3, 7 })
         {
           std::int64_t cells = 0;
@@ -51,11 +52,11 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
             {
               continue;
             }
-            const VertexBox vertices = box.GetGhostedVertices(grid, level);
+            const VertexBox vertices = box.GetGhostedVertices(grid, stored.Level);
             std::vector<std::int16_t> samples(
               static_cast<std::size_t>(vertices.GetNumberOfVertices()), 12345);
             QueryStatistics statistics;
-            const auto blocks = FindBlocks(*volume, box);
+            const auto blocks = FindBlocks(*volume, box, level);
             const Status status =
               AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), statistics);
             ASSERT_TRUE(status.IsOk()) << status.GetMessage();
@@ -71,7 +72,7 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
                 }
               }
             }
-            const Index3 own = box.GetVertices(grid, level).GetSize();
+            const Index3 own = box.GetVertices(grid, stored.Level).GetSize();
             cells += (own[0] - 1) * (own[1] - 1) * (own[2] - 1);
           }
           EXPECT_EQ(cells, MakeGeometry(size).Coarsen(level).GetNumberOfCells());

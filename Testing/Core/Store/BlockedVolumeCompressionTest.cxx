@@ -23,7 +23,7 @@ template <typename T>
 Result<std::size_t> CountWrong(
   BlockedVolume& opened, const SampleVolume<T>& volume, int level, QueryStatistics& statistics)
 {
-  const auto blocks = opened.GetShare(0, 0, 1, statistics);
+  const auto blocks = opened.GetShare(0, 0, 1, statistics, level);
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   std::size_t wrong = 0;
   for (const BlockReference& reference : *blocks)

@@ -20,18 +20,26 @@ Status ReadAll(MemoryDisk& disk)
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   BlockedVolume& volume = **opened;
   QueryStatistics statistics;
-  for (const double isovalue : { 1.0, 20.0, 50.0, 90.0 })
+  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
   {
-    const auto active = volume.FindActiveBlocks(0, 0, { isovalue }, 0, 1, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
+    if (volume.GetSpectrumLevel(level) != level)
+    {
+      continue;
+    }
+    for (const double isovalue : { 1.0, 20.0, 50.0, 90.0 })
+    {
+      const auto active = volume.FindActiveBlocks(0, 0, { isovalue }, 0, 1, statistics, level);
+      ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
+    }
+    const auto share = volume.GetShare(0, 0, 1, statistics, level);
+    ISOSURFACE_RETURN_IF_ERROR(share.GetStatus());
+    for (const BlockReference& block : *share)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(volume.ReadBlock(block, 0, 0, level, statistics).GetStatus());
+    }
+    ISOSURFACE_RETURN_IF_ERROR(volume.GetSpectrum(0, 0, level).GetStatus());
   }
-  const auto share = volume.GetShare(0, 0, 1, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(share.GetStatus());
-  for (const BlockReference& block : *share)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(volume.ReadBlock(block, 0, 0, 0, statistics).GetStatus());
-  }
-  return volume.GetSpectrum(0, 0).GetStatus();
+  return Status::Ok();
 }
 
 class BlockedVolumeCorruption : public ::testing::Test
@@ -136,7 +144,7 @@ TEST_F(BlockedVolumeCorruption, ExchangedFilesAreFound)
   {
     for (const auto& file : this->Intact)
     {
-      if (file.first.find("store-00000") != std::string::npos &&
+      if (file.first.find(Folder + "/store-00000") != std::string::npos &&
         (*name == 0 || file.first.find(name) != std::string::npos))
       {
         std::string other = file.first;
@@ -168,6 +176,35 @@ TEST_F(BlockedVolumeCorruption, AMissingStoreIsNamed)
   const auto opened = OpenVolume(this->Disk);
   QueryStatistics statistics;
   EXPECT_TRUE(opened->GetShare(0, 0, 2, statistics).IsOk());
+}
+
+TEST_F(BlockedVolumeCorruption, OfAnOverviewLeavesTheFinerLevelsReadable)
+{
+  const std::string overview = Folder + "/overview-1";
+  ASSERT_TRUE(this->Disk.RemoveAll(overview + "/store-00000").IsOk());
+  const Status status = ReadAll(this->Disk);
+  EXPECT_EQ(status.GetCode(), StatusCode::NotFound);
+  EXPECT_NE(status.GetMessage().find(overview + "/store-00000: this store"), std::string::npos)
+    << status.GetMessage();
+  const auto opened = OpenVolume(this->Disk);
+  QueryStatistics statistics;
+  EXPECT_TRUE(opened->GetShare(0, 0, 1, statistics, 1).IsOk());
+  EXPECT_FALSE(opened->GetShare(0, 0, 1, statistics, 2).IsOk());
+  EXPECT_TRUE(opened->GetSpectrum(0, 0, 1).IsOk());
+  ASSERT_TRUE(this->Disk.RemoveAll(overview).IsOk());
+  EXPECT_FALSE(opened->GetSpectrum(0, 0, 2).IsOk());
+  EXPECT_TRUE(opened->GetShare(0, 0, 1, statistics).IsOk());
+}
+
+TEST_F(BlockedVolumeCorruption, AnOverviewInAnothersPlaceIsFound)
+{
+  // The volume's own store has as many files, of another grid.
+  for (const char* name : { "/blocks", "/directory", "/array-0.tree" })
+  {
+    const std::string path = Folder + "/overview-1/store-00000" + name;
+    this->Disk.GetFile(path) = this->Intact.at(Folder + "/store-00000" + name);
+    this->ExpectCorrupt(path);
+  }
 }
 
 TEST(BlockDirectoryCorruption, OfItsNumberOfEntriesIsFoundWhateverTheNumber)

@@ -117,7 +117,7 @@ TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
 
 TEST(BlockedVolumeHeader, RefusesANewerVersionWithAdvice)
 {
-  ExpectRefused(Change([](Json& document) { document["formatVersion"] = 2; }), "update",
+  ExpectRefused(Change([](Json& document) { document["formatVersion"] = 3; }), "update",
     StatusCode::Unsupported);
   ExpectRefused(Change([](Json& document) { document["compression"] = "brotli"; }), "brotli",
     StatusCode::Unsupported);
@@ -199,6 +199,115 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
   {
     SCOPED_TRACE(change.first);
     ExpectRefused(Change(change.second), change.first);
+  }
+}
+
+namespace
+{
+
+/// A volume of 50 x 10 x 1 vertices in blocks of 16, four of them; an overview of two blocks, and
+/// one of a single one.
+BlockedVolumeHeader MakeHeaderWithOverviews()
+{
+  BlockedVolumeHeader header = MakeHeader();
+  header.NumberOfLevels = 1;
+  header.Overviews = { { 2, 2 }, { 5, 1 } };
+  for (TimeStepDescription& step : header.TimeSteps)
+  {
+    step.Overviews = { { { 1, 4096, 8 }, { 1, 8192, 9 } }, { { 1, 4096, 10 } } };
+  }
+  return header;
+}
+
+std::string ChangeOverviews(const std::function<void(Json&)>& change)
+{
+  Json document = Json::parse(MakeHeaderWithOverviews().Format());
+  change(document);
+  return FormatDocument(document);
+}
+
+} // namespace
+
+TEST(BlockedVolumeHeader, RoundTripsOverviewsAndTellsTheirGrids)
+{
+  const BlockedVolumeHeader header = MakeHeaderWithOverviews();
+  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
+  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
+  EXPECT_EQ(parsed->Format(), header.Format());
+  ASSERT_EQ(parsed->Overviews.size(), 2u);
+  const BlockedVolumeHeader first = parsed->MakeOverview(0);
+  EXPECT_EQ(first.Grid, header.Grid.Coarsen(1));
+  EXPECT_EQ(first.GetBlockGrid().GetNumberOfBlocks(), 2);
+  EXPECT_EQ(first.GetBlockGrid().GetNumberOfLevels(), 2);
+  EXPECT_EQ(first.TimeSteps[1].Folder, "1000000/overview-1");
+  EXPECT_EQ(first.TimeSteps[1].Stores[1].Checksum, 9u);
+  const BlockedVolumeHeader second = parsed->MakeOverview(1);
+  EXPECT_EQ(second.Grid, header.Grid.Coarsen(3));
+  EXPECT_EQ(second.GetBlockGrid().GetNumberOfBlocks(), 1);
+  EXPECT_EQ(second.TimeSteps[0].Folder, "000012/overview-2");
+}
+
+TEST(BlockedVolumeHeader, SaysTheLowestVersionThatTellsAll)
+{
+  EXPECT_EQ(Json::parse(MakeHeader().Format())["formatVersion"], 1);
+  EXPECT_EQ(Json::parse(MakeHeaderWithOverviews().Format())["formatVersion"], 2);
+  // Version 1 knows nothing of overviews, hence of records with fewer levels.
+  ExpectRefused(ChangeOverviews([](Json& d) { d["formatVersion"] = 1; }), "numberOfLevels");
+  const auto old = BlockedVolumeHeader::Parse(ChangeOverviews(
+                                                [](Json& d)
+                                                {
+                                                  d["formatVersion"] = 1;
+                                                  d["numberOfLevels"] = 5;
+                                                }),
+    Path);
+  ASSERT_TRUE(old.IsOk()) << old.GetStatus().GetMessage();
+  EXPECT_TRUE(old->Overviews.empty());
+}
+
+TEST(BlockedVolumeHeader, NamesTheMemberOfAnOverviewThatIsWrong)
+{
+  const Json one = Json::parse(R"({ "numberOfLevels": 1, "stores": 1 })");
+  const Json stores = Json::parse(
+    R"({ "stores": [ { "blocks": 1, "bytes": 4096, "checksum": "0000000000000000" } ] })");
+  const std::pair<const char*, std::function<void(Json&)>> changes[] = {
+    { "overviews", [](Json& d) { d.erase("overviews"); } },
+    { "overviews", [](Json& d) { d["overviews"] = 5; } },
+    { "overviews[1]", [](Json& d) { d["overviews"][1] = 5; } },
+    { "overviews[0].numberOfLevels", [](Json& d) { d["overviews"][0]["numberOfLevels"] = 0; } },
+    { "overviews[1].numberOfLevels", [](Json& d) { d["overviews"][1]["numberOfLevels"] = 6; } },
+    { "overviews[1].stores", [](Json& d) { d["overviews"][1]["stores"] = 0; } },
+    { "numberOfLevels", [](Json& d) { d["numberOfLevels"] = 0; } },
+    { "numberOfLevels", [](Json& d) { d["numberOfLevels"] = -1; } },
+    // The overviews would be coarser than their blocks say.
+    { "timeSteps[].overviews", [](Json& d) { d["numberOfLevels"] = 2; } },
+    { "timeSteps[0].overviews", [](Json& d) { d["timeSteps"][0].erase("overviews"); } },
+    { "timeSteps[0].overviews", [](Json& d) { d["timeSteps"][0]["overviews"].erase(1); } },
+    { "timeSteps[1].overviews[0].stores",
+      [](Json& d) { d["timeSteps"][1]["overviews"][0]["stores"].erase(1); } },
+    { "timeSteps[1].overviews[0].stores[0].checksum",
+      [](Json& d) { d["timeSteps"][1]["overviews"][0]["stores"][0]["checksum"] = 4; } },
+    { "timeSteps[].overviews",
+      [](Json& d) { d["timeSteps"][1]["overviews"][0]["stores"][0]["blocks"] = 2; } },
+    { "timeSteps[].overviews",
+      [](Json& d) { d["timeSteps"][1]["overviews"][1]["stores"][0]["bytes"] = 5; } },
+    // Nested without an end.
+    { "overviews",
+      [&](Json& d)
+      {
+        for (int more = 0; more < 1000; ++more)
+        {
+          d["overviews"].push_back(one);
+          for (Json& step : d["timeSteps"])
+          {
+            step["overviews"].push_back(stores);
+          }
+        }
+      } },
+  };
+  for (const auto& change : changes)
+  {
+    SCOPED_TRACE(change.first);
+    ExpectRefused(ChangeOverviews(change.second), change.first);
   }
 }
 

@@ -16,20 +16,21 @@ template <typename T>
 void ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, std::size_t array = 0)
 {
   QueryStatistics statistics;
-  const auto blocks = opened.GetShare(0, 0, 1, statistics);
-  ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
-  ASSERT_EQ(static_cast<std::int64_t>(blocks->size()), opened.GetBlockGrid().GetNumberOfBlocks());
   std::vector<std::uint64_t> sizes(static_cast<std::size_t>(opened.GetNumberOfLevels()), 0);
-  for (const BlockReference& reference : *blocks)
+  for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
   {
-    for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
+    const StoredLevel stored = opened.FindLevel(level);
+    const auto blocks = opened.GetShare(0, 0, 1, statistics, level);
+    ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
+    ASSERT_EQ(static_cast<std::int64_t>(blocks->size()), stored.Grid->GetNumberOfBlocks());
+    for (const BlockReference& reference : *blocks)
     {
       const auto block = opened.ReadBlock(reference, 0, array, level, statistics);
       ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
       const SampleView& view = (*block)->View;
       ASSERT_EQ(view.Type, ValueTypeOf<T>::Value);
-      ASSERT_EQ(view.Box, opened.GetBlockGrid().GetVertices(reference.Block, level));
-      ASSERT_EQ(view.Available, opened.GetBlockGrid().GetGhostedVertices(reference.Block, level));
+      ASSERT_EQ(view.Box, stored.Grid->GetVertices(reference.Block, stored.Level));
+      ASSERT_EQ(view.Available, stored.Grid->GetGhostedVertices(reference.Block, stored.Level));
       sizes[static_cast<std::size_t>(level)] += (*block)->Bytes.GetSize();
       std::size_t wrong = 0;
       for (std::int64_t k = view.Available.Low[2]; k < view.Available.High[2]; ++k)
@@ -175,7 +176,7 @@ TEST(BlockedVolumeRoundTrip, ReadsACoarseLevelAsAShortPrefix)
   for (int level = 0; level < 4; ++level)
   {
     QueryStatistics statistics;
-    const auto blocks = opened->GetShare(0, 0, 1, statistics);
+    const auto blocks = opened->GetShare(0, 0, 1, statistics, level);
     ASSERT_TRUE(blocks.IsOk());
     for (const BlockReference& block : *blocks)
     {

@@ -1,0 +1,538 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LargeVolume.h"
+
+#include "Base/ParallelFor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <future>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::uint64_t SlabBytes = std::uint64_t{ 32 } << 20;
+/// New samples in the shortest wave.
+constexpr double ShortestWave = 3;
+
+/// The root mean square of numbers that are uniform in [-1, 1), after cubic B-splines on three
+/// axes: sqrt(1/3 * (151/315)^3).
+constexpr double LatticeNoise = 0.1916;
+
+/// A number in [-1, 1) for a point of a lattice (integer hash: the finalizer of MurmurHash3).
+float HashPoint(std::uint32_t rowSeed, std::uint32_t i)
+{
+  std::uint32_t hash = rowSeed ^ (i * 0x9E3779B9u);
+  hash ^= hash >> 16;
+  hash *= 0x85EBCA6Bu;
+  hash ^= hash >> 13;
+  hash *= 0xC2B2AE35u;
+  hash ^= hash >> 16;
+  return static_cast<float>(static_cast<std::int32_t>(hash)) * (1.0F / 2147483648.0F);
+}
+
+std::uint32_t HashRow(std::uint64_t seed, std::int64_t j, std::int64_t k)
+{
+  std::uint64_t hash = seed + static_cast<std::uint64_t>(j) * 0x9E3779B97F4A7C15u +
+    static_cast<std::uint64_t>(k) * 0xC2B2AE3D27D4EB4Fu;
+  hash ^= hash >> 33;
+  hash *= 0xFF51AFD7ED558CCDu;
+  hash ^= hash >> 33;
+  return static_cast<std::uint32_t>(hash);
+}
+
+std::array<float, 4> FindWeights(double t, bool isInterpolating)
+{
+  const double u = 1 - t;
+  std::array<double, 4> weights{};
+  if (isInterpolating) // Catmull-Rom
+  {
+    weights = { -0.5 * t * u * u, 1 + t * t * (1.5 * t - 2.5), 1 + u * u * (1.5 * u - 2.5),
+      -0.5 * u * t * t };
+  }
+  else // uniform cubic B-spline
+  {
+    weights = { u * u * u / 6, (4 - 6 * t * t + 3 * t * t * t) / 6,
+      (4 - 6 * u * u + 3 * u * u * u) / 6, t * t * t / 6 };
+  }
+  return { static_cast<float>(weights[0]), static_cast<float>(weights[1]),
+    static_cast<float>(weights[2]), static_cast<float>(weights[3]) };
+}
+
+/// out = sum of weights[n] * rows[n].
+void Blend(const std::array<const float*, 4>& rows, const std::array<float, 4>& weights,
+  std::size_t count, float* out)
+{
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    out[i] = weights[0] * rows[0][i] + weights[1] * rows[1][i] + weights[2] * rows[2][i] +
+      weights[3] * rows[3][i];
+  }
+}
+
+template <typename T>
+void Convert(const std::vector<float>& row, T* out)
+{
+  for (std::size_t i = 0; i < row.size(); ++i)
+  {
+    if constexpr (std::is_floating_point_v<T>)
+    {
+      out[i] = row[i];
+    }
+    else if constexpr (sizeof(T) <= 2)
+    {
+      // The values are within the type's range and not far from 0: truncation rounds down.
+      constexpr float shift = static_cast<float>(std::numeric_limits<T>::min());
+      out[i] = static_cast<T>(static_cast<std::int32_t>(row[i] - shift + 0.5F) +
+        static_cast<std::int32_t>(std::numeric_limits<T>::min()));
+    }
+    else
+    {
+      out[i] = static_cast<T>(std::floor(static_cast<double>(row[i]) + 0.5));
+    }
+  }
+}
+
+/// MetaIO's names of the types.
+const char* GetElementType(ValueType type)
+{
+  constexpr std::array<const char*, 10> names = { "MET_CHAR", "MET_UCHAR", "MET_SHORT",
+    "MET_USHORT", "MET_INT", "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT",
+    "MET_DOUBLE" };
+  return names[static_cast<std::size_t>(type)];
+}
+
+Status WriteText(FileSystem& files, const std::string& path, const std::string& text)
+{
+  auto file = files.CreateForWriting(path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  const Status status = (*file)->Append(text.data(), text.size());
+  return status.IsOk() ? (*file)->SyncAndClose() : status;
+}
+
+} // namespace
+
+/// One lattice, interpolated to the rows of one slice of the grid. A thread has its own.
+class LargeVolume::SliceSampler
+{
+public:
+  SliceSampler(const Lattice& lattice, const Index3& dimensions)
+    : Points(lattice)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Axes[axis] = MakeTaps(lattice.Size[axis], dimensions[axis], lattice.IsInterpolating);
+    }
+    this->Width = static_cast<std::size_t>(dimensions[0]);
+    this->Hashed.resize(4 * static_cast<std::size_t>(lattice.Size[0]));
+    this->Blended.resize(static_cast<std::size_t>(lattice.Size[0]) + 8);
+    this->Rows.resize(static_cast<std::size_t>(lattice.Size[1]) * this->Width);
+  }
+
+  /// Goes to slice k: interpolates along z and x.
+  void SetSlice(std::int64_t k)
+  {
+    const Taps& z = this->Axes[2];
+    const auto slice = static_cast<std::size_t>(k);
+    for (std::int64_t j = 0; j < this->Points.Size[1]; ++j)
+    {
+      std::array<const float*, 4> rows{};
+      for (std::int64_t tap = 0; tap < 4; ++tap)
+      {
+        rows[static_cast<std::size_t>(tap)] = this->GetRow(
+          j, Clamp(z.First[slice] + tap, this->Points.Size[2]), static_cast<std::size_t>(tap));
+      }
+      this->BlendRow(rows, z.Weights[slice]);
+      this->StretchRow(&this->Rows[static_cast<std::size_t>(j) * this->Width]);
+    }
+  }
+
+  /// Row j of the slice.
+  void GetRow(std::int64_t j, float* out) const
+  {
+    const Taps& y = this->Axes[1];
+    const auto row = static_cast<std::size_t>(j);
+    std::array<const float*, 4> rows{};
+    for (std::int64_t tap = 0; tap < 4; ++tap)
+    {
+      const std::int64_t point = Clamp(y.First[row] + tap, this->Points.Size[1]);
+      rows[static_cast<std::size_t>(tap)] =
+        &this->Rows[static_cast<std::size_t>(point) * this->Width];
+    }
+    Blend(rows, y.Weights[row], this->Width, out);
+  }
+
+private:
+  static std::int64_t Clamp(std::int64_t point, std::int64_t size)
+  {
+    return std::clamp<std::int64_t>(point, 0, size - 1);
+  }
+
+  const float* GetRow(std::int64_t j, std::int64_t k, std::size_t tap)
+  {
+    const auto size = static_cast<std::size_t>(this->Points.Size[0]);
+    if (!this->Points.Values.empty())
+    {
+      return &this->Points.Values[static_cast<std::size_t>(k * this->Points.Size[1] + j) * size];
+    }
+    const std::uint32_t seed = HashRow(this->Points.Seed, j, k);
+    float* row = &this->Hashed[tap * size];
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      row[i] = HashPoint(seed, static_cast<std::uint32_t>(i));
+    }
+    return row;
+  }
+
+  /// The points of a row at this slice's z, with the ends repeated for the taps beyond them.
+  void BlendRow(const std::array<const float*, 4>& rows, std::array<float, 4> weights)
+  {
+    const auto size = static_cast<std::size_t>(this->Points.Size[0]);
+    for (float& weight : weights)
+    {
+      weight *= this->Points.Amplitude;
+    }
+    Blend(rows, weights, size, this->Blended.data() + 1);
+    this->Blended[0] = this->Blended[1];
+    std::fill_n(
+      this->Blended.begin() + static_cast<std::ptrdiff_t>(size) + 1, 7, this->Blended[size]);
+  }
+
+  void StretchRow(float* out) const
+  {
+    const Taps& x = this->Axes[0];
+    for (std::size_t i = 0; i < this->Width; ++i)
+    {
+      const float* points = this->Blended.data() + 1 + x.First[i];
+      const std::array<float, 4>& weights = x.Weights[i];
+      out[i] = weights[0] * points[0] + weights[1] * points[1] + weights[2] * points[2] +
+        weights[3] * points[3];
+    }
+  }
+
+  const Lattice& Points;
+  std::array<Taps, 3> Axes;
+  std::size_t Width = 0;
+  std::vector<float> Hashed;
+  std::vector<float> Blended;
+  std::vector<float> Rows; ///< Size[1] rows of the grid's width
+};
+
+Result<LargeVolume> LargeVolume::Open(
+  FileSystem& files, const RawVolume& scan, const LargeVolumeSettings& settings)
+{
+  const Index3 size = scan.Grid.GetDimensions();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    if (size[axis] < 2 || settings.Dimensions[axis] < 2 ||
+      settings.Dimensions[axis] > std::numeric_limits<std::int32_t>::max())
+    {
+      return Status(StatusCode::InvalidArgument,
+        "a volume needs two samples along each axis, as does its scan");
+    }
+  }
+  LargeVolume volume;
+  volume.Type = settings.Type;
+  volume.Grid = scan.Grid;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    volume.Grid.Extent[2 * axis] = 0;
+    volume.Grid.Extent[2 * axis + 1] = settings.Dimensions[axis] - 1;
+    volume.Grid.Spacing[axis] *=
+      static_cast<double>(size[axis] - 1) / static_cast<double>(settings.Dimensions[axis] - 1);
+  }
+  const Status status = volume.ReadScan(files, scan);
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  volume.MeasureContrast();
+  volume.AddOctaves(settings);
+  volume.ChooseScale(scan.Type);
+  return volume;
+}
+
+Status LargeVolume::ReadScan(FileSystem& files, const RawVolume& scan)
+{
+  auto source = scan.Open(files);
+  if (!source.IsOk())
+  {
+    return source.GetStatus();
+  }
+  const auto slab = (*source)->Read((*source)->GetBox());
+  if (!slab.IsOk())
+  {
+    return slab.GetStatus();
+  }
+  const SampleView& view = slab->Arrays[0];
+  this->Scan.Size = view.Box.GetSize();
+  this->Scan.IsInterpolating = true;
+  this->Scan.Values.reserve(static_cast<std::size_t>(view.Box.GetNumberOfVertices()));
+  DispatchValueType(view.Type,
+    [&](auto zero)
+    {
+      for (std::int64_t k = 0; k < this->Scan.Size[2]; ++k)
+      {
+        for (std::int64_t j = 0; j < this->Scan.Size[1]; ++j)
+        {
+          for (std::int64_t i = 0; i < this->Scan.Size[0]; ++i)
+          {
+            const auto value = static_cast<float>(*view.At<decltype(zero)>({ i, j, k }));
+            this->Scan.Values.push_back(std::isfinite(value) ? value : 0.0F);
+          }
+        }
+      }
+    });
+  const auto ends = std::minmax_element(this->Scan.Values.begin(), this->Scan.Values.end());
+  this->Lowest = *ends.first;
+  this->Highest = *ends.second;
+  return Status::Ok();
+}
+
+/// Highest less lowest value among a sample and its neighbours on the axes.
+void LargeVolume::MeasureContrast()
+{
+  const Index3& size = this->Scan.Size;
+  this->Contrast.Size = size;
+  this->Contrast.Values.reserve(this->Scan.Values.size());
+  const std::vector<float>& values = this->Scan.Values;
+  const Index3 stride = { 1, size[0], size[0] * size[1] };
+  Index3 at{};
+  for (at[2] = 0; at[2] < size[2]; ++at[2])
+  {
+    for (at[1] = 0; at[1] < size[1]; ++at[1])
+    {
+      for (at[0] = 0; at[0] < size[0]; ++at[0])
+      {
+        const std::int64_t index = at[0] + at[1] * stride[1] + at[2] * stride[2];
+        float low = values[static_cast<std::size_t>(index)];
+        float high = low;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+        {
+          for (const std::int64_t step : { -1, 1 })
+          {
+            if (at[axis] + step >= 0 && at[axis] + step < size[axis])
+            {
+              const float value = values[static_cast<std::size_t>(index + step * stride[axis])];
+              low = std::min(low, value);
+              high = std::max(high, value);
+            }
+          }
+        }
+        this->Contrast.Values.push_back(high - low);
+      }
+    }
+  }
+}
+
+void LargeVolume::AddOctaves(const LargeVolumeSettings& settings)
+{
+  // The contrast spans two distances of samples.
+  this->Contrast.Amplitude = static_cast<float>(settings.Detail / 2);
+  const Index3 dimensions = this->Grid.GetDimensions();
+  double amplitude = 1 / LatticeNoise;
+  for (std::int64_t fold = 1;; fold *= 2, amplitude /= 2)
+  {
+    Lattice octave;
+    octave.Seed = settings.Seed + static_cast<std::uint64_t>(fold) * 0x9E3779B97F4A7C15u;
+    octave.Amplitude = static_cast<float>(amplitude);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      octave.Size[axis] = fold * (this->Scan.Size[axis] - 1) + 1;
+      if (static_cast<double>(dimensions[axis] - 1) <
+        ShortestWave / 2 * static_cast<double>(octave.Size[axis] - 1))
+      {
+        return;
+      }
+    }
+    this->Octaves.push_back(std::move(octave));
+  }
+}
+
+void LargeVolume::ChooseScale(ValueType scanType)
+{
+  if (this->Type == scanType || this->Lowest == this->Highest)
+  {
+    return;
+  }
+  const double highest = DispatchValueType(this->Type,
+    [](auto zero)
+    {
+      using T = decltype(zero);
+      return std::is_floating_point_v<T>
+        ? 1.0
+        : std::min(16777216.0, static_cast<double>(std::numeric_limits<T>::max()));
+    });
+  this->Scale = static_cast<float>(highest / (double{ this->Highest } - double{ this->Lowest }));
+  this->Offset = -this->Lowest * this->Scale;
+}
+
+LargeVolume::Taps LargeVolume::MakeTaps(
+  std::int64_t points, std::int64_t vertices, bool isInterpolating)
+{
+  Taps taps;
+  for (std::int64_t vertex = 0; vertex < vertices; ++vertex)
+  {
+    // Exact at the scan's own samples: whole and fractional part by integers.
+    const std::int64_t product = vertex * (points - 1);
+    const std::int64_t point =
+      std::min(product / (vertices - 1), std::max<std::int64_t>(0, points - 2));
+    const double t =
+      static_cast<double>(product - point * (vertices - 1)) / static_cast<double>(vertices - 1);
+    taps.First.push_back(static_cast<std::int32_t>(point - 1));
+    taps.Weights.push_back(FindWeights(t, isInterpolating));
+  }
+  return taps;
+}
+
+void LargeVolume::FillSlices(std::int64_t begin, std::int64_t end, int threads, void* samples) const
+{
+  const Index3 size = this->Grid.GetDimensions();
+  const auto width = static_cast<std::size_t>(size[0]);
+  struct Workspace
+  {
+    std::vector<SliceSampler> Samplers; ///< scan, contrast, octaves
+    std::vector<float> Row;
+    std::vector<float> Detail;
+    std::vector<float> Part;
+  };
+  std::vector<Workspace> workspaces(static_cast<std::size_t>(threads));
+  const auto fillRow = [&](Workspace& own, std::int64_t j)
+  {
+    own.Samplers[0].GetRow(j, own.Row.data());
+    if (own.Samplers.size() > 2)
+    {
+      own.Samplers[2].GetRow(j, own.Detail.data());
+      for (std::size_t octave = 3; octave < own.Samplers.size(); ++octave)
+      {
+        own.Samplers[octave].GetRow(j, own.Part.data());
+        for (std::size_t i = 0; i < width; ++i)
+        {
+          own.Detail[i] += own.Part[i];
+        }
+      }
+      own.Samplers[1].GetRow(j, own.Part.data());
+      for (std::size_t i = 0; i < width; ++i)
+      {
+        own.Row[i] += own.Detail[i] * own.Part[i];
+      }
+    }
+    for (float& value : own.Row)
+    {
+      value = this->Offset + this->Scale * std::min(this->Highest, std::max(this->Lowest, value));
+    }
+  };
+  ParallelFor(static_cast<std::size_t>(end - begin), threads,
+    [&](std::size_t slice, int thread)
+    {
+      Workspace& own = workspaces[static_cast<std::size_t>(thread)];
+      if (own.Samplers.empty())
+      {
+        own.Samplers.emplace_back(this->Scan, size);
+        own.Samplers.emplace_back(this->Contrast, size);
+        for (const Lattice& octave : this->Octaves)
+        {
+          own.Samplers.emplace_back(octave, size);
+        }
+        own.Row.resize(width);
+        own.Detail.resize(width);
+        own.Part.resize(width);
+      }
+      for (SliceSampler& sampler : own.Samplers)
+      {
+        sampler.SetSlice(begin + static_cast<std::int64_t>(slice));
+      }
+      DispatchValueType(this->Type,
+        [&](auto zero)
+        {
+          auto* out = static_cast<decltype(zero)*>(samples) +
+            slice * width * static_cast<std::size_t>(size[1]);
+          for (std::int64_t j = 0; j < size[1]; ++j, out += width)
+          {
+            fillRow(own, j);
+            Convert(own.Row, out);
+          }
+        });
+    });
+}
+
+Status LargeVolume::Write(FileSystem& files, const std::string& path, int threads) const
+{
+  const std::filesystem::path rawPath = std::filesystem::path(path).replace_extension(".raw");
+  auto file = files.CreateForWriting(rawPath.string());
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  const Index3 size = this->Grid.GetDimensions();
+  const std::uint64_t sliceBytes =
+    static_cast<std::uint64_t>(size[0] * size[1]) * GetValueSize(this->Type);
+  const auto slices =
+    std::max<std::int64_t>(threads, static_cast<std::int64_t>(SlabBytes / sliceBytes));
+  std::array<std::vector<std::uint8_t>, 2> slabs;
+  std::future<Status> writing;
+  Status status;
+  std::size_t turn = 0;
+  for (std::int64_t k = 0; k < size[2] && status.IsOk(); k += slices, turn = 1 - turn)
+  {
+    const std::int64_t end = std::min(size[2], k + slices);
+    std::vector<std::uint8_t>& slab = slabs[turn];
+    slab.resize(static_cast<std::size_t>(end - k) * sliceBytes);
+    this->FillSlices(k, end, threads, slab.data());
+    if (writing.valid())
+    {
+      status = writing.get();
+    }
+    writing = std::async(std::launch::async,
+      [&target = **file, &slab] { return target.Append(slab.data(), slab.size()); });
+  }
+  const Status last = writing.valid() ? writing.get() : Status::Ok();
+  status = status.IsOk() ? last : status;
+  status = status.IsOk() ? (*file)->SyncAndClose() : status;
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  std::ostringstream header;
+  header.precision(17);
+  header << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+         << "CompressedData = False\nTransformMatrix =";
+  for (std::size_t column = 0; column < 3; ++column)
+  {
+    for (std::size_t row = 0; row < 3; ++row)
+    {
+      header << ' ' << this->Grid.Direction[3 * row + column];
+    }
+  }
+  header << "\nOffset = " << this->Grid.Origin[0] << ' ' << this->Grid.Origin[1] << ' '
+         << this->Grid.Origin[2] << "\nElementSpacing = " << this->Grid.Spacing[0] << ' '
+         << this->Grid.Spacing[1] << ' ' << this->Grid.Spacing[2] << "\nDimSize = " << size[0]
+         << ' ' << size[1] << ' ' << size[2] << "\nElementType = " << GetElementType(this->Type)
+         << "\nElementDataFile = " << rawPath.filename().string() << "\n";
+  return WriteText(files, path, header.str());
+}
+
+RawVolume FindDebianScan()
+{
+  // NIfTI-1: a header of 348 bytes, four that say that none follows, the samples.
+  RawVolume scan;
+  scan.Grid.Extent = { 0, 180, 0, 216, 0, 180 };
+  scan.Grid.Origin = { -90, -125, -71 };
+  scan.Type = ValueType::UInt8;
+  scan.ArrayName = "T1";
+  scan.IsGzip = true;
+  scan.Skip = 352;
+  scan.Paths = { "/usr/share/mricron/templates/ch2.nii.gz" };
+  return scan;
+}
+
+} // namespace isosurface

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Source/VolumeFile.h"
+
+#include "Source/HeaderText.h"
+#include "Source/RawVolume.h"
+#include "Source/TiffSource.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+bool IsTiffName(const std::string& path)
+{
+  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
+  return extension == ".tif" || extension == ".tiff";
+}
+
+bool IsPattern(const std::string& path)
+{
+  return std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos;
+}
+
+bool HasFiles(FileSystem& files, const std::string& path)
+{
+  const auto names = files.List(path);
+  return names.IsOk() && !names->empty();
+}
+
+/// "*" stands for any characters, "?" for one.
+bool FitsPattern(const std::string& name, const std::string& pattern)
+{
+  std::size_t at = 0;
+  std::size_t of = 0;
+  std::size_t star = std::string::npos;
+  std::size_t afterStar = 0;
+  while (at < name.size())
+  {
+    if (of < pattern.size() && pattern[of] == '*')
+    {
+      star = of++;
+      afterStar = at;
+    }
+    else if (of < pattern.size() && (pattern[of] == '?' || pattern[of] == name[at]))
+    {
+      ++of;
+      ++at;
+    }
+    else if (star != std::string::npos)
+    {
+      of = star + 1;
+      at = ++afterStar;
+    }
+    else
+    {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', of) == std::string::npos;
+}
+
+bool IsDigit(char letter)
+{
+  return std::isdigit(static_cast<unsigned char>(letter)) != 0;
+}
+
+/// A name cut where numbers begin and end: text, number, text, number, ...
+struct NameParts
+{
+  std::vector<std::string> Texts;
+  std::vector<std::string> Numbers; ///< without zeros in front
+
+  explicit NameParts(const std::string& name)
+  {
+    std::size_t at = 0;
+    while (at < name.size())
+    {
+      const std::size_t digits = static_cast<std::size_t>(
+        std::find_if(name.begin() + static_cast<std::ptrdiff_t>(at), name.end(), IsDigit) -
+        name.begin());
+      std::size_t end = digits;
+      while (end < name.size() && IsDigit(name[end]))
+      {
+        ++end;
+      }
+      this->Texts.push_back(name.substr(at, digits - at));
+      const std::string number = name.substr(digits, end - digits);
+      const std::size_t zeros = std::min(number.find_first_not_of('0'), number.size());
+      this->Numbers.push_back(number.substr(zeros));
+      at = end;
+    }
+  }
+
+  bool operator<(const NameParts& other) const
+  {
+    const std::size_t count = std::min(this->Texts.size(), other.Texts.size());
+    for (std::size_t part = 0; part < count; ++part)
+    {
+      const std::string& a = this->Numbers[part];
+      const std::string& b = other.Numbers[part];
+      if (this->Texts[part] != other.Texts[part])
+      {
+        return this->Texts[part] < other.Texts[part];
+      }
+      if (a != b)
+      {
+        return a.size() != b.size() ? a.size() < b.size() : a < b;
+      }
+    }
+    return this->Texts.size() < other.Texts.size();
+  }
+};
+
+/// Which number tells the names apart, if one alone does.
+std::optional<std::size_t> FindCounter(const std::vector<NameParts>& names)
+{
+  std::optional<std::size_t> counter;
+  for (const NameParts& name : names)
+  {
+    if (name.Texts != names.front().Texts)
+    {
+      return std::nullopt;
+    }
+    for (std::size_t part = 0; part < name.Numbers.size(); ++part)
+    {
+      if (name.Numbers[part] != names.front().Numbers[part] && counter.value_or(part) != part)
+      {
+        return std::nullopt;
+      }
+      if (name.Numbers[part] != names.front().Numbers[part])
+      {
+        counter = part;
+      }
+    }
+  }
+  return counter;
+}
+
+/// That the numbers of a series go up by equal steps.
+Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameParts>& names)
+{
+  const auto counter = FindCounter(names);
+  std::vector<std::int64_t> numbers;
+  for (std::size_t file = 0; counter && file < names.size(); ++file)
+  {
+    const std::string& text = names[file].Numbers[*counter];
+    const auto number = HeaderText::ParseInteger(text.empty() ? "0" : text);
+    if (!number)
+    {
+      return Status::Ok(); // a time or a hash rather than the number of a slice
+    }
+    numbers.push_back(*number);
+  }
+  for (std::size_t file = 2; file < numbers.size(); ++file)
+  {
+    if (numbers[file] - numbers[file - 1] != numbers[1] - numbers[0])
+    {
+      return Status(StatusCode::Corrupt,
+        paths[file] + ": a slice of the series is missing, or one is too many: its number is " +
+          std::to_string(numbers[file]) + " behind " + std::to_string(numbers[file - 1]) +
+          ", where the series begins " + std::to_string(numbers[0]) + ", " +
+          std::to_string(numbers[1]));
+    }
+  }
+  return Status::Ok();
+}
+
+Result<VolumeFile> OpenTiff(FileSystem& files, const std::string& path)
+{
+  const auto paths = VolumeFile::FindStack(files, path);
+  if (!paths.IsOk())
+  {
+    return paths.GetStatus();
+  }
+  auto source = TiffSource::Open(files, *paths);
+  if (!source.IsOk())
+  {
+    return source.GetStatus();
+  }
+  VolumeFile volume;
+  const Index3 size = (*source)->GetBox().GetSize();
+  volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
+  volume.ArrayName = "Tiff Scalars";
+  volume.Type = (*source)->GetType();
+  volume.Source = std::move(*source);
+  return volume;
+}
+
+} // namespace
+
+bool VolumeFile::IsKnown(FileSystem& files, const std::string& path)
+{
+  return RawVolume::HasHeader(path) || IsTiffName(path) || IsPattern(path) || HasFiles(files, path);
+}
+
+Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const std::string& path)
+{
+  const bool isPattern = IsPattern(path);
+  if (!isPattern && !HasFiles(files, path))
+  {
+    return std::vector<std::string>{ path };
+  }
+  const std::filesystem::path whole(path);
+  const std::string folder = !isPattern ? path
+    : whole.has_parent_path()           ? whole.parent_path().string()
+                                        : ".";
+  const auto found = files.List(folder);
+  if (!found.IsOk())
+  {
+    return found.GetStatus();
+  }
+  std::vector<std::pair<NameParts, std::string>> names;
+  for (const std::string& name : *found)
+  {
+    if (isPattern ? FitsPattern(name, whole.filename().string()) : IsTiffName(name))
+    {
+      names.emplace_back(NameParts(name), name);
+    }
+  }
+  if (names.empty())
+  {
+    return Status(StatusCode::NotFound, path + ": there are no TIFF files of this name, or in it");
+  }
+  std::stable_sort(
+    names.begin(), names.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> paths;
+  std::vector<NameParts> parts;
+  for (auto& name : names)
+  {
+    paths.push_back((std::filesystem::path(folder) / name.second).string());
+    parts.push_back(std::move(name.first));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(CheckSteps(paths, parts));
+  return paths;
+}
+
+Result<VolumeFile> VolumeFile::Open(FileSystem& files, const std::string& path)
+{
+  if (!IsKnown(files, path))
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": cannot be read: it is neither MetaImage, NRRD, nor a TIFF stack");
+  }
+  if (!RawVolume::HasHeader(path))
+  {
+    return OpenTiff(files, path);
+  }
+  const auto raw = RawVolume::ReadHeader(files, path);
+  if (!raw.IsOk())
+  {
+    return raw.GetStatus();
+  }
+  auto source = raw->Open(files);
+  if (!source.IsOk())
+  {
+    return source.GetStatus();
+  }
+  VolumeFile volume;
+  volume.Grid = raw->Grid;
+  volume.ArrayName = raw->ArrayName;
+  volume.Type = raw->Type;
+  volume.Source = std::move(*source);
+  return volume;
+}
+
+} // namespace isosurface

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Input: a letter (M: MetaImage, N: NRRD, T: TIFF), then the file, with or without samples behind
+// its header. What it names is the file itself or is missing. Samples are read if they are few.
+#include "FuzzTarget.h"
+#include "SealedBytes.h"
+
+#include "Source/VolumeFile.h"
+
+#include <string>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr std::uint64_t MostSamples = std::uint64_t{ 1 } << 20;
+
+void OpenAndRead(MemoryDisk& disk, const std::string& path)
+{
+  const auto volume = VolumeFile::Open(disk, path);
+  if (!volume.IsOk())
+  {
+    Require(volume.GetStatus().GetMessage().find("/data/") == 0, "an error names the file");
+    return;
+  }
+  SlabSource& source = *volume->Source;
+  const VertexBox& box = source.GetBox();
+  Require(box.GetSize() == volume->Grid.GetDimensions(), "a source has the samples of its grid");
+  Require(!box.IsEmpty(), "a volume has samples");
+  // A product of three may wrap.
+  const Index3 size = box.GetSize();
+  if (size[0] <= 256 && size[1] <= 256 && source.GetHeldBytes() <= MostSamples)
+  {
+    VertexBox slice = box;
+    slice.High[2] = slice.Low[2] + 1;
+    const auto slab = source.Read(slice);
+    Require(!slab.IsOk() || slab->Fits({ volume->Type }, slice), "a slab has what was asked for");
+  }
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
+{
+  if (size < 1)
+  {
+    return 0;
+  }
+  const std::string path = std::string("/data/a") +
+    (bytes[0] == 'M'      ? ".mha"
+        : bytes[0] == 'N' ? ".nrrd"
+                          : ".tif");
+  MemoryDisk disk;
+  PutFile(disk, path, SealedBytes(bytes + 1, bytes + size));
+  // Series of as many names as a header may make, and the tables of libtiff's codecs.
+  const MemoryLimit limit(std::size_t{ 512 } << 20);
+  OpenAndRead(disk, path);
+  return 0;
+}

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The surface at a level of detail is that of the subsampled image, whatever the level is stored
+// in.
+#include "BlockChecks.h"
+#include "ScratchFolder.h"
+#include "TestVolumes.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkStabbingContour.h"
+
+#include "vtkPartitionedDataSet.h"
+#include "vtkPassThrough.h"
+#include "vtkPolyData.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+namespace
+{
+
+struct LevelVolume
+{
+  Extent Bounds;
+  int BlockSize;
+  int Levels;
+};
+
+const LevelVolume Volumes[] = {
+  { { -41, 28, -7, 53, -90, -8 }, 16, 2 + 2 + 5 }, // odd lengths, several blocks each way
+  { { 0, 128, 3, 67, 5, 100 }, 32, 2 + 6 },        // multiples of the blocks, and others
+  { { 0, 150, -1, 1, 0, 34 }, 16, 2 + 2 + 5 },     // thin
+  { { 2, 20, 0, 14, 0, 15 }, 32, 6 },              // a single block
+};
+
+class StabbingContourLevels : public testing::TestWithParam<LevelVolume>
+{
+protected:
+  StabbingContourLevels()
+    : Image(MakeImage(GetParam().Bounds, VTK_SHORT, MakeNoise(200, 3)))
+    , Path(Folder.GetPath("volume.bvol"))
+  {
+    TurnObliquely(this->Image);
+    WriteVolume(
+      this->Image, this->Path, { GetParam().BlockSize, 3, vtkBlockedVolumeWriter::RANDOM });
+  }
+
+  const ScratchFolder Folder;
+  const vtkSmartPointer<vtkImageData> Image;
+  const std::string Path;
+};
+
+TEST_P(StabbingContourLevels, HaveTheSurfaceOfTheSubsampledImage)
+{
+  vtkNew<vtkBlockedVolumeReader> reader;
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter readerErrors(reader);
+  const ErrorCounter errors(contour);
+  reader->SetFileName(this->Path.c_str());
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetValue(0, 80);
+  for (int level = 0; level < GetParam().Levels; ++level)
+  {
+    contour->SetLevel(level);
+    const EdgeSurface expected = ContourByFlyingEdges(SubsampleImage(this->Image, level), 80);
+    for (const int pieces : { 1, 3 })
+    {
+      EdgeSurface all;
+      for (int piece = 0; piece < pieces; ++piece)
+      {
+        contour->UpdatePiece(piece, pieces, 0);
+        all.Add(contour->GetOutput());
+        EXPECT_EQ(GetCost(contour->GetOutput(), "Level"), static_cast<std::uint64_t>(level));
+      }
+      all.MergeEqualPoints();
+      EXPECT_TRUE(AreEqual(all, expected)) << "level " << level << ", " << pieces << " pieces";
+      EXPECT_TRUE(level > 0 || !all.Triangles.empty());
+    }
+  }
+  contour->SetLevel(40);
+  contour->Update();
+  EXPECT_EQ(
+    GetCost(contour->GetOutput(), "Level"), static_cast<std::uint64_t>(GetParam().Levels - 1))
+    << "the coarsest one";
+  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+TEST_P(StabbingContourLevels, TravelUpstreamWhereTheHandleDoesNotReach)
+{
+  vtkNew<vtkBlockedVolumeReader> reader;
+  vtkNew<vtkPassThrough> between;
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter errors(contour);
+  reader->SetFileName(this->Path.c_str());
+  between->SetInputConnection(reader->GetOutputPort());
+  contour->SetInputConnection(between->GetOutputPort());
+  contour->SetValue(0, 80);
+  for (const int level : { 0, 3, 1, 2 })
+  {
+    contour->SetLevel(level);
+    contour->Update();
+    EdgeSurface surface;
+    surface.Add(contour->GetOutput());
+    EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(SubsampleImage(this->Image, level), 80)))
+      << "level " << level;
+    EXPECT_EQ(reader->GetLevel(), level);
+  }
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Volumes, StabbingContourLevels, testing::ValuesIn(Volumes));
+
+TEST(StabbingContourLevel, IsFullResolutionForImageData)
+{
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(200, 3));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(image);
+  contour->SetValue(0, 80);
+  contour->SetLevel(2);
+  contour->Update();
+  EdgeSurface surface;
+  surface.Add(contour->GetOutput());
+  EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(image, 80)));
+  EXPECT_EQ(GetCost(contour->GetOutput(), "Level"), 0u);
+}
+
+TEST(BlockedVolumeReaderLevels, AreTheSubsampledImageDownToASingleBlock)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("volume.bvol");
+  // A quarter of a mebibyte at level 2.
+  const auto image = MakeImage({ 3, 262, 0, 200, -5, 190 }, VTK_FLOAT, MakeNoise(200, 3));
+  WriteVolume(image, path, { 32, 4 });
+  vtkNew<vtkBlockedVolumeReader> reader;
+  const ErrorCounter errors(reader);
+  reader->SetFileName(path.c_str());
+  reader->SetMemoryLimit(1);
+  for (const int pieces : { 1, 2, 3 })
+  {
+    std::vector<vtkSmartPointer<vtkPartitionedDataSet>> kept;
+    std::vector<vtkPartitionedDataSet*> all;
+    for (int piece = 0; piece < pieces; ++piece)
+    {
+      kept.push_back(ReadPiece(reader, piece, pieces));
+      all.push_back(kept.back());
+      EXPECT_EQ(reader->GetLevel(), 2);
+    }
+    const BlockChecks checks{ image, 2 };
+    EXPECT_TRUE(checks.HaveValues(all, "density")) << pieces;
+    EXPECT_TRUE(checks.HaveEachCellOnce(all)) << pieces;
+  }
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+} // namespace
+} // namespace isosurface

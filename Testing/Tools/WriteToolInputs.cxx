@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// WriteToolInputs <folder>: a volume in files of several formats, and beside each the blocked
+// volume that vtkBlockedVolumeWriter makes of what VTK's own reader gives: NAME.bvol of NAME.
+#include "vtkBlockedVolumeWriter.h"
+
+#include "vtkFloatArray.h"
+#include "vtkImageData.h"
+#include "vtkMetaImageReader.h"
+#include "vtkMetaImageWriter.h"
+#include "vtkNIFTIImageReader.h"
+#include "vtkNIFTIImageWriter.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkShortArray.h"
+#include "vtkStructuredPointsReader.h"
+#include "vtkStructuredPointsWriter.h"
+#include "vtkTIFFReader.h"
+#include "vtkTIFFWriter.h"
+#include "vtkUnsignedShortArray.h"
+#include "vtkXMLImageDataReader.h"
+#include "vtkXMLImageDataWriter.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace
+{
+
+/// Waves; not the same on any axis.
+template <typename Array>
+void AddArray(vtkImageData* image, const char* name, double height)
+{
+  int size[3];
+  image->GetDimensions(size);
+  vtkNew<Array> array;
+  array->SetName(name);
+  array->SetNumberOfValues(image->GetNumberOfPoints());
+  vtkIdType number = 0;
+  for (int k = 0; k < size[2]; ++k)
+  {
+    for (int j = 0; j < size[1]; ++j)
+    {
+      for (int i = 0; i < size[0]; ++i)
+      {
+        array->SetValue(number++,
+          static_cast<typename Array::ValueType>(
+            height * (2 + std::sin(0.31 * i + 0.1 * k) + std::cos(0.17 * j) * std::sin(0.2 * k))));
+      }
+    }
+  }
+  image->GetPointData()->AddArray(array);
+  if (!image->GetPointData()->GetScalars())
+  {
+    image->GetPointData()->SetActiveScalars(name);
+  }
+}
+
+template <typename Reader>
+bool WriteBlocked(const std::string& path)
+{
+  vtkNew<Reader> reader;
+  reader->SetFileName(path.c_str());
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  writer->SetInputConnection(reader->GetOutputPort());
+  writer->SetFileName((path + ".bvol").c_str());
+  writer->SetNumberOfStores(3);
+  writer->SetController(nullptr);
+  return writer->Write() == 1;
+}
+
+bool WriteAll(const std::string& folder)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(70, 67, 150);
+  image->SetSpacing(0.5, 0.75, 2);
+  image->SetOrigin(-3, 7, 1.5);
+  AddArray<vtkShortArray>(image, "density", 900);
+  vtkNew<vtkMetaImageWriter> meta;
+  meta->SetInputData(image);
+  meta->SetFileName((folder + "/a.mhd").c_str());
+  meta->SetRAWFileName((folder + "/a.raw").c_str());
+  meta->SetCompression(false);
+  meta->Write();
+  vtkNew<vtkNIFTIImageWriter> nifti;
+  nifti->SetInputData(image);
+  nifti->SetFileName((folder + "/a.nii.gz").c_str());
+  nifti->Write();
+
+  vtkNew<vtkImageData> counts;
+  counts->CopyStructure(image);
+  AddArray<vtkUnsignedShortArray>(counts, "counts", 700);
+  vtkNew<vtkTIFFWriter> tiff;
+  tiff->SetInputData(counts);
+  tiff->SetFileName((folder + "/a.tif").c_str());
+  tiff->Write();
+
+  AddArray<vtkFloatArray>(image, "height", 0.01);
+  vtkNew<vtkStructuredPointsWriter> legacy;
+  legacy->SetInputData(image);
+  legacy->SetFileTypeToBinary();
+  legacy->SetFileName((folder + "/a.vtk").c_str());
+  legacy->Write();
+  vtkNew<vtkXMLImageDataWriter> xml;
+  xml->SetInputData(image);
+  xml->SetFileName((folder + "/a.vti").c_str());
+  xml->Write();
+  // One array, for the choice of arrays.
+  image->GetPointData()->RemoveArray("density");
+  image->GetPointData()->SetActiveScalars("height");
+  xml->SetFileName((folder + "/height.vti").c_str());
+  xml->Write();
+  return WriteBlocked<vtkMetaImageReader>(folder + "/a.mhd") &&
+    WriteBlocked<vtkNIFTIImageReader>(folder + "/a.nii.gz") &&
+    WriteBlocked<vtkTIFFReader>(folder + "/a.tif") &&
+    WriteBlocked<vtkStructuredPointsReader>(folder + "/a.vtk") &&
+    WriteBlocked<vtkXMLImageDataReader>(folder + "/a.vti") &&
+    WriteBlocked<vtkXMLImageDataReader>(folder + "/height.vti");
+}
+
+} // namespace
+
+int main(int argc, char* argv[])
+{
+  if (argc != 2)
+  {
+    std::fprintf(stderr, "Usage: %s <folder>\n", argv[0]);
+    return 2;
+  }
+  std::filesystem::remove_all(argv[1]);
+  std::filesystem::create_directories(argv[1]);
+  return WriteAll(argv[1]) ? 0 : 1;
+}

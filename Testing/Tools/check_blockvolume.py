@@ -1,0 +1,356 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs blockvolume as its users do: check_blockvolume.py TOOL MPIEXEC INPUTS SCRATCH CLAIM"""
+import filecmp
+import glob
+import json
+import os
+import random
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Readers"))
+from read_blocked_volume import BlockedVolume  # noqa: E402  (found beside this script)
+
+TOOL, MPIEXEC, INPUTS, SCRATCH, CLAIM = sys.argv[1:6]
+HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
+SIZE = (70, 67, 150)
+
+
+def run(*arguments, ranks=1):
+    """Return code, standard output and standard error of a run."""
+    command = [TOOL, *arguments]
+    if ranks > 1:
+        command = [MPIEXEC, "--oversubscribe", "-n", str(ranks)] + command
+    result = subprocess.run(command, capture_output=True, text=True, cwd=SCRATCH, timeout=100)
+    return result.returncode, result.stdout, result.stderr
+
+
+def list_files(volume):
+    """Names within a blocked volume, with the paths."""
+    files = {"header": volume}
+    for path in glob.glob(volume + ".stores/**", recursive=True):
+        if os.path.isfile(path):
+            files[os.path.relpath(path, volume + ".stores")] = path
+    return files
+
+
+class Case(unittest.TestCase):
+    def write(self, source, name, *arguments, ranks=1):
+        """Writes a volume anew; its path."""
+        path = os.path.join(SCRATCH, name)
+        for old in (path, path + ".stores"):
+            if os.path.exists(old):
+                os.remove(old) if os.path.isfile(old) else shutil.rmtree(old)
+        code, out, err = run(source, path, *arguments, ranks=ranks)
+        self.assertEqual(code, 0, err)
+        return path
+
+    def assert_equal_volumes(self, path, expected):
+        mine, others = list_files(path), list_files(expected)
+        self.assertEqual(sorted(mine), sorted(others))
+        for name in mine:
+            self.assertTrue(filecmp.cmp(mine[name], others[name], shallow=False), name)
+
+
+class WritesWhatTheWriterWrites(Case):
+    def test_every_format_on_any_ranks(self):
+        for name in ("a.mhd", "a.nii.gz", "a.tif", "a.vtk", "a.vti"):
+            source = os.path.join(INPUTS, name)
+            for ranks in (1, 2, 3):
+                with self.subTest(name=name, ranks=ranks):
+                    path = self.write(source, "o.bvol", "--stores", "3", ranks=ranks)
+                    self.assert_equal_volumes(path, source + ".bvol")
+
+    def test_parts_and_all_at_once_and_any_threads(self):
+        source = os.path.join(INPUTS, "a.vti")
+        for arguments in (["--memory", "7"], ["--threads", "3"]):
+            path = self.write(source, "o.bvol", "--stores", "3", *arguments)
+            self.assert_equal_volumes(path, source + ".bvol")
+
+    def test_chosen_array(self):
+        for memory in ("7", "500"):
+            path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3", "--arrays",
+                              "height", "--memory", memory)
+            self.assert_equal_volumes(path, os.path.join(INPUTS, "height.vti.bvol"))
+
+    def test_order_of_arrays(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--arrays", "height,density")
+        self.assertEqual([a["name"] for a in BlockedVolume(path).arrays], ["height", "density"])
+
+    def test_summary_progress_and_quiet(self):
+        source = os.path.join(INPUTS, "a.mhd")
+        code, out, err = run(source, "s.bvol", ranks=2)
+        self.assertEqual(code, 0)
+        self.assertRegex(out, r"^s.bvol: 45 blocks of 32 cells a side in 2 stores, [0-9. MkB]+ "
+                              r"\(1.4 MB of samples\), [0-9.]+ s, [0-9]+ MB/s\n$")
+        self.assertRegex(err, r"s.bvol: [0-9]+ %\n")
+        self.assertNotIn("\r", err)
+        self.assertEqual(run(source, "s.bvol", "--quiet"), (0, "", ""))
+
+
+class ReadsSeriesAndRawSamples(Case):
+    def test_raw_in_both_byte_orders(self):
+        with open(os.path.join(INPUTS, "a.raw"), "rb") as file:
+            samples = file.read()
+        count = len(samples) // 2
+        with open(os.path.join(SCRATCH, "b.raw"), "wb") as file:
+            file.write(b"header" + struct.pack(f">{count}h", *struct.unpack(f"<{count}h", samples)))
+        place = ["--stores", "3", "--dimensions", ",".join(map(str, SIZE)), "--type", "int16",
+                 "--name", "MetaImage", "--spacing", "0.5,0.75,2", "--origin", "-3,7,1.5"]
+        expected = os.path.join(INPUTS, "a.mhd.bvol")
+        path = self.write(os.path.join(INPUTS, "a.raw"), "o.bvol", *place)
+        self.assert_equal_volumes(path, expected)
+        path = self.write("b.raw", "o.bvol", "--header-bytes", "6", "--big-endian", *place, ranks=2)
+        self.assert_equal_volumes(path, expected)
+
+    def test_debian_scan(self):
+        if not os.path.exists(HEAD_MRI):
+            self.skipTest("mricron-data is not installed")
+        path = self.write(HEAD_MRI, "head.bvol", ranks=2)
+        self.assertEqual(BlockedVolume(path).dimensions, [181, 217, 181])
+
+    def test_folder_and_pattern_of_slices(self):
+        # Slices of one strip each, as plain as TIFF can be.
+        folder = os.path.join(SCRATCH, "slices")
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder)
+        with open(os.path.join(INPUTS, "a.raw"), "rb") as file:
+            samples = file.read()
+        width, height, depth = SIZE
+        size = 2 * width * height
+        for k in range(depth):
+            tags = [(256, width), (257, height), (258, 16), (259, 1), (262, 1), (273, 146),
+                    (277, 1), (278, height), (279, size), (339, 2)]
+            text = struct.pack("<2sHIH", b"II", 42, 8, len(tags))
+            for tag, value in tags:
+                text += struct.pack("<HHII", tag, 4, 1, value)
+            with open(os.path.join(folder, f"slice{k}.tif"), "wb") as file:
+                file.write(text.ljust(146, b"\0") + samples[k * size:(k + 1) * size])
+        place = ["--spacing", "0.5,0.75,2", "--origin", "-3,7,1.5"]
+        one = self.write("slices", "o.bvol", *place, "--stores", "3")
+        self.assert_equal_volumes(self.write("slices/s*.tif", "p.bvol", *place, "--stores", "3",
+                                             ranks=3), one)
+        expected = list_files(os.path.join(INPUTS, "a.mhd.bvol"))
+        for name, path in list_files(one).items():
+            if name != "header":  # which has the array's name
+                self.assertTrue(filecmp.cmp(path, expected[name], shallow=False), name)
+        os.remove(os.path.join(folder, "slice7.tif"))
+        code, out, err = run("slices", "q.bvol")
+        self.assertEqual((code, out), (1, ""))
+        self.assertRegex(err, r"^blockvolume: slices/slice8.tif: a slice of the series is missing")
+
+
+class SettingsReachTheFile(Case):
+    def test_each(self):
+        source = os.path.join(INPUTS, "a.mhd")
+        path = self.write(source, "o.bvol", "--block-size", "16", "--stores", "5", "--distribution",
+                          "random", "--seed", "12", "--compression", "zstd:7")
+        header = BlockedVolume(path).header
+        self.assertEqual((header["blockSize"], header["stores"], header["distribution"],
+                          header["compression"], header["compressionLevel"]),
+                         (16, 5, {"method": "random", "seed": 12}, "zstd", 7))
+        path = self.write(source, "o.bvol", "--compression", "none", ranks=2)
+        header = BlockedVolume(path).header
+        self.assertEqual((header["compression"], header["stores"]), ("none", 2))
+
+
+class VerifyFindsAnyFault(Case):
+    def test_sound(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
+        for ranks in (1, 2):
+            code, out, err = run("--verify", path, ranks=ranks)
+            self.assertEqual(code, 0, err)
+            self.assertRegex(out, r"^.*o.bvol: sound: 14 files, 45 blocks, ")
+
+    def test_a_flipped_bit_in_each_kind_of_file(self):
+        random.seed(5)
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
+        for name, file_path in list_files(path).items():
+            if "store-" in name and "store-00001" not in name:
+                continue
+            with self.subTest(file=name):
+                with open(file_path, "rb") as file:
+                    good = file.read()
+                bad = bytearray(good)
+                bad[random.randrange(len(bad))] ^= 1 << random.randrange(8)
+                with open(file_path, "wb") as file:
+                    file.write(bad)
+                code, out, err = run("--verify", path, "--quiet")
+                self.assertEqual((code, out), (1, ""))
+                self.assertIn(f"blockvolume: {file_path}: ", err)
+                with open(file_path, "wb") as file:
+                    file.write(good)
+        self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
+
+    def test_every_fault_is_told(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
+        files = list_files(path)
+        damaged = [files["000001/store-00000/blocks"], files["000001/store-00002/array-1.tree"]]
+        for name in damaged:
+            with open(name, "r+b") as file:
+                file.seek(30)
+                file.write(b"damage")
+        os.remove(files["000001/store-00001/directory"])
+        code, out, err = run("--verify", path, "--quiet")
+        self.assertEqual(code, 1)
+        for name in damaged + [files["000001/store-00001/directory"]]:
+            self.assertIn(f"blockvolume: {name}: ", err)
+
+
+class InfoTellsWhatIndependentReadersFind(Case):
+    def test_json(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
+        volume = BlockedVolume(path)
+        code, out, err = run("--info", path, "--json", "--spectrum")
+        self.assertEqual((code, err), (0, ""))
+        told = json.loads(out)
+        header = volume.header
+        for member in ("extent", "origin", "spacing", "direction"):
+            self.assertEqual(told["grid"][member], header["grid"][member])
+        self.assertEqual(told["grid"]["dimensions"], volume.dimensions)
+        self.assertEqual((told["blockSize"], told["levels"]), (volume.block_size, volume.levels))
+        self.assertEqual(told["compression"],
+                         {"codec": header["compression"], "level": header["compressionLevel"]})
+        self.assertEqual(told["distribution"], header["distribution"])
+        self.assertEqual(told["arrays"], header["arrays"])
+        step, expected = told["timeSteps"][0], header["timeSteps"][0]
+        self.assertEqual(step["folder"], expected["folder"])
+        self.assertEqual(step["ranges"], expected["ranges"])
+        stores = [{"blocks": s["blocks"], "bytes": s["bytes"]} for s in expected["stores"]]
+        self.assertEqual(step["stores"], stores)
+        for member in ("blocks", "bytes"):
+            values = [store[member] for store in stores]
+            self.assertEqual(step[member], sum(values))
+            self.assertAlmostEqual(step["balance"][member], max(values) * 3 / sum(values))
+        for number, array in enumerate(volume.spectra["arrays"]):
+            spectrum = step["spectra"][number]
+            width = 2.0 ** array["exponent"]
+            self.assertEqual(spectrum["isovalue"],
+                             [(array["first"] + b) * width for b in range(array["count"])])
+            ratios = []
+            for member in ("triangles", "activeCells"):
+                sums = [sum(of) for of in zip(*(store[member] for store in array["stores"]))]
+                self.assertEqual(spectrum[member], sums)
+            for of in zip(*(store["triangles"] for store in array["stores"])):
+                if sum(of) >= 3000:
+                    ratios.append(max(of) * 3 / sum(of))
+            ratios.sort()
+            balance = step["balance"]["triangles"][number]
+            self.assertEqual(balance["isovalues"], len(ratios))
+            self.assertAlmostEqual(balance["worst"], ratios[-1])
+            self.assertAlmostEqual(balance["median"], ratios[len(ratios) // 2])
+
+    def test_text(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
+        code, out, err = run("--info", path, ranks=2)
+        self.assertEqual(code, 0, err)
+        for line in ("dimensions    70 x 67 x 150", "spacing       0.5 0.75 2.0",
+                     'array         "density": int16', "compression   lz4, level 1",
+                     "distribution  greedy, seed 0"):
+            self.assertIn(line + "\n", out)
+        self.assertNotIn("activeCells", out)
+        self.assertEqual(out.count("dimensions"), 1)  # rank 0 alone tells
+        table = run("--info", path, "--spectrum")[1]
+        self.assertRegex(table, r"isovalue +triangles +activeCells\n +[0-9.]+ +[0-9]+ +[0-9]+\n")
+
+
+class ErrorsAreOneLine(Case):
+    def check(self, expected, *arguments, ranks=1):
+        code, out, err = run(*arguments, ranks=ranks)
+        lines = [line for line in err.splitlines() if line.startswith("blockvolume: ")]
+        self.assertEqual((code, out, len(lines)), (1, "", 1), err)
+        self.assertIn(expected, lines[0])
+        if ranks == 1:  # mpirun has words of its own
+            self.assertEqual(err, lines[0] + "\n")
+
+    def test_arguments(self):
+        source = os.path.join(INPUTS, "a.mhd")
+        self.check("IN and OUT.bvol are needed")
+        self.check("IN and OUT.bvol are needed", source)
+        self.check("ends in .bvol", source, "o.mhd")
+        self.check("--block-size: 31", source, "o.bvol", "--block-size", "31")
+        self.check("--stores", source, "o.bvol", "--stores", "-1")
+        self.check("--distribution", source, "o.bvol", "--distribution", "best")
+        self.check("--compression", source, "o.bvol", "--compression", "lz4:99")
+        self.check("--compression", source, "o.bvol", "--compression", "none:1")
+        self.check("--spacing", source, "o.bvol", "--spacing", "1,2")
+        self.check("--dimensions", source, "o.bvol", "--dimensions", "3,0,3")
+        self.check("--type: needs --dimensions", source, "o.bvol", "--type", "int16")
+        self.check("--type: \"int17\"", source, "o.bvol", "--dimensions", "3,3,3", "--type", "int17")
+        self.check("--json", source, "o.bvol", "--json")
+        self.check("--verify", "--info", "--verify", "o.bvol")
+        self.check("--unknown", source, "o.bvol", "--unknown")
+        self.check("one file at a time", "--info", "a.bvol", "b.bvol")
+        self.check("--arrays", source, "o.bvol", "--arrays", "a,,b")
+        self.check("--arrays", source, "o.bvol", "--arrays", "a,a")
+
+    def test_files(self):
+        source = os.path.join(INPUTS, "a.mhd")
+        for ranks in (1, 3):
+            self.check("none.mhd: ", "none.mhd", "o.bvol", ranks=ranks)
+        self.check("none.vti: cannot open", "none.vti", "o.bvol")
+        self.check("no array \"x\"".replace("no array", "has no numeric array"), source, "o.bvol",
+                   "--arrays", "x")
+        self.check("/none/o.bvol", source, "/proc/none/o.bvol", ranks=2)
+        self.check("truncated", os.path.join(INPUTS, "a.raw"), "o.bvol", "--dimensions", "70,67,1500")
+        self.check("--memory", source, "o.bvol", "--memory", "0")
+        for name, text in (("bad.vti", "<no xml"), ("bad.vtk", "no"), ("bad.tif", "no"),
+                           ("bad.nii", "no"), ("bad.xyz", "no"), ("bad.mhd", "no"), ("bad.png", "")):
+            with open(os.path.join(SCRATCH, name), "w", encoding="ascii") as file:
+                file.write(text)
+            self.check(f"{name}: ", name, "o.bvol")
+            self.check(f"{name}: ", "--info", name)
+        self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
+
+    def test_an_older_volume_survives(self):
+        path = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
+        self.check("truncated", os.path.join(INPUTS, "a.raw"), "o.bvol", "--dimensions", "70,67,1500")
+        self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
+        os.remove(path)
+
+
+class StopsWithoutLeavingAnything(Case):
+    def stop(self, name, ranks, expected):
+        raw = os.path.join(SCRATCH, "large.raw")
+        with open(raw, "wb") as file:  # sparse
+            file.truncate(1 << 30)
+        command = [TOOL, raw, name, "--dimensions", "1024,1024,1024", "--memory", "100",
+                   "--compression", "zstd:19", "--block-size", "16", "--quiet"]
+        if ranks > 1:
+            command = [MPIEXEC, "--oversubscribe", "-n", str(ranks)] + command
+        with subprocess.Popen(command, cwd=SCRATCH, stderr=subprocess.PIPE, text=True) as process:
+            folder = os.path.join(SCRATCH, name + ".stores")
+            end = time.monotonic() + 60
+            while not glob.glob(folder + "/*") and time.monotonic() < end:
+                time.sleep(0.02)
+            time.sleep(0.1)
+            process.send_signal(signal.SIGINT)
+            text = process.communicate(timeout=60)[1]
+        os.remove(raw)
+        self.assertIn(process.returncode, expected, text)
+        self.assertFalse(os.path.exists(os.path.join(SCRATCH, name)))
+        return text, glob.glob(folder + "/*")
+
+    def test_one_rank(self):
+        text, left = self.stop("stopped.bvol", 1, (130,))
+        self.assertRegex(text, r"^blockvolume: [^\n]*\n$")
+        self.assertEqual(left, [])
+
+    def test_two_ranks(self):
+        # mpirun may end its ranks before they are done with cleaning; the next run does it.
+        self.stop("two.bvol", 2, (1, 130))
+        path = self.write(os.path.join(INPUTS, "a.mhd"), "two.bvol")
+        self.assertEqual(len(glob.glob(path + ".stores/*")), 1)
+
+
+if __name__ == "__main__":
+    shutil.rmtree(SCRATCH, ignore_errors=True)
+    os.makedirs(SCRATCH)
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(globals()[CLAIM])
+    sys.exit(not unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful())

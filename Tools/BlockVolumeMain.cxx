@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// blockvolume: makes blocked volumes, tells what is in them, checks them. Alone or under mpirun.
+#include "BlockVolumeOptions.h"
+#include "InfoCommand.h"
+#include "StopSignal.h"
+#include "VerifyCommand.h"
+#include "WriteCommand.h"
+
+#include "vtkMPIController.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+
+#include "ControllerCommunicator.h"
+
+#include <mpi.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+using namespace isosurface;
+
+namespace
+{
+
+using Command = BlockVolumeOptions::Command;
+
+Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
+{
+  if (!options.IsOk())
+  {
+    return options.GetStatus();
+  }
+  if (options->What == Command::Write)
+  {
+    return RunWriteCommand(*options, ranks);
+  }
+  // Looking at a volume is the work of one rank.
+  if (ranks.GetRank() != 0)
+  {
+    return Status::Ok();
+  }
+  switch (options->What)
+  {
+    case Command::Info:
+      return RunInfoCommand(*options);
+    case Command::Verify:
+      return RunVerifyCommand(*options);
+    default:
+      std::fputs(options->Text.c_str(), stdout);
+      return Status::Ok();
+  }
+}
+
+int Finish(const Status& status, int rank)
+{
+  if (status.IsOk())
+  {
+    return 0;
+  }
+  if (rank == 0)
+  {
+    std::fprintf(stderr, "blockvolume: %s\n", status.GetMessage().c_str());
+  }
+  return status.GetCode() == StatusCode::Aborted ? 130 : 1;
+}
+
+/// A rank that ends here cannot tell the others, who may wait for it.
+int FailAtOnce(const char* reason, int ranks)
+{
+  std::fprintf(stderr, "blockvolume: %s\n", reason);
+  if (ranks > 1)
+  {
+    MPI_Abort(MPI_COMM_WORLD, 1);
+  }
+  return 1;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  vtkNew<vtkMPIController> controller;
+  controller->Initialize(&argc, &argv);
+  vtkMultiProcessController::SetGlobalController(controller);
+  CatchStopSignals();
+  const int ranks = controller->GetNumberOfProcesses();
+  int code = 1;
+  try
+  {
+    ControllerCommunicator communicator(controller);
+    const auto options = BlockVolumeOptions::Parse(argc, argv);
+    code = Finish(Run(options, communicator), controller->GetLocalProcessId());
+  }
+  catch (const std::bad_alloc&)
+  {
+    code = FailAtOnce("out of memory; a smaller --memory may help", ranks);
+  }
+  catch (const std::exception& error)
+  {
+    code = FailAtOnce(error.what(), ranks);
+  }
+  vtkMultiProcessController::SetGlobalController(nullptr);
+  controller->Finalize();
+  return code;
+}

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BlockVolumeOptions.h"
+
+#include "Partition/BlockDistribution.h"
+#include "Source/HeaderText.h"
+#include "Store/BlockCompression.h"
+#include "Volume/ValueType.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr const char* Description = "Makes a blocked volume (OUT.bvol beside OUT.bvol.stores/) of "
+                                    "a volume of any size, tells what is\n"
+                                    "in one, or checks one. Under mpirun all ranks write together; "
+                                    "the result does not depend on how\n"
+                                    "many there are.";
+
+constexpr const char* Footer = R"(What IN may be:
+  .mhd .mha .nrrd .nhdr     MetaImage and NRRD, raw or gzip: read part by part
+  .tif .tiff                TIFF or BigTIFF, a slice a page: read page by page
+  a folder, 'scan*.tif'     a TIFF stack: all .tif files of the folder, or those that fit the pattern,
+                            by the numbers in their names
+  any file --dimensions     samples without a header: read part by part
+  .vti .pvti .vtk .nii ...  what VTK's readers know; some of them read all at once (user guide)
+
+Examples:
+  blockvolume head.mhd head.bvol
+  mpirun -n 8 blockvolume 'slices/*.tif' scan.bvol --stores 32 --compression zstd:3
+  blockvolume ct.raw ct.bvol --dimensions 2048,2048,2048 --type uint16 --memory 4096
+  blockvolume --info scan.bvol --json
+  blockvolume --verify scan.bvol
+
+Exit status: 0 if all went well, 1 for an error or a fault found, 130 if it was stopped. OUT.bvol
+appears in one step at the end; until then, and if anything fails, an older one is as it was.)";
+
+Status MakeError(const std::string& option, const std::string& reason)
+{
+  return Status(StatusCode::InvalidArgument, option + ": " + reason);
+}
+
+std::vector<std::string> SplitAtCommas(const std::string& text)
+{
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  for (std::size_t comma = 0; comma != std::string::npos; begin = comma + 1)
+  {
+    comma = text.find(',', begin);
+    words.push_back(HeaderText::Trim(text.substr(begin, comma - begin)));
+  }
+  return words;
+}
+
+Result<std::array<double, 3>> ParseThree(const std::string& option, const std::string& text)
+{
+  const std::vector<std::string> words = SplitAtCommas(text);
+  std::array<double, 3> values{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const auto value = words.size() == 3 ? HeaderText::ParseDouble(words[axis]) : std::nullopt;
+    if (!value)
+    {
+      return MakeError(option, "\"" + text + "\" is not three numbers X,Y,Z");
+    }
+    values[axis] = *value;
+  }
+  return values;
+}
+
+/// "none", "lz4", "zstd:3".
+Result<BlockCompression> ParseCompression(const std::string& text)
+{
+  const std::size_t colon = text.find(':');
+  const auto codec = FindCodec(text.substr(0, colon));
+  BlockCompression compression;
+  bool isValid = codec.has_value();
+  if (codec)
+  {
+    compression.Codec = *codec;
+  }
+  if (colon != std::string::npos)
+  {
+    const auto level = HeaderText::ParseInteger(text.substr(colon + 1));
+    isValid = isValid && *codec != SegmentCodec::None && level && *level >= 1 && *level <= 100;
+    compression.Level = isValid ? static_cast<int>(*level) : 0;
+  }
+  if (!isValid || !compression.IsValid())
+  {
+    return MakeError("--compression",
+      "\"" + text + "\" is not none, lz4, lz4:1 to lz4:12, zstd or zstd:1 to zstd:19");
+  }
+  return compression;
+}
+
+/// What is told as text before it is understood.
+struct RawTexts
+{
+  std::string Distribution = "greedy";
+  std::string Compression = "lz4";
+  std::string Arrays;
+  std::string Dimensions;
+  std::string Type = "uint8";
+  std::string Name = "scalars";
+  std::string Spacing;
+  std::string Origin;
+  std::uint64_t HeaderBytes = 0;
+  bool IsBigEndian = false;
+  bool IsGzip = false;
+  std::uint64_t MemoryMebibytes = 1024;
+  bool IsInfo = false;
+  bool IsVerify = false;
+};
+
+void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
+{
+  const char* group = "Writing";
+  BlockedVolumeSettings& settings = options.Settings;
+  app.add_option("--block-size", settings.BlockSize, "Cells along the side of a block: 16, 32, 64")
+    ->group(group)
+    ->capture_default_str();
+  app
+    .add_option("--stores", settings.NumberOfStores,
+      "Stores that the blocks are spread over; 0: as many as there are ranks")
+    ->group(group)
+    ->check(CLI::Range(0, 65536))
+    ->capture_default_str();
+  app
+    .add_option("--distribution", texts.Distribution,
+      "How blocks are spread: greedy (alike blocks in turn), random (by a seeded hash), slab\n"
+      "(neighbours together)")
+    ->group(group)
+    ->capture_default_str();
+  app.add_option("--seed", settings.RandomSeed, "Of the random distribution")
+    ->group(group)
+    ->capture_default_str();
+  app
+    .add_option("--compression", texts.Compression,
+      "Without loss: none, lz4[:1-12] (fast) or zstd[:1-19] (small)")
+    ->group(group)
+    ->capture_default_str();
+  app
+    .add_option("--memory", texts.MemoryMebibytes,
+      "MiB that a rank may take, beside what a reader of VTK's takes itself")
+    ->group(group)
+    ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
+    ->capture_default_str();
+  app
+    .add_option("--arrays", texts.Arrays,
+      "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
+      "Without it: all numeric arrays of one component")
+    ->group(group);
+  app
+    .add_option(
+      "--threads", settings.Threads, "Threads of a rank; 0: its share of the machine's cores")
+    ->group("Everywhere")
+    ->check(CLI::Range(0, 4096))
+    ->capture_default_str();
+  app.add_flag("--quiet", options.IsQuiet, "No progress and no summary, only errors")
+    ->group("Everywhere");
+}
+
+void AddInputOptions(CLI::App& app, RawTexts& texts)
+{
+  const char* group = "Geometry, instead of what IN says";
+  app.add_option("--spacing", texts.Spacing, "Distances between samples, X,Y,Z")->group(group);
+  app.add_option("--origin", texts.Origin, "Where sample (0, 0, 0) lies, X,Y,Z")->group(group);
+  group = "Samples without a header (x fastest, one array)";
+  app.add_option("--dimensions", texts.Dimensions, "How many samples, X,Y,Z")->group(group);
+  app
+    .add_option(
+      "--type", texts.Type, "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64")
+    ->group(group)
+    ->capture_default_str();
+  app.add_option("--header-bytes", texts.HeaderBytes, "Bytes before the samples")
+    ->group(group)
+    ->capture_default_str();
+  app.add_flag("--big-endian", texts.IsBigEndian, "The high byte of a sample comes first")
+    ->group(group);
+  app.add_flag("--gzip", texts.IsGzip, "What follows the header bytes is a gzip or zlib stream")
+    ->group(group);
+  app.add_option("--name", texts.Name, "Name of the array")->group(group)->capture_default_str();
+}
+
+void AddLookingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
+{
+  const char* group = "Looking at a blocked volume";
+  CLI::Option* info = app.add_flag("--info", texts.IsInfo,
+    "Tell grid, arrays, time steps, stores, compression, balance and contour spectrum of IN.bvol");
+  info->group(group);
+  app.add_flag("--json", options.IsJson, "... as JSON")->group(group)->needs(info);
+  app
+    .add_flag("--spectrum", options.WithSpectrum,
+      "... with the contour spectrum at all isovalues: triangles, active cells, active blocks, "
+      "bytes, area, volume")
+    ->group(group)
+    ->needs(info);
+  app
+    .add_flag("--verify", texts.IsVerify,
+      "Read all of IN.bvol, check every checksum and decode every block; tell every fault")
+    ->group(group)
+    ->excludes(info);
+}
+
+Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
+{
+  const auto dimensions = ParseThree("--dimensions", texts.Dimensions);
+  if (!dimensions.IsOk())
+  {
+    return dimensions.GetStatus();
+  }
+  RawVolume raw;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double size = (*dimensions)[axis];
+    if (size < 1 || size > 2147483647 || size != static_cast<double>(static_cast<long>(size)))
+    {
+      return MakeError("--dimensions", "\"" + texts.Dimensions + "\" is impossible");
+    }
+    raw.Grid.Extent[2 * axis] = 0;
+    raw.Grid.Extent[2 * axis + 1] = static_cast<std::int64_t>(size) - 1;
+  }
+  const auto type = FindValueType(texts.Type);
+  if (!type)
+  {
+    return MakeError("--type", "\"" + texts.Type + "\" is unknown");
+  }
+  if (texts.Name.empty())
+  {
+    return MakeError("--name", "an array needs a name");
+  }
+  raw.Type = *type;
+  raw.ArrayName = texts.Name;
+  raw.IsBigEndian = texts.IsBigEndian;
+  raw.IsGzip = texts.IsGzip;
+  raw.Offset = texts.HeaderBytes;
+  raw.Paths = { path };
+  return raw;
+}
+
+Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
+{
+  if (!IsBlockSize(options.Settings.BlockSize))
+  {
+    return MakeError(
+      "--block-size", std::to_string(options.Settings.BlockSize) + " is neither 16, 32 nor 64");
+  }
+  const auto distribution = FindDistribution(texts.Distribution);
+  if (!distribution)
+  {
+    return MakeError("--distribution", "\"" + texts.Distribution + "\" is unknown");
+  }
+  options.Settings.Distribution = *distribution;
+  const auto compression = ParseCompression(texts.Compression);
+  if (!compression.IsOk())
+  {
+    return compression.GetStatus();
+  }
+  options.Settings.Compression = *compression;
+  options.Settings.MemoryLimit = texts.MemoryMebibytes << 20;
+  if (!texts.Arrays.empty())
+  {
+    options.Arrays = SplitAtCommas(texts.Arrays);
+  }
+  for (std::size_t index = 0; index < options.Arrays.size(); ++index)
+  {
+    const auto begin = options.Arrays.begin();
+    const auto at = begin + static_cast<std::ptrdiff_t>(index);
+    if (at->empty() || std::find(begin, at, *at) != at)
+    {
+      return MakeError("--arrays", "\"" + texts.Arrays + "\" has an empty name, or one twice");
+    }
+  }
+  using Place = std::optional<std::array<double, 3>>;
+  for (const auto& [option, text, to] : { std::tuple<const char*, const std::string*, Place*>{
+                                            "--spacing", &texts.Spacing, &options.Spacing },
+         { "--origin", &texts.Origin, &options.Origin } })
+  {
+    if (!text->empty())
+    {
+      const auto values = ParseThree(option, *text);
+      if (!values.IsOk())
+      {
+        return values.GetStatus();
+      }
+      *to = *values;
+    }
+  }
+  if (!texts.Dimensions.empty())
+  {
+    auto raw = MakeRaw(texts, options.Input);
+    if (!raw.IsOk())
+    {
+      return raw.GetStatus();
+    }
+    options.Raw = std::move(*raw);
+  }
+  return Status::Ok();
+}
+
+Status CheckNames(const CLI::App& app, BlockVolumeOptions& options)
+{
+  const bool isWriting = options.What == BlockVolumeOptions::Command::Write;
+  if (options.Input.empty() || (isWriting && options.Output.empty()))
+  {
+    return Status(StatusCode::InvalidArgument,
+      isWriting ? "IN and OUT.bvol are needed (--help tells more)" : "IN.bvol is needed");
+  }
+  if (!isWriting && !options.Output.empty())
+  {
+    return MakeError(options.Output, "one file at a time is looked at");
+  }
+  const std::string end = ".bvol";
+  if (isWriting &&
+    (options.Output.size() <= end.size() ||
+      options.Output.compare(options.Output.size() - end.size(), end.size(), end) != 0))
+  {
+    return MakeError(options.Output, "the name of a blocked volume ends in .bvol");
+  }
+  for (const char* option : { "--type", "--header-bytes", "--big-endian", "--gzip", "--name" })
+  {
+    if (app.count(option) > 0 && app.count("--dimensions") == 0)
+    {
+      return MakeError(option, "needs --dimensions: it is for samples without a header");
+    }
+  }
+  return Status::Ok();
+}
+
+} // namespace
+
+Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const* argv)
+{
+  BlockVolumeOptions options;
+  RawTexts texts;
+  CLI::App app(Description, "blockvolume");
+  app.footer(Footer);
+  app.set_version_flag("--version", std::string("blockvolume " ISOSURFACE_VERSION))
+    ->group("Everywhere");
+  app.get_help_ptr()->group("Everywhere");
+  app.add_option("IN", options.Input, "The volume to read; with --info and --verify: IN.bvol");
+  app.add_option("OUT", options.Output, "The blocked volume to write, OUT.bvol");
+  AddWritingOptions(app, texts, options);
+  AddInputOptions(app, texts);
+  AddLookingOptions(app, texts, options);
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::CallForHelp&)
+  {
+    options.What = Command::Print;
+    options.Text = app.help();
+    return options;
+  }
+  catch (const CLI::CallForVersion& version)
+  {
+    options.What = Command::Print;
+    options.Text = std::string(version.what()) + "\n";
+    return options;
+  }
+  catch (const CLI::ParseError& error)
+  {
+    return Status(StatusCode::InvalidArgument, error.what());
+  }
+  options.What = texts.IsInfo ? Command::Info : texts.IsVerify ? Command::Verify : Command::Write;
+  ISOSURFACE_RETURN_IF_ERROR(CheckNames(app, options));
+  ISOSURFACE_RETURN_IF_ERROR(TakeTexts(texts, options));
+  return options;
+}
+
+} // namespace isosurface

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockVolumeOptions_h
+#define isosurface_BlockVolumeOptions_h
+
+#include "Base/Status.h"
+#include "Source/RawVolume.h"
+#include "Store/BlockedVolumeWriter.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What the command line asks for.
+struct BlockVolumeOptions
+{
+  enum class Command
+  {
+    Write,
+    Info,
+    Verify,
+    Print ///< Text, and nothing else: help, version
+  };
+
+  Command What = Command::Write;
+  std::string Text;
+  std::string Input;
+  std::string Output;
+  bool IsQuiet = false;
+
+  // Writing
+  BlockedVolumeSettings Settings;
+  std::vector<std::string> Arrays; ///< none: all
+  std::optional<RawVolume> Raw;    ///< of a file without header
+  std::optional<std::array<double, 3>> Spacing;
+  std::optional<std::array<double, 3>> Origin;
+
+  // Telling
+  bool IsJson = false;
+  bool WithSpectrum = false;
+
+  /// InvalidArgument for what makes no sense; the message names the option.
+  static Result<BlockVolumeOptions> Parse(int argc, const char* const* argv);
+};
+
+} // namespace isosurface
+
+#endif

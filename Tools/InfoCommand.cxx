@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "InfoCommand.h"
+
+#include "ProgressDisplay.h"
+#include "SpectrumTable.h"
+
+#include "Store/BlockedVolume.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+/// Isovalues whose surface has fewer triangles a store are no load to balance.
+constexpr std::uint64_t LeastTriangles = 1000;
+/// Of a spectrum, unless all is asked for.
+constexpr std::size_t IsovaluesToTell = 16;
+
+/// The largest share of a store, over the mean one; null if there is nothing to share.
+template <typename T>
+Json ComputeBalance(const std::vector<T>& shares)
+{
+  T sum = 0;
+  T largest = 0;
+  for (const T share : shares)
+  {
+    sum += share;
+    largest = std::max(largest, share);
+  }
+  return sum == 0 ? Json()
+                  : Json(static_cast<double>(largest) * static_cast<double>(shares.size()) /
+                      static_cast<double>(sum));
+}
+
+/// Values as they are: 64-bit integers do not fit a double.
+Json MakeValue(ValueType type, ValueKey key)
+{
+  return DispatchValueType(
+    type, [key](auto zero) { return Json(MakeValueOfKey<decltype(zero)>(key)); });
+}
+
+Json MakeGrid(const BlockedVolume& volume)
+{
+  const GridGeometry& grid = volume.GetHeader().Grid;
+  return { { "dimensions", grid.GetDimensions() }, { "extent", grid.Extent },
+    { "origin", grid.Origin }, { "spacing", grid.Spacing }, { "direction", grid.Direction } };
+}
+
+/// How evenly the triangles are spread, over the isovalues that have many.
+Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::size_t array)
+{
+  const std::uint32_t stores = volume.GetHeader().NumberOfStores;
+  const auto total = volume.GetSpectrum(step, array);
+  if (!total.IsOk())
+  {
+    return total.GetStatus();
+  }
+  std::vector<std::shared_ptr<const WorkloadSpectrum>> spectra;
+  for (std::uint32_t store = 0; store < stores; ++store)
+  {
+    const auto spectrum = volume.GetStoreSpectrum(step, array, store);
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
+    spectra.push_back(*spectrum);
+  }
+  std::vector<std::pair<double, double>> balances; // and the isovalue
+  for (std::size_t bin = 0; bin < (*total)->Bins.Count; ++bin)
+  {
+    if ((*total)->Triangles[bin] < LeastTriangles * stores)
+    {
+      continue;
+    }
+    std::vector<std::uint64_t> triangles;
+    for (const auto& spectrum : spectra)
+    {
+      triangles.push_back(spectrum->Triangles[bin]);
+    }
+    balances.emplace_back(ComputeBalance(triangles).get<double>(), (*total)->Bins.GetEdge(bin));
+  }
+  if (balances.empty())
+  {
+    return Json();
+  }
+  std::sort(balances.begin(), balances.end());
+  return Json{ { "isovalues", balances.size() }, { "worst", balances.back().first },
+    { "worstIsovalue", balances.back().second },
+    { "median", balances[balances.size() / 2].first } };
+}
+
+Result<Json> MakeSpectra(BlockedVolume& volume, std::size_t step)
+{
+  Json spectra = Json::array();
+  for (std::size_t array = 0; array < volume.GetHeader().Arrays.size(); ++array)
+  {
+    const auto spectrum = volume.GetSpectrum(step, array);
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
+    Json columns = { { "array", volume.GetHeader().Arrays[array].Name } };
+    for (const SpectrumColumn& column : MakeSpectrumColumns(**spectrum))
+    {
+      columns[column.Name] = column.Values;
+    }
+    spectra.push_back(std::move(columns));
+  }
+  return spectra;
+}
+
+Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
+{
+  const BlockedVolumeHeader& header = volume.GetHeader();
+  const TimeStepDescription& step = header.TimeSteps[index];
+  Json result = { { "time", step.Time ? Json(*step.Time) : Json() }, { "folder", step.Folder } };
+  result["ranges"] = Json::array();
+  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+  {
+    const KeyRange& range = step.Ranges[array];
+    const ValueType type = header.Arrays[array].Type;
+    result["ranges"].push_back(range.IsEmpty()
+        ? Json()
+        : Json::array({ MakeValue(type, range.Minimum), MakeValue(type, range.Maximum) }));
+  }
+  std::vector<std::uint64_t> blocks;
+  std::vector<std::uint64_t> bytes;
+  result["blocks"] = 0;
+  result["bytes"] = 0;
+  result["stores"] = Json::array();
+  for (const StoreDescription& store : step.Stores)
+  {
+    blocks.push_back(store.Blocks);
+    bytes.push_back(store.Bytes);
+    result["blocks"] = result["blocks"].get<std::uint64_t>() + store.Blocks;
+    result["bytes"] = result["bytes"].get<std::uint64_t>() + store.Bytes;
+    result["stores"].push_back({ { "blocks", store.Blocks }, { "bytes", store.Bytes } });
+  }
+  Json triangles = Json::array();
+  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+  {
+    auto balance = MakeTriangleBalance(volume, index, array);
+    if (!balance.IsOk())
+    {
+      return balance.GetStatus();
+    }
+    triangles.push_back(std::move(*balance));
+  }
+  result["balance"] = { { "blocks", ComputeBalance(blocks) }, { "bytes", ComputeBalance(bytes) },
+    { "triangles", std::move(triangles) } };
+  return result;
+}
+
+Result<Json> Describe(BlockedVolume& volume, bool withSpectrum)
+{
+  const BlockedVolumeHeader& header = volume.GetHeader();
+  Json result = { { "file", volume.GetPath() }, { "grid", MakeGrid(volume) },
+    { "blockSize", header.BlockSize }, { "levels", volume.GetNumberOfLevels() } };
+  result["compression"] = { { "codec", GetCodecName(header.Compression.Codec) },
+    { "level", header.Compression.GetEffectiveLevel() } };
+  result["distribution"] = { { "method", GetDistributionName(header.Distribution) },
+    { "seed", header.RandomSeed } };
+  result["arrays"] = Json::array();
+  std::uint64_t sampleBytes = 0;
+  for (const ArrayDescription& array : header.Arrays)
+  {
+    result["arrays"].push_back(
+      { { "name", array.Name }, { "type", GetValueTypeName(array.Type) }, { "components", 1 } });
+    sampleBytes +=
+      static_cast<std::uint64_t>(header.Grid.GetNumberOfVertices()) * GetValueSize(array.Type);
+  }
+  result["sampleBytes"] = sampleBytes;
+  result["timeSteps"] = Json::array();
+  for (std::size_t step = 0; step < header.TimeSteps.size(); ++step)
+  {
+    auto described = MakeTimeStep(volume, step);
+    if (!described.IsOk())
+    {
+      return described.GetStatus();
+    }
+    if (withSpectrum)
+    {
+      auto spectra = MakeSpectra(volume, step);
+      if (!spectra.IsOk())
+      {
+        return spectra.GetStatus();
+      }
+      (*described)["spectra"] = std::move(*spectra);
+    }
+    result["timeSteps"].push_back(std::move(*described));
+  }
+  return result;
+}
+
+std::string Join(const Json& values, const char* between)
+{
+  std::string text;
+  for (const Json& value : values)
+  {
+    text += (text.empty() ? "" : between) + value.dump();
+  }
+  return text;
+}
+
+/// A ratio, as "1.07".
+std::string FormatRatio(const Json& ratio)
+{
+  char text[32] = "-";
+  if (!ratio.is_null())
+  {
+    std::snprintf(text, sizeof(text), "%.2f", ratio.get<double>());
+  }
+  return text;
+}
+
+void PrintTimeStep(const Json& volume, const Json& step)
+{
+  std::printf("time step     %s%s\n", step["folder"].get<std::string>().c_str(),
+    step["time"].is_null() ? "" : (", time " + step["time"].dump()).c_str());
+  for (std::size_t array = 0; array < volume["arrays"].size(); ++array)
+  {
+    const Json& range = step["ranges"][array];
+    std::printf("  range       %s: %s\n", volume["arrays"][array]["name"].dump().c_str(),
+      range.is_null() ? "no finite values" : Join(range, " to ").c_str());
+  }
+  const auto bytes = step["bytes"].get<double>();
+  std::printf("  blocks      %s, %s (%s of samples)\n", step["blocks"].dump().c_str(),
+    FormatBytes(bytes).c_str(), FormatBytes(volume["sampleBytes"].get<double>()).c_str());
+  for (std::size_t store = 0; store < step["stores"].size(); ++store)
+  {
+    std::printf("  store %05zu %s blocks, %s\n", store,
+      step["stores"][store]["blocks"].dump().c_str(),
+      FormatBytes(step["stores"][store]["bytes"].get<double>()).c_str());
+  }
+  const Json& balance = step["balance"];
+  std::printf("  balance     (most over mean) blocks %s, bytes %s\n",
+    FormatRatio(balance["blocks"]).c_str(), FormatRatio(balance["bytes"]).c_str());
+  for (std::size_t array = 0; array < volume["arrays"].size(); ++array)
+  {
+    const Json& triangles = balance["triangles"][array];
+    const std::string name = volume["arrays"][array]["name"].dump();
+    if (triangles.is_null())
+    {
+      std::printf("              triangles of %s: no isovalue has %llu a store\n", name.c_str(),
+        static_cast<unsigned long long>(LeastTriangles));
+      continue;
+    }
+    std::printf(
+      "              triangles of %s: median %s, worst %s (isovalue %s) of %s isovalues\n",
+      name.c_str(), FormatRatio(triangles["median"]).c_str(),
+      FormatRatio(triangles["worst"]).c_str(), triangles["worstIsovalue"].dump().c_str(),
+      triangles["isovalues"].dump().c_str());
+  }
+}
+
+/// At all isovalues, or at some.
+Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
+{
+  for (std::size_t array = 0; array < volume.GetHeader().Arrays.size(); ++array)
+  {
+    const auto spectrum = volume.GetSpectrum(step, array);
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
+    const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(**spectrum);
+    const std::string table = isWhole
+      ? FormatSpectrumTable(columns)
+      : FormatSpectrumTable(columns, PickBins(**spectrum, IsovaluesToTell));
+    std::printf("  spectrum    %s\n%s", Json(volume.GetHeader().Arrays[array].Name).dump().c_str(),
+      table.c_str());
+  }
+  return Status::Ok();
+}
+
+Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
+{
+  const Json& grid = told["grid"];
+  std::printf("%s\n", volume.GetPath().c_str());
+  std::printf("dimensions    %s\n", Join(grid["dimensions"], " x ").c_str());
+  std::printf("extent        %s\n", Join(grid["extent"], " ").c_str());
+  std::printf("spacing       %s\n", Join(grid["spacing"], " ").c_str());
+  std::printf("origin        %s\n", Join(grid["origin"], " ").c_str());
+  std::printf("direction     %s\n", Join(grid["direction"], " ").c_str());
+  std::printf("blocks        %s cells a side, %s levels\n", told["blockSize"].dump().c_str(),
+    told["levels"].dump().c_str());
+  const auto codec = told["compression"]["codec"].get<std::string>();
+  std::printf("compression   %s%s\n", codec.c_str(),
+    codec == "none" ? "" : (", level " + told["compression"]["level"].dump()).c_str());
+  std::printf("distribution  %s, seed %s\n",
+    told["distribution"]["method"].get<std::string>().c_str(),
+    told["distribution"]["seed"].dump().c_str());
+  for (const Json& array : told["arrays"])
+  {
+    std::printf("array         %s: %s\n", array["name"].dump().c_str(),
+      array["type"].get<std::string>().c_str());
+  }
+  for (std::size_t step = 0; step < told["timeSteps"].size(); ++step)
+  {
+    PrintTimeStep(told, told["timeSteps"][step]);
+    ISOSURFACE_RETURN_IF_ERROR(PrintSpectra(volume, step, withSpectrum));
+  }
+  return Status::Ok();
+}
+
+} // namespace
+
+Status RunInfoCommand(const BlockVolumeOptions& options)
+{
+  const auto volume = BlockedVolume::Open(options.Input);
+  if (!volume.IsOk())
+  {
+    return volume.GetStatus();
+  }
+  const auto told = Describe(**volume, options.WithSpectrum && options.IsJson);
+  if (!told.IsOk())
+  {
+    return told.GetStatus();
+  }
+  if (options.IsJson)
+  {
+    std::printf("%s\n", told->dump(2).c_str());
+    return Status::Ok();
+  }
+  return Print(**volume, *told, options.WithSpectrum);
+}
+
+} // namespace isosurface

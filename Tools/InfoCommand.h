@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_InfoCommand_h
+#define isosurface_InfoCommand_h
+
+#include "BlockVolumeOptions.h"
+
+#include "Base/Status.h"
+
+namespace isosurface
+{
+
+/// Tells on standard output what is in a blocked volume, as text or JSON.
+Status RunInfoCommand(const BlockVolumeOptions& options);
+
+} // namespace isosurface
+
+#endif

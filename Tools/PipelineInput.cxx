@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PipelineInput.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkImageData.h"
+#include "vtkImageReader2.h"
+#include "vtkImageReader2Factory.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkLogger.h"
+#include "vtkMRCReader.h"
+#include "vtkNIFTIImageReader.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkOutputWindow.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStructuredPointsReader.h"
+#include "vtkXMLImageDataReader.h"
+#include "vtkXMLPImageDataReader.h"
+
+#include "ImageSamples.h"
+#include "LocalVolume.h"
+#include "PipelineSource.h"
+#include "Source/HeaderText.h"
+#include "Source/MemorySource.h"
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+namespace
+{
+
+/// Keeps the first error that VTK tells, instead of printing it.
+class vtkErrorKeeper : public vtkOutputWindow
+{
+public:
+  static vtkErrorKeeper* New();
+  vtkTypeMacro(vtkErrorKeeper, vtkOutputWindow);
+
+  void DisplayText(const char*) override {}
+  void DisplayWarningText(const char*) override {}
+  void DisplayGenericWarningText(const char*) override {}
+  void DisplayDebugText(const char*) override {}
+  void DisplayErrorText(const char* text) override
+  {
+    if (this->Error.empty() && text)
+    {
+      this->Error = text;
+    }
+  }
+
+  /// What VTK said, in one line and without where in its sources; then nothing.
+  std::string TakeError()
+  {
+    // "ERROR: In file, line 1\nvtkClass (0x1234): what it has to say\n\n"
+    std::string text = std::exchange(this->Error, std::string());
+    const std::size_t begin = text.find("): ");
+    text = begin == std::string::npos ? text : text.substr(begin + 3);
+    std::string line;
+    for (const std::string& word : isosurface::HeaderText::Split(text))
+    {
+      line += (line.empty() ? "" : " ") + word;
+    }
+    return line;
+  }
+
+protected:
+  vtkErrorKeeper() = default;
+
+private:
+  std::string Error;
+};
+vtkStandardNewMacro(vtkErrorKeeper);
+
+} // namespace
+
+namespace isosurface
+{
+namespace
+{
+
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+vtkErrorKeeper* GetErrorKeeper()
+{
+  auto* keeper = vtkErrorKeeper::SafeDownCast(vtkOutputWindow::GetInstance());
+  if (!keeper)
+  {
+    vtkNew<vtkErrorKeeper> made;
+    vtkOutputWindow::SetInstance(made);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+    keeper = made;
+  }
+  return keeper;
+}
+
+Status MakeError(const std::string& path, const std::string& otherwise)
+{
+  const std::string error = GetErrorKeeper()->TakeError();
+  return Status(
+    StatusCode::Corrupt, path + ": cannot be read: " + (error.empty() ? otherwise : error));
+}
+
+template <typename Reader>
+vtkSmartPointer<vtkAlgorithm> MakeReader(const std::string& path)
+{
+  auto reader = vtkSmartPointer<Reader>::New();
+  reader->SetFileName(path.c_str());
+  return reader;
+}
+
+/// The reader for a name, or null.
+vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
+{
+  const std::filesystem::path name(path);
+  std::string extension = HeaderText::Lower(name.extension().string());
+  if (extension == ".gz")
+  {
+    extension = HeaderText::Lower(name.stem().extension().string()) + ".gz";
+  }
+  if (extension == ".vti")
+  {
+    return MakeReader<vtkXMLImageDataReader>(path);
+  }
+  if (extension == ".pvti")
+  {
+    return MakeReader<vtkXMLPImageDataReader>(path);
+  }
+  if (extension == ".vtk")
+  {
+    return MakeReader<vtkStructuredPointsReader>(path);
+  }
+  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" || extension == ".img")
+  {
+    return MakeReader<vtkNIFTIImageReader>(path);
+  }
+  if (extension == ".mrc" || extension == ".rec" || extension == ".ali" || extension == ".st")
+  {
+    return MakeReader<vtkMRCReader>(path);
+  }
+  auto reader = vtkSmartPointer<vtkImageReader2>::Take(
+    vtkImageReader2Factory::CreateImageReader2(path.c_str()));
+  if (reader)
+  {
+    reader->SetFileName(path.c_str());
+  }
+  return reader;
+}
+
+/// A source that gives VTK's own words where its reader fails.
+class ReaderSource : public PipelineSource
+{
+public:
+  ReaderSource(vtkAlgorithm* reader, std::string path, const GridGeometry& grid,
+    const std::vector<ArrayDescription>& arrays)
+    : PipelineSource(reader->GetOutputPort(), reader->GetOutputInformation(0), grid, arrays)
+    , Path(std::move(path))
+  {
+  }
+
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    auto slab = PipelineSource::Read(box);
+    const std::string error = GetErrorKeeper()->TakeError();
+    if (!error.empty() || !slab.IsOk())
+    {
+      return Status(StatusCode::Corrupt,
+        this->Path +
+          ": cannot be read: " + (error.empty() ? slab.GetStatus().GetMessage() : error));
+    }
+    return slab;
+  }
+
+private:
+  std::string Path;
+};
+
+/// Image data of the whole extent, or of its first slice; or why there is none.
+Result<vtkImageData*> Read(
+  vtkAlgorithm* reader, const std::string& path, const int whole[6], bool isWhole)
+{
+  vtkNew<vtkInformationVector> requests;
+  requests->SetNumberOfInformationObjects(1);
+  vtkInformation* request = requests->GetInformationObject(0);
+  request->Set(Pipeline::WHOLE_EXTENT(), whole, 6);
+  PipelineSource::AskForFirstSlice(request);
+  request->Remove(Pipeline::WHOLE_EXTENT());
+  if (isWhole)
+  {
+    request->Set(Pipeline::UPDATE_EXTENT(), whole, 6);
+  }
+  reader->Update(0, requests);
+  auto* image = vtkImageData::SafeDownCast(reader->GetOutputDataObject(0));
+  const std::string error = GetErrorKeeper()->TakeError();
+  if (!image || image->GetNumberOfPoints() == 0 || !error.empty())
+  {
+    return MakeError(path, error.empty() ? "it has no image data" : error);
+  }
+  return image;
+}
+
+/// Puts the samples of the chosen arrays into memory, and lets go of all others.
+Status TakeWhole(
+  vtkImageData* image, const std::string& path, const int whole[6], InputVolume& volume)
+{
+  auto local = std::make_shared<LocalVolume>();
+  local->Grid = MakeGridGeometry(image, whole);
+  const Status status = local->CollectArrays(image, false);
+  if (!status.IsOk())
+  {
+    return Status(status.GetCode(), path + ": " + status.GetMessage());
+  }
+  auto owners = std::make_shared<std::vector<vtkSmartPointer<vtkDataArray>>>();
+  VolumePiece piece;
+  piece.Box = MakeVertexBox(local->Grid, image->GetExtent());
+  for (const ArrayDescription& wanted : volume.Arrays)
+  {
+    for (std::size_t array = 0; array < local->Arrays.size(); ++array)
+    {
+      if (local->Arrays[array].Name == wanted.Name)
+      {
+        piece.Arrays.push_back(local->Piece.Arrays[array]);
+        owners->push_back(local->Owners[array]);
+        break;
+      }
+    }
+  }
+  if (piece.Arrays.size() != volume.Arrays.size() ||
+    piece.Box.GetSize() != local->Grid.GetDimensions())
+  {
+    return Status(
+      StatusCode::Corrupt, path + ": cannot be read: its reader does not give all of it");
+  }
+  volume.Source = std::make_unique<MemorySource>(piece);
+  volume.Owner = std::move(owners);
+  return Status::Ok();
+}
+
+} // namespace
+
+Result<InputVolume> OpenPipelineInput(
+  const std::string& path, const std::vector<std::string>& arrays, std::uint64_t wholeBytes)
+{
+  GetErrorKeeper();
+  if (!GetLocalFileSystem().Exists(path))
+  {
+    return Status(StatusCode::NotFound, path + ": cannot open: No such file or directory");
+  }
+  const vtkSmartPointer<vtkAlgorithm> reader = MakeReaderOf(path);
+  if (!reader)
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": no reader knows this kind of file; --dimensions is for samples without a header");
+  }
+  reader->UpdateInformation();
+  vtkInformation* information = reader->GetOutputInformation(0);
+  if (!information || !information->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    return MakeError(path, "it has no image data");
+  }
+  int whole[6];
+  information->Get(Pipeline::WHOLE_EXTENT(), whole);
+  // A slice tells which arrays there are.
+  auto image = Read(reader, path, whole, false);
+  if (!image.IsOk())
+  {
+    return image.GetStatus();
+  }
+  LocalVolume local;
+  local.Grid = MakeGridGeometry(*image, whole);
+  const Status status = local.CollectArrays(*image, false);
+  if (!status.IsOk())
+  {
+    return Status(status.GetCode(), path + ": " + status.GetMessage());
+  }
+  const auto chosen = ChooseArrays(path, local.Arrays, arrays);
+  if (!chosen.IsOk())
+  {
+    return chosen.GetStatus();
+  }
+  InputVolume volume;
+  volume.Grid = local.Grid;
+  volume.Arrays = *chosen;
+  if ((*image)->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
+  {
+    volume.Time = (*image)->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP());
+  }
+  auto source = std::make_unique<ReaderSource>(reader, path, volume.Grid, volume.Arrays);
+  const std::uint64_t bytes = source->GetReadBytes(source->GetBox());
+  if (bytes > wholeBytes)
+  {
+    volume.Source = std::move(source);
+    volume.Owner = std::make_shared<vtkSmartPointer<vtkAlgorithm>>(reader);
+    return volume;
+  }
+  image = Read(reader, path, whole, true);
+  const Status taken = image.IsOk() ? TakeWhole(*image, path, whole, volume) : image.GetStatus();
+  if (!taken.IsOk())
+  {
+    return taken;
+  }
+  volume.HeldBytes = bytes;
+  return volume;
+}
+
+} // namespace isosurface

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ProgressDisplay_h
+#define isosurface_ProgressDisplay_h
+
+#include "Base/Progress.h"
+
+#include <chrono>
+#include <string>
+
+namespace isosurface
+{
+
+/// "31 B", "4.7 MB", "12 GB": bytes in decimal units.
+std::string FormatBytes(double bytes);
+
+/**
+ * Shows on standard error how far some work is: a bar that is redrawn on a terminal, otherwise a
+ * line every tenth of the work.
+ */
+class ProgressDisplay
+{
+public:
+  /// Work on `bytes` bytes in all, for the pace; shows nothing if not `isShown`.
+  ProgressDisplay(std::string name, double bytes, bool isShown);
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
+  /// Wipes the bar away.
+  ~ProgressDisplay();
+
+  /// What shows the share that it is told, and answers whether nobody asked to stop.
+  Progress GetProgress();
+
+  double GetSeconds() const;
+
+private:
+  void Show(double share);
+
+  std::string Name;
+  double Bytes;
+  bool IsShown;
+  bool IsTerminal;
+  bool IsDrawn = false;
+  int ToldTenths = 0;
+  double LastDrawn = -1;
+  std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "VerifyCommand.h"
+
+#include "ProgressDisplay.h"
+
+#include "Base/ParallelFor.h"
+#include "Store/BlockedVolume.h"
+#include "Store/VolumeVerification.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+
+/// Of all records, for the pace; 0 if the header cannot be read.
+double CountBytes(const std::string& path)
+{
+  const auto volume = BlockedVolume::Open(path);
+  double bytes = 0;
+  if (volume.IsOk())
+  {
+    for (const TimeStepDescription& step : (*volume)->GetHeader().TimeSteps)
+    {
+      for (const StoreDescription& store : step.Stores)
+      {
+        bytes += static_cast<double>(store.Bytes);
+      }
+    }
+  }
+  return bytes;
+}
+
+} // namespace
+
+Status RunVerifyCommand(const BlockVolumeOptions& options)
+{
+  const int threads =
+    options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
+  double seconds = 0;
+  const auto found = [&]
+  {
+    ProgressDisplay display(options.Input, CountBytes(options.Input), !options.IsQuiet);
+    auto result =
+      VerifyBlockedVolume(options.Input, GetLocalFileSystem(), threads, display.GetProgress());
+    seconds = display.GetSeconds();
+    return result;
+  }();
+  if (!found.IsOk())
+  {
+    return found.GetStatus();
+  }
+  for (const Status& fault : found->Faults)
+  {
+    std::fprintf(stderr, "blockvolume: %s\n", fault.GetMessage().c_str());
+  }
+  if (found->FaultCount > 0)
+  {
+    return Status(
+      StatusCode::Corrupt, options.Input + ": " + std::to_string(found->FaultCount) + " faults");
+  }
+  if (!options.IsQuiet)
+  {
+    const auto bytes = static_cast<double>(found->Bytes);
+    std::printf("%s: sound: %llu files, %llu blocks, %s, %.1f s, %.0f MB/s\n",
+      options.Input.c_str(), static_cast<unsigned long long>(found->Files),
+      static_cast<unsigned long long>(found->Blocks), FormatBytes(bytes).c_str(), seconds,
+      bytes / 1e6 / std::max(seconds, 1e-9));
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

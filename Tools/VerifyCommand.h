@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VerifyCommand_h
+#define isosurface_VerifyCommand_h
+
+#include "BlockVolumeOptions.h"
+
+#include "Base/Status.h"
+
+namespace isosurface
+{
+
+/// Checks a blocked volume and tells every fault on standard error. Corrupt if there are any.
+Status RunVerifyCommand(const BlockVolumeOptions& options);
+
+} // namespace isosurface
+
+#endif

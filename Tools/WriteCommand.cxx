@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "WriteCommand.h"
+
+#include "InputVolume.h"
+#include "ProgressDisplay.h"
+
+#include "Store/BlockedVolumeWriter.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace isosurface
+{
+
+Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
+{
+  auto volume = InputVolume::Open(options);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(volume.GetStatus()));
+  double samples = 0;
+  for (const ArrayDescription& array : volume->Arrays)
+  {
+    samples += static_cast<double>(volume->Grid.GetNumberOfVertices()) *
+      static_cast<double>(GetValueSize(array.Type));
+  }
+  BlockedVolumeSettings settings = options.Settings;
+  settings.Time = volume->Time;
+  settings.MemoryLimit -= volume->HeldBytes;
+  const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
+  double seconds = 0;
+  const auto written = [&]
+  {
+    ProgressDisplay display(options.Output, samples, isTold);
+    auto result = BlockedVolumeWriter(ranks).Write(options.Output, volume->Grid, volume->Arrays,
+      *volume->Source, settings, display.GetProgress());
+    seconds = display.GetSeconds();
+    return result;
+  }();
+  if (!written.IsOk())
+  {
+    return written.GetStatus();
+  }
+  if (isTold)
+  {
+    const auto bytes = static_cast<double>(written->Bytes);
+    std::printf("%s: %llu blocks of %d cells a side in %zu stores, %s (%s of samples), %.1f s, "
+                "%.0f MB/s\n",
+      options.Output.c_str(), static_cast<unsigned long long>(written->Blocks), settings.BlockSize,
+      written->Stores.size(), FormatBytes(bytes).c_str(), FormatBytes(samples).c_str(), seconds,
+      samples / 1e6 / std::max(seconds, 1e-9));
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

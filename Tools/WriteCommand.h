@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_WriteCommand_h
+#define isosurface_WriteCommand_h
+
+#include "BlockVolumeOptions.h"
+
+#include "Base/Communicator.h"
+#include "Base/Status.h"
+
+namespace isosurface
+{
+
+/// Writes the blocked volume that the options ask for. Collective; rank 0 tells of it.
+Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks);
+
+} // namespace isosurface
+
+#endif
