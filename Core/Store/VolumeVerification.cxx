@@ -339,7 +339,7 @@ bool HaveEqualCounts(const WorkloadSpectrum& a, const WorkloadSpectrum& b)
     [](const auto* countsOfA, const auto* countsOfB) { return *countsOfA == *countsOfB; });
 }
 
-/// The whole volume, a time step after the other.
+/// The whole volume, a time step after the other; of each the volume, then its overviews.
 class VolumeCheck
 {
 public:
@@ -362,27 +362,25 @@ public:
       this->AddFault(header.GetStatus());
       return std::move(this->Found);
     }
-    // The volume's own blocks, then each overview's.
     std::vector<BlockedVolumeHeader> parts = { *header };
+    std::uint64_t blocks = this->CountBlocks(*header);
     for (std::size_t overview = 0; overview < header->Overviews.size(); ++overview)
     {
       parts.push_back(header->MakeOverview(overview));
+      blocks += this->CountBlocks(parts.back());
     }
-    for (const BlockedVolumeHeader& part : parts)
-    {
-      for (const TimeStepDescription& step : part.TimeSteps)
-      {
-        this->BytesOfAll += CountBytes(step);
-      }
-    }
+    const double shares =
+      static_cast<double>(blocks) * static_cast<double>(header->TimeSteps.size());
     for (std::size_t step = 0; step < header->TimeSteps.size(); ++step)
     {
       for (const BlockedVolumeHeader& part : parts)
       {
+        this->PartShare = static_cast<double>(this->CountBlocks(part)) / shares;
         if (!this->CheckTimeStep(part, part.TimeSteps[step]))
         {
           return Status(StatusCode::Aborted, this->Path + ": the check was stopped");
         }
+        this->PartBegin += this->PartShare;
       }
     }
     return std::move(this->Found);
@@ -398,14 +396,9 @@ private:
     }
   }
 
-  static double CountBytes(const TimeStepDescription& step)
+  static std::uint64_t CountBlocks(const BlockedVolumeHeader& header)
   {
-    double bytes = 0;
-    for (const StoreDescription& store : step.Stores)
-    {
-      bytes += static_cast<double>(store.Bytes);
-    }
-    return bytes;
+    return static_cast<std::uint64_t>(header.GetBlockGrid().GetNumberOfBlocks());
   }
 
   /// Reads all spectra; those of the stores must add up to that of the volume.
@@ -441,12 +434,10 @@ private:
     return Status::Ok();
   }
 
-  /// A time step of the volume or of an overview; false if it was asked to stop.
+  /// Of the volume itself, or of an overview. False if it was asked to stop.
   bool CheckTimeStep(const BlockedVolumeHeader& header, const TimeStepDescription& step)
   {
     const BlockGrid grid = header.GetBlockGrid();
-    this->ShareBegin = this->ShareEnd;
-    this->ShareEnd += CountBytes(step) / std::max(1.0, this->BytesOfAll);
     const Status spectra = this->CheckSpectra(header, step);
     this->Found.Files += 1;
     if (!spectra.IsOk())
@@ -523,8 +514,7 @@ private:
     return [this, begin, end](double share)
     {
       return !this->Tell ||
-        this->Tell(
-          this->ShareBegin + (this->ShareEnd - this->ShareBegin) * (begin + (end - begin) * share));
+        this->Tell(this->PartBegin + this->PartShare * (begin + (end - begin) * share));
     };
   }
 
@@ -532,9 +522,8 @@ private:
   FileSystem& Files;
   int Threads;
   const Progress& Tell;
-  double BytesOfAll = 0; ///< of records
-  double ShareBegin = 0; ///< of the work: the time step's
-  double ShareEnd = 0;
+  double PartBegin = 0;
+  double PartShare = 1;
   VolumeVerification Found;
 };
 

@@ -34,7 +34,6 @@ struct VolumeVerification
  * that what is behind a record is zero; that each store's contents are those that the header
  * knows; that the stores together have each block once; that each tree has each block of its
  * store with the range of its values; and that the stores' spectra add up to the volume's.
- * Overviews are volumes like the volume itself here.
  *
  * Goes on behind a fault, with whatever does not depend on it. The result does not depend on the
  * number of threads. Aborted if `progress` asked to stop.
