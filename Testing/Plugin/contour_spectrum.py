@@ -30,6 +30,7 @@ class ContourSpectrum(unittest.TestCase):
     def test_of_a_volume_is_that_of_its_image(self):
         stored = fetch(simple.ContourSpectrum(Input=testing.open_volume("wave.bvol")))
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+        source.UpdatePipeline()
         counted = fetch(simple.ContourSpectrum(Input=source))
         self.assertEqual(list(stored), COLUMNS)
         self.assertGreater(len(stored["Isovalue"]), 1000)
