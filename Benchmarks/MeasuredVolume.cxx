@@ -7,7 +7,7 @@
 #include "Store/BlockProfileScan.h"
 #include "Store/BlockedVolume.h"
 #include "Store/BlockedVolumeWriter.h"
-#include "Store/SampleRange.h"
+#include "Volume/SampleRange.h"
 
 #include <mutex>
 #include <utility>

@@ -8,8 +8,8 @@
 #include "Source/SlabSource.h"
 #include "Store/ArrayVariables.h"
 #include "Store/BlockProfileScan.h"
-#include "Store/SampleRange.h"
 #include "Volume/BlockGrid.h"
+#include "Volume/SampleRange.h"
 #include "Volume/ValueKey.h"
 
 #include <cstddef>

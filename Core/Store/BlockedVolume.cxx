@@ -659,8 +659,7 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
   std::shared_ptr<const VolumeSpectra>& kept = this->Parts[part]->Spectra[timeStep];
   if (!kept)
   {
-    auto spectra = VolumeSpectra::Read(this->Files,
-      VolumeSpectra::GetPath(this->Path, header.TimeSteps[timeStep].Folder),
+    auto spectra = VolumeSpectra::Read(this->Files, this->Path, header.TimeSteps[timeStep].Folder,
       this->Variables.GetCount(), header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
@@ -681,7 +680,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   {
     return spectra.GetStatus();
   }
-  return (*spectra)->Totals[variable];
+  return (*spectra)->GetTotal(variable);
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
@@ -698,7 +697,12 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
   }
-  return (*spectra)->Stores[variable][store];
+  auto spectrum = (*spectra)->GetStore(variable, store);
+  if (!spectrum.IsOk())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+  }
+  return spectrum;
 }
 
 Result<double> BlockedVolume::EstimateTriangles(

@@ -22,7 +22,7 @@ namespace isosurface
 {
 
 class BlockStore;
-struct VolumeSpectra;
+class VolumeSpectra;
 
 /// Where a block stands: the Ordinal-th one of a store. Block is its index in the BlockGrid of the
 /// levels that it has.
@@ -141,9 +141,10 @@ public:
   /// The finest level that is stored in the same blocks as this one. Its spectrum is stored too.
   int GetSpectrumLevel(int level) const;
 
-  /// Triangles and active cells by isovalue, of a variable's whole volume at
-  /// GetSpectrumLevel(level); and of each of the volume's own stores, at level 0. Read from disk at
-  /// the first call for a time step, then kept. All spectra of a variable have the same bins.
+  /// The spectrum of a variable's whole volume at GetSpectrumLevel(level), read from disk at the
+  /// first call for a time step, then kept; and of each of the volume's own stores, at level 0,
+  /// read at each call. All spectra of a variable have the same bins. (Volumes of older versions
+  /// have triangles and cells only.)
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
     std::size_t timeStep, std::size_t variable, int level = 0);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(
