@@ -22,9 +22,9 @@ namespace isosurface
  *     +------+--------------------------------------+    section s (from end s - 1 to end s)
  *     |    0 | "ISOSPECT"                 (8 bytes) |    +---+------------------------------+
  *     |    8 | format version 1            (uint32) |    | 0 | checksum of the rest,        |
- *     |   12 | number of variables A          (uint32) |    |   | seeded by s         (uint64) |
+ *     |   12 | number of variables A       (uint32) |    |   | seeded by s         (uint64) |
  *     |   16 | number of stores D          (uint64) |    | 8 | triangles                    |
- *     |   24 | per variable: first edge        (int64) |    |   | active cells                 |
+ *     |   24 | per variable: first edge     (int64) |    |   | active cells                 |
  *     |      |   exponent                   (int32) |    |   | active blocks                |
  *     |      |   number of bins n          (uint32) |    |   | bytes                        |
  *     |      |   unit of area             (float64) |    |   | area, in units               |
