@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkContourSpectrum.h"
 
+#include "ChosenScalars.h"
 #include "ImagePieces.h"
 #include "SpectrumTable.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -46,16 +47,16 @@ using isosurface::WorkloadSpectrum;
 namespace
 {
 
-// The type of the pieces of all ranks; nothing if there are none, an error if there are several.
+// The type of the scalars of all ranks; nothing if there are none, an error if there are several.
 Result<std::optional<ValueType>> FindType(
-  isosurface::Communicator& ranks, const isosurface::ImagePieces& pieces)
+  isosurface::Communicator& ranks, const std::vector<isosurface::SampleView>& scalars)
 {
   constexpr std::uint64_t none = 1000;
   std::vector<std::uint64_t> least = { none };
   std::vector<std::uint64_t> greatest = { 0 };
-  for (const isosurface::ImagePiece& piece : pieces.Pieces)
+  for (const isosurface::SampleView& view : scalars)
   {
-    const auto type = static_cast<std::uint64_t>(piece.Samples.View.Type);
+    const auto type = static_cast<std::uint64_t>(view.Type);
     least[0] = std::min(least[0], type);
     greatest[0] = std::max(greatest[0], type);
   }
@@ -73,18 +74,19 @@ Result<std::optional<ValueType>> FindType(
   return std::optional<ValueType>(static_cast<ValueType>(least[0]));
 }
 
-std::vector<GridSpectrum> MakeGridSpectra(
-  const isosurface::ImagePieces& pieces, ValueType type, int threads)
+// scalars: those of each piece.
+std::vector<GridSpectrum> MakeGridSpectra(const isosurface::ImagePieces& pieces,
+  const std::vector<isosurface::SampleView>& scalars, ValueType type, int threads)
 {
   std::vector<GridSpectrum> spectra;
   for (std::size_t grid = 0; grid < pieces.Grids.size(); ++grid)
   {
     std::vector<isosurface::SampleView> views;
-    for (const isosurface::ImagePiece& piece : pieces.Pieces)
+    for (std::size_t piece = 0; piece < pieces.Pieces.size(); ++piece)
     {
-      if (piece.Grid == grid)
+      if (pieces.Pieces[piece].Grid == grid)
       {
-        views.push_back(piece.Samples.View);
+        views.push_back(scalars[piece]);
       }
     }
     spectra.emplace_back(pieces.Grids[grid], type, std::move(views), threads);
@@ -96,7 +98,8 @@ std::vector<GridSpectrum> MakeGridSpectra(
 
 //------------------------------------------------------------------------------
 vtkContourSpectrum::vtkContourSpectrum()
-  : StoreQuantity(-1)
+  : Component(0)
+  , StoreQuantity(-1)
   , NumberOfThreads(0)
   , Controller(nullptr)
 {
@@ -192,7 +195,14 @@ Status vtkContourSpectrum::ReadFromVolume(vtkInformation* inInfo, int rank, vtkT
     return Status(
       StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to contour");
   }
-  const auto total = volume.GetSpectrum(step, *array);
+  const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
+  if (!variable)
+  {
+    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[*array];
+    return isosurface::MakeComponentError(
+      description.Name, description.Components, this->Component);
+  }
+  const auto total = volume.GetSpectrum(step, *variable);
   if (!total.IsOk())
   {
     return total.GetStatus();
@@ -201,7 +211,7 @@ Status vtkContourSpectrum::ReadFromVolume(vtkInformation* inInfo, int rank, vtkT
   const std::uint32_t stores = this->StoreQuantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
-    const auto spectrum = volume.GetStoreSpectrum(step, *array, store);
+    const auto spectrum = volume.GetStoreSpectrum(step, *variable, store);
     if (!spectrum.IsOk())
     {
       return spectrum.GetStatus();
@@ -220,10 +230,17 @@ Status vtkContourSpectrum::CountInImages(
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
     vtkDataArray* array = this->GetInputArrayToProcess(0, image, association);
-    return array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS
-      ? Result<vtkDataArray*>(Status(StatusCode::InvalidArgument,
-          "the array is not a point array; convert it to point data first"))
-      : Result<vtkDataArray*>(array);
+    if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
+    {
+      return Status(StatusCode::InvalidArgument,
+        "the array is not a point array; convert it to point data first");
+    }
+    if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), this->Component))
+    {
+      return isosurface::MakeComponentError(
+        this->GetArrayName(), array->GetNumberOfComponents(), this->Component);
+    }
+    return array;
   };
   const auto pieces =
     isosurface::CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
@@ -234,16 +251,25 @@ Status vtkContourSpectrum::CountInImages(
           "the input has no point array \"" + this->GetArrayName() + "\" to contour")
       : pieces.GetStatus();
   }
-  const auto type = FindType(ranks, *pieces);
+  const int ranksOnNode = ranks.GetRanksOnNode();
+  const int threads =
+    this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
+  std::vector<isosurface::ChosenScalars> chosen;
+  std::vector<isosurface::SampleView> scalars;
+  for (const isosurface::ImagePiece& piece : pieces->Pieces)
+  {
+    const int component = *isosurface::FindChosenComponent(
+      static_cast<int>(piece.Samples.Components.size()), this->Component);
+    chosen.emplace_back(piece.Samples, component, threads);
+    scalars.push_back(chosen.back().GetView(piece.Samples));
+  }
+  const auto type = FindType(ranks, scalars);
   if (!type.IsOk() || !*type)
   {
     return type.GetStatus();
   }
 
-  const int ranksOnNode = ranks.GetRanksOnNode();
-  const int threads =
-    this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
-  std::vector<GridSpectrum> grids = MakeGridSpectra(*pieces, **type, threads);
+  std::vector<GridSpectrum> grids = MakeGridSpectra(*pieces, scalars, **type, threads);
   // Ranges, then counts, of each grid.
   std::size_t done = 0;
   const auto progress = [&](double share)
@@ -283,6 +309,7 @@ Status vtkContourSpectrum::CountInImages(
 void vtkContourSpectrum::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+  os << indent << "Component: " << this->Component << "\n";
   os << indent << "StoreQuantity: " << this->StoreQuantity << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";

@@ -62,6 +62,15 @@ public:
 
   ///@{
   /**
+   * Which component of an array of several ones is measured; their number means the magnitude.
+   * Default 0. Arrays of one component are measured whatever this is.
+   */
+  vtkSetClampMacro(Component, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Component, int);
+  ///@}
+
+  ///@{
+  /**
    * The quantity of which each store of a blocked volume gets a column of its own; -1 (the
    * default): none.
    */
@@ -104,6 +113,7 @@ private:
     isosurface::Communicator& ranks, vtkInformation* inInfo, vtkTable* table);
   std::string GetArrayName();
 
+  int Component;
   int StoreQuantity;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkStabbingContour.h"
 
+#include "ChosenScalars.h"
 #include "ImagePieces.h"
 #include "SurfacePolyData.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -36,7 +37,6 @@
 #include "Store/BlockedVolume.h"
 #include "Store/LevelChoice.h"
 #include "Store/StoredBlockSource.h"
-#include "Volume/Magnitude.h"
 
 #include <algorithm>
 #include <array>
@@ -78,37 +78,6 @@ bool IsBehindReader(vtkInformation* info)
     IsBehindReader(executive->GetInputInformation(0, 0));
 }
 
-Status MakeComponentError(const std::string& name, int components, int component)
-{
-  return Status(StatusCode::InvalidArgument,
-    "array \"" + name + "\" has " + std::to_string(components) +
-      " components, and after them the magnitude; there is no component " +
-      std::to_string(component) + " to contour");
-}
-
-// Magnitudes of all samples of an image, x fastest; nothing if a component is contoured.
-std::vector<double> FindMagnitudes(
-  const isosurface::ImageSamples& samples, int component, int threads)
-{
-  if (component != isosurface::Variable::Magnitude)
-  {
-    return {};
-  }
-  const isosurface::VertexBox& all = samples.Components.front().Available;
-  const isosurface::Index3 size = all.GetSize();
-  std::vector<double> magnitudes(static_cast<std::size_t>(all.GetNumberOfVertices()));
-  isosurface::ParallelFor(static_cast<std::size_t>(size[2]), threads,
-    [&](std::size_t slice, int)
-    {
-      isosurface::VertexBox box = all;
-      box.Low[2] += static_cast<std::int64_t>(slice);
-      box.High[2] = box.Low[2] + 1;
-      isosurface::ComputeMagnitudes(samples.Components, box,
-        magnitudes.data() + static_cast<std::int64_t>(slice) * size[0] * size[1]);
-    });
-  return magnitudes;
-}
-
 } // namespace
 
 /**
@@ -121,23 +90,9 @@ struct vtkStabbingContour::Index
   {
     vtkDataArray* Array = nullptr;
     vtkMTimeType Time = 0;
-    int Component = 0; ///< or Variable::Magnitude
     isosurface::VertexBox Box;
-    std::vector<double> Magnitudes;
+    isosurface::ChosenScalars Scalars;
     isosurface::BlockRanges Ranges;
-
-    // What is contoured.
-    isosurface::SampleView GetView(const isosurface::ImageSamples& samples) const
-    {
-      if (this->Component != isosurface::Variable::Magnitude)
-      {
-        return samples.Components[static_cast<std::size_t>(this->Component)];
-      }
-      isosurface::SampleView view = isosurface::MakeMagnitudeView(
-        samples.Components.front().Available, this->Magnitudes.data());
-      view.Box = samples.Components.front().Box;
-      return view;
-    }
   };
   std::vector<Entry> Entries;
 
@@ -145,8 +100,8 @@ struct vtkStabbingContour::Index
   {
     for (Entry& kept : this->Entries)
     {
-      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Component == component &&
-        kept.Box == samples.Components.front().Box)
+      if (kept.Array == samples.Array && kept.Time == samples.Time &&
+        kept.Scalars.GetComponent() == component && kept.Box == samples.Components.front().Box)
       {
         entry = std::exchange(kept, Entry());
         return true;
@@ -453,7 +408,8 @@ Status vtkStabbingContour::MakeQuery(
   const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
   if (!variable)
   {
-    return MakeComponentError(output.ArrayName, header.Arrays[*array].Components, this->Component);
+    return isosurface::MakeComponentError(
+      output.ArrayName, header.Arrays[*array].Components, this->Component);
   }
   query.Variable = *variable;
   for (const std::string& name : this->ChooseInterpolatedArrays(output.ArrayName))
@@ -600,7 +556,8 @@ Status vtkStabbingContour::ExtractFromImages(
     }
     if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), this->Component))
     {
-      return MakeComponentError(output.ArrayName, array->GetNumberOfComponents(), this->Component);
+      return isosurface::MakeComponentError(
+        output.ArrayName, array->GetNumberOfComponents(), this->Component);
     }
     return array;
   };
@@ -657,11 +614,10 @@ Status vtkStabbingContour::ExtractFromImages(
     {
       entry.Array = piece.Samples.Array;
       entry.Time = piece.Samples.Time;
-      entry.Component = component;
       entry.Box = piece.Samples.Components.front().Box;
-      entry.Magnitudes = FindMagnitudes(piece.Samples, component, this->ChooseThreads());
-      auto ranges =
-        isosurface::BlockRanges::Compute(entry.GetView(piece.Samples), this->ChooseThreads());
+      entry.Scalars = isosurface::ChosenScalars(piece.Samples, component, this->ChooseThreads());
+      auto ranges = isosurface::BlockRanges::Compute(
+        entry.Scalars.GetView(piece.Samples), this->ChooseThreads());
       if (!ranges.IsOk())
       {
         return ranges.GetStatus();
@@ -669,7 +625,7 @@ Status vtkStabbingContour::ExtractFromImages(
       entry.Ranges = std::move(*ranges);
     }
     auto extracted =
-      isosurface::ExtractPiece(pieces->Grids[piece.Grid], entry.GetView(piece.Samples),
+      isosurface::ExtractPiece(pieces->Grids[piece.Grid], entry.Scalars.GetView(piece.Samples),
         attributes->Views, entry.Ranges, request, region, this->ChooseThreads(), progress);
     kept.push_back(std::move(entry));
     if (!extracted.IsOk())

@@ -483,6 +483,7 @@ private:
   bool CheckTimeStep(const BlockedVolumeHeader& header, const TimeStepDescription& step)
   {
     const BlockGrid grid = header.GetBlockGrid();
+    const ArrayVariables variables = header.GetVariables();
     const Status spectra = this->CheckSpectra(header, step);
     this->Found.Files += 1;
     if (!spectra.IsOk())
