@@ -31,26 +31,13 @@ T& Demand(Result<T>& result)
   return *result;
 }
 
-void DropFromPageCache(const std::string& folder)
-{
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-  {
-    const int file = ::open(entry.path().c_str(), O_RDONLY);
-    if (entry.is_regular_file() && file >= 0)
-    {
-      static_cast<void>(::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED));
-    }
-    ::close(file);
-  }
-}
-
-VolumeQuery Extract(const std::string& path, double isovalue, int threads)
+VolumeQuery Extract(const std::string& path, double isovalue, int rank, int ranks, int threads)
 {
   const double start = GetSeconds();
   auto opened = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
   BlockedVolume& volume = *Demand(opened);
   VolumeQuery query;
-  auto active = volume.FindActiveBlocks(0, 0, { isovalue }, 0, 1, query.Statistics);
+  auto active = volume.FindActiveBlocks(0, 0, { isovalue }, rank, ranks, query.Statistics);
   StoredBlockSource source(volume, 0, 0, 0, std::move(Demand(active)));
   ContourRequest request;
   request.Isovalues = { isovalue };
@@ -63,6 +50,19 @@ VolumeQuery Extract(const std::string& path, double isovalue, int threads)
 }
 
 } // namespace
+
+void DropFromPageCache(const std::string& folder)
+{
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+  {
+    const int file = ::open(entry.path().c_str(), O_RDONLY);
+    if (entry.is_regular_file() && file >= 0)
+    {
+      static_cast<void>(::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED));
+    }
+    ::close(file);
+  }
+}
 
 double GetSeconds()
 {
@@ -79,11 +79,24 @@ VolumeQuery MeasureQuery(
     {
       DropFromPageCache(path + ".stores");
     }
-    queries.push_back(Extract(path, isovalue, threads));
+    queries.push_back(Extract(path, isovalue, 0, 1, threads));
   }
   std::sort(queries.begin(), queries.end(),
     [](const VolumeQuery& a, const VolumeQuery& b) { return a.Seconds < b.Seconds; });
   return queries[queries.size() / 2];
+}
+
+VolumeQuery MeasureShare(const std::string& path, double isovalue, int rank, int ranks, int threads)
+{
+  return Extract(path, isovalue, rank, ranks, threads);
+}
+
+void RemoveVolume(const std::string& path)
+{
+  for (const std::string& part : { path, path + ".stores" })
+  {
+    static_cast<void>(GetLocalFileSystem().RemoveAll(part));
+  }
 }
 
 } // namespace isosurface

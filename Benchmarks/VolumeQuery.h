@@ -29,6 +29,16 @@ struct VolumeQuery
 VolumeQuery MeasureQuery(
   const std::string& path, double isovalue, int threads, int repeats, bool cold);
 
+/// The same, once, for the share of one of several ranks.
+VolumeQuery MeasureShare(
+  const std::string& path, double isovalue, int rank, int ranks, int threads);
+
+/// Makes the next readings of a folder's files come from the disk.
+void DropFromPageCache(const std::string& folder);
+
+/// Removes a volume and its stores.
+void RemoveVolume(const std::string& path);
+
 } // namespace isosurface
 
 #endif

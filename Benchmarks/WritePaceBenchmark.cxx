@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Seconds to write a blocked volume from a raw file, against `cp` of that file in the same run, the
-// page cache empty of the file before each; and the peak of resident memory of every write, which
-// runs in a process of its own. Ranks are threads of that process.
+// Seconds to write a blocked volume from a raw file, against `cp` of that file. Both take turns;
+// the page cache is empty of the file before each, and nothing waits to be written. Every write
+// runs in a process of its own, of which the peak of resident memory is told. Ranks are its
+// threads.
 #include "BenchmarkVolume.h"
 
 #include "Base/FileSystem.h"
@@ -32,14 +33,32 @@ namespace
 struct Options
 {
   std::string Folder = ".";
-  int Side = 1024;
+  std::string File;
+  std::vector<std::int64_t> Dimensions = { 1024, 1024, 1024 };
   std::vector<int> Ranks = { 1, 2 };
-  std::vector<int> Threads = { 1, 2 };
+  int Threads = 0;
+  std::vector<std::string> Codecs = { "none", "lz4", "zstd" };
   std::uint32_t Stores = 8;
   int BlockSize = 32;
   std::uint64_t MemoryMiB = 1024;
   int Repeats = 3;
-  bool KeepFile = false;
+
+  double GetMegabytes() const
+  {
+    return 2e-6 * static_cast<double>(this->Dimensions[0]) *
+      static_cast<double>(this->Dimensions[1]) * static_cast<double>(this->Dimensions[2]);
+  }
+};
+
+/// One way to write, and what it took in each round.
+struct Way
+{
+  int Ranks;
+  int Threads;
+  std::string Codec;
+  std::vector<double> Seconds;
+  std::vector<double> Ratios; ///< to cp of the same round
+  double Peak = 0;            ///< MiB
 };
 
 double Time(const std::function<bool()>& body)
@@ -61,33 +80,34 @@ bool MakeFile(const std::string& path, int side)
     (*file)->SyncAndClose().IsOk();
 }
 
-/// Makes the next reading of a file come from the disk.
+/// Makes the next reading of a file come from the disk, which has nothing else to do.
 void ForgetPages(const std::string& path)
 {
+  ::sync();
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file >= 0)
   {
-    ::fsync(file);
     ::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
     ::close(file);
   }
 }
 
 bool WriteVolume(
-  const Options& options, const std::string& from, const std::string& to, int ranks, int threads)
+  const Options& options, const Way& way, const std::string& from, const std::string& to)
 {
-  const std::int64_t last = options.Side - 1;
   isosurface::RawVolume raw;
-  raw.Grid.Extent = { 0, last, 0, last, 0, last };
+  raw.Grid.Extent = { 0, options.Dimensions[0] - 1, 0, options.Dimensions[1] - 1, 0,
+    options.Dimensions[2] - 1 };
   raw.Type = isosurface::ValueType::UInt16;
   raw.Paths = { from };
   isosurface::BlockedVolumeSettings settings;
   settings.BlockSize = options.BlockSize;
   settings.NumberOfStores = options.Stores;
   settings.MemoryLimit = options.MemoryMiB << 20;
-  settings.Threads = threads;
+  settings.Threads = way.Threads;
+  settings.Compression.Codec = *isosurface::FindCodec(way.Codec);
   std::atomic<bool> isDone{ true };
-  isosurface::ThreadCommunicator::Run(ranks,
+  isosurface::ThreadCommunicator::Run(way.Ranks,
     [&](isosurface::Communicator& communicator)
     {
       auto source = raw.Open(isosurface::GetLocalFileSystem());
@@ -132,49 +152,67 @@ void RemoveVolume(const std::string& path)
   }
 }
 
+double TimeCopy(const std::string& from, const std::string& to, double& withSync)
+{
+  ForgetPages(from);
+  const double seconds =
+    Time([&] { return std::system(("cp '" + from + "' '" + to + "'").c_str()) == 0; });
+  withSync = seconds + Time([&] { return std::system(("sync '" + to + "'").c_str()) == 0; });
+  static_cast<void>(isosurface::GetLocalFileSystem().RemoveAll(to));
+  return seconds;
+}
+
+void TimeWrite(const Options& options, const std::string& from, double copying, Way& way)
+{
+  const std::string volume = options.Folder + "/write-pace.bvol";
+  ForgetPages(from);
+  const double seconds = Time(
+    [&]
+    {
+      const double used = RunApart([&] { return WriteVolume(options, way, from, volume); });
+      way.Peak = std::max(way.Peak, used);
+      return used >= 0;
+    });
+  way.Seconds.push_back(seconds);
+  way.Ratios.push_back(seconds / copying);
+  RemoveVolume(volume);
+}
+
 void Measure(const Options& options, const std::string& from)
 {
-  const std::string copy = from + ".copy";
-  const std::string volume = from + ".bvol";
+  std::vector<Way> ways;
+  for (const std::string& codec : options.Codecs)
+  {
+    for (const int ranks : options.Ranks)
+    {
+      const int threads =
+        options.Threads > 0 ? options.Threads : isosurface::ChooseThreadCount(ranks);
+      ways.push_back({ ranks, threads, codec, {}, {} });
+    }
+  }
   std::vector<double> copying;
   std::vector<double> syncing;
   for (int repeat = 0; repeat < options.Repeats; ++repeat)
   {
-    ForgetPages(from);
-    copying.push_back(
-      Time([&] { return std::system(("cp '" + from + "' '" + copy + "'").c_str()) == 0; }));
-    syncing.push_back(
-      copying.back() + Time([&] { return std::system(("sync '" + copy + "'").c_str()) == 0; }));
-    static_cast<void>(isosurface::GetLocalFileSystem().RemoveAll(copy));
-  }
-  const double cp = TakeMedian(copying);
-  std::printf(
-    "%-28s %7.2f s\n%-28s %7.2f s\n", "cp", cp, "cp, then sync of the copy", TakeMedian(syncing));
-  for (const int ranks : options.Ranks)
-  {
-    for (const int threads : options.Threads)
+    for (Way& way : ways)
     {
-      std::vector<double> seconds;
-      double peak = 0;
-      for (int repeat = 0; repeat < options.Repeats; ++repeat)
-      {
-        ForgetPages(from);
-        seconds.push_back(Time(
-          [&]
-          {
-            const double used =
-              RunApart([&] { return WriteVolume(options, from, volume, ranks, threads); });
-            peak = std::max(peak, used);
-            return used >= 0;
-          }));
-        RemoveVolume(volume);
-      }
-      const double median = TakeMedian(seconds);
-      std::printf("%d ranks of %d threads         %7.2f s = %.2f x cp, %.0f MB/s, peak %.0f MiB\n",
-        ranks, threads, median, median / cp,
-        2e-6 * options.Side * options.Side * options.Side / median, peak);
-      std::fflush(stdout);
+      double withSync = 0;
+      copying.push_back(TimeCopy(from, options.Folder + "/write-pace.copy", withSync));
+      syncing.push_back(withSync);
+      TimeWrite(options, from, copying.back(), way);
     }
+  }
+  std::printf("| what | seconds | x cp | MB/s | peak MiB |\n| --- | --- | --- | --- | --- |\n");
+  const double cp = TakeMedian(copying);
+  const double synced = TakeMedian(syncing);
+  std::printf("| cp | %.2f | 1 | %.0f | |\n| cp, then sync of the copy | %.2f | %.2f | %.0f | |\n",
+    cp, options.GetMegabytes() / cp, synced, synced / cp, options.GetMegabytes() / synced);
+  for (const Way& way : ways)
+  {
+    const double seconds = TakeMedian(way.Seconds);
+    std::printf("| %s, ranks: %d, threads a rank: %d | %.2f | %.2f | %.0f | %.0f |\n",
+      way.Codec.c_str(), way.Ranks, way.Threads, seconds, TakeMedian(way.Ratios),
+      options.GetMegabytes() / seconds, way.Peak);
   }
 }
 
@@ -185,23 +223,27 @@ int main(int argc, char** argv)
   Options options;
   CLI::App app("Writes a raw uint16 file as a blocked volume, against cp of the file.");
   app.add_option("--folder", options.Folder, "where the file and the volume are made");
-  app.add_option("--side", options.Side, "vertices a side (1024: 2 GB)");
+  app.add_option("--file", options.File, "the raw uint16 file; else one is made");
+  app.add_option("--dimensions", options.Dimensions, "of the file; equal where one is made")
+    ->expected(3);
   app.add_option("--ranks", options.Ranks, "numbers of ranks");
-  app.add_option("--threads", options.Threads, "numbers of threads a rank");
+  app.add_option("--threads", options.Threads, "threads a rank; 0: a core each");
+  app.add_option("--compression", options.Codecs, "none, lz4, zstd")
+    ->check(CLI::IsMember({ "none", "lz4", "zstd" }));
   app.add_option("--stores", options.Stores, "stores");
   app.add_option("--block-size", options.BlockSize, "cells along the side of a block");
   app.add_option("--memory", options.MemoryMiB, "MiB that a rank may take");
   app.add_option("--repeats", options.Repeats, "measurements, of which the median is told");
-  app.add_flag("--keep", options.KeepFile, "keep the file for the next run");
   CLI11_PARSE(app, argc, argv);
-  const std::string from = options.Folder + "/write-pace-" + std::to_string(options.Side) + ".raw";
-  if (!isosurface::GetLocalFileSystem().Exists(from) && !MakeFile(from, options.Side))
+  const bool isMade = options.File.empty();
+  const std::string from = isMade ? options.Folder + "/write-pace.raw" : options.File;
+  if (isMade && !MakeFile(from, static_cast<int>(options.Dimensions[0])))
   {
     std::fprintf(stderr, "%s cannot be made\n", from.c_str());
     return 1;
   }
   Measure(options, from);
-  if (!options.KeepFile)
+  if (isMade)
   {
     static_cast<void>(isosurface::GetLocalFileSystem().RemoveAll(from));
   }

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The scans that the examples and tests use, from Debian's packages, as vtkImageData.
 
-head_mri():   T1 head MRI, uint8, 181 x 217 x 181 (package mricron-data: ch2.nii.gz)
-cranium_ct(): head CT, int16 Hounsfield units, 256 x 256 x 108 (package invesalius-examples:
-              Cranium.inv3, a gzipped tar with a raw matrix and a property list)
+head_mri():    T1 head MRI, uint8, 181 x 217 x 181 (package mricron-data: ch2.nii.gz)
+macaque_mri(): T1 brain MRI, the mean of 19 macaques, float32, 168 x 206 x 128 (package
+               mricron-data: inia19-t1-brain.nii.gz)
+cranium_ct():  head CT, int16 Hounsfield units, 256 x 256 x 108 (package invesalius-examples:
+               Cranium.inv3, a gzipped tar with a raw matrix and a property list)
 """
 import plistlib
 import tarfile
@@ -15,17 +17,26 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 import numpy
 
 HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
+MACAQUE_MRI = "/usr/share/mricron/templates/inia19-t1-brain.nii.gz"
 CRANIUM_CT = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3"
 
 
-def head_mri():
+def read_nifti(path):
     reader = vtkNIFTIImageReader()
-    reader.SetFileName(HEAD_MRI)
+    reader.SetFileName(path)
     reader.Update()
     image = vtkImageData()
     image.DeepCopy(reader.GetOutput())
     image.GetPointData().GetScalars().SetName("T1")
     return image
+
+
+def head_mri():
+    return read_nifti(HEAD_MRI)
+
+
+def macaque_mri():
+    return read_nifti(MACAQUE_MRI)
 
 
 def cranium_ct():

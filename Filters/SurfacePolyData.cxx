@@ -12,6 +12,7 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
+#include "vtkStringArray.h"
 #include "vtkTypeInt32Array.h"
 #include "vtkTypeInt64Array.h"
 
@@ -161,6 +162,18 @@ void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
   add("QuerySeconds", cost.Reading.QuerySeconds);
   add("ReadSeconds", cost.Reading.ReadSeconds);
   add("ExtractSeconds", cost.ExtractSeconds);
+  if (!cost.Choice)
+  {
+    return;
+  }
+  add("EstimatedTriangles", cost.Choice->Triangles);
+  add("PredictedSeconds", cost.Choice->Seconds);
+  vtkNew<vtkStringArray> limit;
+  limit->SetName("LevelLimit");
+  limit->InsertNextValue(cost.Choice->Limit == LevelLimit::Triangles ? "MaximumTriangles"
+      : cost.Choice->Limit == LevelLimit::Seconds                    ? "TimeBudget"
+                                                                     : "");
+  output->GetFieldData()->AddArray(limit);
 }
 
 } // namespace isosurface

@@ -4,8 +4,10 @@
 
 #include "Contour/SurfaceExtractor.h"
 #include "ImagePieces.h"
+#include "Store/LevelChoice.h"
 #include "Store/QueryStatistics.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +21,8 @@ struct QueryCost
 {
   QueryStatistics Reading;
   std::uint64_t Triangles = 0;
-  int Level = 0;             ///< that the surface was extracted from
+  int Level = 0;                     ///< that the surface was extracted from
+  std::optional<LevelChoice> Choice; ///< of the level, within a budget
   double ExtractSeconds = 0; ///< wall clock of extraction, the reading that it waited for included
 };
 
@@ -36,7 +39,8 @@ void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arra
  * Adds what the query cost this rank to the output's field data, one array of one value a quantity:
  * Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks, BlocksRead, BytesRead, BlockCacheHits,
  * Triangles, Level, QuerySeconds, ReadSeconds, ExtractSeconds. Written as a table, the ranks'
- * values are its rows.
+ * values are its rows. Of a level that was chosen within a budget also EstimatedTriangles,
+ * PredictedSeconds, and LevelLimit, the name of the property that limits it, or nothing.
  */
 void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkStabbingContour.h"
 
+#include "ChosenScalars.h"
 #include "ImagePieces.h"
 #include "SurfacePolyData.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -34,12 +35,13 @@
 #include "Contour/SurfaceMerge.h"
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
+#include "Store/LevelChoice.h"
 #include "Store/ProgressiveLevels.h"
 #include "Store/StoredBlockSource.h"
-#include "Volume/Magnitude.h"
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,12 +50,15 @@ vtkStandardNewMacro(vtkStabbingContour);
 vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
 vtkCxxSetObjectMacro(vtkStabbingContour, Frustum, vtkPlanes);
 
+using isosurface::BlockedVolume;
 using isosurface::ContourRequest;
+using isosurface::LevelChoice;
 using isosurface::QueryCost;
 using isosurface::Result;
 using isosurface::Status;
 using isosurface::StatusCode;
 using isosurface::Surface;
+using isosurface::SurfaceQuery;
 
 namespace
 {
@@ -74,37 +79,6 @@ bool IsBehindReader(vtkInformation* info)
     IsBehindReader(executive->GetInputInformation(0, 0));
 }
 
-Status MakeComponentError(const std::string& name, int components, int component)
-{
-  return Status(StatusCode::InvalidArgument,
-    "array \"" + name + "\" has " + std::to_string(components) +
-      " components, and after them the magnitude; there is no component " +
-      std::to_string(component) + " to contour");
-}
-
-// Magnitudes of all samples of an image, x fastest; nothing if a component is contoured.
-std::vector<double> FindMagnitudes(
-  const isosurface::ImageSamples& samples, int component, int threads)
-{
-  if (component != isosurface::Variable::Magnitude)
-  {
-    return {};
-  }
-  const isosurface::VertexBox& all = samples.Components.front().Available;
-  const isosurface::Index3 size = all.GetSize();
-  std::vector<double> magnitudes(static_cast<std::size_t>(all.GetNumberOfVertices()));
-  isosurface::ParallelFor(static_cast<std::size_t>(size[2]), threads,
-    [&](std::size_t slice, int)
-    {
-      isosurface::VertexBox box = all;
-      box.Low[2] += static_cast<std::int64_t>(slice);
-      box.High[2] = box.Low[2] + 1;
-      isosurface::ComputeMagnitudes(samples.Components, box,
-        magnitudes.data() + static_cast<std::int64_t>(slice) * size[0] * size[1]);
-    });
-  return magnitudes;
-}
-
 } // namespace
 
 /**
@@ -117,23 +91,9 @@ struct vtkStabbingContour::Index
   {
     vtkDataArray* Array = nullptr;
     vtkMTimeType Time = 0;
-    int Component = 0; ///< or Variable::Magnitude
     isosurface::VertexBox Box;
-    std::vector<double> Magnitudes;
+    isosurface::ChosenScalars Scalars;
     isosurface::BlockRanges Ranges;
-
-    // What is contoured.
-    isosurface::SampleView GetView(const isosurface::ImageSamples& samples) const
-    {
-      if (this->Component != isosurface::Variable::Magnitude)
-      {
-        return samples.Components[static_cast<std::size_t>(this->Component)];
-      }
-      isosurface::SampleView view = isosurface::MakeMagnitudeView(
-        samples.Components.front().Available, this->Magnitudes.data());
-      view.Box = samples.Components.front().Box;
-      return view;
-    }
   };
   std::vector<Entry> Entries;
 
@@ -141,8 +101,8 @@ struct vtkStabbingContour::Index
   {
     for (Entry& kept : this->Entries)
     {
-      if (kept.Array == samples.Array && kept.Time == samples.Time && kept.Component == component &&
-        kept.Box == samples.Components.front().Box)
+      if (kept.Array == samples.Array && kept.Time == samples.Time &&
+        kept.Scalars.GetComponent() == component && kept.Box == samples.Components.front().Box)
       {
         entry = std::exchange(kept, Entry());
         return true;
@@ -189,6 +149,8 @@ vtkStabbingContour::vtkStabbingContour()
   , Level(0)
   , Progressive(0)
   , Final(1)
+  , TimeBudget(0)
+  , MaximumTriangles(0)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , UseRegion(0)
@@ -200,6 +162,7 @@ vtkStabbingContour::vtkStabbingContour()
   , Controller(nullptr)
   , ImageIndex(new Index)
   , LastPass(new Pass)
+  , Rate(new isosurface::ExtractionRate)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -469,23 +432,16 @@ int vtkStabbingContour::ChooseThreads()
 }
 
 //------------------------------------------------------------------------------
-Result<int> vtkStabbingContour::ChoosePassLevel(
-  const std::shared_ptr<isosurface::BlockedVolume>& volume, std::size_t step, std::size_t variable,
-  const std::vector<double>& isovalues)
+Result<int> vtkStabbingContour::ChoosePassLevel(isosurface::Communicator& ranks,
+  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query, int finest)
 {
-  const int finest = std::min(this->Level, volume->GetNumberOfLevels() - 1);
-  if (!this->Progressive)
-  {
-    return finest;
-  }
-  isosurface::ControllerCommunicator ranks(this->Controller);
   Pass& pass = *this->LastPass;
-  std::vector<std::uint64_t> isNew = { pass.IsOf(this->GetMTime(), volume, step) ? 0U : 1U };
+  std::vector<std::uint64_t> isNew = { pass.IsOf(this->GetMTime(), volume, query.TimeStep) ? 0U
+                                                                                           : 1U };
   ranks.ReduceMaximum(isNew);
   if (isNew.front() != 0)
   {
-    const auto first =
-      isosurface::ChooseFirstLevel(*volume, step, variable, isovalues, finest, ranks);
+    const auto first = isosurface::ChooseFirstLevel(*volume, query, finest, ranks);
     if (!first.IsOk())
     {
       return first;
@@ -493,39 +449,34 @@ Result<int> vtkStabbingContour::ChoosePassLevel(
     pass.Level = *first;
     pass.Time = this->GetMTime();
     pass.Volume = volume;
-    pass.TimeStep = step;
+    pass.TimeStep = query.TimeStep;
   }
   return pass.Level;
 }
 
 //------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractFromVolume(
-  vtkInformation* inInfo, vtkInformation* outInfo, ContourRequest& request, Output& output)
+Status vtkStabbingContour::MakeQuery(
+  const BlockedVolume& volume, const ContourRequest& request, SurfaceQuery& query, Output& output)
 {
-  auto* handle =
-    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
-  const std::shared_ptr<isosurface::BlockedVolume> shared = handle->GetVolume();
-  isosurface::BlockedVolume& volume = *shared;
   const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
-  const std::size_t step = handle->FindTimeStep(inInfo);
-  std::string& arrayName = output.ArrayName;
-  arrayName = this->GetArrayToContour();
+  output.ArrayName = this->GetArrayToContour();
   // Without a choice: the first array, which the reader makes the active scalars.
   const auto array =
-    arrayName.empty() ? std::optional<std::size_t>(0) : header.FindArray(arrayName);
+    output.ArrayName.empty() ? std::optional<std::size_t>(0) : header.FindArray(output.ArrayName);
   if (!array)
   {
-    return Status(
-      StatusCode::NotFound, volume.GetPath() + ": has no array \"" + arrayName + "\" to contour");
+    return Status(StatusCode::NotFound,
+      volume.GetPath() + ": has no array \"" + output.ArrayName + "\" to contour");
   }
-  arrayName = header.Arrays[*array].Name;
+  output.ArrayName = header.Arrays[*array].Name;
   const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
   if (!variable)
   {
-    return MakeComponentError(arrayName, header.Arrays[*array].Components, this->Component);
+    return isosurface::MakeComponentError(
+      output.ArrayName, header.Arrays[*array].Components, this->Component);
   }
-  std::vector<std::size_t> attributes;
-  for (const std::string& name : this->ChooseInterpolatedArrays(arrayName))
+  query.Variable = *variable;
+  for (const std::string& name : this->ChooseInterpolatedArrays(output.ArrayName))
   {
     const auto attribute = header.FindArray(name);
     if (!attribute)
@@ -534,38 +485,127 @@ Status vtkStabbingContour::ExtractFromVolume(
         StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to interpolate");
     }
     const isosurface::ArrayDescription& description = header.Arrays[*attribute];
-    attributes.push_back(*attribute);
-    request.Attributes.push_back({ description.Type, description.Components });
-    output.Arrays.push_back({ name, {}, request.Attributes.back() });
+    query.Attributes.push_back(*attribute);
+    output.Arrays.push_back({ name, {}, { description.Type, description.Components } });
   }
+  query.Isovalues = request.Isovalues;
+  query.Selection = { request.ClosedSides, this->MakeRegion() };
+  return Status::Ok();
+}
 
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractFromVolume(
+  vtkInformation* inInfo, vtkInformation* outInfo, ContourRequest& request, Output& output)
+{
+  auto* handle =
+    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
+  const std::shared_ptr<BlockedVolume> shared = handle->GetVolume();
+  BlockedVolume& volume = *shared;
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const auto chosen = this->ChoosePassLevel(shared, step, *variable, request.Isovalues);
-  if (!chosen.IsOk())
+  SurfaceQuery query;
+  query.TimeStep = handle->FindTimeStep(inInfo);
+  query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
+  query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
+  const Status status = this->MakeQuery(volume, request, query, output);
+  for (const isosurface::InterpolatedArray& array : output.Arrays)
   {
-    return chosen.GetStatus();
+    request.Attributes.push_back(array.Layout);
   }
-  const int level = *chosen;
-  output.Cost.Level = level;
-  output.Final = level <= this->Level;
-  auto active = volume.FindActiveBlocks(step, *variable, request.Isovalues,
-    outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
-    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), output.Cost.Reading, level,
-    { request.ClosedSides, this->MakeRegion() });
+  const isosurface::ExtractionBudget budget = { this->TimeBudget,
+    static_cast<std::uint64_t>(this->MaximumTriangles) };
+  const int finest = std::min(this->Level, volume.GetNumberOfLevels() - 1);
+  LevelChoice chosen;
+  chosen.Level = finest;
+  if (!this->Progressive && !budget.IsLimited())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(status);
+    return this->ExtractAtLevel(volume, query, request, chosen, output);
+  }
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  if (this->Progressive)
+  {
+    const auto level = this->ChoosePassLevel(ranks, shared, query, finest);
+    ISOSURFACE_RETURN_IF_ERROR(level.GetStatus());
+    chosen.Level = *level;
+  }
+  ISOSURFACE_RETURN_IF_ERROR(budget.IsLimited()
+      ? this->ExtractWithinBudget(ranks, budget, volume, query, chosen.Level, request, output)
+      : this->ExtractAtLevel(volume, query, request, chosen, output));
+  // If the budget forbids the level of this pass, it forbids finer ones.
+  output.Final = chosen.Level == finest || output.Cost.Level > chosen.Level;
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractWithinBudget(isosurface::Communicator& ranks,
+  const isosurface::ExtractionBudget& budget, BlockedVolume& volume, const SurfaceQuery& query,
+  int finest, const ContourRequest& request, Output& output)
+{
+  isosurface::QueryStatistics& reading = output.Cost.Reading;
+  if (budget.Seconds > 0 && !this->Rate->IsKnown())
+  {
+    // A level that takes next to no time tells how fast this machine is.
+    const auto probe = isosurface::ChooseLevel(
+      volume, query, finest, { budget.Seconds / 10, 0 }, *this->Rate, ranks, reading);
+    ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
+    Output unused;
+    ISOSURFACE_RETURN_IF_ERROR(
+      ranks.Agree(this->ExtractAtLevel(volume, query, request, *probe, unused)));
+    reading.Add(unused.Cost.Reading);
+  }
+  auto choice = isosurface::ChooseLevel(volume, query, finest, budget, *this->Rate, ranks, reading);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  const int coarsest = volume.GetNumberOfLevels() - 1;
+  while (true)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      ranks.Agree(this->ExtractAtLevel(volume, query, request, *choice, output)));
+    output.Cost.Choice = *choice;
+    std::vector<std::uint64_t> triangles = { output.Extracted.NumberOfTriangles };
+    ranks.ReduceSum(triangles);
+    if (budget.Triangles == 0 || triangles[0] <= budget.Triangles || choice->Level == coarsest)
+    {
+      return Status::Ok();
+    }
+    // The estimate was too low.
+    ++choice->Level;
+    choice->Limit = isosurface::LevelLimit::Triangles;
+  }
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractAtLevel(BlockedVolume& volume, const SurfaceQuery& query,
+  const ContourRequest& request, const LevelChoice& choice, Output& output)
+{
+  const auto start = std::chrono::steady_clock::now();
+  output.Cost.Level = choice.Level;
+  isosurface::QueryStatistics& reading = output.Cost.Reading;
+  reading.ActiveBlocks = 0;
+  auto active = volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues, query.Rank,
+    query.Ranks, reading, choice.Level, query.Selection);
   if (!active.IsOk())
   {
     return active.GetStatus();
   }
-  isosurface::StoredBlockSource source(volume, step, *variable, level, std::move(*active));
-  source.SetAttributes(std::move(attributes));
-  auto extracted = isosurface::ExtractSurface(header.Grid.Coarsen(level), source, request,
-    this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
-  output.Cost.Reading.Add(source.GetStatistics());
+  isosurface::StoredBlockSource source(
+    volume, query.TimeStep, query.Variable, choice.Level, std::move(*active));
+  source.SetAttributes(query.Attributes);
+  auto extracted = isosurface::ExtractSurface(volume.GetHeader().Grid.Coarsen(choice.Level), source,
+    request, this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
+  reading.Add(source.GetStatistics());
   if (!extracted.IsOk())
   {
     return extracted.GetStatus();
   }
   output.Extracted = std::move(*extracted);
+  if (choice.Work.Blocks > 0)
+  {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    isosurface::ExtractionWork work = choice.Work;
+    work.Triangles = static_cast<double>(output.Extracted.NumberOfTriangles);
+    this->Rate->Observe(work, seconds.count());
+  }
   return Status::Ok();
 }
 
@@ -592,7 +632,8 @@ Status vtkStabbingContour::ExtractFromImages(
     }
     if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), this->Component))
     {
-      return MakeComponentError(output.ArrayName, array->GetNumberOfComponents(), this->Component);
+      return isosurface::MakeComponentError(
+        output.ArrayName, array->GetNumberOfComponents(), this->Component);
     }
     return array;
   };
@@ -649,11 +690,10 @@ Status vtkStabbingContour::ExtractFromImages(
     {
       entry.Array = piece.Samples.Array;
       entry.Time = piece.Samples.Time;
-      entry.Component = component;
       entry.Box = piece.Samples.Components.front().Box;
-      entry.Magnitudes = FindMagnitudes(piece.Samples, component, this->ChooseThreads());
-      auto ranges =
-        isosurface::BlockRanges::Compute(entry.GetView(piece.Samples), this->ChooseThreads());
+      entry.Scalars = isosurface::ChosenScalars(piece.Samples, component, this->ChooseThreads());
+      auto ranges = isosurface::BlockRanges::Compute(
+        entry.Scalars.GetView(piece.Samples), this->ChooseThreads());
       if (!ranges.IsOk())
       {
         return ranges.GetStatus();
@@ -661,7 +701,7 @@ Status vtkStabbingContour::ExtractFromImages(
       entry.Ranges = std::move(*ranges);
     }
     auto extracted =
-      isosurface::ExtractPiece(pieces->Grids[piece.Grid], entry.GetView(piece.Samples),
+      isosurface::ExtractPiece(pieces->Grids[piece.Grid], entry.Scalars.GetView(piece.Samples),
         attributes->Views, entry.Ranges, request, region, this->ChooseThreads(), progress);
     kept.push_back(std::move(entry));
     if (!extracted.IsOk())
@@ -697,6 +737,8 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Level: " << this->Level << "\n";
   os << indent << "Progressive: " << this->Progressive << "\n";
   os << indent << "Final: " << this->Final << "\n";
+  os << indent << "TimeBudget: " << this->TimeBudget << "\n";
+  os << indent << "MaximumTriangles: " << this->MaximumTriangles << "\n";
   os << indent << "InterpolatedArrays:";
   for (const std::string& name : this->InterpolatedArrays)
   {

@@ -34,7 +34,9 @@
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
  * BlocksRead, BytesRead, BlockCacheHits, Triangles, Level, QuerySeconds, ReadSeconds,
- * ExtractSeconds); also a line in the log.
+ * ExtractSeconds); also a line in the log. With a TimeBudget or MaximumTriangles also
+ * EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit: which of the two forbids the
+ * next finer level, if one does.
  *
  * Every rank of the controller must execute together. Errors of any rank are reported by all.
  */
@@ -47,19 +49,23 @@
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
 
-#include <cstddef> // For std::size_t
-#include <memory>  // For the index
-#include <string>  // For array names
-#include <vector>  // For array names
+#include <memory> // For the index
+#include <string> // For array names
+#include <vector> // For array names
 
 namespace isosurface
 {
 class BlockedVolume;
+class Communicator;
+class ExtractionRate;
+class Region;
 template <class T>
 class Result;
 class Status;
 struct ContourRequest;
-class Region;
+struct ExtractionBudget;
+struct LevelChoice;
+struct SurfaceQuery;
 }
 
 class vtkMultiProcessController;
@@ -135,6 +141,28 @@ public:
 
   ///@{
   /**
+   * Seconds that the surface of a blocked volume may take; 0, the default, as many as it takes. The
+   * finest level from Level on is chosen that the slowest rank will have ready in time, as far as
+   * the contour spectrum, the active blocks and the block cache, and how fast earlier executions
+   * were, can tell; the coarsest level if none will be. The same surface may so be coarser the
+   * first time, while its blocks are read, and finer later.
+   */
+  vtkSetClampMacro(TimeBudget, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(TimeBudget, double);
+  ///@}
+
+  ///@{
+  /**
+   * Triangles that the surface of a blocked volume may have, on all ranks and for all isovalues
+   * together; 0, the default, as many as there are. The finest level from Level on is chosen that
+   * keeps to it; the coarsest if none does.
+   */
+  vtkSetClampMacro(MaximumTriangles, vtkIdType, 0, VTK_ID_MAX);
+  vtkGetMacro(MaximumTriangles, vtkIdType);
+  ///@}
+
+  ///@{
+  /**
    * With Progressive, the first execution after a change gives a coarse surface of a blocked volume
    * soon: that of the finest level with at most 1/20 of the triangles at Level, as far as the
    * volume's spectra tell. Final then tells whether the last execution was at Level. If not, Refine
@@ -144,8 +172,8 @@ public:
    *
    * A change of a property, the volume or the time step begins anew. Refine without effect: when
    * the surface is final, or nothing was extracted since the last change. Only straight behind a
-   * vtkBlockedVolumeReader; surfaces of other inputs are final at once. All ranks take the same
-   * level. Default off.
+   * vtkBlockedVolumeReader; surfaces of other inputs are final at once. With a budget the surface
+   * is final at the level that it allows. All ranks take the same level. Default off.
    */
   vtkSetMacro(Progressive, vtkTypeBool);
   vtkGetMacro(Progressive, vtkTypeBool);
@@ -259,11 +287,23 @@ private:
 
   struct Pass; ///< of a progressive extraction: the last one
 
-  isosurface::Result<int> ChoosePassLevel(const std::shared_ptr<isosurface::BlockedVolume>& volume,
-    std::size_t step, std::size_t variable, const std::vector<double>& isovalues);
-
+  /// The level of the next pass, not finer than `finest`. Collective.
+  isosurface::Result<int> ChoosePassLevel(isosurface::Communicator& ranks,
+    const std::shared_ptr<isosurface::BlockedVolume>& volume, const isosurface::SurfaceQuery& query,
+    int finest);
+  /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
+  isosurface::Status MakeQuery(const isosurface::BlockedVolume& volume,
+    const isosurface::ContourRequest& request, isosurface::SurfaceQuery& query, Output& output);
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
     isosurface::ContourRequest& request, Output& output);
+  /// At the level that the budget allows, not finer than `finest`. Collective.
+  isosurface::Status ExtractWithinBudget(isosurface::Communicator& ranks,
+    const isosurface::ExtractionBudget& budget, isosurface::BlockedVolume& volume,
+    const isosurface::SurfaceQuery& query, int finest, const isosurface::ContourRequest& request,
+    Output& output);
+  isosurface::Status ExtractAtLevel(isosurface::BlockedVolume& volume,
+    const isosurface::SurfaceQuery& query, const isosurface::ContourRequest& request,
+    const isosurface::LevelChoice& choice, Output& output);
   isosurface::Status ExtractFromImages(
     vtkInformationVector** input, isosurface::ContourRequest& request, Output& output);
   isosurface::Region MakeRegion();
@@ -280,6 +320,8 @@ private:
   int Level;
   vtkTypeBool Progressive;
   vtkTypeBool Final;
+  double TimeBudget;
+  vtkIdType MaximumTriangles;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
@@ -292,6 +334,7 @@ private:
   vtkMultiProcessController* Controller;
   std::unique_ptr<Index> ImageIndex;
   std::unique_ptr<Pass> LastPass;
+  std::unique_ptr<isosurface::ExtractionRate> Rate;
 };
 
 #endif

@@ -133,8 +133,8 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->capture_default_str();
   app
     .add_option("--distribution", texts.Distribution,
-      "How blocks are spread: greedy (alike blocks in turn), random (by a seeded hash), slab\n"
-      "(neighbours together)")
+      "How blocks are spread: greedy (alike blocks in turn), balanced (equal shares of the\n"
+      "estimated triangles), random (by a seeded hash), slab (neighbours together)")
     ->group(group)
     ->capture_default_str();
   app.add_option("--seed", settings.RandomSeed, "Of the random distribution")
@@ -198,12 +198,13 @@ void AddLookingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
 {
   const char* group = "Looking at a blocked volume";
   CLI::Option* info = app.add_flag("--info", texts.IsInfo,
-    "Tell grid, arrays, time steps, stores, compression and balance of IN.bvol");
+    "Tell grid, arrays, time steps, stores, compression, balance and contour spectrum of IN.bvol");
   info->group(group);
   app.add_flag("--json", options.IsJson, "... as JSON")->group(group)->needs(info);
   app
     .add_flag("--spectrum", options.WithSpectrum,
-      "... and the contour spectrum: triangles and active cells by isovalue")
+      "... with the contour spectrum at all isovalues: triangles, active cells, active blocks, "
+      "bytes, area, volume")
     ->group(group)
     ->needs(info);
   app

@@ -20,6 +20,8 @@ using Json = nlohmann::ordered_json;
 
 /// Isovalues whose surface has fewer triangles a store are no load to balance.
 constexpr std::uint64_t LeastTriangles = 1000;
+/// Of a spectrum, unless all is asked for.
+constexpr std::size_t IsovaluesToTell = 16;
 
 /// The largest share of a store, over the mean one; null if there is nothing to share.
 template <typename T>
@@ -273,7 +275,8 @@ void PrintTimeStep(const Json& volume, const Json& step)
   }
 }
 
-Status PrintSpectra(BlockedVolume& volume, std::size_t step)
+/// At all isovalues, or at some.
+Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
 {
   for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
@@ -282,8 +285,12 @@ Status PrintSpectra(BlockedVolume& volume, std::size_t step)
     {
       return spectrum.GetStatus();
     }
-    std::printf("  spectrum    %s\n%s", Json(FormatVariable(volume, variable)).dump().c_str(),
-      FormatSpectrumTable(MakeSpectrumColumns(**spectrum)).c_str());
+    const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(**spectrum);
+    const std::string table = isWhole
+      ? FormatSpectrumTable(columns)
+      : FormatSpectrumTable(columns, PickBins(**spectrum, IsovaluesToTell));
+    std::printf(
+      "  spectrum    %s\n%s", Json(FormatVariable(volume, variable)).dump().c_str(), table.c_str());
   }
   return Status::Ok();
 }
@@ -315,10 +322,7 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
   for (std::size_t step = 0; step < told["timeSteps"].size(); ++step)
   {
     PrintTimeStep(told, told["timeSteps"][step]);
-    if (withSpectrum)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(PrintSpectra(volume, step));
-    }
+    ISOSURFACE_RETURN_IF_ERROR(PrintSpectra(volume, step, withSpectrum));
   }
   return Status::Ok();
 }

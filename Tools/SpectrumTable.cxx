@@ -2,49 +2,112 @@
 #include "SpectrumTable.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <array>
+#include <cstdio>
+#include <numeric>
+#include <utility>
 
 namespace isosurface
 {
+namespace
+{
+
+using Json = nlohmann::json;
+
+Json Scale(const WorkloadSpectrum::Counts& counts, double unit)
+{
+  Json values = Json::array();
+  for (const std::uint64_t count : counts)
+  {
+    values.push_back(static_cast<double>(count) * unit);
+  }
+  return values;
+}
+
+std::string FormatNumber(const Json& value)
+{
+  if (!value.is_number_float())
+  {
+    return value.dump();
+  }
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.9g", value.get<double>());
+  return text.data();
+}
+
+} // namespace
 
 std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum)
 {
-  SpectrumColumn isovalues = { "isovalue", nlohmann::json::array() };
+  Json isovalues = Json::array();
   for (std::size_t bin = 0; bin < spectrum.Bins.Count; ++bin)
   {
-    isovalues.Values.push_back(spectrum.Bins.GetEdge(bin));
+    isovalues.push_back(spectrum.Bins.GetEdge(bin));
   }
-  return { isovalues, { "triangles", spectrum.Triangles },
-    { "activeCells", spectrum.ActiveCells } };
+  const std::vector<SpectrumColumn> quantities = { { "triangles", spectrum.Triangles },
+    { "activeCells", spectrum.ActiveCells }, { "activeBlocks", spectrum.ActiveBlocks },
+    { "bytes", spectrum.Bytes }, { "area", Scale(spectrum.Area, spectrum.AreaUnit) },
+    { "volume", Scale(spectrum.Volume, spectrum.VolumeUnit) } };
+  std::vector<SpectrumColumn> columns = { { "isovalue", std::move(isovalues) } };
+  std::copy_if(quantities.begin(), quantities.end(), std::back_inserter(columns),
+    [&](const SpectrumColumn& column) { return column.Values.size() == spectrum.Bins.Count; });
+  return columns;
+}
+
+std::vector<std::size_t> PickBins(const WorkloadSpectrum& spectrum, std::size_t count)
+{
+  const WorkloadSpectrum::Counts& triangles = spectrum.Triangles;
+  if (triangles.empty() || count == 0)
+  {
+    return {};
+  }
+  const std::uint64_t least = *std::max_element(triangles.begin(), triangles.end()) / 100;
+  const auto isLarge = [least](std::uint64_t number) { return number >= least; };
+  const auto first = static_cast<std::size_t>(
+    std::find_if(triangles.begin(), triangles.end(), isLarge) - triangles.begin());
+  const auto last = static_cast<std::size_t>(
+    triangles.rend() - std::find_if(triangles.rbegin(), triangles.rend(), isLarge) - 1);
+  const std::size_t steps = std::min(count, last - first + 1) - 1;
+  std::vector<std::size_t> bins = { first };
+  for (std::size_t step = 1; step <= steps; ++step)
+  {
+    bins.push_back(first + (last - first) * step / steps);
+  }
+  return bins;
 }
 
 std::string FormatSpectrumTable(const std::vector<SpectrumColumn>& columns)
 {
-  std::vector<std::vector<std::string>> texts;
-  std::vector<std::size_t> widths;
+  std::vector<std::size_t> bins(columns.empty() ? 0 : columns.front().Values.size());
+  std::iota(bins.begin(), bins.end(), std::size_t{ 0 });
+  return FormatSpectrumTable(columns, bins);
+}
+
+std::string FormatSpectrumTable(
+  const std::vector<SpectrumColumn>& columns, const std::vector<std::size_t>& bins)
+{
+  std::vector<std::string> lines(bins.size() + 1);
   for (const SpectrumColumn& column : columns)
   {
-    texts.push_back({ column.Name });
-    for (const nlohmann::json& value : column.Values)
+    std::vector<std::string> texts = { column.Name };
+    for (const std::size_t bin : bins)
     {
-      texts.back().push_back(value.dump());
+      texts.push_back(FormatNumber(column.Values[bin]));
     }
-    widths.push_back(0);
-    for (const std::string& text : texts.back())
+    std::size_t width = 0;
+    for (const std::string& text : texts)
     {
-      widths.back() = std::max(widths.back(), text.size());
+      width = std::max(width, text.size());
+    }
+    for (std::size_t line = 0; line < lines.size(); ++line)
+    {
+      lines[line] += std::string(width + 2 - texts[line].size(), ' ') + texts[line];
     }
   }
   std::string table;
-  const std::size_t lines = texts.empty() ? 0 : texts.front().size();
-  for (std::size_t line = 0; line < lines; ++line)
+  for (const std::string& line : lines)
   {
-    for (std::size_t column = 0; column < texts.size(); ++column)
-    {
-      const std::string& text = texts[column][line];
-      table += std::string(widths[column] + 2 - text.size(), ' ') + text;
-    }
-    table += "\n";
+    table += line + "\n";
   }
   return table;
 }

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,19 @@ struct SpectrumColumn
   nlohmann::json Values; ///< an array of numbers
 };
 
-/// All that a spectrum tells, the isovalues first. What a spectrum gains is added here, and is then
-/// in the text and in the JSON.
+/// All that a spectrum tells, the isovalues first; area and volume in the grid's units. What is not
+/// known, as of volumes of older versions, has no column.
 std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum);
 
-/// The columns beside each other, a line an isovalue, below their names.
+/// At most `count` bins, evenly spread from the first to the last one whose isosurface has at least
+/// a hundredth of the triangles of the largest one; ascending.
+std::vector<std::size_t> PickBins(const WorkloadSpectrum& spectrum, std::size_t count);
+
+/// The columns beside each other, a line an isovalue, below their names; of all bins, or of those
+/// that are given.
 std::string FormatSpectrumTable(const std::vector<SpectrumColumn>& columns);
+std::string FormatSpectrumTable(
+  const std::vector<SpectrumColumn>& columns, const std::vector<std::size_t>& bins);
 
 } // namespace isosurface
 

@@ -105,11 +105,12 @@ Result<ArrayChoice> ArrayChoice::Make(vtkImageData* image, vtkDataArraySelection
   }
   if (!cellNames.empty())
   {
-    choice.LeftOut = "cell arrays are not written (" + cellNames + "): " + Advice + ". ";
+    choice.LeftOut = "cell arrays are not written (" + cellNames + "): " + Advice;
   }
   if (!others.empty())
   {
-    choice.LeftOut += "point arrays that are not numeric are not written (" + others + "). ";
+    choice.LeftOut += choice.LeftOut.empty() ? "" : "; ";
+    choice.LeftOut += "point arrays that are not numeric are not written (" + others + ")";
   }
   return choice;
 }

@@ -47,9 +47,10 @@ public:
 
   enum DistributionType
   {
-    GREEDY = 0, ///< deal blocks of like value range round robin
-    RANDOM = 1, ///< scatter blocks by a seeded hash
-    SLAB = 2    ///< keep neighbours together; not balanced
+    GREEDY = 0,  ///< deal blocks of like value range round robin
+    RANDOM = 1,  ///< scatter blocks by a seeded hash
+    SLAB = 2,    ///< keep neighbours together; not balanced
+    BALANCED = 3 ///< give every store an equal share of the estimated triangles
   };
 
   enum CompressionType
@@ -87,7 +88,7 @@ public:
   /**
    * How blocks are spread over stores. Default GREEDY.
    */
-  vtkSetClampMacro(Distribution, int, GREEDY, SLAB);
+  vtkSetClampMacro(Distribution, int, GREEDY, BALANCED);
   vtkGetMacro(Distribution, int);
   ///@}
 

@@ -20,6 +20,8 @@ public:
   virtual ~RandomAccessFile() = default;
   /// Reads exactly `size` bytes; fewer available is Corrupt ("truncated"), naming the file.
   virtual Status Read(std::uint64_t offset, std::size_t size, void* bytes) const = 0;
+  /// Tells that these bytes will be read soon, so that a disk can begin. Does not wait for them.
+  virtual void Prefetch(std::uint64_t, std::uint64_t) const {}
   virtual std::uint64_t GetSize() const = 0;
   virtual const std::string& GetPath() const = 0;
 };

@@ -2,6 +2,7 @@
 #include "Partition/BlockDistribution.h"
 
 #include "Base/Checksum.h"
+#include "Partition/BlockBalancer.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +16,7 @@ namespace isosurface
 namespace
 {
 
-constexpr std::array<const char*, 3> Names = { "greedy", "random", "slab" };
+constexpr std::array<const char*, 4> Names = { "greedy", "random", "slab", "balanced" };
 
 /// A block in the range space.
 struct Span
@@ -114,12 +115,18 @@ std::optional<DistributionMethod> FindDistribution(const std::string& name)
 }
 
 std::vector<std::uint32_t> DistributeBlocks(DistributionMethod method, ValueType type,
-  const std::vector<KeyRange>& ranges, std::uint32_t stores, std::uint64_t seed)
+  const std::vector<KeyRange>& ranges, std::uint32_t stores, std::uint64_t seed,
+  const std::vector<BlockProfile>& profiles)
 {
   assert(stores >= 1 && ranges.size() <= std::numeric_limits<std::uint32_t>::max());
   if (method == DistributionMethod::Greedy)
   {
     return Deal(MakeSpans(type, ranges), stores);
+  }
+  if (method == DistributionMethod::Balanced)
+  {
+    assert(profiles.size() == ranges.size());
+    return BlockBalancer(profiles, stores).Distribute();
   }
   std::vector<std::uint32_t> result(ranges.size());
   for (std::uint64_t block = 0; block < result.size(); ++block)

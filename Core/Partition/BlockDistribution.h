@@ -2,6 +2,7 @@
 #ifndef isosurface_BlockDistribution_h
 #define isosurface_BlockDistribution_h
 
+#include "Partition/BlockProfile.h"
 #include "Volume/ValueKey.h"
 #include "Volume/ValueType.h"
 
@@ -16,12 +17,13 @@ namespace isosurface
 /// How blocks are spread over stores.
 enum class DistributionMethod : std::uint8_t
 {
-  Greedy, ///< blocks of similar value ranges are dealt round robin
-  Random, ///< a seeded hash of the block index
-  Slab    ///< contiguous runs of block indices; unbalanced, for comparison
+  Greedy,  ///< blocks of similar value ranges are dealt round robin
+  Random,  ///< a seeded hash of the block index
+  Slab,    ///< contiguous runs of block indices; unbalanced, for comparison
+  Balanced ///< every store gets an equal share of the estimated triangles at every isovalue
 };
 
-/// "greedy", "random", "slab", as the file header has it; and back.
+/// "greedy", "random", "slab", "balanced", as the file header has it; and back.
 const char* GetDistributionName(DistributionMethod method);
 std::optional<DistributionMethod> FindDistribution(const std::string& name);
 
@@ -37,12 +39,14 @@ std::optional<DistributionMethod> FindDistribution(const std::string& name);
  * robin. Deviations: one sort of all blocks instead of one a processor, and a dealing counter that
  * goes on from element to element: the result does not depend on the number of ranks, no store is
  * favoured, and the stores' numbers of blocks differ by at most 1. Blocks of one single value,
- * which no isosurface passes, are dealt last. Random: section 4.1.1.3 there.
+ * which no isosurface passes, are dealt last. Random: section 4.1.1.3 there. Balanced: by
+ * `profiles`, one a block, which the other methods do without; see BlockBalancer.h.
  *
- * Cost: O(n log n) for n blocks (Greedy), 24 bytes a block.
+ * Cost: O(n log n) for n blocks (Greedy), 24 bytes a block; of Balanced, see there.
  */
 std::vector<std::uint32_t> DistributeBlocks(DistributionMethod method, ValueType type,
-  const std::vector<KeyRange>& ranges, std::uint32_t stores, std::uint64_t seed);
+  const std::vector<KeyRange>& ranges, std::uint32_t stores, std::uint64_t seed,
+  const std::vector<BlockProfile>& profiles = {});
 
 /// Segments of the value range in Greedy's matrix.
 constexpr std::uint32_t GreedyElements = 256;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/BlockWorkload.h"
 
+#include "Partition/ProcessorClones.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -17,6 +19,31 @@ constexpr std::int64_t PackedCell = std::int64_t{ 1 } << 32;
 /// A vertex changes less than 128 triangles.
 constexpr std::size_t MostPackedVertices = std::size_t{ 1 } << 24;
 
+/// How many edges are <= values of at most 16 bits: in 32 bits and without a branch, so that loops
+/// become vectors.
+struct ShortEdgeCounter
+{
+  std::int16_t operator()(int value) const
+  {
+    return static_cast<std::int16_t>(
+      std::clamp((value >> this->Exponent) - this->First + 1, 0, this->Count));
+  }
+
+  int First; ///< within 2^20 of 0, which is beyond all 16-bit values
+  int Count;
+  int Exponent;
+};
+
+template <typename T>
+ISOSURFACE_CLONES void CountShortRow(const T* __restrict__ from, ShortEdgeCounter count,
+  std::int64_t size, std::int16_t* __restrict__ to)
+{
+  for (std::int64_t i = 0; i < size; ++i)
+  {
+    to[i] = count(from[i]);
+  }
+}
+
 /// How many of the edges First, First + 1, ... (Count of them, in units of the width) are <= value.
 template <typename T>
 class EdgeCounter
@@ -26,8 +53,8 @@ public:
     : First(bins.First)
     , Count(bins.Count)
     , Exponent(bins.Exponent)
-    , ShortFirst(static_cast<int>(std::clamp<std::int64_t>(bins.First, -ShortLimit, ShortLimit)))
-    , ShortExponent(std::min(bins.Exponent, 31))
+    , Short{ static_cast<int>(std::clamp<std::int64_t>(bins.First, -ShortLimit, ShortLimit)),
+      static_cast<int>(bins.Count), std::min(bins.Exponent, 31) }
     // In two steps, since 2^-Exponent alone may be beyond the doubles.
     , Scale{ std::ldexp(1.0, -(bins.Exponent / 2)),
       std::ldexp(1.0, -(bins.Exponent - bins.Exponent / 2)) }
@@ -42,9 +69,7 @@ public:
     }
     else if constexpr (sizeof(T) <= sizeof(std::int16_t))
     {
-      // In 32 bits and without a branch, so that loops become vectors.
-      const int steps = (static_cast<int>(value) >> this->ShortExponent) - this->ShortFirst;
-      return static_cast<std::int16_t>(std::clamp(steps + 1, 0, static_cast<int>(this->Count)));
+      return this->Short(value);
     }
     else
     {
@@ -60,6 +85,26 @@ public:
       const std::uint64_t steps =
         static_cast<std::uint64_t>(quotient) - static_cast<std::uint64_t>(this->First);
       return static_cast<std::int16_t>(steps >= this->Count ? this->Count : steps + 1);
+    }
+  }
+
+  /// The same for values that follow each other.
+  void CountRow(const T* from, std::int64_t size, std::int16_t* to) const
+  {
+    if constexpr (sizeof(T) <= sizeof(std::int16_t))
+    {
+      CountShortRow(from, this->Short, size, to);
+    }
+    else
+    {
+      this->CountRow(from, 1, size, to);
+    }
+  }
+  void CountRow(const T* from, std::ptrdiff_t stride, std::int64_t size, std::int16_t* to) const
+  {
+    for (std::int64_t i = 0; i < size; ++i)
+    {
+      to[i] = (*this)(from[i * stride]);
     }
   }
 
@@ -90,20 +135,9 @@ private:
   std::int64_t First;
   std::uint32_t Count;
   int Exponent;
-  int ShortFirst;
-  int ShortExponent;
+  ShortEdgeCounter Short;
   double Scale[2];
 };
-
-template <typename T>
-void CountRow(const EdgeCounter<T>& count, const T* from, std::ptrdiff_t stride, std::int64_t size,
-  std::int16_t* to)
-{
-  for (std::int64_t i = 0; i < size; ++i)
-  {
-    to[i] = count(from[i * stride]);
-  }
-}
 
 template <typename T>
 void CountEdges(const SpectrumBins& bins, const SampleView& samples, std::int16_t* to)
@@ -119,11 +153,11 @@ void CountEdges(const SpectrumBins& bins, const SampleView& samples, std::int16_
         samples.At<T>({ samples.Box.Low[0], samples.Box.Low[1] + j, samples.Box.Low[2] + k });
       if (stride == 1)
       {
-        CountRow(count, from, 1, size[0], to); // the compiler vectorises this one
+        count.CountRow(from, size[0], to);
       }
       else
       {
-        CountRow(count, from, stride, size[0], to);
+        count.CountRow(from, stride, size[0], to);
       }
       to += size[0];
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/VertexChanges.h"
 
+#include "Partition/ProcessorClones.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -8,15 +10,6 @@ namespace isosurface
 {
 namespace
 {
-
-// The inner loops exist for several processors; the loader picks the best of them. Sanitizers do
-// not work before the loader has finished.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && \
-  !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-#  define ISOSURFACE_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#  define ISOSURFACE_CLONES
-#endif
 
 /// 16-bit numbers of a slice, from its first vertex on.
 using Input = const std::int16_t* __restrict__;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace isosurface
 {
@@ -96,6 +97,24 @@ double SpectrumBins::GetEdge(std::size_t bin) const
   return std::ldexp(static_cast<double>(multiple), this->Exponent);
 }
 
+ValueKey SpectrumBins::GetEdgeKey(ValueType type, std::size_t bin) const
+{
+  return DispatchValueType(type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      if constexpr (std::is_floating_point_v<T>)
+      {
+        return MakeValueKey(*FindThreshold<T>(this->GetEdge(bin)));
+      }
+      else
+      {
+        const auto multiple = static_cast<std::uint64_t>(this->First) + bin;
+        return MakeValueKey(static_cast<T>(multiple << this->Exponent));
+      }
+    });
+}
+
 SpectrumBins SpectrumBins::Coarsen() const
 {
   SpectrumBins coarse;
@@ -111,9 +130,25 @@ SpectrumBins SpectrumBins::Coarsen() const
 
 WorkloadSpectrum::WorkloadSpectrum(const SpectrumBins& bins)
   : Bins(bins)
-  , Triangles(bins.Count, 0)
-  , ActiveCells(bins.Count, 0)
 {
+  for (Counts* counts : this->GetQuantities())
+  {
+    counts->assign(bins.Count, 0);
+  }
+}
+
+std::array<WorkloadSpectrum::Counts*, WorkloadSpectrum::NumberOfQuantities>
+WorkloadSpectrum::GetQuantities()
+{
+  return { &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes, &this->Area,
+    &this->Volume };
+}
+
+std::array<const WorkloadSpectrum::Counts*, WorkloadSpectrum::NumberOfQuantities>
+WorkloadSpectrum::GetQuantities() const
+{
+  return { &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes, &this->Area,
+    &this->Volume };
 }
 
 std::size_t WorkloadSpectrum::FindBin(double isovalue) const
@@ -130,55 +165,71 @@ std::size_t WorkloadSpectrum::FindBin(double isovalue) const
 
 bool WorkloadSpectrum::Add(const WorkloadSpectrum& other)
 {
-  if (this->Bins != other.Bins)
+  const bool hasUnits = this->AreaUnit != 0 || this->VolumeUnit != 0;
+  if (this->Bins != other.Bins ||
+    (hasUnits && (this->AreaUnit != other.AreaUnit || this->VolumeUnit != other.VolumeUnit)))
   {
     return false;
   }
-  for (std::size_t bin = 0; bin < this->Triangles.size(); ++bin)
+  this->AreaUnit = other.AreaUnit;
+  this->VolumeUnit = other.VolumeUnit;
+  const auto mine = this->GetQuantities();
+  const auto others = other.GetQuantities();
+  for (std::size_t quantity = 0; quantity < NumberOfQuantities; ++quantity)
   {
-    this->Triangles[bin] += other.Triangles[bin];
-    this->ActiveCells[bin] += other.ActiveCells[bin];
+    mine[quantity]->resize(std::min(mine[quantity]->size(), others[quantity]->size()));
+    for (std::size_t bin = 0; bin < mine[quantity]->size(); ++bin)
+    {
+      (*mine[quantity])[bin] += (*others[quantity])[bin];
+    }
   }
   return true;
 }
 
 WorkloadSpectrum WorkloadSpectrum::Coarsen() const
 {
-  WorkloadSpectrum coarse(this->Bins.Coarsen());
-  for (std::size_t bin = 0; bin < coarse.Triangles.size(); ++bin)
+  WorkloadSpectrum coarse = *this;
+  coarse.Bins = this->Bins.Coarsen();
+  for (Counts* counts : coarse.GetQuantities())
   {
-    // An odd first edge is no edge any more; the edge before it has the first one's counts, since
-    // no value lies between them.
-    const std::int64_t from =
-      2 * (coarse.Bins.First + static_cast<std::int64_t>(bin)) - this->Bins.First;
-    const auto source = static_cast<std::size_t>(std::max<std::int64_t>(0, from));
-    coarse.Triangles[bin] = this->Triangles[source];
-    coarse.ActiveCells[bin] = this->ActiveCells[source];
+    if (counts->empty())
+    {
+      continue;
+    }
+    const Counts fine = std::exchange(*counts, Counts(coarse.Bins.Count));
+    for (std::size_t bin = 0; bin < counts->size(); ++bin)
+    {
+      // An odd first edge is no edge any more; the edge before it has the first one's counts, since
+      // no value lies between them.
+      const std::int64_t from =
+        2 * (coarse.Bins.First + static_cast<std::int64_t>(bin)) - this->Bins.First;
+      (*counts)[bin] = fine[static_cast<std::size_t>(std::max<std::int64_t>(0, from))];
+    }
   }
   return coarse;
 }
 
 bool WorkloadSpectrum::Widen(const SpectrumBins& bins)
 {
-  WorkloadSpectrum source = *this;
-  while (source.Bins.Exponent < bins.Exponent)
+  WorkloadSpectrum wide = *this;
+  while (wide.Bins.Exponent < bins.Exponent)
   {
-    source = source.Coarsen();
+    wide = wide.Coarsen();
   }
-  const std::int64_t shift = source.Bins.First - bins.First;
-  if (source.Bins.Exponent != bins.Exponent || shift < 0 ||
-    shift + std::int64_t{ source.Bins.Count } > std::int64_t{ bins.Count })
+  const std::int64_t shift = wide.Bins.First - bins.First;
+  if (wide.Bins.Exponent != bins.Exponent || shift < 0 ||
+    shift + std::int64_t{ wide.Bins.Count } > std::int64_t{ bins.Count })
   {
     return false;
   }
-  WorkloadSpectrum wide(bins);
-  if (source.Bins.Count > 0)
+  wide.Bins = bins;
+  for (Counts* counts : wide.GetQuantities())
   {
-    std::fill_n(wide.Triangles.begin(), shift, source.Triangles[0]);
-    std::fill_n(wide.ActiveCells.begin(), shift, source.ActiveCells[0]);
-    std::copy(source.Triangles.begin(), source.Triangles.end(), wide.Triangles.begin() + shift);
-    std::copy(
-      source.ActiveCells.begin(), source.ActiveCells.end(), wide.ActiveCells.begin() + shift);
+    if (!counts->empty())
+    {
+      counts->insert(counts->begin(), static_cast<std::size_t>(shift), counts->front());
+      counts->resize(bins.Count, 0);
+    }
   }
   *this = std::move(wide);
   return true;

@@ -5,6 +5,7 @@
 #include "Volume/ValueKey.h"
 #include "Volume/ValueType.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -41,6 +42,9 @@ struct SpectrumBins
 
   double GetWidth() const;
   double GetEdge(std::size_t bin) const;
+  /// The key of the least value of the type, of a range that these bins were chosen for, that is
+  /// not below an edge. Exact where GetEdge is not, for 64-bit integers of many digits.
+  ValueKey GetEdgeKey(ValueType type, std::size_t bin) const;
 
   /// The bins of twice the width whose edges are every second edge of these, widened to an aligned
   /// first edge.
@@ -55,26 +59,45 @@ struct SpectrumBins
 };
 
 /**
- * How much work an isosurface is, by isovalue: the triangles that marching cubes extracts and the
- * cells that it passes through, exact at every bin's edge (inside is value >= isovalue).
+ * What an isosurface is and costs, by isovalue: at the edge of every bin. Triangles, cells, blocks
+ * and bytes are exact, with inside meaning value >= isovalue; area and volume are estimates
+ * (BlockMeasure). All are whole numbers, so the spectra of parts add up to that of the whole in any
+ * order.
+ *
+ * A quantity that is not known, as in files of older versions, is an empty vector; the others have
+ * Bins.Count elements.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997.
  */
 struct WorkloadSpectrum
 {
+  using Counts = std::vector<std::uint64_t>;
+
   SpectrumBins Bins;
-  std::vector<std::uint64_t> Triangles;   ///< Bins.Count counts
-  std::vector<std::uint64_t> ActiveCells; ///< Bins.Count counts
+  Counts Triangles;    ///< that marching cubes extracts
+  Counts ActiveCells;  ///< cells that the isosurface passes
+  Counts ActiveBlocks; ///< blocks with values on both sides
+  Counts Bytes;        ///< that a query reads of the active blocks
+  Counts Area;         ///< of the isosurface, in AreaUnit
+  Counts Volume;       ///< where value >= isovalue, in VolumeUnit
+  double AreaUnit = 0;
+  double VolumeUnit = 0;
 
   WorkloadSpectrum() = default;
   /// All counts 0.
   explicit WorkloadSpectrum(const SpectrumBins& bins);
 
+  /// All quantities, in the order above.
+  static constexpr std::size_t NumberOfQuantities = 6;
+  std::array<Counts*, NumberOfQuantities> GetQuantities();
+  std::array<const Counts*, NumberOfQuantities> GetQuantities() const;
+
   /// The bin whose edge is the last one <= isovalue, clamped to the bins; 0 if there is none. Exact
   /// for an isovalue on an edge, else a close guess.
   std::size_t FindBin(double isovalue) const;
 
-  /// Adds a spectrum of equal bins; false (and nothing added) if the bins differ.
+  /// Adds a spectrum of equal bins and units; false (and nothing added) if these differ. What one
+  /// of the two does not know, the sum does not know either.
   bool Add(const WorkloadSpectrum& other);
 
   /// The same spectrum, sampled at every second edge.
@@ -83,7 +106,7 @@ struct WorkloadSpectrum
   /**
    * The same spectrum in wider bins, as a growing range needs it; false (and nothing changed) if
    * `bins` do not contain these after coarsening. Isovalues below the first edge have its counts
-   * (0 but for NaN and -infinity), those above the last edge have 0.
+   * (0 but for NaN, -infinity and the volume), those above the last edge have 0.
    */
   bool Widen(const SpectrumBins& bins);
 };

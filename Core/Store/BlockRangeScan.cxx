@@ -91,6 +91,23 @@ BlockRangeScan::BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, 
 {
 }
 
+void BlockRangeScan::AddProfiles()
+{
+  const std::size_t variable = *this->Variables.Find(0, Variable::Magnitude);
+  this->Profiles.emplace(this->Grid, this->Variables[variable].Type, this->Threads);
+}
+
+std::vector<BlockProfile> BlockRangeScan::TakeProfiles()
+{
+  std::vector<BlockProfile> profiles;
+  if (this->Profiles)
+  {
+    profiles = this->Profiles->GetProfiles();
+    this->Profiles.reset();
+  }
+  return profiles;
+}
+
 Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& owned,
   std::uint64_t memoryBytes, const Progress& progress)
 {
@@ -123,6 +140,10 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
         StatusCode::InvalidArgument, "a rank's samples do not fit the grid or the arrays");
     }
     this->AddSlab(*samples, slabs[slab]);
+    if (this->Profiles)
+    {
+      this->AddToProfiles(*samples, slabs[slab]);
+    }
     if (progress && !progress(static_cast<double>(slab + 1) / static_cast<double>(slabs.size())))
     {
       return Status(StatusCode::Aborted, "stopped on request");
@@ -146,6 +167,29 @@ SampleRange BlockRangeScan::FindRange(
   std::vector<double> magnitudes(static_cast<std::size_t>(part.GetNumberOfVertices()));
   ComputeMagnitudes(components, part, magnitudes.data());
   return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part);
+}
+
+void BlockRangeScan::AddToProfiles(const SampleSlab& slab, const VertexBox& box)
+{
+  const int components = this->Variables.GetComponents(0);
+  if (components == 1)
+  {
+    this->Profiles->Add(slab.Arrays[0], box);
+    return;
+  }
+  const std::vector<SampleView> tuple(slab.Arrays.begin(), slab.Arrays.begin() + components);
+  // A layer of cubes at a time, since magnitudes may be many times as large as what they are of.
+  std::vector<double> magnitudes;
+  for (std::int64_t begin = box.Low[2]; begin < box.High[2];)
+  {
+    const std::int64_t end =
+      std::min(box.High[2], (begin / BlockProfile::CubeSize + 1) * BlockProfile::CubeSize);
+    const VertexBox layer = Cut(box, 2, begin, end);
+    magnitudes.resize(static_cast<std::size_t>(layer.GetNumberOfVertices()));
+    ComputeMagnitudes(tuple, layer, magnitudes.data());
+    this->Profiles->Add(MakeMagnitudeView(layer, magnitudes.data()), layer);
+    begin = end;
+  }
 }
 
 void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
@@ -205,6 +249,10 @@ void BlockRangeScan::Reduce(Communicator& communicator)
     {
       ranges[block] = { minima[block + 1], maxima[block + 1] };
     }
+  }
+  if (this->Profiles)
+  {
+    this->Profiles->Reduce(communicator);
   }
 }
 

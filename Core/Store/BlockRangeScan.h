@@ -7,12 +7,14 @@
 #include "Base/Status.h"
 #include "Source/SlabSource.h"
 #include "Store/ArrayVariables.h"
-#include "Store/SampleRange.h"
+#include "Store/BlockProfileScan.h"
 #include "Volume/BlockGrid.h"
+#include "Volume/SampleRange.h"
 #include "Volume/ValueKey.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -23,6 +25,9 @@ class BlockRangeScan
 {
 public:
   BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads);
+
+  /// Call before Scan() to have profiles of the first array, or of its magnitude, as well.
+  void AddProfiles();
 
   /// Reads this rank's part of the vertices once, in slabs that take at most `memoryBytes` (the
   /// one being read ahead included), but a row of vertices at least. `owned` are boxes within the
@@ -37,9 +42,12 @@ public:
   const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
   /// Per variable: of the whole volume's finite values.
   const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
+  /// Per block; none without AddProfiles(), or after the call.
+  std::vector<BlockProfile> TakeProfiles();
 
 private:
   void AddSlab(const SampleSlab& slab, const VertexBox& box);
+  void AddToProfiles(const SampleSlab& slab, const VertexBox& box);
   SampleRange FindRange(const SampleSlab& slab, std::size_t variable, const VertexBox& part) const;
 
   BlockGrid Grid;
@@ -47,6 +55,7 @@ private:
   int Threads;
   std::vector<std::vector<KeyRange>> Ranges;
   std::vector<KeyRange> FiniteRanges;
+  std::optional<BlockProfileScan> Profiles;
 };
 
 } // namespace isosurface

@@ -252,6 +252,37 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   return blocks;
 }
 
+std::optional<BlockStore::ByteRange> BlockStore::FindAdjacent(
+  std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const
+{
+  QueryStatistics statistics;
+  const auto entry = this->Directory->Read(
+    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
+  if (!entry.IsOk())
+  {
+    return std::nullopt;
+  }
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  const std::size_t last = first + count - 1;
+  return ByteRange{ entry->Offset + entry->FindSegment(first * levels),
+    entry->Offset + entry->FindSegment(last * levels + levels - static_cast<std::size_t>(level)) };
+}
+
+void BlockStore::Prefetch(const std::vector<ByteRange>& ranges) const
+{
+  const auto touch = [](const ByteRange& range, const ByteRange& next)
+  { return next.Begin <= BlockRecord::AlignUp(range.End); };
+  for (auto range = ranges.begin(); range != ranges.end();)
+  {
+    ByteRange joined = *range++;
+    for (; range != ranges.end() && touch(joined, *range); ++range)
+    {
+      joined.End = std::max(joined.End, range->End);
+    }
+    this->Blocks->Prefetch(joined.Begin, joined.End - joined.Begin);
+  }
+}
+
 // A length from the directory is checked before memory is allocated by it.
 Status BlockStore::CheckLengths(
   const BlockDirectoryEntry& entry, std::size_t variable, int level) const

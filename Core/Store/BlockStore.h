@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,21 @@ public:
   /// nothing: at a coarser level than 0 it has the finer levels of all but the last one in it.
   Result<DecodedBlocks> ReadAdjacent(std::uint32_t ordinal, std::int64_t block, std::size_t first,
     std::size_t count, int level, QueryStatistics& statistics) const;
+
+  /// A part of the file of records.
+  struct ByteRange
+  {
+    std::uint64_t Begin;
+    std::uint64_t End;
+  };
+
+  /// What ReadAdjacent would read; nothing if the directory's entry is damaged.
+  std::optional<ByteRange> FindAdjacent(
+    std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const;
+
+  /// Starts reading, without waiting for it, ranges by ascending begin; those that touch, but for
+  /// the padding between records, as one.
+  void Prefetch(const std::vector<ByteRange>& ranges) const;
 
 private:
   BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header);

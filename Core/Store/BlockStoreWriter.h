@@ -34,6 +34,9 @@ public:
   /// Appends a record whose segments are sealed.
   Status Append(const PendingBlock& block);
 
+  /// Of the blocks appended so far, in the order of their ordinals.
+  const std::vector<BlockDirectoryEntry>& GetEntries() const { return this->Entries; }
+
   /// Writes the directory and the trees, brings all to stable storage. ranges[variable][block] are
   /// the value ranges of all blocks of the volume.
   Result<StoreDescription> Finish(const ArrayVariables& variables,

@@ -408,10 +408,16 @@ public:
 
   Result<std::shared_ptr<const DecodedBlock>> Get(std::size_t variable);
 
+  /// What will be read for the announced variables.
+  void FindRanges(const BlockStore& store, std::vector<BlockStore::ByteRange>& ranges) const;
+
 private:
   using Block = std::shared_ptr<const DecodedBlock>;
 
   BlockCacheKey MakeKey(std::size_t variable) const;
+  /// The end of the components from this one on that one read brings. At a coarser level what lies
+  /// between them is not worth reading.
+  std::size_t FindEndOfRead(std::size_t component) const;
   bool IsCached(std::size_t variable) const
   {
     return this->Volume.Cache->Contains(this->MakeKey(variable));
@@ -472,8 +478,39 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::Get(std
   return block;
 }
 
-/// With the components that follow it in the record, if they are needed too. At a coarser level
-/// what lies between them is not worth reading.
+std::size_t BlockedVolume::BlockReading::FindEndOfRead(std::size_t component) const
+{
+  std::size_t end = component + 1;
+  while (this->Stored.Level == 0 && this->Needed.count(end) != 0 && this->Found.count(end) == 0 &&
+    !this->IsCached(end))
+  {
+    ++end;
+  }
+  return end;
+}
+
+void BlockedVolume::BlockReading::FindRanges(
+  const BlockStore& store, std::vector<BlockStore::ByteRange>& ranges) const
+{
+  for (auto component = this->Needed.begin(); component != this->Needed.end();)
+  {
+    if (this->IsCached(*component))
+    {
+      ++component;
+      continue;
+    }
+    const std::size_t end = this->FindEndOfRead(*component);
+    const auto range =
+      store.FindAdjacent(this->Reference.Ordinal, *component, end - *component, this->Stored.Level);
+    if (range)
+    {
+      ranges.push_back(*range);
+    }
+    component = this->Needed.lower_bound(end);
+  }
+}
+
+/// With the components that follow it in the record, if they are needed too.
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadComponent(
   std::size_t component)
 {
@@ -488,12 +525,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadCom
   {
     return store.GetStatus();
   }
-  std::size_t end = component + 1;
-  while (this->Stored.Level == 0 && this->Needed.count(end) != 0 && this->Found.count(end) == 0 &&
-    !this->IsCached(end))
-  {
-    ++end;
-  }
+  const std::size_t end = this->FindEndOfRead(component);
   const auto blocks = (*store)->ReadAdjacent(this->Reference.Ordinal, this->Reference.Block,
     component, end - component, this->Stored.Level, this->Statistics);
   if (!blocks.IsOk())
@@ -526,6 +558,40 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::MakeMag
     components.push_back(*block);
   }
   return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));
+}
+
+bool BlockedVolume::IsCached(
+  const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const
+{
+  const StoredLevel stored = this->FindLevel(level);
+  return this->Cache->Contains({ this->Parts[stored.Part]->Identities[timeStep], reference.Block,
+    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(stored.Level) });
+}
+
+void BlockedVolume::Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin,
+  std::size_t end, std::size_t timeStep, const std::vector<std::size_t>& variables, int level)
+{
+  const StoredLevel stored = this->FindLevel(level);
+  QueryStatistics nothing;
+  while (begin < std::min(end, blocks.size()))
+  {
+    const std::uint32_t number = blocks[begin].Store;
+    const auto store = this->GetStore(timeStep, stored.Part, number);
+    std::vector<BlockStore::ByteRange> ranges;
+    for (; begin < end && blocks[begin].Store == number; ++begin)
+    {
+      if (store.IsOk())
+      {
+        BlockReading reading(*this, blocks[begin], timeStep, stored, nothing);
+        reading.Announce(variables);
+        reading.FindRanges(**store, ranges);
+      }
+    }
+    if (store.IsOk())
+    {
+      (*store)->Prefetch(ranges);
+    }
+  }
 }
 
 Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& reference,
@@ -593,8 +659,7 @@ Result<std::shared_ptr<const VolumeSpectra>> BlockedVolume::GetSpectra(
   std::shared_ptr<const VolumeSpectra>& kept = this->Parts[part]->Spectra[timeStep];
   if (!kept)
   {
-    auto spectra = VolumeSpectra::Read(this->Files,
-      VolumeSpectra::GetPath(this->Path, header.TimeSteps[timeStep].Folder),
+    auto spectra = VolumeSpectra::Read(this->Files, this->Path, header.TimeSteps[timeStep].Folder,
       this->Variables.GetCount(), header.NumberOfStores);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
@@ -615,7 +680,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   {
     return spectra.GetStatus();
   }
-  return (*spectra)->Totals[variable];
+  return (*spectra)->GetTotal(variable);
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
@@ -632,7 +697,12 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
     return Status(
       StatusCode::InvalidArgument, this->Path + ": has no store " + std::to_string(store));
   }
-  return (*spectra)->Stores[variable][store];
+  auto spectrum = (*spectra)->GetStore(variable, store);
+  if (!spectrum.IsOk())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+  }
+  return spectrum;
 }
 
 Result<double> BlockedVolume::EstimateTriangles(

@@ -22,7 +22,7 @@ namespace isosurface
 {
 
 class BlockStore;
-struct VolumeSpectra;
+class VolumeSpectra;
 
 /// Where a block stands: the Ordinal-th one of a store. Block is its index in the BlockGrid of the
 /// levels that it has.
@@ -123,15 +123,28 @@ public:
   Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,
     const std::vector<std::size_t>& variables, int level, QueryStatistics& statistics);
 
+  /// Whether a variable of a block is in the block cache, or on its way there.
+  bool IsCached(
+    const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const;
+
+  /**
+   * Starts reading the blocks [begin, end) of a list for calls of ReadVariables that will follow
+   * soon, without waiting for them: neighbors in a store as one. What is in the block cache is left
+   * out. A hint, without errors: those are ReadVariables' own. Cost: the blocks' directory pages.
+   */
+  void Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin, std::size_t end,
+    std::size_t timeStep, const std::vector<std::size_t>& variables, int level);
+
   /// Memory for one variable of all blocks at a level, decoded, in bytes (ghost layers included).
   std::uint64_t EstimateBytes(std::size_t variable, int level) const;
 
   /// The finest level that is stored in the same blocks as this one. Its spectrum is stored too.
   int GetSpectrumLevel(int level) const;
 
-  /// Triangles and active cells by isovalue, of a variable's whole volume at
-  /// GetSpectrumLevel(level); and of each of the volume's own stores, at level 0. Read from disk at
-  /// the first call for a time step, then kept. All spectra of a variable have the same bins.
+  /// The spectrum of a variable's whole volume at GetSpectrumLevel(level), read from disk at the
+  /// first call for a time step, then kept; and of each of the volume's own stores, at level 0,
+  /// read at each call. All spectra of a variable have the same bins. (Volumes of older versions
+  /// have triangles and cells only.)
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
     std::size_t timeStep, std::size_t variable, int level = 0);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(

@@ -57,7 +57,8 @@ struct TimeStepDescription
  *     "blockSize": 16 | 32 | 64, "ghostLayers": 1,
  *     "numberOfLevels": 1 ... log2(blockSize) + 1; just this in version 1,
  *     "overviews": [ { "numberOfLevels": as above, "stores": D }, ... ],       since version 2
- *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab", "seed": integer },
+ *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab" | "balanced",
+ *                                    "seed": integer },
  *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, if not "none",
  *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": n }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",

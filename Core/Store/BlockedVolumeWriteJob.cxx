@@ -4,6 +4,7 @@
 #include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
+#include "Partition/BlockBalancer.h"
 #include "Partition/BlockDistribution.h"
 #include "Store/BlockRecord.h"
 #include "Store/BlockRounds.h"
@@ -339,6 +340,11 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   constexpr std::uint64_t distributionBytes = 48;
   std::uint64_t bytes = blocks *
     (this->Variables.GetCount() * sizeof(KeyRange) + 3 * sizeof(KeyRange) + distributionBytes);
+  if (this->Settings.Distribution == DistributionMethod::Balanced && this->BlockStores.empty())
+  {
+    bytes += BlockProfileScan::GetBytes(this->Grid) +
+      BlockBalancer::GetBytes(this->Settings.NumberOfStores);
+  }
   std::uint64_t mine = 0;
   for (const std::uint32_t store : this->BlockStores)
   {
@@ -349,8 +355,7 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
   bytes += mine * BlockStoreWriter::GetEntryBytes(segments);
   if (this->Spectra)
   {
-    bytes += StoreSpectra::GetBytes(
-      this->Spectra->GetBins(), this->Settings.NumberOfStores, this->Rank, this->Size);
+    bytes += this->Spectra->GetBytes();
   }
   return bytes + this->Source.GetHeldBytes();
 }
@@ -359,17 +364,17 @@ std::uint64_t BlockedVolumeWriteJob::GetTableBytes() const
 std::uint64_t BlockedVolumeWriteJob::GetThreadBytes() const
 {
   const auto side = static_cast<std::uint64_t>(this->Settings.BlockSize) + 3;
-  const std::size_t variables = this->Variables.GetCount();
   // A block as it is decoded and twice that for compressing it, or all components of a magnitude
-  // and itself; and for a variable's spectrum 4 bytes a vertex and 16 a bin.
+  // and itself; and what counts for the spectra.
   std::uint64_t vertexBytes = 24;
   for (const ArrayDescription& array : this->Header.Arrays)
   {
     const auto components = static_cast<std::uint64_t>(array.Components);
     vertexBytes = std::max(vertexBytes, components * GetValueSize(array.Type) + sizeof(double));
   }
-  const std::uint64_t bytes =
-    side * side * side * (vertexBytes + 4 * variables) + variables * 16 * 2048;
+  const std::uint64_t bytes = side * side * side * vertexBytes +
+    StoreSpectra::GetCounterBytes(
+      this->Variables.GetCount(), static_cast<std::uint64_t>(this->Settings.BlockSize));
   return static_cast<std::uint64_t>(this->Settings.Threads) * bytes;
 }
 
@@ -398,6 +403,10 @@ Status BlockedVolumeWriteJob::FindRanges()
         return left.GetStatus();
       }
       this->Scan.emplace(this->Grid, this->Variables, this->Settings.Threads);
+      if (this->Settings.Distribution == DistributionMethod::Balanced)
+      {
+        this->Scan->AddProfiles();
+      }
       return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
         [&](double share) { return this->TellShare(share * RangesDone); });
     })));
@@ -409,7 +418,7 @@ Status BlockedVolumeWriteJob::FindRanges()
       const std::size_t variable = *this->Variables.Find(0, Variable::Magnitude);
       this->BlockStores = DistributeBlocks(this->Settings.Distribution,
         this->Variables[variable].Type, this->Scan->GetRanges()[variable],
-        this->Settings.NumberOfStores, this->Settings.RandomSeed);
+        this->Settings.NumberOfStores, this->Settings.RandomSeed, this->Scan->TakeProfiles());
       return Status::Ok();
     }));
 }
@@ -450,7 +459,8 @@ Status BlockedVolumeWriteJob::CreateStores()
         bins.push_back(
           SpectrumBins::Choose(this->Variables[variable].Type, this->GetStep().Ranges[variable]));
       }
-      this->Spectra.emplace(std::move(bins), this->Settings.NumberOfStores, this->Rank, this->Size);
+      this->Spectra.emplace(this->Header.Grid, this->Variables, std::move(bins),
+        this->Settings.NumberOfStores, this->Rank, this->Size);
       const std::size_t segments =
         this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
       std::vector<std::size_t> blocks(this->Settings.NumberOfStores, 0);
@@ -490,18 +500,14 @@ Status BlockedVolumeWriteJob::CreateStores()
 Status BlockedVolumeWriteJob::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
-  std::vector<std::vector<BlockWorkload>> counters(
-    static_cast<std::size_t>(this->Settings.Threads));
+  std::vector<std::vector<BlockCounters>> counters;
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOn(left.GetStatus()));
   // Rounds are planned alike on all ranks, so what the fullest one has left counts.
   std::vector<std::uint64_t> memory = { *left };
   this->Ranks.ReduceMinimum(memory);
-  for (std::vector<BlockWorkload>& ofThread : counters)
+  for (int thread = 0; thread < this->Settings.Threads; ++thread)
   {
-    for (const SpectrumBins& bins : this->Spectra->GetBins())
-    {
-      ofThread.emplace_back(bins);
-    }
+    counters.push_back(this->Spectra->MakeCounters());
   }
   const BlockShipment shipment(this->Grid, this->Types, this->BlockStores, this->Rank, this->Size);
   BlockRounds rounds(this->Ranks, this->Source, this->Grid, this->Types, *this->Exchange, shipment,
@@ -529,9 +535,9 @@ Status BlockedVolumeWriteJob::WriteBlocks()
     : Status(status.GetCode(), this->Path + ": cannot be written: " + status.GetMessage());
 }
 
-/// Counts the triangles of a filled block, and makes its record what the file will have.
+/// Counts what a filled block adds to the spectra, and makes its record what the file will have.
 void BlockedVolumeWriteJob::FinishBlock(
-  PendingBlock& block, const std::vector<SampleView>& views, std::vector<BlockWorkload>& counters)
+  PendingBlock& block, const std::vector<SampleView>& views, std::vector<BlockCounters>& counters)
 {
   const auto& ranges = this->Scan->GetRanges();
   for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
@@ -547,8 +553,13 @@ void BlockedVolumeWriteJob::FinishBlock(
       {
         counters[variable].Count(this->AssembleVariable(block, variable)->View);
       }
-      this->Spectra->Add(block.Store, variable, counters[variable]);
     }
+    else
+    {
+      counters[variable].Measure.CountUniform(
+        this->Variables[variable].Type, range.Minimum, this->Grid.GetVertices(block.Block));
+    }
+    this->Spectra->Add(block.Store, variable, counters[variable]);
   }
   if (this->OverviewSamples)
   {
@@ -609,6 +620,7 @@ Status BlockedVolumeWriteJob::FinishStores()
         [&](std::size_t index, int)
         {
           std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
+          this->Spectra->FinishStore(mine[index], writer->GetEntries(), this->Scan->GetRanges());
           const auto description = writer->Finish(this->Variables, this->Scan->GetRanges(), memory);
           outcomes[index] = description.GetStatus();
           if (description.IsOk())
@@ -665,12 +677,13 @@ Status BlockedVolumeWriteJob::ShareSpectra()
       return Status::Ok();
     })));
   const std::vector<Message> incoming = this->Ranks.Exchange(std::move(outgoing));
+  const std::vector<WorkloadSpectrum> totals = this->Spectra->ReduceTotals(this->Ranks);
   return this->AgreeOn(this->Attempt(
     [&]
     {
       return this->Rank != 0 ? Status::Ok()
-                             : VolumeSpectra::Write(this->Files,
-                                 VolumeSpectra::GetPath(this->Path, this->GetStep().Folder),
+                             : SpectraFile::Write(this->Files,
+                                 VolumeSpectra::GetPath(this->Path, this->GetStep().Folder), totals,
                                  this->Spectra->Unpack(incoming));
     }));
 }

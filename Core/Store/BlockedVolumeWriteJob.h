@@ -6,7 +6,6 @@
 #include "Base/FileSystem.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Partition/BlockWorkload.h"
 #include "Source/SlabSource.h"
 #include "Store/BlockExchange.h"
 #include "Store/BlockRangeScan.h"
@@ -82,7 +81,7 @@ private:
   Status CreateStores();
   Status WriteBlocks();
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
-    std::vector<BlockWorkload>& counters);
+    std::vector<BlockCounters>& counters);
   std::shared_ptr<DecodedBlock> AssembleVariable(
     const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();

@@ -19,7 +19,7 @@ namespace isosurface
  *     NAME.bvol.partial                   the next header, while it is being written
  *     NAME.bvol.stores/000001/            the generation that the header names, until then
  *     NAME.bvol.stores/000002/            the one being written
- *         spectra.json
+ *         spectra
  *         store-00000/  store-00001/  ...
  *
  * Whatever dies on the way leaves the header and its generation as they were, and folders that no

@@ -17,6 +17,39 @@ constexpr const char* ChecksumName = "\"checksum\"";
 const Json Nothing;
 const Json EmptyArray = Json::array();
 
+/// Whether objects and arrays are nested deeper than MaximumDepth. The parser's own callback could
+/// tell, too, but with one it looks at all elements of an array after each of them.
+bool IsTooDeep(const std::string& text)
+{
+  int depth = 0;
+  bool isInString = false;
+  for (std::size_t n = 0; n < text.size(); ++n)
+  {
+    const char character = text[n];
+    if (isInString && character == '\\')
+    {
+      ++n; // what is escaped ends no string
+    }
+    else if (character == '"')
+    {
+      isInString = !isInString;
+    }
+    else if (!isInString && (character == '{' || character == '['))
+    {
+      ++depth;
+    }
+    else if (!isInString && (character == '}' || character == ']'))
+    {
+      --depth;
+    }
+    if (depth > MaximumDepth)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 } // namespace
 
 std::string FormatChecksum(std::uint64_t checksum)
@@ -43,14 +76,8 @@ std::string FormatDocument(Json object)
 Result<Json> ParseDocument(
   const std::string& text, const std::string& path, const std::string& format, std::int64_t version)
 {
-  bool isTooDeep = false;
-  const auto limitDepth = [&](int depth, Json::parse_event_t, Json&)
-  {
-    isTooDeep |= depth > MaximumDepth;
-    return depth <= MaximumDepth;
-  };
-  Json document = Json::parse(text, limitDepth, false);
-  if (document.is_discarded() || isTooDeep || !document.is_object())
+  Json document = IsTooDeep(text) ? Json() : Json::parse(text, nullptr, false);
+  if (document.is_discarded() || !document.is_object())
   {
     return Status(StatusCode::Corrupt, path + ": is not a JSON object, or incomplete");
   }

@@ -3,36 +3,20 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 namespace isosurface
 {
 namespace
 {
 
-Result<double> EstimateTriangles(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
-  const std::vector<double>& isovalues, int level)
-{
-  double sum = 0;
-  for (const double isovalue : isovalues)
-  {
-    const auto triangles = volume.EstimateTriangles(timeStep, variable, isovalue, level);
-    if (!triangles.IsOk())
-    {
-      return triangles;
-    }
-    sum += *triangles;
-  }
-  return sum;
-}
-
-Result<int> ChooseOnThisRank(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
-  const std::vector<double>& isovalues, int finest)
+Result<int> ChooseOnThisRank(BlockedVolume& volume, const SurfaceQuery& query, int finest)
 {
   double most = 0; // triangles of the first surface
   int chosen = finest;
   for (int level = finest; level < volume.GetNumberOfLevels(); ++level)
   {
-    const auto triangles = EstimateTriangles(volume, timeStep, variable, isovalues, level);
+    const auto triangles = EstimateTriangles(volume, query, level);
     if (!triangles.IsOk())
     {
       return triangles.GetStatus();
@@ -56,14 +40,14 @@ Result<int> ChooseOnThisRank(BlockedVolume& volume, std::size_t timeStep, std::s
 
 } // namespace
 
-Result<int> ChooseFirstLevel(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
-  const std::vector<double>& isovalues, int finest, Communicator& communicator)
+Result<int> ChooseFirstLevel(
+  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks)
 {
-  const auto mine = ChooseOnThisRank(volume, timeStep, variable, isovalues, finest);
-  ISOSURFACE_RETURN_IF_ERROR(communicator.Agree(mine.GetStatus()));
+  const auto mine = ChooseOnThisRank(volume, query, finest);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(mine.GetStatus()));
   // All read the same files; but what ranks do together must not depend on that.
   std::vector<std::uint64_t> level = { static_cast<std::uint64_t>(*mine) };
-  communicator.ReduceMaximum(level);
+  ranks.ReduceMaximum(level);
   return static_cast<int>(level.front());
 }
 

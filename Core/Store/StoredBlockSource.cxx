@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/StoredBlockSource.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,7 @@ StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep
   , Stored(volume.FindLevel(level))
   , Blocks(std::move(blocks))
 {
+  this->SetAttributes({});
 }
 
 Index3 StoredBlockSource::GetLatticeCoordinates(std::size_t block) const
@@ -36,27 +38,56 @@ ValueType StoredBlockSource::GetValueType() const
 void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
 {
   this->Attributes = std::move(arrays);
-}
-
-Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
-{
-  QueryStatistics statistics;
-  std::vector<std::size_t> variables = { this->VariableNumber };
+  this->AttributesStatus = Status::Ok();
+  this->Variables = { this->VariableNumber };
   const ArrayVariables& all = this->Volume.GetVariables();
   for (const std::size_t array : this->Attributes)
   {
     if (!all.Find(array, 0))
     {
-      return Status(StatusCode::InvalidArgument,
+      this->AttributesStatus = Status(StatusCode::InvalidArgument,
         this->Volume.GetPath() + ": has no array " + std::to_string(array));
+      return;
     }
     for (int component = 0; component < all.GetComponents(array); ++component)
     {
-      variables.push_back(*all.Find(array, component));
+      this->Variables.push_back(*all.Find(array, component));
     }
   }
+  std::uint64_t bytes = 0;
+  for (const std::size_t variable : this->Variables)
+  {
+    bytes += this->Volume.EstimateBytes(variable, this->Level);
+  }
+  const auto count = static_cast<std::uint64_t>(this->Stored.Grid->GetNumberOfBlocks());
+  this->BlocksAhead =
+    static_cast<std::size_t>(ReadAheadBytes / std::max<std::uint64_t>(1, bytes / count));
+}
+
+/// Half of what may be ahead at a time, so that neighbors are read as one.
+void StoredBlockSource::ReadAhead(std::size_t block)
+{
+  const std::unique_lock<std::mutex> lock(this->ReadAheadMutex, std::try_to_lock);
+  if (!lock.owns_lock() || block + this->BlocksAhead / 2 < this->EndOfReadAhead)
+  {
+    return;
+  }
+  const std::size_t begin = std::max(this->EndOfReadAhead, block);
+  this->EndOfReadAhead = std::min(this->Blocks.size(), block + this->BlocksAhead);
+  if (begin < this->EndOfReadAhead)
+  {
+    this->Volume.Prefetch(
+      this->Blocks, begin, this->EndOfReadAhead, this->TimeStep, this->Variables, this->Level);
+  }
+}
+
+Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->AttributesStatus);
+  this->ReadAhead(block);
+  QueryStatistics statistics;
   auto blocks = this->Volume.ReadVariables(
-    this->Blocks[block], this->TimeStep, variables, this->Level, statistics);
+    this->Blocks[block], this->TimeStep, this->Variables, this->Level, statistics);
   {
     const std::lock_guard<std::mutex> lock(this->StatisticsMutex);
     this->Statistics.Add(statistics);
@@ -67,6 +98,7 @@ Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
   }
   BlockSamples samples;
   samples.Scalars = blocks->front()->View;
+  const ArrayVariables& all = this->Volume.GetVariables();
   std::size_t next = 1;
   for (const std::size_t array : this->Attributes)
   {

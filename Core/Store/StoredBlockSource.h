@@ -7,6 +7,7 @@
 #include "Store/QueryStatistics.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <mutex>
 #include <vector>
 
@@ -15,8 +16,8 @@ namespace isosurface
 
 /**
  * Blocks of a blocked volume on disk as an extraction visits them: each is read when its turn
- * comes, through the block cache, and let go afterwards. The blocks must have the level
- * (FindLevel); coordinates are those of the level.
+ * comes, through the block cache, and let go afterwards; meanwhile the disk reads those ahead. The
+ * blocks must have the level (FindLevel); coordinates are those of the level.
  *
  * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadVariables, of the
  * variable and of all components of the arrays to interpolate.
@@ -24,6 +25,9 @@ namespace isosurface
 class StoredBlockSource : public BlockSource
 {
 public:
+  /// What is read ahead of the block that is acquired: blocks of so many bytes once decoded.
+  static constexpr std::uint64_t ReadAheadBytes = std::uint64_t{ 16 } << 20;
+
   StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
     std::vector<BlockReference> blocks);
 
@@ -41,13 +45,21 @@ public:
   QueryStatistics GetStatistics() const;
 
 private:
+  void ReadAhead(std::size_t block);
+
   BlockedVolume& Volume;
   std::size_t TimeStep;
   std::size_t VariableNumber;
   std::vector<std::size_t> Attributes; ///< arrays
+  Status AttributesStatus;
+  std::vector<std::size_t> Variables; ///< the contoured one, then the attributes' components
   int Level;
   StoredLevel Stored;
   std::vector<BlockReference> Blocks;
+
+  std::mutex ReadAheadMutex;
+  std::size_t EndOfReadAhead = 0;
+  std::size_t BlocksAhead = 0; ///< as many as are ReadAheadBytes
 
   mutable std::mutex StatisticsMutex;
   QueryStatistics Statistics;

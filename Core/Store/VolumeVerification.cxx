@@ -13,8 +13,8 @@
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/JsonDocument.h"
 #include "Store/RecordCodec.h"
-#include "Store/SampleRange.h"
 #include "Store/VolumeSpectra.h"
+#include "Volume/SampleRange.h"
 
 #include <algorithm>
 #include <limits>
@@ -377,6 +377,14 @@ std::vector<Status> StoreCheck::TakeFaults()
   return faults;
 }
 
+bool HaveEqualCounts(const WorkloadSpectrum& a, const WorkloadSpectrum& b)
+{
+  const auto ofA = a.GetQuantities();
+  const auto ofB = b.GetQuantities();
+  return std::equal(ofA.begin(), ofA.end(), ofB.begin(),
+    [](const auto* countsOfA, const auto* countsOfB) { return *countsOfA == *countsOfB; });
+}
+
 /// The whole volume with its overviews, a time step after the other.
 class VolumeCheck
 {
@@ -399,27 +407,24 @@ public:
       return std::move(this->Found);
     }
     std::vector<BlockedVolumeHeader> parts = { *header };
+    std::uint64_t blocks = this->CountBlocks(*header);
     for (std::size_t overview = 0; overview < header->Overviews.size(); ++overview)
     {
       parts.push_back(header->MakeOverview(overview));
+      blocks += this->CountBlocks(parts.back());
     }
-    double blocks = 0;
-    for (const BlockedVolumeHeader& part : parts)
-    {
-      blocks += static_cast<double>(part.GetBlockGrid().GetNumberOfBlocks());
-    }
+    const double shares =
+      static_cast<double>(blocks) * static_cast<double>(header->TimeSteps.size());
     for (std::size_t step = 0; step < header->TimeSteps.size(); ++step)
     {
       for (const BlockedVolumeHeader& part : parts)
       {
-        const BlockGrid grid = part.GetBlockGrid();
-        this->Begin += this->Share;
-        this->Share = static_cast<double>(grid.GetNumberOfBlocks()) / blocks /
-          static_cast<double>(header->TimeSteps.size());
-        if (!this->CheckTimeStep(part, grid, part.TimeSteps[step]))
+        this->PartShare = static_cast<double>(this->CountBlocks(part)) / shares;
+        if (!this->CheckTimeStep(part, part.TimeSteps[step]))
         {
           return Status(StatusCode::Aborted, this->Path + ": the check was stopped");
         }
+        this->PartBegin += this->PartShare;
       }
     }
     return std::move(this->Found);
@@ -435,18 +440,55 @@ private:
     }
   }
 
-  /// False if it was asked to stop.
-  bool CheckTimeStep(
-    const BlockedVolumeHeader& header, const BlockGrid& grid, const TimeStepDescription& step)
+  static std::uint64_t CountBlocks(const BlockedVolumeHeader& header)
   {
-    const ArrayVariables variables = header.GetVariables();
-    const std::string spectraPath = VolumeSpectra::GetPath(this->Path, step.Folder);
+    return static_cast<std::uint64_t>(header.GetBlockGrid().GetNumberOfBlocks());
+  }
+
+  /// Reads all spectra; those of the stores must add up to that of the volume.
+  Status CheckSpectra(const BlockedVolumeHeader& header, const TimeStepDescription& step)
+  {
+    const std::size_t variables = header.GetVariables().GetCount();
     const auto spectra =
-      VolumeSpectra::Read(this->Files, spectraPath, variables.GetCount(), header.NumberOfStores);
+      VolumeSpectra::Read(this->Files, this->Path, step.Folder, variables, header.NumberOfStores);
+    if (!spectra.IsOk())
+    {
+      return spectra.GetStatus();
+    }
+    for (std::size_t variable = 0; variable < variables; ++variable)
+    {
+      const WorkloadSpectrum& total = *(*spectra)->GetTotal(variable);
+      WorkloadSpectrum sum(total.Bins);
+      bool hasSum = true;
+      for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
+      {
+        const auto spectrum = (*spectra)->GetStore(variable, store);
+        if (!spectrum.IsOk())
+        {
+          return spectrum.GetStatus();
+        }
+        hasSum = sum.Add(**spectrum) && hasSum;
+      }
+      if (!hasSum || !HaveEqualCounts(sum, total))
+      {
+        return Status(StatusCode::Corrupt,
+          VolumeSpectra::GetPath(this->Path, step.Folder) +
+            ": the stores' spectra do not add up to the volume's");
+      }
+    }
+    return Status::Ok();
+  }
+
+  /// Of the volume itself, or of an overview. False if it was asked to stop.
+  bool CheckTimeStep(const BlockedVolumeHeader& header, const TimeStepDescription& step)
+  {
+    const BlockGrid grid = header.GetBlockGrid();
+    const ArrayVariables variables = header.GetVariables();
+    const Status spectra = this->CheckSpectra(header, step);
     this->Found.Files += 1;
     if (!spectra.IsOk())
     {
-      this->AddFault(spectra.GetStatus());
+      this->AddFault(spectra);
     }
     std::vector<std::unique_ptr<StoreCheck>> stores;
     for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
@@ -515,8 +557,10 @@ private:
 
   Progress MakeProgress(double begin, double end) const
   {
-    return [this, begin, end](double share) {
-      return !this->Tell || this->Tell(this->Begin + this->Share * (begin + (end - begin) * share));
+    return [this, begin, end](double share)
+    {
+      return !this->Tell ||
+        this->Tell(this->PartBegin + this->PartShare * (begin + (end - begin) * share));
     };
   }
 
@@ -524,8 +568,8 @@ private:
   FileSystem& Files;
   int Threads;
   const Progress& Tell;
-  double Begin = 0; ///< the share of the work that is done before the part that is checked now
-  double Share = 0; ///< that of this part
+  double PartBegin = 0;
+  double PartShare = 1;
   VolumeVerification Found;
 };
 

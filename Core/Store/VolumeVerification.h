@@ -19,7 +19,8 @@ struct VolumeVerification
   /// More faults than this are counted, but not kept.
   static constexpr std::size_t MostFaults = 10000;
 
-  /// Each names a file and what is wrong with it; in the order of time steps, stores and blocks.
+  /// Each names a file and what is wrong with it; in the order of time steps, overviews, stores and
+  /// blocks.
   std::vector<Status> Faults;
   std::uint64_t FaultCount = 0;
   std::uint64_t Files = 0;  ///< that were looked at
@@ -31,8 +32,9 @@ struct VolumeVerification
  * Reads every byte of a blocked volume that its header leads to, and checks all that can be known:
  * the checksums of header, spectra, directories, trees and segments; that every segment decodes;
  * that what is behind a record is zero; that each store's contents are those that the header
- * knows; that the stores together have each block once; and that each tree has each block of its
- * store with the range of its values, and that of magnitudes with theirs. The same of overviews.
+ * knows; that the stores together have each block once; that each tree has each block of its
+ * store with the range of its values, and that of magnitudes with theirs; and that the stores'
+ * spectra add up to the volume's. The same of overviews.
  *
  * Goes on behind a fault, with whatever does not depend on it. The result does not depend on the
  * number of threads. Aborted if `progress` asked to stop.

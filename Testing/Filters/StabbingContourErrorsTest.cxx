@@ -123,7 +123,7 @@ TEST(StabbingContourErrors, ImagesOfACompositeWithoutTheArrayAreLeftOut)
   ExpectGoodSurface(contour);
 }
 
-TEST(StabbingContourErrors, ArrayOfSeveralComponentsIsNamed)
+TEST(StabbingContourErrors, ArrayWithoutTheComponentIsNamed)
 {
   const auto image = MakeGoodImage();
   AddArray(image->GetPointData(), "velocity", 3, image->GetNumberOfPoints());
@@ -131,7 +131,8 @@ TEST(StabbingContourErrors, ArrayOfSeveralComponentsIsNamed)
   contour->SetInputData(image);
   contour->SetValue(0, 0.1);
   Select(contour, "velocity");
-  ExpectError(contour, { "velocity", "3 components" });
+  contour->SetComponent(4);
+  ExpectError(contour, { "velocity", "3 components", "no component 4" });
   Select(contour, "density");
   ExpectGoodSurface(contour);
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Input: the text of a file of spectra, which is read as it is and with the right checksum, for as
-// many arrays and stores as it seems to have.
+// Input: a file of spectra, which is read as it is and with the right checksums, for as many arrays
+// and stores as it seems to have. What begins with "{" is taken for a spectra.json.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
+#include "Base/ByteOrder.h"
+#include "Base/Checksum.h"
 #include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
 
@@ -15,14 +17,16 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/spectra.json";
+const std::string Folder = "/data/volume.bvol.stores/000001";
 
 void Use(const WorkloadSpectrum& spectrum)
 {
-  Require(spectrum.Bins.Count <= SpectrumBins::MaximumCount &&
-      spectrum.Triangles.size() == spectrum.Bins.Count &&
-      spectrum.ActiveCells.size() == spectrum.Bins.Count,
-    "a spectrum has as many counts as bins");
+  Require(spectrum.Bins.Count <= SpectrumBins::MaximumCount, "there are not too many bins");
+  for (const WorkloadSpectrum::Counts* counts : spectrum.GetQuantities())
+  {
+    Require(counts->empty() || counts->size() == spectrum.Bins.Count,
+      "a spectrum has as many counts as bins");
+  }
   for (const double isovalue : { -1e300, -1.0, 0.0, 17.25, 1e300 })
   {
     Require(spectrum.FindBin(isovalue) < std::max(spectrum.Bins.Count, 1u), "a bin is there");
@@ -31,24 +35,76 @@ void Use(const WorkloadSpectrum& spectrum)
   Require(wide.Widen(spectrum.Bins.Coarsen()), "a spectrum can be coarsened");
 }
 
-void ReadAndUse(const std::string& text, std::size_t arrays, std::size_t stores)
+void ReadAndUse(
+  const std::string& name, const SealedBytes& file, std::size_t arrays, std::size_t stores)
 {
   MemoryDisk disk;
-  PutFile(disk, Path, SealedBytes(text.begin(), text.end()));
-  const MemoryLimit limit(64 * text.size() + std::size_t{ 256 } * 1024);
-  const auto spectra = VolumeSpectra::Read(disk, Path, arrays, stores);
+  PutFile(disk, Folder + name, file);
+  // A section of few bytes may have many equal counts.
+  const MemoryLimit limit(64 * file.size() + std::size_t{ 256 } * 1024 * (arrays + 1));
+  const auto spectra = VolumeSpectra::Read(disk, "/data/volume.bvol", "000001", arrays, stores);
   if (!spectra.IsOk())
   {
-    Require(spectra.GetStatus().GetMessage().find(Path) == 0, "an error names the file");
+    Require(spectra.GetStatus().GetMessage().find(Folder + name) == 0, "an error names the file");
     return;
   }
-  Require((*spectra)->Totals.size() == arrays && (*spectra)->Stores.size() == arrays,
-    "there is a spectrum of each array");
   for (std::size_t array = 0; array < arrays; ++array)
   {
-    Require((*spectra)->Stores[array].size() == stores, "there is a spectrum of each store");
-    Use(*(*spectra)->Totals[array]);
+    Use(*(*spectra)->GetTotal(array));
+    for (std::size_t store = 0; store < std::min<std::size_t>(stores, 3); ++store)
+    {
+      const auto spectrum = (*spectra)->GetStore(array, store);
+      if (spectrum.IsOk())
+      {
+        Use(**spectrum);
+      }
+    }
   }
+}
+
+/// With the checksums of what is there of header and sections.
+SealedBytes SealSections(SealedBytes bytes, std::size_t arrays, std::size_t stores)
+{
+  const std::size_t table = 24 + 32 * arrays;
+  const std::size_t sections = arrays * (stores + 1);
+  const std::size_t header = table + 8 * sections;
+  if (bytes.size() < header + 8)
+  {
+    return bytes;
+  }
+  StoreLittleEndian(bytes.data() + header, ComputeChecksum(bytes.data(), header));
+  std::uint64_t begin = header + 8;
+  for (std::size_t section = 0; section < sections; ++section)
+  {
+    const auto end = LoadLittleEndian<std::uint64_t>(bytes.data() + table + 8 * section);
+    if (end > bytes.size() || end < begin || end - begin < 8)
+    {
+      break;
+    }
+    StoreLittleEndian(bytes.data() + begin,
+      ComputeChecksum(
+        bytes.data() + begin + 8, static_cast<std::size_t>(end - begin - 8), section));
+    begin = end;
+  }
+  return bytes;
+}
+
+void ReadSections(const std::uint8_t* bytes, std::size_t size)
+{
+  std::size_t arrays = 1;
+  std::size_t stores = 1;
+  if (size >= 24)
+  {
+    // Not more than there is a table for.
+    arrays = std::max<std::size_t>(
+      1, std::min<std::size_t>(LoadLittleEndian<std::uint32_t>(bytes + 12), size / 48));
+    stores = std::max<std::size_t>(1,
+      static_cast<std::size_t>(
+        std::min<std::uint64_t>(LoadLittleEndian<std::uint64_t>(bytes + 16), size / 8)));
+  }
+  const SealedBytes file(bytes, bytes + size);
+  ReadAndUse("/spectra", file, arrays, stores);
+  ReadAndUse("/spectra", SealSections(file, arrays, stores), arrays, stores);
 }
 
 /// The numbers of arrays and stores that the text tells; 1 where it tells none.
@@ -74,11 +130,17 @@ void FindNumbers(const std::string& text, std::size_t& arrays, std::size_t& stor
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
+  if (size == 0 || bytes[0] != '{')
+  {
+    ReadSections(bytes, size);
+    return 0;
+  }
   const std::string text(bytes, bytes + size);
   std::size_t arrays;
   std::size_t stores;
   FindNumbers(text, arrays, stores);
-  ReadAndUse(text, arrays, stores);
-  ReadAndUse(SealJson(text), arrays, stores);
+  const std::string sealed = SealJson(text);
+  ReadAndUse("/spectra.json", SealedBytes(text.begin(), text.end()), arrays, stores);
+  ReadAndUse("/spectra.json", SealedBytes(sealed.begin(), sealed.end()), arrays, stores);
   return 0;
 }

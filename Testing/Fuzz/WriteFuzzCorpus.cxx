@@ -65,8 +65,8 @@ void Append(Bytes& bytes, const Bytes& others)
   bytes.insert(bytes.end(), others.begin(), others.end());
 }
 
-/// One volume's files, for the four targets that read them: an array of one component or more, in
-/// one time step or more.
+/// One volume's files (spectra.json, which is not written any more, stays as it is), for the four
+/// targets that read them: an array of one component or more, in one time step or more.
 template <typename T>
 void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores,
   const BlockCompression& compression = {}, int components = 1, int steps = 1)
@@ -103,7 +103,7 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   // Those of components are as those of arrays, and long.
   if (components == 1)
   {
-    corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra.json"));
+    corpus.Add("VolumeSpectra", name + "-sections", disk.GetFile(Path + ".stores/000001/spectra"));
   }
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
   const ArrayVariables variables({ { "density", type, components } });

@@ -26,7 +26,7 @@ class SaveData(unittest.TestCase):
 
     def test_properties_arrive_in_the_header_and_none_of_them_changes_the_surface(self):
         for number, (size, stores, method, seed) in enumerate(
-            [(16, 1, "Greedy", 0), (32, 3, "Random", 7), (64, 5, "Slab", 0)]
+            [(16, 1, "Greedy", 0), (32, 3, "Random", 7), (64, 5, "Slab", 0), (16, 4, "Balanced", 0)]
         ):
             with self.subTest(method=method):
                 path = self.save(

@@ -134,6 +134,23 @@ TEST_F(StabbingContourProgressive, BeginsAnewAfterEachChange)
   this->ExpectNoErrors();
 }
 
+TEST_F(StabbingContourProgressive, EndsWhereABudgetEnds)
+{
+  const std::vector<int> levels = this->FinishLevels();
+  this->Contour->SetMaximumTriangles(this->Contour->GetOutput()->GetNumberOfPolys() / 2);
+  const std::vector<int> within = this->FinishLevels();
+  EXPECT_EQ(within.front(), levels.front());
+  EXPECT_EQ(within.back(), 1);
+  EXPECT_LE(this->Contour->GetOutput()->GetNumberOfPolys(), this->Contour->GetMaximumTriangles());
+  this->ExpectSurfaceOfItsLevel(0.3);
+
+  this->Contour->SetMaximumTriangles(1);
+  const std::vector<int> coarsest = this->FinishLevels();
+  EXPECT_EQ(coarsest.size(), 1u);
+  EXPECT_GT(coarsest.front(), levels.front());
+  this->ExpectNoErrors();
+}
+
 TEST_F(StabbingContourProgressive, GivesAllPiecesOfAPassAtOneLevel)
 {
   this->Contour->Update();
@@ -194,7 +211,7 @@ TEST_F(StabbingContourProgressive, TellsOfADamagedSpectrumAndGoesOnAfterItsRepai
   std::filesystem::path spectra;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(this->Path + ".stores"))
   {
-    if (entry.path().filename() == "spectra.json" && spectra.empty())
+    if (entry.path().filename() == "spectra" && spectra.empty())
     {
       spectra = entry.path();
     }

@@ -92,6 +92,26 @@ def check_ranges(volume, sources):
         check(told == [min(values), min(most, max(values))], f"range of {description['name']}")
 
 
+def check_spectrum(volume, number):
+    """Active blocks and bytes are what queries find and read; the volume falls to nothing."""
+    spectra = volume.spectra
+    isovalues = spectra.list_isovalues(number)
+    for b in random.sample(range(len(isovalues)), min(len(isovalues), 40)):
+        active = volume.find_active(number, isovalues[b])
+        for store, ordinals, counts in zip(volume.stores, active, spectra.stores[number]):
+            sizes = [sum(16 + stored for stored in store.find_block(ordinal)[2][
+                volume.levels * number:volume.levels * (number + 1)]) for ordinal in ordinals]
+            check((counts["activeBlocks"][b], counts["bytes"][b]) == (len(sizes), sum(sizes)),
+                  f"{spectra.path}: array {number}: blocks or bytes at {isovalues[b]}")
+    if isovalues and volume.arrays[number]["type"][0] != "f":  # there is no NaN or infinity
+        counts, rounding = spectra.totals[number]["volume"], len(volume.stores)
+        whole = (math.prod(n - 1 for n in volume.dimensions) * 8**volume.first_level
+                 * abs(math.prod(volume.header["grid"]["spacing"])) / spectra.units[number][1])
+        check(counts[0] <= whole + rounding
+              and all(after <= before + rounding for before, after in zip(counts, counts[1:])),
+              f"{spectra.path}: array {number}: volume")
+
+
 def check_damage(path):
     """Flips one bit after the other; the reader must notice each."""
     copy = path + ".damaged"
@@ -136,6 +156,7 @@ def check_overview(overview, finest, sources):
     for number, source in enumerate(coarse):
         check_queries(overview, ranges, number)
         check_active(overview, coarse, number, float(random.choice(source)))
+        check_spectrum(overview, number)
 
 
 def check_volume(path):
@@ -150,6 +171,7 @@ def check_volume(path):
     ranges = check_samples(volume, sources)
     for number, source in enumerate(sources):
         check_queries(volume, ranges, number)
+        check_spectrum(volume, number)
         for isovalue in (0.0, -1e300, 1e300, 40.5, float(random.choice(source))):
             check_active(volume, sources, number, isovalue)
     for overview in volume.overviews:

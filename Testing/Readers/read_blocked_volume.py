@@ -192,6 +192,99 @@ class Store:
         return blocks
 
 
+class Spectra:
+    """What isosurfaces are and cost: of each array as a whole, and in each store."""
+
+    QUANTITIES = ("triangles", "activeCells", "activeBlocks", "bytes", "area", "volume")
+
+    def __init__(self, folder, arrays, stores):
+        self.path = os.path.join(folder, "spectra")
+        if os.path.exists(self.path):
+            self.read(arrays, stores)
+        else:
+            self.path += ".json"
+            self.read_older(arrays, stores)
+        for array in range(arrays):
+            for name, total in self.totals[array].items():
+                sums = [sum(of) for of in zip(*(store[name] for store in self.stores[array]))]
+                check(total == sums, f"{self.path}: array {array}: {name} of the stores")
+
+    def read(self, arrays, stores):
+        content = read_file(self.path)
+        check(content[:8] == b"ISOSPECT", f"{self.path}: is no file of spectra")
+        check(struct.unpack_from("<IIQ", content, 8) == (1, arrays, stores),
+              f"{self.path}: another version, or does not fit the header")
+        where = 24 + 32 * arrays
+        count = arrays * (stores + 1)
+        header = content[:where + 8 * count]
+        ends = [len(header) + 8, *struct.unpack_from(f"<{count}Q", header, where)]
+        check(content[len(header):ends[0]] == struct.pack("<Q", hash64(header)),
+              f"{self.path}: wrong checksum")
+        check(ends == sorted(ends) and ends[-1] == len(content), f"{self.path}: wrong size")
+        # (first, exponent, count) and units by array.
+        fields = [struct.unpack_from("<qiIdd", header, 24 + 32 * array) for array in range(arrays)]
+        check(all(-1100 <= e <= 1100 and n <= 2048 and area >= 0 and volume >= 0
+                  for _, e, n, area, volume in fields), f"{self.path}: impossible bins")
+        self.bins = [of_array[:3] for of_array in fields]
+        self.units = [of_array[3:] for of_array in fields]
+        sections = [self.read_section(content[ends[s]:ends[s + 1]], s, self.bins[s % arrays][2])
+                    for s in range(count)]
+        self.totals = sections[:arrays]
+        self.stores = [sections[arrays + array::arrays] for array in range(arrays)]
+
+    def read_section(self, section, number, bins):
+        name = f"{self.path}: section {number}"
+        check(section[:8] == struct.pack("<Q", hash64(section[8:], number)),
+              f"{name}: wrong checksum")
+        counts, position = {}, 8
+        for quantity in self.QUANTITIES:
+            counts[quantity], position = self.unpack(section, position, bins, name)
+        check(position == len(section), f"{name}: has bytes behind its counts")
+        return counts
+
+    @staticmethod
+    def unpack(section, position, bins, name):
+        """So many packed counts; also the position behind them."""
+        def take():
+            nonlocal position
+            number, shift = 0, 0
+            while True:
+                check(position < len(section), f"{name}: truncated")
+                byte = section[position]
+                position += 1
+                number |= (byte & 127) << shift
+                shift += 7
+                if byte < 128:
+                    check(number < 2**64 and shift <= 70, f"{name}: impossible number")
+                    return number
+        counts, count = [], 0
+        while len(counts) < bins:
+            zigzag = take()
+            count = (count + (-(zigzag + 1 >> 1) if zigzag & 1 else zigzag >> 1)) % 2**64
+            repeats = 1 + (take() if zigzag == 0 else 0)
+            check(len(counts) + repeats <= bins, f"{name}: impossible number of zeros")
+            counts += [count] * repeats
+        return counts, position
+
+    def read_older(self, arrays, stores):
+        document = read_document(self.path, "ScalableIsosurface spectra")
+        check(len(document["arrays"]) == arrays
+              and all(len(of_array["stores"]) == stores for of_array in document["arrays"]),
+              f"{self.path}: does not fit the header")
+        self.bins = [(of_array["first"], of_array["exponent"], of_array["count"])
+                     for of_array in document["arrays"]]
+        self.units = [None] * arrays
+        self.stores = [of_array["stores"] for of_array in document["arrays"]]
+        self.totals = [{name: [sum(of) for of in zip(*(store[name] for store in of_array))]
+                        for name in self.QUANTITIES[:2]} for of_array in self.stores]
+
+    def list_isovalues(self, array):
+        first, exponent, count = self.bins[array]
+        # In halves: beyond the doubles it becomes infinite, which ldexp alone refuses to.
+        scales = 2.0**(exponent // 2), 2.0**(exponent - exponent // 2)
+        return [(first + b) * scales[0] * scales[1] for b in range(count)]
+
+
 class BlockedVolume:
     """A volume, or, with number > 0, one of its overviews, which are blocked volumes like it."""
 
@@ -223,20 +316,19 @@ class BlockedVolume:
         check(number == len(overviews) or self.block_count > 1,
               f"{path}: an overview of a single block")
         step = self.header["timeSteps"][time_step]
+        check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
         check(version == 1 or len(step["overviews"]) == len(overviews),
               f"{path}: number of overviews")
         folder = os.path.join(path + ".stores", step["folder"])
         if number > 0:
             folder = os.path.join(folder, f"overview-{number}")
             step = step["overviews"][number - 1]
-        check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
         check(len(step["stores"]) == parts[number]["stores"]
               and sum(store["blocks"] for store in step["stores"]) == self.block_count,
               f"{path}: numbers of stores or blocks")
         self.stores = [Store(self, os.path.join(folder, f"store-{index:05d}"), store)
                        for index, store in enumerate(step["stores"])]
-        self.spectra = read_document(os.path.join(folder, "spectra.json"),
-                                     "ScalableIsosurface spectra")
+        self.spectra = Spectra(folder, len(self.arrays), len(step["stores"]))
         self.overviews = [BlockedVolume(path, time_step, 1 + index)
                           for index in range(len(overviews))] if number == 0 else []
 

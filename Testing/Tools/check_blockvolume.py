@@ -223,7 +223,7 @@ class VerifyFindsAnyFault(Case):
         for ranks in (1, 2):
             code, out, err = run("--verify", path, ranks=ranks)
             self.assertEqual(code, 0, err)
-            self.assertRegex(out, r"^.*o.bvol: sound: 14 files, 45 blocks, ")
+            self.assertRegex(out, r"^.*o.bvol: sound: 24 files, 48 blocks, ")
 
     def test_a_flipped_bit_in_each_kind_of_file(self):
         random.seed(5)
@@ -271,7 +271,7 @@ class InfoTellsWhatIndependentReadersFind(Case):
         for member in ("extent", "origin", "spacing", "direction"):
             self.assertEqual(told["grid"][member], header["grid"][member])
         self.assertEqual(told["grid"]["dimensions"], volume.dimensions)
-        levels = volume.levels + sum(overview.levels for overview in volume.overviews)
+        levels = sum(part.levels for part in (volume, *volume.overviews))
         self.assertEqual((told["blockSize"], told["levels"]), (volume.block_size, levels))
         self.assertEqual(told["compression"],
                          {"codec": header["compression"], "level": header["compressionLevel"]})
@@ -286,16 +286,15 @@ class InfoTellsWhatIndependentReadersFind(Case):
             values = [store[member] for store in stores]
             self.assertEqual(step[member], sum(values))
             self.assertAlmostEqual(step["balance"][member], max(values) * 3 / sum(values))
-        for number, array in enumerate(volume.spectra["arrays"]):
+        for number, total in enumerate(volume.spectra.totals):
             spectrum = step["spectra"][number]
-            width = 2.0 ** array["exponent"]
-            self.assertEqual(spectrum["isovalue"],
-                             [(array["first"] + b) * width for b in range(array["count"])])
+            self.assertEqual(spectrum["isovalue"], volume.spectra.list_isovalues(number))
+            for member in ("triangles", "activeCells", "activeBlocks", "bytes"):
+                self.assertEqual(spectrum[member], total[member])
+            for member, unit in zip(("area", "volume"), volume.spectra.units[number]):
+                self.assertEqual(spectrum[member], [count * unit for count in total[member]])
             ratios = []
-            for member in ("triangles", "activeCells"):
-                sums = [sum(of) for of in zip(*(store[member] for store in array["stores"]))]
-                self.assertEqual(spectrum[member], sums)
-            for of in zip(*(store["triangles"] for store in array["stores"])):
+            for of in zip(*(store["triangles"] for store in volume.spectra.stores[number])):
                 if sum(of) >= 3000:
                     ratios.append(max(of) * 3 / sum(of))
             ratios.sort()
@@ -312,10 +311,35 @@ class InfoTellsWhatIndependentReadersFind(Case):
                      'array         "density": int16', "compression   lz4, level 1",
                      "distribution  greedy, seed 0"):
             self.assertIn(line + "\n", out)
-        self.assertNotIn("activeCells", out)
         self.assertEqual(out.count("dimensions"), 1)  # rank 0 alone tells
-        table = run("--info", path, "--spectrum")[1]
-        self.assertRegex(table, r"isovalue +triangles +activeCells\n +[0-9.]+ +[0-9]+ +[0-9]+\n")
+
+    def test_spectrum_at_some_isovalues_and_at_all(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
+        spectra = BlockedVolume(path).spectra
+        for arguments, largest in ((["--info", path], 16), (["--info", path, "--spectrum"], 2048)):
+            told = run(*arguments)[1].split("  spectrum    ")[1:]
+            self.assertEqual(len(told), len(spectra.totals))
+            for number, text in enumerate(told):
+                total, isovalues = spectra.totals[number], spectra.list_isovalues(number)
+                lines = [line.split() for line in text.splitlines()[1:] if line.startswith("  ")]
+                names, rows = lines[0], [list(map(float, line)) for line in lines[1:]]
+                self.assertEqual(names, ["isovalue", *spectra.QUANTITIES])
+                self.assertEqual(len(rows), min(largest, len(isovalues)))
+                self.assertEqual(sorted(rows), rows)
+                for row in rows:
+                    b = min(range(len(isovalues)), key=lambda b: abs(isovalues[b] - row[0]))
+                    self.assertAlmostEqual(row[0], isovalues[b], delta=1e-8 * abs(row[0]))
+                    for name, value in zip(names[1:5], row[1:5]):
+                        self.assertEqual(value, total[name][b])
+                    for name, value, unit in zip(names[5:], row[5:], spectra.units[number]):
+                        self.assertAlmostEqual(value, total[name][b] * unit, delta=1e-8 * value)
+
+    def test_an_older_volume_has_a_spectrum_of_triangles_and_cells(self):
+        path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Data", "golden-v1",
+                            "golden.bvol")
+        code, out, err = run("--info", path)
+        self.assertEqual(code, 0, err)
+        self.assertRegex(out, r"isovalue +triangles +activeCells\n +-?[0-9.]+ +[0-9]+ +[0-9]+\n")
 
 
 class ErrorsAreOneLine(Case):

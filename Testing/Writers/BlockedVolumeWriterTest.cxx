@@ -127,8 +127,9 @@ TEST_F(BlockedVolumeWriter, ReplacesOldFileAndItsStores)
   const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));
   WriteVolume(image, this->GetPath(), { 16, 1 });
   this->ExpectRead(image, "density");
-  // One generation with one store: header, blocks, directory, tree and spectra.
-  EXPECT_EQ(ListVolumeFiles(this->GetPath()).size(), 5u);
+  // One generation with one store, and with one overview: the header; blocks, directory, tree and
+  // spectra of each.
+  EXPECT_EQ(ListVolumeFiles(this->GetPath()).size(), 9u);
 }
 
 TEST_F(BlockedVolumeWriter, TellsProgressThatRises)

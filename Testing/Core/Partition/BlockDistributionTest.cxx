@@ -18,7 +18,7 @@ namespace
 {
 
 constexpr DistributionMethod Methods[] = { DistributionMethod::Greedy, DistributionMethod::Random,
-  DistributionMethod::Slab };
+  DistributionMethod::Slab, DistributionMethod::Balanced };
 
 std::vector<std::uint64_t> CountBlocks(
   const std::vector<std::uint32_t>& stores, std::uint32_t count)
@@ -48,6 +48,26 @@ std::vector<KeyRange> MakeRandomRanges(std::size_t count)
     range = { MakeValueKey(low), MakeValueKey(low + size) };
   }
   return ranges;
+}
+
+/// Blocks with cubes of values that fill their range.
+std::vector<BlockProfile> MakeProfiles(const std::vector<KeyRange>& ranges)
+{
+  std::mt19937 random(7);
+  std::vector<BlockProfile> profiles;
+  for (const KeyRange& range : ranges)
+  {
+    const double low = MakeValueOfKey<float>(range.Minimum);
+    const double size = MakeValueOfKey<float>(range.Maximum) - low;
+    std::vector<ValueSpan> cubes;
+    for (int n = 0; n < 8; ++n)
+    {
+      const double part = 0.1 * static_cast<double>(random() % 10);
+      cubes.push_back({ low + part * size, low + (part + 0.1) * size });
+    }
+    profiles.push_back(BlockProfile::Make(ValueType::Float32, cubes));
+  }
+  return profiles;
 }
 
 /// A ball of smooth values in an empty surrounding, with noise: blocks differ very much.
@@ -88,7 +108,27 @@ struct Scene
       counter.Count(view);
       counter.MoveTo(spectrum);
       Spectra.push_back(spectrum);
+      Profiles.push_back(MakeProfile(view.Box));
     }
+  }
+
+  BlockProfile MakeProfile(const VertexBox& box) const
+  {
+    constexpr std::int64_t size = BlockProfile::CubeSize;
+    std::vector<ValueSpan> cubes;
+    for (std::int64_t cube = 0; cube < 4 * 4 * 4; ++cube)
+    {
+      ValueSpan span;
+      for (std::int64_t n = 0; n < size * size * size; ++n)
+      {
+        const double value = this->Volume.At(box.Low[0] + cube % 4 * size + n % size,
+          box.Low[1] + cube / 4 % 4 * size + n / size % size,
+          box.Low[2] + cube / 16 * size + n / (size * size));
+        span.Add({ value, value });
+      }
+      cubes.push_back(span);
+    }
+    return BlockProfile::Make(ValueType::UInt8, cubes);
   }
 
   /// The worst max/mean of triangles a store, over all isovalues with so many triangles a store.
@@ -120,6 +160,7 @@ struct Scene
   SpectrumBins Bins{ 0, 0, 256 };
   std::vector<KeyRange> Ranges;
   std::vector<WorkloadSpectrum> Spectra;
+  std::vector<BlockProfile> Profiles;
 };
 
 } // namespace
@@ -127,14 +168,15 @@ struct Scene
 TEST(BlockDistribution, GivesEveryBlockOneStore)
 {
   const std::vector<KeyRange> ranges = MakeRandomRanges(1000);
+  const std::vector<BlockProfile> profiles = MakeProfiles(ranges);
   for (const DistributionMethod method : Methods)
   {
     for (const std::uint32_t stores : { 1u, 2u, 7u, 96u, 1000u, 1024u })
     {
-      const auto result = DistributeBlocks(method, ValueType::Float32, ranges, stores, 1);
+      const auto result = DistributeBlocks(method, ValueType::Float32, ranges, stores, 1, profiles);
       EXPECT_EQ(result.size(), ranges.size());
       const auto counts = CountBlocks(result, stores);
-      if (method != DistributionMethod::Random)
+      if (method == DistributionMethod::Greedy || method == DistributionMethod::Slab)
       {
         EXPECT_LE(FindSpread(counts), 1u) << GetDistributionName(method) << ' ' << stores;
       }
@@ -222,6 +264,40 @@ TEST(BlockDistribution, GreedyAndRandomBalanceTrianglesAndSlabDoesNot)
     EXPECT_GT(slab, 1.5 * greedy);
     EXPECT_GT(slab, 1.2 * random);
   }
+}
+
+TEST(BlockDistribution, BalancedIsTheMostEvenOne)
+{
+  const Scene scene;
+  for (const std::uint32_t stores : { 4u, 16u })
+  {
+    const auto measure = [&](DistributionMethod method)
+    {
+      const auto result =
+        DistributeBlocks(method, ValueType::UInt8, scene.Ranges, stores, 1, scene.Profiles);
+      return scene.FindImbalance(result, stores, 20000);
+    };
+    const double balanced = measure(DistributionMethod::Balanced);
+    EXPECT_LT(balanced, stores == 4 ? 1.05 : 1.2);
+    EXPECT_LT(balanced, measure(DistributionMethod::Greedy));
+    EXPECT_LT(balanced, measure(DistributionMethod::Random));
+  }
+}
+
+TEST(BlockDistribution, BalancedGivesConstantBlocksToStoresOfFewBlocks)
+{
+  std::vector<BlockProfile> profiles(20);
+  profiles[3] = BlockProfile::Make(ValueType::UInt8, { { 0, 100 }, { 0, 50 } });
+  profiles[7] = profiles[3];
+  const std::vector<KeyRange> ranges(20);
+  const auto result =
+    DistributeBlocks(DistributionMethod::Balanced, ValueType::UInt8, ranges, 5, 0, profiles);
+  EXPECT_EQ(CountBlocks(result, 5), (std::vector<std::uint64_t>{ 4, 4, 4, 4, 4 }));
+  EXPECT_NE(result[3], result[7]);
+  EXPECT_EQ(CountBlocks(DistributeBlocks(DistributionMethod::Balanced, ValueType::UInt8, ranges, 5,
+                          0, std::vector<BlockProfile>(20)),
+              5),
+    (std::vector<std::uint64_t>{ 4, 4, 4, 4, 4 }));
 }
 
 TEST(BlockDistribution, NamesRoundTrip)

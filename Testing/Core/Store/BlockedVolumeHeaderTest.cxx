@@ -125,6 +125,21 @@ TEST(BlockedVolumeHeader, HasARangeOfEachComponentAndOfEachMagnitude)
   EXPECT_FALSE(variables.Find(4, 0).has_value());
 }
 
+TEST(BlockedVolumeHeader, TakesManyStores)
+{
+  // So many that looking at all of them after each one would be felt.
+  BlockedVolumeHeader header = MakeHeader();
+  header.NumberOfStores = 1u << 16;
+  header.TimeSteps.pop_back();
+  for (std::uint64_t store = 2; store < header.NumberOfStores; ++store)
+  {
+    header.TimeSteps[0].Stores.push_back({ 0, 0, store });
+  }
+  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
+  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
+  EXPECT_EQ(parsed->TimeSteps[0].Stores.back().Checksum, header.NumberOfStores - 1);
+}
+
 TEST(BlockedVolumeHeader, SaysHowBlocksAreCompressed)
 {
   BlockedVolumeHeader header = MakeHeader();
@@ -381,6 +396,8 @@ TEST(BlockedVolumeHeader, RefusesDamagedText)
     EXPECT_TRUE(!header.IsOk() || header->Format() == text) << position;
   }
   ExpectRefused(std::string(10000000, '['), "");
+  const std::string quotes = Change([](Json& d) { d["comment"] = std::string(40, '[') + "\\\"{"; });
+  EXPECT_TRUE(BlockedVolumeHeader::Parse(quotes, Path).IsOk()) << "brackets in a string";
   std::string deep = "{\"a\":";
   for (int depth = 0; depth < 100000; ++depth)
   {

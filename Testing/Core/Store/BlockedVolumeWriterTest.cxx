@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockedVolumeWriter.h"
 
+#include "Partition/BlockMeasure.h"
 #include "Partition/BlockWorkload.h"
 #include "VolumeOnDisk.h"
 
@@ -12,7 +13,7 @@ namespace
 {
 
 constexpr DistributionMethod Methods[] = { DistributionMethod::Greedy, DistributionMethod::Random,
-  DistributionMethod::Slab };
+  DistributionMethod::Slab, DistributionMethod::Balanced };
 
 std::size_t CountFolders(const MemoryDisk& disk)
 {
@@ -146,6 +147,19 @@ TEST(BlockedVolumeWriter, TellsTheSpectrumOfTheWholeVolumeAndOfEachStore)
   whole.MoveTo(expected);
   EXPECT_EQ((*total)->Triangles, expected.Triangles);
   EXPECT_EQ((*total)->ActiveCells, expected.ActiveCells);
+  BlockMeasure measure((*total)->Bins, MakeGeometry(volume.Size));
+  measure.Count(volume.GetView());
+  MeasureSums sums((*total)->Bins);
+  measure.MoveTo(sums);
+  sums.SetMeasures(expected);
+  for (std::size_t bin = 0; bin < expected.Area.size(); ++bin)
+  {
+    // Each store's numbers are rounded.
+    EXPECT_NEAR(
+      static_cast<double>((*total)->Area[bin]), static_cast<double>(expected.Area[bin]), 4);
+    EXPECT_NEAR(
+      static_cast<double>((*total)->Volume[bin]), static_cast<double>(expected.Volume[bin]), 4);
+  }
   WorkloadSpectrum sum((*total)->Bins);
   for (std::uint32_t store = 0; store < 4; ++store)
   {
@@ -153,9 +167,44 @@ TEST(BlockedVolumeWriter, TellsTheSpectrumOfTheWholeVolumeAndOfEachStore)
     ASSERT_TRUE(spectrum.IsOk());
     EXPECT_TRUE(sum.Add(**spectrum));
   }
-  EXPECT_EQ(sum.Triangles, expected.Triangles);
+  for (std::size_t quantity = 0; quantity < WorkloadSpectrum::NumberOfQuantities; ++quantity)
+  {
+    EXPECT_EQ(*sum.GetQuantities()[quantity], *(*total)->GetQuantities()[quantity]) << quantity;
+  }
+  EXPECT_EQ(sum.AreaUnit, (*total)->AreaUnit);
   EXPECT_FALSE(opened->GetStoreSpectrum(0, 0, 4).IsOk());
   EXPECT_FALSE(opened->GetSpectrum(1, 0).IsOk());
+}
+
+TEST(BlockedVolumeWriter, TellsTheBlocksAndBytesThatAQueryReads)
+{
+  for (const SegmentCodec codec : { SegmentCodec::None, SegmentCodec::Zstd })
+  {
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.Compression.Codec = codec;
+    MemoryDisk disk;
+    WriteVolumeOk(disk, MakeVolume<float>({ 60, 44, 37 }), settings, 2);
+    for (std::uint32_t store = 0; store < 3; ++store)
+    {
+      const auto spectrum = OpenVolume(disk)->GetStoreSpectrum(0, 0, store);
+      ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
+      for (std::size_t bin = 0; bin < (*spectrum)->Bins.Count; bin += 97)
+      {
+        // A rank of three reads one of three stores.
+        const auto opened = OpenVolume(disk);
+        QueryStatistics statistics;
+        const auto active = opened->FindActiveBlocks(
+          0, 0, { (*spectrum)->Bins.GetEdge(bin) }, static_cast<int>(store), 3, statistics);
+        ASSERT_TRUE(active.IsOk());
+        for (const BlockReference& block : *active)
+        {
+          ASSERT_TRUE(opened->ReadBlock(block, 0, 0, 0, statistics).IsOk());
+        }
+        EXPECT_EQ((*spectrum)->ActiveBlocks[bin], statistics.ActiveBlocks);
+        EXPECT_EQ((*spectrum)->Bytes[bin], statistics.BytesRead);
+      }
+    }
+  }
 }
 
 TEST(BlockedVolumeWriter, TakesAsManyStoresAsThereAreRanksByDefault)

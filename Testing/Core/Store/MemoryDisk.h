@@ -4,7 +4,9 @@
 
 #include "Base/FileSystem.h"
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -59,6 +61,27 @@ public:
     return sum;
   }
   std::uint64_t GetReads() const { return this->Reads; }
+
+  /// One call for bytes of a file.
+  struct Access
+  {
+    std::string Path;
+    std::uint64_t Begin;
+    std::uint64_t End;
+    bool IsPrefetch;
+  };
+  /// Reads and prefetches of files of one name, in the order of the calls.
+  std::vector<Access> GetAccesses(const std::string& nameEnd) const
+  {
+    std::vector<Access> found;
+    std::copy_if(this->Accesses.begin(), this->Accesses.end(), std::back_inserter(found),
+      [&](const Access& access)
+      {
+        return access.Path.size() >= nameEnd.size() &&
+          access.Path.compare(access.Path.size() - nameEnd.size(), nameEnd.size(), nameEnd) == 0;
+      });
+    return found;
+  }
 
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override
   {
@@ -175,6 +198,7 @@ private:
       const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
       ++this->Disk.Reads;
       this->Disk.BytesRead[this->Path] += size;
+      this->Disk.Accesses.push_back({ this->Path, offset, offset + size, false });
       if (offset > this->Content->size() || size > this->Content->size() - offset)
       {
         return Status(StatusCode::Corrupt, this->Path + ": truncated");
@@ -184,6 +208,11 @@ private:
         std::memcpy(bytes, this->Content->data() + offset, size);
       }
       return Status::Ok();
+    }
+    void Prefetch(std::uint64_t offset, std::uint64_t size) const override
+    {
+      const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
+      this->Disk.Accesses.push_back({ this->Path, offset, offset + size, true });
     }
     std::uint64_t GetSize() const override { return this->Content->size(); }
     const std::string& GetPath() const override { return this->Path; }
@@ -212,7 +241,10 @@ private:
       const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
       ISOSURFACE_RETURN_IF_ERROR(this->Disk.CountWrite(this->Path));
       this->Content->resize(std::max<std::size_t>(this->Content->size(), offset + size));
-      std::memcpy(this->Content->data() + offset, bytes, size);
+      if (size > 0)
+      {
+        std::memcpy(this->Content->data() + offset, bytes, size);
+      }
       return Status::Ok();
     }
     std::uint64_t GetSize() const override { return this->Content->size(); }
@@ -233,6 +265,7 @@ private:
   std::map<std::string, std::shared_ptr<Bytes>> Files;
   std::set<std::string> Folders{ "/data" };
   std::map<std::string, std::uint64_t> BytesRead;
+  std::vector<Access> Accesses;
   std::uint64_t Reads = 0;
   std::uint64_t Writes = 0;
   std::uint64_t FirstFailure = Never;

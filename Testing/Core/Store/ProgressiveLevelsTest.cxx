@@ -15,11 +15,18 @@ SampleVolume<std::uint8_t> MakeShells(const Index3& size)
     { return static_cast<std::uint8_t>((i * i + j * j + k * k) / 160 % 200); });
 }
 
+SurfaceQuery MakeQuery(const std::vector<double>& isovalues)
+{
+  SurfaceQuery query;
+  query.Isovalues = isovalues;
+  return query;
+}
+
 /// What a rank that is alone chooses; -1 and a failed test for an error.
 int ChooseAlone(BlockedVolume& volume, const std::vector<double>& isovalues, int finest)
 {
   SerialCommunicator alone;
-  const auto level = ChooseFirstLevel(volume, 0, 0, isovalues, finest, alone);
+  const auto level = ChooseFirstLevel(volume, MakeQuery(isovalues), finest, alone);
   EXPECT_TRUE(level.IsOk()) << level.GetStatus().GetMessage();
   return level.IsOk() ? *level : -1;
 }
@@ -117,12 +124,12 @@ TEST(ProgressiveLevels, AreEqualOnAllRanksAndSoAreErrors)
   ThreadCommunicator::Run(3,
     [&](Communicator& communicator)
     {
-      const auto level = ChooseFirstLevel(*sound, 0, 0, { 100 }, 0, communicator);
+      const auto level = ChooseFirstLevel(*sound, MakeQuery({ 100 }), 0, communicator);
       EXPECT_TRUE(level.IsOk());
       EXPECT_EQ(level.IsOk() ? *level : -1, expected);
       const bool isBroken = communicator.GetRank() == 1;
       const auto error =
-        ChooseFirstLevel(isBroken ? *broken : *sound, 0, 0, { 100 }, 0, communicator);
+        ChooseFirstLevel(isBroken ? *broken : *sound, MakeQuery({ 100 }), 0, communicator);
       EXPECT_EQ(
         error.GetStatus().GetCode(), isBroken ? StatusCode::Corrupt : StatusCode::RemoteFailure);
       EXPECT_NE(error.GetStatus().GetMessage().find("spectra"), std::string::npos);

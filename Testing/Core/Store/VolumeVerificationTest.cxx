@@ -104,10 +104,10 @@ TEST(VolumeVerification, ReportsEveryFaultWhateverTheNumberOfThreads)
   disk.GetFile(BlockStore::GetBlocksPath(stores + "store-00000"))[100] ^= 1;
   disk.GetFile(stores + "store-00001/array-1.tree")[5000] ^= 1;
   disk.GetFile(BlockStore::GetBlocksPath(stores + "store-00002"))[100] ^= 1;
-  disk.GetFile(stores + "spectra.json")[30] ^= 1;
+  disk.GetFile(stores + "spectra")[30] ^= 1;
   const auto messages = GetMessages(Verify(disk, 1));
   ASSERT_EQ(messages.size(), 4u);
-  EXPECT_NE(messages[0].find("spectra.json"), std::string::npos);
+  EXPECT_NE(messages[0].find("spectra"), std::string::npos);
   EXPECT_NE(messages[1].find("store-00000/blocks"), std::string::npos);
   EXPECT_NE(messages[2].find("store-00001/array-1.tree"), std::string::npos);
   EXPECT_NE(messages[3].find("store-00002/blocks"), std::string::npos);

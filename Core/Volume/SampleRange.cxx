@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Store/SampleRange.h"
+#include "Volume/SampleRange.h"
 
 #include <algorithm>
 #include <cmath>

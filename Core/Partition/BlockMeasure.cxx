@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Partition/BlockMeasure.h"
+
+#include "Partition/ProcessorClones.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The spectrum keeps so many bits less than the sums: what is rounded away is below a thousandth
+/// of a cell's face, and the numbers are short.
+constexpr int DroppedBits = 12;
+
+/// A cell's values are at least so wide, in bins, lest anything is divided by 0.
+constexpr float LeastWidth = 1e-6f;
+/// No cell has more area than this, in its largest face, but for the rounding of tiny widths.
+constexpr float LargestDensity = 8;
+
+constexpr float OverFortyEight = 1.0f / 48;
+
+/// A value in units of bins from the first edge, NaN and infinities as they are.
+template <typename T>
+class BinCoordinate
+{
+public:
+  explicit BinCoordinate(const SpectrumBins& bins)
+    : First(bins.First)
+    , Exponent(bins.Exponent)
+    // In two steps, since 2^-Exponent alone may be beyond the doubles.
+    , Scale{ std::ldexp(1.0, -(bins.Exponent / 2)),
+      std::ldexp(1.0, -(bins.Exponent - bins.Exponent / 2)) }
+    , SmallScale(static_cast<float>(std::ldexp(1.0, -std::clamp(bins.Exponent, -64, 64))))
+    , SmallFirst(static_cast<float>(bins.First))
+  {
+  }
+
+  float operator()(T value) const
+  {
+    if constexpr (sizeof(T) <= 2)
+    {
+      return static_cast<float>(value) * this->SmallScale - this->SmallFirst; // exact
+    }
+    else if constexpr (sizeof(T) == 8 && !std::is_floating_point_v<T>)
+    {
+      // Large numbers of small differences: these are exact modulo 2^64.
+      const std::uint64_t first = static_cast<std::uint64_t>(this->First) << this->Exponent;
+      return static_cast<float>(static_cast<double>(static_cast<std::uint64_t>(value) - first) *
+        this->Scale[0] * this->Scale[1]);
+    }
+    else
+    {
+      return static_cast<float>(static_cast<double>(value) * this->Scale[0] * this->Scale[1] -
+        static_cast<double>(this->First));
+    }
+  }
+
+private:
+  std::int64_t First;
+  int Exponent;
+  double Scale[2];
+  float SmallScale;
+  float SmallFirst;
+};
+
+/// What the kernel takes and gives, row by row.
+struct RowPointers
+{
+  const float* Values[4]; ///< rows of vertices: (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1)
+  std::int32_t* From;
+  std::int32_t* To;
+  std::int32_t* Area;
+  std::int32_t* First;
+  std::int32_t* Slope;
+};
+
+float Square(float value)
+{
+  return value * value;
+}
+
+/// The least and the greatest of two; NaN gives either.
+float Least(float a, float b)
+{
+  return a < b ? a : b;
+}
+float Greatest(float a, float b)
+{
+  return a > b ? a : b;
+}
+
+/**
+ * Measures a row of cells. From and To of a cell that has a corner that is not finite are 0.
+ *
+ * With u, v, w from -1/2 to 1/2, the trilinear interpolant of a cell is
+ *   mean + gx u + gy v + gz w + hxy uv + hxz uw + hyz vw + k uvw,
+ * its variance (gx^2 + gy^2 + gz^2) / 12 + (hxy^2 + hxz^2 + hyz^2) / 144 + k^2 / 1728, and the mean
+ * square of its derivative by u gx^2 + (hxy^2 + hxz^2) / 12 + k^2 / 144.
+ */
+ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t cells,
+  const MeasureWeights& weights, float bins, float one)
+{
+  const float *a = pointers.Values[0], *b = pointers.Values[1], *c = pointers.Values[2],
+              *d = pointers.Values[3];
+  std::int32_t *from = pointers.From, *to = pointers.To, *area = pointers.Area,
+               *first = pointers.First, *slope = pointers.Slope;
+  const MeasureWeights weight = weights;
+#pragma GCC ivdep
+  for (std::int64_t i = 0; i < cells; ++i)
+  {
+    const float a0 = a[i], a1 = a[i + 1], b0 = b[i], b1 = b[i + 1];
+    const float c0 = c[i], c1 = c[i + 1], d0 = d[i], d1 = d[i + 1];
+    const float sum0 = (a0 + b0) + (c0 + d0), sum1 = (a1 + b1) + (c1 + d1);
+    const float y0 = (b0 - a0) + (d0 - c0), y1 = (b1 - a1) + (d1 - c1);
+    const float z0 = (c0 - a0) + (d0 - b0), z1 = (c1 - a1) + (d1 - b1);
+    const float yz0 = (d0 - c0) - (b0 - a0), yz1 = (d1 - c1) - (b1 - a1);
+    const float mean = (sum0 + sum1) / 8;
+    const float gx = Square(sum1 - sum0) / 16;
+    const float gy = Square(y0 + y1) / 16;
+    const float gz = Square(z0 + z1) / 16;
+    const float hxy = Square(y1 - y0) * OverFortyEight; // a twelfth of the square, as below
+    const float hxz = Square(z1 - z0) * OverFortyEight;
+    const float hyz = Square(yz0 + yz1) * OverFortyEight;
+    const float k = Square(yz1 - yz0) * (OverFortyEight / 3);
+    const float variance = gx + gy + gz + hxy + hxz + hyz + k; // times 12
+    const float gradient = weight.X * gx + weight.Y * gy + weight.Z * gz + weight.XY * hxy +
+      weight.XZ * hxz + weight.YZ * hyz + weight.XYZ * k;
+
+    const float low =
+      Least(Least(Least(a0, a1), Least(b0, b1)), Least(Least(c0, c1), Least(d0, d1)));
+    const float high = Greatest(
+      Greatest(Greatest(a0, a1), Greatest(b0, b1)), Greatest(Greatest(c0, c1), Greatest(d0, d1)));
+    const bool isFinite = variance <= std::numeric_limits<float>::max(); // neither is NaN
+    const float middle = isFinite ? mean : 0;
+    const float widest = isFinite ? Least(middle - low, high - middle) : 0;
+    const float radius = Least(std::sqrt(isFinite ? variance : 0) / 2, widest);
+    const float begin = Least(Greatest(middle - radius, 0), bins);
+    const float end = Least(Greatest(middle + radius, 0), bins);
+    const float steepness = 1 / Greatest(end - begin, LeastWidth);
+    const std::int32_t beginBin = static_cast<std::int32_t>(begin) + 1;
+    const std::int32_t endBin = static_cast<std::int32_t>(end) + 1;
+    const float rest = (end - static_cast<float>(beginBin)) * steepness;
+    const float density = std::sqrt(isFinite ? gradient : 0) * steepness;
+    from[i] = isFinite ? beginBin : 0;
+    to[i] = isFinite ? endBin : 0;
+    area[i] = static_cast<std::int32_t>(Least(density, LargestDensity) * one + 0.5f);
+    first[i] = static_cast<std::int32_t>(Least(Greatest(rest, 0), 1) * one + 0.5f);
+    // Steeper ones end before the next bin.
+    slope[i] = static_cast<std::int32_t>(Least(steepness, 1) * one + 0.5f);
+  }
+}
+
+std::array<double, 3> GetAbsoluteSpacing(const GridGeometry& grid)
+{
+  return { std::abs(grid.Spacing[0]), std::abs(grid.Spacing[1]), std::abs(grid.Spacing[2]) };
+}
+
+/// The areas of a cell's faces, by the axis that they are normal to.
+std::array<double, 3> GetFaces(const GridGeometry& grid)
+{
+  const std::array<double, 3> h = GetAbsoluteSpacing(grid);
+  return { h[1] * h[2], h[2] * h[0], h[0] * h[1] };
+}
+
+} // namespace
+
+void MeasureSums::Reduce(Communicator& ranks)
+{
+  std::vector<std::uint64_t> values;
+  for (const Change& change : this->Changes)
+  {
+    values.insert(values.end(), { change.Area, change.Constant, change.Slope });
+  }
+  ranks.ReduceSum(values);
+  for (std::size_t bin = 0; bin < this->Changes.size(); ++bin)
+  {
+    this->Changes[bin] = { values[3 * bin], values[3 * bin + 1], values[3 * bin + 2] };
+  }
+}
+
+void MeasureSums::SetMeasures(WorkloadSpectrum& spectrum) const
+{
+  const auto round = [](std::uint64_t sum)
+  {
+    // The rounding of slopes may leave a little less than nothing.
+    const auto whole = std::max<std::int64_t>(0, static_cast<std::int64_t>(sum));
+    return (static_cast<std::uint64_t>(whole) + (1u << (DroppedBits - 1))) >> DroppedBits;
+  };
+  Change sum;
+  for (std::size_t bin = 0; bin < spectrum.Bins.Count; ++bin)
+  {
+    sum.Area += this->Changes[bin].Area;
+    sum.Constant += this->Changes[bin].Constant;
+    sum.Slope += this->Changes[bin].Slope;
+    spectrum.Area[bin] = round(sum.Area);
+    spectrum.Volume[bin] = round(sum.Constant - sum.Slope * bin);
+  }
+}
+
+double BlockMeasure::GetAreaUnit(const GridGeometry& grid)
+{
+  const std::array<double, 3> faces = GetFaces(grid);
+  return std::ldexp(
+    *std::max_element(faces.begin(), faces.end()), DroppedBits - MeasureSums::FractionBits);
+}
+
+double BlockMeasure::GetVolumeUnit(const GridGeometry& grid)
+{
+  const std::array<double, 3> h = GetAbsoluteSpacing(grid);
+  return std::ldexp(h[0] * h[1] * h[2], DroppedBits - MeasureSums::FractionBits);
+}
+
+BlockMeasure::BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid)
+  : Bins(bins)
+  , RowsOfCells(grid.GetDimensions()[1] - 1)
+  , Sums(bins)
+  , LowestBin(bins.Count)
+  , HighestBin(0)
+{
+  // |gradient| * volume is the norm of the differences along the axes times the faces normal to
+  // these, for each mode of the interpolant.
+  const std::array<double, 3> faces = GetFaces(grid);
+  const double largest = *std::max_element(faces.begin(), faces.end());
+  std::array<float, 3> squares;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double face = largest > 0 ? faces[axis] / largest : 0;
+    squares[axis] = static_cast<float>(face * face);
+  }
+  this->Weights = { squares[0], squares[1], squares[2], squares[0] + squares[1],
+    squares[0] + squares[2], squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
+}
+
+template <typename T>
+void BlockMeasure::LoadSlice(
+  const SampleView& samples, std::int64_t k, std::vector<float>& slice) const
+{
+  const BinCoordinate<T> coordinate(this->Bins);
+  const Index3 size = samples.Box.GetSize();
+  const std::ptrdiff_t stride = samples.Stride[0];
+  slice.resize(static_cast<std::size_t>(size[0] * size[1]));
+  float* to = slice.data();
+  for (std::int64_t j = 0; j < size[1]; ++j, to += size[0])
+  {
+    const T* from = samples.At<T>({ samples.Box.Low[0], samples.Box.Low[1] + j, k });
+    for (std::int64_t i = 0; i < size[0]; ++i)
+    {
+      to[i] = coordinate(from[i * stride]);
+    }
+  }
+}
+
+/// For how many rows of cells this one stands: 0, 1, 2. The last of an odd number of rows stands
+/// for itself.
+std::int64_t BlockMeasure::GetRowWeight(std::int64_t j, std::int64_t k) const
+{
+  if (j == this->RowsOfCells - 1 && this->RowsOfCells % 2 == 1)
+  {
+    return 1;
+  }
+  return (j + k) % 2 == 0 ? 2 : 0;
+}
+
+void BlockMeasure::Count(const SampleView& samples)
+{
+  const Index3 size = samples.Box.GetSize();
+  if (this->Bins.Count == 0 || size[0] < 2 || size[1] < 2 || size[2] < 2)
+  {
+    return;
+  }
+  const auto load = [&](std::int64_t k, std::vector<float>& slice)
+  {
+    DispatchValueType(
+      samples.Type, [&](auto zero) { this->LoadSlice<decltype(zero)>(samples, k, slice); });
+  };
+  load(samples.Box.Low[2], this->Slices[0]);
+  for (std::int64_t k = samples.Box.Low[2]; k + 1 < samples.Box.High[2]; ++k)
+  {
+    load(k + 1, this->Slices[1]);
+    for (std::int64_t j = 0; j + 1 < size[1]; ++j)
+    {
+      const std::int64_t weight = this->GetRowWeight(samples.Box.Low[1] + j, k);
+      if (weight > 0)
+      {
+        const float* low = this->Slices[0].data() + j * size[0];
+        const float* high = this->Slices[1].data() + j * size[0];
+        this->CountRow({ low, low + size[0], high, high + size[0] }, size[0] - 1, weight);
+      }
+    }
+    std::swap(this->Slices[0], this->Slices[1]);
+  }
+}
+
+void BlockMeasure::CountRow(
+  const std::array<const float*, 4>& rows, std::int64_t cells, std::int64_t weight)
+{
+  const std::uint64_t one = static_cast<std::uint64_t>(weight) << MeasureSums::FractionBits;
+  CellRun run;
+  for (std::int64_t begin = 0; begin < cells; begin += CellsAtOnce)
+  {
+    const std::int64_t count = std::min(CellsAtOnce, cells - begin);
+    const RowPointers pointers = { { rows[0] + begin, rows[1] + begin, rows[2] + begin,
+                                     rows[3] + begin },
+      run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
+    MeasureCells(pointers, count, this->Weights, static_cast<float>(this->Bins.Count),
+      static_cast<float>(one));
+    this->AddRun(run, count, one);
+  }
+}
+
+void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one)
+{
+  MeasureSums::Change* changes = this->Sums.Changes.data();
+  std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
+  std::int32_t highest = 0;
+  std::uint64_t whole = 0;
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)
+  {
+    const std::int32_t from = std::min<std::int32_t>(run.From[cell], this->Bins.Count);
+    const std::int32_t to = std::min<std::int32_t>(run.To[cell], this->Bins.Count);
+    if (to == 0)
+    {
+      continue;
+    }
+    whole += one;
+    lowest = std::min(lowest, from);
+    highest = std::max(highest, to);
+    if (from == to)
+    {
+      changes[from].Constant -= one;
+      continue;
+    }
+    const auto area = static_cast<std::uint64_t>(run.Area[cell]);
+    const auto slope = static_cast<std::uint64_t>(run.Slope[cell]);
+    const std::uint64_t constant =
+      static_cast<std::uint64_t>(run.First[cell]) + slope * static_cast<std::uint64_t>(from);
+    changes[from].Area += area;
+    changes[from].Constant += constant - one;
+    changes[from].Slope += slope;
+    changes[to].Area -= area;
+    changes[to].Constant -= constant;
+    changes[to].Slope -= slope;
+  }
+  changes[0].Constant += whole;
+  this->LowestBin = std::min(this->LowestBin, static_cast<std::size_t>(lowest));
+  this->HighestBin = std::max(this->HighestBin, static_cast<std::size_t>(highest));
+}
+
+void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& box)
+{
+  const Index3 size = box.GetSize();
+  if (this->Bins.Count == 0 || size[0] < 2 || size[1] < 2 || size[2] < 2)
+  {
+    return;
+  }
+  const float coordinate = DispatchValueType(type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      return BinCoordinate<T>(this->Bins)(MakeValueOfKey<T>(key));
+    });
+  if (!std::isfinite(coordinate))
+  {
+    return;
+  }
+  const auto count = static_cast<float>(this->Bins.Count);
+  const auto last = static_cast<std::size_t>(std::clamp(coordinate, 0.0f, count));
+  const std::size_t bin = std::min<std::size_t>(last + 1, this->Bins.Count);
+  const auto cells = static_cast<std::uint64_t>((size[0] - 1) * (size[1] - 1) * (size[2] - 1));
+  this->Sums.Changes[0].Constant += cells << MeasureSums::FractionBits;
+  this->Sums.Changes[bin].Constant -= cells << MeasureSums::FractionBits;
+  this->LowestBin = std::min(this->LowestBin, bin);
+  this->HighestBin = std::max(this->HighestBin, bin);
+}
+
+void BlockMeasure::MoveTo(MeasureSums& sums)
+{
+  const auto move = [&](std::size_t bin)
+  {
+    MeasureSums::Change& mine = this->Sums.Changes[bin];
+    sums.Changes[bin].Area += mine.Area;
+    sums.Changes[bin].Constant += mine.Constant;
+    sums.Changes[bin].Slope += mine.Slope;
+    mine = {};
+  };
+  move(0);
+  for (std::size_t bin = std::max<std::size_t>(1, this->LowestBin); bin <= this->HighestBin; ++bin)
+  {
+    move(bin);
+  }
+  this->LowestBin = this->Bins.Count;
+  this->HighestBin = 0;
+}
+
+} // namespace isosurface

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Partition/GridSpectrum.h"
+
+#include "Base/ParallelFor.h"
+#include "Partition/BlockActivity.h"
+#include "Partition/BlockMeasure.h"
+#include "Partition/BlockWorkload.h"
+#include "Volume/SampleRange.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+Status MakeAborted()
+{
+  return Status(StatusCode::Aborted, "the spectrum was stopped on request");
+}
+
+/// Joins the ranges of all ranks.
+void ReduceRanges(Communicator& ranks, std::vector<KeyRange>& ranges)
+{
+  std::vector<std::uint64_t> least;
+  std::vector<std::uint64_t> greatest;
+  for (const KeyRange& range : ranges)
+  {
+    least.push_back(range.Minimum);
+    greatest.push_back(range.Maximum);
+  }
+  ranks.ReduceMinimum(least);
+  ranks.ReduceMaximum(greatest);
+  for (std::size_t index = 0; index < ranges.size(); ++index)
+  {
+    ranges[index] = { least[index], greatest[index] };
+  }
+}
+
+void Join(KeyRange& range, const KeyRange& other)
+{
+  range.Minimum = std::min(range.Minimum, other.Minimum);
+  range.Maximum = std::max(range.Maximum, other.Maximum);
+}
+
+} // namespace
+
+/// What a thread has counted.
+struct GridSpectrum::Counted
+{
+  BlockWorkload Workload;
+  BlockMeasure Measure;
+  WorkloadSpectrum Spectrum;
+  MeasureSums Sums;
+};
+
+GridSpectrum::GridSpectrum(
+  const GridGeometry& grid, ValueType type, std::vector<SampleView> pieces, int threads)
+  : Grid(grid)
+  , Type(type)
+  , Blocks(grid.GetDimensions(), BlockSize)
+  , Pieces(std::move(pieces))
+  , Threads(std::max(1, threads))
+  , Ranges(static_cast<std::size_t>(this->Blocks.GetNumberOfBlocks()))
+{
+  const Index3& last = this->Blocks.GetNumberOfBlocksPerAxis();
+  for (std::size_t piece = 0; piece < this->Pieces.size(); ++piece)
+  {
+    const VertexBox& box = this->Pieces[piece].Box;
+    if (box.IsEmpty())
+    {
+      continue;
+    }
+    Index3 low;
+    Index3 high;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      // A vertex on a face is in both blocks.
+      low[axis] = std::max<std::int64_t>(0, (box.Low[axis] - 1) / BlockSize);
+      high[axis] = std::min(last[axis], (box.High[axis] - 1) / BlockSize + 1);
+    }
+    for (std::int64_t k = low[2]; k < high[2]; ++k)
+    {
+      for (std::int64_t j = low[1]; j < high[1]; ++j)
+      {
+        for (std::int64_t i = low[0]; i < high[0]; ++i)
+        {
+          const std::int64_t block = this->Blocks.GetBlockIndex({ i, j, k });
+          const VertexBox part = this->Blocks.GetVertices(block).Intersect(box);
+          if (!part.IsEmpty())
+          {
+            this->Parts.push_back({ piece, block, part });
+          }
+        }
+      }
+    }
+  }
+}
+
+Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
+{
+  std::vector<SampleRange> found(this->Parts.size());
+  const bool isDone = ParallelFor(
+    this->Parts.size(), this->Threads,
+    [&](std::size_t index, int)
+    {
+      const Part& part = this->Parts[index];
+      found[index] = FindSampleRange(this->Pieces[part.Piece], part.Box);
+    },
+    progress);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isDone ? Status::Ok() : MakeAborted()));
+  std::vector<KeyRange> finite(1);
+  for (std::size_t index = 0; index < found.size(); ++index)
+  {
+    Join(this->Ranges[static_cast<std::size_t>(this->Parts[index].Block)], found[index].All);
+    Join(finite[0], found[index].Finite);
+  }
+  ReduceRanges(ranks, this->Ranges);
+  ReduceRanges(ranks, finite);
+  this->FiniteRange = finite[0];
+  return Status::Ok();
+}
+
+GridSpectrum::Counted GridSpectrum::MakeCounted(const SpectrumBins& bins) const
+{
+  return { BlockWorkload(bins), BlockMeasure(bins, this->Grid), WorkloadSpectrum(bins),
+    MeasureSums(bins) };
+}
+
+void GridSpectrum::CountPart(const Part& part, Counted& counted) const
+{
+  const KeyRange& range = this->Ranges[static_cast<std::size_t>(part.Block)];
+  if (range.Minimum == range.Maximum)
+  {
+    counted.Measure.CountUniform(this->Type, range.Minimum, part.Box);
+    return;
+  }
+  SampleView view = this->Pieces[part.Piece];
+  view.Box = part.Box;
+  counted.Workload.Count(view);
+  counted.Measure.Count(view);
+}
+
+Result<WorkloadSpectrum> GridSpectrum::Count(
+  Communicator& ranks, const SpectrumBins& bins, const Progress& progress) const
+{
+  std::vector<Counted> counted;
+  for (int thread = 0; thread < this->Threads; ++thread)
+  {
+    counted.push_back(this->MakeCounted(bins));
+  }
+  const bool isDone = ParallelFor(
+    this->Parts.size(), this->Threads,
+    [&](std::size_t index, int thread)
+    { this->CountPart(this->Parts[index], counted[static_cast<std::size_t>(thread)]); },
+    progress);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isDone ? Status::Ok() : MakeAborted()));
+
+  Counted& sum = counted.front();
+  for (Counted& ofThread : counted)
+  {
+    ofThread.Workload.MoveTo(sum.Spectrum);
+    ofThread.Measure.MoveTo(sum.Sums);
+  }
+  ranks.ReduceSum(sum.Spectrum.Triangles);
+  ranks.ReduceSum(sum.Spectrum.ActiveCells);
+  sum.Sums.Reduce(ranks);
+  sum.Sums.SetMeasures(sum.Spectrum);
+  BlockActivity activity(this->Type, bins);
+  for (std::size_t block = 0; block < this->Ranges.size(); ++block)
+  {
+    const VertexBox box = this->Blocks.GetVertices(static_cast<std::int64_t>(block));
+    activity.Add(this->Ranges[block],
+      static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type));
+  }
+  activity.SetActivity(sum.Spectrum);
+  sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid);
+  sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid);
+  return std::move(sum.Spectrum);
+}
+
+} // namespace isosurface

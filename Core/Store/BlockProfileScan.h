@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockProfileScan_h
+#define isosurface_BlockProfileScan_h
+
+#include "Base/Communicator.h"
+#include "Partition/BlockProfile.h"
+#include "Volume/BlockGrid.h"
+#include "Volume/SampleView.h"
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The profile of every block in one array, on all ranks, from a look at each vertex in boxes of any
+ * shape and order. Infinities count as the type's largest numbers, NaN not at all.
+ *
+ * The cubes of a block begin at multiples of BlockProfile::CubeSize and have vertices of their own:
+ * none on the faces that the block shares with the next ones. So each vertex is in one cube, and
+ * the profiles are the same however the volume is cut. A cube that boxes cut waits, as a span of
+ * values, until its last vertex has been seen; those that ranks cut are put together by Reduce().
+ *
+ * Cost: about that of finding the blocks' ranges; memory: GetBytes().
+ */
+class BlockProfileScan
+{
+public:
+  BlockProfileScan(const BlockGrid& grid, ValueType type, int threads);
+
+  /// Adds the samples of a box; no vertex may be added twice, on any rank.
+  void Add(const SampleView& samples, const VertexBox& box);
+
+  /// Collective: joins what the ranks have seen.
+  void Reduce(Communicator& communicator);
+
+  /// Per block; complete after Reduce().
+  const std::vector<BlockProfile>& GetProfiles() const { return this->Profiles; }
+
+  /// The vertices of a block's cubes: those of the block without its far faces, which the next
+  /// blocks have.
+  VertexBox GetOwnVertices(std::int64_t block) const;
+
+  /// The memory of all that, messages and the distribution that follows included.
+  static std::uint64_t GetBytes(const BlockGrid& grid);
+
+private:
+  /// What has been seen of a cube.
+  struct Part
+  {
+    std::uint64_t Cube = 0;
+    std::int64_t Vertices = 0;
+    ValueSpan Span;
+  };
+  struct ThreadState
+  {
+    std::vector<ValueSpan> Cubes; ///< of one block
+    std::vector<Part> Parts;
+  };
+
+  VertexBox GetCube(std::uint64_t cube) const;
+  template <typename T>
+  void AddBlock(
+    const SampleView& samples, std::int64_t block, const VertexBox& part, ThreadState& state);
+  template <typename T>
+  void AddCubeRow(const SampleView& samples, const VertexBox& row, ThreadState& state) const;
+  void AddSpan(const VertexBox& part, const ValueSpan& span, ThreadState& state) const;
+  void AddPart(const Part& part);
+  Message Pack() const;
+  void Unpack(const Message& message);
+
+  BlockGrid Grid;
+  ValueType Type;
+  int Threads;
+  Index3 CubesPerAxis;
+  std::vector<BlockProfile> Profiles;
+  std::unordered_map<std::uint64_t, Part> Open; ///< cubes that were seen in part, by number
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SpectraFile_h
+#define isosurface_SpectraFile_h
+
+#include "Base/FileSystem.h"
+#include "Base/Status.h"
+#include "Partition/WorkloadSpectrum.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The file `spectra` of a time step: the spectra of the whole volume and of each store, which can
+ * be read one by one. Little-endian, nothing aligned:
+ *
+ *     +------+--------------------------------------+    section s (from end s - 1 to end s)
+ *     |    0 | "ISOSPECT"                 (8 bytes) |    +---+------------------------------+
+ *     |    8 | format version 1            (uint32) |    | 0 | checksum of the rest,        |
+ *     |   12 | number of variables A       (uint32) |    |   | seeded by s         (uint64) |
+ *     |   16 | number of stores D          (uint64) |    | 8 | triangles                    |
+ *     |   24 | per variable: first edge     (int64) |    |   | active cells                 |
+ *     |      |   exponent                   (int32) |    |   | active blocks                |
+ *     |      |   number of bins n          (uint32) |    |   | bytes                        |
+ *     |      |   unit of area             (float64) |    |   | area, in units               |
+ *     |      |   unit of volume           (float64) |    |   | volume, in units             |
+ *     | 24 + | per section: its end in              |    +---+------------------------------+
+ *     | 32 A |   the file, A (D + 1) times (uint64) |    n counts each, as PackedCounts.h has
+ *     |      | checksum of all above       (uint64) |    them
+ *     |      | the sections                         |
+ *     +------+--------------------------------------+
+ *
+ * Section A (d + 1) + a is that of variable a in store d, section a that of variable a as a whole.
+ */
+class SpectraFile
+{
+public:
+  using Section = std::vector<std::uint8_t>;
+
+  /// The counts of a spectrum, as they stand in a section behind its checksum.
+  static Section Pack(const WorkloadSpectrum& spectrum);
+
+  /// Writes the file: totals[variable], stores[variable + A * store].
+  static Status Write(FileSystem& files, const std::string& path,
+    const std::vector<WorkloadSpectrum>& totals, const std::vector<Section>& stores);
+
+  /// Reads all but the sections. A file for other numbers of variables or stores is Corrupt; a
+  /// newer version is Unsupported.
+  static Result<std::unique_ptr<SpectraFile>> Open(
+    FileSystem& files, const std::string& path, std::size_t variables, std::size_t stores);
+
+  /// Each by one read. The path must still lead to the same file.
+  Result<WorkloadSpectrum> ReadTotal(std::size_t variable) const
+  {
+    return this->Read(variable, variable);
+  }
+  Result<WorkloadSpectrum> ReadStore(std::size_t variable, std::size_t store) const
+  {
+    return this->Read(variable, (store + 1) * this->Empty.size() + variable);
+  }
+
+private:
+  SpectraFile(FileSystem& files, std::string path)
+    : Files(files)
+    , Path(std::move(path))
+  {
+  }
+  Status ParseHeader(const std::vector<std::uint8_t>& header, std::uint64_t fileSize);
+  Status Fail(StatusCode code, const std::string& reason) const
+  {
+    return Status(code, this->Path + ": " + reason);
+  }
+  Result<WorkloadSpectrum> Read(std::size_t variable, std::size_t section) const;
+
+  FileSystem& Files;
+  std::string Path;
+  std::vector<WorkloadSpectrum> Empty; ///< per variable: bins and units
+  std::vector<std::uint64_t> Ends;     ///< of the header and of each section
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/SpectraFile.h"
+
+#include "Base/ByteOrder.h"
+#include "Base/Checksum.h"
+#include "Store/JsonDocument.h"
+#include "Store/PackedCounts.h"
+#include "VolumeOnDisk.h"
+
+#include <limits>
+
+using namespace isosurface;
+
+namespace
+{
+
+const std::string Path = "/data/spectra";
+
+/// Counts of every kind: flat, falling, alternating between the ends of the range.
+WorkloadSpectrum MakeSpectrum(std::int64_t first, std::uint32_t count, std::uint64_t seed)
+{
+  WorkloadSpectrum spectrum(SpectrumBins{ first, -3, count });
+  spectrum.AreaUnit = 0.1 / 3;
+  spectrum.VolumeUnit = 1e-300;
+  std::mt19937_64 random(seed);
+  for (std::size_t bin = 0; bin < count; ++bin)
+  {
+    spectrum.Triangles[bin] = random();
+    spectrum.ActiveCells[bin] = bin / 7;
+    spectrum.ActiveBlocks[bin] = 0;
+    spectrum.Bytes[bin] = bin % 2 == 0 ? 0 : std::numeric_limits<std::uint64_t>::max();
+    spectrum.Area[bin] = 1000000 - bin * bin;
+    spectrum.Volume[bin] = random() % 3;
+  }
+  return spectrum;
+}
+
+void ExpectEqual(const Result<WorkloadSpectrum>& read, const WorkloadSpectrum& written)
+{
+  ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
+  EXPECT_EQ(read->Bins, written.Bins);
+  EXPECT_EQ(read->AreaUnit, written.AreaUnit);
+  EXPECT_EQ(read->VolumeUnit, written.VolumeUnit);
+  for (std::size_t quantity = 0; quantity < WorkloadSpectrum::NumberOfQuantities; ++quantity)
+  {
+    EXPECT_EQ(*read->GetQuantities()[quantity], *written.GetQuantities()[quantity]) << quantity;
+  }
+}
+
+/// Two arrays, three stores.
+class SpectraFileOnDisk : public ::testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    std::vector<SpectraFile::Section> sections;
+    for (std::uint64_t index = 0; index < 8; ++index)
+    {
+      const bool isFirst = index % 2 == 0;
+      this->Spectra.push_back(MakeSpectrum(isFirst ? -900 : 5, isFirst ? 2048 : 17, index));
+      if (index >= 2)
+      {
+        sections.push_back(SpectraFile::Pack(this->Spectra.back()));
+      }
+    }
+    const Status status =
+      SpectraFile::Write(this->Disk, Path, { this->Spectra[0], this->Spectra[1] }, sections);
+    ASSERT_TRUE(status.IsOk()) << status.GetMessage();
+  }
+
+  /// The first error of opening the file and reading all of it.
+  Status ReadAll()
+  {
+    const auto file = SpectraFile::Open(this->Disk, Path, 2, 3);
+    if (!file.IsOk())
+    {
+      return file.GetStatus();
+    }
+    for (std::size_t array = 0; array < 2; ++array)
+    {
+      ISOSURFACE_RETURN_IF_ERROR((*file)->ReadTotal(array).GetStatus());
+      for (std::size_t store = 0; store < 3; ++store)
+      {
+        ISOSURFACE_RETURN_IF_ERROR((*file)->ReadStore(array, store).GetStatus());
+      }
+    }
+    return Status::Ok();
+  }
+
+  MemoryDisk Disk;
+  std::vector<WorkloadSpectrum> Spectra;
+};
+
+} // namespace
+
+TEST(PackedCounts, ComeBackAsTheyWere)
+{
+  for (const std::vector<std::uint64_t>& counts :
+    { std::vector<std::uint64_t>{}, { 0 }, { 1 }, { 0, 0, 0 }, { 5, 5, 5, 6, 6 },
+      { std::uint64_t{ 1 } << 63, 0, ~std::uint64_t{ 0 }, 0, 1, 1 } })
+  {
+    std::vector<std::uint8_t> bytes = { 99 };
+    AppendPackedCounts(counts, bytes);
+    std::vector<std::uint64_t> read(counts.size(), 7);
+    std::size_t position = 1;
+    ASSERT_TRUE(TakePackedCounts(bytes.data(), bytes.size(), position, read));
+    EXPECT_EQ(read, counts);
+    EXPECT_EQ(position, bytes.size());
+    for (std::size_t size = 1; size < bytes.size(); ++size)
+    {
+      position = 1;
+      EXPECT_FALSE(TakePackedCounts(bytes.data(), size, position, read));
+    }
+  }
+}
+
+TEST(PackedCounts, RefuseNumbersThatDoNotFit)
+{
+  std::vector<std::uint64_t> read(2);
+  std::size_t position = 0;
+  std::vector<std::uint8_t> bytes(10, 255); // 70 bits
+  EXPECT_FALSE(TakePackedCounts(bytes.data(), bytes.size(), position, read));
+  bytes = { 0, 2 }; // three equal counts where there are two
+  position = 0;
+  EXPECT_FALSE(TakePackedCounts(bytes.data(), bytes.size(), position, read));
+}
+
+TEST_F(SpectraFileOnDisk, HasTheSpectraThatWereWritten)
+{
+  const auto file = SpectraFile::Open(this->Disk, Path, 2, 3);
+  ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
+  for (std::size_t array = 0; array < 2; ++array)
+  {
+    ExpectEqual((*file)->ReadTotal(array), this->Spectra[array]);
+    for (std::size_t store = 0; store < 3; ++store)
+    {
+      ExpectEqual((*file)->ReadStore(array, store), this->Spectra[2 + 2 * store + array]);
+    }
+  }
+}
+
+TEST_F(SpectraFileOnDisk, IsCorruptIfAnyBitIsFlipped)
+{
+  MemoryDisk::Bytes& bytes = this->Disk.GetFile(Path);
+  for (std::size_t position = 0; position < bytes.size(); position += position < 200 ? 1 : 97)
+  {
+    bytes[position] ^= 1 << (position % 8);
+    const Status status = this->ReadAll();
+    EXPECT_TRUE(status.GetCode() == StatusCode::Corrupt ||
+      (status.GetCode() == StatusCode::Unsupported && position >= 8 && position < 12))
+      << position << status.GetMessage();
+    EXPECT_EQ(status.GetMessage().find(Path + ": "), 0u) << status.GetMessage();
+    bytes[position] ^= 1 << (position % 8);
+  }
+  EXPECT_TRUE(this->ReadAll().IsOk());
+}
+
+TEST_F(SpectraFileOnDisk, IsCorruptIfItIsTruncatedOrLonger)
+{
+  MemoryDisk::Bytes& bytes = this->Disk.GetFile(Path);
+  const MemoryDisk::Bytes intact = bytes;
+  for (std::size_t size = 0; size < intact.size(); size += size < 200 ? 1 : 997)
+  {
+    bytes.assign(intact.begin(), intact.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(this->ReadAll().GetCode(), StatusCode::Corrupt) << size;
+  }
+  bytes = intact;
+  bytes.push_back(0);
+  EXPECT_EQ(this->ReadAll().GetCode(), StatusCode::Corrupt);
+}
+
+TEST_F(SpectraFileOnDisk, OfANewerVersionIsNotRead)
+{
+  StoreLittleEndian<std::uint32_t>(this->Disk.GetFile(Path).data() + 8, 2);
+  const Status status = this->ReadAll();
+  EXPECT_EQ(status.GetCode(), StatusCode::Unsupported);
+  EXPECT_NE(status.GetMessage().find("newer version"), std::string::npos);
+}
+
+TEST_F(SpectraFileOnDisk, MustFitTheHeader)
+{
+  for (const auto& [arrays, stores] :
+    { std::pair<std::size_t, std::size_t>{ 1, 3 }, { 2, 2 }, { 3, 2 }, { 2, 1 << 20 } })
+  {
+    const auto file = SpectraFile::Open(this->Disk, Path, arrays, stores);
+    EXPECT_EQ(file.GetStatus().GetCode(), StatusCode::Corrupt) << arrays << ' ' << stores;
+  }
+  EXPECT_EQ(
+    SpectraFile::Open(this->Disk, "/data/none", 2, 3).GetStatus().GetCode(), StatusCode::NotFound);
+}
+
+TEST(VolumeSpectra, OfOlderVolumesTellTrianglesAndCells)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 33, 20 }), MakeSettings(16, 2));
+  const auto now = OpenVolume(disk);
+  const auto total = now->GetSpectrum(0, 0);
+  ASSERT_TRUE(total.IsOk());
+  // What such a volume has instead of the file.
+  Json array = { { "first", (*total)->Bins.First }, { "exponent", (*total)->Bins.Exponent },
+    { "count", (*total)->Bins.Count }, { "stores", Json::array() } };
+  for (std::uint32_t store = 0; store < 2; ++store)
+  {
+    const auto spectrum = now->GetStoreSpectrum(0, 0, store);
+    ASSERT_TRUE(spectrum.IsOk());
+    array["stores"].push_back(
+      { { "triangles", (*spectrum)->Triangles }, { "activeCells", (*spectrum)->ActiveCells } });
+  }
+  const auto second = now->GetStoreSpectrum(0, 0, 1);
+  const std::string text = FormatDocument({ { "format", "ScalableIsosurface spectra" },
+    { "formatVersion", 1 }, { "arrays", Json::array({ array }) } });
+  const std::string folder = VolumePath + ".stores/000001/";
+  ASSERT_TRUE(disk.RemoveAll(folder + "spectra").IsOk());
+  auto file = disk.CreateForWriting(folder + "spectra.json");
+  ASSERT_TRUE(file.IsOk());
+  ASSERT_TRUE((*file)->Append(text.data(), text.size()).IsOk());
+  ASSERT_TRUE((*file)->SyncAndClose().IsOk());
+
+  const auto older = OpenVolume(disk);
+  const auto old = older->GetSpectrum(0, 0);
+  ASSERT_TRUE(old.IsOk()) << old.GetStatus().GetMessage();
+  EXPECT_EQ((*old)->Triangles, (*total)->Triangles);
+  EXPECT_EQ((*old)->ActiveCells, (*total)->ActiveCells);
+  EXPECT_TRUE((*old)->Bytes.empty());
+  EXPECT_TRUE((*old)->Area.empty());
+  const auto store = older->GetStoreSpectrum(0, 0, 1);
+  ASSERT_TRUE(store.IsOk());
+  EXPECT_EQ((*store)->Triangles, (*second)->Triangles);
+}

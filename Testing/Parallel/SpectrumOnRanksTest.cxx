@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A spectrum is the same on any number of ranks; the first one has it.
+#include "ParallelVolumes.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkContourSpectrum.h"
+
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkTable.h"
+
+namespace isosurface
+{
+namespace
+{
+
+void UpdatePiece(vtkContourSpectrum* spectrum)
+{
+  const ErrorCounter errors(spectrum);
+  spectrum->SetController(GetRanks());
+  spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+// The ranks' table is that of one process that has all, on rank 0; others have none.
+void ExpectEqualsThatOfWhole(vtkTable* mine, vtkImageData* image)
+{
+  if (GetRank() != 0)
+  {
+    EXPECT_EQ(mine->GetNumberOfColumns(), 0);
+    return;
+  }
+  vtkNew<vtkContourSpectrum> alone;
+  alone->SetController(nullptr);
+  alone->SetInputData(image);
+  alone->Update();
+  ASSERT_EQ(mine->GetNumberOfRows(), alone->GetOutput()->GetNumberOfRows());
+  ASSERT_GT(mine->GetNumberOfRows(), 100);
+  ASSERT_EQ(mine->GetNumberOfColumns(), 7);
+  for (vtkIdType column = 0; column < 7; ++column)
+  {
+    for (vtkIdType row = 0; row < mine->GetNumberOfRows(); ++row)
+    {
+      ASSERT_EQ(mine->GetValue(row, column), alone->GetOutput()->GetValue(row, column))
+        << mine->GetColumnName(column) << " in row " << row;
+    }
+  }
+}
+
+TEST(SpectrumOnRanks, OfImagePiecesIsThatOfTheWhole)
+{
+  for (const int type : { VTK_SHORT, VTK_FLOAT })
+  {
+    const auto image = MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, type);
+    for (const int layout : { PieceSource::SUB_EXTENTS, PieceSource::FIRST_RANK })
+    {
+      vtkNew<PieceSource> source;
+      source->SetImage(image);
+      source->SetLayout(layout);
+      vtkNew<vtkContourSpectrum> spectrum;
+      spectrum->SetInputConnection(source->GetOutputPort());
+      UpdatePiece(spectrum);
+      ExpectEqualsThatOfWhole(spectrum->GetOutput(), image);
+    }
+  }
+}
+
+TEST(SpectrumOnRanks, OfAVolumeIsOnTheFirstRank)
+{
+  const auto image = MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT);
+  const SharedFolder folder("SpectrumOnRanks");
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path,
+    { 32, 4, vtkBlockedVolumeWriter::GREEDY, vtkBlockedVolumeWriter::LZ4 });
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(path.c_str());
+  vtkNew<vtkContourSpectrum> spectrum;
+  spectrum->SetInputConnection(reader->GetOutputPort());
+  UpdatePiece(spectrum);
+  EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), GetRank() == 0 ? 7 : 0);
+}
+
+} // namespace
+} // namespace isosurface
