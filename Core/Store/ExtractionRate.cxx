@@ -17,10 +17,10 @@ constexpr std::size_t Memory = 16;
 constexpr double Tolerance = 5e-3;
 
 /// What the usual rates weigh beside the observations.
-constexpr double UsualWeight = 0.01;
+constexpr double UsualWeight = 1e-3;
 
 /// No machine differs from the usual one by more.
-constexpr double LargestFactor = 100;
+constexpr double LargestFactor = 1e4;
 
 /// Of coordinate descent, which has converged long before.
 constexpr int Sweeps = 100;
