@@ -74,11 +74,14 @@ void ExtractionRate::Fit()
     Terms share;
     for (std::size_t kind = 0; kind < share.size(); ++kind)
     {
-      share[kind] = seen.Counts[kind] * UsualRates[kind] * speed / (seen.Seconds + Tolerance);
+      share[kind] = seen.Counts[kind] * UsualRates[kind] * speed;
     }
+    const double usual = std::accumulate(share.begin(), share.end(), 0.0);
+    // By the larger one, so that nothing that was suspiciously fast or slow outweighs the others.
+    const double scale = 1 / (std::max(seen.Seconds, usual) + Tolerance);
+    std::for_each(share.begin(), share.end(), [scale](double& term) { term *= scale; });
     shares.push_back(share);
-    errors.push_back(
-      seen.Seconds / (seen.Seconds + Tolerance) - std::accumulate(share.begin(), share.end(), 0.0));
+    errors.push_back((seen.Seconds - usual) * scale);
   }
   Terms factors;
   factors.fill(1);

@@ -53,11 +53,10 @@ ExtractionRate LearnSecondsPerBlock(double seconds)
   ExtractionRate rate;
   for (int time = 0; time < 5; ++time)
   {
-    for (const double blocks : { 0.0, 1e3, 1e4 })
+    rate.Observe({ 0, 1e9, 1e9, 1e8 }, 0);
+    for (const double blocks : { 1e3, 1e4 })
     {
-      ExtractionWork work;
-      work.Blocks = blocks;
-      rate.Observe(work, blocks * seconds);
+      rate.Observe({ blocks, 0, 0, 0 }, blocks * seconds);
     }
   }
   return rate;
