@@ -36,6 +36,7 @@
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
 #include "Store/LevelChoice.h"
+#include "Store/ProgressiveLevels.h"
 #include "Store/StoredBlockSource.h"
 
 #include <algorithm>
@@ -117,6 +118,26 @@ struct vtkStabbingContour::Output
   std::vector<isosurface::InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                             ///< of the contoured array
   QueryCost Cost;
+  bool Final = true;
+};
+
+/**
+ * What the last execution was made of. It goes on with the same surface if neither this filter, nor
+ * the volume, nor the time step has changed.
+ */
+struct vtkStabbingContour::Pass
+{
+  int Level = 0;
+  bool Shown = false;    ///< whether the surface of this level was extracted
+  vtkMTimeType Time = 0; ///< of the filter
+  std::weak_ptr<isosurface::BlockedVolume> Volume;
+  std::size_t TimeStep = 0;
+
+  bool IsOf(vtkMTimeType time, const std::shared_ptr<isosurface::BlockedVolume>& volume,
+    std::size_t step) const
+  {
+    return this->Time == time && this->Volume.lock() == volume && this->TimeStep == step;
+  }
 };
 
 //------------------------------------------------------------------------------
@@ -128,6 +149,8 @@ vtkStabbingContour::vtkStabbingContour()
   , Level(0)
   , TimeBudget(0)
   , MaximumTriangles(0)
+  , Progressive(0)
+  , Final(1)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , UseRegion(0)
@@ -139,6 +162,7 @@ vtkStabbingContour::vtkStabbingContour()
   , Controller(nullptr)
   , ImageIndex(new Index)
   , Rate(new isosurface::ExtractionRate)
+  , LastPass(new Pass)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -256,6 +280,21 @@ vtkMTimeType vtkStabbingContour::GetMTime()
 }
 
 //------------------------------------------------------------------------------
+void vtkStabbingContour::Refine()
+{
+  Pass& pass = *this->LastPass;
+  const std::shared_ptr<isosurface::BlockedVolume> volume = pass.Volume.lock();
+  if (!this->Progressive || this->Final || !pass.Shown || pass.Time != this->GetMTime() || !volume)
+  {
+    return;
+  }
+  pass.Level = isosurface::GetNextLevel(*volume, pass.Level, this->Level);
+  pass.Shown = false;
+  this->Modified();
+  pass.Time = this->GetMTime();
+}
+
+//------------------------------------------------------------------------------
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
@@ -347,6 +386,8 @@ int vtkStabbingContour::RequestData(
     status = Status(StatusCode::Aborted, "The contour was stopped.");
   }
   status = ranks.Agree(status);
+  this->Final = !status.IsOk() || made.Final;
+  this->LastPass->Shown = status.IsOk();
   if (status.GetCode() == StatusCode::Aborted)
   {
     return 1;
@@ -388,6 +429,36 @@ int vtkStabbingContour::ChooseThreads()
 {
   return this->NumberOfThreads > 0 ? this->NumberOfThreads
                                    : isosurface::ChooseThreadCount(this->RanksOnNode);
+}
+
+//------------------------------------------------------------------------------
+Result<int> vtkStabbingContour::ChoosePassLevel(
+  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
+{
+  const int finest = std::min(this->Level, volume->GetNumberOfLevels() - 1);
+  if (!this->Progressive)
+  {
+    return finest;
+  }
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  Pass& pass = *this->LastPass;
+  std::vector<std::uint64_t> isNew = { pass.IsOf(this->GetMTime(), volume, query.TimeStep) ? 0U
+                                                                                           : 1U };
+  ranks.ReduceMaximum(isNew);
+  if (isNew.front() != 0)
+  {
+    const auto first = isosurface::ChooseFirstLevel(
+      *volume, query.TimeStep, query.Variable, query.Isovalues, finest, ranks);
+    if (!first.IsOk())
+    {
+      return first;
+    }
+    pass.Level = *first;
+    pass.Time = this->GetMTime();
+    pass.Volume = volume;
+    pass.TimeStep = query.TimeStep;
+  }
+  return pass.Level;
 }
 
 //------------------------------------------------------------------------------
@@ -435,50 +506,63 @@ Status vtkStabbingContour::ExtractFromVolume(
 {
   auto* handle =
     static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
-  BlockedVolume& volume = *handle->GetVolume();
+  const std::shared_ptr<BlockedVolume> volume = handle->GetVolume();
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   SurfaceQuery query;
   query.TimeStep = handle->FindTimeStep(inInfo);
   query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  const Status status = this->MakeQuery(volume, request, query, output);
+  const Status status = this->MakeQuery(*volume, request, query, output);
   for (const isosurface::InterpolatedArray& array : output.Arrays)
   {
     request.Attributes.push_back(array.Layout);
   }
   const isosurface::ExtractionBudget budget = { this->TimeBudget,
     static_cast<std::uint64_t>(this->MaximumTriangles) };
-  if (budget.IsLimited())
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  if (this->Progressive || budget.IsLimited())
   {
-    isosurface::ControllerCommunicator ranks(this->Controller);
+    // What follows is collective.
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-    return this->ExtractWithinBudget(ranks, budget, volume, query, request, output);
   }
   ISOSURFACE_RETURN_IF_ERROR(status);
-  LevelChoice finest;
-  finest.Level = std::min(this->Level, volume.GetNumberOfLevels() - 1);
-  return this->ExtractAtLevel(volume, query, request, finest, output);
+  const auto finest = this->ChoosePassLevel(volume, query);
+  if (!finest.IsOk())
+  {
+    return finest.GetStatus();
+  }
+  output.Final = *finest <= this->Level;
+  if (budget.IsLimited())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->ExtractWithinBudget(ranks, budget, *volume, query, *finest, request, output));
+    // What forbids this level forbids finer ones, too.
+    output.Final = output.Final || output.Cost.Level > *finest;
+    return Status::Ok();
+  }
+  LevelChoice choice;
+  choice.Level = *finest;
+  return this->ExtractAtLevel(*volume, query, request, choice, output);
 }
 
 //------------------------------------------------------------------------------
 Status vtkStabbingContour::ExtractWithinBudget(isosurface::Communicator& ranks,
   const isosurface::ExtractionBudget& budget, BlockedVolume& volume, const SurfaceQuery& query,
-  const ContourRequest& request, Output& output)
+  int finest, const ContourRequest& request, Output& output)
 {
   isosurface::QueryStatistics& reading = output.Cost.Reading;
   if (budget.Seconds > 0 && !this->Rate->IsKnown())
   {
     // A level that takes next to no time tells how fast this machine is.
     const auto probe = isosurface::ChooseLevel(
-      volume, query, this->Level, { budget.Seconds / 10, 0 }, *this->Rate, ranks, reading);
+      volume, query, finest, { budget.Seconds / 10, 0 }, *this->Rate, ranks, reading);
     ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
     Output unused;
     ISOSURFACE_RETURN_IF_ERROR(
       ranks.Agree(this->ExtractAtLevel(volume, query, request, *probe, unused)));
     reading.Add(unused.Cost.Reading);
   }
-  auto choice =
-    isosurface::ChooseLevel(volume, query, this->Level, budget, *this->Rate, ranks, reading);
+  auto choice = isosurface::ChooseLevel(volume, query, finest, budget, *this->Rate, ranks, reading);
   ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
   const int coarsest = volume.GetNumberOfLevels() - 1;
   while (true)

@@ -49,9 +49,10 @@
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
 
-#include <memory> // For the index
-#include <string> // For array names
-#include <vector> // For array names
+#include <cstddef> // For std::size_t
+#include <memory>  // For the index
+#include <string>  // For array names
+#include <vector>  // For array names
 
 namespace isosurface
 {
@@ -60,6 +61,8 @@ class Communicator;
 class ExtractionRate;
 class Region;
 class Status;
+template <class T>
+class Result;
 struct ContourRequest;
 struct ExtractionBudget;
 struct LevelChoice;
@@ -157,6 +160,27 @@ public:
    */
   vtkSetClampMacro(MaximumTriangles, vtkIdType, 0, VTK_ID_MAX);
   vtkGetMacro(MaximumTriangles, vtkIdType);
+  ///@}
+
+  ///@{
+  /**
+   * With Progressive, the first execution after a change gives a coarse surface of a blocked volume
+   * soon: that of the finest level with at most 1/20 of the triangles at Level, as far as the
+   * volume's spectra tell. Final then tells whether the last execution was at Level. If not, Refine
+   * makes the next execution one of a finer level, the next for which other blocks are read:
+   *
+   *   for (contour->Update(); !contour->GetFinal(); contour->Update()) { ...; contour->Refine(); }
+   *
+   * A change of a property, the volume or the time step begins anew. Refine without effect: when
+   * the surface is final, or nothing was extracted since the last change. Only straight behind a
+   * vtkBlockedVolumeReader; surfaces of other inputs are final at once. All ranks take the same
+   * level. Default off.
+   */
+  vtkSetMacro(Progressive, vtkTypeBool);
+  vtkGetMacro(Progressive, vtkTypeBool);
+  vtkBooleanMacro(Progressive, vtkTypeBool);
+  vtkGetMacro(Final, vtkTypeBool);
+  void Refine();
   ///@}
 
   ///@{
@@ -265,12 +289,18 @@ private:
   /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
   isosurface::Status MakeQuery(const isosurface::BlockedVolume& volume,
     const isosurface::ContourRequest& request, isosurface::SurfaceQuery& query, Output& output);
+
+  struct Pass; ///< of a progressive extraction: the last one
+
+  isosurface::Result<int> ChoosePassLevel(const std::shared_ptr<isosurface::BlockedVolume>& volume,
+    const isosurface::SurfaceQuery& query);
+
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
     isosurface::ContourRequest& request, Output& output);
-  /// At the level that the budget allows. Collective.
+  /// At the level, from `finest` on, that the budget allows. Collective.
   isosurface::Status ExtractWithinBudget(isosurface::Communicator& ranks,
     const isosurface::ExtractionBudget& budget, isosurface::BlockedVolume& volume,
-    const isosurface::SurfaceQuery& query, const isosurface::ContourRequest& request,
+    const isosurface::SurfaceQuery& query, int finest, const isosurface::ContourRequest& request,
     Output& output);
   isosurface::Status ExtractAtLevel(isosurface::BlockedVolume& volume,
     const isosurface::SurfaceQuery& query, const isosurface::ContourRequest& request,
@@ -291,6 +321,8 @@ private:
   int Level;
   double TimeBudget;
   vtkIdType MaximumTriangles;
+  vtkTypeBool Progressive;
+  vtkTypeBool Final;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
@@ -303,6 +335,7 @@ private:
   vtkMultiProcessController* Controller;
   std::unique_ptr<Index> ImageIndex;
   std::unique_ptr<isosurface::ExtractionRate> Rate;
+  std::unique_ptr<Pass> LastPass;
 };
 
 #endif

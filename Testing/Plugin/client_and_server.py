@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A pvserver of N ranks with surface_pictures.py in pvpython as its client; then the server's log.
+"""A pvserver of N ranks with other tests in pvpython as its clients; the server's log.
 
     client_and_server.py ... --ranks N --pvserver PATH --pvpython PATH --mpiexec "mpiexec -n"
 """
@@ -44,12 +44,12 @@ class ClientAndServer(unittest.TestCase):
             time.sleep(0.1)
         return server
 
-    def run_client(self, port):
+    def run_client(self, port, script):
         here = os.path.dirname(os.path.abspath(__file__))
         return subprocess.run(
             [
                 testing.arguments.pvpython,
-                os.path.join(here, "surface_pictures.py"),
+                os.path.join(here, script),
                 f"--plugin={testing.arguments.plugin}",
                 f"--volumes={testing.arguments.volumes}",
                 f"--output={testing.output('client')}",
@@ -62,16 +62,22 @@ class ClientAndServer(unittest.TestCase):
             check=False,
         )
 
-    def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
+    def run_client_and_server(self, script):
         port = find_free_port()
         server = self.start_server(port)
         try:
-            self.assertEqual(self.run_client(port).returncode, 0)
+            self.assertEqual(self.run_client(port, script).returncode, 0)
             # A server ends with its client.
             self.assertEqual(server.wait(timeout=30), 0)
         finally:
             server.kill()
             server.wait()
+
+    def test_progressive_surface_ends_with_the_full_one(self):
+        self.run_client_and_server("progressive.py")
+
+    def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
+        self.run_client_and_server("surface_pictures.py")
         log = self.read_log()
         for rank in range(testing.arguments.ranks):
             lines = re.findall(rf"Stabbing Contour: rank {rank}: .*", log)
