@@ -55,7 +55,7 @@ class Progressive(unittest.TestCase):
             others[0], testing.count_expected_triangles(testing.OTHER_ISOVALUE)
         )
         surface.Isosurfaces = [testing.ISOVALUE]
-        surface.LevelofDetail = 1
+        surface.Level = 1
         self.assertEqual(self.read_levels(surface), list(levels)[0])
         surface.Progressive = 0
         self.assertEqual(self.read_levels(surface), 1)
