@@ -147,10 +147,10 @@ vtkStabbingContour::vtkStabbingContour()
   , ComputeScalars(1)
   , GenerateTriangles(1)
   , Level(0)
-  , Progressive(0)
-  , Final(1)
   , TimeBudget(0)
   , MaximumTriangles(0)
+  , Progressive(0)
+  , Final(1)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , UseRegion(0)
@@ -161,8 +161,8 @@ vtkStabbingContour::vtkStabbingContour()
   , RanksOnNode(0)
   , Controller(nullptr)
   , ImageIndex(new Index)
-  , LastPass(new Pass)
   , Rate(new isosurface::ExtractionRate)
+  , LastPass(new Pass)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -432,9 +432,15 @@ int vtkStabbingContour::ChooseThreads()
 }
 
 //------------------------------------------------------------------------------
-Result<int> vtkStabbingContour::ChoosePassLevel(isosurface::Communicator& ranks,
-  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query, int finest)
+Result<int> vtkStabbingContour::ChoosePassLevel(
+  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
 {
+  const int finest = std::min(this->Level, volume->GetNumberOfLevels() - 1);
+  if (!this->Progressive)
+  {
+    return finest;
+  }
+  isosurface::ControllerCommunicator ranks(this->Controller);
   Pass& pass = *this->LastPass;
   std::vector<std::uint64_t> isNew = { pass.IsOf(this->GetMTime(), volume, query.TimeStep) ? 0U
                                                                                            : 1U };
@@ -499,42 +505,43 @@ Status vtkStabbingContour::ExtractFromVolume(
 {
   auto* handle =
     static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
-  const std::shared_ptr<BlockedVolume> shared = handle->GetVolume();
-  BlockedVolume& volume = *shared;
+  const std::shared_ptr<BlockedVolume> volume = handle->GetVolume();
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   SurfaceQuery query;
   query.TimeStep = handle->FindTimeStep(inInfo);
   query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  const Status status = this->MakeQuery(volume, request, query, output);
+  const Status status = this->MakeQuery(*volume, request, query, output);
   for (const isosurface::InterpolatedArray& array : output.Arrays)
   {
     request.Attributes.push_back(array.Layout);
   }
   const isosurface::ExtractionBudget budget = { this->TimeBudget,
     static_cast<std::uint64_t>(this->MaximumTriangles) };
-  const int finest = std::min(this->Level, volume.GetNumberOfLevels() - 1);
-  LevelChoice chosen;
-  chosen.Level = finest;
-  if (!this->Progressive && !budget.IsLimited())
-  {
-    ISOSURFACE_RETURN_IF_ERROR(status);
-    return this->ExtractAtLevel(volume, query, request, chosen, output);
-  }
   isosurface::ControllerCommunicator ranks(this->Controller);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-  if (this->Progressive)
+  if (this->Progressive || budget.IsLimited())
   {
-    const auto level = this->ChoosePassLevel(ranks, shared, query, finest);
-    ISOSURFACE_RETURN_IF_ERROR(level.GetStatus());
-    chosen.Level = *level;
+    // What follows is collective.
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
   }
-  ISOSURFACE_RETURN_IF_ERROR(budget.IsLimited()
-      ? this->ExtractWithinBudget(ranks, budget, volume, query, chosen.Level, request, output)
-      : this->ExtractAtLevel(volume, query, request, chosen, output));
-  // If the budget forbids the level of this pass, it forbids finer ones.
-  output.Final = chosen.Level == finest || output.Cost.Level > chosen.Level;
-  return Status::Ok();
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  const auto finest = this->ChoosePassLevel(volume, query);
+  if (!finest.IsOk())
+  {
+    return finest.GetStatus();
+  }
+  output.Final = *finest <= this->Level;
+  if (budget.IsLimited())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->ExtractWithinBudget(ranks, budget, *volume, query, *finest, request, output));
+    // What forbids this level forbids finer ones, too.
+    output.Final = output.Final || output.Cost.Level > *finest;
+    return Status::Ok();
+  }
+  LevelChoice choice;
+  choice.Level = *finest;
+  return this->ExtractAtLevel(*volume, query, request, choice, output);
 }
 
 //------------------------------------------------------------------------------
@@ -735,8 +742,6 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
   os << indent << "Level: " << this->Level << "\n";
-  os << indent << "Progressive: " << this->Progressive << "\n";
-  os << indent << "Final: " << this->Final << "\n";
   os << indent << "TimeBudget: " << this->TimeBudget << "\n";
   os << indent << "MaximumTriangles: " << this->MaximumTriangles << "\n";
   os << indent << "InterpolatedArrays:";

@@ -49,9 +49,10 @@
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
 
-#include <memory> // For the index
-#include <string> // For array names
-#include <vector> // For array names
+#include <cstddef> // For std::size_t
+#include <memory>  // For the index
+#include <string>  // For array names
+#include <vector>  // For array names
 
 namespace isosurface
 {
@@ -59,9 +60,9 @@ class BlockedVolume;
 class Communicator;
 class ExtractionRate;
 class Region;
+class Status;
 template <class T>
 class Result;
-class Status;
 struct ContourRequest;
 struct ExtractionBudget;
 struct LevelChoice;
@@ -285,18 +286,18 @@ private:
 
   struct Output; ///< what is extracted
 
-  struct Pass; ///< of a progressive extraction: the last one
-
-  /// The level of the next pass, not finer than `finest`. Collective.
-  isosurface::Result<int> ChoosePassLevel(isosurface::Communicator& ranks,
-    const std::shared_ptr<isosurface::BlockedVolume>& volume, const isosurface::SurfaceQuery& query,
-    int finest);
   /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
   isosurface::Status MakeQuery(const isosurface::BlockedVolume& volume,
     const isosurface::ContourRequest& request, isosurface::SurfaceQuery& query, Output& output);
+
+  struct Pass; ///< of a progressive extraction: the last one
+
+  isosurface::Result<int> ChoosePassLevel(const std::shared_ptr<isosurface::BlockedVolume>& volume,
+    const isosurface::SurfaceQuery& query);
+
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
     isosurface::ContourRequest& request, Output& output);
-  /// At the level that the budget allows, not finer than `finest`. Collective.
+  /// At the level, from `finest` on, that the budget allows. Collective.
   isosurface::Status ExtractWithinBudget(isosurface::Communicator& ranks,
     const isosurface::ExtractionBudget& budget, isosurface::BlockedVolume& volume,
     const isosurface::SurfaceQuery& query, int finest, const isosurface::ContourRequest& request,
@@ -318,10 +319,10 @@ private:
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
   int Level;
-  vtkTypeBool Progressive;
-  vtkTypeBool Final;
   double TimeBudget;
   vtkIdType MaximumTriangles;
+  vtkTypeBool Progressive;
+  vtkTypeBool Final;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
@@ -333,8 +334,8 @@ private:
   int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;
   std::unique_ptr<Index> ImageIndex;
-  std::unique_ptr<Pass> LastPass;
   std::unique_ptr<isosurface::ExtractionRate> Rate;
+  std::unique_ptr<Pass> LastPass;
 };
 
 #endif

@@ -17,10 +17,10 @@ constexpr std::size_t Memory = 16;
 constexpr double Tolerance = 5e-3;
 
 /// What the usual rates weigh beside the observations.
-constexpr double UsualWeight = 0.01;
+constexpr double UsualWeight = 1e-3;
 
 /// No machine differs from the usual one by more.
-constexpr double LargestFactor = 100;
+constexpr double LargestFactor = 1e4;
 
 /// Of coordinate descent, which has converged long before.
 constexpr int Sweeps = 100;
@@ -74,11 +74,14 @@ void ExtractionRate::Fit()
     Terms share;
     for (std::size_t kind = 0; kind < share.size(); ++kind)
     {
-      share[kind] = seen.Counts[kind] * UsualRates[kind] * speed / (seen.Seconds + Tolerance);
+      share[kind] = seen.Counts[kind] * UsualRates[kind] * speed;
     }
+    const double usual = std::accumulate(share.begin(), share.end(), 0.0);
+    // By the larger one, so that nothing that was suspiciously fast or slow outweighs the others.
+    const double scale = 1 / (std::max(seen.Seconds, usual) + Tolerance);
+    std::for_each(share.begin(), share.end(), [scale](double& term) { term *= scale; });
     shares.push_back(share);
-    errors.push_back(
-      seen.Seconds / (seen.Seconds + Tolerance) - std::accumulate(share.begin(), share.end(), 0.0));
+    errors.push_back((seen.Seconds - usual) * scale);
   }
   Terms factors;
   factors.fill(1);

@@ -54,7 +54,7 @@ class Proxies(unittest.TestCase):
         self.check_properties(ours, names + ["Component"])
         options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "UseRegion"]
         options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
-        options += ["Level", "Progressive", "Refine", "Final"]
+        options += ["Level", "TimeBudget", "MaximumTriangles", "Progressive", "Refine", "Final"]
         self.check_properties(ours, options)
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         source.UpdatePipeline()

@@ -53,11 +53,10 @@ ExtractionRate LearnSecondsPerBlock(double seconds)
   ExtractionRate rate;
   for (int time = 0; time < 5; ++time)
   {
-    for (const double blocks : { 0.0, 10.0, 1000.0 })
+    rate.Observe({ 0, 1e9, 1e9, 1e8 }, 0);
+    for (const double blocks : { 1e3, 1e4 })
     {
-      ExtractionWork work;
-      work.Blocks = blocks;
-      rate.Observe(work, blocks * seconds);
+      rate.Observe({ blocks, 0, 0, 0 }, blocks * seconds);
     }
   }
   return rate;
@@ -102,7 +101,7 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseTrianglesFit)
 
 TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
 {
-  const ExtractionRate rate = LearnSecondsPerBlock(1);
+  const ExtractionRate rate = LearnSecondsPerBlock(1e-4);
   std::vector<double> seconds;
   for (int level = 0; level < this->Opened->GetNumberOfLevels(); ++level)
   {
@@ -110,9 +109,9 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
     const auto active =
       this->Opened->FindActiveBlocks(0, 0, this->Query.Isovalues, 0, 1, statistics, level);
     ASSERT_TRUE(active.IsOk());
-    seconds.push_back(static_cast<double>(active->size()));
+    seconds.push_back(1e-4 * static_cast<double>(active->size()));
   }
-  for (const double budget : { 0.5, 3.0, 20.0, 70.0, 1e6 })
+  for (const double budget : { 0.004, 0.02, 0.08, 0.2 })
   {
     int expected = 0;
     while (expected + 1 < static_cast<int>(seconds.size()) &&
@@ -122,15 +121,15 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
     }
     const LevelChoice choice = this->Choose(0, { budget, 0 }, rate);
     EXPECT_EQ(choice.Level, expected) << budget << " seconds";
-    EXPECT_NEAR(
-      choice.Seconds, seconds[static_cast<std::size_t>(choice.Level)], 0.05 * choice.Seconds + 0.1);
+    EXPECT_NEAR(choice.Seconds, seconds[static_cast<std::size_t>(choice.Level)],
+      0.05 * choice.Seconds + 1e-3);
     EXPECT_EQ(choice.Limit, budget > seconds[0] ? LevelLimit::None : LevelLimit::Seconds);
   }
 }
 
 TEST_F(LevelChoiceTest, IsThatOfTheSlowestRankOnAll)
 {
-  const int alone = this->Choose(0, { 4, 0 }, LearnSecondsPerBlock(1)).Level;
+  const int alone = this->Choose(0, { 0.02, 0 }, LearnSecondsPerBlock(1e-4)).Level;
   EXPECT_GT(alone, 0);
   std::vector<int> chosen(3, -1);
   ThreadCommunicator::Run(3,
@@ -140,8 +139,8 @@ TEST_F(LevelChoiceTest, IsThatOfTheSlowestRankOnAll)
       query.Rank = ranks.GetRank();
       query.Ranks = ranks.GetSize();
       QueryStatistics statistics;
-      const auto choice = ChooseLevel(*this->Opened, query, 0, { 4, 0 },
-        LearnSecondsPerBlock(ranks.GetRank() == 1 ? 1 : 1e-6), ranks, statistics);
+      const auto choice = ChooseLevel(*this->Opened, query, 0, { 0.02, 0 },
+        LearnSecondsPerBlock(ranks.GetRank() == 1 ? 1e-4 : 1e-6), ranks, statistics);
       ASSERT_TRUE(choice.IsOk());
       chosen[static_cast<std::size_t>(ranks.GetRank())] = choice->Level;
     });
@@ -235,7 +234,7 @@ TEST(ExtractionRate, OutlierHardlyChangesIt)
     }
     EXPECT_NEAR(rate.Predict(work), 0.5, 0.01);
     rate.Observe(work, outlier);
-    EXPECT_NEAR(rate.Predict(work), 0.5, 0.1) << "after " << outlier << " seconds";
+    EXPECT_NEAR(rate.Predict(work), 0.5, 0.15) << "after " << outlier << " seconds";
   }
 }
 
