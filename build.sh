@@ -44,7 +44,7 @@ case "${1:-}" in
     build asan
     ctest --preset asan -j 2
     build release
-    ctest --preset release
+    ctest --preset release -j 2
     ;;
   *)
     sed -n '2,5s/^# \{0,1\}//p' "$0"
