@@ -395,6 +395,12 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
   return Status::Ok();
 }
 
+// libtiff 4.5 believes in codes of 2^64 - 1 bytes, and writes outside of its memory then.
+bool TiffFile::HasCodeOf(std::uint32_t strile) const
+{
+  return ::TIFFGetStrileByteCount(this->Tiff->Tiff, strile) <= this->Tiff->File->GetSize();
+}
+
 Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
 {
   ::TIFF* tiff = this->Tiff->Tiff;
@@ -415,9 +421,10 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
       this->Scratch.resize(stripBytes);
     }
     std::uint8_t* strip = isWhole ? to : this->Scratch.data();
-    const tmsize_t read = ::TIFFReadEncodedStrip(tiff,
-      static_cast<std::uint32_t>(first / rowsPerStrip), strip, static_cast<tmsize_t>(stripBytes));
-    if (read < 0 || static_cast<std::size_t>(read) != stripBytes)
+    const auto number = static_cast<std::uint32_t>(first / rowsPerStrip);
+    if (!this->HasCodeOf(number) ||
+      ::TIFFReadEncodedStrip(tiff, number, strip, static_cast<tmsize_t>(stripBytes)) !=
+        static_cast<tmsize_t>(stripBytes))
     {
       return this->MakeError(
         StatusCode::Corrupt, "the strip of row " + std::to_string(first) + " is truncated");
@@ -457,7 +464,8 @@ Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
     {
       const std::uint32_t tile =
         ::TIFFComputeTile(tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, 0);
-      if (::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes)
+      if (!this->HasCodeOf(tile) ||
+        ::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes)
       {
         return this->MakeError(
           StatusCode::Corrupt, "tile " + std::to_string(tile) + " is truncated");

@@ -154,8 +154,11 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       samples.push_back(from);
       const EncodedSegment encoded = EncodeSegment(compression, task, samples, workspace);
       std::uint8_t* to = record.GetData() + end;
-      // Samples that stay as they are may move by less than their length.
-      std::memmove(to + BlockRecord::SegmentHeaderSize, encoded.Bytes, encoded.Stored);
+      if (encoded.Stored != 0)
+      {
+        // Samples that stay as they are may move by less than their length.
+        std::memmove(to + BlockRecord::SegmentHeaderSize, encoded.Bytes, encoded.Stored);
+      }
       SealSegment(to, encoded.Stored, encoded.Coding,
         { block, static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(task.Level) });
       layout.Offsets[segment] = end;
