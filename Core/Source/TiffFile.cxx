@@ -395,10 +395,12 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
   return Status::Ok();
 }
 
-// libtiff 4.5 believes in codes of 2^64 - 1 bytes, and writes outside of its memory then.
+// libtiff 4.5 writes outside of its memory when code cannot be read that the directory promises.
 bool TiffFile::HasCodeOf(std::uint32_t strile) const
 {
-  return ::TIFFGetStrileByteCount(this->Tiff->Tiff, strile) <= this->Tiff->File->GetSize();
+  const std::uint64_t size = this->Tiff->File->GetSize();
+  const std::uint64_t offset = ::TIFFGetStrileOffset(this->Tiff->Tiff, strile);
+  return offset <= size && ::TIFFGetStrileByteCount(this->Tiff->Tiff, strile) <= size - offset;
 }
 
 Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)

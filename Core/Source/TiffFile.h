@@ -89,7 +89,7 @@ private:
   Status ReadRows(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
   Status ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to);
   Status ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to);
-  /// Whether the file is as large as the code of this strip or tile.
+  /// Whether the code of a strip or tile is within the file.
   bool HasCodeOf(std::uint32_t strile) const;
   /// An error that names file and page; libtiff's own reason, if it gave one, or else `reason`.
   Status MakeError(StatusCode code, const std::string& reason) const;

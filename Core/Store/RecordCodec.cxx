@@ -145,7 +145,7 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       const std::uint8_t* from =
         record.GetData() + layout.Offsets[segment] + BlockRecord::SegmentHeaderSize;
       // Finer levels are predicted from these samples when code stands in their place.
-      if (compression.Codec != SegmentCodec::None && index + 1 < levels)
+      if (compression.Codec != SegmentCodec::None && index + 1 < levels && task.Size != 0)
       {
         std::uint8_t* copy = Grow(workspace.Samples[index], task.Size);
         std::memcpy(copy, from, task.Size);
