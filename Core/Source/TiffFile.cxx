@@ -100,7 +100,7 @@ struct TiffFile::Handle
     if (!status.IsOk())
     {
       handle->Failure = handle->Failure.IsOk() ? status : handle->Failure;
-      return -1;
+      return 0;
     }
     handle->Position += count;
     return static_cast<tmsize_t>(count);
