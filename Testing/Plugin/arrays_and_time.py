@@ -14,8 +14,7 @@ def read_header(path):
 
 
 def make_vectors():
-    wave = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-    vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
+    vectors = simple.XMLImageDataReader(FileName=[testing.volume("vectors.vti")])
     vectors.UpdatePipeline()
     return vectors
 

@@ -3,6 +3,7 @@
 
     wave.vti    82 x 76 x 67 samples of ParaView's Wavelet, float, at a negative extent
     wave.bvol   the same as a blocked volume of 4 stores and blocks of 16 cells
+    vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
 """
 import os
 import sys
@@ -14,6 +15,8 @@ os.makedirs(folder, exist_ok=True)
 simple.LoadPlugin(plugin, ns=globals())
 wave = simple.Wavelet(WholeExtent=[-40, 41, -35, 40, -30, 36])
 simple.SaveData(os.path.join(folder, "wave.vti"), proxy=wave, DataMode="Binary")
+vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
+simple.SaveData(os.path.join(folder, "vectors.vti"), proxy=vectors, DataMode="Binary")
 simple.SaveData(
     os.path.join(folder, "wave.bvol"), proxy=wave, BlockSize=16, NumberOfStores=4
 )
