@@ -62,9 +62,11 @@ class WritesWhatTheWriterWrites(Case):
     def test_every_format_on_any_ranks(self):
         for name in ("a.mhd", "a.nii.gz", "a.tif", "a.vtk", "a.vti"):
             source = os.path.join(INPUTS, name)
+            # vtkTIFFReader takes the resolution of printing for spacing, blockvolume does not.
+            geometry = ["--spacing", "0.5,0.7500000178813938,0.5"] if name == "a.tif" else []
             for ranks in (1, 2, 3):
                 with self.subTest(name=name, ranks=ranks):
-                    path = self.write(source, "o.bvol", "--stores", "3", ranks=ranks)
+                    path = self.write(source, "o.bvol", "--stores", "3", *geometry, ranks=ranks)
                     self.assert_equal_volumes(path, source + ".bvol")
 
     def test_parts_and_all_at_once_and_any_threads(self):
@@ -163,7 +165,7 @@ class SettingsReachTheFile(Case):
 class WritesVectorsAndTimeSteps(Case):
     def test_vectors(self):
         source = os.path.join(INPUTS, "flow.vti")
-        for arguments in ([], ["--memory", "9"]):
+        for arguments in ([], ["--memory", "16"]):
             path = self.write(source, "o.bvol", "--stores", "3", *arguments, ranks=2)
             self.assert_equal_volumes(path, source + ".bvol")
         self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
@@ -174,7 +176,7 @@ class WritesVectorsAndTimeSteps(Case):
             self.assertIn(f'  range       "{name}": ', out)
 
     def test_chosen_vectors_come_first(self):
-        for memory in ("9", "500"):
+        for memory in ("64", "500"):
             path = self.write(os.path.join(INPUTS, "flow.vti"), "o.bvol", "--block-size", "64",
                               "--compression", "none", "--arrays", "flow,pressure",
                               "--memory", memory)
@@ -377,7 +379,7 @@ class ErrorsAreOneLine(Case):
         for ranks in (1, 3):
             self.check("none.mhd: ", "none.mhd", "o.bvol", ranks=ranks)
         self.check("none.vti: cannot open", "none.vti", "o.bvol")
-        self.check("no array \"x\"".replace("no array", "has no numeric array"), source, "o.bvol",
+        self.check('has no numeric point array "x"', source, "o.bvol",
                    "--arrays", "x")
         self.check("/none/o.bvol", source, "/proc/none/o.bvol", ranks=2)
         self.check("truncated", os.path.join(INPUTS, "a.raw"), "o.bvol", "--dimensions", "70,67,1500")
