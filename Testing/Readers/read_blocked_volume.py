@@ -193,7 +193,7 @@ class Store:
 
 
 class Spectra:
-    """What isosurfaces are and cost: of each array as a whole, and in each store."""
+    """What isosurfaces are and cost: of each variable as a whole, and in each store."""
 
     QUANTITIES = ("triangles", "activeCells", "activeBlocks", "bytes", "area", "volume")
 
@@ -328,7 +328,7 @@ class BlockedVolume:
               f"{path}: numbers of stores or blocks")
         self.stores = [Store(self, os.path.join(folder, f"store-{index:05d}"), store)
                        for index, store in enumerate(step["stores"])]
-        self.spectra = Spectra(folder, len(self.arrays), len(step["stores"]))
+        self.spectra = Spectra(folder, len(self.variables), len(step["stores"]))
         self.overviews = [BlockedVolume(path, time_step, 1 + index)
                           for index in range(len(overviews))] if number == 0 else []
 
