@@ -2,6 +2,7 @@
 #include "Contour/AttributeInterpolator.h"
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -29,11 +30,37 @@ T InterpolateValue(T v0, T v1, double t)
   }
 }
 
+// Takes the tuples at edges as they are.
+void CopyTuples(const AttributeView& view, const Index3& low, const EdgeCode* codes,
+  std::size_t count, std::uint8_t* tuples)
+{
+  const VertexBox& box = view.Samples.Available;
+  const Index3 size = box.GetSize();
+  const std::size_t width =
+    GetValueSize(view.Samples.Type) * static_cast<std::size_t>(view.NumberOfComponents);
+  for (std::size_t n = 0; n < count; ++n)
+  {
+    Index3 vertex = low;
+    for (unsigned axis = 0; axis < 3; ++axis)
+    {
+      vertex[axis] += (codes[n] >> (6 * axis) & 63) - box.Low[axis];
+    }
+    const auto place =
+      static_cast<std::size_t>(vertex[0] + size[0] * (vertex[1] + size[1] * vertex[2]));
+    std::memcpy(tuples + n * width, view.Edges[codes[n] >> 18] + place * width, width);
+  }
+}
+
 } // namespace
 
 void InterpolateAttribute(const AttributeView& view, const Index3& low, const EdgeCode* codes,
   const double* parameters, std::size_t count, std::uint8_t* tuples)
 {
+  if (view.Edges[0])
+  {
+    CopyTuples(view, low, codes, count, tuples);
+    return;
+  }
   DispatchValueType(view.Samples.Type,
     [&](auto zero)
     {

@@ -22,6 +22,10 @@ struct AttributeView
   SampleView Samples;
   int NumberOfComponents = 1;
   std::ptrdiff_t ComponentStride = 1;
+  /// If given, points get the tuples that stand there: one an edge that begins at a vertex of
+  /// Samples.Available along x, y, z, vertices x fastest, without gaps. Then of Samples only the
+  /// type and the boxes mean anything.
+  std::array<const std::uint8_t*, 3> Edges{};
 };
 
 /// Where the surface crosses the edges of a block's vertices: how far along the edge (0 to 1) from

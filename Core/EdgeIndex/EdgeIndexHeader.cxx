@@ -39,7 +39,8 @@ constexpr std::size_t MostIsovalues = 65536;
 constexpr std::size_t MostAttributes = 256;
 constexpr std::size_t MostTextSize = 65535;
 constexpr int MostPreviewLevel = 6;
-constexpr int MostComponents = 64;
+constexpr int MostTupleSize = 64;
+constexpr int MostComponents = 256; // of all attributes together
 // So that global ids (3 * vertex + axis, for every isovalue) fit 63 bits.
 constexpr double MostGlobalIds = 9.0e18;
 
@@ -90,11 +91,15 @@ Status CheckAttributes(const EdgeIndexHeader& header)
   {
     return MakeInvalid("There are too many attributes.");
   }
+  int components = 0;
+  int normals = 0;
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {
+    components += attribute.NumberOfComponents;
+    normals += attribute.IsNormals ? 1 : 0;
     const bool isFloat =
       attribute.Type == ValueType::Float32 || attribute.Type == ValueType::Float64;
-    if (attribute.NumberOfComponents < 1 || attribute.NumberOfComponents > MostComponents)
+    if (attribute.NumberOfComponents < 1 || attribute.NumberOfComponents > MostTupleSize)
     {
       return MakeInvalid("An attribute must have 1 to 64 components.");
     }
@@ -112,6 +117,10 @@ Status CheckAttributes(const EdgeIndexHeader& header)
     {
       return MakeInvalid("Normals are three float32.");
     }
+  }
+  if (components > MostComponents || normals > 1)
+  {
+    return MakeInvalid("There are more than 256 components of attributes, or normals twice.");
   }
   return Status::Ok();
 }
