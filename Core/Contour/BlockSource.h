@@ -6,6 +6,7 @@
 #include "Volume/BlockGrid.h"
 #include "Volume/SampleView.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -19,11 +20,21 @@ struct AttributeView
   std::vector<SampleView> Components;
 };
 
+/// Where the surface crosses the edges of a block's vertices: how far along the edge (0 to 1) from
+/// the vertex (i, j, k) of Box along each axis, x fastest. Only crossed edges have a value.
+struct CrossingView
+{
+  std::array<const float*, 3> First{};
+  VertexBox Box;
+};
+
 /// The samples of a block, in grid coordinates, for as long as Owner is held.
 struct BlockSamples
 {
   SampleView Scalars; ///< Box is the block's vertices
   std::vector<AttributeView> Attributes;
+  /// If given, points lie there, and the scalars tell only the sides of the isovalue.
+  const CrossingView* Crossings = nullptr;
   std::shared_ptr<const void> Owner; ///< empty if the memory outlives the extraction anyway
 };
 

@@ -34,6 +34,38 @@ VertexBox AddGhostLayer(VertexBox box, const Index3& dimensions)
   return box;
 }
 
+// As BrickKernels::LocatePoints, of crossings that are known.
+void LocateCrossings(const CrossingView& crossings, const BrickSamples& view,
+  const EdgeCode* codes, std::uint32_t count, float* coordinates, double* parameters)
+{
+  const Index3 size = crossings.Box.GetSize();
+  const std::ptrdiff_t stride[3] = { 1, static_cast<std::ptrdiff_t>(size[0]),
+    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+  std::ptrdiff_t first = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    first += static_cast<std::ptrdiff_t>(view.Low[axis] - crossings.Box.Low[axis]) * stride[axis];
+  }
+  for (std::uint32_t n = 0; n < count; ++n)
+  {
+    const EdgeCode code = codes[n];
+    const std::size_t axis = code >> 18;
+    std::ptrdiff_t at = first;
+    for (unsigned across = 0; across < 3; ++across)
+    {
+      at += static_cast<std::ptrdiff_t>(code >> (6 * across) & 63) * stride[across];
+    }
+    const auto t = static_cast<double>(crossings.First[axis][at]);
+    if (parameters)
+    {
+      parameters[n] = t;
+    }
+    const auto along = static_cast<std::int64_t>(code >> (6 * axis) & 63);
+    coordinates[n] = static_cast<float>(
+      static_cast<double>(view.Low[axis] + along) + t + static_cast<double>(view.ExtentLow[axis]));
+  }
+}
+
 Status MakeError(std::size_t block, const std::string& reason)
 {
   return { StatusCode::InvalidArgument,
@@ -180,6 +212,10 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
     return MakeError(block,
       this->Request.Normals ? "lack the layer around it that normals need" : "do not cover it");
   }
+  if (samples.Crossings && !Contains(samples.Crossings->Box, vertices))
+  {
+    return MakeError(block, "come with crossings that do not cover it");
+  }
   if (samples.Attributes.size() != this->Request.Attributes.size())
   {
     return MakeError(block, "come with another number of attributes than asked for");
@@ -268,6 +304,10 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
   if (brick.IsBeyond())
   {
     LocateBorderPoints(brick, view, part.Codes, count, part.Coordinates, parameters);
+  }
+  else if (samples.Crossings)
+  {
+    LocateCrossings(*samples.Crossings, view, part.Codes, count, part.Coordinates, parameters);
   }
   else
   {
