@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * Isosurfaces as edge-index streams, beside Draco in the same run. For a raw volume and isovalues it
- * prints bits a surface vertex and triangles a second on one core, encoding and decoding with the
- * surface rebuilt, of
+ * Isosurfaces as edge-index streams, beside Draco in the same run. For a raw volume and isovalues
+ * it prints bits a surface vertex and triangles a second on one core, encoding and decoding with
+ * the surface rebuilt, of
  *
  *   ours    lossless, by profile; bounded, at the largest error that Draco's own bits are found to
  *           make; quantized, as the paper has it
@@ -10,8 +10,6 @@
  *
  * and the ratios that Documentation/dev/codec.md cites.
  */
-#include "Contour/BlockRanges.h"
-#include "Contour/GridBlockSource.h"
 #include "Contour/SurfaceExtractor.h"
 #include "EdgeIndex/EdgeIndexDecoder.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
@@ -44,8 +42,8 @@ double Time(int repeats, const Functor& functor)
   {
     const auto start = std::chrono::steady_clock::now();
     functor();
-    least = std::min(least,
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    least = std::min(
+      least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
   return least;
 }
@@ -63,6 +61,41 @@ struct Volume
   GridGeometry Geometry;
   SampleView View;
   std::vector<char> Bytes;
+};
+
+/// All blocks of a volume in memory, of any size.
+class VolumeBlocks : public BlockSource
+{
+public:
+  VolumeBlocks(const Volume& volume, int blockSize)
+    : Data(volume)
+    , Grid(volume.Geometry.GetDimensions(), blockSize)
+  {
+  }
+  std::size_t GetNumberOfBlocks() const override
+  {
+    return static_cast<std::size_t>(this->Grid.GetNumberOfBlocks());
+  }
+  Index3 GetLatticeCoordinates(std::size_t block) const override
+  {
+    return this->Grid.GetBlockCoordinates(static_cast<std::int64_t>(block));
+  }
+  VertexBox GetVertices(std::size_t block) const override
+  {
+    return this->Grid.GetVertices(static_cast<std::int64_t>(block));
+  }
+  ValueType GetValueType() const override { return this->Data.View.Type; }
+  Result<BlockSamples> Acquire(std::size_t block) override
+  {
+    BlockSamples samples;
+    samples.Scalars = this->Data.View;
+    samples.Scalars.Box = this->GetVertices(block);
+    return samples;
+  }
+
+private:
+  const Volume& Data;
+  BlockGrid Grid;
 };
 
 void Print(const char* name, const Outcome& outcome, const Surface& surface)
@@ -86,12 +119,12 @@ public:
     : Data(volume)
     , Isovalue(isovalue)
     , Repeats(repeats)
-    , Ranges(*BlockRanges::Compute(volume.View, 1, blockSize))
+    , BlockSize(blockSize)
   {
     this->Request.Isovalues = { isovalue };
     this->Request.GlobalIds = true;
-    GridBlockSource source(volume.View, this->Ranges, { isovalue });
-    this->Exact = *ExtractSurface(volume.Geometry, source, this->Request, 1);
+    VolumeBlocks source(volume, blockSize);
+    this->Exact = std::move(*ExtractSurface(volume.Geometry, source, this->Request, 1));
   }
 
   const Surface& GetExact() const { return this->Exact; }
@@ -108,7 +141,7 @@ public:
     outcome.EncodeSeconds = Time(this->Repeats,
       [&]
       {
-        GridBlockSource source(this->Data.View, this->Ranges, { this->Isovalue });
+        VolumeBlocks source(this->Data, this->BlockSize);
         auto encoded = EncodeSurface(header, source, 1);
         if (!encoded.IsOk())
         {
@@ -121,7 +154,7 @@ public:
     ContourRequest plain;
     Surface decoded;
     outcome.DecodeSeconds = Time(this->Repeats,
-      [&] { decoded = *DecodeSurface(bytes.data(), bytes.size(), plain, 1); });
+      [&] { decoded = std::move(*DecodeSurface(bytes.data(), bytes.size(), plain, 1)); });
     for (std::size_t n = 0; n < this->Exact.Points.GetSize(); ++n)
     {
       outcome.LargestError = std::max(outcome.LargestError,
@@ -184,8 +217,7 @@ private:
     mesh.set_num_points(points);
     draco::GeometryAttribute position;
     position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
-    draco::PointAttribute* positions =
-      mesh.attribute(mesh.AddAttribute(position, true, points));
+    draco::PointAttribute* positions = mesh.attribute(mesh.AddAttribute(position, true, points));
     draco::PointAttribute* numbers = nullptr;
     if (numbered)
     {
@@ -240,7 +272,7 @@ private:
   const Volume& Data;
   double Isovalue;
   int Repeats;
-  BlockRanges Ranges;
+  int BlockSize;
   ContourRequest Request;
   Surface Exact;
 };
@@ -278,8 +310,9 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, bool
     settings.Profile = EdgeIndexProfile::Fast;
     const Outcome boundedFast = benchmark.MeasureOurs(settings);
     Print("bounded, fast, same error", boundedFast, exact);
-    std::printf("  Draco / ours: bytes %.2f (fast %.2f);  lossless in x %.2f of level 10, out x %.2f;"
-                "  fast in x %.2f of level 7, out x %.2f\n",
+    std::printf(
+      "  Draco / ours: bytes %.2f (fast %.2f);  lossless in x %.2f of level 10, out x %.2f;"
+      "  fast in x %.2f of level 7, out x %.2f\n",
       ten.Bytes / bounded.Bytes, ten.Bytes / boundedFast.Bytes,
       ten.EncodeSeconds / lossless.EncodeSeconds, ten.DecodeSeconds / lossless.DecodeSeconds,
       seven.EncodeSeconds / fast.EncodeSeconds, seven.DecodeSeconds / fast.DecodeSeconds);
@@ -316,8 +349,8 @@ int main(int argc, char** argv)
   }
   Volume volume;
   volume.Geometry.Extent = { 0, dimensions[0] - 1, 0, dimensions[1] - 1, 0, dimensions[2] - 1 };
-  volume.Bytes.resize(static_cast<std::size_t>(volume.Geometry.GetNumberOfVertices()) *
-    GetValueSize(*valueType));
+  volume.Bytes.resize(
+    static_cast<std::size_t>(volume.Geometry.GetNumberOfVertices()) * GetValueSize(*valueType));
   stream.read(volume.Bytes.data(), static_cast<std::streamsize>(volume.Bytes.size()));
   if (!stream)
   {

@@ -8,8 +8,8 @@ namespace isosurface
 namespace
 {
 
-// 32768 / (1 + exp(-x)) at x = -8, -7.75, ... 8, rounded; constants, since the exponential functions
-// of two libraries may differ in the last bit.
+// 32768 / (1 + exp(-x)) at x = -8, -7.75, ... 8, rounded; constants, since the exponential
+// functions of two libraries may differ in the last bit.
 constexpr std::array<std::int32_t, 65> LogisticCurve = { 11, 14, 18, 23, 30, 38, 49, 63, 81, 104,
   133, 171, 219, 281, 360, 461, 589, 753, 961, 1223, 1554, 1969, 2486, 3124, 3906, 4851, 5978, 7297,
   8813, 10513, 12371, 14347, 16384, 18421, 20397, 22255, 23955, 25471, 26790, 27917, 28862, 29644,

@@ -22,9 +22,9 @@ std::uint32_t Squash(int x);
 
 struct ModelTables
 {
-  std::array<std::uint16_t, 4096> Squash;  ///< at x + 2048
-  std::array<std::int16_t, 4096> Stretch;  ///< the inverse: of a probability in units of 2^-12
-  std::array<std::uint16_t, 1024> Rates;   ///< 65536 / (n + 1.6)
+  std::array<std::uint16_t, 4096> Squash; ///< at x + 2048
+  std::array<std::int16_t, 4096> Stretch; ///< the inverse: of a probability in units of 2^-12
+  std::array<std::uint16_t, 1024> Rates;  ///< 65536 / (n + 1.6)
   ModelTables();
 };
 extern const ModelTables Tables;
@@ -45,8 +45,7 @@ struct AdaptiveBit
     const std::uint32_t count = this->State & 1023;
     const auto probability = static_cast<std::int64_t>(this->State >> 10);
     const std::int64_t target = bit ? (1 << 22) - 1 : 0;
-    const std::int64_t next =
-      probability + ((target - probability) * Tables.Rates[count] >> 16);
+    const std::int64_t next = probability + ((target - probability) * Tables.Rates[count] >> 16);
     this->State = static_cast<std::uint32_t>(next) << 10 | (count < most ? count + 1 : count);
   }
 };
@@ -114,7 +113,10 @@ struct LogisticMixer
     }
 #endif
     const int x = sum >> 14;
-    return Tables.Squash[static_cast<std::size_t>((x < -2047 ? -2047 : x > 2047 ? 2047 : x) + 2048)];
+    return Tables.Squash[static_cast<std::size_t>((x < -2047     ? -2047
+                                                      : x > 2047 ? 2047
+                                                                 : x) +
+      2048)];
   }
 
   /// Learns from the bit that came: weights move by inputs * error * 2^-rate.
@@ -134,7 +136,9 @@ struct LogisticMixer
       const int weight =
         this->Weights[static_cast<std::size_t>(n)] + ((inputs[n] * error + 0x8000) >> 16);
       this->Weights[static_cast<std::size_t>(n)] =
-        static_cast<std::int16_t>(weight < -32768 ? -32768 : weight > 32767 ? 32767 : weight);
+        static_cast<std::int16_t>(weight < -32768 ? -32768
+            : weight > 32767                      ? 32767
+                                                  : weight);
     }
 #endif
   }

@@ -31,8 +31,7 @@ public:
   virtual void ExchangeCodes(int y, int z, const SignRow& vertices, std::int64_t* codes) = 0;
 
   /// The same for the intervals of the crossed edges along an axis that begin in a row.
-  virtual void ExchangeBins(
-    int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) = 0;
+  virtual void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) = 0;
 
   /// Called after every slice: whether to go on.
   virtual bool FinishSlice(int z) = 0;

@@ -19,7 +19,7 @@ namespace isosurface
 struct CrossingModel
 {
   explicit CrossingModel(bool mixed)
-    : Residuals(mixed)
+    : Residuals(mixed, Priors.Crossings)
   {
   }
   ResidualModel Residuals;
@@ -37,8 +37,8 @@ template <typename Coder, bool Mixed>
 class CrossingCoder
 {
 public:
-  CrossingCoder(Coder& coder, CrossingModel& model, std::uint32_t bins, bool missing, int sizeX,
-    int sizeY)
+  CrossingCoder(
+    Coder& coder, CrossingModel& model, std::uint32_t bins, bool missing, int sizeX, int sizeY)
     : Output(coder)
     , Model(model)
     , Residuals(coder, model.Residuals)
@@ -47,11 +47,11 @@ public:
     , SizeX(sizeX)
     , SizeY(sizeY)
   {
-    for (std::size_t plane = 0; plane < 2; ++plane)
+    for (auto& plane : this->Positions)
     {
-      for (CrossingPlane& positions : this->Positions[plane])
+      for (CrossingPlane& positions : plane)
       {
-        positions.fill(CrossingFit::Unknown);
+        positions.fill(CrossingFit::None);
       }
     }
     for (auto& levels : this->Levels)
@@ -64,28 +64,19 @@ public:
   void BeginSlice(const SignSlice& signs, const SignSlice* below, const SignSlice* above)
   {
     std::swap(this->Positions[0], this->Positions[1]);
-    for (CrossingPlane& positions : this->Positions[0])
-    {
-      positions.fill(CrossingFit::Unknown);
-    }
     this->Slices = { below ? below : &signs, &signs, above ? above : &signs };
     this->IsLast = !above;
+    this->MarkCrossings(signs, above, this->Positions[0]);
+    if (Mixed && above)
+    {
+      this->MarkCrossings(*above, nullptr, this->Positions[2]);
+    }
   }
 
   /// The crossed edges along an axis that begin at the vertices of row y.
   SignRow FindEdges(int axis, int y) const
   {
-    const SignRow& row = this->Slices[1]->At(y);
-    if (axis == 0)
-    {
-      return (row ^ row.ShiftDown()) & SignRow::MakeMask(this->SizeX - 1);
-    }
-    if (axis == 1 ? y + 1 >= this->SizeY : this->IsLast)
-    {
-      return SignRow();
-    }
-    const SignRow& next = axis == 1 ? this->Slices[1]->At(y + 1) : this->Slices[2]->At(y);
-    return (row ^ next) & SignRow::MakeMask(this->SizeX);
+    return this->FindCrossed(axis, y, *this->Slices[1], this->IsLast ? nullptr : this->Slices[2]);
   }
 
   /// Codes the intervals of those edges: bins[x], given or set; the number of bins stands for a
@@ -98,23 +89,55 @@ public:
 private:
   static constexpr std::ptrdiff_t RowStride = CrossingFit::RowStride;
 
+  SignRow FindCrossed(int axis, int y, const SignSlice& slice, const SignSlice* above) const
+  {
+    const SignRow& row = slice.At(y);
+    if (axis == 0)
+    {
+      return (row ^ row.ShiftDown()) & SignRow::MakeMask(this->SizeX - 1);
+    }
+    if (axis == 1 ? y + 1 >= this->SizeY : !above)
+    {
+      return SignRow();
+    }
+    return (row ^ (axis == 1 ? slice.At(y + 1) : above->At(y))) & SignRow::MakeMask(this->SizeX);
+  }
+
+  // Tells for each edge of a slice whether there will be a crossing.
+  void MarkCrossings(
+    const SignSlice& slice, const SignSlice* above, std::array<CrossingPlane, 3>& positions) const
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      CrossingPlane& plane = positions[static_cast<std::size_t>(axis)];
+      plane.fill(CrossingFit::None);
+      for (int y = 0; y < this->SizeY; ++y)
+      {
+        float* row = plane.data() + (y + 2) * RowStride + CrossingFit::RowMargin;
+        VisitBits(
+          this->FindCrossed(axis, y, slice, above), [row](int x) { row[x] = CrossingFit::Later; });
+      }
+    }
+  }
+
   void CodeEdge(int axis, int x, int y, std::uint32_t& bin)
   {
     const std::ptrdiff_t at = (y + 2) * RowStride + x + CrossingFit::RowMargin;
     if (this->HasMissing)
     {
-      const bool missing =
-        CodeAdaptive(this->Output, this->Model.Missing, bin == this->Bins, 255);
+      const bool missing = CodeAdaptive(this->Output, this->Model.Missing, bin == this->Bins, 255);
       if (missing)
       {
         bin = this->Bins;
+        this->Positions[0][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
+          CrossingFit::None;
         return;
       }
     }
     const bool inside = this->Slices[1]->At(y).Get(x);
-    const CrossingFit::Result fit =
-      Mixed ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Positions)
-            : this->Fit.PredictParallel(axis, at, this->Positions);
+    const CrossingFit::Result fit = Mixed
+      ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Positions)
+      : this->Fit.PredictParallel(axis, at, this->Positions);
     const double position = fit.Position * this->Bins;
     const auto middle = static_cast<std::int32_t>(std::clamp(
       static_cast<std::int64_t>(position), std::int64_t(0), std::int64_t(this->Bins) - 1));
@@ -124,11 +147,14 @@ private:
     const std::int32_t room = std::min(middle, last - middle);
 
     auto& levels = this->Levels[static_cast<std::size_t>(axis)];
-    const int level = (4 * (levels[static_cast<std::size_t>(at - 1)] +
-                             levels[static_cast<std::size_t>(at - RowStride)] +
-                             levels[static_cast<std::size_t>(at)]) +
-                        2 * (levels[static_cast<std::size_t>(at - RowStride - 1)] +
-                              levels[static_cast<std::size_t>(at - RowStride + 1)]) + 8) >>
+    const int level = (4 *
+                          (levels[static_cast<std::size_t>(at - 1)] +
+                            levels[static_cast<std::size_t>(at - RowStride)] +
+                            levels[static_cast<std::size_t>(at)]) +
+                        2 *
+                          (levels[static_cast<std::size_t>(at - RowStride - 1)] +
+                            levels[static_cast<std::size_t>(at - RowStride + 1)]) +
+                        8) >>
       4;
     ResidualContext context;
     context.Level = std::max(level - 16, 0);
@@ -147,8 +173,8 @@ private:
     magnitude = this->Residuals.Code(magnitude, context);
     if constexpr (!Coder::Encodes)
     {
-      const auto number = static_cast<std::int32_t>(
-        std::min(magnitude, static_cast<std::uint64_t>(last)));
+      const auto number =
+        static_cast<std::int32_t>(std::min(magnitude, static_cast<std::uint64_t>(last)));
       std::int32_t decoded = 0;
       if (number > 2 * room)
       {
@@ -207,7 +233,7 @@ private:
   int SizeY;
   bool IsLast = false;
   std::array<const SignSlice*, 3> Slices{}; ///< before, this one, after
-  CrossingPositions Positions;              ///< [this slice, the one before][axis]
+  CrossingPositions Positions;              ///< [this slice, the one before, the next one][axis]
   std::array<std::array<std::uint16_t, CrossingFit::PlaneSize>, 3> Levels;
 };
 

@@ -10,6 +10,7 @@ namespace
 
 constexpr double SignWeight = 0.003;
 constexpr double SignTarget = 0.7;
+constexpr double LaterWeight = 0.05;
 constexpr double Ridge = 1e-3;
 constexpr double MostSquaredDistance = 2.8;
 
@@ -27,8 +28,9 @@ CrossingFit::CrossingFit()
     double middle[3] = { 0, 0, 0 };
     middle[axis] = 0.5;
     std::vector<Neighbor>& neighbors = this->Neighbors[static_cast<std::size_t>(axis)];
-    for (int plane = 0; plane < 2; ++plane)
+    for (int plane = 0; plane < 3; ++plane)
     {
+      const int dz = plane == 2 ? 1 : -plane;
       for (int dy = -2; dy <= 2; ++dy)
       {
         for (int dx = -2; dx <= 2; ++dx)
@@ -36,7 +38,7 @@ CrossingFit::CrossingFit()
           for (int other = 0; other < 3; ++other)
           {
             Neighbor neighbor{ static_cast<std::size_t>(plane), static_cast<std::size_t>(other),
-              dy * RowStride + dx, { dx - middle[0], dy - middle[1], -plane - middle[2] }, 0 };
+              dy * RowStride + dx, { dx - middle[0], dy - middle[1], dz - middle[2] }, 0, 0 };
             double squared = 0;
             for (int n = 0; n < 3; ++n)
             {
@@ -46,6 +48,7 @@ CrossingFit::CrossingFit()
             if (squared > 0 && squared < MostSquaredDistance)
             {
               neighbor.Weight = 1 / (0.05 + squared * squared);
+              neighbor.WeightLater = LaterWeight / (0.3 + squared);
               neighbors.push_back(neighbor);
             }
           }
@@ -80,8 +83,8 @@ CrossingFit::CrossingFit()
   }
 }
 
-void CrossingFit::AddSigns(int axis, int x, int y, const std::array<const SignSlice*, 3>& slices,
-  Equations& equations) const
+void CrossingFit::AddSigns(
+  int axis, int x, int y, const std::array<const SignSlice*, 3>& slices, Equations& equations) const
 {
   double middle[3] = { 0, 0, 0 };
   middle[axis] = 0.5;
@@ -113,8 +116,8 @@ void CrossingFit::AddSigns(int axis, int x, int y, const std::array<const SignSl
 
 bool CrossingFit::Solve(Equations& equations)
 {
-  double (&a)[4][4] = equations.A;
-  double (&b)[4] = equations.B;
+  double(&a)[4][4] = equations.A;
+  double(&b)[4] = equations.B;
   double inverse[4];
   for (int row = 0; row < 4; ++row)
   {
@@ -160,18 +163,19 @@ CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptrdiff_t 
   Result result;
   Equations equations = this->SignEquations[static_cast<std::size_t>(axis)];
   this->AddSigns(axis, x, y, slices, equations);
-  double (&a)[4][4] = equations.A;
+  double(&a)[4][4] = equations.A;
   for (const Neighbor& neighbor : this->Neighbors[static_cast<std::size_t>(axis)])
   {
     const float position =
       positions[neighbor.Plane][neighbor.Axis][static_cast<std::size_t>(at + neighbor.Offset)];
-    if (position < 0)
+    if (position == None)
     {
       continue;
     }
+    const bool later = position < 0;
     double point[3] = { neighbor.First[0], neighbor.First[1], neighbor.First[2] };
-    point[neighbor.Axis] += static_cast<double>(position);
-    const double weight = neighbor.Weight;
+    point[neighbor.Axis] += later ? 0.5 : static_cast<double>(position);
+    const double weight = later ? neighbor.WeightLater : neighbor.Weight;
     const double wx = weight * point[0];
     const double wy = weight * point[1];
     const double wz = weight * point[2];
@@ -185,7 +189,7 @@ CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptrdiff_t 
     a[2][2] += wy * point[1];
     a[3][2] += wy * point[2];
     a[3][3] += wz * point[2];
-    ++result.Number;
+    result.Number += later ? 0 : 1;
   }
   if (!Solve(equations))
   {
@@ -216,8 +220,7 @@ CrossingFit::Result CrossingFit::PredictParallel(
       positions[neighbor.Plane][neighbor.Axis][static_cast<std::size_t>(at + neighbor.Offset)];
     if (position >= 0)
     {
-      const double height =
-        neighbor.First[axis] + 0.5 + static_cast<double>(position);
+      const double height = neighbor.First[axis] + 0.5 + static_cast<double>(position);
       sum += neighbor.Weight * height;
       weight += neighbor.Weight;
       ++result.Number;

@@ -16,8 +16,8 @@ constexpr std::size_t CrossingPlaneSize = (MaximumCodedVertices + 4) * std::size
 
 /// Where on the edges that begin at the vertices of a slice the crossings are, 0 to 1.
 using CrossingPlane = std::array<float, CrossingPlaneSize>;
-/// [this slice, the one before][axis]
-using CrossingPositions = std::array<std::array<CrossingPlane, 3>, 2>;
+/// [this slice, the one before, the next one][axis]
+using CrossingPositions = std::array<std::array<CrossingPlane, 3>, 3>;
 
 /**
  * Predicts where on an edge the surface is, from where it was on edges nearby: the zero of a linear
@@ -33,7 +33,8 @@ public:
   static constexpr std::ptrdiff_t RowStride = 80;
   static constexpr std::ptrdiff_t RowMargin = 8;
   static constexpr std::size_t PlaneSize = CrossingPlaneSize;
-  static constexpr float Unknown = -1; ///< for edges without a crossing, or not decoded yet
+  static constexpr float None = -1;  ///< for edges without a crossing
+  static constexpr float Later = -2; ///< for crossings that are not decoded yet
 
   struct Result
   {
@@ -49,8 +50,7 @@ public:
     const std::array<const SignSlice*, 3>& slices, const CrossingPositions& positions) const;
 
   /// The mean of the nearest parallel edges only.
-  Result PredictParallel(
-    int axis, std::ptrdiff_t at, const CrossingPositions& positions) const;
+  Result PredictParallel(int axis, std::ptrdiff_t at, const CrossingPositions& positions) const;
 
 private:
   // An edge nearby: where its position stands, and its first vertex as seen from the middle of the
@@ -61,7 +61,8 @@ private:
     std::size_t Axis;
     std::ptrdiff_t Offset;
     double First[3];
-    double Weight;
+    double Weight;      ///< once it is decoded
+    double WeightLater; ///< before: its middle counts instead
   };
   struct Equations
   {

@@ -222,8 +222,8 @@ Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexR
   }
   if (decoder.IsExhausted() || decoder.HasMore())
   {
-    return Status(StatusCode::Corrupt,
-      "The code of an edge-index block does not end where its block does.");
+    return Status(
+      StatusCode::Corrupt, "The code of an edge-index block does not end where its block does.");
   }
   BlockSamples samples;
   SampleView& view = samples.Scalars;
@@ -265,8 +265,7 @@ void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, s
     largest = std::max(largest, from[n] + raise);
   }
   IndexArray joined;
-  joined.Is64Bit =
-    to.Is64Bit || from.Is64Bit || largest > std::numeric_limits<std::int32_t>::max();
+  joined.Is64Bit = to.Is64Bit || from.Is64Bit || largest > std::numeric_limits<std::int32_t>::max();
   const auto fill = [&](auto& values)
   {
     using Id = std::decay_t<decltype(values[0])>;
@@ -309,8 +308,8 @@ void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
   surface.Parts.push_back(part);
   AppendBuffer(surface.Points, next.Points);
   AppendBuffer(surface.GlobalIds, next.GlobalIds);
-  AppendIndices(surface.Offsets, next.Offsets,
-    static_cast<std::int64_t>(surface.Connectivity.GetSize()), 1);
+  AppendIndices(
+    surface.Offsets, next.Offsets, static_cast<std::int64_t>(surface.Connectivity.GetSize()), 1);
   AppendIndices(
     surface.Connectivity, next.Connectivity, static_cast<std::int64_t>(surface.NumberOfPoints), 0);
   surface.NumberOfPoints += next.NumberOfPoints;

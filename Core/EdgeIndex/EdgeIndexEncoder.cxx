@@ -52,9 +52,7 @@ std::uint32_t FindBin(double parameter, std::uint32_t bins)
     return bins;
   }
   const double position = parameter * bins;
-  return position <= 0 ? 0
-    : position >= bins ? bins - 1
-                       : static_cast<std::uint32_t>(position);
+  return position <= 0 ? 0 : position >= bins ? bins - 1 : static_cast<std::uint32_t>(position);
 }
 
 // The samples of a block as the coders take them. Signs are found by the kernel.
@@ -78,8 +76,7 @@ public:
         this->First = reinterpret_cast<const std::uint8_t*>(this->View.At<T>(this->View.Box.Low));
         for (std::size_t axis = 0; axis < 3; ++axis)
         {
-          this->Stride[axis] =
-            this->View.Stride[axis] * static_cast<std::ptrdiff_t>(sizeof(T));
+          this->Stride[axis] = this->View.Stride[axis] * static_cast<std::ptrdiff_t>(sizeof(T));
         }
       });
     this->Classify();
@@ -108,8 +105,7 @@ public:
         });
       return;
     }
-    VisitBits(
-      vertices, [&](int x) { codes[x] = this->Domain->ToCode(row + x * this->Stride[0]); });
+    VisitBits(vertices, [&](int x) { codes[x] = this->Domain->ToCode(row + x * this->Stride[0]); });
   }
 
   void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) override
@@ -131,7 +127,8 @@ public:
     this->VisitCrossings(
       [&](const std::uint8_t* from, int axis)
       {
-        for (const std::uint8_t* sample : { from, from + this->Stride[static_cast<std::size_t>(axis)] })
+        for (const std::uint8_t* sample :
+          { from, from + this->Stride[static_cast<std::size_t>(axis)] })
         {
           const double distance = std::abs(this->GetDouble(sample) - this->Isovalue);
           if (std::isfinite(distance))
@@ -209,8 +206,8 @@ private:
         }
         for (int axis = 0; axis < 3; ++axis)
         {
-          VisitBits(edges[axis],
-            [&](int x) { goesOn = goesOn && functor(this->At(x, y, z), axis); });
+          VisitBits(
+            edges[axis], [&](int x) { goesOn = goesOn && functor(this->At(x, y, z), axis); });
         }
       }
     }
@@ -294,8 +291,9 @@ void SampledBlock::ClassifyColumns(int begin, const void* threshold)
 class EdgeIndexEncoder::Work
 {
 public:
-  explicit Work(const EdgeIndexHeader& header)
+  Work(const EdgeIndexHeader& header, BlockModel* learning)
     : Header(header)
+    , Learning(learning)
     , Mixed(header.Settings.Profile == EdgeIndexProfile::Default)
     , Fresh(Mixed)
     , Model(Mixed)
@@ -347,28 +345,33 @@ private:
   template <typename Functor>
   void Run(SampledBlock& block, std::vector<std::uint8_t>& code, const Functor& functor)
   {
-    this->Model = this->Fresh;
+    if (!this->Learning)
+    {
+      this->Model = this->Fresh;
+    }
+    BlockModel& model = this->Learning ? *this->Learning : this->Model;
     RangeEncoder encoder(code);
     if (this->Mixed)
     {
-      BlockCoder<RangeEncoder, true> coder(encoder, this->Model, block.GetSize());
+      BlockCoder<RangeEncoder, true> coder(encoder, model, block.GetSize());
       functor(coder);
     }
     else
     {
-      BlockCoder<RangeEncoder, false> coder(encoder, this->Model, block.GetSize());
+      BlockCoder<RangeEncoder, false> coder(encoder, model, block.GetSize());
       functor(coder);
     }
     encoder.Finish();
   }
 
+  BlockModel* Learning;
   bool Mixed;
   BlockModel Fresh;
   BlockModel Model;
 };
 
-EdgeIndexEncoder::EdgeIndexEncoder(const EdgeIndexHeader& header)
-  : Worker(std::make_unique<Work>(header))
+EdgeIndexEncoder::EdgeIndexEncoder(const EdgeIndexHeader& header, BlockModel* learning)
+  : Worker(std::make_unique<Work>(header, learning))
 {
 }
 
@@ -443,8 +446,8 @@ namespace
 // The records of a block, by isovalue.
 using BlockBytes = std::vector<std::vector<std::uint8_t>>;
 
-Result<std::vector<std::uint8_t>> EncodeWithinMemory(const EdgeIndexHeader& header,
-  BlockSource& source, int threads, const Progress& progress)
+Result<std::vector<std::uint8_t>> EncodeWithinMemory(
+  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress)
 {
   ISOSURFACE_RETURN_IF_ERROR(header.Check());
   const std::size_t count = source.GetNumberOfBlocks();
@@ -515,8 +518,8 @@ Result<std::vector<std::uint8_t>> EncodeWithinMemory(const EdgeIndexHeader& head
 
 } // namespace
 
-Result<std::vector<std::uint8_t>> EncodeSurface(const EdgeIndexHeader& header, BlockSource& source,
-  int threads, const Progress& progress)
+Result<std::vector<std::uint8_t>> EncodeSurface(
+  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress)
 {
   try
   {

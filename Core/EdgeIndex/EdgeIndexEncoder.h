@@ -15,6 +15,8 @@
 namespace isosurface
 {
 
+struct BlockModel;
+
 /**
  * Edge-index encoding of isosurfaces: X. Zhang, C. Bajaj and W. Blanke, "Scalable isosurface
  * visualization of massive datasets on commodity off-the-shelf clusters", J. Parallel Distrib.
@@ -31,8 +33,9 @@ namespace isosurface
 class EdgeIndexEncoder
 {
 public:
-  /// The header must be valid (EdgeIndexHeader::Check).
-  explicit EdgeIndexEncoder(const EdgeIndexHeader& header);
+  /// The header must be valid (EdgeIndexHeader::Check). For training only: with `learning`, a model
+  /// of the header's profile, blocks are coded by it and it goes on learning.
+  explicit EdgeIndexEncoder(const EdgeIndexHeader& header, BlockModel* learning = nullptr);
   ~EdgeIndexEncoder();
   EdgeIndexEncoder(const EdgeIndexEncoder&) = delete;
   EdgeIndexEncoder& operator=(const EdgeIndexEncoder&) = delete;
@@ -58,8 +61,8 @@ private:
  *
  * Errors: InvalidArgument, whatever Acquire returns, OutOfMemory, Aborted.
  */
-Result<std::vector<std::uint8_t>> EncodeSurface(const EdgeIndexHeader& header, BlockSource& source,
-  int threads, const Progress& progress = {});
+Result<std::vector<std::uint8_t>> EncodeSurface(
+  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress = {});
 
 } // namespace isosurface
 

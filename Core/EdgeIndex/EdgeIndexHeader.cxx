@@ -169,8 +169,9 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
 Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   const std::uint8_t* bytes, std::size_t size, std::size_t& used)
 {
-  const auto corrupt = [](const char* reason) -> Status
-  { return { StatusCode::Corrupt, std::string("The edge-index header ") + reason + "." }; };
+  const auto corrupt = [](const char* reason) -> Status {
+    return { StatusCode::Corrupt, std::string("The edge-index header ") + reason + "." };
+  };
   used = 0;
   if (size < FixedSize + ChecksumSize)
   {

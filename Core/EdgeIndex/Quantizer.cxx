@@ -15,8 +15,7 @@ Quantizer::Quantizer(const EdgeIndexSettings& settings, double isovalue)
   , Last((std::int64_t(1) << settings.QuantizationBits) - 1)
 {
   this->Step = (settings.QuantizationMaximum - this->Minimum) / static_cast<double>(this->Last);
-  this->Threshold =
-    FindThreshold<float>(isovalue).value_or(std::numeric_limits<float>::infinity());
+  this->Threshold = FindThreshold<float>(isovalue).value_or(std::numeric_limits<float>::infinity());
   this->Below = std::nextafter(this->Threshold, -std::numeric_limits<float>::infinity());
   std::int64_t low = 0;
   std::int64_t high = this->Last + 1;

@@ -11,9 +11,9 @@ namespace isosurface
 {
 
 /**
- * Values rounded to equal steps, as the paper has it: a value that comes to lie on the other side of
- * the isovalue by that is shifted to the nearest step on its own side. Codes count steps from the
- * first one that is inside.
+ * Values rounded to equal steps, as the paper has it: a value that comes to lie on the other side
+ * of the isovalue by that is shifted to the nearest step on its own side. Codes count steps from
+ * the first one that is inside.
  */
 class Quantizer
 {

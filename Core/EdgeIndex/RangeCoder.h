@@ -67,8 +67,7 @@ public:
   {
     const std::uint64_t unit = this->Range >> FrequencyBits;
     this->Advance(unit * cumulative[symbol]);
-    this->Range =
-      unit * static_cast<std::uint64_t>(cumulative[symbol + 1] - cumulative[symbol]);
+    this->Range = unit * static_cast<std::uint64_t>(cumulative[symbol + 1] - cumulative[symbol]);
     this->Normalize();
     return symbol;
   }
@@ -167,8 +166,7 @@ public:
       symbol += this->Code >= unit * cumulative[n] ? 1 : 0;
     }
     this->Code -= unit * cumulative[symbol];
-    this->Range =
-      unit * static_cast<std::uint64_t>(cumulative[symbol + 1] - cumulative[symbol]);
+    this->Range = unit * static_cast<std::uint64_t>(cumulative[symbol + 1] - cumulative[symbol]);
     this->Normalize();
     return symbol;
   }

@@ -3,6 +3,7 @@
 #define isosurface_ResidualCoder_h
 
 #include "EdgeIndex/AdaptiveModels.h"
+#include "EdgeIndex/EdgeIndexPriors.h"
 
 #include <algorithm>
 #include <array>
@@ -19,25 +20,28 @@ inline int MeasureMagnitude(std::uint64_t magnitude)
   constexpr std::uint64_t most = (std::uint64_t(1) << 62) - 1;
   const std::uint64_t number = (magnitude < most ? magnitude : most) + 1;
   const int exponent = 63 - __builtin_clzll(number);
-  const std::uint64_t fraction = exponent >= 3 ? number >> (exponent - 3) : number << (3 - exponent);
+  const std::uint64_t fraction =
+    exponent >= 3 ? number >> (exponent - 3) : number << (3 - exponent);
   return 8 * exponent + static_cast<int>(fraction & 7);
 }
 
 /// What is known before a magnitude comes.
 struct ResidualContext
 {
-  int Level = 0;                      ///< the magnitude to expect, as MeasureMagnitude gives it
-  std::array<std::uint32_t, 5> Sides{}; ///< further contexts, below 64 each; the first also if fast
+  int Level = 0; ///< the magnitude to expect, as MeasureMagnitude gives it
+  std::array<std::uint32_t, 5>
+    Sides{}; ///< further contexts, below 128 each; the first also if fast
 };
 
 /// What is known about magnitudes.
 struct ResidualModel
 {
   static constexpr int NumberOfLevels = 32;
-  static constexpr int NumberOfSides = 64;
+  static constexpr int NumberOfSides = 128;
+  static constexpr int NumberOfMixerSets = 4;
   static constexpr int NumberOfSideTables = 5;
 
-  explicit ResidualModel(bool mixed);
+  ResidualModel(bool mixed, const ResidualPriors& priors);
 
   /// If not mixed: by level and the first side (8 of them).
   std::vector<AdaptiveSymbol> Symbols;
@@ -140,6 +144,7 @@ private:
                                  context.Sides[n]) *
           nodes];
     }
+    const std::size_t mixers = static_cast<std::size_t>(std::min(level / 5, 3)) * nodes;
     std::size_t node = 1;
     for (int bit = 3; bit >= 0; --bit)
     {
@@ -148,8 +153,8 @@ private:
       {
         models[n] = tables[n] + node;
       }
-      const bool one = CodeMixed<ResidualModel::NumberOfSideTables + 1>(this->Output, models,
-        this->Model.Mixers[row + node], (symbol >> bit & 1) != 0, 250, 2);
+      const bool one = CodeMixed<ResidualModel::NumberOfSideTables + 1>(
+        this->Output, models, this->Model.Mixers[mixers + node], (symbol >> bit & 1) != 0, 250, 1);
       node = 2 * node + (one ? 1 : 0);
     }
     return static_cast<int>(node - nodes);

@@ -184,8 +184,8 @@ private:
     if (!whole)
     {
       const int bits = length == 1 ? 0 : 32 - __builtin_clz(static_cast<unsigned>(length - 1));
-      position = static_cast<int>(
-        this->Output.CodeUniform(static_cast<std::uint32_t>(position), bits));
+      position =
+        static_cast<int>(this->Output.CodeUniform(static_cast<std::uint32_t>(position), bits));
       position = std::min(position, length - 1); // of bytes that no encoder wrote
     }
     else
@@ -238,10 +238,9 @@ private:
     const std::uint32_t z = rows.Z.GetWindow(x) ^ flip;
     const std::uint32_t zm = rows.ZM.GetWindow(x) ^ flip;
     const std::uint32_t zp = rows.ZP.GetWindow(x) ^ flip;
-    const std::uint32_t near = (y >> 1 & 7) | (z >> 1 & 7) << 3 | (zm >> 1 & 7) << 6 |
-      (zp >> 1 & 7) << 9;
-    AdaptiveBit& nearModel =
-      this->Model.Near[near | firstSlice << SignModel::NumberOfNeighbors];
+    const std::uint32_t near =
+      (y >> 1 & 7) | (z >> 1 & 7) << 3 | (zm >> 1 & 7) << 6 | (zp >> 1 & 7) << 9;
+    AdaptiveBit& nearModel = this->Model.Near[near | firstSlice << SignModel::NumberOfNeighbors];
     const bool flipped = left != 0;
     if constexpr (!Mixed)
     {
@@ -262,17 +261,15 @@ private:
     const std::uint32_t nearCount = count(near);
     const std::uint32_t farCount = count(out) + count(yy) + count(zz) + count(zmm) + count(zpp);
     constexpr std::uint32_t mask = (1u << SignModel::HashBits) - 1;
-    const std::uint32_t hashes[SignModel::NumberOfHashed] = {
-      Hash(near | out << 12),
-      Hash((near | out << 12) ^ ((zmm >> 2 & 1) << 20 | (zpp >> 2 & 1) << 21 | (yy >> 1 & 1) << 22 |
-                                  (yy >> 3 & 1) << 23 | (zz >> 1 & 1) << 24 |
-                                  (zz >> 3 & 1) << 25 | 1u << 30)),
+    const std::uint32_t hashes[SignModel::NumberOfHashed] = { Hash(near | out << 12),
+      Hash((near | out << 12) ^
+        ((zmm >> 2 & 1) << 20 | (zpp >> 2 & 1) << 21 | (yy >> 1 & 1) << 22 | (yy >> 3 & 1) << 23 |
+          (zz >> 1 & 1) << 24 | (zz >> 3 & 1) << 25 | 1u << 30)),
       nearCount | farCount << 4 | core << 9,
       Hash(near | (zz >> 1 & 7) << 12 | (zzm >> 2 & 1) << 15 | (zzp >> 2 & 1) << 16 |
         (yy >> 1 & 7) << 17 | left2 << 20 | 1u << 31),
       Hash(core | out << 5 | (zmm >> 1 & 7) << 12 | (zpp >> 1 & 7) << 15 | (yy >> 1 & 7) << 18 |
-        left << 21 | 3u << 30)
-    };
+        left << 21 | 3u << 30) };
     AdaptiveBit* models[SignModel::NumberOfHashed + 1] = { &nearModel };
     for (std::size_t n = 0; n < SignModel::NumberOfHashed; ++n)
     {
@@ -280,7 +277,7 @@ private:
     }
     const std::size_t mixer = core | left2 << 5 | firstSlice << 6;
     return CodeMixed<SignModel::NumberOfHashed + 1>(
-             this->Output, models, this->Model.Mixers[mixer], bit != flipped, 400, 2) != flipped;
+             this->Output, models, this->Model.Mixers[mixer], bit != flipped, 800, 1) != flipped;
   }
 
   Coder& Output;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/EdgeIndexPriors.h"
 #include "EdgeIndex/SignCoder.h"
 
 namespace isosurface
@@ -6,10 +7,6 @@ namespace isosurface
 
 SignModel::SignModel(bool mixed)
 {
-  for (LogisticMixer& mixer : this->Mixers)
-  {
-    mixer.Weights = { 5200, 4000, 3000, 3600, 3000, 3000, 0, 0 };
-  }
   if (mixed)
   {
     for (std::vector<AdaptiveBit>& table : this->Hashed)
@@ -17,6 +14,7 @@ SignModel::SignModel(bool mixed)
       table.resize(std::size_t(1) << HashBits);
     }
   }
+  ApplyPriors(*this);
 }
 
 } // namespace isosurface

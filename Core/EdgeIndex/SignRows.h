@@ -67,8 +67,8 @@ struct SignRow
     const bool first = this->Get(0);
     const bool last = this->Get(size - 1);
     const std::uint64_t left = (std::uint64_t(1) << Margin) - 1;
-    this->Words[0] = (this->Words[0] & mask.Words[0]) | (first ? left : 0) |
-      (last ? ~mask.Words[0] & ~left : 0);
+    this->Words[0] =
+      (this->Words[0] & mask.Words[0]) | (first ? left : 0) | (last ? ~mask.Words[0] & ~left : 0);
     this->Words[1] = (this->Words[1] & mask.Words[1]) | (last ? ~mask.Words[1] : 0);
   }
 };

@@ -166,8 +166,8 @@ private:
     this->Own = own;
     for (std::size_t n = 0; n < Taps; ++n)
     {
-      this->ShortWeights[n] = static_cast<std::int16_t>(
-        std::clamp(this->Model.Weights[n] >> 12, -32767, 32767));
+      this->ShortWeights[n] =
+        static_cast<std::int16_t>(std::clamp(this->Model.Weights[n] >> 12, -32767, 32767));
     }
   }
 
@@ -272,8 +272,8 @@ private:
       const auto number = static_cast<std::int64_t>(std::min(magnitude, limit));
       if (number > 2 * room)
       {
-        code = middle - least > greatest - middle ? middle - (number - room)
-                                                  : middle + (number - room);
+        code =
+          middle - least > greatest - middle ? middle - (number - room) : middle + (number - room);
       }
       else
       {
@@ -341,6 +341,10 @@ private:
       const auto place = [unit, height](int other)
       { return static_cast<std::uint32_t>(std::clamp((other - height) / unit + 2, 0, 3)); };
       context.Sides[4] = place(p[-1]) | place(p[-RowStride]) << 2 | place(z[0]) << 4;
+      for (std::uint32_t& side : context.Sides)
+      {
+        side |= this->Inside ? 64 : 0;
+      }
     }
   }
 
@@ -357,8 +361,9 @@ private:
       const std::int32_t weight = this->Model.Weights[n] + (this->Inputs[n] * step >> 8);
       this->Model.Weights[n] = weight < -most ? -most : weight > most ? most : weight;
       const std::int32_t rounded = this->Model.Weights[n] >> 12;
-      this->ShortWeights[n] = static_cast<std::int16_t>(
-        rounded < -32767 ? -32767 : rounded > 32767 ? 32767 : rounded);
+      this->ShortWeights[n] = static_cast<std::int16_t>(rounded < -32767 ? -32767
+          : rounded > 32767                                              ? 32767
+                                                                         : rounded);
     }
   }
 
@@ -369,7 +374,8 @@ private:
   int SizeY;
 
   std::array<Plane, 3> Heights;
-  std::array<std::size_t, 3> Planes{ 0, 1, 2 }; ///< of this slice, the one before, the one before it
+  std::array<std::size_t, 3> Planes{ 0, 1,
+    2 }; ///< of this slice, the one before, the one before it
   /// The magnitude that came last at each place of a slice.
   std::array<std::uint16_t, (MaximumCodedVertices + 2) * RowStride> Levels;
   RelevantSlice Vertices;

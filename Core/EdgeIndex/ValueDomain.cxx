@@ -39,8 +39,8 @@ Float CodeToFloat(std::int64_t code)
 
 std::int32_t ClampHeight(std::int64_t height)
 {
-  return static_cast<std::int32_t>(std::clamp<std::int64_t>(
-    height, -ValueDomain::MostHeight, ValueDomain::MostHeight));
+  return static_cast<std::int32_t>(
+    std::clamp<std::int64_t>(height, -ValueDomain::MostHeight, ValueDomain::MostHeight));
 }
 
 // The double nearest to a value of a type with 64-bit codes, and the value nearest to a double.
@@ -66,13 +66,13 @@ std::int64_t DoubleToCode(ValueType type, double value)
   {
     case ValueType::Float32:
       // Beyond the range of float the conversion is undefined.
-      return FloatToCode<std::int32_t>(static_cast<float>(std::clamp(value,
-        static_cast<double>(std::numeric_limits<float>::lowest()),
-        static_cast<double>(std::numeric_limits<float>::max()))));
+      return FloatToCode<std::int32_t>(static_cast<float>(
+        std::clamp(value, static_cast<double>(std::numeric_limits<float>::lowest()),
+          static_cast<double>(std::numeric_limits<float>::max()))));
     case ValueType::Float64:
       return FloatToCode<std::int64_t>(value);
     case ValueType::UInt64:
-      return value < 0 ? 0
+      return value < 0       ? 0
         : value >= 2 * two63 ? -1
                              : static_cast<std::int64_t>(static_cast<std::uint64_t>(value));
     default:
@@ -172,8 +172,8 @@ std::int32_t ValueDomain::ToHeight(std::int64_t code) const
   if (this->Codes == Kind::Offsets)
   {
     const std::int64_t middle = 2 * code + 1; // in halves
-    return ClampHeight(
-      this->Scale >= 1 ? middle * (std::int64_t(1) << (this->Scale - 1)) : middle >> (1 - this->Scale));
+    return ClampHeight(this->Scale >= 1 ? middle * (std::int64_t(1) << (this->Scale - 1))
+                                        : middle >> (1 - this->Scale));
   }
   const double steps = (CodeToDouble(this->Type, code) - this->Isovalue) / this->Unit;
   constexpr auto most = static_cast<double>(MostHeight);

@@ -5,19 +5,11 @@ namespace isosurface
 {
 
 ValueModel::ValueModel(bool mixed)
-  : Residuals(mixed)
+  : Residuals(mixed, Priors.Values)
   , MeanHeight(700 << 6)
   , MeanLevel(24 * 16)
 {
-  this->Weights.fill(0);
-  for (const std::size_t tap : { 0, 1, 2 })
-  {
-    this->Weights[tap] = 1 << 24;
-  }
-  for (const std::size_t tap : { 3, 5, 7 })
-  {
-    this->Weights[tap] = -6710886;
-  }
+  ApplyPriors(*this);
 }
 
 void FindRelevant(const SignSlice& slice, const SignSlice* below, const SignSlice* above, int sizeX,

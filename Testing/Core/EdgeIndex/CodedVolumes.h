@@ -29,8 +29,10 @@ TestVolume<T> MakeWaves(const Index3& dimensions, double noise)
   double middle = 0;
   if (!std::is_floating_point_v<T>)
   {
-    scale = 0.4 * (std::ldexp(1.0, std::numeric_limits<T>::digits) -
-                    static_cast<double>(std::numeric_limits<T>::min())) / 2;
+    scale = 0.4 *
+      (std::ldexp(1.0, std::numeric_limits<T>::digits) -
+        static_cast<double>(std::numeric_limits<T>::min())) /
+      2;
     middle = std::is_signed_v<T> ? 0 : std::ldexp(0.5, std::numeric_limits<T>::digits);
   }
   for (std::int64_t k = 0; k < dimensions[2]; ++k)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "EdgeIndex/AdaptiveModels.h"
 #include "EdgeIndex/RangeCoder.h"
+#include "EdgeIndex/AdaptiveModels.h"
 
 #include <gtest/gtest.h>
 
