@@ -8,7 +8,7 @@
  *           make; quantized, as the paper has it
  *   Draco   compression levels 7 and 10, positions of 11 and 14 bits, connectivity by edgebreaker
  *
- * and the ratios that Documentation/dev/codec.md cites.
+ * and the ratios that Documentation/dev/edge-index.md cites.
  */
 #include "Contour/SurfaceExtractor.h"
 #include "EdgeIndex/EdgeIndexDecoder.h"

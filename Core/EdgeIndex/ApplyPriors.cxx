@@ -129,7 +129,7 @@ std::string WritePriors(const BlockModel& mixed, const BlockModel& fast)
 {
   std::ostringstream text;
   text << "// SPDX-License-Identifier: BSD-3-Clause\n"
-          "// Written by TrainEdgeIndexPriors; see Documentation/dev/codec.md.\n"
+          "// Written by TrainEdgeIndexPriors; see Documentation/dev/edge-index.md.\n"
           "#include \"EdgeIndex/EdgeIndexPriors.h\"\n\n"
           "namespace isosurface\n{\n\n"
           "// clang-format off\n"

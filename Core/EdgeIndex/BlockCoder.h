@@ -37,7 +37,7 @@ public:
   virtual bool FinishSlice(int z) = 0;
 };
 
-/// What is known about a block, as it is at the begin of each.
+/// What is known about a block.
 struct BlockModel
 {
   explicit BlockModel(bool mixed)
@@ -50,6 +50,9 @@ struct BlockModel
   ValueModel Values;
   CrossingModel Crossings;
 };
+
+/// A model as it is at the begin of each block; made once.
+const BlockModel& GetFreshModel(bool mixed);
 
 /**
  * The code of a block: for each slice first the signs of the next one, since they tell which

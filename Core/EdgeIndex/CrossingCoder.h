@@ -47,11 +47,13 @@ public:
     , SizeX(sizeX)
     , SizeY(sizeY)
   {
-    for (auto& plane : this->Positions)
+    this->Reciprocal = (std::uint64_t{ 1 } << 40) / bins;
+    for (std::size_t n = 0; n < 3; ++n)
     {
-      for (CrossingPlane& positions : plane)
+      this->Planes[n] = &this->Memory[n];
+      for (CrossingPlane& plane : this->Memory[n])
       {
-        positions.fill(CrossingFit::None);
+        plane.Positions.fill(CrossingFit::None);
       }
     }
     for (auto& levels : this->Levels)
@@ -60,16 +62,26 @@ public:
     }
   }
 
+  CrossingCoder(const CrossingCoder&) = delete;
+  CrossingCoder& operator=(const CrossingCoder&) = delete;
+
   /// Goes on to the next slice. `above` is null for the last one.
   void BeginSlice(const SignSlice& signs, const SignSlice* below, const SignSlice* above)
   {
-    std::swap(this->Positions[0], this->Positions[1]);
+    std::swap(this->Planes[0], this->Planes[1]);
     this->Slices = { below ? below : &signs, &signs, above ? above : &signs };
     this->IsLast = !above;
-    this->MarkCrossings(signs, above, this->Positions[0]);
+    this->MarkCrossings(signs, above, *this->Planes[0]);
     if (Mixed && above)
     {
-      this->MarkCrossings(*above, nullptr, this->Positions[2]);
+      this->MarkCrossings(*above, nullptr, *this->Planes[2]);
+    }
+    else
+    {
+      for (CrossingPlane& plane : *this->Planes[2])
+      {
+        plane.Crossed.fill(SignRow());
+      }
     }
   }
 
@@ -105,17 +117,17 @@ private:
 
   // Tells for each edge of a slice whether there will be a crossing.
   void MarkCrossings(
-    const SignSlice& slice, const SignSlice* above, std::array<CrossingPlane, 3>& positions) const
+    const SignSlice& slice, const SignSlice* above, std::array<CrossingPlane, 3>& planes) const
   {
     for (int axis = 0; axis < 3; ++axis)
     {
-      CrossingPlane& plane = positions[static_cast<std::size_t>(axis)];
-      plane.fill(CrossingFit::None);
+      CrossingPlane& plane = planes[static_cast<std::size_t>(axis)];
       for (int y = 0; y < this->SizeY; ++y)
       {
-        float* row = plane.data() + (y + 2) * RowStride + CrossingFit::RowMargin;
-        VisitBits(
-          this->FindCrossed(axis, y, slice, above), [row](int x) { row[x] = CrossingFit::Later; });
+        const SignRow crossed = this->FindCrossed(axis, y, slice, above);
+        plane.Crossed[static_cast<std::size_t>(y + 2)] = crossed;
+        std::int16_t* row = plane.Positions.data() + (y + 2) * RowStride + CrossingFit::RowMargin;
+        VisitBits(crossed, [row](int x) { row[x] = CrossingFit::Later; });
       }
     }
   }
@@ -129,19 +141,21 @@ private:
       if (missing)
       {
         bin = this->Bins;
-        this->Positions[0][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
+        (*this->Planes[0])[static_cast<std::size_t>(axis)].Positions[static_cast<std::size_t>(at)] =
           CrossingFit::None;
         return;
       }
     }
     const bool inside = this->Slices[1]->At(y).Get(x);
     const CrossingFit::Result fit = Mixed
-      ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Positions)
-      : this->Fit.PredictParallel(axis, at, this->Positions);
-    const double position = fit.Position * this->Bins;
-    const auto middle = static_cast<std::int32_t>(std::clamp(
-      static_cast<std::int64_t>(position), std::int64_t(0), std::int64_t(this->Bins) - 1));
-    const int quarter = std::clamp(static_cast<int>((position - middle) * 4), 0, 3);
+      ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Planes)
+      : this->Fit.PredictParallel(axis, x, y, at, this->Planes);
+    // In units of 2^-16 intervals.
+    const std::int64_t position = std::int64_t{ fit.Position } * this->Bins;
+    const auto middle = static_cast<std::int32_t>(
+      std::min<std::int64_t>(position >> 16, std::int64_t{ this->Bins } - 1));
+    const int quarter = static_cast<int>(
+      std::min<std::int64_t>((position - (std::int64_t{ middle } << 16)) >> 14, 3));
     const bool lowerFirst = quarter < 2;
     const auto last = static_cast<std::int32_t>(this->Bins) - 1;
     const std::int32_t room = std::min(middle, last - middle);
@@ -201,8 +215,7 @@ private:
       const auto fine = static_cast<std::uint32_t>(std::clamp(level / 3, 0, 15));
       const auto steep = static_cast<std::uint32_t>(fit.Steepness);
       const auto side = static_cast<std::uint32_t>(quarter);
-      const auto sixteenth =
-        static_cast<std::uint32_t>(std::clamp(static_cast<int>(fit.Position * 16), 0, 15));
+      const auto sixteenth = static_cast<std::uint32_t>(std::min(fit.Position >> 12, 15));
       context.Sides[0] |= side << 3;
       context.Sides[1] = fine | side << 4;
       context.Sides[2] = steep | static_cast<std::uint32_t>(axis) << 3;
@@ -211,16 +224,15 @@ private:
     }
   }
 
-  void Learn(int axis, std::ptrdiff_t at, std::uint32_t bin, double position)
+  void Learn(int axis, std::ptrdiff_t at, std::uint32_t bin, std::int64_t position)
   {
-    const double center = bin + 0.5;
-    const double error = (center - position) * 8;
+    const std::int64_t error = 8 * std::int64_t{ bin } + 4 - (position >> 13);
     const int measured = MeasureMagnitude(static_cast<std::uint64_t>(error < 0 ? -error : error));
     this->Levels[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
       static_cast<std::uint16_t>(measured);
     this->Model.MeanLevel += measured - this->Model.MeanLevel / 16;
-    this->Positions[0][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
-      static_cast<float>(center / this->Bins);
+    (*this->Planes[0])[static_cast<std::size_t>(axis)].Positions[static_cast<std::size_t>(at)] =
+      static_cast<std::int16_t>((2 * std::uint64_t{ bin } + 1) * this->Reciprocal >> 31);
   }
 
   Coder& Output;
@@ -233,8 +245,10 @@ private:
   int SizeY;
   bool IsLast = false;
   std::array<const SignSlice*, 3> Slices{}; ///< before, this one, after
-  CrossingPositions Positions;              ///< [this slice, the one before, the next one][axis]
-  std::array<std::array<std::uint16_t, CrossingFit::PlaneSize>, 3> Levels;
+  std::uint64_t Reciprocal = 0;             ///< 2^40 / Bins
+  std::array<std::array<CrossingPlane, 3>, 3> Memory;
+  CrossingPlanes Planes{}; ///< [this slice, the one before, the next one][axis]
+  std::array<std::array<std::uint16_t, CrossingPlaneSize>, 3> Levels;
 };
 
 } // namespace isosurface

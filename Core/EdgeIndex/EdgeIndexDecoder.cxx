@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndex/EdgeIndexDecoder.h"
 
-#include "Contour/SurfaceExtractor.h"
 #include "EdgeIndex/BlockCoder.h"
+#include "EdgeIndex/IsovalueJoin.h"
 #include "EdgeIndex/Quantizer.h"
 #include "Volume/ValueKey.h"
 
@@ -52,27 +52,27 @@ class DecodedBlock : public BlockValues
 {
 public:
   DecodedBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record, DecodedMemory& memory)
-    : Isovalue(header.Isovalues[record.Isovalue])
+    : Isovalue(header.Isovalues[record.Block.Isovalue])
     , Bins(header.GetNumberOfBins())
     , Type(header.GetDecodedType())
     , Memory(memory)
   {
-    const Index3 size = record.Vertices.GetSize();
+    const Index3 size = record.Block.Vertices.GetSize();
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       this->Size[axis] = static_cast<int>(size[axis]);
     }
-    const auto vertices = static_cast<std::size_t>(record.Vertices.GetNumberOfVertices());
+    const auto vertices = static_cast<std::size_t>(record.Block.Vertices.GetNumberOfVertices());
     this->ValueSize = GetValueSize(this->Type);
     memory.Samples = Buffer<std::uint8_t>(vertices * this->ValueSize);
-    if (record.Coding == BlockCoding::Crossings)
+    if (record.Block.Coding == BlockCoding::Crossings)
     {
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
         memory.Crossings[axis] = Buffer<float>(vertices);
         memory.View.First[axis] = memory.Crossings[axis].GetData();
       }
-      memory.View.Box = record.Vertices;
+      memory.View.Box = record.Block.Vertices;
     }
   }
 
@@ -176,14 +176,14 @@ template <bool Mixed>
 void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record, RangeDecoder& decoder,
   DecodedBlock& block)
 {
-  const auto model = std::make_unique<BlockModel>(Mixed);
+  const auto model = std::make_unique<BlockModel>(GetFreshModel(Mixed));
   BlockCoder<RangeDecoder, Mixed> coder(decoder, *model, block.GetSize());
-  if (record.Coding == BlockCoding::Crossings)
+  if (record.Block.Coding == BlockCoding::Crossings)
   {
-    coder.CodeCrossings(header.GetNumberOfBins(), record.HasMissing, block);
+    coder.CodeCrossings(header.GetNumberOfBins(), record.Block.HasMissing, block);
     return;
   }
-  const double isovalue = header.Isovalues[record.Isovalue];
+  const double isovalue = header.Isovalues[record.Block.Isovalue];
   std::optional<Quantizer> quantizer;
   std::optional<ValueDomain> domain;
   if (header.Settings.Mode == EdgeIndexMode::Quantized)
@@ -227,14 +227,14 @@ Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexR
   }
   BlockSamples samples;
   SampleView& view = samples.Scalars;
-  const Index3 size = record.Vertices.GetSize();
+  const Index3 size = record.Block.Vertices.GetSize();
   view.Type = header.GetDecodedType();
   view.First = memory->Samples.GetData();
   view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
     static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-  view.Box = record.Vertices;
-  view.Available = record.Vertices;
-  if (record.Coding == BlockCoding::Crossings)
+  view.Box = record.Block.Vertices;
+  view.Available = record.Block.Vertices;
+  if (record.Block.Coding == BlockCoding::Crossings)
   {
     samples.Crossings = &memory->View;
   }
@@ -244,81 +244,6 @@ Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexR
 
 namespace
 {
-
-template <typename T>
-void AppendBuffer(Buffer<T>& to, const Buffer<T>& from)
-{
-  Buffer<T> joined(to.GetSize() + from.GetSize());
-  std::copy(to.begin(), to.end(), joined.begin());
-  std::copy(from.begin(), from.end(), joined.begin() + to.GetSize());
-  to = std::move(joined);
-}
-
-// The entries of both, those of `from` raised; the first `skip` entries of `to` from the end on go.
-void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, std::size_t drop)
-{
-  const std::size_t kept = to.GetSize() - std::min(drop, to.GetSize());
-  const std::size_t size = kept + from.GetSize();
-  std::int64_t largest = raise;
-  for (std::size_t n = 0; n < from.GetSize(); ++n)
-  {
-    largest = std::max(largest, from[n] + raise);
-  }
-  IndexArray joined;
-  joined.Is64Bit = to.Is64Bit || from.Is64Bit || largest > std::numeric_limits<std::int32_t>::max();
-  const auto fill = [&](auto& values)
-  {
-    using Id = std::decay_t<decltype(values[0])>;
-    values = std::decay_t<decltype(values)>(size);
-    for (std::size_t n = 0; n < kept; ++n)
-    {
-      values[n] = static_cast<Id>(to[n]);
-    }
-    for (std::size_t n = 0; n < from.GetSize(); ++n)
-    {
-      values[kept + n] = static_cast<Id>(from[n] + raise);
-    }
-  };
-  if (joined.Is64Bit)
-  {
-    fill(joined.Values64);
-  }
-  else
-  {
-    fill(joined.Values32);
-  }
-  to = std::move(joined);
-}
-
-// Joins the surface of the next isovalue to those before.
-void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
-{
-  for (std::int64_t& id : next.GlobalIds)
-  {
-    id += firstGlobalId;
-  }
-  if (surface.Parts.empty())
-  {
-    surface = std::move(next);
-    return;
-  }
-  SurfacePart part = next.Parts.front();
-  part.FirstPoint = surface.NumberOfPoints;
-  part.FirstCell = surface.NumberOfCells;
-  surface.Parts.push_back(part);
-  AppendBuffer(surface.Points, next.Points);
-  AppendBuffer(surface.GlobalIds, next.GlobalIds);
-  AppendIndices(
-    surface.Offsets, next.Offsets, static_cast<std::int64_t>(surface.Connectivity.GetSize()), 1);
-  AppendIndices(
-    surface.Connectivity, next.Connectivity, static_cast<std::int64_t>(surface.NumberOfPoints), 0);
-  surface.NumberOfPoints += next.NumberOfPoints;
-  surface.NumberOfCells += next.NumberOfCells;
-  surface.NumberOfTriangles += next.NumberOfTriangles;
-  surface.NumberOfBlocks += next.NumberOfBlocks;
-  surface.AcquireSeconds += next.AcquireSeconds;
-  surface.TotalSeconds += next.TotalSeconds;
-}
 
 Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
   const ContourRequest& request, int threads, const Progress& progress)
@@ -338,35 +263,17 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
     {
       return record.GetStatus();
     }
-    records[record->Isovalue].push_back(*record);
+    if (!record->Block.IsPreview)
+    {
+      records[record->Block.Isovalue].push_back(*record);
+    }
   }
-  Surface surface;
-  const double isovalues = static_cast<double>(records.size());
-  for (std::size_t isovalue = 0; isovalue < records.size(); ++isovalue)
+  std::vector<std::unique_ptr<BlockSource>> sources;
+  for (std::vector<EdgeIndexRecord>& blocks : records)
   {
-    ContourRequest one = request;
-    one.Isovalues = { header->Isovalues[isovalue] };
-    one.Attributes.clear();
-    Progress part;
-    if (progress)
-    {
-      part = [&progress, isovalue, isovalues](double share)
-      { return progress((static_cast<double>(isovalue) + share) / isovalues); };
-    }
-    EdgeIndexBlockSource source(*header, std::move(records[isovalue]));
-    Result<Surface> next = ExtractSurface(header->Geometry, source, one, threads, part);
-    if (!next.IsOk())
-    {
-      // The places of blocks are bytes, too.
-      const Status& status = next.GetStatus();
-      return status.GetCode() == StatusCode::InvalidArgument
-        ? Status(StatusCode::Corrupt, "The edge-index stream is corrupt: " + status.GetMessage())
-        : status;
-    }
-    AppendSurface(surface, std::move(*next),
-      static_cast<std::int64_t>(isovalue) * 3 * header->Geometry.GetNumberOfVertices());
+    sources.push_back(std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)));
   }
-  return surface;
+  return JoinIsovalues(*header, sources, request, threads, progress);
 }
 
 } // namespace
@@ -374,11 +281,6 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
 Result<Surface> DecodeSurface(const std::uint8_t* bytes, std::size_t size,
   const ContourRequest& request, int threads, const Progress& progress)
 {
-  if (request.Normals)
-  {
-    return Status(StatusCode::InvalidArgument,
-      "An edge-index stream has no gradients; normals can be computed of the triangles.");
-  }
   try
   {
     return DecodeWithinMemory(bytes, size, request, threads, progress);

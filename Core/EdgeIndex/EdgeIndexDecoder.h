@@ -21,6 +21,8 @@ namespace isosurface
  * and, as far as the mode keeps it, the right value at the ends of crossed edges; and (Bounded)
  * where on their edges the points lie. Marching cubes of them is the encoded surface.
  *
+ * header: that of the stream, or its MakePreview() for a block of the preview.
+ *
  * Errors: Corrupt. Memory: beside the samples that of the encoder. For one thread at a time.
  */
 Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record);
@@ -42,9 +44,12 @@ public:
   std::size_t GetNumberOfBlocks() const override { return this->Records.size(); }
   Index3 GetLatticeCoordinates(std::size_t block) const override
   {
-    return this->Records[block].Lattice;
+    return this->Records[block].Block.Lattice;
   }
-  VertexBox GetVertices(std::size_t block) const override { return this->Records[block].Vertices; }
+  VertexBox GetVertices(std::size_t block) const override
+  {
+    return this->Records[block].Block.Vertices;
+  }
   ValueType GetValueType() const override { return this->Header.GetDecodedType(); }
   Result<BlockSamples> Acquire(std::size_t block) override
   {

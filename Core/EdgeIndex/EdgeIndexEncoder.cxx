@@ -83,7 +83,23 @@ public:
   }
 
   const int* GetSize() const { return this->Size.data(); }
+  std::uint32_t GetBins() const { return this->Bins; }
   bool IsCrossed() const { return this->Crossed; }
+  std::uint64_t CountPoints() const
+  {
+    std::uint64_t points = 0;
+    this->VisitCrossedRows(
+      [&points](int, int, const SignRow(&edges)[3])
+      {
+        for (const SignRow& row : edges)
+        {
+          points += static_cast<std::uint64_t>(
+            __builtin_popcountll(row.Words[0]) + __builtin_popcountll(row.Words[1]));
+        }
+        return true;
+      });
+    return points;
+  }
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
   void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
 
@@ -182,17 +198,16 @@ private:
       });
   }
 
-  // Calls functor(first sample, axis) for crossed edges until it returns false.
+  // Calls functor(y, z, crossed edges along each axis) for rows until it returns false.
   template <typename Functor>
-  void VisitCrossings(const Functor& functor) const
+  void VisitCrossedRows(const Functor& functor) const
   {
-    bool goesOn = true;
     const SignRow vertices = SignRow::MakeMask(this->Size[0]);
     const SignRow cells = SignRow::MakeMask(this->Size[0] - 1);
-    for (int z = 0; z < this->Size[2] && goesOn; ++z)
+    for (int z = 0; z < this->Size[2]; ++z)
     {
       const SignSlice& slice = this->Signs[static_cast<std::size_t>(z)];
-      for (int y = 0; y < this->Size[1] && goesOn; ++y)
+      for (int y = 0; y < this->Size[1]; ++y)
       {
         const SignRow& row = slice.At(y);
         SignRow edges[3] = { (row ^ row.ShiftDown()) & cells, SignRow(), SignRow() };
@@ -204,13 +219,29 @@ private:
         {
           edges[2] = (row ^ this->Signs[static_cast<std::size_t>(z + 1)].At(y)) & vertices;
         }
+        if (!functor(y, z, edges))
+        {
+          return;
+        }
+      }
+    }
+  }
+
+  // Calls functor(first sample, axis) for crossed edges until it returns false.
+  template <typename Functor>
+  void VisitCrossings(const Functor& functor) const
+  {
+    this->VisitCrossedRows(
+      [&](int y, int z, const SignRow(&edges)[3])
+      {
+        bool goesOn = true;
         for (int axis = 0; axis < 3; ++axis)
         {
           VisitBits(
             edges[axis], [&](int x) { goesOn = goesOn && functor(this->At(x, y, z), axis); });
         }
-      }
-    }
+        return goesOn;
+      });
   }
 
   void Classify();
@@ -293,16 +324,16 @@ class EdgeIndexEncoder::Work
 public:
   Work(const EdgeIndexHeader& header, BlockModel* learning)
     : Header(header)
+    , Preview(header.MakePreview())
     , Learning(learning)
     , Mixed(header.Settings.Profile == EdgeIndexProfile::Default)
-    , Fresh(Mixed)
-    , Model(Mixed)
+    , Model(GetFreshModel(Mixed))
   {
   }
 
   void EncodeValues(SampledBlock& block, EdgeIndexRecord& record, std::vector<std::uint8_t>& code)
   {
-    const double isovalue = this->Header.Isovalues[record.Isovalue];
+    const double isovalue = this->Header.Isovalues[record.Block.Isovalue];
     const double distance = block.MeasureDistance();
     std::optional<Quantizer> quantizer;
     std::optional<ValueDomain> domain;
@@ -324,31 +355,96 @@ public:
     }
     block.SetQuantizer(quantizer ? &*quantizer : nullptr);
     block.SetDomain(&*domain);
-    record.Coding = BlockCoding::Values;
-    record.HasMissing = false;
+    record.Block.Coding = BlockCoding::Values;
+    record.Block.HasMissing = false;
+    this->Model.Values = GetFreshModel(this->Mixed).Values;
     this->Run(block, code, [&](auto& coder) { coder.CodeValues(*domain, block); });
   }
 
   void EncodeCrossings(
     SampledBlock& block, EdgeIndexRecord& record, std::vector<std::uint8_t>& code)
   {
-    record.Coding = BlockCoding::Crossings;
-    record.HasMissing = block.HasMissingCrossings();
+    record.Block.Coding = BlockCoding::Crossings;
+    record.Block.HasMissing = block.HasMissingCrossings();
+    this->Model.Crossings = GetFreshModel(this->Mixed).Crossings;
     this->Run(block, code,
-      [&](auto& coder)
-      { coder.CodeCrossings(this->Header.GetNumberOfBins(), record.HasMissing, block); });
+      [&](auto& coder) { coder.CodeCrossings(block.GetBins(), record.Block.HasMissing, block); });
+  }
+
+  /// Appends the record of a block that is crossed.
+  void Encode(SampledBlock& block, EdgeIndexMode mode, EdgeIndexRecord& record,
+    std::vector<std::uint8_t>& bytes)
+  {
+    record.Block.NumberOfPoints = block.CountPoints();
+    std::vector<std::uint8_t> code;
+    if (mode != EdgeIndexMode::Bounded)
+    {
+      this->EncodeValues(block, record, code);
+    }
+    if (mode == EdgeIndexMode::Bounded || mode == EdgeIndexMode::Smallest)
+    {
+      EdgeIndexRecord other = record;
+      std::vector<std::uint8_t> otherCode;
+      this->EncodeCrossings(block, other, otherCode);
+      if (mode == EdgeIndexMode::Bounded || otherCode.size() < code.size())
+      {
+        record = other;
+        code = std::move(otherCode);
+      }
+    }
+    record.Code = code.data();
+    record.CodeSize = code.size();
+    record.Append(bytes);
+  }
+
+  /// The same for what of the block belongs to the preview, if anything does.
+  void EncodePreview(
+    const SampleView& view, EdgeIndexRecord record, std::vector<std::uint8_t>& bytes)
+  {
+    const std::int64_t step = std::int64_t{ 1 } << this->Header.PreviewLevel;
+    const std::optional<SampleView> coarse = Coarsen(view, step);
+    if (!coarse)
+    {
+      return;
+    }
+    const double isovalue = this->Preview.Isovalues[record.Block.Isovalue];
+    SampledBlock block(*coarse, isovalue, this->Preview.GetNumberOfBins());
+    if (block.IsCrossed())
+    {
+      record.Block.Vertices = coarse->Box;
+      record.Block.IsPreview = true;
+      this->Encode(block, EdgeIndexMode::Bounded, record, bytes);
+    }
   }
 
   const EdgeIndexHeader Header;
+  const EdgeIndexHeader Preview;
 
 private:
+  // Every step-th vertex; nothing if the block does not begin at one or has too few for cells.
+  static std::optional<SampleView> Coarsen(const SampleView& view, std::int64_t step)
+  {
+    SampleView coarse = view;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      coarse.Stride[axis] *= static_cast<std::ptrdiff_t>(step);
+      coarse.Box.Low[axis] = view.Box.Low[axis] / step;
+      coarse.Box.High[axis] = (view.Box.High[axis] - 1) / step + 1;
+      if (view.Box.Low[axis] % step != 0 || coarse.Box.High[axis] - coarse.Box.Low[axis] < 2)
+      {
+        return std::nullopt;
+      }
+    }
+    coarse.Available = coarse.Box;
+    DispatchValueType(
+      view.Type, [&](auto zero) { coarse.First = view.At<decltype(zero)>(view.Box.Low); });
+    return coarse;
+  }
+
   template <typename Functor>
   void Run(SampledBlock& block, std::vector<std::uint8_t>& code, const Functor& functor)
   {
-    if (!this->Learning)
-    {
-      this->Model = this->Fresh;
-    }
+    this->Model.Signs = GetFreshModel(this->Mixed).Signs;
     BlockModel& model = this->Learning ? *this->Learning : this->Model;
     RangeEncoder encoder(code);
     if (this->Mixed)
@@ -366,7 +462,6 @@ private:
 
   BlockModel* Learning;
   bool Mixed;
-  BlockModel Fresh;
   BlockModel Model;
 };
 
@@ -414,121 +509,159 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
     return Status::Ok();
   }
   EdgeIndexRecord record;
-  record.Isovalue = isovalue;
-  record.Vertices = view.Box;
-  record.Lattice = lattice;
-  std::vector<std::uint8_t> code;
-  const EdgeIndexMode mode = header.Settings.Mode;
-  if (mode != EdgeIndexMode::Bounded)
+  record.Block.Isovalue = isovalue;
+  record.Block.Vertices = view.Box;
+  record.Block.Lattice = lattice;
+  if (header.PreviewLevel > 0)
   {
-    this->Worker->EncodeValues(block, record, code);
+    this->Worker->EncodePreview(view, record, bytes);
   }
-  if (mode == EdgeIndexMode::Bounded || mode == EdgeIndexMode::Smallest)
-  {
-    EdgeIndexRecord other = record;
-    std::vector<std::uint8_t> otherCode;
-    this->Worker->EncodeCrossings(block, other, otherCode);
-    if (mode == EdgeIndexMode::Bounded || otherCode.size() < code.size())
-    {
-      record = other;
-      code = std::move(otherCode);
-    }
-  }
-  record.Code = code.data();
-  record.CodeSize = code.size();
-  record.Append(bytes);
+  this->Worker->Encode(block, header.Settings.Mode, record, bytes);
   return Status::Ok();
 }
 
 namespace
 {
 
-// The records of a block, by isovalue.
-using BlockBytes = std::vector<std::vector<std::uint8_t>>;
-
-Result<std::vector<std::uint8_t>> EncodeWithinMemory(
-  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress)
+// Encodes batches of blocks in parallel, and hands them on in their order.
+class BatchEncoding
 {
-  ISOSURFACE_RETURN_IF_ERROR(header.Check());
-  const std::size_t count = source.GetNumberOfBlocks();
-  std::vector<BlockBytes> blocks(count);
-  std::vector<std::unique_ptr<EdgeIndexEncoder>> encoders(
-    static_cast<std::size_t>(std::max(1, threads)));
-  Status failure;
-  std::atomic<bool> failed{ false };
-  std::mutex mutex;
-  const auto encode = [&](std::size_t block, std::unique_ptr<EdgeIndexEncoder>& encoder)
+public:
+  BatchEncoding(const EdgeIndexHeader& header, BlockSource& source, int threads)
+    : Header(header)
+    , Source(source)
+    , Threads(std::max(1, threads))
+    , Encoders(static_cast<std::size_t>(Threads))
+  {
+  }
+
+  Status Run(
+    const std::function<Status(const std::vector<std::uint8_t>&)>& take, const Progress& progress)
+  {
+    const std::size_t count = this->Source.GetNumberOfBlocks();
+    const std::size_t batch = BlocksPerThread * static_cast<std::size_t>(this->Threads);
+    std::vector<std::uint8_t> joined;
+    for (std::size_t first = 0; first < count; first += batch)
+    {
+      const std::size_t size = std::min(batch, count - first);
+      Progress part;
+      if (progress)
+      {
+        part = [&](double share)
+        {
+          return progress((static_cast<double>(first) + share * static_cast<double>(size)) /
+            static_cast<double>(count));
+        };
+      }
+      ISOSURFACE_RETURN_IF_ERROR(this->EncodeBatch(first, size, part));
+      joined.clear();
+      for (std::vector<std::uint8_t>& block : this->Blocks)
+      {
+        joined.insert(joined.end(), block.begin(), block.end());
+      }
+      ISOSURFACE_RETURN_IF_ERROR(take(joined));
+    }
+    return Status::Ok();
+  }
+
+private:
+  static constexpr std::size_t BlocksPerThread = 16;
+
+  Status EncodeBatch(std::size_t first, std::size_t size, const Progress& progress)
+  {
+    this->Blocks.assign(size, {});
+    Status failure;
+    std::atomic<bool> failed{ false };
+    std::mutex mutex;
+    const bool finished = ParallelFor(
+      size, this->Threads,
+      [&](std::size_t block, int thread)
+      {
+        if (failed)
+        {
+          return;
+        }
+        Status status = this->Encode(
+          first + block, this->Encoders[static_cast<std::size_t>(thread)], this->Blocks[block]);
+        if (!status.IsOk())
+        {
+          const std::lock_guard<std::mutex> lock(mutex);
+          if (!failed.exchange(true))
+          {
+            failure = std::move(status);
+          }
+        }
+      },
+      progress);
+    if (failure.IsOk() && !finished)
+    {
+      return { StatusCode::Aborted, "The encoding was stopped." };
+    }
+    return failure;
+  }
+
+  Status Encode(
+    std::size_t block, std::unique_ptr<EdgeIndexEncoder>& encoder, std::vector<std::uint8_t>& bytes)
   {
     if (!encoder)
     {
-      encoder = std::make_unique<EdgeIndexEncoder>(header);
+      encoder = std::make_unique<EdgeIndexEncoder>(this->Header);
     }
-    const Result<BlockSamples> samples = source.Acquire(block);
+    const Result<BlockSamples> samples = this->Source.Acquire(block);
     if (!samples.IsOk())
     {
       return samples.GetStatus();
     }
-    blocks[block].resize(header.Isovalues.size());
-    for (std::size_t isovalue = 0; isovalue < header.Isovalues.size(); ++isovalue)
+    for (std::size_t isovalue = 0; isovalue < this->Header.Isovalues.size(); ++isovalue)
     {
-      ISOSURFACE_RETURN_IF_ERROR(encoder->EncodeBlock(
-        source.GetLatticeCoordinates(block), *samples, isovalue, blocks[block][isovalue]));
+      ISOSURFACE_RETURN_IF_ERROR(
+        encoder->EncodeBlock(this->Source.GetLatticeCoordinates(block), *samples, isovalue, bytes));
     }
     return Status::Ok();
-  };
-  const bool finished = ParallelFor(
-    count, threads,
-    [&](std::size_t block, int thread)
-    {
-      if (failed)
-      {
-        return;
-      }
-      Status status = encode(block, encoders[static_cast<std::size_t>(thread)]);
-      if (!status.IsOk())
-      {
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (!failed.exchange(true))
-        {
-          failure = std::move(status);
-        }
-      }
-    },
-    progress);
-  if (!failure.IsOk())
-  {
-    return failure;
   }
-  if (!finished)
-  {
-    return Status(StatusCode::Aborted, "The encoding was stopped.");
-  }
-  std::vector<std::uint8_t> bytes;
-  header.Append(bytes);
-  for (std::size_t isovalue = 0; isovalue < header.Isovalues.size(); ++isovalue)
-  {
-    for (BlockBytes& block : blocks)
-    {
-      bytes.insert(bytes.end(), block[isovalue].begin(), block[isovalue].end());
-      std::vector<std::uint8_t>().swap(block[isovalue]);
-    }
-  }
-  return bytes;
-}
+
+  const EdgeIndexHeader& Header;
+  BlockSource& Source;
+  int Threads;
+  std::vector<std::unique_ptr<EdgeIndexEncoder>> Encoders;
+  std::vector<std::vector<std::uint8_t>> Blocks;
+};
 
 } // namespace
+
+Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int threads,
+  const std::function<Status(const std::vector<std::uint8_t>& records)>& take,
+  const Progress& progress)
+{
+  ISOSURFACE_RETURN_IF_ERROR(header.Check());
+  try
+  {
+    return BatchEncoding(header, source, threads).Run(take, progress);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return { StatusCode::OutOfMemory, "There is not enough memory to encode the isosurface." };
+  }
+}
 
 Result<std::vector<std::uint8_t>> EncodeSurface(
   const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress)
 {
-  try
+  std::vector<std::uint8_t> bytes;
+  header.Append(bytes);
+  const Status status = EncodeBlocks(
+    header, source, threads,
+    [&bytes](const std::vector<std::uint8_t>& records)
+    {
+      bytes.insert(bytes.end(), records.begin(), records.end());
+      return Status::Ok();
+    },
+    progress);
+  if (!status.IsOk())
   {
-    return EncodeWithinMemory(header, source, threads, progress);
+    return status;
   }
-  catch (const std::bad_alloc&)
-  {
-    return Status(StatusCode::OutOfMemory, "There is not enough memory to encode the isosurface.");
-  }
+  return bytes;
 }
 
 } // namespace isosurface

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -41,9 +42,9 @@ public:
   EdgeIndexEncoder& operator=(const EdgeIndexEncoder&) = delete;
 
   /**
-   * Appends the record of one block at one isovalue to `bytes`, or nothing where the isovalue does
-   * not cross it. samples.Scalars.Box is the block's vertices, at most 65 on an axis; `lattice` its
-   * place among the blocks (BlockSource::GetLatticeCoordinates).
+   * Appends the record of one block at one isovalue to `bytes`, that of the preview before it, or
+   * nothing where the isovalue does not cross it. samples.Scalars.Box is the block's vertices, at
+   * most 65 on an axis; `lattice` its place among the blocks (BlockSource::GetLatticeCoordinates).
    *
    * Errors: InvalidArgument.
    */
@@ -56,11 +57,19 @@ private:
 };
 
 /**
- * The surface of a source as one stream: the header, then the records of all blocks, by isovalue,
- * then in the order of the source, whatever the number of threads.
+ * Encodes the blocks of a source at all isovalues, and hands the records of some blocks at a time
+ * to `take`, from the calling thread: in the order of the source, of a block by isovalue, whatever
+ * the number of threads. What take returns if not Ok ends the encoding.
  *
- * Errors: InvalidArgument, whatever Acquire returns, OutOfMemory, Aborted.
+ * Errors: InvalidArgument, whatever Acquire or take returns, OutOfMemory, Aborted. Memory: an
+ * encoder a thread, and the records of 16 blocks a thread.
  */
+Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int threads,
+  const std::function<Status(const std::vector<std::uint8_t>& records)>& take,
+  const Progress& progress = {});
+
+/// The surface of a source as one stream: the header, then the records as EncodeBlocks has them.
+/// Errors: as EncodeBlocks.
 Result<std::vector<std::uint8_t>> EncodeSurface(
   const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress = {});
 

@@ -22,13 +22,24 @@ namespace
 //  24  8  maximum error   32  8  quantization minimum          40  8  quantization maximum
 //  48  48 extent: 6 int64
 //  96  24 origin         120  24 spacing  144  72 direction: float64
-// 216  8n isovalues: float64
+// 216  8  number of blocks that the writer means to look at
+// 224  8  time            232  1  whether there is a time
+// 233  1  preview level   234  2  zeros    236  4  number of attributes
+// 240  8  preview maximum error
+// 248  8n isovalues: float64
+//         attributes: value type (1), components (1), 1 if normals (1), zero (1), error (8), name
+//         array, source
 //      8  checksum of all before
+// A name, the array and the source: size (4), then so many bytes of UTF-8.
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
 constexpr std::uint32_t Version = 1;
-constexpr std::size_t FixedSize = 216;
+constexpr std::size_t FixedSize = 248;
 constexpr std::size_t ChecksumSize = 8;
 constexpr std::size_t MostIsovalues = 65536;
+constexpr std::size_t MostAttributes = 256;
+constexpr std::size_t MostTextSize = 65535;
+constexpr int MostPreviewLevel = 6;
+constexpr int MostComponents = 64;
 // So that global ids (3 * vertex + axis, for every isovalue) fit 63 bits.
 constexpr double MostGlobalIds = 9.0e18;
 
@@ -38,6 +49,12 @@ void AppendValue(std::vector<std::uint8_t>& bytes, T value)
   std::uint8_t stored[sizeof(T)];
   StoreLittleEndian(stored, value);
   bytes.insert(bytes.end(), stored, stored + sizeof(T));
+}
+
+void AppendText(std::vector<std::uint8_t>& bytes, const std::string& text)
+{
+  AppendValue(bytes, static_cast<std::uint32_t>(text.size()));
+  bytes.insert(bytes.end(), text.begin(), text.end());
 }
 
 Status MakeInvalid(const char* reason)
@@ -63,6 +80,54 @@ Status CheckGrid(const EdgeIndexHeader& header)
     MostGlobalIds)
   {
     return MakeInvalid("The grid has too many vertices for 64-bit ids of its edges.");
+  }
+  return Status::Ok();
+}
+
+Status CheckAttributes(const EdgeIndexHeader& header)
+{
+  if (header.Attributes.size() > MostAttributes)
+  {
+    return MakeInvalid("There are too many attributes.");
+  }
+  for (const EdgeIndexAttribute& attribute : header.Attributes)
+  {
+    const bool isFloat =
+      attribute.Type == ValueType::Float32 || attribute.Type == ValueType::Float64;
+    if (attribute.NumberOfComponents < 1 || attribute.NumberOfComponents > MostComponents)
+    {
+      return MakeInvalid("An attribute must have 1 to 64 components.");
+    }
+    if (attribute.Name.size() > MostTextSize)
+    {
+      return MakeInvalid("The name of an attribute is too long.");
+    }
+    if (!(attribute.MaximumError >= 0) || !std::isfinite(attribute.MaximumError) ||
+      (attribute.MaximumError > 0 && !isFloat))
+    {
+      return MakeInvalid("The error of an attribute of floats can be bounded, by a number.");
+    }
+    if (attribute.IsNormals &&
+      (attribute.Type != ValueType::Float32 || attribute.NumberOfComponents != 3))
+    {
+      return MakeInvalid("Normals are three float32.");
+    }
+  }
+  return Status::Ok();
+}
+
+Status CheckPreview(const EdgeIndexHeader& header)
+{
+  if (header.PreviewLevel < 0 || header.PreviewLevel > MostPreviewLevel)
+  {
+    return MakeInvalid("The level of the preview must be 0 to 6.");
+  }
+  if (header.PreviewLevel > 0 &&
+    (!(header.PreviewMaximumError > 0 && header.PreviewMaximumError <= 0.5) ||
+      header.MakePreview().GetNumberOfBins() == 0))
+  {
+    return MakeInvalid("The maximum error of the preview must lie above 0 and not above 0.5 of its "
+                       "voxels, and be coarser than float coordinates are.");
   }
   return Status::Ok();
 }
@@ -107,7 +172,13 @@ Status EdgeIndexHeader::Check() const
   {
     return MakeInvalid("There are too many isovalues.");
   }
+  if (this->Array.size() > MostTextSize || this->Source.size() > MostTextSize)
+  {
+    return MakeInvalid("The name of the array or of the source is too long.");
+  }
   ISOSURFACE_RETURN_IF_ERROR(CheckGrid(*this));
+  ISOSURFACE_RETURN_IF_ERROR(CheckAttributes(*this));
+  ISOSURFACE_RETURN_IF_ERROR(CheckPreview(*this));
   return CheckSettings(*this);
 }
 
@@ -131,6 +202,17 @@ std::uint32_t EdgeIndexHeader::GetNumberOfBins() const
   return static_cast<std::uint32_t>(std::ceil(0.5 / spare));
 }
 
+EdgeIndexHeader EdgeIndexHeader::MakePreview() const
+{
+  EdgeIndexHeader header = *this;
+  header.Geometry = this->Geometry.Coarsen(this->PreviewLevel);
+  header.Settings.Mode = EdgeIndexMode::Bounded;
+  header.Settings.MaximumError = this->PreviewMaximumError;
+  header.PreviewLevel = 0;
+  header.Attributes.clear();
+  return header;
+}
+
 ValueType EdgeIndexHeader::GetDecodedType() const
 {
   return this->Settings.Mode == EdgeIndexMode::Quantized ? ValueType::Float32 : this->Type;
@@ -141,8 +223,7 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), Magic, Magic + sizeof(Magic));
   AppendValue(bytes, Version);
-  AppendValue(
-    bytes, static_cast<std::uint32_t>(FixedSize + 8 * this->Isovalues.size() + ChecksumSize));
+  AppendValue(bytes, std::uint32_t{ 0 }); // the size, at the end
   bytes.push_back(static_cast<std::uint8_t>(this->Type));
   bytes.push_back(static_cast<std::uint8_t>(this->Settings.Mode));
   bytes.push_back(static_cast<std::uint8_t>(this->Settings.Profile));
@@ -162,79 +243,204 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
   appendAll(this->Geometry.Origin);
   appendAll(this->Geometry.Spacing);
   appendAll(this->Geometry.Direction);
+  AppendValue(bytes, this->NumberOfBlocks);
+  AppendValue(bytes, this->Time.value_or(0));
+  bytes.push_back(this->Time.has_value() ? 1 : 0);
+  bytes.push_back(static_cast<std::uint8_t>(this->PreviewLevel));
+  AppendValue(bytes, std::uint16_t{ 0 });
+  AppendValue(bytes, static_cast<std::uint32_t>(this->Attributes.size()));
+  AppendValue(bytes, this->PreviewMaximumError);
   appendAll(this->Isovalues);
+  for (const EdgeIndexAttribute& attribute : this->Attributes)
+  {
+    bytes.push_back(static_cast<std::uint8_t>(attribute.Type));
+    bytes.push_back(static_cast<std::uint8_t>(attribute.NumberOfComponents));
+    bytes.push_back(attribute.IsNormals ? 1 : 0);
+    bytes.push_back(0);
+    AppendValue(bytes, attribute.MaximumError);
+    AppendText(bytes, attribute.Name);
+  }
+  AppendText(bytes, this->Array);
+  AppendText(bytes, this->Source);
+  StoreLittleEndian(
+    bytes.data() + first + 12, static_cast<std::uint32_t>(bytes.size() - first + ChecksumSize));
   AppendValue(bytes, ComputeChecksum(bytes.data() + first, bytes.size() - first));
 }
 
-Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
-  const std::uint8_t* bytes, std::size_t size, std::size_t& used)
+namespace
 {
-  const auto corrupt = [](const char* reason) -> Status {
-    return { StatusCode::Corrupt, std::string("The edge-index header ") + reason + "." };
-  };
-  used = 0;
-  if (size < FixedSize + ChecksumSize)
+
+Status MakeCorrupt(const char* reason)
+{
+  return { StatusCode::Corrupt, std::string("The edge-index header ") + reason + "." };
+}
+
+// Reads the values of a header one after the other; behind the end they are 0.
+class HeaderReader
+{
+public:
+  HeaderReader(const std::uint8_t* bytes, std::size_t size)
+    : Next(bytes)
+    , End(bytes + size)
   {
-    return corrupt("is cut off");
   }
+  template <typename T>
+  T Read()
+  {
+    T value{};
+    this->Failed = this->Failed || this->GetLeft() < sizeof(T);
+    if (!this->Failed)
+    {
+      value = LoadLittleEndian<T>(this->Next);
+      this->Next += sizeof(T);
+    }
+    return value;
+  }
+  template <typename Values>
+  void ReadAll(Values& values)
+  {
+    for (auto& value : values)
+    {
+      value = this->Read<std::decay_t<decltype(value)>>();
+    }
+  }
+  std::string ReadText()
+  {
+    const auto size = this->Read<std::uint32_t>();
+    this->Failed = this->Failed || size > MostTextSize || this->GetLeft() < size;
+    std::string text;
+    if (!this->Failed)
+    {
+      text.assign(reinterpret_cast<const char*>(this->Next), size);
+      this->Next += size;
+    }
+    return text;
+  }
+  std::size_t GetLeft() const { return static_cast<std::size_t>(this->End - this->Next); }
+  bool HasFailed() const { return this->Failed; }
+
+private:
+  const std::uint8_t* Next;
+  const std::uint8_t* End;
+  bool Failed = false;
+};
+
+EdgeIndexAttribute ReadAttribute(HeaderReader& reader, bool& isKnown)
+{
+  EdgeIndexAttribute attribute;
+  const auto type = reader.Read<std::uint8_t>();
+  attribute.NumberOfComponents = reader.Read<std::uint8_t>();
+  const auto normals = reader.Read<std::uint8_t>();
+  const auto zero = reader.Read<std::uint8_t>();
+  attribute.MaximumError = reader.Read<double>();
+  attribute.Name = reader.ReadText();
+  isKnown =
+    isKnown && type <= static_cast<std::uint8_t>(ValueType::Float64) && normals <= 1 && zero == 0;
+  attribute.Type = isKnown ? static_cast<ValueType>(type) : ValueType::Float32;
+  attribute.IsNormals = normals == 1;
+  return attribute;
+}
+
+} // namespace
+
+Result<std::size_t> EdgeIndexHeader::ParseSize(const std::uint8_t* bytes)
+{
   if (std::memcmp(bytes, Magic, sizeof(Magic)) != 0)
   {
-    return corrupt("does not begin as one");
+    return MakeCorrupt("does not begin as one");
   }
   if (LoadLittleEndian<std::uint32_t>(bytes + 8) != Version)
   {
     return Status(StatusCode::Unsupported, "The edge-index stream is of another version.");
   }
-  const std::size_t length = LoadLittleEndian<std::uint32_t>(bytes + 12);
-  const std::size_t isovalues = LoadLittleEndian<std::uint32_t>(bytes + 20);
-  if (isovalues > MostIsovalues || length != FixedSize + 8 * isovalues + ChecksumSize)
+  const std::size_t size = LoadLittleEndian<std::uint32_t>(bytes + 12);
+  if (size < LeastSize || size > GreatestSize)
   {
-    return corrupt("has a size that does not fit");
+    return MakeCorrupt("has a size that cannot be");
   }
-  if (size < length)
+  return size;
+}
+
+Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
+  const std::uint8_t* bytes, std::size_t size, std::size_t& used)
+{
+  used = 0;
+  if (size < LeastSize)
   {
-    return corrupt("is cut off");
+    return MakeCorrupt("is cut off");
   }
-  if (LoadLittleEndian<std::uint64_t>(bytes + length - ChecksumSize) !=
-    ComputeChecksum(bytes, length - ChecksumSize))
+  const Result<std::size_t> length = ParseSize(bytes);
+  if (!length.IsOk())
   {
-    return corrupt("does not match its checksum");
+    return length.GetStatus();
   }
-  if (bytes[16] > static_cast<std::uint8_t>(ValueType::Float64) ||
-    bytes[17] > static_cast<std::uint8_t>(EdgeIndexMode::Smallest) ||
-    bytes[18] > static_cast<std::uint8_t>(EdgeIndexProfile::Fast))
+  if (size < *length)
   {
-    return corrupt("names an unknown type, mode or profile");
+    return MakeCorrupt("is cut off");
+  }
+  if (LoadLittleEndian<std::uint64_t>(bytes + *length - ChecksumSize) !=
+    ComputeChecksum(bytes, *length - ChecksumSize))
+  {
+    return MakeCorrupt("does not match its checksum");
   }
   EdgeIndexHeader header;
-  header.Type = static_cast<ValueType>(bytes[16]);
-  header.Settings.Mode = static_cast<EdgeIndexMode>(bytes[17]);
-  header.Settings.Profile = static_cast<EdgeIndexProfile>(bytes[18]);
-  header.Settings.QuantizationBits = bytes[19];
-  header.Settings.MaximumError = LoadLittleEndian<double>(bytes + 24);
-  header.Settings.QuantizationMinimum = LoadLittleEndian<double>(bytes + 32);
-  header.Settings.QuantizationMaximum = LoadLittleEndian<double>(bytes + 40);
-  const std::uint8_t* next = bytes + 48;
-  const auto loadAll = [&next](auto& values)
+  HeaderReader reader(bytes + 16, *length - ChecksumSize - 16);
+  const auto type = reader.Read<std::uint8_t>();
+  const auto mode = reader.Read<std::uint8_t>();
+  const auto profile = reader.Read<std::uint8_t>();
+  bool isKnown = type <= static_cast<std::uint8_t>(ValueType::Float64) &&
+    mode <= static_cast<std::uint8_t>(EdgeIndexMode::Smallest) &&
+    profile <= static_cast<std::uint8_t>(EdgeIndexProfile::Fast);
+  header.Settings.QuantizationBits = reader.Read<std::uint8_t>();
+  const std::size_t isovalues = reader.Read<std::uint32_t>();
+  header.Settings.MaximumError = reader.Read<double>();
+  header.Settings.QuantizationMinimum = reader.Read<double>();
+  header.Settings.QuantizationMaximum = reader.Read<double>();
+  reader.ReadAll(header.Geometry.Extent);
+  reader.ReadAll(header.Geometry.Origin);
+  reader.ReadAll(header.Geometry.Spacing);
+  reader.ReadAll(header.Geometry.Direction);
+  header.NumberOfBlocks = reader.Read<std::uint64_t>();
+  const auto time = reader.Read<double>();
+  const auto hasTime = reader.Read<std::uint8_t>();
+  header.PreviewLevel = reader.Read<std::uint8_t>();
+  const auto zeros = reader.Read<std::uint16_t>();
+  const std::size_t attributes = reader.Read<std::uint32_t>();
+  header.PreviewMaximumError = reader.Read<double>();
+  if (isovalues > MostIsovalues || attributes > MostAttributes ||
+    isovalues > reader.GetLeft() / sizeof(double))
   {
-    for (auto& value : values)
-    {
-      value = LoadLittleEndian<std::decay_t<decltype(value)>>(next);
-      next += sizeof(value);
-    }
-  };
-  loadAll(header.Geometry.Extent);
-  loadAll(header.Geometry.Origin);
-  loadAll(header.Geometry.Spacing);
-  loadAll(header.Geometry.Direction);
+    return MakeCorrupt("has a size that does not fit");
+  }
   header.Isovalues.resize(isovalues);
-  loadAll(header.Isovalues);
+  reader.ReadAll(header.Isovalues);
+  for (std::size_t n = 0; n < attributes && !reader.HasFailed(); ++n)
+  {
+    header.Attributes.push_back(ReadAttribute(reader, isKnown));
+  }
+  header.Array = reader.ReadText();
+  header.Source = reader.ReadText();
+  if (reader.HasFailed() || reader.GetLeft() != 0)
+  {
+    return MakeCorrupt("has a size that does not fit");
+  }
+  if (!isKnown || hasTime > 1 || zeros != 0)
+  {
+    return MakeCorrupt("names an unknown type, mode or profile");
+  }
+  header.Type = static_cast<ValueType>(type);
+  header.Settings.Mode = static_cast<EdgeIndexMode>(mode);
+  header.Settings.Profile = static_cast<EdgeIndexProfile>(profile);
+  if (hasTime == 1)
+  {
+    header.Time = time;
+  }
   const Status valid = header.Check();
   if (!valid.IsOk())
   {
     return Status(StatusCode::Corrupt, "The edge-index header is not valid: " + valid.GetMessage());
   }
-  used = length;
+  used = *length;
   return header;
 }
 

@@ -8,6 +8,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -44,9 +46,22 @@ struct EdgeIndexSettings
   double QuantizationMaximum = 255;
 };
 
+/// An array on the points of the surface.
+struct EdgeIndexAttribute
+{
+  std::string Name;
+  ValueType Type = ValueType::Float32;
+  int NumberOfComponents = 1; ///< 1 to 64
+  /// The most by which a component may change; 0 keeps every bit. Only floats can be bounded.
+  double MaximumError = 0;
+  /// The normals of the surface: three float32.
+  bool IsNormals = false;
+};
+
 /**
- * What the blocks of an edge-index stream have in common; the first record of a stream. Layout in
- * Documentation/formats/edge-index-code.md.
+ * What the blocks of an edge-index stream have in common; the first part of a stream or file.
+ * Layout in Documentation/formats/edge-index.md. Values are told for provenance only where nothing
+ * else is said.
  */
 struct EdgeIndexHeader
 {
@@ -54,6 +69,20 @@ struct EdgeIndexHeader
   ValueType Type = ValueType::UInt8; ///< of the samples that were contoured
   std::vector<double> Isovalues;
   EdgeIndexSettings Settings;
+
+  std::string Array;          ///< the name of the samples that were contoured
+  std::string Source;         ///< where they came from, in the words of the writer
+  std::optional<double> Time; ///< of the samples, if they are of a time step
+  std::vector<EdgeIndexAttribute> Attributes;
+
+  /// Blocks that the writer means to look at; each has at most one record an isovalue. 0: unknown.
+  std::uint64_t NumberOfBlocks = 0;
+
+  /// If not 0 (at most 6), the surface of every 2^PreviewLevel-th vertex is there as well, bounded
+  /// by PreviewMaximumError, in edges of that grid. It misses blocks that do not begin at such a
+  /// vertex.
+  int PreviewLevel = 0;
+  double PreviewMaximumError = 0.05;
 
   /// InvalidArgument, with the reason, for what cannot be encoded.
   Status Check() const;
@@ -64,6 +93,17 @@ struct EdgeIndexHeader
   /// Unsupported (a newer version).
   static Result<EdgeIndexHeader> Parse(
     const std::uint8_t* bytes, std::size_t size, std::size_t& used);
+
+  /// The bytes of the least and the greatest header.
+  static constexpr std::size_t LeastSize = 264;
+  static constexpr std::size_t GreatestSize = std::size_t{ 64 } << 20;
+
+  /// The size of the header of which `bytes` has the first LeastSize bytes. Errors: Corrupt,
+  /// Unsupported.
+  static Result<std::size_t> ParseSize(const std::uint8_t* bytes);
+
+  /// The header that the preview's blocks would have in a stream of their own.
+  EdgeIndexHeader MakePreview() const;
 
   /// The intervals that an edge is cut into when Bounded; 0 if MaximumError is too small for float
   /// coordinates on this grid.

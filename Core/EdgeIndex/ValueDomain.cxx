@@ -43,43 +43,134 @@ std::int32_t ClampHeight(std::int64_t height)
     std::clamp<std::int64_t>(height, -ValueDomain::MostHeight, ValueDomain::MostHeight));
 }
 
-// The double nearest to a value of a type with 64-bit codes, and the value nearest to a double.
-double CodeToDouble(ValueType type, std::int64_t code)
+// A number as sign, whole number and exponent: -1^IsNegative * Mantissa * 2^Exponent.
+struct BinaryNumber
+{
+  bool IsNegative = false;
+  bool IsNan = false;
+  std::uint64_t Mantissa = 0;
+  int Exponent = 0;
+};
+
+// Of the bits of an IEEE 754 number. Infinity is the next number that there would be.
+BinaryNumber Decompose(std::uint64_t bits, int mantissaBits, int exponentBits)
+{
+  BinaryNumber number;
+  const std::uint64_t fraction = bits & ((std::uint64_t{ 1 } << mantissaBits) - 1);
+  const auto most = (1 << exponentBits) - 1;
+  const auto exponent = static_cast<int>(bits >> mantissaBits & static_cast<std::uint64_t>(most));
+  number.IsNegative = (bits >> (mantissaBits + exponentBits) & 1) != 0;
+  number.IsNan = exponent == most && fraction != 0;
+  number.Mantissa = exponent == 0 ? fraction : fraction | std::uint64_t{ 1 } << mantissaBits;
+  number.Exponent = std::max(exponent, 1) - most / 2 - mantissaBits;
+  return number;
+}
+
+// The bits of the finite number next to it towards zero.
+std::uint64_t Compose(BinaryNumber number, int mantissaBits, int exponentBits)
+{
+  const int most = (1 << exponentBits) - 1;
+  const std::uint64_t sign =
+    number.IsNegative ? std::uint64_t{ 1 } << (mantissaBits + exponentBits) : 0;
+  if (number.Mantissa == 0)
+  {
+    return sign;
+  }
+  const int length = 64 - __builtin_clzll(number.Mantissa);
+  // What the exponent is stored as; 1 and less is below the normal numbers.
+  const int exponent = number.Exponent + length - 1 + most / 2;
+  if (exponent >= most)
+  {
+    return sign | ((static_cast<std::uint64_t>(most) << mantissaBits) - 1);
+  }
+  const int shift = length - 1 - mantissaBits + std::max(0, 1 - exponent);
+  const std::uint64_t mantissa = shift >= 64 ? 0
+    : shift >= 0                             ? number.Mantissa >> shift
+                                             : number.Mantissa << -shift;
+  const std::uint64_t fraction = mantissa & ((std::uint64_t{ 1 } << mantissaBits) - 1);
+  return sign | static_cast<std::uint64_t>(std::max(exponent, 0)) << mantissaBits | fraction;
+}
+
+BinaryNumber DecomposeCode(ValueType type, std::int64_t code)
 {
   switch (type)
   {
     case ValueType::Float32:
-      return static_cast<double>(CodeToFloat<std::int32_t, float>(code));
+    {
+      const auto narrow = MakeMonotonic(static_cast<std::int32_t>(code));
+      return Decompose(static_cast<std::uint32_t>(narrow), 23, 8);
+    }
     case ValueType::Float64:
-      return CodeToFloat<std::int64_t, double>(code);
-    case ValueType::UInt64:
-      return static_cast<double>(static_cast<std::uint64_t>(code));
+      return Decompose(static_cast<std::uint64_t>(MakeMonotonic(code)), 52, 11);
     default:
-      return static_cast<double>(code);
+    {
+      BinaryNumber number;
+      number.IsNegative = type == ValueType::Int64 && code < 0;
+      number.Mantissa =
+        number.IsNegative ? 0 - static_cast<std::uint64_t>(code) : static_cast<std::uint64_t>(code);
+      return number;
+    }
   }
 }
 
-std::int64_t DoubleToCode(ValueType type, double value)
+std::int64_t ComposeCode(ValueType type, const BinaryNumber& number)
 {
-  constexpr double two63 = 9223372036854775808.0;
   switch (type)
   {
     case ValueType::Float32:
-      // Beyond the range of float the conversion is undefined.
-      return FloatToCode<std::int32_t>(static_cast<float>(
-        std::clamp(value, static_cast<double>(std::numeric_limits<float>::lowest()),
-          static_cast<double>(std::numeric_limits<float>::max()))));
+      return MakeMonotonic(
+        static_cast<std::int32_t>(static_cast<std::uint32_t>(Compose(number, 23, 8))));
     case ValueType::Float64:
-      return FloatToCode<std::int64_t>(value);
-    case ValueType::UInt64:
-      return value < 0       ? 0
-        : value >= 2 * two63 ? -1
-                             : static_cast<std::int64_t>(static_cast<std::uint64_t>(value));
+      return MakeMonotonic(static_cast<std::int64_t>(Compose(number, 52, 11)));
     default:
-      return value < -two63 ? std::numeric_limits<std::int64_t>::min()
-        : value >= two63    ? std::numeric_limits<std::int64_t>::max()
-                            : static_cast<std::int64_t>(value);
+    {
+      if (number.Mantissa == 0)
+      {
+        return 0;
+      }
+      const bool isSigned = type == ValueType::Int64;
+      const std::uint64_t most = isSigned ? std::uint64_t{ 1 } << 63 : 0;
+      const int length = 64 - __builtin_clzll(number.Mantissa);
+      std::uint64_t magnitude = length + number.Exponent > (isSigned ? 63 : 64) ? most - 1
+        : number.Exponent >= 0  ? number.Mantissa << number.Exponent
+        : number.Exponent > -64 ? number.Mantissa >> -number.Exponent
+                                : 0;
+      if (number.IsNegative)
+      {
+        magnitude = isSigned ? 0 - magnitude : 0;
+      }
+      return static_cast<std::int64_t>(magnitude);
+    }
   }
+}
+
+// In units of 2^-shift, rounded towards zero, at most 2^62.
+std::int64_t MakeFixed(const BinaryNumber& number, int shift)
+{
+  const int up = number.Exponent + shift;
+  const int length = number.Mantissa == 0 ? 0 : 64 - __builtin_clzll(number.Mantissa);
+  const std::uint64_t magnitude = length == 0 ? 0
+    : length + up > 62                        ? std::uint64_t{ 1 } << 62
+    : up >= 0                                 ? number.Mantissa << up
+    : up > -64                                ? number.Mantissa >> -up
+                                              : 0;
+  const auto fixed = static_cast<std::int64_t>(magnitude);
+  return number.IsNegative ? -fixed : fixed;
+}
+
+BinaryNumber DecomposeDouble(double value)
+{
+  std::uint64_t bits;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return Decompose(bits, 52, 11);
+}
+
+// How much finer than heights fixed numbers are, in bits: 8, unless the isovalue is too large then.
+int FindFineBits(double isovalue, int scale)
+{
+  const BinaryNumber number = DecomposeDouble(isovalue);
+  const int length = number.Mantissa == 0 ? 0 : 64 - __builtin_clzll(number.Mantissa);
+  return number.Mantissa == 0 ? 8 : std::min(8, 60 - length - number.Exponent - scale);
 }
 
 } // namespace
@@ -87,8 +178,8 @@ std::int64_t DoubleToCode(ValueType type, double value)
 ValueDomain::ValueDomain(ValueType type, double isovalue, int scale)
   : Type(type)
   , Scale(scale)
-  , Isovalue(isovalue)
-  , Unit(std::ldexp(1.0, -scale))
+  , FineBits(FindFineBits(isovalue, scale))
+  , Isovalue(MakeFixed(DecomposeDouble(isovalue), scale + FineBits))
 {
   DispatchValueType(type,
     [this, isovalue](auto zero)
@@ -175,12 +266,17 @@ std::int32_t ValueDomain::ToHeight(std::int64_t code) const
     return ClampHeight(this->Scale >= 1 ? middle * (std::int64_t(1) << (this->Scale - 1))
                                         : middle >> (1 - this->Scale));
   }
-  const double steps = (CodeToDouble(this->Type, code) - this->Isovalue) / this->Unit;
-  constexpr auto most = static_cast<double>(MostHeight);
-  return steps >= most ? MostHeight
-    : steps <= -most   ? -MostHeight
-    : steps == steps   ? static_cast<std::int32_t>(std::floor(steps))
-                       : 0;
+  const BinaryNumber number = DecomposeCode(this->Type, code);
+  if (number.IsNan)
+  {
+    return 0;
+  }
+  const std::int64_t difference = MakeFixed(number, this->Scale + this->FineBits) - this->Isovalue;
+  // More than 12 bits up is beyond all heights anyway.
+  return this->FineBits >= 0
+    ? ClampHeight(difference >> this->FineBits)
+    : ClampHeight(std::clamp<std::int64_t>(difference, -MostHeight - 1, MostHeight + 1) *
+        (std::int64_t{ 1 } << std::min(-this->FineBits, 12)));
 }
 
 std::int64_t ValueDomain::FromHeight(std::int32_t height, int& quarter) const
@@ -192,10 +288,18 @@ std::int64_t ValueDomain::FromHeight(std::int32_t height, int& quarter) const
     {
       return static_cast<std::int64_t>(height) * (std::int64_t(1) << -this->Scale);
     }
-    quarter = (this->Scale >= 2 ? height >> (this->Scale - 2) : height << 1) & 3;
+    quarter = (this->Scale >= 2 ? height >> (this->Scale - 2) : 2 * height) & 3;
     return height >> this->Scale;
   }
-  return DoubleToCode(this->Type, this->Isovalue + (height + 0.5) * this->Unit);
+  const std::int64_t halves = 2 * std::int64_t{ height } + 1;
+  const std::int64_t fixed = this->Isovalue +
+    (this->FineBits >= 1 ? halves * (std::int64_t{ 1 } << (this->FineBits - 1))
+                         : halves >> std::min(1 - this->FineBits, 62));
+  BinaryNumber number;
+  number.IsNegative = fixed < 0;
+  number.Mantissa = static_cast<std::uint64_t>(fixed < 0 ? -fixed : fixed);
+  number.Exponent = -(this->Scale + this->FineBits);
+  return ComposeCode(this->Type, number);
 }
 
 int ChooseScale(double typicalDistance)

@@ -49,7 +49,8 @@ public:
 
   /**
    * Offsets: the middle of [code, code + 1) in units of 2^-scale, rounded down if scale < 1. Bits:
-   * value - isovalue in units of 2^-scale, rounded down; 0 for NaN.
+   * value - isovalue in units of 2^-scale, rounded down; 0 for NaN. In integers, so that it is the
+   * same on every machine.
    */
   std::int32_t ToHeight(std::int64_t code) const;
 
@@ -66,8 +67,8 @@ private:
   ValueType Type = ValueType::UInt8;
   int Width = 64;
   int Scale = 0;
-  double Isovalue = 0;
-  double Unit = 1; ///< 2^-scale
+  int FineBits = 0;          ///< of fixed numbers, below heights
+  std::int64_t Isovalue = 0; ///< as a fixed number
   std::int64_t Threshold = 0;
   std::int64_t Least = 0;
   std::int64_t Greatest = 0;

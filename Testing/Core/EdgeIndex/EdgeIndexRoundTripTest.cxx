@@ -199,40 +199,6 @@ TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
   EXPECT_TRUE(HaveEqualBytes(first->Points, second->Points));
 }
 
-TEST(EdgeIndex, BytesAreThoseOfEveryCompilerAndMachine)
-{
-  // Set by hand when the format changes; builds of any kind must agree on it.
-  const auto volume = MakeWaves<std::int16_t>({ 40, 40, 40 }, 0.2);
-  TestVolume<std::int16_t> coarse({ 40, 40, 40 });
-  for (std::size_t n = 0; n < volume.Samples.size(); ++n)
-  {
-    // Away from rounding of the sine function, which the standard does not define.
-    coarse.Samples[n] = static_cast<std::int16_t>(std::lround(volume.Samples[n] / 64.0));
-  }
-  TestBlockSource<std::int16_t> source(coarse, 32);
-  std::vector<std::uint64_t> sums;
-  for (const EdgeIndexMode mode :
-    { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
-  {
-    for (const EdgeIndexProfile profile : Profiles)
-    {
-      EdgeIndexHeader header = MakeHeader(coarse, { 3.5 }, mode, profile);
-      header.Settings.QuantizationMinimum = -256;
-      const auto bytes = EncodeSurface(header, source, 1);
-      ASSERT_TRUE(bytes.IsOk());
-      std::uint64_t sum = bytes->size();
-      for (const std::uint8_t byte : *bytes)
-      {
-        sum = (sum ^ byte) * 0x100000001b3;
-      }
-      sums.push_back(sum);
-    }
-  }
-  EXPECT_EQ(sums,
-    (std::vector<std::uint64_t>{ 1207424804679223235u, 11468055746027599341u, 17336579940419229941u,
-      5235479841483554459u, 11918877034264380922u, 6527105662215320871u }));
-}
-
 TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndComeCloser)
 {
   const auto volume = MakeWaves<float>({ 50, 40, 30 }, 0.1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/BlockCoder.h"
 #include "EdgeIndex/EdgeIndexPriors.h"
-#include "EdgeIndex/SignCoder.h"
 
 namespace isosurface
 {
@@ -15,6 +15,12 @@ SignModel::SignModel(bool mixed)
     }
   }
   ApplyPriors(*this);
+}
+
+const BlockModel& GetFreshModel(bool mixed)
+{
+  static const BlockModel models[2] = { BlockModel(false), BlockModel(true) };
+  return models[mixed ? 1 : 0];
 }
 
 } // namespace isosurface
