@@ -3,6 +3,7 @@
 
 #include "EdgeIndex/BlockCoder.h"
 #include "EdgeIndex/IsovalueJoin.h"
+#include "EdgeIndex/PointAttributes.h"
 #include "EdgeIndex/Quantizer.h"
 #include "Volume/ValueKey.h"
 
@@ -42,6 +43,11 @@ std::array<T, 2> FindSideValues(double isovalue)
 // Memory of a decoded block; the samples are x fastest, without gaps.
 struct DecodedMemory
 {
+  explicit DecodedMemory(PointAttributes attributes)
+    : Attributes(std::move(attributes))
+  {
+  }
+  PointAttributes Attributes;
   Buffer<std::uint8_t> Samples;
   std::array<Buffer<float>, 3> Crossings;
   CrossingView View;
@@ -174,10 +180,14 @@ private:
 
 template <bool Mixed>
 void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record, RangeDecoder& decoder,
-  DecodedBlock& block)
+  const PointAttributes& attributes, DecodedBlock& block)
 {
   const auto model = std::make_unique<BlockModel>(GetFreshModel(Mixed));
   BlockCoder<RangeDecoder, Mixed> coder(decoder, *model, block.GetSize());
+  for (std::size_t n = 0; n < header.Attributes.size(); ++n)
+  {
+    coder.AddAttribute(header.Attributes[n], attributes.GetEdges()[n], false);
+  }
   if (record.Block.Coding == BlockCoding::Crossings)
   {
     coder.CodeCrossings(header.GetNumberOfBins(), record.Block.HasMissing, block);
@@ -208,17 +218,18 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record, Ra
 
 Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record)
 {
-  const auto memory = std::make_shared<DecodedMemory>();
+  const auto memory =
+    std::make_shared<DecodedMemory>(PointAttributes(header, record.Block.Vertices));
   const auto block = std::make_unique<DecodedBlock>(header, record, *memory);
   RangeDecoder decoder(record.Code, record.CodeSize);
   block->SetDecoder(&decoder);
   if (header.Settings.Profile == EdgeIndexProfile::Default)
   {
-    DecodeCode<true>(header, record, decoder, *block);
+    DecodeCode<true>(header, record, decoder, memory->Attributes, *block);
   }
   else
   {
-    DecodeCode<false>(header, record, decoder, *block);
+    DecodeCode<false>(header, record, decoder, memory->Attributes, *block);
   }
   if (decoder.IsExhausted() || decoder.HasMore())
   {
@@ -238,6 +249,7 @@ Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexR
   {
     samples.Crossings = &memory->View;
   }
+  samples.Attributes = memory->Attributes.GetViews(header, record.Block.Vertices);
   samples.Owner = memory;
   return samples;
 }

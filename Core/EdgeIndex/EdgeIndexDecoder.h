@@ -64,8 +64,9 @@ private:
 /**
  * Decodes a stream into the surface that it was made of: points, GlobalIds and cells equal, in
  * their order too, what ExtractSurface gives for the blocks that were encoded. Isovalues and
- * Attributes of the request are not used. A surface by itself has no gradients, so asking for
- * normals is an InvalidArgument: they can be computed of the triangles.
+ * Attributes of the request are not used: the surface has all attributes of the header. Normals are
+ * there if they are asked for and were encoded; otherwise asking for them is an InvalidArgument:
+ * they can be computed of the triangles.
  *
  * Errors: Corrupt (bytes altered or cut off), Unsupported, InvalidArgument, OutOfMemory, Aborted.
  */

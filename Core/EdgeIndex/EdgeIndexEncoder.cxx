@@ -5,6 +5,7 @@
 #include "Contour/BrickKernel.h"
 #include "EdgeIndex/BlockCoder.h"
 #include "EdgeIndex/BlockRecordFormat.h"
+#include "EdgeIndex/PointAttributes.h"
 #include "EdgeIndex/Quantizer.h"
 #include "Volume/ValueKey.h"
 
@@ -103,6 +104,25 @@ public:
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
   void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
 
+  /// The point arrays that are coded with the block; none unless set.
+  void SetAttributes(
+    const std::vector<EdgeIndexAttribute>& attributes, const PointAttributes& tuples)
+  {
+    for (std::size_t n = 0; n < attributes.size(); ++n)
+    {
+      this->Attributes.push_back({ attributes[n], tuples.GetEdges()[n],
+        this->HasExceptions(attributes[n], tuples.GetEdges()[n]) });
+    }
+  }
+  template <typename Coder>
+  void AddAttributes(Coder& coder) const
+  {
+    for (const CodedAttribute& coded : this->Attributes)
+    {
+      coder.AddAttribute(coded.Attribute, coded.Edges, coded.HasExceptions);
+    }
+  }
+
   SignSlice& GetSigns(int z) override { return this->Signs[static_cast<std::size_t>(z)]; }
   void FinishSigns(int) override {}
   bool FinishSlice(int) override { return true; }
@@ -175,6 +195,45 @@ public:
   }
 
 private:
+  struct CodedAttribute
+  {
+    EdgeIndexAttribute Attribute;
+    AttributeEdges Edges;
+    bool HasExceptions = false;
+  };
+
+  // Whether some value at a crossed edge has no code.
+  bool HasExceptions(const EdgeIndexAttribute& attribute, const AttributeEdges& edges) const
+  {
+    const AttributeDomain domain(attribute);
+    if (attribute.MaximumError == 0)
+    {
+      return false;
+    }
+    const auto components = static_cast<std::size_t>(attribute.NumberOfComponents);
+    bool found = false;
+    this->VisitCrossedRows(
+      [&](int y, int z, const SignRow(&rows)[3])
+      {
+        const std::ptrdiff_t row = (std::ptrdiff_t(z) * this->Size[1] + y) * this->Size[0];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+        {
+          VisitBits(rows[axis],
+            [&](int x)
+            {
+              const std::uint8_t* tuple = edges.First[axis] +
+                static_cast<std::size_t>(row + x) * components * domain.GetValueSize();
+              for (std::size_t n = 0; n < components; ++n)
+              {
+                found = found || !domain.HasCode(tuple + n * domain.GetValueSize());
+              }
+            });
+        }
+        return !found;
+      });
+    return found;
+  }
+
   const std::uint8_t* At(int x, int y, int z) const
   {
     return this->First + x * this->Stride[0] + y * this->Stride[1] + z * this->Stride[2];
@@ -257,6 +316,7 @@ private:
   const Quantizer* Quantization = nullptr;
   std::array<SignSlice, MaximumCodedVertices> Signs;
   bool Crossed = false;
+  std::vector<CodedAttribute> Attributes;
 };
 
 void SampledBlock::Classify()
@@ -450,11 +510,13 @@ private:
     if (this->Mixed)
     {
       BlockCoder<RangeEncoder, true> coder(encoder, model, block.GetSize());
+      block.AddAttributes(coder);
       functor(coder);
     }
     else
     {
       BlockCoder<RangeEncoder, false> coder(encoder, model, block.GetSize());
+      block.AddAttributes(coder);
       functor(coder);
     }
     encoder.Finish();
@@ -515,6 +577,12 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
   if (header.PreviewLevel > 0)
   {
     this->Worker->EncodePreview(view, record, bytes);
+  }
+  PointAttributes attributes(header, view.Box);
+  if (!header.Attributes.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(attributes.Interpolate(header, samples, isovalue));
+    block.SetAttributes(header.Attributes, attributes);
   }
   this->Worker->Encode(block, header.Settings.Mode, record, bytes);
   return Status::Ok();

@@ -116,6 +116,23 @@ struct SignSlice
   const SignRow& At(int y) const { return this->Rows[static_cast<std::size_t>(y + 2)]; }
 };
 
+/// The crossed edges along an axis that begin at the vertices of row y of a slice. `above` is the
+/// next slice, null for the last one.
+inline SignRow FindCrossedEdges(
+  int axis, int y, const SignSlice& slice, const SignSlice* above, int sizeX, int sizeY)
+{
+  const SignRow& row = slice.At(y);
+  if (axis == 0)
+  {
+    return (row ^ row.ShiftDown()) & SignRow::MakeMask(sizeX - 1);
+  }
+  if (axis == 1 ? y + 1 >= sizeY : !above)
+  {
+    return {};
+  }
+  return (row ^ (axis == 1 ? slice.At(y + 1) : above->At(y))) & SignRow::MakeMask(sizeX);
+}
+
 } // namespace isosurface
 
 #endif
