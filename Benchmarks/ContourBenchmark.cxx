@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * Isosurfaces of a volume in memory: ours beside vtkFlyingEdges3D and the stock contour filter, in
- * one run, on equal threads. For three isovalues, at which about 50 %, 8 % and 2.5 % of the blocks
- * are active, it prints the median seconds, triangles a second and the ratio to ours of
+ * Isosurfaces of volumes in memory: ours beside VTK's filters, in one run, on equal
+ * threads. The volumes: turbulence of uint16, or the point arrays of files. For isovalues at which
+ * about 50 %, 8 % and 2.5 % of the blocks are active, it prints the median seconds, triangles a
+ * second and the ratio to ours of
  *
- *   kernel   ExtractSurface alone, points and triangles only (ranges known)
+ *   kernel   ExtractSurface alone (ranges known)
  *   filter   vtkStabbingContour with GlobalIds, the finished vtkPolyData, a new isovalue
  *   first    the same at the first execution, the index of value ranges included
- *   peers    vtkFlyingEdges3D, vtkContourFilter
+ *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter
  */
 #include "BenchmarkVolume.h"
 
 #include "vtkContourFilter.h"
+#include "vtkDataArray.h"
 #include "vtkFlyingEdges3D.h"
 #include "vtkImageData.h"
 #include "vtkLogger.h"
@@ -19,24 +21,42 @@
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkSMPTools.h"
+#include "vtkSmartPointer.h"
 #include "vtkStabbingContour.h"
+#include "vtkSynchronizedTemplates3D.h"
 #include "vtkUnsignedShortArray.h"
+#include "vtkXMLImageDataReader.h"
 
 #include "Contour/BlockRanges.h"
 #include "Contour/GridBlockSource.h"
 #include "Contour/SurfaceExtractor.h"
+#include "ImageSamples.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace
 {
+
+struct Options
+{
+  std::vector<std::string> Files;
+  std::string Array;
+  bool AsFloat = false;
+  int Side = 768;
+  std::vector<int> Threads = { 1, 2 };
+  int Repeats = 5;
+  bool Attributes = false;
+  bool Slow = false;
+};
 
 struct Measurement
 {
@@ -67,17 +87,12 @@ void Print(const char* name, const Measurement& measurement, const Measurement& 
   std::printf("  %-28s %9.4f s %12zu triangles %8.1f M/s   x %.2f\n", name, measurement.Seconds,
     measurement.Triangles, static_cast<double>(measurement.Triangles) / measurement.Seconds / 1e6,
     measurement.Seconds / ours.Seconds);
+  std::fflush(stdout);
 }
 
-/// A stock filter at an isovalue, from its input to its output.
-template <typename Filter>
-Measurement MeasureStock(vtkImageData* image, double isovalue, int repeats, bool attributes)
+/// A filter at an isovalue, from its input to its output.
+Measurement MeasureFilter(vtkPolyDataAlgorithm* filter, int repeats)
 {
-  vtkNew<Filter> filter;
-  filter->SetInputData(image);
-  filter->SetComputeNormals(attributes);
-  filter->SetComputeScalars(attributes);
-  filter->SetValue(0, isovalue);
   return Measure(
     repeats,
     [&]
@@ -92,100 +107,194 @@ Measurement MeasureStock(vtkImageData* image, double isovalue, int repeats, bool
     });
 }
 
+template <typename Filter>
+Measurement MeasurePeer(vtkImageData* image, double isovalue, const Options& options)
+{
+  vtkNew<Filter> filter;
+  filter->SetInputData(image);
+  filter->SetComputeNormals(options.Attributes);
+  filter->SetComputeScalars(options.Attributes);
+  filter->SetValue(0, isovalue);
+  return MeasureFilter(filter, std::min(options.Repeats, 3));
+}
+
+vtkSmartPointer<vtkStabbingContour> MakeContour(
+  vtkImageData* image, double isovalue, int threads, const Options& options)
+{
+  auto contour = vtkSmartPointer<vtkStabbingContour>::New();
+  contour->SetInputData(image);
+  contour->SetNumberOfThreads(threads);
+  contour->SetComputeNormals(options.Attributes);
+  contour->SetComputeScalars(options.Attributes);
+  contour->SetValue(0, isovalue);
+  return contour;
+}
+
+double GetActiveShare(const isosurface::BlockRanges& ranges, double isovalue)
+{
+  return static_cast<double>(ranges.FindActiveBlocks({ isovalue }).size()) /
+    static_cast<double>(ranges.GetGrid().GetNumberOfBlocks());
+}
+
+/// The isovalue above the middle of the range at which the share of active blocks is the closest.
+double FindIsovalue(const isosurface::BlockRanges& ranges, const double range[2], double share)
+{
+  double best = range[0];
+  double distance = 2;
+  constexpr int steps = 1000;
+  for (int step = 1; step < steps; ++step)
+  {
+    const double isovalue = range[0] + (range[1] - range[0]) * (step + 0.25) / steps;
+    const double here = std::abs(std::log(GetActiveShare(ranges, isovalue) / share));
+    if (here < distance)
+    {
+      distance = here;
+      best = isovalue;
+    }
+  }
+  return best;
+}
+
+void MeasureIsovalue(vtkImageData* image, const isosurface::GridGeometry& grid,
+  const isosurface::SampleView& view, const isosurface::BlockRanges& ranges, double isovalue,
+  int threads, const Options& options)
+{
+  isosurface::ContourRequest request;
+  request.Isovalues = { isovalue };
+  request.Normals = options.Attributes;
+  const Measurement kernel = Measure(
+    options.Repeats, [] {},
+    [&]
+    {
+      isosurface::GridBlockSource source(view, ranges, request.Isovalues);
+      return isosurface::ExtractSurface(grid, source, request, threads)->NumberOfTriangles;
+    });
+  const auto kept = MakeContour(image, isovalue, threads, options);
+  kept->Update();
+  const Measurement filter = MeasureFilter(kept, options.Repeats);
+  const Measurement first = Measure(
+    options.Repeats, [] {},
+    [&]
+    {
+      const auto fresh = MakeContour(image, isovalue, threads, options);
+      fresh->Update();
+      return static_cast<std::size_t>(fresh->GetOutput()->GetNumberOfPolys());
+    });
+  Print("ours: kernel", kernel, filter);
+  Print("ours: filter", filter, filter);
+  Print("ours: filter, first time", first, filter);
+  Print("vtkFlyingEdges3D", MeasurePeer<vtkFlyingEdges3D>(image, isovalue, options), filter);
+  if (options.Slow)
+  {
+    Print("vtkSynchronizedTemplates3D",
+      MeasurePeer<vtkSynchronizedTemplates3D>(image, isovalue, options), filter);
+    Print("vtkContourFilter", MeasurePeer<vtkContourFilter>(image, isovalue, options), filter);
+  }
+}
+
+bool MeasureVolume(const std::string& name, vtkImageData* image, const Options& options)
+{
+  vtkDataArray* scalars = image->GetPointData()->GetScalars();
+  const auto grid = isosurface::MakeGridGeometry(image, image->GetExtent());
+  const auto samples = isosurface::MakeImageSamples(grid, image, scalars);
+  if (!samples.IsOk())
+  {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), samples.GetStatus().GetMessage().c_str());
+    return false;
+  }
+  const isosurface::SampleView& view = samples->Components.front();
+  const auto ranges = isosurface::BlockRanges::Compute(view, options.Threads.front());
+  const int* size = image->GetDimensions();
+  for (const int threads : options.Threads)
+  {
+    vtkSMPTools::Initialize(threads);
+    std::printf("%s: %d x %d x %d %s, %d thread(s), %s, median of %d\n", name.c_str(), size[0],
+      size[1], size[2], scalars->GetDataTypeAsString(), threads,
+      options.Attributes ? "normals and scalars" : "points and triangles only", options.Repeats);
+    for (const double share : { 0.5, 0.08, 0.025 })
+    {
+      const double isovalue = FindIsovalue(*ranges, scalars->GetRange(), share);
+      std::printf("isovalue %g: %.1f %% of %lld blocks active\n", isovalue,
+        100 * GetActiveShare(*ranges, isovalue),
+        static_cast<long long>(ranges->GetGrid().GetNumberOfBlocks()));
+      MeasureIsovalue(image, grid, view, *ranges, isovalue, threads, options);
+    }
+  }
+  return true;
+}
+
+vtkSmartPointer<vtkImageData> MakeTurbulence(int side)
+{
+  const std::vector<std::uint16_t> volume = isosurface::MakeBenchmarkVolume(side, 2);
+  vtkNew<vtkUnsignedShortArray> scalars;
+  scalars->SetName("turbulence");
+  scalars->SetNumberOfValues(static_cast<vtkIdType>(volume.size()));
+  std::copy(volume.begin(), volume.end(), scalars->GetPointer(0));
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(side, side, side);
+  image->GetPointData()->SetScalars(scalars);
+  return image;
+}
+
+void ConvertToFloat(vtkImageData* image)
+{
+  vtkDataArray* scalars = image->GetPointData()->GetScalars();
+  const auto converted = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(VTK_FLOAT));
+  converted->DeepCopy(scalars);
+  converted->SetName(scalars->GetName());
+  image->GetPointData()->SetScalars(converted);
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
-  int side = 768;
-  int threads = 1;
-  int repeats = 5;
-  bool attributes = false;
-  CLI::App application("Isosurfaces of a volume in memory, beside VTK's own filters");
-  application.add_option("--side", side, "samples along the side of the volume");
-  application.add_option("--threads", threads, "threads of each contender");
-  application.add_option("--repeats", repeats, "runs of which the median is taken");
-  application.add_flag("--attributes", attributes, "with normals and scalars");
+  Options options;
+  CLI::App application("Isosurfaces of volumes in memory, beside VTK's own filters");
+  application.add_option("--volumes", options.Files, ".vti files; else a generated volume");
+  application.add_option("--array", options.Array, "the files' point array; else the first one");
+  application.add_flag("--float", options.AsFloat, "samples converted to float");
+  application.add_option("--side", options.Side, "samples along the side of the generated volume");
+  application.add_option("--threads", options.Threads, "threads of each contender");
+  application.add_option("--repeats", options.Repeats, "runs of which the median is taken");
+  application.add_flag("--attributes", options.Attributes, "with normals and scalars");
+  application.add_flag("--slow", options.Slow, "also the filters slower than vtkFlyingEdges3D");
   CLI11_PARSE(application, argc, argv);
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_WARNING);
   vtkSMPTools::SetBackend("STDThread");
-  vtkSMPTools::Initialize(threads);
 
-  std::vector<std::uint16_t> volume = isosurface::MakeBenchmarkVolume(side, 2);
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(side, side, side);
-  vtkNew<vtkUnsignedShortArray> scalars;
-  scalars->SetName("waves");
-  scalars->SetArray(volume.data(), static_cast<vtkIdType>(volume.size()), 1);
-  image->GetPointData()->SetScalars(scalars);
-  std::printf("%d^3 uint16, %d thread(s), %s, median of %d\n", side, threads,
-    attributes ? "normals and scalars" : "points and triangles only", repeats);
-
-  isosurface::GridGeometry grid;
-  grid.Extent = { 0, side - 1, 0, side - 1, 0, side - 1 };
-  isosurface::SampleView view;
-  view.Type = isosurface::ValueType::UInt16;
-  view.First = volume.data();
-  view.Stride = { 1, side, static_cast<std::ptrdiff_t>(side) * side };
-  view.Box.High = { side, side, side };
-  view.Available = view.Box;
-  const auto ranges = isosurface::BlockRanges::Compute(view, threads);
-
-  for (const double share : { 0.5, 0.08, 0.025 })
+  if (options.Files.empty())
   {
-    const double isovalue = isosurface::FindIsovalue(volume, side, share, 2);
-    const isosurface::GridBlockSource counted(view, *ranges, { isovalue });
-    std::printf("isovalue %.1f: %.1f %% of %lld blocks active\n", isovalue,
-      100.0 * static_cast<double>(counted.GetNumberOfBlocks()) /
-        static_cast<double>(ranges->GetGrid().GetNumberOfBlocks()),
-      static_cast<long long>(ranges->GetGrid().GetNumberOfBlocks()));
-
-    isosurface::ContourRequest request;
-    request.Isovalues = { isovalue };
-    request.Normals = attributes;
-    const Measurement kernel = Measure(
-      repeats, [] {},
-      [&]
-      {
-        isosurface::GridBlockSource source(view, *ranges, request.Isovalues);
-        return isosurface::ExtractSurface(grid, source, request, threads)->NumberOfTriangles;
-      });
-
-    auto runFilter = [&](vtkStabbingContour* filter)
+    const auto image = MakeTurbulence(options.Side);
+    if (options.AsFloat)
     {
-      filter->SetInputData(image);
-      filter->SetNumberOfThreads(threads);
-      filter->SetComputeNormals(attributes);
-      filter->SetComputeScalars(attributes);
-      filter->SetValue(0, isovalue);
-      filter->Update();
-      return static_cast<std::size_t>(filter->GetOutput()->GetNumberOfPolys());
-    };
-    vtkNew<vtkStabbingContour> kept;
-    runFilter(kept);
-    const Measurement filter = Measure(
-      repeats,
-      [&]
-      {
-        kept->Modified();
-        kept->GetOutput()->Initialize();
-      },
-      [&] { return runFilter(kept); });
-    const Measurement first = Measure(
-      repeats, [] {},
-      [&]
-      {
-        vtkNew<vtkStabbingContour> fresh;
-        return runFilter(fresh);
-      });
-
-    Print("ours: kernel", kernel, filter);
-    Print("ours: filter", filter, filter);
-    Print("ours: filter, first time", first, filter);
-    Print("vtkFlyingEdges3D",
-      MeasureStock<vtkFlyingEdges3D>(image, isovalue, std::min(repeats, 3), attributes), filter);
-    Print("vtkContourFilter",
-      MeasureStock<vtkContourFilter>(image, isovalue, std::min(repeats, 3), attributes), filter);
-    std::fflush(stdout);
+      ConvertToFloat(image);
+    }
+    return MeasureVolume("turbulence", image, options) ? EXIT_SUCCESS : EXIT_FAILURE;
   }
-  return 0;
+  for (const std::string& file : options.Files)
+  {
+    vtkNew<vtkXMLImageDataReader> reader;
+    reader->SetFileName(file.c_str());
+    reader->Update();
+    vtkImageData* image = reader->GetOutput();
+    vtkPointData* arrays = image->GetPointData();
+    vtkDataArray* scalars =
+      options.Array.empty() ? arrays->GetArray(0) : arrays->GetArray(options.Array.c_str());
+    if (!scalars)
+    {
+      std::fprintf(stderr, "%s: no such point array\n", file.c_str());
+      return EXIT_FAILURE;
+    }
+    arrays->SetScalars(scalars);
+    if (options.AsFloat)
+    {
+      ConvertToFloat(image);
+    }
+    if (!MeasureVolume(file, image, options))
+    {
+      return EXIT_FAILURE;
+    }
+  }
+  return EXIT_SUCCESS;
 }
