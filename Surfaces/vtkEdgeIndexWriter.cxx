@@ -93,6 +93,7 @@ int vtkEdgeIndexWriter::Write()
 {
   this->SetErrorCode(vtkErrorCode::NoError);
   this->SetAbortExecute(0);
+  this->SetAbortOutput(false);
   this->InvokeEvent(vtkCommand::StartEvent);
   this->WriteData();
   this->InvokeEvent(vtkCommand::EndEvent);

@@ -175,7 +175,6 @@ Status PieceBlockSource::GatherPieces(Communicator& ranks)
   mine = layout;
   for (const GridPiece& piece : this->Pieces)
   {
-    AppendBox(mine, piece.Scalars.Box);
     AppendBox(mine, piece.Scalars.Available);
   }
   layout.clear();
@@ -219,14 +218,11 @@ Status PieceBlockSource::GatherPieces(Communicator& ranks)
       PlacedPiece piece;
       piece.Rank = static_cast<int>(rank);
       piece.Number = number;
-      for (VertexBox* box : { &piece.Box, &piece.Available })
+      for (Index3* corner : { &piece.Box.Low, &piece.Box.High })
       {
-        for (Index3* corner : { &box->Low, &box->High })
+        for (std::int64_t& coordinate : *corner)
         {
-          for (std::int64_t& coordinate : *corner)
-          {
-            coordinate = read();
-          }
+          coordinate = read();
         }
       }
       this->AllPieces.push_back(piece);
@@ -299,7 +295,7 @@ void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int
     const PlacedPiece* first = nullptr;
     for (const PlacedPiece& piece : this->AllPieces)
     {
-      if (Contains(piece.Box, vertices) && Contains(piece.Available, samples))
+      if (Contains(piece.Box, samples))
       {
         owner = &piece;
         break;

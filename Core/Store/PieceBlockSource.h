@@ -41,7 +41,8 @@ struct PieceBlockSelection
  * ones included. The blocks are those of the grid as a whole, not of the pieces: which ones there
  * are, and their samples, do not depend on how the grid was cut. A block within a piece is taken
  * from there without a copy; one that pieces share belongs to the first rank that has a part of it,
- * which is sent the rest, of each vertex from the first piece that has it.
+ * which is sent the rest, of each vertex from the first piece that has it. Of a piece all samples
+ * count that are Available, so ghost layers fill gaps.
  *
  * Memory beside the pieces, which must outlive the source: the samples of the shared active blocks
  * of this rank.
@@ -50,8 +51,8 @@ class PieceBlockSource : public BlockSource
 {
 public:
   /**
-   * Collective; pieces are in the coordinates of the grid (from 0), `layouts` the same on all
-   * ranks that have pieces. Cost: one pass over the samples of the selected blocks.
+   * Collective; pieces are in the coordinates of the grid (from 0). Cost: one pass over the samples
+   * of the selected blocks.
    *
    * Errors, of any rank: InvalidArgument for pieces of different types, or between which an active
    * block has a gap.
@@ -84,8 +85,7 @@ private:
   {
     int Rank = 0;
     std::size_t Number = 0; ///< of that rank's
-    VertexBox Box;
-    VertexBox Available;
+    VertexBox Box;          ///< of all samples that it has
   };
 
   /// A block that no piece has as a whole.
