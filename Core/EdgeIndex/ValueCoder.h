@@ -127,9 +127,8 @@ private:
   // Vertices start with a typical height on their side.
   void FillHeights()
   {
-    const int typical = std::min(3 * (this->Model.MeanHeight >> 6) / 2, 4095);
-    const auto inside = static_cast<std::int16_t>(typical);
-    const auto outside = static_cast<std::int16_t>(-typical);
+    const auto typical =
+      static_cast<std::int16_t>(std::min(3 * (this->Model.MeanHeight >> 6) / 2, 4095));
     Plane& plane = this->Heights[this->Planes[0]];
     for (int y = -2; y < this->SizeY + 2; ++y)
     {
@@ -137,11 +136,28 @@ private:
       // From vertex -8 on, that is from bit 8.
       const std::uint64_t bits[2] = { row.Words[0] >> 8 | row.Words[1] << 56, row.Words[1] >> 8 };
       std::int16_t* heights = plane.data() + (y + 2) * RowStride;
-      for (int n = 0; n < RowStride; ++n)
+      for (int n = 0; n < RowStride; n += 8)
       {
-        heights[n] = (bits[n / 64] >> (n % 64) & 1) != 0 ? inside : outside;
+        FillEight(static_cast<std::uint32_t>(bits[n / 64] >> (n % 64) & 255), typical, heights + n);
       }
     }
+  }
+
+  static void FillEight(std::uint32_t inside, std::int16_t height, std::int16_t* heights)
+  {
+#if defined(__SSE2__)
+    const __m128i places = _mm_set_epi16(128, 64, 32, 16, 8, 4, 2, 1);
+    const __m128i bits = _mm_and_si128(_mm_set1_epi16(static_cast<std::int16_t>(inside)), places);
+    const __m128i outside = _mm_cmpeq_epi16(bits, _mm_setzero_si128());
+    const __m128i positive = _mm_set1_epi16(height);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(heights),
+      _mm_sub_epi16(_mm_xor_si128(positive, outside), outside));
+#else
+    for (int n = 0; n < 8; ++n)
+    {
+      heights[n] = (inside >> n & 1) != 0 ? height : static_cast<std::int16_t>(-height);
+    }
+#endif
   }
 
   void UpdateRates()
