@@ -2,6 +2,7 @@
 #ifndef isosurface_BlockCoder_h
 #define isosurface_BlockCoder_h
 
+#include "EdgeIndex/AttributeCoder.h"
 #include "EdgeIndex/CrossingCoder.h"
 #include "EdgeIndex/SignCoder.h"
 #include "EdgeIndex/ValueCoder.h"
@@ -41,11 +42,16 @@ public:
 struct BlockModel
 {
   explicit BlockModel(bool mixed)
-    : Signs(mixed)
+    : IsMixed(mixed)
+    , Signs(mixed)
     , Values(mixed)
     , Crossings(mixed)
   {
   }
+  /// Makes it as it is at the begin of each block: what signs need, and values or crossings.
+  void Reset(bool forValues);
+
+  bool IsMixed;
   SignModel Signs;
   ValueModel Values;
   CrossingModel Crossings;
@@ -68,6 +74,16 @@ public:
     , Size{ size[0], size[1], size[2] }
     , Signs(coder, model.Signs, size[0], size[1])
   {
+  }
+
+  /// Codes a point array as well; see AttributeCoder. To be called first. The tuples at `edges` are
+  /// given when encoding, and set when decoding; hasExceptions: see AttributeDomain::HasCode.
+  void AddAttribute(
+    const EdgeIndexAttribute& attribute, const AttributeEdges& edges, bool hasExceptions)
+  {
+    this->Attributes.push_back(
+      std::make_unique<AttributeCoder<Coder>>(this->Output, attribute, edges, this->Size));
+    this->Attributes.back()->CodeExceptions(hasExceptions);
   }
 
   /// With values: see ValueCoder.
@@ -147,6 +163,10 @@ private:
         values.FinishSigns(z + 1);
       }
       codeSlice(z, *slice, below, above);
+      for (const auto& attribute : this->Attributes)
+      {
+        attribute->CodeSlice(z, *slice, above);
+      }
       if (!values.FinishSlice(z))
       {
         return;
@@ -160,6 +180,7 @@ private:
   BlockModel& Model;
   int Size[3];
   SignCoder<Coder, Mixed> Signs;
+  std::vector<std::unique_ptr<AttributeCoder<Coder>>> Attributes;
 };
 
 } // namespace isosurface

@@ -103,16 +103,7 @@ private:
 
   SignRow FindCrossed(int axis, int y, const SignSlice& slice, const SignSlice* above) const
   {
-    const SignRow& row = slice.At(y);
-    if (axis == 0)
-    {
-      return (row ^ row.ShiftDown()) & SignRow::MakeMask(this->SizeX - 1);
-    }
-    if (axis == 1 ? y + 1 >= this->SizeY : !above)
-    {
-      return SignRow();
-    }
-    return (row ^ (axis == 1 ? slice.At(y + 1) : above->At(y))) & SignRow::MakeMask(this->SizeX);
+    return FindCrossedEdges(axis, y, slice, above, this->SizeX, this->SizeY);
   }
 
   // Tells for each edge of a slice whether there will be a crossing.

@@ -39,7 +39,8 @@ constexpr std::size_t MostIsovalues = 65536;
 constexpr std::size_t MostAttributes = 256;
 constexpr std::size_t MostTextSize = 65535;
 constexpr int MostPreviewLevel = 6;
-constexpr int MostComponents = 64;
+constexpr int MostTupleSize = 64;
+constexpr int MostComponents = 256; // of all attributes together
 // So that global ids (3 * vertex + axis, for every isovalue) fit 63 bits.
 constexpr double MostGlobalIds = 9.0e18;
 
@@ -90,11 +91,17 @@ Status CheckAttributes(const EdgeIndexHeader& header)
   {
     return MakeInvalid("There are too many attributes.");
   }
+  int components = 0;
+  int normals = 0;
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {
-    const bool isFloat =
-      attribute.Type == ValueType::Float32 || attribute.Type == ValueType::Float64;
-    if (attribute.NumberOfComponents < 1 || attribute.NumberOfComponents > MostComponents)
+    components += attribute.NumberOfComponents;
+    normals += attribute.IsNormals ? 1 : 0;
+    if (attribute.Type != ValueType::Float32 && attribute.Type != ValueType::Float64)
+    {
+      return MakeInvalid("An attribute is of float32 or float64, as points have it.");
+    }
+    if (attribute.NumberOfComponents < 1 || attribute.NumberOfComponents > MostTupleSize)
     {
       return MakeInvalid("An attribute must have 1 to 64 components.");
     }
@@ -102,16 +109,19 @@ Status CheckAttributes(const EdgeIndexHeader& header)
     {
       return MakeInvalid("The name of an attribute is too long.");
     }
-    if (!(attribute.MaximumError >= 0) || !std::isfinite(attribute.MaximumError) ||
-      (attribute.MaximumError > 0 && !isFloat))
+    if (!(attribute.MaximumError >= 0) || !std::isfinite(attribute.MaximumError))
     {
-      return MakeInvalid("The error of an attribute of floats can be bounded, by a number.");
+      return MakeInvalid("The error of an attribute is bounded by a number that is not negative.");
     }
     if (attribute.IsNormals &&
       (attribute.Type != ValueType::Float32 || attribute.NumberOfComponents != 3))
     {
       return MakeInvalid("Normals are three float32.");
     }
+  }
+  if (components > MostComponents || normals > 1)
+  {
+    return MakeInvalid("There are more than 256 components of attributes, or normals twice.");
   }
   return Status::Ok();
 }

@@ -46,13 +46,14 @@ struct EdgeIndexSettings
   double QuantizationMaximum = 255;
 };
 
-/// An array on the points of the surface.
+/// An array on the points of the surface, as an extraction gives it.
 struct EdgeIndexAttribute
 {
   std::string Name;
+  /// Float32 or Float64: that of the points, see GetInterpolatedType, not that of the samples.
   ValueType Type = ValueType::Float32;
   int NumberOfComponents = 1; ///< 1 to 64
-  /// The most by which a component may change; 0 keeps every bit. Only floats can be bounded.
+  /// The most by which a component may change; 0 keeps every bit.
   double MaximumError = 0;
   /// The normals of the surface: three float32.
   bool IsNormals = false;

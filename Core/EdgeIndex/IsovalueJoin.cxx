@@ -2,9 +2,11 @@
 #include "EdgeIndex/IsovalueJoin.h"
 
 #include "Contour/SurfaceExtractor.h"
+#include "EdgeIndex/PointAttributes.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -59,6 +61,29 @@ void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, s
   to = std::move(joined);
 }
 
+// Makes the attribute that is the normals what they are.
+void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
+{
+  std::vector<SurfaceAttribute> others;
+  for (std::size_t n = 0; n < surface.Attributes.size(); ++n)
+  {
+    if (!header.Attributes[n].IsNormals)
+    {
+      others.push_back(std::move(surface.Attributes[n]));
+    }
+    else if (wanted)
+    {
+      surface.Normals = Buffer<float>(3 * surface.NumberOfPoints);
+      if (surface.NumberOfPoints > 0)
+      {
+        std::memcpy(surface.Normals.GetData(), surface.Attributes[n].Bytes.GetData(),
+          3 * sizeof(float) * surface.NumberOfPoints);
+      }
+    }
+  }
+  surface.Attributes = std::move(others);
+}
+
 // Joins the surface of the next isovalue to those before.
 void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
 {
@@ -77,6 +102,11 @@ void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
   surface.Parts.push_back(part);
   AppendBuffer(surface.Points, next.Points);
   AppendBuffer(surface.GlobalIds, next.GlobalIds);
+  AppendBuffer(surface.Normals, next.Normals);
+  for (std::size_t n = 0; n < std::min(surface.Attributes.size(), next.Attributes.size()); ++n)
+  {
+    AppendBuffer(surface.Attributes[n].Bytes, next.Attributes[n].Bytes);
+  }
   AppendIndices(
     surface.Offsets, next.Offsets, static_cast<std::int64_t>(surface.Connectivity.GetSize()), 1);
   AppendIndices(
@@ -95,10 +125,17 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
   const std::vector<std::unique_ptr<BlockSource>>& sources, const ContourRequest& request,
   int threads, const Progress& progress)
 {
-  if (request.Normals)
+  const bool hasNormals = std::any_of(header.Attributes.begin(), header.Attributes.end(),
+    [](const EdgeIndexAttribute& attribute) { return attribute.IsNormals; });
+  if (request.Normals && !hasNormals)
   {
     return Status(StatusCode::InvalidArgument,
-      "An edge-index stream has no gradients; normals can be computed of the triangles.");
+      "The edge-index stream has no normals; they can be computed of the triangles.");
+  }
+  if (!header.Attributes.empty() && !request.ClosedSides.IsEmpty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "The edge-index stream has arrays of points, which sides of the grid to close do not have.");
   }
   Surface surface;
   const auto isovalues = static_cast<double>(sources.size());
@@ -110,7 +147,8 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
     }
     ContourRequest one = request;
     one.Isovalues = { header.Isovalues[isovalue] };
-    one.Attributes.clear();
+    one.Normals = false;
+    one.Attributes = GetAttributeLayouts(header);
     Progress part;
     if (progress)
     {
@@ -126,6 +164,7 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
         ? Status(StatusCode::Corrupt, "The edge-index stream is corrupt: " + status.GetMessage())
         : status;
     }
+    TakeNormals(header, request.Normals, *next);
     AppendSurface(surface, std::move(*next),
       static_cast<std::int64_t>(isovalue) * 3 * header.Geometry.GetNumberOfVertices());
   }

@@ -19,8 +19,9 @@ namespace isosurface
  * ExtractSurface makes of several isovalues.
  *
  * sources: as many as the header has isovalues; null for one that is left out. Isovalues and
- * Attributes of the request are not used. A surface by itself has no gradients, so asking for
- * normals is an InvalidArgument.
+ * Attributes of the request are not used: the surface has all attributes of the header. Normals are
+ * there if they are asked for and are among them; otherwise asking for them is an InvalidArgument,
+ * since a surface by itself has no gradients.
  *
  * Errors: Corrupt (blocks that do not fit each other), InvalidArgument, OutOfMemory, Aborted, what
  * Acquire returns.

@@ -16,6 +16,8 @@ namespace
 const std::string Path = "/data/surface.eix";
 /// Blocks that are decoded of one input: each takes a moment.
 constexpr std::size_t MostBlocks = 8;
+/// Components of attributes: each takes memory for all edges of a block.
+constexpr int MostComponents = 6;
 /// A decoded block of 64-bit samples with its crossings, the models, the surface of eight blocks.
 constexpr std::size_t BlockBytes = std::size_t{ 192 } << 20;
 
@@ -66,7 +68,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     Require(file.GetStatus().GetMessage().find(Path) == 0, "an error names the file");
     return 0;
   }
-  if ((*file)->GetEntries().size() > MostBlocks)
+  int components = 0;
+  for (const EdgeIndexAttribute& attribute : (*file)->GetHeader().Attributes)
+  {
+    components += attribute.NumberOfComponents;
+  }
+  if ((*file)->GetEntries().size() > MostBlocks || components > MostComponents)
   {
     return 0;
   }

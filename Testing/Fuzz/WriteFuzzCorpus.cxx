@@ -215,6 +215,11 @@ void AddEdgeIndexFiles(Corpus& corpus)
   AddEdgeIndexFile<std::uint8_t>(corpus, "lossless-uint8", 1, header);
   AddEdgeIndexFile<double>(corpus, "lossless-float64", 1, header);
   header.Settings.Profile = EdgeIndexProfile::Fast;
+  header.Attributes = { { "Normals", ValueType::Float32, 3, 0, true } };
+  AddEdgeIndexFile<std::uint8_t>(corpus, "normals", 1, header);
+  header.Attributes[0].MaximumError = 0.01;
+  AddEdgeIndexFile<std::uint8_t>(corpus, "normals-bounded", 1, header);
+  header.Attributes.clear();
   header.PreviewLevel = 1;
   AddEdgeIndexFile<std::int16_t>(corpus, "lossless-fast-preview", 3, header);
   header.Settings.Mode = EdgeIndexMode::Bounded;
