@@ -42,7 +42,10 @@ struct ContourBlocks
   std::optional<double> Time; ///< of the samples
   KeyRange FiniteRange;       ///< of the contoured values, of blocks that are not active too
 
-  bool Normals = false;                  ///< Source gives samples that gradients can be made of
+  /// Set before: whether Source is to give samples that gradients can be made of, and those of the
+  /// arrays to interpolate.
+  bool Normals = false;
+  bool Attributes = false;
   std::vector<InterpolatedArray> Arrays; ///< that are interpolated; what Source gives beside
 
   /// This rank's active blocks. What it refers to is in Owner.

@@ -775,7 +775,6 @@ Status vtkStabbingContour::CollectBlocks(
   }
   const double* values = this->ContourValues->GetValues();
   blocks.Isovalues.assign(values, values + this->GetNumberOfContours());
-  blocks.Normals = this->ComputeNormals != 0;
   vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
   bool isUpdated = false;
   if (connection)
@@ -815,8 +814,12 @@ Status vtkStabbingContour::CollectBlocksOfVolume(isosurface::Communicator& ranks
   Output output;
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->MakeQuery(*volume, request, query, output)));
   blocks.ArrayName = output.ArrayName;
-  blocks.Arrays = output.Arrays;
   isosurface::VolumeBlocksQuery wanted;
+  if (blocks.Attributes)
+  {
+    blocks.Arrays = output.Arrays;
+    wanted.Attributes = query.Attributes;
+  }
   wanted.Level = std::min(this->Level, volume->GetNumberOfLevels() - 1);
   if (this->MaximumTriangles > 0)
   {
@@ -828,7 +831,6 @@ Status vtkStabbingContour::CollectBlocksOfVolume(isosurface::Communicator& ranks
   }
   wanted.TimeStep = query.TimeStep;
   wanted.Variable = query.Variable;
-  wanted.Attributes = query.Attributes;
   wanted.Region = query.Selection.Region;
   wanted.Rank = piece;
   wanted.Ranks = pieces;
@@ -848,8 +850,9 @@ Status vtkStabbingContour::CollectBlocksOfImages(
   Status status;
   for (const isosurface::ImagePiece& piece : pieces->Pieces)
   {
-    auto found =
-      isosurface::FindAttributes(piece, this->ChooseInterpolatedArrays(output.ArrayName));
+    auto found = isosurface::FindAttributes(piece,
+      blocks.Attributes ? this->ChooseInterpolatedArrays(output.ArrayName)
+                        : std::vector<std::string>());
     if (!found.IsOk())
     {
       status = found.GetStatus();

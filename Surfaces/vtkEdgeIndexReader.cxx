@@ -12,6 +12,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/ParallelFor.h"
+#include "Contour/TriangleNormals.h"
 #include "ControllerCommunicator.h"
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "SurfacePolyData.h"
@@ -85,6 +86,7 @@ vtkEdgeIndexReader::vtkEdgeIndexReader()
   , RegionPosition{ 0, 0, 0 }
   , RegionLength{ 1, 1, 1 }
   , ComputeScalars(1)
+  , ComputeNormals(1)
   , NumberOfThreads(0)
   , Controller(nullptr)
   , OpenTime(0)
@@ -222,6 +224,22 @@ Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtk
   isosurface::ContourRequest request;
   request.GlobalIds = true;
   request.Offsets = true;
+  std::vector<isosurface::InterpolatedArray> arrays;
+  for (const isosurface::EdgeIndexAttribute& attribute : header.Attributes)
+  {
+    if (selection.Preview)
+    {
+      break; // it has none
+    }
+    if (attribute.IsNormals)
+    {
+      request.Normals = this->ComputeNormals != 0;
+    }
+    else
+    {
+      arrays.push_back({ attribute.Name, {}, { attribute.Type, attribute.NumberOfComponents } });
+    }
+  }
   auto surface = this->File->Read(
     selection, request, threads, [this](double share) { return this->TellProgress(share); });
   if (!surface.IsOk())
@@ -231,7 +249,11 @@ Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtk
   vtkLogF(INFO, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->FileName,
     selection.Piece, selection.NumberOfPieces, surface->NumberOfBlocks, surface->NumberOfTriangles,
     surface->TotalSeconds);
-  isosurface::MoveToPolyData(*surface, {}, this->ComputeScalars ? header.Array : "", output);
+  if (this->ComputeNormals && !request.Normals)
+  {
+    isosurface::ComputeNormalsOfTriangles(*surface);
+  }
+  isosurface::MoveToPolyData(*surface, arrays, this->ComputeScalars ? header.Array : "", output);
   if (header.Time)
   {
     output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);
@@ -258,6 +280,7 @@ void vtkEdgeIndexReader::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "RegionLength: " << this->RegionLength[0] << " " << this->RegionLength[1] << " "
      << this->RegionLength[2] << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
+  os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -6,9 +6,9 @@
  *
  * The output is what vtkStabbingContour gave: one vtkPolyData a piece, with the same triangles and
  * GlobalIds (those of the surface as a whole, so that merging pieces by them makes it watertight),
- * and with points as the file's mode keeps them. Blocks are spread over the pieces such that all
- * have about as many points, and decoded by several threads. With Preview, or a region, only the
- * blocks that belong to it are read.
+ * and with points and arrays as the file keeps them. Blocks are spread over the pieces such that
+ * all have about as many points, and decoded by several threads. With Preview, or a region, only
+ * the blocks that belong to it are read.
  *
  * Of a file that was cut off, or is still being written, the blocks that are complete are read,
  * with a warning of what is missing. Any other damage is an error, on every rank of the controller,
@@ -94,6 +94,17 @@ public:
 
   ///@{
   /**
+   * Whether points have normals: those of the file, or, if it has none, the mean of the normals of
+   * the triangles around, by area. These are of the piece alone: at its border they are those of
+   * one side. Default on.
+   */
+  vtkSetMacro(ComputeNormals, vtkTypeBool);
+  vtkGetMacro(ComputeNormals, vtkTypeBool);
+  vtkBooleanMacro(ComputeNormals, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
    * Threads to decode with; 0 (the default): this rank's share of the node's cores.
    */
   vtkSetClampMacro(NumberOfThreads, int, 0, 4096);
@@ -133,6 +144,7 @@ private:
   double RegionPosition[3];
   double RegionLength[3];
   vtkTypeBool ComputeScalars;
+  vtkTypeBool ComputeNormals;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
   std::unique_ptr<isosurface::EdgeIndexFile> File; ///< that OpenTime tells of

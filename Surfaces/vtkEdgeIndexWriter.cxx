@@ -63,6 +63,10 @@ vtkEdgeIndexWriter::vtkEdgeIndexWriter()
   , MaximumError(0.01)
   , QuantizationBits(12)
   , Profile(DEFAULT)
+  , WriteArrays(true)
+  , ArrayError(0)
+  , WriteNormals(false)
+  , NormalError(0.005)
   , PreviewLevel(3)
   , MemoryLimit(256)
   , WriteAllTimeSteps(false)
@@ -222,6 +226,16 @@ Result<EdgeIndexHeader> vtkEdgeIndexWriter::MakeHeader(
   header.Settings.MaximumError = this->MaximumError;
   header.Settings.QuantizationBits = this->QuantizationBits;
   SetQuantizationRange(blocks, header.Settings);
+  for (const isosurface::InterpolatedArray& array : blocks.Arrays)
+  {
+    header.Attributes.push_back({ array.Name, isosurface::GetInterpolatedType(array.Layout.Type),
+      array.Layout.NumberOfComponents, this->ArrayError, false });
+  }
+  if (blocks.Normals)
+  {
+    header.Attributes.push_back(
+      { "Normals", isosurface::ValueType::Float32, 3, this->NormalError, true });
+  }
   for (header.PreviewLevel = this->PreviewLevel;
        header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
   {
@@ -250,6 +264,8 @@ Status vtkEdgeIndexWriter::WriteStep(isosurface::Communicator& ranks, vtkStabbin
   const std::optional<double>& time, const std::string& path)
 {
   ContourBlocks blocks;
+  blocks.Attributes = this->WriteArrays;
+  blocks.Normals = this->WriteNormals && contour->GetComputeNormals();
   ISOSURFACE_RETURN_IF_ERROR(
     contour->CollectBlocks(ranks.GetRank(), ranks.GetSize(), time, blocks));
   const Result<EdgeIndexHeader> header = this->MakeHeader(ranks, blocks);
@@ -288,6 +304,10 @@ void vtkEdgeIndexWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumError: " << this->MaximumError << "\n";
   os << indent << "QuantizationBits: " << this->QuantizationBits << "\n";
   os << indent << "Profile: " << this->Profile << "\n";
+  os << indent << "WriteArrays: " << this->WriteArrays << "\n";
+  os << indent << "ArrayError: " << this->ArrayError << "\n";
+  os << indent << "WriteNormals: " << this->WriteNormals << "\n";
+  os << indent << "NormalError: " << this->NormalError << "\n";
   os << indent << "PreviewLevel: " << this->PreviewLevel << "\n";
   os << indent << "MemoryLimit: " << this->MemoryLimit << "\n";
   os << indent << "WriteAllTimeSteps: " << this->WriteAllTimeSteps << "\n";

@@ -8,7 +8,8 @@
  * but where the isovalues cross the grid, so the writer takes the contour's blocks instead, some at
  * a time (vtkStabbingContour::CollectBlocks): Write() does not make the contour extract anything,
  * and a surface of any size is written within MemoryLimit. Connectivity and GlobalIds are kept
- * exactly, points as Mode tells. Any other input (a surface that was clipped, say) is an error.
+ * exactly, points as Mode tells; interpolated arrays and normals exactly or within a bound. Any
+ * other input (a surface that was clipped, say) is an error.
  *
  * All ranks of the controller call Write(), and write one file together, which does not depend on
  * how many they are, nor on the number of threads. It appears in one step when everything is
@@ -105,6 +106,41 @@ public:
 
   ///@{
   /**
+   * Whether the arrays that the contour interpolates are written. Default on.
+   */
+  vtkSetMacro(WriteArrays, bool);
+  vtkGetMacro(WriteArrays, bool);
+  vtkBooleanMacro(WriteArrays, bool);
+  ///@}
+
+  ///@{
+  /**
+   * The most by which a value of these arrays may change; 0, the default, keeps every bit.
+   */
+  vtkSetClampMacro(ArrayError, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(ArrayError, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether the contour's normals are written, if it computes any; otherwise vtkEdgeIndexReader
+   * makes normals of the triangles. Default off: they take about as much space as all the rest.
+   */
+  vtkSetMacro(WriteNormals, bool);
+  vtkGetMacro(WriteNormals, bool);
+  vtkBooleanMacro(WriteNormals, bool);
+  ///@}
+
+  ///@{
+  /**
+   * The most by which a component of a normal may change; 0 keeps every bit. Default 0.005.
+   */
+  vtkSetClampMacro(NormalError, double, 0, 1);
+  vtkGetMacro(NormalError, double);
+  ///@}
+
+  ///@{
+  /**
    * A coarse surface is in the file as well, of every 2^PreviewLevel-th vertex of the grid, so that
    * it can be looked at before all is read; 0: none. Where blocks are smaller than that (of coarse
    * levels of a volume) it is of a lower level. Default 3, which adds about 2 percent.
@@ -182,6 +218,10 @@ private:
   double MaximumError;
   int QuantizationBits;
   int Profile;
+  bool WriteArrays;
+  double ArrayError;
+  bool WriteNormals;
+  double NormalError;
   int PreviewLevel;
   int MemoryLimit;
   bool WriteAllTimeSteps;

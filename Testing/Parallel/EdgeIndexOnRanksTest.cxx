@@ -137,6 +137,7 @@ protected:
     EdgeSurface part;
     const auto first = static_cast<std::int64_t>(number);
     part.Add(mine, first * ids, (first + 1) * ids);
+    part.DropNormals();
     EdgeSurface all = GatherSurfaces(part);
     all.MergeEqualPoints();
     return all;

@@ -81,6 +81,7 @@ protected:
     EXPECT_EQ(errors.Messages, std::vector<std::string>());
     EdgeSurface surface;
     surface.Add(this->Reader->GetOutput());
+    surface.DropNormals();
     return surface;
   }
 

@@ -8,6 +8,7 @@
 #include "vtkBlockedVolumeReader.h"
 #include "vtkClipPolyData.h"
 #include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
 #include "vtkEdgeIndexReader.h"
 #include "vtkEdgeIndexWriter.h"
 #include "vtkInformation.h"
@@ -247,6 +248,105 @@ TEST_F(EdgeIndexWriter, LevelsRegionsAndComponentsAreThoseOfTheContour)
     this->Contour->SetComponent(component);
     check("a component, or the magnitude");
   }
+}
+
+TEST_F(EdgeIndexWriter, ArraysAndNormalsAreThoseOfTheContour)
+{
+  const auto image = MakeClosedVolume(Grid, VTK_SHORT);
+  vtkNew<vtkDoubleArray> depth;
+  depth->SetName("depth");
+  depth->SetNumberOfComponents(2);
+  for (vtkIdType n = 0; n < image->GetNumberOfPoints(); ++n)
+  {
+    depth->InsertNextTuple2(0.1 * static_cast<double>(n % 70), std::sqrt(static_cast<double>(n)));
+  }
+  image->GetPointData()->AddArray(depth);
+  this->Contour->AddInterpolatedArray("depth");
+  this->Writer->SetWriteNormals(true);
+  this->Writer->SetNormalError(0);
+  for (const bool fromVolume : { false, true })
+  {
+    if (fromVolume)
+    {
+      this->UseVolume(image, 32);
+    }
+    else
+    {
+      this->Contour->SetInputData(image);
+    }
+    this->Contour->Update();
+    std::map<double, vtkIdType> points;
+    vtkPointData* exact = this->Contour->GetOutput()->GetPointData();
+    for (vtkIdType n = 0; n < this->Contour->GetOutput()->GetNumberOfPoints(); ++n)
+    {
+      points[exact->GetGlobalIds()->GetTuple1(n)] = n;
+    }
+    for (const double error : { 0.0, 0.25 })
+    {
+      this->Writer->SetArrayError(error);
+      this->Write();
+      const auto read = this->Read(this->Path);
+      vtkPointData* data = read->GetPointData();
+      ASSERT_NE(data->GetNormals(), nullptr);
+      ASSERT_NE(data->GetArray("depth"), nullptr);
+      EXPECT_EQ(data->GetArray("depth")->GetDataType(), VTK_DOUBLE);
+      double worst = 0;
+      double worstNormal = 0;
+      for (vtkIdType n = 0; n < read->GetNumberOfPoints(); ++n)
+      {
+        const vtkIdType at = points.at(data->GetGlobalIds()->GetTuple1(n));
+        for (int c = 0; c < 3; ++c)
+        {
+          worstNormal = std::max(worstNormal,
+            std::abs(
+              data->GetNormals()->GetComponent(n, c) - exact->GetNormals()->GetComponent(at, c)));
+        }
+        for (int c = 0; c < 2; ++c)
+        {
+          worst = std::max(worst,
+            std::abs(data->GetArray("depth")->GetComponent(n, c) -
+              exact->GetArray("depth")->GetComponent(at, c)));
+        }
+      }
+      EXPECT_EQ(worstNormal, 0);
+      EXPECT_LE(worst, error);
+      EXPECT_EQ(worst > 0, error > 0);
+    }
+  }
+  this->Writer->SetWriteArrays(false);
+  this->Write();
+  EXPECT_EQ(this->Read(this->Path)->GetPointData()->GetArray("depth"), nullptr);
+}
+
+TEST_F(EdgeIndexWriter, WithoutNormalsInTheFileThoseOfTheTrianglesAreTaken)
+{
+  const auto image = MakeImage(Grid, VTK_FLOAT,
+    [](int i, int j, int k) {
+      return 300 - 4 * std::sqrt((i - 30) * (i - 30) + (j - 20) * (j - 20) + (k - 30) * (k - 30));
+    });
+  this->Contour->SetInputData(image);
+  this->SetIsovalues({ 240.5 });
+  this->Contour->Update();
+  std::map<double, vtkIdType> points;
+  vtkPointData* exact = this->Contour->GetOutput()->GetPointData();
+  for (vtkIdType n = 0; n < this->Contour->GetOutput()->GetNumberOfPoints(); ++n)
+  {
+    points[exact->GetGlobalIds()->GetTuple1(n)] = n;
+  }
+  this->Write();
+  const auto read = this->Read(this->Path);
+  vtkPointData* data = read->GetPointData();
+  ASSERT_NE(data->GetNormals(), nullptr);
+  double worst = 1;
+  for (vtkIdType n = 0; n < read->GetNumberOfPoints(); ++n)
+  {
+    double mine[3];
+    double expected[3];
+    data->GetNormals()->GetTuple(n, mine);
+    exact->GetNormals()->GetTuple(points.at(data->GetGlobalIds()->GetTuple1(n)), expected);
+    worst = std::min(worst, mine[0] * expected[0] + mine[1] * expected[1] + mine[2] * expected[2]);
+  }
+  EXPECT_GT(worst, 0.97) << "the cosine of the largest angle between normals";
 }
 
 TEST_F(EdgeIndexWriter, MaximumTrianglesChoosesTheLevel)
