@@ -69,9 +69,11 @@ Status WriteTriangles(vtkPolyData* surface, const std::string& ending, const std
 /// Beside its place first, so that no half of it is ever taken for the whole.
 Status WriteInOneStep(vtkPolyData* surface, const std::string& path)
 {
-  const std::string partial = path + ".part";
+  // VTK's writers want names that end as the format does.
+  const std::string ending = FindEnding(path);
+  const std::string partial = path.substr(0, path.size() - ending.size()) + ".part" + ending;
   FileSystem& files = GetLocalFileSystem();
-  Status status = WriteTriangles(surface, FindEnding(path), partial);
+  Status status = WriteTriangles(surface, ending, partial);
   if (status.IsOk())
   {
     status = files.Rename(partial, path);
