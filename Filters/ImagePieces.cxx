@@ -277,12 +277,6 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   return pieces;
 }
 
-bool InterpolatedArray::operator==(const InterpolatedArray& other) const
-{
-  return this->Name == other.Name && this->Layout.Type == other.Layout.Type &&
-    this->Layout.NumberOfComponents == other.Layout.NumberOfComponents;
-}
-
 Result<PieceAttributes> FindAttributes(
   const ImagePiece& piece, const std::vector<std::string>& names)
 {

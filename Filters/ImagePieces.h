@@ -9,8 +9,8 @@
 #include "Base/Status.h"
 #include "Contour/BlockRanges.h"
 #include "Contour/BlockSource.h"
-#include "Contour/Surface.h"
 #include "ImageSamples.h"
+#include "SurfacePolyData.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/Region.h"
 
@@ -54,16 +54,6 @@ struct ImagePieces
  */
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray);
-
-/// A point array of the input, as it is interpolated to the surface.
-struct InterpolatedArray
-{
-  std::string Name;
-  std::vector<std::string> ComponentNames; ///< of all components, or none
-  AttributeLayout Layout;
-
-  bool operator==(const InterpolatedArray& other) const;
-};
 
 /// The arrays of these names on all vertices of a piece's image, to interpolate.
 struct PieceAttributes

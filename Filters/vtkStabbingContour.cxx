@@ -3,7 +3,9 @@
 #include "vtkStabbingContour.h"
 
 #include "ChosenScalars.h"
+#include "ContourBlocks.h"
 #include "ImagePieces.h"
+#include "QueryCost.h"
 #include "SurfacePolyData.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
@@ -11,6 +13,7 @@
 #include "vtkInformationStabbingRequestKey.h"
 #include "vtkStabbingRequest.h"
 
+#include "vtkAlgorithmOutput.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkExecutive.h"
@@ -313,11 +316,18 @@ std::string vtkStabbingContour::GetArrayToContour()
 int vtkStabbingContour::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkInformation* outInfo = output->GetInformationObject(0);
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const int pieces = outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES());
-  inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()));
+  this->AskInput(input[0]->GetInformationObject(0), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
+    outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), piece);
   inInfo->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), pieces);
   // Gradients at the border of a piece need one sample beyond it. Ghost levels that consumers ask
   // of the surface are not needed: its pieces fit by GlobalIds.
@@ -327,7 +337,7 @@ int vtkStabbingContour::RequestUpdateExtent(
   // A source that does not know the request would execute again for each one, and to no purpose.
   if (!IsBehindReader(inInfo))
   {
-    return 1;
+    return;
   }
   // Straight behind a reader the blocks are taken through the handle.
   vtkNew<vtkStabbingRequest> request;
@@ -347,7 +357,6 @@ int vtkStabbingContour::RequestUpdateExtent(
         this->MakeRegion() });
   }
   vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
-  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -617,12 +626,9 @@ Status vtkStabbingContour::ExtractAtLevel(BlockedVolume& volume, const SurfaceQu
 }
 
 //------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractFromImages(
-  vtkInformationVector** input, ContourRequest& request, Output& output)
+Result<isosurface::ImagePieces> vtkStabbingContour::CollectPieces(
+  isosurface::Communicator& ranks, vtkInformation* inInfo, Output& output)
 {
-  isosurface::ControllerCommunicator ranks(this->Controller);
-  vtkInformation* inInfo = input[0]->GetInformationObject(0);
-  output.Cost.Level = IsBehindReader(inInfo) ? this->Level : 0;
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
@@ -644,7 +650,7 @@ Status vtkStabbingContour::ExtractFromImages(
     }
     return array;
   };
-  const auto pieces =
+  auto pieces =
     isosurface::CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
   if (!pieces.IsOk())
   {
@@ -652,6 +658,21 @@ Status vtkStabbingContour::ExtractFromImages(
     return pieces.GetStatus().GetCode() == StatusCode::NotFound
       ? Status(StatusCode::NotFound, "the input has no point array \"" + name + "\" to contour")
       : pieces.GetStatus();
+  }
+  return pieces;
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::ExtractFromImages(
+  vtkInformationVector** input, ContourRequest& request, Output& output)
+{
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  output.Cost.Level = IsBehindReader(inInfo) ? this->Level : 0;
+  const auto pieces = this->CollectPieces(ranks, inInfo, output);
+  if (!pieces.IsOk())
+  {
+    return pieces.GetStatus();
   }
 
   // The ids of several grids follow each other.
@@ -729,6 +750,130 @@ Status vtkStabbingContour::ExtractFromImages(
   output.Extracted =
     surfaces.size() == 1 ? std::move(surfaces.front()) : isosurface::MergeSurfaces(surfaces);
   return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+vtkStabbingContour* vtkStabbingContour::FindBehind(vtkAlgorithmOutput* connection)
+{
+  vtkAlgorithm* producer = connection ? connection->GetProducer() : nullptr;
+  while (producer && producer->GetNumberOfInputConnections(0) > 0 &&
+    (producer->IsA("vtkPVPostFilter") || producer->IsA("vtkPassThrough")))
+  {
+    producer = producer->GetInputAlgorithm(0, 0);
+  }
+  return vtkStabbingContour::SafeDownCast(producer);
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::CollectBlocks(
+  int piece, int pieces, const std::optional<double>& time, isosurface::ContourBlocks& blocks)
+{
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  if (this->RanksOnNode == 0)
+  {
+    this->RanksOnNode = ranks.GetRanksOnNode();
+  }
+  const double* values = this->ContourValues->GetValues();
+  blocks.Isovalues.assign(values, values + this->GetNumberOfContours());
+  vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
+  bool isUpdated = false;
+  if (connection)
+  {
+    this->UpdateInformation();
+    vtkInformation* inInfo = this->GetInputInformation();
+    this->AskInput(inInfo, piece, pieces);
+    if (time)
+    {
+      inInfo->Set(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP(), *time);
+    }
+    isUpdated = connection->GetProducer()->GetExecutive()->Update(connection->GetIndex()) != 0;
+    vtkBlockedVolumeReader::STABBING_REQUEST()->Withdraw(inInfo);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isUpdated
+      ? Status::Ok()
+      : Status(StatusCode::InvalidArgument, "the contour filter has no input, or it failed")));
+  vtkInformation* inInfo = this->GetInputInformation();
+  return vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
+    ? this->CollectBlocksOfVolume(ranks, inInfo, piece, pieces, blocks)
+    : this->CollectBlocksOfImages(ranks, inInfo, blocks);
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::CollectBlocksOfVolume(isosurface::Communicator& ranks,
+  vtkInformation* inInfo, int piece, int pieces, isosurface::ContourBlocks& blocks)
+{
+  auto* handle =
+    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
+  const std::shared_ptr<BlockedVolume> volume = handle->GetVolume();
+  SurfaceQuery query;
+  query.TimeStep = handle->FindTimeStep(inInfo);
+  query.Rank = piece;
+  query.Ranks = pieces;
+  ContourRequest request;
+  request.Isovalues = blocks.Isovalues;
+  Output output;
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->MakeQuery(*volume, request, query, output)));
+  blocks.ArrayName = output.ArrayName;
+  isosurface::VolumeBlocksQuery wanted;
+  if (blocks.Attributes)
+  {
+    blocks.Arrays = output.Arrays;
+    wanted.Attributes = query.Attributes;
+  }
+  wanted.Level = std::min(this->Level, volume->GetNumberOfLevels() - 1);
+  if (this->MaximumTriangles > 0)
+  {
+    isosurface::QueryStatistics statistics;
+    const auto choice = isosurface::ChooseLevel(*volume, query, wanted.Level,
+      { 0, static_cast<std::uint64_t>(this->MaximumTriangles) }, *this->Rate, ranks, statistics);
+    ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+    wanted.Level = choice->Level;
+  }
+  wanted.TimeStep = query.TimeStep;
+  wanted.Variable = query.Variable;
+  wanted.Region = query.Selection.Region;
+  wanted.Rank = piece;
+  wanted.Ranks = pieces;
+  return ranks.Agree(isosurface::CollectVolumeBlocks(volume, wanted, blocks));
+}
+
+//------------------------------------------------------------------------------
+Status vtkStabbingContour::CollectBlocksOfImages(
+  isosurface::Communicator& ranks, vtkInformation* inInfo, isosurface::ContourBlocks& blocks)
+{
+  Output output;
+  auto collected = this->CollectPieces(ranks, inInfo, output);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(collected.GetStatus()));
+  auto pieces = std::make_shared<isosurface::ImagePieces>(std::move(*collected));
+  std::vector<isosurface::ChosenScalars> scalars;
+  std::vector<isosurface::PieceAttributes> attributes;
+  Status status;
+  for (const isosurface::ImagePiece& piece : pieces->Pieces)
+  {
+    auto found = isosurface::FindAttributes(piece,
+      blocks.Attributes ? this->ChooseInterpolatedArrays(output.ArrayName)
+                        : std::vector<std::string>());
+    if (!found.IsOk())
+    {
+      status = found.GetStatus();
+      break;
+    }
+    output.Arrays = found->Arrays;
+    attributes.push_back(std::move(*found));
+    scalars.emplace_back(piece.Samples,
+      *isosurface::FindChosenComponent(
+        static_cast<int>(piece.Samples.Components.size()), this->Component),
+      this->ChooseThreads());
+  }
+  vtkInformation* data = vtkDataObject::GetData(inInfo)->GetInformation();
+  if (data->Has(vtkDataObject::DATA_TIME_STEP()))
+  {
+    blocks.Time = data->Get(vtkDataObject::DATA_TIME_STEP());
+  }
+  blocks.ArrayName = output.ArrayName;
+  blocks.Arrays = output.Arrays;
+  return isosurface::CollectImageBlocks(ranks, status, pieces, std::move(scalars),
+    std::move(attributes), this->MakeRegion(), this->ChooseThreads(), blocks);
 }
 
 //------------------------------------------------------------------------------

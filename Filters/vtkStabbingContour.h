@@ -49,10 +49,11 @@
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
 
-#include <cstddef> // For std::size_t
-#include <memory>  // For the index
-#include <string>  // For array names
-#include <vector>  // For array names
+#include <cstddef>  // For std::size_t
+#include <memory>   // For the index
+#include <optional> // For times
+#include <string>   // For array names
+#include <vector>   // For array names
 
 namespace isosurface
 {
@@ -63,12 +64,15 @@ class Region;
 class Status;
 template <class T>
 class Result;
+struct ContourBlocks;
 struct ContourRequest;
 struct ExtractionBudget;
+struct ImagePieces;
 struct LevelChoice;
 struct SurfaceQuery;
 }
 
+class vtkAlgorithmOutput;
 class vtkMultiProcessController;
 class vtkPlanes;
 
@@ -268,6 +272,26 @@ public:
 
   vtkMTimeType GetMTime() override;
 
+  /**
+   * For consumers that take a surface larger than memory: what this filter would contour for one of
+   * several pieces, block by block (see ContourBlocks.h). The input is brought up to date for that
+   * piece, at that time if one is given; the output is neither made nor changed. Collective.
+   *
+   * Of a blocked volume the blocks are those of Level, or of the finest level from there on that
+   * keeps to MaximumTriangles as far as the contour spectrum can tell. TimeBudget and Progressive,
+   * which are about waiting for a picture, have no effect, nor have CloseBoundary,
+   * DropDegenerateTriangles and GenerateTriangles, which are about what becomes of the blocks.
+   */
+  isosurface::Status CollectBlocks(
+    int piece, int pieces, const std::optional<double>& time, isosurface::ContourBlocks& blocks);
+
+  /**
+   * The filter whose output arrives at a connection unchanged: the producer, or, behind a
+   * vtkPVPostFilter (which ParaView puts behind every filter) or a vtkPassThrough, what produces
+   * for that. Null if it is another one.
+   */
+  static vtkStabbingContour* FindBehind(vtkAlgorithmOutput* connection);
+
 protected:
   vtkStabbingContour();
   ~vtkStabbingContour() override;
@@ -307,6 +331,15 @@ private:
     const isosurface::LevelChoice& choice, Output& output);
   isosurface::Status ExtractFromImages(
     vtkInformationVector** input, isosurface::ContourRequest& request, Output& output);
+  /// The images of all ranks that are to be contoured. Collective.
+  isosurface::Result<isosurface::ImagePieces> CollectPieces(
+    isosurface::Communicator& ranks, vtkInformation* inInfo, Output& output);
+  /// What a piece of the output needs of the input; asked for in the input's information.
+  void AskInput(vtkInformation* inInfo, int piece, int pieces);
+  isosurface::Status CollectBlocksOfVolume(isosurface::Communicator& ranks, vtkInformation* inInfo,
+    int piece, int pieces, isosurface::ContourBlocks& blocks);
+  isosurface::Status CollectBlocksOfImages(
+    isosurface::Communicator& ranks, vtkInformation* inInfo, isosurface::ContourBlocks& blocks);
   isosurface::Region MakeRegion();
   std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
   bool TellProgress(double share);

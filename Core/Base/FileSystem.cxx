@@ -224,6 +224,16 @@ public:
     return std::unique_ptr<WritableFile>(new LocalWritableFile(path, descriptor));
   }
 
+  Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path) override
+  {
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+    if (descriptor < 0)
+    {
+      return MakeSystemError(path, "open", errno);
+    }
+    return std::unique_ptr<WritableFile>(new LocalWritableFile(path, descriptor));
+  }
+
   Status Rename(const std::string& from, const std::string& to) override
   {
     if (::rename(from.c_str(), to.c_str()) != 0)

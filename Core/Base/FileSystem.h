@@ -61,6 +61,11 @@ public:
   virtual Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) = 0;
   /// Creates the file, emptying one that is there.
   virtual Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) = 0;
+  /// Opens a file that is there to write in place (WriteAt); several programs may do so at once.
+  virtual Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path)
+  {
+    return Status(StatusCode::Unsupported, path + ": cannot be written by several programs");
+  }
   /// Replaces `to` in one step: whoever opens it sees the old file or the new one.
   virtual Status Rename(const std::string& from, const std::string& to) = 0;
   virtual Status MakeDirectories(const std::string& path) = 0;

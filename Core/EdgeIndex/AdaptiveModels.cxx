@@ -41,6 +41,16 @@ ModelTables::ModelTables()
   {
     this->Rates[static_cast<std::size_t>(n)] = static_cast<std::uint16_t>(655360 / (10 * n + 16));
   }
+  constexpr int least = 8;
+  constexpr int most = (1 << FrequencyBits) - least * NumberOfSymbols;
+  for (int symbol = 0; symbol < NumberOfSymbols; ++symbol)
+  {
+    for (int n = 0; n < NumberOfSymbols; ++n)
+    {
+      this->Targets[static_cast<std::size_t>(symbol)][static_cast<std::size_t>(n)] =
+        static_cast<std::int16_t>(least * n + (n > symbol ? most : 0));
+    }
+  }
 }
 
 const ModelTables Tables;

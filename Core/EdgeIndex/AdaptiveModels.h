@@ -25,6 +25,8 @@ struct ModelTables
   std::array<std::uint16_t, 4096> Squash; ///< at x + 2048
   std::array<std::int16_t, 4096> Stretch; ///< the inverse: of a probability in units of 2^-12
   std::array<std::uint16_t, 1024> Rates;  ///< 65536 / (n + 1.6)
+  /// Of each symbol the shares that lead to it; see AdaptiveSymbol.
+  alignas(16) std::array<std::array<std::int16_t, NumberOfSymbols>, NumberOfSymbols> Targets;
   ModelTables();
 };
 extern const ModelTables Tables;
@@ -59,32 +61,66 @@ inline bool CodeAdaptive(Coder& coder, AdaptiveBit& model, bool bit, std::uint32
   return bit;
 }
 
-/// The shares of 16 symbols.
+/// The shares of 16 symbols: where each begins.
 struct AdaptiveSymbol
 {
-  std::array<std::uint16_t, NumberOfSymbols + 1> Cumulative;
+  /// Moves all shares towards the symbol by 2^-Rate; none falls below 2^-12.
+  static constexpr int Rate = 5;
+
+  alignas(16) std::array<std::int16_t, NumberOfSymbols> Cumulative;
 
   AdaptiveSymbol()
   {
-    for (int n = 0; n <= NumberOfSymbols; ++n)
+    for (int n = 0; n < NumberOfSymbols; ++n)
     {
       this->Cumulative[static_cast<std::size_t>(n)] =
-        static_cast<std::uint16_t>((1 << FrequencyBits) / NumberOfSymbols * n);
+        static_cast<std::int16_t>((1 << FrequencyBits) / NumberOfSymbols * n);
     }
   }
-  /// Moves all shares towards the symbol by 2^-rate; none falls below 2^-12.
-  void Update(int symbol, int rate)
+  void Update(int symbol)
   {
-    constexpr int least = 8;
-    constexpr int most = (1 << FrequencyBits) - least * NumberOfSymbols;
-    for (int n = 1; n < NumberOfSymbols; ++n)
+    const std::int16_t* targets = Tables.Targets[static_cast<std::size_t>(symbol)].data();
+#if defined(__SSE2__)
+    auto* shares = reinterpret_cast<__m128i*>(this->Cumulative.data());
+    for (int half = 0; half < 2; ++half)
     {
-      const int target = least * n + (n > symbol ? most : 0);
-      const int now = this->Cumulative[static_cast<std::size_t>(n)];
-      this->Cumulative[static_cast<std::size_t>(n)] =
-        static_cast<std::uint16_t>(now + ((target - now) >> rate));
+      const __m128i now = _mm_load_si128(shares + half);
+      const __m128i target = _mm_load_si128(reinterpret_cast<const __m128i*>(targets) + half);
+      const __m128i step = _mm_srai_epi16(_mm_sub_epi16(target, now), Rate);
+      _mm_store_si128(shares + half, _mm_add_epi16(now, step));
+    }
+#else
+    for (std::size_t n = 0; n < std::size_t{ NumberOfSymbols }; ++n)
+    {
+      const int now = this->Cumulative[n];
+      this->Cumulative[n] = static_cast<std::int16_t>(now + ((targets[n] - now) >> Rate));
+    }
+#endif
+  }
+};
+
+/// Stretched probabilities to mix, four in each number, lowest first.
+struct MixerInputs
+{
+  static constexpr int Size = 8;
+
+#if defined(__SSE2__)
+  __m128i Values;
+  MixerInputs(std::uint64_t low, std::uint64_t high)
+    : Values(_mm_set_epi64x(static_cast<long long>(high), static_cast<long long>(low)))
+  {
+  }
+#else
+  std::array<std::int16_t, Size> Values;
+  MixerInputs(std::uint64_t low, std::uint64_t high)
+  {
+    for (int n = 0; n < Size; ++n)
+    {
+      const std::uint64_t four = n < 4 ? low : high;
+      this->Values[static_cast<std::size_t>(n)] = static_cast<std::int16_t>(four >> (16 * (n % 4)));
     }
   }
+#endif
 };
 
 /**
@@ -93,23 +129,23 @@ struct AdaptiveSymbol
  */
 struct LogisticMixer
 {
-  static constexpr int Size = 8;
+  static constexpr int Size = MixerInputs::Size;
   alignas(16) std::array<std::int16_t, Size> Weights; ///< in units of 2^-14
 
   /// The probability of a 1 from stretched ones, in units of 2^-16.
-  std::uint32_t Mix(const std::int16_t* inputs) const
+  std::uint32_t Mix(const MixerInputs& inputs) const
   {
 #if defined(__SSE2__)
-    const __m128i products =
-      _mm_madd_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(inputs)),
-        _mm_load_si128(reinterpret_cast<const __m128i*>(this->Weights.data())));
+    const __m128i products = _mm_madd_epi16(
+      inputs.Values, _mm_load_si128(reinterpret_cast<const __m128i*>(this->Weights.data())));
     const __m128i pairs = _mm_add_epi32(products, _mm_shuffle_epi32(products, 0x4e));
     const int sum = _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1)));
 #else
     int sum = 0;
     for (int n = 0; n < Size; ++n)
     {
-      sum += inputs[n] * this->Weights[static_cast<std::size_t>(n)];
+      sum +=
+        inputs.Values[static_cast<std::size_t>(n)] * this->Weights[static_cast<std::size_t>(n)];
     }
 #endif
     const int x = sum >> 14;
@@ -120,11 +156,11 @@ struct LogisticMixer
   }
 
   /// Learns from the bit that came: weights move by inputs * error * 2^-rate.
-  void Update(const std::int16_t* inputs, std::uint32_t probability, bool bit, int rate)
+  void Update(const MixerInputs& inputs, std::uint32_t probability, bool bit, int rate)
   {
     const int error = ((bit ? 65535 : 0) - static_cast<int>(probability)) >> rate;
 #if defined(__SSE2__)
-    const __m128i x = _mm_load_si128(reinterpret_cast<const __m128i*>(inputs));
+    const __m128i x = inputs.Values;
     const __m128i e = _mm_set1_epi16(static_cast<std::int16_t>(error));
     const __m128i rounding = _mm_srli_epi16(_mm_mullo_epi16(x, e), 15);
     const __m128i step = _mm_add_epi16(_mm_mulhi_epi16(x, e), rounding);
@@ -133,12 +169,12 @@ struct LogisticMixer
 #else
     for (int n = 0; n < Size; ++n)
     {
-      const int weight =
-        this->Weights[static_cast<std::size_t>(n)] + ((inputs[n] * error + 0x8000) >> 16);
+      const int weight = this->Weights[static_cast<std::size_t>(n)] +
+        ((inputs.Values[static_cast<std::size_t>(n)] * error + 0x8000) >> 16);
       this->Weights[static_cast<std::size_t>(n)] =
         static_cast<std::int16_t>(weight < -32768 ? -32768
-            : weight > 32767                      ? 32767
-                                                  : weight);
+            : weight > 32767 ? 32767
+                             : weight);
     }
 #endif
   }
@@ -154,11 +190,15 @@ inline bool CodeMixed(Coder& coder, AdaptiveBit* const* models, LogisticMixer& m
   std::uint32_t most, int rate)
 {
   static_assert(Count < LogisticMixer::Size, "one input is constant");
-  alignas(16) std::int16_t inputs[LogisticMixer::Size] = { 0, 0, 0, 0, 0, 0, 0, 256 };
+  // Put together in registers: a load of all that were just stored one by one would have to wait.
+  std::uint64_t halves[2] = { 0, std::uint64_t{ 256 } << 48 };
   for (int n = 0; n < Count; ++n)
   {
-    inputs[n] = Tables.Stretch[models[n]->State >> 20];
+    halves[n / 4] |=
+      std::uint64_t{ static_cast<std::uint16_t>(Tables.Stretch[models[n]->State >> 20]) }
+      << (16 * (n % 4));
   }
+  const MixerInputs inputs(halves[0], halves[1]);
   const std::uint32_t probability = mixer.Mix(inputs);
   bit = coder.CodeBit(bit, probability);
   mixer.Update(inputs, probability, bit, rate);

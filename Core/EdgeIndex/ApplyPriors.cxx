@@ -47,8 +47,7 @@ void WriteValues(std::ostringstream& text, const Values& values)
   text << "\n} },\n";
 }
 
-void WriteResiduals(
-  std::ostringstream& text, const ResidualModel& mixed, const ResidualModel& fast)
+void WriteResiduals(std::ostringstream& text, const ResidualModel& mixed, const ResidualModel& fast)
 {
   std::vector<int> values;
   for (const AdaptiveBit& bit : mixed.ByLevel)
@@ -60,7 +59,7 @@ void WriteResiduals(
   values.clear();
   for (const AdaptiveSymbol& symbol : fast.Symbols)
   {
-    values.insert(values.end(), symbol.Cumulative.begin(), symbol.Cumulative.end() - 1);
+    values.insert(values.end(), symbol.Cumulative.begin(), symbol.Cumulative.end());
   }
   WriteValues(text, values);
   values.clear();
@@ -98,7 +97,8 @@ void ApplyPriors(ResidualModel& model, const ResidualPriors& priors)
   {
     for (std::size_t symbol = 0; symbol < nodes; ++symbol)
     {
-      model.Symbols[n].Cumulative[symbol] = priors.Symbols[n * nodes + symbol];
+      model.Symbols[n].Cumulative[symbol] =
+        static_cast<std::int16_t>(priors.Symbols[n * nodes + symbol]);
     }
   }
   for (std::size_t n = 0; n < model.ByLevel.size(); ++n)
@@ -122,7 +122,10 @@ void ApplyPriors(ResidualModel& model, const ResidualPriors& priors)
 
 void ApplyPriors(ValueModel& model)
 {
-  std::copy(Priors.Weights.begin(), Priors.Weights.end(), model.Weights.begin());
+  for (std::size_t n = 0; n < model.Weights.size(); ++n)
+  {
+    model.Weights[n] = Priors.Weights[ValueModel::InputOrder[n]];
+  }
 }
 
 std::string WritePriors(const BlockModel& mixed, const BlockModel& fast)
@@ -154,7 +157,12 @@ std::string WritePriors(const BlockModel& mixed, const BlockModel& fast)
   WriteValues(text, values);
   WriteResiduals(text, mixed.Values.Residuals, fast.Values.Residuals);
   WriteResiduals(text, mixed.Crossings.Residuals, fast.Crossings.Residuals);
-  WriteValues(text, mixed.Values.Weights);
+  std::array<std::int32_t, ValueModel::NumberOfTaps> weights{};
+  for (std::size_t n = 0; n < weights.size(); ++n)
+  {
+    weights[ValueModel::InputOrder[n]] = mixed.Values.Weights[n];
+  }
+  WriteValues(text, weights);
   text << "};\n// clang-format on\n\n} // namespace isosurface\n";
   return text.str();
 }

@@ -42,11 +42,16 @@ public:
 struct BlockModel
 {
   explicit BlockModel(bool mixed)
-    : Signs(mixed)
+    : IsMixed(mixed)
+    , Signs(mixed)
     , Values(mixed)
     , Crossings(mixed)
   {
   }
+  /// Makes it as it is at the begin of each block: what signs need, and values or crossings.
+  void Reset(bool forValues);
+
+  bool IsMixed;
   SignModel Signs;
   ValueModel Values;
   CrossingModel Crossings;

@@ -17,6 +17,20 @@ SignModel::SignModel(bool mixed)
   ApplyPriors(*this);
 }
 
+void BlockModel::Reset(bool forValues)
+{
+  const BlockModel& fresh = GetFreshModel(this->IsMixed);
+  this->Signs = fresh.Signs;
+  if (forValues)
+  {
+    this->Values = fresh.Values;
+  }
+  else
+  {
+    this->Crossings = fresh.Crossings;
+  }
+}
+
 const BlockModel& GetFreshModel(bool mixed)
 {
   static const BlockModel models[2] = { BlockModel(false), BlockModel(true) };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndex/EdgeIndexDecoder.h"
 
-#include "EdgeIndex/BlockCoder.h"
+#include "EdgeIndex/BlockCoding.h"
 #include "EdgeIndex/IsovalueJoin.h"
 #include "EdgeIndex/PointAttributes.h"
 #include "EdgeIndex/Quantizer.h"
@@ -13,8 +13,10 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace isosurface
@@ -82,7 +84,9 @@ public:
     }
   }
 
-  const int* GetSize() const { return this->Size.data(); }
+  const std::array<int, 3>& GetSize() const { return this->Size; }
+  /// Whether values came out on the side of the isovalue that their signs tell.
+  bool HasRightSides() const { return this->RightSides; }
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
   void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
   void SetDecoder(const RangeDecoder* decoder) { this->Decoder = decoder; }
@@ -123,9 +127,22 @@ public:
         });
       return;
     }
-    VisitBits(vertices,
-      [&](int x)
-      { this->Domain->ToValue(codes[x], row + static_cast<std::size_t>(x) * this->ValueSize); });
+    const SignRow& signs = this->Signs[static_cast<std::size_t>(z % 3)].At(y);
+    DispatchValueType(this->Type,
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        T* values = reinterpret_cast<T*>(row);
+        VisitBits(vertices, [&](int x) { values[x] = this->Domain->ToValue<T>(codes[x]); });
+        if constexpr (std::is_floating_point_v<T> || sizeof(T) == 8)
+        {
+          // Codes of these types are not bounded by the signs.
+          const T threshold = FindSideValues<T>(this->Isovalue)[1];
+          VisitBits(vertices,
+            [&](int x)
+            { this->RightSides = this->RightSides && (values[x] >= threshold) == signs.Get(x); });
+        }
+      });
   }
 
   void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) override
@@ -176,70 +193,107 @@ private:
   const ValueDomain* Domain = nullptr;
   const Quantizer* Quantization = nullptr;
   const RangeDecoder* Decoder = nullptr;
+  bool RightSides = true;
 };
 
-template <bool Mixed>
-void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record, RangeDecoder& decoder,
-  const PointAttributes& attributes, DecodedBlock& block)
+// The domain of a block's values.
+ValueDomain MakeDomain(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
+  const std::optional<Quantizer>& quantizer)
 {
-  const auto model = std::make_unique<BlockModel>(GetFreshModel(Mixed));
-  BlockCoder<RangeDecoder, Mixed> coder(decoder, *model, block.GetSize());
-  for (std::size_t n = 0; n < header.Attributes.size(); ++n)
+  const int shortScale = std::clamp(record.Scale, -30, 10);
+  if (quantizer)
   {
-    coder.AddAttribute(header.Attributes[n], attributes.GetEdges()[n], false);
-  }
-  if (record.Block.Coding == BlockCoding::Crossings)
-  {
-    coder.CodeCrossings(header.GetNumberOfBins(), record.Block.HasMissing, block);
-    return;
+    return quantizer->MakeDomain(shortScale);
   }
   const double isovalue = header.Isovalues[record.Block.Isovalue];
+  const ValueDomain domain(header.Type, isovalue, record.Scale);
+  return domain.GetKind() == ValueDomain::Kind::Offsets
+    ? ValueDomain(header.Type, isovalue, shortScale)
+    : domain;
+}
+
+void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
+  const PointAttributes& attributes, BlockModel& model, RangeDecoder& decoder, DecodedBlock& block)
+{
+  BlockContent content;
+  content.Size = block.GetSize();
+  for (std::size_t n = 0; n < header.Attributes.size(); ++n)
+  {
+    content.Attributes.push_back({ header.Attributes[n], attributes.GetEdges()[n], false });
+  }
   std::optional<Quantizer> quantizer;
   std::optional<ValueDomain> domain;
-  if (header.Settings.Mode == EdgeIndexMode::Quantized)
+  if (record.Block.Coding == BlockCoding::Crossings)
   {
-    quantizer.emplace(header.Settings, isovalue);
-    domain.emplace(quantizer->MakeDomain(std::clamp(record.Scale, -30, 10)));
-    block.SetQuantizer(&*quantizer);
+    content.Bins = header.GetNumberOfBins();
+    content.HasMissing = record.Block.HasMissing;
   }
   else
   {
-    domain.emplace(header.Type, isovalue, record.Scale);
-    if (domain->GetKind() == ValueDomain::Kind::Offsets)
+    if (header.Settings.Mode == EdgeIndexMode::Quantized)
     {
-      domain.emplace(header.Type, isovalue, std::clamp(record.Scale, -30, 10));
+      quantizer.emplace(header.Settings, header.Isovalues[record.Block.Isovalue]);
+      block.SetQuantizer(&*quantizer);
     }
+    domain.emplace(MakeDomain(header, record, quantizer));
+    content.Domain = &*domain;
+    block.SetDomain(&*domain);
   }
-  block.SetDomain(&*domain);
-  coder.CodeValues(*domain, block);
+  model.Reset(content.Domain != nullptr);
+  CodeBlock(decoder, model, content, block);
 }
 
 } // namespace
 
-Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record)
+EdgeIndexBlockDecoder::EdgeIndexBlockDecoder(const EdgeIndexHeader& header)
+  : Header(header)
+{
+}
+
+EdgeIndexBlockDecoder::~EdgeIndexBlockDecoder() = default;
+
+std::unique_ptr<BlockModel> EdgeIndexBlockDecoder::TakeModel()
+{
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    if (!this->Models.empty())
+    {
+      std::unique_ptr<BlockModel> model = std::move(this->Models.back());
+      this->Models.pop_back();
+      return model;
+    }
+  }
+  return std::make_unique<BlockModel>(
+    GetFreshModel(this->Header.Settings.Profile == EdgeIndexProfile::Default));
+}
+
+Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record)
 {
   const auto memory =
-    std::make_shared<DecodedMemory>(PointAttributes(header, record.Block.Vertices));
-  const auto block = std::make_unique<DecodedBlock>(header, record, *memory);
+    std::make_shared<DecodedMemory>(PointAttributes(this->Header, record.Block.Vertices));
+  const auto block = std::make_unique<DecodedBlock>(this->Header, record, *memory);
   RangeDecoder decoder(record.Code, record.CodeSize);
   block->SetDecoder(&decoder);
-  if (header.Settings.Profile == EdgeIndexProfile::Default)
+  std::unique_ptr<BlockModel> model = this->TakeModel();
+  DecodeCode(this->Header, record, memory->Attributes, *model, decoder, *block);
   {
-    DecodeCode<true>(header, record, decoder, memory->Attributes, *block);
-  }
-  else
-  {
-    DecodeCode<false>(header, record, decoder, memory->Attributes, *block);
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->Models.push_back(std::move(model));
   }
   if (decoder.IsExhausted() || decoder.HasMore())
   {
     return Status(
       StatusCode::Corrupt, "The code of an edge-index block does not end where its block does.");
   }
+  if (!block->HasRightSides())
+  {
+    return Status(StatusCode::Corrupt,
+      "The code of an edge-index block has values on the wrong side of the isovalue.");
+  }
   BlockSamples samples;
   SampleView& view = samples.Scalars;
   const Index3 size = record.Block.Vertices.GetSize();
-  view.Type = header.GetDecodedType();
+  view.Type = this->Header.GetDecodedType();
   view.First = memory->Samples.GetData();
   view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
     static_cast<std::ptrdiff_t>(size[0] * size[1]) };
@@ -249,9 +303,14 @@ Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexR
   {
     samples.Crossings = &memory->View;
   }
-  samples.Attributes = memory->Attributes.GetViews(header, record.Block.Vertices);
+  samples.Attributes = memory->Attributes.GetViews(this->Header, record.Block.Vertices);
   samples.Owner = memory;
   return samples;
+}
+
+Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record)
+{
+  return EdgeIndexBlockDecoder(header).Decode(record);
 }
 
 namespace

@@ -11,20 +11,46 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 namespace isosurface
 {
 
+struct BlockModel;
+
 /**
- * Decodes the record of a block: samples that have the right side of the isovalue at every vertex
- * and, as far as the mode keeps it, the right value at the ends of crossed edges; and (Bounded)
- * where on their edges the points lie. Marching cubes of them is the encoded surface.
+ * Decodes the records of the blocks of one stream, on any number of threads at once: samples that
+ * have the right side of the isovalue at every vertex and, as far as the mode keeps it, the right
+ * value at the ends of crossed edges; (Bounded) where on their edges the points lie; and the tuples
+ * of the attributes. Marching cubes of them is the encoded surface.
  *
- * header: that of the stream, or its MakePreview() for a block of the preview.
- *
- * Errors: Corrupt. Memory: beside the samples that of the encoder. For one thread at a time.
+ * header: that of the stream, or its MakePreview() for blocks of the preview; must outlive the
+ * decoder. Memory: that of the model, at most 2 MB, for as many threads as decode at a time; and
+ * the samples.
  */
+class EdgeIndexBlockDecoder
+{
+public:
+  explicit EdgeIndexBlockDecoder(const EdgeIndexHeader& header);
+  ~EdgeIndexBlockDecoder();
+  EdgeIndexBlockDecoder(const EdgeIndexBlockDecoder&) = delete;
+  EdgeIndexBlockDecoder& operator=(const EdgeIndexBlockDecoder&) = delete;
+
+  /// Errors: Corrupt.
+  Result<BlockSamples> Decode(const EdgeIndexRecord& record);
+
+private:
+  std::unique_ptr<BlockModel> TakeModel();
+
+  const EdgeIndexHeader& Header;
+  std::mutex Mutex;
+  std::vector<std::unique_ptr<BlockModel>> Models; ///< those that no thread decodes with now
+};
+
+/// The same for a single record.
 Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record);
 
 /**
@@ -37,6 +63,7 @@ class EdgeIndexBlockSource : public BlockSource
 public:
   EdgeIndexBlockSource(const EdgeIndexHeader& header, std::vector<EdgeIndexRecord> records)
     : Header(header)
+    , Decoder(header)
     , Records(std::move(records))
   {
   }
@@ -53,11 +80,12 @@ public:
   ValueType GetValueType() const override { return this->Header.GetDecodedType(); }
   Result<BlockSamples> Acquire(std::size_t block) override
   {
-    return DecodeBlock(this->Header, this->Records[block]);
+    return this->Decoder.Decode(this->Records[block]);
   }
 
 private:
   const EdgeIndexHeader& Header;
+  EdgeIndexBlockDecoder Decoder;
   std::vector<EdgeIndexRecord> Records;
 };
 

@@ -3,7 +3,7 @@
 
 #include "Base/ParallelFor.h"
 #include "Contour/BrickKernel.h"
-#include "EdgeIndex/BlockCoder.h"
+#include "EdgeIndex/BlockCoding.h"
 #include "EdgeIndex/BlockRecordFormat.h"
 #include "EdgeIndex/PointAttributes.h"
 #include "EdgeIndex/Quantizer.h"
@@ -83,7 +83,7 @@ public:
     this->Classify();
   }
 
-  const int* GetSize() const { return this->Size.data(); }
+  const std::array<int, 3>& GetSize() const { return this->Size; }
   std::uint32_t GetBins() const { return this->Bins; }
   bool IsCrossed() const { return this->Crossed; }
   std::uint64_t CountPoints() const
@@ -114,14 +114,7 @@ public:
         this->HasExceptions(attributes[n], tuples.GetEdges()[n]) });
     }
   }
-  template <typename Coder>
-  void AddAttributes(Coder& coder) const
-  {
-    for (const CodedAttribute& coded : this->Attributes)
-    {
-      coder.AddAttribute(coded.Attribute, coded.Edges, coded.HasExceptions);
-    }
-  }
+  const std::vector<CodedAttribute>& GetAttributes() const { return this->Attributes; }
 
   SignSlice& GetSigns(int z) override { return this->Signs[static_cast<std::size_t>(z)]; }
   void FinishSigns(int) override {}
@@ -141,17 +134,29 @@ public:
         });
       return;
     }
-    VisitBits(vertices, [&](int x) { codes[x] = this->Domain->ToCode(row + x * this->Stride[0]); });
+    DispatchValueType(this->View.Type,
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        VisitBits(vertices,
+          [&](int x) {
+            codes[x] = this->Domain->ToCode(*reinterpret_cast<const T*>(row + x * this->Stride[0]));
+          });
+      });
   }
 
   void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) override
   {
     const std::uint8_t* row = this->At(0, y, z);
-    VisitBits(edges,
-      [&](int x)
+    DispatchValueType(this->View.Type,
+      [&](auto zero)
       {
-        const std::uint8_t* from = row + x * this->Stride[0];
-        bins[x] = FindBin(this->FindCrossing(from, axis), this->Bins);
+        VisitBits(edges,
+          [&](int x)
+          {
+            const std::uint8_t* from = row + x * this->Stride[0];
+            bins[x] = FindBin(this->FindTypedCrossing<decltype(zero)>(from, axis), this->Bins);
+          });
       });
   }
 
@@ -195,13 +200,6 @@ public:
   }
 
 private:
-  struct CodedAttribute
-  {
-    EdgeIndexAttribute Attribute;
-    AttributeEdges Edges;
-    bool HasExceptions = false;
-  };
-
   // Whether some value at a crossed edge has no code.
   bool HasExceptions(const EdgeIndexAttribute& attribute, const AttributeEdges& edges) const
   {
@@ -246,15 +244,16 @@ private:
       { return static_cast<double>(*reinterpret_cast<const decltype(zero)*>(sample)); });
   }
 
+  template <typename T>
+  double FindTypedCrossing(const std::uint8_t* from, int axis) const
+  {
+    return FindParameter(this->Isovalue, *reinterpret_cast<const T*>(from),
+      *reinterpret_cast<const T*>(from + this->Stride[static_cast<std::size_t>(axis)]));
+  }
   double FindCrossing(const std::uint8_t* from, int axis) const
   {
     return DispatchValueType(this->View.Type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        return FindParameter(this->Isovalue, *reinterpret_cast<const T*>(from),
-          *reinterpret_cast<const T*>(from + this->Stride[static_cast<std::size_t>(axis)]));
-      });
+      [&](auto zero) { return this->FindTypedCrossing<decltype(zero)>(from, axis); });
   }
 
   // Calls functor(y, z, crossed edges along each axis) for rows until it returns false.
@@ -386,8 +385,7 @@ public:
     : Header(header)
     , Preview(header.MakePreview())
     , Learning(learning)
-    , Mixed(header.Settings.Profile == EdgeIndexProfile::Default)
-    , Model(GetFreshModel(Mixed))
+    , Model(GetFreshModel(header.Settings.Profile == EdgeIndexProfile::Default))
   {
   }
 
@@ -417,8 +415,9 @@ public:
     block.SetDomain(&*domain);
     record.Block.Coding = BlockCoding::Values;
     record.Block.HasMissing = false;
-    this->Model.Values = GetFreshModel(this->Mixed).Values;
-    this->Run(block, code, [&](auto& coder) { coder.CodeValues(*domain, block); });
+    BlockContent content;
+    content.Domain = &*domain;
+    this->Run(block, content, code);
   }
 
   void EncodeCrossings(
@@ -426,9 +425,10 @@ public:
   {
     record.Block.Coding = BlockCoding::Crossings;
     record.Block.HasMissing = block.HasMissingCrossings();
-    this->Model.Crossings = GetFreshModel(this->Mixed).Crossings;
-    this->Run(block, code,
-      [&](auto& coder) { coder.CodeCrossings(block.GetBins(), record.Block.HasMissing, block); });
+    BlockContent content;
+    content.Bins = block.GetBins();
+    content.HasMissing = record.Block.HasMissing;
+    this->Run(block, content, code);
   }
 
   /// Appends the record of a block that is crossed.
@@ -501,29 +501,17 @@ private:
     return coarse;
   }
 
-  template <typename Functor>
-  void Run(SampledBlock& block, std::vector<std::uint8_t>& code, const Functor& functor)
+  void Run(SampledBlock& block, BlockContent& content, std::vector<std::uint8_t>& code)
   {
-    this->Model.Signs = GetFreshModel(this->Mixed).Signs;
-    BlockModel& model = this->Learning ? *this->Learning : this->Model;
+    content.Size = block.GetSize();
+    content.Attributes = block.GetAttributes();
+    this->Model.Reset(content.Domain != nullptr);
     RangeEncoder encoder(code);
-    if (this->Mixed)
-    {
-      BlockCoder<RangeEncoder, true> coder(encoder, model, block.GetSize());
-      block.AddAttributes(coder);
-      functor(coder);
-    }
-    else
-    {
-      BlockCoder<RangeEncoder, false> coder(encoder, model, block.GetSize());
-      block.AddAttributes(coder);
-      functor(coder);
-    }
+    CodeBlock(encoder, this->Learning ? *this->Learning : this->Model, content, block);
     encoder.Finish();
   }
 
   BlockModel* Learning;
-  bool Mixed;
   BlockModel Model;
 };
 

@@ -27,6 +27,7 @@ public:
     const EdgeIndexFile& file, const EdgeIndexHeader& header, std::vector<std::size_t> entries)
     : File(file)
     , Header(header)
+    , Decoder(header)
     , Blocks(std::move(entries))
   {
   }
@@ -46,7 +47,7 @@ public:
     {
       return record.GetStatus();
     }
-    return DecodeBlock(this->Header, *record);
+    return this->Decoder.Decode(*record);
   }
 
 private:
@@ -57,6 +58,7 @@ private:
 
   const EdgeIndexFile& File;
   const EdgeIndexHeader& Header;
+  EdgeIndexBlockDecoder Decoder;
   std::vector<std::size_t> Blocks;
 };
 
@@ -350,7 +352,9 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
   Status failure;
   std::atomic<bool> failed{ false };
   std::mutex mutex;
-  const auto verify = [this](std::size_t entry) -> Status
+  EdgeIndexBlockDecoder fine(this->Header);
+  EdgeIndexBlockDecoder coarse(this->Preview);
+  const auto verify = [&](std::size_t entry) -> Status
   {
     std::vector<std::uint8_t> bytes;
     const Result<EdgeIndexRecord> record = this->ReadRecord(entry, bytes);
@@ -358,8 +362,7 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
     {
       return record.GetStatus();
     }
-    return this->NameFile(
-      DecodeBlock(record->Block.IsPreview ? this->Preview : this->Header, *record).GetStatus());
+    return this->NameFile((record->Block.IsPreview ? coarse : fine).Decode(*record).GetStatus());
   };
   bool finished = false;
   try

@@ -7,13 +7,6 @@
 
 namespace isosurface
 {
-namespace
-{
-
-constexpr std::size_t MostPreviewBytes = std::size_t{ 1 } << 20;
-
-} // namespace
-
 EdgeIndexFileWriter::EdgeIndexFileWriter(
   FileSystem& files, std::string path, const EdgeIndexHeader& header)
   : Files(files)
@@ -67,12 +60,15 @@ Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size
     (entry.Block.IsPreview ? this->PreviewEntries : this->Entries).push_back(entry);
     std::vector<std::uint8_t>& bytes = entry.Block.IsPreview ? this->Preview : kept;
     bytes.insert(bytes.end(), records + at, records + at + used);
+    // Where they come in the file must not depend on how many records are appended at a time.
+    if (this->Preview.size() >= MostPreviewBytes)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->File->Append(kept.data(), kept.size()));
+      kept.clear();
+      ISOSURFACE_RETURN_IF_ERROR(this->FlushPreview());
+    }
   }
-  if (!kept.empty())
-  {
-    ISOSURFACE_RETURN_IF_ERROR(this->File->Append(kept.data(), kept.size()));
-  }
-  return this->Preview.size() < MostPreviewBytes ? Status::Ok() : this->FlushPreview();
+  return kept.empty() ? Status::Ok() : this->File->Append(kept.data(), kept.size());
 }
 
 Status EdgeIndexFileWriter::FlushPreview()
@@ -95,12 +91,18 @@ Status EdgeIndexFileWriter::Finish()
   EdgeIndexDirectory::Append(this->Entries, this->HeaderBytes, end);
   ISOSURFACE_RETURN_IF_ERROR(this->File->Append(end.data(), end.size()));
   ISOSURFACE_RETURN_IF_ERROR(this->File->SyncAndClose());
-  ISOSURFACE_RETURN_IF_ERROR(this->Files.Rename(GetPartialPath(this->Path), this->Path));
+  ISOSURFACE_RETURN_IF_ERROR(PutEdgeIndexFileInPlace(this->Files, this->Path));
   this->File.reset();
-  const std::size_t slash = this->Path.rfind('/');
-  return this->Files.SyncDirectory(slash == std::string::npos ? "."
-      : slash == 0                                            ? "/"
-                                                              : this->Path.substr(0, slash));
+  return Status::Ok();
+}
+
+Status PutEdgeIndexFileInPlace(FileSystem& files, const std::string& path)
+{
+  ISOSURFACE_RETURN_IF_ERROR(files.Rename(EdgeIndexFileWriter::GetPartialPath(path), path));
+  const std::size_t slash = path.rfind('/');
+  return files.SyncDirectory(slash == std::string::npos ? "."
+      : slash == 0                                      ? "/"
+                                                        : path.substr(0, slash));
 }
 
 Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const EdgeIndexHeader& header,

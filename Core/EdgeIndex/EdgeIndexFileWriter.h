@@ -44,6 +44,9 @@ public:
   /// Completes the file. Nothing may follow.
   Status Finish();
 
+  /// So many bytes of the preview are kept back.
+  static constexpr std::size_t MostPreviewBytes = std::size_t{ 1 } << 20;
+
   static std::string GetPartialPath(const std::string& path) { return path + ".part"; }
 
 private:
@@ -59,6 +62,9 @@ private:
   std::vector<EdgeIndexEntry> PreviewEntries; ///< of what is kept back
   std::vector<std::uint8_t> Preview;
 };
+
+/// Brings a complete file from GetPartialPath(path) to its place, in one step and durably.
+Status PutEdgeIndexFileInPlace(FileSystem& files, const std::string& path);
 
 /**
  * The surface of a source as a file, encoded by `threads` threads; equal bytes for any number. The

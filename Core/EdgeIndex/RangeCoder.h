@@ -6,6 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#if defined(__SSE2__)
+#  include <emmintrin.h>
+#endif
+
 namespace isosurface
 {
 
@@ -15,6 +19,33 @@ constexpr int FrequencyBits = 15;
 constexpr int NumberOfSymbols = 16;
 /// Most bits of one call of CodeUniform.
 constexpr int MostUniformBits = 16;
+
+inline std::uint64_t GetShare(const std::int16_t* cumulative, int symbol)
+{
+  const int above = symbol + 1 < NumberOfSymbols ? cumulative[symbol + 1] : 1 << FrequencyBits;
+  return static_cast<std::uint64_t>(above - cumulative[symbol]);
+}
+
+/// The last symbol that does not begin above a share.
+inline int FindSymbol(const std::int16_t* cumulative, std::int16_t share)
+{
+#if defined(__SSE2__)
+  const __m128i wanted = _mm_set1_epi16(share);
+  const auto* shares = reinterpret_cast<const __m128i*>(cumulative);
+  const __m128i low = _mm_cmpgt_epi16(_mm_loadu_si128(shares), wanted);
+  const __m128i high = _mm_cmpgt_epi16(_mm_loadu_si128(shares + 1), wanted);
+  // The first that begins above it; bit 16 stands for none.
+  const int above = _mm_movemask_epi8(_mm_packs_epi16(low, high)) | 1 << NumberOfSymbols;
+  return __builtin_ctz(static_cast<unsigned>(above)) - 1;
+#else
+  int symbol = 0;
+  for (int n = 1; n < NumberOfSymbols; ++n)
+  {
+    symbol += cumulative[n] <= share ? 1 : 0;
+  }
+  return symbol;
+#endif
+}
 
 /**
  * Range coding: G. N. N. Martin, "Range encoding: an algorithm for removing redundancy from a
@@ -62,12 +93,13 @@ public:
     return number;
   }
 
-  /// One of 16 symbols; cumulative[s] to cumulative[s + 1] of 2^15 is the share of symbol s.
-  int CodeSymbol(int symbol, const std::uint16_t* cumulative)
+  /// One of 16 symbols; cumulative[s] to cumulative[s + 1] of 2^15 is the share of symbol s. What
+  /// is above the last one is 2^15; the first is 0.
+  int CodeSymbol(int symbol, const std::int16_t* cumulative)
   {
     const std::uint64_t unit = this->Range >> FrequencyBits;
-    this->Advance(unit * cumulative[symbol]);
-    this->Range = unit * static_cast<std::uint64_t>(cumulative[symbol + 1] - cumulative[symbol]);
+    this->Advance(unit * static_cast<std::uint64_t>(cumulative[symbol]));
+    this->Range = unit * GetShare(cumulative, symbol);
     this->Normalize();
     return symbol;
   }
@@ -157,16 +189,15 @@ public:
     return static_cast<std::uint32_t>(number);
   }
 
-  int CodeSymbol(int, const std::uint16_t* cumulative)
+  int CodeSymbol(int, const std::int16_t* cumulative)
   {
     const std::uint64_t unit = this->Range >> FrequencyBits;
-    int symbol = 0;
-    for (int n = 1; n < NumberOfSymbols; ++n)
-    {
-      symbol += this->Code >= unit * cumulative[n] ? 1 : 0;
-    }
-    this->Code -= unit * cumulative[symbol];
-    this->Range = unit * static_cast<std::uint64_t>(cumulative[symbol + 1] - cumulative[symbol]);
+    const std::uint64_t share = this->Code / unit;
+    constexpr std::uint64_t most = (1 << FrequencyBits) - 1;
+    const int symbol =
+      FindSymbol(cumulative, static_cast<std::int16_t>(share < most ? share : most));
+    this->Code -= unit * static_cast<std::uint64_t>(cumulative[symbol]);
+    this->Range = unit * GetShare(cumulative, symbol);
     this->Normalize();
     return symbol;
   }
@@ -181,6 +212,14 @@ private:
   std::uint32_t ReadWord()
   {
     std::uint32_t word = 0;
+    if (this->End - this->Next >= 4)
+    {
+      const std::uint8_t* bytes = this->Next;
+      this->Next += 4;
+      return static_cast<std::uint32_t>(bytes[0]) << 24 |
+        static_cast<std::uint32_t>(bytes[1]) << 16 | static_cast<std::uint32_t>(bytes[2]) << 8 |
+        bytes[3];
+    }
     for (int n = 0; n < 4; ++n)
     {
       word = word << 8 | (this->Next != this->End ? *this->Next++ : this->ReadMissing());

@@ -127,7 +127,7 @@ private:
     AdaptiveSymbol& model =
       this->Model.Symbols[static_cast<std::size_t>(level) * 8 + (context.Sides[0] & 7)];
     symbol = this->Output.CodeSymbol(symbol, model.Cumulative.data());
-    model.Update(symbol, 5);
+    model.Update(symbol);
     return symbol;
   }
 

@@ -110,13 +110,15 @@ private:
   // Where all neighbours that a quiet vertex has are outside, or all are inside.
   void FindQuiet(SignRow& outside, SignRow& inside) const
   {
-    SignRow any;
-    SignRow all = ~any;
-    const auto join = [&](const SignRow& row)
+    const Rows& rows = this->Around;
+    SignRow any = rows.Y | rows.YY | rows.Z | rows.ZM | rows.ZP | rows.ZMM | rows.ZPP | rows.ZZ;
+    SignRow all = rows.Y & rows.YY & rows.Z & rows.ZM & rows.ZP & rows.ZMM & rows.ZPP & rows.ZZ;
+    if (any.IsZero() || (~all).IsZero())
     {
-      any = any | row;
-      all = all & row;
-    };
+      outside = ~any;
+      inside = all;
+      return;
+    }
     const auto joinThree = [&](const SignRow& row)
     {
       const SignRow up = row.ShiftUp();
@@ -130,10 +132,6 @@ private:
     joinThree(this->Around.Z.ShiftDown());
     joinThree(this->Around.ZM);
     joinThree(this->Around.ZP);
-    join(this->Around.YY);
-    join(this->Around.ZMM);
-    join(this->Around.ZPP);
-    join(this->Around.ZZ);
     outside = ~any;
     inside = all;
   }
@@ -148,20 +146,21 @@ private:
     const std::uint64_t margin = (std::uint64_t(1) << SignRow::Margin) - 1;
     SignRow coded;
     coded.Words[0] = left ? margin : 0;
+    std::uint32_t before = left ? 3 : 0; // the bits of x - 2 and x - 1, lowest first
     for (int x = 0; x < this->SizeX;)
     {
-      const std::uint32_t before = coded.GetWindow(x) & 3;
       const bool sign = (before & 2) != 0;
       if ((before == 0 && outside.Get(x)) || (before == 3 && inside.Get(x)))
       {
         x = this->CodeRun(row, coded, sign ? inside : outside, x, sign);
+        before = coded.GetWindow(x) & 3;
       }
       else
       {
-        if (this->CodeVertex(row.Get(x), coded, x, firstSlice))
-        {
-          coded.Set(x);
-        }
+        const bool bit = this->CodeVertex(row.Get(x), before, x, firstSlice);
+        coded.Words[static_cast<unsigned>(x + SignRow::Margin) / 64] |= std::uint64_t{ bit }
+          << (static_cast<unsigned>(x + SignRow::Margin) % 64);
+        before = before >> 1 | (bit ? 2U : 0U);
         ++x;
       }
     }
@@ -194,10 +193,7 @@ private:
     }
     if (sign)
     {
-      for (int n = x; n < x + position; ++n)
-      {
-        coded.Set(n);
-      }
+      coded.SetRange(x, x + position);
     }
     else if (!whole)
     {
@@ -227,11 +223,10 @@ private:
     return (key ^ key >> 15) >> 3;
   }
 
-  bool CodeVertex(bool bit, const SignRow& coded, int x, unsigned firstSlice)
+  bool CodeVertex(bool bit, std::uint32_t own, int x, unsigned firstSlice)
   {
     const Rows& rows = this->Around;
-    const std::uint32_t own = coded.GetWindow(x);
-    const std::uint32_t left = own >> 1 & 1;
+    const std::uint32_t left = own >> 1;
     // Signs are told from the one to the left, so that inside and outside share what is learnt.
     const std::uint32_t flip = left != 0 ? 31 : 0;
     const std::uint32_t y = rows.Y.GetWindow(x) ^ flip;

@@ -32,13 +32,27 @@ struct SignRow
     const auto bit = static_cast<unsigned>(x + Margin);
     this->Words[bit / 64] |= std::uint64_t(1) << (bit % 64);
   }
+  /// Sets the vertices from `first` on that come before `end`.
+  void SetRange(int first, int end)
+  {
+    const SignRow below = MakeMask(first);
+    const SignRow all = MakeMask(end);
+    this->Words[0] |= all.Words[0] & ~below.Words[0];
+    this->Words[1] |= all.Words[1] & ~below.Words[1];
+  }
   /// The bits of the vertices x - 2 .. x + 2, lowest first.
   std::uint32_t GetWindow(int x) const
   {
     const auto bit = static_cast<unsigned>(x + Margin - 2);
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    std::uint32_t bytes;
+    std::memcpy(&bytes, reinterpret_cast<const char*>(this->Words.data()) + bit / 8, sizeof(bytes));
+    return bytes >> (bit % 8) & 31;
+#else
     const std::uint64_t low = this->Words[bit / 64] >> (bit % 64);
     const std::uint64_t high = bit > 64 ? 0 : this->Words[1] << 1 << (63 - bit % 64);
     return static_cast<std::uint32_t>(low | (bit / 64 == 0 ? high : 0)) & 31;
+#endif
   }
   /// Bit x of the result is bit x - 1, or x + 1, of the row.
   SignRow ShiftUp() const
@@ -49,7 +63,10 @@ struct SignRow
   {
     return { { this->Words[0] >> 1 | this->Words[1] << 63, this->Words[1] >> 1 } };
   }
-  bool IsZero() const { return (this->Words[0] | this->Words[1]) == 0; }
+  bool IsZero() const
+  {
+    return (this->Words[0] | this->Words[1]) == 0;
+  }
 
   /// Ones at the vertices 0 .. size - 1.
   static SignRow MakeMask(int size)

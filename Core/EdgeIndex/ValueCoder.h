@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace isosurface
 {
@@ -33,11 +34,15 @@ void FindRelevant(const SignSlice& slice, const SignSlice* below, const SignSlic
 struct ValueModel
 {
   static constexpr int NumberOfTaps = 16;
+  /// The inputs of the filter stand in an order in which they can be loaded at once: at n the one
+  /// that the format has at InputOrder[n].
+  static constexpr std::array<std::size_t, NumberOfTaps> InputOrder = { 3, 1, 4, 12, 5, 2, 6, 13, 0,
+    11, 7, 9, 10, 8, 14, 15 };
 
   explicit ValueModel(bool mixed);
 
   ResidualModel Residuals;
-  alignas(64) std::array<std::int32_t, NumberOfTaps> Weights; ///< in units of 2^-25
+  alignas(64) std::array<std::int32_t, NumberOfTaps> Weights; ///< in units of 2^-25, by InputOrder
   std::int32_t MeanHeight;                                    ///< of relevant ones, times 64
   int MeanLevel;                                              ///< of magnitudes, times 16
 };
@@ -122,9 +127,8 @@ private:
   // Vertices start with a typical height on their side.
   void FillHeights()
   {
-    const int typical = std::min(3 * (this->Model.MeanHeight >> 6) / 2, 4095);
-    const auto inside = static_cast<std::int16_t>(typical);
-    const auto outside = static_cast<std::int16_t>(-typical);
+    const auto typical =
+      static_cast<std::int16_t>(std::min(3 * (this->Model.MeanHeight >> 6) / 2, 4095));
     Plane& plane = this->Heights[this->Planes[0]];
     for (int y = -2; y < this->SizeY + 2; ++y)
     {
@@ -132,11 +136,28 @@ private:
       // From vertex -8 on, that is from bit 8.
       const std::uint64_t bits[2] = { row.Words[0] >> 8 | row.Words[1] << 56, row.Words[1] >> 8 };
       std::int16_t* heights = plane.data() + (y + 2) * RowStride;
-      for (int n = 0; n < RowStride; ++n)
+      for (int n = 0; n < RowStride; n += 8)
       {
-        heights[n] = (bits[n / 64] >> (n % 64) & 1) != 0 ? inside : outside;
+        FillEight(static_cast<std::uint32_t>(bits[n / 64] >> (n % 64) & 255), typical, heights + n);
       }
     }
+  }
+
+  static void FillEight(std::uint32_t inside, std::int16_t height, std::int16_t* heights)
+  {
+#if defined(__SSE2__)
+    const __m128i places = _mm_set_epi16(128, 64, 32, 16, 8, 4, 2, 1);
+    const __m128i bits = _mm_and_si128(_mm_set1_epi16(static_cast<std::int16_t>(inside)), places);
+    const __m128i outside = _mm_cmpeq_epi16(bits, _mm_setzero_si128());
+    const __m128i positive = _mm_set1_epi16(height);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(heights),
+      _mm_sub_epi16(_mm_xor_si128(positive, outside), outside));
+#else
+    for (int n = 0; n < 8; ++n)
+    {
+      heights[n] = (inside >> n & 1) != 0 ? height : static_cast<std::int16_t>(-height);
+    }
+#endif
   }
 
   void UpdateRates()
@@ -186,29 +207,49 @@ private:
     const int typical = this->Model.MeanHeight >> 6;
     const int crossed = __builtin_popcount(this->Crossed);
     const int side = this->Inside ? typical : -typical;
-    std::int16_t* in = this->Inputs.data();
-    in[0] = p[-1];
-    in[1] = p[-row];
-    in[2] = z[0];
-    in[3] = p[-row - 1];
-    in[4] = p[-row + 1];
-    in[5] = z[-1];
-    in[6] = z[1];
-    in[7] = z[-row];
-    in[8] = z[row];
-    in[9] = z[-row + 1];
-    in[10] = z[row - 1];
-    in[11] = p[-2];
-    in[12] = p[-2 * row];
-    in[13] = this->Rows[2][x];
-    in[14] = static_cast<std::int16_t>(side);
-    in[15] = static_cast<std::int16_t>(-crossed * side * 3 / 10);
+    const std::int32_t leading = -crossed * side * 3 / 10;
+#if defined(__SSE2__)
+    // Put together in registers: a load of what was just stored in pieces would have to wait. The
+    // values before on the row are loaded one by one for the same reason.
+    const auto lane = [](std::int32_t value, int n)
+    { return std::uint64_t{ static_cast<std::uint16_t>(value) } << (16 * n); };
+    constexpr std::uint64_t three = (std::uint64_t{ 1 } << 48) - 1;
+    const std::uint64_t fours[4] = { (Load<std::uint64_t>(p - row - 1) & three) |
+        lane(p[-2 * row], 3),
+      (Load<std::uint64_t>(z - 1) & three) | lane(this->Rows[2][x], 3),
+      lane(p[-1], 0) | lane(p[-2], 1) | std::uint64_t{ Load<std::uint32_t>(z - row) } << 32,
+      Load<std::uint32_t>(z + row - 1) | lane(side, 2) | lane(leading, 3) };
+    __m128i sums = _mm_setzero_si128();
+    for (int half = 0; half < 2; ++half)
+    {
+      const __m128i inputs = _mm_set_epi64x(
+        static_cast<long long>(fours[2 * half + 1]), static_cast<long long>(fours[2 * half]));
+      _mm_store_si128(reinterpret_cast<__m128i*>(this->Inputs.data()) + half, inputs);
+      const __m128i weights =
+        _mm_load_si128(reinterpret_cast<const __m128i*>(this->ShortWeights.data()) + half);
+      sums = _mm_add_epi32(sums, _mm_madd_epi16(inputs, weights));
+    }
+    const __m128i pairs = _mm_add_epi32(sums, _mm_shuffle_epi32(sums, 0x4e));
+    return _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1))) >> 13;
+#else
+    this->Inputs = { p[-row - 1], p[-row], p[-row + 1], p[-2 * row], z[-1], z[0], z[1],
+      this->Rows[2][x], p[-1], p[-2], z[-row], z[-row + 1], z[row - 1], z[row],
+      static_cast<std::int16_t>(side), static_cast<std::int16_t>(leading) };
     std::int32_t sum = 0;
     for (std::size_t n = 0; n < Taps; ++n)
     {
       sum += this->Inputs[n] * this->ShortWeights[n];
     }
     return sum >> 13;
+#endif
+  }
+
+  template <typename Word>
+  static Word Load(const std::int16_t* values)
+  {
+    Word word;
+    std::memcpy(&word, values, sizeof(word));
+    return word;
   }
 
   void FillVertex(int x)

@@ -13,30 +13,6 @@ namespace isosurface
 namespace
 {
 
-// Floats as integers of the same order; the inverse of itself on the bits below the sign.
-template <typename Signed>
-Signed MakeMonotonic(Signed bits)
-{
-  return bits < 0 ? static_cast<Signed>(bits ^ std::numeric_limits<Signed>::max()) : bits;
-}
-
-template <typename Signed, typename Float>
-std::int64_t FloatToCode(Float value)
-{
-  Signed bits;
-  std::memcpy(&bits, &value, sizeof(bits));
-  return MakeMonotonic(bits);
-}
-
-template <typename Signed, typename Float>
-Float CodeToFloat(std::int64_t code)
-{
-  const Signed bits = MakeMonotonic(static_cast<Signed>(code));
-  Float value;
-  std::memcpy(&value, &bits, sizeof(value));
-  return value;
-}
-
 std::int32_t ClampHeight(std::int64_t height)
 {
   return static_cast<std::int32_t>(
@@ -97,11 +73,11 @@ BinaryNumber DecomposeCode(ValueType type, std::int64_t code)
   {
     case ValueType::Float32:
     {
-      const auto narrow = MakeMonotonic(static_cast<std::int32_t>(code));
+      const auto narrow = ValueDomain::MakeMonotonic(static_cast<std::int32_t>(code));
       return Decompose(static_cast<std::uint32_t>(narrow), 23, 8);
     }
     case ValueType::Float64:
-      return Decompose(static_cast<std::uint64_t>(MakeMonotonic(code)), 52, 11);
+      return Decompose(static_cast<std::uint64_t>(ValueDomain::MakeMonotonic(code)), 52, 11);
     default:
     {
       BinaryNumber number;
@@ -118,10 +94,10 @@ std::int64_t ComposeCode(ValueType type, const BinaryNumber& number)
   switch (type)
   {
     case ValueType::Float32:
-      return MakeMonotonic(
+      return ValueDomain::MakeMonotonic(
         static_cast<std::int32_t>(static_cast<std::uint32_t>(Compose(number, 23, 8))));
     case ValueType::Float64:
-      return MakeMonotonic(static_cast<std::int64_t>(Compose(number, 52, 11)));
+      return ValueDomain::MakeMonotonic(static_cast<std::int64_t>(Compose(number, 52, 11)));
     default:
     {
       if (number.Mantissa == 0)
@@ -212,60 +188,8 @@ ValueDomain ValueDomain::MakeQuantized(std::int64_t least, std::int64_t greatest
   return domain;
 }
 
-std::int64_t ValueDomain::ToCode(const void* value) const
+std::int32_t ValueDomain::BitsToHeight(std::int64_t code) const
 {
-  return DispatchValueType(this->Type,
-    [this, value](auto zero) -> std::int64_t
-    {
-      using T = decltype(zero);
-      T typed;
-      std::memcpy(&typed, value, sizeof(typed));
-      if constexpr (std::is_same_v<T, float>)
-      {
-        return FloatToCode<std::int32_t>(typed);
-      }
-      else if constexpr (std::is_same_v<T, double>)
-      {
-        return FloatToCode<std::int64_t>(typed);
-      }
-      else
-      {
-        return static_cast<std::int64_t>(typed) - this->Threshold;
-      }
-    });
-}
-
-void ValueDomain::ToValue(std::int64_t code, void* value) const
-{
-  DispatchValueType(this->Type,
-    [this, code, value](auto zero)
-    {
-      using T = decltype(zero);
-      T typed;
-      if constexpr (std::is_same_v<T, float>)
-      {
-        typed = CodeToFloat<std::int32_t, float>(code);
-      }
-      else if constexpr (std::is_same_v<T, double>)
-      {
-        typed = CodeToFloat<std::int64_t, double>(code);
-      }
-      else
-      {
-        typed = static_cast<T>(code + this->Threshold);
-      }
-      std::memcpy(value, &typed, sizeof(typed));
-    });
-}
-
-std::int32_t ValueDomain::ToHeight(std::int64_t code) const
-{
-  if (this->Codes == Kind::Offsets)
-  {
-    const std::int64_t middle = 2 * code + 1; // in halves
-    return ClampHeight(this->Scale >= 1 ? middle * (std::int64_t(1) << (this->Scale - 1))
-                                        : middle >> (1 - this->Scale));
-  }
   const BinaryNumber number = DecomposeCode(this->Type, code);
   if (number.IsNan)
   {
@@ -279,18 +203,8 @@ std::int32_t ValueDomain::ToHeight(std::int64_t code) const
         (std::int64_t{ 1 } << std::min(-this->FineBits, 12)));
 }
 
-std::int64_t ValueDomain::FromHeight(std::int32_t height, int& quarter) const
+std::int64_t ValueDomain::BitsFromHeight(std::int32_t height) const
 {
-  quarter = 0;
-  if (this->Codes == Kind::Offsets)
-  {
-    if (this->Scale <= 0)
-    {
-      return static_cast<std::int64_t>(height) * (std::int64_t(1) << -this->Scale);
-    }
-    quarter = (this->Scale >= 2 ? height >> (this->Scale - 2) : 2 * height) & 3;
-    return height >> this->Scale;
-  }
   const std::int64_t halves = 2 * std::int64_t{ height } + 1;
   const std::int64_t fixed = this->Isovalue +
     (this->FineBits >= 1 ? halves * (std::int64_t{ 1 } << (this->FineBits - 1))

@@ -4,8 +4,10 @@
 
 #include "Volume/ValueType.h"
 
-#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <limits>
+#include <type_traits>
 
 namespace isosurface
 {
@@ -39,9 +41,43 @@ public:
 
   Kind GetKind() const { return this->Codes; }
 
-  /// The code of a value of the type, and back.
-  std::int64_t ToCode(const void* value) const;
-  void ToValue(std::int64_t code, void* value) const;
+  /// The code of a value of the type, and back. T must be the type of the domain.
+  template <typename T>
+  std::int64_t ToCode(T value) const
+  {
+    if constexpr (std::is_floating_point_v<T>)
+    {
+      SignedBits<T> bits;
+      std::memcpy(&bits, &value, sizeof(bits));
+      return MakeMonotonic(bits);
+    }
+    else
+    {
+      return static_cast<std::int64_t>(value) - this->Threshold;
+    }
+  }
+  template <typename T>
+  T ToValue(std::int64_t code) const
+  {
+    if constexpr (std::is_floating_point_v<T>)
+    {
+      const auto bits = MakeMonotonic(static_cast<SignedBits<T>>(code));
+      T value;
+      std::memcpy(&value, &bits, sizeof(value));
+      return value;
+    }
+    else
+    {
+      return static_cast<T>(code + this->Threshold);
+    }
+  }
+
+  /// Floats' bits as integers of the same order; the inverse of itself.
+  template <typename Signed>
+  static Signed MakeMonotonic(Signed bits)
+  {
+    return bits < 0 ? static_cast<Signed>(bits ^ std::numeric_limits<Signed>::max()) : bits;
+  }
 
   /// Bounds of the codes of vertices inside, or outside; only for offsets.
   std::int64_t GetLeast(bool inside) const { return inside ? 0 : this->Least; }
@@ -52,16 +88,47 @@ public:
    * value - isovalue in units of 2^-scale, rounded down; 0 for NaN. In integers, so that it is the
    * same on every machine.
    */
-  std::int32_t ToHeight(std::int64_t code) const;
+  std::int32_t ToHeight(std::int64_t code) const
+  {
+    if (this->Codes == Kind::Offsets)
+    {
+      const std::int64_t middle = 2 * code + 1; // in halves
+      const std::int64_t height = this->Scale >= 1
+        ? middle * (std::int64_t{ 1 } << (this->Scale - 1))
+        : middle >> (1 - this->Scale);
+      return static_cast<std::int32_t>(height < -MostHeight ? -MostHeight
+          : height > MostHeight                             ? MostHeight
+                                                            : height);
+    }
+    return this->BitsToHeight(code);
+  }
 
   /// The code that has about a height. `quarter` is where in its interval the height lies, 0 to 3.
-  std::int64_t FromHeight(std::int32_t height, int& quarter) const;
+  std::int64_t FromHeight(std::int32_t height, int& quarter) const
+  {
+    quarter = 0;
+    if (this->Codes == Kind::Bits)
+    {
+      return this->BitsFromHeight(height);
+    }
+    if (this->Scale <= 0)
+    {
+      return static_cast<std::int64_t>(height) * (std::int64_t{ 1 } << -this->Scale);
+    }
+    quarter = (this->Scale >= 2 ? height >> (this->Scale - 2) : 2 * height) & 3;
+    return height >> this->Scale;
+  }
 
   /// Codes of a type with 32 bits, or 64, wrap around.
   int GetWidth() const { return this->Width; }
 
 private:
+  template <typename T>
+  using SignedBits = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
+
   ValueDomain() = default;
+  std::int32_t BitsToHeight(std::int64_t code) const;
+  std::int64_t BitsFromHeight(std::int32_t height) const;
 
   Kind Codes = Kind::Offsets;
   ValueType Type = ValueType::UInt8;

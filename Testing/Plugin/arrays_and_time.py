@@ -19,27 +19,6 @@ def make_vectors():
     return vectors
 
 
-def make_series():
-    """A volume that changes with time: RTData + 10 t at t = 0, 1, 2, 3."""
-    wave = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-    series = simple.ProgrammableFilter(Input=wave)
-    series.RequestInformationScript = """
-from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
-info = self.GetOutputInformation(0)
-info.Set(pipeline.TIME_STEPS(), [0.0, 1.0, 2.0, 3.0], 4)
-info.Set(pipeline.TIME_RANGE(), [0.0, 3.0], 2)
-"""
-    series.Script = """
-from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
-time = self.GetOutputInformation(0).Get(pipeline.UPDATE_TIME_STEP())
-output.PointData.append(inputs[0].PointData["RTData"] + 10 * time, "RTData")
-output.VTKObject.GetInformation().Set(vtk.vtkDataObject.DATA_TIME_STEP(), time)
-output.VTKObject.GetPointData().SetActiveScalars("RTData")
-"""
-    series.UpdatePipelineInformation()
-    return series
-
-
 class Arrays(unittest.TestCase):
     def test_vectors_are_contoured_by_component_and_by_magnitude(self):
         vectors = make_vectors()
@@ -123,7 +102,7 @@ class TimeSteps(unittest.TestCase):
     def test_all_are_saved_into_one_file_and_animated(self):
         path = testing.output("series.bvol")
         simple.SaveData(
-            path, proxy=make_series(), WriteAllTimeSteps=1, BlockSize=16, NumberOfStores=2
+            path, proxy=testing.make_series(), WriteAllTimeSteps=1, BlockSize=16, NumberOfStores=2
         )
         self.assertEqual(
             [step["time"] for step in read_header(path)["timeSteps"]], [0.0, 1.0, 2.0, 3.0]
@@ -135,7 +114,7 @@ class TimeSteps(unittest.TestCase):
 
     def test_appended_ones_are_seen_after_reload(self):
         path = testing.output("appended.bvol")
-        series = make_series()
+        series = testing.make_series()
         reader = None
         for time in range(3):
             series.UpdatePipeline(time)

@@ -89,6 +89,27 @@ def open_volume(name):
     return reader
 
 
+def make_series():
+    """A volume that changes with time: RTData + 10 t at t = 0, 1, 2, 3."""
+    wave = simple.XMLImageDataReader(FileName=[volume("wave.vti")])
+    series = simple.ProgrammableFilter(Input=wave)
+    series.RequestInformationScript = """
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
+info = self.GetOutputInformation(0)
+info.Set(pipeline.TIME_STEPS(), [0.0, 1.0, 2.0, 3.0], 4)
+info.Set(pipeline.TIME_RANGE(), [0.0, 3.0], 2)
+"""
+    series.Script = """
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
+time = self.GetOutputInformation(0).Get(pipeline.UPDATE_TIME_STEP())
+output.PointData.append(inputs[0].PointData["RTData"] + 10 * time, "RTData")
+output.VTKObject.GetInformation().Set(vtk.vtkDataObject.DATA_TIME_STEP(), time)
+output.VTKObject.GetPointData().SetActiveScalars("RTData")
+"""
+    series.UpdatePipelineInformation()
+    return series
+
+
 def contour(source, isovalue=ISOVALUE, array="RTData"):
     surface = simple.StabbingContour(
         Input=source, ContourBy=["POINTS", array], Isosurfaces=[isovalue]

@@ -17,7 +17,7 @@ class Proxies(unittest.TestCase):
         for path in files:
             root = xml.etree.ElementTree.parse(path).getroot()
             for proxy in root.iter():
-                if not proxy.tag.endswith("Proxy"):
+                if not proxy.tag.endswith("Proxy") or not proxy.get("class"):
                     continue
                 with self.subTest(file=os.path.basename(path), proxy=proxy.get("name")):
                     documentation = proxy.find("Documentation")
@@ -74,6 +74,18 @@ class Proxies(unittest.TestCase):
             writer,
             ["ChooseArraysToWrite", "PointDataArrays", "WriteAllTimeSteps", "AppendTimeStep"],
         )
+
+    def test_edge_index_files_have_their_writer_and_reader(self):
+        contour = testing.contour(testing.open_volume("wave.bvol"))
+        path = testing.output("new.eix")
+        writer = simple.CreateWriter(path, contour)
+        names = ["FileName", "Mode", "MaximumError", "QuantizationBits", "Profile", "PreviewLevel"]
+        names += ["WriteArrays", "ArrayError", "WriteNormals", "NormalError"]
+        self.check_properties(writer, names + ["MemoryLimit", "WriteAllTimeSteps"])
+        writer.UpdatePipeline()
+        reader = simple.OpenDataFile(path)
+        names = ["Preview", "UseRegion", "RegionPosition", "RegionLength"]
+        self.check_properties(reader, names + ["ComputeScalars", "ComputeNormals"])
 
 
 def add_arguments(parser):

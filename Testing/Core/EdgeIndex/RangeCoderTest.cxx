@@ -32,11 +32,11 @@ std::uint32_t Apply(Coder& coder, const Decision& decision)
   {
     return coder.CodeUniform(decision.Number, static_cast<int>(decision.Argument));
   }
-  std::array<std::uint16_t, NumberOfSymbols + 1> cumulative{};
+  std::array<std::int16_t, NumberOfSymbols> cumulative{};
   for (std::size_t n = 1; n < cumulative.size(); ++n)
   {
-    const std::uint32_t width = n - 1 == decision.Argument ? (1u << FrequencyBits) - 15 : 1;
-    cumulative[n] = static_cast<std::uint16_t>(cumulative[n - 1] + width);
+    const int width = n - 1 == decision.Argument ? (1 << FrequencyBits) - 15 : 1;
+    cumulative[n] = static_cast<std::int16_t>(cumulative[n - 1] + width);
   }
   return static_cast<std::uint32_t>(
     coder.CodeSymbol(static_cast<int>(decision.Number), cumulative.data()));
@@ -144,10 +144,10 @@ TEST(AdaptiveSymbol, NoSymbolBecomesImpossible)
   AdaptiveSymbol model;
   for (int n = 0; n < 100000; ++n)
   {
-    model.Update(n < 50000 ? 3 : 15, 5);
-    for (std::size_t symbol = 0; symbol < NumberOfSymbols; ++symbol)
+    model.Update(n < 50000 ? 3 : 15);
+    for (int symbol = 0; symbol < NumberOfSymbols; ++symbol)
     {
-      ASSERT_GE(model.Cumulative[symbol + 1] - model.Cumulative[symbol], 8);
+      ASSERT_GE(GetShare(model.Cumulative.data(), symbol), 8u);
     }
   }
 }

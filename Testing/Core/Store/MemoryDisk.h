@@ -105,6 +105,16 @@ public:
     this->Files[path] = bytes;
     return std::unique_ptr<WritableFile>(new Writer(*this, path, bytes));
   }
+  Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto found = this->Files.find(path);
+    if (found == this->Files.end())
+    {
+      return Status(StatusCode::NotFound, path + ": cannot open: No such file");
+    }
+    return std::unique_ptr<WritableFile>(new Writer(*this, path, found->second));
+  }
   Status Rename(const std::string& from, const std::string& to) override
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_SurfacePolyData_h
-#define isosurface_SurfacePolyData_h
+#ifndef isosurface_QueryCost_h
+#define isosurface_QueryCost_h
 
-#include "Contour/SurfaceExtractor.h"
-#include "ImagePieces.h"
 #include "Store/LevelChoice.h"
 #include "Store/QueryStatistics.h"
 
+#include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
 
 class vtkPolyData;
 
@@ -25,15 +22,6 @@ struct QueryCost
   std::optional<LevelChoice> Choice; ///< of the level, within a budget
   double ExtractSeconds = 0; ///< wall clock of extraction, the reading that it waited for included
 };
-
-/**
- * Hands a surface over to a vtkPolyData, without copying: points, polygons, GlobalIds, Normals, the
- * attributes as the arrays that describe them, and, if a name is given, the isovalues as active
- * scalars of that name (float where all isovalues are floats, else double). Of arrays of one name
- * those that were computed are kept.
- */
-void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arrays,
-  const std::string& scalarsName, vtkPolyData* output);
 
 /**
  * Adds what the query cost this rank to the output's field data, one array of one value a quantity:

@@ -4,7 +4,6 @@
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkIdTypeArray.h"
 #include "vtkNew.h"
@@ -12,9 +11,10 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
-#include "vtkStringArray.h"
 #include "vtkTypeInt32Array.h"
 #include "vtkTypeInt64Array.h"
+
+#include "ImageSamples.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -93,6 +93,12 @@ void FillAttribute(
 
 } // namespace
 
+bool InterpolatedArray::operator==(const InterpolatedArray& other) const
+{
+  return this->Name == other.Name && this->Layout.Type == other.Layout.Type &&
+    this->Layout.NumberOfComponents == other.Layout.NumberOfComponents;
+}
+
 void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arrays,
   const std::string& scalarsName, vtkPolyData* output)
 {
@@ -137,43 +143,6 @@ void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arra
       FillScalars<vtkDoubleArray>(surface, scalarsName, output);
     }
   }
-}
-
-void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
-{
-  auto add = [output](const char* name, auto value)
-  {
-    using Array =
-      std::conditional_t<std::is_floating_point_v<decltype(value)>, vtkDoubleArray, vtkIdTypeArray>;
-    vtkNew<Array> array;
-    array->SetName(name);
-    array->InsertNextValue(static_cast<typename Array::ValueType>(value));
-    output->GetFieldData()->AddArray(array);
-  };
-  add("Rank", rank);
-  add("TreePagesRead", cost.Reading.TreePagesRead);
-  add("DirectoryPagesRead", cost.Reading.DirectoryPagesRead);
-  add("ActiveBlocks", cost.Reading.ActiveBlocks);
-  add("BlocksRead", cost.Reading.BlocksRead);
-  add("BytesRead", cost.Reading.BytesRead);
-  add("BlockCacheHits", cost.Reading.BlockCacheHits);
-  add("Triangles", cost.Triangles);
-  add("Level", cost.Level);
-  add("QuerySeconds", cost.Reading.QuerySeconds);
-  add("ReadSeconds", cost.Reading.ReadSeconds);
-  add("ExtractSeconds", cost.ExtractSeconds);
-  if (!cost.Choice)
-  {
-    return;
-  }
-  add("EstimatedTriangles", cost.Choice->Triangles);
-  add("PredictedSeconds", cost.Choice->Seconds);
-  vtkNew<vtkStringArray> limit;
-  limit->SetName("LevelLimit");
-  limit->InsertNextValue(cost.Choice->Limit == LevelLimit::Triangles ? "MaximumTriangles"
-      : cost.Choice->Limit == LevelLimit::Seconds                    ? "TimeBudget"
-                                                                     : "");
-  output->GetFieldData()->AddArray(limit);
 }
 
 } // namespace isosurface

@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkEdgeIndexReader.h"
+
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkLogger.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "Base/ParallelFor.h"
+#include "Contour/TriangleNormals.h"
+#include "ControllerCommunicator.h"
+#include "EdgeIndex/EdgeIndexFile.h"
+#include "SurfacePolyData.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+vtkStandardNewMacro(vtkEdgeIndexReader);
+vtkCxxSetObjectMacro(vtkEdgeIndexReader, Controller, vtkMultiProcessController);
+
+namespace
+{
+using isosurface::EdgeIndexSelection;
+using isosurface::GridGeometry;
+using isosurface::Status;
+using isosurface::StatusCode;
+using isosurface::VertexBox;
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+// The vertices between which all cells lie that meet a box of the world.
+VertexBox FindVertices(const GridGeometry& grid, const double position[3], const double length[3])
+{
+  double inverse[9];
+  vtkMatrix3x3::Invert(grid.Direction.data(), inverse);
+  double low[3] = { std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
+    std::numeric_limits<double>::max() };
+  double high[3] = { std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest(),
+    std::numeric_limits<double>::lowest() };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double offset[3];
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      offset[axis] = position[axis] + ((corner >> axis) & 1 ? length[axis] : 0) - grid.Origin[axis];
+    }
+    double place[3];
+    vtkMatrix3x3::MultiplyPoint(inverse, offset, place);
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      place[axis] = place[axis] / grid.Spacing[axis] - static_cast<double>(grid.Extent[2 * axis]);
+      low[axis] = std::min(low[axis], place[axis]);
+      high[axis] = std::max(high[axis], place[axis]);
+    }
+  }
+  VertexBox box;
+  const isosurface::Index3 size = grid.GetDimensions();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const auto last = static_cast<double>(size[axis] - 1);
+    if (!(low[axis] <= last) || !(high[axis] >= 0))
+    {
+      return VertexBox(); // beside the grid
+    }
+    // The cells from the one of `low` to the one of `high`.
+    box.Low[axis] = static_cast<std::int64_t>(std::floor(std::max(low[axis], 0.0)));
+    box.High[axis] = static_cast<std::int64_t>(std::ceil(std::min(high[axis], last))) + 1;
+  }
+  return box;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkEdgeIndexReader::vtkEdgeIndexReader()
+  : FileName(nullptr)
+  , Preview(0)
+  , UseRegion(0)
+  , RegionPosition{ 0, 0, 0 }
+  , RegionLength{ 1, 1, 1 }
+  , ComputeScalars(1)
+  , ComputeNormals(1)
+  , NumberOfThreads(0)
+  , Controller(nullptr)
+  , OpenTime(0)
+{
+  this->SetNumberOfInputPorts(0);
+  this->SetController(vtkMultiProcessController::GetGlobalController());
+}
+
+//------------------------------------------------------------------------------
+vtkEdgeIndexReader::~vtkEdgeIndexReader()
+{
+  this->SetFileName(nullptr);
+  this->SetController(nullptr);
+}
+
+//------------------------------------------------------------------------------
+int vtkEdgeIndexReader::CanReadFile(const char* fileName)
+{
+  std::ifstream file(fileName ? fileName : "", std::ios::binary);
+  char head[8] = {};
+  file.read(head, sizeof(head));
+  return file && std::memcmp(head, "EIXcode\n", sizeof(head)) == 0;
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexReader::OpenFile()
+{
+  if (this->OpenTime != this->GetMTime())
+  {
+    this->OpenTime = this->GetMTime();
+    this->File.reset();
+    this->OpenError.clear();
+    if (!this->FileName || !*this->FileName)
+    {
+      this->OpenError = "No file name is set.";
+    }
+    else
+    {
+      auto file = isosurface::EdgeIndexFile::Open(isosurface::GetLocalFileSystem(), this->FileName);
+      if (file.IsOk())
+      {
+        this->File = std::move(*file);
+      }
+      else
+      {
+        this->OpenError = file.GetStatus().GetMessage();
+      }
+    }
+  }
+  return this->File ? Status::Ok() : Status(StatusCode::NotFound, this->OpenError);
+}
+
+//------------------------------------------------------------------------------
+int vtkEdgeIndexReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
+{
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  outInfo->Remove(Pipeline::TIME_STEPS());
+  outInfo->Remove(Pipeline::TIME_RANGE());
+  // What fails here fails in RequestData, too, where all ranks agree on it.
+  if (this->OpenFile().IsOk() && this->File->GetHeader().Time)
+  {
+    const double time = *this->File->GetHeader().Time;
+    const double range[2] = { time, time };
+    outInfo->Set(Pipeline::TIME_STEPS(), &time, 1);
+    outInfo->Set(Pipeline::TIME_RANGE(), range, 2);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkEdgeIndexReader::RequestData(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
+{
+  vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  Status status = ranks.Agree(this->OpenFile());
+  if (status.IsOk())
+  {
+    const int ranksOnNode = ranks.GetRanksOnNode();
+    const int threads = this->NumberOfThreads > 0 ? this->NumberOfThreads
+                                                  : isosurface::ChooseThreadCount(ranksOnNode);
+    if (ranks.GetRank() == 0 && !this->File->IsComplete())
+    {
+      vtkWarningMacro(<< this->File->GetMissing());
+    }
+    if (ranks.GetRank() == 0 && this->Preview && this->File->GetHeader().PreviewLevel == 0)
+    {
+      vtkWarningMacro(<< this->FileName
+                      << ": the file has no preview: the surface is read in full.");
+    }
+    status = this->ReadSurface(output->GetInformationObject(0), threads, polyData);
+    if (status.IsOk() && this->CheckAbort())
+    {
+      status = Status(StatusCode::Aborted, "reading was stopped");
+    }
+    status = ranks.Agree(status);
+  }
+  if (status.IsOk())
+  {
+    return 1;
+  }
+  polyData->Initialize();
+  if (status.GetCode() == StatusCode::Aborted)
+  {
+    return 1;
+  }
+  // The file may be whole the next time.
+  this->OpenTime = 0;
+  vtkErrorMacro(<< status.GetMessage());
+  return 0;
+}
+
+//------------------------------------------------------------------------------
+EdgeIndexSelection vtkEdgeIndexReader::MakeSelection(vtkInformation* outInfo) const
+{
+  const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
+  EdgeIndexSelection selection;
+  selection.Preview = this->Preview && header.PreviewLevel > 0;
+  if (this->UseRegion)
+  {
+    selection.Box = FindVertices(header.Geometry, this->RegionPosition, this->RegionLength);
+  }
+  selection.Piece = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
+  selection.NumberOfPieces = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
+  return selection;
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output)
+{
+  const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
+  const EdgeIndexSelection selection = this->MakeSelection(outInfo);
+  isosurface::ContourRequest request;
+  request.GlobalIds = true;
+  request.Offsets = true;
+  std::vector<isosurface::InterpolatedArray> arrays;
+  for (const isosurface::EdgeIndexAttribute& attribute : header.Attributes)
+  {
+    if (selection.Preview)
+    {
+      break; // it has none
+    }
+    if (attribute.IsNormals)
+    {
+      request.Normals = this->ComputeNormals != 0;
+    }
+    else
+    {
+      arrays.push_back({ attribute.Name, {}, { attribute.Type, attribute.NumberOfComponents } });
+    }
+  }
+  auto surface = this->File->Read(
+    selection, request, threads, [this](double share) { return this->TellProgress(share); });
+  if (!surface.IsOk())
+  {
+    return surface.GetStatus();
+  }
+  vtkLogF(INFO, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->FileName,
+    selection.Piece, selection.NumberOfPieces, surface->NumberOfBlocks, surface->NumberOfTriangles,
+    surface->TotalSeconds);
+  if (this->ComputeNormals && !request.Normals)
+  {
+    isosurface::ComputeNormalsOfTriangles(*surface);
+  }
+  isosurface::MoveToPolyData(*surface, arrays, this->ComputeScalars ? header.Array : "", output);
+  if (header.Time)
+  {
+    output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);
+  }
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+bool vtkEdgeIndexReader::TellProgress(double share)
+{
+  this->UpdateProgress(share);
+  return !this->CheckAbort();
+}
+
+//------------------------------------------------------------------------------
+void vtkEdgeIndexReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n";
+  os << indent << "Preview: " << this->Preview << "\n";
+  os << indent << "UseRegion: " << this->UseRegion << "\n";
+  os << indent << "RegionPosition: " << this->RegionPosition[0] << " " << this->RegionPosition[1]
+     << " " << this->RegionPosition[2] << "\n";
+  os << indent << "RegionLength: " << this->RegionLength[0] << " " << this->RegionLength[1] << " "
+     << this->RegionLength[2] << "\n";
+  os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
+  os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
+  os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+  os << indent << "Controller: " << this->Controller << "\n";
+}

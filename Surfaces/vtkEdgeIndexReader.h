@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkEdgeIndexReader
+ * @brief   reads isosurfaces from edge-index files (.eix)
+ *
+ * The output is what vtkStabbingContour gave: one vtkPolyData a piece, with the same triangles and
+ * GlobalIds (those of the surface as a whole, so that merging pieces by them makes it watertight),
+ * and with points and arrays as the file keeps them. Blocks are spread over the pieces such that
+ * all have about as many points, and decoded by several threads. With Preview, or a region, only
+ * the blocks that belong to it are read.
+ *
+ * Of a file that was cut off, or is still being written, the blocks that are complete are read,
+ * with a warning of what is missing. Any other damage is an error, on every rank of the controller,
+ * which names the file and the reason; the output is empty then.
+ *
+ * A file knows its time, if its volume did. Several files are read as a series by
+ * vtkFileSeriesReader, as ParaView does.
+ */
+
+#ifndef vtkEdgeIndexReader_h
+#define vtkEdgeIndexReader_h
+
+#include "IsosurfaceSurfacesModule.h" // For export macro
+#include "vtkPolyDataAlgorithm.h"
+
+#include <memory> // For the file
+#include <string> // For the last error
+
+namespace isosurface
+{
+class EdgeIndexFile;
+class Status;
+struct EdgeIndexSelection;
+}
+
+class vtkMultiProcessController;
+
+class ISOSURFACESURFACES_EXPORT vtkEdgeIndexReader : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkEdgeIndexReader* New();
+  vtkTypeMacro(vtkEdgeIndexReader, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The .eix file.
+   */
+  vtkSetFilePathMacro(FileName);
+  vtkGetFilePathMacro(FileName);
+  ///@}
+
+  /**
+   * Whether the file begins as an edge-index file does (of any version).
+   */
+  static int CanReadFile(const char* fileName);
+
+  ///@{
+  /**
+   * Whether to read the coarse surface that the file has beside the full one; its GlobalIds are
+   * those of its own, coarser grid. A file without one gives a warning, and the full surface.
+   * Default off.
+   */
+  vtkSetMacro(Preview, vtkTypeBool);
+  vtkGetMacro(Preview, vtkTypeBool);
+  vtkBooleanMacro(Preview, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * With UseRegion, only the blocks that reach into a box of the world are read, whole. The box
+   * goes from RegionPosition along the axes by RegionLength. In a grid whose axes are not those of
+   * the world it is the box of the grid around it. Defaults: off; the unit cube.
+   */
+  vtkSetMacro(UseRegion, vtkTypeBool);
+  vtkGetMacro(UseRegion, vtkTypeBool);
+  vtkBooleanMacro(UseRegion, vtkTypeBool);
+  vtkSetVector3Macro(RegionPosition, double);
+  vtkGetVector3Macro(RegionPosition, double);
+  vtkSetVector3Macro(RegionLength, double);
+  vtkGetVector3Macro(RegionLength, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether points carry their isovalue, under the name of the array that was contoured. Default
+   * on.
+   */
+  vtkSetMacro(ComputeScalars, vtkTypeBool);
+  vtkGetMacro(ComputeScalars, vtkTypeBool);
+  vtkBooleanMacro(ComputeScalars, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether points have normals: those of the file, or, if it has none, the mean of the normals of
+   * the triangles around, by area. These are of the piece alone: at its border they are those of
+   * one side. Default on.
+   */
+  vtkSetMacro(ComputeNormals, vtkTypeBool);
+  vtkGetMacro(ComputeNormals, vtkTypeBool);
+  vtkBooleanMacro(ComputeNormals, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Threads to decode with; 0 (the default): this rank's share of the node's cores.
+   */
+  vtkSetClampMacro(NumberOfThreads, int, 0, 4096);
+  vtkGetMacro(NumberOfThreads, int);
+  ///@}
+
+  ///@{
+  /**
+   * The ranks that read together, the global controller by default. Null: this rank alone.
+   */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkEdgeIndexReader();
+  ~vtkEdgeIndexReader() override;
+
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+
+private:
+  vtkEdgeIndexReader(const vtkEdgeIndexReader&) = delete;
+  void operator=(const vtkEdgeIndexReader&) = delete;
+
+  /// Opens the file anew if the properties changed.
+  isosurface::Status OpenFile();
+  isosurface::EdgeIndexSelection MakeSelection(vtkInformation* outInfo) const;
+  isosurface::Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
+  bool TellProgress(double share);
+
+  char* FileName;
+  vtkTypeBool Preview;
+  vtkTypeBool UseRegion;
+  double RegionPosition[3];
+  double RegionLength[3];
+  vtkTypeBool ComputeScalars;
+  vtkTypeBool ComputeNormals;
+  int NumberOfThreads;
+  vtkMultiProcessController* Controller;
+  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< that OpenTime tells of
+  vtkMTimeType OpenTime;                           ///< our MTime when File was opened
+  std::string OpenError;                           ///< what kept it from being opened
+};
+
+#endif

@@ -1,0 +1,316 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkEdgeIndexWriter.h"
+
+#include "vtkStabbingContour.h"
+
+#include "vtkAlgorithmOutput.h"
+#include "vtkCommand.h"
+#include "vtkErrorCode.h"
+#include "vtkInformation.h"
+#include "vtkLogger.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "Base/ParallelFor.h"
+#include "ContourBlocks.h"
+#include "ControllerCommunicator.h"
+#include "EdgeIndex/EdgeIndexWriteJob.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+vtkStandardNewMacro(vtkEdgeIndexWriter);
+vtkCxxSetObjectMacro(vtkEdgeIndexWriter, Controller, vtkMultiProcessController);
+
+namespace
+{
+using isosurface::ContourBlocks;
+using isosurface::EdgeIndexHeader;
+using isosurface::Result;
+using isosurface::Status;
+using isosurface::StatusCode;
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+// The range that values are quantized over.
+void SetQuantizationRange(const ContourBlocks& blocks, isosurface::EdgeIndexSettings& settings)
+{
+  const isosurface::KeyRange& range = blocks.FiniteRange;
+  double bounds[2] = { 0, 1 };
+  if (!range.IsEmpty())
+  {
+    isosurface::DispatchValueType(blocks.Source->GetValueType(),
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        bounds[0] = static_cast<double>(isosurface::MakeValueOfKey<T>(range.Minimum));
+        bounds[1] = static_cast<double>(isosurface::MakeValueOfKey<T>(range.Maximum));
+      });
+  }
+  settings.QuantizationMinimum = bounds[0];
+  settings.QuantizationMaximum =
+    bounds[1] > bounds[0] ? bounds[1] : bounds[0] + std::max(1.0, std::abs(bounds[0]));
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkEdgeIndexWriter::vtkEdgeIndexWriter()
+  : FileName(nullptr)
+  , Mode(LOSSLESS)
+  , MaximumError(0.01)
+  , QuantizationBits(12)
+  , Profile(DEFAULT)
+  , WriteArrays(true)
+  , ArrayError(0)
+  , WriteNormals(false)
+  , NormalError(0.005)
+  , PreviewLevel(3)
+  , MemoryLimit(256)
+  , WriteAllTimeSteps(false)
+  , NumberOfThreads(0)
+  , Controller(nullptr)
+  , FirstShare(0)
+  , LastShare(1)
+{
+  this->SetController(vtkMultiProcessController::GetGlobalController());
+}
+
+//------------------------------------------------------------------------------
+vtkEdgeIndexWriter::~vtkEdgeIndexWriter()
+{
+  this->SetFileName(nullptr);
+  this->SetController(nullptr);
+}
+
+//------------------------------------------------------------------------------
+int vtkEdgeIndexWriter::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkEdgeIndexWriter::Write()
+{
+  this->SetErrorCode(vtkErrorCode::NoError);
+  this->SetAbortExecute(0);
+  this->SetAbortOutput(false);
+  this->InvokeEvent(vtkCommand::StartEvent);
+  this->WriteData();
+  this->InvokeEvent(vtkCommand::EndEvent);
+  return this->GetErrorCode() == vtkErrorCode::NoError ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkEdgeIndexWriter::WriteData()
+{
+  const Status status = this->WriteSurface();
+  if (!status.IsOk())
+  {
+    this->SetErrorCode(status.GetCode() == StatusCode::IoError ? vtkErrorCode::OutOfDiskSpaceError
+                                                               : vtkErrorCode::UnknownError);
+    if (status.GetCode() != StatusCode::Aborted)
+    {
+      vtkErrorMacro(<< status.GetMessage());
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexWriter::CheckContour(vtkStabbingContour* contour) const
+{
+  const auto refuse = [](const char* reason)
+  { return Status(StatusCode::InvalidArgument, reason); };
+  if (!this->FileName || !*this->FileName)
+  {
+    return refuse("No file name is set.");
+  }
+  if (!contour)
+  {
+    return refuse("An edge-index file is made of where a surface crosses the grid of its volume, "
+                  "which only the output of Stabbing Contour itself tells: save that one, before "
+                  "it is clipped or filtered (its UseRegion limits it to a box), or this surface "
+                  "in another format, such as .vtp.");
+  }
+  if (contour->GetCloseBoundary())
+  {
+    return refuse("An edge-index file cannot hold the caps that CloseBoundary adds: turn "
+                  "CloseBoundary of Stabbing Contour off.");
+  }
+  if (contour->GetDropDegenerateTriangles())
+  {
+    return refuse("An edge-index file holds all triangles, and cannot leave those out that "
+                  "DropDegenerateTriangles does: turn DropDegenerateTriangles of Stabbing Contour "
+                  "off.");
+  }
+  if (!contour->GetGenerateTriangles())
+  {
+    return refuse("An edge-index file holds triangles, not polygons: turn GenerateTriangles of "
+                  "Stabbing Contour on.");
+  }
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+std::vector<double> vtkEdgeIndexWriter::FindTimeSteps(vtkStabbingContour* contour) const
+{
+  contour->UpdateInformation();
+  vtkInformation* info = contour->GetOutputInformation(0);
+  if (!this->WriteAllTimeSteps || !info->Has(Pipeline::TIME_STEPS()))
+  {
+    return {};
+  }
+  const double* times = info->Get(Pipeline::TIME_STEPS());
+  return std::vector<double>(times, times + info->Length(Pipeline::TIME_STEPS()));
+}
+
+//------------------------------------------------------------------------------
+std::string vtkEdgeIndexWriter::MakeFileName(std::size_t step) const
+{
+  const std::string path = this->FileName;
+  const std::size_t slash = path.rfind('/');
+  const std::size_t dot = path.rfind('.');
+  const bool hasExtension =
+    dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
+  const std::size_t end = hasExtension ? dot : path.size();
+  return path.substr(0, end) + "_" + std::to_string(step) + path.substr(end);
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexWriter::WriteSurface()
+{
+  vtkStabbingContour* contour = this->GetNumberOfInputConnections(0) > 0
+    ? vtkStabbingContour::FindBehind(this->GetInputConnection(0, 0))
+    : nullptr;
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckContour(contour));
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  const std::vector<double> times = this->FindTimeSteps(contour);
+  if (times.empty())
+  {
+    vtkInformation* inInfo = this->GetInputInformation();
+    std::optional<double> time;
+    if (inInfo->Has(Pipeline::UPDATE_TIME_STEP()))
+    {
+      time = inInfo->Get(Pipeline::UPDATE_TIME_STEP());
+    }
+    this->FirstShare = 0;
+    this->LastShare = 1;
+    return this->WriteStep(ranks, contour, time, this->FileName);
+  }
+  for (std::size_t step = 0; step < times.size(); ++step)
+  {
+    this->FirstShare = static_cast<double>(step) / static_cast<double>(times.size());
+    this->LastShare = static_cast<double>(step + 1) / static_cast<double>(times.size());
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->WriteStep(ranks, contour, times[step], this->MakeFileName(step)));
+  }
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Result<EdgeIndexHeader> vtkEdgeIndexWriter::MakeHeader(
+  isosurface::Communicator& ranks, const ContourBlocks& blocks) const
+{
+  EdgeIndexHeader header;
+  header.Geometry = blocks.Grid;
+  header.Type = blocks.Source->GetValueType();
+  header.Isovalues = blocks.Isovalues;
+  header.Array = blocks.ArrayName;
+  header.Source = blocks.Origin;
+  header.Time = blocks.Time;
+  header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(this->Mode);
+  header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Profile);
+  header.Settings.MaximumError = this->MaximumError;
+  header.Settings.QuantizationBits = this->QuantizationBits;
+  SetQuantizationRange(blocks, header.Settings);
+  for (const isosurface::InterpolatedArray& array : blocks.Arrays)
+  {
+    header.Attributes.push_back({ array.Name, isosurface::GetInterpolatedType(array.Layout.Type),
+      array.Layout.NumberOfComponents, this->ArrayError, false });
+  }
+  if (blocks.Normals)
+  {
+    header.Attributes.push_back(
+      { "Normals", isosurface::ValueType::Float32, 3, this->NormalError, true });
+  }
+  for (header.PreviewLevel = this->PreviewLevel;
+       header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
+  {
+    --header.PreviewLevel;
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.Check()));
+  // Ranks without samples do not know all of it.
+  isosurface::Message mine;
+  if (blocks.HasSamples)
+  {
+    header.Append(mine);
+  }
+  for (const isosurface::Message& message : ranks.AllGather(mine))
+  {
+    if (!message.empty())
+    {
+      std::size_t used = 0;
+      return EdgeIndexHeader::Parse(message.data(), message.size(), used);
+    }
+  }
+  return header;
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexWriter::WriteStep(isosurface::Communicator& ranks, vtkStabbingContour* contour,
+  const std::optional<double>& time, const std::string& path)
+{
+  ContourBlocks blocks;
+  blocks.Attributes = this->WriteArrays;
+  blocks.Normals = this->WriteNormals && contour->GetComputeNormals();
+  ISOSURFACE_RETURN_IF_ERROR(
+    contour->CollectBlocks(ranks.GetRank(), ranks.GetSize(), time, blocks));
+  const Result<EdgeIndexHeader> header = this->MakeHeader(ranks, blocks);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.GetStatus()));
+  isosurface::EdgeIndexWriteJob::Settings settings;
+  const int ranksOnNode = ranks.GetRanksOnNode();
+  settings.Threads =
+    this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
+  settings.MemoryBytes = static_cast<std::uint64_t>(this->MemoryLimit) << 20;
+  isosurface::EdgeIndexWriteJob job(ranks, isosurface::GetLocalFileSystem(), path, *header,
+    *blocks.Source, blocks.Numbers, settings);
+  const auto written = job.Run([this](double share) { return this->TellProgress(share); });
+  if (written.IsOk() && ranks.GetRank() == 0)
+  {
+    vtkLogF(INFO, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
+      static_cast<unsigned long long>(written->Records),
+      static_cast<unsigned long long>(written->Points),
+      static_cast<unsigned long long>(written->Bytes));
+  }
+  return written.GetStatus();
+}
+
+//------------------------------------------------------------------------------
+bool vtkEdgeIndexWriter::TellProgress(double share)
+{
+  this->UpdateProgress(this->FirstShare + share * (this->LastShare - this->FirstShare));
+  return !this->CheckAbort();
+}
+
+//------------------------------------------------------------------------------
+void vtkEdgeIndexWriter::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n";
+  os << indent << "Mode: " << this->Mode << "\n";
+  os << indent << "MaximumError: " << this->MaximumError << "\n";
+  os << indent << "QuantizationBits: " << this->QuantizationBits << "\n";
+  os << indent << "Profile: " << this->Profile << "\n";
+  os << indent << "WriteArrays: " << this->WriteArrays << "\n";
+  os << indent << "ArrayError: " << this->ArrayError << "\n";
+  os << indent << "WriteNormals: " << this->WriteNormals << "\n";
+  os << indent << "NormalError: " << this->NormalError << "\n";
+  os << indent << "PreviewLevel: " << this->PreviewLevel << "\n";
+  os << indent << "MemoryLimit: " << this->MemoryLimit << "\n";
+  os << indent << "WriteAllTimeSteps: " << this->WriteAllTimeSteps << "\n";
+  os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+  os << indent << "Controller: " << this->Controller << "\n";
+}

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An edge-index file is the same, byte for byte, for any number of ranks that write it, and holds
+// the surface that vtkFlyingEdges3D makes of the whole volume, for any number that read it.
+#include "ParallelVolumes.h"
+
+#include "vtkEdgeIndexReader.h"
+#include "vtkEdgeIndexWriter.h"
+#include "vtkMultiProcessController.h"
+#include "vtkPointData.h"
+#include "vtkStabbingContour.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <ostream>
+
+namespace isosurface
+{
+namespace
+{
+
+const std::vector<double> Isovalues = { 150.0, 60.5 };
+
+struct FileCase
+{
+  int Type;
+  int Layout;    ///< of the image's pieces
+  int BlockSize; ///< of the blocked volume between; 0: none, the image itself
+  int Mode = vtkEdgeIndexWriter::LOSSLESS;
+
+  std::string GetName() const
+  {
+    const char* const layouts[] = { "subextents", "firstRank", "overlapping", "everywhere" };
+    const char* const modes[] = { "lossless", "bounded", "quantized", "smallest" };
+    return "eix_type" + std::to_string(this->Type) + "_" + layouts[this->Layout] + "_" +
+      (this->BlockSize ? "blocks" + std::to_string(this->BlockSize) : "image") + "_" +
+      modes[this->Mode];
+  }
+};
+
+std::ostream& operator<<(std::ostream& stream, const FileCase& one)
+{
+  return stream << one.GetName();
+}
+
+vtkImageData* GetVolume(int type)
+{
+  static std::map<int, vtkSmartPointer<vtkImageData>> volumes;
+  vtkSmartPointer<vtkImageData>& volume = volumes[type];
+  if (!volume)
+  {
+    volume = MakeClosedVolume({ 5, 74, -30, 30, -11, 71 }, type);
+    TurnObliquely(volume);
+  }
+  return volume;
+}
+
+EdgeSurface GetExpected(int type, double isovalue)
+{
+  EdgeSurface surface = ContourByFlyingEdges(GetVolume(type), isovalue);
+  surface.DropNormals();
+  return surface;
+}
+
+void SetIsovalues(vtkStabbingContour* contour)
+{
+  for (std::size_t n = 0; n < Isovalues.size(); ++n)
+  {
+    contour->SetValue(static_cast<int>(n), Isovalues[n]);
+  }
+}
+
+void ExpectSuccess(vtkEdgeIndexWriter* writer)
+{
+  const ErrorCounter errors(writer);
+  EXPECT_EQ(writer->Write(), 1);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+class EdgeIndexOnRanks : public testing::TestWithParam<FileCase>
+{
+protected:
+  // Writes the case's surface; collective.
+  void WriteFile(const std::string& path)
+  {
+    const FileCase& one = GetParam();
+    vtkNew<vtkEdgeIndexWriter> writer;
+    writer->SetFileName(path.c_str());
+    writer->SetMode(one.Mode);
+    writer->SetMemoryLimit(1);
+    if (one.BlockSize > 0)
+    {
+      VolumeSettings settings;
+      settings.BlockSize = one.BlockSize;
+      settings.NumberOfStores = 3;
+      WriteFromPieces(GetVolume(one.Type), one.Layout, path + ".bvol", settings);
+      const ContourPipeline pipeline(path + ".bvol");
+      SetIsovalues(pipeline.Contour);
+      writer->SetInputConnection(pipeline.Contour->GetOutputPort());
+      ExpectSuccess(writer);
+      EXPECT_EQ(pipeline.Contour->GetOutput()->GetNumberOfPoints(), 0)
+        << "the contour made the surface";
+      return;
+    }
+    vtkNew<PieceSource> source;
+    source->SetImage(GetVolume(one.Type));
+    source->SetLayout(one.Layout);
+    vtkNew<vtkStabbingContour> contour;
+    contour->SetInputConnection(source->GetOutputPort());
+    SetIsovalues(contour);
+    writer->SetInputConnection(contour->GetOutputPort());
+    ExpectSuccess(writer);
+  }
+
+  // Leaves the file for runs of more ranks, or compares with what the run of one rank left.
+  void CheckBytes(const std::string& path)
+  {
+    if (GetRank() != 0)
+    {
+      return;
+    }
+    const std::string bytes = ReadBytes(path);
+    const std::string left = "fingerprints/" + GetParam().GetName();
+    if (GetNumberOfRanks() == 1)
+    {
+      std::filesystem::create_directories("fingerprints");
+      WriteBytes(left, bytes);
+    }
+    EXPECT_TRUE(bytes == ReadBytes(left)) << "the file differs from that which one rank writes";
+  }
+
+  // The n-th isosurface that all ranks read.
+  EdgeSurface Gather(vtkPolyData* mine, std::size_t number)
+  {
+    const std::int64_t ids =
+      3 * static_cast<std::int64_t>(GetVolume(GetParam().Type)->GetNumberOfPoints());
+    EdgeSurface part;
+    const auto first = static_cast<std::int64_t>(number);
+    part.Add(mine, first * ids, (first + 1) * ids);
+    part.DropNormals();
+    EdgeSurface all = GatherSurfaces(part);
+    all.MergeEqualPoints();
+    return all;
+  }
+
+  void CheckSurface(vtkPolyData* mine)
+  {
+    for (std::size_t number = 0; number < Isovalues.size(); ++number)
+    {
+      EdgeSurface all = this->Gather(mine, number);
+      if (GetRank() != 0)
+      {
+        continue;
+      }
+      const EdgeSurface expected = GetExpected(GetParam().Type, Isovalues[number]);
+      if (GetParam().Mode == vtkEdgeIndexWriter::LOSSLESS)
+      {
+        EXPECT_TRUE(AreEqual(all, expected)) << "at " << Isovalues[number];
+        EXPECT_TRUE(IsClosedManifold(all)) << "at " << Isovalues[number];
+      }
+      else
+      {
+        EXPECT_EQ(all.Triangles, expected.Triangles) << "at " << Isovalues[number];
+      }
+    }
+  }
+};
+
+std::vector<FileCase> MakeCases()
+{
+  std::vector<FileCase> cases;
+  for (const int layout : { 0, 1, 2, 3 })
+  {
+    cases.push_back({ VTK_SHORT, layout, 0 });
+  }
+  cases.push_back({ VTK_FLOAT, 0, 0 });
+  cases.push_back({ VTK_UNSIGNED_CHAR, 0, 0, vtkEdgeIndexWriter::SMALLEST });
+  cases.push_back({ VTK_UNSIGNED_CHAR, 0, 16 });
+  cases.push_back({ VTK_SHORT, 0, 32 });
+  cases.push_back({ VTK_FLOAT, 0, 64 });
+  cases.push_back({ VTK_FLOAT, 0, 32, vtkEdgeIndexWriter::BOUNDED });
+  cases.push_back({ VTK_SHORT, 0, 16, vtkEdgeIndexWriter::QUANTIZED });
+  return cases;
+}
+
+} // namespace
+
+TEST_P(EdgeIndexOnRanks, FileIsTheSameAndHoldsTheWholeSurface)
+{
+  const SharedFolder folder("EdgeIndexOnRanks-" + GetParam().GetName());
+  const std::string path = folder.GetPath("surface.eix");
+  this->WriteFile(path);
+  this->CheckBytes(path);
+  vtkNew<vtkEdgeIndexReader> reader;
+  const ErrorCounter errors(reader);
+  reader->SetFileName(path.c_str());
+  EXPECT_TRUE(reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0));
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  this->CheckSurface(reader->GetOutput());
+  const std::uint64_t all =
+    SumOverRanks(static_cast<std::uint64_t>(reader->GetOutput()->GetNumberOfPolys()));
+  const auto mine = static_cast<double>(reader->GetOutput()->GetNumberOfPolys());
+  if (GetParam().BlockSize == 16)
+  {
+    EXPECT_LT(mine * GetNumberOfRanks(), 1.5 * static_cast<double>(all))
+      << "the ranks' shares are not even";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, EdgeIndexOnRanks, testing::ValuesIn(MakeCases()),
+  [](const auto& one) { return one.param.GetName(); });
+
+TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
+{
+  const SharedFolder folder("EdgeIndexErrorsOnRanks");
+  const std::string path = folder.GetPath("surface.eix");
+  vtkNew<PieceSource> source;
+  source->SetImage(GetVolume(VTK_SHORT));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(source->GetOutputPort());
+  SetIsovalues(contour);
+  vtkNew<vtkEdgeIndexWriter> writer;
+  writer->SetInputConnection(contour->GetOutputPort());
+  {
+    // A folder that is not there, which rank 0 finds first.
+    const ErrorCounter errors(writer);
+    writer->SetFileName((folder.GetPath("nowhere") + "/surface.eix").c_str());
+    EXPECT_EQ(writer->Write(), 0);
+    ASSERT_EQ(errors.Messages.size(), 1u);
+    EXPECT_NE(errors.Messages[0].find("nowhere"), std::string::npos) << errors.Messages[0];
+  }
+  writer->SetFileName(path.c_str());
+  ExpectSuccess(writer);
+  {
+    // Pieces that do not meet, if they are several.
+    source->SetLayout(PieceSource::GAP);
+    const std::string before = ReadBytes(path);
+    const ErrorCounter errors(writer);
+    if (writer->Write() == 0)
+    {
+      ASSERT_EQ(errors.Messages.size(), 1u);
+      EXPECT_NE(errors.Messages[0].find("gaps"), std::string::npos) << errors.Messages[0];
+      GetRanks()->Barrier();
+      EXPECT_TRUE(ReadBytes(path) == before);
+    }
+  }
+  GetRanks()->Barrier();
+  if (GetRank() == 0)
+  {
+    FlipBit(path, 1200);
+  }
+  GetRanks()->Barrier();
+  vtkNew<vtkEdgeIndexReader> reader;
+  const ErrorCounter errors(reader);
+  reader->SetFileName(path.c_str());
+  reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  ASSERT_EQ(errors.Messages.size(), 1u);
+  EXPECT_NE(errors.Messages[0].find("surface.eix: "), std::string::npos) << errors.Messages[0];
+  EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
+}
+
+} // namespace isosurface

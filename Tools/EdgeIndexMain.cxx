@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// edgeindex: tells what is in edge-index files, checks them, decodes them to triangles.
+#include "EdgeIndexCommands.h"
+#include "EdgeIndexOptions.h"
+#include "StopSignal.h"
+
+#include "vtkLogger.h"
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+using namespace isosurface;
+
+namespace
+{
+
+using Command = EdgeIndexOptions::Command;
+
+Status Run(const Result<EdgeIndexOptions>& options)
+{
+  if (!options.IsOk())
+  {
+    return options.GetStatus();
+  }
+  switch (options->What)
+  {
+    case Command::Info:
+      return RunEdgeIndexInfo(*options);
+    case Command::Verify:
+      return RunEdgeIndexVerify(*options);
+    case Command::Decode:
+      return RunEdgeIndexDecode(*options);
+    default:
+      std::fputs(options->Text.c_str(), stdout);
+      return Status::Ok();
+  }
+}
+
+int Fail(const char* reason)
+{
+  std::fprintf(stderr, "edgeindex: %s\n", reason);
+  return 1;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  CatchStopSignals();
+  // What VTK's writers find is told in one line, as everything else is.
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  try
+  {
+    const Status status = Run(EdgeIndexOptions::Parse(argc, argv));
+    if (status.IsOk())
+    {
+      return 0;
+    }
+    Fail(status.GetMessage().c_str());
+    return status.GetCode() == StatusCode::Aborted ? 130 : 1;
+  }
+  catch (const std::bad_alloc&)
+  {
+    return Fail("out of memory");
+  }
+  catch (const std::exception& error)
+  {
+    return Fail(error.what());
+  }
+}

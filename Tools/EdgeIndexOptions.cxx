@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndexOptions.h"
+
+#include <CLI/CLI.hpp>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr const char* Description =
+  "Tells what is in an edge-index file (.eix), checks one, or decodes one to triangles.";
+
+constexpr const char* Footer = R"(Formats of OUT, by its ending:
+  .ply .stl           binary
+  .vtp                with GlobalIds, isovalues, arrays and normals
+  .obj                text
+
+Examples:
+  edgeindex info skull.eix --json
+  edgeindex verify skull.eix
+  edgeindex decode skull.eix skull.ply
+  edgeindex decode skull.eix coarse.stl --preview
+
+Triangles of several blocks share their points, so the surface is watertight. Of a file that was cut
+off the complete blocks are decoded, with a warning. Exit status: 0 if all went well, 1 for an error
+or a fault found, 130 if it was stopped. OUT appears in one step at the end.)";
+
+} // namespace
+
+Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* argv)
+{
+  EdgeIndexOptions options;
+  CLI::App app(Description, "edgeindex");
+  app.footer(Footer);
+  app.set_version_flag("--version", std::string("edgeindex " ISOSURFACE_VERSION));
+  app.require_subcommand(1);
+  const auto addCommand = [&](const char* name, const char* description)
+  {
+    CLI::App* command = app.add_subcommand(name, description);
+    command->add_option("FILE", options.Input, "The edge-index file, FILE.eix")->required();
+    return command;
+  };
+  CLI::App* info = addCommand("info", "Tells what is in a file");
+  info->add_flag("--json", options.IsJson, "As one JSON object");
+  CLI::App* verify = addCommand("verify", "Decodes all of a file, to find any fault");
+  CLI::App* decode = addCommand("decode", "Writes the triangles to OUT, or only counts them");
+  decode->add_option("OUT", options.Output, "OUT.ply, .stl, .vtp or .obj");
+  decode->add_flag("--preview", options.IsPreview, "The coarse surface that the file has beside");
+  for (CLI::App* command : { verify, decode })
+  {
+    command->add_option("--threads", options.Threads, "Threads; 0: all cores")
+      ->check(CLI::Range(0, 4096));
+    command->add_flag("--quiet", options.IsQuiet, "Say nothing but errors");
+  }
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::CallForHelp&)
+  {
+    options.Text = app.help();
+    return options;
+  }
+  catch (const CLI::CallForVersion& version)
+  {
+    options.Text = std::string(version.what()) + "\n";
+    return options;
+  }
+  catch (const CLI::ParseError& error)
+  {
+    return Status(StatusCode::InvalidArgument, std::string(error.what()) + " (--help tells more)");
+  }
+  options.What = info->parsed() ? Command::Info
+    : verify->parsed()          ? Command::Verify
+                                : Command::Decode;
+  return options;
+}
+
+} // namespace isosurface

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_EdgeIndexOptions_h
+#define isosurface_EdgeIndexOptions_h
+
+#include "Base/Status.h"
+
+#include <string>
+
+namespace isosurface
+{
+
+/// What edgeindex's command line asks for.
+struct EdgeIndexOptions
+{
+  enum class Command
+  {
+    Info,
+    Verify,
+    Decode,
+    Print ///< Text, and nothing else: help, version
+  };
+
+  Command What = Command::Print;
+  std::string Text;
+  std::string Input;
+  std::string Output; ///< of Decode; empty: none
+  bool IsQuiet = false;
+  bool IsJson = false;
+  bool IsPreview = false;
+  int Threads = 0; ///< 0: all cores
+
+  /// InvalidArgument for what makes no sense; the message names the option.
+  static Result<EdgeIndexOptions> Parse(int argc, const char* const* argv);
+};
+
+} // namespace isosurface
+
+#endif
