@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkStabbingContour.h"
 
+#include "ArrayRanges.h"
 #include "ChosenScalars.h"
 #include "ContourBlocks.h"
 #include "ImagePieces.h"
@@ -422,6 +423,7 @@ int vtkStabbingContour::RequestData(
     cost.Reading.ReadSeconds, cost.ExtractSeconds);
   isosurface::MoveToPolyData(
     made.Extracted, made.Arrays, this->ComputeScalars ? made.ArrayName : "", polyData);
+  isosurface::StoreRanges(polyData, this->ChooseThreads());
   isosurface::AddCostToFieldData(ranks.GetRank(), cost, polyData);
   return 1;
 }

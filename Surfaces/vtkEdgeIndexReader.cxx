@@ -11,6 +11,7 @@
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "ArrayRanges.h"
 #include "Base/ParallelFor.h"
 #include "Contour/TriangleNormals.h"
 #include "ControllerCommunicator.h"
@@ -254,6 +255,7 @@ Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtk
     isosurface::ComputeNormalsOfTriangles(*surface);
   }
   isosurface::MoveToPolyData(*surface, arrays, this->ComputeScalars ? header.Array : "", output);
+  isosurface::StoreRanges(output, threads);
   if (header.Time)
   {
     output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);
