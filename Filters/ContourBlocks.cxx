@@ -91,7 +91,13 @@ Status CollectImageBlocks(Communicator& ranks, const Status& status,
   auto source = PieceBlockSource::Make(ranks, blocks.Grid, std::move(parts), selection, threads);
   if (!source.IsOk())
   {
-    return source.GetStatus();
+    const Status& failure = source.GetStatus();
+    return failure.GetCode() == StatusCode::InvalidArgument
+      ? Status(failure.GetCode(),
+          failure.GetMessage() +
+            "; Stabbing Contour must be straight behind the reader of a blocked volume, or have "
+            "images that meet")
+      : failure;
   }
   blocks.Numbers = (*source)->GetNumbers();
   blocks.FiniteRange = (*source)->GetFiniteRange();

@@ -56,8 +56,7 @@ struct ContourBlocks
   std::shared_ptr<const void> Owner;
 };
 
-/// The active blocks of a level of a blocked volume that are this rank's share. `blocks` has all
-/// but Grid, Source, Numbers, Owner, FiniteRange and Origin.
+/// Which active blocks of a blocked volume: this rank's share of those of a level.
 struct VolumeBlocksQuery
 {
   std::size_t TimeStep = 0;
@@ -68,6 +67,8 @@ struct VolumeBlocksQuery
   int Rank = 0;
   int Ranks = 1;
 };
+
+/// Fills in what follows from the volume and the query; Isovalues, ArrayName and Arrays are there.
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume,
   const VolumeBlocksQuery& query, ContourBlocks& blocks);
 

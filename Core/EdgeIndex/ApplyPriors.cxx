@@ -50,9 +50,12 @@ void WriteValues(std::ostringstream& text, const Values& values)
 void WriteResiduals(std::ostringstream& text, const ResidualModel& mixed, const ResidualModel& fast)
 {
   std::vector<int> values;
-  for (const AdaptiveBit& bit : mixed.ByLevel)
+  for (const SymbolTree& tree : mixed.ByLevel)
   {
-    values.push_back(StretchBit(bit));
+    for (const AdaptiveBit& bit : tree.Nodes)
+    {
+      values.push_back(StretchBit(bit));
+    }
   }
   text << "{\n";
   WriteValues(text, values);
@@ -101,16 +104,22 @@ void ApplyPriors(ResidualModel& model, const ResidualPriors& priors)
         static_cast<std::int16_t>(priors.Symbols[n * nodes + symbol]);
     }
   }
-  for (std::size_t n = 0; n < model.ByLevel.size(); ++n)
+  const auto apply = [&priors](SymbolTree& tree, std::size_t level, std::uint32_t count)
   {
-    model.ByLevel[n] = MakeBit(priors.ByLevel[n], LevelCount);
+    for (std::size_t node = 0; node < nodes; ++node)
+    {
+      tree.Nodes[node] = MakeBit(priors.ByLevel[level * nodes + node], count);
+    }
+  };
+  for (std::size_t level = 0; level < model.ByLevel.size(); ++level)
+  {
+    apply(model.ByLevel[level], level, LevelCount);
   }
-  for (std::vector<AdaptiveBit>& table : model.BySide)
+  for (std::vector<SymbolTree>& table : model.BySide)
   {
     for (std::size_t n = 0; n < table.size(); ++n)
     {
-      const std::size_t level = 2 * (n / (ResidualModel::NumberOfSides * nodes));
-      table[n] = MakeBit(priors.ByLevel[level * nodes + n % nodes], SideCount);
+      apply(table[n], 2 * (n / ResidualModel::NumberOfSides), SideCount);
     }
   }
   for (std::size_t n = 0; n < model.Mixers.size(); ++n)

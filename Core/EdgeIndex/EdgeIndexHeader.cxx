@@ -33,7 +33,6 @@ namespace
 // A name, the array and the source: size (4), then so many bytes of UTF-8.
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
 constexpr std::uint32_t Version = 1;
-constexpr std::size_t FixedSize = 248;
 constexpr std::size_t ChecksumSize = 8;
 constexpr std::size_t MostIsovalues = 65536;
 constexpr std::size_t MostAttributes = 256;

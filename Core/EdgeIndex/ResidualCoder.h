@@ -33,6 +33,12 @@ struct ResidualContext
     Sides{}; ///< further contexts, below 128 each; the first also if fast
 };
 
+/// The decisions that lead to a symbol, from node 1 on; each tree fills a line of the cache.
+struct alignas(64) SymbolTree
+{
+  std::array<AdaptiveBit, NumberOfSymbols> Nodes;
+};
+
 /// What is known about magnitudes.
 struct ResidualModel
 {
@@ -46,8 +52,8 @@ struct ResidualModel
   /// If not mixed: by level and the first side (8 of them).
   std::vector<AdaptiveSymbol> Symbols;
   /// If mixed: nodes of the binary tree of symbols, by level, and by side and half the level.
-  std::vector<AdaptiveBit> ByLevel;
-  std::array<std::vector<AdaptiveBit>, NumberOfSideTables> BySide;
+  std::vector<SymbolTree> ByLevel;
+  std::array<std::vector<SymbolTree>, NumberOfSideTables> BySide;
   std::vector<LogisticMixer> Mixers;
   std::array<AdaptiveBit, 64> Escape;
 };
@@ -134,15 +140,13 @@ private:
   int CodeSymbolMixed(int symbol, int level, const ResidualContext& context)
   {
     constexpr std::size_t nodes = NumberOfSymbols;
-    const auto row = static_cast<std::size_t>(level) * nodes;
     std::array<AdaptiveBit*, ResidualModel::NumberOfSideTables + 1> tables;
-    tables[0] = &this->Model.ByLevel[row];
+    tables[0] = this->Model.ByLevel[static_cast<std::size_t>(level)].Nodes.data();
     for (std::size_t n = 0; n < ResidualModel::NumberOfSideTables; ++n)
     {
-      tables[n + 1] =
-        &this->Model.BySide[n][(static_cast<std::size_t>(level / 2) * ResidualModel::NumberOfSides +
-                                 context.Sides[n]) *
-          nodes];
+      const std::size_t tree =
+        static_cast<std::size_t>(level / 2) * ResidualModel::NumberOfSides + context.Sides[n];
+      tables[n + 1] = this->Model.BySide[n][tree].Nodes.data();
     }
     const std::size_t mixers = static_cast<std::size_t>(std::min(level / 5, 3)) * nodes;
     std::size_t node = 1;

@@ -10,10 +10,10 @@ ResidualModel::ResidualModel(bool mixed, const ResidualPriors& priors)
   constexpr std::size_t nodes = NumberOfSymbols;
   if (mixed)
   {
-    this->ByLevel.resize(NumberOfLevels * nodes);
-    for (std::vector<AdaptiveBit>& table : this->BySide)
+    this->ByLevel.resize(NumberOfLevels);
+    for (std::vector<SymbolTree>& table : this->BySide)
     {
-      table.resize(std::size_t(NumberOfLevels / 2) * NumberOfSides * nodes);
+      table.resize(std::size_t(NumberOfLevels / 2) * NumberOfSides);
     }
     this->Mixers.resize(NumberOfMixerSets * nodes);
   }

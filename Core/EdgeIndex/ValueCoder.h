@@ -120,6 +120,7 @@ public:
 
 private:
   static constexpr int Taps = ValueModel::NumberOfTaps;
+  static constexpr int ShortShift = 12; ///< from weights to those that predict
   static constexpr std::ptrdiff_t RowStride = 80;
   static constexpr std::ptrdiff_t FirstVertex = 2 * RowStride + 8;
   using Plane = std::array<std::int16_t, (MaximumCodedVertices + 4) * RowStride>;
@@ -185,11 +186,13 @@ private:
     this->Backward[1] = y > 0 ? own ^ this->Signs->At(y - 1) : none;
     this->Backward[2] = this->Below ? own ^ this->Below->At(y) : none;
     this->Own = own;
-    for (std::size_t n = 0; n < Taps; ++n)
+    // A row cannot make them overflow.
+    constexpr std::int32_t most = 1 << 27;
+    for (std::int32_t& weight : this->Model.Weights)
     {
-      this->ShortWeights[n] =
-        static_cast<std::int16_t>(std::clamp(this->Model.Weights[n] >> 12, -32767, 32767));
+      weight = std::clamp(weight, -most, most);
     }
+    this->ShortenWeights();
   }
 
   // Fills Inputs; returns the predicted height.
@@ -396,15 +399,46 @@ private:
     const std::int64_t error = std::clamp(height - predicted, -8191, 8191);
     const auto step =
       static_cast<std::int32_t>(std::clamp<std::int64_t>(error * this->Rate >> 8, -32767, 32767));
-    constexpr std::int32_t most = 1 << 27;
+    this->Adapt(static_cast<std::int16_t>(step));
+  }
+
+  // Weights move by inputs * step; those that predict are kept as well.
+  void Adapt(std::int16_t step)
+  {
+#if defined(__SSE2__)
+    const __m128i factor = _mm_set1_epi16(step);
+    auto* weights = reinterpret_cast<__m128i*>(this->Model.Weights.data());
+    for (int half = 0; half < 2; ++half)
+    {
+      const __m128i inputs =
+        _mm_load_si128(reinterpret_cast<const __m128i*>(this->Inputs.data()) + half);
+      const __m128i low = _mm_mullo_epi16(inputs, factor);
+      const __m128i high = _mm_mulhi_epi16(inputs, factor);
+      const auto move = [](__m128i& weight, __m128i product)
+      {
+        weight = _mm_add_epi32(weight, _mm_srai_epi32(product, 8));
+        return _mm_srai_epi32(weight, ShortShift);
+      };
+      const __m128i first = move(weights[2 * half], _mm_unpacklo_epi16(low, high));
+      const __m128i second = move(weights[2 * half + 1], _mm_unpackhi_epi16(low, high));
+      _mm_store_si128(reinterpret_cast<__m128i*>(this->ShortWeights.data()) + half,
+        _mm_packs_epi32(first, second));
+    }
+#else
     for (std::size_t n = 0; n < Taps; ++n)
     {
-      const std::int32_t weight = this->Model.Weights[n] + (this->Inputs[n] * step >> 8);
-      this->Model.Weights[n] = weight < -most ? -most : weight > most ? most : weight;
-      const std::int32_t rounded = this->Model.Weights[n] >> 12;
-      this->ShortWeights[n] = static_cast<std::int16_t>(rounded < -32767 ? -32767
-          : rounded > 32767                                              ? 32767
-                                                                         : rounded);
+      this->Model.Weights[n] += this->Inputs[n] * step >> 8;
+    }
+    this->ShortenWeights();
+#endif
+  }
+
+  void ShortenWeights()
+  {
+    for (std::size_t n = 0; n < Taps; ++n)
+    {
+      this->ShortWeights[n] =
+        static_cast<std::int16_t>(std::clamp(this->Model.Weights[n] >> ShortShift, -32768, 32767));
     }
   }
 
