@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Isosurfaces as edge-index streams, beside Draco in the same run. For a raw volume and isovalues
- * it prints bits a surface vertex and triangles a second on one core, encoding and decoding with
- * the surface rebuilt, of
+ * it prints bits a surface vertex and triangles a second (on one core unless --threads), encoding
+ * and decoding with the surface rebuilt, of
  *
  *   ours    lossless, by profile; bounded, at the largest error that Draco's own bits are found to
  *           make; quantized, as the paper has it
@@ -115,10 +115,11 @@ void Print(const char* name, const Outcome& outcome, const Surface& surface)
 class Benchmark
 {
 public:
-  Benchmark(const Volume& volume, double isovalue, int blockSize, int repeats)
+  Benchmark(const Volume& volume, double isovalue, int blockSize, int repeats, int threads)
     : Data(volume)
     , Isovalue(isovalue)
     , Repeats(repeats)
+    , Threads(threads)
     , BlockSize(blockSize)
   {
     this->Request.Isovalues = { isovalue };
@@ -142,7 +143,7 @@ public:
       [&]
       {
         VolumeBlocks source(this->Data, this->BlockSize);
-        auto encoded = EncodeSurface(header, source, 1);
+        auto encoded = EncodeSurface(header, source, this->Threads);
         if (!encoded.IsOk())
         {
           std::fprintf(stderr, "%s\n", encoded.GetStatus().GetMessage().c_str());
@@ -154,7 +155,8 @@ public:
     ContourRequest plain;
     Surface decoded;
     outcome.DecodeSeconds = Time(this->Repeats,
-      [&] { decoded = std::move(*DecodeSurface(bytes.data(), bytes.size(), plain, 1)); });
+      [&]
+      { decoded = std::move(*DecodeSurface(bytes.data(), bytes.size(), plain, this->Threads)); });
     for (std::size_t n = 0; n < this->Exact.Points.GetSize(); ++n)
     {
       outcome.LargestError = std::max(outcome.LargestError,
@@ -272,14 +274,15 @@ private:
   const Volume& Data;
   double Isovalue;
   int Repeats;
+  int Threads;
   int BlockSize;
   ContourRequest Request;
   Surface Exact;
 };
 
-void Run(const Volume& volume, double isovalue, int blockSize, int repeats, bool draco)
+void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int threads, bool draco)
 {
-  const Benchmark benchmark(volume, isovalue, blockSize, repeats);
+  const Benchmark benchmark(volume, isovalue, blockSize, repeats, threads);
   const Surface& exact = benchmark.GetExact();
   std::printf("isovalue %g: %zu triangles, %zu vertices, blocks of %d\n", isovalue,
     exact.NumberOfTriangles, exact.NumberOfPoints, blockSize);
@@ -329,6 +332,7 @@ int main(int argc, char** argv)
   std::vector<double> isovalues;
   int blockSize = 64;
   int repeats = 3;
+  int threads = 1;
   bool withoutDraco = false;
   CLI::App application("Edge-index streams of isosurfaces, beside Draco");
   application.add_option("file", file, "raw samples, x fastest")->required();
@@ -337,6 +341,7 @@ int main(int argc, char** argv)
   application.add_option("--isovalues", isovalues, "surfaces to encode")->required();
   application.add_option("--block-size", blockSize, "cells along the side of a block");
   application.add_option("--repeats", repeats, "runs of which the fastest counts");
+  application.add_option("--threads", threads, "threads that encode and decode; Draco has one");
   application.add_flag("--without-draco", withoutDraco, "ours only");
   CLI11_PARSE(application, argc, argv);
 
@@ -364,7 +369,7 @@ int main(int argc, char** argv)
   volume.View.Available = volume.View.Box;
   for (const double isovalue : isovalues)
   {
-    Run(volume, isovalue, blockSize, repeats, !withoutDraco);
+    Run(volume, isovalue, blockSize, repeats, threads, !withoutDraco);
   }
   return 0;
 }

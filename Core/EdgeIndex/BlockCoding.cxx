@@ -2,14 +2,16 @@
 #include "EdgeIndex/BlockCoding.h"
 
 // The coders are templates that all go into one function; for newer processors into a second one.
-// What the compiler leaves as a call is compiled for every processor, so it is right in both.
-#if defined(__GNUC__) && defined(__x86_64__)
-#  define ISOSURFACE_NEWEST_CODERS __attribute__((target("avx2,bmi,bmi2,popcnt"), flatten))
-#endif
-#if defined(__GNUC__)
+// What the compiler leaves as a call is compiled for every processor, so it is right in both. With
+// sanitizers, such functions would take minutes to compile.
+#if defined(__OPTIMIZE__) && defined(__GNUC__) && !defined(__clang__) &&                           \
+  !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #  define ISOSURFACE_CODERS __attribute__((flatten))
 #else
 #  define ISOSURFACE_CODERS
+#endif
+#if defined(__GNUC__) && defined(__x86_64__)
+#  define ISOSURFACE_NEWEST_CODERS ISOSURFACE_CODERS __attribute__((target("avx2,bmi,bmi2,popcnt")))
 #endif
 
 namespace isosurface

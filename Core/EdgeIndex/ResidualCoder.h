@@ -92,13 +92,11 @@ public:
     if (symbol == Last)
     {
       rest = this->CodeEscape(rest - First[Last]) + First[Last];
+      return rest << low | this->CodeDigits(magnitude, low);
     }
-    else
-    {
-      const auto base = static_cast<std::uint64_t>(First[symbol]);
-      rest = base + this->Output.CodeUniform(static_cast<std::uint32_t>(rest - base), Bits[symbol]);
-    }
-    return rest << low | this->CodeLowBits(magnitude, low);
+    // The digits of the rest and the low bits at once.
+    const std::uint64_t base = std::uint64_t{ First[symbol] } << low;
+    return base + this->CodeDigits(magnitude - base, Bits[symbol] + low);
   }
 
 private:
@@ -179,10 +177,11 @@ private:
     {
       ++count;
     }
-    return ((std::uint64_t(1) << count) | this->CodeLowBits(excess + 1, count)) - 1;
+    return ((std::uint64_t(1) << count) | this->CodeDigits(excess + 1, count)) - 1;
   }
 
-  std::uint64_t CodeLowBits(std::uint64_t number, int count)
+  // The lowest `count` binary digits of a number.
+  std::uint64_t CodeDigits(std::uint64_t number, int count)
   {
     std::uint64_t bits = 0;
     while (count > 0)

@@ -63,7 +63,8 @@ EdgeIndexHeader MakeGoldenHeader(EdgeIndexMode mode, EdgeIndexProfile profile)
 
 /// Reads a golden file, and what the encoder makes now; both must be equal, and be the surface.
 template <typename T>
-void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile)
+void CheckGolden(
+  const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile, bool normals = false)
 {
   const std::string file = std::string(ISOSURFACE_TEST_DATA) + "/edge-index-v1/" + name;
   std::ifstream stream(file, std::ios::binary);
@@ -72,7 +73,11 @@ void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile p
   const TestVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
-  const EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);
+  EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);
+  if (normals)
+  {
+    header.Attributes = { { "Normals", ValueType::Float32, 3, 0.0078125, true } };
+  }
   ASSERT_TRUE(WriteEdgeIndexFile(disk, Path, header, source, 1).IsOk());
   const MemoryDisk::Bytes encoded = disk.GetFile(Path);
   if (encoded != golden)
@@ -90,7 +95,8 @@ void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile p
   EXPECT_EQ((*opened)->GetHeader().Array, "density");
   EXPECT_EQ((*opened)->GetHeader().Source, "golden");
   EXPECT_EQ((*opened)->GetHeader().Time, 0.25);
-  const ContourRequest request = MakeRequest(Isovalues);
+  ContourRequest request = MakeRequest(Isovalues);
+  request.Normals = normals;
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
   const auto read = (*opened)->Read({}, request, 1);
   ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
@@ -104,6 +110,12 @@ void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile p
     // Coordinates of z have two to the voxel.
     ASSERT_NEAR(expected->Points[n], read->Points[n], n % 3 == 2 ? 0.0626 : 0.0313);
   }
+  ASSERT_EQ(expected->Normals.GetSize(), read->Normals.GetSize());
+  for (std::size_t n = 0; n < expected->Normals.GetSize(); ++n)
+  {
+    ASSERT_NEAR(expected->Normals[n], read->Normals[n], 0.0078125);
+  }
+  request.Normals = false; // the preview has none
   EdgeIndexSelection preview;
   preview.Preview = true;
   const auto coarse = (*opened)->Read(preview, request, 1);
@@ -138,4 +150,9 @@ TEST(EdgeIndexGolden, QuantizedValues)
 TEST(EdgeIndexGolden, TheSmallerOfBoth)
 {
   CheckGolden<double>("smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+}
+
+TEST(EdgeIndexGolden, AttributesOfPoints)
+{
+  CheckGolden<std::uint16_t>("normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
 }

@@ -255,3 +255,31 @@ TEST(EdgeIndex, WhatCannotBeEncodedIsRefused)
   header.Geometry = volume.Geometry;
   EXPECT_EQ(EncodeSurface(header, source, 2).GetStatus().GetCode(), StatusCode::IoError);
 }
+
+TEST(EdgeIndex, TheFirstBlockIsDecodedBeforeAHundredthIsEncoded)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 81, 81, 81 }, 0.3);
+  TestBlockSource<std::uint8_t> source(volume, 8);
+  const EdgeIndexHeader header =
+    MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  EdgeIndexEncoder encoder(header);
+  std::vector<std::uint8_t> bytes;
+  std::size_t block = 0;
+  while (bytes.empty())
+  {
+    const auto samples = source.Acquire(block);
+    ASSERT_TRUE(samples.IsOk());
+    ASSERT_TRUE(
+      encoder.EncodeBlock(source.GetLatticeCoordinates(block), *samples, 0, bytes).IsOk());
+    ++block;
+  }
+  std::size_t used = 0;
+  const auto record = EdgeIndexRecord::Parse(header, bytes.data(), bytes.size(), used);
+  ASSERT_TRUE(record.IsOk());
+  EdgeIndexBlockSource decoded(header, { *record });
+  const auto first = ExtractSurface(header.Geometry, decoded, MakeRequest({ 120.5 }), 1);
+  ASSERT_TRUE(first.IsOk());
+  const auto all = ExtractSurface(volume.Geometry, source, MakeRequest({ 120.5 }), 1);
+  EXPECT_GT(first->NumberOfTriangles, 0u);
+  EXPECT_LT(100 * first->NumberOfTriangles, all->NumberOfTriangles);
+}
