@@ -67,9 +67,9 @@ void ExpectRoundTrip(const OwnPicture& picture, const PixelRectangle& part)
   EXPECT_EQ(offset, second);
   const OwnPicture full = Paint(pixels, part);
   EXPECT_EQ(full.Colors, expected.Colors);
-  EXPECT_EQ(
-    std::memcmp(full.Depths.data(), expected.Depths.data(), expected.Depths.size() * sizeof(float)),
-    0);
+  // Bit for bit: a depth of -0 is not one of 0.
+  EXPECT_TRUE(std::equal(full.Depths.begin(), full.Depths.end(), expected.Depths.begin(),
+    expected.Depths.end(), [](float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }));
   ASSERT_TRUE(ReadActivePixels(bytes, part, PixelContent::Colors, offset, pixels).IsOk());
   EXPECT_EQ(offset, bytes.size());
   EXPECT_EQ(Paint(pixels, part).Colors, expected.Colors);
