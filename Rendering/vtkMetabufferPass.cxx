@@ -4,6 +4,7 @@
 
 #include "ControllerCommunicator.h"
 #include "Viewport/ViewportCompositor.h"
+#include "Viewport/ViewportOutlines.h"
 #include "ViewportDrawing.h"
 
 #include "vtkFloatArray.h"
@@ -127,6 +128,9 @@ public:
     bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths);
   ///@}
 
+  /// Over the picture of this rank's tile.
+  void DrawOutlines(int me, vtkSynchronizedRenderers::vtkRawImage& colors) const;
+
   isosurface::ViewportDrawing Drawing;
   isosurface::ViewportCompositor Compositor;
   std::vector<int> Divisors;
@@ -230,6 +234,19 @@ Status vtkMetabufferPass::Internals::CompositeByDirectSend(vtkMultiProcessContro
   }
   this->Cost.BytesSent = static_cast<long long>(this->Compositor.GetCost().BytesSent);
   return status;
+}
+
+void vtkMetabufferPass::Internals::DrawOutlines(
+  int me, vtkSynchronizedRenderers::vtkRawImage& colors) const
+{
+  for (const DisplayTile& tile : this->Tiles)
+  {
+    if (tile.Rank == me)
+    {
+      isosurface::DrawViewportOutlines(this->Viewports, this->Display, tile.Pixels,
+        reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0)));
+    }
+  }
 }
 
 vtkStandardNewMacro(vtkMetabufferPass);
@@ -411,6 +428,10 @@ bool vtkMetabufferPass::RenderViewport(const vtkRenderState* state)
     }
     return true;
   }
+  if (this->ShowViewports && this->LastRenderedRGBAColors->IsValid())
+  {
+    internal.DrawOutlines(this->Controller->GetLocalProcessId(), *this->LastRenderedRGBAColors);
+  }
   this->DisplayResultsIfNeeded(state);
   this->CleanupContext(state);
   return true;
@@ -444,6 +465,7 @@ void vtkMetabufferPass::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ViewportMode: " << this->ViewportMode << "\n"
      << indent << "CompositeMode: " << this->CompositeMode << "\n"
      << indent << "CollectDepths: " << this->CollectDepths << "\n"
+     << indent << "ShowViewports: " << this->ShowViewports << "\n"
      << indent << "MeasureSteps: " << this->MeasureSteps << "\n"
      << indent << "Divisors:";
   for (const int divisor : this->Internal->Divisors)

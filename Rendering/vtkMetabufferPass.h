@@ -90,6 +90,14 @@ public:
   ///@}
 
   ///@{
+  /// Whether the ranks' viewports are outlined in the picture, each in a color of its own. Off by
+  /// default.
+  vtkSetMacro(ShowViewports, bool);
+  vtkGetMacro(ShowViewports, bool);
+  vtkBooleanMacro(ShowViewports, bool);
+  ///@}
+
+  ///@{
   /**
    * Whether to wait for the graphics card and all ranks between the steps of a frame, so that the
    * seconds of each are its own. Off by default.
@@ -129,6 +137,7 @@ protected:
   int ViewportMode = BOUNDS;
   int CompositeMode = DIRECT_SEND;
   bool CollectDepths = true;
+  bool ShowViewports = false;
   bool MeasureSteps = false;
 
 private:
