@@ -258,11 +258,11 @@ void PrintTable(const std::vector<Way>& ways, const Options& options, int ranks)
 void Run(vtkMPIController* controller, const Options& options)
 {
   const int ranks = controller->GetNumberOfProcesses();
-  const auto share = MakeShare(options, controller->GetLocalProcessId(), ranks);
   Display stock(controller, options, true);
   Display ours(controller, options, false);
-  stock.GetRenderer()->AddActor(share);
-  ours.GetRenderer()->AddActor(share);
+  // Each its own: a mapper that two windows show loads its data into them by turns.
+  stock.GetRenderer()->AddActor(MakeShare(options, controller->GetLocalProcessId(), ranks));
+  ours.GetRenderer()->AddActor(MakeShare(options, controller->GetLocalProcessId(), ranks));
   std::vector<Way> ways = { { "stock" }, { "direct send", vtkMetabufferPass::DIRECT_SEND },
     { "IceT", vtkMetabufferPass::ICET }, { "direct send 1/2", vtkMetabufferPass::DIRECT_SEND, 2 },
     { "direct send 1/4", vtkMetabufferPass::DIRECT_SEND, 4 } };

@@ -5,6 +5,11 @@
 #include "vtkMetabufferPass.h"
 
 #include "vtkActor.h"
+#include "vtkBoundingBox.h"
+#include "vtkIceTCompositePass.h"
+#include "vtkNew.h"
+#include "vtkOrderedCompositingHelper.h"
+#include "vtkProperty.h"
 #include "vtkRenderer.h"
 
 #include <gtest/gtest.h>
@@ -182,6 +187,62 @@ TEST(MetabufferPass, WhereViewportsCannotBeUsedThePictureIsTheStockOne)
   ours.GetPass()->SetRenderEmptyImages(false);
   ExpectSame(ours.Render(), stock.Render(), "viewports again");
   EXPECT_TRUE(ours.GetPass()->GetUsedViewports());
+}
+
+TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
+{
+  const Scene scene = GetScenes()[0];
+  vtkNew<vtkOrderedCompositingHelper> order;
+  std::vector<vtkBoundingBox> slabs;
+  for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
+  {
+    const double width = 1.0 / GetNumberOfRanks();
+    slabs.emplace_back(rank * width, (rank + 1) * width, 0.0, 1.0, 0.0, 1.0);
+  }
+  order->SetBoundingBoxes(slabs);
+  RankWindow stock(RankWindow::Stock, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  std::vector<Picture> pictures;
+  for (RankWindow* window : { &stock, &ours })
+  {
+    window->SetScene({ scene.Name,
+      [&scene](int rank, int ranks)
+      {
+        auto actors = scene.Make(rank, ranks);
+        for (const auto& actor : actors)
+        {
+          actor->GetProperty()->SetOpacity(0.4);
+        }
+        return actors;
+      } });
+    window->SetCamera(GetCameraPlaces()[0]);
+    window->GetIceTPass()->SetOrderedCompositingHelper(order);
+    window->GetIceTPass()->SetUseOrderedCompositing(true);
+    pictures.push_back(window->Render());
+  }
+  ExpectSame(pictures[1], pictures[0], "translucent");
+  EXPECT_FALSE(ours.GetPass()->GetUsedViewports());
+}
+
+TEST(MetabufferPass, ShowsTheViewportsOnRequest)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  ours.SetScene(GetScenes()[2]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  const Picture plain = ours.Render();
+  ours.GetPass()->ShowViewportsOn();
+  const Picture outlined = ours.Render();
+  int viewport[5];
+  ours.GetPass()->GetViewport(GetNumberOfRanks() - 1, viewport);
+  if (GetRank() == 0)
+  {
+    // The last rank's outline lies over the others', all around its viewport.
+    const auto pixel = static_cast<std::size_t>(viewport[1] * Width + viewport[0]);
+    EXPECT_NE(outlined.Colors[pixel], plain.Colors[pixel]);
+    EXPECT_GE(CountDifferentColors(outlined, plain),
+      static_cast<std::size_t>(2 * (viewport[2] + viewport[3] - 2)));
+    EXPECT_EQ(CountDifferentDepths(outlined, plain), 0U);
+  }
 }
 
 TEST(MetabufferPass, ARendererThatIsPartOfItsWindow)

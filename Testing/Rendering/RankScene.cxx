@@ -234,6 +234,11 @@ void RankWindow::SetCamera(const CameraPlace& camera)
   PlaceCamera(this->Renderer, camera);
 }
 
+vtkIceTCompositePass* RankWindow::GetIceTPass()
+{
+  return this->Renderers->GetIceTCompositePass();
+}
+
 vtkMetabufferPass* RankWindow::GetPass()
 {
   return vtkMetabufferPass::SafeDownCast(this->Renderers->GetIceTCompositePass());

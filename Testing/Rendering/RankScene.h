@@ -85,6 +85,7 @@ public:
   Picture Render();
   /// Null for stock ones.
   vtkMetabufferPass* GetPass();
+  vtkIceTCompositePass* GetIceTPass();
   vtkRenderer* GetRenderer() { return this->Renderer; }
 
 private:
