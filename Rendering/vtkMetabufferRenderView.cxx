@@ -83,12 +83,6 @@ void vtkMetabufferRenderView::SetShowViewports(bool show)
   }
 }
 
-bool vtkMetabufferRenderView::GetUsedViewports()
-{
-  vtkMetabufferPass* pass = this->GetPass();
-  return pass && pass->GetUsedViewports();
-}
-
 void vtkMetabufferRenderView::CaptureZBuffer()
 {
   vtkMetabufferPass* pass = this->GetPass();

@@ -53,9 +53,6 @@ public:
   /// Whether the ranks' viewports are outlined in the picture.
   void SetShowViewports(bool show);
 
-  /// Whether viewports were used in the last frame, of those that this process took part in.
-  bool GetUsedViewports();
-
   /**
    * Collects the depths of a frame, which are not kept of others, hence draws one more. (Hides the
    * superclass' function, which ParaView calls by its name, on all processes.)
