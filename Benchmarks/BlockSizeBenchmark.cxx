@@ -89,7 +89,7 @@ int main(int argc, char** argv)
     settings.Threads = threads;
     const double start = isosurface::GetSeconds();
     auto written = isosurface::BlockedVolumeWriter(alone).Write(path, grid,
-      { { "samples", samples->View.Type } }, { samples->View.Box, { samples->View } }, settings);
+      { { "samples", samples->Components.front().Type } }, { samples->Components.front().Box, samples->Components }, settings);
     if (!written.IsOk())
     {
       std::fprintf(stderr, "%s\n", written.GetStatus().GetMessage().c_str());

@@ -302,7 +302,7 @@ void Measure(const std::string& name, vtkImageData* image, const Options& option
     std::fprintf(stderr, "%s: %s\n", name.c_str(), samples.GetStatus().GetMessage().c_str());
     return;
   }
-  const SampleView& view = samples->View;
+  const SampleView& view = samples->Components.front();
   const Index3 size = grid.GetDimensions();
   std::printf("%s: %lld x %lld x %lld %s, blocks of %d\n", name.c_str(),
     static_cast<long long>(size[0]), static_cast<long long>(size[1]),

@@ -3,7 +3,7 @@
 #define isosurface_Arena_h
 
 #include "Base/Buffer.h"
-#include "Contour/HugePages.h"
+#include "Base/HugePages.h"
 
 #include <algorithm>
 #include <cstddef>

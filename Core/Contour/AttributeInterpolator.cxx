@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/AttributeInterpolator.h"
 
+#include <cstring>
 #include <type_traits>
 
 namespace isosurface
@@ -58,6 +59,25 @@ void InterpolateAttribute(const AttributeView& view, const Index3& low, const Ed
         InterpolateComponent(samples, samples.At<T>(low), codes, parameters, count,
           reinterpret_cast<Out*>(tuples) + component, components);
       });
+  }
+}
+
+void CopyEdgeTuples(const EdgeTupleView& view, const Index3& low, const EdgeCode* codes,
+  std::size_t count, std::uint8_t* tuples)
+{
+  const Index3 size = view.Box.GetSize();
+  const std::size_t width =
+    GetValueSize(view.Type) * static_cast<std::size_t>(view.NumberOfComponents);
+  for (std::size_t n = 0; n < count; ++n, tuples += width)
+  {
+    Index3 vertex = low;
+    for (unsigned axis = 0; axis < 3; ++axis)
+    {
+      vertex[axis] += (codes[n] >> (6 * axis) & 63) - view.Box.Low[axis];
+    }
+    const auto place =
+      static_cast<std::size_t>(vertex[0] + size[0] * (vertex[1] + size[1] * vertex[2]));
+    std::memcpy(tuples, view.First[codes[n] >> 18] + place * width, width);
   }
 }
 

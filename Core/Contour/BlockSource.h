@@ -6,17 +6,44 @@
 #include "Volume/BlockGrid.h"
 #include "Volume/SampleView.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace isosurface
 {
 
-/// A further array on the vertices of a block: one view for each component, all of one type.
+/// Tuples that stand on the edges of a block's vertices already, for the points there to take as
+/// they are: one for the edge from the vertex (i, j, k) of Box along each axis, x fastest, without
+/// gaps, of any alignment. Only crossed edges have one.
+struct EdgeTupleView
+{
+  ValueType Type = ValueType::Float32; ///< Float32 or Float64, as interpolated values are
+  int NumberOfComponents = 1;
+  std::array<const std::uint8_t*, 3> First{};
+  VertexBox Box;
+};
+
+/// A further array of a block, in one of two ways.
 struct AttributeView
 {
+  /// Samples at the vertices, to be interpolated: one view a component, all of one type.
   std::vector<SampleView> Components;
+  /// If given, these instead; there are no Components then. Such an array is not known at vertices:
+  /// sides of the grid cannot be closed, and a point that a vertex keeps (DropDegenerateTriangles)
+  /// has the tuple of its own edge.
+  std::optional<EdgeTupleView> EdgeTuples{};
+};
+
+/// Where the surface crosses the edges of a block's vertices: how far along the edge (0 to 1) from
+/// the vertex (i, j, k) of Box along each axis, x fastest. Only crossed edges have a value.
+struct CrossingView
+{
+  std::array<const float*, 3> First{};
+  VertexBox Box;
 };
 
 /// The samples of a block, in grid coordinates, for as long as Owner is held.
@@ -24,6 +51,8 @@ struct BlockSamples
 {
   SampleView Scalars; ///< Box is the block's vertices
   std::vector<AttributeView> Attributes;
+  /// If given, points lie there, and the scalars tell only the sides of the isovalue.
+  const CrossingView* Crossings = nullptr;
   std::shared_ptr<const void> Owner; ///< empty if the memory outlives the extraction anyway
 };
 

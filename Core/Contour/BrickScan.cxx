@@ -34,10 +34,61 @@ VertexBox AddGhostLayer(VertexBox box, const Index3& dimensions)
   return box;
 }
 
+// As BrickKernels::LocatePoints, of crossings that are known.
+void LocateCrossings(const CrossingView& crossings, const BrickSamples& view, const EdgeCode* codes,
+  std::uint32_t count, float* coordinates, double* parameters)
+{
+  const Index3 size = crossings.Box.GetSize();
+  const std::ptrdiff_t stride[3] = { 1, static_cast<std::ptrdiff_t>(size[0]),
+    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+  std::ptrdiff_t first = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    first += static_cast<std::ptrdiff_t>(view.Low[axis] - crossings.Box.Low[axis]) * stride[axis];
+  }
+  for (std::uint32_t n = 0; n < count; ++n)
+  {
+    const EdgeCode code = codes[n];
+    const std::size_t axis = code >> 18;
+    std::ptrdiff_t at = first;
+    for (unsigned across = 0; across < 3; ++across)
+    {
+      at += static_cast<std::ptrdiff_t>(code >> (6 * across) & 63) * stride[across];
+    }
+    const auto t = static_cast<double>(crossings.First[axis][at]);
+    if (parameters)
+    {
+      parameters[n] = t;
+    }
+    const auto along = static_cast<std::int64_t>(code >> (6 * axis) & 63);
+    coordinates[n] = static_cast<float>(
+      static_cast<double>(view.Low[axis] + along) + t + static_cast<double>(view.ExtentLow[axis]));
+  }
+}
+
 Status MakeError(std::size_t block, const std::string& reason)
 {
   return { StatusCode::InvalidArgument,
     "The samples of block " + std::to_string(block) + " " + reason + "." };
+}
+
+// Whether an attribute of a block's vertices is as asked for.
+bool Fits(const AttributeView& view, const AttributeLayout& layout, const VertexBox& vertices)
+{
+  if (view.EdgeTuples)
+  {
+    const EdgeTupleView& tuples = *view.EdgeTuples;
+    return view.Components.empty() && tuples.First[0] && tuples.First[1] && tuples.First[2] &&
+      tuples.Type == GetInterpolatedType(layout.Type) &&
+      tuples.NumberOfComponents == layout.NumberOfComponents && Contains(tuples.Box, vertices);
+  }
+  bool fits = view.Components.size() == static_cast<std::size_t>(layout.NumberOfComponents);
+  for (const SampleView& component : view.Components)
+  {
+    fits = fits && component.First && component.Type == layout.Type &&
+      Contains(component.Available, vertices);
+  }
+  return fits;
 }
 
 bool IsCrossed(const std::uint64_t* inside, std::size_t rows, int verticesPerRow)
@@ -180,6 +231,10 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
     return MakeError(block,
       this->Request.Normals ? "lack the layer around it that normals need" : "do not cover it");
   }
+  if (samples.Crossings && !Contains(samples.Crossings->Box, vertices))
+  {
+    return MakeError(block, "come with crossings that do not cover it");
+  }
   if (samples.Attributes.size() != this->Request.Attributes.size())
   {
     return MakeError(block, "come with another number of attributes than asked for");
@@ -187,14 +242,11 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
     const AttributeView& view = samples.Attributes[n];
-    const AttributeLayout& layout = this->Request.Attributes[n];
-    bool fits = view.Components.size() == static_cast<std::size_t>(layout.NumberOfComponents);
-    for (const SampleView& component : view.Components)
+    if (view.EdgeTuples && !this->Request.ClosedSides.IsEmpty())
     {
-      fits = fits && component.First && component.Type == layout.Type &&
-        Contains(component.Available, vertices);
+      return MakeError(block, "come with tuples on edges, which sides to close do not have");
     }
-    if (!fits)
+    if (!Fits(view, this->Request.Attributes[n], vertices))
     {
       return MakeError(block, "come with attribute " + std::to_string(n) + " unlike asked for");
     }
@@ -269,6 +321,10 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
   {
     LocateBorderPoints(brick, view, part.Codes, count, part.Coordinates, parameters);
   }
+  else if (samples.Crossings)
+  {
+    LocateCrossings(*samples.Crossings, view, part.Codes, count, part.Coordinates, parameters);
+  }
   else
   {
     this->Kernels.LocatePoints(
@@ -282,6 +338,7 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
       ComputeOutwardNormals(brick, part.Codes, count, part.Normals);
     }
   }
+  this->CopyAttributes(brick.Vertices.Low, samples, part, worker);
   if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
   {
     part.VertexPoints = worker.Memory.Reserve<VertexPoint>(count);
@@ -299,25 +356,42 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
     SetNormalsOnSides(this->Request.ClosedSides, this->Geometry.GetDimensions(), brick.Vertices.Low,
       part.VertexPoints, part.NumberOfVertexPoints, part.Normals);
   }
-  if (!samples.Attributes.empty())
-  {
-    this->MakeAttributes(number, samples, part, worker);
-  }
+  this->InterpolateAttributes(brick.Vertices.Low, samples, part, worker);
 }
 
-void BrickScan::MakeAttributes(
-  std::size_t brick, const BlockSamples& samples, BrickPart& part, Worker& worker) const
+// Allocates all attributes, and takes those that stand on edges; before points become vertices'.
+void BrickScan::CopyAttributes(
+  const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const
 {
+  if (samples.Attributes.empty())
+  {
+    return;
+  }
   const std::uint32_t count = part.Counts.Points;
   part.Attributes = worker.Memory.Allocate<std::uint8_t*>(samples.Attributes.size());
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
-    const AttributeView& attribute = samples.Attributes[n];
-    const ValueType type = GetInterpolatedType(attribute.Components.front().Type);
-    part.Attributes[n] = worker.Memory.Allocate<std::uint8_t>(
-      count * attribute.Components.size() * GetValueSize(type));
-    InterpolateAttribute(attribute, this->Lattice.GetBricks()[brick].Vertices.Low, part.Codes,
-      worker.Parameters.data(), count, part.Attributes[n]);
+    const AttributeLayout& layout = this->Request.Attributes[n];
+    part.Attributes[n] = worker.Memory.Allocate<std::uint8_t>(count *
+      static_cast<std::size_t>(layout.NumberOfComponents) *
+      GetValueSize(GetInterpolatedType(layout.Type)));
+    if (const auto& tuples = samples.Attributes[n].EdgeTuples)
+    {
+      CopyEdgeTuples(*tuples, low, part.Codes, count, part.Attributes[n]);
+    }
+  }
+}
+
+void BrickScan::InterpolateAttributes(
+  const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const
+{
+  for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
+  {
+    if (!samples.Attributes[n].EdgeTuples)
+    {
+      InterpolateAttribute(samples.Attributes[n], low, part.Codes, worker.Parameters.data(),
+        part.Counts.Points, part.Attributes[n]);
+    }
   }
 }
 

@@ -81,8 +81,10 @@ private:
     const BlockSamples& samples, Worker& worker);
   void MakePoints(double isovalue, std::size_t brick, const BrickSamples& view,
     const BlockSamples& samples, BrickPart& part, Worker& worker) const;
-  void MakeAttributes(
-    std::size_t brick, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+  void CopyAttributes(
+    const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+  void InterpolateAttributes(
+    const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
 
   const GridGeometry& Geometry;
   const BrickLattice& Lattice;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/SurfaceAssembler.h"
 
+#include "Base/HugePages.h"
 #include "Base/ParallelFor.h"
-#include "Contour/HugePages.h"
 #include "Contour/MarchingCubesCases.h"
 #include "Contour/SlabBuilder.h"
 #include "Contour/WorldTransform.h"

@@ -68,6 +68,26 @@ private:
   float SmallFirst;
 };
 
+/// The vertices of some cells along x, `stride` samples from one to the next.
+template <typename T, std::size_t N>
+void LoadCells(const BinCoordinate<T>& coordinate, const T* from, std::ptrdiff_t stride,
+  std::int64_t cells, std::array<float, N>& row)
+{
+  if (stride == 1 && cells + 1 == static_cast<std::int64_t>(N))
+  {
+    // The usual case, as the compiler can unroll it.
+    for (std::size_t i = 0; i < N; ++i)
+    {
+      row[i] = coordinate(from[i]);
+    }
+    return;
+  }
+  for (std::int64_t i = 0; i <= cells; ++i)
+  {
+    row[static_cast<std::size_t>(i)] = coordinate(from[i * stride]);
+  }
+}
+
 /// What the kernel takes and gives, row by row.
 struct RowPointers
 {
@@ -215,9 +235,24 @@ double BlockMeasure::GetVolumeUnit(const GridGeometry& grid)
   return std::ldexp(h[0] * h[1] * h[2], DroppedBits - MeasureSums::FractionBits);
 }
 
-BlockMeasure::BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid)
+std::int64_t BlockMeasure::ChooseRowStride(const GridGeometry& grid)
+{
+  const Index3 size = grid.GetDimensions();
+  const double cells =
+    static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
+  std::int64_t stride = 1;
+  for (double side = 128; stride < 8 && cells > side * side * side; side *= 2)
+  {
+    stride *= 2;
+  }
+  return stride;
+}
+
+BlockMeasure::BlockMeasure(
+  const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride)
   : Bins(bins)
   , RowsOfCells(grid.GetDimensions()[1] - 1)
+  , RowStride(rowStride)
   , Sums(bins)
   , LowestBin(bins.Count)
   , HighestBin(0)
@@ -236,34 +271,17 @@ BlockMeasure::BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid)
     squares[0] + squares[2], squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
 }
 
-template <typename T>
-void BlockMeasure::LoadSlice(
-  const SampleView& samples, std::int64_t k, std::vector<float>& slice) const
+/// The row of a group of RowStride ones, of a run of cells, that stands for all of them.
+std::int64_t BlockMeasure::ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const
 {
-  const BinCoordinate<T> coordinate(this->Bins);
-  const Index3 size = samples.Box.GetSize();
-  const std::ptrdiff_t stride = samples.Stride[0];
-  slice.resize(static_cast<std::size_t>(size[0] * size[1]));
-  float* to = slice.data();
-  for (std::int64_t j = 0; j < size[1]; ++j, to += size[0])
-  {
-    const T* from = samples.At<T>({ samples.Box.Low[0], samples.Box.Low[1] + j, k });
-    for (std::int64_t i = 0; i < size[0]; ++i)
-    {
-      to[i] = coordinate(from[i * stride]);
-    }
-  }
-}
-
-/// For how many rows of cells this one stands: 0, 1, 2. The last of an odd number of rows stands
-/// for itself.
-std::int64_t BlockMeasure::GetRowWeight(std::int64_t j, std::int64_t k) const
-{
-  if (j == this->RowsOfCells - 1 && this->RowsOfCells % 2 == 1)
-  {
-    return 1;
-  }
-  return (j + k) % 2 == 0 ? 2 : 0;
+  // Of RowStride runs along x, or along z, each has another row. In which order is different from
+  // place to place.
+  std::uint64_t hash = static_cast<std::uint64_t>(run / this->RowStride) * 0x9e3779b97f4a7c15u ^
+    static_cast<std::uint64_t>(group) * 0xc2b2ae3d27d4eb4fu ^
+    static_cast<std::uint64_t>(k / this->RowStride) * 0x165667b19e3779f9u;
+  hash = (hash ^ (hash >> 31)) * 0xbf58476d1ce4e5b9u;
+  const auto order = static_cast<std::int64_t>(hash >> 61);
+  return group * this->RowStride + ((run ^ k ^ order) & (this->RowStride - 1));
 }
 
 void BlockMeasure::Count(const SampleView& samples)
@@ -273,44 +291,63 @@ void BlockMeasure::Count(const SampleView& samples)
   {
     return;
   }
-  const auto load = [&](std::int64_t k, std::vector<float>& slice)
+  DispatchValueType(samples.Type, [&](auto zero) { this->CountCells<decltype(zero)>(samples); });
+}
+
+template <typename T>
+void BlockMeasure::CountCells(const SampleView& samples)
+{
+  const BinCoordinate<T> coordinate(this->Bins);
+  const VertexBox& box = samples.Box;
+  const auto countRun =
+    [&](std::int64_t begin, std::int64_t cells, std::int64_t j, std::int64_t k, std::int64_t weight)
   {
-    DispatchValueType(
-      samples.Type, [&](auto zero) { this->LoadSlice<decltype(zero)>(samples, k, slice); });
-  };
-  load(samples.Box.Low[2], this->Slices[0]);
-  for (std::int64_t k = samples.Box.Low[2]; k + 1 < samples.Box.High[2]; ++k)
-  {
-    load(k + 1, this->Slices[1]);
-    for (std::int64_t j = 0; j + 1 < size[1]; ++j)
+    std::array<CellRow, 4> rows;
+    for (std::size_t row = 0; row < rows.size(); ++row)
     {
-      const std::int64_t weight = this->GetRowWeight(samples.Box.Low[1] + j, k);
-      if (weight > 0)
+      const auto up = static_cast<std::int64_t>(row);
+      LoadCells(coordinate, samples.At<T>({ begin, j + up % 2, k + up / 2 }), samples.Stride[0],
+        cells, rows[row]);
+    }
+    this->CountRun(rows, cells, weight);
+  };
+
+  const std::int64_t last = box.High[1] - 1;
+  // The rows of the grid's last group, if it is not whole, stand for themselves.
+  const std::int64_t grouped = this->RowsOfCells - this->RowsOfCells % this->RowStride;
+  for (std::int64_t k = box.Low[2]; k + 1 < box.High[2]; ++k)
+  {
+    for (std::int64_t begin = box.Low[0], end = 0; begin + 1 < box.High[0]; begin = end)
+    {
+      const std::int64_t run = begin / CellsAtOnce;
+      end = std::min((run + 1) * CellsAtOnce, box.High[0] - 1);
+      const std::int64_t groups = (std::min(last, grouped) + this->RowStride - 1) / this->RowStride;
+      for (std::int64_t group = box.Low[1] / this->RowStride; group < groups; ++group)
       {
-        const float* low = this->Slices[0].data() + j * size[0];
-        const float* high = this->Slices[1].data() + j * size[0];
-        this->CountRow({ low, low + size[0], high, high + size[0] }, size[0] - 1, weight);
+        const std::int64_t j = this->ChooseRow(run, group, k);
+        if (j >= box.Low[1] && j < last)
+        {
+          countRun(begin, end - begin, j, k, this->RowStride);
+        }
+      }
+      for (std::int64_t j = std::max(box.Low[1], grouped); j < last; ++j)
+      {
+        countRun(begin, end - begin, j, k, 1);
       }
     }
-    std::swap(this->Slices[0], this->Slices[1]);
   }
 }
 
-void BlockMeasure::CountRow(
-  const std::array<const float*, 4>& rows, std::int64_t cells, std::int64_t weight)
+void BlockMeasure::CountRun(
+  const std::array<CellRow, 4>& rows, std::int64_t cells, std::int64_t weight)
 {
   const std::uint64_t one = static_cast<std::uint64_t>(weight) << MeasureSums::FractionBits;
   CellRun run;
-  for (std::int64_t begin = 0; begin < cells; begin += CellsAtOnce)
-  {
-    const std::int64_t count = std::min(CellsAtOnce, cells - begin);
-    const RowPointers pointers = { { rows[0] + begin, rows[1] + begin, rows[2] + begin,
-                                     rows[3] + begin },
-      run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
-    MeasureCells(pointers, count, this->Weights, static_cast<float>(this->Bins.Count),
-      static_cast<float>(one));
-    this->AddRun(run, count, one);
-  }
+  const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },
+    run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
+  MeasureCells(
+    pointers, cells, this->Weights, static_cast<float>(this->Bins.Count), static_cast<float>(one));
+  this->AddRun(run, cells, one);
 }
 
 void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one)

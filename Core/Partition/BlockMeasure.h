@@ -64,21 +64,31 @@ struct MeasureWeights
  * width for every t within that width; |gradient| is the interpolant's root mean square. Both are
  * exact for linear fields. A cell with a corner that is not finite counts for nothing.
  *
- * Of two rows of cells that are neighbours in y one stands for both, alternating in z, which halves
- * the cost. The choice depends on the cells' place in the grid alone, so sums over blocks do not
- * depend on how the grid is cut.
+ * In a large grid few cells stand for all: of each run of CellsAtOnce cells along x and its
+ * neighbours in y, one in `rowStride` is measured. Which one takes turns along x and z, in an
+ * order that differs from place to place, lest it keeps step with the surface. The choice depends
+ * on the cells' place in the grid alone, so sums over blocks do not depend on how the grid is cut.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997,
  * which integrates splines over simplices exactly; here by the coarea formula as in C. Scheidegger,
  * J. Schreiner, B. Duffy, H. Carr, C. Silva, "Revisiting histograms and isosurface statistics",
  * IEEE TVCG 14(6), 2008, for a fraction of the cost.
  *
- * Memory: 24 bytes a bin and 8 bytes a vertex of a slice. One object serves one thread at a time.
+ * Memory: 24 bytes a bin. One object serves one thread at a time.
  */
 class BlockMeasure
 {
 public:
-  BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid);
+  BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid)
+    : BlockMeasure(bins, grid, ChooseRowStride(grid))
+  {
+  }
+  /// rowStride: 1, 2, 4 or 8.
+  BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride);
+
+  /// One row in so many is measured: the more, the larger the grid is, such that a surface across
+  /// the grid keeps an error of 3 %.
+  static std::int64_t ChooseRowStride(const GridGeometry& grid);
 
   /// Adds the cells of the samples' Box, which is in the grid's coordinates.
   void Count(const SampleView& samples);
@@ -94,7 +104,8 @@ public:
   static double GetVolumeUnit(const GridGeometry& grid);
 
 private:
-  static constexpr std::int64_t CellsAtOnce = 64;
+  static constexpr std::int64_t CellsAtOnce = 16;
+  using CellRow = std::array<float, CellsAtOnce + 1>;
 
   /// What a run of cells adds: from bin From on the area is Area and the volume First, which falls
   /// by Slope a bin; from bin To on there is neither. Below From the volume is one cell.
@@ -108,15 +119,15 @@ private:
   };
 
   template <typename T>
-  void LoadSlice(const SampleView& samples, std::int64_t k, std::vector<float>& slice) const;
-  std::int64_t GetRowWeight(std::int64_t j, std::int64_t k) const;
-  void CountRow(const std::array<const float*, 4>& rows, std::int64_t cells, std::int64_t weight);
+  void CountCells(const SampleView& samples);
+  std::int64_t ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const;
+  void CountRun(const std::array<CellRow, 4>& rows, std::int64_t cells, std::int64_t weight);
   void AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one);
 
   SpectrumBins Bins;
   std::int64_t RowsOfCells; ///< of the grid, in y
+  std::int64_t RowStride;
   MeasureWeights Weights;
-  std::vector<float> Slices[2]; ///< two layers of vertices, in units of bins from the first edge
   MeasureSums Sums;
   std::size_t LowestBin;
   std::size_t HighestBin;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Source/PageBuffer.h"
 
+#include "Base/HugePages.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -22,6 +24,8 @@ Result<std::shared_ptr<PageBuffer>> PageBuffer::Create(std::uint64_t size)
     return Status(StatusCode::OutOfMemory,
       "no memory for " + std::to_string(size) + " bytes: " + std::strerror(errno));
   }
+  // Rows of a block lie far apart in a slab, on a small page each.
+  AdviseHugePages(pages, mapped);
   return std::shared_ptr<PageBuffer>(new PageBuffer(pages, mapped));
 }
 

@@ -34,6 +34,26 @@ void CopyFromSamples(std::uint8_t* to, const SampleView& from, const SegmentRow&
     });
 }
 
+/// Calls for the row above one that is being copied: the rows of a block lie too far apart for the
+/// processor to guess the next ones.
+void PrefetchRow(const SampleView& layer, const SegmentRow& row, std::size_t valueSize)
+{
+#if defined(__GNUC__)
+  DispatchValueType(layer.Type,
+    [&](auto zero)
+    {
+      const auto* first =
+        reinterpret_cast<const char*>(layer.At<decltype(zero)>({ row.I, row.J, row.K + 1 }));
+      const std::ptrdiff_t bytes = static_cast<std::ptrdiff_t>(valueSize) * layer.Stride[0] *
+        row.Step * static_cast<std::ptrdiff_t>(row.Count);
+      for (std::ptrdiff_t at = 0; at < bytes; at += 64)
+      {
+        __builtin_prefetch(first + at);
+      }
+    });
+#endif
+}
+
 void StoreBox(std::uint8_t* bytes, const VertexBox& box)
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -229,6 +249,10 @@ std::uint64_t BlockExchange::FillFromSource(PendingBlock& block, const RunSample
       segment.VisitRows(part,
         [&](const SegmentRow& row)
         {
+          if (level == 0 && row.K + 1 < part.High[2])
+          {
+            PrefetchRow(samples.Find(array, row.K + 1), row, size);
+          }
           CopyFromSamples(to + row.Offset * size, samples.Find(array, row.K << level), row, level);
           filled += static_cast<std::uint64_t>(row.Count);
         });

@@ -62,6 +62,72 @@ std::string SealJson(std::string text)
   return text;
 }
 
+namespace
+{
+
+// Seals the record at `at`; returns where the next one is, or `at` if there is none.
+std::size_t SealRecord(SealedBytes& file, std::size_t at)
+{
+  std::uint64_t length = 0;
+  std::size_t first = at;
+  for (int shift = 0; first < file.size() && shift < 63; shift += 7)
+  {
+    const std::uint8_t byte = file[first++];
+    length |= static_cast<std::uint64_t>(byte & 127) << shift;
+    if (byte < 128)
+    {
+      break;
+    }
+  }
+  if (length < 4 || length > file.size() - first)
+  {
+    return at;
+  }
+  const std::size_t content = static_cast<std::size_t>(length) - 4;
+  StoreLittleEndian(file.data() + first + content,
+    static_cast<std::uint32_t>(ComputeChecksum(file.data() + first, content)));
+  return first + static_cast<std::size_t>(length);
+}
+
+} // namespace
+
+SealedBytes SealEdgeIndexFile(const std::uint8_t* bytes, std::size_t size)
+{
+  SealedBytes file(bytes, bytes + size);
+  constexpr std::size_t leastHeader = 264;
+  constexpr std::size_t trailerSize = 32;
+  if (size < leastHeader)
+  {
+    return file;
+  }
+  std::memcpy(file.data(), "EIXcode\n\1\0\0\0", 12);
+  const std::size_t header = LoadLittleEndian<std::uint32_t>(file.data() + 12);
+  if (header < leastHeader || header > size)
+  {
+    return file;
+  }
+  const std::uint64_t seed = ComputeChecksum(file.data(), header - 8);
+  StoreLittleEndian(file.data() + header - 8, seed);
+  std::size_t at = header;
+  for (std::size_t next = SealRecord(file, at); next != at; next = SealRecord(file, at))
+  {
+    at = next;
+  }
+  if (at < size && file[at] == 0 && size - at > trailerSize + 10)
+  {
+    std::uint8_t* directory = file.data() + at;
+    const std::size_t directorySize = size - at - trailerSize;
+    StoreLittleEndian(
+      directory + directorySize - 8, ComputeChecksum(directory, directorySize - 8, seed));
+    std::uint8_t* trailer = directory + directorySize;
+    StoreLittleEndian(trailer, static_cast<std::uint64_t>(at));
+    StoreLittleEndian(trailer + 8, static_cast<std::uint64_t>(directorySize));
+    StoreLittleEndian(trailer + 16, ComputeChecksum(trailer, 16, seed));
+    std::memcpy(trailer + 24, "EIXend.\n", 8);
+  }
+  return file;
+}
+
 void PutFile(MemoryDisk& disk, const std::string& path, SealedBytes bytes)
 {
   Require(disk.MakeDirectories(path.substr(0, path.rfind('/'))).IsOk() &&

@@ -28,6 +28,10 @@ void SealSegmentBytes(std::uint8_t* segment, std::uint32_t stored, std::int64_t 
 /// one: the hash of all that stands before that name.
 std::string SealJson(std::string text);
 
+/// The input as an edge-index file: the checksums of the header, of its records as far as their
+/// sizes go, and of the directory and trailer where a record has the size 0.
+SealedBytes SealEdgeIndexFile(const std::uint8_t* bytes, std::size_t size);
+
 /// Puts a file on a disk in memory.
 void PutFile(MemoryDisk& disk, const std::string& path, SealedBytes bytes);
 

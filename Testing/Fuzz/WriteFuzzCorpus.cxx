@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
 // small volumes and trees, as Core writes them, behind the bytes that each target wants first.
+#include "../Core/Contour/TestVolume.h"
 #include "../Core/Partition/SampleVolume.h"
 #include "../Core/Store/MemoryDisk.h"
 
 #include "Base/ByteOrder.h"
+#include "EdgeIndex/EdgeIndexFileWriter.h"
 #include "Index/ExternalIntervalTreeBuilder.h"
 #include "Store/BlockStore.h"
 #include "Store/BlockedVolumeWriter.h"
@@ -178,6 +180,59 @@ void AddTrees(Corpus& corpus)
   AddTree(corpus, "spread", 1, 420, spread);
 }
 
+/// A small edge-index file.
+template <typename T>
+void AddEdgeIndexFile(
+  Corpus& corpus, const std::string& name, std::uint8_t flags, EdgeIndexHeader header)
+{
+  TestVolume<T> volume({ 20, 9, 7 });
+  for (std::size_t n = 0; n < volume.Samples.size(); ++n)
+  {
+    const auto i = static_cast<double>(n % 20);
+    const auto j = static_cast<double>(n / 20 % 9);
+    const auto k = static_cast<double>(n / 180);
+    volume.Samples[n] = static_cast<T>(60 + 40 * std::sin(0.4 * i + 0.3 * j - 0.5 * k));
+  }
+  header.Geometry = volume.Geometry;
+  header.Type = ValueTypeOf<T>::Value;
+  header.Array = "density";
+  header.Isovalues.push_back(60.5);
+  MemoryDisk disk;
+  TestBlockSource<T> source(volume, 16);
+  if (!WriteEdgeIndexFile(disk, "/data/surface.eix", header, source, 1).IsOk())
+  {
+    corpus.Fail();
+    return;
+  }
+  Bytes input = { flags };
+  Append(input, disk.GetFile("/data/surface.eix"));
+  corpus.Add("EdgeIndexFile", name, input);
+}
+
+void AddEdgeIndexFiles(Corpus& corpus)
+{
+  EdgeIndexHeader header;
+  AddEdgeIndexFile<std::uint8_t>(corpus, "lossless-uint8", 1, header);
+  AddEdgeIndexFile<double>(corpus, "lossless-float64", 1, header);
+  header.Settings.Profile = EdgeIndexProfile::Fast;
+  header.Attributes = { { "Normals", ValueType::Float32, 3, 0, true } };
+  AddEdgeIndexFile<std::uint8_t>(corpus, "normals", 1, header);
+  header.Attributes[0].MaximumError = 0.01;
+  AddEdgeIndexFile<std::uint8_t>(corpus, "normals-bounded", 1, header);
+  header.Attributes.clear();
+  header.PreviewLevel = 1;
+  AddEdgeIndexFile<std::int16_t>(corpus, "lossless-fast-preview", 3, header);
+  header.Settings.Mode = EdgeIndexMode::Bounded;
+  AddEdgeIndexFile<float>(corpus, "bounded-fast", 5, header);
+  header.Settings.Profile = EdgeIndexProfile::Default;
+  header.Isovalues = { 80 };
+  AddEdgeIndexFile<float>(corpus, "bounded-two-isovalues", 1, header);
+  header.Settings.Mode = EdgeIndexMode::Quantized;
+  AddEdgeIndexFile<std::uint16_t>(corpus, "quantized", 1, header);
+  header.Settings.Mode = EdgeIndexMode::Smallest;
+  AddEdgeIndexFile<std::uint16_t>(corpus, "smallest", 1, header);
+}
+
 } // namespace
 
 int main(int argc, char* argv[])
@@ -201,6 +256,7 @@ int main(int argc, char* argv[])
     corpus, "uint8-pairs-lz4", { 9, 8, 7 }, 1, { SegmentCodec::Lz4, 0, {} }, 2);
   AddVolume<std::int16_t>(corpus, "int16-steps", { 5, 4, 3 }, 2, {}, 1, 3);
   AddTrees(corpus);
+  AddEdgeIndexFiles(corpus);
   if (!corpus.IsOk())
   {
     std::fprintf(stderr, "%s: the corpus cannot be written\n", argv[1]);

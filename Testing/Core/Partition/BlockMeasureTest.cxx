@@ -62,10 +62,11 @@ struct Measures
 
 /// Measures the volume block by block, `side` vertices of a block overlapping by one.
 template <typename T>
-Measures Measure(const SampleVolume<T>& volume, const GridGeometry& grid, std::int64_t side = 1000)
+Measures Measure(const SampleVolume<T>& volume, const GridGeometry& grid, std::int64_t side = 1000,
+  std::int64_t rowStride = 1)
 {
   const SpectrumBins bins = ChooseBins(volume);
-  BlockMeasure measure(bins, grid);
+  BlockMeasure measure(bins, grid, rowStride);
   MeasureSums sums(bins);
   for (std::int64_t k = 0; k == 0 || k + 1 < volume.Size[2]; k += side)
   {
@@ -178,9 +179,9 @@ TEST(BlockMeasure, MeasuresSpheresOnGridsOfUnequalSpacing)
   ExpectMeasuresSpheres<float>({ 100, 100, 50 }, { -0.7, 0.7, 1.5 }, 5, 15, 30);
 }
 
-TEST(BlockMeasure, IsExactForPlanes)
+TEST(BlockMeasure, IsExactForPlanesAcrossAnAxis)
 {
-  const Index3 size = { 41, 33, 37 };
+  const Index3 size = { 41, 33, 33 };
   const std::array<double, 3> spacing = { 0.5, 2, 1 };
   for (const std::array<double, 3>& gradient :
     { std::array<double, 3>{ 0, 0, 1 }, { 0, 3, 0 }, { -2, 0, 0 } })
@@ -192,19 +193,63 @@ TEST(BlockMeasure, IsExactForPlanes)
           gradient[1] * spacing[1] * static_cast<double>(j) +
           gradient[2] * spacing[2] * static_cast<double>(k);
       });
-    const Measures measures = Measure(volume, MakeGrid(size, spacing));
-    const double box[3] = { 20, 64, 36 };
-    const std::size_t axis = gradient[0] != 0 ? 0 : gradient[1] != 0 ? 1 : 2;
-    const double area = box[0] * box[1] * box[2] / box[axis];
-    const SpectrumBins& bins = measures.Spectrum.Bins;
-    for (std::size_t bin = 1; bin + 1 < bins.Count; ++bin)
+    for (const std::int64_t rowStride : { 1, 2, 4, 8 })
     {
-      ASSERT_NEAR(measures.GetArea(bin) / area, 1, 1e-3) << bin;
-      const double inside = gradient[axis] < 0 ? bins.GetEdge(bin) / gradient[axis]
-                                               : box[axis] - bins.GetEdge(bin) / gradient[axis];
-      ASSERT_NEAR(measures.GetVolume(bin), area * inside, 1e-3 * area * box[axis]) << bin;
+      const Measures measures = Measure(volume, MakeGrid(size, spacing), 1000, rowStride);
+      const double box[3] = { 20, 64, 32 };
+      const std::size_t axis = gradient[0] != 0 ? 0 : gradient[1] != 0 ? 1 : 2;
+      const double area = box[0] * box[1] * box[2] / box[axis];
+      const SpectrumBins& bins = measures.Spectrum.Bins;
+      for (std::size_t bin = 1; bin + 1 < bins.Count; ++bin)
+      {
+        ASSERT_NEAR(measures.GetArea(bin) / area, 1, 1e-3) << bin;
+        const double inside = gradient[axis] < 0 ? bins.GetEdge(bin) / gradient[axis]
+                                                 : box[axis] - bins.GetEdge(bin) / gradient[axis];
+        ASSERT_NEAR(measures.GetVolume(bin), area * inside, 1e-3 * area * box[axis]) << bin;
+      }
     }
   }
+}
+
+TEST(BlockMeasure, KeepsAnErrorOfThreePercentWhereFewRowsStandForAll)
+{
+  // Planes at angles that go along with rows of cells, which a regular choice of rows may miss.
+  const Index3 size = { 145, 141, 150 };
+  for (const std::array<double, 3>& normal : { std::array<double, 3>{ 0, 1, 1 }, { 0, 1, -1 },
+         { 0, 1, 2 }, { 0, 2, 1 }, { 1, 1, 1 }, { 1, 0, 4 }, { 3, 8, 1 } })
+  {
+    const double length = std::hypot(normal[0], normal[1], normal[2]);
+    const SampleVolume<float> volume(size,
+      [&](auto i, auto j, auto k)
+      {
+        return (normal[0] * (static_cast<double>(i) - 72) +
+                 normal[1] * (static_cast<double>(j) - 70) +
+                 normal[2] * (static_cast<double>(k) - 75)) /
+          length;
+      });
+    const GridGeometry grid = MakeGrid(size);
+    const Measures all = Measure(volume, grid);
+    const std::size_t bin = all.Spectrum.FindBin(0);
+    for (const std::int64_t rowStride : { 2, 4, 8 })
+    {
+      const Measures few = Measure(volume, grid, 1000, rowStride);
+      // On grids of the sides that these strides are for, which are 2 and 4 times as long, the
+      // errors are a half and a quarter.
+      const double error = 0.015 * static_cast<double>(rowStride);
+      EXPECT_NEAR(few.GetArea(bin) / all.GetArea(bin), 1, error) << normal[1] << ' ' << rowStride;
+      EXPECT_NEAR(few.GetVolume(bin) / all.GetVolume(bin), 1, 0.01)
+        << normal[1] << ' ' << rowStride;
+    }
+  }
+}
+
+TEST(BlockMeasure, TakesAllRowsOfSmallGridsAndOneInEightOfLargeOnes)
+{
+  EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 2, 2, 2 })), 1);
+  EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 128, 128, 128 })), 1);
+  EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 256, 128, 256 })), 2);
+  EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 512, 512, 512 })), 4);
+  EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 2048, 2048, 2048 })), 8);
 }
 
 TEST(BlockMeasure, AgreesWithTheTrianglesOfSmoothFields)
@@ -256,12 +301,15 @@ TEST(BlockMeasure, SumsOverBlocksAreThoseOfTheWhole)
   const SampleVolume<std::uint16_t> volume(
     { 37, 40, 29 }, [&](auto i, auto j, auto k) { return 500 + 13 * i + j * k + random() % 90; });
   const GridGeometry grid = MakeGrid(volume.Size, { 1, 2, 3 });
-  const Measures whole = Measure(volume, grid);
-  for (const std::int64_t side : { 3, 7, 16 })
+  for (const std::int64_t rowStride : { 1, 2, 4, 8 })
   {
-    const Measures sum = Measure(volume, grid, side);
-    EXPECT_EQ(sum.Spectrum.Area, whole.Spectrum.Area) << side;
-    EXPECT_EQ(sum.Spectrum.Volume, whole.Spectrum.Volume) << side;
+    const Measures whole = Measure(volume, grid, 1000, rowStride);
+    for (const std::int64_t side : { 3, 7, 16 })
+    {
+      const Measures sum = Measure(volume, grid, side, rowStride);
+      EXPECT_EQ(sum.Spectrum.Area, whole.Spectrum.Area) << side << ' ' << rowStride;
+      EXPECT_EQ(sum.Spectrum.Volume, whole.Spectrum.Volume) << side << ' ' << rowStride;
+    }
   }
 }
 
@@ -274,13 +322,16 @@ TEST(BlockMeasure, EnclosesAllOfTheGridBelowItsLeastValue)
   {
     const SampleVolume<std::uint8_t> volume(
       size, [&](auto...) { return 10 + static_cast<int>(random() % 200); });
-    const Measures measures = Measure(volume, MakeGrid(size, { 2, 1, 0.5 }));
     const auto all = static_cast<double>((size[0] - 1) * (size[1] - 1) * (size[2] - 1));
-    EXPECT_NEAR(measures.GetVolume(0), all, 1e-9);
-    EXPECT_EQ(measures.GetArea(0), 0);
-    for (std::size_t bin = 1; bin < measures.Spectrum.Bins.Count; ++bin)
+    for (const std::int64_t rowStride : { 1, 2, 4, 8 })
     {
-      EXPECT_LE(measures.GetVolume(bin), measures.GetVolume(bin - 1) + 1e-2);
+      const Measures measures = Measure(volume, MakeGrid(size, { 2, 1, 0.5 }), 1000, rowStride);
+      EXPECT_NEAR(measures.GetVolume(0), all, 1e-9);
+      EXPECT_EQ(measures.GetArea(0), 0);
+      for (std::size_t bin = 1; bin < measures.Spectrum.Bins.Count; ++bin)
+      {
+        EXPECT_LE(measures.GetVolume(bin), measures.GetVolume(bin - 1) + 1e-2);
+      }
     }
   }
 }
@@ -291,15 +342,14 @@ TEST(BlockMeasure, LeavesOutCellsThatAreNotFinite)
   SampleVolume<float> volume(size, [](auto i, auto, auto) { return i; });
   const Measures before = Measure(volume, MakeGrid(size));
   EXPECT_NEAR(before.GetVolume(0), 125, 1e-9);
-  // The corner (5, 4, 5) belongs to two cells, whose rows have one of weight 0, one of weight 2.
+  // The corner (5, 4, 5) belongs to two cells.
   for (const float value : { std::numeric_limits<float>::quiet_NaN(),
          std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity() })
   {
     volume.Values[static_cast<std::size_t>(5 + 6 * (4 + 6 * 5))] = value;
     const Measures after = Measure(volume, MakeGrid(size));
     const double missing = 125 - after.GetVolume(0);
-    EXPECT_GE(missing, 1);
-    EXPECT_LE(missing, 3);
+    EXPECT_NEAR(missing, 2, 1e-9);
     for (std::size_t bin = 0; bin < after.Spectrum.Bins.Count; ++bin)
     {
       ASSERT_LE(after.GetVolume(bin), before.GetVolume(bin) + 1e-9);

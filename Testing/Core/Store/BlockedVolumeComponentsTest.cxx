@@ -230,15 +230,21 @@ TYPED_TEST(VectorsOfType, AreReadAndIndexedByComponentAndByMagnitude)
 TEST(BlockedVolumeComponents, GiveTheSameFilesOnAnyNumberOfRanks)
 {
   const VectorVolume<float> volume;
-  MemoryDisk one;
-  volume.Write(one, MakeSettings(16, 3), 1);
-  for (int ranks = 2; ranks <= 7; ++ranks)
+  for (const DistributionMethod method :
+    { DistributionMethod::Greedy, DistributionMethod::Balanced })
   {
-    for (const Layout& layout : { Layout(SlabOfEach), Layout(WholeOnAll), Layout(WholeOnLast) })
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.Distribution = method;
+    MemoryDisk one;
+    volume.Write(one, settings, 1);
+    for (int ranks = 2; ranks <= 7; ++ranks)
     {
-      MemoryDisk disk;
-      volume.Write(disk, MakeSettings(16, 3), ranks, layout);
-      EXPECT_EQ(disk.Copy(), one.Copy()) << ranks << " ranks";
+      for (const Layout& layout : { Layout(SlabOfEach), Layout(WholeOnAll), Layout(WholeOnLast) })
+      {
+        MemoryDisk disk;
+        volume.Write(disk, settings, ranks, layout);
+        EXPECT_EQ(disk.Copy(), one.Copy()) << GetDistributionName(method) << ", " << ranks;
+      }
     }
   }
 }

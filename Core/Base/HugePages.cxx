@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Contour/HugePages.h"
+#include "Base/HugePages.h"
 
 #include <cstdint>
 

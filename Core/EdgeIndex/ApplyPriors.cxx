@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/BlockCoder.h"
+#include "EdgeIndex/EdgeIndexPriors.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace isosurface
+{
+namespace
+{
+
+// How much a prior counts against what comes: as so many updates.
+constexpr std::uint32_t NearCount = 10;
+constexpr std::uint32_t LevelCount = 8;
+constexpr std::uint32_t SideCount = 2;
+
+AdaptiveBit MakeBit(std::int8_t stretched, std::uint32_t count)
+{
+  AdaptiveBit bit;
+  bit.State = Squash(stretched * 16) << 16 | count;
+  return bit;
+}
+
+int StretchBit(const AdaptiveBit& bit)
+{
+  const int stretched = Tables.Stretch[bit.State >> 20];
+  return std::clamp((stretched + (stretched < 0 ? -8 : 8)) / 16, -127, 127);
+}
+
+template <typename Values>
+void WriteValues(std::ostringstream& text, const Values& values)
+{
+  text << "{ {";
+  std::size_t column = 100;
+  for (const int value : values)
+  {
+    const std::string number = std::to_string(value) + ",";
+    if (column + number.size() > 99)
+    {
+      text << "\n";
+      column = 0;
+    }
+    text << number;
+    column += number.size();
+  }
+  text << "\n} },\n";
+}
+
+void WriteResiduals(
+  std::ostringstream& text, const ResidualModel& mixed, const ResidualModel& fast)
+{
+  std::vector<int> values;
+  for (const AdaptiveBit& bit : mixed.ByLevel)
+  {
+    values.push_back(StretchBit(bit));
+  }
+  text << "{\n";
+  WriteValues(text, values);
+  values.clear();
+  for (const AdaptiveSymbol& symbol : fast.Symbols)
+  {
+    values.insert(values.end(), symbol.Cumulative.begin(), symbol.Cumulative.end() - 1);
+  }
+  WriteValues(text, values);
+  values.clear();
+  for (const LogisticMixer& mixer : mixed.Mixers)
+  {
+    values.insert(values.end(), mixer.Weights.begin(), mixer.Weights.end());
+  }
+  WriteValues(text, values);
+  text << "},\n";
+}
+
+} // namespace
+
+void ApplyPriors(SignModel& model)
+{
+  for (std::size_t n = 0; n < model.Near.size(); ++n)
+  {
+    model.Near[n] = MakeBit(Priors.Near[n], NearCount);
+  }
+  for (std::size_t n = 0; n < model.Quiet.size(); ++n)
+  {
+    model.Quiet[n] = MakeBit(Priors.Quiet[n], NearCount);
+  }
+  for (std::size_t n = 0; n < model.Mixers.size(); ++n)
+  {
+    std::copy_n(Priors.SignMixers.begin() + static_cast<std::ptrdiff_t>(n * LogisticMixer::Size),
+      LogisticMixer::Size, model.Mixers[n].Weights.begin());
+  }
+}
+
+void ApplyPriors(ResidualModel& model, const ResidualPriors& priors)
+{
+  constexpr std::size_t nodes = NumberOfSymbols;
+  for (std::size_t n = 0; n < model.Symbols.size(); ++n)
+  {
+    for (std::size_t symbol = 0; symbol < nodes; ++symbol)
+    {
+      model.Symbols[n].Cumulative[symbol] = priors.Symbols[n * nodes + symbol];
+    }
+  }
+  for (std::size_t n = 0; n < model.ByLevel.size(); ++n)
+  {
+    model.ByLevel[n] = MakeBit(priors.ByLevel[n], LevelCount);
+  }
+  for (std::vector<AdaptiveBit>& table : model.BySide)
+  {
+    for (std::size_t n = 0; n < table.size(); ++n)
+    {
+      const std::size_t level = 2 * (n / (ResidualModel::NumberOfSides * nodes));
+      table[n] = MakeBit(priors.ByLevel[level * nodes + n % nodes], SideCount);
+    }
+  }
+  for (std::size_t n = 0; n < model.Mixers.size(); ++n)
+  {
+    std::copy_n(priors.Mixers.begin() + static_cast<std::ptrdiff_t>(n * LogisticMixer::Size),
+      LogisticMixer::Size, model.Mixers[n].Weights.begin());
+  }
+}
+
+void ApplyPriors(ValueModel& model)
+{
+  std::copy(Priors.Weights.begin(), Priors.Weights.end(), model.Weights.begin());
+}
+
+std::string WritePriors(const BlockModel& mixed, const BlockModel& fast)
+{
+  std::ostringstream text;
+  text << "// SPDX-License-Identifier: BSD-3-Clause\n"
+          "// Written by TrainEdgeIndexPriors; see Documentation/dev/edge-index.md.\n"
+          "#include \"EdgeIndex/EdgeIndexPriors.h\"\n\n"
+          "namespace isosurface\n{\n\n"
+          "// clang-format off\n"
+          "const EdgeIndexPriors Priors = {\n";
+  std::vector<int> values;
+  for (const AdaptiveBit& bit : mixed.Signs.Near)
+  {
+    values.push_back(StretchBit(bit));
+  }
+  WriteValues(text, values);
+  values.clear();
+  for (const AdaptiveBit& bit : mixed.Signs.Quiet)
+  {
+    values.push_back(StretchBit(bit));
+  }
+  WriteValues(text, values);
+  values.clear();
+  for (const LogisticMixer& mixer : mixed.Signs.Mixers)
+  {
+    values.insert(values.end(), mixer.Weights.begin(), mixer.Weights.end());
+  }
+  WriteValues(text, values);
+  WriteResiduals(text, mixed.Values.Residuals, fast.Values.Residuals);
+  WriteResiduals(text, mixed.Crossings.Residuals, fast.Crossings.Residuals);
+  WriteValues(text, mixed.Values.Weights);
+  text << "};\n// clang-format on\n\n} // namespace isosurface\n";
+  return text.str();
+}
+
+} // namespace isosurface

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/EdgeIndexDecoder.h"
+
+#include "EdgeIndex/BlockCoder.h"
+#include "EdgeIndex/IsovalueJoin.h"
+#include "EdgeIndex/PointAttributes.h"
+#include "EdgeIndex/Quantizer.h"
+#include "Volume/ValueKey.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <new>
+#include <optional>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+// A value of the type on either side of the isovalue. Without one inside there is no surface.
+template <typename T>
+std::array<T, 2> FindSideValues(double isovalue)
+{
+  const auto threshold = FindThreshold<T>(isovalue);
+  if constexpr (std::is_floating_point_v<T>)
+  {
+    return { std::numeric_limits<T>::quiet_NaN(),
+      threshold.value_or(std::numeric_limits<T>::quiet_NaN()) };
+  }
+  else
+  {
+    const T inside = threshold.value_or(std::numeric_limits<T>::min());
+    const bool lowest = inside == std::numeric_limits<T>::min();
+    return { lowest ? inside : static_cast<T>(inside - 1), inside };
+  }
+}
+
+// Memory of a decoded block; the samples are x fastest, without gaps.
+struct DecodedMemory
+{
+  explicit DecodedMemory(PointAttributes attributes)
+    : Attributes(std::move(attributes))
+  {
+  }
+  PointAttributes Attributes;
+  Buffer<std::uint8_t> Samples;
+  std::array<Buffer<float>, 3> Crossings;
+  CrossingView View;
+};
+
+// Takes what the coders decode.
+class DecodedBlock : public BlockValues
+{
+public:
+  DecodedBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record, DecodedMemory& memory)
+    : Isovalue(header.Isovalues[record.Block.Isovalue])
+    , Bins(header.GetNumberOfBins())
+    , Type(header.GetDecodedType())
+    , Memory(memory)
+  {
+    const Index3 size = record.Block.Vertices.GetSize();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Size[axis] = static_cast<int>(size[axis]);
+    }
+    const auto vertices = static_cast<std::size_t>(record.Block.Vertices.GetNumberOfVertices());
+    this->ValueSize = GetValueSize(this->Type);
+    memory.Samples = Buffer<std::uint8_t>(vertices * this->ValueSize);
+    if (record.Block.Coding == BlockCoding::Crossings)
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        memory.Crossings[axis] = Buffer<float>(vertices);
+        memory.View.First[axis] = memory.Crossings[axis].GetData();
+      }
+      memory.View.Box = record.Block.Vertices;
+    }
+  }
+
+  const int* GetSize() const { return this->Size.data(); }
+  void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
+  void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
+  void SetDecoder(const RangeDecoder* decoder) { this->Decoder = decoder; }
+
+  SignSlice& GetSigns(int z) override
+  {
+    SignSlice& slice = this->Signs[static_cast<std::size_t>(z % 3)];
+    slice = SignSlice();
+    return slice;
+  }
+
+  void FinishSigns(int z) override
+  {
+    const SignSlice& slice = this->Signs[static_cast<std::size_t>(z % 3)];
+    DispatchValueType(this->Type,
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        const std::array<T, 2> sides = FindSideValues<T>(this->Isovalue);
+        T* row = reinterpret_cast<T*>(this->At(0, z));
+        for (int y = 0; y < this->Size[1]; ++y, row += this->Size[0])
+        {
+          this->FillRow(slice.At(y), sides, row);
+        }
+      });
+  }
+
+  void ExchangeCodes(int y, int z, const SignRow& vertices, std::int64_t* codes) override
+  {
+    std::uint8_t* row = this->At(y, z);
+    if (this->Quantization)
+    {
+      VisitBits(vertices,
+        [&](int x)
+        {
+          const float value = this->Quantization->ToValue(codes[x]);
+          std::memcpy(row + static_cast<std::size_t>(x) * sizeof(value), &value, sizeof(value));
+        });
+      return;
+    }
+    VisitBits(vertices,
+      [&](int x)
+      { this->Domain->ToValue(codes[x], row + static_cast<std::size_t>(x) * this->ValueSize); });
+  }
+
+  void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) override
+  {
+    float* row = this->Memory.Crossings[static_cast<std::size_t>(axis)].GetData() +
+      (std::ptrdiff_t(z) * this->Size[1] + y) * this->Size[0];
+    VisitBits(edges,
+      [&](int x)
+      {
+        row[x] = bins[x] == this->Bins ? std::numeric_limits<float>::quiet_NaN()
+                                       : static_cast<float>((bins[x] + 0.5) / this->Bins);
+      });
+  }
+
+  bool FinishSlice(int) override { return !this->Decoder->IsExhausted(); }
+
+private:
+  std::uint8_t* At(int y, int z)
+  {
+    return this->Memory.Samples.GetData() +
+      static_cast<std::size_t>((std::ptrdiff_t(z) * this->Size[1] + y) * this->Size[0]) *
+      this->ValueSize;
+  }
+
+  template <typename T>
+  void FillRow(const SignRow& signs, const std::array<T, 2>& sides, T* row) const
+  {
+    const SignRow mask = SignRow::MakeMask(this->Size[0]);
+    const bool none = (signs & mask).IsZero();
+    if (none || (~signs & mask).IsZero())
+    {
+      std::fill(row, row + this->Size[0], sides[none ? 0 : 1]);
+      return;
+    }
+    for (int x = 0; x < this->Size[0]; ++x)
+    {
+      row[x] = sides[signs.Get(x) ? 1 : 0];
+    }
+  }
+
+  double Isovalue;
+  std::uint32_t Bins;
+  ValueType Type;
+  std::size_t ValueSize = 1;
+  DecodedMemory& Memory;
+  std::array<int, 3> Size{};
+  std::array<SignSlice, 3> Signs;
+  const ValueDomain* Domain = nullptr;
+  const Quantizer* Quantization = nullptr;
+  const RangeDecoder* Decoder = nullptr;
+};
+
+template <bool Mixed>
+void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record, RangeDecoder& decoder,
+  const PointAttributes& attributes, DecodedBlock& block)
+{
+  const auto model = std::make_unique<BlockModel>(GetFreshModel(Mixed));
+  BlockCoder<RangeDecoder, Mixed> coder(decoder, *model, block.GetSize());
+  for (std::size_t n = 0; n < header.Attributes.size(); ++n)
+  {
+    coder.AddAttribute(header.Attributes[n], attributes.GetEdges()[n], false);
+  }
+  if (record.Block.Coding == BlockCoding::Crossings)
+  {
+    coder.CodeCrossings(header.GetNumberOfBins(), record.Block.HasMissing, block);
+    return;
+  }
+  const double isovalue = header.Isovalues[record.Block.Isovalue];
+  std::optional<Quantizer> quantizer;
+  std::optional<ValueDomain> domain;
+  if (header.Settings.Mode == EdgeIndexMode::Quantized)
+  {
+    quantizer.emplace(header.Settings, isovalue);
+    domain.emplace(quantizer->MakeDomain(std::clamp(record.Scale, -30, 10)));
+    block.SetQuantizer(&*quantizer);
+  }
+  else
+  {
+    domain.emplace(header.Type, isovalue, record.Scale);
+    if (domain->GetKind() == ValueDomain::Kind::Offsets)
+    {
+      domain.emplace(header.Type, isovalue, std::clamp(record.Scale, -30, 10));
+    }
+  }
+  block.SetDomain(&*domain);
+  coder.CodeValues(*domain, block);
+}
+
+} // namespace
+
+Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record)
+{
+  const auto memory =
+    std::make_shared<DecodedMemory>(PointAttributes(header, record.Block.Vertices));
+  const auto block = std::make_unique<DecodedBlock>(header, record, *memory);
+  RangeDecoder decoder(record.Code, record.CodeSize);
+  block->SetDecoder(&decoder);
+  if (header.Settings.Profile == EdgeIndexProfile::Default)
+  {
+    DecodeCode<true>(header, record, decoder, memory->Attributes, *block);
+  }
+  else
+  {
+    DecodeCode<false>(header, record, decoder, memory->Attributes, *block);
+  }
+  if (decoder.IsExhausted() || decoder.HasMore())
+  {
+    return Status(
+      StatusCode::Corrupt, "The code of an edge-index block does not end where its block does.");
+  }
+  BlockSamples samples;
+  SampleView& view = samples.Scalars;
+  const Index3 size = record.Block.Vertices.GetSize();
+  view.Type = header.GetDecodedType();
+  view.First = memory->Samples.GetData();
+  view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
+    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+  view.Box = record.Block.Vertices;
+  view.Available = record.Block.Vertices;
+  if (record.Block.Coding == BlockCoding::Crossings)
+  {
+    samples.Crossings = &memory->View;
+  }
+  samples.Attributes = memory->Attributes.GetViews(header, record.Block.Vertices);
+  samples.Owner = memory;
+  return samples;
+}
+
+namespace
+{
+
+Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
+  const ContourRequest& request, int threads, const Progress& progress)
+{
+  std::size_t used = 0;
+  const Result<EdgeIndexHeader> header = EdgeIndexHeader::Parse(bytes, size, used);
+  if (!header.IsOk())
+  {
+    return header.GetStatus();
+  }
+  std::vector<std::vector<EdgeIndexRecord>> records(header->Isovalues.size());
+  for (std::size_t at = used; at < size; at += used)
+  {
+    const Result<EdgeIndexRecord> record =
+      EdgeIndexRecord::Parse(*header, bytes + at, size - at, used);
+    if (!record.IsOk())
+    {
+      return record.GetStatus();
+    }
+    if (!record->Block.IsPreview)
+    {
+      records[record->Block.Isovalue].push_back(*record);
+    }
+  }
+  std::vector<std::unique_ptr<BlockSource>> sources;
+  for (std::vector<EdgeIndexRecord>& blocks : records)
+  {
+    sources.push_back(std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)));
+  }
+  return JoinIsovalues(*header, sources, request, threads, progress);
+}
+
+} // namespace
+
+Result<Surface> DecodeSurface(const std::uint8_t* bytes, std::size_t size,
+  const ContourRequest& request, int threads, const Progress& progress)
+{
+  try
+  {
+    return DecodeWithinMemory(bytes, size, request, threads, progress);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return Status(StatusCode::OutOfMemory, "There is not enough memory to decode the isosurface.");
+  }
+}
+
+} // namespace isosurface

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/EdgeIndexFileWriter.h"
+
+#include "EdgeIndex/EdgeIndexEncoder.h"
+
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::size_t MostPreviewBytes = std::size_t{ 1 } << 20;
+
+} // namespace
+
+EdgeIndexFileWriter::EdgeIndexFileWriter(
+  FileSystem& files, std::string path, const EdgeIndexHeader& header)
+  : Files(files)
+  , Path(std::move(path))
+  , Header(header)
+{
+  header.Append(this->HeaderBytes);
+}
+
+EdgeIndexFileWriter::~EdgeIndexFileWriter()
+{
+  if (this->File)
+  {
+    this->File.reset();
+    // Nobody is left to be told; what cannot be removed is not taken for a complete file.
+    static_cast<void>(this->Files.RemoveAll(GetPartialPath(this->Path)));
+  }
+}
+
+Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
+  FileSystem& files, const std::string& path, const EdgeIndexHeader& header)
+{
+  ISOSURFACE_RETURN_IF_ERROR(header.Check());
+  std::unique_ptr<EdgeIndexFileWriter> writer(new EdgeIndexFileWriter(files, path, header));
+  Result<std::unique_ptr<WritableFile>> file = files.CreateForWriting(GetPartialPath(path));
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  writer->File = std::move(*file);
+  ISOSURFACE_RETURN_IF_ERROR(
+    writer->File->Append(writer->HeaderBytes.data(), writer->HeaderBytes.size()));
+  return writer;
+}
+
+Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size)
+{
+  std::vector<std::uint8_t> kept;
+  std::size_t used = 0;
+  for (std::size_t at = 0; at < size; at += used)
+  {
+    const Result<EdgeIndexRecord> record =
+      EdgeIndexRecord::Parse(this->Header, records + at, size - at, used);
+    if (!record.IsOk())
+    {
+      return record.GetStatus();
+    }
+    EdgeIndexEntry entry;
+    entry.Size = used;
+    entry.Block = record->Block;
+    (entry.Block.IsPreview ? this->PreviewEntries : this->Entries).push_back(entry);
+    std::vector<std::uint8_t>& bytes = entry.Block.IsPreview ? this->Preview : kept;
+    bytes.insert(bytes.end(), records + at, records + at + used);
+  }
+  if (!kept.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->File->Append(kept.data(), kept.size()));
+  }
+  return this->Preview.size() < MostPreviewBytes ? Status::Ok() : this->FlushPreview();
+}
+
+Status EdgeIndexFileWriter::FlushPreview()
+{
+  if (!this->Preview.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->File->Append(this->Preview.data(), this->Preview.size()));
+  }
+  this->Entries.insert(
+    this->Entries.end(), this->PreviewEntries.begin(), this->PreviewEntries.end());
+  this->PreviewEntries.clear();
+  this->Preview.clear();
+  return Status::Ok();
+}
+
+Status EdgeIndexFileWriter::Finish()
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->FlushPreview());
+  std::vector<std::uint8_t> end;
+  EdgeIndexDirectory::Append(this->Entries, this->HeaderBytes, end);
+  ISOSURFACE_RETURN_IF_ERROR(this->File->Append(end.data(), end.size()));
+  ISOSURFACE_RETURN_IF_ERROR(this->File->SyncAndClose());
+  ISOSURFACE_RETURN_IF_ERROR(this->Files.Rename(GetPartialPath(this->Path), this->Path));
+  this->File.reset();
+  const std::size_t slash = this->Path.rfind('/');
+  return this->Files.SyncDirectory(slash == std::string::npos ? "."
+      : slash == 0                                            ? "/"
+                                                              : this->Path.substr(0, slash));
+}
+
+Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const EdgeIndexHeader& header,
+  BlockSource& source, int threads, const Progress& progress)
+{
+  EdgeIndexHeader stated = header;
+  stated.NumberOfBlocks = source.GetNumberOfBlocks();
+  Result<std::unique_ptr<EdgeIndexFileWriter>> writer =
+    EdgeIndexFileWriter::Create(files, path, stated);
+  if (!writer.IsOk())
+  {
+    return writer.GetStatus();
+  }
+  ISOSURFACE_RETURN_IF_ERROR(EncodeBlocks(
+    stated, source, threads,
+    [&writer](const std::vector<std::uint8_t>& records)
+    { return (*writer)->Append(records.data(), records.size()); },
+    progress));
+  return (*writer)->Finish();
+}
+
+} // namespace isosurface

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/IsovalueJoin.h"
+
+#include "Contour/SurfaceExtractor.h"
+#include "EdgeIndex/PointAttributes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+template <typename T>
+void AppendBuffer(Buffer<T>& to, const Buffer<T>& from)
+{
+  Buffer<T> joined(to.GetSize() + from.GetSize());
+  std::copy(to.begin(), to.end(), joined.begin());
+  std::copy(from.begin(), from.end(), joined.begin() + to.GetSize());
+  to = std::move(joined);
+}
+
+// The entries of both, those of `from` raised; the first `skip` entries of `to` from the end on go.
+void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, std::size_t drop)
+{
+  const std::size_t kept = to.GetSize() - std::min(drop, to.GetSize());
+  const std::size_t size = kept + from.GetSize();
+  std::int64_t largest = raise;
+  for (std::size_t n = 0; n < from.GetSize(); ++n)
+  {
+    largest = std::max(largest, from[n] + raise);
+  }
+  IndexArray joined;
+  joined.Is64Bit = to.Is64Bit || from.Is64Bit || largest > std::numeric_limits<std::int32_t>::max();
+  const auto fill = [&](auto& values)
+  {
+    using Id = std::decay_t<decltype(values[0])>;
+    values = std::decay_t<decltype(values)>(size);
+    for (std::size_t n = 0; n < kept; ++n)
+    {
+      values[n] = static_cast<Id>(to[n]);
+    }
+    for (std::size_t n = 0; n < from.GetSize(); ++n)
+    {
+      values[kept + n] = static_cast<Id>(from[n] + raise);
+    }
+  };
+  if (joined.Is64Bit)
+  {
+    fill(joined.Values64);
+  }
+  else
+  {
+    fill(joined.Values32);
+  }
+  to = std::move(joined);
+}
+
+// Makes the attribute that is the normals what they are.
+void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
+{
+  std::vector<SurfaceAttribute> others;
+  for (std::size_t n = 0; n < surface.Attributes.size(); ++n)
+  {
+    if (!header.Attributes[n].IsNormals)
+    {
+      others.push_back(std::move(surface.Attributes[n]));
+    }
+    else if (wanted)
+    {
+      surface.Normals = Buffer<float>(3 * surface.NumberOfPoints);
+      if (surface.NumberOfPoints > 0)
+      {
+        std::memcpy(surface.Normals.GetData(), surface.Attributes[n].Bytes.GetData(),
+          3 * sizeof(float) * surface.NumberOfPoints);
+      }
+    }
+  }
+  surface.Attributes = std::move(others);
+}
+
+// Joins the surface of the next isovalue to those before.
+void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
+{
+  for (std::int64_t& id : next.GlobalIds)
+  {
+    id += firstGlobalId;
+  }
+  if (surface.Parts.empty())
+  {
+    surface = std::move(next);
+    return;
+  }
+  SurfacePart part = next.Parts.front();
+  part.FirstPoint = surface.NumberOfPoints;
+  part.FirstCell = surface.NumberOfCells;
+  surface.Parts.push_back(part);
+  AppendBuffer(surface.Points, next.Points);
+  AppendBuffer(surface.GlobalIds, next.GlobalIds);
+  AppendBuffer(surface.Normals, next.Normals);
+  for (std::size_t n = 0; n < std::min(surface.Attributes.size(), next.Attributes.size()); ++n)
+  {
+    AppendBuffer(surface.Attributes[n].Bytes, next.Attributes[n].Bytes);
+  }
+  AppendIndices(
+    surface.Offsets, next.Offsets, static_cast<std::int64_t>(surface.Connectivity.GetSize()), 1);
+  AppendIndices(
+    surface.Connectivity, next.Connectivity, static_cast<std::int64_t>(surface.NumberOfPoints), 0);
+  surface.NumberOfPoints += next.NumberOfPoints;
+  surface.NumberOfCells += next.NumberOfCells;
+  surface.NumberOfTriangles += next.NumberOfTriangles;
+  surface.NumberOfBlocks += next.NumberOfBlocks;
+  surface.AcquireSeconds += next.AcquireSeconds;
+  surface.TotalSeconds += next.TotalSeconds;
+}
+
+} // namespace
+
+Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
+  const std::vector<std::unique_ptr<BlockSource>>& sources, const ContourRequest& request,
+  int threads, const Progress& progress)
+{
+  const bool hasNormals = std::any_of(header.Attributes.begin(), header.Attributes.end(),
+    [](const EdgeIndexAttribute& attribute) { return attribute.IsNormals; });
+  if (request.Normals && !hasNormals)
+  {
+    return Status(StatusCode::InvalidArgument,
+      "The edge-index stream has no normals; they can be computed of the triangles.");
+  }
+  if (!header.Attributes.empty() && !request.ClosedSides.IsEmpty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "The edge-index stream has arrays of points, which sides of the grid to close do not have.");
+  }
+  Surface surface;
+  const auto isovalues = static_cast<double>(sources.size());
+  for (std::size_t isovalue = 0; isovalue < sources.size(); ++isovalue)
+  {
+    if (!sources[isovalue])
+    {
+      continue;
+    }
+    ContourRequest one = request;
+    one.Isovalues = { header.Isovalues[isovalue] };
+    one.Normals = false;
+    one.Attributes = GetAttributeLayouts(header);
+    Progress part;
+    if (progress)
+    {
+      part = [&progress, isovalue, isovalues](double share)
+      { return progress((static_cast<double>(isovalue) + share) / isovalues); };
+    }
+    Result<Surface> next = ExtractSurface(header.Geometry, *sources[isovalue], one, threads, part);
+    if (!next.IsOk())
+    {
+      // The places of blocks are bytes, too.
+      const Status& status = next.GetStatus();
+      return status.GetCode() == StatusCode::InvalidArgument
+        ? Status(StatusCode::Corrupt, "The edge-index stream is corrupt: " + status.GetMessage())
+        : status;
+    }
+    TakeNormals(header, request.Normals, *next);
+    AppendSurface(surface, std::move(*next),
+      static_cast<std::int64_t>(isovalue) * 3 * header.Geometry.GetNumberOfVertices());
+  }
+  return surface;
+}
+
+} // namespace isosurface

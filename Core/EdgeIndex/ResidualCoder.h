@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ResidualCoder_h
+#define isosurface_ResidualCoder_h
+
+#include "EdgeIndex/AdaptiveModels.h"
+#include "EdgeIndex/EdgeIndexPriors.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A logarithm to the base 2 of a magnitude + 1, in eighths: 0 for 0, at most 503.
+inline int MeasureMagnitude(std::uint64_t magnitude)
+{
+  constexpr std::uint64_t most = (std::uint64_t(1) << 62) - 1;
+  const std::uint64_t number = (magnitude < most ? magnitude : most) + 1;
+  const int exponent = 63 - __builtin_clzll(number);
+  const std::uint64_t fraction =
+    exponent >= 3 ? number >> (exponent - 3) : number << (3 - exponent);
+  return 8 * exponent + static_cast<int>(fraction & 7);
+}
+
+/// What is known before a magnitude comes.
+struct ResidualContext
+{
+  int Level = 0; ///< the magnitude to expect, as MeasureMagnitude gives it
+  std::array<std::uint32_t, 5>
+    Sides{}; ///< further contexts, below 128 each; the first also if fast
+};
+
+/// What is known about magnitudes.
+struct ResidualModel
+{
+  static constexpr int NumberOfLevels = 32;
+  static constexpr int NumberOfSides = 128;
+  static constexpr int NumberOfMixerSets = 4;
+  static constexpr int NumberOfSideTables = 5;
+
+  ResidualModel(bool mixed, const ResidualPriors& priors);
+
+  /// If not mixed: by level and the first side (8 of them).
+  std::vector<AdaptiveSymbol> Symbols;
+  /// If mixed: nodes of the binary tree of symbols, by level, and by side and half the level.
+  std::vector<AdaptiveBit> ByLevel;
+  std::array<std::vector<AdaptiveBit>, NumberOfSideTables> BySide;
+  std::vector<LogisticMixer> Mixers;
+  std::array<AdaptiveBit, 64> Escape;
+};
+
+/**
+ * Codes magnitudes (numbers from 0 to 2^64 - 1) of about a known size. A magnitude is cut into low
+ * bits, which are as good as random and coded as such, and a rest of a few bits, of which a
+ * symbol tells the range:
+ *
+ *   symbol  0 .. 7   8   9  10  11  12  13  14   15
+ *   rest    0 .. 7   8  10  12  16  20  28  44   76 and more (Exp-Golomb)
+ *   bits    0        1   1   2   2   3   4   5
+ */
+template <typename Coder, bool Mixed>
+class ResidualCoder
+{
+public:
+  ResidualCoder(Coder& coder, ResidualModel& model)
+    : Output(coder)
+    , Model(model)
+  {
+  }
+
+  std::uint64_t Code(std::uint64_t magnitude, const ResidualContext& context)
+  {
+    const int low = std::max(0, (context.Level >> 3) - 2);
+    std::uint64_t rest = magnitude >> low;
+    const int level = FindLevelClass(context.Level, low);
+    int symbol = 0;
+    if constexpr (Coder::Encodes)
+    {
+      symbol = FindSymbol(rest);
+    }
+    symbol = Mixed ? this->CodeSymbolMixed(symbol, level, context)
+                   : this->CodeSymbol(symbol, level, context);
+    if (symbol == Last)
+    {
+      rest = this->CodeEscape(rest - First[Last]) + First[Last];
+    }
+    else
+    {
+      const auto base = static_cast<std::uint64_t>(First[symbol]);
+      rest = base + this->Output.CodeUniform(static_cast<std::uint32_t>(rest - base), Bits[symbol]);
+    }
+    return rest << low | this->CodeLowBits(magnitude, low);
+  }
+
+private:
+  static constexpr int Last = NumberOfSymbols - 1;
+  static constexpr std::uint8_t First[NumberOfSymbols] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16,
+    20, 28, 44, 76 };
+  static constexpr std::uint8_t Bits[NumberOfSymbols] = { 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 2, 2, 3, 4,
+    5, 0 };
+
+  static int FindSymbol(std::uint64_t rest)
+  {
+    if (rest < 8)
+    {
+      return static_cast<int>(rest);
+    }
+    int symbol = 8;
+    while (symbol < Last && rest >= First[symbol + 1])
+    {
+      ++symbol;
+    }
+    return symbol;
+  }
+
+  // Half octaves where no bit is cut off; above, quarters of the octave for one to four low bits.
+  static int FindLevelClass(int level, int low)
+  {
+    return low == 0 ? std::min(level / 2, 11) : 12 + (level & 7) / 2 + 4 * std::min(low - 1, 4);
+  }
+
+  int CodeSymbol(int symbol, int level, const ResidualContext& context)
+  {
+    AdaptiveSymbol& model =
+      this->Model.Symbols[static_cast<std::size_t>(level) * 8 + (context.Sides[0] & 7)];
+    symbol = this->Output.CodeSymbol(symbol, model.Cumulative.data());
+    model.Update(symbol, 5);
+    return symbol;
+  }
+
+  int CodeSymbolMixed(int symbol, int level, const ResidualContext& context)
+  {
+    constexpr std::size_t nodes = NumberOfSymbols;
+    const auto row = static_cast<std::size_t>(level) * nodes;
+    std::array<AdaptiveBit*, ResidualModel::NumberOfSideTables + 1> tables;
+    tables[0] = &this->Model.ByLevel[row];
+    for (std::size_t n = 0; n < ResidualModel::NumberOfSideTables; ++n)
+    {
+      tables[n + 1] =
+        &this->Model.BySide[n][(static_cast<std::size_t>(level / 2) * ResidualModel::NumberOfSides +
+                                 context.Sides[n]) *
+          nodes];
+    }
+    const std::size_t mixers = static_cast<std::size_t>(std::min(level / 5, 3)) * nodes;
+    std::size_t node = 1;
+    for (int bit = 3; bit >= 0; --bit)
+    {
+      AdaptiveBit* models[ResidualModel::NumberOfSideTables + 1];
+      for (std::size_t n = 0; n <= ResidualModel::NumberOfSideTables; ++n)
+      {
+        models[n] = tables[n] + node;
+      }
+      const bool one = CodeMixed<ResidualModel::NumberOfSideTables + 1>(
+        this->Output, models, this->Model.Mixers[mixers + node], (symbol >> bit & 1) != 0, 250, 1);
+      node = 2 * node + (one ? 1 : 0);
+    }
+    return static_cast<int>(node - nodes);
+  }
+
+  // Exp-Golomb: the number of binary digits of excess + 1 as adaptive bits, then the digits.
+  std::uint64_t CodeEscape(std::uint64_t excess)
+  {
+    int digits = 0;
+    if constexpr (Coder::Encodes)
+    {
+      digits = 63 - __builtin_clzll(excess + 1);
+    }
+    int count = 0;
+    while (count < 63 &&
+      CodeAdaptive(
+        this->Output, this->Model.Escape[static_cast<std::size_t>(count)], count < digits, 255))
+    {
+      ++count;
+    }
+    return ((std::uint64_t(1) << count) | this->CodeLowBits(excess + 1, count)) - 1;
+  }
+
+  std::uint64_t CodeLowBits(std::uint64_t number, int count)
+  {
+    std::uint64_t bits = 0;
+    while (count > 0)
+    {
+      const int part = std::min(count, MostUniformBits);
+      count -= part;
+      const auto piece = static_cast<std::uint32_t>(number >> count & ((1u << part) - 1));
+      bits = bits << part | this->Output.CodeUniform(piece, part);
+    }
+    return bits;
+  }
+
+  Coder& Output;
+  ResidualModel& Model;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SignRows_h
+#define isosurface_SignRows_h
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+
+namespace isosurface
+{
+
+/// Most cells of a block on an axis, and so most vertices.
+constexpr int MaximumCodedCells = 64;
+constexpr int MaximumCodedVertices = MaximumCodedCells + 1;
+
+/**
+ * One bit for each vertex of a row: vertex x at bit x + 16, so that vertices beside the row can be
+ * looked at, too. Plain words; bit n is bit n % 64 of word n / 64.
+ */
+struct SignRow
+{
+  static constexpr int Margin = 16;
+  std::array<std::uint64_t, 2> Words{ 0, 0 };
+
+  bool Get(int x) const
+  {
+    const auto bit = static_cast<unsigned>(x + Margin);
+    return (this->Words[bit / 64] >> (bit % 64) & 1) != 0;
+  }
+  void Set(int x)
+  {
+    const auto bit = static_cast<unsigned>(x + Margin);
+    this->Words[bit / 64] |= std::uint64_t(1) << (bit % 64);
+  }
+  /// The bits of the vertices x - 2 .. x + 2, lowest first.
+  std::uint32_t GetWindow(int x) const
+  {
+    const auto bit = static_cast<unsigned>(x + Margin - 2);
+    const std::uint64_t low = this->Words[bit / 64] >> (bit % 64);
+    const std::uint64_t high = bit > 64 ? 0 : this->Words[1] << 1 << (63 - bit % 64);
+    return static_cast<std::uint32_t>(low | (bit / 64 == 0 ? high : 0)) & 31;
+  }
+  /// Bit x of the result is bit x - 1, or x + 1, of the row.
+  SignRow ShiftUp() const
+  {
+    return { { this->Words[0] << 1, this->Words[1] << 1 | this->Words[0] >> 63 } };
+  }
+  SignRow ShiftDown() const
+  {
+    return { { this->Words[0] >> 1 | this->Words[1] << 63, this->Words[1] >> 1 } };
+  }
+  bool IsZero() const { return (this->Words[0] | this->Words[1]) == 0; }
+
+  /// Ones at the vertices 0 .. size - 1.
+  static SignRow MakeMask(int size)
+  {
+    SignRow mask;
+    const int low = size < 48 ? size : 48;
+    mask.Words[0] = ((std::uint64_t(1) << low) - 1) << Margin;
+    mask.Words[1] = (std::uint64_t(1) << (size - low)) - 1;
+    return mask;
+  }
+  /// Gives the margins the value of the vertex beside them.
+  void SpreadEnds(int size)
+  {
+    const SignRow mask = MakeMask(size);
+    const bool first = this->Get(0);
+    const bool last = this->Get(size - 1);
+    const std::uint64_t left = (std::uint64_t(1) << Margin) - 1;
+    this->Words[0] =
+      (this->Words[0] & mask.Words[0]) | (first ? left : 0) | (last ? ~mask.Words[0] & ~left : 0);
+    this->Words[1] = (this->Words[1] & mask.Words[1]) | (last ? ~mask.Words[1] : 0);
+  }
+};
+
+inline SignRow operator|(const SignRow& a, const SignRow& b)
+{
+  return { { a.Words[0] | b.Words[0], a.Words[1] | b.Words[1] } };
+}
+inline SignRow operator&(const SignRow& a, const SignRow& b)
+{
+  return { { a.Words[0] & b.Words[0], a.Words[1] & b.Words[1] } };
+}
+inline SignRow operator^(const SignRow& a, const SignRow& b)
+{
+  return { { a.Words[0] ^ b.Words[0], a.Words[1] ^ b.Words[1] } };
+}
+inline SignRow operator~(const SignRow& a)
+{
+  return { { ~a.Words[0], ~a.Words[1] } };
+}
+
+/// Calls functor(x) for each vertex of the row whose bit is set, from the first on.
+template <typename Functor>
+inline void VisitBits(const SignRow& row, const Functor& functor)
+{
+  for (int word = 0; word < 2; ++word)
+  {
+    for (std::uint64_t bits = row.Words[static_cast<std::size_t>(word)]; bits != 0;
+         bits &= bits - 1)
+    {
+      functor(64 * word + __builtin_ctzll(bits) - SignRow::Margin);
+    }
+  }
+}
+
+/**
+ * The bits (value >= isovalue) of the vertices of one slice, with two rows more on either side: row
+ * y stands at y + 2.
+ */
+struct SignSlice
+{
+  std::array<SignRow, MaximumCodedVertices + 4> Rows;
+
+  SignRow& At(int y) { return this->Rows[static_cast<std::size_t>(y + 2)]; }
+  const SignRow& At(int y) const { return this->Rows[static_cast<std::size_t>(y + 2)]; }
+};
+
+/// The crossed edges along an axis that begin at the vertices of row y of a slice. `above` is the
+/// next slice, null for the last one.
+inline SignRow FindCrossedEdges(
+  int axis, int y, const SignSlice& slice, const SignSlice* above, int sizeX, int sizeY)
+{
+  const SignRow& row = slice.At(y);
+  if (axis == 0)
+  {
+    return (row ^ row.ShiftDown()) & SignRow::MakeMask(sizeX - 1);
+  }
+  if (axis == 1 ? y + 1 >= sizeY : !above)
+  {
+    return {};
+  }
+  return (row ^ (axis == 1 ? slice.At(y + 1) : above->At(y))) & SignRow::MakeMask(sizeX);
+}
+
+} // namespace isosurface
+
+#endif

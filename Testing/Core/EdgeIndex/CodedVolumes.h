@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_CodedVolumes_h
+#define isosurface_CodedVolumes_h
+
+#include "Contour/SurfaceExtractor.h"
+#include "EdgeIndex/EdgeIndexDecoder.h"
+#include "EdgeIndex/EdgeIndexEncoder.h"
+#include "TestVolume.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <type_traits>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Spheres and waves with some noise, over a good part of the type's range, or -1 to 1.
+template <typename T>
+TestVolume<T> MakeWaves(const Index3& dimensions, double noise)
+{
+  TestVolume<T> volume(dimensions);
+  std::mt19937 random(7);
+  double scale = 1;
+  double middle = 0;
+  if (!std::is_floating_point_v<T>)
+  {
+    scale = 0.4 *
+      (std::ldexp(1.0, std::numeric_limits<T>::digits) -
+        static_cast<double>(std::numeric_limits<T>::min())) /
+      2;
+    middle = std::is_signed_v<T> ? 0 : std::ldexp(0.5, std::numeric_limits<T>::digits);
+  }
+  for (std::int64_t k = 0; k < dimensions[2]; ++k)
+  {
+    for (std::int64_t j = 0; j < dimensions[1]; ++j)
+    {
+      for (std::int64_t i = 0; i < dimensions[0]; ++i)
+      {
+        const double x = static_cast<double>(i);
+        const double y = static_cast<double>(j);
+        const double z = static_cast<double>(k);
+        const double wave = std::sin(0.21 * x + 0.1 * y) + std::sin(0.17 * y - 0.05 * z) +
+          std::sin(0.23 * z + 0.07 * x) +
+          noise * (static_cast<double>(random()) / 4294967296.0 - 0.5);
+        volume.At(i, j, k) = static_cast<T>(middle + scale * wave / 4);
+      }
+    }
+  }
+  return volume;
+}
+
+/// The same volume somewhere else in the world.
+template <typename T>
+void Displace(TestVolume<T>& volume)
+{
+  const Index3 size = volume.GetDimensions();
+  volume.Geometry.Extent = { -3, size[0] - 4, 5, size[1] + 4, 100, size[2] + 99 };
+  volume.Geometry.Origin = { 10, -20, 30.5 };
+  volume.Geometry.Spacing = { 0.5, 1.25, 2 };
+}
+
+template <typename T>
+EdgeIndexHeader MakeHeader(const TestVolume<T>& volume, const std::vector<double>& isovalues,
+  EdgeIndexMode mode, EdgeIndexProfile profile)
+{
+  EdgeIndexHeader header;
+  header.Geometry = volume.Geometry;
+  header.Type = ValueTypeOf<T>::Value;
+  header.Isovalues = isovalues;
+  header.Settings.Mode = mode;
+  header.Settings.Profile = profile;
+  return header;
+}
+
+inline ContourRequest MakeRequest(const std::vector<double>& isovalues)
+{
+  ContourRequest request;
+  request.Isovalues = isovalues;
+  request.GlobalIds = true;
+  return request;
+}
+
+template <typename T>
+::testing::AssertionResult HaveEqualBytes(const Buffer<T>& a, const Buffer<T>& b)
+{
+  if (a.GetSize() != b.GetSize())
+  {
+    return ::testing::AssertionFailure() << a.GetSize() << " and " << b.GetSize() << " values";
+  }
+  for (std::size_t n = 0; n < a.GetSize(); ++n)
+  {
+    // Every NaN is the same.
+    if (std::memcmp(&a[n], &b[n], sizeof(T)) != 0 && (a[n] == a[n] || b[n] == b[n]))
+    {
+      return ::testing::AssertionFailure() << "value " << n << " is " << +b[n] << ", not " << +a[n];
+    }
+  }
+  return ::testing::AssertionSuccess();
+}
+
+inline void ExpectSameTopology(const Surface& expected, const Surface& decoded)
+{
+  EXPECT_EQ(expected.NumberOfPoints, decoded.NumberOfPoints);
+  EXPECT_EQ(expected.NumberOfTriangles, decoded.NumberOfTriangles);
+  EXPECT_TRUE(HaveEqualBytes(expected.GlobalIds, decoded.GlobalIds));
+  EXPECT_TRUE(HaveEqualBytes(expected.Connectivity.Values32, decoded.Connectivity.Values32));
+  ASSERT_EQ(expected.Parts.size(), decoded.Parts.size());
+  for (std::size_t n = 0; n < expected.Parts.size(); ++n)
+  {
+    EXPECT_EQ(expected.Parts[n].Isovalue, decoded.Parts[n].Isovalue);
+    EXPECT_EQ(expected.Parts[n].FirstPoint, decoded.Parts[n].FirstPoint);
+    EXPECT_EQ(expected.Parts[n].NumberOfPoints, decoded.Parts[n].NumberOfPoints);
+    EXPECT_EQ(expected.Parts[n].FirstCell, decoded.Parts[n].FirstCell);
+  }
+}
+
+/// The decoded surface must be the extracted one, point by point and bit by bit.
+template <typename T>
+void ExpectLossless(const TestVolume<T>& volume, const std::vector<double>& isovalues,
+  int blockSize, EdgeIndexProfile profile)
+{
+  TestBlockSource<T> source(volume, blockSize);
+  const ContourRequest request = MakeRequest(isovalues);
+  const Result<Surface> expected = ExtractSurface(volume.Geometry, source, request, 1);
+  ASSERT_TRUE(expected.IsOk());
+  const auto bytes =
+    EncodeSurface(MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, profile), source, 1);
+  ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
+  const Result<Surface> decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+  ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+  ExpectSameTopology(*expected, *decoded);
+  EXPECT_TRUE(HaveEqualBytes(expected->Points, decoded->Points));
+}
+
+} // namespace isosurface
+
+#endif

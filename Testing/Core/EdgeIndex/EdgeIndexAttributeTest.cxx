@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "CodedVolumes.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <set>
+#include <vector>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr int TupleSize = 3;
+
+/// Blocks with three more arrays: labels of vertices (int16), three floats each, and a double.
+class AttributedSource : public TestBlockSource<std::uint8_t>
+{
+public:
+  AttributedSource(const TestVolume<std::uint8_t>& volume, int blockSize, bool odd)
+    : TestBlockSource<std::uint8_t>(volume, blockSize)
+    , Dimensions(volume.GetDimensions())
+  {
+    const auto vertices = static_cast<std::size_t>(volume.Geometry.GetNumberOfVertices());
+    this->Labels.resize(vertices);
+    this->Vectors.resize(TupleSize * vertices);
+    this->Doubles.resize(vertices);
+    for (std::size_t n = 0; n < vertices; ++n)
+    {
+      this->Labels[n] = static_cast<std::int16_t>(n * 7 % 2000 / 10 - 50);
+      this->Doubles[n] = std::sin(0.01 * static_cast<double>(n));
+      for (std::size_t c = 0; c < std::size_t{ TupleSize }; ++c)
+      {
+        this->Vectors[TupleSize * n + c] = static_cast<float>(n % 50 * (c + 1)) * 0.37F - 3;
+      }
+    }
+    if (odd)
+    {
+      for (std::size_t n = 0; n < this->Vectors.size(); n += 37)
+      {
+        this->Vectors[n] = n % 4 == 0 ? std::numeric_limits<float>::quiet_NaN()
+          : n % 4 == 1                ? std::numeric_limits<float>::infinity()
+                                      : 3e38F;
+      }
+    }
+  }
+
+  Result<BlockSamples> Acquire(std::size_t block) override
+  {
+    Result<BlockSamples> samples = TestBlockSource<std::uint8_t>::Acquire(block);
+    const VertexBox& box = samples->Scalars.Box;
+    samples->Attributes.resize(3);
+    samples->Attributes[0].Components = { this->MakeView(
+      box, ValueType::Int16, this->Labels.data(), 1) };
+    for (int c = 0; c < TupleSize; ++c)
+    {
+      samples->Attributes[1].Components.push_back(
+        this->MakeView(box, ValueType::Float32, this->Vectors.data() + c, TupleSize));
+    }
+    samples->Attributes[2].Components = { this->MakeView(
+      box, ValueType::Float64, this->Doubles.data(), 1) };
+    return samples;
+  }
+
+private:
+  SampleView MakeView(
+    const VertexBox& box, ValueType type, const void* first, std::ptrdiff_t step) const
+  {
+    SampleView view;
+    view.Type = type;
+    view.First = first;
+    view.Stride = { step, step * static_cast<std::ptrdiff_t>(this->Dimensions[0]),
+      step * static_cast<std::ptrdiff_t>(this->Dimensions[0] * this->Dimensions[1]) };
+    view.Available.High = this->Dimensions;
+    view.Box = box;
+    return view;
+  }
+
+  Index3 Dimensions;
+  std::vector<std::int16_t> Labels;
+  std::vector<float> Vectors;
+  std::vector<double> Doubles;
+};
+
+EdgeIndexHeader MakeAttributedHeader(const TestVolume<std::uint8_t>& volume,
+  const std::vector<double>& isovalues, EdgeIndexMode mode, EdgeIndexProfile profile, double error)
+{
+  EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, profile);
+  header.Attributes.resize(4);
+  header.Attributes[0].Name = "labels";
+  header.Attributes[1].Name = "Normals";
+  header.Attributes[1].NumberOfComponents = 3;
+  header.Attributes[1].IsNormals = true;
+  header.Attributes[2].Name = "vectors";
+  header.Attributes[2].NumberOfComponents = TupleSize;
+  header.Attributes[2].MaximumError = error;
+  header.Attributes[3].Name = "doubles";
+  header.Attributes[3].Type = ValueType::Float64;
+  header.Attributes[3].MaximumError = error;
+  return header;
+}
+
+ContourRequest MakeAttributedRequest(const std::vector<double>& isovalues)
+{
+  ContourRequest request = MakeRequest(isovalues);
+  request.Normals = true;
+  request.Attributes = { { ValueType::Int16, 1 }, { ValueType::Float32, TupleSize },
+    { ValueType::Float64, 1 } };
+  return request;
+}
+
+} // namespace
+
+TEST(EdgeIndexAttributes, ComeBackBitByBitInEveryMode)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 50, 35, 20 }, 0.3);
+  const std::vector<double> isovalues = { 120.5, 90, 255 };
+  AttributedSource source(volume, 16, true);
+  const ContourRequest request = MakeAttributedRequest(isovalues);
+  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+  ASSERT_TRUE(expected.IsOk()) << expected.GetStatus().GetMessage();
+  for (const EdgeIndexMode mode :
+    { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
+  {
+    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+    {
+      const auto bytes =
+        EncodeSurface(MakeAttributedHeader(volume, isovalues, mode, profile, 0), source, 2);
+      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
+      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 2);
+      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+      ExpectSameTopology(*expected, *decoded);
+      EXPECT_TRUE(HaveEqualBytes(expected->Normals, decoded->Normals));
+      ASSERT_EQ(decoded->Attributes.size(), 3u);
+      for (std::size_t n = 0; n < 3; ++n)
+      {
+        EXPECT_EQ(expected->Attributes[n].Layout.Type, decoded->Attributes[n].Layout.Type);
+        EXPECT_TRUE(HaveEqualBytes(expected->Attributes[n].Bytes, decoded->Attributes[n].Bytes));
+      }
+    }
+  }
+}
+
+TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndOddOnesAreKept)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 40, 35, 20 }, 0.3);
+  const ContourRequest request = MakeAttributedRequest({ 120.5 });
+  for (const bool odd : { false, true })
+  {
+    AttributedSource source(volume, 16, odd);
+    const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+    std::size_t last = std::numeric_limits<std::size_t>::max();
+    for (const double error : { 1e-30, 0.0001, 0.01, 1.0 })
+    {
+      const auto bytes = EncodeSurface(MakeAttributedHeader(volume, { 120.5 },
+                                         EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, error),
+        source, 1);
+      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
+      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+      const auto& exact = expected->Attributes[1].Bytes;
+      const auto& close = decoded->Attributes[1].Bytes;
+      ASSERT_EQ(exact.GetSize(), close.GetSize());
+      for (std::size_t n = 0; n < exact.GetSize(); n += sizeof(float))
+      {
+        float a = 0;
+        float b = 0;
+        std::memcpy(&a, &exact[n], sizeof(a));
+        std::memcpy(&b, &close[n], sizeof(b));
+        if (!std::isfinite(a) || std::abs(a) > 1e37F)
+        {
+          ASSERT_EQ(std::memcmp(&a, &b, sizeof(a)), 0);
+        }
+        else
+        {
+          ASSERT_LE(std::abs(static_cast<double>(a) - static_cast<double>(b)), error);
+        }
+      }
+      const auto* exactDoubles =
+        reinterpret_cast<const double*>(expected->Attributes[2].Bytes.GetData());
+      const auto* closeDoubles =
+        reinterpret_cast<const double*>(decoded->Attributes[2].Bytes.GetData());
+      for (std::size_t n = 0; n < expected->NumberOfPoints; ++n)
+      {
+        ASSERT_LE(std::abs(exactDoubles[n] - closeDoubles[n]), error);
+      }
+      EXPECT_LT(bytes->size(), last);
+      last = bytes->size();
+    }
+  }
+}
+
+TEST(EdgeIndexAttributes, NormalsAreGivenIfAskedFor)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
+  AttributedSource source(volume, 16, false);
+  const auto bytes = EncodeSurface(
+    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
+    source, 1);
+  ASSERT_TRUE(bytes.IsOk());
+  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), MakeRequest({ 120.5 }), 1);
+  ASSERT_TRUE(decoded.IsOk());
+  EXPECT_TRUE(decoded->Normals.IsEmpty());
+  EXPECT_EQ(decoded->Attributes.size(), 3u);
+}
+
+TEST(EdgeIndexAttributes, OfPointsThatAreMergedAtAVertexAreThoseOfTheirEdges)
+{
+  // Values that are whole numbers, contoured at one: many points lie at vertices.
+  const auto volume = MakeWaves<std::uint8_t>({ 30, 20, 20 }, 0.3);
+  AttributedSource source(volume, 16, false);
+  ContourRequest request = MakeAttributedRequest({ 120 });
+  const auto all = ExtractSurface(volume.Geometry, source, request, 1);
+  ASSERT_TRUE(all.IsOk());
+  request.DropDegenerateTriangles = true;
+  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+  ASSERT_TRUE(expected.IsOk());
+  ASSERT_LT(expected->NumberOfPoints, all->NumberOfPoints);
+  const auto bytes = EncodeSurface(
+    MakeAttributedHeader(volume, { 120 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
+    source, 1);
+  ASSERT_TRUE(bytes.IsOk());
+  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 2);
+  ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+  ExpectSameTopology(*expected, *decoded);
+  EXPECT_TRUE(HaveEqualBytes(expected->Points, decoded->Points));
+  // Each tuple is one that the whole surface has at that place.
+  const auto get = [](const Surface& surface, std::size_t point)
+  {
+    float value = 0;
+    std::memcpy(
+      &value, &surface.Attributes[1].Bytes[TupleSize * sizeof(float) * point], sizeof(value));
+    return value;
+  };
+  std::map<std::array<float, 3>, std::set<float>> valuesAt;
+  for (std::size_t n = 0; n < all->NumberOfPoints; ++n)
+  {
+    const float* point = &all->Points[3 * n];
+    valuesAt[{ point[0], point[1], point[2] }].insert(get(*all, n));
+  }
+  for (std::size_t n = 0; n < decoded->NumberOfPoints; ++n)
+  {
+    const float* point = &decoded->Points[3 * n];
+    EXPECT_EQ((valuesAt[{ point[0], point[1], point[2] }].count(get(*decoded, n))), 1u);
+  }
+}
+
+TEST(EdgeIndexAttributes, CannotBeGivenAtSidesOfTheGrid)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
+  AttributedSource source(volume, 16, false);
+  const auto bytes = EncodeSurface(
+    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
+    source, 1);
+  ASSERT_TRUE(bytes.IsOk());
+  ContourRequest request = MakeRequest({ 120.5 });
+  request.ClosedSides = GridSides::All();
+  EXPECT_EQ(DecodeSurface(bytes->data(), bytes->size(), request, 1).GetStatus().GetCode(),
+    StatusCode::InvalidArgument);
+}
+
+TEST(EdgeIndexAttributes, ThoseThatDoNotFitTheHeaderAreRefused)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
+  TestBlockSource<std::uint8_t> without(volume, 16);
+  EdgeIndexHeader header =
+    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0);
+  EXPECT_EQ(EncodeSurface(header, without, 1).GetStatus().GetCode(), StatusCode::InvalidArgument);
+  header.Attributes[0].Type = ValueType::Int16; // of samples, not of points
+  EXPECT_EQ(header.Check().GetCode(), StatusCode::InvalidArgument);
+  header.Attributes[0].Type = ValueType::Float64; // int16 samples give float32
+  AttributedSource source(volume, 16, false);
+  EXPECT_EQ(EncodeSurface(header, source, 1).GetStatus().GetCode(), StatusCode::InvalidArgument);
+  header.Attributes[0].Type = ValueType::Float32;
+  EXPECT_TRUE(EncodeSurface(header, source, 1).IsOk());
+  header.Attributes[2].NumberOfComponents = 65;
+  EXPECT_EQ(header.Check().GetCode(), StatusCode::InvalidArgument);
+  header.Attributes[2].NumberOfComponents = 64;
+  EXPECT_TRUE(header.Check().IsOk());
+  header.Attributes.resize(8, header.Attributes[2]);
+  EXPECT_EQ(header.Check().GetCode(), StatusCode::InvalidArgument);
+}

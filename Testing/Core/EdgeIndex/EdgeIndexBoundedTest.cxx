@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "CodedVolumes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace isosurface;
+
+namespace
+{
+
+/// The greatest distance of a decoded point from the exact crossing of its edge, in voxels. The
+/// geometry must have unit spacing and no origin, so that points are structured coordinates.
+template <typename T>
+double FindLargestError(const TestVolume<T>& volume, double isovalue, const Surface& surface)
+{
+  double largest = 0;
+  const Index3 size = volume.GetDimensions();
+  for (std::size_t point = 0; point < surface.NumberOfPoints; ++point)
+  {
+    const std::int64_t id = surface.GlobalIds[point];
+    const std::int64_t vertex = id / 3;
+    const auto axis = static_cast<std::size_t>(id % 3);
+    const Index3 from{ vertex % size[0], vertex / size[0] % size[1], vertex / (size[0] * size[1]) };
+    Index3 to = from;
+    ++to[axis];
+    const long double a = volume.At(from[0], from[1], from[2]);
+    const long double b = volume.At(to[0], to[1], to[2]);
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      const long double exact = static_cast<long double>(volume.Geometry.Extent[2 * n] + from[n]) +
+        (n == axis ? (static_cast<long double>(isovalue) - a) / (b - a) : 0.0L);
+      const auto shift = static_cast<double>(
+        std::abs(static_cast<long double>(surface.Points[3 * point + n]) - exact));
+      largest = shift > largest || shift != shift ? shift : largest;
+    }
+  }
+  return largest;
+}
+
+template <typename T>
+void ExpectBounded(const TestVolume<T>& volume, double isovalue, int blockSize)
+{
+  TestBlockSource<T> source(volume, blockSize);
+  const ContourRequest request = MakeRequest({ isovalue });
+  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+  for (const EdgeIndexMode mode : { EdgeIndexMode::Bounded, EdgeIndexMode::Smallest })
+  {
+    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+    {
+      for (const double error : { 0.5, 0.1, 0.013, 0.0005 })
+      {
+        EdgeIndexHeader header = MakeHeader(volume, { isovalue }, mode, profile);
+        header.Settings.MaximumError = error;
+        const auto bytes = EncodeSurface(header, source, 1);
+        ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
+        const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+        ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+        ExpectSameTopology(*expected, *decoded);
+        EXPECT_LE(FindLargestError(volume, isovalue, *decoded), error);
+      }
+    }
+  }
+}
+
+} // namespace
+
+TEST(EdgeIndexBounded, NoPointIsFurtherFromItsExactCrossing)
+{
+  auto smooth = MakeWaves<std::int16_t>({ 70, 40, 30 }, 0);
+  smooth.Geometry.Extent = { -1000, -931, 2000, 2039, 0, 29 };
+  ExpectBounded(smooth, 100.5, 32);
+  ExpectBounded(MakeWaves<std::uint8_t>({ 50, 40, 30 }, 3), 127.5, 64);
+  ExpectBounded(MakeWaves<float>({ 40, 40, 30 }, 0.3), 0.01, 16);
+  ExpectBounded(MakeWaves<double>({ 40, 30, 30 }, 1), 0.01, 32);
+}
+
+TEST(EdgeIndexBounded, IntegersOf64BitsAreBoundedTooAsFarAsDoublesTellThem)
+{
+  ExpectBounded(MakeWaves<std::int64_t>({ 30, 30, 30 }, 0.3), 1000.5, 32);
+}
+
+TEST(EdgeIndexBounded, CrossingsThatAreNotNumbersStayThat)
+{
+  auto volume = MakeWaves<float>({ 30, 30, 30 }, 0.1);
+  std::mt19937 random(4);
+  for (float& sample : volume.Samples)
+  {
+    const unsigned drawn = random() % 60;
+    sample = drawn == 0 ? std::numeric_limits<float>::quiet_NaN()
+      : drawn == 1      ? std::numeric_limits<float>::infinity()
+      : drawn == 2      ? -std::numeric_limits<float>::infinity()
+                        : sample;
+  }
+  TestBlockSource<float> source(volume, 16);
+  const ContourRequest request = MakeRequest({ 0.1 });
+  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+  for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+  {
+    const auto bytes =
+      EncodeSurface(MakeHeader(volume, { 0.1 }, EdgeIndexMode::Bounded, profile), source, 1);
+    ASSERT_TRUE(bytes.IsOk());
+    const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+    ASSERT_TRUE(decoded.IsOk());
+    ExpectSameTopology(*expected, *decoded);
+    for (std::size_t n = 0; n < expected->Points.GetSize(); ++n)
+    {
+      ASSERT_EQ(std::isnan(expected->Points[n]), std::isnan(decoded->Points[n]));
+      if (!std::isnan(expected->Points[n]))
+      {
+        ASSERT_NEAR(expected->Points[n], decoded->Points[n], 0.01001);
+      }
+    }
+  }
+}
+
+TEST(EdgeIndexBounded, SmallestIsNotLargerThanEither)
+{
+  for (const double noise : { 0.0, 2.0 })
+  {
+    const auto volume = MakeWaves<std::uint8_t>({ 60, 60, 60 }, noise);
+    TestBlockSource<std::uint8_t> source(volume, 32);
+    EdgeIndexHeader header =
+      MakeHeader(volume, { 100.5 }, EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+    for (const double error : { 0.1, 0.001 })
+    {
+      header.Settings.MaximumError = error;
+      std::size_t sizes[3] = {};
+      int n = 0;
+      for (const EdgeIndexMode mode :
+        { EdgeIndexMode::Smallest, EdgeIndexMode::Lossless, EdgeIndexMode::Bounded })
+      {
+        header.Settings.Mode = mode;
+        sizes[n++] = EncodeSurface(header, source, 1)->size();
+      }
+      // Up to the scale that every record of values has.
+      EXPECT_LE(sizes[0], std::min(sizes[1], sizes[2]) + 2 * 8);
+    }
+  }
+}
