@@ -76,6 +76,9 @@ class ClientAndServer(unittest.TestCase):
     def test_progressive_surface_ends_with_the_full_one(self):
         self.run_client_and_server("progressive.py")
 
+    def test_metabuffer_view_shows_the_stock_picture(self):
+        self.run_client_and_server("metabuffer_view.py")
+
     def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
         self.run_client_and_server("surface_pictures.py")
         log = self.read_log()

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ViewportDrawing_h
+#define isosurface_ViewportDrawing_h
+
+#include "Viewport/BoundsProjection.h"
+#include "Viewport/PixelRuns.h"
+#include "Viewport/Viewport.h"
+
+#include "vtkNew.h"
+#include "vtkSmartPointer.h"
+
+#include <cstdint>
+#include <vector>
+
+class vtkMatrix4x4;
+class vtkOpenGLFramebufferObject;
+class vtkOpenGLRenderWindow;
+class vtkRenderPass;
+class vtkRenderState;
+class vtkWindow;
+
+namespace isosurface
+{
+
+/**
+ * Draws what a renderer shows into a viewport of a display and reads it back. The display may be
+ * larger than the window (a wall of several).
+ *
+ * Pixel for pixel the result is a part of the picture of the whole display: everything is drawn on
+ * the raster of the whole display, of whose pixels all but the viewport's are cut away. (A
+ * projection of the viewport alone would move vertices by rounding errors, and with them a few
+ * pixels.) At divisor d that raster has a pixel for each block of d x d pixels; where d does not
+ * divide the display's size, it is that of the next larger display that it does divide, of which
+ * this one is the low left part.
+ */
+class ViewportDrawing
+{
+public:
+  /// The largest display that can be drawn: what graphics cards bear.
+  static constexpr int LargestDisplay = 16384;
+
+  ViewportDrawing();
+  ~ViewportDrawing();
+
+  /**
+   * Where the visible props that the state has are on the display, lines and points in their width
+   * included, if one of their pixels is a block of divisor x divisor. Of props whose bounds do not
+   * tell where they draw it is all of the display.
+   */
+  static ProjectedBounds FindBounds(
+    const vtkRenderState* state, const PixelRectangle& display, int divisor);
+
+  /// Draws by `pass` with the renderer's active camera; the state's renderer is as before, after
+  /// it.
+  void Draw(const vtkRenderState* state, vtkRenderPass* pass, const PixelRectangle& display,
+    const Viewport& viewport);
+
+  /// Reads back what was drawn. The picture is valid until the next one is read.
+  PictureView Read(const vtkRenderState* state, const Viewport& viewport);
+
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  void BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows);
+
+  vtkSmartPointer<vtkOpenGLFramebufferObject> LargeFramebuffer;
+  bool IsLargeFramebufferBound = false;
+  std::vector<std::uint32_t> Colors;
+  std::vector<float> Depths;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkMetabufferPVSynchronizedRenderer
+ * @brief   ParaView's synchronized renderer with a vtkMetabufferSynchronizedRenderers inside
+ *
+ * Where ranks render together (pvbatch, pvserver), the one that ParaView makes for them is
+ * replaced, with the same tiles, background and roles. All else is as ParaView has it: clients,
+ * CAVEs, and single ranks, which have nothing to merge.
+ */
+
+#ifndef vtkMetabufferPVSynchronizedRenderer_h
+#define vtkMetabufferPVSynchronizedRenderer_h
+
+#include "IsosurfaceRenderingModule.h" // For export macro
+#include "vtkPVSynchronizedRenderer.h"
+
+class vtkMetabufferPass;
+
+class ISOSURFACERENDERING_EXPORT vtkMetabufferPVSynchronizedRenderer
+  : public vtkPVSynchronizedRenderer
+{
+public:
+  static vtkMetabufferPVSynchronizedRenderer* New();
+  vtkTypeMacro(vtkMetabufferPVSynchronizedRenderer, vtkPVSynchronizedRenderer);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// Instead of the superclass' Initialize(), which is not virtual.
+  void InitializeMetabuffer(vtkPVSession* session);
+
+  /// The pass that merges; null where no ranks render together.
+  vtkMetabufferPass* GetMetabufferPass();
+
+protected:
+  vtkMetabufferPVSynchronizedRenderer();
+  ~vtkMetabufferPVSynchronizedRenderer() override;
+
+private:
+  vtkMetabufferPVSynchronizedRenderer(const vtkMetabufferPVSynchronizedRenderer&) = delete;
+  void operator=(const vtkMetabufferPVSynchronizedRenderer&) = delete;
+};
+
+#endif

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkMetabufferRenderView.h"
+
+#include "vtkMetabufferPVSynchronizedRenderer.h"
+#include "vtkMetabufferPass.h"
+#include "vtkObjectFactory.h"
+#include "vtkRenderer.h"
+
+#include <algorithm>
+
+vtkStandardNewMacro(vtkMetabufferRenderView);
+
+vtkMetabufferRenderView::vtkMetabufferRenderView()
+{
+  // In the place of the one that the superclass made.
+  this->SynchronizedRenderers->SetRenderer(nullptr);
+  this->SynchronizedRenderers->Delete();
+  auto* renderers = vtkMetabufferPVSynchronizedRenderer::New();
+  this->SynchronizedRenderers = renderers;
+  renderers->InitializeMetabuffer(this->GetSession());
+  renderers->SetRenderer(this->GetRenderer());
+}
+
+vtkMetabufferRenderView::~vtkMetabufferRenderView() = default;
+
+vtkMetabufferPass* vtkMetabufferRenderView::GetPass()
+{
+  return static_cast<vtkMetabufferPVSynchronizedRenderer*>(this->SynchronizedRenderers)
+    ->GetMetabufferPass();
+}
+
+void vtkMetabufferRenderView::SetViewportMode(int mode)
+{
+  if (vtkMetabufferPass* pass = this->GetPass())
+  {
+    pass->SetViewportMode(mode);
+  }
+}
+
+void vtkMetabufferRenderView::SetResolutionMode(int mode)
+{
+  this->ResolutionMode = std::clamp<int>(mode, FULL, PER_RANK);
+  this->UpdateResolution();
+}
+
+void vtkMetabufferRenderView::SetNumberOfDivisors(int count)
+{
+  this->Divisors.resize(static_cast<std::size_t>(std::max(0, count)), 1);
+  this->UpdateResolution();
+}
+
+void vtkMetabufferRenderView::SetDivisor(int index, int divisor)
+{
+  if (index >= 0)
+  {
+    this->SetNumberOfDivisors(std::max(index + 1, static_cast<int>(this->Divisors.size())));
+    this->Divisors[static_cast<std::size_t>(index)] = divisor;
+    this->UpdateResolution();
+  }
+}
+
+void vtkMetabufferRenderView::UpdateResolution()
+{
+  vtkMetabufferPass* pass = this->GetPass();
+  if (!pass)
+  {
+    return;
+  }
+  const bool isFull = this->ResolutionMode == FULL;
+  pass->SetNumberOfDivisors(isFull ? 0 : static_cast<int>(this->Divisors.size()));
+  for (std::size_t index = 0; !isFull && index < this->Divisors.size(); ++index)
+  {
+    pass->SetDivisor(static_cast<int>(index), this->Divisors[index]);
+  }
+}
+
+void vtkMetabufferRenderView::SetShowViewports(bool show)
+{
+  if (vtkMetabufferPass* pass = this->GetPass())
+  {
+    pass->SetShowViewports(show);
+  }
+}
+
+void vtkMetabufferRenderView::CaptureZBuffer()
+{
+  vtkMetabufferPass* pass = this->GetPass();
+  if (pass)
+  {
+    pass->CollectDepthsOn();
+  }
+  this->StillRender();
+  this->Superclass::CaptureZBuffer();
+  if (pass)
+  {
+    pass->CollectDepthsOff();
+  }
+}
+
+void vtkMetabufferRenderView::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ResolutionMode: " << this->ResolutionMode << "\n" << indent << "Divisors:";
+  for (const int divisor : this->Divisors)
+  {
+    os << " " << divisor;
+  }
+  os << "\n";
+}

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Viewport/PixelRuns.h"
+
+#include "RandomPictures.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr PixelRectangle Raster{ 13, 7, 53, 31 };
+
+/// The part of a picture as it should arrive: what is not active is color 0 and depth 1.
+OwnPicture CutActive(const OwnPicture& picture, const PixelRectangle& part)
+{
+  OwnPicture cut;
+  cut.Raster = part;
+  for (int y = part.Y; y < part.GetTop(); ++y)
+  {
+    for (int x = part.X; x < part.GetRight(); ++x)
+    {
+      const std::size_t index = picture.GetView().GetIndex(x, y);
+      const bool isActive = picture.Depths[index] < 1.0F;
+      cut.Colors.push_back(isActive ? picture.Colors[index] : 0);
+      cut.Depths.push_back(isActive ? picture.Depths[index] : 1.0F);
+    }
+  }
+  return cut;
+}
+
+OwnPicture Paint(const ActivePixels& pixels, const PixelRectangle& part)
+{
+  OwnPicture picture;
+  picture.Raster = part;
+  picture.Colors.assign(static_cast<std::size_t>(part.GetArea()), 0);
+  picture.Depths.assign(static_cast<std::size_t>(part.GetArea()), 1.0F);
+  for (const PixelRun& run : pixels.Runs)
+  {
+    const std::size_t index = picture.GetView().GetIndex(run.X, run.Y);
+    std::copy_n(pixels.Colors.begin() + static_cast<std::ptrdiff_t>(run.First), run.Length,
+      picture.Colors.begin() + static_cast<std::ptrdiff_t>(index));
+    if (!pixels.Depths.empty())
+    {
+      std::copy_n(pixels.Depths.begin() + static_cast<std::ptrdiff_t>(run.First), run.Length,
+        picture.Depths.begin() + static_cast<std::ptrdiff_t>(index));
+    }
+  }
+  return picture;
+}
+
+void ExpectRoundTrip(const OwnPicture& picture, const PixelRectangle& part)
+{
+  const OwnPicture expected = CutActive(picture, part);
+  Message bytes(3, 99);
+  AppendActivePixels(picture.GetView(), part, PixelContent::ColorsAndDepths, bytes);
+  const std::size_t second = bytes.size();
+  AppendActivePixels(picture.GetView(), part, PixelContent::Colors, bytes);
+
+  std::size_t offset = 3;
+  ActivePixels pixels;
+  ASSERT_TRUE(ReadActivePixels(bytes, part, PixelContent::ColorsAndDepths, offset, pixels).IsOk());
+  EXPECT_EQ(offset, second);
+  const OwnPicture full = Paint(pixels, part);
+  EXPECT_EQ(full.Colors, expected.Colors);
+  // Bit for bit: a depth of -0 is not one of 0.
+  EXPECT_TRUE(std::equal(full.Depths.begin(), full.Depths.end(), expected.Depths.begin(),
+    expected.Depths.end(), [](float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }));
+  ASSERT_TRUE(ReadActivePixels(bytes, part, PixelContent::Colors, offset, pixels).IsOk());
+  EXPECT_EQ(offset, bytes.size());
+  EXPECT_EQ(Paint(pixels, part).Colors, expected.Colors);
+  EXPECT_TRUE(pixels.Depths.empty());
+}
+
+Message MakeBytes(const OwnPicture& picture, PixelContent content)
+{
+  Message bytes;
+  AppendActivePixels(picture.GetView(), picture.Raster, content, bytes);
+  return bytes;
+}
+
+} // namespace
+
+TEST(PixelRuns, AnyPartOfAnyPictureArrivesBitForBit)
+{
+  std::mt19937 random(1);
+  for (unsigned trial = 0; trial < 100; ++trial)
+  {
+    const OwnPicture picture = MakeRandomPicture(Raster, trial);
+    ExpectRoundTrip(picture, MakeRandomRectangle(Raster, random));
+  }
+}
+
+TEST(PixelRuns, FullEmptyAndSinglePixels)
+{
+  OwnPicture picture = MakeRandomPicture(Raster, 1);
+  std::fill(picture.Depths.begin(), picture.Depths.end(), 0.25F);
+  ExpectRoundTrip(picture, Raster);
+  std::fill(picture.Depths.begin(), picture.Depths.end(), 1.0F);
+  ExpectRoundTrip(picture, Raster);
+  ExpectRoundTrip(picture, { 20, 10, 0, 5 });
+  picture.Depths.back() = 0.0F;
+  ExpectRoundTrip(picture, Raster);
+}
+
+TEST(PixelRuns, DepthsOfAllRangesArriveBitForBit)
+{
+  OwnPicture picture = MakeRandomPicture(Raster, 2);
+  std::mt19937 random(9);
+  for (const float low : { -1.0F, 0.0F, 1e-30F, 0.3F, 0.6F, 0.999F })
+  {
+    for (float& depth : picture.Depths)
+    {
+      depth = low + (1.0001F - low) * static_cast<float>(random() % 100000) / 100000.0F;
+    }
+    ExpectRoundTrip(picture, Raster);
+  }
+  // NaN is not less than 1: nothing was drawn there.
+  picture.Depths[17] = std::numeric_limits<float>::quiet_NaN();
+  ExpectRoundTrip(picture, Raster);
+}
+
+TEST(PixelRuns, OpaquePixelsTakeThreeBytesAndDepthsOfAScreenThree)
+{
+  OwnPicture picture = MakeRandomPicture(Raster, 3);
+  std::fill(picture.Depths.begin(), picture.Depths.end(), 0.75F);
+  picture.Depths[0] = 0.3F;
+  const auto count = static_cast<std::size_t>(Raster.GetArea());
+  EXPECT_LT(MakeBytes(picture, PixelContent::ColorsAndDepths).size(), 7 * count + 20);
+  for (std::uint32_t& color : picture.Colors)
+  {
+    color |= 0xff000000U;
+  }
+  ExpectRoundTrip(picture, Raster);
+  EXPECT_LT(MakeBytes(picture, PixelContent::ColorsAndDepths).size(), 6 * count + 20);
+  EXPECT_LT(MakeBytes(picture, PixelContent::Colors).size(), 3 * count + 20);
+}
+
+TEST(PixelRuns, TruncatedBytesAreCorrupt)
+{
+  const Message bytes = MakeBytes(MakeRandomPicture(Raster, 4), PixelContent::ColorsAndDepths);
+  ActivePixels pixels;
+  for (std::size_t size = 0; size < bytes.size(); size += size < 40 ? 1 : 37)
+  {
+    const Message cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    std::size_t offset = 0;
+    EXPECT_EQ(
+      ReadActivePixels(cut, Raster, PixelContent::ColorsAndDepths, offset, pixels).GetCode(),
+      StatusCode::Corrupt)
+      << size;
+    EXPECT_EQ(offset, 0U);
+  }
+  std::size_t beyond = bytes.size() + 5;
+  EXPECT_FALSE(
+    ReadActivePixels(bytes, Raster, PixelContent::ColorsAndDepths, beyond, pixels).IsOk());
+}
+
+TEST(PixelRuns, OtherBytesAreCorruptOrPixelsInsideTheRectangle)
+{
+  std::mt19937 random(8);
+  const Message good = MakeBytes(MakeRandomPicture(Raster, 5), PixelContent::ColorsAndDepths);
+  int corrupt = 0;
+  for (int trial = 0; trial < 3000; ++trial)
+  {
+    Message bytes = good;
+    for (unsigned change = 0; change <= random() % 3; ++change)
+    {
+      // Mostly in the header and the runs, where it matters.
+      bytes[random() % (trial % 2 == 0 ? 20 : 400)] = static_cast<std::uint8_t>(random());
+    }
+    ActivePixels pixels;
+    std::size_t offset = 0;
+    if (!ReadActivePixels(bytes, Raster, PixelContent::ColorsAndDepths, offset, pixels).IsOk())
+    {
+      ++corrupt;
+      continue;
+    }
+    EXPECT_LE(offset, bytes.size());
+    std::size_t count = 0;
+    for (const PixelRun& run : pixels.Runs)
+    {
+      const PixelRectangle place{ run.X, run.Y, run.Length, 1 };
+      EXPECT_EQ(place.Intersect(Raster), place);
+      EXPECT_EQ(run.First, count);
+      count += static_cast<std::size_t>(run.Length);
+    }
+    EXPECT_EQ(pixels.Colors.size(), count);
+    EXPECT_EQ(pixels.Depths.size(), count);
+  }
+  EXPECT_GT(corrupt, 1000);
+}
+
+TEST(PixelRuns, BytesOfAnotherContentOrALargerPictureAreCorrupt)
+{
+  const Message bytes = MakeBytes(MakeRandomPicture(Raster, 6), PixelContent::ColorsAndDepths);
+  ActivePixels pixels;
+  std::size_t offset = 0;
+  EXPECT_FALSE(ReadActivePixels(bytes, Raster, PixelContent::Colors, offset, pixels).IsOk());
+  EXPECT_FALSE(
+    ReadActivePixels(bytes, { 13, 7, 20, 20 }, PixelContent::ColorsAndDepths, offset, pixels)
+      .IsOk());
+}

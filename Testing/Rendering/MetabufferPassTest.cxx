@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// At full resolution the picture is that of stock compositing, and that of one rank that draws all.
+#include "RankScene.h"
+
+#include "vtkMetabufferPass.h"
+
+#include "vtkActor.h"
+#include "vtkBoundingBox.h"
+#include "vtkIceTCompositePass.h"
+#include "vtkNew.h"
+#include "vtkOrderedCompositingHelper.h"
+#include "vtkProperty.h"
+#include "vtkRenderer.h"
+
+#include <gtest/gtest.h>
+
+using namespace isosurface;
+
+namespace
+{
+
+void ExpectSame(const Picture& ours, const Picture& theirs, const std::string& what)
+{
+  EXPECT_EQ(ours.Width, theirs.Width) << what;
+  EXPECT_EQ(ours.Height, theirs.Height) << what;
+  EXPECT_EQ(CountDifferentColors(ours, theirs), 0U) << what;
+  EXPECT_EQ(CountDifferentDepths(ours, theirs), 0U) << what;
+}
+
+/// All ranks' actors, drawn by this one.
+Picture RenderAllAlone(const Scene& scene, const CameraPlace& camera, int width, int height)
+{
+  std::vector<vtkSmartPointer<vtkActor>> all;
+  for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
+  {
+    for (const auto& actor : scene.Make(rank, GetNumberOfRanks()))
+    {
+      all.push_back(actor);
+    }
+  }
+  return RenderAlone(all, camera, width, height);
+}
+
+constexpr int Width = 211;
+constexpr int Height = 163;
+
+} // namespace
+
+TEST(MetabufferPass, FullResolutionIsThePictureOfStockCompositing)
+{
+  RankWindow stock(RankWindow::Stock, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  std::size_t active = 0;
+  for (const Scene& scene : GetScenes())
+  {
+    if (scene.Name == "wireframe" || scene.Name == "points")
+    {
+      continue; // stock compositing cuts them at the bounds
+    }
+    stock.SetScene(scene);
+    ours.SetScene(scene);
+    for (const CameraPlace& camera : GetCameraPlaces())
+    {
+      stock.SetCamera(camera);
+      ours.SetCamera(camera);
+      const Picture expected = stock.Render();
+      active += expected.CountActive();
+      for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
+      {
+        ours.GetPass()->SetCompositeMode(mode);
+        const std::string what = scene.Name + ", " + camera.Name + ", " + std::to_string(mode);
+        ExpectSame(ours.Render(), expected, what);
+        EXPECT_TRUE(ours.GetPass()->GetUsedViewports()) << what;
+      }
+    }
+  }
+  EXPECT_TRUE(IsTrueOnSomeRank(active > 50000));
+}
+
+TEST(MetabufferPass, FullResolutionIsThePictureOfOneRankThatDrawsAll)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  for (const Scene& scene : GetScenes())
+  {
+    ours.SetScene(scene);
+    for (const CameraPlace& camera : GetCameraPlaces())
+    {
+      ours.SetCamera(camera);
+      const Picture picture = ours.Render();
+      if (GetRank() == 0)
+      {
+        ExpectSame(
+          picture, RenderAllAlone(scene, camera, Width, Height), scene.Name + ", " + camera.Name);
+      }
+    }
+  }
+}
+
+TEST(MetabufferPass, RanksDrawTheRectanglesThatTheirPropsCover)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  for (const Scene& scene : GetScenes())
+  {
+    ours.SetScene(scene);
+    for (const CameraPlace& camera : GetCameraPlaces())
+    {
+      ours.SetCamera(camera);
+      ours.Render();
+      // The pixels of this rank alone, found by looking at all of them.
+      const Picture mine =
+        RenderAlone(scene.Make(GetRank(), GetNumberOfRanks()), camera, Width, Height);
+      int viewport[5];
+      ours.GetPass()->GetViewport(GetRank(), viewport);
+      for (int y = 0; y < Height; ++y)
+      {
+        for (int x = 0; x < Width; ++x)
+        {
+          const bool isInside = x >= viewport[0] && x < viewport[0] + viewport[2] &&
+            y >= viewport[1] && y < viewport[1] + viewport[3];
+          const std::size_t pixel =
+            static_cast<std::size_t>(y) * Width + static_cast<std::size_t>(x);
+          EXPECT_FALSE(!isInside && mine.Depths[pixel] < 1.0F)
+            << scene.Name << ", " << camera.Name << ": " << x << ", " << y;
+        }
+      }
+      if (scene.Name == "nested" && camera.Name == "far away")
+      {
+        EXPECT_LT(viewport[2] * viewport[3], Width * Height / (GetRank() == 0 ? 1 : 2));
+        EXPECT_EQ(ours.GetPass()->GetFrameCost().DrawnPixels, viewport[2] * viewport[3]);
+      }
+      if (scene.Name == "nobody draws" || camera.Name == "beside")
+      {
+        EXPECT_EQ(viewport[2] * viewport[3], 0) << scene.Name;
+      }
+    }
+  }
+}
+
+TEST(MetabufferPass, FullDisplayAsViewportGivesTheSamePicture)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  ours.SetScene(GetScenes()[0]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  const Picture bounds = ours.Render();
+  ours.GetPass()->SetViewportMode(vtkMetabufferPass::FULL_DISPLAY);
+  ExpectSame(ours.Render(), bounds, "full display");
+  EXPECT_EQ(ours.GetPass()->GetFrameCost().DrawnPixels, Width * Height);
+}
+
+TEST(MetabufferPass, WithoutDepthsTheColorsAreTheSame)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  ours.SetScene(GetScenes()[1]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  const Picture full = ours.Render();
+  ours.GetPass()->CollectDepthsOff();
+  for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
+  {
+    ours.GetPass()->SetCompositeMode(mode);
+    const Picture colors = ours.Render();
+    EXPECT_EQ(CountDifferentColors(colors, full), 0U);
+    EXPECT_TRUE(colors.Depths.empty());
+  }
+}
+
+TEST(MetabufferPass, DepthsAreCollectedIfOneRankWantsThem)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  ours.SetScene(GetScenes()[0]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  ours.GetPass()->SetCollectDepths(GetRank() == GetNumberOfRanks() - 1);
+  const Picture picture = ours.Render();
+  EXPECT_EQ(picture.Depths.size(), picture.Colors.size());
+}
+
+TEST(MetabufferPass, WhereViewportsCannotBeUsedThePictureIsTheStockOne)
+{
+  RankWindow stock(RankWindow::Stock, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  stock.SetScene(GetScenes()[0]);
+  ours.SetScene(GetScenes()[0]);
+  stock.SetCamera(GetCameraPlaces()[0]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  ours.GetPass()->SetRenderEmptyImages(true);
+  ExpectSame(ours.Render(), stock.Render(), "empty images");
+  EXPECT_FALSE(ours.GetPass()->GetUsedViewports());
+  ours.GetPass()->SetRenderEmptyImages(false);
+  ExpectSame(ours.Render(), stock.Render(), "viewports again");
+  EXPECT_TRUE(ours.GetPass()->GetUsedViewports());
+}
+
+TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
+{
+  const Scene scene = GetScenes()[0];
+  vtkNew<vtkOrderedCompositingHelper> order;
+  std::vector<vtkBoundingBox> slabs;
+  for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
+  {
+    const double width = 1.0 / GetNumberOfRanks();
+    slabs.emplace_back(rank * width, (rank + 1) * width, 0.0, 1.0, 0.0, 1.0);
+  }
+  order->SetBoundingBoxes(slabs);
+  RankWindow stock(RankWindow::Stock, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  std::vector<Picture> pictures;
+  for (RankWindow* window : { &stock, &ours })
+  {
+    window->SetScene({ scene.Name,
+      [&scene](int rank, int ranks)
+      {
+        auto actors = scene.Make(rank, ranks);
+        for (const auto& actor : actors)
+        {
+          actor->GetProperty()->SetOpacity(0.4);
+        }
+        return actors;
+      } });
+    window->SetCamera(GetCameraPlaces()[0]);
+    window->GetIceTPass()->SetOrderedCompositingHelper(order);
+    window->GetIceTPass()->SetUseOrderedCompositing(true);
+    pictures.push_back(window->Render());
+  }
+  ExpectSame(pictures[1], pictures[0], "translucent");
+  EXPECT_FALSE(ours.GetPass()->GetUsedViewports());
+}
+
+TEST(MetabufferPass, ShowsTheViewportsOnRequest)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  ours.SetScene(GetScenes()[2]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  const Picture plain = ours.Render();
+  ours.GetPass()->ShowViewportsOn();
+  const Picture outlined = ours.Render();
+  int viewport[5];
+  ours.GetPass()->GetViewport(GetNumberOfRanks() - 1, viewport);
+  if (GetRank() == 0)
+  {
+    // The last rank's outline lies over the others', all around its viewport.
+    const auto pixel = static_cast<std::size_t>(viewport[1] * Width + viewport[0]);
+    EXPECT_NE(outlined.Colors[pixel], plain.Colors[pixel]);
+    EXPECT_GE(CountDifferentColors(outlined, plain),
+      static_cast<std::size_t>(2 * (viewport[2] + viewport[3] - 2)));
+    EXPECT_EQ(CountDifferentDepths(outlined, plain), 0U);
+  }
+}
+
+TEST(MetabufferPass, ARendererThatIsPartOfItsWindow)
+{
+  // Stock compositing cuts a projection to the part out of one to the window, and rounds.
+  RankWindow ours(RankWindow::Metabuffer, 200, 160);
+  ours.GetRenderer()->SetViewport(0.25, 0.1, 0.75, 0.85);
+  const Scene scene = GetScenes()[1];
+  const CameraPlace camera = GetCameraPlaces()[0];
+  ours.SetScene(scene);
+  ours.SetCamera(camera);
+  const Picture picture = ours.Render();
+  if (GetRank() == 0)
+  {
+    ExpectSame(picture, RenderAllAlone(scene, camera, 100, 120), "part of a window");
+  }
+}

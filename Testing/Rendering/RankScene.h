@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Testing_RankScene_h
+#define isosurface_Testing_RankScene_h
+
+#include "vtkNew.h"
+#include "vtkSmartPointer.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+class vtkActor;
+class vtkIceTCompositePass;
+class vtkIceTSynchronizedRenderers;
+class vtkMetabufferPass;
+class vtkRenderer;
+class vtkRenderWindow;
+class vtkSynchronizedRenderWindows;
+
+namespace isosurface
+{
+
+int GetRank();
+int GetNumberOfRanks();
+bool IsTrueOnSomeRank(bool mine);
+
+/// A picture of this rank's tile, or none.
+struct Picture
+{
+  int Width = 0;
+  int Height = 0;
+  std::vector<std::uint32_t> Colors; ///< red, green, blue, alpha in the order of addresses
+  std::vector<float> Depths;         ///< empty if they were not merged
+
+  bool IsEmpty() const { return this->Colors.empty(); }
+  std::size_t CountActive() const;
+};
+
+std::size_t CountDifferentColors(const Picture& a, const Picture& b);
+std::size_t CountDifferentDepths(const Picture& a, const Picture& b);
+
+struct CameraPlace
+{
+  std::string Name;
+  std::array<double, 3> Position{};
+  std::array<double, 3> FocalPoint{};
+  double ViewAngle = 30;
+  double ParallelScale = 0; ///< 0: perspective
+  std::array<double, 2> ClippingRange{};
+};
+
+/// Around the unit cube: far away, near, inside, beside it, parallel.
+std::vector<CameraPlace> GetCameraPlaces();
+
+/// What each rank draws: the actors of a rank, of so many ranks.
+using SceneMaker = std::function<std::vector<vtkSmartPointer<vtkActor>>(int rank, int ranks)>;
+
+struct Scene
+{
+  std::string Name;
+  SceneMaker Make;
+};
+
+/// Balls dealt out at random or in compact parts, nested ones, ranks without anything, lines,
+/// points.
+std::vector<Scene> GetScenes();
+
+/// Renders a scene in one window a rank, its parts merged by vtkIceTSynchronizedRenderers or ours.
+class RankWindow
+{
+public:
+  enum Kind
+  {
+    Stock,
+    Metabuffer
+  };
+  RankWindow(Kind kind, int width, int height, int columns = 1, int rows = 1);
+  ~RankWindow();
+
+  void SetScene(const Scene& scene);
+  void SetCamera(const CameraPlace& camera);
+  /// Collective: a frame of all ranks.
+  Picture Render();
+  /// Null for stock ones.
+  vtkMetabufferPass* GetPass();
+  vtkIceTCompositePass* GetIceTPass();
+  vtkRenderer* GetRenderer() { return this->Renderer; }
+
+private:
+  vtkNew<vtkRenderWindow> Window;
+  vtkNew<vtkRenderer> Renderer;
+  vtkNew<vtkSynchronizedRenderWindows> Windows;
+  vtkSmartPointer<vtkIceTSynchronizedRenderers> Renderers;
+};
+
+/// Draws actors in a window of this rank's own, without any merging.
+Picture RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
+  int width, int height);
+
+} // namespace isosurface
+
+#endif
