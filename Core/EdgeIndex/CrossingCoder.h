@@ -48,17 +48,19 @@ public:
     , SizeY(sizeY)
   {
     this->Reciprocal = (std::uint64_t{ 1 } << 40) / bins;
+    // Rows behind those of the block and its margins are not looked at; blocks may be small.
+    const std::ptrdiff_t used = (sizeY + 4) * RowStride;
     for (std::size_t n = 0; n < 3; ++n)
     {
       this->Planes[n] = &this->Memory[n];
       for (CrossingPlane& plane : this->Memory[n])
       {
-        plane.Positions.fill(CrossingFit::None);
+        std::fill_n(plane.Positions.begin(), used, CrossingFit::None);
       }
     }
     for (auto& levels : this->Levels)
     {
-      levels.fill(static_cast<std::uint16_t>(model.MeanLevel / 16));
+      std::fill_n(levels.begin(), used, static_cast<std::uint16_t>(model.MeanLevel / 16));
     }
   }
 
@@ -76,7 +78,7 @@ public:
     {
       this->MarkCrossings(*above, nullptr, *this->Planes[2]);
     }
-    else
+    else if (Mixed)
     {
       for (CrossingPlane& plane : *this->Planes[2])
       {
@@ -229,7 +231,7 @@ private:
   Coder& Output;
   CrossingModel& Model;
   ResidualCoder<Coder, Mixed> Residuals;
-  CrossingFit Fit;
+  const CrossingFit& Fit = CrossingFit::Get();
   std::uint32_t Bins;
   bool HasMissing;
   int SizeX;

@@ -40,6 +40,12 @@ int CountBits(std::int64_t number)
 
 } // namespace
 
+const CrossingFit& CrossingFit::Get()
+{
+  static const CrossingFit fit;
+  return fit;
+}
+
 CrossingFit::CrossingFit()
 {
   for (int axis = 0; axis < 3; ++axis)

@@ -50,7 +50,8 @@ public:
     int Number = 0;                       ///< of crossings that were used
   };
 
-  CrossingFit();
+  /// The only one; made once.
+  static const CrossingFit& Get();
 
   /// at: the place of the edge's first vertex (x, y) in a plane; inside: its sign; slices: the
   /// signs before, in and after this slice.
@@ -92,6 +93,7 @@ private:
     std::array<std::array<std::int32_t, 4>, 8> Sums;
   };
 
+  CrossingFit();
   void MakeNeighbors(int axis);
   void MakeSigns(int axis);
   static Result Solve(const Equations& equations, int axis, bool inside);

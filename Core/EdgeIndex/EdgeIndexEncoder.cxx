@@ -386,6 +386,7 @@ public:
     , Preview(header.MakePreview())
     , Learning(learning)
     , Model(GetFreshModel(header.Settings.Profile == EdgeIndexProfile::Default))
+    , PreviewModel(GetFreshModel(false))
   {
   }
 
@@ -417,7 +418,7 @@ public:
     record.Block.HasMissing = false;
     BlockContent content;
     content.Domain = &*domain;
-    this->Run(block, content, code);
+    this->Run(block, record.Block.IsPreview, content, code);
   }
 
   void EncodeCrossings(
@@ -428,7 +429,7 @@ public:
     BlockContent content;
     content.Bins = block.GetBins();
     content.HasMissing = record.Block.HasMissing;
-    this->Run(block, content, code);
+    this->Run(block, record.Block.IsPreview, content, code);
   }
 
   /// Appends the record of a block that is crossed.
@@ -501,18 +502,21 @@ private:
     return coarse;
   }
 
-  void Run(SampledBlock& block, BlockContent& content, std::vector<std::uint8_t>& code)
+  void Run(
+    SampledBlock& block, bool isPreview, BlockContent& content, std::vector<std::uint8_t>& code)
   {
     content.Size = block.GetSize();
     content.Attributes = block.GetAttributes();
-    this->Model.Reset(content.Domain != nullptr);
+    BlockModel& model = isPreview ? this->PreviewModel : this->Model;
+    model.Reset(content.Domain != nullptr);
     RangeEncoder encoder(code);
-    CodeBlock(encoder, this->Learning ? *this->Learning : this->Model, content, block);
+    CodeBlock(encoder, this->Learning ? *this->Learning : model, content, block);
     encoder.Finish();
   }
 
   BlockModel* Learning;
   BlockModel Model;
+  BlockModel PreviewModel;
 };
 
 EdgeIndexEncoder::EdgeIndexEncoder(const EdgeIndexHeader& header, BlockModel* learning)

@@ -216,6 +216,7 @@ EdgeIndexHeader EdgeIndexHeader::MakePreview() const
   EdgeIndexHeader header = *this;
   header.Geometry = this->Geometry.Coarsen(this->PreviewLevel);
   header.Settings.Mode = EdgeIndexMode::Bounded;
+  header.Settings.Profile = EdgeIndexProfile::Fast;
   header.Settings.MaximumError = this->PreviewMaximumError;
   header.PreviewLevel = 0;
   header.Attributes.clear();

@@ -80,8 +80,8 @@ struct EdgeIndexHeader
   std::uint64_t NumberOfBlocks = 0;
 
   /// If not 0 (at most 6), the surface of every 2^PreviewLevel-th vertex is there as well, bounded
-  /// by PreviewMaximumError, in edges of that grid. It misses blocks that do not begin at such a
-  /// vertex.
+  /// by PreviewMaximumError, in edges of that grid, in the fast profile. It misses blocks that do
+  /// not begin at such a vertex.
   int PreviewLevel = 0;
   double PreviewMaximumError = 0.05;
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <string>
 #include <vector>
@@ -203,6 +204,34 @@ TEST(EdgeIndexFile, ThePreviewIsTheSurfaceOfEveryFourthVertex)
         MakeHeader(volume, { 120.5, 90 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast),
         *std::make_unique<TestBlockSource<std::uint8_t>>(volume, 32), 1)
                             ->size()));
+}
+
+TEST(EdgeIndexFile, ThePreviewIsCodedInTheFastProfileWhateverThatOfTheSurface)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 65, 65, 65 }, 0.2);
+  EdgeIndexHeader header = MakeFileHeader(volume, { 120.5, 150 });
+  std::array<MemoryDisk::Bytes, 2> previews;
+  std::array<MemoryDisk::Bytes, 2> surfaces;
+  for (const auto profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+  {
+    header.Settings.Profile = profile;
+    MemoryDisk disk;
+    WriteFile(disk, header, volume, 32);
+    const auto file = OpenFile(disk);
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(file->Verify(1).IsOk());
+    const std::size_t n = profile == EdgeIndexProfile::Fast ? 1 : 0;
+    for (std::size_t entry = 0; entry < file->GetEntries().size(); ++entry)
+    {
+      std::vector<std::uint8_t> record;
+      ASSERT_TRUE(file->ReadRecord(entry, record).IsOk());
+      auto& bytes = file->GetEntries()[entry].Block.IsPreview ? previews[n] : surfaces[n];
+      bytes.insert(bytes.end(), record.begin(), record.end());
+    }
+  }
+  EXPECT_FALSE(previews[0].empty());
+  EXPECT_EQ(previews[0], previews[1]);
+  EXPECT_NE(surfaces[0], surfaces[1]);
 }
 
 TEST(EdgeIndexFile, PiecesMakeTheWholeSurface)
