@@ -139,6 +139,7 @@ Status SurfaceExchange::Partition(const std::vector<Message>& messages)
   const auto self = static_cast<std::size_t>(this->Ranks.GetRank());
   std::vector<WeighedBlock> blocks;
   std::size_t firstOwn = 0;
+  const Index3 dimensions = this->Header.Geometry.GetDimensions();
   for (std::size_t rank = 0; rank < messages.size(); ++rank)
   {
     firstOwn = rank == self ? blocks.size() : firstOwn;
@@ -148,9 +149,14 @@ Status SurfaceExchange::Partition(const std::vector<Message>& messages)
       WeighedBlock& block = blocks.emplace_back();
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
-        block.Vertices.Low[axis] = static_cast<std::int64_t>(reader.ReadNumber());
-        block.Vertices.High[axis] =
-          block.Vertices.Low[axis] + static_cast<std::int64_t>(reader.ReadNumber());
+        const auto low = static_cast<std::int64_t>(reader.ReadNumber());
+        const auto vertices = static_cast<std::int64_t>(reader.ReadNumber());
+        if (vertices < 1 || vertices > dimensions[axis] || low > dimensions[axis] - vertices)
+        {
+          return MakeDamaged();
+        }
+        block.Vertices.Low[axis] = low;
+        block.Vertices.High[axis] = low + vertices;
       }
       block.Workload = reader.ReadNumber();
     }
@@ -277,6 +283,7 @@ Result<Surface> SurfaceExchange::MakeSurface(
         records[record.Block.Isovalue].push_back(record);
       }
       std::vector<std::unique_ptr<BlockSource>> sources;
+      sources.reserve(records.size());
       for (std::vector<EdgeIndexRecord>& blocks : records)
       {
         sources.push_back(std::make_unique<EdgeIndexBlockSource>(this->Header, std::move(blocks)));

@@ -163,7 +163,12 @@ public:
   void ReduceSum(std::vector<std::uint64_t>& values) override { this->Inner.ReduceSum(values); }
   std::vector<Message> AllGather(const Message& mine) override
   {
-    return this->Inner.AllGather(mine);
+    std::vector<Message> gathered = this->Inner.AllGather(mine);
+    if (this->DamageDescriptions)
+    {
+      std::exchange(this->DamageDescriptions, nullptr)(gathered.front());
+    }
+    return gathered;
   }
   std::vector<Message> Exchange(std::vector<Message> outgoing) override
   {
@@ -171,6 +176,8 @@ public:
     this->Damage(incoming.front());
     return incoming;
   }
+
+  std::function<void(Message&)> DamageDescriptions; ///< of blocks, which are gathered first
 
 private:
   Communicator& Inner;
@@ -394,6 +401,36 @@ TEST(SurfaceExchange, DamagedMessagesFailOnAllRanks)
           [](std::int64_t block, int) { return block == 8  ? 1
                                           : block % 9 != 0 ? -1
                                                            : 0; });
+        SurfaceExchange exchange(ranks, header, {});
+        errors[static_cast<std::size_t>(ranks.GetRank())] = exchange.Run(source);
+      });
+    EXPECT_EQ(errors[0].GetCode(), StatusCode::RemoteFailure) << "damage " << n;
+    EXPECT_EQ(errors[1].GetCode(), StatusCode::Corrupt) << "damage " << n;
+  }
+}
+
+TEST(SurfaceExchange, DamagedDescriptionsOfBlocksFailOnAllRanks)
+{
+  const EdgeIndexHeader header = MakeVolumeHeader(EdgeIndexMode::Lossless);
+  const std::vector<std::function<void(Message&)>> damages = {
+    [](Message& message) { message.pop_back(); }, [](Message& message) { message.push_back(1); },
+    [](Message& message) { std::fill(message.begin(), message.end(), std::uint8_t{ 255 }); },
+    [](Message& message) { message[0] = 127; }, // a block beyond the grid
+    [](Message& message) { message[1] = 0; },   // a block without vertices
+  };
+  for (std::size_t n = 0; n < damages.size(); ++n)
+  {
+    std::vector<Status> errors(2);
+    ThreadCommunicator::Run(2,
+      [&](Communicator& inner)
+      {
+        DamagingCommunicator ranks(inner, [](Message&) {});
+        if (inner.GetRank() == 1)
+        {
+          ranks.DamageDescriptions = damages[n];
+        }
+        TestBlockSource<std::uint8_t> source(GetVolume(), BlockSize);
+        KeepOwnBlocks(source, ranks, DealInTurn);
         SurfaceExchange exchange(ranks, header, {});
         errors[static_cast<std::size_t>(ranks.GetRank())] = exchange.Run(source);
       });
