@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Redistribution/CompactPartition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+class Bisection
+{
+public:
+  Bisection(const std::vector<WeighedBlock>& blocks, const std::array<double, 3>& spacing)
+    : Blocks(blocks)
+    , Spacing(spacing)
+    , Order(blocks.size())
+    , Parts(blocks.size())
+  {
+    std::iota(this->Order.begin(), this->Order.end(), std::size_t{ 0 });
+  }
+
+  std::vector<std::uint32_t> Run(std::uint32_t parts)
+  {
+    this->Divide(0, this->Order.size(), 0, parts);
+    return std::move(this->Parts);
+  }
+
+private:
+  // The blocks [begin, end) of Order become the parts from `first` on.
+  void Divide(std::size_t begin, std::size_t end, std::uint32_t first, std::uint32_t parts)
+  {
+    if (parts == 1)
+    {
+      for (std::size_t n = begin; n < end; ++n)
+      {
+        this->Parts[this->Order[n]] = first;
+      }
+      return;
+    }
+    this->Sort(begin, end);
+    const std::uint32_t lower = parts / 2;
+    const std::size_t cut = this->FindCut(begin, end, lower, parts - lower);
+    this->Divide(begin, cut, first, lower);
+    this->Divide(cut, end, first + lower, parts - lower);
+  }
+
+  void Sort(std::size_t begin, std::size_t end)
+  {
+    const std::size_t axis = this->FindLongestAxis(begin, end);
+    const auto isBefore = [&](std::size_t a, std::size_t b)
+    {
+      const Index3& lowA = this->Blocks[a].Vertices.Low;
+      const Index3& lowB = this->Blocks[b].Vertices.Low;
+      for (std::size_t n = 0; n < 3; ++n)
+      {
+        const std::size_t next = (axis + n) % 3;
+        if (lowA[next] != lowB[next])
+        {
+          return lowA[next] < lowB[next];
+        }
+      }
+      return false;
+    };
+    std::sort(this->Order.begin() + static_cast<std::ptrdiff_t>(begin),
+      this->Order.begin() + static_cast<std::ptrdiff_t>(end), isBefore);
+  }
+
+  std::size_t FindLongestAxis(std::size_t begin, std::size_t end) const
+  {
+    std::size_t longest = 0;
+    double greatest = -1;
+    for (std::size_t axis = 0; axis < 3 && begin < end; ++axis)
+    {
+      const VertexBox& box = this->Blocks[this->Order[begin]].Vertices;
+      std::int64_t low = box.Low[axis];
+      std::int64_t high = box.High[axis];
+      for (std::size_t n = begin; n < end; ++n)
+      {
+        const VertexBox& other = this->Blocks[this->Order[n]].Vertices;
+        low = std::min(low, other.Low[axis]);
+        high = std::max(high, other.High[axis]);
+      }
+      const double length = static_cast<double>(high - 1 - low) * std::abs(this->Spacing[axis]);
+      if (length > greatest)
+      {
+        greatest = length;
+        longest = axis;
+      }
+    }
+    return longest;
+  }
+
+  // Where the greater mean of the parts before and behind is least.
+  std::size_t FindCut(
+    std::size_t begin, std::size_t end, std::uint32_t lower, std::uint32_t upper) const
+  {
+    std::uint64_t before = 0;
+    std::uint64_t behind = 0;
+    for (std::size_t n = begin; n < end; ++n)
+    {
+      behind += this->Blocks[this->Order[n]].Workload;
+    }
+    std::size_t cut = begin;
+    double least = static_cast<double>(behind) / upper;
+    for (std::size_t n = begin; n < end; ++n)
+    {
+      before += this->Blocks[this->Order[n]].Workload;
+      behind -= this->Blocks[this->Order[n]].Workload;
+      const double mean =
+        std::max(static_cast<double>(before) / lower, static_cast<double>(behind) / upper);
+      if (mean < least)
+      {
+        least = mean;
+        cut = n + 1;
+      }
+    }
+    return cut;
+  }
+
+  const std::vector<WeighedBlock>& Blocks;
+  const std::array<double, 3>& Spacing;
+  std::vector<std::size_t> Order;
+  std::vector<std::uint32_t> Parts;
+};
+
+} // namespace
+
+std::vector<std::uint32_t> MakeCompactPartition(const std::vector<WeighedBlock>& blocks,
+  std::uint32_t parts, const std::array<double, 3>& spacing)
+{
+  return Bisection(blocks, spacing).Run(parts);
+}
+
+} // namespace isosurface
