@@ -130,7 +130,9 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
   std::int32_t *from = pointers.From, *to = pointers.To, *area = pointers.Area,
                *first = pointers.First, *slope = pointers.Slope;
   const MeasureWeights weight = weights;
-#pragma GCC ivdep
+#if !defined(__clang__)
+#  pragma GCC ivdep
+#endif
   for (std::int64_t i = 0; i < cells; ++i)
   {
     const float a0 = a[i], a1 = a[i + 1], b0 = b[i], b1 = b[i + 1];
