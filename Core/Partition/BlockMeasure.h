@@ -86,8 +86,9 @@ public:
   /// rowStride: 1, 2, 4 or 8.
   BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride);
 
-  /// One row in so many is measured: the more, the larger the grid is, such that a surface across
-  /// the grid keeps an error of 3 %.
+  /// One row in so many is measured: the more, the larger the grid is. Errors grow with the stride
+  /// and fall with the side of the grid, so that a surface across it has one of about 3 %; small
+  /// ones more.
   static std::int64_t ChooseRowStride(const GridGeometry& grid);
 
   /// Adds the cells of the samples' Box, which is in the grid's coordinates.

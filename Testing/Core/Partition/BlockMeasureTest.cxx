@@ -211,7 +211,7 @@ TEST(BlockMeasure, IsExactForPlanesAcrossAnAxis)
   }
 }
 
-TEST(BlockMeasure, KeepsAnErrorOfThreePercentWhereFewRowsStandForAll)
+TEST(BlockMeasure, ErrsInProportionToTheRowsThatAreLeftOut)
 {
   // Planes at angles that go along with rows of cells, which a regular choice of rows may miss.
   const Index3 size = { 145, 141, 150 };
