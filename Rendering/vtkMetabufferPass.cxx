@@ -129,7 +129,11 @@ public:
   ///@}
 
   /// Over the picture of this rank's tile.
-  void DrawOutlines(int me, vtkSynchronizedRenderers::vtkRawImage& colors) const;
+  void DrawOutlines(
+    vtkMultiProcessController* controller, vtkSynchronizedRenderers::vtkRawImage& colors) const;
+
+  /// The tile that this rank shows, or null.
+  const DisplayTile* FindTile(vtkMultiProcessController* controller) const;
 
   isosurface::ViewportDrawing Drawing;
   isosurface::ViewportCompositor Compositor;
@@ -213,10 +217,9 @@ Status vtkMetabufferPass::Internals::CompositeByDirectSend(vtkMultiProcessContro
   vtkFloatArray* depths)
 {
   isosurface::ControllerCommunicator communicator(controller);
-  const auto tile = std::find_if(this->Tiles.begin(), this->Tiles.end(),
-    [&](const DisplayTile& shown) { return shown.Rank == communicator.GetRank(); });
+  const DisplayTile* tile = this->FindTile(controller);
   isosurface::TilePicture picture;
-  if (tile != this->Tiles.end())
+  if (tile)
   {
     colors.Resize(tile->Pixels.Width, tile->Pixels.Height, 4);
     picture.Colors = reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0));
@@ -232,20 +235,31 @@ Status vtkMetabufferPass::Internals::CompositeByDirectSend(vtkMultiProcessContro
   {
     colors.MarkValid();
   }
-  this->Cost.BytesSent = static_cast<long long>(this->Compositor.GetCost().BytesSent);
+  const isosurface::CompositeCost& cost = this->Compositor.GetCost();
+  this->Cost.BytesSent = static_cast<long long>(cost.BytesSent);
+  this->Cost.EncodeSeconds = cost.EncodeSeconds;
+  this->Cost.ExchangeSeconds = cost.ExchangeSeconds;
+  this->Cost.MergeSeconds = cost.MergeSeconds;
+  this->Cost.DeliverSeconds = cost.DeliverSeconds;
   return status;
 }
 
-void vtkMetabufferPass::Internals::DrawOutlines(
-  int me, vtkSynchronizedRenderers::vtkRawImage& colors) const
+const DisplayTile* vtkMetabufferPass::Internals::FindTile(
+  vtkMultiProcessController* controller) const
 {
-  for (const DisplayTile& tile : this->Tiles)
+  const int me = controller ? controller->GetLocalProcessId() : 0;
+  const auto tile = std::find_if(this->Tiles.begin(), this->Tiles.end(),
+    [me](const DisplayTile& shown) { return shown.Rank == me; });
+  return tile == this->Tiles.end() ? nullptr : &*tile;
+}
+
+void vtkMetabufferPass::Internals::DrawOutlines(
+  vtkMultiProcessController* controller, vtkSynchronizedRenderers::vtkRawImage& colors) const
+{
+  if (const DisplayTile* tile = this->FindTile(controller))
   {
-    if (tile.Rank == me)
-    {
-      isosurface::DrawViewportOutlines(this->Viewports, this->Display, tile.Pixels,
-        reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0)));
-    }
+    isosurface::DrawViewportOutlines(this->Viewports, this->Display, tile->Pixels,
+      reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0)));
   }
 }
 
@@ -333,6 +347,30 @@ void vtkMetabufferPass::GetViewport(int rank, int viewport[5]) const
   }
 }
 
+bool vtkMetabufferPass::ShowsTile() const
+{
+  return !this->Internal->UsedViewports || this->Internal->FindTile(this->Controller) != nullptr;
+}
+
+void vtkMetabufferPass::GetCoveredPixels(int rectangle[4]) const
+{
+  std::fill_n(rectangle, 4, 0);
+  const DisplayTile* tile = this->Internal->FindTile(this->Controller);
+  if (!this->Internal->UsedViewports || !tile)
+  {
+    return;
+  }
+  PixelRectangle covered;
+  for (const Viewport& viewport : this->Internal->Viewports)
+  {
+    covered = covered.Unite(viewport.GetPixels(tile->Pixels));
+  }
+  rectangle[0] = covered.X - tile->Pixels.X;
+  rectangle[1] = covered.Y - tile->Pixels.Y;
+  rectangle[2] = covered.Width;
+  rectangle[3] = covered.Height;
+}
+
 bool vtkMetabufferPass::CanUseViewports(const vtkRenderState* state)
 {
   const bool isOrdered = this->OrderedCompositingHelper && this->UseOrderedCompositing;
@@ -359,6 +397,10 @@ void vtkMetabufferPass::Render(const vtkRenderState* state)
     return;
   }
   this->Internal->Cost = {};
+  if (this->ErasesDisplay)
+  {
+    state->GetRenderer()->Clear();
+  }
   this->Superclass::Render(state);
 }
 
@@ -430,7 +472,7 @@ bool vtkMetabufferPass::RenderViewport(const vtkRenderState* state)
   }
   if (this->ShowViewports && this->LastRenderedRGBAColors->IsValid())
   {
-    internal.DrawOutlines(this->Controller->GetLocalProcessId(), *this->LastRenderedRGBAColors);
+    internal.DrawOutlines(this->Controller, *this->LastRenderedRGBAColors);
   }
   this->DisplayResultsIfNeeded(state);
   this->CleanupContext(state);
@@ -467,6 +509,7 @@ void vtkMetabufferPass::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "CollectDepths: " << this->CollectDepths << "\n"
      << indent << "ShowViewports: " << this->ShowViewports << "\n"
      << indent << "MeasureSteps: " << this->MeasureSteps << "\n"
+     << indent << "ErasesDisplay: " << this->ErasesDisplay << "\n"
      << indent << "Divisors:";
   for (const int divisor : this->Internal->Divisors)
   {

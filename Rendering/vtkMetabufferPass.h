@@ -112,7 +112,11 @@ public:
   {
     double RenderSeconds;    ///< without MeasureSteps, of telling the graphics card what to draw
     double ReadSeconds;      ///< of reading back
-    double CompositeSeconds; ///< of merging, waiting for other ranks included
+    double CompositeSeconds; ///< of all of merging, of which by direct send:
+    double EncodeSeconds;    ///< packing active pixels
+    double ExchangeSeconds;  ///< sending and receiving, waiting for other ranks included
+    double MergeSeconds;     ///< comparing depths
+    double DeliverSeconds;   ///< putting pixels into the tile's picture
     double FrameSeconds;     ///< of all of Render()
     long long DisplayPixels; ///< that the viewport covers
     long long DrawnPixels;   ///< drawn and read back
@@ -130,6 +134,24 @@ public:
    */
   void GetViewport(int rank, int viewport[5]) const;
 
+  /// Whether this rank shows a tile of the display; true if viewports were not used.
+  bool ShowsTile() const;
+
+  /**
+   * The rectangle of this rank's tile outside of which nothing was drawn in the last frame: x, y,
+   * width, height in pixels of the tile.
+   */
+  void GetCoveredPixels(int rectangle[4]) const;
+
+  ///@{
+  /**
+   * Whether the renderer is told not to erase before this pass, which then erases what it draws to:
+   * its viewport, or everything where it uses none. Off by default.
+   */
+  vtkSetMacro(ErasesDisplay, bool);
+  vtkGetMacro(ErasesDisplay, bool);
+  ///@}
+
 protected:
   vtkMetabufferPass();
   ~vtkMetabufferPass() override;
@@ -139,6 +161,7 @@ protected:
   bool CollectDepths = true;
   bool ShowViewports = false;
   bool MeasureSteps = false;
+  bool ErasesDisplay = false;
 
 private:
   vtkMetabufferPass(const vtkMetabufferPass&) = delete;
