@@ -4,6 +4,8 @@
 #include "vtkActor.h"
 #include "vtkBoundingBox.h"
 #include "vtkCamera.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSet.h"
 #include "vtkMapper.h"
 #include "vtkMatrix4x4.h"
 #include "vtkOpenGLFramebufferObject.h"
@@ -17,6 +19,8 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <new>
 
 namespace isosurface
 {
@@ -233,9 +237,43 @@ ProjectedBounds ViewportDrawing::FindBounds(
   return ProjectBounds(bounds, matrix, display, (visible.HalfWidth + 0.5) * divisor);
 }
 
-void ViewportDrawing::BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows)
+double ViewportDrawing::GetDistance(const vtkRenderState* state, double depth)
+{
+  vtkCamera* camera = state->GetRenderer()->GetActiveCamera();
+  const double* range = camera->GetClippingRange();
+  const double nearest = range[0];
+  const double farthest = range[1];
+  return camera->GetParallelProjection()
+    ? nearest + 0.5 * (depth + 1) * (farthest - nearest)
+    : 2 * nearest * farthest / (farthest + nearest - depth * (farthest - nearest));
+}
+
+std::int64_t ViewportDrawing::CountCells(const vtkRenderState* state)
+{
+  std::int64_t cells = 0;
+  for (int index = 0; index < state->GetPropArrayCount(); ++index)
+  {
+    auto* actor = vtkActor::SafeDownCast(state->GetPropArray()[index]);
+    vtkMapper* mapper = actor && actor->GetVisibility() ? actor->GetMapper() : nullptr;
+    vtkDataObject* data = mapper && mapper->GetNumberOfInputConnections(0) > 0
+      ? mapper->GetInputDataObject(0, 0)
+      : nullptr;
+    if (auto* set = vtkDataSet::SafeDownCast(data))
+    {
+      cells += set->GetNumberOfCells();
+    }
+    else if (auto* composite = vtkCompositeDataSet::SafeDownCast(data))
+    {
+      cells += composite->GetNumberOfCells();
+    }
+  }
+  return cells;
+}
+
+bool ViewportDrawing::BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows)
 {
   window->GetState()->PushFramebufferBindings();
+  this->IsLargeFramebufferBound = true;
   if (!this->LargeFramebuffer)
   {
     this->LargeFramebuffer = vtkSmartPointer<vtkOpenGLFramebufferObject>::New();
@@ -248,30 +286,67 @@ void ViewportDrawing::BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int co
   this->LargeFramebuffer->Bind();
   this->LargeFramebuffer->ActivateDrawBuffer(0);
   this->LargeFramebuffer->ActivateReadBuffer(0);
-  this->IsLargeFramebufferBound = true;
+  return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-void ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
+void ViewportDrawing::UnbindLargeFramebuffer(vtkOpenGLRenderWindow* window)
+{
+  if (this->IsLargeFramebufferBound)
+  {
+    window->GetState()->PopFramebufferBindings();
+    this->IsLargeFramebufferBound = false;
+  }
+}
+
+Status ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
   const PixelRectangle& display, const Viewport& viewport)
 {
   if (viewport.Blocks.IsEmpty())
   {
-    return;
+    return Status::Ok();
   }
-  vtkRenderer* renderer = state->GetRenderer();
   vtkOpenGLRenderWindow* window = GetWindow(state);
   const PixelRectangle raster = CoverWithBlocks(display, viewport.Divisor);
   const int* windowSize = window->GetActualSize();
-  if (raster.Width > windowSize[0] || raster.Height > windowSize[1])
+  Status status;
+  if ((raster.Width > windowSize[0] || raster.Height > windowSize[1]) &&
+    !this->BindLargeFramebuffer(window, raster.Width, raster.Height))
   {
-    this->BindLargeFramebuffer(window, raster.Width, raster.Height);
+    status = { StatusCode::OutOfMemory,
+      "The graphics card gives no framebuffer of " + std::to_string(raster.Width) + " x " +
+        std::to_string(raster.Height) + " pixels." };
   }
+  else
+  {
+    try
+    {
+      this->DrawRaster(state, pass, display, raster, viewport);
+    }
+    catch (const std::bad_alloc&)
+    {
+      status = { StatusCode::OutOfMemory, "Drawing needs more memory than there is." };
+    }
+    catch (const std::exception& error)
+    {
+      status = { StatusCode::Aborted, std::string("Drawing failed: ") + error.what() };
+    }
+  }
+  if (!status.IsOk())
+  {
+    this->UnbindLargeFramebuffer(window);
+  }
+  return status;
+}
 
+void ViewportDrawing::DrawRaster(const vtkRenderState* state, vtkRenderPass* pass,
+  const PixelRectangle& display, const PixelRectangle& raster, const Viewport& viewport)
+{
+  vtkRenderer* renderer = state->GetRenderer();
   auto projection = MakeProjection(renderer->GetActiveCamera(), display);
   ExtendToBlocks(projection, display, raster, viewport.Divisor);
   const RendererForViewport forViewport(renderer, projection);
 
-  vtkOpenGLState* gl = window->GetState();
+  vtkOpenGLState* gl = GetWindow(state)->GetState();
   const PixelRectangle& blocks = viewport.Blocks;
   gl->vtkglEnable(GL_SCISSOR_TEST);
   gl->vtkglViewport(0, 0, raster.Width, raster.Height);
@@ -281,11 +356,11 @@ void ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
   cleared |=
     renderer->GetPreserveDepthBuffer() && !this->IsLargeFramebufferBound ? 0 : GL_DEPTH_BUFFER_BIT;
   ClearRectangle(gl, blocks, cleared);
+  gl->vtkglScissor(blocks.X, blocks.Y, blocks.Width, blocks.Height);
   // As vtkRenderer::Clear() leaves it.
   gl->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl->vtkglDepthMask(GL_TRUE);
   gl->vtkglEnable(GL_DEPTH_TEST);
-  gl->vtkglScissor(blocks.X, blocks.Y, blocks.Width, blocks.Height);
   pass->Render(state);
 }
 
@@ -302,11 +377,7 @@ PictureView ViewportDrawing::Read(const vtkRenderState* state, const Viewport& v
     this->Colors.data());
   glReadPixels(blocks.X, blocks.Y, blocks.Width, blocks.Height, GL_DEPTH_COMPONENT, GL_FLOAT,
     this->Depths.data());
-  if (this->IsLargeFramebufferBound)
-  {
-    GetWindow(state)->GetState()->PopFramebufferBindings();
-    this->IsLargeFramebufferBound = false;
-  }
+  this->UnbindLargeFramebuffer(GetWindow(state));
   return { this->Colors.data(), this->Depths.data(), blocks };
 }
 

@@ -80,6 +80,40 @@ public:
 
   ///@{
   /**
+   * Seconds that a frame may take, or 0 (the default) if that does not matter. Resolutions are then
+   * chosen for each frame, from 1 (each pixel) to 16, in the place of the divisors: the background,
+   * what is far from the display's middle, and large parts before small ones, lose theirs first.
+   * What frames take, and with what work, is learned from all frames, with and without a budget.
+   * (See isosurface::ResolutionChooser.)
+   */
+  vtkSetClampMacro(FrameTimeBudget, double, 0.0, VTK_DOUBLE_MAX);
+  vtkGetMacro(FrameTimeBudget, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether each block is drawn with 2 x 2 samples, whose mean is shown. Lines and points are half
+   * as wide then. Pictures are merged before the mean is taken, by DIRECT_SEND. Not done for
+   * displays of more than 8192 pixels in a direction. Off by default.
+   */
+  vtkSetMacro(AntiAliasing, bool);
+  vtkGetMacro(AntiAliasing, bool);
+  vtkBooleanMacro(AntiAliasing, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether colors go over linearly from block to block, in the place of blocks of one color.
+   * Pictures are then enlarged before they are sent, hence as large as at full resolution. Off by
+   * default.
+   */
+  vtkSetMacro(SmoothEnlarging, bool);
+  vtkGetMacro(SmoothEnlarging, bool);
+  vtkBooleanMacro(SmoothEnlarging, bool);
+  ///@}
+
+  ///@{
+  /**
    * Whether the merged depths are wanted (GetLastRenderedDepths), as vtkIceTCompositePass always
    * provides them; without, less is sent. They are there in any case with DisplayDepthResults. On
    * by default.
@@ -122,6 +156,12 @@ public:
     long long DrawnPixels;   ///< drawn and read back
     long long BytesSent;     ///< to other ranks
   };
+  /**
+   * Seconds of the last frame as the viewer sees it, if that is known to be more than this pass: of
+   * the passing on of the picture, too. For FrameTimeBudget.
+   */
+  void SetLastFrameSeconds(double seconds);
+
   /// Valid if GetUsedViewports(); all 0 otherwise.
   const FrameCost& GetFrameCost() const;
 
@@ -158,6 +198,9 @@ protected:
 
   int ViewportMode = BOUNDS;
   int CompositeMode = DIRECT_SEND;
+  double FrameTimeBudget = 0;
+  bool AntiAliasing = false;
+  bool SmoothEnlarging = false;
   bool CollectDepths = true;
   bool ShowViewports = false;
   bool MeasureSteps = false;
@@ -172,6 +215,8 @@ private:
   bool RenderViewport(const vtkRenderState* state);
   /// Collective: all ranks' viewports of this frame; true if one of the ranks wants depths.
   bool AgreeOnViewports(const vtkRenderState* state);
+  /// Collective: draws and merges; LastRendered... have this rank's tile afterwards.
+  void DrawAndMerge(const vtkRenderState* state, bool wantsDepths);
 
   class Internals;
   std::unique_ptr<Internals> Internal;

@@ -4,7 +4,6 @@
 
 #include "PictureDelivery.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkCameraPass.h"
 #include "vtkCommand.h"
 #include "vtkMetabufferPass.h"
@@ -13,20 +12,10 @@
 #include "vtkOpenGLFXAAFilter.h"
 #include "vtkOpenGLRenderer.h"
 #include "vtkRenderWindow.h"
+#include "vtkTimerLog.h"
 #include "vtkUnsignedCharArray.h"
 
 vtkStandardNewMacro(vtkMetabufferSynchronizedRenderers);
-
-namespace
-{
-
-void ShowFramesAgain(vtkObject* window, unsigned long, void* observer, void*)
-{
-  static_cast<vtkRenderWindow*>(window)->SwapBuffersOn();
-  window->RemoveObserver(static_cast<vtkCommand*>(observer));
-}
-
-} // namespace
 
 vtkMetabufferSynchronizedRenderers::vtkMetabufferSynchronizedRenderers()
   : Delivery(new isosurface::PictureDelivery)
@@ -36,8 +25,6 @@ vtkMetabufferSynchronizedRenderers::vtkMetabufferSynchronizedRenderers()
   this->IceTCompositePass = vtkMetabufferPass::New();
   this->IceTCompositePass->SetController(this->ParallelController);
   this->CameraRenderPass->SetDelegatePass(this->IceTCompositePass);
-  this->EndOfHiddenFrame->SetCallback(ShowFramesAgain);
-  this->EndOfHiddenFrame->SetClientData(this->EndOfHiddenFrame);
 }
 
 vtkMetabufferSynchronizedRenderers::~vtkMetabufferSynchronizedRenderers() = default;
@@ -47,13 +34,18 @@ vtkMetabufferPass* vtkMetabufferSynchronizedRenderers::GetMetabufferPass()
   return static_cast<vtkMetabufferPass*>(this->IceTCompositePass);
 }
 
+bool vtkMetabufferSynchronizedRenderers::IsActive() const
+{
+  return this->Renderer && this->ParallelRendering && this->ParallelController;
+}
+
 void vtkMetabufferSynchronizedRenderers::HandleStartRender()
 {
+  this->BeginOfFrame = vtkTimerLog::GetUniversalTime();
   // The superclass turns it off until the merged picture is there.
   this->WantsFXAA = this->Renderer && this->Renderer->GetUseFXAA();
   this->Superclass::HandleStartRender();
-  this->DoesErase = this->Renderer && this->ParallelRendering && this->ParallelController &&
-    this->Renderer->GetErase();
+  this->DoesErase = this->IsActive() && this->Renderer->GetErase();
   this->GetMetabufferPass()->SetErasesDisplay(this->DoesErase);
   if (this->DoesErase)
   {
@@ -70,21 +62,32 @@ void vtkMetabufferSynchronizedRenderers::HandleEndRender()
     this->DoesErase = false;
   }
   this->Superclass::HandleEndRender();
-  if (this->Renderer && this->ParallelRendering && this->ParallelController &&
-    this->GetMetabufferPass()->GetUsedViewports() && !this->GetMetabufferPass()->ShowsTile())
+  vtkRenderWindow* window = this->IsActive() ? this->Renderer->GetRenderWindow() : nullptr;
+  if (!window || !this->GetMetabufferPass()->GetUsedViewports() || this->EndOfFrameObserver != 0)
   {
-    this->HideFrame();
+    return;
   }
-}
-
-void vtkMetabufferSynchronizedRenderers::HideFrame()
-{
-  vtkRenderWindow* window = this->Renderer->GetRenderWindow();
-  if (window && window->GetSwapBuffers())
+  this->IsFrameHidden = !this->GetMetabufferPass()->ShowsTile() && window->GetSwapBuffers();
+  if (this->IsFrameHidden)
   {
     window->SwapBuffersOff();
-    window->AddObserver(vtkCommand::EndEvent, this->EndOfHiddenFrame);
   }
+  this->EndOfFrameObserver = window->AddObserver(
+    vtkCommand::EndEvent, this, &vtkMetabufferSynchronizedRenderers::HandleEndOfFrame);
+}
+
+void vtkMetabufferSynchronizedRenderers::HandleEndOfFrame(
+  vtkObject* window, unsigned long vtkNotUsed(event), void* vtkNotUsed(data))
+{
+  window->RemoveObserver(this->EndOfFrameObserver);
+  this->EndOfFrameObserver = 0;
+  if (this->IsFrameHidden)
+  {
+    static_cast<vtkRenderWindow*>(window)->SwapBuffersOn();
+    this->IsFrameHidden = false;
+  }
+  this->GetMetabufferPass()->SetLastFrameSeconds(
+    vtkTimerLog::GetUniversalTime() - this->BeginOfFrame);
 }
 
 void vtkMetabufferSynchronizedRenderers::PushImageToScreen()

@@ -16,7 +16,7 @@
 
 #include "IsosurfaceRenderingModule.h" // For export macro
 #include "vtkIceTSynchronizedRenderers.h"
-#include "vtkNew.h" // For the observer
+#include "vtkNew.h" // For FXAA
 
 #include <memory> // For the delivery
 
@@ -24,7 +24,6 @@ namespace isosurface
 {
 class PictureDelivery;
 }
-class vtkCallbackCommand;
 class vtkMetabufferPass;
 class vtkOpenGLFXAAFilter;
 
@@ -53,14 +52,17 @@ private:
   vtkMetabufferSynchronizedRenderers(const vtkMetabufferSynchronizedRenderers&) = delete;
   void operator=(const vtkMetabufferSynchronizedRenderers&) = delete;
 
-  /// Does without showing the window until its frame has ended.
-  void HideFrame();
+  bool IsActive() const;
+  /// The window has shown the frame, or, where it shows no tile, done without.
+  void HandleEndOfFrame(vtkObject* window, unsigned long event, void* data);
 
   std::unique_ptr<isosurface::PictureDelivery> Delivery;
-  vtkNew<vtkCallbackCommand> EndOfHiddenFrame;
   vtkNew<vtkOpenGLFXAAFilter> Antialiasing;
   bool WantsFXAA = false;
   bool DoesErase = false;
+  bool IsFrameHidden = false;
+  unsigned long EndOfFrameObserver = 0;
+  double BeginOfFrame = 0;
 };
 
 #endif
