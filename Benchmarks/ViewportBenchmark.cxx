@@ -2,9 +2,15 @@
 // Frames of ranks that draw viewports beside frames of stock compositing, by turns in one run.
 // Every rank draws its share of many balls while the camera turns around them. Run it under
 // mpiexec.
+//
+// A frame is split into: render, the slowest rank's, until its picture is there; read, the slowest
+// rank's reading back; deliver, of the merged picture to the root's window, VTK's showing of it
+// included; composite, all else: merging, sending, waiting for each other, clearing.
 #include "vtkActor.h"
 #include "vtkAppendPolyData.h"
+#include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
+#include "vtkCommand.h"
 #include "vtkIceTCompositePass.h"
 #include "vtkIceTSynchronizedRenderers.h"
 #include "vtkMPIController.h"
@@ -44,6 +50,7 @@ struct Options
   int Balls = 2000;
   int Frames = 10;
   std::string Layout = "compact";
+  std::string Only;
 };
 
 /// Draws, and takes the time until the picture is there.
@@ -145,6 +152,8 @@ struct Way
   int CompositeMode = -1; ///< of vtkMetabufferPass; -1: stock
   int Divisor = 1;
   double RenderSeconds = 0;
+  double ReadSeconds = 0;
+  double DeliverSeconds = 0;
   double FrameSeconds = 0;
   double DrawnPixels = 0;
   double BytesSent = 0;
@@ -170,6 +179,15 @@ public:
     this->Renderers->SetRenderer(this->Renderer);
     this->Renderers->SetParallelController(controller);
     this->Renderers->FixBackgroundOn();
+    // Before the synchronizer, which delivers.
+    this->EndOfPasses->SetClientData(&this->BeginOfDelivery);
+    this->EndOfPasses->SetCallback(
+      [](vtkObject*, unsigned long, void* time, void*)
+      {
+        glFinish();
+        *static_cast<double*>(time) = vtkTimerLog::GetUniversalTime();
+      });
+    this->Renderer->AddObserver(vtkCommand::EndEvent, this->EndOfPasses, 1);
   }
   vtkRenderer* GetRenderer() { return this->Renderer; }
 
@@ -193,12 +211,15 @@ public:
     {
       this->Controller->ProcessRMIs();
     }
+    const double end = vtkTimerLog::GetUniversalTime();
     this->Controller->Barrier();
-    const std::array<double, 2> seconds = { this->Pass->TakeSeconds(),
+    std::array<double, 4> seconds = { this->Pass->TakeSeconds(), 0,
+      this->Controller->GetLocalProcessId() == 0 ? end - this->BeginOfDelivery : 0,
       vtkTimerLog::GetUniversalTime() - begin };
     std::array<double, 2> counts{};
     if (pass)
     {
+      seconds[1] = pass->GetFrameCost().ReadSeconds;
       counts = { static_cast<double>(pass->GetFrameCost().DrawnPixels),
         static_cast<double>(pass->GetFrameCost().BytesSent) };
     }
@@ -206,16 +227,19 @@ public:
     {
       IceTInt bytes = 0;
       icetGetIntegerv(ICET_BYTES_SENT, &bytes);
+      icetGetDoublev(ICET_BUFFER_READ_TIME, &seconds[1]);
       const int* size = this->Window->GetActualSize();
       counts = { seconds[0] > 0 ? static_cast<double>(size[0]) * size[1] : 0,
         static_cast<double>(bytes) };
     }
-    std::array<double, 2> slowest{};
+    std::array<double, 4> slowest{};
     std::array<double, 2> all{};
-    this->Controller->AllReduce(seconds.data(), slowest.data(), 2, vtkCommunicator::MAX_OP);
+    this->Controller->AllReduce(seconds.data(), slowest.data(), 4, vtkCommunicator::MAX_OP);
     this->Controller->AllReduce(counts.data(), all.data(), 2, vtkCommunicator::SUM_OP);
     way.RenderSeconds += slowest[0];
-    way.FrameSeconds += slowest[1];
+    way.ReadSeconds += slowest[1];
+    way.DeliverSeconds += slowest[2];
+    way.FrameSeconds += slowest[3];
     way.DrawnPixels += all[0];
     way.BytesSent += all[1];
   }
@@ -225,6 +249,8 @@ private:
   vtkNew<vtkRenderWindow> Window;
   vtkNew<vtkRenderer> Renderer;
   vtkNew<TimedPass> Pass;
+  vtkNew<vtkCallbackCommand> EndOfPasses;
+  double BeginOfDelivery = 0;
   vtkNew<vtkSynchronizedRenderWindows> Windows;
   vtkSmartPointer<vtkIceTSynchronizedRenderers> Renderers;
 };
@@ -244,14 +270,17 @@ void PrintTable(const std::vector<Way>& ways, const Options& options, int ranks)
 {
   std::printf(
     "%d x %d, %d ranks, %s\n", options.Width, options.Height, ranks, options.Layout.c_str());
-  std::printf("%-16s %10s %10s %10s %12s %12s\n", "way", "render ms", "other ms", "frame ms",
-    "pixels drawn", "bytes sent");
+  std::printf("%-16s %8s %8s %10s %8s %8s %12s %12s\n", "way", "render", "read", "composite",
+    "deliver", "frame ms", "pixels drawn", "bytes sent");
+  const double toMilliseconds = 1e3 / options.Frames;
   for (const Way& way : ways)
   {
-    const double frames = options.Frames;
-    std::printf("%-16s %10.1f %10.1f %10.1f %12.0f %12.0f\n", way.Name.c_str(),
-      1e3 * way.RenderSeconds / frames, 1e3 * (way.FrameSeconds - way.RenderSeconds) / frames,
-      1e3 * way.FrameSeconds / frames, way.DrawnPixels / frames, way.BytesSent / frames);
+    std::printf("%-16s %8.1f %8.1f %10.1f %8.1f %8.1f %12.0f %12.0f\n", way.Name.c_str(),
+      toMilliseconds * way.RenderSeconds, toMilliseconds * way.ReadSeconds,
+      toMilliseconds *
+        (way.FrameSeconds - way.RenderSeconds - way.ReadSeconds - way.DeliverSeconds),
+      toMilliseconds * way.DeliverSeconds, toMilliseconds * way.FrameSeconds,
+      way.DrawnPixels / options.Frames, way.BytesSent / options.Frames);
   }
 }
 
@@ -266,6 +295,12 @@ void Run(vtkMPIController* controller, const Options& options)
   std::vector<Way> ways = { { "stock" }, { "direct send", vtkMetabufferPass::DIRECT_SEND },
     { "IceT", vtkMetabufferPass::ICET }, { "direct send 1/2", vtkMetabufferPass::DIRECT_SEND, 2 },
     { "direct send 1/4", vtkMetabufferPass::DIRECT_SEND, 4 } };
+  if (!options.Only.empty())
+  {
+    ways.erase(std::remove_if(ways.begin(), ways.end(),
+                 [&](const Way& way) { return way.Name != options.Only; }),
+      ways.end());
+  }
   // The first frames, which fill buffers and compile shaders, do not count.
   for (int frame = -1; frame < options.Frames; ++frame)
   {
@@ -298,6 +333,7 @@ int main(int argc, char** argv)
   application.add_option("--frames", options.Frames, "Frames of each way");
   application.add_option("--layout", options.Layout, "How balls are dealt out to ranks")
     ->check(CLI::IsMember({ "compact", "random" }));
+  application.add_option("--only", options.Only, "The one way to make frames; all without it");
   CLI11_PARSE(application, argc, argv);
   Run(controller, options);
   vtkMultiProcessController::SetGlobalController(nullptr);

@@ -4,6 +4,8 @@
 #include "vtkActor.h"
 #include "vtkBoundingBox.h"
 #include "vtkCamera.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSet.h"
 #include "vtkMapper.h"
 #include "vtkMatrix4x4.h"
 #include "vtkOpenGLFramebufferObject.h"
@@ -17,6 +19,8 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <new>
 
 namespace isosurface
 {
@@ -120,6 +124,55 @@ void ExtendToBlocks(vtkMatrix4x4* projection, const PixelRectangle& display,
   vtkMatrix4x4::Multiply4x4(extend, projection, projection);
 }
 
+// The texture at a place of the framebuffer that is drawn to; 0 if there is something else, or
+// nothing.
+GLuint GetAttachedTexture(GLenum attachment)
+{
+  GLint type = GL_NONE;
+  glGetFramebufferAttachmentParameteriv(
+    GL_DRAW_FRAMEBUFFER, attachment, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE, &type);
+  GLint name = 0;
+  if (type == GL_TEXTURE)
+  {
+    glGetFramebufferAttachmentParameteriv(
+      GL_DRAW_FRAMEBUFFER, attachment, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME, &name);
+  }
+  return static_cast<GLuint>(name);
+}
+
+// Clears a rectangle of the framebuffer that is drawn to, to black, transparent, far away. Of
+// textures it clears a part; glClear() with a scissor does the same, but as a drawn rectangle,
+// which takes software ten times as long as to write memory.
+void ClearRectangle(vtkOpenGLState* gl, const PixelRectangle& rectangle, GLbitfield buffers)
+{
+  GLint framebuffer = 0;
+  GLint target = GL_NONE;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_DRAW_BUFFER, &target);
+  const bool hasTextures = GLEW_ARB_clear_texture && framebuffer != 0 && target != GL_NONE;
+  const GLuint color = hasTextures ? GetAttachedTexture(static_cast<GLenum>(target)) : 0;
+  const GLuint depth = hasTextures ? GetAttachedTexture(GL_DEPTH_ATTACHMENT) : 0;
+  if (color == 0 || depth == 0 || GetAttachedTexture(GL_STENCIL_ATTACHMENT) != 0)
+  {
+    gl->vtkglScissor(rectangle.X, rectangle.Y, rectangle.Width, rectangle.Height);
+    gl->vtkglClearColor(0, 0, 0, 0);
+    gl->vtkglClearDepth(1.0);
+    gl->vtkglClear(buffers);
+    return;
+  }
+  if ((buffers & GL_COLOR_BUFFER_BIT) != 0)
+  {
+    glClearTexSubImage(color, 0, rectangle.X, rectangle.Y, 0, rectangle.Width, rectangle.Height, 1,
+      GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  }
+  if ((buffers & GL_DEPTH_BUFFER_BIT) != 0)
+  {
+    const float farAway = 1.0F;
+    glClearTexSubImage(depth, 0, rectangle.X, rectangle.Y, 0, rectangle.Width, rectangle.Height, 1,
+      GL_DEPTH_COMPONENT, GL_FLOAT, &farAway);
+  }
+}
+
 /// The renderer as the pass is to see it; as it was, when this object goes.
 class RendererForViewport
 {
@@ -184,9 +237,43 @@ ProjectedBounds ViewportDrawing::FindBounds(
   return ProjectBounds(bounds, matrix, display, (visible.HalfWidth + 0.5) * divisor);
 }
 
-void ViewportDrawing::BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows)
+double ViewportDrawing::GetDistance(const vtkRenderState* state, double depth)
+{
+  vtkCamera* camera = state->GetRenderer()->GetActiveCamera();
+  const double* range = camera->GetClippingRange();
+  const double nearest = range[0];
+  const double farthest = range[1];
+  return camera->GetParallelProjection()
+    ? nearest + 0.5 * (depth + 1) * (farthest - nearest)
+    : 2 * nearest * farthest / (farthest + nearest - depth * (farthest - nearest));
+}
+
+std::int64_t ViewportDrawing::CountCells(const vtkRenderState* state)
+{
+  std::int64_t cells = 0;
+  for (int index = 0; index < state->GetPropArrayCount(); ++index)
+  {
+    auto* actor = vtkActor::SafeDownCast(state->GetPropArray()[index]);
+    vtkMapper* mapper = actor && actor->GetVisibility() ? actor->GetMapper() : nullptr;
+    vtkDataObject* data = mapper && mapper->GetNumberOfInputConnections(0) > 0
+      ? mapper->GetInputDataObject(0, 0)
+      : nullptr;
+    if (auto* set = vtkDataSet::SafeDownCast(data))
+    {
+      cells += set->GetNumberOfCells();
+    }
+    else if (auto* composite = vtkCompositeDataSet::SafeDownCast(data))
+    {
+      cells += composite->GetNumberOfCells();
+    }
+  }
+  return cells;
+}
+
+bool ViewportDrawing::BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows)
 {
   window->GetState()->PushFramebufferBindings();
+  this->IsLargeFramebufferBound = true;
   if (!this->LargeFramebuffer)
   {
     this->LargeFramebuffer = vtkSmartPointer<vtkOpenGLFramebufferObject>::New();
@@ -199,42 +286,81 @@ void ViewportDrawing::BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int co
   this->LargeFramebuffer->Bind();
   this->LargeFramebuffer->ActivateDrawBuffer(0);
   this->LargeFramebuffer->ActivateReadBuffer(0);
-  this->IsLargeFramebufferBound = true;
+  return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-void ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
+void ViewportDrawing::UnbindLargeFramebuffer(vtkOpenGLRenderWindow* window)
+{
+  if (this->IsLargeFramebufferBound)
+  {
+    window->GetState()->PopFramebufferBindings();
+    this->IsLargeFramebufferBound = false;
+  }
+}
+
+Status ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
   const PixelRectangle& display, const Viewport& viewport)
 {
   if (viewport.Blocks.IsEmpty())
   {
-    return;
+    return Status::Ok();
   }
-  vtkRenderer* renderer = state->GetRenderer();
   vtkOpenGLRenderWindow* window = GetWindow(state);
   const PixelRectangle raster = CoverWithBlocks(display, viewport.Divisor);
   const int* windowSize = window->GetActualSize();
-  if (raster.Width > windowSize[0] || raster.Height > windowSize[1])
+  Status status;
+  if ((raster.Width > windowSize[0] || raster.Height > windowSize[1]) &&
+    !this->BindLargeFramebuffer(window, raster.Width, raster.Height))
   {
-    this->BindLargeFramebuffer(window, raster.Width, raster.Height);
+    status = { StatusCode::OutOfMemory,
+      "The graphics card gives no framebuffer of " + std::to_string(raster.Width) + " x " +
+        std::to_string(raster.Height) + " pixels." };
   }
+  else
+  {
+    try
+    {
+      this->DrawRaster(state, pass, display, raster, viewport);
+    }
+    catch (const std::bad_alloc&)
+    {
+      status = { StatusCode::OutOfMemory, "Drawing needs more memory than there is." };
+    }
+    catch (const std::exception& error)
+    {
+      status = { StatusCode::Aborted, std::string("Drawing failed: ") + error.what() };
+    }
+  }
+  if (!status.IsOk())
+  {
+    this->UnbindLargeFramebuffer(window);
+  }
+  return status;
+}
 
+void ViewportDrawing::DrawRaster(const vtkRenderState* state, vtkRenderPass* pass,
+  const PixelRectangle& display, const PixelRectangle& raster, const Viewport& viewport)
+{
+  vtkRenderer* renderer = state->GetRenderer();
   auto projection = MakeProjection(renderer->GetActiveCamera(), display);
   ExtendToBlocks(projection, display, raster, viewport.Divisor);
   const RendererForViewport forViewport(renderer, projection);
 
-  vtkOpenGLState* gl = window->GetState();
+  vtkOpenGLState* gl = GetWindow(state)->GetState();
   const PixelRectangle& blocks = viewport.Blocks;
   gl->vtkglEnable(GL_SCISSOR_TEST);
   gl->vtkglViewport(0, 0, raster.Width, raster.Height);
-  gl->vtkglScissor(blocks.X, blocks.Y, blocks.Width, blocks.Height);
   // Layers above the first one draw on what is there; it is not in a framebuffer of our own.
   GLbitfield cleared = 0;
   cleared |= renderer->Transparent() && !this->IsLargeFramebufferBound ? 0 : GL_COLOR_BUFFER_BIT;
   cleared |=
     renderer->GetPreserveDepthBuffer() && !this->IsLargeFramebufferBound ? 0 : GL_DEPTH_BUFFER_BIT;
-  gl->vtkglClearColor(0, 0, 0, 0);
-  gl->vtkglClearDepth(1.0);
-  gl->vtkglClear(cleared);
+  ClearRectangle(gl, blocks, cleared);
+  gl->vtkglScissor(blocks.X, blocks.Y, blocks.Width, blocks.Height);
+  // As vtkRenderer::Clear() leaves it.
+  gl->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl->vtkglDepthMask(GL_TRUE);
+  gl->vtkglEnable(GL_DEPTH_TEST);
   pass->Render(state);
 }
 
@@ -251,11 +377,7 @@ PictureView ViewportDrawing::Read(const vtkRenderState* state, const Viewport& v
     this->Colors.data());
   glReadPixels(blocks.X, blocks.Y, blocks.Width, blocks.Height, GL_DEPTH_COMPONENT, GL_FLOAT,
     this->Depths.data());
-  if (this->IsLargeFramebufferBound)
-  {
-    GetWindow(state)->GetState()->PopFramebufferBindings();
-    this->IsLargeFramebufferBound = false;
-  }
+  this->UnbindLargeFramebuffer(GetWindow(state));
   return { this->Colors.data(), this->Depths.data(), blocks };
 }
 

@@ -2,6 +2,7 @@
 #ifndef isosurface_ViewportDrawing_h
 #define isosurface_ViewportDrawing_h
 
+#include "Base/Status.h"
 #include "Viewport/BoundsProjection.h"
 #include "Viewport/PixelRuns.h"
 #include "Viewport/Viewport.h"
@@ -50,9 +51,18 @@ public:
   static ProjectedBounds FindBounds(
     const vtkRenderState* state, const PixelRectangle& display, int divisor);
 
-  /// Draws by `pass` with the renderer's active camera; the state's renderer is as before, after
-  /// it.
-  void Draw(const vtkRenderState* state, vtkRenderPass* pass, const PixelRectangle& display,
+  /// Distance from the camera of what is as far away as the bounds' depths say, in world units.
+  static double GetDistance(const vtkRenderState* state, double depth);
+
+  /// Cells of the visible props' polygonal data.
+  static std::int64_t CountCells(const vtkRenderState* state);
+
+  /**
+   * Draws by `pass` with the renderer's active camera; the state's renderer is as before, after it.
+   * Fails with OutOfMemory if the graphics card or the pass have not enough, or Aborted if the pass
+   * throws anything else; then there is nothing to read.
+   */
+  Status Draw(const vtkRenderState* state, vtkRenderPass* pass, const PixelRectangle& display,
     const Viewport& viewport);
 
   /// Reads back what was drawn. The picture is valid until the next one is read.
@@ -61,7 +71,10 @@ public:
   void ReleaseGraphicsResources(vtkWindow* window);
 
 private:
-  void BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows);
+  bool BindLargeFramebuffer(vtkOpenGLRenderWindow* window, int columns, int rows);
+  void UnbindLargeFramebuffer(vtkOpenGLRenderWindow* window);
+  void DrawRaster(const vtkRenderState* state, vtkRenderPass* pass, const PixelRectangle& display,
+    const PixelRectangle& raster, const Viewport& viewport);
 
   vtkSmartPointer<vtkOpenGLFramebufferObject> LargeFramebuffer;
   bool IsLargeFramebufferBound = false;

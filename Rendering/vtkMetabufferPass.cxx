@@ -3,6 +3,8 @@
 #include "vtkMetabufferPass.h"
 
 #include "ControllerCommunicator.h"
+#include "FramePart.h"
+#include "Viewport/PictureScaling.h"
 #include "Viewport/ViewportCompositor.h"
 #include "Viewport/ViewportOutlines.h"
 #include "ViewportDrawing.h"
@@ -25,7 +27,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -38,31 +39,12 @@ using isosurface::Viewport;
 namespace
 {
 
-/// What a rank tells all others before they draw.
-struct FramePart
-{
-  Viewport Drawn;
-  bool WantsDepths = false;
+// The display has so many samples for a pixel, in each direction, where it is antialiased.
+constexpr int SamplesOfAntiAliasing = 2;
 
-  isosurface::Message Pack() const
-  {
-    const std::array<std::int32_t, 6> values = { this->Drawn.Divisor, this->Drawn.Blocks.X,
-      this->Drawn.Blocks.Y, this->Drawn.Blocks.Width, this->Drawn.Blocks.Height,
-      this->WantsDepths ? 1 : 0 };
-    isosurface::Message bytes(sizeof(values));
-    std::memcpy(bytes.data(), values.data(), sizeof(values));
-    return bytes;
-  }
-  static FramePart Unpack(const isosurface::Message& bytes)
-  {
-    std::array<std::int32_t, 6> values{};
-    std::memcpy(values.data(), bytes.data(), std::min(sizeof(values), bytes.size()));
-    return { { values[0], { values[1], values[2], values[3], values[4] } }, values[5] != 0 };
-  }
-};
-
-// The tiles that IceT was told of, their places counted from the display's low left corner.
-std::vector<DisplayTile> GetTiles()
+// The tiles that IceT was told of, their places counted from the display's low left corner, in
+// samples.
+std::vector<DisplayTile> GetTiles(int samples)
 {
   IceTInt count = 0;
   icetGetIntegerv(ICET_NUM_TILES, &count);
@@ -78,11 +60,18 @@ std::vector<DisplayTile> GetTiles()
   std::vector<DisplayTile> tiles;
   for (std::size_t tile = 0; tile < ranks.size(); ++tile)
   {
-    tiles.push_back({ { viewports[4 * tile] - display[0], viewports[4 * tile + 1] - display[1],
-                        viewports[4 * tile + 2], viewports[4 * tile + 3] },
+    tiles.push_back({ { samples * (viewports[4 * tile] - display[0]),
+                        samples * (viewports[4 * tile + 1] - display[1]),
+                        samples * viewports[4 * tile + 2], samples * viewports[4 * tile + 3] },
       ranks[tile] });
   }
   return tiles;
+}
+
+// The pixels that have one of the samples.
+PixelRectangle CoverWithPixels(const PixelRectangle& rectangle, int samples)
+{
+  return isosurface::CoverWithBlocks(rectangle, samples);
 }
 
 /// The stop watch of a frame.
@@ -122,28 +111,52 @@ class vtkMetabufferPass::Internals
 public:
   ///@{
   /// Makes the tile's picture of those of all ranks; on ranks without a tile nothing.
-  Status CompositeByIceT(const Viewport& viewport, const PictureView& mine, bool wantsDepths,
+  Status CompositeByIceT(const PictureView& mine, bool wantsDepths,
     vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths);
   Status CompositeByDirectSend(vtkMultiProcessController* controller, const PictureView& mine,
     bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths);
   ///@}
 
   /// Over the picture of this rank's tile.
-  void DrawOutlines(int me, vtkSynchronizedRenderers::vtkRawImage& colors) const;
+  void DrawOutlines(
+    vtkMultiProcessController* controller, vtkSynchronizedRenderers::vtkRawImage& colors) const;
+
+  /// The tile that this rank shows, or null.
+  const DisplayTile* FindTile(vtkMultiProcessController* controller) const;
+
+  /// What this rank tells the others; see vtkMetabufferPass::FrameTimeBudget.
+  isosurface::FramePart MakePart(
+    const vtkRenderState* state, bool isFull, int divisor, double budget) const;
+
+  /// The viewports of this frame, chosen of what all ranks told.
+  void ChooseViewports(const std::vector<isosurface::FramePart>& parts);
+
+  /// Makes colors go over from block to block, in all ranks' pictures.
+  void EnlargeSmoothly(const Viewport& viewport, PictureView& mine);
 
   isosurface::ViewportDrawing Drawing;
   isosurface::ViewportCompositor Compositor;
+  isosurface::ResolutionChooser Chooser;
   std::vector<int> Divisors;
   bool UsedViewports = false;
   bool ToldOfStock = false;
   FrameCost Cost{};
+  double LastSeconds = 0;
+  std::vector<isosurface::RankWork> LastWork;
+  /// @name In samples, of which a pixel has Samples x Samples
+  ///@{
+  int Samples = 1;
   std::vector<DisplayTile> Tiles;
-  std::vector<Viewport> Viewports; ///< of all ranks in the last frame
+  std::vector<Viewport> Viewports;     ///< of all ranks in the last frame
+  std::vector<Viewport> SentViewports; ///< as the pictures have them that are merged
   PixelRectangle Display;
+  ///@}
 
 private:
   void Enlarge(const PixelRectangle& pixels, int divisor, const PictureView& mine);
 
+  isosurface::OwnPicture Smooth;
+  isosurface::OwnPicture Fine; // the tile's picture, if it is antialiased
   // Of the display's size, of which IceT looks at the viewport alone.
   std::vector<std::uint32_t> EnlargedColors;
   std::vector<float> EnlargedDepths;
@@ -168,10 +181,12 @@ void vtkMetabufferPass::Internals::Enlarge(
   }
 }
 
-Status vtkMetabufferPass::Internals::CompositeByIceT(const Viewport& viewport,
-  const PictureView& mine, bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors,
-  vtkFloatArray* depths)
+Status vtkMetabufferPass::Internals::CompositeByIceT(const PictureView& mine, bool wantsDepths,
+  vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths)
 {
+  IceTInt me = 0;
+  icetGetIntegerv(ICET_RANK, &me);
+  const Viewport& viewport = this->SentViewports[static_cast<std::size_t>(me)];
   const PixelRectangle pixels = viewport.GetPixels(this->Display);
   this->Enlarge(pixels, viewport.Divisor, mine);
   if (wantsDepths)
@@ -213,39 +228,147 @@ Status vtkMetabufferPass::Internals::CompositeByDirectSend(vtkMultiProcessContro
   vtkFloatArray* depths)
 {
   isosurface::ControllerCommunicator communicator(controller);
-  const auto tile = std::find_if(this->Tiles.begin(), this->Tiles.end(),
-    [&](const DisplayTile& shown) { return shown.Rank == communicator.GetRank(); });
+  const DisplayTile* tile = this->FindTile(controller);
   isosurface::TilePicture picture;
-  if (tile != this->Tiles.end())
+  if (tile)
   {
-    colors.Resize(tile->Pixels.Width, tile->Pixels.Height, 4);
+    const PixelRectangle pixels = CoverWithPixels(tile->Pixels, this->Samples);
+    colors.Resize(pixels.Width, pixels.Height, 4);
     picture.Colors = reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0));
     if (wantsDepths)
     {
-      depths->SetNumberOfTuples(tile->Pixels.GetArea());
+      depths->SetNumberOfTuples(pixels.GetArea());
       picture.Depths = depths->GetPointer(0);
     }
   }
-  Status status = this->Compositor.Composite(
-    communicator, this->Viewports, this->Tiles, mine, picture, wantsDepths);
-  if (status.IsOk() && picture.Colors)
+  const isosurface::TilePicture shown = picture;
+  if (tile && this->Samples > 1)
   {
+    this->Fine.Resize(tile->Pixels);
+    picture.Colors = this->Fine.Colors.data();
+    picture.Depths = wantsDepths ? this->Fine.Depths.data() : nullptr;
+  }
+  Status status = this->Compositor.Composite(
+    communicator, this->SentViewports, this->Tiles, mine, picture, wantsDepths);
+  if (status.IsOk() && shown.Colors)
+  {
+    if (this->Samples > 1)
+    {
+      isosurface::AverageSamples(picture.Colors, picture.Depths, colors.GetWidth(),
+        colors.GetHeight(), shown.Colors, shown.Depths);
+    }
     colors.MarkValid();
   }
-  this->Cost.BytesSent = static_cast<long long>(this->Compositor.GetCost().BytesSent);
+  const isosurface::CompositeCost& cost = this->Compositor.GetCost();
+  this->Cost.BytesSent = static_cast<long long>(cost.BytesSent);
+  this->Cost.EncodeSeconds = cost.EncodeSeconds;
+  this->Cost.ExchangeSeconds = cost.ExchangeSeconds;
+  this->Cost.MergeSeconds = cost.MergeSeconds;
+  this->Cost.DeliverSeconds = cost.DeliverSeconds;
   return status;
 }
 
-void vtkMetabufferPass::Internals::DrawOutlines(
-  int me, vtkSynchronizedRenderers::vtkRawImage& colors) const
+const DisplayTile* vtkMetabufferPass::Internals::FindTile(
+  vtkMultiProcessController* controller) const
 {
-  for (const DisplayTile& tile : this->Tiles)
+  const int me = controller ? controller->GetLocalProcessId() : 0;
+  const auto tile = std::find_if(this->Tiles.begin(), this->Tiles.end(),
+    [me](const DisplayTile& shown) { return shown.Rank == me; });
+  return tile == this->Tiles.end() ? nullptr : &*tile;
+}
+
+void vtkMetabufferPass::Internals::DrawOutlines(
+  vtkMultiProcessController* controller, vtkSynchronizedRenderers::vtkRawImage& colors) const
+{
+  const DisplayTile* tile = this->FindTile(controller);
+  if (!tile)
   {
-    if (tile.Rank == me)
+    return;
+  }
+  std::vector<Viewport> viewports;
+  for (const Viewport& viewport : this->Viewports)
+  {
+    viewports.push_back(isosurface::MakeViewport(
+      CoverWithPixels(viewport.GetPixels(this->Display), this->Samples), viewport.Divisor));
+  }
+  isosurface::DrawViewportOutlines(viewports, CoverWithPixels(this->Display, this->Samples),
+    CoverWithPixels(tile->Pixels, this->Samples),
+    reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0)));
+}
+
+isosurface::FramePart vtkMetabufferPass::Internals::MakePart(
+  const vtkRenderState* state, bool isFull, int divisor, double budget) const
+{
+  isosurface::FramePart part;
+  const std::size_t choices = budget > 0 ? isosurface::NumberOfResolutions : 1;
+  for (std::size_t choice = 0; choice < choices; ++choice)
+  {
+    const int resolution = budget > 0 ? isosurface::GetResolutionDivisor(choice) : divisor;
+    isosurface::ProjectedBounds bounds =
+      isosurface::ViewportDrawing::FindBounds(state, this->Display, resolution);
+    part.Choices.push_back(
+      isosurface::MakeViewport(isFull ? this->Display : bounds.Pixels, resolution));
+    if (choice == 0 && !bounds.Pixels.IsEmpty())
     {
-      isosurface::DrawViewportOutlines(this->Viewports, this->Display, tile.Pixels,
-        reinterpret_cast<std::uint32_t*>(colors.GetRawPtr()->GetPointer(0)));
+      part.NearDistance = isosurface::ViewportDrawing::GetDistance(state, bounds.NearDepth);
+      part.FarDistance = isosurface::ViewportDrawing::GetDistance(state, bounds.FarDepth);
     }
+  }
+  part.Triangles = isosurface::ViewportDrawing::CountCells(state);
+  part.LastSeconds = this->LastSeconds;
+  part.Budget = budget;
+  return part;
+}
+
+void vtkMetabufferPass::Internals::ChooseViewports(const std::vector<isosurface::FramePart>& parts)
+{
+  double seconds = 0;
+  bool hasChoices = true;
+  for (const isosurface::FramePart& part : parts)
+  {
+    seconds = std::max(seconds, part.LastSeconds);
+    hasChoices = hasChoices && part.Choices.size() == isosurface::NumberOfResolutions;
+  }
+  if (!this->LastWork.empty())
+  {
+    std::vector<int> divisors;
+    for (const Viewport& viewport : this->Viewports)
+    {
+      divisors.push_back(viewport.Divisor);
+    }
+    this->Chooser.Learn(this->LastWork, divisors, seconds);
+  }
+
+  this->LastWork = isosurface::MakeRankWork(parts, this->Display);
+  std::vector<int> divisors;
+  if (hasChoices)
+  {
+    divisors = this->Chooser.Choose(this->LastWork, parts.front().Budget);
+  }
+  this->Viewports.clear();
+  for (std::size_t rank = 0; rank < parts.size(); ++rank)
+  {
+    std::size_t choice = 0;
+    while (hasChoices && parts[rank].Choices[choice].Divisor < divisors[rank])
+    {
+      ++choice;
+    }
+    this->Viewports.push_back(parts[rank].Choices[choice]);
+  }
+}
+
+void vtkMetabufferPass::Internals::EnlargeSmoothly(const Viewport& viewport, PictureView& mine)
+{
+  this->SentViewports.clear();
+  for (const Viewport& drawn : this->Viewports)
+  {
+    this->SentViewports.push_back(isosurface::MakeViewport(drawn.GetPixels(this->Display), 1));
+  }
+  if (viewport.Divisor > 1 && !viewport.Blocks.IsEmpty())
+  {
+    isosurface::EnlargeSmoothly(
+      mine, viewport.Divisor, viewport.GetPixels(this->Display), this->Smooth);
+    mine = this->Smooth.GetView();
   }
 }
 
@@ -303,6 +426,11 @@ int vtkMetabufferPass::GetDivisor(int index) const
     : divisors[std::min(static_cast<std::size_t>(index), divisors.size() - 1)];
 }
 
+void vtkMetabufferPass::SetLastFrameSeconds(double seconds)
+{
+  this->Internal->LastSeconds = this->Internal->UsedViewports ? seconds : 0;
+}
+
 const vtkMetabufferPass::FrameCost& vtkMetabufferPass::GetFrameCost() const
 {
   return this->Internal->Cost;
@@ -322,7 +450,8 @@ void vtkMetabufferPass::GetViewport(int rank, int viewport[5]) const
     return;
   }
   const Viewport& drawn = viewports[static_cast<std::size_t>(rank)];
-  const PixelRectangle pixels = drawn.GetPixels(this->Internal->Display);
+  const PixelRectangle pixels =
+    CoverWithPixels(drawn.GetPixels(this->Internal->Display), this->Internal->Samples);
   if (!pixels.IsEmpty())
   {
     viewport[0] = pixels.X;
@@ -331,6 +460,33 @@ void vtkMetabufferPass::GetViewport(int rank, int viewport[5]) const
     viewport[3] = pixels.Height;
     viewport[4] = drawn.Divisor;
   }
+}
+
+bool vtkMetabufferPass::ShowsTile() const
+{
+  return !this->Internal->UsedViewports || this->Internal->FindTile(this->Controller) != nullptr;
+}
+
+void vtkMetabufferPass::GetCoveredPixels(int rectangle[4]) const
+{
+  std::fill_n(rectangle, 4, 0);
+  const DisplayTile* tile = this->Internal->FindTile(this->Controller);
+  if (!this->Internal->UsedViewports || !tile)
+  {
+    return;
+  }
+  PixelRectangle covered;
+  for (const Viewport& viewport : this->Internal->Viewports)
+  {
+    covered = covered.Unite(viewport.GetPixels(tile->Pixels));
+  }
+  covered.X -= tile->Pixels.X;
+  covered.Y -= tile->Pixels.Y;
+  covered = CoverWithPixels(covered, this->Internal->Samples);
+  rectangle[0] = covered.X;
+  rectangle[1] = covered.Y;
+  rectangle[2] = covered.Width;
+  rectangle[3] = covered.Height;
 }
 
 bool vtkMetabufferPass::CanUseViewports(const vtkRenderState* state)
@@ -349,16 +505,23 @@ bool vtkMetabufferPass::CanUseViewports(const vtkRenderState* state)
 
 void vtkMetabufferPass::Render(const vtkRenderState* state)
 {
+  Internals& internal = *this->Internal;
   const double begin = vtkTimerLog::GetUniversalTime();
-  this->Internal->Cost = {};
-  this->Internal->Viewports.clear();
-  this->Internal->UsedViewports = this->CanUseViewports(state) && this->RenderViewport(state);
-  if (this->Internal->UsedViewports)
+  internal.Cost = {};
+  internal.UsedViewports = this->CanUseViewports(state) && this->RenderViewport(state);
+  if (internal.UsedViewports)
   {
-    this->Internal->Cost.FrameSeconds = vtkTimerLog::GetUniversalTime() - begin;
+    internal.Cost.FrameSeconds = vtkTimerLog::GetUniversalTime() - begin;
+    internal.LastSeconds = internal.Cost.FrameSeconds;
     return;
   }
-  this->Internal->Cost = {};
+  internal.Cost = {};
+  internal.Viewports.clear();
+  internal.LastWork.clear();
+  if (this->ErasesDisplay)
+  {
+    state->GetRenderer()->Clear();
+  }
   this->Superclass::Render(state);
 }
 
@@ -384,7 +547,8 @@ bool vtkMetabufferPass::RenderViewport(const vtkRenderState* state)
   gl->vtkglScissor(0, 0, 1, 1);
   this->SetupContext(state);
   icetBoundingVertices(0, ICET_DOUBLE, 0, 0, nullptr);
-  internal.Tiles = GetTiles();
+  internal.Samples = 1;
+  internal.Tiles = GetTiles(1);
   internal.Display = isosurface::GetDisplay(internal.Tiles);
   const PixelRectangle& display = internal.Display;
   this->LastRenderedRGBAColors->MarkInValid();
@@ -394,69 +558,99 @@ bool vtkMetabufferPass::RenderViewport(const vtkRenderState* state)
   {
     return true;
   }
-  if (std::max(display.Width, display.Height) > isosurface::ViewportDrawing::LargestDisplay)
+  constexpr int LargestDisplay = isosurface::ViewportDrawing::LargestDisplay;
+  const int length = std::max(display.Width, display.Height);
+  if (length > LargestDisplay)
   {
     return false;
   }
-
+  if (this->AntiAliasing && length <= LargestDisplay / SamplesOfAntiAliasing)
+  {
+    internal.Samples = SamplesOfAntiAliasing;
+    internal.Tiles = GetTiles(internal.Samples);
+    internal.Display = isosurface::GetDisplay(internal.Tiles);
+  }
   const bool wantsDepths = this->AgreeOnViewports(state);
-  const Viewport& viewport =
-    internal.Viewports[static_cast<std::size_t>(this->Controller->GetLocalProcessId())];
-  internal.Cost.DisplayPixels = viewport.GetPixels(display).GetArea();
-  internal.Cost.DrawnPixels = viewport.Blocks.GetArea();
-
-  StepTimer timer(this->Controller, this->MeasureSteps);
-  internal.Drawing.Draw(state, this->RenderPass, display, viewport);
-  internal.Cost.RenderSeconds = timer.EndStep();
-  const PictureView picture = internal.Drawing.Read(state, viewport);
-  internal.Cost.ReadSeconds = timer.EndStep();
-  vtkOpenGLClearErrorMacro();
-  const Status status = this->CompositeMode == ICET
-    ? internal.CompositeByIceT(
-        viewport, picture, wantsDepths, *this->LastRenderedRGBAColors, this->LastRenderedDepths)
-    : internal.CompositeByDirectSend(this->Controller, picture, wantsDepths,
-        *this->LastRenderedRGBAColors, this->LastRenderedDepths);
-  internal.Cost.CompositeSeconds = timer.EndStep();
-  if (!status.IsOk())
-  {
-    this->LastRenderedRGBAColors->MarkInValid();
-    this->LastRenderedDepths->SetNumberOfTuples(0);
-    // The rank that failed tells why; the others have nothing to add.
-    if (status.GetCode() != isosurface::StatusCode::RemoteFailure)
-    {
-      vtkErrorMacro(<< status.GetMessage());
-    }
-    return true;
-  }
-  if (this->ShowViewports && this->LastRenderedRGBAColors->IsValid())
-  {
-    internal.DrawOutlines(this->Controller->GetLocalProcessId(), *this->LastRenderedRGBAColors);
-  }
-  this->DisplayResultsIfNeeded(state);
-  this->CleanupContext(state);
+  this->DrawAndMerge(state, wantsDepths);
   return true;
 }
 
 bool vtkMetabufferPass::AgreeOnViewports(const vtkRenderState* state)
 {
   Internals& internal = *this->Internal;
-  const int divisor = this->GetDivisor(this->Controller->GetLocalProcessId());
-  const PixelRectangle pixels = this->ViewportMode == FULL_DISPLAY
-    ? internal.Display
-    : isosurface::ViewportDrawing::FindBounds(state, internal.Display, divisor).Pixels;
-  FramePart mine;
-  mine.Drawn = isosurface::MakeViewport(pixels, divisor);
+  isosurface::FramePart mine = internal.MakePart(state, this->ViewportMode == FULL_DISPLAY,
+    this->GetDivisor(this->Controller->GetLocalProcessId()), this->FrameTimeBudget);
   mine.WantsDepths = this->CollectDepths || this->DisplayDepthResults;
 
   isosurface::ControllerCommunicator communicator(this->Controller);
+  std::vector<isosurface::FramePart> parts;
   bool wantsDepths = false;
   for (const isosurface::Message& message : communicator.AllGather(mine.Pack()))
   {
-    const FramePart part = FramePart::Unpack(message);
-    internal.Viewports.push_back(part.Drawn);
-    wantsDepths = wantsDepths || part.WantsDepths;
+    parts.push_back(isosurface::FramePart::Unpack(message));
+    wantsDepths = wantsDepths || parts.back().WantsDepths;
   }
+  internal.ChooseViewports(parts);
   return wantsDepths;
+}
+
+void vtkMetabufferPass::DrawAndMerge(const vtkRenderState* state, bool wantsDepths)
+{
+  Internals& internal = *this->Internal;
+  const Viewport& viewport =
+    internal.Viewports[static_cast<std::size_t>(this->Controller->GetLocalProcessId())];
+  internal.Cost.DisplayPixels =
+    CoverWithPixels(viewport.GetPixels(internal.Display), internal.Samples).GetArea();
+  internal.Cost.DrawnPixels = viewport.Blocks.GetArea();
+
+  StepTimer timer(this->Controller, this->MeasureSteps);
+  isosurface::ControllerCommunicator communicator(this->Controller);
+  const Status drawn = internal.Drawing.Draw(state, this->RenderPass, internal.Display, viewport);
+  internal.Cost.RenderSeconds = timer.EndStep();
+  PictureView picture;
+  if (drawn.IsOk())
+  {
+    picture = internal.Drawing.Read(state, viewport);
+  }
+  internal.Cost.ReadSeconds = timer.EndStep();
+  vtkOpenGLClearErrorMacro();
+  Status status = communicator.Agree(drawn);
+  if (status.IsOk())
+  {
+    internal.SentViewports = internal.Viewports;
+    if (this->SmoothEnlarging)
+    {
+      internal.EnlargeSmoothly(viewport, picture);
+    }
+    status = this->CompositeMode == ICET && internal.Samples == 1
+      ? internal.CompositeByIceT(
+          picture, wantsDepths, *this->LastRenderedRGBAColors, this->LastRenderedDepths)
+      : internal.CompositeByDirectSend(this->Controller, picture, wantsDepths,
+          *this->LastRenderedRGBAColors, this->LastRenderedDepths);
+  }
+  internal.Cost.CompositeSeconds = timer.EndStep();
+  if (!status.IsOk())
+  {
+    this->LastRenderedRGBAColors->MarkInValid();
+    this->LastRenderedDepths->SetNumberOfTuples(0);
+    internal.LastWork.clear();
+    if (this->ErasesDisplay)
+    {
+      state->GetRenderer()->Clear();
+    }
+    // The rank that failed tells why; the others have nothing to add.
+    if (status.GetCode() != isosurface::StatusCode::RemoteFailure)
+    {
+      vtkErrorMacro(<< status.GetMessage());
+    }
+    return;
+  }
+  if (this->ShowViewports && this->LastRenderedRGBAColors->IsValid())
+  {
+    internal.DrawOutlines(this->Controller, *this->LastRenderedRGBAColors);
+  }
+  this->DisplayResultsIfNeeded(state);
+  this->CleanupContext(state);
 }
 
 void vtkMetabufferPass::PrintSelf(ostream& os, vtkIndent indent)
@@ -464,9 +658,13 @@ void vtkMetabufferPass::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ViewportMode: " << this->ViewportMode << "\n"
      << indent << "CompositeMode: " << this->CompositeMode << "\n"
+     << indent << "FrameTimeBudget: " << this->FrameTimeBudget << "\n"
+     << indent << "AntiAliasing: " << this->AntiAliasing << "\n"
+     << indent << "SmoothEnlarging: " << this->SmoothEnlarging << "\n"
      << indent << "CollectDepths: " << this->CollectDepths << "\n"
      << indent << "ShowViewports: " << this->ShowViewports << "\n"
      << indent << "MeasureSteps: " << this->MeasureSteps << "\n"
+     << indent << "ErasesDisplay: " << this->ErasesDisplay << "\n"
      << indent << "Divisors:";
   for (const int divisor : this->Internal->Divisors)
   {

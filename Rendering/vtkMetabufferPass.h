@@ -80,6 +80,40 @@ public:
 
   ///@{
   /**
+   * Seconds that a frame may take, or 0 (the default) if that does not matter. Resolutions are then
+   * chosen for each frame, from 1 (each pixel) to 16, in the place of the divisors: the background,
+   * what is far from the display's middle, and large parts before small ones, lose theirs first.
+   * What frames take, and with what work, is learned from all frames, with and without a budget.
+   * (See isosurface::ResolutionChooser.)
+   */
+  vtkSetClampMacro(FrameTimeBudget, double, 0.0, VTK_DOUBLE_MAX);
+  vtkGetMacro(FrameTimeBudget, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether each block is drawn with 2 x 2 samples, whose mean is shown. Lines and points are half
+   * as wide then. Pictures are merged before the mean is taken, by DIRECT_SEND. Not done for
+   * displays of more than 8192 pixels in a direction. Off by default.
+   */
+  vtkSetMacro(AntiAliasing, bool);
+  vtkGetMacro(AntiAliasing, bool);
+  vtkBooleanMacro(AntiAliasing, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether colors go over linearly from block to block, in the place of blocks of one color.
+   * Pictures are then enlarged before they are sent, hence as large as at full resolution. Off by
+   * default.
+   */
+  vtkSetMacro(SmoothEnlarging, bool);
+  vtkGetMacro(SmoothEnlarging, bool);
+  vtkBooleanMacro(SmoothEnlarging, bool);
+  ///@}
+
+  ///@{
+  /**
    * Whether the merged depths are wanted (GetLastRenderedDepths), as vtkIceTCompositePass always
    * provides them; without, less is sent. They are there in any case with DisplayDepthResults. On
    * by default.
@@ -112,12 +146,22 @@ public:
   {
     double RenderSeconds;    ///< without MeasureSteps, of telling the graphics card what to draw
     double ReadSeconds;      ///< of reading back
-    double CompositeSeconds; ///< of merging, waiting for other ranks included
+    double CompositeSeconds; ///< of all of merging, of which by direct send:
+    double EncodeSeconds;    ///< packing active pixels
+    double ExchangeSeconds;  ///< sending and receiving, waiting for other ranks included
+    double MergeSeconds;     ///< comparing depths
+    double DeliverSeconds;   ///< putting pixels into the tile's picture
     double FrameSeconds;     ///< of all of Render()
     long long DisplayPixels; ///< that the viewport covers
     long long DrawnPixels;   ///< drawn and read back
     long long BytesSent;     ///< to other ranks
   };
+  /**
+   * Seconds of the last frame as the viewer sees it, if that is known to be more than this pass: of
+   * the passing on of the picture, too. For FrameTimeBudget.
+   */
+  void SetLastFrameSeconds(double seconds);
+
   /// Valid if GetUsedViewports(); all 0 otherwise.
   const FrameCost& GetFrameCost() const;
 
@@ -130,15 +174,37 @@ public:
    */
   void GetViewport(int rank, int viewport[5]) const;
 
+  /// Whether this rank shows a tile of the display; true if viewports were not used.
+  bool ShowsTile() const;
+
+  /**
+   * The rectangle of this rank's tile outside of which nothing was drawn in the last frame: x, y,
+   * width, height in pixels of the tile.
+   */
+  void GetCoveredPixels(int rectangle[4]) const;
+
+  ///@{
+  /**
+   * Whether the renderer is told not to erase before this pass, which then erases what it draws to:
+   * its viewport, or everything where it uses none. Off by default.
+   */
+  vtkSetMacro(ErasesDisplay, bool);
+  vtkGetMacro(ErasesDisplay, bool);
+  ///@}
+
 protected:
   vtkMetabufferPass();
   ~vtkMetabufferPass() override;
 
   int ViewportMode = BOUNDS;
   int CompositeMode = DIRECT_SEND;
+  double FrameTimeBudget = 0;
+  bool AntiAliasing = false;
+  bool SmoothEnlarging = false;
   bool CollectDepths = true;
   bool ShowViewports = false;
   bool MeasureSteps = false;
+  bool ErasesDisplay = false;
 
 private:
   vtkMetabufferPass(const vtkMetabufferPass&) = delete;
@@ -149,6 +215,8 @@ private:
   bool RenderViewport(const vtkRenderState* state);
   /// Collective: all ranks' viewports of this frame; true if one of the ranks wants depths.
   bool AgreeOnViewports(const vtkRenderState* state);
+  /// Collective: draws and merges; LastRendered... have this rank's tile afterwards.
+  void DrawAndMerge(const vtkRenderState* state, bool wantsDepths);
 
   class Internals;
   std::unique_ptr<Internals> Internal;

@@ -40,7 +40,7 @@ void vtkMetabufferRenderView::SetViewportMode(int mode)
 
 void vtkMetabufferRenderView::SetResolutionMode(int mode)
 {
-  this->ResolutionMode = std::clamp<int>(mode, FULL, PER_RANK);
+  this->ResolutionMode = std::clamp<int>(mode, FULL, TIME_BUDGET);
   this->UpdateResolution();
 }
 
@@ -67,11 +67,42 @@ void vtkMetabufferRenderView::UpdateResolution()
   {
     return;
   }
-  const bool isFull = this->ResolutionMode == FULL;
+  const bool isFull = this->ResolutionMode != PER_RANK;
   pass->SetNumberOfDivisors(isFull ? 0 : static_cast<int>(this->Divisors.size()));
   for (std::size_t index = 0; !isFull && index < this->Divisors.size(); ++index)
   {
     pass->SetDivisor(static_cast<int>(index), this->Divisors[index]);
+  }
+}
+
+void vtkMetabufferRenderView::AboutToRenderOnLocalProcess(bool interactive)
+{
+  const bool hasBudget = interactive && this->ResolutionMode == TIME_BUDGET;
+  if (vtkMetabufferPass* pass = this->GetPass())
+  {
+    pass->SetFrameTimeBudget(hasBudget ? this->FrameTimeBudget : 0);
+  }
+  if (hasBudget)
+  {
+    // The other way to get faster frames, for all ranks alike.
+    this->SynchronizedRenderers->SetImageReductionFactor(1);
+  }
+  this->Superclass::AboutToRenderOnLocalProcess(interactive);
+}
+
+void vtkMetabufferRenderView::SetAntiAliasing(bool antiAliasing)
+{
+  if (vtkMetabufferPass* pass = this->GetPass())
+  {
+    pass->SetAntiAliasing(antiAliasing);
+  }
+}
+
+void vtkMetabufferRenderView::SetSmoothEnlarging(bool smoothEnlarging)
+{
+  if (vtkMetabufferPass* pass = this->GetPass())
+  {
+    pass->SetSmoothEnlarging(smoothEnlarging);
   }
 }
 
@@ -101,7 +132,9 @@ void vtkMetabufferRenderView::CaptureZBuffer()
 void vtkMetabufferRenderView::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "ResolutionMode: " << this->ResolutionMode << "\n" << indent << "Divisors:";
+  os << indent << "ResolutionMode: " << this->ResolutionMode << "\n"
+     << indent << "FrameTimeBudget: " << this->FrameTimeBudget << "\n"
+     << indent << "Divisors:";
   for (const int divisor : this->Divisors)
   {
     os << " " << divisor;

@@ -36,10 +36,12 @@ public:
   enum ResolutionModes
   {
     FULL,
-    PER_RANK
+    PER_RANK,
+    TIME_BUDGET
   };
   ///@{
-  /// Whether all ranks draw a sample for each pixel (the default), or as the divisors say.
+  /// Whether all ranks draw a sample for each pixel (the default), or as the divisors say, or such
+  /// that frames keep their time while the camera moves; still frames are full ones then.
   void SetResolutionMode(int mode);
   vtkGetMacro(ResolutionMode, int);
   ///@}
@@ -49,6 +51,17 @@ public:
   void SetNumberOfDivisors(int count);
   void SetDivisor(int index, int divisor);
   ///@}
+
+  ///@{
+  /// Seconds of TIME_BUDGET for a frame; 0.1 by default. See vtkMetabufferPass::FrameTimeBudget.
+  vtkSetClampMacro(FrameTimeBudget, double, 0.001, VTK_DOUBLE_MAX);
+  vtkGetMacro(FrameTimeBudget, double);
+  ///@}
+
+  /// Whether pixels are means of 2 x 2 samples, and blocks go over into each other; see
+  /// vtkMetabufferPass.
+  void SetAntiAliasing(bool antiAliasing);
+  void SetSmoothEnlarging(bool smoothEnlarging);
 
   /// Whether the ranks' viewports are outlined in the picture.
   void SetShowViewports(bool show);
@@ -63,7 +76,10 @@ protected:
   vtkMetabufferRenderView();
   ~vtkMetabufferRenderView() override;
 
+  void AboutToRenderOnLocalProcess(bool interactive) override;
+
   int ResolutionMode = FULL;
+  double FrameTimeBudget = 0.1;
   std::vector<int> Divisors;
 
 private:

@@ -2,13 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkMetabufferSynchronizedRenderers.h"
 
+#include "PictureDelivery.h"
+
 #include "vtkCameraPass.h"
+#include "vtkCommand.h"
 #include "vtkMetabufferPass.h"
+#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkOpenGLFXAAFilter.h"
+#include "vtkOpenGLRenderer.h"
+#include "vtkRenderWindow.h"
+#include "vtkTimerLog.h"
+#include "vtkUnsignedCharArray.h"
 
 vtkStandardNewMacro(vtkMetabufferSynchronizedRenderers);
 
 vtkMetabufferSynchronizedRenderers::vtkMetabufferSynchronizedRenderers()
+  : Delivery(new isosurface::PictureDelivery)
 {
   // In the place of the pass that the superclass made.
   this->IceTCompositePass->Delete();
@@ -22,6 +32,85 @@ vtkMetabufferSynchronizedRenderers::~vtkMetabufferSynchronizedRenderers() = defa
 vtkMetabufferPass* vtkMetabufferSynchronizedRenderers::GetMetabufferPass()
 {
   return static_cast<vtkMetabufferPass*>(this->IceTCompositePass);
+}
+
+bool vtkMetabufferSynchronizedRenderers::IsActive() const
+{
+  return this->Renderer && this->ParallelRendering && this->ParallelController;
+}
+
+void vtkMetabufferSynchronizedRenderers::HandleStartRender()
+{
+  this->BeginOfFrame = vtkTimerLog::GetUniversalTime();
+  // The superclass turns it off until the merged picture is there.
+  this->WantsFXAA = this->Renderer && this->Renderer->GetUseFXAA();
+  this->Superclass::HandleStartRender();
+  this->DoesErase = this->IsActive() && this->Renderer->GetErase();
+  this->GetMetabufferPass()->SetErasesDisplay(this->DoesErase);
+  if (this->DoesErase)
+  {
+    this->Renderer->EraseOff();
+  }
+}
+
+void vtkMetabufferSynchronizedRenderers::HandleEndRender()
+{
+  if (this->DoesErase)
+  {
+    this->Renderer->EraseOn();
+    this->GetMetabufferPass()->SetErasesDisplay(false);
+    this->DoesErase = false;
+  }
+  this->Superclass::HandleEndRender();
+  vtkRenderWindow* window = this->IsActive() ? this->Renderer->GetRenderWindow() : nullptr;
+  if (!window || !this->GetMetabufferPass()->GetUsedViewports() || this->EndOfFrameObserver != 0)
+  {
+    return;
+  }
+  this->IsFrameHidden = !this->GetMetabufferPass()->ShowsTile() && window->GetSwapBuffers();
+  if (this->IsFrameHidden)
+  {
+    window->SwapBuffersOff();
+  }
+  this->EndOfFrameObserver = window->AddObserver(
+    vtkCommand::EndEvent, this, &vtkMetabufferSynchronizedRenderers::HandleEndOfFrame);
+}
+
+void vtkMetabufferSynchronizedRenderers::HandleEndOfFrame(
+  vtkObject* window, unsigned long vtkNotUsed(event), void* vtkNotUsed(data))
+{
+  window->RemoveObserver(this->EndOfFrameObserver);
+  this->EndOfFrameObserver = 0;
+  if (this->IsFrameHidden)
+  {
+    static_cast<vtkRenderWindow*>(window)->SwapBuffersOn();
+    this->IsFrameHidden = false;
+  }
+  this->GetMetabufferPass()->SetLastFrameSeconds(
+    vtkTimerLog::GetUniversalTime() - this->BeginOfFrame);
+}
+
+void vtkMetabufferSynchronizedRenderers::PushImageToScreen()
+{
+  const bool isOurs = this->Image.IsValid() && this->GetFixBackground() &&
+    !this->ImageProcessingPass && this->GetMetabufferPass()->GetUsedViewports() &&
+    this->Image.GetRawPtr()->GetNumberOfComponents() == 4;
+  int covered[4];
+  this->GetMetabufferPass()->GetCoveredPixels(covered);
+  if (!isOurs ||
+    !this->Delivery->Deliver(this->Renderer,
+      reinterpret_cast<const std::uint32_t*>(this->Image.GetRawPtr()->GetPointer(0)),
+      this->Image.GetWidth(), this->Image.GetHeight(),
+      { covered[0], covered[1], covered[2], covered[3] }))
+  {
+    this->Superclass::PushImageToScreen();
+    return;
+  }
+  if (this->WantsFXAA)
+  {
+    this->Antialiasing->UpdateConfiguration(this->Renderer->GetFXAAOptions());
+    this->Antialiasing->Execute(this->Renderer);
+  }
 }
 
 void vtkMetabufferSynchronizedRenderers::PrintSelf(ostream& os, vtkIndent indent)

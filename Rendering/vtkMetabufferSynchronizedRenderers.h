@@ -6,6 +6,9 @@
  *
  * Used as vtkIceTSynchronizedRenderers, beside a vtkSynchronizedRenderWindows; the class is all
  * that an application without a ParaView session needs. Windows must not have multisamples.
+ *
+ * Only what is seen is cleared, drawn and shown: windows of ranks that have no tile of the display
+ * keep what they had.
  */
 
 #ifndef vtkMetabufferSynchronizedRenderers_h
@@ -13,8 +16,16 @@
 
 #include "IsosurfaceRenderingModule.h" // For export macro
 #include "vtkIceTSynchronizedRenderers.h"
+#include "vtkNew.h" // For FXAA
 
+#include <memory> // For the delivery
+
+namespace isosurface
+{
+class PictureDelivery;
+}
 class vtkMetabufferPass;
+class vtkOpenGLFXAAFilter;
 
 class ISOSURFACERENDERING_EXPORT vtkMetabufferSynchronizedRenderers
   : public vtkIceTSynchronizedRenderers
@@ -31,9 +42,27 @@ protected:
   vtkMetabufferSynchronizedRenderers();
   ~vtkMetabufferSynchronizedRenderers() override;
 
+  /// The pass erases what it draws, in the place of the superclass' camera pass.
+  void HandleStartRender() override;
+  void HandleEndRender() override;
+  /// By copying where that gives the superclass' picture.
+  void PushImageToScreen() override;
+
 private:
   vtkMetabufferSynchronizedRenderers(const vtkMetabufferSynchronizedRenderers&) = delete;
   void operator=(const vtkMetabufferSynchronizedRenderers&) = delete;
+
+  bool IsActive() const;
+  /// The window has shown the frame, or, where it shows no tile, done without.
+  void HandleEndOfFrame(vtkObject* window, unsigned long event, void* data);
+
+  std::unique_ptr<isosurface::PictureDelivery> Delivery;
+  vtkNew<vtkOpenGLFXAAFilter> Antialiasing;
+  bool WantsFXAA = false;
+  bool DoesErase = false;
+  bool IsFrameHidden = false;
+  unsigned long EndOfFrameObserver = 0;
+  double BeginOfFrame = 0;
 };
 
 #endif

@@ -40,6 +40,16 @@ struct PixelRectangle
     return FromEdges(std::max(this->X, other.X), std::max(this->Y, other.Y),
       std::min(this->GetRight(), other.GetRight()), std::min(this->GetTop(), other.GetTop()));
   }
+  /// The smallest rectangle that contains both; an empty one adds nothing.
+  PixelRectangle Unite(const PixelRectangle& other) const
+  {
+    if (this->IsEmpty() || other.IsEmpty())
+    {
+      return this->IsEmpty() ? other : *this;
+    }
+    return FromEdges(std::min(this->X, other.X), std::min(this->Y, other.Y),
+      std::max(this->GetRight(), other.GetRight()), std::max(this->GetTop(), other.GetTop()));
+  }
   bool operator==(const PixelRectangle& other) const
   {
     return this->X == other.X && this->Y == other.Y && this->Width == other.Width &&

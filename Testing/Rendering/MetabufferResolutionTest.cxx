@@ -10,6 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
+
 using namespace isosurface;
 
 namespace
@@ -38,46 +41,132 @@ std::vector<Value> GatherOnRootRank(const std::vector<Value>& mine)
   return all;
 }
 
+/// What one rank drew, one sample for each block.
+struct SmallPicture
+{
+  int Divisor = 1;
+  int Columns = 0;
+  int Rows = 0;
+  const std::uint32_t* Colors = nullptr;
+  const float* Depths = nullptr;
+
+  bool IsActive(int column, int row) const
+  {
+    return column >= 0 && row >= 0 && column < this->Columns && row < this->Rows &&
+      this->Depths[row * this->Columns + column] < 1.0F;
+  }
+};
+
+// The color at the middle of a pixel, between those of the middles of the active blocks around it,
+// by a sum of fractions with 4 * divisor^2 as denominator.
+std::uint32_t GetSmoothColor(const SmallPicture& small, int x, int y)
+{
+  const int d = small.Divisor;
+  std::uint32_t color = 0;
+  for (int byte = 0; byte < 4; ++byte)
+  {
+    long sum = 0;
+    long weights = 0;
+    for (int row = y / d - 1; row <= y / d + 1; ++row)
+    {
+      for (int column = x / d - 1; column <= x / d + 1; ++column)
+      {
+        const long across = 2 * d - std::abs(2 * x + 1 - (2 * column + 1) * d);
+        const long up = 2 * d - std::abs(2 * y + 1 - (2 * row + 1) * d);
+        if (across > 0 && up > 0 && small.IsActive(column, row))
+        {
+          sum += across * up * (small.Colors[row * small.Columns + column] >> (8 * byte) & 0xff);
+          weights += across * up;
+        }
+      }
+    }
+    color |= static_cast<std::uint32_t>((2 * sum + weights) / (2 * weights)) << (8 * byte);
+  }
+  return color;
+}
+
+/// How the reference puts small pictures together.
+struct Composition
+{
+  std::vector<int> Divisors;
+  bool IsSmooth = false;
+  int Samples = 1; ///< of a pixel, in each direction
+};
+
+// Four pixels become one.
+Picture AverageFour(const Picture& fine)
+{
+  Picture coarse;
+  coarse.Width = fine.Width / 2;
+  coarse.Height = fine.Height / 2;
+  for (int y = 0; y < coarse.Height; ++y)
+  {
+    for (int x = 0; x < coarse.Width; ++x)
+    {
+      std::uint32_t color = 0;
+      float depth = 1.0F;
+      for (int byte = 0; byte < 4; ++byte)
+      {
+        unsigned sum = 2;
+        for (int sample = 0; sample < 4; ++sample)
+        {
+          const auto index =
+            static_cast<std::size_t>((2 * y + sample / 2) * fine.Width + 2 * x + sample % 2);
+          sum += fine.Colors[index] >> (8 * byte) & 0xff;
+          depth = std::min(depth, fine.Depths[index]);
+        }
+        color |= sum / 4 << (8 * byte);
+      }
+      coarse.Colors.push_back(color);
+      coarse.Depths.push_back(depth);
+    }
+  }
+  return coarse;
+}
+
 /// The picture of a display on rank 0, of what each rank draws in a window of 1/divisor of the
 /// size.
 Picture MergeSmallPictures(
-  const Scene& scene, const CameraPlace& camera, const std::vector<int>& divisors)
+  const Scene& scene, const CameraPlace& camera, const Composition& composition)
 {
-  const int mine = divisors[static_cast<std::size_t>(GetRank())];
-  const Picture small =
-    RenderAlone(scene.Make(GetRank(), GetNumberOfRanks()), camera, Width / mine, Height / mine);
-  const std::vector<std::uint32_t> colors = GatherOnRootRank(small.Colors);
-  const std::vector<float> depths = GatherOnRootRank(small.Depths);
+  const int width = composition.Samples * Width;
+  const int height = composition.Samples * Height;
+  const int mine = composition.Divisors[static_cast<std::size_t>(GetRank())];
+  const Picture drawn =
+    RenderAlone(scene.Make(GetRank(), GetNumberOfRanks()), camera, width / mine, height / mine);
+  const std::vector<std::uint32_t> colors = GatherOnRootRank(drawn.Colors);
+  const std::vector<float> depths = GatherOnRootRank(drawn.Depths);
   Picture merged;
   if (GetRank() != 0)
   {
     return merged;
   }
-  merged.Width = Width;
-  merged.Height = Height;
-  merged.Colors.assign(static_cast<std::size_t>(Width) * Height, 0);
-  merged.Depths.assign(static_cast<std::size_t>(Width) * Height, 1.0F);
+  merged.Width = width;
+  merged.Height = height;
+  merged.Colors.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  merged.Depths.assign(merged.Colors.size(), 1.0F);
   std::size_t first = 0;
-  for (const int divisor : divisors)
+  for (const int divisor : composition.Divisors)
   {
-    for (int y = 0; y < Height; ++y)
+    const SmallPicture small{ divisor, width / divisor, height / divisor, colors.data() + first,
+      depths.data() + first };
+    for (int y = 0; y < height; ++y)
     {
-      for (int x = 0; x < Width; ++x)
+      for (int x = 0; x < width; ++x)
       {
-        const std::size_t pixel = static_cast<std::size_t>(y) * Width + static_cast<std::size_t>(x);
-        const std::size_t sample = first +
-          static_cast<std::size_t>(y / divisor) * static_cast<std::size_t>(Width / divisor) +
-          static_cast<std::size_t>(x / divisor);
-        if (depths[sample] < 1.0F && depths[sample] <= merged.Depths[pixel])
+        const auto pixel = static_cast<std::size_t>(y * width + x);
+        const int sample = y / divisor * small.Columns + x / divisor;
+        if (small.Depths[sample] < 1.0F && small.Depths[sample] <= merged.Depths[pixel])
         {
-          merged.Depths[pixel] = depths[sample];
-          merged.Colors[pixel] = colors[sample];
+          merged.Depths[pixel] = small.Depths[sample];
+          merged.Colors[pixel] =
+            composition.IsSmooth ? GetSmoothColor(small, x, y) : small.Colors[sample];
         }
       }
     }
-    first += static_cast<std::size_t>(Width / divisor) * static_cast<std::size_t>(Height / divisor);
+    first += static_cast<std::size_t>(small.Columns) * static_cast<std::size_t>(small.Rows);
   }
-  return merged;
+  return composition.Samples == 1 ? merged : AverageFour(merged);
 }
 
 void SetDivisors(RankWindow& window, const std::vector<int>& divisors)
@@ -110,7 +199,7 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
       {
         divisors.resize(static_cast<std::size_t>(GetNumberOfRanks()));
         SetDivisors(ours, divisors);
-        const Picture expected = MergeSmallPictures(scene, camera, divisors);
+        const Picture expected = MergeSmallPictures(scene, camera, { divisors });
         for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
         {
           ours.GetPass()->SetCompositeMode(mode);
@@ -121,6 +210,43 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
               << scene.Name << ", " << camera.Name << ", " << divisors[0];
             EXPECT_EQ(CountDifferentDepths(picture, expected), 0U)
               << scene.Name << ", " << camera.Name << ", " << divisors[0];
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(MetabufferResolution, SmoothAndSupersampledPicturesAreMergedOneByOne)
+{
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  for (const std::size_t index : { 0U, 1U, 2U })
+  {
+    const Scene scene = GetScenes()[index];
+    ours.SetScene(scene);
+    for (const CameraPlace& camera : { GetCameraPlaces()[0], GetCameraPlaces()[2] })
+    {
+      ours.SetCamera(camera);
+      for (std::vector<int> divisors : { std::vector<int>{ 1, 1, 1, 1 }, { 4, 1, 3, 2 } })
+      {
+        divisors.resize(static_cast<std::size_t>(GetNumberOfRanks()));
+        SetDivisors(ours, divisors);
+        for (const int way : { 1, 2, 3 })
+        {
+          const bool isSmooth = way % 2 == 1;
+          const int samples = 1 + way / 2;
+          ours.GetPass()->SetSmoothEnlarging(isSmooth);
+          ours.GetPass()->SetAntiAliasing(samples == 2);
+          const Picture expected =
+            MergeSmallPictures(scene, camera, { divisors, isSmooth, samples });
+          const Picture picture = ours.Render();
+          if (GetRank() == 0)
+          {
+            const std::string what = scene.Name + ", " + camera.Name + ", " +
+              std::to_string(divisors[0]) + ", " + std::to_string(way);
+            EXPECT_EQ(picture.Width, Width) << what;
+            EXPECT_EQ(CountDifferentColors(picture, expected), 0U) << what;
+            EXPECT_EQ(CountDifferentDepths(picture, expected), 0U) << what;
           }
         }
       }
