@@ -79,6 +79,12 @@ class ClientAndServer(unittest.TestCase):
     def test_metabuffer_view_shows_the_stock_picture(self):
         self.run_client_and_server("metabuffer_view.py")
 
+    def test_distributed_surface_has_the_picture_of_the_contour(self):
+        self.run_client_and_server("distribute.py")
+        self.assertEqual(
+            len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 2
+        )
+
     def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
         self.run_client_and_server("surface_pictures.py")
         log = self.read_log()
