@@ -166,7 +166,8 @@ def compare_modes(contour, surface, isovalues, repeats, folder):
         )
         print("|---" * (12 + len(LINKS)) + "|")
         for mode in MODES:
-            print_row(mode, runs[mode][1:])  # the first one also reads the blocks
+            # The first turn also reads the blocks.
+            print_row(mode, runs[mode][1:] or runs[mode])
 
 
 def main():
@@ -177,7 +178,7 @@ def main():
     parser.add_argument("--array", default="T1", help="the point array to contour")
     parser.add_argument("--block-size", type=int, default=32, help="of the head MRI's blocks")
     parser.add_argument("--isovalues", type=float, nargs="+", default=[40.5, 80.5])
-    parser.add_argument("--repeats", type=int, default=1, help="turns of each mode")
+    parser.add_argument("--repeats", type=int, default=1, help="turns of each mode after a first one")
     parser.add_argument("--without-pictures", action="store_true")
     arguments = parser.parse_args()
     if arguments.plugin:
