@@ -101,8 +101,8 @@ public:
   ///@{
   /**
    * Unless Mode is NONE: the most by which a component of a normal may change, if the contour
-   * computes normals. 0 keeps every bit, and makes several times as many bytes. Default 0.005,
-   * which changes the shades of a picture by one or two of 255 here and there.
+   * computes normals. 0 keeps every bit, and makes four times as many bytes. Default 0.01, which
+   * changes shades by one of 255 here and there, and by some more at creases as small as a pixel.
    */
   vtkSetClampMacro(NormalError, double, 0, 1);
   vtkGetMacro(NormalError, double);
