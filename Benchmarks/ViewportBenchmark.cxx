@@ -6,7 +6,12 @@
 // A frame is split into: render, the slowest rank's, until its picture is there; read, the slowest
 // rank's reading back; deliver, of the merged picture to the root's window, VTK's showing of it
 // included; composite, all else: merging, sending, waiting for each other, clearing.
+//
+// "background 1/4" are frames in which the nearer half of the ranks draws each pixel, the others a
+// sample for 4 x 4; beside it, how close the picture is to the full one (peak signal to noise ratio
+// of red, green and blue). With --budget there is one way only, along a path with two jumps.
 #include "vtkActor.h"
+#include "vtkActorCollection.h"
 #include "vtkAppendPolyData.h"
 #include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
@@ -14,6 +19,7 @@
 #include "vtkIceTCompositePass.h"
 #include "vtkIceTSynchronizedRenderers.h"
 #include "vtkMPIController.h"
+#include "vtkMath.h"
 #include "vtkMetabufferPass.h"
 #include "vtkMetabufferSynchronizedRenderers.h"
 #include "vtkNew.h"
@@ -27,6 +33,7 @@
 #include "vtkSphereSource.h"
 #include "vtkSynchronizedRenderWindows.h"
 #include "vtkTimerLog.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtk_glew.h"
 
 #include <CLI/CLI.hpp>
@@ -34,8 +41,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -50,6 +59,8 @@ struct Options
   int Balls = 2000;
   int Frames = 10;
   std::string Layout = "compact";
+  double Radius = 0.02;
+  double Budget = 0; ///< seconds of a frame; 0: none
   std::string Only;
 };
 
@@ -113,6 +124,23 @@ std::vector<int> ShareOut(const std::vector<Center>& centers, int ranks, bool is
   return owners;
 }
 
+// Parts of equal numbers, one behind the other as the first camera sees them.
+std::vector<int> ShareOutInLayers(const std::vector<Center>& centers, int ranks)
+{
+  std::vector<std::size_t> order(centers.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto depth = [&centers](std::size_t ball)
+  { return 1.5 * centers[ball][0] + centers[ball][1] + 2.1 * centers[ball][2]; };
+  std::sort(
+    order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return depth(a) > depth(b); });
+  std::vector<int> owners(centers.size());
+  for (std::size_t index = 0; index < order.size(); ++index)
+  {
+    owners[order[index]] = static_cast<int>(index * static_cast<std::size_t>(ranks) / order.size());
+  }
+  return owners;
+}
+
 vtkSmartPointer<vtkActor> MakeShare(const Options& options, int rank, int ranks)
 {
   std::mt19937 random(42);
@@ -122,7 +150,9 @@ vtkSmartPointer<vtkActor> MakeShare(const Options& options, int rank, int ranks)
   {
     center = { place(random), place(random), place(random) };
   }
-  const std::vector<int> owners = ShareOut(centers, ranks, options.Layout == "compact");
+  const std::vector<int> owners = options.Layout == "layers"
+    ? ShareOutInLayers(centers, ranks)
+    : ShareOut(centers, ranks, options.Layout == "compact");
   vtkNew<vtkAppendPolyData> append;
   append->AddInputData(vtkNew<vtkPolyData>());
   for (std::size_t ball = 0; ball < centers.size(); ++ball)
@@ -131,7 +161,7 @@ vtkSmartPointer<vtkActor> MakeShare(const Options& options, int rank, int ranks)
     {
       vtkNew<vtkSphereSource> sphere;
       sphere->SetCenter(centers[ball].data());
-      sphere->SetRadius(0.02);
+      sphere->SetRadius(options.Radius);
       sphere->SetThetaResolution(24);
       sphere->SetPhiResolution(24);
       sphere->Update();
@@ -151,6 +181,9 @@ struct Way
   std::string Name;
   int CompositeMode = -1; ///< of vtkMetabufferPass; -1: stock
   int Divisor = 1;
+  bool HasBackground = false; ///< the divisor is that of the farther half of the ranks only
+  double Budget = 0;
+  double SquaredError = 0; ///< of colors, to the full picture
   double RenderSeconds = 0;
   double ReadSeconds = 0;
   double DeliverSeconds = 0;
@@ -191,13 +224,28 @@ public:
   }
   vtkRenderer* GetRenderer() { return this->Renderer; }
 
-  void DrawFrame(Way& way)
+  /// The root's picture without background; empty elsewhere.
+  std::vector<unsigned char> GetPicture()
+  {
+    vtkSynchronizedRenderers::vtkRawImage tile;
+    this->Renderers->GetIceTCompositePass()->GetLastRenderedTile(tile);
+    if (!tile.IsValid())
+    {
+      return {};
+    }
+    const unsigned char* bytes = tile.GetRawPtr()->GetPointer(0);
+    return { bytes, bytes + std::size_t{ 4 } * tile.GetWidth() * tile.GetHeight() };
+  }
+
+  /// Seconds of the frame on the slowest rank.
+  double DrawFrame(Way& way)
   {
     auto* pass = vtkMetabufferPass::SafeDownCast(this->Renderers->GetIceTCompositePass());
     if (pass)
     {
       pass->SetCompositeMode(way.CompositeMode);
-      pass->SetDivisor(0, way.Divisor);
+      this->SetDivisors(pass, way);
+      pass->SetFrameTimeBudget(way.Budget);
       pass->CollectDepthsOff();
     }
     this->Controller->Barrier();
@@ -227,7 +275,9 @@ public:
     {
       IceTInt bytes = 0;
       icetGetIntegerv(ICET_BYTES_SENT, &bytes);
-      icetGetDoublev(ICET_BUFFER_READ_TIME, &seconds[1]);
+      // Of the callback that draws, which also reads and clears.
+      icetGetDoublev(ICET_RENDER_TIME, &seconds[1]);
+      seconds[1] = std::max(0.0, seconds[1] - seconds[0]);
       const int* size = this->Window->GetActualSize();
       counts = { seconds[0] > 0 ? static_cast<double>(size[0]) * size[1] : 0,
         static_cast<double>(bytes) };
@@ -242,9 +292,33 @@ public:
     way.FrameSeconds += slowest[3];
     way.DrawnPixels += all[0];
     way.BytesSent += all[1];
+    return slowest[3];
   }
 
 private:
+  void SetDivisors(vtkMetabufferPass* pass, const Way& way)
+  {
+    const int ranks = this->Controller->GetNumberOfProcesses();
+    pass->SetNumberOfDivisors(ranks);
+    std::vector<double> distances(static_cast<std::size_t>(ranks));
+    std::array<double, 3> position{};
+    this->Renderer->GetActiveCamera()->GetPosition(position.data());
+    // Satellites have the camera of the frame before until this one begins.
+    this->Controller->Broadcast(position.data(), 3, 0);
+    vtkActor* actor = this->Renderer->GetActors()->GetLastActor();
+    const double distance =
+      std::sqrt(vtkMath::Distance2BetweenPoints(position.data(), actor->GetCenter()));
+    this->Controller->AllGather(&distance, distances.data(), 1);
+    std::vector<double> sorted = distances;
+    std::sort(sorted.begin(), sorted.end());
+    for (int rank = 0; rank < ranks; ++rank)
+    {
+      const bool isNear = way.HasBackground &&
+        distances[static_cast<std::size_t>(rank)] < sorted[static_cast<std::size_t>(ranks / 2)];
+      pass->SetDivisor(rank, isNear ? 1 : way.Divisor);
+    }
+  }
+
   vtkMPIController* Controller;
   vtkNew<vtkRenderWindow> Window;
   vtkNew<vtkRenderer> Renderer;
@@ -255,32 +329,122 @@ private:
   vtkSmartPointer<vtkIceTSynchronizedRenderers> Renderers;
 };
 
-void PlaceCamera(vtkRenderer* renderer, int frame)
+void PlaceCamera(vtkRenderer* renderer, int frame, double distance)
 {
   vtkCamera* camera = renderer->GetActiveCamera();
   camera->SetFocalPoint(0.5, 0.5, 0.5);
-  camera->SetPosition(2.0, 1.5, 2.6);
+  camera->SetPosition(0.5 + 1.5 * distance, 0.5 + distance, 0.5 + 2.1 * distance);
   camera->SetViewUp(0, 1, 0);
   camera->SetViewAngle(30);
-  camera->Azimuth(7 * frame);
-  camera->SetClippingRange(0.5, 6);
+  camera->Azimuth(3 * frame);
+  camera->SetClippingRange(0.1, 8);
 }
 
 void PrintTable(const std::vector<Way>& ways, const Options& options, int ranks)
 {
   std::printf(
     "%d x %d, %d ranks, %s\n", options.Width, options.Height, ranks, options.Layout.c_str());
-  std::printf("%-16s %8s %8s %10s %8s %8s %12s %12s\n", "way", "render", "read", "composite",
-    "deliver", "frame ms", "pixels drawn", "bytes sent");
+  std::printf("%-16s %8s %8s %10s %8s %8s %12s %12s %6s\n", "way", "render", "read", "composite",
+    "deliver", "frame ms", "pixels drawn", "bytes sent", "dB");
   const double toMilliseconds = 1e3 / options.Frames;
   for (const Way& way : ways)
   {
-    std::printf("%-16s %8.1f %8.1f %10.1f %8.1f %8.1f %12.0f %12.0f\n", way.Name.c_str(),
+    std::printf("%-16s %8.1f %8.1f %10.1f %8.1f %8.1f %12.0f %12.0f", way.Name.c_str(),
       toMilliseconds * way.RenderSeconds, toMilliseconds * way.ReadSeconds,
       toMilliseconds *
         (way.FrameSeconds - way.RenderSeconds - way.ReadSeconds - way.DeliverSeconds),
       toMilliseconds * way.DeliverSeconds, toMilliseconds * way.FrameSeconds,
       way.DrawnPixels / options.Frames, way.BytesSent / options.Frames);
+    if (way.SquaredError > 0)
+    {
+      const double samples = 3.0 * options.Width * options.Height * options.Frames;
+      std::printf(" %6.1f", 10 * std::log10(255.0 * 255.0 * samples / way.SquaredError));
+    }
+    std::printf("\n");
+  }
+}
+
+// Of red, green, blue.
+double GetSquaredError(
+  const std::vector<unsigned char>& picture, const std::vector<unsigned char>& expected)
+{
+  double sum = 0;
+  for (std::size_t byte = 0; byte < std::min(picture.size(), expected.size()); ++byte)
+  {
+    const double difference = byte % 4 == 3 ? 0.0 : picture[byte] - expected[byte];
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+void RunWays(Display& stock, Display& ours, const Options& options, vtkMPIController* controller)
+{
+  std::vector<Way> ways = { { "stock" }, { "direct send", vtkMetabufferPass::DIRECT_SEND },
+    { "IceT", vtkMetabufferPass::ICET }, { "direct send 1/2", vtkMetabufferPass::DIRECT_SEND, 2 },
+    { "direct send 1/4", vtkMetabufferPass::DIRECT_SEND, 4 },
+    { "background 1/4", vtkMetabufferPass::DIRECT_SEND, 4, true } };
+  std::vector<unsigned char> full;
+  // The first frames, which fill buffers and compile shaders, do not count.
+  for (int frame = -1; frame < options.Frames; ++frame)
+  {
+    for (Way& way : ways)
+    {
+      Display& display = way.CompositeMode < 0 ? stock : ours;
+      PlaceCamera(display.GetRenderer(), frame, 1);
+      Way ignored = way;
+      Way& counted = frame < 0 ? ignored : way;
+      display.DrawFrame(counted);
+      const std::vector<unsigned char> picture = display.GetPicture();
+      if (way.CompositeMode < 0)
+      {
+        full = picture;
+      }
+      counted.SquaredError += GetSquaredError(picture, full);
+    }
+  }
+  if (controller->GetLocalProcessId() == 0)
+  {
+    PrintTable(ways, options, controller->GetNumberOfProcesses());
+  }
+}
+
+// A path that goes nearer and away, with a jump at a third and at two thirds of it.
+double GetPathZoom(int frame, int frames)
+{
+  const double wave = 1 + 0.35 * std::sin(0.09 * frame);
+  return 3 * frame < frames ? wave : 3 * frame < 2 * frames ? 0.45 * wave : 1.6 * wave;
+}
+
+void RunBudget(Display& ours, const Options& options, vtkMPIController* controller)
+{
+  Way way = { "budget", vtkMetabufferPass::DIRECT_SEND };
+  PlaceCamera(ours.GetRenderer(), 0, 1);
+  ours.DrawFrame(way);
+  way.Budget = options.Budget;
+  std::vector<bool> isWithin;
+  for (int frame = 0; frame < options.Frames; ++frame)
+  {
+    PlaceCamera(ours.GetRenderer(), frame, GetPathZoom(frame, options.Frames));
+    isWithin.push_back(ours.DrawFrame(way) <= 1.1 * options.Budget);
+  }
+  if (controller->GetLocalProcessId() != 0)
+  {
+    return;
+  }
+  const auto count = std::count(isWithin.begin(), isWithin.end(), true);
+  std::printf("%d x %d, %d ranks, %s, budget %.0f ms: %.1f %% of %d frames within 1.1 times, mean "
+              "%.1f ms\n",
+    options.Width, options.Height, controller->GetNumberOfProcesses(), options.Layout.c_str(),
+    1e3 * options.Budget, 100.0 * static_cast<double>(count) / options.Frames, options.Frames,
+    1e3 * way.FrameSeconds / (options.Frames + 1));
+  for (const int jump : { 0, (options.Frames + 2) / 3, (2 * options.Frames + 2) / 3 })
+  {
+    std::printf("from frame %d on:", jump);
+    for (int frame = jump; frame < std::min(jump + 10, options.Frames); ++frame)
+    {
+      std::printf(" %s", isWithin[static_cast<std::size_t>(frame)] ? "within" : "LONGER");
+    }
+    std::printf("\n");
   }
 }
 
@@ -292,30 +456,12 @@ void Run(vtkMPIController* controller, const Options& options)
   // Each its own: a mapper that two windows show loads its data into them by turns.
   stock.GetRenderer()->AddActor(MakeShare(options, controller->GetLocalProcessId(), ranks));
   ours.GetRenderer()->AddActor(MakeShare(options, controller->GetLocalProcessId(), ranks));
-  std::vector<Way> ways = { { "stock" }, { "direct send", vtkMetabufferPass::DIRECT_SEND },
-    { "IceT", vtkMetabufferPass::ICET }, { "direct send 1/2", vtkMetabufferPass::DIRECT_SEND, 2 },
-    { "direct send 1/4", vtkMetabufferPass::DIRECT_SEND, 4 } };
-  if (!options.Only.empty())
+  if (options.Budget > 0)
   {
-    ways.erase(std::remove_if(ways.begin(), ways.end(),
-                 [&](const Way& way) { return way.Name != options.Only; }),
-      ways.end());
+    RunBudget(ours, options, controller);
+    return;
   }
-  // The first frames, which fill buffers and compile shaders, do not count.
-  for (int frame = -1; frame < options.Frames; ++frame)
-  {
-    for (Way& way : ways)
-    {
-      Display& display = way.CompositeMode < 0 ? stock : ours;
-      PlaceCamera(display.GetRenderer(), frame);
-      Way ignored = way;
-      display.DrawFrame(frame < 0 ? ignored : way);
-    }
-  }
-  if (controller->GetLocalProcessId() == 0)
-  {
-    PrintTable(ways, options, ranks);
-  }
+  RunWays(stock, ours, options, controller);
 }
 
 } // namespace
@@ -332,7 +478,9 @@ int main(int argc, char** argv)
   application.add_option("--balls", options.Balls, "Balls in all; 1,104 triangles each");
   application.add_option("--frames", options.Frames, "Frames of each way");
   application.add_option("--layout", options.Layout, "How balls are dealt out to ranks")
-    ->check(CLI::IsMember({ "compact", "random" }));
+    ->check(CLI::IsMember({ "compact", "random", "layers" }));
+  application.add_option("--radius", options.Radius, "Of a ball, in a cube of 1");
+  application.add_option("--budget", options.Budget, "Seconds of a frame, to be kept along a path");
   application.add_option("--only", options.Only, "The one way to make frames; all without it");
   CLI11_PARSE(application, argc, argv);
   Run(controller, options);

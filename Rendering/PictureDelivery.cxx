@@ -92,6 +92,8 @@ bool PictureDelivery::PutOverBackground(
 
 void PictureDelivery::Upload(vtkOpenGLRenderWindow* window, const PixelRectangle& part)
 {
+  // To make one, or to give it another size, binds it in the place of the window's.
+  window->GetState()->PushFramebufferBindings();
   if (!this->Framebuffer || this->Framebuffer->GetContext() != window)
   {
     this->Framebuffer = vtkSmartPointer<vtkOpenGLFramebufferObject>::New();
@@ -105,6 +107,7 @@ void PictureDelivery::Upload(vtkOpenGLRenderWindow* window, const PixelRectangle
   {
     this->Framebuffer->Resize(std::max(size[0], part.Width), std::max(size[1], part.Height));
   }
+  window->GetState()->PopFramebufferBindings();
   vtkTextureObject* texture = this->Framebuffer->GetColorAttachmentAsTextureObject(0);
   texture->Activate();
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);

@@ -328,7 +328,7 @@ Status ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
     }
     catch (const std::exception& error)
     {
-      status = { StatusCode::Aborted, std::string("Drawing failed: ") + error.what() };
+      status = { StatusCode::InvalidArgument, std::string("Drawing failed: ") + error.what() };
     }
   }
   if (!status.IsOk())

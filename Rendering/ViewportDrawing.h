@@ -59,8 +59,8 @@ public:
 
   /**
    * Draws by `pass` with the renderer's active camera; the state's renderer is as before, after it.
-   * Fails with OutOfMemory if the graphics card or the pass have not enough, or Aborted if the pass
-   * throws anything else; then there is nothing to read.
+   * Fails with OutOfMemory if the graphics card or the pass have not enough, or InvalidArgument if
+   * the pass throws anything else; then there is nothing to read.
    */
   Status Draw(const vtkRenderState* state, vtkRenderPass* pass, const PixelRectangle& display,
     const Viewport& viewport);

@@ -492,7 +492,8 @@ void vtkMetabufferPass::GetCoveredPixels(int rectangle[4]) const
 bool vtkMetabufferPass::CanUseViewports(const vtkRenderState* state)
 {
   const bool isOrdered = this->OrderedCompositingHelper && this->UseOrderedCompositing;
-  if (isOrdered && !this->Internal->ToldOfStock)
+  if (isOrdered && !this->Internal->ToldOfStock && this->Controller &&
+    this->Controller->GetLocalProcessId() == 0)
   {
     this->Internal->ToldOfStock = true;
     vtkLogF(INFO,

@@ -7,12 +7,15 @@
 #include "vtkActor.h"
 #include "vtkBoundingBox.h"
 #include "vtkIceTCompositePass.h"
+#include "vtkLogger.h"
 #include "vtkNew.h"
 #include "vtkOrderedCompositingHelper.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 
 #include <gtest/gtest.h>
+
+#include <string>
 
 using namespace isosurface;
 
@@ -191,6 +194,16 @@ TEST(MetabufferPass, WhereViewportsCannotBeUsedThePictureIsTheStockOne)
 
 TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
 {
+  // It is said once.
+  int messages = 0;
+  vtkLogger::AddCallback(
+    "count",
+    [](void* count, const vtkLogger::Message& message)
+    {
+      *static_cast<int*>(count) +=
+        std::string(message.message).find("Viewports are not used") != std::string::npos ? 1 : 0;
+    },
+    &messages, vtkLogger::VERBOSITY_INFO);
   const Scene scene = GetScenes()[0];
   vtkNew<vtkOrderedCompositingHelper> order;
   std::vector<vtkBoundingBox> slabs;
@@ -222,6 +235,9 @@ TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
   }
   ExpectSame(pictures[1], pictures[0], "translucent");
   EXPECT_FALSE(ours.GetPass()->GetUsedViewports());
+  ours.Render();
+  vtkLogger::RemoveCallback("count");
+  EXPECT_EQ(messages, GetRank() == 0 ? 1 : 0);
 }
 
 TEST(MetabufferPass, ShowsTheViewportsOnRequest)

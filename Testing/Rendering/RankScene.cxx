@@ -172,6 +172,14 @@ std::vector<Scene> GetScenes()
   };
 }
 
+std::vector<vtkSmartPointer<vtkActor>> MakeRowOfBalls(int rank, int)
+{
+  // Beside each other as well, such that each is seen.
+  const double away = 0.45 * rank;
+  return { MakeBall(
+    { 0.5 - 0.7 * away + 0.12 * rank, 0.5 - 0.4 * away + 0.1 * rank, 0.5 - away }, 0.4, 3 * rank) };
+}
+
 RankWindow::RankWindow(Kind kind, int width, int height, int columns, int rows)
 {
   if (kind == Stock)
@@ -242,6 +250,21 @@ vtkIceTCompositePass* RankWindow::GetIceTPass()
 vtkMetabufferPass* RankWindow::GetPass()
 {
   return vtkMetabufferPass::SafeDownCast(this->Renderers->GetIceTCompositePass());
+}
+
+void RankWindow::SetRenderPass(vtkRenderPass* pass)
+{
+  this->Renderers->SetRenderPass(pass);
+}
+
+std::vector<std::uint32_t> RankWindow::GetShownColors()
+{
+  const int* size = this->Window->GetActualSize();
+  vtkNew<vtkUnsignedCharArray> colors;
+  this->Window->GetRGBACharPixelData(0, 0, size[0] - 1, size[1] - 1, 1, colors);
+  std::vector<std::uint32_t> shown(static_cast<std::size_t>(colors->GetNumberOfTuples()));
+  std::memcpy(shown.data(), colors->GetPointer(0), sizeof(std::uint32_t) * shown.size());
+  return shown;
 }
 
 Picture RankWindow::Render()

@@ -16,6 +16,7 @@ class vtkIceTCompositePass;
 class vtkIceTSynchronizedRenderers;
 class vtkMetabufferPass;
 class vtkRenderer;
+class vtkRenderPass;
 class vtkRenderWindow;
 class vtkSynchronizedRenderWindows;
 
@@ -67,6 +68,10 @@ struct Scene
 /// points.
 std::vector<Scene> GetScenes();
 
+/// A large ball of each rank, one behind the other in the line of sight of "far away"; rank 0's is
+/// the nearest one.
+std::vector<vtkSmartPointer<vtkActor>> MakeRowOfBalls(int rank, int ranks);
+
 /// Renders a scene in one window a rank, its parts merged by vtkIceTSynchronizedRenderers or ours.
 class RankWindow
 {
@@ -87,6 +92,10 @@ public:
   vtkMetabufferPass* GetPass();
   vtkIceTCompositePass* GetIceTPass();
   vtkRenderer* GetRenderer() { return this->Renderer; }
+  /// What draws the props; null for the default.
+  void SetRenderPass(vtkRenderPass* pass);
+  /// The colors that the window shows after a frame, with background and all.
+  std::vector<std::uint32_t> GetShownColors();
 
 private:
   vtkNew<vtkRenderWindow> Window;
