@@ -7,9 +7,12 @@
  *   ours    lossless, by profile; bounded, at the largest error that Draco's own bits are found to
  *           make; quantized, as the paper has it
  *   Draco   compression levels 7 and 10, positions of 11 and 14 bits, connectivity by edgebreaker
+ *   peers   with --peers: see SurfacePeers.h
  *
  * and the ratios that Documentation/dev/edge-index.md cites.
  */
+#include "SurfacePeers.h"
+
 #include "Contour/SurfaceExtractor.h"
 #include "EdgeIndex/EdgeIndexDecoder.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
@@ -280,7 +283,43 @@ private:
   Surface Exact;
 };
 
-void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int threads, bool draco)
+/// Quantized as the paper has it, over the range of the samples.
+void PrintQuantized(const Volume& volume, const Benchmark& benchmark)
+{
+  EdgeIndexSettings settings;
+  settings.Mode = EdgeIndexMode::Quantized;
+  const std::size_t samples = static_cast<std::size_t>(volume.Geometry.GetNumberOfVertices());
+  DispatchValueType(volume.View.Type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      const T* first = reinterpret_cast<const T*>(volume.Bytes.data());
+      const auto range = std::minmax_element(first, first + samples);
+      settings.QuantizationMinimum = static_cast<double>(*range.first);
+      settings.QuantizationMaximum = static_cast<double>(*range.second);
+    });
+  for (const int bits : { 8, 12 })
+  {
+    settings.QuantizationBits = bits;
+    Print(("quantized, " + std::to_string(bits) + " bits").c_str(), benchmark.MeasureOurs(settings),
+      benchmark.GetExact());
+  }
+}
+
+void PrintPeers(const Surface& surface)
+{
+  for (const PeerOutcome& peer : MeasurePeers(surface))
+  {
+    Outcome outcome;
+    outcome.Bytes = static_cast<double>(peer.Bytes);
+    outcome.EncodeSeconds = peer.EncodeSeconds;
+    outcome.DecodeSeconds = peer.DecodeSeconds;
+    Print(peer.Name.c_str(), outcome, surface);
+  }
+}
+
+void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int threads, bool draco,
+  bool peers)
 {
   const Benchmark benchmark(volume, isovalue, blockSize, repeats, threads);
   const Surface& exact = benchmark.GetExact();
@@ -297,6 +336,11 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
   Print("lossless, compact", compact, exact);
   std::printf("  of default's bytes: fast %.3f, compact %.3f\n", fast.Bytes / lossless.Bytes,
     compact.Bytes / lossless.Bytes);
+  if (peers)
+  {
+    PrintQuantized(volume, benchmark);
+    PrintPeers(exact);
+  }
   if (!draco)
   {
     return;
@@ -338,6 +382,7 @@ int main(int argc, char** argv)
   int repeats = 3;
   int threads = 1;
   bool withoutDraco = false;
+  bool peers = false;
   CLI::App application("Edge-index streams of isosurfaces, beside Draco");
   application.add_option("file", file, "raw samples, x fastest")->required();
   application.add_option("--dimensions", dimensions, "samples on x, y, z")->expected(3)->required();
@@ -347,6 +392,7 @@ int main(int argc, char** argv)
   application.add_option("--repeats", repeats, "runs of which the fastest counts");
   application.add_option("--threads", threads, "threads that encode and decode; Draco has one");
   application.add_flag("--without-draco", withoutDraco, "ours only");
+  application.add_flag("--peers", peers, "other formats as well, and our quantized mode");
   CLI11_PARSE(application, argc, argv);
 
   const auto valueType = FindValueType(type);
@@ -373,7 +419,7 @@ int main(int argc, char** argv)
   volume.View.Available = volume.View.Box;
   for (const double isovalue : isovalues)
   {
-    Run(volume, isovalue, blockSize, repeats, threads, !withoutDraco);
+    Run(volume, isovalue, blockSize, repeats, threads, !withoutDraco, peers);
   }
   return 0;
 }
