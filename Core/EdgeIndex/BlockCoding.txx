@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// CodeBlock for encoding and for decoding, each compiled by itself, since either takes the compiler
+// half a minute.
+#ifndef isosurface_BlockCoding_txx
+#define isosurface_BlockCoding_txx
+
 #include "EdgeIndex/BlockCoding.h"
 
-// The coders are templates that all go into one function; for newer processors into a second one.
-// What the compiler leaves as a call is compiled for every processor, so it is right in both. With
-// sanitizers, such functions would take minutes to compile.
-#if defined(__OPTIMIZE__) && defined(__GNUC__) && !defined(__clang__) && \
-  !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#  define ISOSURFACE_CODERS __attribute__((flatten))
-#else
-#  define ISOSURFACE_CODERS
-#endif
+// For newer processors, the coders, which are templates, all go into one function. What the
+// compiler leaves as a call is compiled for every processor, so it is right in it. With sanitizers,
+// such functions would take minutes to compile.
 #if defined(__GNUC__) && defined(__x86_64__)
-#  define ISOSURFACE_NEWEST_CODERS ISOSURFACE_CODERS __attribute__((target("avx2,bmi,bmi2,popcnt")))
+#  if defined(__OPTIMIZE__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#    define ISOSURFACE_NEWEST_CODERS __attribute__((flatten, target("avx2,bmi,bmi2,popcnt")))
+#  else
+#    define ISOSURFACE_NEWEST_CODERS __attribute__((target("avx2,bmi,bmi2,popcnt")))
+#  endif
 #endif
 
 namespace isosurface
@@ -36,13 +40,6 @@ inline void CodeContent(
   {
     coder.CodeCrossings(content.Bins, content.HasMissing, values);
   }
-}
-
-template <bool Mixed, bool Fitted, typename Coder>
-ISOSURFACE_CODERS void CodeWithBaseline(
-  Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values)
-{
-  CodeContent<Mixed, Fitted>(coder, model, content, values);
 }
 
 #ifdef ISOSURFACE_NEWEST_CODERS
@@ -74,7 +71,7 @@ void Code(Coder& coder, BlockModel& model, const BlockContent& content, BlockVal
 #else
   static_cast<void>(instructions);
 #endif
-  CodeWithBaseline<Mixed, Fitted>(coder, model, content, values);
+  CodeContent<Mixed, Fitted>(coder, model, content, values);
 }
 
 template <typename Coder>
@@ -97,16 +94,6 @@ void CodeByProfile(Coder& coder, BlockModel& model, const BlockContent& content,
 
 } // namespace
 
-void CodeBlock(RangeEncoder& coder, BlockModel& model, const BlockContent& content,
-  BlockValues& values, CoderInstructions instructions)
-{
-  CodeByProfile(coder, model, content, values, instructions);
-}
-
-void CodeBlock(RangeDecoder& coder, BlockModel& model, const BlockContent& content,
-  BlockValues& values, CoderInstructions instructions)
-{
-  CodeByProfile(coder, model, content, values, instructions);
-}
-
 } // namespace isosurface
+
+#endif

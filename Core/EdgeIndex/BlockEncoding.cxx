@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeIndex/BlockCoding.txx"
+
+namespace isosurface
+{
+
+void CodeBlock(RangeEncoder& coder, BlockModel& model, const BlockContent& content,
+  BlockValues& values, CoderInstructions instructions)
+{
+  CodeByProfile(coder, model, content, values, instructions);
+}
+
+} // namespace isosurface
