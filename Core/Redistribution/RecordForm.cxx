@@ -106,13 +106,13 @@ Status RecordForm::Pack(
       const auto record =
         EdgeIndexRecord::Parse(this->Header, bytes.data() + at, bytes.size() - at, used);
       ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-      if (!records.empty() && !(block.Vertices == record->Block.Vertices))
+      if (records.empty() || !(block.Vertices == record->Block.Vertices))
       {
-        ISOSURFACE_RETURN_IF_ERROR(take(std::move(block), std::move(records)));
+        if (!records.empty())
+        {
+          ISOSURFACE_RETURN_IF_ERROR(take(std::move(block), std::move(records)));
+        }
         records = Message();
-      }
-      if (records.empty())
-      {
         block = BlockDescription();
         block.Vertices = record->Block.Vertices;
         block.Lattice = record->Block.Lattice;
