@@ -11,7 +11,11 @@
 #endif
 
 #include <algorithm>
+#include <chrono>
+#include <list>
 #include <string>
+#include <thread>
+#include <utility>
 
 namespace isosurface
 {
@@ -30,6 +34,46 @@ void ForEachPart(Pointer data, std::size_t size, const Function& function)
     function(data + offset, static_cast<int>(std::min(LargestPart, size - offset)));
   }
 }
+
+#ifdef ISOSURFACE_HAS_MPI_CONTROLLER
+// Messages from, or to, all other ranks that are under way.
+class PendingMessages
+{
+public:
+  explicit PendingMessages(int ranks)
+    : Requests(ranks)
+  {
+  }
+  vtkMPICommunicator::Request& Add(int rank)
+  {
+    this->Left += this->Requests[rank].empty() ? 1 : 0;
+    return this->Requests[rank].emplace_back();
+  }
+  int GetLeft() const { return this->Left; }
+
+  // Calls done(rank) for all that are done now. Whether there are any.
+  bool Test(const std::function<void(int rank)>& done)
+  {
+    const int before = this->Left;
+    for (std::size_t rank = 0; rank < this->Requests.size(); ++rank)
+    {
+      std::list<vtkMPICommunicator::Request>& parts = this->Requests[rank];
+      const bool isPending = !parts.empty();
+      parts.remove_if([](vtkMPICommunicator::Request& part) { return part.Test() != 0; });
+      if (isPending && parts.empty())
+      {
+        --this->Left;
+        done(static_cast<int>(rank));
+      }
+    }
+    return this->Left < before;
+  }
+
+private:
+  std::vector<std::list<vtkMPICommunicator::Request>> Requests; ///< by rank
+  int Left = 0;
+};
+#endif
 } // namespace
 
 ControllerCommunicator::ControllerCommunicator(vtkMultiProcessController* controller)
@@ -203,6 +247,50 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
     }
   }
   return incoming;
+}
+
+void ControllerCommunicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
+  const std::function<void(int rank)>& arrived)
+{
+#ifdef ISOSURFACE_HAS_MPI_CONTROLLER
+  auto* mpi = vtkMPIController::SafeDownCast(this->Controller);
+  if (mpi && this->GetSize() > 1)
+  {
+    const int ranks = this->GetSize();
+    const int me = this->GetRank();
+    PendingMessages receiving(ranks);
+    PendingMessages sending(ranks);
+    for (int step = 1; step < ranks; ++step)
+    {
+      const int from = (me + ranks - step) % ranks;
+      ForEachPart(incoming[from].data(), incoming[from].size(),
+        [&](std::uint8_t* part, int size)
+        { mpi->NoBlockReceive(part, size, from, ExchangeTag, receiving.Add(from)); });
+    }
+    for (int step = 1; step < ranks; ++step)
+    {
+      const int to = (me + step) % ranks;
+      ForEachPart(outgoing[to].data(), outgoing[to].size(),
+        [&](const std::uint8_t* part, int size)
+        { mpi->NoBlockSend(part, size, to, ExchangeTag, sending.Add(to)); });
+    }
+    incoming[me] = std::move(outgoing[me]);
+    if (!incoming[me].empty())
+    {
+      arrived(me);
+    }
+    while (receiving.GetLeft() + sending.GetLeft() > 0)
+    {
+      const bool isProgress = receiving.Test(arrived);
+      if (!sending.Test([](int) {}) && !isProgress)
+      {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+      }
+    }
+    return;
+  }
+#endif
+  this->Communicator::Deliver(std::move(outgoing), incoming, arrived);
 }
 
 } // namespace isosurface

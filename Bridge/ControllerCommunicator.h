@@ -16,7 +16,8 @@ namespace isosurface
  * outlive this object; a null controller is a group of one rank.
  *
  * Exchange() sends without blocking where the controller is a vtkMPIController; with any other
- * controller pairs of ranks take turns, the lower rank sending first.
+ * controller pairs of ranks take turns, the lower rank sending first. Deliver() asks MPI now and
+ * then, and sleeps meanwhile, so that other threads of the process have its core.
  */
 class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
 {
@@ -32,6 +33,8 @@ public:
   void ReduceSum(std::vector<std::uint64_t>& values) override;
   std::vector<Message> AllGather(const Message& mine) override;
   std::vector<Message> Exchange(std::vector<Message> outgoing) override;
+  void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
+    const std::function<void(int rank)>& arrived) override;
 
 private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);

@@ -37,6 +37,7 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume,
   blocks.Source = std::move(source);
   blocks.Owner = volume;
   blocks.HasSamples = true;
+  blocks.Level = query.Level;
   const StoredLevel stored = volume->FindLevel(query.Level);
   blocks.BlockSize = stored.Grid->GetBlockSize() >> stored.Level;
   blocks.Grid = volume->GetHeader().Grid.Coarsen(query.Level);

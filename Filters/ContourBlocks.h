@@ -33,6 +33,7 @@ struct PieceAttributes;
 struct ContourBlocks
 {
   GridGeometry Grid;  ///< of the level; its vertices are what GlobalIds count
+  int Level = 0;      ///< of a blocked volume
   int BlockSize = 64; ///< cells along the side of a block, at the level; a power of two
   std::vector<double> Isovalues;
   /// Whether this rank has samples. If not, it does not know Time, ArrayName and Arrays.

@@ -15,6 +15,7 @@
 
 #include "Base/ParallelFor.h"
 #include "ContourBlocks.h"
+#include "ContourHeader.h"
 #include "ControllerCommunicator.h"
 #include "EdgeIndex/EdgeIndexWriteJob.h"
 
@@ -214,49 +215,19 @@ Status vtkEdgeIndexWriter::WriteSurface()
 Result<EdgeIndexHeader> vtkEdgeIndexWriter::MakeHeader(
   isosurface::Communicator& ranks, const ContourBlocks& blocks) const
 {
-  EdgeIndexHeader header;
-  header.Geometry = blocks.Grid;
-  header.Type = blocks.Source->GetValueType();
-  header.Isovalues = blocks.Isovalues;
-  header.Array = blocks.ArrayName;
-  header.Source = blocks.Origin;
-  header.Time = blocks.Time;
+  EdgeIndexHeader header =
+    isosurface::DescribeContourBlocks(blocks, this->ArrayError, this->NormalError);
   header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(this->Mode);
   header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Profile);
   header.Settings.MaximumError = this->MaximumError;
   header.Settings.QuantizationBits = this->QuantizationBits;
   SetQuantizationRange(blocks, header.Settings);
-  for (const isosurface::InterpolatedArray& array : blocks.Arrays)
-  {
-    header.Attributes.push_back({ array.Name, isosurface::GetInterpolatedType(array.Layout.Type),
-      array.Layout.NumberOfComponents, this->ArrayError, false });
-  }
-  if (blocks.Normals)
-  {
-    header.Attributes.push_back(
-      { "Normals", isosurface::ValueType::Float32, 3, this->NormalError, true });
-  }
   for (header.PreviewLevel = this->PreviewLevel;
        header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
   {
     --header.PreviewLevel;
   }
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.Check()));
-  // Ranks without samples do not know all of it.
-  isosurface::Message mine;
-  if (blocks.HasSamples)
-  {
-    header.Append(mine);
-  }
-  for (const isosurface::Message& message : ranks.AllGather(mine))
-  {
-    if (!message.empty())
-    {
-      std::size_t used = 0;
-      return EdgeIndexHeader::Parse(message.data(), message.size(), used);
-    }
-  }
-  return header;
+  return isosurface::ShareHeader(ranks, header, blocks.HasSamples);
 }
 
 //------------------------------------------------------------------------------

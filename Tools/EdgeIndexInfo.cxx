@@ -44,11 +44,24 @@ struct Totals
   }
 };
 
+const char* GetProfileName(EdgeIndexProfile profile)
+{
+  switch (profile)
+  {
+    case EdgeIndexProfile::Fast:
+      return "fast";
+    case EdgeIndexProfile::Compact:
+      return "compact";
+    default:
+      return "default";
+  }
+}
+
 Json DescribeSettings(const EdgeIndexHeader& header)
 {
   const EdgeIndexSettings& settings = header.Settings;
   Json json = { { "mode", GetModeName(settings.Mode) },
-    { "profile", settings.Profile == EdgeIndexProfile::Fast ? "fast" : "default" } };
+    { "profile", GetProfileName(settings.Profile) } };
   if (settings.Mode == EdgeIndexMode::Bounded || settings.Mode == EdgeIndexMode::Smallest)
   {
     json["maximumError"] = settings.MaximumError;

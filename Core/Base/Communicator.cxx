@@ -3,9 +3,23 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace isosurface
 {
+
+void Communicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
+  const std::function<void(int rank)>& arrived)
+{
+  incoming = this->Exchange(std::move(outgoing));
+  for (std::size_t rank = 0; rank < incoming.size(); ++rank)
+  {
+    if (!incoming[rank].empty())
+    {
+      arrived(static_cast<int>(rank));
+    }
+  }
+}
 
 Status Communicator::Agree(const Status& mine)
 {

@@ -5,6 +5,7 @@
 #include "Base/Status.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace isosurface
@@ -38,6 +39,15 @@ public:
 
   /// Sends outgoing[r] to rank r; returns what each rank sent to this one.
   virtual std::vector<Message> Exchange(std::vector<Message> outgoing) = 0;
+
+  /**
+   * The same of messages whose sizes are known to those that get them: incoming[r] has the size of
+   * what rank r sends here, and is filled; the own message may have any. Calls arrived(r), from the
+   * calling thread, when incoming[r] is there and not empty, so that work on it begins while the
+   * others are under way.
+   */
+  virtual void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
+    const std::function<void(int rank)>& arrived);
 
   /**
    * Makes one outcome of all ranks' outcomes: Ok if all are Ok; else the own error where there is

@@ -64,7 +64,7 @@ const BlockModel& GetFreshModel(bool mixed);
  * The code of a block: for each slice first the signs of the next one, since they tell which
  * vertices are relevant and which edges crossed, then the slice's values or crossings.
  */
-template <typename Coder, bool Mixed>
+template <typename Coder, bool Mixed, bool Fitted>
 class BlockCoder
 {
 public:
@@ -89,7 +89,7 @@ public:
   /// With values: see ValueCoder.
   void CodeValues(const ValueDomain& domain, BlockValues& values)
   {
-    const auto coder = std::make_unique<ValueCoder<Coder, Mixed>>(
+    const auto coder = std::make_unique<ValueCoder<Coder, Mixed, Fitted>>(
       this->Output, this->Model.Values, domain, this->Size[0], this->Size[1]);
     std::int64_t codes[MaximumCodedVertices];
     this->VisitSlices(values,

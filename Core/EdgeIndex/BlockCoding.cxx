@@ -4,7 +4,7 @@
 // The coders are templates that all go into one function; for newer processors into a second one.
 // What the compiler leaves as a call is compiled for every processor, so it is right in both. With
 // sanitizers, such functions would take minutes to compile.
-#if defined(__OPTIMIZE__) && defined(__GNUC__) && !defined(__clang__) &&                           \
+#if defined(__OPTIMIZE__) && defined(__GNUC__) && !defined(__clang__) && \
   !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #  define ISOSURFACE_CODERS __attribute__((flatten))
 #else
@@ -19,11 +19,11 @@ namespace isosurface
 namespace
 {
 
-template <bool Mixed, typename Coder>
+template <bool Mixed, bool Fitted, typename Coder>
 inline void CodeContent(
   Coder& output, BlockModel& model, const BlockContent& content, BlockValues& values)
 {
-  BlockCoder<Coder, Mixed> coder(output, model, content.Size.data());
+  BlockCoder<Coder, Mixed, Fitted> coder(output, model, content.Size.data());
   for (const CodedAttribute& coded : content.Attributes)
   {
     coder.AddAttribute(coded.Attribute, coded.Edges, coded.HasExceptions);
@@ -38,19 +38,19 @@ inline void CodeContent(
   }
 }
 
-template <bool Mixed, typename Coder>
+template <bool Mixed, bool Fitted, typename Coder>
 ISOSURFACE_CODERS void CodeWithBaseline(
   Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values)
 {
-  CodeContent<Mixed>(coder, model, content, values);
+  CodeContent<Mixed, Fitted>(coder, model, content, values);
 }
 
 #ifdef ISOSURFACE_NEWEST_CODERS
-template <bool Mixed, typename Coder>
+template <bool Mixed, bool Fitted, typename Coder>
 ISOSURFACE_NEWEST_CODERS void CodeWithNewest(
   Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values)
 {
-  CodeContent<Mixed>(coder, model, content, values);
+  CodeContent<Mixed, Fitted>(coder, model, content, values);
 }
 
 bool HasNewest()
@@ -61,23 +61,38 @@ bool HasNewest()
 }
 #endif
 
-template <typename Coder>
+template <bool Mixed, bool Fitted, typename Coder>
 void Code(Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values,
   CoderInstructions instructions)
 {
-  const bool isMixed = model.IsMixed;
 #ifdef ISOSURFACE_NEWEST_CODERS
   if (instructions == CoderInstructions::Newest && HasNewest())
   {
-    isMixed ? CodeWithNewest<true>(coder, model, content, values)
-            : CodeWithNewest<false>(coder, model, content, values);
+    CodeWithNewest<Mixed, Fitted>(coder, model, content, values);
     return;
   }
 #else
   static_cast<void>(instructions);
 #endif
-  isMixed ? CodeWithBaseline<true>(coder, model, content, values)
-          : CodeWithBaseline<false>(coder, model, content, values);
+  CodeWithBaseline<Mixed, Fitted>(coder, model, content, values);
+}
+
+template <typename Coder>
+void CodeByProfile(Coder& coder, BlockModel& model, const BlockContent& content,
+  BlockValues& values, CoderInstructions instructions)
+{
+  if (!model.IsMixed)
+  {
+    Code<false, false>(coder, model, content, values, instructions);
+  }
+  else if (content.IsFitted && content.Domain)
+  {
+    Code<true, true>(coder, model, content, values, instructions);
+  }
+  else
+  {
+    Code<true, false>(coder, model, content, values, instructions);
+  }
 }
 
 } // namespace
@@ -85,13 +100,13 @@ void Code(Coder& coder, BlockModel& model, const BlockContent& content, BlockVal
 void CodeBlock(RangeEncoder& coder, BlockModel& model, const BlockContent& content,
   BlockValues& values, CoderInstructions instructions)
 {
-  Code(coder, model, content, values, instructions);
+  CodeByProfile(coder, model, content, values, instructions);
 }
 
 void CodeBlock(RangeDecoder& coder, BlockModel& model, const BlockContent& content,
   BlockValues& values, CoderInstructions instructions)
 {
-  Code(coder, model, content, values, instructions);
+  CodeByProfile(coder, model, content, values, instructions);
 }
 
 } // namespace isosurface

@@ -27,6 +27,7 @@ struct BlockContent
 {
   std::array<int, 3> Size{};           ///< vertices
   const ValueDomain* Domain = nullptr; ///< of the values; null to code crossings
+  bool IsFitted = false;               ///< values are predicted by HeightFit, with a mixed model
   std::uint32_t Bins = 0;              ///< of crossings: intervals of an edge,
   bool HasMissing = false;             ///< and whether some are not numbers
   std::vector<CodedAttribute> Attributes;

@@ -237,6 +237,7 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
     }
     domain.emplace(MakeDomain(header, record, quantizer));
     content.Domain = &*domain;
+    content.IsFitted = header.Settings.Profile == EdgeIndexProfile::Compact;
     block.SetDomain(&*domain);
   }
   model.Reset(content.Domain != nullptr);
@@ -264,7 +265,7 @@ std::unique_ptr<BlockModel> EdgeIndexBlockDecoder::TakeModel()
     }
   }
   return std::make_unique<BlockModel>(
-    GetFreshModel(this->Header.Settings.Profile == EdgeIndexProfile::Default));
+    GetFreshModel(this->Header.Settings.Profile != EdgeIndexProfile::Fast));
 }
 
 Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record)

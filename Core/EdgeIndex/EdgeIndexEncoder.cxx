@@ -385,7 +385,7 @@ public:
     : Header(header)
     , Preview(header.MakePreview())
     , Learning(learning)
-    , Model(GetFreshModel(header.Settings.Profile == EdgeIndexProfile::Default))
+    , Model(GetFreshModel(header.Settings.Profile != EdgeIndexProfile::Fast))
     , PreviewModel(GetFreshModel(false))
   {
   }
@@ -418,6 +418,7 @@ public:
     record.Block.HasMissing = false;
     BlockContent content;
     content.Domain = &*domain;
+    content.IsFitted = this->Header.Settings.Profile == EdgeIndexProfile::Compact;
     this->Run(block, record.Block.IsPreview, content, code);
   }
 

@@ -136,7 +136,12 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
   try
   {
     std::vector<std::uint8_t> bytes(EdgeIndexHeader::LeastSize);
-    ISOSURFACE_RETURN_IF_ERROR((*opened)->Read(0, bytes.size(), bytes.data()));
+    const std::uint64_t there = std::min<std::uint64_t>(bytes.size(), (*opened)->GetSize());
+    ISOSURFACE_RETURN_IF_ERROR((*opened)->Read(0, static_cast<std::size_t>(there), bytes.data()));
+    if (there < bytes.size() && EdgeIndexHeader::IsBegin(bytes.data()))
+    {
+      return Status(StatusCode::Corrupt, path + ": The edge-index header is cut off.");
+    }
     const Result<std::size_t> size = EdgeIndexHeader::ParseSize(bytes.data());
     if (!size.IsOk())
     {

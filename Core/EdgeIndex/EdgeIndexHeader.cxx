@@ -32,7 +32,9 @@ namespace
 //      8  checksum of all before
 // A name, the array and the source: size (4), then so many bytes of UTF-8.
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
-constexpr std::uint32_t Version = 1;
+// Version 2 is that with the compact profile; all else is written as version 1.
+constexpr std::uint32_t LeastVersion = 1;
+constexpr std::uint32_t CompactVersion = 2;
 constexpr std::size_t ChecksumSize = 8;
 constexpr std::size_t MostIsovalues = 65536;
 constexpr std::size_t MostAttributes = 256;
@@ -232,7 +234,8 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
 {
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), Magic, Magic + sizeof(Magic));
-  AppendValue(bytes, Version);
+  AppendValue(
+    bytes, this->Settings.Profile == EdgeIndexProfile::Compact ? CompactVersion : LeastVersion);
   AppendValue(bytes, std::uint32_t{ 0 }); // the size, at the end
   bytes.push_back(static_cast<std::uint8_t>(this->Type));
   bytes.push_back(static_cast<std::uint8_t>(this->Settings.Mode));
@@ -353,13 +356,20 @@ EdgeIndexAttribute ReadAttribute(HeaderReader& reader, bool& isKnown)
 
 } // namespace
 
+bool EdgeIndexHeader::IsBegin(const std::uint8_t* bytes)
+{
+  return std::memcmp(bytes, Magic, sizeof(Magic)) == 0;
+}
+
 Result<std::size_t> EdgeIndexHeader::ParseSize(const std::uint8_t* bytes)
 {
-  if (std::memcmp(bytes, Magic, sizeof(Magic)) != 0)
+  if (!IsBegin(bytes))
   {
-    return MakeCorrupt("does not begin as one");
+    return Status(
+      StatusCode::Corrupt, "This is not an edge-index stream: it does not begin with EIXcode.");
   }
-  if (LoadLittleEndian<std::uint32_t>(bytes + 8) != Version)
+  const auto version = LoadLittleEndian<std::uint32_t>(bytes + 8);
+  if (version < LeastVersion || version > CompactVersion)
   {
     return Status(StatusCode::Unsupported, "The edge-index stream is of another version.");
   }
@@ -400,7 +410,9 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   const auto profile = reader.Read<std::uint8_t>();
   bool isKnown = type <= static_cast<std::uint8_t>(ValueType::Float64) &&
     mode <= static_cast<std::uint8_t>(EdgeIndexMode::Smallest) &&
-    profile <= static_cast<std::uint8_t>(EdgeIndexProfile::Fast);
+    profile <= static_cast<std::uint8_t>(EdgeIndexProfile::Compact) &&
+    (profile == static_cast<std::uint8_t>(EdgeIndexProfile::Compact)) ==
+      (LoadLittleEndian<std::uint32_t>(bytes + 8) == CompactVersion);
   header.Settings.QuantizationBits = reader.Read<std::uint8_t>();
   const std::size_t isovalues = reader.Read<std::uint32_t>();
   header.Settings.MaximumError = reader.Read<double>();
@@ -436,7 +448,7 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   }
   if (!isKnown || hasTime > 1 || zeros != 0)
   {
-    return MakeCorrupt("names an unknown type, mode or profile");
+    return MakeCorrupt("names a type, mode or profile that its version does not have");
   }
   header.Type = static_cast<ValueType>(type);
   header.Settings.Mode = static_cast<EdgeIndexMode>(mode);

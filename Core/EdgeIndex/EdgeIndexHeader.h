@@ -28,7 +28,8 @@ enum class EdgeIndexMode : std::uint8_t
 enum class EdgeIndexProfile : std::uint8_t
 {
   Default = 0, ///< probabilities mixed of several contexts
-  Fast = 1     ///< one context each
+  Fast = 1,    ///< one context each
+  Compact = 2  ///< as Default, but values are predicted by a fit to those around
 };
 
 struct EdgeIndexSettings
@@ -98,6 +99,9 @@ struct EdgeIndexHeader
   /// The bytes of the least and the greatest header.
   static constexpr std::size_t LeastSize = 264;
   static constexpr std::size_t GreatestSize = std::size_t{ 64 } << 20;
+
+  /// Whether these are the 8 bytes that every header begins with.
+  static bool IsBegin(const std::uint8_t* bytes);
 
   /// The size of the header of which `bytes` has the first LeastSize bytes. Errors: Corrupt,
   /// Unsupported.

@@ -2,6 +2,7 @@
 #ifndef isosurface_ValueCoder_h
 #define isosurface_ValueCoder_h
 
+#include "EdgeIndex/HeightFit.h"
 #include "EdgeIndex/ResidualCoder.h"
 #include "EdgeIndex/SignRows.h"
 #include "EdgeIndex/ValueDomain.h"
@@ -53,9 +54,10 @@ struct ValueModel
  * A value is predicted from the heights of 14 decoded neighbours and the signs around it by a
  * filter that learns (normalised least mean squares: B. Widrow and M. E. Hoff, "Adaptive switching
  * circuits", 1960; J. Nagumo and A. Noda 1967). Vertices that are not relevant have no value; they
- * get a prediction, or a typical height, on their side of the isovalue instead.
+ * get a prediction, or a typical height, on their side of the isovalue instead. Fitted (which is
+ * for mixed ones): by HeightFit, from more inputs, in place of the filter.
  */
-template <typename Coder, bool Mixed>
+template <typename Coder, bool Mixed, bool Fitted>
 class ValueCoder
 {
 public:
@@ -71,6 +73,7 @@ public:
       plane.fill(0);
     }
     this->Levels.fill(static_cast<std::uint16_t>(model.MeanLevel / 16));
+    static_assert(Mixed || !Fitted, "what is fitted looks at vertices nearby");
   }
 
   /// Goes on to the next slice. `above` is null for the last one.
@@ -195,12 +198,9 @@ private:
     this->ShortenWeights();
   }
 
-  // Fills Inputs; returns the predicted height.
+  // Returns the predicted height; fills the inputs that it is learnt from.
   std::int32_t Predict(int x)
   {
-    const std::int16_t* p = this->Rows[0] + x;
-    const std::int16_t* z = this->Rows[1] + x;
-    constexpr std::ptrdiff_t row = RowStride;
     this->Inside = this->Own.Get(x);
     this->Crossed = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -211,6 +211,42 @@ private:
     const int crossed = __builtin_popcount(this->Crossed);
     const int side = this->Inside ? typical : -typical;
     const std::int32_t leading = -crossed * side * 3 / 10;
+    if constexpr (Fitted)
+    {
+      return this->PredictByFit(x, side, leading);
+    }
+    else
+    {
+      return this->PredictByFilter(x, side, leading);
+    }
+  }
+
+  std::int32_t PredictByFit(int x, int side, std::int32_t leading)
+  {
+    const std::int16_t* p = this->Rows[0] + x;
+    const std::int16_t* z = this->Rows[1] + x;
+    constexpr std::ptrdiff_t row = RowStride;
+    const auto typical = static_cast<std::int16_t>(this->Model.MeanHeight >> 6);
+    const auto getSide = [x, typical](const SignRow& signs)
+    { return signs.Get(x + 1) ? typical : static_cast<std::int16_t>(-typical); };
+    const auto getOther = [this, side](unsigned axis)
+    { return static_cast<std::int16_t>((this->Crossed >> axis & 1) != 0 ? -side : side); };
+    const SignSlice& next = this->Above ? *this->Above : *this->Signs;
+    const std::array<std::int16_t, HeightFit::NumberOfInputs> inputs = { p[-1], p[-row], z[0],
+      p[-row - 1], p[-row + 1], z[-1], z[1], z[-row], z[row], z[-row + 1], z[row - 1], p[-2],
+      p[-2 * row], this->Rows[2][x], static_cast<std::int16_t>(side),
+      static_cast<std::int16_t>(leading), z[-row - 1], z[row + 1], getOther(0), getOther(1),
+      getOther(2), getSide(this->Signs->At(this->Y + 1)), getSide(next.At(this->Y)),
+      next.At(this->Y + 1).Get(x) ? typical : static_cast<std::int16_t>(-typical) };
+    std::copy(inputs.begin(), inputs.end(), this->Fit.GetInputs());
+    return this->Fit.Predict();
+  }
+
+  std::int32_t PredictByFilter(int x, int side, std::int32_t leading)
+  {
+    const std::int16_t* p = this->Rows[0] + x;
+    const std::int16_t* z = this->Rows[1] + x;
+    constexpr std::ptrdiff_t row = RowStride;
 #if defined(__SSE2__)
     // Put together in registers: a load of what was just stored in pieces would have to wait. The
     // values before on the row are loaded one by one for the same reason.
@@ -396,6 +432,15 @@ private:
   {
     this->Rows[0][x] = static_cast<std::int16_t>(height);
     this->Model.MeanHeight += ((std::abs(height) << 6) - this->Model.MeanHeight) >> 10;
+    if constexpr (Fitted)
+    {
+      // A height at the bound says little about those around.
+      if (std::abs(height) < ValueDomain::MostHeight)
+      {
+        this->Fit.Learn(height);
+      }
+      return;
+    }
     const std::int64_t error = std::clamp(height - predicted, -8191, 8191);
     const auto step =
       static_cast<std::int32_t>(std::clamp<std::int64_t>(error * this->Rate >> 8, -32767, 32767));
@@ -442,6 +487,18 @@ private:
     }
   }
 
+  // The weights that the filter begins with, as those of the fit.
+  static std::array<std::int32_t, HeightFit::NumberOfInputs> MakeFirstWeights(
+    const ValueModel& model)
+  {
+    std::array<std::int32_t, HeightFit::NumberOfInputs> weights{};
+    for (std::size_t n = 0; n < Taps; ++n)
+    {
+      weights[ValueModel::InputOrder[n]] = model.Weights[n] >> (25 - LinearFit<1>::WeightBits);
+    }
+    return weights;
+  }
+
   ValueModel& Model;
   const ValueDomain& Domain;
   ResidualCoder<Coder, Mixed> Residuals;
@@ -468,6 +525,7 @@ private:
   std::array<SignRow, 3> Backward;
   alignas(32) std::array<std::int16_t, Taps> Inputs{};
   alignas(32) std::array<std::int16_t, Taps> ShortWeights{};
+  HeightFit Fit{ MakeFirstWeights(this->Model) }; ///< only if fitted
   bool Inside = false;
   unsigned Crossed = 0; ///< the edges from the vertex along x, y, z that are
 };

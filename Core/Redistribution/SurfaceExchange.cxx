@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Redistribution/SurfaceExchange.h"
 
-#include "EdgeIndex/CodedNumbers.h"
-#include "EdgeIndex/EdgeIndexDecoder.h"
-#include "EdgeIndex/EdgeIndexEncoder.h"
-#include "EdgeIndex/IsovalueJoin.h"
-#include "Redistribution/CompactPartition.h"
+#include "Base/Checksum.h"
+#include "Redistribution/RawForm.h"
+#include "Redistribution/RecordForm.h"
+#include "Redistribution/SurfaceUnpacking.h"
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <new>
-#include <tuple>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 namespace isosurface
@@ -19,17 +18,17 @@ namespace isosurface
 namespace
 {
 
-double GetSecondsSince(std::chrono::steady_clock::time_point begin)
+// The share of the work that is done when all own blocks are encoded, for progress.
+constexpr double EncodingShare = 0.5;
+
+using Clock = std::chrono::steady_clock;
+
+double GetSecondsSince(Clock::time_point begin)
 {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-Status MakeDamaged()
-{
-  return { StatusCode::Corrupt, "A message of isosurface blocks between ranks arrived damaged." };
-}
-
-// What `step` returns, or that there is not enough memory for it.
+// What `step` returns, or that there is not enough memory, or no further thread, for it.
 template <typename Step>
 Status RunWithinMemory(Step&& step)
 {
@@ -42,12 +41,30 @@ Status RunWithinMemory(Step&& step)
     return { StatusCode::OutOfMemory,
       "There is not enough memory to redistribute the isosurface." };
   }
+  catch (const std::system_error& error)
+  {
+    return { StatusCode::OutOfMemory,
+      std::string("There is no thread to redistribute the isosurface: ") + error.what() };
+  }
+}
+
+// Whether all ranks were told the same. Collective.
+bool IsSameOnAllRanks(Communicator& ranks, const std::vector<Message>& messages)
+{
+  std::uint64_t sum = 0;
+  for (const Message& message : messages)
+  {
+    sum = ComputeChecksum(message.data(), message.size(), sum);
+  }
+  std::vector<std::uint64_t> extremes = { sum, ~sum };
+  ranks.ReduceMaximum(extremes);
+  return extremes[0] == ~extremes[1];
 }
 
 } // namespace
 
-SurfaceExchange::SurfaceExchange(
-  Communicator& ranks, const EdgeIndexHeader& header, const Settings& settings)
+SurfaceExchange::SurfaceExchange(Communicator& ranks, const EdgeIndexHeader& header,
+  const ContourRequest& request, const Settings& settings)
   : Ranks(ranks)
   , Header(header)
   , Wanted(settings)
@@ -56,241 +73,63 @@ SurfaceExchange::SurfaceExchange(
   {
     this->Wanted.DrawingRanks = ranks.GetSize();
   }
+  if (this->Wanted.Raw)
+  {
+    this->Form = std::make_unique<RawForm>(header.Geometry, request);
+  }
+  else
+  {
+    this->Form = std::make_unique<RecordForm>(header, request);
+  }
 }
 
-Status SurfaceExchange::Run(BlockSource& source, const Progress& progress)
+SurfaceExchange::~SurfaceExchange() = default;
+
+Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progress)
 {
-  const auto begin = std::chrono::steady_clock::now();
-  const Status encoded = RunWithinMemory([&] { return this->Encode(source, progress); });
+  Clock::time_point begin = Clock::now();
+  Status status = this->Ranks.Agree(RunWithinMemory(
+    [&] { return this->Encode(source, MakePartOfProgress(progress, 0, EncodingShare)); }));
   this->Spent.EncodeSeconds = GetSecondsSince(begin);
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(encoded));
-  const auto exchange = std::chrono::steady_clock::now();
-  ISOSURFACE_RETURN_IF_ERROR(this->ChooseDestinations());
-  ISOSURFACE_RETURN_IF_ERROR(this->SendRounds());
-  this->Spent.ExchangeSeconds = GetSecondsSince(exchange);
-  return Status::Ok();
-}
-
-Status SurfaceExchange::Encode(BlockSource& source, const Progress& progress)
-{
-  if (this->Header.PreviewLevel != 0)
+  if (!status.IsOk())
   {
-    return { StatusCode::InvalidArgument, "An isosurface is redistributed without a preview." };
+    return status;
   }
-  return EncodeBlocks(
-    this->Header, source, this->Wanted.Threads,
-    [this](const std::vector<std::uint8_t>& bytes) { return this->TakeEncoded(bytes); }, progress);
-}
-
-// Records of one block follow each other.
-Status SurfaceExchange::TakeEncoded(const std::vector<std::uint8_t>& bytes)
-{
-  std::size_t used = 0;
-  for (std::size_t at = 0; at < bytes.size(); at += used)
+  begin = Clock::now();
+  status = this->MakePlan();
+  this->Spent.ChooseSeconds = GetSecondsSince(begin);
+  if (!status.IsOk())
   {
-    const auto record =
-      EdgeIndexRecord::Parse(this->Header, bytes.data() + at, bytes.size() - at, used);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    const EdgeIndexBlock& block = record->Block;
-    if (this->Own.empty() || !(this->Own.back().Vertices == block.Vertices))
-    {
-      this->Own.emplace_back().Vertices = block.Vertices;
-    }
-    EncodedBlock& own = this->Own.back();
-    own.Points += block.NumberOfPoints;
-    own.Bytes.insert(own.Bytes.end(), bytes.data() + at, bytes.data() + at + used);
-    this->Spent.EncodedBytes += used;
+    return status;
   }
-  this->Spent.EncodedBlocks = this->Own.size();
-  return Status::Ok();
-}
-
-Status SurfaceExchange::ChooseDestinations()
-{
-  Message mine;
-  const Status described = RunWithinMemory(
+  begin = Clock::now();
+  std::optional<SurfaceUnpacking> unpacking;
+  status = this->Ranks.Agree(RunWithinMemory(
     [&]
     {
-      mine = this->DescribeBlocks();
+      std::vector<BlockDescription> blocks;
+      for (ExchangePlan::IncomingBlock& block : this->Plan.Incoming)
+      {
+        blocks.push_back(block.Description);
+      }
+      unpacking.emplace(*this->Form, std::move(blocks), this->Wanted.Threads);
       return Status::Ok();
-    });
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(described));
-  const std::vector<Message> messages = this->Ranks.AllGather(mine);
-  return this->Ranks.Agree(RunWithinMemory([&] { return this->Partition(messages); }));
-}
-
-Message SurfaceExchange::DescribeBlocks() const
-{
-  Message message;
-  for (const EncodedBlock& block : this->Own)
+    }));
+  if (!status.IsOk())
   {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      AppendNumber(message, static_cast<std::uint64_t>(block.Vertices.Low[axis]));
-      AppendNumber(message, static_cast<std::uint64_t>(block.Vertices.GetSize()[axis]));
-    }
-    AppendNumber(message, block.Points);
+    return status;
   }
-  return message;
-}
-
-Status SurfaceExchange::Partition(const std::vector<Message>& messages)
-{
-  const auto self = static_cast<std::size_t>(this->Ranks.GetRank());
-  std::vector<WeighedBlock> blocks;
-  std::size_t firstOwn = 0;
-  const Index3 dimensions = this->Header.Geometry.GetDimensions();
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
+  const Progress rest = MakePartOfProgress(progress, EncodingShare, 1);
+  status = this->SendRounds(*unpacking, rest);
+  this->Spent.ExchangeSeconds = GetSecondsSince(begin);
+  if (!status.IsOk())
   {
-    firstOwn = rank == self ? blocks.size() : firstOwn;
-    NumberReader reader(messages[rank].data(), messages[rank].size());
-    while (reader.GetLeft() > 0)
-    {
-      WeighedBlock& block = blocks.emplace_back();
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        const auto low = static_cast<std::int64_t>(reader.ReadNumber());
-        const auto vertices = static_cast<std::int64_t>(reader.ReadNumber());
-        if (vertices < 1 || vertices > dimensions[axis] || low > dimensions[axis] - vertices)
-        {
-          return MakeDamaged();
-        }
-        block.Vertices.Low[axis] = low;
-        block.Vertices.High[axis] = low + vertices;
-      }
-      block.Workload = reader.ReadNumber();
-    }
-    if (reader.HasFailed())
-    {
-      return MakeDamaged();
-    }
+    return status;
   }
-  const std::vector<std::uint32_t> parts = MakeCompactPartition(
-    blocks, static_cast<std::uint32_t>(this->Wanted.DrawingRanks), this->Header.Geometry.Spacing);
-  if (firstOwn + this->Own.size() > parts.size())
-  {
-    return MakeDamaged();
-  }
-  for (std::size_t n = 0; n < this->Own.size(); ++n)
-  {
-    this->Own[n].Destination = parts[firstOwn + n];
-  }
-  for (std::size_t n = 0; n < blocks.size(); ++n)
-  {
-    this->ExpectedPoints += parts[n] == self ? blocks[n].Workload : 0;
-  }
-  return Status::Ok();
-}
-
-Status SurfaceExchange::SendRounds()
-{
-  Status status;
-  bool isLeft = true;
-  while (isLeft)
-  {
-    std::vector<Message> outgoing;
-    if (status.IsOk())
-    {
-      status = RunWithinMemory(
-        [&]
-        {
-          this->FillRound(outgoing);
-          return Status::Ok();
-        });
-    }
-    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
-    std::vector<std::uint64_t> left = { this->Own.size() - this->NextBlock };
-    this->Ranks.ReduceMaximum(left);
-    isLeft = left.front() > 0;
-    std::vector<Message> incoming = this->Ranks.Exchange(std::move(outgoing));
-    status = RunWithinMemory([&] { return this->TakeRound(std::move(incoming)); });
-    ++this->Spent.Rounds;
-  }
-  this->SortRecords();
-  if (status.IsOk() && this->Spent.ReceivedPoints != this->ExpectedPoints)
-  {
-    status = MakeDamaged();
-  }
-  return this->Ranks.Agree(status);
-}
-
-void SurfaceExchange::FillRound(std::vector<Message>& outgoing)
-{
-  const auto self = static_cast<std::size_t>(this->Ranks.GetRank());
-  outgoing.resize(static_cast<std::size_t>(this->Ranks.GetSize()));
-  std::uint64_t sent = 0;
-  for (; this->NextBlock < this->Own.size() && sent < this->Wanted.RoundBytes; ++this->NextBlock)
-  {
-    EncodedBlock& block = this->Own[this->NextBlock];
-    Message& message = outgoing[block.Destination];
-    message.insert(message.end(), block.Bytes.begin(), block.Bytes.end());
-    sent += block.Bytes.size();
-    this->Spent.SentBytes += block.Destination == self ? 0 : block.Bytes.size();
-    std::vector<std::uint8_t>().swap(block.Bytes);
-  }
-}
-
-Status SurfaceExchange::TakeRound(std::vector<Message> incoming)
-{
-  for (Message& message : incoming)
-  {
-    this->Arrived.push_back(std::move(message));
-    const Message& bytes = this->Arrived.back();
-    std::size_t used = 0;
-    for (std::size_t at = 0; at < bytes.size(); at += used)
-    {
-      const auto record =
-        EdgeIndexRecord::Parse(this->Header, bytes.data() + at, bytes.size() - at, used);
-      if (!record.IsOk() || record->Block.IsPreview)
-      {
-        return MakeDamaged();
-      }
-      this->Records.push_back(*record);
-      this->Spent.ReceivedPoints += record->Block.NumberOfPoints;
-    }
-  }
-  return Status::Ok();
-}
-
-// By place, so that the surface does not tell which rank a block came from.
-void SurfaceExchange::SortRecords()
-{
-  const auto getKey = [](const EdgeIndexRecord& record)
-  {
-    const Index3& low = record.Block.Vertices.Low;
-    return std::make_tuple(low[2], low[1], low[0], record.Block.Isovalue);
-  };
-  std::sort(this->Records.begin(), this->Records.end(),
-    [&](const EdgeIndexRecord& a, const EdgeIndexRecord& b) { return getKey(a) < getKey(b); });
-  for (std::size_t n = 0; n < this->Records.size(); ++n)
-  {
-    const bool isNew =
-      n == 0 || !(this->Records[n].Block.Vertices == this->Records[n - 1].Block.Vertices);
-    this->Spent.ReceivedBlocks += isNew ? 1 : 0;
-  }
-}
-
-Result<Surface> SurfaceExchange::MakeSurface(
-  const ContourRequest& request, int threads, const Progress& progress) const
-{
-  Result<Surface> surface = Surface();
-  const Status status = RunWithinMemory(
-    [&]
-    {
-      std::vector<std::vector<EdgeIndexRecord>> records(this->Header.Isovalues.size());
-      for (const EdgeIndexRecord& record : this->Records)
-      {
-        records[record.Block.Isovalue].push_back(record);
-      }
-      std::vector<std::unique_ptr<BlockSource>> sources;
-      sources.reserve(records.size());
-      for (std::vector<EdgeIndexRecord>& blocks : records)
-      {
-        sources.push_back(std::make_unique<EdgeIndexBlockSource>(this->Header, std::move(blocks)));
-      }
-      surface = JoinIsovalues(this->Header, sources, request, threads, progress);
-      return surface.GetStatus();
-    });
+  begin = Clock::now();
+  Result<Surface> surface = unpacking->Finish(rest);
+  status = this->Ranks.Agree(surface.GetStatus());
+  this->Spent.DecodeSeconds = GetSecondsSince(begin);
   if (!status.IsOk())
   {
     return status;
@@ -298,18 +137,169 @@ Result<Surface> SurfaceExchange::MakeSurface(
   return surface;
 }
 
+Status SurfaceExchange::Encode(BlockSource& source, const Progress& progress)
+{
+  const auto take = [this](BlockDescription block, Message bytes)
+  {
+    this->Spent.EncodedPoints += block.CountPoints();
+    this->Spent.EncodedBytes += block.Bytes;
+    ++this->Spent.EncodedBlocks;
+    this->Descriptions.push_back(std::move(block));
+    this->Own.push_back(std::move(bytes));
+    return Status::Ok();
+  };
+  return this->Form->Pack(source, this->Wanted.Threads, take, progress);
+}
+
+Status SurfaceExchange::MakePlan()
+{
+  Message mine;
+  const Status described = RunWithinMemory(
+    [&]
+    {
+      mine = ExchangePlan::Describe(this->Descriptions);
+      this->Descriptions = {};
+      return Status::Ok();
+    });
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(described));
+  this->Spent.SentBytes += mine.size() * static_cast<std::uint64_t>(this->Ranks.GetSize() - 1);
+  const std::vector<Message> messages = this->Ranks.AllGather(mine);
+  // Plans that differ would leave ranks waiting for each other.
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
+    IsSameOnAllRanks(this->Ranks, messages) ? Status::Ok() : MakeDamagedMessage()));
+  return this->Ranks.Agree(RunWithinMemory(
+    [&]
+    {
+      auto plan = ExchangePlan::Make(messages, static_cast<std::size_t>(this->Ranks.GetRank()),
+        this->Header.Geometry, this->Header.Isovalues.size(),
+        static_cast<std::uint32_t>(this->Wanted.DrawingRanks), this->Wanted.RoundBytes);
+      ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+      this->Plan = std::move(*plan);
+      this->NextArrival.assign(messages.size(), 0);
+      this->Spent.Rounds = this->Plan.Rounds;
+      this->Spent.ReceivedBlocks = this->Plan.Incoming.size();
+      for (const ExchangePlan::IncomingBlock& block : this->Plan.Incoming)
+      {
+        this->Spent.ReceivedPoints += block.Description.CountPoints();
+      }
+      return this->Plan.Own.size() == this->Own.size() ? Status::Ok() : MakeDamagedMessage();
+    }));
+}
+
+Status SurfaceExchange::SendRounds(SurfaceUnpacking& unpacking, const Progress& progress)
+{
+  Status status;
+  for (std::size_t round = 0; round < this->Plan.Rounds; ++round)
+  {
+    if (status.IsOk() && progress && !progress(unpacking.GetShare()))
+    {
+      status = Status(StatusCode::Aborted, "The redistribution was stopped.");
+    }
+    std::vector<Message> outgoing;
+    std::vector<Message> incoming;
+    if (status.IsOk())
+    {
+      status = RunWithinMemory(
+        [&]
+        {
+          this->FillRound(round, outgoing, incoming);
+          return Status::Ok();
+        });
+    }
+    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
+    this->Ranks.Deliver(std::move(outgoing), incoming,
+      [&](int source)
+      {
+        const auto from = static_cast<std::size_t>(source);
+        if (!this->TakeMessage(round, from, std::move(incoming[from]), unpacking.GetBlocks()))
+        {
+          status = MakeDamagedMessage();
+        }
+      });
+  }
+  for (std::size_t source = 0; source < this->NextArrival.size(); ++source)
+  {
+    if (status.IsOk() && this->NextArrival[source] < this->Plan.BySource[source].size())
+    {
+      status = MakeDamagedMessage();
+    }
+  }
+  return this->Ranks.Agree(status);
+}
+
+// All that delivering needs is there afterwards: it cannot fail on one rank alone.
+void SurfaceExchange::FillRound(
+  std::size_t round, std::vector<Message>& outgoing, std::vector<Message>& incoming)
+{
+  const auto self = static_cast<std::size_t>(this->Ranks.GetRank());
+  const auto size = static_cast<std::size_t>(this->Ranks.GetSize());
+  outgoing.resize(size);
+  incoming.resize(size);
+  for (; this->NextBlock < this->Own.size() && this->Plan.Own[this->NextBlock].Round == round;
+       ++this->NextBlock)
+  {
+    const std::size_t destination = this->Plan.Own[this->NextBlock].Destination;
+    Message& block = this->Own[this->NextBlock];
+    outgoing[destination].insert(outgoing[destination].end(), block.begin(), block.end());
+    this->Spent.SentBytes += destination == self ? 0 : block.size();
+    Message().swap(block);
+  }
+  for (std::size_t source = 0; source < size; ++source)
+  {
+    std::size_t bytes = 0;
+    const std::vector<std::size_t>& blocks = this->Plan.BySource[source];
+    for (std::size_t n = this->NextArrival[source]; n < blocks.size(); ++n)
+    {
+      const ExchangePlan::IncomingBlock& block = this->Plan.Incoming[blocks[n]];
+      if (block.Round != round)
+      {
+        break;
+      }
+      bytes += block.Description.Bytes;
+    }
+    incoming[source].resize(source == self ? 0 : bytes);
+  }
+  this->Arrived.reserve(this->Arrived.size() + size);
+}
+
+bool SurfaceExchange::TakeMessage(
+  std::size_t round, std::size_t source, Message message, ArrivingBlocks& blocks)
+{
+  this->Arrived.push_back(std::move(message));
+  const Message& bytes = this->Arrived.back();
+  std::size_t at = 0;
+  std::size_t& next = this->NextArrival[source];
+  for (; next < this->Plan.BySource[source].size(); ++next)
+  {
+    const std::size_t place = this->Plan.BySource[source][next];
+    const ExchangePlan::IncomingBlock& block = this->Plan.Incoming[place];
+    if (block.Round != round)
+    {
+      break;
+    }
+    if (block.Description.Bytes > bytes.size() - at)
+    {
+      return false;
+    }
+    blocks.Arrive(place, bytes.data() + at);
+    at += block.Description.Bytes;
+  }
+  return at == bytes.size();
+}
+
 std::uint64_t GetSurfaceBytes(const Surface& surface)
 {
-  const auto getIndexBytes = [](const IndexArray& array)
-  { return array.GetSize() * (array.Is64Bit ? sizeof(std::int64_t) : sizeof(std::int32_t)); };
+  const std::uint64_t index =
+    surface.Connectivity.Is64Bit ? sizeof(std::int64_t) : sizeof(std::int32_t);
   std::uint64_t bytes = sizeof(float) * (surface.Points.GetSize() + surface.Normals.GetSize()) +
-    sizeof(std::int64_t) * surface.GlobalIds.GetSize() + getIndexBytes(surface.Connectivity) +
-    getIndexBytes(surface.Offsets);
+    sizeof(std::int64_t) * surface.GlobalIds.GetSize() + index * surface.Connectivity.GetSize();
   for (const SurfaceAttribute& attribute : surface.Attributes)
   {
     bytes += attribute.Bytes.GetSize();
   }
-  return bytes;
+  // The ends of triangles follow from their number.
+  const bool triangles = surface.Connectivity.GetSize() == 3 * surface.NumberOfCells;
+  return triangles ? bytes : bytes + index * surface.NumberOfCells;
 }
 
 } // namespace isosurface

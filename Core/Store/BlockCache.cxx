@@ -27,7 +27,8 @@ Result<std::shared_ptr<const DecodedBlock>> BlockCache::Get(
   const auto found = this->Index.find(key);
   if (found != this->Index.end())
   {
-    this->Entries.splice(this->Entries.begin(), this->Entries, found->second);
+    EntryList& entries = this->FindList(key);
+    entries.splice(entries.begin(), entries, found->second);
     hit = true;
     return found->second->Block;
   }
@@ -89,6 +90,28 @@ bool BlockCache::Contains(const BlockCacheKey& key) const
   return this->Index.count(key) != 0 || this->InFlight.count(key) != 0;
 }
 
+void BlockCache::Expect(const std::vector<BlockCacheKey>& keys)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->OtherEntries.splice(this->OtherEntries.begin(), this->ExpectedEntries);
+  this->Expected.clear();
+  this->Expected.insert(keys.begin(), keys.end());
+  for (const BlockCacheKey& key : this->Expected)
+  {
+    const auto found = this->Index.find(key);
+    if (found != this->Index.end())
+    {
+      this->ExpectedEntries.splice(
+        this->ExpectedEntries.begin(), this->OtherEntries, found->second);
+    }
+  }
+}
+
+BlockCache::EntryList& BlockCache::FindList(const BlockCacheKey& key)
+{
+  return this->Expected.count(key) != 0 ? this->ExpectedEntries : this->OtherEntries;
+}
+
 void BlockCache::Insert(const BlockCacheKey& key, const std::shared_ptr<const DecodedBlock>& block)
 {
   const std::uint64_t bytes = sizeof(Entry) + sizeof(DecodedBlock) + block->Bytes.GetSize();
@@ -96,9 +119,17 @@ void BlockCache::Insert(const BlockCacheKey& key, const std::shared_ptr<const De
   {
     return;
   }
-  this->Trim(this->Budget - bytes);
-  this->Entries.push_front({ key, block, bytes });
-  this->Index[key] = this->Entries.begin();
+  EntryList& entries = this->FindList(key);
+  while (this->Size > this->Budget - bytes)
+  {
+    if (this->OtherEntries.empty() && &entries == &this->ExpectedEntries)
+    {
+      return;
+    }
+    this->RemoveOne();
+  }
+  entries.push_front({ key, block, bytes });
+  this->Index[key] = entries.begin();
   this->Size += bytes;
 }
 
@@ -106,10 +137,16 @@ void BlockCache::Trim(std::uint64_t budget)
 {
   while (this->Size > budget)
   {
-    this->Size -= this->Entries.back().Bytes;
-    this->Index.erase(this->Entries.back().Key);
-    this->Entries.pop_back();
+    this->RemoveOne();
   }
+}
+
+void BlockCache::RemoveOne()
+{
+  EntryList& entries = this->OtherEntries.empty() ? this->ExpectedEntries : this->OtherEntries;
+  this->Size -= entries.back().Bytes;
+  this->Index.erase(entries.back().Key);
+  entries.pop_back();
 }
 
 void BlockCache::SetBudget(std::uint64_t budget)

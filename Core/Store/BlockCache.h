@@ -13,6 +13,7 @@
 #include <memory>
 #include <mutex>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace isosurface
@@ -48,9 +49,11 @@ struct BlockCacheKey
 };
 
 /**
- * Decoded blocks, kept in memory up to a budget of bytes; the least recently used ones go first. A
- * block that somebody still holds lives on after it has left the cache. Safe for use by any number
- * of threads; a block that several threads ask for at once is loaded once.
+ * Decoded blocks, kept in memory up to a budget of bytes; the least recently used ones go first,
+ * but never an expected one for another: a query that is larger than the budget finds at the next
+ * isovalue what was kept of it, where the least recently used block would always be the next one
+ * to be asked for. A block that somebody still holds lives on after it has left the cache. Safe for
+ * use by any number of threads; a block that several threads ask for at once is loaded once.
  */
 class BlockCache
 {
@@ -71,6 +74,10 @@ public:
   /// is not kept: the next one to ask tries anew.
   Result<std::shared_ptr<const DecodedBlock>> Get(
     const BlockCacheKey& key, const Loader& load, bool& hit);
+
+  /// Tells what a query is going to ask for; of two queries at a time, the later one counts. Cost:
+  /// one search a key.
+  void Expect(const std::vector<BlockCacheKey>& keys);
 
   /// Whether the block is here, or on its way; by the time of the answer it may be gone.
   bool Contains(const BlockCacheKey& key) const;
@@ -93,6 +100,7 @@ private:
     std::shared_ptr<const DecodedBlock> Block;
     std::uint64_t Bytes = 0;
   };
+  using EntryList = std::list<Entry>; ///< the most recently used one first
   struct Loading
   {
     bool Done = false;
@@ -100,15 +108,19 @@ private:
     Status Error;
   };
 
+  EntryList& FindList(const BlockCacheKey& key);
   void Insert(const BlockCacheKey& key, const std::shared_ptr<const DecodedBlock>& block);
   void Trim(std::uint64_t budget);
+  void RemoveOne();
 
   mutable std::mutex Mutex;
   std::condition_variable LoadingDone;
   std::uint64_t Budget;
   std::uint64_t Size = 0;
-  std::list<Entry> Entries; ///< the most recently used one first
-  std::unordered_map<BlockCacheKey, std::list<Entry>::iterator, KeyHash> Index;
+  std::unordered_set<BlockCacheKey, KeyHash> Expected;
+  EntryList ExpectedEntries;
+  EntryList OtherEntries;
+  std::unordered_map<BlockCacheKey, EntryList::iterator, KeyHash> Index;
   std::unordered_map<BlockCacheKey, std::shared_ptr<Loading>, KeyHash> InFlight;
 };
 

@@ -414,7 +414,10 @@ public:
 private:
   using Block = std::shared_ptr<const DecodedBlock>;
 
-  BlockCacheKey MakeKey(std::size_t variable) const;
+  BlockCacheKey MakeKey(std::size_t variable) const
+  {
+    return this->Volume.MakeKey(this->Reference.Block, this->TimeStep, variable, this->Stored);
+  }
   /// The end of the components from this one on that one read brings. At a coarser level what lies
   /// between them is not worth reading.
   std::size_t FindEndOfRead(std::size_t component) const;
@@ -454,12 +457,6 @@ void BlockedVolume::BlockReading::Announce(const std::vector<std::size_t>& varia
       }
     }
   }
-}
-
-BlockCacheKey BlockedVolume::BlockReading::MakeKey(std::size_t variable) const
-{
-  return { this->Volume.Parts[this->Stored.Part]->Identities[this->TimeStep], this->Reference.Block,
-    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(this->Stored.Level) };
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::Get(std::size_t variable)
@@ -560,12 +557,34 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::MakeMag
   return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));
 }
 
+BlockCacheKey BlockedVolume::MakeKey(
+  std::int64_t block, std::size_t timeStep, std::size_t variable, const StoredLevel& stored) const
+{
+  return { this->Parts[stored.Part]->Identities[timeStep], block,
+    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(stored.Level) };
+}
+
+void BlockedVolume::Expect(const std::vector<BlockReference>& blocks, std::size_t timeStep,
+  const std::vector<std::size_t>& variables, int level)
+{
+  const StoredLevel stored = this->FindLevel(level);
+  std::vector<BlockCacheKey> keys;
+  keys.reserve(blocks.size() * variables.size());
+  for (const BlockReference& block : blocks)
+  {
+    for (const std::size_t variable : variables)
+    {
+      keys.push_back(this->MakeKey(block.Block, timeStep, variable, stored));
+    }
+  }
+  this->Cache->Expect(keys);
+}
+
 bool BlockedVolume::IsCached(
   const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const
 {
   const StoredLevel stored = this->FindLevel(level);
-  return this->Cache->Contains({ this->Parts[stored.Part]->Identities[timeStep], reference.Block,
-    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(stored.Level) });
+  return this->Cache->Contains(this->MakeKey(reference.Block, timeStep, variable, stored));
 }
 
 void BlockedVolume::Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin,

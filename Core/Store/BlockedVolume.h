@@ -123,6 +123,10 @@ public:
   Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,
     const std::vector<std::size_t>& variables, int level, QueryStatistics& statistics);
 
+  /// Tells the block cache which blocks a query is going to read (BlockCache::Expect).
+  void Expect(const std::vector<BlockReference>& blocks, std::size_t timeStep,
+    const std::vector<std::size_t>& variables, int level);
+
   /// Whether a variable of a block is in the block cache, or on its way there.
   bool IsCached(
     const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const;
@@ -194,6 +198,8 @@ private:
   Status CheckNotRewritten(std::size_t timeStep) const;
   Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
   Status CheckRank(int rank, int ranks) const;
+  BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
+    const StoredLevel& stored) const;
 
   std::string Path;
   FileSystem& Files;

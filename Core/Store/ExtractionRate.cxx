@@ -29,13 +29,19 @@ constexpr int Sweeps = 100;
 
 ExtractionRate::Terms ExtractionRate::Count(const ExtractionWork& work)
 {
-  return { 1, work.Blocks, work.SampleBytes, work.ReadBytes, work.Triangles };
+  return { 1, work.Blocks, work.SampleBytes, work.BlocksRead, work.ReadBytes, work.Triangles };
 }
 
 double ExtractionRate::Predict(const ExtractionWork& work) const
 {
   const Terms counts = Count(work);
-  return std::inner_product(counts.begin(), counts.end(), this->Rates.begin(), 0.0);
+  double seconds = std::inner_product(counts.begin(), counts.end(), this->Rates.begin(), 0.0);
+  for (const std::size_t kind : ReadKinds)
+  {
+    const double untried = std::max(0.0, counts[kind] - this->FindMost(kind));
+    seconds += untried * std::max(0.0, UsualRates[kind] - this->Rates[kind]);
+  }
+  return seconds;
 }
 
 void ExtractionRate::Observe(const ExtractionWork& work, double seconds)
@@ -46,6 +52,16 @@ void ExtractionRate::Observe(const ExtractionWork& work, double seconds)
   }
   this->Observations.push_back({ Count(work), seconds });
   this->Fit();
+}
+
+double ExtractionRate::FindMost(std::size_t kind) const
+{
+  double most = 0;
+  for (const Observation& seen : this->Observations)
+  {
+    most = std::max(most, seen.Counts[kind]);
+  }
+  return most;
 }
 
 /// The median of measured to usual seconds.

@@ -3,6 +3,7 @@
 #define isosurface_ExtractionRate_h
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace isosurface
@@ -13,7 +14,8 @@ struct ExtractionWork
 {
   double Blocks = 0;      ///< active ones
   double SampleBytes = 0; ///< of their decoded samples
-  double ReadBytes = 0;   ///< of those that are not in the block cache
+  double BlocksRead = 0;  ///< those that are not in the block cache: places that a disk seeks
+  double ReadBytes = 0;   ///< of these
   double Triangles = 0;
 };
 
@@ -22,6 +24,8 @@ struct ExtractionWork
  * rates are those that fit the last extractions best: the least squares of the relative errors
  * (below some milliseconds of the absolute ones), without negative rates. Where these tell nothing
  * of a kind, its rate is that of a usual laptop, faster or slower by as much as this machine is.
+ * What is read beyond the most that was read before takes a usual disk's time at least: few blocks
+ * may have come from memory, or lain side by side, where many more do not.
  *
  * A value class. Cost of Observe: some microseconds.
  */
@@ -34,7 +38,8 @@ public:
   bool IsKnown() const { return !this->Observations.empty(); }
 
 private:
-  static constexpr int Kinds = 5; ///< the query itself, then the members of ExtractionWork
+  static constexpr std::size_t Kinds = 6; ///< the query itself, then the members of ExtractionWork
+  static constexpr std::array<std::size_t, 2> ReadKinds = { 3, 4 }; ///< of these, those of a disk
   using Terms = std::array<double, Kinds>;
   struct Observation
   {
@@ -44,9 +49,10 @@ private:
 
   static Terms Count(const ExtractionWork& work);
   double FindSpeed() const;
+  double FindMost(std::size_t kind) const;
   void Fit();
 
-  static constexpr Terms UsualRates = { 2e-3, 2e-6, 1e-9, 3e-9, 3e-8 }; ///< seconds each
+  static constexpr Terms UsualRates = { 2e-3, 2e-6, 1e-9, 2e-4, 3e-9, 3e-8 }; ///< s
   Terms Rates = UsualRates;
   std::vector<Observation> Observations; ///< the last ones, the oldest first
 };

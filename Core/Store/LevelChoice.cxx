@@ -64,10 +64,11 @@ ExtractionWork EstimateWork(const BlockedVolume& volume, const SurfaceQuery& que
   {
     const double bytes = static_cast<double>(volume.EstimateBytes(variable, level)) / all;
     work.SampleBytes += work.Blocks * bytes;
-    work.ReadBytes += bytes *
-      static_cast<double>(std::count_if(part.Blocks.begin(), part.Blocks.end(),
-        [&](const BlockReference& block)
-        { return !volume.IsCached(block, query.TimeStep, variable, level); }));
+    const auto missing = static_cast<double>(std::count_if(part.Blocks.begin(), part.Blocks.end(),
+      [&](const BlockReference& block)
+      { return !volume.IsCached(block, query.TimeStep, variable, level); }));
+    work.BlocksRead += missing;
+    work.ReadBytes += missing * bytes;
   }
   return work;
 }

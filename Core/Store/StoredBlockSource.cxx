@@ -84,6 +84,8 @@ void StoredBlockSource::ReadAhead(std::size_t block)
 Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->AttributesStatus);
+  std::call_once(this->Expected,
+    [this] { this->Volume.Expect(this->Blocks, this->TimeStep, this->Variables, this->Level); });
   this->ReadAhead(block);
   QueryStatistics statistics;
   auto blocks = this->Volume.ReadVariables(

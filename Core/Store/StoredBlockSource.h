@@ -57,6 +57,7 @@ private:
   StoredLevel Stored;
   std::vector<BlockReference> Blocks;
 
+  std::once_flag Expected;
   std::mutex ReadAheadMutex;
   std::size_t EndOfReadAhead = 0;
   std::size_t BlocksAhead = 0; ///< as many as are ReadAheadBytes

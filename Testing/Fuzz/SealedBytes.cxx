@@ -101,6 +101,7 @@ SealedBytes SealEdgeIndexFile(const std::uint8_t* bytes, std::size_t size)
     return file;
   }
   std::memcpy(file.data(), "EIXcode\n\1\0\0\0", 12);
+  file[8] = file[18] == 2 ? 2 : 1; // the profile tells the version
   const std::size_t header = LoadLittleEndian<std::uint32_t>(file.data() + 12);
   if (header < leastHeader || header > size)
   {

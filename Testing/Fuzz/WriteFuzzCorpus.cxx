@@ -6,6 +6,7 @@
 #include "../Core/Store/MemoryDisk.h"
 
 #include "Base/ByteOrder.h"
+#include "EdgeIndex/EdgeIndexEncoder.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
 #include "Index/ExternalIntervalTreeBuilder.h"
 #include "Store/BlockStore.h"
@@ -207,6 +208,15 @@ void AddEdgeIndexFile(
   Bytes input = { flags };
   Append(input, disk.GetFile("/data/surface.eix"));
   corpus.Add("EdgeIndexFile", name, input);
+  const auto stream = EncodeSurface(header, source, 1);
+  if (!stream.IsOk())
+  {
+    corpus.Fail();
+    return;
+  }
+  input = { 1 };
+  Append(input, *stream);
+  corpus.Add("EdgeIndexDecoder", name, input);
 }
 
 void AddEdgeIndexFiles(Corpus& corpus)
@@ -214,6 +224,8 @@ void AddEdgeIndexFiles(Corpus& corpus)
   EdgeIndexHeader header;
   AddEdgeIndexFile<std::uint8_t>(corpus, "lossless-uint8", 1, header);
   AddEdgeIndexFile<double>(corpus, "lossless-float64", 1, header);
+  header.Settings.Profile = EdgeIndexProfile::Compact;
+  AddEdgeIndexFile<std::int16_t>(corpus, "compact-int16", 1, header);
   header.Settings.Profile = EdgeIndexProfile::Fast;
   header.Attributes = { { "Normals", ValueType::Float32, 3, 0, true } };
   AddEdgeIndexFile<std::uint8_t>(corpus, "normals", 1, header);

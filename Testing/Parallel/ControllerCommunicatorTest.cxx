@@ -73,6 +73,36 @@ TEST(ControllerCommunicator, GathersMessagesOfAnyLength)
   EXPECT_EQ(ranks.AllGather({}), std::vector<Message>(all.size()));
 }
 
+TEST(ControllerCommunicator, DeliversMessagesOfKnownLengthsAndTellsOfEachOnce)
+{
+  ControllerCommunicator ranks(GetRanks());
+  const int size = GetNumberOfRanks();
+  for (int turn = 0; turn < 3; ++turn)
+  {
+    std::vector<Message> outgoing;
+    std::vector<Message> incoming;
+    std::vector<Message> expected;
+    for (int rank = 0; rank < size; ++rank)
+    {
+      outgoing.push_back(MakeMessage(GetRank(), rank + turn));
+      expected.push_back(MakeMessage(rank, GetRank() + turn));
+      incoming.emplace_back(rank == GetRank() ? 0 : expected.back().size());
+    }
+    std::vector<int> told(static_cast<std::size_t>(size), 0);
+    ranks.Deliver(std::move(outgoing), incoming,
+      [&](int rank)
+      {
+        const auto from = static_cast<std::size_t>(rank);
+        ++told[from];
+        EXPECT_TRUE(incoming[from] == expected[from]) << rank;
+      });
+    for (std::size_t rank = 0; rank < expected.size(); ++rank)
+    {
+      EXPECT_EQ(told[rank], expected[rank].empty() ? 0 : 1) << rank;
+    }
+  }
+}
+
 TEST(ControllerCommunicator, ExchangesMessagesOfAnyLength)
 {
   ControllerCommunicator ranks(GetRanks());

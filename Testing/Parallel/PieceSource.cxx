@@ -74,7 +74,11 @@ int PieceSource::RequestData(vtkInformation*, vtkInformationVector**, vtkInforma
       break;
   }
   const bool isEmpty = extent[0] > extent[1] || extent[2] > extent[3] || extent[4] > extent[5];
-  if (!isEmpty)
+  if (std::equal(extent.begin(), extent.end(), this->Image->GetExtent()))
+  {
+    piece->ShallowCopy(this->Image); // with all its arrays
+  }
+  else if (!isEmpty)
   {
     piece->ShallowCopy(CutImage(this->Image, extent));
   }

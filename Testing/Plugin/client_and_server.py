@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A pvserver of N ranks with other tests in pvpython as its clients; the server's log.
 
-    client_and_server.py ... --ranks N --pvserver PATH --pvpython PATH --mpiexec "mpiexec -n"
+    client_and_server.py ... --ranks N --pvserver PATH --pvpython PATH --paraview PATH --mpiexec "mpiexec -n"
 """
 import os
 import re
@@ -24,7 +24,7 @@ class ClientAndServer(unittest.TestCase):
         with open(testing.output("server.log"), errors="replace") as file:
             return file.read()
 
-    def start_server(self, port):
+    def start_server(self, port, *options):
         with open(testing.output("server.log"), "wb") as log:
             server = subprocess.Popen(
                 [
@@ -32,6 +32,7 @@ class ClientAndServer(unittest.TestCase):
                     str(testing.arguments.ranks),
                     testing.arguments.pvserver,
                     f"--server-port={port}",
+                    *options,
                 ],
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -73,11 +74,51 @@ class ClientAndServer(unittest.TestCase):
             server.kill()
             server.wait()
 
+    def test_gui_shows_the_distributed_surface(self):
+        here = os.path.dirname(os.path.abspath(__file__))
+        folder = os.path.dirname(testing.arguments.plugin)
+        plugin = [f"--plugin-search-paths={folder}", "--plugins=ScalableIsosurface"]
+        os.makedirs(testing.output("gui"))
+        port = find_free_port()
+        server = self.start_server(port, *plugin)
+        try:
+            gui = subprocess.run(
+                [
+                    testing.arguments.paraview,
+                    "--dr",
+                    *plugin,
+                    f"--server-url=cs://localhost:{port}",
+                    f"--data-directory={testing.arguments.volumes}",
+                    f"--test-directory={testing.output('gui')}",
+                    f"--test-script={os.path.join(here, 'GuiDistribute.xml')}",
+                    f"--test-baseline={testing.baseline('StabbingContour.png')}",
+                    "--test-threshold=3",
+                    "--exit",
+                ],
+                env=testing.make_mpi_environment(),
+                timeout=90,
+                check=False,
+            )
+            self.assertEqual(gui.returncode, 0)
+            server.wait(timeout=30)
+        finally:
+            server.kill()
+            server.wait()
+        self.assertEqual(
+            len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 1
+        )
+
     def test_progressive_surface_ends_with_the_full_one(self):
         self.run_client_and_server("progressive.py")
 
     def test_metabuffer_view_shows_the_stock_picture(self):
         self.run_client_and_server("metabuffer_view.py")
+
+    def test_distributed_surface_has_the_picture_of_the_contour(self):
+        self.run_client_and_server("distribute.py")
+        self.assertEqual(
+            len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 2
+        )
 
     def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
         self.run_client_and_server("surface_pictures.py")
@@ -93,6 +134,7 @@ def add_arguments(parser):
     parser.add_argument("--ranks", type=int, required=True)
     parser.add_argument("--pvserver", required=True)
     parser.add_argument("--pvpython", required=True)
+    parser.add_argument("--paraview", required=True)
     parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
 
 

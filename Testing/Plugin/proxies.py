@@ -75,6 +75,14 @@ class Proxies(unittest.TestCase):
             ["ChooseArraysToWrite", "PointDataArrays", "WriteAllTimeSteps", "AppendTimeStep"],
         )
 
+    def test_distribution_has_its_properties(self):
+        contour = testing.contour(testing.open_volume("wave.bvol"))
+        surface = simple.DistributeIsosurface(Input=contour)
+        names = ["Mode", "MaximumError", "NormalError", "ArrayError", "Profile", "DrawingRanks"]
+        self.check_properties(surface, names + ["RoundBytes", "NumberOfThreads"])
+        self.assertEqual(surface.Mode, "Lossless")
+        self.assertEqual(surface.Profile, "Fast")
+
     def test_edge_index_files_have_their_writer_and_reader(self):
         contour = testing.contour(testing.open_volume("wave.bvol"))
         path = testing.output("new.eix")

@@ -130,7 +130,8 @@ TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
     TurnObliquely(image);
     this->Contour->SetInputData(image);
     this->SetIsovalues({ 70 });
-    for (const int profile : { vtkEdgeIndexWriter::DEFAULT, vtkEdgeIndexWriter::FAST })
+    for (const int profile :
+      { vtkEdgeIndexWriter::DEFAULT, vtkEdgeIndexWriter::FAST, vtkEdgeIndexWriter::COMPACT })
     {
       this->Writer->SetProfile(profile);
       this->Write();

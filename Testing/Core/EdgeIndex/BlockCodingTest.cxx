@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The coders are compiled twice; both must take and give the same bytes.
 #include "EdgeIndex/BlockCoding.h"
+#include "EdgeIndex/EdgeIndexHeader.h"
 
 #include <gtest/gtest.h>
 
@@ -81,14 +82,17 @@ std::vector<SignSlice> MakeSigns()
 
 TEST(BlockCoding, EitherSetOfInstructionsGivesTheSame)
 {
-  for (const bool isMixed : { false, true })
+  for (const auto profile :
+    { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
   {
+    const bool isMixed = profile != EdgeIndexProfile::Fast;
     for (const bool hasValues : { false, true })
     {
       const auto domain = std::make_unique<ValueDomain>(ValueType::Int16, 0.0, 3);
       BlockContent content;
       content.Size = Size;
       content.Domain = hasValues ? domain.get() : nullptr;
+      content.IsFitted = profile == EdgeIndexProfile::Compact;
       content.Bins = 100;
       std::vector<std::uint8_t> bytes[2];
       RememberedBlock given;

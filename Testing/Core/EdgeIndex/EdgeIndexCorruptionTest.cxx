@@ -63,7 +63,8 @@ TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
   for (const EdgeIndexMode mode :
     { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
   {
-    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+    for (const EdgeIndexProfile profile :
+      { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
     {
       const std::vector<std::uint8_t> good = EncodeSmall(mode, profile);
       std::size_t first = 0;
@@ -101,10 +102,25 @@ TEST(EdgeIndexCorruption, NormalsOfAStreamAreRefused)
     StatusCode::InvalidArgument);
 }
 
+TEST(EdgeIndexCorruption, AProfileThatItsVersionDoesNotHaveIsCorrupt)
+{
+  for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Compact })
+  {
+    std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, profile);
+    std::size_t size = 0;
+    ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
+    EXPECT_EQ(bytes[8], profile == EdgeIndexProfile::Compact ? 2 : 1);
+    bytes[8] = static_cast<std::uint8_t>(3 - bytes[8]);
+    StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
+    EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
+      StatusCode::Corrupt);
+  }
+}
+
 TEST(EdgeIndexCorruption, AnotherVersionIsUnsupported)
 {
   std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
-  bytes[8] = 2;
+  bytes[8] = 3;
   EXPECT_EQ(DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus().GetCode(),
     StatusCode::Unsupported);
 }

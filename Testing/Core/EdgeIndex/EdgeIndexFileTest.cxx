@@ -328,6 +328,24 @@ TEST(EdgeIndexFile, EveryCutLeavesTheBlocksBeforeIt)
   }
 }
 
+TEST(EdgeIndexFile, AShortFileIsCutOffOnlyIfItBeginsAsOne)
+{
+  MemoryDisk disk;
+  const MemoryDisk::Bytes good = WriteSmallFile(disk);
+  const std::string text = "A note that has nothing to do with surfaces.";
+  disk.GetFile(Path).assign(text.begin(), text.end());
+  const Status other = EdgeIndexFile::Open(disk, Path).GetStatus();
+  EXPECT_EQ(other.GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(other.GetMessage().find("not an edge-index stream"), std::string::npos);
+  for (const std::ptrdiff_t size : { 9, 12, 100, 263 })
+  {
+    disk.GetFile(Path).assign(good.begin(), good.begin() + size);
+    const Status status = EdgeIndexFile::Open(disk, Path).GetStatus();
+    EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
+    EXPECT_NE(status.GetMessage().find("cut off"), std::string::npos) << status.GetMessage();
+  }
+}
+
 TEST(EdgeIndexFile, EveryFlippedByteIsFound)
 {
   MemoryDisk disk;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format version 1 stay readable, and mean the same, for ever; and the bytes of an encoder
-// do not depend on compiler, flags or machine. The files may not change together with the code.
+// Files of format versions 1 and 2 stay readable, and mean the same, for ever; and the bytes of an
+// encoder do not depend on compiler, flags or machine. The files may not change together with the
+// code.
 #include "CodedVolumes.h"
 
 #include "MemoryDisk.h"
@@ -66,7 +67,9 @@ template <typename T>
 void CheckGolden(
   const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile, bool normals = false)
 {
-  const std::string file = std::string(ISOSURFACE_TEST_DATA) + "/edge-index-v1/" + name;
+  const std::string folder =
+    profile == EdgeIndexProfile::Compact ? "/edge-index-v2/" : "/edge-index-v1/";
+  const std::string file = ISOSURFACE_TEST_DATA + folder + name;
   std::ifstream stream(file, std::ios::binary);
   const std::vector<std::uint8_t> golden{ std::istreambuf_iterator<char>(stream), {} };
 
@@ -134,6 +137,13 @@ TEST(EdgeIndexGolden, LosslessIntegers)
 TEST(EdgeIndexGolden, LosslessFloats)
 {
   CheckGolden<float>("lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
+}
+
+TEST(EdgeIndexGolden, CompactOnes)
+{
+  CheckGolden<std::int16_t>(
+    "compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+  CheckGolden<float>("compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
 }
 
 TEST(EdgeIndexGolden, BoundedByCrossings)

@@ -50,6 +50,37 @@ TEST(BlockCache, KeepsTheMostRecentlyUsedBlocksWithinItsBudget)
   EXPECT_FALSE(Ask(cache, 2));
 }
 
+TEST(BlockCache, KeepsWhatItHoldsOfAQueryLargerThanItsBudget)
+{
+  BlockCache cache(4000); // three blocks
+  const auto sweep = [&cache](std::int64_t first)
+  {
+    std::vector<BlockCacheKey> keys;
+    for (std::int64_t block = first; block < first + 5; ++block)
+    {
+      keys.push_back({ 1, block, 0, 0 });
+    }
+    cache.Expect(keys);
+    int hits = 0;
+    for (const BlockCacheKey& key : keys)
+    {
+      hits += Ask(cache, key.Block) ? 1 : 0;
+    }
+    return hits;
+  };
+  EXPECT_EQ(sweep(1), 0); // keeps 1, 2, 3
+  EXPECT_EQ(sweep(1), 3);
+  EXPECT_EQ(sweep(2), 2); // 4 takes the place of 1
+  EXPECT_EQ(sweep(2), 3);
+  EXPECT_EQ(sweep(100), 0);
+  EXPECT_EQ(sweep(100), 3);
+  // Nothing is kept for those who have not told: their blocks come in all the same.
+  EXPECT_FALSE(Ask(cache, 1));
+  EXPECT_TRUE(Ask(cache, 1));
+  cache.SetBudget(0);
+  EXPECT_EQ(cache.GetSize(), 0u);
+}
+
 TEST(BlockCache, TellsKeysApart)
 {
   BlockCache cache(100000);

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockDescription_h
+#define isosurface_BlockDescription_h
+
+#include "Base/Status.h"
+#include "Volume/BlockGrid.h"
+
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What all ranks are told of a block before its surface travels.
+struct BlockDescription
+{
+  VertexBox Vertices;
+  Index3 Lattice{};                  ///< see BlockSource
+  std::vector<std::uint64_t> Points; ///< of each isovalue: crossed edges, shared faces included
+  std::uint64_t Bytes = 0;           ///< that its surface travels as
+
+  std::uint64_t CountPoints() const
+  {
+    return std::accumulate(this->Points.begin(), this->Points.end(), std::uint64_t{ 0 });
+  }
+};
+
+/// The error for whatever came otherwise than it was sent.
+inline Status MakeDamagedMessage()
+{
+  return { StatusCode::Corrupt, "A message of isosurface blocks between ranks arrived damaged." };
+}
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ContourHeader_h
+#define isosurface_ContourHeader_h
+
+#include "Base/Communicator.h"
+#include "Base/Status.h"
+#include "ContourBlocks.h"
+#include "EdgeIndex/EdgeIndexHeader.h"
+#include "SurfacePolyData.h"
+
+#include <vector>
+
+namespace isosurface
+{
+
+/// What an edge-index stream of these blocks says of them; its settings are left as they are. The
+/// errors are the most by which a value of the arrays, or a component of the normals, may change.
+EdgeIndexHeader DescribeContourBlocks(
+  const ContourBlocks& blocks, double arrayError, double normalError);
+
+/// That of the first rank that has samples, which others do not know all of. Collective. Errors of
+/// any rank: InvalidArgument (see EdgeIndexHeader::Check).
+Result<EdgeIndexHeader> ShareHeader(
+  Communicator& ranks, const EdgeIndexHeader& mine, bool hasSamples);
+
+/// The interpolated arrays, which ranks without samples do not know. Collective.
+std::vector<InterpolatedArray> ShareArrays(Communicator& ranks, const ContourBlocks& blocks);
+
+} // namespace isosurface
+
+#endif

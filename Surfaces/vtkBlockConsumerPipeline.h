@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkBlockConsumerPipeline
+ * @brief   the executive of a vtkDistributeIsosurface
+ *
+ * Brings the filter's input's information up to date, but not its data, if the filter takes the
+ * contour's blocks: the contour would else extract a surface that nobody looks at.
+ */
+
+#ifndef vtkBlockConsumerPipeline_h
+#define vtkBlockConsumerPipeline_h
+
+#include "vtkCompositeDataPipeline.h"
+
+class vtkBlockConsumerPipeline : public vtkCompositeDataPipeline
+{
+public:
+  static vtkBlockConsumerPipeline* New();
+  vtkTypeMacro(vtkBlockConsumerPipeline, vtkCompositeDataPipeline);
+
+protected:
+  vtkBlockConsumerPipeline();
+  ~vtkBlockConsumerPipeline() override;
+
+  using vtkCompositeDataPipeline::ForwardUpstream;
+  int ForwardUpstream(vtkInformation* request) override;
+
+private:
+  vtkBlockConsumerPipeline(const vtkBlockConsumerPipeline&) = delete;
+  void operator=(const vtkBlockConsumerPipeline&) = delete;
+};
+
+#endif
