@@ -5,6 +5,7 @@ pixel, on any number of ranks, with all that a user puts into a picture.
 Translucent surfaces are not among it: stock compositing of them fails on several ranks of the
 ParaView that these tests were made with, in any view.
 """
+import glob
 import unittest
 
 from paraview import simple
@@ -174,6 +175,76 @@ class MetabufferView(unittest.TestCase):
         view.ResolutionMode = "Full"
         self.check_same(self.save(view, "full-again"), full)
         self.assertGreater(int((coarse != full).any(axis=2).sum()), 500)
+
+    def test_frames_of_a_time_budget_are_coarse_until_the_camera_rests(self):
+        self.require_several_ranks()
+        view = self.make_view("MetabufferRenderView")
+        view.UseFXAA = 0
+        view.OrientationAxesVisibility = 0
+        full = self.save(view, "still")
+        view.ResolutionMode = "Time budget"
+        view.FrameTimeBudget = 0.001
+        pictures = []
+        for _ in range(3):
+            view.SMProxy.InteractiveRender()
+            pictures.append(self.read_window(view))
+        # The coarsest resolution: in the middle of blocks of 16 pixels neighbors are equal.
+        changes = (pictures[-1][:, 1:] != pictures[-1][:, :-1]).any(axis=2)
+        self.assertGreater(int(changes[:, 15::16].sum()), 100)
+        self.assertEqual(int(changes.sum()), int(changes[:, 15::16].sum()))
+        self.check_same(self.save(view, "rests"), full)
+
+    def read_window(self, view):
+        """What the view's window shows, without drawing again."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+        window = view.GetRenderWindow()
+        columns, rows = window.GetSize()
+        pixels = vtkUnsignedCharArray()
+        window.GetPixelData(0, 0, columns - 1, rows - 1, 1, pixels, 0)
+        return vtk_to_numpy(pixels).reshape(rows, columns, 3).astype(int)
+
+    def test_supersampled_pixels_are_means_of_those_of_a_larger_picture(self):
+        self.require_several_ranks()
+        size = [300, 240]
+        large = self.make_view("RenderView", size=[2 * length for length in size])
+        ours = self.make_view("MetabufferRenderView", size=size)
+        for view in (large, ours):
+            view.UseFXAA = 0
+            view.OrientationAxesVisibility = 0
+        ours.AntiAliasing = 1
+        fine = self.save(large, "fine")
+        picture = self.save(ours, "supersampled")
+        mean = (fine[::2, ::2] + fine[1::2, ::2] + fine[::2, 1::2] + fine[1::2, 1::2]) / 4
+        # The background is mixed in after the mean was rounded.
+        self.assertLessEqual(float(abs(picture - mean).max()), 1.5)
+        self.assertGreater(int((picture != fine[::2, ::2]).any(axis=2).sum()), 500)
+
+    def test_animations_have_the_frames_of_the_stock_view(self):
+        frames = {}
+        for kind in ("RenderView", "MetabufferRenderView"):
+            view = self.make_view(kind)
+            scene = simple.GetAnimationScene()
+            scene.PlayMode = "Sequence"
+            scene.NumberOfFrames = 3
+            # An object that moves.
+            display = simple.GetRepresentation(self.surface, view)
+            track = simple.GetAnimationTrack("Position", index=0, proxy=display)
+            first, last = simple.CompositeKeyFrame(), simple.CompositeKeyFrame()
+            first.KeyTime, first.KeyValues = 0.0, [0.0]
+            last.KeyTime, last.KeyValues = 1.0, [6.0]
+            track.KeyFrames = [first, last]
+            simple.SaveAnimation(
+                testing.output(kind + ".png"), view, FrameWindow=[0, 2], ImageResolution=SIZE
+            )
+            simple.Delete(track)
+            paths = sorted(glob.glob(testing.output(kind + ".*.png")))
+            frames[kind] = [read_picture(path) for path in paths]
+        self.assertEqual(len(frames["RenderView"]), 3)
+        for ours, stock in zip(frames["MetabufferRenderView"], frames["RenderView"]):
+            self.check_same(ours, stock)
+        self.assertGreater(int((stock != frames["RenderView"][0]).any(axis=2).sum()), 500)
 
     def test_viewports_are_outlined_in_colors_of_their_own(self):
         self.require_several_ranks()
