@@ -27,6 +27,7 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
 
   // Progress is told from the caller's thread alone, at most a hundred times.
   const std::size_t step = std::max<std::size_t>(1, count / 100);
+  double share = 0;
   auto work = [&](int thread)
   {
     std::size_t told = 0;
@@ -38,7 +39,8 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
         if (thread == 0 && progress && index >= told)
         {
           told = index + step;
-          if (!progress(static_cast<double>(index + 1) / static_cast<double>(count)))
+          share = static_cast<double>(index + 1) / static_cast<double>(count);
+          if (!progress(share))
           {
             stopped = true;
           }
@@ -68,6 +70,11 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
   if (failure)
   {
     std::rethrow_exception(failure);
+  }
+  if (!stopped && progress && count > 0 && share < 1)
+  {
+    // The others may have left nothing to the caller's thread: then it has not asked yet.
+    return progress(1);
   }
   return !stopped;
 }

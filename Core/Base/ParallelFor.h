@@ -16,8 +16,8 @@ int ChooseThreadCount(int processesOnNode);
 /**
  * Calls body(index, thread) once for every index in [0, count), on `threads` threads (the caller's
  * among them; thread is 0 .. threads - 1), each index as soon as a thread is free. Returns false if
- * `progress` asked to stop; then some indices were left out. An exception thrown by a body is
- * thrown again from here after all threads have stopped.
+ * `progress`, which is told 1 at the end, asked to stop; then some indices may be left out. An
+ * exception thrown by a body is thrown again from here after all threads have stopped.
  */
 bool ParallelFor(std::size_t count, int threads,
   const std::function<void(std::size_t index, int thread)>& body, const Progress& progress = {});

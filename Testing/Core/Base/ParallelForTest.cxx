@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Base/ParallelFor.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+using namespace isosurface;
+
+TEST(ParallelFor, VisitsEachIndexOnceOnAnyNumberOfThreads)
+{
+  for (const int threads : { 1, 2, 7 })
+  {
+    std::vector<std::atomic<int>> visits(1000);
+    EXPECT_TRUE(ParallelFor(visits.size(), threads,
+      [&](std::size_t index, int thread)
+      {
+        EXPECT_LT(thread, threads);
+        ++visits[index];
+      }));
+    for (const auto& visit : visits)
+    {
+      EXPECT_EQ(visit, 1);
+    }
+  }
+}
+
+// The caller's thread holds its first index until the other one has done all that are left.
+TEST(ParallelFor, TellsTheEndAndAsksToStopWhenTheOtherThreadsDidTheWork)
+{
+  for (const bool goOn : { true, false })
+  {
+    std::atomic<int> done{ 0 };
+    std::vector<double> shares;
+    const bool finished = ParallelFor(
+      100, 2,
+      [&](std::size_t, int thread)
+      {
+        while (thread == 0 && done < 99)
+        {
+          std::this_thread::yield();
+        }
+        ++done;
+      },
+      [&](double share)
+      {
+        shares.push_back(share);
+        return goOn || share < 1;
+      });
+    EXPECT_EQ(done, 100);
+    EXPECT_EQ(finished, goOn);
+    ASSERT_FALSE(shares.empty());
+    EXPECT_EQ(shares.back(), 1);
+  }
+}
+
+TEST(ParallelFor, StopsWhenAskedTo)
+{
+  std::atomic<int> done{ 0 };
+  EXPECT_FALSE(ParallelFor(
+    1000, 1, [&](std::size_t, int) { ++done; }, [](double) { return false; }));
+  EXPECT_EQ(done, 1);
+  EXPECT_TRUE(ParallelFor(
+    0, 2, [&](std::size_t, int) { ++done; }, [](double) { return false; }));
+  EXPECT_EQ(done, 1);
+}
+
+TEST(ParallelFor, ThrowsWhatABodyThrows)
+{
+  EXPECT_THROW(ParallelFor(100, 3,
+                 [](std::size_t index, int)
+                 {
+                   if (index == 50)
+                   {
+                     throw std::runtime_error("no");
+                   }
+                 }),
+    std::runtime_error);
+}
