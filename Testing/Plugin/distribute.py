@@ -9,19 +9,6 @@ from paraview import simple
 import plugin_testing as testing
 
 
-def read_picture(path):
-    """Rows of tuples of a PNG file."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOImage import vtkPNGReader
-
-    reader = vtkPNGReader()
-    reader.SetFileName(path)
-    reader.Update()
-    image = reader.GetOutput()
-    columns, rows, _ = image.GetDimensions()
-    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1).astype(int)
-
-
 class DistributeIsosurface(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -122,7 +109,7 @@ class DistributeIsosurface(unittest.TestCase):
                 simple.ResetCamera(view)
             path = testing.output(name + ".png")
             simple.SaveScreenshot(path, view, ImageResolution=view.ViewSize)
-            pictures[name] = read_picture(path)
+            pictures[name] = testing.read_picture(path)
             simple.Hide(surface, view)
         simple.Delete(view)
         contour = pictures["contour"]

@@ -23,19 +23,6 @@ CAMERAS = {
 }
 
 
-def read_picture(path):
-    """Rows of tuples of a PNG file. (The script runs on the first rank alone.)"""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOImage import vtkPNGReader
-
-    reader = vtkPNGReader()
-    reader.SetFileName(path)
-    reader.Update()
-    image = reader.GetOutput()
-    columns, rows, _ = image.GetDimensions()
-    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1).astype(int)
-
-
 class MetabufferView(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -72,7 +59,7 @@ class MetabufferView(unittest.TestCase):
     def save(self, view, name, size=None):
         path = testing.output(name + ".png")
         simple.SaveScreenshot(path, view, ImageResolution=size or view.ViewSize)
-        return read_picture(path)
+        return testing.read_picture(path)
 
     def check_same(self, picture, expected):
         self.assertEqual(picture.shape, expected.shape)
@@ -240,7 +227,7 @@ class MetabufferView(unittest.TestCase):
             )
             simple.Delete(track)
             paths = sorted(glob.glob(testing.output(kind + ".*.png")))
-            frames[kind] = [read_picture(path) for path in paths]
+            frames[kind] = [testing.read_picture(path) for path in paths]
         self.assertEqual(len(frames["RenderView"]), 3)
         for ours, stock in zip(frames["MetabufferRenderView"], frames["RenderView"]):
             self.check_same(ours, stock)

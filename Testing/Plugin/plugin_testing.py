@@ -61,6 +61,19 @@ def load_plugin():
         simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
 
 
+def read_picture(path):
+    """Rows of tuples of a PNG file. (In pvbatch scripts run on the first rank alone.)"""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOImage import vtkPNGReader
+
+    reader = vtkPNGReader()
+    reader.SetFileName(path)
+    reader.Update()
+    image = reader.GetOutput()
+    columns, rows, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1).astype(int)
+
+
 def make_mpi_environment():
     """For programs that are started under mpiexec: pvpython, itself a rank, leaves Open MPI's
     variables in the environment, with which a second mpiexec does nothing."""
