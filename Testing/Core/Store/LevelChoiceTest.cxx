@@ -121,8 +121,8 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
     }
     const LevelChoice choice = this->Choose(0, { budget, 0 }, rate);
     EXPECT_EQ(choice.Level, expected) << budget << " seconds";
-    EXPECT_NEAR(choice.Seconds, seconds[static_cast<std::size_t>(choice.Level)],
-      0.1 * choice.Seconds + 1e-3);
+    EXPECT_NEAR(
+      choice.Seconds, seconds[static_cast<std::size_t>(choice.Level)], 0.1 * choice.Seconds + 1e-3);
     EXPECT_EQ(choice.Limit, budget > seconds[0] ? LevelLimit::None : LevelLimit::Seconds);
   }
 }
