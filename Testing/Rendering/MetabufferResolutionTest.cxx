@@ -178,6 +178,17 @@ void SetDivisors(RankWindow& window, const std::vector<int>& divisors)
   }
 }
 
+/// One for each rank, from the beginning again where there are more ranks.
+void DealToRanks(std::vector<int>& divisors)
+{
+  const std::size_t given = divisors.size();
+  divisors.resize(static_cast<std::size_t>(GetNumberOfRanks()));
+  for (std::size_t rank = given; rank < divisors.size(); ++rank)
+  {
+    divisors[rank] = divisors[rank - given];
+  }
+}
+
 } // namespace
 
 TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
@@ -197,7 +208,7 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
       ours.SetCamera(camera);
       for (std::vector<int> divisors : choices)
       {
-        divisors.resize(static_cast<std::size_t>(GetNumberOfRanks()));
+        DealToRanks(divisors);
         SetDivisors(ours, divisors);
         const Picture expected = MergeSmallPictures(scene, camera, { divisors });
         for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
@@ -229,7 +240,7 @@ TEST(MetabufferResolution, SmoothAndSupersampledPicturesAreMergedOneByOne)
       ours.SetCamera(camera);
       for (std::vector<int> divisors : { std::vector<int>{ 1, 1, 1, 1 }, { 4, 1, 3, 2 } })
       {
-        divisors.resize(static_cast<std::size_t>(GetNumberOfRanks()));
+        DealToRanks(divisors);
         SetDivisors(ours, divisors);
         for (const int way : { 1, 2, 3 })
         {
@@ -305,7 +316,7 @@ TEST(MetabufferResolution, HalfTheResolutionDrawsAQuarterOfThePixels)
   ours.Render();
   const auto half = static_cast<double>(ours.GetPass()->GetFrameCost().DrawnPixels);
   EXPECT_GT(half, 0.25 * full);
-  EXPECT_LT(half, 0.25 * full * 1.3);
+  EXPECT_LT(half, 0.25 * full * 1.3 + 32); // the edges of a viewport of a few pixels
   int viewport[5];
   ours.GetPass()->GetViewport(GetNumberOfRanks() - 1, viewport);
   EXPECT_EQ(viewport[4], 2);
