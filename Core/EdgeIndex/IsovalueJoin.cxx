@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -23,6 +24,23 @@ void AppendBuffer(Buffer<T>& to, const Buffer<T>& from)
   std::copy(to.begin(), to.end(), joined.begin());
   std::copy(from.begin(), from.end(), joined.begin() + to.GetSize());
   to = std::move(joined);
+}
+
+// Blocks share points, which are the one's or the other's: if they tell different signs of the
+// vertices between them, cells may name points that nobody made.
+bool HasAllPoints(const Surface& surface)
+{
+  const auto areBelow = [points = surface.NumberOfPoints](const auto& values)
+  {
+    std::size_t strange = 0; // counted, as the compiler makes vectors of that
+    for (const auto value : values)
+    {
+      strange += static_cast<std::uint64_t>(value) >= points ? 1 : 0;
+    }
+    return strange == 0;
+  };
+  return surface.Connectivity.Is64Bit ? areBelow(surface.Connectivity.Values64)
+                                      : areBelow(surface.Connectivity.Values32);
 }
 
 // The entries of both, those of `from` raised; the first `skip` entries of `to` from the end on go.
@@ -163,6 +181,11 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
       return status.GetCode() == StatusCode::InvalidArgument
         ? Status(StatusCode::Corrupt, "The edge-index stream is corrupt: " + status.GetMessage())
         : status;
+    }
+    if (!HasAllPoints(*next))
+    {
+      return Status(
+        StatusCode::Corrupt, "The edge-index stream is corrupt: its blocks do not fit together.");
     }
     TakeNormals(header, request.Normals, *next);
     AppendSurface(surface, std::move(*next),
