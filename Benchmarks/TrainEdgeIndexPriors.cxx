@@ -138,8 +138,8 @@ int main(int argc, char** argv)
   }
   surfaces.push_back(MakeGenerated(192, 34000.5));
   surfaces.push_back(MakeGenerated(160, 40000.5));
-  BlockModel mixed(true);
-  BlockModel fast(false);
+  BlockModel mixed(BlockScheme::Mixed);
+  BlockModel fast(BlockScheme::Fast);
   Learn(surfaces, EdgeIndexProfile::Default, mixed);
   Learn(surfaces, EdgeIndexProfile::Fast, fast);
   std::ofstream file(output);

@@ -3,6 +3,7 @@
 #define isosurface_BlockCoder_h
 
 #include "EdgeIndex/AttributeCoder.h"
+#include "EdgeIndex/BlockScheme.h"
 #include "EdgeIndex/CrossingCoder.h"
 #include "EdgeIndex/SignCoder.h"
 #include "EdgeIndex/ValueCoder.h"
@@ -41,30 +42,30 @@ public:
 /// What is known about a block.
 struct BlockModel
 {
-  explicit BlockModel(bool mixed)
-    : IsMixed(mixed)
-    , Signs(mixed)
-    , Values(mixed)
-    , Crossings(mixed)
+  explicit BlockModel(BlockScheme scheme)
+    : Scheme(scheme)
+    , Signs(IsMixed(scheme))
+    , Values(IsMixed(scheme))
+    , Crossings(IsMixed(scheme))
   {
   }
   /// Makes it as it is at the begin of each block: what signs need, and values or crossings.
   void Reset(bool forValues);
 
-  bool IsMixed;
+  BlockScheme Scheme;
   SignModel Signs;
   ValueModel Values;
   CrossingModel Crossings;
 };
 
 /// A model as it is at the begin of each block; made once.
-const BlockModel& GetFreshModel(bool mixed);
+const BlockModel& GetFreshModel(BlockScheme scheme);
 
 /**
  * The code of a block: for each slice first the signs of the next one, since they tell which
  * vertices are relevant and which edges crossed, then the slice's values or crossings.
  */
-template <typename Coder, bool Mixed, bool Fitted>
+template <typename Coder, BlockScheme Scheme>
 class BlockCoder
 {
 public:
@@ -89,7 +90,7 @@ public:
   /// With values: see ValueCoder.
   void CodeValues(const ValueDomain& domain, BlockValues& values)
   {
-    const auto coder = std::make_unique<ValueCoder<Coder, Mixed, Fitted>>(
+    const auto coder = std::make_unique<ValueCoder<Coder, IsMixed(Scheme), IsFitted(Scheme)>>(
       this->Output, this->Model.Values, domain, this->Size[0], this->Size[1]);
     std::int64_t codes[MaximumCodedVertices];
     this->VisitSlices(values,
@@ -115,7 +116,7 @@ public:
   /// With crossings: see CrossingCoder.
   void CodeCrossings(std::uint32_t bins, bool missing, BlockValues& values)
   {
-    const auto coder = std::make_unique<CrossingCoder<Coder, Mixed>>(
+    const auto coder = std::make_unique<CrossingCoder<Coder, IsMixed(Scheme)>>(
       this->Output, this->Model.Crossings, bins, missing, this->Size[0], this->Size[1]);
     std::uint32_t row[MaximumCodedVertices];
     this->VisitSlices(values,
@@ -179,7 +180,7 @@ private:
   Coder& Output;
   BlockModel& Model;
   int Size[3];
-  SignCoder<Coder, Mixed> Signs;
+  SignCoder<Coder, IsMixed(Scheme)> Signs;
   std::vector<std::unique_ptr<AttributeCoder<Coder>>> Attributes;
 };
 

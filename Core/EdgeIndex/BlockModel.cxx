@@ -19,7 +19,7 @@ SignModel::SignModel(bool mixed)
 
 void BlockModel::Reset(bool forValues)
 {
-  const BlockModel& fresh = GetFreshModel(this->IsMixed);
+  const BlockModel& fresh = GetFreshModel(this->Scheme);
   this->Signs = fresh.Signs;
   if (forValues)
   {
@@ -31,10 +31,12 @@ void BlockModel::Reset(bool forValues)
   }
 }
 
-const BlockModel& GetFreshModel(bool mixed)
+const BlockModel& GetFreshModel(BlockScheme scheme)
 {
-  static const BlockModel models[2] = { BlockModel(false), BlockModel(true) };
-  return models[mixed ? 1 : 0];
+  static const BlockModel models[] = { BlockModel(BlockScheme::Fast),
+    BlockModel(BlockScheme::Mixed), BlockModel(BlockScheme::Fitted),
+    BlockModel(BlockScheme::Compact) };
+  return models[static_cast<std::size_t>(scheme)];
 }
 
 } // namespace isosurface
