@@ -5,12 +5,14 @@
 #include "EdgeIndex/AttributeCoder.h"
 #include "EdgeIndex/BlockScheme.h"
 #include "EdgeIndex/CrossingCoder.h"
+#include "EdgeIndex/NetworkSigns.h"
 #include "EdgeIndex/SignCoder.h"
 #include "EdgeIndex/ValueCoder.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace isosurface
@@ -44,7 +46,8 @@ struct BlockModel
 {
   explicit BlockModel(BlockScheme scheme)
     : Scheme(scheme)
-    , Signs(IsMixed(scheme))
+    , Signs(scheme != BlockScheme::Compact && IsMixed(scheme))
+    , NetSigns(scheme == BlockScheme::Compact)
     , Values(IsMixed(scheme))
     , Crossings(IsMixed(scheme))
   {
@@ -53,7 +56,8 @@ struct BlockModel
   void Reset(bool forValues);
 
   BlockScheme Scheme;
-  SignModel Signs;
+  SignModel Signs;           ///< but of the scheme Compact
+  NetworkSignModel NetSigns; ///< of the scheme Compact
   ValueModel Values;
   CrossingModel Crossings;
 };
@@ -73,7 +77,7 @@ public:
     : Output(coder)
     , Model(model)
     , Size{ size[0], size[1], size[2] }
-    , Signs(coder, model.Signs, size[0], size[1])
+    , Signs(coder, GetSigns(model), size[0], size[1])
   {
   }
 
@@ -147,6 +151,21 @@ public:
   }
 
 private:
+  using VertexSigns = std::conditional_t<Scheme == BlockScheme::Compact, NetworkSigns<Coder>,
+    ContextSigns<Coder, IsMixed(Scheme)>>;
+
+  static auto& GetSigns(BlockModel& model)
+  {
+    if constexpr (Scheme == BlockScheme::Compact)
+    {
+      return model.NetSigns;
+    }
+    else
+    {
+      return model.Signs;
+    }
+  }
+
   template <typename Functor>
   void VisitSlices(BlockValues& values, const Functor& codeSlice)
   {
@@ -180,7 +199,7 @@ private:
   Coder& Output;
   BlockModel& Model;
   int Size[3];
-  SignCoder<Coder, IsMixed(Scheme)> Signs;
+  SignCoder<Coder, VertexSigns> Signs;
   std::vector<std::unique_ptr<AttributeCoder<Coder>>> Attributes;
 };
 
