@@ -152,6 +152,14 @@ TEST(EdgeIndexGolden, LosslessFloats)
     "edge-index-v1/lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
 }
 
+TEST(EdgeIndexGolden, CompactOnes)
+{
+  CheckGolden<std::int16_t>(
+    "edge-index-v3/compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+  CheckGolden<float>(
+    "edge-index-v3/compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+}
+
 TEST(EdgeIndexGolden, CompactOnesOfVersion2AreRead)
 {
   CheckDecoded<std::int16_t>(
