@@ -4,6 +4,7 @@
 
 #include "EdgeIndex/AdaptiveModels.h"
 #include "EdgeIndex/SignCoder.h"
+#include "EdgeIndex/SignNeighborhood.h"
 #include "EdgeIndex/SignNetwork.h"
 
 #include <algorithm>
@@ -94,33 +95,16 @@ public:
     : Output(coder)
     , Known(model)
     , Network(GetSignNetwork())
+    , Sums(Network.MakeRow(Around.GetRow()))
   {
   }
 
   void BeginRow(const SignRowPlace& place)
   {
-    const int y = place.Y;
-    const SignNetworkRow row = { !place.Below, place.Below && !place.Below2, y == 0, y == 1,
-      y + 1 == place.SizeY };
-    if (row != this->Row || !this->HasSums)
+    if (this->Around.BeginRow(place))
     {
-      this->Row = row;
-      this->Sums = this->Network.MakeRow(row);
-      this->HasSums = true;
+      this->Sums = this->Network.MakeRow(this->Around.GetRow());
     }
-    this->Last = place.SizeX - 1;
-    this->Far.YYY = place.Slice.At(std::max(y - 3, -2));
-    if (!place.Below)
-    {
-      const SignRow& before = place.Slice.At(y - 1);
-      this->Far.ZMMM = this->Far.ZPPP = this->Far.ZZMM = this->Far.ZZPP = before;
-      return;
-    }
-    const SignSlice& second = place.Below2 ? *place.Below2 : *place.Below;
-    this->Far.ZMMM = place.Below->At(std::max(y - 3, -2));
-    this->Far.ZPPP = place.Below->At(std::min(y + 3, place.SizeY + 1));
-    this->Far.ZZMM = second.At(y - 2);
-    this->Far.ZZPP = second.At(std::min(y + 2, place.SizeY + 1));
   }
 
   /// Codes vertex x; own: the signs at x - 2 and x - 1, lowest first; `row` is decoded up to x.
@@ -128,7 +112,7 @@ public:
     bool bit, std::uint32_t own, const SignRow& row, const SignRowsAround& rows, int x)
   {
     const bool flipped = own >> 1 != 0;
-    const SignNetworkInputs seen = this->FindInputs(flipped, row, rows, x);
+    const SignNetworkInputs seen = this->Around.Find(flipped, row, rows, x);
     alignas(32) WideMixer::Values inputs{};
     std::array<std::int16_t, SignNetwork::Depth> hidden;
     const int predicted = this->Network.Predict(this->Sums, seen, hidden);
@@ -168,11 +152,6 @@ public:
 private:
   static constexpr std::uint32_t MostCount = 200;
 
-  struct FarRows
-  {
-    SignRow YYY, ZMMM, ZPPP, ZZMM, ZZPP;
-  };
-
   // Where the probabilities and weights for a vertex are.
   struct Places
   {
@@ -180,36 +159,6 @@ private:
     std::uint32_t Core; ///< five of the neighbours
     std::uint32_t Step; ///< what the network predicts, in 32 steps
   };
-
-  SignNetworkInputs FindInputs(
-    bool flipped, const SignRow& row, const SignRowsAround& rows, int x) const
-  {
-    const std::uint32_t flip = flipped ? 127 : 0;
-    const auto seven = [&](const SignRow& at) { return at.GetWideWindow(x) ^ flip; };
-    const auto five = [&](const SignRow& at) { return (at.GetWindow(x) ^ flip) & 31; };
-    const auto three = [&](const SignRow& at) { return (at.GetWindow(x) ^ flip) >> 1 & 7; };
-    using Inputs = SignNetworkInputs;
-    Inputs inputs;
-    const auto set = [&inputs](Inputs::Pattern pattern, std::uint32_t bits)
-    { inputs.Patterns[pattern] = static_cast<std::uint8_t>(bits); };
-    set(Inputs::Own,
-      ((row.GetWideWindow(x - 1) ^ flip) & 7) | (flipped ? 8 : 0) | (x == 0 ? 16 : 0) |
-        (x == 1 ? 32 : 0) | (x == this->Last ? 64 : 0));
-    set(Inputs::Y, seven(rows.Y));
-    set(Inputs::YY, seven(rows.YY));
-    set(Inputs::Z, seven(rows.Z));
-    set(Inputs::ZM, seven(rows.ZM));
-    set(Inputs::ZP, seven(rows.ZP));
-    set(Inputs::ZZ, seven(rows.ZZ));
-    set(Inputs::YYY, five(this->Far.YYY));
-    set(Inputs::ZMM, five(rows.ZMM));
-    set(Inputs::ZPP, five(rows.ZPP));
-    set(Inputs::ZZM, five(rows.ZZM));
-    set(Inputs::ZZP, five(rows.ZZP));
-    set(Inputs::ZMMMPPP, three(this->Far.ZMMM) | three(this->Far.ZPPP) << 3);
-    set(Inputs::ZZMMPP, three(this->Far.ZZMM) | three(this->Far.ZZPP) << 3);
-    return inputs;
-  }
 
   static std::uint32_t Hash(std::uint32_t low, std::uint32_t high)
   {
@@ -267,11 +216,8 @@ private:
   Coder& Output;
   NetworkSignModel& Known;
   const SignNetwork& Network;
-  SignNetworkRow Row{};
-  bool HasSums = false;
-  alignas(32) SignNetwork::Sums Sums{};
-  int Last = 0;
-  FarRows Far;
+  SignNeighborhood Around;
+  alignas(32) SignNetwork::Sums Sums; ///< of the row
 };
 
 } // namespace isosurface
