@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes arrays of the points: edge-index.md, section "Attributes"."""
-import math
 import struct
 
-from edge_index_coding import PRIORS, AdaptiveBits, FastMagnitudes, clamp, decode_signed, divide, measure
+from edge_index_coding import (PRIORS, AdaptiveBits, FastMagnitudes, clamp, decode_signed, divide,
+                               measure)
 from edge_index_crossings import list_neighbours
-from edge_index_values import Measures, code_to_float, round_to_float32, wrap
-
-GREATEST_FLOAT32 = (2 - 2**-23) * 2.0**127
+from edge_index_values import GREATEST_FLOAT32, Measures, code_to_float, round_to_float32, wrap
 
 
 class Component:
@@ -39,7 +37,8 @@ class Attribute:
 
     def _decode(self, decoder, component, x, y, z, axis):
         bits, error = self.description.bits, self.description.maximum_error
-        predicted = self._predict(component, x, y, z, axis)
+        modulus = 32 if bits == 32 and error == 0 else 64
+        predicted = wrap(self._predict(component, x, y, z, axis), modulus)
         if component.exceptions and component.exceptions.decode(decoder, 0):
             component.codes[x, y, z, axis] = predicted
             raw = bytes(decoder.uniform(8) for _ in range(bits // 8))
@@ -47,7 +46,6 @@ class Attribute:
         expected = component.measures[axis].expect(x, y)
         magnitude = component.magnitudes.decode(decoder, expected, (axis,))
         component.measures[axis].add(x, y, measure(magnitude))
-        modulus = 32 if bits == 32 and error == 0 else 64
         code = wrap(predicted + decode_signed(magnitude), modulus)
         component.codes[x, y, z, axis] = component.last = code
         if error == 0:
@@ -65,5 +63,5 @@ class Attribute:
                     first = code
                 weight = 4096 // q**2
                 weights += weight
-                total += weight * clamp(code - first, -2**44, 2**44)
+                total += weight * clamp(wrap(code - first, 64), -2**44, 2**44)
         return component.last if first is None else first + divide(total, weights)

@@ -7,16 +7,16 @@ from edge_index_coding import (PRIORS, clamp, decode_on_both_sides, decode_signe
 from read_blocked_volume import TYPES, make_threshold_key
 
 HEIGHT_LIMIT = 4095
+GREATEST_FLOAT32 = (2 - 2**-23) * 2.0**127
 
 
 def find_threshold(isovalue, type_name):
-    """The least value of the type that is >= isovalue; there is one in every file."""
+    """The least value of the type that is >= isovalue; there is one where there are blocks."""
     key = make_threshold_key(isovalue, type_name)
     _, signed, bits = TYPES[type_name]
     if signed is not None:
         return key - 1 - (1 << (bits - 1) if signed else 0)
-    sign = 1 << (bits - 1)
-    return code_to_float(key - sign, bits) if key >= sign else code_to_float(key - sign, bits)
+    return code_to_float(key - (1 << (bits - 1)), bits)
 
 
 def code_to_float(code, bits):
@@ -99,7 +99,8 @@ class QuantizedOffsets(Offsets):
         self.set_bounds(min(-1, -self.first), max(0, steps - self.first), scale)
 
     def find_level(self, q):
-        return round_to_float32(self.minimum + q * self.step)
+        value = self.minimum + q * self.step
+        return round_to_float32(clamp(value, -GREATEST_FLOAT32, GREATEST_FLOAT32))
 
     def find_value(self, code):
         value = self.find_level(self.first + code)
@@ -115,8 +116,8 @@ class Bits:
     def __init__(self, type_name, isovalue, scale):
         self.type_name = type_name
         _, self.signed, self.bits = TYPES[type_name]
-        mantissa, exponent = math.frexp(isovalue)
-        self.fraction = min(8, 60 - exponent - scale) if mantissa != 0 else 8
+        exponent = 1025 if math.isinf(isovalue) else math.frexp(isovalue)[1]
+        self.fraction = min(8, 60 - exponent - scale) if isovalue != 0 else 8
         self.scale = scale
         self.isovalue = self.find_fixed(isovalue)
 
@@ -151,9 +152,10 @@ class Bits:
         shift = self.scale + self.fraction
         numerator, denominator = (fixed, 1 << shift) if shift >= 0 else (fixed << -shift, 1)
         if self.signed is None:
-            return float_to_code(round_towards_zero(numerator, denominator, self.bits), self.bits), 0, 2**64 - 1
-        least = -2**63 if self.signed else 0
-        return clamp(divide(numerator, denominator), least, least + 2**64 - 1), 0, 2**64 - 1
+            value = round_towards_zero(numerator, denominator, self.bits)
+            return float_to_code(value, self.bits), 0, 2**64 - 1
+        least, greatest = (1 - 2**63, 2**63 - 1) if self.signed else (0, 2**64 - 1)
+        return clamp(divide(numerator, denominator), least, greatest), 0, 2**64 - 1
 
     def decode(self, magnitude, code, quarter, inside):
         return wrap(code + decode_signed(magnitude), self.bits)
@@ -360,11 +362,12 @@ class Values:
         self.visits_more = visits_more
         self.mean = 700 * 64  # M of the text
         self.measures = Measures(24)
-        self.heights = [None, None, None]
+        self.heights = []  # of this slice, the one before and the one before that
 
     def decode_slice(self, decoder, block, z):
         """The values of the relevant vertices of slice z, by (x, y)."""
-        before = self.heights[:2] if z > 0 else [Zeros, Zeros]
+        zeros = [[0] * (block.nx + 4)] * (block.ny + 4)
+        before = self.heights[:2] if z > 0 else [zeros, zeros]
         self.heights = [Heights(block, z, find_begin(self.mean)).rows] + before
         self.prediction.begin_slice(self.mean)
         visited = self._find_visited(block, z)
@@ -432,16 +435,3 @@ class Values:
                 (last[0] | last[1] << 2 | last[2] << 4),
                 (steepness | begins.bit_count() << 4),
                 (slopes[0] | slopes[1] << 2 | slopes[2] << 4)]
-
-
-class _ZeroRow:
-    def __getitem__(self, x):
-        return 0
-
-
-class _ZeroRows:
-    def __getitem__(self, y):
-        return _ZeroRow()
-
-
-Zeros = _ZeroRows()  # the slices before the first

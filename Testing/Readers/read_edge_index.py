@@ -10,6 +10,8 @@ usage: read_edge_index.py FILE.eix ...  (decodes all of each, and tells what is 
 """
 import itertools
 import math
+import os
+import re
 import struct
 import sys
 
@@ -176,12 +178,31 @@ class Record:
 class Block:
     """Vertices and edges of a block, by x, y, z counted from its first vertex.
 
-    Slices of signs come one after the other; signs repeat beyond the block.
+    Slices of signs come one after the other. Beyond the block signs repeat, but for rows before the
+    first, which repeat the first row of the slice before.
     """
 
     def __init__(self, cells):
         self.nx, self.ny, self.nz = (n + 1 for n in cells)
         self.slices = []
+        # Crossed edges that begin and end at a vertex: 1 along x, 2 along y, 4 along z.
+        self.begins, self.ends = {}, {}
+
+    def add_slice(self, rows):
+        z = len(self.slices)
+        self.slices.append(rows)
+        for y, row in enumerate(rows):
+            for x, sign in enumerate(row):
+                if x > 0 and row[x - 1] != sign:
+                    self._add_edge((x - 1, y, z), (x, y, z), 1)
+                if y > 0 and rows[y - 1][x] != sign:
+                    self._add_edge((x, y - 1, z), (x, y, z), 2)
+                if z > 0 and self.slices[z - 1][y][x] != sign:
+                    self._add_edge((x, y, z - 1), (x, y, z), 4)
+
+    def _add_edge(self, first, last, bit):
+        self.begins[first] = self.begins.get(first, 0) | bit
+        self.ends[last] = self.ends.get(last, 0) | bit
 
     def is_inside(self, x, y, z):
         z = min(max(z, 0), self.nz - 1)
@@ -189,34 +210,24 @@ class Block:
             if z == 0:
                 return 0
             y, z = 0, z - 1
-        rows = self.slices[z]
-        return rows[min(max(y, 0), self.ny - 1)][min(max(x, 0), self.nx - 1)]
+        return self.slices[z][min(y, self.ny - 1)][min(max(x, 0), self.nx - 1)]
+
+    def begin_bits(self, x, y, z):
+        return self.begins.get((x, y, z), 0)
+
+    def end_bits(self, x, y, z):
+        return self.ends.get((x, y, z), 0)
 
     def is_crossed(self, x, y, z, axis):
         """Whether the edge that begins at a vertex is there and crossed."""
-        if not (0 <= x < self.nx and 0 <= y < self.ny and 0 <= z < self.nz):
-            return False
-        return self.is_inside(x, y, z) != self.is_inside(
-            x + (axis == 0), y + (axis == 1), z + (axis == 2))
-
-    def begin_bits(self, x, y, z):
-        """The crossed edges that begin at a vertex: 1 along x, 2 along y, 4 along z."""
-        return sum(self.is_crossed(x, y, z, axis) << axis for axis in range(3))
-
-    def end_bits(self, x, y, z):
-        return (self.is_crossed(x - 1, y, z, 0) | self.is_crossed(x, y - 1, z, 1) << 1
-                | self.is_crossed(x, y, z - 1, 2) << 2)
+        return self.begin_bits(x, y, z) >> axis & 1
 
     def is_relevant(self, x, y, z):
-        return bool(self.begin_bits(x, y, z) or self.end_bits(x, y, z))
+        return (x, y, z) in self.begins or (x, y, z) in self.ends
 
     def is_relevant_within(self, x, y, z):
-        """Whether an edge within slice z, if there is one, is crossed at the vertex."""
-        return z < self.nz and bool((self.begin_bits(x, y, z) | self.end_bits(x, y, z)) & 3
-                                    if len(self.slices) > z + 1 or z + 1 == self.nz else
-                                    self.is_crossed(x, y, z, 0) or self.is_crossed(x, y, z, 1)
-                                    or self.is_crossed(x - 1, y, z, 0)
-                                    or self.is_crossed(x, y - 1, z, 1))
+        """Whether a crossed edge within slice z ends at the vertex."""
+        return (self.begin_bits(x, y, z) | self.end_bits(x, y, z)) & 3
 
     def list_edges(self, z):
         """Crossed edges that begin in slice z, as (x, y, axis), in the order of the code."""
@@ -265,7 +276,7 @@ class DecodedBlock:
         values = {}
         for z in range(block.nz):
             while len(block.slices) < min(z + 2, block.nz):
-                block.slices.append(signs.decode_slice(decoder, block.slices, block.nx, block.ny))
+                block.add_slice(signs.decode_slice(decoder, block.slices, block.nx, block.ny))
             found = geometry.decode_slice(decoder, block, z)
             if record.codes_crossings:
                 self._add_crossings(found, z)
@@ -378,8 +389,6 @@ class EdgeIndexFile:
 
 def read_cases():
     """VTK's 256 cases of marching cubes, as triples of a cell's edges."""
-    import os
-    import re
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)),
                         "../../Core/Contour/MarchingCubesCases.cxx")
     words = [int(word, 16) for word in re.findall("0x[0-9a-f]{16}", read_file(path).decode())]
