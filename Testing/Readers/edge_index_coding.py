@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Range decoder, adaptive probabilities and magnitudes of edge-index files.
+
+A second implementation of edge-index.md, sections "Range coder", "Probabilities" and "Magnitudes".
+The tables of constants are read from the sources that this text names.
+"""
+import os
+import re
+
+from read_interval_tree import check
+
+_SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../Core/EdgeIndex")
+
+
+def clamp(x, a, b):
+    return a if x < a else b if x > b else x
+
+
+def divide(a, b):
+    """a / b, rounded towards zero; b > 0."""
+    return a // b if a >= 0 else -(-a // b)
+
+
+def read_constants(name, begin):
+    """All whole numbers between the braces that follow `begin` in a source of Core/EdgeIndex."""
+    with open(os.path.join(_SOURCES, name), encoding="utf-8") as file:
+        text = file.read()
+    text = text[text.index(begin):]
+    return [int(number) for number in re.findall(r"-?\d+", text[text.index("{"):text.index(";")])]
+
+
+class RangeDecoder:
+    """Keeps (code - low) of the encoder's interval [low, low + range)."""
+
+    def __init__(self, data):
+        self.data = data
+        self.position = 8
+        self.offset = int.from_bytes(data[:8].ljust(8, b"\0"), "big")
+        self.range = 2**64 - 1
+
+    def _narrow(self, begin, width):
+        self.offset -= begin
+        self.range = width
+        if width < 2**32:
+            piece = self.data[self.position:self.position + 4].ljust(4, b"\0")
+            self.offset = (self.offset << 32 | int.from_bytes(piece, "big")) & (2**64 - 1)
+            self.range = width << 32
+            self.position += 4
+
+    def bit(self, probability):
+        """A decision whose probability of 1 is probability / 2^16."""
+        bound = (self.range >> 16) * probability
+        if self.offset < bound:
+            self._narrow(0, bound)
+            return 1
+        self._narrow(bound, self.range - bound)
+        return 0
+
+    def uniform(self, bits):
+        """At most 16 bits, each as likely as the other."""
+        width = self.range >> bits
+        value = min(self.offset // width, (1 << bits) - 1)
+        self._narrow(width * value, width)
+        return value
+
+    def digits(self, count):
+        """Any number of binary digits, highest first."""
+        value = 0
+        while count > 0:
+            taken = min(count, 16)
+            value = value << taken | self.uniform(taken)
+            count -= taken
+        return value
+
+    def symbol(self, shares):
+        """A symbol of 16, whose cumulative shares are 17 numbers from 0 to 2^15."""
+        unit = self.range >> 15
+        symbol = 15
+        while unit * shares[symbol] > self.offset:
+            symbol -= 1
+        self._narrow(unit * shares[symbol], unit * (shares[symbol + 1] - shares[symbol]))
+        return symbol
+
+    def check_end(self):
+        """The data must end where the code does: an encoder ends with 1 to 8 bytes."""
+        check(len(self.data) <= self.position <= len(self.data) + 8, "the code has another length")
+
+
+def _make_squash():
+    curve = read_constants("AdaptiveModels.cxx", "LogisticCurve = ")
+    return [(curve[n // 64] * (64 - n % 64) + curve[n // 64 + 1] * (n % 64)) // 32
+            for n in range(4096)]
+
+
+def _make_stretch():
+    x, table = -2047, []
+    for n in range(4096):
+        while x < 2047 and SQUASH[x + 2048] < 16 * n + 8:
+            x += 1
+        table.append(x)
+    return table
+
+
+SQUASH = _make_squash()    # S(x) at x + 2048
+STRETCH = _make_stretch()  # T(n)
+RATES = [655360 // (10 * k + 16) for k in range(1024)]
+
+
+class AdaptiveBits:
+    """A table of adaptive bits: probabilities of 22 bits, and counts."""
+
+    def __init__(self, size, limit):
+        self.probabilities = [1 << 21] * size
+        self.counts = [0] * size
+        self.limit = limit
+
+    @classmethod
+    def from_priors(cls, priors, count, limit):
+        """Begins with stored stretched probabilities."""
+        bits = cls(0, limit)
+        bits.probabilities = [SQUASH[16 * q + 2048] * 64 for q in priors]
+        bits.counts = [count] * len(priors)
+        return bits
+
+    def learn(self, index, bit):
+        probability, count = self.probabilities[index], self.counts[index]
+        target = 2**22 - 1 if bit else 0
+        self.probabilities[index] = probability + ((target - probability) * RATES[count] >> 16)
+        if count < self.limit:
+            self.counts[index] = count + 1
+
+    def decode(self, decoder, index):
+        bit = decoder.bit(clamp(self.probabilities[index] >> 6, 24, 65512))
+        self.learn(index, bit)
+        return bit
+
+
+class Mixers:
+    """Mixed bits: several adaptive bits vote, with weights that are learnt."""
+
+    def __init__(self, weights):
+        self.weights = [list(weights[n:n + 8]) for n in range(0, len(weights), 8)]
+
+    def decode(self, decoder, mixer, voters):
+        """`voters` are pairs of a table of adaptive bits and an index."""
+        weights = self.weights[mixer]
+        inputs = [STRETCH[table.probabilities[index] >> 10] for table, index in voters]
+        inputs += [0] * (7 - len(inputs)) + [256]
+        vote = sum(x * w for x, w in zip(inputs, weights)) >> 14
+        probability = SQUASH[clamp(vote, -2047, 2047) + 2048]
+        bit = decoder.bit(probability)
+        error = ((65535 if bit else 0) - probability) >> 1
+        self.weights[mixer] = [clamp(w + (x * error + 2**15 >> 16), -2**15, 2**15 - 1)
+                               for x, w in zip(inputs, weights)]
+        for table, index in voters:
+            table.learn(index, bit)
+        return bit
+
+
+class AdaptiveSymbols:
+    """A table of adaptive symbols of 16, by their cumulative shares."""
+
+    def __init__(self, priors):
+        self.shares = [list(priors[n:n + 16]) + [2**15] for n in range(0, len(priors), 16)]
+
+    def decode(self, decoder, index):
+        shares = self.shares[index]
+        symbol = decoder.symbol(shares)
+        for n in range(1, 16):
+            target = 8 * n + (2**15 - 128 if n > symbol else 0)
+            shares[n] += target - shares[n] >> 5
+        return symbol
+
+
+class MagnitudePriors:
+    def __init__(self, numbers):
+        self.by_level = numbers[:512]
+        self.symbols = numbers[512:512 + 4096]
+        self.mixers = numbers[4608:4608 + 512]
+
+
+class Priors:
+    """What all blocks begin with, in the order of EdgeIndexPriors.cxx."""
+
+    def __init__(self):
+        numbers = read_constants("EdgeIndexPriors.cxx", "Priors = ")
+        check(len(numbers) == 8192 + 8 + 1024 + 2 * 5120 + 16, "EdgeIndexPriors.cxx: other tables")
+        self.near = numbers[:8192]
+        self.quiet = numbers[8192:8200]
+        self.sign_mixers = numbers[8200:9224]
+        self.values = MagnitudePriors(numbers[9224:14344])
+        self.crossings = MagnitudePriors(numbers[14344:19464])
+        self.weights = numbers[19464:]
+
+
+PRIORS = Priors()
+
+
+def measure(magnitude):
+    """Eight times the binary logarithm of magnitude + 1, about."""
+    n = min(magnitude, 2**62 - 2) + 1
+    k = n.bit_length() - 1
+    return 8 * k + ((n << 3 >> k) & 7)
+
+
+# The ranges that a symbol tells: where they begin, and how many lower bits follow.
+_RANGE_BEGINS = (0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 28, 44, 76)
+_RANGE_BITS = (0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 2, 2, 3, 4, 5)
+
+
+class Magnitudes:
+    """What both profiles share; they differ in how a symbol is decoded."""
+
+    def __init__(self):
+        self.escape = AdaptiveBits(64, 255)
+
+    def decode(self, decoder, expected, sides):
+        low = max(0, (expected >> 3) - 2)
+        if low == 0:
+            level = min(expected // 2, 11)
+        else:
+            level = 12 + expected % 8 // 2 + 4 * min(low - 1, 4)
+        symbol = self.decode_symbol(decoder, level, sides)
+        if symbol < 15:
+            return (_RANGE_BEGINS[symbol] << low) + decoder.digits(_RANGE_BITS[symbol] + low)
+        digits = 0
+        while digits < 63 and self.escape.decode(decoder, digits):
+            digits += 1
+        rest = (1 << digits | decoder.digits(digits)) - 1 + _RANGE_BEGINS[15]
+        return rest << low | decoder.digits(low)
+
+
+class FastMagnitudes(Magnitudes):
+    """Of the profile fast, of previews, and of attributes."""
+
+    def __init__(self, priors):
+        super().__init__()
+        self.symbols = AdaptiveSymbols(priors.symbols)
+
+    def decode_symbol(self, decoder, level, sides):
+        return self.symbols.decode(decoder, 8 * level + sides[0] % 8)
+
+
+class MixedMagnitudes(Magnitudes):
+    """Of the profiles default and compact."""
+
+    def __init__(self, priors):
+        super().__init__()
+        limit = 250
+        self.by_level = AdaptiveBits.from_priors(priors.by_level, 8, limit)
+        pairs = [priors.by_level[32 * pair:32 * pair + 16] for pair in range(16)]
+        by_side = AdaptiveBits.from_priors(sum((pair * 128 for pair in pairs), []), 2, limit)
+        self.by_side = [by_side]
+        for _ in range(4):
+            copy = AdaptiveBits(0, limit)
+            copy.probabilities, copy.counts = by_side.probabilities[:], by_side.counts[:]
+            self.by_side.append(copy)
+        self.mixers = Mixers(priors.mixers)
+
+    def decode_symbol(self, decoder, level, sides):
+        begins = [(128 * (level // 2) + side) * 16 for side in sides]
+        node = 1
+        while node < 16:
+            voters = [(self.by_level, 16 * level + node)]
+            voters += [(table, begin + node) for table, begin in zip(self.by_side, begins)]
+            node = 2 * node + self.mixers.decode(decoder, 16 * min(level // 5, 3) + node, voters)
+        return node - 16
+
+
+def decode_on_both_sides(magnitude, guess, least, greatest, below_first):
+    """The number whose difference from `guess`, within its bounds, a magnitude tells."""
+    room = min(guess - least, greatest - guess)
+    if magnitude > 2 * room:
+        distance = magnitude - room
+        return guess + (distance if guess - least < greatest - guess else -distance)
+    distance = (magnitude + 1) // 2
+    return guess - distance if (magnitude % 2 == 1) == below_first else guess + distance
+
+
+def decode_signed(magnitude):
+    """The number d that is stored as 2 d, or as -2 d - 1 if negative."""
+    return -(magnitude >> 1) - 1 if magnitude & 1 else magnitude >> 1

@@ -1,0 +1,463 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads edge-index files: a second implementation of edge-index.md.
+
+It was written from Documentation/formats alone, to prove that these texts tell all, and is meant to
+be read beside them; it is slow. It checks every rule that it can see, and needs no more than
+read_interval_tree.py does. The coders are in edge_index_*.py.
+
+usage: read_edge_index.py FILE.eix ...  (decodes all of each, and tells what is there)
+"""
+import itertools
+import math
+import os
+import re
+import struct
+import sys
+
+from edge_index_attributes import Attribute
+from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder
+from edge_index_crossings import Crossings, MeanPrediction, PlanePrediction
+from edge_index_signs import FastSigns, MixedSigns
+from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
+                               round_to_float32)
+from read_interval_tree import FormatError, check, hash64, read_file
+
+TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
+              "float64")
+MODES = ("lossless", "bounded", "quantized", "smallest")
+PROFILES = ("default", "fast", "compact")
+FIRST_VERSIONS = {"default": 1, "fast": 1, "compact": 2}  # that have a profile
+LARGEST_VERSION = 2
+
+
+class Bytes:
+    """Takes one thing after the other from bytes."""
+
+    def __init__(self, data, position=0):
+        self.data, self.position = data, position
+
+    def take(self, size):
+        check(self.position + size <= len(self.data), "cut off")
+        self.position += size
+        return self.data[self.position - size:self.position]
+
+    def unpack(self, layout):
+        return struct.unpack("<" + layout, self.take(struct.calcsize("<" + layout)))
+
+    def number(self):
+        value = 0
+        for group in range(9):
+            byte, = self.take(1)
+            value |= (byte & 127) << 7 * group
+            if byte < 128:
+                return value
+        raise FormatError("a number of more than 9 bytes")
+
+    def signed_number(self):
+        value = self.number()
+        return -(value >> 1) - 1 if value & 1 else value >> 1
+
+    def text(self):
+        size, = self.unpack("I")
+        check(size <= 65535, "a text is too long")
+        return self.take(size).decode()
+
+
+class AttributeDescription:
+    def __init__(self, source):
+        value_type, self.components, self.normals, zero, self.maximum_error = source.unpack("BBBBd")
+        check(value_type in (8, 9) and 1 <= self.components <= 64 and self.normals < 2 and zero == 0
+              and self.maximum_error >= 0, "header: impossible attribute")
+        self.bits = 32 if value_type == 8 else 64
+        self.name = source.text()
+
+
+class Header:
+    def __init__(self, data):
+        check(data[:8] == b"EIXcode\n", "is no edge-index file")
+        source = Bytes(data, 8)
+        self.version, size = source.unpack("II")
+        check(1 <= self.version <= LARGEST_VERSION, f"version {self.version} is unsupported")
+        check(264 <= size <= min(2**26, len(data)), "header: impossible size")
+        self.size = size
+        self.hash = hash64(data[:size - 8])
+        check(struct.unpack_from("<Q", data, size - 8)[0] == self.hash, "header: wrong checksum")
+        source = Bytes(data[:size - 8], 16)
+        self._read_fixed_part(source)
+        self.isovalues = source.unpack(f"{self.isovalue_count}d")
+        self.attributes = [AttributeDescription(source) for _ in range(self.attribute_count)]
+        check(sum(attribute.components for attribute in self.attributes) <= 256,
+              "header: too many components")
+        self.array, self.source = source.text(), source.text()
+        check(source.position == size - 8, "header: has another size")
+        self.grid = Grid(self.extent, self.origin, self.spacing, self.direction)
+        check(3 * math.prod(self.grid.dimensions) * max(1, len(self.isovalues)) <= 9.0e18,
+              "header: too many vertices")
+
+    def _read_fixed_part(self, source):
+        type_number, mode, profile, self.quantization_bits, self.isovalue_count = source.unpack("BBBBI")
+        check(type_number < len(TYPE_NAMES) and mode < len(MODES) and profile < len(PROFILES)
+              and self.isovalue_count <= 65536, "header: impossible type, mode, profile or count")
+        self.type_name, self.mode, self.profile = TYPE_NAMES[type_number], MODES[mode], PROFILES[profile]
+        check(self.version >= FIRST_VERSIONS[self.profile], "header: the version has no such profile")
+        self.maximum_error, self.quantization_minimum, self.quantization_maximum = source.unpack("3d")
+        check(mode not in (1, 3) or 0 < self.maximum_error <= 0.5, "header: impossible error")
+        check(mode != 2 or 2 <= self.quantization_bits <= 24
+              and -math.inf < self.quantization_minimum < self.quantization_maximum < math.inf,
+              "header: impossible quantization")
+        self.extent = source.unpack("6q")
+        check(all(-2**40 <= low <= high <= 2**40
+                  for low, high in zip(self.extent[::2], self.extent[1::2])), "header: impossible extent")
+        self.origin, self.spacing, self.direction = (source.unpack(n + "d") for n in "339")
+        self.blocks, time, has_time, self.preview_level, zeros, self.attribute_count, \
+            self.preview_error = source.unpack("QdBBHId")
+        check(has_time < 2 and self.preview_level <= 6 and zeros == 0 and self.attribute_count <= 256
+              and (self.preview_level == 0 or 0 < self.preview_error <= 0.5),
+              "header: impossible time, preview or count")
+        self.time = time if has_time else None
+
+    def make_preview_grid(self):
+        step = 1 << self.preview_level
+        extent = []
+        for count in self.grid.dimensions:
+            extent += [0, count - 1 >> self.preview_level]
+        return Grid(extent, self.grid.place(self.extent[::2]),
+                    [spacing * step for spacing in self.spacing], self.direction)
+
+
+class Grid:
+    def __init__(self, extent, origin, spacing, direction):
+        self.first = extent[::2]
+        self.dimensions = [high - low + 1 for low, high in zip(extent[::2], extent[1::2])]
+        self.origin, self.spacing, self.direction = origin, spacing, direction
+        self.greatest_bound = max(abs(bound) for bound in extent)
+
+    def place(self, coordinates):
+        """A point in the world, of its structured coordinates."""
+        scaled = [c * s for c, s in zip(coordinates, self.spacing)]
+        return [origin + sum(d * c for d, c in zip(self.direction[3 * n:3 * n + 3], scaled))
+                for n, origin in enumerate(self.origin)]
+
+    def count_intervals(self, maximum_error):
+        power = 1 << (1 + self.greatest_bound).bit_length()
+        left = maximum_error - power * 2.0**-25 - 2.0**-20
+        check(left > 0, "the maximum error is too small for the extent")
+        intervals = math.ceil(0.5 / left)
+        check(intervals <= 2**20, "the maximum error is too small")
+        return intervals
+
+
+class Record:
+    """What the header of a record and the directory say of a block."""
+
+    def __init__(self, source, header):
+        self.isovalue = source.number()
+        self.first = [source.number() for _ in range(3)]
+        self.cells = source.unpack("3B")
+        self.lattice = [source.signed_number() for _ in range(3)]
+        self.points = source.number()
+        self.coding, = source.unpack("B")
+        self.codes_crossings, self.some_missing, self.preview = (
+            bool(self.coding & bit) for bit in (1, 2, 4))
+        grid = header.make_preview_grid() if self.preview else header.grid
+        check(self.isovalue < len(header.isovalues) and self.coding < 8 and self.points > 0
+              and all(1 <= n <= 64 for n in self.cells)
+              and all(f + n < d for f, n, d in zip(self.first, self.cells, grid.dimensions))
+              and all(abs(n) <= 2**34 for n in self.lattice), "record: impossible block")
+        check(self.codes_crossings or not self.some_missing and not self.preview
+              and header.mode != "bounded", "record: impossible coding")
+        check(not self.preview or header.preview_level > 0, "record: there is no preview")
+        check(self.preview or not self.codes_crossings or header.mode in ("bounded", "smallest"),
+              "record: impossible coding")
+
+    def list_fields(self):
+        return (self.isovalue, self.first, self.cells, self.lattice, self.points, self.coding)
+
+
+class Block:
+    """Vertices and edges of a block, by x, y, z counted from its first vertex.
+
+    Slices of signs come one after the other. Beyond the block signs repeat, but for rows before the
+    first, which repeat the first row of the slice before.
+    """
+
+    def __init__(self, cells):
+        self.nx, self.ny, self.nz = (n + 1 for n in cells)
+        self.slices = []
+        # Crossed edges that begin and end at a vertex: 1 along x, 2 along y, 4 along z.
+        self.begins, self.ends = {}, {}
+
+    def add_slice(self, rows):
+        z = len(self.slices)
+        self.slices.append(rows)
+        for y, row in enumerate(rows):
+            for x, sign in enumerate(row):
+                if x > 0 and row[x - 1] != sign:
+                    self._add_edge((x - 1, y, z), (x, y, z), 1)
+                if y > 0 and rows[y - 1][x] != sign:
+                    self._add_edge((x, y - 1, z), (x, y, z), 2)
+                if z > 0 and self.slices[z - 1][y][x] != sign:
+                    self._add_edge((x, y, z - 1), (x, y, z), 4)
+
+    def _add_edge(self, first, last, bit):
+        self.begins[first] = self.begins.get(first, 0) | bit
+        self.ends[last] = self.ends.get(last, 0) | bit
+
+    def is_inside(self, x, y, z):
+        z = min(max(z, 0), self.nz - 1)
+        if y < 0:
+            if z == 0:
+                return 0
+            y, z = 0, z - 1
+        return self.slices[z][min(y, self.ny - 1)][min(max(x, 0), self.nx - 1)]
+
+    def begin_bits(self, x, y, z):
+        return self.begins.get((x, y, z), 0)
+
+    def end_bits(self, x, y, z):
+        return self.ends.get((x, y, z), 0)
+
+    def is_crossed(self, x, y, z, axis):
+        """Whether the edge that begins at a vertex is there and crossed."""
+        return self.begin_bits(x, y, z) >> axis & 1
+
+    def is_relevant(self, x, y, z):
+        return (x, y, z) in self.begins or (x, y, z) in self.ends
+
+    def is_relevant_within(self, x, y, z):
+        """Whether a crossed edge within slice z ends at the vertex."""
+        return (self.begin_bits(x, y, z) | self.end_bits(x, y, z)) & 3
+
+    def list_edges(self, z):
+        """Crossed edges that begin in slice z, as (x, y, axis), in the order of the code."""
+        return [(x, y, axis) for y in range(self.ny) for axis in range(3)
+                for x in range(self.nx) if self.is_crossed(x, y, z, axis)]
+
+
+def make_signs(profile):
+    return FastSigns() if profile == "fast" else MixedSigns()
+
+
+def make_magnitudes(profile, priors):
+    return FastMagnitudes(priors) if profile == "fast" else MixedMagnitudes(priors)
+
+
+def make_values(profile, domain):
+    prediction = LeastSquaresPrediction() if profile == "compact" else FilterPrediction()
+    return Values(domain, make_magnitudes(profile, PRIORS.values), prediction, profile != "fast")
+
+
+def make_crossings(profile, intervals, some_missing):
+    prediction = MeanPrediction() if profile == "fast" else PlanePrediction()
+    return Crossings(intervals, some_missing, make_magnitudes(profile, PRIORS.crossings), prediction)
+
+
+class DecodedBlock:
+    """A block's signs, parameters of crossings by (x, y, z, axis), and attributes alike."""
+
+    def __init__(self, header, record, scale, code):
+        profile = "fast" if record.preview else header.profile
+        self.block = block = Block(record.cells)
+        self.parameters = {}
+        self.attributes = [{} for _ in header.attributes] if not record.preview else []
+        decoder = RangeDecoder(code)
+        attributes = [Attribute(decoder, description) for description in header.attributes
+                      ] if not record.preview else []
+        signs = make_signs(profile)
+        isovalue = header.isovalues[record.isovalue]
+        if record.codes_crossings:
+            grid = header.make_preview_grid() if record.preview else header.grid
+            error = header.preview_error if record.preview else header.maximum_error
+            self.intervals = grid.count_intervals(error)
+            geometry = make_crossings(profile, self.intervals, record.some_missing)
+        else:
+            geometry = make_values(profile, make_domain(header, isovalue, scale))
+        values = {}
+        for z in range(block.nz):
+            while len(block.slices) < min(z + 2, block.nz):
+                block.add_slice(signs.decode_slice(decoder, block.slices, block.nx, block.ny))
+            found = geometry.decode_slice(decoder, block, z)
+            if record.codes_crossings:
+                self._add_crossings(found, z)
+            else:
+                values.update({(x, y, z): value for (x, y), value in found.items()})
+            for number, attribute in enumerate(attributes):
+                found = attribute.decode_slice(decoder, block, z)
+                self.attributes[number].update(
+                    {(x, y, z, axis): value for (x, y, axis), value in found.items()})
+        decoder.check_end()
+        if not record.codes_crossings:
+            self._add_values(values, isovalue)
+        check(len(self.parameters) == record.points, "record: another number of points")
+
+    def _add_crossings(self, found, z):
+        for (x, y, axis), interval in found.items():
+            self.parameters[x, y, z, axis] = math.nan if interval is None else round_to_float32(
+                (2 * interval + 1) / (2 * self.intervals))
+
+    def _add_values(self, values, isovalue):
+        for z in range(self.block.nz):
+            for x, y, axis in self.block.list_edges(z):
+                v0 = float(values[x, y, z])
+                v1 = float(values[x + (axis == 0), y + (axis == 1), z + (axis == 2)])
+                self.parameters[x, y, z, axis] = find_parameter(isovalue, v0, v1)
+
+
+def find_parameter(isovalue, v0, v1):
+    """In float64, by the rules of IEEE 754."""
+    numerator, denominator = isovalue - v0, v1 - v0
+    if denominator == 0:
+        return math.nan if numerator == 0 else math.copysign(math.inf, numerator)
+    return numerator / denominator
+
+
+class EdgeIndexFile:
+    def __init__(self, path):
+        self.path = path
+        self.bytes = read_file(path)
+        self.header = Header(self.bytes)
+        self.complete = self._read_directory()
+        if not self.complete:
+            self._find_records()
+
+    def _read_directory(self):
+        """Whether trailer and directory are right; they tell where records are."""
+        data = self.bytes
+        trailer = data[-32:]
+        if len(data) < self.header.size + 32 or trailer[24:] != b"EIXend.\n":
+            return False
+        position, size, found = struct.unpack_from("<3Q", trailer)
+        if (found != hash64(trailer[:16], self.header.hash) or size < 8
+                or position + size != len(data) - 32):
+            return False
+        directory = data[position:position + size]
+        if struct.unpack_from("<Q", directory, size - 8)[0] != hash64(directory[:-8], self.header.hash):
+            return False
+        source = Bytes(directory[:-8])
+        check(source.number() == 0, "directory: does not begin with 0")
+        self.records, begin = [], self.header.size
+        for _ in range(source.number()):
+            whole = source.number()
+            self.records.append((begin, begin + whole, Record(source, self.header)))
+            begin += whole
+        check(source.position == size - 8 and begin == position, "directory: has another size")
+        return True
+
+    def _find_records(self):
+        """Of a file that was cut off: the records that are whole."""
+        self.records, begin = [], self.header.size
+        try:
+            while True:
+                source = Bytes(self.bytes, begin)
+                size = source.number()
+                if size < 4:
+                    return
+                body = Bytes(source.take(size))
+                self._check_hash(body.data)
+                self.records.append((begin, source.position, Record(body, self.header)))
+                begin = source.position
+        except FormatError:
+            return
+
+    @staticmethod
+    def _check_hash(body):
+        check(struct.unpack("<I", body[-4:])[0] == hash64(body[:-4]) & 0xffffffff,
+              "record: wrong checksum")
+
+    def decode(self, number):
+        begin, end, told = self.records[number]
+        source = Bytes(self.bytes[:end], begin)
+        size = source.number()
+        check(size >= 4 and source.position + size == end, "record: another size")
+        body = source.take(size)
+        self._check_hash(body)
+        body = Bytes(body[:-4])
+        record = Record(body, self.header)
+        check(record.list_fields() == told.list_fields(), "record: not what the directory tells")
+        scale = 0 if record.codes_crossings else body.signed_number()
+        check(abs(scale) <= 1100, "record: impossible scale")
+        return record, DecodedBlock(self.header, record, scale, body.data[body.position:])
+
+    def read_surface(self, preview=False):
+        surface = Surface(self.header, preview)
+        for number, (_, _, record) in enumerate(self.records):
+            if record.preview == preview:
+                surface.add(*self.decode(number))
+        return surface
+
+
+def read_cases():
+    """VTK's 256 cases of marching cubes, as triples of a cell's edges."""
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)),
+                        "../../Core/Contour/MarchingCubesCases.cxx")
+    words = [int(word, 16) for word in re.findall("0x[0-9a-f]{16}", read_file(path).decode())]
+    return [[tuple(word >> 12 * n + 4 * corner & 15 for corner in range(3))
+             for n in range(word >> 60)] for word in words[:256]]
+
+
+CORNERS = tuple((x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1))
+# Edges of a cell: the first vertex, and the axis; those along x first, then y, then z.
+CELL_EDGES = (*(((0, y, z), 0) for z in (0, 1) for y in (0, 1)),
+              *(((x, 0, z), 1) for z in (0, 1) for x in (0, 1)),
+              *(((x, y, 0), 2) for y in (0, 1) for x in (0, 1)))
+
+
+class Surface:
+    """Points by their global ids, and triangles as triples of these."""
+
+    CASES = read_cases()
+
+    def __init__(self, header, preview):
+        self.grid = header.make_preview_grid() if preview else header.grid
+        self.vertices = math.prod(self.grid.dimensions)
+        self.points = {}      # global id: the structured coordinates, rounded to float32
+        self.isovalues = {}   # global id: isovalue
+        self.attributes = [{} for _ in header.attributes]
+        self.triangles = []
+        self.header = header
+
+    def find_id(self, record, x, y, z, axis):
+        width, height, _ = self.grid.dimensions
+        i, j, k = (f + n for f, n in zip(record.first, (x, y, z)))
+        return 3 * (i + width * (j + height * k)) + axis + record.isovalue * 3 * self.vertices
+
+    def add(self, record, decoded):
+        for (x, y, z, axis), t in decoded.parameters.items():
+            where = self.find_id(record, x, y, z, axis)
+            place = [float(low + f + n) for low, f, n in zip(self.grid.first, record.first, (x, y, z))]
+            place[axis] += t
+            self.points[where] = [round_to_float32(p) for p in place]
+            self.isovalues[where] = self.header.isovalues[record.isovalue]
+            for mine, found in zip(self.attributes, decoded.attributes):
+                mine[where] = found[x, y, z, axis]
+        block = decoded.block
+        for z, y, x in itertools.product(*(range(n) for n in record.cells[::-1])):
+            case = sum(block.is_inside(x + i, y + j, z + k) << n
+                       for n, (i, j, k) in enumerate(CORNERS))
+            for triangle in self.CASES[case]:
+                edges = [CELL_EDGES[edge] for edge in triangle]
+                self.triangles.append(tuple(self.find_id(record, x + i, y + j, z + k, axis)
+                                            for (i, j, k), axis in edges))
+
+    def list_world_points(self):
+        """Global ids in their order, and the points."""
+        return [(where, self.grid.place(self.points[where])) for where in sorted(self.points)]
+
+
+def main(paths):
+    for path in paths:
+        try:
+            file = EdgeIndexFile(path)
+            surface, preview = file.read_surface(), file.read_surface(True)
+        except FormatError as error:
+            sys.exit(f"{path}: {error}")
+        header = file.header
+        print(f"{path}: version {header.version}, {header.type_name}, {header.mode}, {header.profile}; "
+              f"{len(file.records)} records; {len(surface.points)} points, "
+              f"{len(surface.triangles)} triangles; preview: {len(preview.points)} points, "
+              f"{len(preview.triangles)} triangles")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
