@@ -6,6 +6,7 @@ The tables of constants are read from the sources that this text names.
 """
 import os
 import re
+from operator import mul
 
 from read_interval_tree import check
 
@@ -146,7 +147,7 @@ class Mixers:
         weights = self.weights[mixer]
         inputs = [STRETCH[table.probabilities[index] >> 10] for table, index in voters]
         inputs += [0] * (7 - len(inputs)) + [256]
-        vote = sum(x * w for x, w in zip(inputs, weights)) >> 14
+        vote = sum(map(mul, inputs, weights)) >> 14
         probability = SQUASH[clamp(vote, -2047, 2047) + 2048]
         bit = decoder.bit(probability)
         error = ((65535 if bit else 0) - probability) >> 1
@@ -198,7 +199,7 @@ PRIORS = Priors()
 
 def measure(magnitude):
     """Eight times the binary logarithm of magnitude + 1, about."""
-    n = min(magnitude, 2**62 - 2) + 1
+    n = min(magnitude, 2**62 - 1) + 1
     k = n.bit_length() - 1
     return 8 * k + ((n << 3 >> k) & 7)
 

@@ -2,6 +2,7 @@
 """Decodes the values at the ends of crossed edges: edge-index.md, section "Values"."""
 import math
 import struct
+from operator import mul
 
 from edge_index_coding import (PRIORS, clamp, decode_on_both_sides, decode_signed, divide, measure)
 from read_blocked_volume import TYPES, make_threshold_key
@@ -124,7 +125,8 @@ class Bits:
     def find_fixed(self, value):
         """In units of 2^-(scale + fraction), rounded towards zero."""
         if isinstance(value, float) and math.isinf(value):
-            value = int(math.copysign(2**(128 if self.bits == 32 else 1024), value))
+            infinity = 2**(128 if self.bits == 32 else 1024)
+            value = infinity if value > 0 else -infinity
         numerator, denominator = value.as_integer_ratio()
         shift = self.scale + self.fraction
         if shift >= 0:
@@ -177,7 +179,8 @@ def round_towards_zero(numerator, denominator, bits):
     shifted, exponent = shifted >> excess, exponent + excess
     if shifted.bit_length() + exponent > infinite:
         shifted, exponent = 2**digits - 1, infinite - digits
-    return math.copysign(math.ldexp(shifted, exponent), numerator)
+    value = math.ldexp(shifted, exponent)
+    return -value if numerator < 0 else value
 
 
 def make_domain(header, isovalue, scale):
@@ -249,7 +252,7 @@ class LeastSquaresFunction:
         self.sums.append([diagonal * w >> 16 for w in self.weights] + [0])  # of the height
 
     def predict(self, inputs):
-        total = sum(x * w for x, w in zip(inputs, self.weights)) >> 12
+        total = sum(map(mul, inputs, self.weights)) >> 12
         return clamp(total, -131071, 131071)
 
     def learn_error(self, prediction, height):
@@ -262,7 +265,7 @@ class LeastSquaresFunction:
         columns.append([sample[-1] for sample in batch])
         for i, row in enumerate(self.sums):
             for j in range(i + 1):
-                products = sum(a * b for a, b in zip(columns[i], columns[j]))
+                products = sum(map(mul, columns[i], columns[j]))
                 row[j] += products - (row[j] >> self.forgetting)
 
     def solve(self):
@@ -275,10 +278,10 @@ class LeastSquaresFunction:
         for i in range(n + 1):
             row = []
             for j in range(min(i, n)):
-                rest = A[i][j] - sum(a * b for a, b in zip(row, L[j] if j < i else row))
+                rest = A[i][j] - sum(map(mul, row, L[j]))
                 row.append(clamp(rest * inverses[j] >> 60, -2**29, 2**29))
             if i < n:
-                rest = A[i][i] - sum(a * a for a in row) + 2**42
+                rest = A[i][i] - sum(map(mul, row, row)) + 2**42
                 if rest < 2**40:
                     return
                 row.append(min(math.isqrt(rest), 2**29))

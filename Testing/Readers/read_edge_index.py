@@ -16,7 +16,7 @@ import struct
 import sys
 
 from edge_index_attributes import Attribute
-from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder
+from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder, clamp
 from edge_index_crossings import Crossings, MeanPrediction, PlanePrediction
 from edge_index_signs import FastSigns, MixedSigns
 from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
@@ -135,9 +135,12 @@ class Grid:
 
     def place(self, coordinates):
         """A point in the world, of its structured coordinates."""
-        scaled = [c * s for c, s in zip(coordinates, self.spacing)]
-        return [origin + sum(d * c for d, c in zip(self.direction[3 * n:3 * n + 3], scaled))
-                for n, origin in enumerate(self.origin)]
+        point = []
+        for n, origin in enumerate(self.origin):
+            row = [d * s for d, s in zip(self.direction[3 * n:3 * n + 3], self.spacing)]
+            point.append(row[0] * coordinates[0] + row[1] * coordinates[1]
+                         + row[2] * coordinates[2] + origin)
+        return point
 
     def count_intervals(self, maximum_error):
         power = 1 << (1 + self.greatest_bound).bit_length()
@@ -288,7 +291,8 @@ class DecodedBlock:
                     {(x, y, z, axis): value for (x, y, axis), value in found.items()})
         decoder.check_end()
         if not record.codes_crossings:
-            self._add_values(values, isovalue)
+            self._add_values(
+                values, isovalue, "float32" if header.mode == "quantized" else header.type_name)
         check(len(self.parameters) == record.points, "record: another number of points")
 
     def _add_crossings(self, found, z):
@@ -296,20 +300,21 @@ class DecodedBlock:
             self.parameters[x, y, z, axis] = math.nan if interval is None else round_to_float32(
                 (2 * interval + 1) / (2 * self.intervals))
 
-    def _add_values(self, values, isovalue):
+    def _add_values(self, values, isovalue, value_type):
         for z in range(self.block.nz):
             for x, y, axis in self.block.list_edges(z):
-                v0 = float(values[x, y, z])
-                v1 = float(values[x + (axis == 0), y + (axis == 1), z + (axis == 2)])
-                self.parameters[x, y, z, axis] = find_parameter(isovalue, v0, v1)
+                self.parameters[x, y, z, axis] = find_parameter(
+                    isovalue, values[x, y, z],
+                    values[x + (axis == 0), y + (axis == 1), z + (axis == 2)], value_type)
 
 
-def find_parameter(isovalue, v0, v1):
-    """In float64, by the rules of IEEE 754."""
-    numerator, denominator = isovalue - v0, v1 - v0
-    if denominator == 0:
-        return math.nan if numerator == 0 else math.copysign(math.inf, numerator)
-    return numerator / denominator
+def find_parameter(isovalue, v0, v1, type_name):
+    """Where on the edge from v0 to v1 the isovalue is, by the rules of IEEE 754."""
+    difference = float(v1 - v0)
+    if type_name == "float32":
+        difference = round_to_float32(difference)
+    t = (isovalue - float(v0)) / difference
+    return clamp(t, 0.0, 1.0) if type_name in ("int64", "uint64") else t
 
 
 class EdgeIndexFile:
@@ -388,7 +393,10 @@ class EdgeIndexFile:
 
 
 def read_cases():
-    """VTK's 256 cases of marching cubes, as triples of a cell's edges."""
+    """VTK's 256 cases of marching cubes, as triples of a cell's edges.
+
+    Bit x + 2 y + 4 z of a case tells whether the corner (x, y, z) is inside.
+    """
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)),
                         "../../Core/Contour/MarchingCubesCases.cxx")
     words = [int(word, 16) for word in re.findall("0x[0-9a-f]{16}", read_file(path).decode())]
@@ -396,7 +404,6 @@ def read_cases():
              for n in range(word >> 60)] for word in words[:256]]
 
 
-CORNERS = tuple((x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1))
 # Edges of a cell: the first vertex, and the axis; those along x first, then y, then z.
 CELL_EDGES = (*(((0, y, z), 0) for z in (0, 1) for y in (0, 1)),
               *(((x, 0, z), 1) for z in (0, 1) for x in (0, 1)),
@@ -425,16 +432,16 @@ class Surface:
     def add(self, record, decoded):
         for (x, y, z, axis), t in decoded.parameters.items():
             where = self.find_id(record, x, y, z, axis)
-            place = [float(low + f + n) for low, f, n in zip(self.grid.first, record.first, (x, y, z))]
+            place = [float(first + n) for first, n in zip(record.first, (x, y, z))]
             place[axis] += t
-            self.points[where] = [round_to_float32(p) for p in place]
+            self.points[where] = [round_to_float32(p + low) for p, low in zip(place, self.grid.first)]
             self.isovalues[where] = self.header.isovalues[record.isovalue]
             for mine, found in zip(self.attributes, decoded.attributes):
                 mine[where] = found[x, y, z, axis]
-        block = decoded.block
+        slices = decoded.block.slices
         for z, y, x in itertools.product(*(range(n) for n in record.cells[::-1])):
-            case = sum(block.is_inside(x + i, y + j, z + k) << n
-                       for n, (i, j, k) in enumerate(CORNERS))
+            rows = (slices[z][y], slices[z][y + 1], slices[z + 1][y], slices[z + 1][y + 1])
+            case = sum((row[x] | row[x + 1] << 1) << 2 * n for n, row in enumerate(rows))
             for triangle in self.CASES[case]:
                 edges = [CELL_EDGES[edge] for edge in triangle]
                 self.triangles.append(tuple(self.find_id(record, x + i, y + j, z + k, axis)
