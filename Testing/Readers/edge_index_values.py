@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes the values at the ends of crossed edges: edge-index.md, section "Values"."""
+import bisect
 import math
 import struct
 from operator import mul
@@ -95,8 +96,7 @@ class QuantizedOffsets(Offsets):
         self.minimum = header.quantization_minimum
         steps = 2**header.quantization_bits - 1
         self.step = (header.quantization_maximum - self.minimum) / steps
-        self.first = next((q for q in range(steps + 1) if self.find_level(q) >= self.threshold),
-                          steps + 1)
+        self.first = bisect.bisect_left(range(steps + 1), self.threshold, key=self.find_level)
         self.set_bounds(min(-1, -self.first), max(0, steps - self.first), scale)
 
     def find_level(self, q):
