@@ -7,9 +7,16 @@
 // rank's reading back; deliver, of the merged picture to the root's window, VTK's showing of it
 // included; composite, all else: merging, sending, waiting for each other, clearing.
 //
+// Where there are more ranks than cores, some render while others wait to be read back. With
+// --apart no rank goes on before all have rendered, and ranks sleep while they wait: "after" is the
+// time from then to the end of the frame, "work" the milliseconds that the processors worked for
+// it, summed over all ranks, which do not depend on who waits for whom.
+//
 // "background 1/4" are frames in which the nearer half of the ranks draws each pixel, the others a
 // sample for 4 x 4; beside it, how close the picture is to the full one (peak signal to noise ratio
 // of red, green and blue). With --budget there is one way only, along a path with two jumps.
+#include "PatientMpi.h"
+
 #include "vtkActor.h"
 #include "vtkActorCollection.h"
 #include "vtkAppendPolyData.h"
@@ -43,6 +50,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -62,6 +70,19 @@ struct Options
   double Radius = 0.02;
   double Budget = 0; ///< seconds of a frame; 0: none
   std::string Only;
+  bool IsApart = false;
+};
+
+/// Seconds of the clock on the wall, and those that this rank's threads worked.
+struct Clocks
+{
+  double Wall = 0;
+  double Work = 0;
+
+  static Clocks Read()
+  {
+    return { vtkTimerLog::GetUniversalTime(), static_cast<double>(std::clock()) / CLOCKS_PER_SEC };
+  }
 };
 
 /// Draws, and takes the time until the picture is there.
@@ -76,12 +97,23 @@ public:
     this->Inner->Render(state);
     glFinish();
     this->Seconds += vtkTimerLog::GetUniversalTime() - begin;
+    if (this->Controller)
+    {
+      this->Controller->Barrier();
+    }
+    this->End = Clocks::Read();
   }
+  /// Waits for all ranks in the end; null (the default): does not.
+  void SetController(vtkMultiProcessController* controller) { this->Controller = controller; }
   double TakeSeconds() { return std::exchange(this->Seconds, 0.0); }
+  /// When the last picture was there; on all ranks, if there is a controller.
+  const Clocks& GetEnd() const { return this->End; }
 
 private:
   vtkNew<vtkPVDefaultPass> Inner;
+  vtkMultiProcessController* Controller = nullptr;
   double Seconds = 0;
+  Clocks End;
 };
 vtkStandardNewMacro(TimedPass);
 
@@ -187,6 +219,8 @@ struct Way
   double RenderSeconds = 0;
   double ReadSeconds = 0;
   double DeliverSeconds = 0;
+  double AfterSeconds = 0;
+  double WorkSeconds = 0; ///< of all ranks
   double FrameSeconds = 0;
   double DrawnPixels = 0;
   double BytesSent = 0;
@@ -208,6 +242,7 @@ public:
     this->Windows->SetRenderWindow(this->Window);
     this->Windows->SetParallelController(controller);
     this->Windows->SetIdentifier(isStock ? 1 : 2);
+    this->Pass->SetController(options.IsApart ? controller : nullptr);
     this->Renderers->SetRenderPass(this->Pass);
     this->Renderers->SetRenderer(this->Renderer);
     this->Renderers->SetParallelController(controller);
@@ -259,17 +294,18 @@ public:
     {
       this->Controller->ProcessRMIs();
     }
-    const double end = vtkTimerLog::GetUniversalTime();
+    const Clocks end = Clocks::Read();
     this->Controller->Barrier();
-    std::array<double, 4> seconds = { this->Pass->TakeSeconds(), 0,
-      this->Controller->GetLocalProcessId() == 0 ? end - this->BeginOfDelivery : 0,
-      vtkTimerLog::GetUniversalTime() - begin };
-    std::array<double, 2> counts{};
+    const Clocks& rendered = this->Pass->GetEnd();
+    std::array<double, 5> seconds = { this->Pass->TakeSeconds(), 0,
+      this->Controller->GetLocalProcessId() == 0 ? end.Wall - this->BeginOfDelivery : 0,
+      vtkTimerLog::GetUniversalTime() - begin, end.Wall - rendered.Wall };
+    std::array<double, 3> counts{};
     if (pass)
     {
       seconds[1] = pass->GetFrameCost().ReadSeconds;
       counts = { static_cast<double>(pass->GetFrameCost().DrawnPixels),
-        static_cast<double>(pass->GetFrameCost().BytesSent) };
+        static_cast<double>(pass->GetFrameCost().BytesSent), 0 };
     }
     else
     {
@@ -280,16 +316,19 @@ public:
       seconds[1] = std::max(0.0, seconds[1] - seconds[0]);
       const int* size = this->Window->GetActualSize();
       counts = { seconds[0] > 0 ? static_cast<double>(size[0]) * size[1] : 0,
-        static_cast<double>(bytes) };
+        static_cast<double>(bytes), 0 };
     }
-    std::array<double, 4> slowest{};
-    std::array<double, 2> all{};
-    this->Controller->AllReduce(seconds.data(), slowest.data(), 4, vtkCommunicator::MAX_OP);
-    this->Controller->AllReduce(counts.data(), all.data(), 2, vtkCommunicator::SUM_OP);
+    counts[2] = end.Work - rendered.Work;
+    std::array<double, 5> slowest{};
+    std::array<double, 3> all{};
+    this->Controller->AllReduce(seconds.data(), slowest.data(), 5, vtkCommunicator::MAX_OP);
+    this->Controller->AllReduce(counts.data(), all.data(), 3, vtkCommunicator::SUM_OP);
     way.RenderSeconds += slowest[0];
     way.ReadSeconds += slowest[1];
     way.DeliverSeconds += slowest[2];
     way.FrameSeconds += slowest[3];
+    way.AfterSeconds += slowest[4];
+    way.WorkSeconds += all[2];
     way.DrawnPixels += all[0];
     way.BytesSent += all[1];
     return slowest[3];
@@ -344,8 +383,13 @@ void PrintTable(const std::vector<Way>& ways, const Options& options, int ranks)
 {
   std::printf(
     "%d x %d, %d ranks, %s\n", options.Width, options.Height, ranks, options.Layout.c_str());
-  std::printf("%-16s %8s %8s %10s %8s %8s %12s %12s %6s\n", "way", "render", "read", "composite",
-    "deliver", "frame ms", "pixels drawn", "bytes sent", "dB");
+  std::printf("%-16s %8s %8s %10s %8s %8s %12s %12s", "way", "render", "read", "composite",
+    "deliver", "frame ms", "pixels drawn", "bytes sent");
+  if (options.IsApart)
+  {
+    std::printf(" %8s %8s", "after", "work");
+  }
+  std::printf(" %6s\n", "dB");
   const double toMilliseconds = 1e3 / options.Frames;
   for (const Way& way : ways)
   {
@@ -355,6 +399,11 @@ void PrintTable(const std::vector<Way>& ways, const Options& options, int ranks)
         (way.FrameSeconds - way.RenderSeconds - way.ReadSeconds - way.DeliverSeconds),
       toMilliseconds * way.DeliverSeconds, toMilliseconds * way.FrameSeconds,
       way.DrawnPixels / options.Frames, way.BytesSent / options.Frames);
+    if (options.IsApart)
+    {
+      std::printf(
+        " %8.1f %8.1f", toMilliseconds * way.AfterSeconds, toMilliseconds * way.WorkSeconds);
+    }
     if (way.SquaredError > 0)
     {
       const double samples = 3.0 * options.Width * options.Height * options.Frames;
@@ -383,6 +432,12 @@ void RunWays(Display& stock, Display& ours, const Options& options, vtkMPIContro
     { "IceT", vtkMetabufferPass::ICET }, { "direct send 1/2", vtkMetabufferPass::DIRECT_SEND, 2 },
     { "direct send 1/4", vtkMetabufferPass::DIRECT_SEND, 4 },
     { "background 1/4", vtkMetabufferPass::DIRECT_SEND, 4, true } };
+  if (!options.Only.empty())
+  {
+    ways.erase(std::remove_if(ways.begin(), ways.end(),
+                 [&options](const Way& way) { return way.Name != options.Only; }),
+      ways.end());
+  }
   std::vector<unsigned char> full;
   // The first frames, which fill buffers and compile shaders, do not count.
   for (int frame = -1; frame < options.Frames; ++frame)
@@ -482,7 +537,10 @@ int main(int argc, char** argv)
   application.add_option("--radius", options.Radius, "Of a ball, in a cube of 1");
   application.add_option("--budget", options.Budget, "Seconds of a frame, to be kept along a path");
   application.add_option("--only", options.Only, "The one way to make frames; all without it");
+  application.add_flag(
+    "--apart", options.IsApart, "All ranks render, then all go on; waiting ranks sleep");
   CLI11_PARSE(application, argc, argv);
+  WaitPatiently(options.IsApart);
   Run(controller, options);
   vtkMultiProcessController::SetGlobalController(nullptr);
   controller->Finalize();

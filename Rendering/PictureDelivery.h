@@ -4,14 +4,10 @@
 
 #include "Viewport/PixelRectangle.h"
 
-#include "vtkSmartPointer.h"
-
 #include <cstdint>
 #include <vector>
 
-class vtkOpenGLFramebufferObject;
 class vtkOpenGLRenderer;
-class vtkOpenGLRenderWindow;
 
 namespace isosurface
 {
@@ -27,20 +23,19 @@ class PictureDelivery
 public:
   /**
    * `colors` are the renderer's size, width x height, row by row from the bottom up; nothing was
-   * drawn outside of `covered`. False, with nothing done, where copying does not do: for gradient
-   * and textured backgrounds, layers that draw over others, multisamples, framebuffers of other
-   * than four bytes a pixel, and translucent pixels.
+   * drawn outside of `covered`. False where copying does not do, which leaves the renderer's part
+   * of the window undefined: for gradient and textured backgrounds, layers that draw over others,
+   * multisamples, stencils, framebuffers of other than four bytes a pixel, translucent pixels, and
+   * OpenGL that cannot write textures (see DrawTextures).
    */
   bool Deliver(vtkOpenGLRenderer* renderer, const std::uint32_t* colors, int width, int height,
     const PixelRectangle& covered);
 
 private:
   bool PutOverBackground(
-    const std::uint32_t* colors, int width, const PixelRectangle& part, std::uint32_t background);
-  void Upload(vtkOpenGLRenderWindow* window, const PixelRectangle& part);
+    const std::uint32_t* colors, int width, const PixelRectangle& band, std::uint32_t background);
 
-  std::vector<std::uint32_t> Pixels;
-  vtkSmartPointer<vtkOpenGLFramebufferObject> Framebuffer; ///< the part, from its corner (0, 0) on
+  std::vector<std::uint32_t> Band;
 };
 
 } // namespace isosurface

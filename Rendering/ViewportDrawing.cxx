@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ViewportDrawing.h"
 
+#include "DrawTextures.h"
+
 #include "vtkActor.h"
 #include "vtkBoundingBox.h"
 #include "vtkCamera.h"
@@ -124,35 +126,12 @@ void ExtendToBlocks(vtkMatrix4x4* projection, const PixelRectangle& display,
   vtkMatrix4x4::Multiply4x4(extend, projection, projection);
 }
 
-// The texture at a place of the framebuffer that is drawn to; 0 if there is something else, or
-// nothing.
-GLuint GetAttachedTexture(GLenum attachment)
-{
-  GLint type = GL_NONE;
-  glGetFramebufferAttachmentParameteriv(
-    GL_DRAW_FRAMEBUFFER, attachment, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE, &type);
-  GLint name = 0;
-  if (type == GL_TEXTURE)
-  {
-    glGetFramebufferAttachmentParameteriv(
-      GL_DRAW_FRAMEBUFFER, attachment, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME, &name);
-  }
-  return static_cast<GLuint>(name);
-}
-
-// Clears a rectangle of the framebuffer that is drawn to, to black, transparent, far away. Of
-// textures it clears a part; glClear() with a scissor does the same, but as a drawn rectangle,
-// which takes software ten times as long as to write memory.
+// Clears a rectangle of the framebuffer that is drawn to, to black, transparent, far away. Not by
+// glClear() if that can be avoided, which draws a rectangle if there is a scissor.
 void ClearRectangle(vtkOpenGLState* gl, const PixelRectangle& rectangle, GLbitfield buffers)
 {
-  GLint framebuffer = 0;
-  GLint target = GL_NONE;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-  glGetIntegerv(GL_DRAW_BUFFER, &target);
-  const bool hasTextures = GLEW_ARB_clear_texture && framebuffer != 0 && target != GL_NONE;
-  const GLuint color = hasTextures ? GetAttachedTexture(static_cast<GLenum>(target)) : 0;
-  const GLuint depth = hasTextures ? GetAttachedTexture(GL_DEPTH_ATTACHMENT) : 0;
-  if (color == 0 || depth == 0 || GetAttachedTexture(GL_STENCIL_ATTACHMENT) != 0)
+  const DrawTextures textures;
+  if (!textures.AreThere())
   {
     gl->vtkglScissor(rectangle.X, rectangle.Y, rectangle.Width, rectangle.Height);
     gl->vtkglClearColor(0, 0, 0, 0);
@@ -162,14 +141,11 @@ void ClearRectangle(vtkOpenGLState* gl, const PixelRectangle& rectangle, GLbitfi
   }
   if ((buffers & GL_COLOR_BUFFER_BIT) != 0)
   {
-    glClearTexSubImage(color, 0, rectangle.X, rectangle.Y, 0, rectangle.Width, rectangle.Height, 1,
-      GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    textures.ClearColors(rectangle, 0);
   }
   if ((buffers & GL_DEPTH_BUFFER_BIT) != 0)
   {
-    const float farAway = 1.0F;
-    glClearTexSubImage(depth, 0, rectangle.X, rectangle.Y, 0, rectangle.Width, rectangle.Height, 1,
-      GL_DEPTH_COMPONENT, GL_FLOAT, &farAway);
+    textures.ClearDepths(rectangle);
   }
 }
 

@@ -31,6 +31,11 @@ struct PictureView
   }
 };
 
+/// The index of the first active (or inactive) pixel of a row at `begin` or behind it; `end` if
+/// there is none. Rows are empty for the most part, and are searched a block at a time.
+int FindActive(const float* depths, int begin, int end);
+int FindInactive(const float* depths, int begin, int end);
+
 /// Whether depths travel with the colors: whoever merges needs them, whoever shows does not.
 enum class PixelContent : std::uint8_t
 {

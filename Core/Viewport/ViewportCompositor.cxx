@@ -117,34 +117,21 @@ void PutRun(const PixelRun& run, const std::uint32_t* colors, const float* depth
   }
 }
 
-// Calls use(run of a row, its colors, its depths) for the rows of a part of a picture.
+// Calls use(run, its colors, its depths) for the active samples of a part of a picture.
 template <typename Function>
-void ForEachRow(const PictureView& picture, const PixelRectangle& part, const Function& use)
+void ForEachActiveRun(const PictureView& picture, const PixelRectangle& part, const Function& use)
 {
   for (int y = part.Y; y < part.GetTop(); ++y)
   {
     const std::size_t first = picture.GetIndex(part.X, y);
-    use(PixelRun{ part.X, y, part.Width, 0 }, picture.Colors + first, picture.Depths + first);
-  }
-}
-
-// Puts the active samples of a row; of a place that was cleared.
-void PutRow(const PixelRun& run, const std::uint32_t* colors, const float* depths, int factor,
-  const TargetRaster& target)
-{
-  for (int begin = 0; begin < run.Length;)
-  {
-    int end = begin;
-    while (end < run.Length && depths[end] < 1.0F)
+    const std::uint32_t* colors = picture.Colors + first;
+    const float* depths = picture.Depths + first;
+    for (int begin = FindActive(depths, 0, part.Width); begin < part.Width;)
     {
-      ++end;
+      const int end = FindInactive(depths, begin, part.Width);
+      use(PixelRun{ part.X + begin, y, end - begin, 0 }, colors + begin, depths + begin);
+      begin = FindActive(depths, end, part.Width);
     }
-    if (end > begin)
-    {
-      PutRun(
-        { run.X + begin, run.Y, end - begin, 0 }, colors + begin, depths + begin, factor, target);
-    }
-    begin = end + 1;
   }
 }
 
@@ -234,7 +221,7 @@ Status ViewportCompositor::MergeOwnedCells(int me, const std::vector<Viewport>& 
       this->Cost.PixelsMerged += static_cast<std::uint64_t>(piece.GetArea());
       if (rank == me)
       {
-        ForEachRow(mine, piece,
+        ForEachActiveRun(mine, piece,
           [&](const PixelRun& run, const std::uint32_t* colors, const float* depths)
           { MergeRun(run, colors, depths, factor, target); });
         continue;
@@ -301,9 +288,9 @@ Status ViewportCompositor::FillTile(
     const TargetRaster target{ tile.Colors, tile.Depths, raster, cell.Pixels };
     if (cell.Owner == me)
     {
-      ForEachRow(this->GetMergedPicture(index, mine), cell.GetBlocks(),
+      ForEachActiveRun(this->GetMergedPicture(index, mine), cell.GetBlocks(),
         [&](const PixelRun& run, const std::uint32_t* colors, const float* depths)
-        { PutRow(run, colors, depths, cell.Divisor, target); });
+        { PutRun(run, colors, depths, cell.Divisor, target); });
       continue;
     }
     const auto from = static_cast<std::size_t>(cell.Owner);

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 using namespace isosurface;
 
@@ -84,6 +86,26 @@ Message MakeBytes(const OwnPicture& picture, PixelContent content)
 }
 
 } // namespace
+
+TEST(FindActive, IsTheFirstOfARowWhereverItBeginsAndEnds)
+{
+  std::vector<float> depths(150, 1.0F);
+  depths[3] = std::numeric_limits<float>::quiet_NaN(); // not active either
+  for (const int active : { 0, 31, 32, 63, 100, 149 })
+  {
+    depths[static_cast<std::size_t>(active)] = 0.5F;
+    for (int begin = 0; begin < 150; ++begin)
+    {
+      for (const int end : { begin, 40, 64, 149, 150 })
+      {
+        const int expected = begin <= active && active < end ? active : std::max(begin, end);
+        EXPECT_EQ(FindActive(depths.data(), begin, std::max(begin, end)), expected);
+      }
+    }
+    EXPECT_EQ(FindInactive(depths.data(), active, 150), active + 1);
+    depths[static_cast<std::size_t>(active)] = 1.0F;
+  }
+}
 
 TEST(PixelRuns, AnyPartOfAnyPictureArrivesBitForBit)
 {
