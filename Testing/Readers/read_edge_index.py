@@ -18,7 +18,7 @@ import sys
 from edge_index_attributes import Attribute
 from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder, clamp
 from edge_index_crossings import Crossings, MeanPrediction, PlanePrediction
-from edge_index_signs import FastSigns, MixedSigns
+from edge_index_signs import FastSigns, MixedSigns, NetworkSigns
 from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
                                round_to_float32)
 from read_interval_tree import FormatError, check, hash64, read_file
@@ -28,7 +28,7 @@ TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "u
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = ("default", "fast", "compact")
 FIRST_VERSIONS = {"default": 1, "fast": 1, "compact": 2}  # that have a profile
-LARGEST_VERSION = 2
+LARGEST_VERSION = 3
 
 
 class Bytes:
@@ -238,7 +238,9 @@ class Block:
                 for x in range(self.nx) if self.is_crossed(x, y, z, axis)]
 
 
-def make_signs(profile):
+def make_signs(profile, version):
+    if profile == "compact" and version >= 3:
+        return NetworkSigns()
     return FastSigns() if profile == "fast" else MixedSigns()
 
 
@@ -267,7 +269,7 @@ class DecodedBlock:
         decoder = RangeDecoder(code)
         attributes = [Attribute(decoder, description) for description in header.attributes
                       ] if not record.preview else []
-        signs = make_signs(profile)
+        signs = make_signs(profile, header.version)
         isovalue = header.isovalues[record.isovalue]
         if record.codes_crossings:
             grid = header.make_preview_grid() if record.preview else header.grid
