@@ -86,9 +86,11 @@ def check_file(tool, scratch, path):
     check(file.complete, f"{path}: trailer or directory")
     for preview in (False, True) if file.header.preview_level else (False,):
         output = os.path.join(scratch, os.path.basename(path)[:-4] + ".vtp")
-        subprocess.run([tool, "decode", path, output, "--quiet"] + ["--preview"] * preview, check=True)
+        subprocess.run([tool, "decode", path, output, "--quiet"] + ["--preview"] * preview,
+                       check=True)
         surface = file.read_surface(preview)
-        check_surface(path + (" (preview)" if preview else ""), file.header, surface, PolyData(output))
+        name = path + (" (preview)" if preview else "")
+        check_surface(name, file.header, surface, PolyData(output))
         parts.append(f"{len(surface.points)} points")
     print(f"{path}: {' and '.join(parts)}: as decoded by {os.path.basename(tool)}")
 

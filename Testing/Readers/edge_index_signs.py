@@ -10,20 +10,19 @@ MARGIN = 4  # vertices that rows have beyond the block, on both sides
 
 
 class Neighbours:
-    """The rows around row y of a slice, by the names that the text gives them.
+    """The rows around row y of a slice, by the names that the text gives them; packed.
 
-    A row here is a list in which vertex x stands at x + MARGIN. `slices` has the slices that are
-    decoded, `rows` what is decoded of the present one.
+    `slices` has the slices that are decoded, the last one being that of the row.
     """
 
-    def __init__(self, slices, rows, width):
-        y, present = len(rows), len(slices)
+    def __init__(self, slices):
+        y, present = len(slices[-1]), len(slices) - 1
 
         def find(z, n):
             """Row n of a slice. Rows before the first repeat the first one of the slice before."""
             if n < 0:
-                return pad(slices[z - 1][0] if z > 0 else [0] * width)
-            return pad(rows[n] if z == present else slices[z][min(n, len(slices[z]) - 1)])
+                return slices[z - 1][0] if z > 0 else 0
+            return slices[z][min(n, len(slices[z]) - 1)]
 
         self.Y, self.YY, self.YYY = (find(present, y - n) for n in (1, 2, 3))
         if present == 0:
@@ -38,22 +37,22 @@ class Neighbours:
 
     def are_quiet(self, x, sign):
         """Whether the bits that matter for runs all are `sign`, but for those of the row itself."""
-        five, at = [sign] * 5, x + MARGIN
-        return (self.Y[at - 2:at + 3] == five and self.Z[at - 2:at + 3] == five
-                and self.ZM[at - 1:at + 2] == five[:3] and self.ZP[at - 1:at + 2] == five[:3]
-                and self.YY[at] == self.ZMM[at] == self.ZPP[at] == self.ZZ[at] == sign)
+        return not (window(self.Y, x, -2, 2, sign) or window(self.Z, x, -2, 2, sign)
+                    or window(self.ZM, x, -1, 1, sign) or window(self.ZP, x, -1, 1, sign)
+                    or window(self.YY, x, 0, 0, sign) or window(self.ZMM, x, 0, 0, sign)
+                    or window(self.ZPP, x, 0, 0, sign) or window(self.ZZ, x, 0, 0, sign))
 
 
-def pad(row):
-    return [row[0]] * MARGIN + row + [row[-1]] * MARGIN
+def pack(row):
+    """A row of bits as a number: vertex x is its bit x + MARGIN; the ends are repeated."""
+    bits = [row[0]] * MARGIN + row + [row[-1]] * MARGIN
+    return sum(bit << n for n, bit in enumerate(bits))
 
 
 def window(row, x, a, b, flip):
-    """Bits x + a ... x + b of a row as a number, lowest first, each XORed with `flip`."""
-    bits = 0
-    for n in range(x + b + MARGIN, x + a + MARGIN - 1, -1):
-        bits = bits << 1 | (row[n] ^ flip)
-    return bits
+    """Bits x + a ... x + b of a packed row as a number, lowest first, each XORed with `flip`."""
+    mask = (2 << b - a) - 1
+    return (row >> x + a + MARGIN & mask) ^ (mask if flip else 0)
 
 
 def find_near(rows, x, flip):
@@ -66,19 +65,22 @@ class Signs:
 
     def __init__(self):
         self.quiet = AdaptiveBits.from_priors(PRIORS.quiet, 10, 1023)
+        self.slices = []
 
-    def decode_slice(self, decoder, slices, width, height):
-        """The next slice, as rows of bits, behind the `slices` that there are."""
+    def decode_slice(self, decoder, width, height):
+        """The next slice, as rows of bits."""
         rows = []
-        for _ in range(height):
+        self.slices.append([])  # packed
+        for y in range(height):
             rows.append(self._decode_row(
-                decoder, Neighbours(slices, rows, width), (len(slices), len(rows)), (width, height)))
+                decoder, Neighbours(self.slices), (len(self.slices) - 1, y), (width, height)))
+            self.slices[-1].append(pack(rows[-1]))
         return rows
 
     def _decode_row(self, decoder, rows, place, size):
         """`place` is (z, y) of the row, `size` (width, height) of the slice."""
         width = size[0]
-        own = [rows.Z[MARGIN]] * MARGIN  # what lies left of it; vertices follow
+        own = [rows.Z >> MARGIN & 1] * MARGIN  # what lies left of it; vertices follow
         while len(own) < width + MARGIN:
             x = len(own) - MARGIN
             sign = own[-1]
@@ -115,7 +117,7 @@ class FastSigns(Signs):
 def find_pattern(rows, own, x, flip):
     """The numbers near, out and core of the text, and own[-2]."""
     def at(row, n):
-        return row[x + n + MARGIN] ^ flip
+        return (row >> x + n + MARGIN & 1) ^ flip
 
     own2 = own[-2] ^ flip
     out = (own2 | at(rows.YY, 0) << 1 | at(rows.ZZ, 0) << 2 | at(rows.Y, -2) << 3
@@ -253,13 +255,15 @@ class NetworkSigns(Signs):
     def _list_bits(rows, own, place, size):
         """The 91 inputs of the network."""
         (x, z, y), (width, height) = place, size
-        flip, at = own[-1], x + MARGIN
-        bits = [own[-4] ^ flip, own[-3] ^ flip, own[-2] ^ flip, flip, x == 0, x == 1, x == width - 1]
+        flip = own[-1]
+        bits = [own[-4] ^ flip, own[-3] ^ flip, own[-2] ^ flip, flip]
+        bits += [x == 0, x == 1, x == width - 1]
         for reach, names in ((3, (rows.Y, rows.YY, rows.Z, rows.ZM, rows.ZP, rows.ZZ)),
                              (2, (rows.YYY, rows.ZMM, rows.ZPP, rows.ZZM, rows.ZZP)),
                              (1, (rows.ZMMM, rows.ZPPP, rows.ZZMM, rows.ZZPP))):
             for row in names:
-                bits += [bit ^ flip for bit in row[at - reach:at + reach + 1]]
+                number = window(row, x, -reach, reach, flip)
+                bits += [number >> n & 1 for n in range(2 * reach + 1)]
         return bits + [z == 0, z == 1, y == 0, y == 1, y == height - 1]
 
     @staticmethod
@@ -277,8 +281,8 @@ class NetworkSigns(Signs):
             near,
             scramble_two(near, out),
             scramble_two(near | out << 12,
-                         at(ZMM, 0, 0) | at(ZPP, 0, 0) << 1 | at(YY, -1, -1) << 2 | at(YY, 1, 1) << 3
-                         | at(ZZ, -1, -1) << 4 | at(ZZ, 1, 1) << 5 | 1 << 6),
+                         at(ZMM, 0, 0) | at(ZPP, 0, 0) << 1 | at(YY, -1, -1) << 2
+                         | at(YY, 1, 1) << 3 | at(ZZ, -1, -1) << 4 | at(ZZ, 1, 1) << 5 | 1 << 6),
             count_pattern(rows, x, flip, near, out, core),
             scramble_two(near, at(ZZ, -1, 1) | at(rows.ZZM, 0, 0) << 3 | at(rows.ZZP, 0, 0) << 4
                          | at(YY, -1, 1) << 5 | own2 << 8 | 1 << 9),

@@ -191,12 +191,10 @@ def make_domain(header, isovalue, scale):
     return kind(header.type_name, isovalue, scale)
 
 
-class Heights:
-    """The heights of a slice, with two more vertices on each side. Vertex (x, y) is [y + 2][x + 2]."""
-
-    def __init__(self, block, z, begin):
-        self.rows = [[begin if block.is_inside(x, y, z) else -begin
-                      for x in range(-2, block.nx + 2)] for y in range(-2, block.ny + 2)]
+def begin_heights(block, z, height):
+    """The heights of a slice, two more on each side included: (x, y) is at [y + 2][x + 2]."""
+    return [[height if block.is_inside(x, y, z) else -height
+             for x in range(-2, block.nx + 2)] for y in range(-2, block.ny + 2)]
 
 
 # Neighbours whose heights are inputs of a prediction: the steps back in z, and those in y and x.
@@ -233,10 +231,6 @@ class FilterPrediction:
         crossed = block.begin_bits(x, y, z).bit_count()
         inputs.append(divide(-3 * crossed * inputs[-1], 10))
         return inputs
-
-
-def find_begin(mean):
-    return min(3 * (mean >> 6) // 2, HEIGHT_LIMIT)
 
 
 class LeastSquaresFunction:
@@ -358,7 +352,10 @@ class Measures:
 
 
 class Values:
-    """Decodes the values of a block; profiles differ in magnitudes, prediction and what is visited."""
+    """Decodes the values of a block.
+
+    Profiles differ in magnitudes, prediction, and which vertices are visited.
+    """
 
     def __init__(self, domain, magnitudes, prediction, visits_more):
         self.domain, self.magnitudes, self.prediction = domain, magnitudes, prediction
@@ -371,7 +368,8 @@ class Values:
         """The values of the relevant vertices of slice z, by (x, y)."""
         zeros = [[0] * (block.nx + 4)] * (block.ny + 4)
         before = self.heights[:2] if z > 0 else [zeros, zeros]
-        self.heights = [Heights(block, z, find_begin(self.mean)).rows] + before
+        begin = min(3 * (self.mean >> 6) // 2, HEIGHT_LIMIT)
+        self.heights = [begin_heights(block, z, begin)] + before
         self.prediction.begin_slice(self.mean)
         visited = self._find_visited(block, z)
         values = {}

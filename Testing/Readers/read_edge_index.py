@@ -96,23 +96,29 @@ class Header:
               "header: too many vertices")
 
     def _read_fixed_part(self, source):
-        type_number, mode, profile, self.quantization_bits, self.isovalue_count = source.unpack("BBBBI")
+        type_number, mode, profile, self.quantization_bits, self.isovalue_count = \
+            source.unpack("BBBBI")
         check(type_number < len(TYPE_NAMES) and mode < len(MODES) and profile < len(PROFILES)
               and self.isovalue_count <= 65536, "header: impossible type, mode, profile or count")
-        self.type_name, self.mode, self.profile = TYPE_NAMES[type_number], MODES[mode], PROFILES[profile]
-        check(self.version >= FIRST_VERSIONS[self.profile], "header: the version has no such profile")
-        self.maximum_error, self.quantization_minimum, self.quantization_maximum = source.unpack("3d")
+        self.type_name, self.mode = TYPE_NAMES[type_number], MODES[mode]
+        self.profile = PROFILES[profile]
+        check(self.version >= FIRST_VERSIONS[self.profile],
+              "header: the version has no such profile")
+        self.maximum_error, self.quantization_minimum, self.quantization_maximum = \
+            source.unpack("3d")
         check(mode not in (1, 3) or 0 < self.maximum_error <= 0.5, "header: impossible error")
         check(mode != 2 or 2 <= self.quantization_bits <= 24
               and -math.inf < self.quantization_minimum < self.quantization_maximum < math.inf,
               "header: impossible quantization")
         self.extent = source.unpack("6q")
         check(all(-2**40 <= low <= high <= 2**40
-                  for low, high in zip(self.extent[::2], self.extent[1::2])), "header: impossible extent")
+                  for low, high in zip(self.extent[::2], self.extent[1::2])),
+              "header: impossible extent")
         self.origin, self.spacing, self.direction = (source.unpack(n + "d") for n in "339")
         self.blocks, time, has_time, self.preview_level, zeros, self.attribute_count, \
             self.preview_error = source.unpack("QdBBHId")
-        check(has_time < 2 and self.preview_level <= 6 and zeros == 0 and self.attribute_count <= 256
+        check(has_time < 2 and self.preview_level <= 6 and zeros == 0
+              and self.attribute_count <= 256
               and (self.preview_level == 0 or 0 < self.preview_error <= 0.5),
               "header: impossible time, preview or count")
         self.time = time if has_time else None
@@ -255,7 +261,8 @@ def make_values(profile, domain):
 
 def make_crossings(profile, intervals, some_missing):
     prediction = MeanPrediction() if profile == "fast" else PlanePrediction()
-    return Crossings(intervals, some_missing, make_magnitudes(profile, PRIORS.crossings), prediction)
+    magnitudes = make_magnitudes(profile, PRIORS.crossings)
+    return Crossings(intervals, some_missing, magnitudes, prediction)
 
 
 class DecodedBlock:
@@ -281,7 +288,7 @@ class DecodedBlock:
         values = {}
         for z in range(block.nz):
             while len(block.slices) < min(z + 2, block.nz):
-                block.add_slice(signs.decode_slice(decoder, block.slices, block.nx, block.ny))
+                block.add_slice(signs.decode_slice(decoder, block.nx, block.ny))
             found = geometry.decode_slice(decoder, block, z)
             if record.codes_crossings:
                 self._add_crossings(found, z)
@@ -339,7 +346,8 @@ class EdgeIndexFile:
                 or position + size != len(data) - 32):
             return False
         directory = data[position:position + size]
-        if struct.unpack_from("<Q", directory, size - 8)[0] != hash64(directory[:-8], self.header.hash):
+        found, = struct.unpack_from("<Q", directory, size - 8)
+        if found != hash64(directory[:-8], self.header.hash):
             return False
         source = Bytes(directory[:-8])
         check(source.number() == 0, "directory: does not begin with 0")
@@ -436,7 +444,8 @@ class Surface:
             where = self.find_id(record, x, y, z, axis)
             place = [float(first + n) for first, n in zip(record.first, (x, y, z))]
             place[axis] += t
-            self.points[where] = [round_to_float32(p + low) for p, low in zip(place, self.grid.first)]
+            self.points[where] = [round_to_float32(p + low)
+                                  for p, low in zip(place, self.grid.first)]
             self.isovalues[where] = self.header.isovalues[record.isovalue]
             for mine, found in zip(self.attributes, decoded.attributes):
                 mine[where] = found[x, y, z, axis]
@@ -449,10 +458,6 @@ class Surface:
                 self.triangles.append(tuple(self.find_id(record, x + i, y + j, z + k, axis)
                                             for (i, j, k), axis in edges))
 
-    def list_world_points(self):
-        """Global ids in their order, and the points."""
-        return [(where, self.grid.place(self.points[where])) for where in sorted(self.points)]
-
 
 def main(paths):
     for path in paths:
@@ -462,8 +467,8 @@ def main(paths):
         except FormatError as error:
             sys.exit(f"{path}: {error}")
         header = file.header
-        print(f"{path}: version {header.version}, {header.type_name}, {header.mode}, {header.profile}; "
-              f"{len(file.records)} records; {len(surface.points)} points, "
+        print(f"{path}: version {header.version}, {header.type_name}, {header.mode}, "
+              f"{header.profile}; {len(file.records)} records; {len(surface.points)} points, "
               f"{len(surface.triangles)} triangles; preview: {len(preview.points)} points, "
               f"{len(preview.triangles)} triangles")
 
