@@ -140,6 +140,40 @@ bool WriteModes(const std::string& folder)
     Write(folder, "quantized-finely", fine, waves);
 }
 
+/// A small ball in a large block, so that runs are long; far from the origin, so that float32 tells
+/// few places on an edge apart.
+bool WriteLarge(const std::string& folder)
+{
+  TestVolume<float> volume({ 66, 40, 9 });
+  for (std::int64_t k = 0; k < 9; ++k)
+  {
+    for (std::int64_t j = 0; j < 40; ++j)
+    {
+      for (std::int64_t i = 0; i < 66; ++i)
+      {
+        volume.At(i, j, k) =
+          static_cast<float>((i - 50) * (i - 50) + 2 * (j - 20) * (j - 20) + 3 * (k - 3) * (k - 3));
+      }
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    volume.Geometry.Extent[2 * axis] -= 1 << 20;
+    volume.Geometry.Extent[2 * axis + 1] -= 1 << 20;
+  }
+  TestBlockSource<float> source(volume, 64);
+  using Mode = EdgeIndexMode;
+  using Profile = EdgeIndexProfile;
+  EdgeIndexHeader bounded = MakeNamedHeader(volume, { 40.5 }, Mode::Bounded, Profile::Default);
+  bounded.Settings.MaximumError = 0.1;
+  bounded.PreviewLevel = 1;
+  return Write(folder, "large-bounded", bounded, source) &&
+    Write(folder, "large-fast", MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Fast),
+      source) &&
+    Write(folder, "large-compact",
+      MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Compact), source);
+}
+
 bool WriteAttributed(const std::string& folder)
 {
   using Mode = EdgeIndexMode;
@@ -172,7 +206,8 @@ int main(int argc, char* argv[])
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   using namespace isosurface;
-  return WriteTypes(folder) && WriteWild(folder) && WriteModes(folder) && WriteAttributed(folder)
+  return WriteTypes(folder) && WriteWild(folder) && WriteModes(folder) && WriteLarge(folder) &&
+      WriteAttributed(folder)
     ? 0
     : 1;
 }
