@@ -281,7 +281,6 @@ public:
       ->GetViewport(rank, viewport.data());
     return viewport[4];
   }
-  double Mine = 0;
 
   /// Seconds of the frame on the slowest rank.
   double DrawFrame(Way& way)
@@ -305,7 +304,7 @@ public:
     {
       this->Controller->ProcessRMIs();
     }
-    const Clocks end = Clocks::Read(); this->Mine = end.Wall-begin;
+    const Clocks end = Clocks::Read();
     this->Controller->Barrier();
     const Clocks& rendered = this->Pass->GetEnd();
     std::array<double, 5> seconds = { this->Pass->TakeSeconds(), 0,
@@ -533,7 +532,6 @@ void RunBudget(Display& ours, const Options& options, vtkMPIController* controll
     {
       ++divisors[ours.GetDivisor(rank)];
     }
-    if (controller->GetLocalProcessId() == 0 && getenv("TRACE")) { printf("%d: %.1f ms learned-of %.1f:", frame, 1e3*seconds.back(), 1e3*ours.Mine); for (int r=0;r<ranks;++r) printf(" %d", ours.GetDivisor(r)); printf("\n"); }
   }
   if (controller->GetLocalProcessId() == 0)
   {
