@@ -5,9 +5,11 @@
 #include "ArrayRanges.h"
 #include "ChosenScalars.h"
 #include "ContourBlocks.h"
+#include "ImageContour.h"
 #include "ImagePieces.h"
 #include "QueryCost.h"
 #include "SurfacePolyData.h"
+#include "VolumeContour.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkInformationBlockedVolumeKey.h"
@@ -33,19 +35,15 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/ParallelFor.h"
-#include "Contour/BlockRanges.h"
 #include "Contour/BlockSelection.h"
 #include "Contour/SurfaceExtractor.h"
-#include "Contour/SurfaceMerge.h"
 #include "ControllerCommunicator.h"
 #include "Store/BlockedVolume.h"
 #include "Store/LevelChoice.h"
 #include "Store/ProgressiveLevels.h"
-#include "Store/StoredBlockSource.h"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,7 +59,6 @@ using isosurface::QueryCost;
 using isosurface::Result;
 using isosurface::Status;
 using isosurface::StatusCode;
-using isosurface::Surface;
 using isosurface::SurfaceQuery;
 
 namespace
@@ -85,43 +82,10 @@ bool IsBehindReader(vtkInformation* info)
 
 } // namespace
 
-/**
- * The value ranges of the blocks of the images of the last execution. An array is known by its
- * address and by when it or its image was modified.
- */
-struct vtkStabbingContour::Index
+struct vtkStabbingContour::Output : isosurface::VolumeContour::Outcome
 {
-  struct Entry
-  {
-    vtkDataArray* Array = nullptr;
-    vtkMTimeType Time = 0;
-    isosurface::VertexBox Box;
-    isosurface::ChosenScalars Scalars;
-    isosurface::BlockRanges Ranges;
-  };
-  std::vector<Entry> Entries;
-
-  bool Take(const isosurface::ImageSamples& samples, int component, Entry& entry)
-  {
-    for (Entry& kept : this->Entries)
-    {
-      if (kept.Array == samples.Array && kept.Time == samples.Time &&
-        kept.Scalars.GetComponent() == component && kept.Box == samples.Components.front().Box)
-      {
-        entry = std::exchange(kept, Entry());
-        return true;
-      }
-    }
-    return false;
-  }
-};
-
-struct vtkStabbingContour::Output
-{
-  Surface Extracted;
   std::vector<isosurface::InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                             ///< of the contoured array
-  QueryCost Cost;
   bool Final = true;
 };
 
@@ -164,8 +128,8 @@ vtkStabbingContour::vtkStabbingContour()
   , NumberOfThreads(0)
   , RanksOnNode(0)
   , Controller(nullptr)
-  , ImageIndex(new Index)
-  , Rate(new isosurface::ExtractionRate)
+  , OfImages(new isosurface::ImageContour)
+  , OfVolumes(new isosurface::VolumeContour)
   , LastPass(new Pass)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
@@ -542,89 +506,19 @@ Status vtkStabbingContour::ExtractFromVolume(
     return finest.GetStatus();
   }
   output.Final = *finest <= this->Level;
+  const isosurface::VolumeContour::Task task = { *volume, query, request, this->ChooseThreads(),
+    [this](double share) { return this->TellProgress(share); } };
   if (budget.IsLimited())
   {
     ISOSURFACE_RETURN_IF_ERROR(
-      this->ExtractWithinBudget(ranks, budget, *volume, query, *finest, request, output));
+      this->OfVolumes->ExtractWithinBudget(ranks, budget, task, *finest, output));
     // What forbids this level forbids finer ones, too.
     output.Final = output.Final || output.Cost.Level > *finest;
     return Status::Ok();
   }
   LevelChoice choice;
   choice.Level = *finest;
-  return this->ExtractAtLevel(*volume, query, request, choice, output);
-}
-
-//------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractWithinBudget(isosurface::Communicator& ranks,
-  const isosurface::ExtractionBudget& budget, BlockedVolume& volume, const SurfaceQuery& query,
-  int finest, const ContourRequest& request, Output& output)
-{
-  isosurface::QueryStatistics& reading = output.Cost.Reading;
-  if (budget.Seconds > 0 && !this->Rate->IsKnown())
-  {
-    // A level that takes next to no time tells how fast this machine is.
-    const auto probe = isosurface::ChooseLevel(
-      volume, query, finest, { budget.Seconds / 10, 0 }, *this->Rate, ranks, reading);
-    ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
-    Output unused;
-    ISOSURFACE_RETURN_IF_ERROR(
-      ranks.Agree(this->ExtractAtLevel(volume, query, request, *probe, unused)));
-    reading.Add(unused.Cost.Reading);
-  }
-  auto choice = isosurface::ChooseLevel(volume, query, finest, budget, *this->Rate, ranks, reading);
-  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
-  const int coarsest = volume.GetNumberOfLevels() - 1;
-  while (true)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(
-      ranks.Agree(this->ExtractAtLevel(volume, query, request, *choice, output)));
-    output.Cost.Choice = *choice;
-    std::vector<std::uint64_t> triangles = { output.Extracted.NumberOfTriangles };
-    ranks.ReduceSum(triangles);
-    if (budget.Triangles == 0 || triangles[0] <= budget.Triangles || choice->Level == coarsest)
-    {
-      return Status::Ok();
-    }
-    // The estimate was too low.
-    ++choice->Level;
-    choice->Limit = isosurface::LevelLimit::Triangles;
-  }
-}
-
-//------------------------------------------------------------------------------
-Status vtkStabbingContour::ExtractAtLevel(BlockedVolume& volume, const SurfaceQuery& query,
-  const ContourRequest& request, const LevelChoice& choice, Output& output)
-{
-  const auto start = std::chrono::steady_clock::now();
-  output.Cost.Level = choice.Level;
-  isosurface::QueryStatistics& reading = output.Cost.Reading;
-  reading.ActiveBlocks = 0;
-  auto active = volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues, query.Rank,
-    query.Ranks, reading, choice.Level, query.Selection);
-  if (!active.IsOk())
-  {
-    return active.GetStatus();
-  }
-  isosurface::StoredBlockSource source(
-    volume, query.TimeStep, query.Variable, choice.Level, std::move(*active));
-  source.SetAttributes(query.Attributes);
-  auto extracted = isosurface::ExtractSurface(volume.GetHeader().Grid.Coarsen(choice.Level), source,
-    request, this->ChooseThreads(), [this](double share) { return this->TellProgress(share); });
-  reading.Add(source.GetStatistics());
-  if (!extracted.IsOk())
-  {
-    return extracted.GetStatus();
-  }
-  output.Extracted = std::move(*extracted);
-  if (choice.Work.Blocks > 0)
-  {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    isosurface::ExtractionWork work = choice.Work;
-    work.Triangles = static_cast<double>(output.Extracted.NumberOfTriangles);
-    this->Rate->Observe(work, seconds.count());
-  }
-  return Status::Ok();
+  return this->OfVolumes->ExtractAtLevel(task, choice, output);
 }
 
 //------------------------------------------------------------------------------
@@ -677,80 +571,17 @@ Status vtkStabbingContour::ExtractFromImages(
     return pieces.GetStatus();
   }
 
-  // The ids of several grids follow each other.
-  std::vector<std::int64_t> firstIds(1, 0);
-  for (const isosurface::GridGeometry& grid : pieces->Grids)
+  auto extracted = this->OfImages->Extract(*pieces,
+    { this->Component, this->ChooseInterpolatedArrays(output.ArrayName), this->MakeRegion(),
+      this->ChooseThreads() },
+    request, [this](double share) { return this->TellProgress(share); });
+  if (!extracted.IsOk())
   {
-    firstIds.push_back(firstIds.back() + isosurface::CountGlobalIds(grid, request));
+    return extracted.GetStatus();
   }
-  const isosurface::Region region = this->MakeRegion();
-  std::vector<Surface> surfaces;
-  std::vector<Index::Entry> kept;
-  for (std::size_t number = 0; number < pieces->Pieces.size(); ++number)
-  {
-    const isosurface::ImagePiece& piece = pieces->Pieces[number];
-    const auto progress = [&](double share)
-    {
-      return this->TellProgress(
-        (static_cast<double>(number) + share) / static_cast<double>(pieces->Pieces.size()));
-    };
-    const int component = *isosurface::FindChosenComponent(
-      static_cast<int>(piece.Samples.Components.size()), this->Component);
-    const auto attributes =
-      isosurface::FindAttributes(piece, this->ChooseInterpolatedArrays(output.ArrayName));
-    if (!attributes.IsOk())
-    {
-      return attributes.GetStatus();
-    }
-    if (number > 0 && attributes->Arrays != output.Arrays)
-    {
-      return Status(StatusCode::InvalidArgument,
-        "the arrays to interpolate are not of the same types in all images of the input");
-    }
-    if (number == 0)
-    {
-      output.Arrays = attributes->Arrays;
-      for (const isosurface::InterpolatedArray& array : output.Arrays)
-      {
-        request.Attributes.push_back(array.Layout);
-      }
-    }
-    Index::Entry entry;
-    if (!this->ImageIndex->Take(piece.Samples, component, entry))
-    {
-      entry.Array = piece.Samples.Array;
-      entry.Time = piece.Samples.Time;
-      entry.Box = piece.Samples.Components.front().Box;
-      entry.Scalars = isosurface::ChosenScalars(piece.Samples, component, this->ChooseThreads());
-      auto ranges = isosurface::BlockRanges::Compute(
-        entry.Scalars.GetView(piece.Samples), this->ChooseThreads());
-      if (!ranges.IsOk())
-      {
-        return ranges.GetStatus();
-      }
-      entry.Ranges = std::move(*ranges);
-    }
-    auto extracted =
-      isosurface::ExtractPiece(pieces->Grids[piece.Grid], entry.Scalars.GetView(piece.Samples),
-        attributes->Views, entry.Ranges, request, region, this->ChooseThreads(), progress);
-    kept.push_back(std::move(entry));
-    if (!extracted.IsOk())
-    {
-      return extracted.GetStatus();
-    }
-    output.Cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
-    if (const std::int64_t firstId = firstIds[piece.Grid]; firstId != 0)
-    {
-      for (std::int64_t& id : extracted->GlobalIds)
-      {
-        id += firstId;
-      }
-    }
-    surfaces.push_back(std::move(*extracted));
-  }
-  this->ImageIndex->Entries = std::move(kept);
-  output.Extracted =
-    surfaces.size() == 1 ? std::move(surfaces.front()) : isosurface::MergeSurfaces(surfaces);
+  output.Extracted = std::move(extracted->Extracted);
+  output.Arrays = std::move(extracted->Arrays);
+  output.Cost.Reading.ActiveBlocks += extracted->ActiveBlocks;
   return Status::Ok();
 }
 
@@ -827,7 +658,8 @@ Status vtkStabbingContour::CollectBlocksOfVolume(isosurface::Communicator& ranks
   {
     isosurface::QueryStatistics statistics;
     const auto choice = isosurface::ChooseLevel(*volume, query, wanted.Level,
-      { 0, static_cast<std::uint64_t>(this->MaximumTriangles) }, *this->Rate, ranks, statistics);
+      { 0, static_cast<std::uint64_t>(this->MaximumTriangles) }, this->OfVolumes->GetRate(), ranks,
+      statistics);
     ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
     wanted.Level = choice->Level;
   }

@@ -59,16 +59,15 @@ namespace isosurface
 {
 class BlockedVolume;
 class Communicator;
-class ExtractionRate;
+class ImageContour;
 class Region;
 class Status;
+class VolumeContour;
 template <class T>
 class Result;
 struct ContourBlocks;
 struct ContourRequest;
-struct ExtractionBudget;
 struct ImagePieces;
-struct LevelChoice;
 struct SurfaceQuery;
 }
 
@@ -306,8 +305,6 @@ private:
   vtkStabbingContour(const vtkStabbingContour&) = delete;
   void operator=(const vtkStabbingContour&) = delete;
 
-  struct Index; ///< value ranges of the blocks of images, kept between isovalues
-
   struct Output; ///< what is extracted
 
   /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
@@ -321,14 +318,6 @@ private:
 
   isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
     isosurface::ContourRequest& request, Output& output);
-  /// At the level, from `finest` on, that the budget allows. Collective.
-  isosurface::Status ExtractWithinBudget(isosurface::Communicator& ranks,
-    const isosurface::ExtractionBudget& budget, isosurface::BlockedVolume& volume,
-    const isosurface::SurfaceQuery& query, int finest, const isosurface::ContourRequest& request,
-    Output& output);
-  isosurface::Status ExtractAtLevel(isosurface::BlockedVolume& volume,
-    const isosurface::SurfaceQuery& query, const isosurface::ContourRequest& request,
-    const isosurface::LevelChoice& choice, Output& output);
   isosurface::Status ExtractFromImages(
     vtkInformationVector** input, isosurface::ContourRequest& request, Output& output);
   /// The images of all ranks that are to be contoured. Collective.
@@ -366,8 +355,8 @@ private:
   int NumberOfThreads;
   int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;
-  std::unique_ptr<Index> ImageIndex;
-  std::unique_ptr<isosurface::ExtractionRate> Rate;
+  std::unique_ptr<isosurface::ImageContour> OfImages;
+  std::unique_ptr<isosurface::VolumeContour> OfVolumes;
   std::unique_ptr<Pass> LastPass;
 };
 

@@ -93,6 +93,14 @@ void ApplyPriors(SignModel& model)
   }
 }
 
+void ApplyPriors(NetworkSignModel& model)
+{
+  for (std::size_t n = 0; n < model.Quiet.size(); ++n)
+  {
+    model.Quiet[n] = MakeBit(Priors.Quiet[n], NearCount);
+  }
+}
+
 void ApplyPriors(ResidualModel& model, const ResidualPriors& priors)
 {
   constexpr std::size_t nodes = NumberOfSymbols;

@@ -3,13 +3,16 @@
 #define isosurface_BlockCoder_h
 
 #include "EdgeIndex/AttributeCoder.h"
+#include "EdgeIndex/BlockScheme.h"
 #include "EdgeIndex/CrossingCoder.h"
+#include "EdgeIndex/NetworkSigns.h"
 #include "EdgeIndex/SignCoder.h"
 #include "EdgeIndex/ValueCoder.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace isosurface
@@ -41,30 +44,32 @@ public:
 /// What is known about a block.
 struct BlockModel
 {
-  explicit BlockModel(bool mixed)
-    : IsMixed(mixed)
-    , Signs(mixed)
-    , Values(mixed)
-    , Crossings(mixed)
+  explicit BlockModel(BlockScheme scheme)
+    : Scheme(scheme)
+    , Signs(scheme != BlockScheme::Compact && IsMixed(scheme))
+    , NetSigns(scheme == BlockScheme::Compact)
+    , Values(IsMixed(scheme))
+    , Crossings(IsMixed(scheme))
   {
   }
   /// Makes it as it is at the begin of each block: what signs need, and values or crossings.
   void Reset(bool forValues);
 
-  bool IsMixed;
-  SignModel Signs;
+  BlockScheme Scheme;
+  SignModel Signs;           ///< but of the scheme Compact
+  NetworkSignModel NetSigns; ///< of the scheme Compact
   ValueModel Values;
   CrossingModel Crossings;
 };
 
 /// A model as it is at the begin of each block; made once.
-const BlockModel& GetFreshModel(bool mixed);
+const BlockModel& GetFreshModel(BlockScheme scheme);
 
 /**
  * The code of a block: for each slice first the signs of the next one, since they tell which
  * vertices are relevant and which edges crossed, then the slice's values or crossings.
  */
-template <typename Coder, bool Mixed, bool Fitted>
+template <typename Coder, BlockScheme Scheme>
 class BlockCoder
 {
 public:
@@ -72,7 +77,7 @@ public:
     : Output(coder)
     , Model(model)
     , Size{ size[0], size[1], size[2] }
-    , Signs(coder, model.Signs, size[0], size[1])
+    , Signs(coder, GetSigns(model), size[0], size[1])
   {
   }
 
@@ -89,7 +94,7 @@ public:
   /// With values: see ValueCoder.
   void CodeValues(const ValueDomain& domain, BlockValues& values)
   {
-    const auto coder = std::make_unique<ValueCoder<Coder, Mixed, Fitted>>(
+    const auto coder = std::make_unique<ValueCoder<Coder, IsMixed(Scheme), IsFitted(Scheme)>>(
       this->Output, this->Model.Values, domain, this->Size[0], this->Size[1]);
     std::int64_t codes[MaximumCodedVertices];
     this->VisitSlices(values,
@@ -115,7 +120,7 @@ public:
   /// With crossings: see CrossingCoder.
   void CodeCrossings(std::uint32_t bins, bool missing, BlockValues& values)
   {
-    const auto coder = std::make_unique<CrossingCoder<Coder, Mixed>>(
+    const auto coder = std::make_unique<CrossingCoder<Coder, IsMixed(Scheme)>>(
       this->Output, this->Model.Crossings, bins, missing, this->Size[0], this->Size[1]);
     std::uint32_t row[MaximumCodedVertices];
     this->VisitSlices(values,
@@ -146,6 +151,21 @@ public:
   }
 
 private:
+  using VertexSigns = std::conditional_t<Scheme == BlockScheme::Compact, NetworkSigns<Coder>,
+    ContextSigns<Coder, IsMixed(Scheme)>>;
+
+  static auto& GetSigns(BlockModel& model)
+  {
+    if constexpr (Scheme == BlockScheme::Compact)
+    {
+      return model.NetSigns;
+    }
+    else
+    {
+      return model.Signs;
+    }
+  }
+
   template <typename Functor>
   void VisitSlices(BlockValues& values, const Functor& codeSlice)
   {
@@ -179,7 +199,7 @@ private:
   Coder& Output;
   BlockModel& Model;
   int Size[3];
-  SignCoder<Coder, Mixed> Signs;
+  SignCoder<Coder, VertexSigns> Signs;
   std::vector<std::unique_ptr<AttributeCoder<Coder>>> Attributes;
 };
 

@@ -27,7 +27,6 @@ struct BlockContent
 {
   std::array<int, 3> Size{};           ///< vertices
   const ValueDomain* Domain = nullptr; ///< of the values; null to code crossings
-  bool IsFitted = false;               ///< values are predicted by HeightFit, with a mixed model
   std::uint32_t Bins = 0;              ///< of crossings: intervals of an edge,
   bool HasMissing = false;             ///< and whether some are not numbers
   std::vector<CodedAttribute> Attributes;
@@ -42,7 +41,8 @@ enum class CoderInstructions
 
 /**
  * Encodes a block, or decodes it, with a model that is fresh (BlockModel::Reset) and of the
- * profile. The result is the same with either set of instructions.
+ * scheme: BlockScheme::Fitted can be decoded only. The result is the same with either set of
+ * instructions.
  */
 void CodeBlock(RangeEncoder& coder, BlockModel& model, const BlockContent& content,
   BlockValues& values, CoderInstructions instructions = CoderInstructions::Newest);

@@ -23,11 +23,11 @@ namespace isosurface
 namespace
 {
 
-template <bool Mixed, bool Fitted, typename Coder>
+template <BlockScheme Scheme, typename Coder>
 inline void CodeContent(
   Coder& output, BlockModel& model, const BlockContent& content, BlockValues& values)
 {
-  BlockCoder<Coder, Mixed, Fitted> coder(output, model, content.Size.data());
+  BlockCoder<Coder, Scheme> coder(output, model, content.Size.data());
   for (const CodedAttribute& coded : content.Attributes)
   {
     coder.AddAttribute(coded.Attribute, coded.Edges, coded.HasExceptions);
@@ -43,11 +43,11 @@ inline void CodeContent(
 }
 
 #ifdef ISOSURFACE_NEWEST_CODERS
-template <bool Mixed, bool Fitted, typename Coder>
+template <BlockScheme Scheme, typename Coder>
 ISOSURFACE_NEWEST_CODERS void CodeWithNewest(
   Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values)
 {
-  CodeContent<Mixed, Fitted>(coder, model, content, values);
+  CodeContent<Scheme>(coder, model, content, values);
 }
 
 bool HasNewest()
@@ -58,37 +58,43 @@ bool HasNewest()
 }
 #endif
 
-template <bool Mixed, bool Fitted, typename Coder>
+template <BlockScheme Scheme, typename Coder>
 void Code(Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values,
   CoderInstructions instructions)
 {
 #ifdef ISOSURFACE_NEWEST_CODERS
   if (instructions == CoderInstructions::Newest && HasNewest())
   {
-    CodeWithNewest<Mixed, Fitted>(coder, model, content, values);
+    CodeWithNewest<Scheme>(coder, model, content, values);
     return;
   }
 #else
   static_cast<void>(instructions);
 #endif
-  CodeContent<Mixed, Fitted>(coder, model, content, values);
+  CodeContent<Scheme>(coder, model, content, values);
 }
 
 template <typename Coder>
-void CodeByProfile(Coder& coder, BlockModel& model, const BlockContent& content,
-  BlockValues& values, CoderInstructions instructions)
+void CodeByScheme(Coder& coder, BlockModel& model, const BlockContent& content, BlockValues& values,
+  CoderInstructions instructions)
 {
-  if (!model.IsMixed)
+  switch (model.Scheme)
   {
-    Code<false, false>(coder, model, content, values, instructions);
-  }
-  else if (content.IsFitted && content.Domain)
-  {
-    Code<true, true>(coder, model, content, values, instructions);
-  }
-  else
-  {
-    Code<true, false>(coder, model, content, values, instructions);
+    case BlockScheme::Fast:
+      Code<BlockScheme::Fast>(coder, model, content, values, instructions);
+      break;
+    case BlockScheme::Mixed:
+      Code<BlockScheme::Mixed>(coder, model, content, values, instructions);
+      break;
+    case BlockScheme::Fitted:
+      if constexpr (!Coder::Encodes)
+      {
+        Code<BlockScheme::Fitted>(coder, model, content, values, instructions);
+      }
+      break;
+    case BlockScheme::Compact:
+      Code<BlockScheme::Compact>(coder, model, content, values, instructions);
+      break;
   }
 }
 

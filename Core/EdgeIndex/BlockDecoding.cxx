@@ -7,7 +7,7 @@ namespace isosurface
 void CodeBlock(RangeDecoder& coder, BlockModel& model, const BlockContent& content,
   BlockValues& values, CoderInstructions instructions)
 {
-  CodeByProfile(coder, model, content, values, instructions);
+  CodeByScheme(coder, model, content, values, instructions);
 }
 
 } // namespace isosurface

@@ -237,7 +237,6 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
     }
     domain.emplace(MakeDomain(header, record, quantizer));
     content.Domain = &*domain;
-    content.IsFitted = header.Settings.Profile == EdgeIndexProfile::Compact;
     block.SetDomain(&*domain);
   }
   model.Reset(content.Domain != nullptr);
@@ -264,8 +263,7 @@ std::unique_ptr<BlockModel> EdgeIndexBlockDecoder::TakeModel()
       return model;
     }
   }
-  return std::make_unique<BlockModel>(
-    GetFreshModel(this->Header.Settings.Profile != EdgeIndexProfile::Fast));
+  return std::make_unique<BlockModel>(GetFreshModel(this->Header.GetScheme()));
 }
 
 Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record)

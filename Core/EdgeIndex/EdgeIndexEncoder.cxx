@@ -23,8 +23,8 @@ public:
     : Header(header)
     , Preview(header.MakePreview())
     , Learning(learning)
-    , Model(GetFreshModel(header.Settings.Profile != EdgeIndexProfile::Fast))
-    , PreviewModel(GetFreshModel(false))
+    , Model(GetFreshModel(header.GetScheme()))
+    , PreviewModel(GetFreshModel(BlockScheme::Fast))
   {
   }
 
@@ -56,7 +56,6 @@ public:
     record.Block.HasMissing = false;
     BlockContent content;
     content.Domain = &*domain;
-    content.IsFitted = this->Header.Settings.Profile == EdgeIndexProfile::Compact;
     this->Run(block, record.Block.IsPreview, content, code);
   }
 
@@ -187,6 +186,11 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
   {
     return { StatusCode::InvalidArgument,
       "The samples of a block to encode are missing or of another type." };
+  }
+  if (header.GetScheme() == BlockScheme::Fitted)
+  {
+    return { StatusCode::InvalidArgument,
+      "The profile compact of version 2 is read, but not written any more." };
   }
   if (isovalue >= header.Isovalues.size())
   {

@@ -32,9 +32,9 @@ namespace
 //      8  checksum of all before
 // A name, the array and the source: size (4), then so many bytes of UTF-8.
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
-// Version 2 is that with the compact profile; all else is written as version 1.
+// Versions 2 and 3 are those with the compact profile; all else is written as version 1.
 constexpr std::uint32_t LeastVersion = 1;
-constexpr std::uint32_t CompactVersion = 2;
+constexpr std::uint32_t GreatestVersion = 3;
 constexpr std::size_t ChecksumSize = 8;
 constexpr std::size_t MostIsovalues = 65536;
 constexpr std::size_t MostAttributes = 256;
@@ -230,12 +230,25 @@ ValueType EdgeIndexHeader::GetDecodedType() const
   return this->Settings.Mode == EdgeIndexMode::Quantized ? ValueType::Float32 : this->Type;
 }
 
+BlockScheme EdgeIndexHeader::GetScheme() const
+{
+  switch (this->Settings.Profile)
+  {
+    case EdgeIndexProfile::Fast:
+      return BlockScheme::Fast;
+    case EdgeIndexProfile::Compact:
+      return this->CompactVersion == 2 ? BlockScheme::Fitted : BlockScheme::Compact;
+    default:
+      return BlockScheme::Mixed;
+  }
+}
+
 void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
 {
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), Magic, Magic + sizeof(Magic));
-  AppendValue(
-    bytes, this->Settings.Profile == EdgeIndexProfile::Compact ? CompactVersion : LeastVersion);
+  AppendValue(bytes,
+    this->Settings.Profile == EdgeIndexProfile::Compact ? this->CompactVersion : LeastVersion);
   AppendValue(bytes, std::uint32_t{ 0 }); // the size, at the end
   bytes.push_back(static_cast<std::uint8_t>(this->Type));
   bytes.push_back(static_cast<std::uint8_t>(this->Settings.Mode));
@@ -369,7 +382,7 @@ Result<std::size_t> EdgeIndexHeader::ParseSize(const std::uint8_t* bytes)
       StatusCode::Corrupt, "This is not an edge-index stream: it does not begin with EIXcode.");
   }
   const auto version = LoadLittleEndian<std::uint32_t>(bytes + 8);
-  if (version < LeastVersion || version > CompactVersion)
+  if (version < LeastVersion || version > GreatestVersion)
   {
     return Status(StatusCode::Unsupported, "The edge-index stream is of another version.");
   }
@@ -405,14 +418,14 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   }
   EdgeIndexHeader header;
   HeaderReader reader(bytes + 16, *length - ChecksumSize - 16);
+  const auto version = LoadLittleEndian<std::uint32_t>(bytes + 8);
   const auto type = reader.Read<std::uint8_t>();
   const auto mode = reader.Read<std::uint8_t>();
   const auto profile = reader.Read<std::uint8_t>();
   bool isKnown = type <= static_cast<std::uint8_t>(ValueType::Float64) &&
     mode <= static_cast<std::uint8_t>(EdgeIndexMode::Smallest) &&
     profile <= static_cast<std::uint8_t>(EdgeIndexProfile::Compact) &&
-    (profile == static_cast<std::uint8_t>(EdgeIndexProfile::Compact)) ==
-      (LoadLittleEndian<std::uint32_t>(bytes + 8) == CompactVersion);
+    (profile == static_cast<std::uint8_t>(EdgeIndexProfile::Compact)) == (version > LeastVersion);
   header.Settings.QuantizationBits = reader.Read<std::uint8_t>();
   const std::size_t isovalues = reader.Read<std::uint32_t>();
   header.Settings.MaximumError = reader.Read<double>();
@@ -453,6 +466,10 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   header.Type = static_cast<ValueType>(type);
   header.Settings.Mode = static_cast<EdgeIndexMode>(mode);
   header.Settings.Profile = static_cast<EdgeIndexProfile>(profile);
+  if (header.Settings.Profile == EdgeIndexProfile::Compact)
+  {
+    header.CompactVersion = version;
+  }
   if (hasTime == 1)
   {
     header.Time = time;

@@ -3,6 +3,7 @@
 #define isosurface_EdgeIndexHeader_h
 
 #include "Base/Status.h"
+#include "EdgeIndex/BlockScheme.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/ValueType.h"
 
@@ -29,7 +30,7 @@ enum class EdgeIndexProfile : std::uint8_t
 {
   Default = 0, ///< probabilities mixed of several contexts
   Fast = 1,    ///< one context each
-  Compact = 2  ///< as Default, but values are predicted by a fit to those around
+  Compact = 2  ///< as Default, with predictions that are fitted to what is around
 };
 
 struct EdgeIndexSettings
@@ -80,6 +81,9 @@ struct EdgeIndexHeader
   /// Blocks that the writer means to look at; each has at most one record an isovalue. 0: unknown.
   std::uint64_t NumberOfBlocks = 0;
 
+  /// Of the format, with the profile compact: 2, which is read only, or 3. Of the others it is 1.
+  std::uint32_t CompactVersion = 3;
+
   /// If not 0 (at most 6), the surface of every 2^PreviewLevel-th vertex is there as well, bounded
   /// by PreviewMaximumError, in edges of that grid, in the fast profile. It misses blocks that do
   /// not begin at such a vertex.
@@ -113,6 +117,9 @@ struct EdgeIndexHeader
   /// The intervals that an edge is cut into when Bounded; 0 if MaximumError is too small for float
   /// coordinates on this grid.
   std::uint32_t GetNumberOfBins() const;
+
+  /// How the blocks are coded, but for the preview's.
+  BlockScheme GetScheme() const;
 
   /// The type of decoded samples: Type, or Float32 if quantized.
   ValueType GetDecodedType() const;

@@ -11,6 +11,7 @@ namespace isosurface
 {
 
 struct BlockModel;
+struct NetworkSignModel;
 struct ResidualModel;
 struct SignModel;
 struct ValueModel;
@@ -40,6 +41,7 @@ extern const EdgeIndexPriors Priors;
 
 /// Gives a model what is known before its first block.
 void ApplyPriors(SignModel& model);
+void ApplyPriors(NetworkSignModel& model);
 void ApplyPriors(ResidualModel& model, const ResidualPriors& priors);
 void ApplyPriors(ValueModel& model);
 

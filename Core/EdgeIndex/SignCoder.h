@@ -14,7 +14,11 @@
 namespace isosurface
 {
 
-/// What is known about the signs of vertices.
+/// Whether a stretch of vertices, none of which has a decoded neighbour of another sign, has the
+/// sign of its neighbours: by the number of vertices.
+using QuietSigns = std::array<AdaptiveBit, 8>;
+
+/// What is known about the signs of vertices, in the profiles Default and Fast.
 struct SignModel
 {
   static constexpr int NumberOfNeighbors = 12;
@@ -27,29 +31,130 @@ struct SignModel
   /// By the 12 decoded neighbours around the vertex, told from the one to its left; a second time
   /// for the first slice.
   std::array<AdaptiveBit, std::size_t(2) << NumberOfNeighbors> Near;
-  /// Whether a stretch of vertices, none of which has a decoded neighbour of another sign, has the
-  /// sign of its neighbours: by the number of vertices.
-  std::array<AdaptiveBit, 8> Quiet;
+  QuietSigns Quiet;
   /// By more neighbours; only if mixed.
   std::array<std::vector<AdaptiveBit>, NumberOfHashed> Hashed;
   std::array<LogisticMixer, NumberOfMixers> Mixers;
 };
 
 /**
+ * The decoded rows around the one to code. Named by where they are: Y before on the same slice, Z
+ * on the slice before, M and P one row before and after on it.
+ */
+struct SignRowsAround
+{
+  SignRow Y, YY, Z, ZM, ZP, ZMM, ZPP, ZZ, ZZM, ZZP;
+};
+
+/// Where a row of signs is, and the slices that are decoded.
+struct SignRowPlace
+{
+  const SignSlice& Slice;  ///< decoded up to the row
+  const SignSlice* Below;  ///< the slice before, or null
+  const SignSlice* Below2; ///< the one before that, or null
+  int Y;
+  int SizeX;
+  int SizeY;
+};
+
+/**
+ * Codes the sign of a vertex in contexts of decoded ones. After: G. Taubin, "BLIC: bi-level
+ * isosurface compression", IEEE Visualization 2002; here of 13 neighbours, and (mixed) with five
+ * wider contexts.
+ */
+template <typename Coder, bool Mixed>
+class ContextSigns
+{
+public:
+  using Model = SignModel;
+
+  ContextSigns(Coder& coder, SignModel& model)
+    : Output(coder)
+    , Known(model)
+  {
+  }
+
+  void BeginRow(const SignRowPlace& place) { this->FirstSlice = place.Below ? 0 : 1; }
+
+  /// Codes vertex x; own: the signs at x - 2 and x - 1, lowest first.
+  bool CodeVertex(bool bit, std::uint32_t own, const SignRow&, const SignRowsAround& rows, int x)
+  {
+    const std::uint32_t left = own >> 1;
+    // Signs are told from the one to the left, so that inside and outside share what is learnt.
+    const std::uint32_t flip = left != 0 ? 31 : 0;
+    const std::uint32_t y = rows.Y.GetWindow(x) ^ flip;
+    const std::uint32_t z = rows.Z.GetWindow(x) ^ flip;
+    const std::uint32_t zm = rows.ZM.GetWindow(x) ^ flip;
+    const std::uint32_t zp = rows.ZP.GetWindow(x) ^ flip;
+    const std::uint32_t near =
+      (y >> 1 & 7) | (z >> 1 & 7) << 3 | (zm >> 1 & 7) << 6 | (zp >> 1 & 7) << 9;
+    AdaptiveBit& nearModel =
+      this->Known.Near[near | this->FirstSlice << SignModel::NumberOfNeighbors];
+    const bool flipped = left != 0;
+    if constexpr (!Mixed)
+    {
+      return CodeAdaptive(this->Output, nearModel, bit != flipped, 255) != flipped;
+    }
+    const std::uint32_t yy = rows.YY.GetWindow(x) ^ flip;
+    const std::uint32_t zz = rows.ZZ.GetWindow(x) ^ flip;
+    const std::uint32_t zmm = rows.ZMM.GetWindow(x) ^ flip;
+    const std::uint32_t zpp = rows.ZPP.GetWindow(x) ^ flip;
+    const std::uint32_t zzm = rows.ZZM.GetWindow(x) ^ flip;
+    const std::uint32_t zzp = rows.ZZP.GetWindow(x) ^ flip;
+    const std::uint32_t left2 = (own ^ flip) & 1;
+    const std::uint32_t out = left2 | (yy >> 2 & 1) << 1 | (zz >> 2 & 1) << 2 | (y & 1) << 3 |
+      (y >> 4) << 4 | (z & 1) << 5 | (z >> 4) << 6;
+    const std::uint32_t core = (y >> 2 & 3) | (z >> 2 & 3) << 2 | (zp >> 2 & 1) << 4;
+    const auto count = [](std::uint32_t bits)
+    { return static_cast<std::uint32_t>(__builtin_popcount(bits)); };
+    const std::uint32_t nearCount = count(near);
+    const std::uint32_t farCount = count(out) + count(yy) + count(zz) + count(zmm) + count(zpp);
+    constexpr std::uint32_t mask = (1u << SignModel::HashBits) - 1;
+    const std::uint32_t hashes[SignModel::NumberOfHashed] = { Hash(near | out << 12),
+      Hash((near | out << 12) ^
+        ((zmm >> 2 & 1) << 20 | (zpp >> 2 & 1) << 21 | (yy >> 1 & 1) << 22 | (yy >> 3 & 1) << 23 |
+          (zz >> 1 & 1) << 24 | (zz >> 3 & 1) << 25 | 1u << 30)),
+      nearCount | farCount << 4 | core << 9,
+      Hash(near | (zz >> 1 & 7) << 12 | (zzm >> 2 & 1) << 15 | (zzp >> 2 & 1) << 16 |
+        (yy >> 1 & 7) << 17 | left2 << 20 | 1u << 31),
+      Hash(core | out << 5 | (zmm >> 1 & 7) << 12 | (zpp >> 1 & 7) << 15 | (yy >> 1 & 7) << 18 |
+        left << 21 | 3u << 30) };
+    AdaptiveBit* models[SignModel::NumberOfHashed + 1] = { &nearModel };
+    for (std::size_t n = 0; n < SignModel::NumberOfHashed; ++n)
+    {
+      models[n + 1] = &this->Known.Hashed[n][hashes[n] & mask];
+    }
+    const std::size_t mixer = core | left2 << 5 | this->FirstSlice << 6;
+    return CodeMixed<SignModel::NumberOfHashed + 1>(
+             this->Output, models, this->Known.Mixers[mixer], bit != flipped, 800, 1) != flipped;
+  }
+
+private:
+  static std::uint32_t Hash(std::uint32_t key)
+  {
+    key *= 0x9E3779B1u;
+    return (key ^ key >> 15) >> 3;
+  }
+  Coder& Output;
+  SignModel& Known;
+  unsigned FirstSlice = 0;
+};
+
+/**
  * Codes the signs of the vertices of a block, slice after slice, each in the order of rows.
  *
  * The rows' bits are what marching cubes classifies cells by, so crossed edges, active cells and
- * connectivity follow from them. Contexts after: G. Taubin, "BLIC: bi-level isosurface
- * compression", IEEE Visualization 2002; here of 13 neighbours, with long runs of equal signs coded
- * as a whole, and (mixed) with five wider contexts.
+ * connectivity follow from them. Long runs of equal signs are coded as a whole, other vertices by
+ * `VertexSigns`, which is ContextSigns or NetworkSigns.
  */
-template <typename Coder, bool Mixed>
+template <typename Coder, typename VertexSigns>
 class SignCoder
 {
 public:
-  SignCoder(Coder& coder, SignModel& model, int sizeX, int sizeY)
-    : Output(coder)
-    , Model(model)
+  SignCoder(Coder& coder, typename VertexSigns::Model& model, int sizeX, int sizeY)
+    : Vertices(coder, model)
+    , Quiet(model.Quiet)
+    , Output(coder)
     , SizeX(sizeX)
     , SizeY(sizeY)
   {
@@ -70,7 +175,8 @@ public:
     {
       this->FindRows(slice, below, below2, y);
       SignRow row = slice.At(y);
-      this->CodeRow(row, below ? 0 : 1);
+      this->Vertices.BeginRow({ slice, below, below2, y, this->SizeX, this->SizeY });
+      this->CodeRow(row);
       row.SpreadEnds(this->SizeX);
       slice.At(y) = row;
     }
@@ -79,16 +185,9 @@ public:
   }
 
 private:
-  // Decoded rows around the one to code. Named by where they are: Y before on the same slice, Z on
-  // the slice before, M and P one row before and after on it.
-  struct Rows
-  {
-    SignRow Y, YY, Z, ZM, ZP, ZMM, ZPP, ZZ, ZZM, ZZP;
-  };
-
   void FindRows(const SignSlice& slice, const SignSlice* below, const SignSlice* below2, int y)
   {
-    Rows& rows = this->Around;
+    SignRowsAround& rows = this->Around;
     rows.Y = slice.At(y - 1);
     rows.YY = slice.At(y - 2);
     if (!below)
@@ -110,7 +209,7 @@ private:
   // Where all neighbours that a quiet vertex has are outside, or all are inside.
   void FindQuiet(SignRow& outside, SignRow& inside) const
   {
-    const Rows& rows = this->Around;
+    const SignRowsAround& rows = this->Around;
     SignRow any = rows.Y | rows.YY | rows.Z | rows.ZM | rows.ZP | rows.ZMM | rows.ZPP | rows.ZZ;
     SignRow all = rows.Y & rows.YY & rows.Z & rows.ZM & rows.ZP & rows.ZMM & rows.ZPP & rows.ZZ;
     if (any.IsZero() || (~all).IsZero())
@@ -136,7 +235,7 @@ private:
     inside = all;
   }
 
-  void CodeRow(SignRow& row, unsigned firstSlice)
+  void CodeRow(SignRow& row)
   {
     SignRow outside;
     SignRow inside;
@@ -157,7 +256,7 @@ private:
       }
       else
       {
-        const bool bit = this->CodeVertex(row.Get(x), before, x, firstSlice);
+        const bool bit = this->Vertices.CodeVertex(row.Get(x), before, coded, this->Around, x);
         coded.Words[static_cast<unsigned>(x + SignRow::Margin) / 64] |= std::uint64_t{ bit }
           << (static_cast<unsigned>(x + SignRow::Margin) % 64);
         before = before >> 1 | (bit ? 2U : 0U);
@@ -178,8 +277,7 @@ private:
       position = std::min(end, FindFirst(sign ? ~row : row, x)) - x;
     }
     const std::size_t context = (sign ? 4 : 0) + (length > 32 ? 3 : length > 8 ? 2 : length > 2);
-    const bool whole =
-      CodeAdaptive(this->Output, this->Model.Quiet[context], position == length, 1023);
+    const bool whole = CodeAdaptive(this->Output, this->Quiet[context], position == length, 1023);
     if (!whole)
     {
       const int bits = length == 1 ? 0 : 32 - __builtin_clz(static_cast<unsigned>(length - 1));
@@ -217,69 +315,12 @@ private:
     return 128;
   }
 
-  static std::uint32_t Hash(std::uint32_t key)
-  {
-    key *= 0x9E3779B1u;
-    return (key ^ key >> 15) >> 3;
-  }
-
-  bool CodeVertex(bool bit, std::uint32_t own, int x, unsigned firstSlice)
-  {
-    const Rows& rows = this->Around;
-    const std::uint32_t left = own >> 1;
-    // Signs are told from the one to the left, so that inside and outside share what is learnt.
-    const std::uint32_t flip = left != 0 ? 31 : 0;
-    const std::uint32_t y = rows.Y.GetWindow(x) ^ flip;
-    const std::uint32_t z = rows.Z.GetWindow(x) ^ flip;
-    const std::uint32_t zm = rows.ZM.GetWindow(x) ^ flip;
-    const std::uint32_t zp = rows.ZP.GetWindow(x) ^ flip;
-    const std::uint32_t near =
-      (y >> 1 & 7) | (z >> 1 & 7) << 3 | (zm >> 1 & 7) << 6 | (zp >> 1 & 7) << 9;
-    AdaptiveBit& nearModel = this->Model.Near[near | firstSlice << SignModel::NumberOfNeighbors];
-    const bool flipped = left != 0;
-    if constexpr (!Mixed)
-    {
-      return CodeAdaptive(this->Output, nearModel, bit != flipped, 255) != flipped;
-    }
-    const std::uint32_t yy = rows.YY.GetWindow(x) ^ flip;
-    const std::uint32_t zz = rows.ZZ.GetWindow(x) ^ flip;
-    const std::uint32_t zmm = rows.ZMM.GetWindow(x) ^ flip;
-    const std::uint32_t zpp = rows.ZPP.GetWindow(x) ^ flip;
-    const std::uint32_t zzm = rows.ZZM.GetWindow(x) ^ flip;
-    const std::uint32_t zzp = rows.ZZP.GetWindow(x) ^ flip;
-    const std::uint32_t left2 = (own ^ flip) & 1;
-    const std::uint32_t out = left2 | (yy >> 2 & 1) << 1 | (zz >> 2 & 1) << 2 | (y & 1) << 3 |
-      (y >> 4) << 4 | (z & 1) << 5 | (z >> 4) << 6;
-    const std::uint32_t core = (y >> 2 & 3) | (z >> 2 & 3) << 2 | (zp >> 2 & 1) << 4;
-    const auto count = [](std::uint32_t bits)
-    { return static_cast<std::uint32_t>(__builtin_popcount(bits)); };
-    const std::uint32_t nearCount = count(near);
-    const std::uint32_t farCount = count(out) + count(yy) + count(zz) + count(zmm) + count(zpp);
-    constexpr std::uint32_t mask = (1u << SignModel::HashBits) - 1;
-    const std::uint32_t hashes[SignModel::NumberOfHashed] = { Hash(near | out << 12),
-      Hash((near | out << 12) ^
-        ((zmm >> 2 & 1) << 20 | (zpp >> 2 & 1) << 21 | (yy >> 1 & 1) << 22 | (yy >> 3 & 1) << 23 |
-          (zz >> 1 & 1) << 24 | (zz >> 3 & 1) << 25 | 1u << 30)),
-      nearCount | farCount << 4 | core << 9,
-      Hash(near | (zz >> 1 & 7) << 12 | (zzm >> 2 & 1) << 15 | (zzp >> 2 & 1) << 16 |
-        (yy >> 1 & 7) << 17 | left2 << 20 | 1u << 31),
-      Hash(core | out << 5 | (zmm >> 1 & 7) << 12 | (zpp >> 1 & 7) << 15 | (yy >> 1 & 7) << 18 |
-        left << 21 | 3u << 30) };
-    AdaptiveBit* models[SignModel::NumberOfHashed + 1] = { &nearModel };
-    for (std::size_t n = 0; n < SignModel::NumberOfHashed; ++n)
-    {
-      models[n + 1] = &this->Model.Hashed[n][hashes[n] & mask];
-    }
-    const std::size_t mixer = core | left2 << 5 | firstSlice << 6;
-    return CodeMixed<SignModel::NumberOfHashed + 1>(
-             this->Output, models, this->Model.Mixers[mixer], bit != flipped, 800, 1) != flipped;
-  }
-
+  VertexSigns Vertices;
+  QuietSigns& Quiet;
   Coder& Output;
-  SignModel& Model;
   int SizeX;
   int SizeY;
-  Rows Around;
+  SignRowsAround Around;
 };
 
 } // namespace isosurface

@@ -41,19 +41,9 @@ struct SignRow
     this->Words[1] |= all.Words[1] & ~below.Words[1];
   }
   /// The bits of the vertices x - 2 .. x + 2, lowest first.
-  std::uint32_t GetWindow(int x) const
-  {
-    const auto bit = static_cast<unsigned>(x + Margin - 2);
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    std::uint32_t bytes;
-    std::memcpy(&bytes, reinterpret_cast<const char*>(this->Words.data()) + bit / 8, sizeof(bytes));
-    return bytes >> (bit % 8) & 31;
-#else
-    const std::uint64_t low = this->Words[bit / 64] >> (bit % 64);
-    const std::uint64_t high = bit > 64 ? 0 : this->Words[1] << 1 << (63 - bit % 64);
-    return static_cast<std::uint32_t>(low | (bit / 64 == 0 ? high : 0)) & 31;
-#endif
-  }
+  std::uint32_t GetWindow(int x) const { return this->GetBits(x - 2) & 31; }
+  /// The bits of the vertices x - 3 .. x + 3, lowest first.
+  std::uint32_t GetWideWindow(int x) const { return this->GetBits(x - 3) & 127; }
   /// Bit x of the result is bit x - 1, or x + 1, of the row.
   SignRow ShiftUp() const
   {
@@ -63,10 +53,7 @@ struct SignRow
   {
     return { { this->Words[0] >> 1 | this->Words[1] << 63, this->Words[1] >> 1 } };
   }
-  bool IsZero() const
-  {
-    return (this->Words[0] | this->Words[1]) == 0;
-  }
+  bool IsZero() const { return (this->Words[0] | this->Words[1]) == 0; }
 
   /// Ones at the vertices 0 .. size - 1.
   static SignRow MakeMask(int size)
@@ -87,6 +74,22 @@ struct SignRow
     this->Words[0] =
       (this->Words[0] & mask.Words[0]) | (first ? left : 0) | (last ? ~mask.Words[0] & ~left : 0);
     this->Words[1] = (this->Words[1] & mask.Words[1]) | (last ? ~mask.Words[1] : 0);
+  }
+
+private:
+  // The bits of vertex x and at least 7 that follow, lowest first.
+  std::uint32_t GetBits(int x) const
+  {
+    const auto bit = static_cast<unsigned>(x + Margin);
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    std::uint32_t bytes;
+    std::memcpy(&bytes, reinterpret_cast<const char*>(this->Words.data()) + bit / 8, sizeof(bytes));
+    return bytes >> (bit % 8);
+#else
+    const std::uint64_t low = this->Words[bit / 64] >> (bit % 64);
+    const std::uint64_t high = bit > 64 ? 0 : this->Words[1] << 1 << (63 - bit % 64);
+    return static_cast<std::uint32_t>(low | (bit / 64 == 0 ? high : 0));
+#endif
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
 // small volumes and trees, as Core writes them, behind the bytes that each target wants first.
+// Seeds that it does not write are kept, too: those of older versions, and what fuzzing found.
 #include "../Core/Contour/TestVolume.h"
 #include "../Core/Partition/SampleVolume.h"
 #include "../Core/Store/MemoryDisk.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The coders are compiled twice; both must take and give the same bytes.
 #include "EdgeIndex/BlockCoding.h"
-#include "EdgeIndex/EdgeIndexHeader.h"
 
 #include <gtest/gtest.h>
 
@@ -82,17 +81,14 @@ std::vector<SignSlice> MakeSigns()
 
 TEST(BlockCoding, EitherSetOfInstructionsGivesTheSame)
 {
-  for (const auto profile :
-    { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+  for (const auto scheme : { BlockScheme::Fast, BlockScheme::Mixed, BlockScheme::Compact })
   {
-    const bool isMixed = profile != EdgeIndexProfile::Fast;
     for (const bool hasValues : { false, true })
     {
       const auto domain = std::make_unique<ValueDomain>(ValueType::Int16, 0.0, 3);
       BlockContent content;
       content.Size = Size;
       content.Domain = hasValues ? domain.get() : nullptr;
-      content.IsFitted = profile == EdgeIndexProfile::Compact;
       content.Bins = 100;
       std::vector<std::uint8_t> bytes[2];
       RememberedBlock given;
@@ -100,7 +96,7 @@ TEST(BlockCoding, EitherSetOfInstructionsGivesTheSame)
       {
         given.Gives = true;
         given.Signs = MakeSigns();
-        BlockModel model = GetFreshModel(isMixed);
+        BlockModel model = GetFreshModel(scheme);
         RangeEncoder encoder(bytes[n]);
         CodeBlock(encoder, model, content, given,
           n == 0 ? CoderInstructions::Baseline : CoderInstructions::Newest);
@@ -113,7 +109,7 @@ TEST(BlockCoding, EitherSetOfInstructionsGivesTheSame)
       {
         RememberedBlock taken;
         taken.Signs.resize(static_cast<std::size_t>(Size[2]));
-        BlockModel model = GetFreshModel(isMixed);
+        BlockModel model = GetFreshModel(scheme);
         RangeDecoder decoder(bytes[0].data(), bytes[0].size());
         CodeBlock(decoder, model, content, taken, instructions);
         EXPECT_EQ(given.Numbers, taken.Numbers);

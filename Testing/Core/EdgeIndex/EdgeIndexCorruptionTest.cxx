@@ -83,6 +83,15 @@ TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
         std::vector<std::uint8_t> bytes(good.begin(), good.begin() + first);
         record.Append(bytes); // with the right checksum
         Decodes(bytes);
+        if (profile == EdgeIndexProfile::Compact)
+        {
+          std::vector<std::uint8_t> older;
+          EdgeIndexHeader version2 = *header;
+          version2.CompactVersion = 2;
+          version2.Append(older);
+          record.Append(older);
+          Decodes(older);
+        }
         record.CodeSize = n;
         bytes.resize(first);
         record.Append(bytes);
@@ -109,8 +118,8 @@ TEST(EdgeIndexCorruption, AProfileThatItsVersionDoesNotHaveIsCorrupt)
     std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, profile);
     std::size_t size = 0;
     ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
-    EXPECT_EQ(bytes[8], profile == EdgeIndexProfile::Compact ? 2 : 1);
-    bytes[8] = static_cast<std::uint8_t>(3 - bytes[8]);
+    EXPECT_EQ(bytes[8], profile == EdgeIndexProfile::Compact ? 3 : 1);
+    bytes[8] = static_cast<std::uint8_t>(4 - bytes[8]);
     StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
     EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
       StatusCode::Corrupt);
@@ -120,7 +129,7 @@ TEST(EdgeIndexCorruption, AProfileThatItsVersionDoesNotHaveIsCorrupt)
 TEST(EdgeIndexCorruption, AnotherVersionIsUnsupported)
 {
   std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
-  bytes[8] = 3;
+  bytes[8] = 4;
   EXPECT_EQ(DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus().GetCode(),
     StatusCode::Unsupported);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format versions 1 and 2 stay readable, and mean the same, for ever; and the bytes of an
-// encoder do not depend on compiler, flags or machine. The files may not change together with the
-// code.
+// Files of format versions 1, 2 and 3 stay readable, and mean the same, for ever; and the bytes of
+// an encoder do not depend on compiler, flags or machine. The files may not change together with
+// the code.
 #include "CodedVolumes.h"
 
 #include "MemoryDisk.h"
@@ -62,36 +62,21 @@ EdgeIndexHeader MakeGoldenHeader(EdgeIndexMode mode, EdgeIndexProfile profile)
   return header;
 }
 
-/// Reads a golden file, and what the encoder makes now; both must be equal, and be the surface.
-template <typename T>
-void CheckGolden(
-  const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile, bool normals = false)
+std::vector<std::uint8_t> ReadGolden(const std::string& name)
 {
-  const std::string folder =
-    profile == EdgeIndexProfile::Compact ? "/edge-index-v2/" : "/edge-index-v1/";
-  const std::string file = ISOSURFACE_TEST_DATA + folder + name;
-  std::ifstream stream(file, std::ios::binary);
-  const std::vector<std::uint8_t> golden{ std::istreambuf_iterator<char>(stream), {} };
+  std::ifstream stream(ISOSURFACE_TEST_DATA "/" + name, std::ios::binary);
+  return { std::istreambuf_iterator<char>(stream), {} };
+}
 
+/// Whether a golden file is the surface.
+template <typename T>
+void CheckDecoded(const std::vector<std::uint8_t>& golden, EdgeIndexMode mode, bool normals)
+{
   const TestVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
-  EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);
-  if (normals)
-  {
-    header.Attributes = { { "Normals", ValueType::Float32, 3, 0.0078125, true } };
-  }
-  ASSERT_TRUE(WriteEdgeIndexFile(disk, Path, header, source, 1).IsOk());
-  const MemoryDisk::Bytes encoded = disk.GetFile(Path);
-  if (encoded != golden)
-  {
-    std::ofstream actual(::testing::TempDir() + name, std::ios::binary);
-    actual.write(
-      reinterpret_cast<const char*>(encoded.data()), static_cast<std::streamsize>(encoded.size()));
-    ADD_FAILURE() << file << " is not what is encoded now: " << ::testing::TempDir() << name;
-  }
-
-  disk.GetFile(Path) = golden;
+  const auto file = disk.CreateForWriting(Path);
+  ASSERT_TRUE(file.IsOk() && (*file)->Append(golden.data(), golden.size()).IsOk());
   const auto opened = EdgeIndexFile::Open(disk, Path);
   ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
   EXPECT_TRUE((*opened)->Verify(1).IsOk());
@@ -126,43 +111,85 @@ void CheckGolden(
   EXPECT_GT(coarse->NumberOfTriangles, 0u);
 }
 
+/// Reads a golden file, and what the encoder makes now; both must be equal, and be the surface.
+template <typename T>
+void CheckGolden(
+  const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile, bool normals = false)
+{
+  const std::vector<std::uint8_t> golden = ReadGolden(name);
+  const TestVolume<T> volume = MakeGoldenVolume<T>();
+  TestBlockSource<T> source(volume, 16);
+  MemoryDisk disk;
+  EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);
+  if (normals)
+  {
+    header.Attributes = { { "Normals", ValueType::Float32, 3, 0.0078125, true } };
+  }
+  ASSERT_TRUE(WriteEdgeIndexFile(disk, Path, header, source, 1).IsOk());
+  const MemoryDisk::Bytes encoded = disk.GetFile(Path);
+  if (encoded != golden)
+  {
+    const std::string written = ::testing::TempDir() + name.substr(name.find('/') + 1);
+    std::ofstream actual(written, std::ios::binary);
+    actual.write(
+      reinterpret_cast<const char*>(encoded.data()), static_cast<std::streamsize>(encoded.size()));
+    ADD_FAILURE() << name << " is not what is encoded now: " << written;
+  }
+  CheckDecoded<T>(golden, mode, normals);
+}
+
 } // namespace
 
 TEST(EdgeIndexGolden, LosslessIntegers)
 {
   CheckGolden<std::int16_t>(
-    "lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    "edge-index-v1/lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
 }
 
 TEST(EdgeIndexGolden, LosslessFloats)
 {
-  CheckGolden<float>("lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
+  CheckGolden<float>(
+    "edge-index-v1/lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
 }
 
 TEST(EdgeIndexGolden, CompactOnes)
 {
   CheckGolden<std::int16_t>(
-    "compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
-  CheckGolden<float>("compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+    "edge-index-v3/compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+  CheckGolden<float>(
+    "edge-index-v3/compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+}
+
+TEST(EdgeIndexGolden, CompactOnesOfVersion2AreRead)
+{
+  CheckDecoded<std::int16_t>(
+    ReadGolden("edge-index-v2/compact-int16.eix"), EdgeIndexMode::Lossless, false);
+  CheckDecoded<float>(
+    ReadGolden("edge-index-v2/compact-float32.eix"), EdgeIndexMode::Lossless, false);
 }
 
 TEST(EdgeIndexGolden, BoundedByCrossings)
 {
-  CheckGolden<std::uint16_t>("bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
-  CheckGolden<double>("bounded-fast.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
+  CheckGolden<std::uint16_t>(
+    "edge-index-v1/bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
+  CheckGolden<double>(
+    "edge-index-v1/bounded-fast.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
 }
 
 TEST(EdgeIndexGolden, QuantizedValues)
 {
-  CheckGolden<std::int32_t>("quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Default);
+  CheckGolden<std::int32_t>(
+    "edge-index-v1/quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Default);
 }
 
 TEST(EdgeIndexGolden, TheSmallerOfBoth)
 {
-  CheckGolden<double>("smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+  CheckGolden<double>(
+    "edge-index-v1/smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
 }
 
 TEST(EdgeIndexGolden, AttributesOfPoints)
 {
-  CheckGolden<std::uint16_t>("normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
+  CheckGolden<std::uint16_t>(
+    "edge-index-v1/normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
 }

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_TrainingSurface_h
+#define isosurface_TrainingSurface_h
+
+#include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockGrid.h"
+#include "Volume/SampleView.h"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// An isosurface to learn from, in blocks of 64^3 cells.
+struct TrainingSurface
+{
+  std::vector<char> Bytes; ///< the samples
+  SampleView View;
+  BlockGrid Grid;
+  EdgeIndexHeader Header;
+};
+
+/// Adds the option --surface: six words for each surface.
+void AddSurfaceOption(CLI::App& application, std::vector<std::string>& words);
+
+/// Reads the surfaces of the option, and makes two of generated fields. Says on standard error what
+/// cannot be read.
+bool ReadSurfaces(const std::vector<std::string>& words, std::vector<TrainingSurface>& surfaces);
+
+} // namespace isosurface
+
+#endif

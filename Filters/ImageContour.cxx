@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ImageContour.h"
+
+#include "vtkDataArray.h"
+
+#include "Contour/SurfaceMerge.h"
+#include "Store/ArrayVariables.h"
+
+#include <utility>
+
+namespace isosurface
+{
+
+namespace
+{
+
+// The first id of each grid, and the one behind the last.
+std::vector<std::int64_t> FindFirstIds(const ImagePieces& pieces, const ContourRequest& request)
+{
+  std::vector<std::int64_t> firstIds(1, 0);
+  for (const GridGeometry& grid : pieces.Grids)
+  {
+    firstIds.push_back(firstIds.back() + CountGlobalIds(grid, request));
+  }
+  return firstIds;
+}
+
+} // namespace
+
+Result<ImageContour::Entry> ImageContour::TakeEntry(
+  const ImageSamples& samples, int component, int threads)
+{
+  for (Entry& kept : this->Entries)
+  {
+    if (kept.Array == samples.Array && kept.Time == samples.Time &&
+      kept.Scalars.GetComponent() == component && kept.Box == samples.Components.front().Box)
+    {
+      return std::exchange(kept, Entry());
+    }
+  }
+  Entry entry;
+  entry.Array = samples.Array;
+  entry.Time = samples.Time;
+  entry.Box = samples.Components.front().Box;
+  entry.Scalars = ChosenScalars(samples, component, threads);
+  auto ranges = BlockRanges::Compute(entry.Scalars.GetView(samples), threads);
+  ISOSURFACE_RETURN_IF_ERROR(ranges.GetStatus());
+  entry.Ranges = std::move(*ranges);
+  return entry;
+}
+
+Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
+  const Settings& settings, ContourRequest& request, const Progress& progress)
+{
+  const std::vector<std::int64_t> firstIds = FindFirstIds(pieces, request);
+  Outcome outcome;
+  std::vector<Surface> surfaces;
+  std::vector<Entry> used;
+  request.Attributes.clear();
+  for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
+  {
+    const ImagePiece& piece = pieces.Pieces[number];
+    const auto attributes = FindAttributes(piece, settings.Arrays);
+    ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
+    if (number == 0)
+    {
+      outcome.Arrays = attributes->Arrays;
+      for (const InterpolatedArray& array : outcome.Arrays)
+      {
+        request.Attributes.push_back(array.Layout);
+      }
+    }
+    else if (attributes->Arrays != outcome.Arrays)
+    {
+      return Status(StatusCode::InvalidArgument,
+        "the arrays to interpolate are not of the same types in all images of the input");
+    }
+    const int component =
+      *FindChosenComponent(static_cast<int>(piece.Samples.Components.size()), settings.Component);
+    auto entry = this->TakeEntry(piece.Samples, component, settings.Threads);
+    ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
+    const auto advance = [&](double share)
+    {
+      return !progress ||
+        progress((static_cast<double>(number) + share) / static_cast<double>(pieces.Pieces.size()));
+    };
+    auto extracted = ExtractPiece(pieces.Grids[piece.Grid], entry->Scalars.GetView(piece.Samples),
+      attributes->Views, entry->Ranges, request, settings.Region, settings.Threads, advance);
+    used.push_back(std::move(*entry));
+    ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
+    outcome.ActiveBlocks += extracted->NumberOfBlocks;
+    if (const std::int64_t firstId = firstIds[piece.Grid]; firstId != 0)
+    {
+      for (std::int64_t& id : extracted->GlobalIds)
+      {
+        id += firstId;
+      }
+    }
+    surfaces.push_back(std::move(*extracted));
+  }
+  this->Entries = std::move(used);
+  outcome.Extracted = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
+  return outcome;
+}
+
+} // namespace isosurface

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ImageContour_h
+#define isosurface_ImageContour_h
+
+#include "ChosenScalars.h"
+#include "ImagePieces.h"
+
+#include "vtkType.h"
+
+#include "Base/Progress.h"
+#include "Base/Status.h"
+#include "Contour/BlockRanges.h"
+#include "Contour/SurfaceExtractor.h"
+#include "SurfacePolyData.h"
+#include "Volume/BlockGrid.h"
+#include "Volume/Region.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+class vtkDataArray;
+
+namespace isosurface
+{
+
+/**
+ * Isosurfaces of images in memory. The value ranges of their blocks, and magnitudes of vectors, are
+ * kept from one extraction to the next, for as long as the images stay the same.
+ */
+class ImageContour
+{
+public:
+  struct Settings
+  {
+    int Component = 0;               ///< as vtkStabbingContour::SetComponent takes it
+    std::vector<std::string> Arrays; ///< to interpolate
+    isosurface::Region Region;
+    int Threads = 1;
+  };
+
+  struct Outcome
+  {
+    Surface Extracted;
+    std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
+    std::uint64_t ActiveBlocks = 0;
+  };
+
+  /**
+   * The surface of this rank's pieces. The request's attributes are set to what the arrays are; the
+   * ids of several grids follow each other.
+   *
+   * Errors: those of FindAttributes and BlockRanges::Compute; InvalidArgument for arrays that are
+   * not of the same types in all images; Aborted when `progress` says so.
+   */
+  Result<Outcome> Extract(const ImagePieces& pieces, const Settings& settings,
+    ContourRequest& request, const Progress& progress);
+
+private:
+  /// An array is known by its address and by when it or its image was modified.
+  struct Entry
+  {
+    vtkDataArray* Array = nullptr;
+    vtkMTimeType Time = 0;
+    VertexBox Box;
+    ChosenScalars Scalars;
+    BlockRanges Ranges;
+  };
+
+  /// That of the last extraction, which is taken out, or one that is computed.
+  Result<Entry> TakeEntry(const ImageSamples& samples, int component, int threads);
+
+  std::vector<Entry> Entries;
+};
+
+} // namespace isosurface
+
+#endif
