@@ -17,8 +17,8 @@ constexpr double ConstantDrift = 0.5;
 constexpr double CoefficientDrift = 0.02;
 // How much longer or shorter than predicted an outlier is.
 constexpr double OutlierFactor = 1.5;
-// How much the last frame counts in the spread.
-constexpr double SpreadWeight = 0.1;
+// Until then it is the model's beginning that is measured, not the machine.
+constexpr std::int64_t FirstFrames = 3;
 
 } // namespace
 
@@ -41,6 +41,14 @@ double FrameTimeModel::Predict(const FrameWork& work) const
   return seconds;
 }
 
+double FrameTimeModel::GetHighRatio() const
+{
+  std::vector<double> ratios = this->Ratios;
+  const auto high = ratios.begin() + NumberOfRatios * 19 / 20 - 1;
+  std::nth_element(ratios.begin(), high, ratios.end());
+  return *high;
+}
+
 bool FrameTimeModel::IsLoneOutlier(double predicted, double seconds)
 {
   const int outlier = seconds > predicted * OutlierFactor ? 1
@@ -59,13 +67,16 @@ void FrameTimeModel::Learn(const FrameWork& work, double seconds)
     return;
   }
   const double predicted = this->Predict(work);
+  if (this->FramesLearned >= FirstFrames && predicted > 0)
+  {
+    this->Ratios[static_cast<std::size_t>(this->FramesLearned) % NumberOfRatios] =
+      seconds / predicted;
+  }
+  ++this->FramesLearned;
   if (this->IsLoneOutlier(predicted, seconds))
   {
     return;
   }
-  const double share = std::min(1.0, std::abs(seconds - predicted) / std::max(seconds, predicted));
-  this->Spread =
-    std::sqrt((1 - SpreadWeight) * this->Spread * this->Spread + SpreadWeight * share * share);
 
   const double noise = std::pow(MeasurementNoise * seconds, 2);
   this->Covariance[0][0] += ConstantDrift * noise;

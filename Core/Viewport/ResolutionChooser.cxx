@@ -9,17 +9,16 @@ namespace isosurface
 namespace
 {
 
-// What a frame may be expected to take, as a share of the budget, by how well frames are predicted:
-// nineteen of twenty are to be within 1.1 times the budget.
-double GetTarget(double budget, double spread)
-{
-  constexpr double Allowed = 1.1;
-  constexpr double DeviationsOf95Percent = 1.65;
-  return budget * std::clamp(Allowed / (1 + DeviationsOf95Percent * spread), 0.5, 1.0);
-}
-
 // A plan that is in use is left only if it is this much beyond the target.
 constexpr double Tolerance = 1.05;
+
+// What a frame may be expected to take, such that nineteen of twenty are within 1.1 times the
+// budget, if they go on to differ from what is expected as they did.
+double GetTarget(double budget, double highRatio)
+{
+  constexpr double Allowed = 1.1;
+  return budget * std::clamp(Allowed / (Tolerance * highRatio), 0.5, 1.0);
+}
 
 } // namespace
 
@@ -79,7 +78,7 @@ std::vector<std::size_t> ResolutionChooser::Refine(
 
 std::vector<int> ResolutionChooser::Choose(const std::vector<RankWork>& work, double budget)
 {
-  const double target = GetTarget(budget, this->Model.GetSpread());
+  const double target = GetTarget(budget, this->Model.GetHighRatio());
   const std::vector<std::size_t> coarsest(work.size(), NumberOfResolutions - 1);
   const std::vector<std::size_t> best = this->Refine(work, coarsest, target);
   const bool isFirst = this->Resolutions.size() != work.size();

@@ -45,7 +45,7 @@ class ClientAndServer(unittest.TestCase):
             time.sleep(0.1)
         return server
 
-    def run_client(self, port, script):
+    def run_client(self, port, script, output="client", options=()):
         here = os.path.dirname(os.path.abspath(__file__))
         return subprocess.run(
             [
@@ -53,21 +53,22 @@ class ClientAndServer(unittest.TestCase):
                 os.path.join(here, script),
                 f"--plugin={testing.arguments.plugin}",
                 f"--volumes={testing.arguments.volumes}",
-                f"--output={testing.output('client')}",
+                f"--output={testing.output(output)}",
                 f"--baselines={testing.arguments.baselines}",
                 f"--ranks={testing.arguments.ranks}",
                 f"--port={port}",
+                *options,
             ],
             env=testing.make_mpi_environment(),
             timeout=90,
             check=False,
         )
 
-    def run_client_and_server(self, script):
+    def run_client_and_server(self, script, server_options=(), output="client", options=()):
         port = find_free_port()
-        server = self.start_server(port)
+        server = self.start_server(port, *server_options)
         try:
-            self.assertEqual(self.run_client(port, script).returncode, 0)
+            self.assertEqual(self.run_client(port, script, output, options).returncode, 0)
             # A server ends with its client.
             self.assertEqual(server.wait(timeout=30), 0)
         finally:
@@ -113,6 +114,22 @@ class ClientAndServer(unittest.TestCase):
 
     def test_metabuffer_view_shows_the_stock_picture(self):
         self.run_client_and_server("metabuffer_view.py")
+
+    def test_wall_shows_the_one_big_picture_of_the_stock_view(self):
+        import numpy
+
+        ranks = testing.arguments.ranks
+        self.run_client_and_server("wall_picture.py", output="picture")
+        # Without it tiles are as large as the screen.
+        os.environ["PV_ICET_WINDOW_BORDERS"] = "1"
+        self.addCleanup(os.environ.pop, "PV_ICET_WINDOW_BORDERS")
+        self.run_client_and_server(
+            "wall_picture.py", [f"--tdx={ranks}", "--tdy=1"], "tiles", ["--wall"]
+        )
+        picture = testing.read_picture(testing.output("picture/wall.png"))[:, :, :3]
+        tiles = [numpy.load(testing.output(f"tiles/tile-{rank}.npy")) for rank in range(ranks)]
+        self.assertTrue((numpy.hstack(tiles) == picture).all())
+        self.assertGreater(int((picture != picture[0, 0]).any(axis=2).sum()), 10000)
 
     def test_distributed_surface_has_the_picture_of_the_contour(self):
         self.run_client_and_server("distribute.py")

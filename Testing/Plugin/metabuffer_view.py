@@ -33,7 +33,7 @@ class MetabufferView(unittest.TestCase):
         cls.outline = simple.Outline(Input=cls.wave)
 
     def setUp(self):
-        with_server = ("from_every_camera", "outlined", "fxaa")
+        with_server = ("from_every_camera", "outlined", "fxaa", "time_budget")
         if testing.arguments.port and not any(name in self.id() for name in with_server):
             self.skipTest("seen without a server")
 
