@@ -88,7 +88,7 @@ std::vector<Sample> TakeSamples(
   {
     SampleView view = surface.View;
     view.Box = surface.Grid.GetVertices(block);
-    SampledBlock sampled(view, surface.Header.Isovalues[0], 1);
+    SampledBlock sampled(view, surface.Header.Isovalues[0], CrossingIntervals::MakeEqual(1));
     if (!sampled.IsCrossed())
     {
       continue;
