@@ -7,6 +7,7 @@
  *   ours    lossless, by profile; bounded, at the largest error that Draco's own bits are found to
  *           make; quantized, as the paper has it
  *   Draco   compression levels 7 and 10, positions of 11 and 14 bits, connectivity by edgebreaker
+ *   errors  with --errors: bounded and smallest at those, in the profiles default and compact
  *   peers   with --peers: see SurfacePeers.h
  *
  * and the ratios that Documentation/dev/edge-index.md cites.
@@ -318,13 +319,38 @@ void PrintPeers(const Surface& surface)
   }
 }
 
+/// Bounded and smallest at given largest errors.
+void PrintErrors(const std::vector<double>& errors, const Benchmark& benchmark)
+{
+  for (const double error : errors)
+  {
+    std::printf("  largest error %g\n", error);
+    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Compact })
+    {
+      const std::string end = profile == EdgeIndexProfile::Compact ? ", compact" : "";
+      EdgeIndexSettings settings;
+      settings.Profile = profile;
+      settings.MaximumError = error;
+      settings.Mode = EdgeIndexMode::Bounded;
+      Print(("bounded" + end).c_str(), benchmark.MeasureOurs(settings), benchmark.GetExact());
+      settings.Mode = EdgeIndexMode::Smallest;
+      Print(("smallest" + end).c_str(), benchmark.MeasureOurs(settings), benchmark.GetExact());
+    }
+  }
+}
+
 void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int threads, bool draco,
-  bool peers)
+  bool peers, const std::vector<double>& errors)
 {
   const Benchmark benchmark(volume, isovalue, blockSize, repeats, threads);
   const Surface& exact = benchmark.GetExact();
   std::printf("isovalue %g: %zu triangles, %zu vertices, blocks of %d\n", isovalue,
     exact.NumberOfTriangles, exact.NumberOfPoints, blockSize);
+  if (!errors.empty())
+  {
+    PrintErrors(errors, benchmark);
+    return;
+  }
   EdgeIndexSettings settings;
   const Outcome lossless = benchmark.MeasureOurs(settings);
   Print("lossless", lossless, exact);
@@ -357,14 +383,17 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
     settings.Profile = EdgeIndexProfile::Default;
     const Outcome bounded = benchmark.MeasureOurs(settings);
     Print("smallest, the same error", bounded, exact);
+    settings.Profile = EdgeIndexProfile::Compact;
+    const Outcome boundedCompact = benchmark.MeasureOurs(settings);
+    Print("the same, compact", boundedCompact, exact);
     settings.Mode = EdgeIndexMode::Bounded;
     settings.Profile = EdgeIndexProfile::Fast;
     const Outcome boundedFast = benchmark.MeasureOurs(settings);
     Print("bounded, fast, same error", boundedFast, exact);
-    std::printf(
-      "  Draco / ours: bytes %.2f (fast %.2f);  lossless in x %.2f of level 10, out x %.2f;"
-      "  fast in x %.2f of level 7, out x %.2f\n",
-      ten.Bytes / bounded.Bytes, ten.Bytes / boundedFast.Bytes,
+    std::printf("  Draco / ours: bytes %.2f (compact %.2f, fast %.2f);  lossless in x %.2f of "
+                "level 10, out x %.2f;"
+                "  fast in x %.2f of level 7, out x %.2f\n",
+      ten.Bytes / bounded.Bytes, ten.Bytes / boundedCompact.Bytes, ten.Bytes / boundedFast.Bytes,
       ten.EncodeSeconds / lossless.EncodeSeconds, ten.DecodeSeconds / lossless.DecodeSeconds,
       seven.EncodeSeconds / fast.EncodeSeconds, seven.DecodeSeconds / fast.DecodeSeconds);
   }
@@ -383,6 +412,7 @@ int main(int argc, char** argv)
   int threads = 1;
   bool withoutDraco = false;
   bool peers = false;
+  std::vector<double> errors;
   CLI::App application("Edge-index streams of isosurfaces, beside Draco");
   application.add_option("file", file, "raw samples, x fastest")->required();
   application.add_option("--dimensions", dimensions, "samples on x, y, z")->expected(3)->required();
@@ -393,6 +423,7 @@ int main(int argc, char** argv)
   application.add_option("--threads", threads, "threads that encode and decode; Draco has one");
   application.add_flag("--without-draco", withoutDraco, "ours only");
   application.add_flag("--peers", peers, "other formats as well, and our quantized mode");
+  application.add_option("--errors", errors, "only bounded modes, at these errors in voxels");
   CLI11_PARSE(application, argc, argv);
 
   const auto valueType = FindValueType(type);
@@ -419,7 +450,7 @@ int main(int argc, char** argv)
   volume.View.Available = volume.View.Box;
   for (const double isovalue : isovalues)
   {
-    Run(volume, isovalue, blockSize, repeats, threads, !withoutDraco, peers);
+    Run(volume, isovalue, blockSize, repeats, threads, !withoutDraco, peers, errors);
   }
   return 0;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Learns what the edge-index models know before their first block, and writes
- * Core/EdgeIndex/EdgeIndexPriors.cxx. Blocks of all surfaces take turns, so that none is learnt
- * last. Needed after a change of a model only; then the format's version goes up.
+ * Core/EdgeIndex/EdgeIndexPriors.cxx, or with --crossings CurvedCrossingPriors.cxx. Blocks of all
+ * surfaces take turns, so that none is learnt last. Needed after a change of a model only; then the
+ * format's version goes up.
  */
 #include "TrainingSurface.h"
 
@@ -24,7 +25,9 @@ using namespace isosurface;
 namespace
 {
 
-void Learn(std::vector<TrainingSurface>& surfaces, EdgeIndexProfile profile, BlockModel& model)
+/// errors: the largest ones, in voxels, to code each block at; 0 for lossless.
+void Learn(std::vector<TrainingSurface>& surfaces, EdgeIndexProfile profile,
+  const std::vector<double>& errors, BlockModel& model)
 {
   std::int64_t most = 0;
   for (const TrainingSurface& surface : surfaces)
@@ -46,7 +49,7 @@ void Learn(std::vector<TrainingSurface>& surfaces, EdgeIndexProfile profile, Blo
       BlockSamples samples;
       samples.Scalars = surface.View;
       samples.Scalars.Box = surface.Grid.GetVertices(block);
-      for (const double error : { 0.0, 0.09, 0.02 })
+      for (const double error : errors)
       {
         EdgeIndexHeader header = surface.Header;
         header.Settings.Profile = profile;
@@ -59,6 +62,10 @@ void Learn(std::vector<TrainingSurface>& surfaces, EdgeIndexProfile profile, Blo
           std::fprintf(stderr, "a block cannot be encoded\n");
           std::exit(1);
         }
+        if (profile == EdgeIndexProfile::Compact)
+        {
+          ForgetSides(model.Crossings.Residuals);
+        }
       }
     }
   }
@@ -70,8 +77,10 @@ int main(int argc, char** argv)
 {
   std::string output;
   std::vector<std::string> words;
+  bool crossings = false;
   CLI::App application("Learns the priors of the edge-index code");
   application.add_option("output", output, "the source file to write")->required();
+  application.add_flag("--crossings", crossings, "of the crossings of the profile compact");
   AddSurfaceOption(application, words);
   CLI11_PARSE(application, argc, argv);
 
@@ -80,11 +89,18 @@ int main(int argc, char** argv)
   {
     return 1;
   }
+  std::ofstream file(output);
+  if (crossings)
+  {
+    BlockModel compact(BlockScheme::Compact);
+    Learn(surfaces, EdgeIndexProfile::Compact, { 0.09, 0.011, 0.06, 0.02, 0.075, 0.006 }, compact);
+    file << WriteCrossingPriors(compact);
+    return file ? 0 : 1;
+  }
   BlockModel mixed(BlockScheme::Mixed);
   BlockModel fast(BlockScheme::Fast);
-  Learn(surfaces, EdgeIndexProfile::Default, mixed);
-  Learn(surfaces, EdgeIndexProfile::Fast, fast);
-  std::ofstream file(output);
+  Learn(surfaces, EdgeIndexProfile::Default, { 0.0, 0.09, 0.02 }, mixed);
+  Learn(surfaces, EdgeIndexProfile::Fast, { 0.0, 0.09, 0.02 }, fast);
   file << WritePriors(mixed, fast);
   return file ? 0 : 1;
 }

@@ -28,6 +28,34 @@ int StretchBit(const AdaptiveBit& bit)
   return std::clamp((stretched + (stretched < 0 ? -8 : 8)) / 16, -127, 127);
 }
 
+void ApplyMixedPriors(ResidualModel& model, const std::array<std::int8_t, 512>& byLevel,
+  const std::array<std::int16_t, 512>& mixers)
+{
+  const auto apply = [&byLevel](SymbolTree& tree, std::size_t level, std::uint32_t count)
+  {
+    for (std::size_t node = 0; node < std::size_t{ NumberOfSymbols }; ++node)
+    {
+      tree.Nodes[node] = MakeBit(byLevel[level * NumberOfSymbols + node], count);
+    }
+  };
+  for (std::size_t level = 0; level < model.ByLevel.size(); ++level)
+  {
+    apply(model.ByLevel[level], level, LevelCount);
+  }
+  for (std::vector<SymbolTree>& table : model.BySide)
+  {
+    for (std::size_t n = 0; n < table.size(); ++n)
+    {
+      apply(table[n], 2 * (n / ResidualModel::NumberOfSides), SideCount);
+    }
+  }
+  for (std::size_t n = 0; n < model.Mixers.size(); ++n)
+  {
+    std::copy_n(mixers.begin() + static_cast<std::ptrdiff_t>(n * LogisticMixer::Size),
+      LogisticMixer::Size, model.Mixers[n].Weights.begin());
+  }
+}
+
 template <typename Values>
 void WriteValues(std::ostringstream& text, const Values& values)
 {
@@ -47,7 +75,7 @@ void WriteValues(std::ostringstream& text, const Values& values)
   text << "\n} },\n";
 }
 
-void WriteResiduals(std::ostringstream& text, const ResidualModel& mixed, const ResidualModel& fast)
+void WriteLevels(std::ostringstream& text, const ResidualModel& mixed)
 {
   std::vector<int> values;
   for (const SymbolTree& tree : mixed.ByLevel)
@@ -57,20 +85,44 @@ void WriteResiduals(std::ostringstream& text, const ResidualModel& mixed, const 
       values.push_back(StretchBit(bit));
     }
   }
-  text << "{\n";
   WriteValues(text, values);
-  values.clear();
-  for (const AdaptiveSymbol& symbol : fast.Symbols)
-  {
-    values.insert(values.end(), symbol.Cumulative.begin(), symbol.Cumulative.end());
-  }
-  WriteValues(text, values);
-  values.clear();
+}
+
+void WriteMixers(std::ostringstream& text, const ResidualModel& mixed)
+{
+  std::vector<int> values;
   for (const LogisticMixer& mixer : mixed.Mixers)
   {
     values.insert(values.end(), mixer.Weights.begin(), mixer.Weights.end());
   }
   WriteValues(text, values);
+}
+
+// The begin of a source file, up to the name of a constant.
+void WriteBegin(std::ostringstream& text, const char* type, const char* name)
+{
+  text << "// SPDX-License-Identifier: BSD-3-Clause\n"
+          "// Written by TrainEdgeIndexPriors; see Documentation/dev/edge-index.md.\n"
+          "#include \"EdgeIndex/EdgeIndexPriors.h\"\n\n"
+          "namespace isosurface\n{\n\n"
+          "// clang-format off\n"
+          "const "
+       << type << " " << name << " = {\n";
+}
+
+constexpr char End[] = "};\n// clang-format on\n\n} // namespace isosurface\n";
+
+void WriteResiduals(std::ostringstream& text, const ResidualModel& mixed, const ResidualModel& fast)
+{
+  text << "{\n";
+  WriteLevels(text, mixed);
+  std::vector<int> values;
+  for (const AdaptiveSymbol& symbol : fast.Symbols)
+  {
+    values.insert(values.end(), symbol.Cumulative.begin(), symbol.Cumulative.end());
+  }
+  WriteValues(text, values);
+  WriteMixers(text, mixed);
   text << "},\n";
 }
 
@@ -112,28 +164,30 @@ void ApplyPriors(ResidualModel& model, const ResidualPriors& priors)
         static_cast<std::int16_t>(priors.Symbols[n * nodes + symbol]);
     }
   }
-  const auto apply = [&priors](SymbolTree& tree, std::size_t level, std::uint32_t count)
+  if (!model.ByLevel.empty())
   {
-    for (std::size_t node = 0; node < nodes; ++node)
-    {
-      tree.Nodes[node] = MakeBit(priors.ByLevel[level * nodes + node], count);
-    }
-  };
-  for (std::size_t level = 0; level < model.ByLevel.size(); ++level)
-  {
-    apply(model.ByLevel[level], level, LevelCount);
+    ApplyMixedPriors(model, priors.ByLevel, priors.Mixers);
   }
+}
+
+void ApplyPriors(ResidualModel& model, const MixedResidualPriors& priors)
+{
+  ApplyMixedPriors(model, priors.ByLevel, priors.Mixers);
+}
+
+void ForgetSides(ResidualModel& model)
+{
   for (std::vector<SymbolTree>& table : model.BySide)
   {
     for (std::size_t n = 0; n < table.size(); ++n)
     {
-      apply(table[n], 2 * (n / ResidualModel::NumberOfSides), SideCount);
+      const SymbolTree& level = model.ByLevel[2 * (n / ResidualModel::NumberOfSides)];
+      for (std::size_t node = 0; node < std::size_t{ NumberOfSymbols }; ++node)
+      {
+        table[n].Nodes[node] =
+          MakeBit(static_cast<std::int8_t>(StretchBit(level.Nodes[node])), SideCount);
+      }
     }
-  }
-  for (std::size_t n = 0; n < model.Mixers.size(); ++n)
-  {
-    std::copy_n(priors.Mixers.begin() + static_cast<std::ptrdiff_t>(n * LogisticMixer::Size),
-      LogisticMixer::Size, model.Mixers[n].Weights.begin());
   }
 }
 
@@ -148,12 +202,7 @@ void ApplyPriors(ValueModel& model)
 std::string WritePriors(const BlockModel& mixed, const BlockModel& fast)
 {
   std::ostringstream text;
-  text << "// SPDX-License-Identifier: BSD-3-Clause\n"
-          "// Written by TrainEdgeIndexPriors; see Documentation/dev/edge-index.md.\n"
-          "#include \"EdgeIndex/EdgeIndexPriors.h\"\n\n"
-          "namespace isosurface\n{\n\n"
-          "// clang-format off\n"
-          "const EdgeIndexPriors Priors = {\n";
+  WriteBegin(text, "EdgeIndexPriors", "Priors");
   std::vector<int> values;
   for (const AdaptiveBit& bit : mixed.Signs.Near)
   {
@@ -180,7 +229,17 @@ std::string WritePriors(const BlockModel& mixed, const BlockModel& fast)
     weights[ValueModel::InputOrder[n]] = mixed.Values.Weights[n];
   }
   WriteValues(text, weights);
-  text << "};\n// clang-format on\n\n} // namespace isosurface\n";
+  text << End;
+  return text.str();
+}
+
+std::string WriteCrossingPriors(const BlockModel& compact)
+{
+  std::ostringstream text;
+  WriteBegin(text, "MixedResidualPriors", "CurvedCrossingPriors");
+  WriteLevels(text, compact.Crossings.Residuals);
+  WriteMixers(text, compact.Crossings.Residuals);
+  text << End;
   return text.str();
 }
 

@@ -49,7 +49,7 @@ struct BlockModel
     , Signs(scheme != BlockScheme::Compact && IsMixed(scheme))
     , NetSigns(scheme == BlockScheme::Compact)
     , Values(IsMixed(scheme))
-    , Crossings(IsMixed(scheme))
+    , Crossings(scheme)
   {
   }
   /// Makes it as it is at the begin of each block: what signs need, and values or crossings.
@@ -118,10 +118,10 @@ public:
   }
 
   /// With crossings: see CrossingCoder.
-  void CodeCrossings(std::uint32_t bins, bool missing, BlockValues& values)
+  void CodeCrossings(const CrossingIntervals& intervals, bool missing, BlockValues& values)
   {
-    const auto coder = std::make_unique<CrossingCoder<Coder, IsMixed(Scheme)>>(
-      this->Output, this->Model.Crossings, bins, missing, this->Size[0], this->Size[1]);
+    const auto coder = std::make_unique<CrossingCoder<Coder, IsMixed(Scheme), IsCurved(Scheme)>>(
+      this->Output, this->Model.Crossings, intervals, missing, this->Size[0], this->Size[1]);
     std::uint32_t row[MaximumCodedVertices];
     this->VisitSlices(values,
       [&](int z, const SignSlice& slice, const SignSlice* below, const SignSlice* above)

@@ -27,7 +27,7 @@ struct BlockContent
 {
   std::array<int, 3> Size{};           ///< vertices
   const ValueDomain* Domain = nullptr; ///< of the values; null to code crossings
-  std::uint32_t Bins = 0;              ///< of crossings: intervals of an edge,
+  CrossingIntervals Intervals;         ///< of crossings,
   bool HasMissing = false;             ///< and whether some are not numbers
   std::vector<CodedAttribute> Attributes;
 };

@@ -38,7 +38,7 @@ inline void CodeContent(
   }
   else
   {
-    coder.CodeCrossings(content.Bins, content.HasMissing, values);
+    coder.CodeCrossings(content.Intervals, content.HasMissing, values);
   }
 }
 

@@ -26,6 +26,12 @@ constexpr bool IsFitted(BlockScheme scheme)
   return scheme == BlockScheme::Fitted || scheme == BlockScheme::Compact;
 }
 
+/// Whether crossings are predicted by curved surfaces, and their intervals have a width.
+constexpr bool IsCurved(BlockScheme scheme)
+{
+  return scheme == BlockScheme::Compact;
+}
+
 } // namespace isosurface
 
 #endif

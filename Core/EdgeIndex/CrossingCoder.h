@@ -2,7 +2,11 @@
 #ifndef isosurface_CrossingCoder_h
 #define isosurface_CrossingCoder_h
 
+#include "EdgeIndex/BlockScheme.h"
+#include "EdgeIndex/CrossingCycles.h"
 #include "EdgeIndex/CrossingFit.h"
+#include "EdgeIndex/CrossingIntervals.h"
+#include "EdgeIndex/CurvedFit.h"
 #include "EdgeIndex/ResidualCoder.h"
 #include "EdgeIndex/SignRows.h"
 
@@ -18,8 +22,9 @@ namespace isosurface
 /// What is known about crossings.
 struct CrossingModel
 {
-  explicit CrossingModel(bool mixed)
-    : Residuals(mixed, Priors.Crossings)
+  explicit CrossingModel(BlockScheme scheme)
+    : Residuals(IsCurved(scheme) ? ResidualModel(CurvedCrossingPriors)
+                                 : ResidualModel(IsMixed(scheme), Priors.Crossings))
   {
   }
   ResidualModel Residuals;
@@ -29,25 +34,26 @@ struct CrossingModel
 
 /**
  * Codes where on the crossed edges of a block the surface is, slice after slice: the rows of a
- * slice, of each row the edges along x, y, then z (to the next slice). An edge is cut into equal
+ * slice, of each row the edges along x, y, then z (to the next slice). An edge is cut into
  * intervals; the interval is predicted by a plane fitted to the decoded crossings of all three
- * directions nearby (see CrossingFit).
+ * directions nearby (see CrossingFit); if curved, which is mixed as well, by a quadratic surface
+ * (CurvedFit), and by cycles of crossed edges (CrossingCycles).
  */
-template <typename Coder, bool Mixed>
+template <typename Coder, bool Mixed, bool Curved>
 class CrossingCoder
 {
 public:
-  CrossingCoder(
-    Coder& coder, CrossingModel& model, std::uint32_t bins, bool missing, int sizeX, int sizeY)
+  CrossingCoder(Coder& coder, CrossingModel& model, const CrossingIntervals& intervals,
+    bool missing, int sizeX, int sizeY)
     : Output(coder)
     , Model(model)
     , Residuals(coder, model.Residuals)
-    , Bins(bins)
+    , Intervals(intervals)
+    , Bins(intervals.GetCount())
     , HasMissing(missing)
     , SizeX(sizeX)
     , SizeY(sizeY)
   {
-    this->Reciprocal = (std::uint64_t{ 1 } << 40) / bins;
     // Rows behind those of the block and its margins are not looked at; blocks may be small.
     const std::ptrdiff_t used = (sizeY + 4) * RowStride;
     for (std::size_t n = 0; n < 3; ++n)
@@ -58,9 +64,12 @@ public:
         std::fill_n(plane.Positions.begin(), used, CrossingFit::None);
       }
     }
-    for (auto& levels : this->Levels)
+    for (std::size_t n = 0; n < (Curved ? 3 : 1); ++n)
     {
-      std::fill_n(levels.begin(), used, static_cast<std::uint16_t>(model.MeanLevel / 16));
+      for (ErrorLevels& levels : this->Levels[n])
+      {
+        std::fill_n(levels.begin(), used, static_cast<std::uint16_t>(model.MeanLevel / 16));
+      }
     }
   }
 
@@ -103,6 +112,25 @@ public:
 private:
   static constexpr std::ptrdiff_t RowStride = CrossingFit::RowStride;
 
+  // What a difference of levels counts for the quadratic fit, in units of 1/256 of the logarithm.
+  static constexpr int BlendBegin = 30;
+  static constexpr int BlendAround = 40;
+  static constexpr int BlendMean = 90;
+
+  using ErrorLevels = std::array<std::uint16_t, CrossingPlaneSize>;
+
+  struct Prediction
+  {
+    std::int32_t Position = 0;  ///< 0 to CrossingFit::FineUnit, as the others
+    int Steepness = 0;          ///< see CrossingFit::Result
+    int Number = 0;             ///< likewise
+    int Level = 0;              ///< of the error to expect
+    bool IsClosed = false;      ///< by cycles
+    std::int32_t Fitted = 0;    ///< what it was before those
+    std::int32_t Linear = 0;    ///< by the linear fit
+    std::int32_t Quadratic = 0; ///< by the quadratic one
+  };
+
   SignRow FindCrossed(int axis, int y, const SignSlice& slice, const SignSlice* above) const
   {
     return FindCrossedEdges(axis, y, slice, above, this->SizeX, this->SizeY);
@@ -140,11 +168,21 @@ private:
       }
     }
     const bool inside = this->Slices[1]->At(y).Get(x);
-    const CrossingFit::Result fit = Mixed
-      ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Planes)
-      : this->Fit.PredictParallel(axis, x, y, at, this->Planes);
+    Prediction prediction;
+    if constexpr (Curved)
+    {
+      prediction = this->PredictCurved(axis, x, y, at, inside);
+    }
+    else
+    {
+      const CrossingFit::Result fit = Mixed
+        ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Planes)
+        : this->Fit.PredictParallel(axis, x, y, at, this->Planes);
+      prediction = { fit.Position, fit.Steepness, fit.Number, this->FindLevel(0, axis, at) };
+    }
+    const int level = prediction.Level;
     // In units of 2^-16 intervals.
-    const std::int64_t position = std::int64_t{ fit.Position } * this->Bins;
+    const std::int64_t position = this->Intervals.Locate(prediction.Position);
     const auto middle = static_cast<std::int32_t>(
       std::min<std::int64_t>(position >> 16, std::int64_t{ this->Bins } - 1));
     const int quarter = static_cast<int>(
@@ -153,19 +191,14 @@ private:
     const auto last = static_cast<std::int32_t>(this->Bins) - 1;
     const std::int32_t room = std::min(middle, last - middle);
 
-    auto& levels = this->Levels[static_cast<std::size_t>(axis)];
-    const int level = (4 *
-                          (levels[static_cast<std::size_t>(at - 1)] +
-                            levels[static_cast<std::size_t>(at - RowStride)] +
-                            levels[static_cast<std::size_t>(at)]) +
-                        2 *
-                          (levels[static_cast<std::size_t>(at - RowStride - 1)] +
-                            levels[static_cast<std::size_t>(at - RowStride + 1)]) +
-                        8) >>
-      4;
     ResidualContext context;
     context.Level = std::max(level - 16, 0);
-    this->FindSides(axis, level, room, quarter, fit, context);
+    this->FindSides(axis, room, quarter, prediction, context);
+    if constexpr (Curved)
+    {
+      context.Sides[0] |= static_cast<std::uint32_t>(std::min(last - middle, 3)) << 5;
+      context.Sides[4] |= prediction.IsClosed ? 64 : 0;
+    }
 
     std::uint64_t magnitude = 0;
     if constexpr (Coder::Encodes)
@@ -194,54 +227,140 @@ private:
       }
       bin = static_cast<std::uint32_t>(decoded);
     }
-    this->Learn(axis, at, bin, position);
+    if constexpr (Curved)
+    {
+      this->Learn(0, axis, at, bin, prediction.Fitted);
+      this->Learn(1, axis, at, bin, prediction.Linear);
+      this->Learn(2, axis, at, bin, prediction.Quadratic);
+      this->LearnDifference(axis, at);
+    }
+    else
+    {
+      this->Learn(0, axis, at, bin, prediction.Position);
+    }
+    const int measured =
+      this->Levels[0][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)];
+    this->Model.MeanLevel += measured - this->Model.MeanLevel / 16;
+    (*this->Planes[0])[static_cast<std::size_t>(axis)].Positions[static_cast<std::size_t>(at)] =
+      this->Intervals.GetPosition(bin);
   }
 
-  void FindSides(int axis, int level, std::int32_t room, int quarter,
-    const CrossingFit::Result& fit, ResidualContext& context) const
+  // The errors to expect of a prediction, from those around.
+  int FindLevel(std::size_t of, int axis, std::ptrdiff_t at) const
+  {
+    const ErrorLevels& levels = this->Levels[of][static_cast<std::size_t>(axis)];
+    return (4 *
+               (levels[static_cast<std::size_t>(at - 1)] +
+                 levels[static_cast<std::size_t>(at - RowStride)] +
+                 levels[static_cast<std::size_t>(at)]) +
+             2 *
+               (levels[static_cast<std::size_t>(at - RowStride - 1)] +
+                 levels[static_cast<std::size_t>(at - RowStride + 1)]) +
+             8) >>
+      4;
+  }
+
+  // The linear and the quadratic fit, mixed by the errors that they made around and in the block;
+  // and cycles.
+  Prediction PredictCurved(int axis, int x, int y, std::ptrdiff_t at, bool inside) const
+  {
+    const CurvedFit::Result fit =
+      CurvedFit::Get().Predict(axis, x, y, at, inside, this->Slices, this->Planes);
+    const int better = BlendBegin +
+      BlendAround * (this->FindLevel(1, axis, at) - this->FindLevel(2, axis, at)) +
+      (BlendMean * this->MeanDifference >> 8);
+    const auto share = static_cast<std::int64_t>(
+      Tables.Squash[static_cast<std::size_t>(std::clamp(better, -2047, 2047) + 2048)]);
+    Prediction prediction;
+    prediction.Linear = fit.Linear;
+    prediction.Quadratic = fit.Quadratic;
+    prediction.Fitted =
+      fit.Linear + static_cast<std::int32_t>((fit.Quadratic - fit.Linear) * share >> 16);
+    prediction.Position = prediction.Fitted;
+    prediction.Steepness = fit.Steepness;
+    prediction.Number = fit.Number;
+    prediction.Level = this->FindLevel(0, axis, at);
+    this->CloseCycles(axis, x, y, at, prediction);
+    return prediction;
+  }
+
+  // Betters the prediction where cycles lead to the edge: each counts by the inverse of its
+  // variance, that of the fit being the one that the level tells.
+  void CloseCycles(int axis, int x, int y, std::ptrdiff_t at, Prediction& prediction) const
+  {
+    const CrossingCycles::Result cycles =
+      CrossingCycles::Get().Predict(axis, x, y, at, this->Planes);
+    if (cycles.Weight == 0)
+    {
+      return;
+    }
+    const int octaves = std::min(prediction.Level / 4, 30);
+    const std::int64_t variance =
+      61 + (128 + 32 * (prediction.Level % 4)) * (std::int64_t{ 1 } << octaves);
+    const std::int64_t weight = std::max<std::int64_t>((std::int64_t{ 1 } << 30) / variance, 1);
+    const std::int64_t other = cycles.Weight << 6;
+    prediction.Position = static_cast<std::int32_t>(
+      (prediction.Position * weight + cycles.Position * other) / (weight + other));
+    const int gain = MeasureMagnitude(static_cast<std::uint64_t>(weight + other)) -
+      MeasureMagnitude(static_cast<std::uint64_t>(weight));
+    prediction.Level = std::max(prediction.Level - gain / 2, 0);
+    prediction.IsClosed = true;
+  }
+
+  void FindSides(int axis, std::int32_t room, int quarter, const Prediction& prediction,
+    ResidualContext& context) const
   {
     const int spare = std::clamp(
       (MeasureMagnitude(2 * static_cast<std::uint64_t>(room)) - context.Level + 12) / 6, 0, 7);
     context.Sides[0] = static_cast<std::uint32_t>(spare);
     if constexpr (Mixed)
     {
-      const auto fine = static_cast<std::uint32_t>(std::clamp(level / 3, 0, 15));
-      const auto steep = static_cast<std::uint32_t>(fit.Steepness);
+      const auto fine = static_cast<std::uint32_t>(std::clamp(prediction.Level / 3, 0, 15));
+      const auto steep = static_cast<std::uint32_t>(prediction.Steepness);
       const auto side = static_cast<std::uint32_t>(quarter);
-      const auto sixteenth = static_cast<std::uint32_t>(std::min(fit.Position >> 12, 15));
+      const auto sixteenth = static_cast<std::uint32_t>(std::min(prediction.Position >> 12, 15));
       context.Sides[0] |= side << 3;
       context.Sides[1] = fine | side << 4;
       context.Sides[2] = steep | static_cast<std::uint32_t>(axis) << 3;
       context.Sides[3] = sixteenth | side << 4;
-      context.Sides[4] = steep | static_cast<std::uint32_t>(std::min(fit.Number, 7)) << 3;
+      context.Sides[4] = steep | static_cast<std::uint32_t>(std::min(prediction.Number, 7)) << 3;
     }
   }
 
-  void Learn(int axis, std::ptrdiff_t at, std::uint32_t bin, std::int64_t position)
+  // The error of a prediction.
+  void Learn(std::size_t of, int axis, std::ptrdiff_t at, std::uint32_t bin, std::int32_t predicted)
   {
-    const std::int64_t error = 8 * std::int64_t{ bin } + 4 - (position >> 13);
-    const int measured = MeasureMagnitude(static_cast<std::uint64_t>(error < 0 ? -error : error));
-    this->Levels[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
-      static_cast<std::uint16_t>(measured);
-    this->Model.MeanLevel += measured - this->Model.MeanLevel / 16;
-    (*this->Planes[0])[static_cast<std::size_t>(axis)].Positions[static_cast<std::size_t>(at)] =
-      static_cast<std::int16_t>((2 * std::uint64_t{ bin } + 1) * this->Reciprocal >> 31);
+    const std::int64_t error =
+      8 * std::int64_t{ bin } + 4 - (this->Intervals.Locate(predicted) >> 13);
+    this->Levels[of][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
+      static_cast<std::uint16_t>(
+        MeasureMagnitude(static_cast<std::uint64_t>(error < 0 ? -error : error)));
+  }
+
+  void LearnDifference(int axis, std::ptrdiff_t at)
+  {
+    const auto line = static_cast<std::size_t>(axis);
+    const auto place = static_cast<std::size_t>(at);
+    const int difference = this->Levels[1][line][place] - this->Levels[2][line][place];
+    this->MeanDifference += ((difference << 8) - this->MeanDifference) / 128;
   }
 
   Coder& Output;
   CrossingModel& Model;
   ResidualCoder<Coder, Mixed> Residuals;
   const CrossingFit& Fit = CrossingFit::Get();
-  std::uint32_t Bins;
+  CrossingIntervals Intervals;
+  std::uint32_t Bins; ///< intervals of an edge
   bool HasMissing;
   int SizeX;
   int SizeY;
   bool IsLast = false;
+  int MeanDifference = 2 << 8; ///< of the levels of the linear and the quadratic fit, times 256
   std::array<const SignSlice*, 3> Slices{}; ///< before, this one, after
-  std::uint64_t Reciprocal = 0;             ///< 2^40 / Bins
   std::array<std::array<CrossingPlane, 3>, 3> Memory;
   CrossingPlanes Planes{}; ///< [this slice, the one before, the next one][axis]
-  std::array<std::array<std::uint16_t, CrossingPlaneSize>, 3> Levels;
+  /// Of what was predicted, and if curved of the linear and the quadratic fit: [which][axis].
+  std::array<std::array<ErrorLevels, 3>, Curved ? 3 : 1> Levels;
 };
 
 } // namespace isosurface

@@ -93,6 +93,17 @@ void CrossingFit::MakeNeighbors(int axis)
   }
 }
 
+std::int32_t CrossingFit::WeighVertex(int axis, const std::array<int, 3>& step)
+{
+  int quarters = 0;
+  for (int n = 0; n < 3; ++n)
+  {
+    const int halves = 2 * step[static_cast<std::size_t>(n)] - (n == axis ? 1 : 0);
+    quarters += halves * halves;
+  }
+  return WeighSign(quarters);
+}
+
 void CrossingFit::MakeSigns(int axis)
 {
   // The vertices around the edge: 2 along it, 3 on the axes across.
@@ -108,14 +119,11 @@ void CrossingFit::MakeSigns(int axis)
       {
         const int step[3] = { i, j, k };
         std::int64_t f[3];
-        int quarters = 0;
         for (int n = 0; n < 3; ++n)
         {
           f[n] = Unit * step[n] - (n == axis ? Unit / 2 : 0);
-          const int halves = 2 * step[n] - (n == axis ? 1 : 0);
-          quarters += halves * halves;
         }
-        const std::int32_t weight = WeighSign(quarters);
+        const std::int32_t weight = WeighVertex(axis, { i, j, k });
         const std::int64_t added[10] = { weight, weight * f[0] * f[0], weight * f[1] * f[1],
           weight * f[2] * f[2], weight * f[0], weight * f[1], weight * f[2], weight * f[0] * f[1],
           weight * f[0] * f[2], weight * f[1] * f[2] };

@@ -64,6 +64,15 @@ public:
   Result PredictParallel(
     int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes) const;
 
+  /// Calls functor(point, weight, whether it is not decoded yet) for the crossings nearby; points
+  /// as seen from the middle of the edge, in Units.
+  template <typename Functor>
+  void VisitNeighbors(int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes,
+    const Functor& functor) const;
+
+  /// The weight of a vertex so many steps from the first one of an edge.
+  static std::int32_t WeighVertex(int axis, const std::array<int, 3>& step);
+
 private:
   // An edge nearby: its first vertex as seen from the middle of the edge to predict, in Units.
   struct Neighbor
@@ -115,20 +124,10 @@ inline int CountFitBits(std::int64_t number)
   return magnitude == 0 ? 0 : 64 - __builtin_clzll(magnitude);
 }
 
-inline CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptrdiff_t at,
-  bool inside, const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const
+template <typename Functor>
+inline void CrossingFit::VisitNeighbors(int axis, int x, int y, std::ptrdiff_t at,
+  const CrossingPlanes& planes, const Functor& functor) const
 {
-  Equations equations = this->SignEquations[static_cast<std::size_t>(axis)];
-  for (const SignRowSums& row : this->Signs[static_cast<std::size_t>(axis)])
-  {
-    const std::uint32_t signs = slices[row.Slice]->At(y + row.Y).GetWindow(x) >> 1 & 7;
-    for (std::size_t n = 0; n < 4; ++n)
-    {
-      equations.B[n] += row.Sums[signs][n];
-    }
-  }
-  std::array<std::int64_t, 10>& a = equations.A;
-  int number = 0;
   for (const NeighborRow& row : this->Rows[static_cast<std::size_t>(axis)])
   {
     const CrossingPlane& plane = (*planes[row.Plane])[row.Axis];
@@ -145,9 +144,30 @@ inline CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptr
         continue;
       }
       const bool later = position < 0;
-      std::int32_t point[3] = { neighbor.First[0], neighbor.First[1], neighbor.First[2] };
+      std::array<std::int32_t, 3> point = neighbor.First;
       point[row.Axis] += later ? Unit / 2 : position;
-      const std::int32_t weight = later ? neighbor.WeightLater : neighbor.Weight;
+      functor(point, later ? neighbor.WeightLater : neighbor.Weight, later);
+    }
+  }
+}
+
+inline CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptrdiff_t at,
+  bool inside, const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const
+{
+  Equations equations = this->SignEquations[static_cast<std::size_t>(axis)];
+  for (const SignRowSums& row : this->Signs[static_cast<std::size_t>(axis)])
+  {
+    const std::uint32_t signs = slices[row.Slice]->At(y + row.Y).GetWindow(x) >> 1 & 7;
+    for (std::size_t n = 0; n < 4; ++n)
+    {
+      equations.B[n] += row.Sums[signs][n];
+    }
+  }
+  std::array<std::int64_t, 10>& a = equations.A;
+  int number = 0;
+  this->VisitNeighbors(axis, x, y, at, planes,
+    [&](const std::array<std::int32_t, 3>& point, std::int32_t weight, bool later)
+    {
       const std::int64_t wx = std::int64_t(weight) * point[0];
       const std::int64_t wy = std::int64_t(weight) * point[1];
       const std::int64_t wz = std::int64_t(weight) * point[2];
@@ -162,8 +182,7 @@ inline CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptr
       a[8] += wx * point[2];
       a[9] += wy * point[2];
       number += later ? 0 : 1;
-    }
-  }
+    });
   Result result = Solve(equations, axis, inside);
   result.Number = number;
   return result;

@@ -61,7 +61,7 @@ class DecodedBlock : public BlockValues
 public:
   DecodedBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record, DecodedMemory& memory)
     : Isovalue(header.Isovalues[record.Block.Isovalue])
-    , Bins(header.GetNumberOfBins())
+    , Intervals(header.GetIntervals())
     , Type(header.GetDecodedType())
     , Memory(memory)
   {
@@ -152,8 +152,9 @@ public:
     VisitBits(edges,
       [&](int x)
       {
-        row[x] = bins[x] == this->Bins ? std::numeric_limits<float>::quiet_NaN()
-                                       : static_cast<float>((bins[x] + 0.5) / this->Bins);
+        row[x] = bins[x] == this->Intervals.GetCount()
+          ? std::numeric_limits<float>::quiet_NaN()
+          : static_cast<float>(this->Intervals.GetMiddle(bins[x]));
       });
   }
 
@@ -184,7 +185,7 @@ private:
   }
 
   double Isovalue;
-  std::uint32_t Bins;
+  CrossingIntervals Intervals;
   ValueType Type;
   std::size_t ValueSize = 1;
   DecodedMemory& Memory;
@@ -225,7 +226,7 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
   std::optional<ValueDomain> domain;
   if (record.Block.Coding == BlockCoding::Crossings)
   {
-    content.Bins = header.GetNumberOfBins();
+    content.Intervals = header.GetIntervals();
     content.HasMissing = record.Block.HasMissing;
   }
   else

@@ -65,7 +65,7 @@ public:
     record.Block.Coding = BlockCoding::Crossings;
     record.Block.HasMissing = block.HasMissingCrossings();
     BlockContent content;
-    content.Bins = block.GetBins();
+    content.Intervals = block.GetIntervals();
     content.HasMissing = record.Block.HasMissing;
     this->Run(block, record.Block.IsPreview, content, code);
   }
@@ -107,7 +107,7 @@ public:
       return;
     }
     const double isovalue = this->Preview.Isovalues[record.Block.Isovalue];
-    SampledBlock block(*coarse, isovalue, this->Preview.GetNumberOfBins());
+    SampledBlock block(*coarse, isovalue, this->Preview.GetIntervals());
     if (block.IsCrossed())
     {
       record.Block.Vertices = coarse->Box;
@@ -200,7 +200,7 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
   {
     return Status::Ok(); // no cells, no surface
   }
-  SampledBlock block(view, header.Isovalues[isovalue], header.GetNumberOfBins());
+  SampledBlock block(view, header.Isovalues[isovalue], header.GetIntervals());
   if (!block.IsCrossed())
   {
     return Status::Ok();

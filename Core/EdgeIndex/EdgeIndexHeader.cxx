@@ -135,7 +135,7 @@ Status CheckPreview(const EdgeIndexHeader& header)
   }
   if (header.PreviewLevel > 0 &&
     (!(header.PreviewMaximumError > 0 && header.PreviewMaximumError <= 0.5) ||
-      header.MakePreview().GetNumberOfBins() == 0))
+      header.MakePreview().GetIntervals().GetCount() == 0))
   {
     return MakeInvalid("The maximum error of the preview must lie above 0 and not above 0.5 of its "
                        "voxels, and be coarser than float coordinates are.");
@@ -152,7 +152,7 @@ Status CheckSettings(const EdgeIndexHeader& header)
     {
       return MakeInvalid("The maximum error must lie above 0 and not above 0.5 voxels.");
     }
-    if (header.GetNumberOfBins() == 0)
+    if (header.GetIntervals().GetCount() == 0)
     {
       return MakeInvalid("The maximum error is finer than float coordinates on this grid are; "
                          "lossless mode keeps them exactly.");
@@ -193,7 +193,7 @@ Status EdgeIndexHeader::Check() const
   return CheckSettings(*this);
 }
 
-std::uint32_t EdgeIndexHeader::GetNumberOfBins() const
+CrossingIntervals EdgeIndexHeader::GetIntervals() const
 {
   // A structured coordinate is rounded to float at the end; and at worst its parameter was before.
   double largest = 1;
@@ -208,9 +208,14 @@ std::uint32_t EdgeIndexHeader::GetNumberOfBins() const
   // Not more bins than float parameters tell apart well.
   if (!(spare > 0) || 0.5 / spare > 1048576.0)
   {
-    return 0;
+    return {};
   }
-  return static_cast<std::uint32_t>(std::ceil(0.5 / spare));
+  if (IsCurved(this->GetScheme()))
+  {
+    constexpr double unit = 2.0 * (1 << CrossingIntervals::UnitBits);
+    return CrossingIntervals::MakeOfWidth(static_cast<std::uint32_t>(spare * unit));
+  }
+  return CrossingIntervals::MakeEqual(static_cast<std::uint32_t>(std::ceil(0.5 / spare)));
 }
 
 EdgeIndexHeader EdgeIndexHeader::MakePreview() const

@@ -4,6 +4,7 @@
 
 #include "Base/Status.h"
 #include "EdgeIndex/BlockScheme.h"
+#include "EdgeIndex/CrossingIntervals.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/ValueType.h"
 
@@ -114,9 +115,9 @@ struct EdgeIndexHeader
   /// The header that the preview's blocks would have in a stream of their own.
   EdgeIndexHeader MakePreview() const;
 
-  /// The intervals that an edge is cut into when Bounded; 0 if MaximumError is too small for float
-  /// coordinates on this grid.
-  std::uint32_t GetNumberOfBins() const;
+  /// The intervals that an edge is cut into when Bounded; none if MaximumError is too small for
+  /// float coordinates on this grid.
+  CrossingIntervals GetIntervals() const;
 
   /// How the blocks are coded, but for the preview's.
   BlockScheme GetScheme() const;

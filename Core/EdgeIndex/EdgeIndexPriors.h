@@ -24,6 +24,13 @@ struct ResidualPriors
   std::array<std::int16_t, 512> Mixers;
 };
 
+/// The same of magnitudes whose contexts are always mixed.
+struct MixedResidualPriors
+{
+  std::array<std::int8_t, 512> ByLevel;
+  std::array<std::int16_t, 512> Mixers;
+};
+
 /**
  * What a model knows before its first block: learnt from Debian's scans and generated fields by
  * Benchmarks/TrainEdgeIndexPriors.cxx, which writes EdgeIndexPriors.cxx. Part of the format.
@@ -39,14 +46,24 @@ struct EdgeIndexPriors
 };
 extern const EdgeIndexPriors Priors;
 
+/// Of the crossings of the scheme Compact; written likewise, to CurvedCrossingPriors.cxx.
+extern const MixedResidualPriors CurvedCrossingPriors;
+
 /// Gives a model what is known before its first block.
 void ApplyPriors(SignModel& model);
 void ApplyPriors(NetworkSignModel& model);
 void ApplyPriors(ResidualModel& model, const ResidualPriors& priors);
+void ApplyPriors(ResidualModel& model, const MixedResidualPriors& priors);
 void ApplyPriors(ValueModel& model);
 
 /// The source text of EdgeIndexPriors.cxx, of models of both profiles that have seen many blocks.
 std::string WritePriors(const BlockModel& mixed, const BlockModel& fast);
+
+/// The source text of CurvedCrossingPriors.cxx, of a model that has seen many blocks.
+std::string WriteCrossingPriors(const BlockModel& compact);
+
+/// Makes what is known by sides what is known by the level alone, as it is at the begin of a block.
+void ForgetSides(ResidualModel& model);
 
 } // namespace isosurface
 

@@ -2,9 +2,10 @@
 #ifndef isosurface_HeightFit_h
 #define isosurface_HeightFit_h
 
+#include "EdgeIndex/LeastSquares.h"
+
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -13,17 +14,13 @@ namespace isosurface
 
 /**
  * A linear function of `Size` inputs that is fitted to pairs of inputs and a target by least
- * squares; older pairs count less and less.
- *
- * Integers throughout, so that it is the same on every machine: the normal equations are brought to
- * 58 bits and solved by Cholesky's factorisation with factors of 30 bits. A ridge of 2^-16 of the
- * largest diagonal entry keeps them solvable.
+ * squares; older pairs count less and less. In integers throughout (see LeastSquares).
  */
 template <int Size>
 class LinearFit
 {
 public:
-  static constexpr int WeightBits = 16;
+  static constexpr int WeightBits = LeastSquares<Size>::WeightBits;
   static constexpr int FineBits = 4; ///< of what is predicted
 
   /// Begins with weights (in units of 2^-WeightBits), which count as much as inputs of that square.
@@ -73,83 +70,16 @@ public:
   /// Makes the weights of what was added.
   void Solve()
   {
-    std::int64_t most = this->TargetSquare | 1;
-    for (std::size_t n = 0; n < Size; ++n)
+    LeastSquares<Size> equations;
+    if (equations.Factor(this->Products, this->TargetSquare))
     {
-      most = std::max(most, this->Products[n][n]);
-    }
-    const std::int64_t scale = std::int64_t{ 1 } << (__builtin_clzll(most) - 6);
-    alignas(32) std::array<std::array<std::int32_t, Size>, Size + 1> factor;
-    std::array<std::int64_t, Size> reciprocals;
-    for (std::size_t i = 0; i <= Size; ++i)
-    {
-      for (std::size_t j = 0; j < std::min<std::size_t>(i + 1, Size); ++j)
-      {
-        std::int64_t sum = 0;
-        for (std::size_t k = 0; k < j; ++k)
-        {
-          sum += std::int64_t{ factor[i][k] } * factor[j][k];
-        }
-        sum = this->Products[i][j] * scale - sum;
-        if (i != j)
-        {
-          factor[i][j] = Divide(sum, reciprocals[j], MostFactor);
-          continue;
-        }
-        sum += Ridge;
-        if (sum < LeastPivot)
-        {
-          return;
-        }
-        factor[i][i] = FindRoot(sum);
-        reciprocals[i] = (std::int64_t{ 1 } << ReciprocalBits) / factor[i][i];
-      }
-    }
-    for (std::size_t i = Size; i-- > 0;)
-    {
-      std::int64_t sum = std::int64_t{ factor[Size][i] } * (1 << WeightBits);
-      for (std::size_t k = i + 1; k < Size; ++k)
-      {
-        sum -= std::int64_t{ factor[k][i] } * this->Weights[k];
-      }
-      this->Weights[i] = Divide(sum, reciprocals[i], MostWeight);
+      equations.Substitute(Size, this->Weights);
     }
   }
 
 private:
-  static constexpr int ReciprocalBits = 60;
-  static constexpr std::int64_t Ridge = std::int64_t{ 1 } << 42;
-  static constexpr std::int64_t LeastPivot = std::int64_t{ 1 } << 40;
-  // Whatever comes, sums of products stay below 2^63.
-  static constexpr std::int64_t MostFactor = 1 << 29;
-  static constexpr std::int64_t MostWeight = 8 << WeightBits;
-
-  // sum / divisor, rounded down, by the divisor's reciprocal; within +-most.
-  static std::int32_t Divide(std::int64_t sum, std::int64_t reciprocal, std::int64_t most)
-  {
-    __extension__ using Wide = __int128;
-    const auto quotient = static_cast<std::int64_t>(Wide{ sum } * reciprocal >> ReciprocalBits);
-    return static_cast<std::int32_t>(std::clamp(quotient, -most, most));
-  }
-
-  // The square root, rounded down. That of floating point is next to it, however it rounds.
-  static std::int32_t FindRoot(std::int64_t number)
-  {
-    auto root = static_cast<std::int64_t>(std::sqrt(static_cast<double>(number)));
-    while (root * root > number)
-    {
-      --root;
-    }
-    while ((root + 1) * (root + 1) <= number)
-    {
-      ++root;
-    }
-    return static_cast<std::int32_t>(std::min(root, MostFactor));
-  }
-
   std::array<std::int32_t, Size> Weights{};
-  /// Lower triangle; the last row has the products with the target.
-  std::array<std::array<std::int64_t, Size>, Size + 1> Products{};
+  typename LeastSquares<Size>::Equations Products{};
   std::int64_t TargetSquare = 0;
 };
 

@@ -48,6 +48,7 @@ struct ResidualModel
   static constexpr int NumberOfSideTables = 5;
 
   ResidualModel(bool mixed, const ResidualPriors& priors);
+  explicit ResidualModel(const MixedResidualPriors& priors);
 
   /// If not mixed: by level and the first side (8 of them).
   std::vector<AdaptiveSymbol> Symbols;
@@ -56,6 +57,9 @@ struct ResidualModel
   std::array<std::vector<SymbolTree>, NumberOfSideTables> BySide;
   std::vector<LogisticMixer> Mixers;
   std::array<AdaptiveBit, 64> Escape;
+
+private:
+  void MakeMixed();
 };
 
 /**

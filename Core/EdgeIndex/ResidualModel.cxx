@@ -7,21 +7,31 @@ namespace isosurface
 
 ResidualModel::ResidualModel(bool mixed, const ResidualPriors& priors)
 {
-  constexpr std::size_t nodes = NumberOfSymbols;
   if (mixed)
   {
-    this->ByLevel.resize(NumberOfLevels);
-    for (std::vector<SymbolTree>& table : this->BySide)
-    {
-      table.resize(std::size_t(NumberOfLevels / 2) * NumberOfSides);
-    }
-    this->Mixers.resize(NumberOfMixerSets * nodes);
+    this->MakeMixed();
   }
   else
   {
     this->Symbols.resize(std::size_t(NumberOfLevels) * 8);
   }
   ApplyPriors(*this, priors);
+}
+
+ResidualModel::ResidualModel(const MixedResidualPriors& priors)
+{
+  this->MakeMixed();
+  ApplyPriors(*this, priors);
+}
+
+void ResidualModel::MakeMixed()
+{
+  this->ByLevel.resize(NumberOfLevels);
+  for (std::vector<SymbolTree>& table : this->BySide)
+  {
+    table.resize(std::size_t(NumberOfLevels / 2) * NumberOfSides);
+  }
+  this->Mixers.resize(NumberOfMixerSets * std::size_t(NumberOfSymbols));
 }
 
 } // namespace isosurface

@@ -35,22 +35,13 @@ double FindParameter(double isovalue, T from, T to)
   return (isovalue - static_cast<double>(from)) / difference;
 }
 
-std::uint32_t FindBin(double parameter, std::uint32_t bins)
-{
-  if (parameter != parameter)
-  {
-    return bins;
-  }
-  const double position = parameter * bins;
-  return position <= 0 ? 0 : position >= bins ? bins - 1 : static_cast<std::uint32_t>(position);
-}
-
 } // namespace
 
-SampledBlock::SampledBlock(const SampleView& view, double isovalue, std::uint32_t bins)
+SampledBlock::SampledBlock(
+  const SampleView& view, double isovalue, const CrossingIntervals& intervals)
   : View(view)
   , Isovalue(isovalue)
-  , Bins(bins)
+  , Intervals(intervals)
 {
   const Index3 size = view.Box.GetSize();
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -194,7 +185,7 @@ void SampledBlock::ExchangeBins(int axis, int y, int z, const SignRow& edges, st
         [&](int x)
         {
           const std::uint8_t* from = row + x * this->Stride[0];
-          bins[x] = FindBin(this->FindTypedCrossing<decltype(zero)>(from, axis), this->Bins);
+          bins[x] = this->Intervals.Find(this->FindTypedCrossing<decltype(zero)>(from, axis));
         });
     });
 }

@@ -20,10 +20,10 @@ namespace isosurface
 class SampledBlock : public BlockValues
 {
 public:
-  SampledBlock(const SampleView& view, double isovalue, std::uint32_t bins);
+  SampledBlock(const SampleView& view, double isovalue, const CrossingIntervals& intervals);
 
   const std::array<int, 3>& GetSize() const { return this->Size; }
-  std::uint32_t GetBins() const { return this->Bins; }
+  const CrossingIntervals& GetIntervals() const { return this->Intervals; }
   bool IsCrossed() const { return this->Crossed; }
   std::uint64_t CountPoints() const;
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
@@ -75,7 +75,7 @@ private:
 
   const SampleView& View;
   double Isovalue;
-  std::uint32_t Bins;
+  CrossingIntervals Intervals;
   std::array<int, 3> Size{};
   const std::uint8_t* First = nullptr;
   std::array<std::ptrdiff_t, 3> Stride{}; ///< in bytes

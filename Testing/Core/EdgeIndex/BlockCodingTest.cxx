@@ -89,7 +89,8 @@ TEST(BlockCoding, EitherSetOfInstructionsGivesTheSame)
       BlockContent content;
       content.Size = Size;
       content.Domain = hasValues ? domain.get() : nullptr;
-      content.Bins = 100;
+      content.Intervals = IsCurved(scheme) ? CrossingIntervals::MakeOfWidth(10800001)
+                                           : CrossingIntervals::MakeEqual(100);
       std::vector<std::uint8_t> bytes[2];
       RememberedBlock given;
       for (int n = 0; n < 2; ++n)

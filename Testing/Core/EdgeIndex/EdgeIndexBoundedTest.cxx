@@ -48,7 +48,8 @@ void ExpectBounded(const TestVolume<T>& volume, double isovalue, int blockSize)
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
   for (const EdgeIndexMode mode : { EdgeIndexMode::Bounded, EdgeIndexMode::Smallest })
   {
-    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+    for (const EdgeIndexProfile profile :
+      { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
     {
       for (const double error : { 0.5, 0.1, 0.013, 0.0005 })
       {
@@ -97,7 +98,8 @@ TEST(EdgeIndexBounded, CrossingsThatAreNotNumbersStayThat)
   TestBlockSource<float> source(volume, 16);
   const ContourRequest request = MakeRequest({ 0.1 });
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+  for (const EdgeIndexProfile profile :
+    { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
   {
     const auto bytes =
       EncodeSurface(MakeHeader(volume, { 0.1 }, EdgeIndexMode::Bounded, profile), source, 1);

@@ -158,6 +158,8 @@ TEST(EdgeIndexGolden, CompactOnes)
     "edge-index-v3/compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
   CheckGolden<float>(
     "edge-index-v3/compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+  CheckGolden<std::uint16_t>(
+    "edge-index-v3/compact-bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Compact);
 }
 
 TEST(EdgeIndexGolden, CompactOnesOfVersion2AreRead)
