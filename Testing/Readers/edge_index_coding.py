@@ -178,10 +178,12 @@ def find_probabilities(stretched):
 
 
 class MagnitudePriors:
+    """Of `symbols` there are none for the crossings of version 3."""
+
     def __init__(self, numbers):
         self.by_level = find_probabilities(numbers[:512])
-        self.symbols = numbers[512:512 + 4096]
-        self.mixers = numbers[4608:4608 + 512]
+        self.symbols = numbers[512:-512]
+        self.mixers = numbers[-512:]
         # By class / 2 and side: those of the even class.
         self.by_side = [probability for level in range(0, 32, 2) for _ in range(128)
                         for probability in self.by_level[16 * level:16 * level + 16]]

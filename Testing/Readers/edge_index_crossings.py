@@ -29,11 +29,29 @@ def weigh_decoded(q):
     return 320 * 4096 // (16 + 20 * q * q)
 
 
+class EqualIntervals:
+    """An edge that is cut into intervals of one size."""
+
+    def __init__(self, count):
+        self.count = count
+
+    def find_place(self, position):
+        """A position in units of 2^-16 edges in units of 2^-16 intervals."""
+        return position * self.count
+
+    def find_position(self, interval):
+        """The middle of an interval, in units of 2^-10 edges."""
+        return (2 * interval + 1) * (2**40 // self.count) >> 31
+
+    def find_parameter(self, interval):
+        return (2 * interval + 1) / (2 * self.count)
+
+
 class Crossings:
     """Decodes the crossings of a block; profiles differ in magnitudes and prediction."""
 
-    def __init__(self, intervals, some_missing, magnitudes, prediction):
-        self.intervals, self.some_missing = intervals, some_missing
+    def __init__(self, cut, some_missing, magnitudes, prediction):
+        self.cut, self.some_missing = cut, some_missing
         self.magnitudes, self.prediction = magnitudes, prediction
         self.missing = AdaptiveBits(1, 255)
         self.measures = [Measures(20) for _ in range(3)]
@@ -48,27 +66,30 @@ class Crossings:
                 continue
             interval = self._decode_edge(decoder, block, (x, y, z), axis)
             found[x, y, axis] = interval
-            self.decoded[x, y, z, axis] = (
-                (2 * interval + 1) * (2**40 // self.intervals) >> 31)
+            self.decoded[x, y, z, axis] = self.cut.find_position(interval)
         return found
 
     def _decode_edge(self, decoder, block, vertex, axis):
         x, y, _ = vertex
         position, steepness, used = self.prediction.predict(block, self.decoded, vertex, axis)
-        exact = position * self.intervals
-        guess = min(exact >> 16, self.intervals - 1)
+        exact, last = self.cut.find_place(position), self.cut.count - 1
+        guess = min(exact >> 16, last)
         quarter = min(exact - (guess << 16) >> 14, 3)
         around = self.measures[axis].expect(x, y)
         expected = max(around - 16, 0)
-        room = 2 * min(guess, self.intervals - 1 - guess)
+        room = 2 * min(guess, last - guess)
         nearness = clamp(divide(measure(room) - expected + 12, 6), 0, 7)
         magnitude = self.magnitudes.decode(decoder, expected, (
             nearness | quarter << 3, clamp(around // 3, 0, 15) | quarter << 4,
             steepness | axis << 3, min(position >> 12, 15) | quarter << 4,
             steepness | min(used, 7) << 3))
-        interval = decode_on_both_sides(magnitude, guess, 0, self.intervals - 1, quarter < 2)
-        self.measures[axis].add(x, y, measure(abs(8 * interval + 4 - (exact >> 13))))
+        interval = decode_on_both_sides(magnitude, guess, 0, last, quarter < 2)
+        self.measures[axis].add(x, y, measure_error(interval, exact))
         return interval
+
+
+def measure_error(interval, place):
+    return measure(abs(8 * interval + 4 - (place >> 13)))
 
 
 class MeanPrediction:
@@ -89,15 +110,39 @@ class MeanPrediction:
         return clamp(divide(total * 64, weights), 0, 1 << 16), 0, 0
 
 
+NEAR_EDGES = [list_neighbours(axis, 2, (-1, 0, 1), lambda dz: (0, 1) if dz > 0 else (0, 1, 2), 11)
+              for axis in range(3)]
+NEAR_VERTICES = [[(dx, dy, dz) for dz in range(-1 if axis != 2 else 0, 2)
+                  for dy in range(-1 if axis != 1 else 0, 2)
+                  for dx in range(-1 if axis != 0 else 0, 2)] for axis in range(3)]
+
+
+def list_terms(block, decoded, vertex, axis):
+    """What is known around an edge, to fit to: (weight, side, place, whether it is a crossing).
+
+    The side is 0 on the surface, 1 inside, -1 outside; places are seen from the edge's middle.
+    """
+    x, y, z = vertex
+    half = [UNIT // 2 * m for m in middle(axis)]
+    for dx, dy, dz, other, q in NEAR_EDGES[axis]:
+        place = [UNIT * d - h for d, h in zip((dx, dy, dz), half)]
+        edge = (x + dx, y + dy, z + dz, other)
+        position = decoded.get(edge)
+        if position is not None:
+            place[other] += position
+            yield weigh_decoded(q), 0, place, True
+        elif block.is_crossed(*edge[:3], other) and edge not in decoded:
+            place[other] += UNIT // 2
+            yield 2 * 4096 // (12 + 10 * q), 0, place, False
+    for step in NEAR_VERTICES[axis]:
+        q = sum((2 * d - m)**2 for d, m in zip(step, middle(axis)))
+        inside = block.is_inside(*(v + d for v, d in zip(vertex, step)))
+        yield (max(1, 12 * 4096 // (100 * (12 + 10 * q))), 1 if inside else -1,
+               [UNIT * d - h for d, h in zip(step, half)], False)
+
+
 class PlanePrediction:
     """Where a linear function vanishes that fits what is known around: default and compact."""
-
-    NEIGHBOURS = [list_neighbours(axis, 2, (-1, 0, 1),
-                                  lambda dz: (0, 1) if dz > 0 else (0, 1, 2), 11)
-                  for axis in range(3)]
-    VERTICES = [[(dx, dy, dz) for dz in range(-1 if axis != 2 else 0, 2)
-                 for dy in range(-1 if axis != 1 else 0, 2)
-                 for dx in range(-1 if axis != 0 else 0, 2)] for axis in range(3)]
 
     def predict(self, block, decoded, vertex, axis):
         """Position in units of 2^-16, steepness, and the number of decoded crossings used."""
@@ -133,34 +178,15 @@ class PlanePrediction:
 
     def _add_up(self, block, decoded, vertex, axis):
         """The sums of the least squares: a matrix of 4 x 4, its upper half, and its right side."""
-        x, y, z = vertex
-        half = [UNIT // 2 * m for m in middle(axis)]
         A = [[0] * 4 for _ in range(4)]
         b, used = [0] * 4, 0
-
-        def add(weight, target, place):
-            point = (1, *(p - h for p, h in zip(place, half)))
+        for weight, side, place, is_decoded in list_terms(block, decoded, vertex, axis):
+            used += is_decoded
+            point = (1, *place)
             for i in range(4):
-                b[i] += weight * target * point[i]
+                b[i] += weight * side * 717 * point[i]
                 for j in range(i, 4):
                     A[i][j] += weight * point[i] * point[j]
-
-        for dx, dy, dz, other, q in self.NEIGHBOURS[axis]:
-            place = [UNIT * dx, UNIT * dy, UNIT * dz]
-            edge = (x + dx, y + dy, z + dz, other)
-            position = decoded.get(edge)
-            if position is not None:
-                used += 1
-                place[other] += position
-                add(weigh_decoded(q), 0, place)
-            elif block.is_crossed(*edge[:3], other) and edge not in decoded:
-                place[other] += UNIT // 2
-                add(2 * 4096 // (12 + 10 * q), 0, place)
-        for step in self.VERTICES[axis]:
-            q = sum((2 * d - m)**2 for d, m in zip(step, middle(axis)))
-            inside = block.is_inside(*(v + d for v, d in zip(vertex, step)))
-            add(max(1, 12 * 4096 // (100 * (12 + 10 * q))), 717 if inside else -717,
-                [UNIT * d for d in step])
         A[0][0] += 4
         for i in (1, 2, 3):
             A[i][i] += 4 << 20

@@ -98,7 +98,7 @@ class Signs:
         if self.quiet.decode(decoder, 4 * sign + size):
             own += [sign] * length
         else:
-            place = decoder.uniform((length - 1).bit_length())
+            place = min(decoder.uniform((length - 1).bit_length()), length - 1)
             own += [sign] * place + [1 - sign]
 
 
@@ -222,7 +222,7 @@ class NetworkSigns(Signs):
     def __init__(self):
         super().__init__()
         self.tables = [AdaptiveBits(1 << 14, 200) for _ in range(8)]
-        self.by_core, self.by_step = WideMixers(256), WideMixers(32)
+        self.mixers = [WideMixers(count) for count in (256, 32, 32, 64)]
         self.cost = 1 << 20  # M of the text
 
     def decode_vertex(self, decoder, rows, own, place, size):
@@ -239,10 +239,12 @@ class NetworkSigns(Signs):
                 differences.append(
                     clamp((stretched - o) * (8192 * k // (2 * k + 3)) >> 12, -2047, 2047))
         inputs = [n >> 1 for n in h] + differences + [o, 64] + [0] * 6
-        used = ((self.by_core, min(self.cost >> 18, 7) << 5 | core),
-                (self.by_step, o + 2048 >> 7))
+        x, flip = place[0], own[-1]
+        far = (window(rows.ZZ, x, -2, 2, flip),
+               window(rows.ZZM, x, -1, 1, flip) | window(rows.ZZP, x, -1, 1, flip) << 3)
+        used = list(zip(self.mixers, (min(self.cost >> 18, 7) << 5 | core, o + 2048 >> 7, *far)))
         votes = [mixers.vote(mixer, inputs) for mixers, mixer in used]
-        probability = SQUASH[(sum(votes) >> 1) + 2048]
+        probability = SQUASH[(sum(votes) >> 2) + 2048]
         bit = decoder.bit(probability)
         for (mixers, mixer), vote in zip(used, votes):
             mixers.learn(mixer, inputs, vote, bit)

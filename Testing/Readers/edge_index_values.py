@@ -263,29 +263,43 @@ class LeastSquaresFunction:
                 row[j] += products - (row[j] >> self.forgetting)
 
     def solve(self):
-        """By Cholesky's decomposition, in whole numbers."""
-        n = self.size
-        diagonal = [self.sums[i][i] for i in range(n)] + [self.sums[n][n] | 1]
-        shift = 58 - max(diagonal).bit_length()
-        A = [[a << shift if shift >= 0 else a >> -shift for a in row] for row in self.sums]
-        L, inverses = [], []
-        for i in range(n + 1):
-            row = []
-            for j in range(min(i, n)):
-                rest = A[i][j] - sum(map(mul, row, L[j]))
-                row.append(clamp(rest * inverses[j] >> 60, -2**29, 2**29))
-            if i < n:
-                rest = A[i][i] - sum(map(mul, row, row)) + 2**42
-                if rest < 2**40:
-                    return
-                row.append(min(math.isqrt(rest), 2**29))
-                inverses.append(2**60 // row[i])
-            L.append(row)
-        W = [0] * n
-        for i in range(n - 1, -1, -1):
-            rest = (L[n][i] << 16) - sum(L[k][i] * W[k] for k in range(i + 1, n))
-            W[i] = clamp(rest * inverses[i] >> 60, -2**19, 2**19)
-        self.weights = W
+        factors = factor(self.sums)
+        if factors:
+            self.weights = substitute_back(*factors, self.size)
+
+
+def factor(sums):
+    """Cholesky's decomposition of rows of sums, the last one being the target's, in whole numbers.
+
+    Returns L and what its diagonal is divided by, or nothing.
+    """
+    n = len(sums) - 1
+    diagonal = [sums[i][i] for i in range(n)] + [sums[n][n] | 1]
+    shift = 58 - max(diagonal).bit_length()
+    A = [[a << shift if shift >= 0 else a >> -shift for a in row] for row in sums]
+    L, inverses = [], []
+    for i in range(n + 1):
+        row = []
+        for j in range(min(i, n)):
+            rest = A[i][j] - sum(map(mul, row, L[j]))
+            row.append(clamp(rest * inverses[j] >> 60, -2**29, 2**29))
+        if i < n:
+            rest = A[i][i] - sum(map(mul, row, row)) + 2**42
+            if rest < 2**40:
+                return None
+            row.append(min(math.isqrt(rest), 2**29))
+            inverses.append(2**60 // row[i])
+        L.append(row)
+    return L, inverses
+
+
+def substitute_back(L, inverses, n):
+    """The weights of the first n inputs, if there are no others."""
+    W = [0] * n
+    for i in range(n - 1, -1, -1):
+        rest = (L[-1][i] << 16) - sum(L[k][i] * W[k] for k in range(i + 1, n))
+        W[i] = clamp(rest * inverses[i] >> 60, -2**19, 2**19)
+    return W
 
 
 class LeastSquaresPrediction(FilterPrediction):

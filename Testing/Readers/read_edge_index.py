@@ -17,7 +17,8 @@ import sys
 
 from edge_index_attributes import Attribute
 from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder, clamp
-from edge_index_crossings import Crossings, MeanPrediction, PlanePrediction
+from edge_index_crossings import Crossings, EqualIntervals, MeanPrediction, PlanePrediction
+from edge_index_curved_crossings import CurvedCrossings, WideIntervals
 from edge_index_signs import FastSigns, MixedSigns, NetworkSigns
 from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
                                round_to_float32)
@@ -148,13 +149,16 @@ class Grid:
                          + row[2] * coordinates[2] + origin)
         return point
 
-    def count_intervals(self, maximum_error):
+    def find_error_left(self, maximum_error):
+        """What the rounding of coordinates leaves of an error."""
         power = 1 << (1 + self.greatest_bound).bit_length()
         left = maximum_error - power * 2.0**-25 - 2.0**-20
         check(left > 0, "the maximum error is too small for the extent")
-        intervals = math.ceil(0.5 / left)
-        check(intervals <= 2**20, "the maximum error is too small")
-        return intervals
+        check(math.ceil(0.5 / left) <= 2**20, "the maximum error is too small")
+        return left
+
+    def count_intervals(self, maximum_error):
+        return math.ceil(0.5 / self.find_error_left(maximum_error))
 
 
 class Record:
@@ -259,10 +263,14 @@ def make_values(profile, domain):
     return Values(domain, make_magnitudes(profile, PRIORS.values), prediction, profile != "fast")
 
 
-def make_crossings(profile, intervals, some_missing):
+def make_crossings(profile, version, grid, maximum_error, some_missing):
+    if profile == "compact" and version >= 3:
+        width = math.floor(grid.find_error_left(maximum_error) * 2**31)
+        return CurvedCrossings(WideIntervals(width), some_missing)
+    cut = EqualIntervals(grid.count_intervals(maximum_error))
     prediction = MeanPrediction() if profile == "fast" else PlanePrediction()
     magnitudes = make_magnitudes(profile, PRIORS.crossings)
-    return Crossings(intervals, some_missing, magnitudes, prediction)
+    return Crossings(cut, some_missing, magnitudes, prediction)
 
 
 class DecodedBlock:
@@ -281,8 +289,8 @@ class DecodedBlock:
         if record.codes_crossings:
             grid = header.make_preview_grid() if record.preview else header.grid
             error = header.preview_error if record.preview else header.maximum_error
-            self.intervals = grid.count_intervals(error)
-            geometry = make_crossings(profile, self.intervals, record.some_missing)
+            geometry = make_crossings(
+                profile, header.version, grid, error, record.some_missing)
         else:
             geometry = make_values(profile, make_domain(header, isovalue, scale))
         values = {}
@@ -291,7 +299,7 @@ class DecodedBlock:
                 block.add_slice(signs.decode_slice(decoder, block.nx, block.ny))
             found = geometry.decode_slice(decoder, block, z)
             if record.codes_crossings:
-                self._add_crossings(found, z)
+                self._add_crossings(found, geometry.cut, z)
             else:
                 values.update({(x, y, z): value for (x, y), value in found.items()})
             for number, attribute in enumerate(attributes):
@@ -304,10 +312,10 @@ class DecodedBlock:
                 values, isovalue, "float32" if header.mode == "quantized" else header.type_name)
         check(len(self.parameters) == record.points, "record: another number of points")
 
-    def _add_crossings(self, found, z):
+    def _add_crossings(self, found, cut, z):
         for (x, y, axis), interval in found.items():
             self.parameters[x, y, z, axis] = math.nan if interval is None else round_to_float32(
-                (2 * interval + 1) / (2 * self.intervals))
+                cut.find_parameter(interval))
 
     def _add_values(self, values, isovalue, value_type):
         for z in range(self.block.nz):
