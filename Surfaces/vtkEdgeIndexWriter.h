@@ -61,7 +61,7 @@ public:
   {
     DEFAULT = 0, ///< small
     FAST = 1,    ///< written and read about three times as fast, a tenth larger
-    COMPACT = 2  ///< LOSSLESS and QUANTIZED smaller by a twentieth; takes two to four times as long
+    COMPACT = 2  ///< smaller by a twentieth to a tenth; takes two to four times as long
   };
 
   ///@{

@@ -34,8 +34,10 @@ NetworkSignModel::NetworkSignModel(bool used)
   const auto contexts = mixer.Weights.begin() + SignNetwork::Depth;
   std::fill_n(contexts, NumberOfContexts, std::int16_t{ 1638 });
   contexts[NumberOfContexts] = 1 << 14;
-  this->ByNeighbors.resize(NumberOfNeighborMixers, mixer);
-  this->ByStep.resize(NumberOfStepMixers, mixer);
+  for (std::size_t n = 0; n < NumberOfKinds; ++n)
+  {
+    this->Mixers[n].resize(KindSizes[n], mixer);
+  }
   ApplyPriors(*this);
 }
 

@@ -64,8 +64,11 @@ struct NetworkSignModel
   static constexpr std::array<int, NumberOfContexts> ContextBits = { 12, 14, 14, 14, 14, 14, 10,
     9 };
   static constexpr std::size_t NumberOfLevels = 8;
-  static constexpr std::size_t NumberOfNeighborMixers = NumberOfLevels * 32;
-  static constexpr std::size_t NumberOfStepMixers = 32;
+  /// How many mixers there are of each kind: by how well signs are predicted lately and five
+  /// neighbours, by what the network predicts, and by neighbours two slices before, twice.
+  static constexpr std::size_t NumberOfKinds = 4;
+  static constexpr std::array<std::size_t, NumberOfKinds> KindSizes = { NumberOfLevels * 32, 32, 32,
+    64 };
 
   /// Empty if not `used`.
   explicit NetworkSignModel(bool used);
@@ -74,16 +77,16 @@ struct NetworkSignModel
   /// A probability in each context. One that did not occur yet (of no updates) stands for that of
   /// the network, which it begins with.
   std::array<std::vector<AdaptiveBit>, NumberOfContexts> Contexts;
-  std::vector<WideMixer> ByNeighbors; ///< by how well signs are predicted lately, and neighbours
-  std::vector<WideMixer> ByStep;      ///< by what the network predicts
+  std::array<std::vector<WideMixer>, NumberOfKinds> Mixers;
   /// The mean error of probabilities, which are of 16 bits, lately; times 128.
   std::uint32_t MeanError = 128 * 8192;
 };
 
 /**
  * Codes the sign of a vertex: a network, learnt beforehand and the same for all surfaces, predicts
- * it; probabilities in eight contexts learn how this block differs from that, and two mixers what
- * to make of them, and of the network's second hidden layer.
+ * it; probabilities in eight contexts learn how this block differs from that, and four mixers what
+ * to make of them, and of the network's second hidden layer. The mean of what the mixers say
+ * counts.
  */
 template <typename Coder>
 class NetworkSigns
@@ -120,7 +123,7 @@ public:
     {
       inputs[n] = static_cast<std::int16_t>(hidden[n] >> 1);
     }
-    const Places places = FindPlaces(seen, predicted);
+    const Places places = this->FindPlaces(seen, predicted);
     std::array<AdaptiveBit*, NetworkSignModel::NumberOfContexts> contexts;
     for (std::size_t n = 0; n < contexts.size(); ++n)
     {
@@ -130,16 +133,21 @@ public:
     inputs[SignNetwork::Depth + contexts.size()] = static_cast<std::int16_t>(predicted);
     inputs[SignNetwork::Depth + contexts.size() + 1] = 64;
 
-    const std::uint32_t level =
-      std::min<std::uint32_t>(this->Known.MeanError >> 18, NetworkSignModel::NumberOfLevels - 1);
-    WideMixer& byNeighbors = this->Known.ByNeighbors[level << 5 | places.Core];
-    WideMixer& byStep = this->Known.ByStep[places.Step];
-    const int first = byNeighbors.Mix(inputs);
-    const int second = byStep.Mix(inputs);
-    const std::uint32_t probability = GetSquashed((first + second) >> 1);
+    std::array<WideMixer*, NetworkSignModel::NumberOfKinds> mixers;
+    std::array<int, NetworkSignModel::NumberOfKinds> mixed;
+    int sum = 0;
+    for (std::size_t n = 0; n < mixers.size(); ++n)
+    {
+      mixers[n] = &this->Known.Mixers[n][places.Mixers[n]];
+      mixed[n] = mixers[n]->Mix(inputs);
+      sum += mixed[n];
+    }
+    const std::uint32_t probability = GetSquashed(sum >> 2);
     const bool coded = this->Output.CodeBit(bit != flipped, probability);
-    byNeighbors.Update(inputs, first, coded);
-    byStep.Update(inputs, second, coded);
+    for (std::size_t n = 0; n < mixers.size(); ++n)
+    {
+      mixers[n]->Update(inputs, mixed[n], coded);
+    }
     for (AdaptiveBit* context : contexts)
     {
       context->Update(coded, MostCount);
@@ -156,8 +164,7 @@ private:
   struct Places
   {
     std::array<std::uint32_t, NetworkSignModel::NumberOfContexts> Contexts;
-    std::uint32_t Core; ///< five of the neighbours
-    std::uint32_t Step; ///< what the network predicts, in 32 steps
+    std::array<std::uint32_t, NetworkSignModel::NumberOfKinds> Mixers;
   };
 
   static std::uint32_t Hash(std::uint32_t low, std::uint32_t high)
@@ -166,7 +173,7 @@ private:
     return (key ^ key >> 15) >> 3 & ((1u << 14) - 1);
   }
 
-  static Places FindPlaces(const SignNetworkInputs& seen, int predicted)
+  Places FindPlaces(const SignNetworkInputs& seen, int predicted) const
   {
     using Inputs = SignNetworkInputs;
     const auto get = [&seen](Inputs::Pattern pattern, int first, int bits)
@@ -185,6 +192,8 @@ private:
     const std::uint32_t farCount = count(out) + count(get(Inputs::YY, 1, 5)) +
       count(get(Inputs::ZZ, 1, 5)) + count(get(Inputs::ZMM, 0, 5)) + count(get(Inputs::ZPP, 0, 5));
     const std::uint32_t step = static_cast<std::uint32_t>(predicted + 2048) >> 7;
+    const std::uint32_t level =
+      std::min<std::uint32_t>(this->Known.MeanError >> 18, NetworkSignModel::NumberOfLevels - 1);
     const std::uint32_t sides = get(Inputs::ZMM, 2, 1) | get(Inputs::ZPP, 2, 1) << 1 |
       get(Inputs::YY, 2, 1) << 2 | get(Inputs::YY, 4, 1) << 3 | get(Inputs::ZZ, 2, 1) << 4 |
       get(Inputs::ZZ, 4, 1) << 5;
@@ -195,7 +204,8 @@ private:
     return { { near, Hash(near, out), Hash(near | out << 12, sides | 64),
                nearCount | farCount << 4 | core << 9, Hash(near, behind | 512),
                Hash(core | out << 5, wide | 1024), step << 5 | core, step << 4 | nearCount },
-      core, step };
+      { level << 5 | core, step, get(Inputs::ZZ, 1, 5),
+        get(Inputs::ZZM, 1, 3) | get(Inputs::ZZP, 1, 3) << 3 } };
   }
 
   // How much more likely another sign is in a context than the network says, and how sure that is:

@@ -227,6 +227,9 @@ void AddEdgeIndexFiles(Corpus& corpus)
   AddEdgeIndexFile<double>(corpus, "lossless-float64", 1, header);
   header.Settings.Profile = EdgeIndexProfile::Compact;
   AddEdgeIndexFile<std::int16_t>(corpus, "compact-int16", 1, header);
+  header.Settings.Mode = EdgeIndexMode::Bounded;
+  AddEdgeIndexFile<std::uint16_t>(corpus, "compact-bounded", 1, header);
+  header.Settings.Mode = EdgeIndexMode::Lossless;
   header.Settings.Profile = EdgeIndexProfile::Fast;
   header.Attributes = { { "Normals", ValueType::Float32, 3, 0, true } };
   AddEdgeIndexFile<std::uint8_t>(corpus, "normals", 1, header);

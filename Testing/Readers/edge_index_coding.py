@@ -6,6 +6,7 @@ The tables of constants are read from the sources that this text names.
 """
 import os
 import re
+from operator import mul
 
 from read_interval_tree import check
 
@@ -115,11 +116,10 @@ class AdaptiveBits:
         self.limit = limit
 
     @classmethod
-    def from_priors(cls, priors, count, limit):
-        """Begins with stored stretched probabilities."""
+    def from_priors(cls, probabilities, count, limit):
         bits = cls(0, limit)
-        bits.probabilities = [SQUASH[16 * q + 2048] * 64 for q in priors]
-        bits.counts = [count] * len(priors)
+        bits.probabilities = list(probabilities)
+        bits.counts = [count] * len(probabilities)
         return bits
 
     def learn(self, index, bit):
@@ -146,7 +146,7 @@ class Mixers:
         weights = self.weights[mixer]
         inputs = [STRETCH[table.probabilities[index] >> 10] for table, index in voters]
         inputs += [0] * (7 - len(inputs)) + [256]
-        vote = sum(x * w for x, w in zip(inputs, weights)) >> 14
+        vote = sum(map(mul, inputs, weights)) >> 14
         probability = SQUASH[clamp(vote, -2047, 2047) + 2048]
         bit = decoder.bit(probability)
         error = ((65535 if bit else 0) - probability) >> 1
@@ -172,11 +172,19 @@ class AdaptiveSymbols:
         return symbol
 
 
+def find_probabilities(stretched):
+    """Of priors, which are stored stretched."""
+    return [SQUASH[16 * q + 2048] * 64 for q in stretched]
+
+
 class MagnitudePriors:
     def __init__(self, numbers):
-        self.by_level = numbers[:512]
+        self.by_level = find_probabilities(numbers[:512])
         self.symbols = numbers[512:512 + 4096]
         self.mixers = numbers[4608:4608 + 512]
+        # By class / 2 and side: those of the even class.
+        self.by_side = [probability for level in range(0, 32, 2) for _ in range(128)
+                        for probability in self.by_level[16 * level:16 * level + 16]]
 
 
 class Priors:
@@ -185,8 +193,8 @@ class Priors:
     def __init__(self):
         numbers = read_constants("EdgeIndexPriors.cxx", "Priors = ")
         check(len(numbers) == 8192 + 8 + 1024 + 2 * 5120 + 16, "EdgeIndexPriors.cxx: other tables")
-        self.near = numbers[:8192]
-        self.quiet = numbers[8192:8200]
+        self.near = find_probabilities(numbers[:8192])
+        self.quiet = find_probabilities(numbers[8192:8200])
         self.sign_mixers = numbers[8200:9224]
         self.values = MagnitudePriors(numbers[9224:14344])
         self.crossings = MagnitudePriors(numbers[14344:19464])
@@ -198,7 +206,7 @@ PRIORS = Priors()
 
 def measure(magnitude):
     """Eight times the binary logarithm of magnitude + 1, about."""
-    n = min(magnitude, 2**62 - 2) + 1
+    n = min(magnitude, 2**62 - 1) + 1
     k = n.bit_length() - 1
     return 8 * k + ((n << 3 >> k) & 7)
 
@@ -248,13 +256,7 @@ class MixedMagnitudes(Magnitudes):
         super().__init__()
         limit = 250
         self.by_level = AdaptiveBits.from_priors(priors.by_level, 8, limit)
-        pairs = [priors.by_level[32 * pair:32 * pair + 16] for pair in range(16)]
-        by_side = AdaptiveBits.from_priors(sum((pair * 128 for pair in pairs), []), 2, limit)
-        self.by_side = [by_side]
-        for _ in range(4):
-            copy = AdaptiveBits(0, limit)
-            copy.probabilities, copy.counts = by_side.probabilities[:], by_side.counts[:]
-            self.by_side.append(copy)
+        self.by_side = [AdaptiveBits.from_priors(priors.by_side, 2, limit) for _ in range(5)]
         self.mixers = Mixers(priors.mixers)
 
     def decode_symbol(self, decoder, level, sides):

@@ -12,7 +12,7 @@ def middle(axis):
 
 
 def list_neighbours(axis, reach, steps_in_z, axes, farthest):
-    """Edges near one along `axis`: (dx, dy, dz, their axis, q), q four times the squared distance."""
+    """Edges near one along `axis`: (dx, dy, dz, their axis, q), q being 4 squared distances."""
     own, found = middle(axis), []
     for dz in steps_in_z:
         for dy in range(-reach, reach + 1):
@@ -40,7 +40,7 @@ class Crossings:
         self.decoded = {}  # positions of decoded crossings by (x, y, z, axis); None: no number
 
     def decode_slice(self, decoder, block, z):
-        """The intervals of crossed edges that begin in slice z, by (x, y, axis); None is no number."""
+        """The intervals of the crossed edges of slice z by (x, y, axis); None: no number."""
         found = {}
         for x, y, axis in block.list_edges(z):
             if self.some_missing and self.missing.decode(decoder, 0):
@@ -92,7 +92,8 @@ class MeanPrediction:
 class PlanePrediction:
     """Where a linear function vanishes that fits what is known around: default and compact."""
 
-    NEIGHBOURS = [list_neighbours(axis, 2, (-1, 0, 1), lambda dz: (0, 1) if dz > 0 else (0, 1, 2), 11)
+    NEIGHBOURS = [list_neighbours(axis, 2, (-1, 0, 1),
+                                  lambda dz: (0, 1) if dz > 0 else (0, 1, 2), 11)
                   for axis in range(3)]
     VERTICES = [[(dx, dy, dz) for dz in range(-1 if axis != 2 else 0, 2)
                  for dy in range(-1 if axis != 1 else 0, 2)

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes the values at the ends of crossed edges: edge-index.md, section "Values"."""
+import bisect
 import math
 import struct
+from operator import mul
 
 from edge_index_coding import (PRIORS, clamp, decode_on_both_sides, decode_signed, divide, measure)
 from read_blocked_volume import TYPES, make_threshold_key
@@ -94,8 +96,7 @@ class QuantizedOffsets(Offsets):
         self.minimum = header.quantization_minimum
         steps = 2**header.quantization_bits - 1
         self.step = (header.quantization_maximum - self.minimum) / steps
-        self.first = next((q for q in range(steps + 1) if self.find_level(q) >= self.threshold),
-                          steps + 1)
+        self.first = bisect.bisect_left(range(steps + 1), self.threshold, key=self.find_level)
         self.set_bounds(min(-1, -self.first), max(0, steps - self.first), scale)
 
     def find_level(self, q):
@@ -124,7 +125,8 @@ class Bits:
     def find_fixed(self, value):
         """In units of 2^-(scale + fraction), rounded towards zero."""
         if isinstance(value, float) and math.isinf(value):
-            value = int(math.copysign(2**(128 if self.bits == 32 else 1024), value))
+            infinity = 2**(128 if self.bits == 32 else 1024)
+            value = infinity if value > 0 else -infinity
         numerator, denominator = value.as_integer_ratio()
         shift = self.scale + self.fraction
         if shift >= 0:
@@ -177,7 +179,8 @@ def round_towards_zero(numerator, denominator, bits):
     shifted, exponent = shifted >> excess, exponent + excess
     if shifted.bit_length() + exponent > infinite:
         shifted, exponent = 2**digits - 1, infinite - digits
-    return math.copysign(math.ldexp(shifted, exponent), numerator)
+    value = math.ldexp(shifted, exponent)
+    return -value if numerator < 0 else value
 
 
 def make_domain(header, isovalue, scale):
@@ -188,12 +191,10 @@ def make_domain(header, isovalue, scale):
     return kind(header.type_name, isovalue, scale)
 
 
-class Heights:
-    """The heights of a slice, with two more vertices on each side. Vertex (x, y) is [y + 2][x + 2]."""
-
-    def __init__(self, block, z, begin):
-        self.rows = [[begin if block.is_inside(x, y, z) else -begin
-                      for x in range(-2, block.nx + 2)] for y in range(-2, block.ny + 2)]
+def begin_heights(block, z, height):
+    """The heights of a slice, two more on each side included: (x, y) is at [y + 2][x + 2]."""
+    return [[height if block.is_inside(x, y, z) else -height
+             for x in range(-2, block.nx + 2)] for y in range(-2, block.ny + 2)]
 
 
 # Neighbours whose heights are inputs of a prediction: the steps back in z, and those in y and x.
@@ -232,10 +233,6 @@ class FilterPrediction:
         return inputs
 
 
-def find_begin(mean):
-    return min(3 * (mean >> 6) // 2, HEIGHT_LIMIT)
-
-
 class LeastSquaresFunction:
     """A linear function of the first `size` inputs, and the sums that its weights come from."""
 
@@ -249,7 +246,7 @@ class LeastSquaresFunction:
         self.sums.append([diagonal * w >> 16 for w in self.weights] + [0])  # of the height
 
     def predict(self, inputs):
-        total = sum(x * w for x, w in zip(inputs, self.weights)) >> 12
+        total = sum(map(mul, inputs, self.weights)) >> 12
         return clamp(total, -131071, 131071)
 
     def learn_error(self, prediction, height):
@@ -262,7 +259,7 @@ class LeastSquaresFunction:
         columns.append([sample[-1] for sample in batch])
         for i, row in enumerate(self.sums):
             for j in range(i + 1):
-                products = sum(a * b for a, b in zip(columns[i], columns[j]))
+                products = sum(map(mul, columns[i], columns[j]))
                 row[j] += products - (row[j] >> self.forgetting)
 
     def solve(self):
@@ -275,10 +272,10 @@ class LeastSquaresFunction:
         for i in range(n + 1):
             row = []
             for j in range(min(i, n)):
-                rest = A[i][j] - sum(a * b for a, b in zip(row, L[j] if j < i else row))
+                rest = A[i][j] - sum(map(mul, row, L[j]))
                 row.append(clamp(rest * inverses[j] >> 60, -2**29, 2**29))
             if i < n:
-                rest = A[i][i] - sum(a * a for a in row) + 2**42
+                rest = A[i][i] - sum(map(mul, row, row)) + 2**42
                 if rest < 2**40:
                     return
                 row.append(min(math.isqrt(rest), 2**29))
@@ -355,7 +352,10 @@ class Measures:
 
 
 class Values:
-    """Decodes the values of a block; profiles differ in magnitudes, prediction and what is visited."""
+    """Decodes the values of a block.
+
+    Profiles differ in magnitudes, prediction, and which vertices are visited.
+    """
 
     def __init__(self, domain, magnitudes, prediction, visits_more):
         self.domain, self.magnitudes, self.prediction = domain, magnitudes, prediction
@@ -368,7 +368,8 @@ class Values:
         """The values of the relevant vertices of slice z, by (x, y)."""
         zeros = [[0] * (block.nx + 4)] * (block.ny + 4)
         before = self.heights[:2] if z > 0 else [zeros, zeros]
-        self.heights = [Heights(block, z, find_begin(self.mean)).rows] + before
+        begin = min(3 * (self.mean >> 6) // 2, HEIGHT_LIMIT)
+        self.heights = [begin_heights(block, z, begin)] + before
         self.prediction.begin_slice(self.mean)
         visited = self._find_visited(block, z)
         values = {}

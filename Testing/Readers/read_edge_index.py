@@ -16,9 +16,9 @@ import struct
 import sys
 
 from edge_index_attributes import Attribute
-from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder
+from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder, clamp
 from edge_index_crossings import Crossings, MeanPrediction, PlanePrediction
-from edge_index_signs import FastSigns, MixedSigns
+from edge_index_signs import FastSigns, MixedSigns, NetworkSigns
 from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
                                round_to_float32)
 from read_interval_tree import FormatError, check, hash64, read_file
@@ -28,7 +28,7 @@ TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "u
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = ("default", "fast", "compact")
 FIRST_VERSIONS = {"default": 1, "fast": 1, "compact": 2}  # that have a profile
-LARGEST_VERSION = 2
+LARGEST_VERSION = 3
 
 
 class Bytes:
@@ -96,23 +96,29 @@ class Header:
               "header: too many vertices")
 
     def _read_fixed_part(self, source):
-        type_number, mode, profile, self.quantization_bits, self.isovalue_count = source.unpack("BBBBI")
+        type_number, mode, profile, self.quantization_bits, self.isovalue_count = \
+            source.unpack("BBBBI")
         check(type_number < len(TYPE_NAMES) and mode < len(MODES) and profile < len(PROFILES)
               and self.isovalue_count <= 65536, "header: impossible type, mode, profile or count")
-        self.type_name, self.mode, self.profile = TYPE_NAMES[type_number], MODES[mode], PROFILES[profile]
-        check(self.version >= FIRST_VERSIONS[self.profile], "header: the version has no such profile")
-        self.maximum_error, self.quantization_minimum, self.quantization_maximum = source.unpack("3d")
+        self.type_name, self.mode = TYPE_NAMES[type_number], MODES[mode]
+        self.profile = PROFILES[profile]
+        check(self.version >= FIRST_VERSIONS[self.profile],
+              "header: the version has no such profile")
+        self.maximum_error, self.quantization_minimum, self.quantization_maximum = \
+            source.unpack("3d")
         check(mode not in (1, 3) or 0 < self.maximum_error <= 0.5, "header: impossible error")
         check(mode != 2 or 2 <= self.quantization_bits <= 24
               and -math.inf < self.quantization_minimum < self.quantization_maximum < math.inf,
               "header: impossible quantization")
         self.extent = source.unpack("6q")
         check(all(-2**40 <= low <= high <= 2**40
-                  for low, high in zip(self.extent[::2], self.extent[1::2])), "header: impossible extent")
+                  for low, high in zip(self.extent[::2], self.extent[1::2])),
+              "header: impossible extent")
         self.origin, self.spacing, self.direction = (source.unpack(n + "d") for n in "339")
         self.blocks, time, has_time, self.preview_level, zeros, self.attribute_count, \
             self.preview_error = source.unpack("QdBBHId")
-        check(has_time < 2 and self.preview_level <= 6 and zeros == 0 and self.attribute_count <= 256
+        check(has_time < 2 and self.preview_level <= 6 and zeros == 0
+              and self.attribute_count <= 256
               and (self.preview_level == 0 or 0 < self.preview_error <= 0.5),
               "header: impossible time, preview or count")
         self.time = time if has_time else None
@@ -135,9 +141,12 @@ class Grid:
 
     def place(self, coordinates):
         """A point in the world, of its structured coordinates."""
-        scaled = [c * s for c, s in zip(coordinates, self.spacing)]
-        return [origin + sum(d * c for d, c in zip(self.direction[3 * n:3 * n + 3], scaled))
-                for n, origin in enumerate(self.origin)]
+        point = []
+        for n, origin in enumerate(self.origin):
+            row = [d * s for d, s in zip(self.direction[3 * n:3 * n + 3], self.spacing)]
+            point.append(row[0] * coordinates[0] + row[1] * coordinates[1]
+                         + row[2] * coordinates[2] + origin)
+        return point
 
     def count_intervals(self, maximum_error):
         power = 1 << (1 + self.greatest_bound).bit_length()
@@ -235,7 +244,9 @@ class Block:
                 for x in range(self.nx) if self.is_crossed(x, y, z, axis)]
 
 
-def make_signs(profile):
+def make_signs(profile, version):
+    if profile == "compact" and version >= 3:
+        return NetworkSigns()
     return FastSigns() if profile == "fast" else MixedSigns()
 
 
@@ -250,7 +261,8 @@ def make_values(profile, domain):
 
 def make_crossings(profile, intervals, some_missing):
     prediction = MeanPrediction() if profile == "fast" else PlanePrediction()
-    return Crossings(intervals, some_missing, make_magnitudes(profile, PRIORS.crossings), prediction)
+    magnitudes = make_magnitudes(profile, PRIORS.crossings)
+    return Crossings(intervals, some_missing, magnitudes, prediction)
 
 
 class DecodedBlock:
@@ -264,7 +276,7 @@ class DecodedBlock:
         decoder = RangeDecoder(code)
         attributes = [Attribute(decoder, description) for description in header.attributes
                       ] if not record.preview else []
-        signs = make_signs(profile)
+        signs = make_signs(profile, header.version)
         isovalue = header.isovalues[record.isovalue]
         if record.codes_crossings:
             grid = header.make_preview_grid() if record.preview else header.grid
@@ -276,7 +288,7 @@ class DecodedBlock:
         values = {}
         for z in range(block.nz):
             while len(block.slices) < min(z + 2, block.nz):
-                block.add_slice(signs.decode_slice(decoder, block.slices, block.nx, block.ny))
+                block.add_slice(signs.decode_slice(decoder, block.nx, block.ny))
             found = geometry.decode_slice(decoder, block, z)
             if record.codes_crossings:
                 self._add_crossings(found, z)
@@ -288,7 +300,8 @@ class DecodedBlock:
                     {(x, y, z, axis): value for (x, y, axis), value in found.items()})
         decoder.check_end()
         if not record.codes_crossings:
-            self._add_values(values, isovalue)
+            self._add_values(
+                values, isovalue, "float32" if header.mode == "quantized" else header.type_name)
         check(len(self.parameters) == record.points, "record: another number of points")
 
     def _add_crossings(self, found, z):
@@ -296,20 +309,21 @@ class DecodedBlock:
             self.parameters[x, y, z, axis] = math.nan if interval is None else round_to_float32(
                 (2 * interval + 1) / (2 * self.intervals))
 
-    def _add_values(self, values, isovalue):
+    def _add_values(self, values, isovalue, value_type):
         for z in range(self.block.nz):
             for x, y, axis in self.block.list_edges(z):
-                v0 = float(values[x, y, z])
-                v1 = float(values[x + (axis == 0), y + (axis == 1), z + (axis == 2)])
-                self.parameters[x, y, z, axis] = find_parameter(isovalue, v0, v1)
+                self.parameters[x, y, z, axis] = find_parameter(
+                    isovalue, values[x, y, z],
+                    values[x + (axis == 0), y + (axis == 1), z + (axis == 2)], value_type)
 
 
-def find_parameter(isovalue, v0, v1):
-    """In float64, by the rules of IEEE 754."""
-    numerator, denominator = isovalue - v0, v1 - v0
-    if denominator == 0:
-        return math.nan if numerator == 0 else math.copysign(math.inf, numerator)
-    return numerator / denominator
+def find_parameter(isovalue, v0, v1, type_name):
+    """Where on the edge from v0 to v1 the isovalue is, by the rules of IEEE 754."""
+    difference = float(v1 - v0)
+    if type_name == "float32":
+        difference = round_to_float32(difference)
+    t = (isovalue - float(v0)) / difference
+    return clamp(t, 0.0, 1.0) if type_name in ("int64", "uint64") else t
 
 
 class EdgeIndexFile:
@@ -332,7 +346,8 @@ class EdgeIndexFile:
                 or position + size != len(data) - 32):
             return False
         directory = data[position:position + size]
-        if struct.unpack_from("<Q", directory, size - 8)[0] != hash64(directory[:-8], self.header.hash):
+        found, = struct.unpack_from("<Q", directory, size - 8)
+        if found != hash64(directory[:-8], self.header.hash):
             return False
         source = Bytes(directory[:-8])
         check(source.number() == 0, "directory: does not begin with 0")
@@ -388,7 +403,10 @@ class EdgeIndexFile:
 
 
 def read_cases():
-    """VTK's 256 cases of marching cubes, as triples of a cell's edges."""
+    """VTK's 256 cases of marching cubes, as triples of a cell's edges.
+
+    Bit x + 2 y + 4 z of a case tells whether the corner (x, y, z) is inside.
+    """
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)),
                         "../../Core/Contour/MarchingCubesCases.cxx")
     words = [int(word, 16) for word in re.findall("0x[0-9a-f]{16}", read_file(path).decode())]
@@ -396,7 +414,6 @@ def read_cases():
              for n in range(word >> 60)] for word in words[:256]]
 
 
-CORNERS = tuple((x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1))
 # Edges of a cell: the first vertex, and the axis; those along x first, then y, then z.
 CELL_EDGES = (*(((0, y, z), 0) for z in (0, 1) for y in (0, 1)),
               *(((x, 0, z), 1) for z in (0, 1) for x in (0, 1)),
@@ -425,24 +442,21 @@ class Surface:
     def add(self, record, decoded):
         for (x, y, z, axis), t in decoded.parameters.items():
             where = self.find_id(record, x, y, z, axis)
-            place = [float(low + f + n) for low, f, n in zip(self.grid.first, record.first, (x, y, z))]
+            place = [float(first + n) for first, n in zip(record.first, (x, y, z))]
             place[axis] += t
-            self.points[where] = [round_to_float32(p) for p in place]
+            self.points[where] = [round_to_float32(p + low)
+                                  for p, low in zip(place, self.grid.first)]
             self.isovalues[where] = self.header.isovalues[record.isovalue]
             for mine, found in zip(self.attributes, decoded.attributes):
                 mine[where] = found[x, y, z, axis]
-        block = decoded.block
+        slices = decoded.block.slices
         for z, y, x in itertools.product(*(range(n) for n in record.cells[::-1])):
-            case = sum(block.is_inside(x + i, y + j, z + k) << n
-                       for n, (i, j, k) in enumerate(CORNERS))
+            rows = (slices[z][y], slices[z][y + 1], slices[z + 1][y], slices[z + 1][y + 1])
+            case = sum((row[x] | row[x + 1] << 1) << 2 * n for n, row in enumerate(rows))
             for triangle in self.CASES[case]:
                 edges = [CELL_EDGES[edge] for edge in triangle]
                 self.triangles.append(tuple(self.find_id(record, x + i, y + j, z + k, axis)
                                             for (i, j, k), axis in edges))
-
-    def list_world_points(self):
-        """Global ids in their order, and the points."""
-        return [(where, self.grid.place(self.points[where])) for where in sorted(self.points)]
 
 
 def main(paths):
@@ -453,8 +467,8 @@ def main(paths):
         except FormatError as error:
             sys.exit(f"{path}: {error}")
         header = file.header
-        print(f"{path}: version {header.version}, {header.type_name}, {header.mode}, {header.profile}; "
-              f"{len(file.records)} records; {len(surface.points)} points, "
+        print(f"{path}: version {header.version}, {header.type_name}, {header.mode}, "
+              f"{header.profile}; {len(file.records)} records; {len(surface.points)} points, "
               f"{len(surface.triangles)} triangles; preview: {len(preview.points)} points, "
               f"{len(preview.triangles)} triangles")
 

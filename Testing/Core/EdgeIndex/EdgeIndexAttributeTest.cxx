@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "AttributedSource.h"
 #include "CodedVolumes.h"
 
 #include <gtest/gtest.h>
@@ -16,101 +17,12 @@ using namespace isosurface;
 namespace
 {
 
-constexpr int TupleSize = 3;
-
-/// Blocks with three more arrays: labels of vertices (int16), three floats each, and a double.
-class AttributedSource : public TestBlockSource<std::uint8_t>
-{
-public:
-  AttributedSource(const TestVolume<std::uint8_t>& volume, int blockSize, bool odd)
-    : TestBlockSource<std::uint8_t>(volume, blockSize)
-    , Dimensions(volume.GetDimensions())
-  {
-    const auto vertices = static_cast<std::size_t>(volume.Geometry.GetNumberOfVertices());
-    this->Labels.resize(vertices);
-    this->Vectors.resize(TupleSize * vertices);
-    this->Doubles.resize(vertices);
-    for (std::size_t n = 0; n < vertices; ++n)
-    {
-      this->Labels[n] = static_cast<std::int16_t>(n * 7 % 2000 / 10 - 50);
-      this->Doubles[n] = std::sin(0.01 * static_cast<double>(n));
-      for (std::size_t c = 0; c < std::size_t{ TupleSize }; ++c)
-      {
-        this->Vectors[TupleSize * n + c] = static_cast<float>(n % 50 * (c + 1)) * 0.37F - 3;
-      }
-    }
-    if (odd)
-    {
-      for (std::size_t n = 0; n < this->Vectors.size(); n += 37)
-      {
-        this->Vectors[n] = n % 4 == 0 ? std::numeric_limits<float>::quiet_NaN()
-          : n % 4 == 1                ? std::numeric_limits<float>::infinity()
-                                      : 3e38F;
-      }
-    }
-  }
-
-  Result<BlockSamples> Acquire(std::size_t block) override
-  {
-    Result<BlockSamples> samples = TestBlockSource<std::uint8_t>::Acquire(block);
-    const VertexBox& box = samples->Scalars.Box;
-    samples->Attributes.resize(3);
-    samples->Attributes[0].Components = { this->MakeView(
-      box, ValueType::Int16, this->Labels.data(), 1) };
-    for (int c = 0; c < TupleSize; ++c)
-    {
-      samples->Attributes[1].Components.push_back(
-        this->MakeView(box, ValueType::Float32, this->Vectors.data() + c, TupleSize));
-    }
-    samples->Attributes[2].Components = { this->MakeView(
-      box, ValueType::Float64, this->Doubles.data(), 1) };
-    return samples;
-  }
-
-private:
-  SampleView MakeView(
-    const VertexBox& box, ValueType type, const void* first, std::ptrdiff_t step) const
-  {
-    SampleView view;
-    view.Type = type;
-    view.First = first;
-    view.Stride = { step, step * static_cast<std::ptrdiff_t>(this->Dimensions[0]),
-      step * static_cast<std::ptrdiff_t>(this->Dimensions[0] * this->Dimensions[1]) };
-    view.Available.High = this->Dimensions;
-    view.Box = box;
-    return view;
-  }
-
-  Index3 Dimensions;
-  std::vector<std::int16_t> Labels;
-  std::vector<float> Vectors;
-  std::vector<double> Doubles;
-};
-
-EdgeIndexHeader MakeAttributedHeader(const TestVolume<std::uint8_t>& volume,
-  const std::vector<double>& isovalues, EdgeIndexMode mode, EdgeIndexProfile profile, double error)
-{
-  EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, profile);
-  header.Attributes.resize(4);
-  header.Attributes[0].Name = "labels";
-  header.Attributes[1].Name = "Normals";
-  header.Attributes[1].NumberOfComponents = 3;
-  header.Attributes[1].IsNormals = true;
-  header.Attributes[2].Name = "vectors";
-  header.Attributes[2].NumberOfComponents = TupleSize;
-  header.Attributes[2].MaximumError = error;
-  header.Attributes[3].Name = "doubles";
-  header.Attributes[3].Type = ValueType::Float64;
-  header.Attributes[3].MaximumError = error;
-  return header;
-}
-
 ContourRequest MakeAttributedRequest(const std::vector<double>& isovalues)
 {
   ContourRequest request = MakeRequest(isovalues);
   request.Normals = true;
-  request.Attributes = { { ValueType::Int16, 1 }, { ValueType::Float32, TupleSize },
-    { ValueType::Float64, 1 } };
+  request.Attributes = { { ValueType::Int16, 1 },
+    { ValueType::Float32, AttributedSource::VectorSize }, { ValueType::Float64, 1 } };
   return request;
 }
 
@@ -233,8 +145,9 @@ TEST(EdgeIndexAttributes, OfPointsThatAreMergedAtAVertexAreThoseOfTheirEdges)
   const auto get = [](const Surface& surface, std::size_t point)
   {
     float value = 0;
-    std::memcpy(
-      &value, &surface.Attributes[1].Bytes[TupleSize * sizeof(float) * point], sizeof(value));
+    std::memcpy(&value,
+      &surface.Attributes[1].Bytes[AttributedSource::VectorSize * sizeof(float) * point],
+      sizeof(value));
     return value;
   };
   std::map<std::array<float, 3>, std::set<float>> valuesAt;
