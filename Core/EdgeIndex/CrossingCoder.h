@@ -342,7 +342,7 @@ private:
     const auto line = static_cast<std::size_t>(axis);
     const auto place = static_cast<std::size_t>(at);
     const int difference = this->Levels[1][line][place] - this->Levels[2][line][place];
-    this->MeanDifference += ((difference << 8) - this->MeanDifference) / 128;
+    this->MeanDifference += (256 * difference - this->MeanDifference) / 128;
   }
 
   Coder& Output;
