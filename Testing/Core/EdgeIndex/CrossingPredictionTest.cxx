@@ -214,8 +214,8 @@ TEST(CrossingIntervals, MiddlesAreWithinHalfAWidthOfEveryParameter)
   {
     const CrossingIntervals intervals = CrossingIntervals::MakeOfWidth(width);
     const double unit = 1 << 30;
-    EXPECT_GE(double{ intervals.GetCount() } * width, unit);
-    EXPECT_LT((double{ intervals.GetCount() } - 1) * width, unit);
+    EXPECT_GE(static_cast<double>(intervals.GetCount()) * width, unit);
+    EXPECT_LT((static_cast<double>(intervals.GetCount()) - 1) * width, unit);
     for (int n = 0; n <= 10000; ++n)
     {
       const double parameter = n / 10000.0;
