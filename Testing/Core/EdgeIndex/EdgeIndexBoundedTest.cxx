@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <map>
 
 using namespace isosurface;
 
@@ -66,7 +69,43 @@ void ExpectBounded(const TestVolume<T>& volume, double isovalue, int blockSize)
   }
 }
 
+/// Decoded points by their global ids.
+template <typename T>
+std::map<std::int64_t, std::array<float, 3>> CodePoints(
+  const TestVolume<T>& volume, double isovalue, int blockSize, EdgeIndexProfile profile)
+{
+  TestBlockSource<T> source(volume, blockSize);
+  EdgeIndexHeader header = MakeHeader(volume, { isovalue }, EdgeIndexMode::Bounded, profile);
+  header.Settings.MaximumError = 0.09;
+  std::map<std::int64_t, std::array<float, 3>> points;
+  const auto bytes = EncodeSurface(header, source, 1);
+  EXPECT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
+  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), MakeRequest({ isovalue }), 1);
+  EXPECT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+  for (std::size_t point = 0; point < decoded->NumberOfPoints; ++point)
+  {
+    points[decoded->GlobalIds[point]] = { decoded->Points[3 * point],
+      decoded->Points[3 * point + 1], decoded->Points[3 * point + 2] };
+  }
+  return points;
+}
+
 } // namespace
+
+TEST(EdgeIndexBounded, PointsOnFacesThatBlocksShareAreThoseInsideOfLargerBlocks)
+{
+  const auto volume = MakeWaves<std::int16_t>({ 65, 50, 40 }, 0.3);
+  for (const EdgeIndexProfile profile :
+    { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+  {
+    const auto whole = CodePoints(volume, 100.5, 64, profile);
+    EXPECT_GT(whole.size(), 1000u);
+    for (const int blockSize : { 8, 16, 32 })
+    {
+      EXPECT_TRUE(CodePoints(volume, 100.5, blockSize, profile) == whole) << blockSize;
+    }
+  }
+}
 
 TEST(EdgeIndexBounded, NoPointIsFurtherFromItsExactCrossing)
 {
