@@ -84,7 +84,6 @@ bool PictureDelivery::Deliver(vtkOpenGLRenderer* renderer, const std::uint32_t* 
   gl->vtkglEnable(GL_SCISSOR_TEST);
   const std::uint32_t background = ReadBackground(renderer, gl, origin[0], origin[1]);
   gl->vtkglViewport(origin[0], origin[1], width, height);
-  gl->vtkglScissor(origin[0], origin[1], width, height);
 
   const auto inWindow = [&origin](const PixelRectangle& rectangle)
   {
