@@ -19,7 +19,7 @@
 #include "vtkXMLImageDataReader.h"
 
 #include "ImageSamples.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>
 
@@ -89,7 +89,8 @@ int main(int argc, char** argv)
     settings.Threads = threads;
     const double start = isosurface::GetSeconds();
     auto written = isosurface::BlockedVolumeWriter(alone).Write(path, grid,
-      { { "samples", samples->Components.front().Type } }, { samples->Components.front().Box, samples->Components }, settings);
+      { { "samples", samples->Components.front().Type } },
+      { samples->Components.front().Box, samples->Components }, settings);
     if (!written.IsOk())
     {
       std::fprintf(stderr, "%s\n", written.GetStatus().GetMessage().c_str());
@@ -104,8 +105,8 @@ int main(int argc, char** argv)
       std::printf("  isovalue %8.1f: %6llu blocks, %8.1f MB read, %9zu triangles, "
                   "warm %.4f s, cold %.4f s\n",
         isovalue, static_cast<unsigned long long>(query.Statistics.BlocksRead),
-        static_cast<double>(query.Statistics.BytesRead) / 1e6, query.Triangles,
-        query.Seconds, cold.Seconds);
+        static_cast<double>(query.Statistics.BytesRead) / 1e6, query.Triangles, query.Seconds,
+        cold.Seconds);
       std::fflush(stdout);
     }
   }

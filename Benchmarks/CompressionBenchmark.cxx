@@ -22,9 +22,9 @@
 #include "vtkXMLImageDataReader.h"
 
 #include "ImageSamples.h"
+#include "Record/RecordCodec.h"
 #include "Store/BlockedVolume.h"
-#include "Store/BlockedVolumeWriter.h"
-#include "Store/RecordCodec.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>
 

@@ -4,10 +4,10 @@
 #include "Base/ParallelFor.h"
 #include "Partition/BlockWorkload.h"
 #include "Source/RawVolume.h"
-#include "Store/BlockProfileScan.h"
 #include "Store/BlockedVolume.h"
-#include "Store/BlockedVolumeWriter.h"
 #include "Volume/SampleRange.h"
+#include "Writing/BlockProfileScan.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <mutex>
 #include <utility>

@@ -261,7 +261,7 @@ public:
   vtkRenderer* GetRenderer() { return this->Renderer; }
 
   /// The root's picture without background; empty elsewhere.
-  std::vector<unsigned char> GetPicture()
+  std::vector<unsigned char> GetImage()
   {
     vtkSynchronizedRenderers::vtkRawImage tile;
     this->Renderers->GetIceTCompositePass()->GetLastRenderedTile(tile);
@@ -459,7 +459,7 @@ void RunWays(Display& stock, Display& ours, const Options& options, vtkMPIContro
       Way ignored = way;
       Way& counted = frame < 0 ? ignored : way;
       display.DrawFrame(counted);
-      const std::vector<unsigned char> picture = display.GetPicture();
+      const std::vector<unsigned char> picture = display.GetImage();
       if (way.CompositeMode < 0)
       {
         full = picture;

@@ -2,8 +2,8 @@
 #include "VolumeQuery.h"
 
 #include "Contour/SurfaceExtractor.h"
+#include "Query/StoredBlockSource.h"
 #include "Store/BlockedVolume.h"
-#include "Store/StoredBlockSource.h"
 
 #include <algorithm>
 #include <chrono>

@@ -8,8 +8,8 @@
 #include "Base/FileSystem.h"
 #include "Base/ParallelFor.h"
 #include "Source/RawVolume.h"
-#include "Store/BlockedVolumeWriter.h"
 #include "ThreadCommunicator.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>
 

@@ -4,7 +4,7 @@
 
 #include "Base/Status.h"
 #include "ImageSamples.h"
-#include "Store/ArrayVariables.h"
+#include "Volume/ArrayVariables.h"
 #include "Volume/SampleView.h"
 
 #include <string>

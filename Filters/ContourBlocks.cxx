@@ -5,9 +5,9 @@
 #include "ImagePieces.h"
 
 #include "Contour/BlockRanges.h"
+#include "Query/PieceBlockSource.h"
+#include "Query/StoredBlockSource.h"
 #include "Store/BlockedVolume.h"
-#include "Store/PieceBlockSource.h"
-#include "Store/StoredBlockSource.h"
 
 #include <algorithm>
 #include <utility>

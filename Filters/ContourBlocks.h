@@ -4,8 +4,8 @@
 
 #include "Base/Communicator.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "SurfacePolyData.h"
+#include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/Region.h"
 #include "Volume/ValueKey.h"

@@ -4,7 +4,7 @@
 #include "vtkDataArray.h"
 
 #include "Contour/SurfaceMerge.h"
-#include "Store/ArrayVariables.h"
+#include "Volume/ArrayVariables.h"
 
 #include <utility>
 

@@ -8,9 +8,9 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/BlockRanges.h"
-#include "Contour/BlockSource.h"
 #include "ImageSamples.h"
 #include "SurfacePolyData.h"
+#include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/Region.h"
 

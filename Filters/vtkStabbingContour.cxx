@@ -5,11 +5,12 @@
 #include "ArrayRanges.h"
 #include "ChosenScalars.h"
 #include "ContourBlocks.h"
+#include "CostFieldData.h"
 #include "ImageContour.h"
 #include "ImagePieces.h"
-#include "QueryCost.h"
+#include "Query/QueryCost.h"
+#include "Query/VolumeContour.h"
 #include "SurfacePolyData.h"
-#include "VolumeContour.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkInformationBlockedVolumeKey.h"
@@ -35,12 +36,12 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/ParallelFor.h"
-#include "Contour/BlockSelection.h"
 #include "Contour/SurfaceExtractor.h"
 #include "ControllerCommunicator.h"
+#include "Query/LevelChoice.h"
+#include "Query/ProgressiveLevels.h"
 #include "Store/BlockedVolume.h"
-#include "Store/LevelChoice.h"
-#include "Store/ProgressiveLevels.h"
+#include "Volume/BlockSelection.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #include "BlockImage.h"
 
 #include "ImageSamples.h"
-#include "Store/BlockSegment.h"
+#include "Record/BlockSegment.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"

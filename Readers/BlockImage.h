@@ -6,7 +6,7 @@
 
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Store/BlockAssembly.h"
+#include "Query/BlockAssembly.h"
 #include "Store/BlockedVolume.h"
 
 #include <cstddef>

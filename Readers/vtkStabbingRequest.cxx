@@ -4,7 +4,7 @@
 
 #include "vtkObjectFactory.h"
 
-#include "Contour/BlockSelection.h"
+#include "Volume/BlockSelection.h"
 
 vtkStandardNewMacro(vtkStabbingRequest);
 

@@ -2,7 +2,7 @@
 #ifndef isosurface_DrawTextures_h
 #define isosurface_DrawTextures_h
 
-#include "Viewport/PixelRectangle.h"
+#include "Compositing/PixelRectangle.h"
 
 #include <cstdint>
 

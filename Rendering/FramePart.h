@@ -3,8 +3,8 @@
 #define isosurface_FramePart_h
 
 #include "Base/Communicator.h"
-#include "Viewport/ResolutionChooser.h"
-#include "Viewport/Viewport.h"
+#include "Compositing/ResolutionChooser.h"
+#include "Compositing/Viewport.h"
 
 #include <cstdint>
 #include <vector>

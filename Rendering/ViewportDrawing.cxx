@@ -340,7 +340,7 @@ void ViewportDrawing::DrawRaster(const vtkRenderState* state, vtkRenderPass* pas
   pass->Render(state);
 }
 
-PictureView ViewportDrawing::Read(const vtkRenderState* state, const Viewport& viewport)
+ImageView ViewportDrawing::Read(const vtkRenderState* state, const Viewport& viewport)
 {
   const PixelRectangle& blocks = viewport.Blocks;
   if (blocks.IsEmpty())

@@ -3,9 +3,9 @@
 #define isosurface_ViewportDrawing_h
 
 #include "Base/Status.h"
-#include "Viewport/BoundsProjection.h"
-#include "Viewport/PixelRuns.h"
-#include "Viewport/Viewport.h"
+#include "Compositing/BoundsProjection.h"
+#include "Compositing/PixelRuns.h"
+#include "Compositing/Viewport.h"
 
 #include "vtkNew.h"
 #include "vtkSmartPointer.h"
@@ -66,7 +66,7 @@ public:
     const Viewport& viewport);
 
   /// Reads back what was drawn. The picture is valid until the next one is read.
-  PictureView Read(const vtkRenderState* state, const Viewport& viewport);
+  ImageView Read(const vtkRenderState* state, const Viewport& viewport);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 

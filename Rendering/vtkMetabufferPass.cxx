@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkMetabufferPass.h"
 
+#include "Compositing/ImageScaling.h"
+#include "Compositing/ViewportCompositor.h"
+#include "Compositing/ViewportOutlines.h"
 #include "ControllerCommunicator.h"
 #include "FramePart.h"
-#include "Viewport/PictureScaling.h"
-#include "Viewport/ViewportCompositor.h"
-#include "Viewport/ViewportOutlines.h"
 #include "ViewportDrawing.h"
 
 #include "vtkFloatArray.h"
@@ -31,7 +31,7 @@
 #include <vector>
 
 using isosurface::DisplayTile;
-using isosurface::PictureView;
+using isosurface::ImageView;
 using isosurface::PixelRectangle;
 using isosurface::Status;
 using isosurface::Viewport;
@@ -111,9 +111,9 @@ class vtkMetabufferPass::Internals
 public:
   ///@{
   /// Makes the tile's picture of those of all ranks; on ranks without a tile nothing.
-  Status CompositeByIceT(const PictureView& mine, bool wantsDepths,
+  Status CompositeByIceT(const ImageView& mine, bool wantsDepths,
     vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths);
-  Status CompositeByDirectSend(vtkMultiProcessController* controller, const PictureView& mine,
+  Status CompositeByDirectSend(vtkMultiProcessController* controller, const ImageView& mine,
     bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths);
   ///@}
 
@@ -132,7 +132,7 @@ public:
   void ChooseViewports(const std::vector<isosurface::FramePart>& parts);
 
   /// Makes colors go over from block to block, in all ranks' pictures.
-  void EnlargeSmoothly(const Viewport& viewport, PictureView& mine);
+  void EnlargeSmoothly(const Viewport& viewport, ImageView& mine);
 
   isosurface::ViewportDrawing Drawing;
   isosurface::ViewportCompositor Compositor;
@@ -153,17 +153,17 @@ public:
   ///@}
 
 private:
-  void Enlarge(const PixelRectangle& pixels, int divisor, const PictureView& mine);
+  void Enlarge(const PixelRectangle& pixels, int divisor, const ImageView& mine);
 
-  isosurface::OwnPicture Smooth;
-  isosurface::OwnPicture Fine; // the tile's picture, if it is antialiased
+  isosurface::OwnImage Smooth;
+  isosurface::OwnImage Fine; // the tile's picture, if it is antialiased
   // Of the display's size, of which IceT looks at the viewport alone.
   std::vector<std::uint32_t> EnlargedColors;
   std::vector<float> EnlargedDepths;
 };
 
 void vtkMetabufferPass::Internals::Enlarge(
-  const PixelRectangle& pixels, int divisor, const PictureView& mine)
+  const PixelRectangle& pixels, int divisor, const ImageView& mine)
 {
   this->EnlargedColors.resize(static_cast<std::size_t>(this->Display.GetArea()));
   this->EnlargedDepths.resize(static_cast<std::size_t>(this->Display.GetArea()));
@@ -181,7 +181,7 @@ void vtkMetabufferPass::Internals::Enlarge(
   }
 }
 
-Status vtkMetabufferPass::Internals::CompositeByIceT(const PictureView& mine, bool wantsDepths,
+Status vtkMetabufferPass::Internals::CompositeByIceT(const ImageView& mine, bool wantsDepths,
   vtkSynchronizedRenderers::vtkRawImage& colors, vtkFloatArray* depths)
 {
   IceTInt me = 0;
@@ -224,12 +224,12 @@ Status vtkMetabufferPass::Internals::CompositeByIceT(const PictureView& mine, bo
 }
 
 Status vtkMetabufferPass::Internals::CompositeByDirectSend(vtkMultiProcessController* controller,
-  const PictureView& mine, bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors,
+  const ImageView& mine, bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors,
   vtkFloatArray* depths)
 {
   isosurface::ControllerCommunicator communicator(controller);
   const DisplayTile* tile = this->FindTile(controller);
-  isosurface::TilePicture picture;
+  isosurface::TileImage picture;
   if (tile)
   {
     const PixelRectangle pixels = CoverWithPixels(tile->Pixels, this->Samples);
@@ -241,7 +241,7 @@ Status vtkMetabufferPass::Internals::CompositeByDirectSend(vtkMultiProcessContro
       picture.Depths = depths->GetPointer(0);
     }
   }
-  const isosurface::TilePicture shown = picture;
+  const isosurface::TileImage shown = picture;
   if (tile && this->Samples > 1)
   {
     this->Fine.Resize(tile->Pixels);
@@ -357,7 +357,7 @@ void vtkMetabufferPass::Internals::ChooseViewports(const std::vector<isosurface:
   }
 }
 
-void vtkMetabufferPass::Internals::EnlargeSmoothly(const Viewport& viewport, PictureView& mine)
+void vtkMetabufferPass::Internals::EnlargeSmoothly(const Viewport& viewport, ImageView& mine)
 {
   this->SentViewports.clear();
   for (const Viewport& drawn : this->Viewports)
@@ -608,7 +608,7 @@ void vtkMetabufferPass::DrawAndMerge(const vtkRenderState* state, bool wantsDept
   isosurface::ControllerCommunicator communicator(this->Controller);
   const Status drawn = internal.Drawing.Draw(state, this->RenderPass, internal.Display, viewport);
   internal.Cost.RenderSeconds = timer.EndStep();
-  PictureView picture;
+  ImageView picture;
   if (drawn.IsOk())
   {
     picture = internal.Drawing.Read(state, viewport);

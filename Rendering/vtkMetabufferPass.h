@@ -93,7 +93,7 @@ public:
   ///@{
   /**
    * Whether each block is drawn with 2 x 2 samples, whose mean is shown. Lines and points are half
-   * as wide then. Pictures are merged before the mean is taken, by DIRECT_SEND. Not done for
+   * as wide then. Images are merged before the mean is taken, by DIRECT_SEND. Not done for
    * displays of more than 8192 pixels in a direction. Off by default.
    */
   vtkSetMacro(AntiAliasing, bool);
@@ -104,7 +104,7 @@ public:
   ///@{
   /**
    * Whether colors go over linearly from block to block, in the place of blocks of one color.
-   * Pictures are then enlarged before they are sent, hence as large as at full resolution. Off by
+   * Images are then enlarged before they are sent, hence as large as at full resolution. Off by
    * default.
    */
   vtkSetMacro(SmoothEnlarging, bool);

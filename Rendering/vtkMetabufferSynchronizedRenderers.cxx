@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkMetabufferSynchronizedRenderers.h"
 
-#include "PictureDelivery.h"
+#include "ImageDelivery.h"
 
 #include "vtkCameraPass.h"
 #include "vtkCommand.h"
@@ -18,7 +18,7 @@
 vtkStandardNewMacro(vtkMetabufferSynchronizedRenderers);
 
 vtkMetabufferSynchronizedRenderers::vtkMetabufferSynchronizedRenderers()
-  : Delivery(new isosurface::PictureDelivery)
+  : Delivery(new isosurface::ImageDelivery)
 {
   // In the place of the pass that the superclass made.
   this->IceTCompositePass->Delete();

@@ -22,7 +22,7 @@
 
 namespace isosurface
 {
-class PictureDelivery;
+class ImageDelivery;
 }
 class vtkMetabufferPass;
 class vtkOpenGLFXAAFilter;
@@ -56,7 +56,7 @@ private:
   /// The window has shown the frame, or, where it shows no tile, done without.
   void HandleEndOfFrame(vtkObject* window, unsigned long event, void* data);
 
-  std::unique_ptr<isosurface::PictureDelivery> Delivery;
+  std::unique_ptr<isosurface::ImageDelivery> Delivery;
   vtkNew<vtkOpenGLFXAAFilter> Antialiasing;
   bool WantsFXAA = false;
   bool DoesErase = false;

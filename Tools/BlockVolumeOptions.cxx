@@ -2,8 +2,8 @@
 #include "BlockVolumeOptions.h"
 
 #include "Partition/BlockDistribution.h"
+#include "Record/BlockCompression.h"
 #include "Source/HeaderText.h"
-#include "Store/BlockCompression.h"
 #include "Volume/ValueType.h"
 
 #include <CLI/CLI.hpp>

@@ -4,7 +4,7 @@
 
 #include "Base/Status.h"
 #include "Source/RawVolume.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <array>
 #include <optional>

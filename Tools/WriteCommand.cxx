@@ -4,7 +4,7 @@
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
 
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <cstdio>

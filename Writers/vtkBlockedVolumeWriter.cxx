@@ -17,7 +17,7 @@
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <string>

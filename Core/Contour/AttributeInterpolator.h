@@ -2,8 +2,8 @@
 #ifndef isosurface_AttributeInterpolator_h
 #define isosurface_AttributeInterpolator_h
 
-#include "Contour/BlockSource.h"
 #include "Contour/BrickKernel.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

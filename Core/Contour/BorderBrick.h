@@ -2,9 +2,9 @@
 #ifndef isosurface_BorderBrick_h
 #define isosurface_BorderBrick_h
 
-#include "Contour/BlockSource.h"
 #include "Contour/BrickKernel.h"
 #include "Contour/BrickLattice.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,9 +3,9 @@
 #define isosurface_BrickLattice_h
 
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/BrickKernel.h"
 #include "Volume/BlockGrid.h"
+#include "Volume/BlockSource.h"
 #include "Volume/GridSides.h"
 
 #include <array>

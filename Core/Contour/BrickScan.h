@@ -5,11 +5,11 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/Arena.h"
-#include "Contour/BlockSource.h"
 #include "Contour/BrickKernel.h"
 #include "Contour/BrickLattice.h"
 #include "Contour/SurfaceExtractor.h"
 #include "Contour/VertexPoints.h"
+#include "Volume/BlockSource.h"
 
 #include <array>
 #include <cstddef>

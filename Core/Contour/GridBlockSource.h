@@ -3,8 +3,8 @@
 #define isosurface_GridBlockSource_h
 
 #include "Contour/BlockRanges.h"
-#include "Contour/BlockSelection.h"
-#include "Contour/BlockSource.h"
+#include "Volume/BlockSelection.h"
+#include "Volume/BlockSource.h"
 
 #include <vector>
 

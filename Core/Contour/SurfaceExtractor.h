@@ -4,8 +4,8 @@
 
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
+#include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
 
 #include <cstdint>

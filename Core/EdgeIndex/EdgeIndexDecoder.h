@@ -4,10 +4,10 @@
 
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
 #include "EdgeIndex/BlockRecordFormat.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

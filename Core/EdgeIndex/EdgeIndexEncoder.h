@@ -4,8 +4,8 @@
 
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -5,9 +5,9 @@
 #include "Base/FileSystem.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "EdgeIndex/EdgeIndexDirectory.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

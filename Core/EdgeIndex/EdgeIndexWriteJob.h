@@ -6,10 +6,10 @@
 #include "Base/FileSystem.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "EdgeIndex/EdgeIndexDirectory.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

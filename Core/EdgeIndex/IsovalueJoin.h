@@ -4,9 +4,9 @@
 
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockSource.h"
 
 #include <memory>
 #include <vector>

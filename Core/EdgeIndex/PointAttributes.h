@@ -4,10 +4,10 @@
 
 #include "Base/Buffer.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
 #include "EdgeIndex/AttributeCoder.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
+#include "Volume/BlockSource.h"
 
 #include <array>
 #include <cstddef>

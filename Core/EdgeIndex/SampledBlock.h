@@ -2,10 +2,10 @@
 #ifndef isosurface_SampledBlock_h
 #define isosurface_SampledBlock_h
 
-#include "Contour/BlockSource.h"
 #include "EdgeIndex/BlockCoding.h"
 #include "EdgeIndex/PointAttributes.h"
 #include "EdgeIndex/Quantizer.h"
+#include "Volume/BlockSource.h"
 
 #include <array>
 #include <cstddef>

@@ -5,12 +5,12 @@
 #include "Base/Communicator.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
 #include "Redistribution/BlockDescription.h"
 #include "Redistribution/ExchangePlan.h"
 #include "Redistribution/SurfaceForm.h"
+#include "Volume/BlockSource.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -5,10 +5,10 @@
 #include "Base/Communicator.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockSource.h"
 #include "Contour/Surface.h"
 #include "Redistribution/ArrivingBlocks.h"
 #include "Redistribution/BlockDescription.h"
+#include "Volume/BlockSource.h"
 
 #include <functional>
 

@@ -2,9 +2,8 @@
 #ifndef isosurface_BlockCache_h
 #define isosurface_BlockCache_h
 
-#include "Base/Buffer.h"
 #include "Base/Status.h"
-#include "Volume/SampleView.h"
+#include "Record/DecodedBlock.h"
 
 #include <condition_variable>
 #include <cstdint>
@@ -18,20 +17,6 @@
 
 namespace isosurface
 {
-
-/**
- * The samples of one variable of one block at one level, x fastest. View.Box is the block's own
- * vertices, View.Available those and the ghost layer, both in the level's vertex coordinates
- * (BlockGrid); View points into Bytes.
- */
-struct DecodedBlock
-{
-  std::int64_t Block = 0;
-  int Level = 0;
-  SampleView View;
-  Buffer<std::uint8_t> Bytes;
-};
-using DecodedBlocks = std::vector<std::shared_ptr<const DecodedBlock>>;
 
 /// What a decoded block is known by.
 struct BlockCacheKey

@@ -2,7 +2,7 @@
 #include "Store/BlockDirectory.h"
 
 #include "Base/ByteOrder.h"
-#include "Store/BlockRecord.h"
+#include "Record/BlockRecord.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockReading.h"
 
-#include "Store/BlockRecord.h"
+#include "Record/BlockRecord.h"
 
 #include <cstddef>
 

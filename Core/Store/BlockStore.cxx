@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockStore.h"
 
-#include "Store/BlockRecord.h"
-#include "Store/RecordCodec.h"
+#include "Record/BlockRecord.h"
+#include "Record/RecordCodec.h"
 
 #include <algorithm>
 #include <limits>

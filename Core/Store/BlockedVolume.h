@@ -4,12 +4,12 @@
 
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
-#include "Contour/BlockSelection.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Store/BlockCache.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/QueryStatistics.h"
 #include "Volume/BlockGrid.h"
+#include "Volume/BlockSelection.h"
 
 #include <cstdint>
 #include <list>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockedVolumeHeader.h"
 
+#include "Record/BlockRecord.h"
 #include "Store/BlockDirectory.h"
-#include "Store/BlockRecord.h"
 #include "Store/JsonDocument.h"
 
 #include <algorithm>

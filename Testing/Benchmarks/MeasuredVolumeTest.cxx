@@ -4,7 +4,7 @@
 
 #include "Source/RawVolume.h"
 #include "Store/BlockedVolume.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include "SealedBytes.h"
 
 #include "Base/ByteOrder.h"
+#include "Record/BlockRecord.h"
 #include "Store/BlockDirectory.h"
-#include "Store/BlockRecord.h"
 
 #include <algorithm>
 #include <string>

@@ -10,7 +10,7 @@
 #include "SealedBytes.h"
 
 #include "Base/ByteOrder.h"
-#include "Store/BlockRecord.h"
+#include "Record/BlockRecord.h"
 #include "Store/BlockStore.h"
 
 #include <algorithm>

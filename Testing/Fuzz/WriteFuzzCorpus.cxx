@@ -11,7 +11,7 @@
 #include "EdgeIndex/EdgeIndexFileWriter.h"
 #include "Index/ExternalIntervalTreeBuilder.h"
 #include "Store/BlockStore.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -73,7 +73,7 @@ std::vector<int> GetAllDivisors(RankWindow& window)
 }
 
 /// Peak signal to noise ratio of red, green, blue.
-double GetDecibels(const Picture& picture, const Picture& expected)
+double GetDecibels(const Image& picture, const Image& expected)
 {
   double sum = 0;
   for (std::size_t pixel = 0; pixel < expected.Colors.size(); ++pixel)
@@ -157,7 +157,7 @@ TEST(MetabufferFrame, ARankThatFailsInDrawingEndsTheFrameOnAllWithOneError)
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   ours.SetScene(GetScenes()[1]);
   ours.SetCamera(GetCameraPlaces()[0]);
-  const Picture before = ours.Render();
+  const Image before = ours.Render();
   vtkNew<FaultyPass> pass;
   ours.SetRenderPass(pass);
   int errors = 0;
@@ -183,7 +183,7 @@ TEST(MetabufferFrame, ARankThatFailsInDrawingEndsTheFrameOnAllWithOneError)
   pass->IsFaulty = false;
   ours.GetPass()->SetDivisor(0, 1);
   ours.GetPass()->AntiAliasingOff();
-  const Picture after = ours.Render();
+  const Image after = ours.Render();
   EXPECT_EQ(SumOverRanks(errors), 0);
   EXPECT_EQ(CountDifferentColors(after, before), 0U);
   EXPECT_EQ(CountDifferentDepths(after, before), 0U);
@@ -194,7 +194,7 @@ TEST(MetabufferFrame, ABudgetChoosesTheSameResolutionsOnAllRanks)
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   ours.SetScene(GetScenes()[0]);
   ours.SetCamera(GetCameraPlaces()[0]);
-  const Picture full = ours.Render();
+  const Image full = ours.Render();
   const auto renderWith = [&ours](double budget, int frames)
   {
     ours.GetPass()->SetFrameTimeBudget(budget);
@@ -204,7 +204,7 @@ TEST(MetabufferFrame, ABudgetChoosesTheSameResolutionsOnAllRanks)
     }
     return ours.Render();
   };
-  const Picture coarse = renderWith(1e-6, 2);
+  const Image coarse = renderWith(1e-6, 2);
   for (const int divisor : GetAllDivisors(ours))
   {
     EXPECT_TRUE(divisor == 16 || divisor == 0) << divisor; // 0: a rank without balls
@@ -218,8 +218,8 @@ TEST(MetabufferFrame, ABudgetChoosesTheSameResolutionsOnAllRanks)
   {
     EXPECT_EQ(all[index], mine[index % mine.size()]);
   }
-  const Picture plenty = renderWith(1000, 6);
-  const Picture still = renderWith(0, 1);
+  const Image plenty = renderWith(1000, 6);
+  const Image still = renderWith(0, 1);
   if (GetRank() == 0)
   {
     EXPECT_GT(CountDifferentColors(coarse, full), 1000U);
@@ -229,18 +229,18 @@ TEST(MetabufferFrame, ABudgetChoosesTheSameResolutionsOnAllRanks)
   }
 }
 
-TEST(MetabufferFrame, ABackgroundAtAQuarterOfTheResolutionIsCloseToTheFullPicture)
+TEST(MetabufferFrame, ABackgroundAtAQuarterOfTheResolutionIsCloseToTheFullImage)
 {
   RankWindow ours(RankWindow::Metabuffer, 800, 640);
   ours.SetCamera(GetCameraPlaces()[0]);
   ours.SetScene({ "row", MakeRowOfBalls });
-  const Picture full = ours.Render();
+  const Image full = ours.Render();
   ours.GetPass()->SetDivisor(0, 1);
   if (GetNumberOfRanks() > 1)
   {
     ours.GetPass()->SetDivisor(1, 4);
   }
-  const Picture coarse = ours.Render();
+  const Image coarse = ours.Render();
   if (GetRank() == 0 && GetNumberOfRanks() > 1)
   {
     EXPECT_GT(CountDifferentColors(coarse, full), 100U);

@@ -22,7 +22,7 @@ using namespace isosurface;
 namespace
 {
 
-void ExpectSame(const Picture& ours, const Picture& theirs, const std::string& what)
+void ExpectSame(const Image& ours, const Image& theirs, const std::string& what)
 {
   EXPECT_EQ(ours.Width, theirs.Width) << what;
   EXPECT_EQ(ours.Height, theirs.Height) << what;
@@ -31,7 +31,7 @@ void ExpectSame(const Picture& ours, const Picture& theirs, const std::string& w
 }
 
 /// All ranks' actors, drawn by this one.
-Picture RenderAllAlone(const Scene& scene, const CameraPlace& camera, int width, int height)
+Image RenderAllAlone(const Scene& scene, const CameraPlace& camera, int width, int height)
 {
   std::vector<vtkSmartPointer<vtkActor>> all;
   for (int rank = 0; rank < GetNumberOfRanks(); ++rank)
@@ -49,7 +49,7 @@ constexpr int Height = 163;
 
 } // namespace
 
-TEST(MetabufferPass, FullResolutionIsThePictureOfStockCompositing)
+TEST(MetabufferPass, FullResolutionIsTheImageOfStockCompositing)
 {
   RankWindow stock(RankWindow::Stock, Width, Height);
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
@@ -66,7 +66,7 @@ TEST(MetabufferPass, FullResolutionIsThePictureOfStockCompositing)
     {
       stock.SetCamera(camera);
       ours.SetCamera(camera);
-      const Picture expected = stock.Render();
+      const Image expected = stock.Render();
       active += expected.CountActive();
       for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
       {
@@ -80,7 +80,7 @@ TEST(MetabufferPass, FullResolutionIsThePictureOfStockCompositing)
   EXPECT_TRUE(IsTrueOnSomeRank(active > 50000));
 }
 
-TEST(MetabufferPass, FullResolutionIsThePictureOfOneRankThatDrawsAll)
+TEST(MetabufferPass, FullResolutionIsTheImageOfOneRankThatDrawsAll)
 {
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   for (const Scene& scene : GetScenes())
@@ -89,7 +89,7 @@ TEST(MetabufferPass, FullResolutionIsThePictureOfOneRankThatDrawsAll)
     for (const CameraPlace& camera : GetCameraPlaces())
     {
       ours.SetCamera(camera);
-      const Picture picture = ours.Render();
+      const Image picture = ours.Render();
       if (GetRank() == 0)
       {
         ExpectSame(
@@ -110,7 +110,7 @@ TEST(MetabufferPass, RanksDrawTheRectanglesThatTheirPropsCover)
       ours.SetCamera(camera);
       ours.Render();
       // The pixels of this rank alone, found by looking at all of them.
-      const Picture mine =
+      const Image mine =
         RenderAlone(scene.Make(GetRank(), GetNumberOfRanks()), camera, Width, Height);
       int viewport[5];
       ours.GetPass()->GetViewport(GetRank(), viewport);
@@ -139,12 +139,12 @@ TEST(MetabufferPass, RanksDrawTheRectanglesThatTheirPropsCover)
   }
 }
 
-TEST(MetabufferPass, FullDisplayAsViewportGivesTheSamePicture)
+TEST(MetabufferPass, FullDisplayAsViewportGivesTheSameImage)
 {
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   ours.SetScene(GetScenes()[0]);
   ours.SetCamera(GetCameraPlaces()[0]);
-  const Picture bounds = ours.Render();
+  const Image bounds = ours.Render();
   ours.GetPass()->SetViewportMode(vtkMetabufferPass::FULL_DISPLAY);
   ExpectSame(ours.Render(), bounds, "full display");
   EXPECT_EQ(ours.GetPass()->GetFrameCost().DrawnPixels, Width * Height);
@@ -155,12 +155,12 @@ TEST(MetabufferPass, WithoutDepthsTheColorsAreTheSame)
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   ours.SetScene(GetScenes()[1]);
   ours.SetCamera(GetCameraPlaces()[0]);
-  const Picture full = ours.Render();
+  const Image full = ours.Render();
   ours.GetPass()->CollectDepthsOff();
   for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
   {
     ours.GetPass()->SetCompositeMode(mode);
-    const Picture colors = ours.Render();
+    const Image colors = ours.Render();
     EXPECT_EQ(CountDifferentColors(colors, full), 0U);
     EXPECT_TRUE(colors.Depths.empty());
   }
@@ -172,11 +172,11 @@ TEST(MetabufferPass, DepthsAreCollectedIfOneRankWantsThem)
   ours.SetScene(GetScenes()[0]);
   ours.SetCamera(GetCameraPlaces()[0]);
   ours.GetPass()->SetCollectDepths(GetRank() == GetNumberOfRanks() - 1);
-  const Picture picture = ours.Render();
+  const Image picture = ours.Render();
   EXPECT_EQ(picture.Depths.size(), picture.Colors.size());
 }
 
-TEST(MetabufferPass, WhereViewportsCannotBeUsedThePictureIsTheStockOne)
+TEST(MetabufferPass, WhereViewportsCannotBeUsedTheImageIsTheStockOne)
 {
   RankWindow stock(RankWindow::Stock, Width, Height);
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
@@ -215,7 +215,7 @@ TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
   order->SetBoundingBoxes(slabs);
   RankWindow stock(RankWindow::Stock, Width, Height);
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
-  std::vector<Picture> pictures;
+  std::vector<Image> pictures;
   for (RankWindow* window : { &stock, &ours })
   {
     window->SetScene({ scene.Name,
@@ -245,9 +245,9 @@ TEST(MetabufferPass, ShowsTheViewportsOnRequest)
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   ours.SetScene(GetScenes()[2]);
   ours.SetCamera(GetCameraPlaces()[0]);
-  const Picture plain = ours.Render();
+  const Image plain = ours.Render();
   ours.GetPass()->ShowViewportsOn();
-  const Picture outlined = ours.Render();
+  const Image outlined = ours.Render();
   int viewport[5];
   ours.GetPass()->GetViewport(GetNumberOfRanks() - 1, viewport);
   if (GetRank() == 0)
@@ -270,7 +270,7 @@ TEST(MetabufferPass, ARendererThatIsPartOfItsWindow)
   const CameraPlace camera = GetCameraPlaces()[0];
   ours.SetScene(scene);
   ours.SetCamera(camera);
-  const Picture picture = ours.Render();
+  const Image picture = ours.Render();
   if (GetRank() == 0)
   {
     ExpectSame(picture, RenderAllAlone(scene, camera, 100, 120), "part of a window");

@@ -42,7 +42,7 @@ std::vector<Value> GatherOnRootRank(const std::vector<Value>& mine)
 }
 
 /// What one rank drew, one sample for each block.
-struct SmallPicture
+struct SmallImage
 {
   int Divisor = 1;
   int Columns = 0;
@@ -59,7 +59,7 @@ struct SmallPicture
 
 // The color at the middle of a pixel, between those of the middles of the active blocks around it,
 // by a sum of fractions with 4 * divisor^2 as denominator.
-std::uint32_t GetSmoothColor(const SmallPicture& small, int x, int y)
+std::uint32_t GetSmoothColor(const SmallImage& small, int x, int y)
 {
   const int d = small.Divisor;
   std::uint32_t color = 0;
@@ -94,9 +94,9 @@ struct Composition
 };
 
 // Four pixels become one.
-Picture AverageFour(const Picture& fine)
+Image AverageFour(const Image& fine)
 {
-  Picture coarse;
+  Image coarse;
   coarse.Width = fine.Width / 2;
   coarse.Height = fine.Height / 2;
   for (int y = 0; y < coarse.Height; ++y)
@@ -126,17 +126,17 @@ Picture AverageFour(const Picture& fine)
 
 /// The picture of a display on rank 0, of what each rank draws in a window of 1/divisor of the
 /// size.
-Picture MergeSmallPictures(
+Image MergeSmallImages(
   const Scene& scene, const CameraPlace& camera, const Composition& composition)
 {
   const int width = composition.Samples * Width;
   const int height = composition.Samples * Height;
   const int mine = composition.Divisors[static_cast<std::size_t>(GetRank())];
-  const Picture drawn =
+  const Image drawn =
     RenderAlone(scene.Make(GetRank(), GetNumberOfRanks()), camera, width / mine, height / mine);
   const std::vector<std::uint32_t> colors = GatherOnRootRank(drawn.Colors);
   const std::vector<float> depths = GatherOnRootRank(drawn.Depths);
-  Picture merged;
+  Image merged;
   if (GetRank() != 0)
   {
     return merged;
@@ -148,7 +148,7 @@ Picture MergeSmallPictures(
   std::size_t first = 0;
   for (const int divisor : composition.Divisors)
   {
-    const SmallPicture small{ divisor, width / divisor, height / divisor, colors.data() + first,
+    const SmallImage small{ divisor, width / divisor, height / divisor, colors.data() + first,
       depths.data() + first };
     for (int y = 0; y < height; ++y)
     {
@@ -191,7 +191,7 @@ void DealToRanks(std::vector<int>& divisors)
 
 } // namespace
 
-TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
+TEST(MetabufferResolution, MixedResolutionsAreSmallImagesMergedOneByOne)
 {
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   const std::vector<std::vector<int>> choices = { { 1, 2, 4, 3 }, { 4, 1, 1, 2 }, { 2, 2, 2, 2 },
@@ -210,11 +210,11 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
       {
         DealToRanks(divisors);
         SetDivisors(ours, divisors);
-        const Picture expected = MergeSmallPictures(scene, camera, { divisors });
+        const Image expected = MergeSmallImages(scene, camera, { divisors });
         for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
         {
           ours.GetPass()->SetCompositeMode(mode);
-          const Picture picture = ours.Render();
+          const Image picture = ours.Render();
           if (GetRank() == 0)
           {
             EXPECT_EQ(CountDifferentColors(picture, expected), 0U)
@@ -228,7 +228,7 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallPicturesMergedOneByOne)
   }
 }
 
-TEST(MetabufferResolution, SmoothAndSupersampledPicturesAreMergedOneByOne)
+TEST(MetabufferResolution, SmoothAndSupersampledImagesAreMergedOneByOne)
 {
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
   for (const std::size_t index : { 0U, 1U, 2U })
@@ -248,9 +248,8 @@ TEST(MetabufferResolution, SmoothAndSupersampledPicturesAreMergedOneByOne)
           const int samples = 1 + way / 2;
           ours.GetPass()->SetSmoothEnlarging(isSmooth);
           ours.GetPass()->SetAntiAliasing(samples == 2);
-          const Picture expected =
-            MergeSmallPictures(scene, camera, { divisors, isSmooth, samples });
-          const Picture picture = ours.Render();
+          const Image expected = MergeSmallImages(scene, camera, { divisors, isSmooth, samples });
+          const Image picture = ours.Render();
           if (GetRank() == 0)
           {
             const std::string what = scene.Name + ", " + camera.Name + ", " +
@@ -272,9 +271,9 @@ TEST(MetabufferResolution, ADivisorThatDoesNotDivideTheDisplayMovesNothing)
   RankWindow odd(RankWindow::Metabuffer, 211, 163);
   odd.SetScene(GetScenes()[2]);
   odd.SetCamera(GetCameraPlaces()[0]);
-  const Picture full = odd.Render();
+  const Image full = odd.Render();
   SetDivisors(odd, { 4 });
-  const Picture coarse = odd.Render();
+  const Image coarse = odd.Render();
   if (GetRank() != 0)
   {
     return;
@@ -284,7 +283,7 @@ TEST(MetabufferResolution, ADivisorThatDoesNotDivideTheDisplayMovesNothing)
   {
     for (int x = 4; x < 211 - 4; ++x)
     {
-      const auto isActive = [](const Picture& picture, int column, int row)
+      const auto isActive = [](const Image& picture, int column, int row)
       { return picture.Depths[static_cast<std::size_t>(row * 211 + column)] < 1.0F; };
       if (isActive(full, x, y) == isActive(coarse, x, y))
       {

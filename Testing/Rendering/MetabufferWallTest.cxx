@@ -15,7 +15,7 @@ namespace
 {
 
 /// Rank 0's picture, on all ranks.
-Picture BroadcastFromRootRank(Picture picture)
+Image BroadcastFromRootRank(Image picture)
 {
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   controller->Broadcast(&picture.Width, 1, 0);
@@ -31,7 +31,7 @@ Picture BroadcastFromRootRank(Picture picture)
 
 /// Tiles are by rank: from left to right, the upper row first, as ParaView has them.
 void ExpectPartOf(
-  const Picture& display, const Picture& tile, int columns, int rows, const std::string& what)
+  const Image& display, const Image& tile, int columns, int rows, const std::string& what)
 {
   const int left = GetRank() % columns * tile.Width;
   const int bottom = (rows - 1 - GetRank() / columns) * tile.Height;
@@ -76,11 +76,11 @@ void CheckWall(int columns, int rows, const std::vector<int>& divisors)
       }
       single.SetCamera(camera);
       wall.SetCamera(camera);
-      const Picture display = BroadcastFromRootRank(single.Render());
+      const Image display = BroadcastFromRootRank(single.Render());
       for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
       {
         wall.GetPass()->SetCompositeMode(mode);
-        const Picture tile = wall.Render();
+        const Image tile = wall.Render();
         EXPECT_EQ(tile.IsEmpty(), GetRank() >= columns * rows);
         if (!tile.IsEmpty())
         {
@@ -95,7 +95,7 @@ void CheckWall(int columns, int rows, const std::vector<int>& divisors)
 
 } // namespace
 
-TEST(MetabufferWall, OfTwoTilesShowsTheOneBigPicture)
+TEST(MetabufferWall, OfTwoTilesShowsTheOneBigImage)
 {
   if (GetNumberOfRanks() < 2)
   {
@@ -105,7 +105,7 @@ TEST(MetabufferWall, OfTwoTilesShowsTheOneBigPicture)
   CheckWall(1, 2, { 2, 1, 4 });
 }
 
-TEST(MetabufferWall, OfThreeTilesShowsTheOneBigPicture)
+TEST(MetabufferWall, OfThreeTilesShowsTheOneBigImage)
 {
   if (GetNumberOfRanks() < 3)
   {
@@ -114,7 +114,7 @@ TEST(MetabufferWall, OfThreeTilesShowsTheOneBigPicture)
   CheckWall(3, 1, { 1 });
 }
 
-TEST(MetabufferWall, OfFourTilesShowsTheOneBigPicture)
+TEST(MetabufferWall, OfFourTilesShowsTheOneBigImage)
 {
   if (GetNumberOfRanks() < 4)
   {

@@ -99,13 +99,13 @@ bool IsTrueOnSomeRank(bool mine)
   return all != 0;
 }
 
-std::size_t Picture::CountActive() const
+std::size_t Image::CountActive() const
 {
   return static_cast<std::size_t>(
     std::count_if(this->Depths.begin(), this->Depths.end(), [](float z) { return z < 1.0F; }));
 }
 
-std::size_t CountDifferentColors(const Picture& a, const Picture& b)
+std::size_t CountDifferentColors(const Image& a, const Image& b)
 {
   std::size_t different = a.Colors.size() == b.Colors.size() ? 0 : 1;
   for (std::size_t pixel = 0; pixel < std::min(a.Colors.size(), b.Colors.size()); ++pixel)
@@ -115,7 +115,7 @@ std::size_t CountDifferentColors(const Picture& a, const Picture& b)
   return different;
 }
 
-std::size_t CountDifferentDepths(const Picture& a, const Picture& b)
+std::size_t CountDifferentDepths(const Image& a, const Image& b)
 {
   std::size_t different = a.Depths.size() == b.Depths.size() ? 0 : 1;
   for (std::size_t pixel = 0; pixel < std::min(a.Depths.size(), b.Depths.size()); ++pixel)
@@ -267,7 +267,7 @@ std::vector<std::uint32_t> RankWindow::GetShownColors()
   return shown;
 }
 
-Picture RankWindow::Render()
+Image RankWindow::Render()
 {
   if (GetNumberOfRanks() == 1)
   {
@@ -284,7 +284,7 @@ Picture RankWindow::Render()
   }
   GetController()->Barrier();
 
-  Picture picture;
+  Image picture;
   vtkSynchronizedRenderers::vtkRawImage tile;
   this->Renderers->GetIceTCompositePass()->GetLastRenderedTile(tile);
   if (tile.IsValid())
@@ -304,7 +304,7 @@ Picture RankWindow::Render()
   return picture;
 }
 
-Picture RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
+Image RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
   int width, int height)
 {
   // One window for all: to make one, and its shaders, takes longer than the pictures.
@@ -327,7 +327,7 @@ Picture RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const 
   }
   PlaceCamera(renderer, camera);
   window->Render();
-  Picture picture;
+  Image picture;
   picture.Width = width;
   picture.Height = height;
   vtkNew<vtkUnsignedCharArray> colors;

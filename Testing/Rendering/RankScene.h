@@ -28,7 +28,7 @@ int GetNumberOfRanks();
 bool IsTrueOnSomeRank(bool mine);
 
 /// A picture of this rank's tile, or none.
-struct Picture
+struct Image
 {
   int Width = 0;
   int Height = 0;
@@ -39,8 +39,8 @@ struct Picture
   std::size_t CountActive() const;
 };
 
-std::size_t CountDifferentColors(const Picture& a, const Picture& b);
-std::size_t CountDifferentDepths(const Picture& a, const Picture& b);
+std::size_t CountDifferentColors(const Image& a, const Image& b);
+std::size_t CountDifferentDepths(const Image& a, const Image& b);
 
 struct CameraPlace
 {
@@ -87,7 +87,7 @@ public:
   void SetScene(const Scene& scene);
   void SetCamera(const CameraPlace& camera);
   /// Collective: a frame of all ranks.
-  Picture Render();
+  Image Render();
   /// Null for stock ones.
   vtkMetabufferPass* GetPass();
   vtkIceTCompositePass* GetIceTPass();
@@ -105,7 +105,7 @@ private:
 };
 
 /// Draws actors in a window of this rank's own, without any merging.
-Picture RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
+Image RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
   int width, int height);
 
 } // namespace isosurface

@@ -2,7 +2,7 @@
 #ifndef isosurface_TestVolume_h
 #define isosurface_TestVolume_h
 
-#include "Contour/BlockSource.h"
+#include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // Arrays of several components: each component, and the magnitude, can be read and queried.
 #include "Contour/SurfaceExtractor.h"
 #include "Partition/BlockWorkload.h"
-#include "Store/StoredBlockSource.h"
+#include "Query/StoredBlockSource.h"
 #include "VolumeOnDisk.h"
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Base/ByteOrder.h"
-#include "Store/BlockRecord.h"
+#include "Record/BlockRecord.h"
 #include "Store/BlockedVolume.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include "VolumeOnDisk.h"
 

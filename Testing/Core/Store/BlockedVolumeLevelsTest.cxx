@@ -3,9 +3,9 @@
 // against the same surface of the whole volume, subsampled in memory.
 #include "../Contour/PlainContour.h"
 #include "Partition/BlockWorkload.h"
-#include "Store/OverviewSamples.h"
-#include "Store/StoredBlockSource.h"
+#include "Query/StoredBlockSource.h"
 #include "VolumeOnDisk.h"
+#include "Writing/OverviewSamples.h"
 
 using namespace isosurface;
 

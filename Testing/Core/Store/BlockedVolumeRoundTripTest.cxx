@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockedVolume.h"
-#include "Store/BlockedVolumeWriter.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include "VolumeOnDisk.h"
 

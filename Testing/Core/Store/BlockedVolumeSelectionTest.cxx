@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Store/StoredBlockSource.h"
+#include "Query/StoredBlockSource.h"
 
 #include "Contour/SurfaceExtractor.h"
 #include "VolumeOnDisk.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a source of stored blocks asks the disk for ahead of time, against what it reads then.
-#include "Store/BlockRecord.h"
-#include "Store/StoredBlockSource.h"
+#include "Query/StoredBlockSource.h"
+#include "Record/BlockRecord.h"
 #include "VolumeOnDisk.h"
 
 using namespace isosurface;

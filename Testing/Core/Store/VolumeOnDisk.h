@@ -5,8 +5,8 @@
 #include "../Partition/SampleVolume.h"
 #include "MemoryDisk.h"
 #include "Store/BlockedVolume.h"
-#include "Store/BlockedVolumeWriter.h"
 #include "ThreadCommunicator.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
 

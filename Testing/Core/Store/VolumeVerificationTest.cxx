@@ -3,8 +3,8 @@
 #include "MemoryDisk.h"
 
 #include "Store/BlockStore.h"
-#include "Store/BlockedVolumeWriter.h"
 #include "Store/VolumeVerification.h"
+#include "Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
 

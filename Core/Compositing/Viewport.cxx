@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Compositing/Viewport.h"
+
+namespace isosurface
+{
+
+PixelRectangle CoverWithBlocks(const PixelRectangle& pixels, int divisor)
+{
+  if (pixels.IsEmpty())
+  {
+    return {};
+  }
+  return PixelRectangle::FromEdges(pixels.X / divisor, pixels.Y / divisor,
+    (pixels.GetRight() + divisor - 1) / divisor, (pixels.GetTop() + divisor - 1) / divisor);
+}
+
+PixelRectangle Viewport::GetPixels(const PixelRectangle& part) const
+{
+  const PixelRectangle covered{ this->Blocks.X * this->Divisor, this->Blocks.Y * this->Divisor,
+    this->Blocks.Width * this->Divisor, this->Blocks.Height * this->Divisor };
+  return covered.Intersect(part);
+}
+
+Viewport MakeViewport(const PixelRectangle& pixels, int divisor)
+{
+  return { divisor, CoverWithBlocks(pixels, divisor) };
+}
+
+PixelRectangle GetDisplay(const std::vector<DisplayTile>& tiles)
+{
+  PixelRectangle display;
+  for (const DisplayTile& tile : tiles)
+  {
+    display = PixelRectangle::FromEdges(0, 0, std::max(display.GetRight(), tile.Pixels.GetRight()),
+      std::max(display.GetTop(), tile.Pixels.GetTop()));
+  }
+  return display;
+}
+
+} // namespace isosurface

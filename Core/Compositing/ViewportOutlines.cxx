@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Compositing/ViewportOutlines.h"
+
+#include "Base/ByteOrder.h"
+
+#include <array>
+#include <cmath>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr int LineWidth = 2;
+constexpr int BlocksOfDash = 4;
+
+// `x` and `y` count from the viewport's corner, so that dashes are the same on all tiles.
+bool IsOnOutline(int x, int y, const PixelRectangle& viewport, int divisor)
+{
+  const bool isBesideColumn = x < LineWidth || x >= viewport.Width - LineWidth;
+  const bool isBesideRow = y < LineWidth || y >= viewport.Height - LineWidth;
+  const int dash = BlocksOfDash * divisor;
+  const auto isDrawn = [divisor, dash](int along) { return divisor == 1 || along / dash % 2 == 0; };
+  return (isBesideColumn && isDrawn(y)) || (isBesideRow && isDrawn(x));
+}
+
+} // namespace
+
+std::uint32_t GetOutlineColor(int rank)
+{
+  // Hues by the golden ratio; fully saturated, so that they stand out from surfaces.
+  const double hue = std::fmod(0.05 + 0.61803398875 * rank, 1.0) * 6;
+  std::array<std::uint8_t, 4> bytes{ 0, 0, 0, 255 };
+  for (std::size_t channel = 0; channel < 3; ++channel)
+  {
+    const double distance =
+      std::fabs(std::fmod(hue + 6 - 2.0 * static_cast<double>(channel), 6) - 3);
+    bytes[channel] = static_cast<std::uint8_t>(255 * std::fmin(1.0, std::fmax(0.0, distance - 1)));
+  }
+  return LoadLittleEndian<std::uint32_t>(bytes.data());
+}
+
+void DrawViewportOutlines(const std::vector<Viewport>& viewports, const PixelRectangle& display,
+  const PixelRectangle& tile, std::uint32_t* colors)
+{
+  for (std::size_t rank = 0; rank < viewports.size(); ++rank)
+  {
+    const PixelRectangle pixels = viewports[rank].GetPixels(display);
+    const PixelRectangle here = pixels.Intersect(tile);
+    const std::uint32_t color = GetOutlineColor(static_cast<int>(rank));
+    for (int y = here.Y; y < here.GetTop(); ++y)
+    {
+      std::uint32_t* row =
+        colors + static_cast<std::size_t>(y - tile.Y) * static_cast<std::size_t>(tile.Width);
+      for (int x = here.X; x < here.GetRight(); ++x)
+      {
+        if (IsOnOutline(x - pixels.X, y - pixels.Y, pixels, viewports[rank].Divisor))
+        {
+          row[x - tile.X] = color;
+        }
+      }
+    }
+  }
+}
+
+} // namespace isosurface

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Query/BlockAssembly.h"
+
+#include "Base/ParallelFor.h"
+#include "Record/BlockSegment.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+namespace
+{
+
+// The vertices that a block contributes: its own but for the far faces, which the next block has;
+// at the box's border all it has, the ghost layer included. So each vertex has one contributor.
+VertexBox FindContribution(
+  const BlockGrid& grid, const BlockBox& box, std::int64_t block, int level)
+{
+  const Index3 coordinates = grid.GetBlockCoordinates(block);
+  const VertexBox own = grid.GetVertices(block, level);
+  VertexBox part = grid.GetGhostedVertices(block, level);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    if (coordinates[axis] > box.Low[axis])
+    {
+      part.Low[axis] = own.Low[axis];
+    }
+    if (coordinates[axis] + 1 < box.High[axis])
+    {
+      // At a coarse level a block may share its only layer of vertices with the next one.
+      const Index3 next{ coordinates[0] + (axis == 0), coordinates[1] + (axis == 1),
+        coordinates[2] + (axis == 2) };
+      part.High[axis] = grid.GetVertices(grid.GetBlockIndex(next), level).Low[axis];
+    }
+  }
+  return part;
+}
+
+void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSize,
+  const VertexBox& whole, std::uint8_t* to, std::ptrdiff_t stride)
+{
+  const Index3 size = whole.GetSize();
+  for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
+  {
+    for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
+    {
+      const std::ptrdiff_t source = (part.Low[0] - from.Available.Low[0]) * from.Stride[0] +
+        (j - from.Available.Low[1]) * from.Stride[1] + (k - from.Available.Low[2]) * from.Stride[2];
+      const std::int64_t target =
+        part.Low[0] - whole.Low[0] + size[0] * (j - whole.Low[1] + size[1] * (k - whole.Low[2]));
+      CopySamples(to + static_cast<std::size_t>(target * stride) * valueSize, stride,
+        static_cast<const std::uint8_t*>(from.First) +
+          source * static_cast<std::ptrdiff_t>(valueSize),
+        from.Stride[0], part.High[0] - part.Low[0], valueSize);
+    }
+  }
+}
+
+} // namespace
+
+bool BlockBox::IsEmpty() const
+{
+  return this->Low[0] >= this->High[0] || this->Low[1] >= this->High[1] ||
+    this->Low[2] >= this->High[2];
+}
+
+bool BlockBox::Contains(const Index3& block) const
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    if (block[axis] < this->Low[axis] || block[axis] >= this->High[axis])
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+VertexBox BlockBox::GetVertices(const BlockGrid& grid, int level) const
+{
+  if (this->IsEmpty())
+  {
+    return {};
+  }
+  const Index3 last{ this->High[0] - 1, this->High[1] - 1, this->High[2] - 1 };
+  return { grid.GetVertices(grid.GetBlockIndex(this->Low), level).Low,
+    grid.GetVertices(grid.GetBlockIndex(last), level).High };
+}
+
+VertexBox BlockBox::GetGhostedVertices(const BlockGrid& grid, int level) const
+{
+  if (this->IsEmpty())
+  {
+    return {};
+  }
+  const Index3 last{ this->High[0] - 1, this->High[1] - 1, this->High[2] - 1 };
+  return { grid.GetGhostedVertices(grid.GetBlockIndex(this->Low), level).Low,
+    grid.GetGhostedVertices(grid.GetBlockIndex(last), level).High };
+}
+
+BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces)
+{
+  BlockBox box;
+  box.High = grid.GetNumberOfBlocksPerAxis();
+  const auto longest = std::max_element(box.High.begin(), box.High.end());
+  const auto axis = static_cast<std::size_t>(longest - box.High.begin());
+  const std::int64_t layers = *longest;
+  box.Low[axis] = layers * piece / pieces;
+  box.High[axis] = layers * (piece + 1) / pieces;
+  return box;
+}
+
+Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+  const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
+  std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)
+{
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  const VertexBox whole = box.GetGhostedVertices(grid, stored.Level);
+  const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
+
+  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
+  std::vector<Status> failures(static_cast<std::size_t>(threads));
+  const bool finished = ParallelFor(
+    blocks.size(), threads,
+    [&](std::size_t index, int thread)
+    {
+      const auto own = static_cast<std::size_t>(thread);
+      if (!failures[own].IsOk())
+      {
+        return;
+      }
+      const auto decoded = volume.ReadBlock(blocks[index], timeStep, variable, level, costs[own]);
+      if (!decoded.IsOk())
+      {
+        failures[own] = decoded.GetStatus();
+        return;
+      }
+      CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, stored.Level),
+        valueSize, whole, static_cast<std::uint8_t*>(samples), stride);
+    },
+    progress);
+  for (const QueryStatistics& cost : costs)
+  {
+    statistics.Add(cost);
+  }
+  for (const Status& failure : failures)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(failure);
+  }
+  if (!finished)
+  {
+    return Status(StatusCode::Aborted, "Reading was stopped.");
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

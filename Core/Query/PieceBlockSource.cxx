@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Query/PieceBlockSource.h"
+
+#include "Base/ByteOrder.h"
+#include "Base/ParallelFor.h"
+#include "Volume/PieceOwnership.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+// Message of GatherPieces: number of components of all arrays, of attributes, the components'
+// types, the attributes' components; then two boxes a piece. All int64.
+void AppendInteger(Message& message, std::int64_t value)
+{
+  message.resize(message.size() + sizeof(value));
+  StoreLittleEndian(message.data() + message.size() - sizeof(value), value);
+}
+
+void AppendBox(Message& message, const VertexBox& box)
+{
+  for (const Index3* corner : { &box.Low, &box.High })
+  {
+    for (const std::int64_t coordinate : *corner)
+    {
+      AppendInteger(message, coordinate);
+    }
+  }
+}
+
+bool Contains(const VertexBox& box, const VertexBox& part)
+{
+  return box.Intersect(part) == part;
+}
+
+VertexBox AddLayer(const VertexBox& box, const Index3& dimensions)
+{
+  VertexBox grown = box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    grown.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
+    grown.High[axis] = std::min(dimensions[axis], box.High[axis] + 1);
+  }
+  return grown;
+}
+
+// Calls functor(row, first vertex, vertices of a row) for each row of a box, x fastest.
+template <typename Functor>
+void VisitRows(const VertexBox& box, const Functor& functor)
+{
+  const std::int64_t size = box.High[0] - box.Low[0];
+  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+  {
+    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+    {
+      functor(Index3{ box.Low[0], j, k }, size);
+    }
+  }
+}
+
+// Appends the samples of a box, x fastest.
+void AppendSamples(const SampleView& view, const VertexBox& box, Message& message)
+{
+  DispatchValueType(view.Type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      VisitRows(box,
+        [&](const Index3& first, std::int64_t size)
+        {
+          const std::size_t at = message.size();
+          message.resize(at + static_cast<std::size_t>(size) * sizeof(T));
+          const T* row = view.At<T>(first);
+          for (std::int64_t i = 0; i < size; ++i)
+          {
+            const T value = row[i * view.Stride[0]];
+            std::memcpy(
+              message.data() + at + static_cast<std::size_t>(i) * sizeof(T), &value, sizeof(T));
+          }
+        });
+    });
+}
+
+// Puts such samples into an array of all vertices of `whole`; returns how many bytes were used.
+std::size_t PlaceSamples(const std::uint8_t* bytes, std::size_t valueSize, const VertexBox& box,
+  const VertexBox& whole, std::uint8_t* array)
+{
+  const Index3 size = whole.GetSize();
+  std::size_t used = 0;
+  VisitRows(box,
+    [&](const Index3& first, std::int64_t count)
+    {
+      const std::int64_t place = first[0] - whole.Low[0] +
+        size[0] * (first[1] - whole.Low[1] + size[1] * (first[2] - whole.Low[2]));
+      const std::size_t row = static_cast<std::size_t>(count) * valueSize;
+      std::memcpy(array + static_cast<std::size_t>(place) * valueSize, bytes + used, row);
+      used += row;
+    });
+  return used;
+}
+
+void Extend(KeyRange& range, const KeyRange& other)
+{
+  range.Minimum = std::min(range.Minimum, other.Minimum);
+  range.Maximum = std::max(range.Maximum, other.Maximum);
+}
+
+} // namespace
+
+PieceBlockSource::PieceBlockSource(
+  const GridGeometry& geometry, std::vector<GridPiece> pieces, const PieceBlockSelection& selection)
+  : Geometry(geometry)
+  , Grid(geometry.GetDimensions(), selection.BlockSize)
+  , WithLayer(selection.WithLayer)
+  , Isovalues(selection.Isovalues)
+  , Pieces(std::move(pieces))
+{
+}
+
+Result<std::unique_ptr<PieceBlockSource>> PieceBlockSource::Make(Communicator& ranks,
+  const GridGeometry& grid, std::vector<GridPiece> pieces, const PieceBlockSelection& selection,
+  int threads)
+{
+  std::unique_ptr<PieceBlockSource> source(
+    new PieceBlockSource(grid, std::move(pieces), selection));
+  ISOSURFACE_RETURN_IF_ERROR(source->GatherPieces(ranks));
+  source->FindBlocks(ranks, selection.Region, threads);
+  ISOSURFACE_RETURN_IF_ERROR(source->CollectShared(ranks));
+  return source;
+}
+
+std::vector<SampleView> PieceBlockSource::GetViews(std::size_t piece) const
+{
+  std::vector<SampleView> views = { this->Pieces[piece].Scalars };
+  for (const AttributeView& attribute : this->Pieces[piece].Attributes)
+  {
+    views.insert(views.end(), attribute.Components.begin(), attribute.Components.end());
+  }
+  return views;
+}
+
+Status PieceBlockSource::GatherPieces(Communicator& ranks)
+{
+  Message mine;
+  Status status;
+  Message layout;
+  for (std::size_t n = 0; n < this->Pieces.size(); ++n)
+  {
+    Message own;
+    const std::vector<SampleView> views = this->GetViews(n);
+    AppendInteger(own, static_cast<std::int64_t>(views.size()));
+    AppendInteger(own, static_cast<std::int64_t>(this->Pieces[n].Attributes.size()));
+    for (const SampleView& view : views)
+    {
+      AppendInteger(own, static_cast<std::int64_t>(view.Type));
+    }
+    for (const AttributeView& attribute : this->Pieces[n].Attributes)
+    {
+      AppendInteger(own, static_cast<std::int64_t>(attribute.Components.size()));
+    }
+    if (!layout.empty() && own != layout)
+    {
+      status = Status(StatusCode::InvalidArgument,
+        "the arrays are not of the same types in all images of the input");
+    }
+    layout = std::move(own);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  mine = layout;
+  for (const GridPiece& piece : this->Pieces)
+  {
+    AppendBox(mine, piece.Scalars.Available);
+  }
+  layout.clear();
+  const std::vector<Message> all = ranks.AllGather(mine);
+  for (std::size_t rank = 0; rank < all.size(); ++rank)
+  {
+    const Message& message = all[rank];
+    std::size_t at = 0;
+    const auto read = [&]
+    {
+      const auto value = LoadLittleEndian<std::int64_t>(message.data() + at);
+      at += sizeof(value);
+      return value;
+    };
+    if (message.empty())
+    {
+      continue;
+    }
+    const std::int64_t components = read();
+    const std::int64_t attributes = read();
+    std::vector<ValueType> types;
+    std::vector<int> sizes;
+    for (std::int64_t n = 0; n < components; ++n)
+    {
+      types.push_back(static_cast<ValueType>(read()));
+    }
+    for (std::int64_t n = 0; n < attributes; ++n)
+    {
+      sizes.push_back(static_cast<int>(read()));
+    }
+    const bool isFirst = this->Types.empty();
+    if (!isFirst && (types != this->Types || sizes != this->AttributeSizes))
+    {
+      return { StatusCode::InvalidArgument,
+        "the arrays are not of the same types in the images of all ranks" };
+    }
+    this->Types = std::move(types);
+    this->AttributeSizes = std::move(sizes);
+    for (std::size_t number = 0; at < message.size(); ++number)
+    {
+      PlacedPiece piece;
+      piece.Rank = static_cast<int>(rank);
+      piece.Number = number;
+      for (Index3* corner : { &piece.Box.Low, &piece.Box.High })
+      {
+        for (std::int64_t& coordinate : *corner)
+        {
+          coordinate = read();
+        }
+      }
+      this->AllPieces.push_back(piece);
+    }
+  }
+  if (this->Types.empty())
+  {
+    return { StatusCode::InvalidArgument, "the input has no samples" };
+  }
+  DispatchValueType(this->Types.front(),
+    [this](auto zero)
+    {
+      for (const double isovalue : this->Isovalues)
+      {
+        if (const auto threshold = FindThreshold<decltype(zero)>(isovalue))
+        {
+          this->Thresholds.push_back(MakeValueKey(*threshold));
+        }
+      }
+    });
+  return Status::Ok();
+}
+
+bool PieceBlockSource::IsActive(const KeyRange& range) const
+{
+  return std::any_of(this->Thresholds.begin(), this->Thresholds.end(),
+    [&range](ValueKey threshold) { return range.Straddles(threshold); });
+}
+
+std::vector<std::pair<std::size_t, VertexBox>> PieceBlockSource::FindParts(
+  const VertexBox& box, std::vector<VertexBox>& missing) const
+{
+  std::vector<std::pair<std::size_t, VertexBox>> parts;
+  missing = { box };
+  for (std::size_t n = 0; n < this->AllPieces.size() && !missing.empty(); ++n)
+  {
+    const VertexBox& piece = this->AllPieces[n].Box;
+    if (piece.Intersect(box).IsEmpty())
+    {
+      continue;
+    }
+    for (const VertexBox& rest : missing)
+    {
+      const VertexBox part = rest.Intersect(piece);
+      if (!part.IsEmpty())
+      {
+        parts.emplace_back(n, part);
+      }
+    }
+    missing = SubtractBox(missing, piece);
+  }
+  return parts;
+}
+
+// Sorts the blocks of the region into those within a piece, of which the own ones are kept, and
+// shared ones, and finds which are active.
+void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int threads)
+{
+  std::vector<std::pair<std::int64_t, std::size_t>> whole; // own blocks and their pieces
+  for (std::int64_t number = 0; number < this->Grid.GetNumberOfBlocks(); ++number)
+  {
+    const VertexBox vertices = this->Grid.GetVertices(number);
+    if (!region.Intersects(this->Geometry, vertices))
+    {
+      continue;
+    }
+    const VertexBox samples =
+      this->WithLayer ? AddLayer(vertices, this->Grid.GetDimensions()) : vertices;
+    const PlacedPiece* owner = nullptr;
+    const PlacedPiece* first = nullptr;
+    for (const PlacedPiece& piece : this->AllPieces)
+    {
+      if (Contains(piece.Box, samples))
+      {
+        owner = &piece;
+        break;
+      }
+      first = !first && !piece.Box.Intersect(vertices).IsEmpty() ? &piece : first;
+    }
+    if (owner && owner->Rank == ranks.GetRank())
+    {
+      whole.emplace_back(number, owner->Number);
+    }
+    else if (!owner && first)
+    {
+      SharedBlock block;
+      block.Number = number;
+      block.Owner = first->Rank;
+      block.Samples = samples;
+      this->Shared.push_back(std::move(block));
+    }
+  }
+  std::vector<SampleRange> ranges(whole.size());
+  static_cast<void>(ParallelFor(whole.size(), threads,
+    [&](std::size_t n, int)
+    {
+      ranges[n] = FindSampleRange(
+        this->Pieces[whole[n].second].Scalars, this->Grid.GetVertices(whole[n].first));
+    }));
+  for (std::size_t n = 0; n < whole.size(); ++n)
+  {
+    Extend(this->Finite, ranges[n].Finite);
+    if (this->IsActive(ranges[n].All))
+    {
+      this->Numbers.push_back(whole[n].first);
+      this->Places.push_back({ false, whole[n].second });
+    }
+  }
+  this->JoinRanges(ranks);
+}
+
+void PieceBlockSource::JoinRanges(Communicator& ranks)
+{
+  std::vector<std::uint64_t> minima = { this->Finite.Minimum };
+  std::vector<std::uint64_t> maxima = { this->Finite.Maximum };
+  for (SharedBlock& block : this->Shared)
+  {
+    std::vector<VertexBox> missing;
+    for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+    {
+      const PlacedPiece& piece = this->AllPieces[number];
+      const VertexBox own = part.Intersect(this->Grid.GetVertices(block.Number));
+      if (piece.Rank == ranks.GetRank() && !own.IsEmpty())
+      {
+        block.Range.Add(FindSampleRange(this->Pieces[piece.Number].Scalars, own));
+      }
+    }
+    block.HasGap = !missing.empty();
+    for (const KeyRange* range : { &block.Range.All, &block.Range.Finite })
+    {
+      minima.push_back(range->Minimum);
+      maxima.push_back(range->Maximum);
+    }
+  }
+  ranks.ReduceMinimum(minima);
+  ranks.ReduceMaximum(maxima);
+  this->Finite = { minima.front(), maxima.front() };
+  std::size_t next = 1;
+  for (SharedBlock& block : this->Shared)
+  {
+    for (KeyRange* range : { &block.Range.All, &block.Range.Finite })
+    {
+      *range = { minima[next], maxima[next] };
+      ++next;
+    }
+    Extend(this->Finite, block.Range.Finite);
+  }
+  this->Shared.erase(
+    std::remove_if(this->Shared.begin(), this->Shared.end(),
+      [this](const SharedBlock& block) { return !this->IsActive(block.Range.All); }),
+    this->Shared.end());
+}
+
+// Brings the samples of the shared active blocks to their owners.
+Status PieceBlockSource::CollectShared(Communicator& ranks)
+{
+  const int rank = ranks.GetRank();
+  const auto hasGap = [](const SharedBlock& block) { return block.HasGap; };
+  if (std::any_of(this->Shared.begin(), this->Shared.end(), hasGap))
+  {
+    return { StatusCode::InvalidArgument,
+      "the images of the input leave gaps in their grid, through which the isosurface passes" };
+  }
+  std::vector<Message> outgoing(static_cast<std::size_t>(ranks.GetSize()));
+  std::vector<VertexBox> missing;
+  Status status;
+  try
+  {
+    for (SharedBlock& block : this->Shared)
+    {
+      for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+      {
+        const PlacedPiece& piece = this->AllPieces[number];
+        for (const SampleView& view :
+          piece.Rank == rank ? this->GetViews(piece.Number) : std::vector<SampleView>())
+        {
+          AppendSamples(view, part, outgoing[static_cast<std::size_t>(block.Owner)]);
+        }
+      }
+      for (std::size_t n = 0; block.Owner == rank && n < this->Types.size(); ++n)
+      {
+        block.Arrays.emplace_back(static_cast<std::size_t>(block.Samples.GetNumberOfVertices()) *
+          GetValueSize(this->Types[n]));
+      }
+    }
+  }
+  catch (const std::bad_alloc&)
+  {
+    status =
+      Status(StatusCode::OutOfMemory, "there is not enough memory for the blocks that ranks share");
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
+  std::vector<std::size_t> used(incoming.size(), 0);
+  for (std::size_t index = 0; index < this->Shared.size(); ++index)
+  {
+    SharedBlock& block = this->Shared[index];
+    if (block.Owner != rank)
+    {
+      continue;
+    }
+    for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+    {
+      const auto from = static_cast<std::size_t>(this->AllPieces[number].Rank);
+      for (std::size_t n = 0; n < this->Types.size(); ++n)
+      {
+        used[from] += PlaceSamples(incoming[from].data() + used[from], GetValueSize(this->Types[n]),
+          part, block.Samples, block.Arrays[n].GetData());
+      }
+    }
+    const auto place = std::lower_bound(this->Numbers.begin(), this->Numbers.end(), block.Number);
+    this->Places.insert(this->Places.begin() + (place - this->Numbers.begin()), { true, index });
+    this->Numbers.insert(place, block.Number);
+  }
+  return Status::Ok();
+}
+
+Result<BlockSamples> PieceBlockSource::Acquire(std::size_t block)
+{
+  const Place& place = this->Places[block];
+  BlockSamples samples;
+  std::vector<SampleView> views;
+  if (!place.IsShared)
+  {
+    views = this->GetViews(place.Index);
+  }
+  else
+  {
+    const SharedBlock& shared = this->Shared[place.Index];
+    const Index3 size = shared.Samples.GetSize();
+    for (std::size_t n = 0; n < this->Types.size(); ++n)
+    {
+      SampleView& view = views.emplace_back();
+      view.Type = this->Types[n];
+      view.First = shared.Arrays[n].GetData();
+      view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
+        static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+      view.Available = shared.Samples;
+    }
+  }
+  for (SampleView& view : views)
+  {
+    view.Box = this->GetVertices(block);
+  }
+  samples.Scalars = views.front();
+  auto next = views.begin() + 1;
+  for (const int components : this->AttributeSizes)
+  {
+    samples.Attributes.emplace_back().Components.assign(next, next + components);
+    next += components;
+  }
+  return samples;
+}
+
+} // namespace isosurface

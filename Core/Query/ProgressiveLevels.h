@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ProgressiveLevels_h
+#define isosurface_ProgressiveLevels_h
+
+#include "Base/Communicator.h"
+#include "Base/Status.h"
+#include "Query/LevelChoice.h"
+#include "Store/BlockedVolume.h"
+
+namespace isosurface
+{
+
+/// How many of the triangles of the final surface the first one of a progressive extraction may
+/// have.
+constexpr double FirstSurfaceShare = 1.0 / 20;
+
+/**
+ * The level that a progressive extraction begins with: the finest one coarser than `finest` whose
+ * surface has at most FirstSurfaceShare of the triangles at `finest`, by EstimateTriangles. Where
+ * no level is as coarse, or the surface is estimated to vanish before, it is the coarsest one that
+ * still has triangles; `finest` itself if there is none coarser, or if it has no triangles.
+ *
+ * Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks. Cost: the
+ * spectra of the volume and its overviews, which the volume keeps.
+ */
+Result<int> ChooseFirstLevel(
+  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
+
+/**
+ * The level that follows `level`, which is coarser than `finest`: the finest one that is stored in
+ * the same blocks as the next finer level, but not finer than `finest`. Coarser ones there would
+ * read as many blocks, for a fraction of the triangles.
+ */
+int GetNextLevel(const BlockedVolume& volume, int level, int finest);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StoredBlockSource_h
+#define isosurface_StoredBlockSource_h
+
+#include "Store/BlockedVolume.h"
+#include "Store/QueryStatistics.h"
+#include "Volume/BlockSource.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Blocks of a blocked volume on disk as an extraction visits them: each is read when its turn
+ * comes, through the block cache, and let go afterwards; meanwhile the disk reads those ahead. The
+ * blocks must have the level (FindLevel); coordinates are those of the level.
+ *
+ * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadVariables, of the
+ * variable and of all components of the arrays to interpolate.
+ */
+class StoredBlockSource : public BlockSource
+{
+public:
+  /// What is read ahead of the block that is acquired: blocks of so many bytes once decoded.
+  static constexpr std::uint64_t ReadAheadBytes = std::uint64_t{ 16 } << 20;
+
+  StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+    std::vector<BlockReference> blocks);
+
+  /// Further arrays to interpolate, in the order of the attributes. Those of inactive blocks are
+  /// not read.
+  void SetAttributes(std::vector<std::size_t> arrays);
+
+  std::size_t GetNumberOfBlocks() const override { return this->Blocks.size(); }
+  Index3 GetLatticeCoordinates(std::size_t block) const override;
+  VertexBox GetVertices(std::size_t block) const override;
+  ValueType GetValueType() const override;
+  Result<BlockSamples> Acquire(std::size_t block) override;
+
+  /// What the blocks acquired so far cost, over all threads.
+  QueryStatistics GetStatistics() const;
+
+private:
+  void ReadAhead(std::size_t block);
+
+  BlockedVolume& Volume;
+  std::size_t TimeStep;
+  std::size_t VariableNumber;
+  std::vector<std::size_t> Attributes; ///< arrays
+  Status AttributesStatus;
+  std::vector<std::size_t> Variables; ///< the contoured one, then the attributes' components
+  int Level;
+  StoredLevel Stored;
+  std::vector<BlockReference> Blocks;
+
+  std::once_flag Expected;
+  std::mutex ReadAheadMutex;
+  std::size_t EndOfReadAhead = 0;
+  std::size_t BlocksAhead = 0; ///< as many as are ReadAheadBytes
+
+  mutable std::mutex StatisticsMutex;
+  QueryStatistics Statistics;
+};
+
+} // namespace isosurface
+
+#endif

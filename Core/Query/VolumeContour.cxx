@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Query/VolumeContour.h"
+
+#include "Query/StoredBlockSource.h"
+
+#include <chrono>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome)
+{
+  const auto start = std::chrono::steady_clock::now();
+  const SurfaceQuery& query = task.Query;
+  outcome.Cost.Level = choice.Level;
+  QueryStatistics& reading = outcome.Cost.Reading;
+  reading.ActiveBlocks = 0;
+  auto active = task.Volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues,
+    query.Rank, query.Ranks, reading, choice.Level, query.Selection);
+  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
+  StoredBlockSource source(
+    task.Volume, query.TimeStep, query.Variable, choice.Level, std::move(*active));
+  source.SetAttributes(query.Attributes);
+  auto extracted = ExtractSurface(task.Volume.GetHeader().Grid.Coarsen(choice.Level), source,
+    task.Request, task.Threads, task.Advance);
+  reading.Add(source.GetStatistics());
+  ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
+  outcome.Extracted = std::move(*extracted);
+  if (choice.Work.Blocks > 0)
+  {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    ExtractionWork work = choice.Work;
+    work.Triangles = static_cast<double>(outcome.Extracted.NumberOfTriangles);
+    this->Rate.Observe(work, seconds.count());
+  }
+  return Status::Ok();
+}
+
+Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget,
+  const Task& task, int finest, Outcome& outcome)
+{
+  QueryStatistics& reading = outcome.Cost.Reading;
+  if (budget.Seconds > 0 && !this->Rate.IsKnown())
+  {
+    // A level that takes next to no time tells how fast this machine is.
+    const auto probe = ChooseLevel(
+      task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);
+    ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
+    Outcome unused;
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *probe, unused)));
+    reading.Add(unused.Cost.Reading);
+  }
+  auto choice = ChooseLevel(task.Volume, task.Query, finest, budget, this->Rate, ranks, reading);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  const int coarsest = task.Volume.GetNumberOfLevels() - 1;
+  while (true)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *choice, outcome)));
+    outcome.Cost.Choice = *choice;
+    std::vector<std::uint64_t> triangles = { outcome.Extracted.NumberOfTriangles };
+    ranks.ReduceSum(triangles);
+    if (budget.Triangles == 0 || triangles[0] <= budget.Triangles || choice->Level == coarsest)
+    {
+      return Status::Ok();
+    }
+    // The estimate was too low.
+    ++choice->Level;
+    choice->Limit = LevelLimit::Triangles;
+  }
+}
+
+} // namespace isosurface

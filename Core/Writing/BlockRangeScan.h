@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockRangeScan_h
+#define isosurface_BlockRangeScan_h
+
+#include "Base/Communicator.h"
+#include "Base/Progress.h"
+#include "Base/Status.h"
+#include "Source/SlabSource.h"
+#include "Volume/ArrayVariables.h"
+#include "Volume/BlockGrid.h"
+#include "Volume/SampleRange.h"
+#include "Volume/ValueKey.h"
+#include "Writing/BlockProfileScan.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The range of values of every block's own vertices, in every variable, on all ranks.
+class BlockRangeScan
+{
+public:
+  BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads);
+
+  /// Call before Scan() to have profiles of the first array, or of its magnitude, as well.
+  void AddProfiles();
+
+  /// Reads this rank's part of the vertices once, in slabs that take at most `memoryBytes` (the
+  /// one being read ahead included), but a row of vertices at least. `owned` are boxes within the
+  /// source's. Aborted if `progress` asked to stop.
+  Status Scan(SlabSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
+    const Progress& progress);
+
+  /// Collective: joins the ranges of all ranks.
+  void Reduce(Communicator& communicator);
+
+  /// Per variable and block.
+  const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
+  /// Per variable: of the whole volume's finite values.
+  const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
+  /// Per block; none without AddProfiles(), or after the call.
+  std::vector<BlockProfile> TakeProfiles();
+
+private:
+  void AddSlab(const SampleSlab& slab, const VertexBox& box);
+  void AddToProfiles(const SampleSlab& slab, const VertexBox& box);
+  SampleRange FindRange(const SampleSlab& slab, std::size_t variable, const VertexBox& part) const;
+
+  BlockGrid Grid;
+  ArrayVariables Variables;
+  int Threads;
+  std::vector<std::vector<KeyRange>> Ranges;
+  std::vector<KeyRange> FiniteRanges;
+  std::optional<BlockProfileScan> Profiles;
+};
+
+} // namespace isosurface
+
+#endif

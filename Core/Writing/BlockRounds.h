@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockRounds_h
+#define isosurface_BlockRounds_h
+
+#include "Base/Communicator.h"
+#include "Base/Progress.h"
+#include "Base/Status.h"
+#include "Source/SlabSource.h"
+#include "Writing/BlockExchange.h"
+#include "Writing/BlockShipment.h"
+#include "Writing/RecordBuffers.h"
+#include "Writing/RoundPlan.h"
+#include "Writing/RunSamples.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What the rounds do not do themselves.
+struct BlockRoundsSteps
+{
+  /// An agreement of all ranks, as Communicator::Agree.
+  std::function<Status(const Status&)> Agree;
+  /// Completes the record of a block that this rank writes; called by several threads at once. The
+  /// views, one an array, are of the samples of its vertices; none where only the record has them.
+  std::function<void(PendingBlock&, const std::vector<SampleView>&, int thread)> Finish;
+  /// Writes a finished block; called by one thread at a time, in the order of the blocks.
+  std::function<Status(const PendingBlock&)> Write;
+  Progress Tell;
+};
+
+/**
+ * Makes the records of all blocks from the samples that the ranks' sources have, and brings them to
+ * their writers, round by round. In a round every rank reads, sends, finishes and writes its share;
+ * the next round's samples are read and the last round's blocks are written meanwhile.
+ *
+ * Memory: the samples of two rounds, the records of two, and the messages of one. A round is made
+ * small enough for all ranks to keep within `memoryBytes`.
+ */
+class BlockRounds
+{
+public:
+  /// The references must outlive this object. `memoryBytes` is the same on all ranks.
+  BlockRounds(Communicator& ranks, SlabSource& source, const BlockGrid& grid,
+    const std::vector<ValueType>& types, const BlockExchange& exchange,
+    const BlockShipment& shipment, RoundPlan& plan, int threads, std::uint64_t memoryBytes);
+
+  /// Collective. InvalidArgument if not even a block a rank fits the memory.
+  Status Run(const BlockRoundsSteps& steps);
+
+  std::uint64_t GetRounds() const { return this->Rounds; }
+  /// The memory that the largest round was planned to take, on any rank.
+  std::uint64_t GetLargestBytes() const { return this->LargestBytes; }
+
+private:
+  /// The samples for this rank's own run, and for what it sends to each other rank's.
+  struct RoundSamples
+  {
+    Status Outcome;
+    std::vector<RunSamples> OfRank;
+  };
+
+  struct Round
+  {
+    std::vector<BlockRun> Runs; ///< per rank
+    std::future<RoundSamples> Reading;
+  };
+
+  /// Plans the next round, and starts reading for it.
+  Status StartRound(const BlockRoundsSteps& steps, Round& round);
+  Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRun>& runs);
+  std::uint64_t GetLoad(const std::vector<BlockRun>& runs) const;
+  std::vector<VertexBox> FindBoxes(const std::vector<BlockRun>& runs, std::size_t rank) const;
+  Status MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
+    const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
+  Status Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
+  /// Finishes the blocks and starts writing them, once those before are written.
+  Status FinishBlocks(
+    const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks, std::future<Status>& writing);
+
+  Communicator& Ranks;
+  SlabSource& Source;
+  const BlockGrid& Grid;
+  const std::vector<ValueType>& Types;
+  const BlockExchange& Exchange;
+  const BlockShipment& Shipment;
+  RoundPlan& Plan;
+  int Threads;
+  std::size_t Rank;
+  std::uint64_t MemoryBytes;
+  std::uint64_t RecordBytes; ///< of the largest block
+  RecordBuffers Records;
+  std::int64_t BlocksAtOnce; ///< a rank
+  std::uint64_t Rounds = 0;
+  std::uint64_t LargestBytes = 0;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Writing/BlockStoreWriter.h"
+
+#include "Base/ByteOrder.h"
+#include "Base/Checksum.h"
+#include "Index/ExternalIntervalTreeBuilder.h"
+#include "Record/BlockRecord.h"
+#include "Store/BlockStore.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+
+BlockStoreWriter::BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
+  std::unique_ptr<WritableFile> blocksFile, std::size_t blocks)
+  : Files(files)
+  , Folder(std::move(folder))
+  , Segments(segments)
+  , Blocks(std::move(blocksFile))
+{
+  this->Entries.reserve(blocks);
+}
+
+Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
+  FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks)
+{
+  ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
+  auto blocksFile = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
+  if (!blocksFile.IsOk())
+  {
+    return blocksFile.GetStatus();
+  }
+  return std::unique_ptr<BlockStoreWriter>(
+    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks));
+}
+
+Status BlockStoreWriter::Append(const PendingBlock& block)
+{
+  this->Entries.push_back({ block.Block, this->Blocks->GetSize(), block.Layout.Lengths });
+  // The store's checksum chains the segments' own, which stand at the begin of each.
+  std::vector<std::uint64_t> checksums = { this->Checksum };
+  for (const std::uint64_t offset : block.Layout.Offsets)
+  {
+    checksums.push_back(LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset));
+  }
+  this->Checksum = ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
+  return this->Blocks->Append(
+    block.Record.GetData(), static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
+}
+
+Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variables,
+  const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes)
+{
+  const StoreDescription description = { this->Entries.size(), this->Blocks->GetSize(),
+    this->Checksum };
+  ISOSURFACE_RETURN_IF_ERROR(this->Blocks->SyncAndClose());
+  for (std::size_t variable = 0; variable < ranges.size(); ++variable)
+  {
+    const std::string path = BlockStore::GetTreePath(this->Folder, variables, variable);
+    ISOSURFACE_RETURN_IF_ERROR(this->WriteTree(path, ranges[variable], memoryBytes));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(BlockDirectory::Write(
+    this->Files, BlockStore::GetDirectoryPath(this->Folder), this->Segments, this->Entries));
+  ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->Folder));
+  return description;
+}
+
+Status BlockStoreWriter::WriteTree(
+  const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
+{
+  ExternalIntervalTreeBuilder builder(
+    this->Files, path, std::max(memoryBytes, ExternalIntervalTreeBuilder::LeastMemoryLimit));
+  for (std::size_t ordinal = 0; ordinal < this->Entries.size(); ++ordinal)
+  {
+    const KeyRange& range = ranges[static_cast<std::size_t>(this->Entries[ordinal].Block)];
+    ISOSURFACE_RETURN_IF_ERROR(
+      builder.Add({ range.Minimum, range.Maximum, static_cast<std::uint32_t>(ordinal) }));
+  }
+  return builder.Finish();
+}
+
+} // namespace isosurface

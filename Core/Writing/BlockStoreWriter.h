@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockStoreWriter_h
+#define isosurface_BlockStoreWriter_h
+
+#include "Base/FileSystem.h"
+#include "Base/Status.h"
+#include "Store/BlockDirectory.h"
+#include "Store/BlockedVolumeHeader.h"
+#include "Volume/ValueKey.h"
+#include "Writing/BlockExchange.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Writes one store: Append() its blocks in the order of their ordinals, then Finish(). The files
+ * are those that BlockStore.h names. Memory: one directory entry a block; for the trees what
+ * Finish() is allowed.
+ */
+class BlockStoreWriter
+{
+public:
+  /// Creates the folder and the file of records: `blocks` of so many segments (components times
+  /// levels) each.
+  static Result<std::unique_ptr<BlockStoreWriter>> Create(
+    FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks);
+
+  /// Appends a record whose segments are sealed.
+  Status Append(const PendingBlock& block);
+
+  /// Of the blocks appended so far, in the order of their ordinals.
+  const std::vector<BlockDirectoryEntry>& GetEntries() const { return this->Entries; }
+
+  /// Writes the directory and the trees, brings all to stable storage. ranges[variable][block] are
+  /// the value ranges of all blocks of the volume.
+  Result<StoreDescription> Finish(const ArrayVariables& variables,
+    const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes);
+
+  /// The memory of a block's entry.
+  static std::uint64_t GetEntryBytes(std::size_t segments)
+  {
+    return sizeof(BlockDirectoryEntry) + 4 * segments + 16;
+  }
+
+private:
+  BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
+    std::unique_ptr<WritableFile> blocksFile, std::size_t blocks);
+  Status WriteTree(
+    const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
+
+  FileSystem& Files;
+  std::string Folder;
+  std::size_t Segments;
+  std::unique_ptr<WritableFile> Blocks;
+  std::vector<BlockDirectoryEntry> Entries;
+  std::uint64_t Checksum = 0;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_OverviewSamples_h
+#define isosurface_OverviewSamples_h
+
+#include "Base/Buffer.h"
+#include "Base/FileSystem.h"
+#include "Source/SlabSource.h"
+#include "Volume/BlockGrid.h"
+#include "Writing/BlockExchange.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The samples of an overview that one block of the finer volume supplies, in the overview's
+/// coordinates: every vertex of the overview belongs to one block.
+VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block);
+
+/// Takes these samples, array after array, x fastest, out of a block's record whose segments are
+/// still as they are.
+std::vector<std::uint8_t> PickOverviewSamples(
+  const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block);
+
+/**
+ * The samples of an overview, as a source of the writer that makes it, while the finer volume's
+ * writers leave them in temporary files: one a rank, in the finer volume's folder, with the parts
+ * (PickOverviewSamples) of the blocks that this rank wrote, by ascending block index, without gaps.
+ *
+ * Each rank reads from all files, wherever its blocks lie: a read for each layer of blocks and
+ * rank. Memory: 4 bytes a block of the finer volume, 8 a layer of blocks and rank.
+ */
+class OverviewSource : public SlabSource
+{
+public:
+  static std::string GetPath(const std::string& folder, std::size_t rank);
+
+  /// `stores`: the store of each block of the finer volume, that of rank r being those d with
+  /// d mod ranks == r. `folder`: where the files are.
+  OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
+    std::vector<ValueType> types, std::vector<std::uint32_t> stores, std::size_t ranks);
+
+  const VertexBox& GetBox() const override { return this->Box; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override;
+  std::uint64_t GetHeldBytes() const override;
+  Result<SampleSlab> Read(const VertexBox& box) override;
+
+private:
+  /// Blocks of one layer, in whole rows [Begin, End), that one rank wrote.
+  struct Part
+  {
+    std::uint64_t Offset = 0; ///< in the rank's file
+    std::uint64_t Size = 0;
+    std::vector<std::int64_t> Blocks;
+  };
+
+  std::uint64_t GetPartBytes(std::int64_t block) const;
+  std::size_t FindRank(std::int64_t block) const
+  {
+    return this->Stores[static_cast<std::size_t>(block)] % this->Ranks;
+  }
+  /// The block on an axis that supplies a vertex.
+  std::int64_t FindBlock(std::int64_t vertex, std::size_t axis) const;
+  std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
+  /// Puts what a part has of a box where it belongs: samples[array].
+  Status ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
+    std::vector<Buffer<std::uint8_t>>& samples) const;
+
+  FileSystem& Files;
+  std::string Folder;
+  BlockGrid Finer;
+  VertexBox Box;
+  std::vector<ValueType> Types;
+  std::uint64_t VertexBytes = 0; ///< of all arrays
+  std::vector<std::uint32_t> Stores;
+  std::size_t Ranks;
+  std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and rank: where its parts begin
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StoreSpectra_h
+#define isosurface_StoreSpectra_h
+
+#include "Base/Communicator.h"
+#include "Partition/BlockMeasure.h"
+#include "Partition/BlockWorkload.h"
+#include "Partition/WorkloadSpectrum.h"
+#include "Store/BlockDirectory.h"
+#include "Store/SpectraFile.h"
+#include "Volume/ArrayVariables.h"
+#include "Volume/GridGeometry.h"
+#include "Volume/ValueKey.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What counts one variable in the blocks that a thread finishes.
+struct BlockCounters
+{
+  BlockCounters(const SpectrumBins& bins, const GridGeometry& grid)
+    : Workload(bins)
+    , Measure(bins, grid)
+  {
+  }
+  void Count(const SampleView& samples)
+  {
+    this->Workload.Count(samples);
+    this->Measure.Count(samples);
+  }
+  BlockWorkload Workload;
+  BlockMeasure Measure;
+};
+
+/**
+ * The spectra of the stores while these are written: each rank has those of its own stores
+ * (d mod P == r), which several threads add to. A store's are packed when its last block is
+ * written; rank 0 gets these packed ones, and all ranks the spectra of the whole volume.
+ */
+class StoreSpectra
+{
+public:
+  /// bins[variable].
+  StoreSpectra(const GridGeometry& grid, ArrayVariables variables, std::vector<SpectrumBins> bins,
+    std::uint32_t stores, std::size_t rank, std::size_t ranks);
+
+  /// Counters of all variables, for one thread.
+  std::vector<BlockCounters> MakeCounters() const;
+
+  /// Adds what was counted in blocks of one of this rank's stores, and forgets it.
+  void Add(std::uint32_t store, std::size_t variable, BlockCounters& counted);
+
+  /// Adds a store's active blocks, and packs it; `entries` are those of its blocks, and
+  /// ranges[variable][block] the value ranges of all blocks of the volume. Several stores at once.
+  void FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
+    const std::vector<std::vector<KeyRange>>& ranges);
+
+  /// Collective, when all stores are finished: the spectra of the whole volume, per variable.
+  std::vector<WorkloadSpectrum> ReduceTotals(Communicator& communicator) const;
+
+  /// The packed spectra of this rank's stores: to be sent to rank 0.
+  Message Pack() const;
+  /// Those of all stores, from all ranks' messages, as SpectraFile::Write takes them.
+  std::vector<SpectraFile::Section> Unpack(const std::vector<Message>& messages) const;
+
+  /// The memory of this rank's spectra; on rank 0 also that of writing all of them.
+  std::uint64_t GetBytes() const;
+  /// The memory of a thread's counters, for blocks of so many cells a side.
+  static std::uint64_t GetCounterBytes(std::size_t variables, std::uint64_t blockSize);
+
+private:
+  struct Sums
+  {
+    WorkloadSpectrum Spectrum; ///< triangles and cells, until the store is finished
+    MeasureSums Measure;
+    SpectraFile::Section Packed;
+  };
+  struct Store
+  {
+    std::vector<Sums> Arrays;
+    std::mutex Mutex;
+  };
+
+  WorkloadSpectrum MakeSpectrum(std::size_t variable) const;
+
+  GridGeometry Grid;
+  ArrayVariables Variables;
+  std::vector<SpectrumBins> Bins;
+  std::uint32_t Stores;
+  std::size_t Rank;
+  std::size_t Ranks;
+  std::vector<std::unique_ptr<Store>> Mine; ///< the stores Rank, Rank + Ranks, ...
+  std::vector<WorkloadSpectrum> Totals;     ///< per variable: of this rank's finished stores
+  std::mutex TotalsMutex;
+};
+
+} // namespace isosurface
+
+#endif
