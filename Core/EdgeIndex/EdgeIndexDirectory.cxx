@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndex/EdgeIndexDirectory.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "EdgeIndex/CodedNumbers.h"
 
 #include <cstring>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Index/IntervalTreeFormat.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 
 #include <algorithm>
 #include <cassert>

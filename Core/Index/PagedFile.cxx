@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Index/PagedFile.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 
 #include <algorithm>
 #include <cassert>

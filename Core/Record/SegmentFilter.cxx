@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Record/SegmentFilter.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Record/OrderedSample.h"
 
 #include <algorithm>

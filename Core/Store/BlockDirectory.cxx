@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockDirectory.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Record/BlockRecord.h"
 
 #include <algorithm>

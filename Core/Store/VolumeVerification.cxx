@@ -2,8 +2,8 @@
 #include "Store/VolumeVerification.h"
 
 #include "Base/Buffer.h"
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Base/ParallelFor.h"
 #include "Index/ExternalIntervalTree.h"
 #include "Record/BlockRecord.h"

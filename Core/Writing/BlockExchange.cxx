@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Writing/BlockExchange.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Base/ParallelFor.h"
 #include "Volume/PieceOwnership.h"
 

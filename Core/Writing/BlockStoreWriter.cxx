@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Writing/BlockStoreWriter.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Index/ExternalIntervalTreeBuilder.h"
 #include "Record/BlockRecord.h"
 #include "Store/BlockStore.h"

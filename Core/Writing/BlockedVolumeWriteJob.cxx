@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Writing/BlockedVolumeWriteJob.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Base/ParallelFor.h"
 #include "Partition/BlockBalancer.h"
 #include "Partition/BlockDistribution.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Writing/StoreSpectra.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Partition/BlockActivity.h"
 
 #include <utility>

@@ -4,7 +4,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Record/BlockRecord.h"
 #include "Store/BlockDirectory.h"
 

@@ -4,7 +4,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Index/ExternalIntervalTree.h"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 
 #include "FuzzTarget.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Store/JsonDocument.h"
 
 #include <algorithm>

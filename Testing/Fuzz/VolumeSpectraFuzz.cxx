@@ -4,8 +4,8 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
 

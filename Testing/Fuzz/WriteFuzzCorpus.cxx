@@ -6,7 +6,7 @@
 #include "../Core/Partition/SampleVolume.h"
 #include "../Core/Store/MemoryDisk.h"
 
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
 #include "Index/ExternalIntervalTreeBuilder.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "IntervalSets.h"
 
 #include <memory>

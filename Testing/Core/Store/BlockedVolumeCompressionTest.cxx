@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Base/ByteOrder.h"
+#include "Base/Coding.h"
 #include "Record/BlockRecord.h"
 #include "Store/BlockedVolume.h"
 #include "Writing/BlockedVolumeWriter.h"

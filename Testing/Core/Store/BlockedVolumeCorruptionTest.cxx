@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockedVolume.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Store/BlockDirectory.h"
 #include "VolumeOnDisk.h"
 

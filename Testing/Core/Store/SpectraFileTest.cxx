@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/SpectraFile.h"
 
-#include "Base/ByteOrder.h"
 #include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Store/JsonDocument.h"
 #include "Store/PackedCounts.h"
 #include "VolumeOnDisk.h"
