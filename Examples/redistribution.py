@@ -15,8 +15,7 @@ all ranks together:
 
 raw      points (3 float32), GlobalIds (int64), normals (3 float32), three int32 corners a triangle:
          the surface as the ranks get it, each point once on each rank that has it
-sent     from rank to rank, and what the ranks tell each other of their blocks; in mode None that is
-         less than raw by what stays where it is, and more by points on faces of blocks
+sent     from rank to rank, including the descriptions of blocks that all ranks exchange
 per link seconds in which a link of that many Mb/s passes what its rank sends, or gets, the greatest
          of all: computed of the bytes
 """
@@ -34,11 +33,9 @@ import debian_scans  # noqa: E402  (found beside this script)
 
 # Properties of Distribute Isosurface, and whether Stabbing Contour computes normals.
 MODES = {
-    "None": ({"Mode": "None"}, True),
     "Lossless, exact normals": ({"Mode": "Lossless", "NormalError": 0}, True),
     "Lossless": ({"Mode": "Lossless", "NormalError": 0.01}, True),
     "Bounded": ({"Mode": "Bounded", "NormalError": 0.02}, True),
-    "None, without normals": ({"Mode": "None"}, False),
     "Lossless, without normals": ({"Mode": "Lossless"}, False),
     "Bounded, without normals": ({"Mode": "Bounded"}, False),
 }

@@ -203,13 +203,10 @@ Status vtkDistributeIsosurface::Distribute(isosurface::Communicator& ranks,
   }
   EdgeIndexHeader mine =
     isosurface::DescribeContourBlocks(blocks, this->ArrayError, this->NormalError);
-  if (this->Mode != NONE)
-  {
-    mine.Settings.Mode = this->Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
-      : this->Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
-                                                : isosurface::EdgeIndexMode::Smallest;
-    mine.Settings.MaximumError = this->MaximumError;
-  }
+  mine.Settings.Mode = this->Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
+    : this->Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
+                                              : isosurface::EdgeIndexMode::Smallest;
+  mine.Settings.MaximumError = this->MaximumError;
   mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Profile);
   const Result<EdgeIndexHeader> header = isosurface::ShareHeader(ranks, mine, blocks.HasSamples);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.GetStatus()));
@@ -221,7 +218,6 @@ Status vtkDistributeIsosurface::Distribute(isosurface::Communicator& ranks,
     this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
   settings.DrawingRanks = this->DrawingRanks;
   settings.RoundBytes = static_cast<std::uint64_t>(this->RoundBytes);
-  settings.Raw = this->Mode == NONE;
   const isosurface::ContourRequest request =
     MakeRequest(*header, blocks, contour->GetGenerateTriangles() == 0);
   SurfaceExchange exchange(ranks, *header, request, settings);

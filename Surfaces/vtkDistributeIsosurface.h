@@ -12,11 +12,10 @@
  * What travels is not triangles but where the isovalues cross the grid, as edge-index records, some
  * bits a vertex. So this filter takes the contour's blocks (vtkStabbingContour::CollectBlocks), and
  * the contour is not executed. While blocks are under way, those that are there become triangles.
- * With Mode NONE the arrays of triangles travel: for comparison.
  *
  * The output has the triangles and GlobalIds of the contour, and its point data: isovalues,
- * Normals, interpolated arrays. Points are those of the contour with NONE and LOSSLESS, bit by bit,
- * and within MaximumError with BOUNDED and SMALLEST; so are normals within NormalError and arrays
+ * Normals, interpolated arrays. Points are those of the contour with LOSSLESS, bit by bit, and
+ * within MaximumError with BOUNDED and SMALLEST; so are normals within NormalError and arrays
  * within ArrayError. Points on the borders of parts are there once on each side, and equal. A part
  * depends on the number of drawing ranks alone, not on where its blocks came from.
  *
@@ -61,7 +60,6 @@ public:
 
   enum ModeType
   {
-    NONE = 0,     ///< not compressed
     LOSSLESS = 1, ///< every point, bit by bit
     BOUNDED = 2,  ///< every point to within MaximumError
     SMALLEST = 3  ///< of each block the smaller of LOSSLESS and BOUNDED
@@ -77,7 +75,7 @@ public:
   /**
    * In what form the surface travels. Default LOSSLESS.
    */
-  vtkSetClampMacro(Mode, int, NONE, SMALLEST);
+  vtkSetClampMacro(Mode, int, LOSSLESS, SMALLEST);
   vtkGetMacro(Mode, int);
   ///@}
 
@@ -100,7 +98,7 @@ public:
 
   ///@{
   /**
-   * Unless Mode is NONE: the most by which a component of a normal may change, if the contour
+   * The most by which a component of a normal may change, if the contour
    * computes normals. 0 keeps every bit, and makes four times as many bytes. Default 0.01, which
    * changes shades by one of 255 here and there, and by some more at creases as small as a pixel.
    */
@@ -110,7 +108,7 @@ public:
 
   ///@{
   /**
-   * Unless Mode is NONE: the most by which a value of an interpolated array may change; 0, the
+   * The most by which a value of an interpolated array may change; 0, the
    * default, keeps every bit.
    */
   vtkSetClampMacro(ArrayError, double, 0, VTK_DOUBLE_MAX);

@@ -2,8 +2,7 @@
 #include "Redistribution/SurfaceExchange.h"
 
 #include "Base/Checksum.h"
-#include "Redistribution/RawForm.h"
-#include "Redistribution/RecordForm.h"
+#include "Redistribution/BlockPacking.h"
 #include "Redistribution/SurfaceUnpacking.h"
 
 #include <algorithm>
@@ -67,23 +66,14 @@ SurfaceExchange::SurfaceExchange(Communicator& ranks, const EdgeIndexHeader& hea
   const ContourRequest& request, const Settings& settings)
   : Ranks(ranks)
   , Header(header)
+  , Request(request)
   , Wanted(settings)
 {
   if (this->Wanted.DrawingRanks < 1 || this->Wanted.DrawingRanks > ranks.GetSize())
   {
     this->Wanted.DrawingRanks = ranks.GetSize();
   }
-  if (this->Wanted.Raw)
-  {
-    this->Form = std::make_unique<RawForm>(header.Geometry, request);
-  }
-  else
-  {
-    this->Form = std::make_unique<RecordForm>(header, request);
-  }
 }
-
-SurfaceExchange::~SurfaceExchange() = default;
 
 Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progress)
 {
@@ -112,7 +102,7 @@ Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progre
       {
         blocks.push_back(block.Description);
       }
-      unpacking.emplace(*this->Form, std::move(blocks), this->Wanted.Threads);
+      unpacking.emplace(this->Header, this->Request, std::move(blocks), this->Wanted.Threads);
       return Status::Ok();
     }));
   if (!status.IsOk())
@@ -148,7 +138,7 @@ Status SurfaceExchange::Encode(BlockSource& source, const Progress& progress)
     this->Own.push_back(std::move(bytes));
     return Status::Ok();
   };
-  return this->Form->Pack(source, this->Wanted.Threads, take, progress);
+  return PackBlocks(this->Header, source, this->Wanted.Threads, take, progress);
 }
 
 Status SurfaceExchange::MakePlan()

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Redistribution/SurfaceUnpacking.h"
 
+#include "Redistribution/BlockPacking.h"
+
 #include <chrono>
 #include <new>
 #include <utility>
@@ -8,13 +10,13 @@
 namespace isosurface
 {
 
-SurfaceUnpacking::SurfaceUnpacking(
-  const SurfaceForm& form, std::vector<BlockDescription> blocks, int threads)
+SurfaceUnpacking::SurfaceUnpacking(const EdgeIndexHeader& header, const ContourRequest& request,
+  std::vector<BlockDescription> blocks, int threads)
   : Blocks(std::move(blocks))
   , Thread(
-      [this, &form, threads]
+      [this, &header, &request, threads]
       {
-        Result<Surface> surface = this->Unpack(form, threads);
+        Result<Surface> surface = this->Unpack(header, request, threads);
         const std::lock_guard<std::mutex> lock(this->Mutex);
         this->Outcome = std::move(surface);
         this->Done.notify_all();
@@ -29,11 +31,12 @@ SurfaceUnpacking::~SurfaceUnpacking()
   this->Thread.join();
 }
 
-Result<Surface> SurfaceUnpacking::Unpack(const SurfaceForm& form, int threads)
+Result<Surface> SurfaceUnpacking::Unpack(
+  const EdgeIndexHeader& header, const ContourRequest& request, int threads)
 {
   try
   {
-    return form.Unpack(this->Blocks, threads,
+    return UnpackBlocks(header, request, this->Blocks, threads,
       [this](double share)
       {
         this->Share = share;

@@ -5,8 +5,8 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/Surface.h"
+#include "EdgeIndex/EdgeIndexHeader.h"
 #include "Redistribution/ArrivingBlocks.h"
-#include "Redistribution/SurfaceForm.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -18,28 +18,28 @@
 namespace isosurface
 {
 
-/**
- * Makes the surface of arriving blocks in a thread of its own, so that the one that talks to other
- * ranks goes on.
- */
+/// Makes the surface of arriving blocks in a thread of its own, so that the calling thread can go
+/// on exchanging messages with other ranks.
 class SurfaceUnpacking
 {
 public:
-  /// Begins. The form must outlive it. Throws std::system_error if there is no further thread.
-  SurfaceUnpacking(const SurfaceForm& form, std::vector<BlockDescription> blocks, int threads);
-  /// Ends it, finished or not.
+  /// Starts the thread. Header and request must outlive the object. Throws std::system_error if the
+  /// thread cannot be started.
+  SurfaceUnpacking(const EdgeIndexHeader& header, const ContourRequest& request,
+    std::vector<BlockDescription> blocks, int threads);
+  /// Stops the thread, whether it has finished or not.
   ~SurfaceUnpacking();
   SurfaceUnpacking(const SurfaceUnpacking&) = delete;
   SurfaceUnpacking& operator=(const SurfaceUnpacking&) = delete;
 
   ArrivingBlocks& GetBlocks() { return this->Blocks; }
-  /// The share that is done, 0 to 1.
+  /// The fraction that is done, 0 to 1.
   double GetShare() const { return this->Share; }
-  /// The surface, when all blocks have arrived; until then `progress` is told.
+  /// The surface, once all blocks have arrived; calls `progress` while it waits.
   Result<Surface> Finish(const Progress& progress);
 
 private:
-  Result<Surface> Unpack(const SurfaceForm& form, int threads);
+  Result<Surface> Unpack(const EdgeIndexHeader& header, const ContourRequest& request, int threads);
 
   ArrivingBlocks Blocks;
   std::atomic<double> Share{ 0 };
@@ -47,7 +47,7 @@ private:
   std::mutex Mutex;
   std::condition_variable Done;
   std::optional<Result<Surface>> Outcome;
-  std::thread Thread; ///< last, for it uses all the rest
+  std::thread Thread; ///< last, since it uses all the others
 };
 
 } // namespace isosurface

@@ -157,7 +157,7 @@ struct DistributeCase
 
   std::string GetName() const
   {
-    const char* const modes[] = { "none", "lossless", "bounded", "smallest" };
+    const char* const modes[] = { "", "lossless", "bounded", "smallest" };
     return "type" + std::to_string(this->Type) + "_" + modes[this->Mode] + "_" +
       (this->BlockSize ? "blocks" + std::to_string(this->BlockSize)
                        : "image" + std::to_string(this->Layout)) +
@@ -217,13 +217,12 @@ std::vector<DistributeCase> MakeCases()
 {
   return {
     { VTK_SHORT, 16, 0, Distribute::LOSSLESS, 0, 1 << 22 },
-    { VTK_SHORT, 16, 0, Distribute::NONE, 0, 1 << 22 },
     { VTK_UNSIGNED_CHAR, 16, 0, Distribute::LOSSLESS, 2, 1000 },
-    { VTK_UNSIGNED_CHAR, 32, 0, Distribute::NONE, 1, 1 << 14 },
+    { VTK_UNSIGNED_CHAR, 32, 0, Distribute::LOSSLESS, 1, 1 << 14 },
     { VTK_FLOAT, 32, 0, Distribute::LOSSLESS, 3, 1 << 22 },
     { VTK_SHORT, 0, PieceSource::SUB_EXTENTS, Distribute::LOSSLESS, 0, 1 << 22 },
     { VTK_SHORT, 0, PieceSource::FIRST_RANK, Distribute::LOSSLESS, 0, 1 << 22 },
-    { VTK_FLOAT, 0, PieceSource::OVERLAPPING, Distribute::NONE, 0, 1 << 22 },
+    { VTK_FLOAT, 0, PieceSource::OVERLAPPING, Distribute::LOSSLESS, 0, 1 << 22 },
   };
 }
 
@@ -269,40 +268,36 @@ std::set<std::string> ListPointData(vtkPolyData* mine)
 
 TEST(DistributePointData, IsThatOfTheContour)
 {
-  for (const int mode : { Distribute::NONE, Distribute::LOSSLESS })
+  // The image is on one rank: the others do not know its arrays.
+  DistributedContour distributed("PointData");
+  const auto image = MakeImage({ 0, 70, 0, 20, 0, 20 }, VTK_SHORT, MakeWaves(200));
+  vtkNew<vtkFloatArray> velocity;
+  velocity->SetName("velocity");
+  velocity->SetNumberOfComponents(2);
+  velocity->SetComponentName(0, "u");
+  velocity->SetComponentName(1, "v");
+  for (vtkIdType point = 0; point < image->GetNumberOfPoints(); ++point)
   {
-    // The image is on one rank: the others do not know its arrays.
-    DistributedContour distributed("PointData" + std::to_string(mode));
-    const auto image = MakeImage({ 0, 70, 0, 20, 0, 20 }, VTK_SHORT, MakeWaves(200));
-    vtkNew<vtkFloatArray> velocity;
-    velocity->SetName("velocity");
-    velocity->SetNumberOfComponents(2);
-    velocity->SetComponentName(0, "u");
-    velocity->SetComponentName(1, "v");
-    for (vtkIdType point = 0; point < image->GetNumberOfPoints(); ++point)
-    {
-      velocity->InsertNextTuple2(0.1 * static_cast<double>(point), std::sin(point));
-    }
-    image->GetPointData()->AddArray(velocity);
-    distributed.UseImage(image, PieceSource::FIRST_RANK);
-    distributed.Contour->AddInterpolatedArray("velocity");
-    distributed.Filter->SetMode(mode);
-    vtkNew<vtkStabbingContour> alone;
-    alone->SetController(nullptr);
-    alone->SetInputData(image);
-    alone->SetValue(0, Isovalues[0]);
-    alone->SetValue(1, Isovalues[1]);
-    alone->AddInterpolatedArray("velocity");
-    alone->Update();
-    const std::set<std::string> expected = ListPointData(alone->GetOutput());
-    vtkPolyData* mine = distributed.Update();
-    const std::set<std::string> lines = ListPointData(mine);
-    EXPECT_EQ(lines.size(), expected.size());
-    EXPECT_TRUE(lines == expected);
-    for (const char* name : { "GlobalIds", "density", "Normals", "velocity" })
-    {
-      EXPECT_TRUE(mine->GetNumberOfPoints() == 0 || mine->GetPointData()->HasArray(name)) << name;
-    }
+    velocity->InsertNextTuple2(0.1 * static_cast<double>(point), std::sin(point));
+  }
+  image->GetPointData()->AddArray(velocity);
+  distributed.UseImage(image, PieceSource::FIRST_RANK);
+  distributed.Contour->AddInterpolatedArray("velocity");
+  vtkNew<vtkStabbingContour> alone;
+  alone->SetController(nullptr);
+  alone->SetInputData(image);
+  alone->SetValue(0, Isovalues[0]);
+  alone->SetValue(1, Isovalues[1]);
+  alone->AddInterpolatedArray("velocity");
+  alone->Update();
+  const std::set<std::string> expected = ListPointData(alone->GetOutput());
+  vtkPolyData* mine = distributed.Update();
+  const std::set<std::string> lines = ListPointData(mine);
+  EXPECT_EQ(lines.size(), expected.size());
+  EXPECT_TRUE(lines == expected);
+  for (const char* name : { "GlobalIds", "density", "Normals", "velocity" })
+  {
+    EXPECT_TRUE(mine->GetNumberOfPoints() == 0 || mine->GetPointData()->HasArray(name)) << name;
   }
 }
 
@@ -345,7 +340,7 @@ TEST(DistributeParts, AreEmptyWithoutASurface)
   distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 2 });
   distributed.Contour->SetNumberOfContours(1);
   distributed.Contour->SetValue(0, 1e6);
-  for (const int mode : { Distribute::NONE, Distribute::LOSSLESS, Distribute::BOUNDED })
+  for (const int mode : { Distribute::LOSSLESS, Distribute::BOUNDED })
   {
     distributed.Filter->SetMode(mode);
     EXPECT_EQ(distributed.Update()->GetNumberOfPoints(), 0);
@@ -446,15 +441,11 @@ TEST(DistributeErrors, AreToldOnceByEveryRankAndPass)
     }
   }
   GetRanks()->Barrier();
-  for (const int mode : { Distribute::LOSSLESS, Distribute::NONE })
-  {
-    distributed.Filter->SetMode(mode);
-    distributed.Contour->Modified();
-    const std::vector<std::string> messages = distributed.UpdateInVain();
-    EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "blocks", "checksum" }))
-      << testing::PrintToString(messages);
-    EXPECT_EQ(distributed.Filter->GetOutput()->GetNumberOfPoints(), 0);
-  }
+  distributed.Contour->Modified();
+  const std::vector<std::string> messages = distributed.UpdateInVain();
+  EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "blocks", "checksum" }))
+    << testing::PrintToString(messages);
+  EXPECT_EQ(distributed.Filter->GetOutput()->GetNumberOfPoints(), 0);
   // Another isovalue, which does not cross the damaged block: nothing is there.
   distributed.Contour->SetValue(0, 1e6);
   distributed.Contour->SetValue(1, 1e6);

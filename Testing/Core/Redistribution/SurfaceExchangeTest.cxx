@@ -133,13 +133,6 @@ SurfaceExchange::Settings MakeSettings(int drawingRanks, std::uint64_t roundByte
   return settings;
 }
 
-SurfaceExchange::Settings MakeRawSettings(int drawingRanks, std::uint64_t roundBytes)
-{
-  SurfaceExchange::Settings settings = MakeSettings(drawingRanks, roundBytes);
-  settings.Raw = true;
-  return settings;
-}
-
 // The GlobalIds around each polygon, from the lowest on; sorted.
 std::vector<std::vector<std::int64_t>> ListPolygons(const Surface& surface)
 {
@@ -238,27 +231,7 @@ TEST(SurfaceExchange, PartsOfAllRanksAreTheWholeSurfaceNormalsIncluded)
   }
 }
 
-TEST(SurfaceExchange, RawPartsAreThoseOfRecordsNormalsIncluded)
-{
-  for (const int size : { 1, 4 })
-  {
-    for (const std::uint64_t roundBytes : { 1, 1 << 20 })
-    {
-      const Outcome expected =
-        Redistribute(size, EdgeIndexMode::Lossless, MakeSettings(2, 1 << 20), DealInTurn, true);
-      const Outcome raw = Redistribute(
-        size, EdgeIndexMode::Lossless, MakeRawSettings(2, roundBytes), DealToLast, true);
-      EXPECT_TRUE(Unite(raw) == Unite(expected)) << size << " ranks";
-      for (std::size_t rank = 0; rank < raw.Surfaces.size(); ++rank)
-      {
-        EXPECT_EQ(raw.Surfaces[rank].NumberOfPoints, expected.Surfaces[rank].NumberOfPoints);
-        EXPECT_EQ(raw.Surfaces[rank].Parts.size(), Isovalues.size());
-      }
-    }
-  }
-}
-
-TEST(SurfaceExchange, PolygonsTravelInBothForms)
+TEST(SurfaceExchange, PolygonsArriveAsTheyWere)
 {
   ContourRequest request = MakeRequest(Isovalues);
   request.Polygons = true;
@@ -266,25 +239,20 @@ TEST(SurfaceExchange, PolygonsTravelInBothForms)
   const auto expected = ExtractSurface(GetVolume().Geometry, all, request, 1);
   ASSERT_TRUE(expected.IsOk());
   const EdgeIndexHeader header = MakeVolumeHeader(EdgeIndexMode::Lossless);
-  for (const bool raw : { false, true })
-  {
-    ThreadCommunicator::Run(3,
-      [&](Communicator& ranks)
+  ThreadCommunicator::Run(3,
+    [&](Communicator& ranks)
+    {
+      TestBlockSource<std::uint8_t> source(GetVolume(), BlockSize);
+      KeepOwnBlocks(source, ranks, DealInTurn);
+      SurfaceExchange exchange(ranks, header, request, MakeSettings(1, 1 << 20));
+      const auto surface = exchange.Run(source);
+      ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
+      if (ranks.GetRank() == 0)
       {
-        TestBlockSource<std::uint8_t> source(GetVolume(), BlockSize);
-        KeepOwnBlocks(source, ranks, DealInTurn);
-        SurfaceExchange::Settings settings = MakeSettings(1, 1 << 20);
-        settings.Raw = raw;
-        SurfaceExchange exchange(ranks, header, request, settings);
-        const auto surface = exchange.Run(source);
-        ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-        if (ranks.GetRank() == 0)
-        {
-          EXPECT_EQ(ListPolygons(*surface), ListPolygons(*expected)) << raw;
-          EXPECT_EQ(surface->NumberOfTriangles, expected->NumberOfTriangles) << raw;
-        }
-      });
-  }
+        EXPECT_EQ(ListPolygons(*surface), ListPolygons(*expected));
+        EXPECT_EQ(surface->NumberOfTriangles, expected->NumberOfTriangles);
+      }
+    });
 }
 
 TEST(SurfaceExchange, MovedPointsOfABoundedSurfaceMeetWherePartsDo)
@@ -475,39 +443,6 @@ TEST(SurfaceExchange, DamagedMessagesFailOnAllRanks)
                                                            : 0; });
         const ContourRequest request = MakeRequest(Isovalues);
         SurfaceExchange exchange(ranks, header, request, {});
-        errors[static_cast<std::size_t>(ranks.GetRank())] = exchange.Run(source).GetStatus();
-      });
-    EXPECT_EQ(errors[0].GetCode(), StatusCode::RemoteFailure) << "damage " << n;
-    EXPECT_EQ(errors[1].GetCode(), StatusCode::Corrupt) << "damage " << n;
-  }
-}
-
-TEST(SurfaceExchange, RawMessagesOfWrongNumbersFailOnAllRanks)
-{
-  const EdgeIndexHeader header = MakeVolumeHeader(EdgeIndexMode::Lossless);
-  ContourRequest request = MakeRequest(Isovalues);
-  request.Offsets = true;
-  std::vector<std::function<void(Message&)>> damages = { [](Message& message) { message.clear(); },
-    [](Message& message) { message.push_back(0); }, [](Message& message) { message.pop_back(); },
-    [](Message& message) { message.back() ^= 0x80; } }; // a point that is not there
-  for (std::size_t n = 0; n < 8; ++n)
-  {
-    damages.push_back([n](Message& message) { message[n] ^= 0x41; });
-  }
-  for (std::size_t n = 0; n < damages.size(); ++n)
-  {
-    std::vector<Status> errors(2);
-    ThreadCommunicator::Run(2,
-      [&](Communicator& inner)
-      {
-        DamagingCommunicator ranks(
-          inner, inner.GetRank() == 1 ? damages[n] : [](Message&) {});
-        TestBlockSource<std::uint8_t> source(GetVolume(), BlockSize);
-        KeepOwnBlocks(source, ranks,
-          [](std::int64_t block, int) { return block == 8 ? 1
-                                          : block % 9     ? -1
-                                                          : 0; });
-        SurfaceExchange exchange(ranks, header, request, MakeRawSettings(0, 1 << 20));
         errors[static_cast<std::size_t>(ranks.GetRank())] = exchange.Run(source).GetStatus();
       });
     EXPECT_EQ(errors[0].GetCode(), StatusCode::RemoteFailure) << "damage " << n;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Redistribution/RecordForm.h"
+#include "Redistribution/BlockPacking.h"
 
 #include "EdgeIndex/EdgeIndexDecoder.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
@@ -46,7 +46,7 @@ public:
     const std::uint8_t* bytes = this->Arriving.Wait(this->Blocks[block]);
     if (!bytes)
     {
-      return Status(StatusCode::Aborted, "Not all blocks of the isosurface came.");
+      return Status(StatusCode::Aborted, "Not all blocks of the isosurface arrived.");
     }
     const BlockDescription& description = this->Describe(block);
     std::size_t used = 0;
@@ -86,56 +86,80 @@ private:
   std::vector<std::size_t> Blocks; ///< in Arriving
 };
 
-} // namespace
-
-// Records of one block follow each other.
-Status RecordForm::Pack(
-  BlockSource& source, int threads, const Take& take, const Progress& progress) const
+// Splits the records of several blocks by block; the records of one block follow each other.
+class RecordSplitter
 {
-  if (this->Header.PreviewLevel != 0)
+public:
+  RecordSplitter(const EdgeIndexHeader& header, const TakeBlock& take)
+    : Header(header)
+    , Take(take)
   {
-    return { StatusCode::InvalidArgument, "An isosurface is redistributed without a preview." };
   }
-  const auto takeRecords = [&](const std::vector<std::uint8_t>& bytes)
+
+  Status Split(const std::vector<std::uint8_t>& bytes)
   {
-    BlockDescription block;
-    Message records;
     std::size_t used = 0;
     for (std::size_t at = 0; at < bytes.size(); at += used)
     {
       const auto record =
         EdgeIndexRecord::Parse(this->Header, bytes.data() + at, bytes.size() - at, used);
       ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-      if (records.empty() || !(block.Vertices == record->Block.Vertices))
+      if (!(this->Block.Vertices == record->Block.Vertices))
       {
-        if (!records.empty())
-        {
-          ISOSURFACE_RETURN_IF_ERROR(take(std::move(block), std::move(records)));
-        }
-        records = Message();
-        block = BlockDescription();
-        block.Vertices = record->Block.Vertices;
-        block.Lattice = record->Block.Lattice;
-        block.Points.resize(this->Header.Isovalues.size());
+        ISOSURFACE_RETURN_IF_ERROR(this->Finish());
+        this->Begin(record->Block);
       }
-      block.Points[record->Block.Isovalue] = record->Block.NumberOfPoints;
-      block.Bytes += used;
-      records.insert(records.end(), bytes.data() + at, bytes.data() + at + used);
+      this->Block.Points[record->Block.Isovalue] = record->Block.NumberOfPoints;
+      this->Block.Bytes += used;
+      this->Records.insert(this->Records.end(), bytes.data() + at, bytes.data() + at + used);
     }
-    return records.empty() ? Status::Ok() : take(std::move(block), std::move(records));
-  };
-  return EncodeBlocks(this->Header, source, threads, takeRecords, progress);
+    return this->Finish();
+  }
+
+private:
+  void Begin(const EdgeIndexBlock& block)
+  {
+    this->Records = Message();
+    this->Block = BlockDescription();
+    this->Block.Vertices = block.Vertices;
+    this->Block.Lattice = block.Lattice;
+    this->Block.Points.resize(this->Header.Isovalues.size());
+  }
+  Status Finish()
+  {
+    return this->Records.empty() ? Status::Ok()
+                                 : this->Take(std::move(this->Block), std::move(this->Records));
+  }
+
+  const EdgeIndexHeader& Header;
+  const TakeBlock& Take;
+  BlockDescription Block;
+  Message Records;
+};
+
+} // namespace
+
+Status PackBlocks(const EdgeIndexHeader& header, BlockSource& source, int threads,
+  const TakeBlock& take, const Progress& progress)
+{
+  if (header.PreviewLevel != 0)
+  {
+    return { StatusCode::InvalidArgument, "An isosurface is redistributed without a preview." };
+  }
+  const auto takeRecords = [&](const std::vector<std::uint8_t>& bytes)
+  { return RecordSplitter(header, take).Split(bytes); };
+  return EncodeBlocks(header, source, threads, takeRecords, progress);
 }
 
-Result<Surface> RecordForm::Unpack(
-  ArrivingBlocks& blocks, int threads, const Progress& progress) const
+Result<Surface> UnpackBlocks(const EdgeIndexHeader& header, const ContourRequest& request,
+  ArrivingBlocks& blocks, int threads, const Progress& progress)
 {
   std::vector<std::unique_ptr<BlockSource>> sources;
-  for (std::size_t isovalue = 0; isovalue < this->Header.Isovalues.size(); ++isovalue)
+  for (std::size_t isovalue = 0; isovalue < header.Isovalues.size(); ++isovalue)
   {
-    sources.push_back(std::make_unique<ArrivingRecords>(this->Header, blocks, isovalue));
+    sources.push_back(std::make_unique<ArrivingRecords>(header, blocks, isovalue));
   }
-  return JoinIsovalues(this->Header, sources, this->Request, threads, progress);
+  return JoinIsovalues(header, sources, request, threads, progress);
 }
 
 } // namespace isosurface
