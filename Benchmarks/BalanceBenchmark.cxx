@@ -158,7 +158,7 @@ void Compare(const Options& options, const MeasuredVolume& volume)
   {
     std::vector<std::uint64_t> least(volume.Spectra.GetBins().Count);
     ParallelFor(least.size(), options.Threads,
-      [&](std::size_t bin, int) { least[bin] = volume.Spectra.GetLeastMaximum(bin, stores); });
+      [&](std::size_t bin, int) { least[bin] = volume.Spectra.GetMaximumBound(bin, stores); });
     for (const std::string& method : options.Methods)
     {
       const double start = GetSeconds();

@@ -2,10 +2,11 @@
 #ifndef isosurface_MeasuredVolume_h
 #define isosurface_MeasuredVolume_h
 
+#include "BlockSpectra.h"
+
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
 #include "Partition/BlockProfile.h"
-#include "Partition/BlockSpectra.h"
 #include "Volume/ValueKey.h"
 
 #include <cstdint>

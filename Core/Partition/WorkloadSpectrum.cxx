@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
-#include <utility>
 
 namespace isosurface
 {
@@ -115,19 +114,6 @@ ValueKey SpectrumBins::GetEdgeKey(ValueType type, std::size_t bin) const
     });
 }
 
-SpectrumBins SpectrumBins::Coarsen() const
-{
-  SpectrumBins coarse;
-  coarse.Exponent = this->Exponent + 1;
-  coarse.First = this->First >> 1;
-  if (this->Count > 0)
-  {
-    const std::int64_t last = this->First + (this->Count - 1);
-    coarse.Count = static_cast<std::uint32_t>((last >> 1) - coarse.First + 1);
-  }
-  return coarse;
-}
-
 WorkloadSpectrum::WorkloadSpectrum(const SpectrumBins& bins)
   : Bins(bins)
 {
@@ -183,55 +169,6 @@ bool WorkloadSpectrum::Add(const WorkloadSpectrum& other)
       (*mine[quantity])[bin] += (*others[quantity])[bin];
     }
   }
-  return true;
-}
-
-WorkloadSpectrum WorkloadSpectrum::Coarsen() const
-{
-  WorkloadSpectrum coarse = *this;
-  coarse.Bins = this->Bins.Coarsen();
-  for (Counts* counts : coarse.GetQuantities())
-  {
-    if (counts->empty())
-    {
-      continue;
-    }
-    const Counts fine = std::exchange(*counts, Counts(coarse.Bins.Count));
-    for (std::size_t bin = 0; bin < counts->size(); ++bin)
-    {
-      // An odd first edge is no edge any more; the edge before it has the first one's counts, since
-      // no value lies between them.
-      const std::int64_t from =
-        2 * (coarse.Bins.First + static_cast<std::int64_t>(bin)) - this->Bins.First;
-      (*counts)[bin] = fine[static_cast<std::size_t>(std::max<std::int64_t>(0, from))];
-    }
-  }
-  return coarse;
-}
-
-bool WorkloadSpectrum::Widen(const SpectrumBins& bins)
-{
-  WorkloadSpectrum wide = *this;
-  while (wide.Bins.Exponent < bins.Exponent)
-  {
-    wide = wide.Coarsen();
-  }
-  const std::int64_t shift = wide.Bins.First - bins.First;
-  if (wide.Bins.Exponent != bins.Exponent || shift < 0 ||
-    shift + std::int64_t{ wide.Bins.Count } > std::int64_t{ bins.Count })
-  {
-    return false;
-  }
-  wide.Bins = bins;
-  for (Counts* counts : wide.GetQuantities())
-  {
-    if (!counts->empty())
-    {
-      counts->insert(counts->begin(), static_cast<std::size_t>(shift), counts->front());
-      counts->resize(bins.Count, 0);
-    }
-  }
-  *this = std::move(wide);
   return true;
 }
 

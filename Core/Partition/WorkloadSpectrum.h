@@ -17,12 +17,12 @@ namespace isosurface
  * The isovalues at which a spectrum is sampled: bin b stands for the isovalue
  * GetEdge(b) = (First + b) * 2^Exponent, for b in [0, Count).
  *
- * As every width is a power of two and every edge a multiple of it, two sets of bins of one array
- * are equal after coarsening the finer one and widening both, whatever ranges they were made for.
+ * Every width is a power of two, and every edge a multiple of the width. So the edges of coarser
+ * bins are edges of finer ones, whatever ranges the two were made for.
  */
 struct SpectrumBins
 {
-  /// Never more bins than this: what counts them packs a number of edges into 12 bits.
+  /// Never more bins than this.
   static constexpr std::uint32_t MaximumCount = 2048;
 
   std::int64_t First = 0;
@@ -45,10 +45,6 @@ struct SpectrumBins
   /// The key of the least value of the type, of a range that these bins were chosen for, that is
   /// not below an edge. Exact where GetEdge is not, for 64-bit integers of many digits.
   ValueKey GetEdgeKey(ValueType type, std::size_t bin) const;
-
-  /// The bins of twice the width whose edges are every second edge of these, widened to an aligned
-  /// first edge.
-  SpectrumBins Coarsen() const;
 
   bool operator==(const SpectrumBins& other) const
   {
@@ -99,16 +95,6 @@ struct WorkloadSpectrum
   /// Adds a spectrum of equal bins and units; false (and nothing added) if these differ. What one
   /// of the two does not know, the sum does not know either.
   bool Add(const WorkloadSpectrum& other);
-
-  /// The same spectrum, sampled at every second edge.
-  WorkloadSpectrum Coarsen() const;
-
-  /**
-   * The same spectrum in wider bins, as a growing range needs it; false (and nothing changed) if
-   * `bins` do not contain these after coarsening. Isovalues below the first edge have its counts
-   * (0 but for NaN, -infinity and the volume), those above the last edge have 0.
-   */
-  bool Widen(const SpectrumBins& bins);
 };
 
 } // namespace isosurface

@@ -31,8 +31,8 @@ void Use(const WorkloadSpectrum& spectrum)
   {
     Require(spectrum.FindBin(isovalue) < std::max(spectrum.Bins.Count, 1u), "a bin is there");
   }
-  WorkloadSpectrum wide = spectrum;
-  Require(wide.Widen(spectrum.Bins.Coarsen()), "a spectrum can be coarsened");
+  WorkloadSpectrum sum = spectrum;
+  Require(sum.Add(spectrum), "spectra of equal bins can be added");
 }
 
 void ReadAndUse(

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/WorkloadSpectrum.h"
 
-#include "Partition/BlockWorkload.h"
-#include "SampleVolume.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 using namespace isosurface;
 
@@ -82,58 +79,22 @@ TEST(SpectrumBins, ReachTheLargestIntegers)
   EXPECT_EQ(Choose<std::uint64_t>(largest - 5, largest).Exponent, 1);
 }
 
-TEST(WorkloadSpectrum, CoarsenedEqualsCountedInCoarseBins)
+TEST(WorkloadSpectrum, AddsSpectraOfEqualBinsOnly)
 {
-  std::mt19937 random(3);
-  const SampleVolume<std::int32_t> volume({ 17, 15, 16 },
-    [&](auto i, auto, auto) { return -700 + 30 * i + static_cast<int>(random() % 301); });
-  SpectrumBins bins = Choose<std::int32_t>(-701, 200);
-  WorkloadSpectrum fine(bins);
-  BlockWorkload counter(bins);
-  counter.Count(volume.GetView());
-  counter.MoveTo(fine);
-  for (int step = 0; step < 4; ++step)
-  {
-    bins = bins.Coarsen();
-    fine = fine.Coarsen();
-    WorkloadSpectrum coarse(bins);
-    BlockWorkload coarseCounter(bins);
-    coarseCounter.Count(volume.GetView());
-    coarseCounter.MoveTo(coarse);
-    EXPECT_EQ(fine.Bins, bins);
-    EXPECT_EQ(fine.Triangles, coarse.Triangles);
-    EXPECT_EQ(fine.ActiveCells, coarse.ActiveCells);
-  }
-}
+  const SpectrumBins bins = Choose<std::uint8_t>(10, 20);
+  WorkloadSpectrum one(bins);
+  one.Triangles[3] = 5;
+  one.AreaUnit = 0.5;
+  WorkloadSpectrum sum(bins);
+  ASSERT_TRUE(sum.Add(one));
+  ASSERT_TRUE(sum.Add(one));
+  EXPECT_EQ(sum.Triangles[3], 10u);
+  EXPECT_EQ(sum.AreaUnit, 0.5);
 
-TEST(WorkloadSpectrum, OfAGrowingRangeEqualsThatOfTheWholeRange)
-{
-  // Two parts with ranges of their own, as a writer that streams its input meets them.
-  std::mt19937 random(4);
-  const SampleVolume<float> low({ 9, 9, 9 },
-    [&](auto...) { return std::uniform_real_distribution<float>(0.1f, 0.3f)(random); });
-  const SampleVolume<float> high(
-    { 9, 9, 9 }, [&](auto...) { return std::uniform_real_distribution<float>(-2, 5)(random); });
-  const SpectrumBins all = Choose<float>(-2, 5);
-  const auto count = [](const SampleVolume<float>& volume, const SpectrumBins& bins)
-  {
-    WorkloadSpectrum spectrum(bins);
-    BlockWorkload counter(bins);
-    counter.Count(volume.GetView());
-    counter.MoveTo(spectrum);
-    return spectrum;
-  };
-  WorkloadSpectrum grown = count(low, Choose<float>(0.1f, 0.3f));
-  ASSERT_TRUE(grown.Widen(all));
-  ASSERT_TRUE(grown.Add(count(high, all)));
-  WorkloadSpectrum expected = count(low, all);
-  ASSERT_TRUE(expected.Add(count(high, all)));
-  EXPECT_EQ(grown.Triangles, expected.Triangles);
-  EXPECT_EQ(grown.ActiveCells, expected.ActiveCells);
-
-  WorkloadSpectrum narrow(Choose<float>(0.1f, 0.3f));
-  EXPECT_FALSE(narrow.Add(expected));
-  EXPECT_FALSE(expected.Widen(narrow.Bins));
+  EXPECT_FALSE(sum.Add(WorkloadSpectrum(Choose<std::uint8_t>(10, 21))));
+  one.AreaUnit = 0.25;
+  EXPECT_FALSE(sum.Add(one));
+  EXPECT_EQ(sum.Triangles[3], 10u);
 }
 
 TEST(WorkloadSpectrum, FindsTheBinOfAnIsovalue)

@@ -58,7 +58,7 @@ public:
    * for every n, since one of the stores has n + 1 of the n * stores + 1 largest blocks, the
    * triangles of the n + 1 smallest of these. Cost: sorting the bin's blocks.
    */
-  std::uint64_t GetLeastMaximum(std::size_t bin, std::uint32_t stores) const;
+  std::uint64_t GetMaximumBound(std::size_t bin, std::uint32_t stores) const;
 
   /// blockStores[block] < stores. Cost: one visit of all counts; 24 bytes a store and bin.
   StoreLoads Distribute(const std::vector<std::uint32_t>& blockStores, std::uint32_t stores) const;

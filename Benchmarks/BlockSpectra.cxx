@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Partition/BlockSpectra.h"
+#include "BlockSpectra.h"
 
 #include <algorithm>
 #include <cassert>
@@ -69,7 +69,7 @@ std::uint64_t BlockSpectra::GetTriangles(std::size_t block, std::size_t bin) con
                                                                     : 0;
 }
 
-std::uint64_t BlockSpectra::GetLeastMaximum(std::size_t bin, std::uint32_t stores) const
+std::uint64_t BlockSpectra::GetMaximumBound(std::size_t bin, std::uint32_t stores) const
 {
   std::vector<std::uint64_t> triangles;
   std::uint64_t total = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Partition/BlockSpectra.h"
+#include "BlockSpectra.h"
 
 #include <gtest/gtest.h>
 
@@ -79,10 +79,10 @@ TEST(BlockSpectra, TellsABoundThatNoDistributionStaysBelow)
     const std::uint32_t stores = 1 + random() % 4;
     std::vector<std::uint64_t> loads(stores, 0);
     const std::uint64_t optimum = FindOptimum(work, loads, 0);
-    const std::uint64_t bound = MakeSpectra(work).GetLeastMaximum(4, stores);
+    const std::uint64_t bound = MakeSpectra(work).GetMaximumBound(4, stores);
     EXPECT_LE(bound, optimum);
     tight += bound == optimum ? 1 : 0;
   }
   EXPECT_GT(tight, 100);
-  EXPECT_EQ(MakeSpectra({ 5, 7 }).GetLeastMaximum(0, 2), 0u);
+  EXPECT_EQ(MakeSpectra({ 5, 7 }).GetMaximumBound(0, 2), 0u);
 }
