@@ -39,7 +39,7 @@
 #ifndef vtkDistributeIsosurface_h
 #define vtkDistributeIsosurface_h
 
-#include "IsosurfaceSurfacesModule.h" // For export macro
+#include "IsosurfaceFiltersModule.h" // For export macro
 #include "vtkPolyDataAlgorithm.h"
 
 namespace isosurface
@@ -51,7 +51,7 @@ class Status;
 class vtkMultiProcessController;
 class vtkStabbingContour;
 
-class ISOSURFACESURFACES_EXPORT vtkDistributeIsosurface : public vtkPolyDataAlgorithm
+class ISOSURFACEFILTERS_EXPORT vtkDistributeIsosurface : public vtkPolyDataAlgorithm
 {
 public:
   static vtkDistributeIsosurface* New();

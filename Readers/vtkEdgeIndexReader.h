@@ -21,7 +21,7 @@
 #ifndef vtkEdgeIndexReader_h
 #define vtkEdgeIndexReader_h
 
-#include "IsosurfaceSurfacesModule.h" // For export macro
+#include "IsosurfaceReadersModule.h" // For export macro
 #include "vtkPolyDataAlgorithm.h"
 
 #include <memory> // For the file
@@ -36,7 +36,7 @@ struct EdgeIndexSelection;
 
 class vtkMultiProcessController;
 
-class ISOSURFACESURFACES_EXPORT vtkEdgeIndexReader : public vtkPolyDataAlgorithm
+class ISOSURFACEREADERS_EXPORT vtkEdgeIndexReader : public vtkPolyDataAlgorithm
 {
 public:
   static vtkEdgeIndexReader* New();

@@ -22,7 +22,7 @@
 #ifndef vtkEdgeIndexWriter_h
 #define vtkEdgeIndexWriter_h
 
-#include "IsosurfaceSurfacesModule.h" // For export macro
+#include "IsosurfaceWritersModule.h" // For export macro
 #include "vtkWriter.h"
 
 #include <optional> // For times
@@ -42,7 +42,7 @@ struct EdgeIndexHeader;
 class vtkMultiProcessController;
 class vtkStabbingContour;
 
-class ISOSURFACESURFACES_EXPORT vtkEdgeIndexWriter : public vtkWriter
+class ISOSURFACEWRITERS_EXPORT vtkEdgeIndexWriter : public vtkWriter
 {
 public:
   static vtkEdgeIndexWriter* New();
