@@ -7,8 +7,8 @@
 
 #include "Base/FileSystem.h"
 #include "Base/ParallelFor.h"
+#include "Fixtures/ThreadCommunicator.h"
 #include "Source/RawVolume.h"
-#include "ThreadCommunicator.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LargeVolume.h"
 
-#include "MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
 
 #include <gtest/gtest.h>
 

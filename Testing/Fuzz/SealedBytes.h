@@ -2,7 +2,7 @@
 #ifndef isosurface_Testing_SealedBytes_h
 #define isosurface_Testing_SealedBytes_h
 
-#include "../Core/Store/MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -2,9 +2,9 @@
 // Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
 // small volumes and trees, as Core writes them, behind the bytes that each target wants first.
 // Seeds that it does not write are kept, too: those of older versions, and what fuzzing found.
-#include "../Core/Contour/TestVolume.h"
-#include "../Core/Partition/SampleVolume.h"
-#include "../Core/Store/MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
+#include "Fixtures/SampleVolume.h"
+#include "Fixtures/TestBlockSource.h"
 
 #include "Base/Coding.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
@@ -187,7 +187,7 @@ template <typename T>
 void AddEdgeIndexFile(
   Corpus& corpus, const std::string& name, std::uint8_t flags, EdgeIndexHeader header)
 {
-  TestVolume<T> volume({ 20, 9, 7 });
+  SampleVolume<T> volume({ 20, 9, 7 });
   for (std::size_t n = 0; n < volume.Samples.size(); ++n)
   {
     const auto i = static_cast<double>(n % 20);

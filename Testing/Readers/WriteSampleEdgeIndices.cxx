@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes edge-index files into a folder: every type, mode and profile, attributes, values that are
 // not numbers, and values far from each other; each as small as shows it.
-#include "AttributedSource.h"
-#include "CodedVolumes.h"
+#include "Fixtures/AttributedSource.h"
+#include "Fixtures/CodedVolumes.h"
 
 #include "Base/FileSystem.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
@@ -35,14 +35,14 @@ bool Write(const std::string& folder, const std::string& name, const EdgeIndexHe
 
 template <typename T>
 bool Write(const std::string& folder, const std::string& name, const EdgeIndexHeader& header,
-  const TestVolume<T>& volume)
+  const SampleVolume<T>& volume)
 {
   TestBlockSource<T> source(volume, BlockSize);
   return Write(folder, name, header, source);
 }
 
 template <typename T>
-EdgeIndexHeader MakeNamedHeader(const TestVolume<T>& volume, const std::vector<double>& isovalues,
+EdgeIndexHeader MakeNamedHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
   EdgeIndexMode mode, EdgeIndexProfile profile)
 {
   EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, profile);
@@ -54,7 +54,7 @@ EdgeIndexHeader MakeNamedHeader(const TestVolume<T>& volume, const std::vector<d
 template <typename T>
 bool WriteLossless(const std::string& folder, const std::string& type, EdgeIndexProfile profile)
 {
-  TestVolume<T> volume = MakeWaves<T>({ 19, 14, 11 }, 0.3);
+  SampleVolume<T> volume = MakeWaves<T>({ 19, 14, 11 }, 0.3);
   Displace(volume);
   const double middle = std::is_signed_v<T> ? 0 : std::ldexp(0.5, std::numeric_limits<T>::digits);
   return Write(folder, "lossless-" + type,
@@ -76,10 +76,10 @@ bool WriteTypes(const std::string& folder)
 /// Few values, many of them the isovalue, some of them NaN: of floats also infinities, and numbers
 /// of every size, so that every context and every number of digits comes up.
 template <typename T>
-TestVolume<T> MakeWild()
+SampleVolume<T> MakeWild()
 {
   std::mt19937 random(3);
-  TestVolume<T> volume = MakeRandomVolume<T>(random, { 12, 10, 9 }, 4);
+  SampleVolume<T> volume = MakeRandomVolume<T>(random, { 12, 10, 9 }, 4);
   using Limits = std::numeric_limits<T>;
   const T specials[] = { Limits::infinity(), -Limits::infinity(), T(-0.0), Limits::denorm_min(),
     -Limits::denorm_min(), Limits::max(), Limits::lowest() };
@@ -144,7 +144,7 @@ bool WriteModes(const std::string& folder)
 /// few places on an edge apart.
 bool WriteLarge(const std::string& folder)
 {
-  TestVolume<float> volume({ 66, 40, 9 });
+  SampleVolume<float> volume({ 66, 40, 9 });
   for (std::int64_t k = 0; k < 9; ++k)
   {
     for (std::int64_t j = 0; j < 40; ++j)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Compositing/ViewportCompositor.h"
 
+#include "Fixtures/ThreadCommunicator.h"
 #include "RandomImages.h"
-#include "ThreadCommunicator.h"
 
 #include <gtest/gtest.h>
 

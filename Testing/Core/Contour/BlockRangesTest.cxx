@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/GridBlockSource.h"
-#include "PlainContour.h"
+#include "Fixtures/PlainContour.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace
 {
 
 template <typename T>
-KeyRange FindRangePlainly(const TestVolume<T>& volume, const VertexBox& box)
+KeyRange FindRangePlainly(const SampleVolume<T>& volume, const VertexBox& box)
 {
   KeyRange range;
   for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
@@ -63,7 +63,7 @@ TYPED_TEST(BlockRangesOfType, EqualBruteForce)
 
 TEST(BlockRanges, BlockOfNaNAloneIsNeverActive)
 {
-  TestVolume<float> volume({ 3, 3, 3 });
+  SampleVolume<float> volume({ 3, 3, 3 });
   for (float& sample : volume.Samples)
   {
     sample = std::numeric_limits<float>::quiet_NaN();
@@ -80,7 +80,7 @@ TEST(BlockRanges, BlockOfNaNAloneIsNeverActive)
 TEST(GridBlockSource, ActiveBlocksAloneGiveTheWholeSurface)
 {
   // A ball in a corner of the volume, so that most blocks are left out.
-  TestVolume<std::int32_t> volume({ 100, 70, 80 });
+  SampleVolume<std::int32_t> volume({ 100, 70, 80 });
   for (std::int64_t k = 0; k < 80; ++k)
   {
     for (std::int64_t j = 0; j < 70; ++j)

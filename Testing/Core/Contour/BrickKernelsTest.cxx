@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/BrickKernel.h"
-#include "TestVolume.h"
+#include "Fixtures/TestBlockSource.h"
 
 #include <gtest/gtest.h>
 

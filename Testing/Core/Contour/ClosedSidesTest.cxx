@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/GridBlockSource.h"
-#include "TriangleSet.h"
+#include "Fixtures/TriangleSet.h"
 #include "Volume/BlockSelection.h"
 
 #include <gtest/gtest.h>
@@ -25,10 +25,10 @@ ContourRequest MakeRequest(std::vector<double> isovalues)
 
 /// The volume with a layer around it that is outside: the oracle's way to close.
 template <typename T>
-TestVolume<double> Pad(const TestVolume<T>& volume)
+SampleVolume<double> Pad(const SampleVolume<T>& volume)
 {
   const Index3 size = volume.GetDimensions();
-  TestVolume<double> padded({ size[0] + 2, size[1] + 2, size[2] + 2 });
+  SampleVolume<double> padded({ size[0] + 2, size[1] + 2, size[2] + 2 });
   std::fill(padded.Samples.begin(), padded.Samples.end(), -1e30);
   for (std::size_t side = 0; side < 6; ++side)
   {
@@ -48,7 +48,7 @@ TestVolume<double> Pad(const TestVolume<T>& volume)
 }
 
 template <typename T>
-Result<Surface> Extract(const TestVolume<T>& volume, int blockSize, const ContourRequest& request,
+Result<Surface> Extract(const SampleVolume<T>& volume, int blockSize, const ContourRequest& request,
   const std::vector<std::int64_t>& blocks, int threads = 1)
 {
   TestBlockSource<T> source(volume, blockSize);
@@ -58,7 +58,7 @@ Result<Surface> Extract(const TestVolume<T>& volume, int blockSize, const Contou
 
 template <typename T>
 PlainSurface ExtractPlain(
-  const TestVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
+  const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
 {
   const Result<Surface> surface = Extract(volume, blockSize, request,
     FindBlocksByForce(volume, blockSize, request.Isovalues, true), threads);
@@ -69,8 +69,8 @@ PlainSurface ExtractPlain(
 }
 
 template <typename T>
-void CheckAgainstPadding(
-  const TestVolume<T>& volume, int blockSize, const std::vector<double>& isovalues, int threads = 1)
+void CheckAgainstPadding(const SampleVolume<T>& volume, int blockSize,
+  const std::vector<double>& isovalues, int threads = 1)
 {
   const TriangleSet expected =
     Clamp(MakeTriangleSet(ContourPlainly(Pad(volume), isovalues)), volume.Geometry);
@@ -99,7 +99,7 @@ TYPED_TEST(ClosedSidesOfType, RandomGridsEqualPaddedOnesMovedIntoTheGrid)
   std::uniform_int_distribution<int> size(2, 8);
   for (int trial = 0; trial < 150; ++trial)
   {
-    TestVolume<TypeParam> volume({ size(random), size(random), size(random) });
+    SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
     for (TypeParam& sample : volume.Samples)
     {
       sample = static_cast<TypeParam>(random() % 5);
@@ -135,7 +135,7 @@ TEST(ClosedSides, ValueBelowAllSamplesGivesTheBoxOfTheGrid)
   // Nothing is below the least value of the type, and still it is outside beyond the grid.
   for (const double isovalue : { -5.0, 0.0 })
   {
-    TestVolume<std::uint8_t> volume({ 20, 6, 37 });
+    SampleVolume<std::uint8_t> volume({ 20, 6, 37 });
     ContourRequest request = MakeRequest({ isovalue });
     request.DropDegenerateTriangles = true;
     const PlainSurface box = ExtractPlain(volume, 16, request);
@@ -148,7 +148,7 @@ TEST(ClosedSides, ValueBelowAllSamplesGivesTheBoxOfTheGrid)
 
 TEST(ClosedSides, CapsHaveNormalsOutwards)
 {
-  TestVolume<float> volume({ 9, 8, 7 });
+  SampleVolume<float> volume({ 9, 8, 7 });
   std::fill(volume.Samples.begin(), volume.Samples.end(), 1.0f);
   const PlainSurface box = ExtractPlain(volume, 4, MakeRequest({ 0.5 }));
   const float high[] = { 8, 7, 6 };
@@ -191,7 +191,7 @@ TEST(ClosedSides, PointsOffTheCapsAreThoseOfTheOpenSurface)
 
 TEST(ClosedSides, OnlyTheSidesAskedForAreClosed)
 {
-  TestVolume<std::uint8_t> volume({ 6, 7, 8 });
+  SampleVolume<std::uint8_t> volume({ 6, 7, 8 });
   std::fill(volume.Samples.begin(), volume.Samples.end(), std::uint8_t(9));
   for (std::size_t side = 0; side < 6; ++side)
   {
@@ -309,7 +309,7 @@ TEST(ClosedSides, AttributesOfCapsAreThoseOfTheBorder)
 TEST(BlockSelection, BlocksOfSamplesInMemoryAreThoseFoundByForce)
 {
   std::mt19937 random(67);
-  TestVolume<std::int16_t> volume({ 70, 100, 66 });
+  SampleVolume<std::int16_t> volume({ 70, 100, 66 });
   for (std::size_t n = 0; n < volume.Samples.size(); ++n)
   {
     volume.Samples[n] = static_cast<std::int16_t>(n / 5000);

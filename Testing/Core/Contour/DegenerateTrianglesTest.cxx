@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "TriangleSet.h"
+#include "Fixtures/TriangleSet.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ ContourRequest MakeRequest(std::vector<double> isovalues)
 
 template <typename T>
 Surface Extract(
-  const TestVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
+  const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
 {
   TestBlockSource<T> source(volume, blockSize);
   Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, threads);
@@ -62,8 +62,8 @@ void CheckPoints(const Surface& surface)
 }
 
 template <typename T>
-void CheckAgainstOracle(
-  const TestVolume<T>& volume, int blockSize, const std::vector<double>& isovalues, int threads = 1)
+void CheckAgainstOracle(const SampleVolume<T>& volume, int blockSize,
+  const std::vector<double>& isovalues, int threads = 1)
 {
   const Surface surface = Extract(volume, blockSize, MakeRequest(isovalues), threads);
   CheckPoints(surface);
@@ -75,9 +75,9 @@ void CheckAgainstOracle(
 
 /// Whole numbers that change slowly, so that samples equal to an isovalue form patches.
 template <typename T>
-TestVolume<T> MakeTerraces(const Index3& dimensions, double steps)
+SampleVolume<T> MakeTerraces(const Index3& dimensions, double steps)
 {
-  TestVolume<T> volume(dimensions);
+  SampleVolume<T> volume(dimensions);
   for (std::int64_t k = 0; k < dimensions[2]; ++k)
   {
     for (std::int64_t j = 0; j < dimensions[1]; ++j)
@@ -110,7 +110,7 @@ TYPED_TEST(DegenerateTrianglesOfType, RandomGridsHaveTheOthersOfTheOracle)
   std::uniform_int_distribution<int> size(2, 9);
   for (int trial = 0; trial < 200; ++trial)
   {
-    TestVolume<TypeParam> volume({ size(random), size(random), size(random) });
+    SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
     for (TypeParam& sample : volume.Samples)
     {
       sample = static_cast<TypeParam>(random() % 5);
@@ -137,7 +137,7 @@ TEST(DegenerateTriangles, PointsThatRoundToAVertexAreItsPointToo)
 {
   // The crossing is so near to the vertex that its coordinate as a float is the vertex's, while
   // another edge of the same vertex has its point well inside.
-  TestVolume<float> volume({ 3, 3, 3 });
+  SampleVolume<float> volume({ 3, 3, 3 });
   volume.Geometry.Extent = { 1000, 1002, 1000, 1002, 1000, 1002 };
   std::fill(volume.Samples.begin(), volume.Samples.end(), -1e6f);
   volume.At(1, 1, 1) = 1.0f;
@@ -235,7 +235,7 @@ TEST(DegenerateTriangles, ThreadsDoNotChangeABit)
 TEST(DegenerateTriangles, NormalsAndAttributesOfAVertexAreItsOwn)
 {
   // A plane through vertices: the only samples there are those of the vertices.
-  TestVolume<std::int32_t> volume({ 20, 5, 6 });
+  SampleVolume<std::int32_t> volume({ 20, 5, 6 });
   std::vector<double> field;
   for (std::size_t n = 0; n < volume.Samples.size(); ++n)
   {

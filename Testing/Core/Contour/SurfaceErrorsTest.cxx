@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/GridBlockSource.h"
 #include "Contour/SurfaceExtractor.h"
-#include "TestVolume.h"
+#include "Fixtures/TestBlockSource.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace
 struct SurfaceErrors : testing::Test
 {
   std::mt19937 Random{ 60 };
-  TestVolume<float> Volume = MakeRandomVolume<float>(this->Random, { 40, 40, 40 }, 10);
+  SampleVolume<float> Volume = MakeRandomVolume<float>(this->Random, { 40, 40, 40 }, 10);
   ContourRequest Request;
 
   void SetUp() override { this->Request.Isovalues = { 1.5 }; }

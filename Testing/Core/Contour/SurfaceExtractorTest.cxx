@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlainContour.h"
+#include "Fixtures/PlainContour.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ ContourRequest MakeRequest(std::vector<double> isovalues)
 }
 
 template <typename T>
-Surface Extract(const TestVolume<T>& volume, int blockSize, const ContourRequest& request,
+Surface Extract(const SampleVolume<T>& volume, int blockSize, const ContourRequest& request,
   int threads = 1, int components = 1)
 {
   TestBlockSource<T> source(volume, blockSize, 1, components);
@@ -59,7 +59,7 @@ void CheckShape(const Surface& surface, const ContourRequest& request)
 }
 
 template <typename T>
-void CheckAgainstOracle(const TestVolume<T>& volume, int blockSize,
+void CheckAgainstOracle(const SampleVolume<T>& volume, int blockSize,
   const std::vector<double>& isovalues, int threads = 1, int components = 1)
 {
   const ContourRequest request = MakeRequest(isovalues);
@@ -84,7 +84,7 @@ TYPED_TEST(SurfaceOfType, EveryCellCaseEqualsOracle)
 {
   for (unsigned cellCase = 0; cellCase < 256; ++cellCase)
   {
-    TestVolume<TypeParam> volume({ 2, 2, 2 });
+    SampleVolume<TypeParam> volume({ 2, 2, 2 });
     for (unsigned vertex = 0; vertex < 8; ++vertex)
     {
       volume.Samples[vertex] = static_cast<TypeParam>(cellCase >> vertex & 1 ? 7 + vertex : 1);
@@ -126,9 +126,9 @@ TEST(SurfaceExtractor, ExtremesOfWideIntegersDoNotOverflow)
   using Signed = std::numeric_limits<std::int64_t>;
   using Unsigned = std::numeric_limits<std::uint64_t>;
   std::mt19937 random(22);
-  TestVolume<std::int64_t> wide({ 4, 4, 4 });
-  TestVolume<std::uint64_t> wideUnsigned({ 4, 4, 4 });
-  TestVolume<std::int32_t> narrow({ 4, 4, 4 });
+  SampleVolume<std::int64_t> wide({ 4, 4, 4 });
+  SampleVolume<std::uint64_t> wideUnsigned({ 4, 4, 4 });
+  SampleVolume<std::int32_t> narrow({ 4, 4, 4 });
   for (std::size_t n = 0; n < 64; ++n)
   {
     const bool inside = random() % 2 == 0;
@@ -145,7 +145,7 @@ TEST(SurfaceExtractor, ExtremesOfWideIntegersDoNotOverflow)
 TEST(SurfaceExtractor, NeighbouringWideIntegersAreToldApart)
 {
   // Both samples round to the same double; only one is inside.
-  TestVolume<std::int64_t> volume({ 2, 2, 2 });
+  SampleVolume<std::int64_t> volume({ 2, 2, 2 });
   const std::int64_t limit = std::int64_t(1) << 60;
   std::fill(volume.Samples.begin(), volume.Samples.end(), limit - 1);
   volume.Samples[3] = limit;

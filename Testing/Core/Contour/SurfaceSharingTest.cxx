@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlainContour.h"
+#include "Fixtures/PlainContour.h"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ PlainSurface Merge(const std::vector<PlainSurface>& ranks)
 
 template <typename T>
 void CheckUnionOfSubsets(
-  const TestVolume<T>& volume, int blockSize, double isovalue, int ranks, std::mt19937& random)
+  const SampleVolume<T>& volume, int blockSize, double isovalue, int ranks, std::mt19937& random)
 {
   const TestBlockSource<T> all(volume, blockSize);
   std::vector<std::vector<std::int64_t>> shares(static_cast<std::size_t>(ranks));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "AttributedSource.h"
-#include "CodedVolumes.h"
+#include "Fixtures/AttributedSource.h"
+#include "Fixtures/CodedVolumes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace
 /// The greatest distance of a decoded point from the exact crossing of its edge, in voxels. The
 /// geometry must have unit spacing and no origin, so that points are structured coordinates.
 template <typename T>
-double FindLargestError(const TestVolume<T>& volume, double isovalue, const Surface& surface)
+double FindLargestError(const SampleVolume<T>& volume, double isovalue, const Surface& surface)
 {
   double largest = 0;
   const Index3 size = volume.GetDimensions();
@@ -44,7 +44,7 @@ double FindLargestError(const TestVolume<T>& volume, double isovalue, const Surf
 }
 
 template <typename T>
-void ExpectBounded(const TestVolume<T>& volume, double isovalue, int blockSize)
+void ExpectBounded(const SampleVolume<T>& volume, double isovalue, int blockSize)
 {
   TestBlockSource<T> source(volume, blockSize);
   const ContourRequest request = MakeRequest({ isovalue });
@@ -72,7 +72,7 @@ void ExpectBounded(const TestVolume<T>& volume, double isovalue, int blockSize)
 /// Decoded points by their global ids.
 template <typename T>
 std::map<std::int64_t, std::array<float, 3>> CodePoints(
-  const TestVolume<T>& volume, double isovalue, int blockSize, EdgeIndexProfile profile)
+  const SampleVolume<T>& volume, double isovalue, int blockSize, EdgeIndexProfile profile)
 {
   TestBlockSource<T> source(volume, blockSize);
   EdgeIndexHeader header = MakeHeader(volume, { isovalue }, EdgeIndexMode::Bounded, profile);

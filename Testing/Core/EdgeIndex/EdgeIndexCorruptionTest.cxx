@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"

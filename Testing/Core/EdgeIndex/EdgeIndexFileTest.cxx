@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
-#include "MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
 
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
@@ -23,7 +23,7 @@ const std::string Path = "/data/surface.eix";
 const std::string PartialPath = EdgeIndexFileWriter::GetPartialPath(Path);
 
 template <typename T>
-EdgeIndexHeader MakeFileHeader(const TestVolume<T>& volume, const std::vector<double>& isovalues,
+EdgeIndexHeader MakeFileHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
   EdgeIndexMode mode = EdgeIndexMode::Lossless)
 {
   EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, EdgeIndexProfile::Fast);
@@ -35,7 +35,7 @@ EdgeIndexHeader MakeFileHeader(const TestVolume<T>& volume, const std::vector<do
 }
 
 template <typename T>
-void WriteFile(MemoryDisk& disk, const EdgeIndexHeader& header, const TestVolume<T>& volume,
+void WriteFile(MemoryDisk& disk, const EdgeIndexHeader& header, const SampleVolume<T>& volume,
   int blockSize, int threads = 1)
 {
   TestBlockSource<T> source(volume, blockSize);
@@ -169,7 +169,7 @@ TEST(EdgeIndexFile, ThePreviewIsTheSurfaceOfEveryFourthVertex)
   auto volume = MakeWaves<std::uint8_t>({ 71, 67, 50 }, 0.2);
   Displace(volume);
   volume.Geometry.Spacing = { 1, 1, 1 };
-  TestVolume<std::uint8_t> coarse({ 18, 17, 13 });
+  SampleVolume<std::uint8_t> coarse({ 18, 17, 13 });
   coarse.Geometry = volume.Geometry.Coarsen(2);
   for (std::int64_t k = 0; k < 13; ++k)
   {

@@ -2,9 +2,9 @@
 // Files of format versions 1, 2 and 3 stay readable, and mean the same, for ever; and the bytes of
 // an encoder do not depend on compiler, flags or machine. The files may not change together with
 // the code.
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
-#include "MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
 
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
@@ -25,9 +25,9 @@ const std::vector<double> Isovalues = { 150.5, 400 };
 
 /// In whole numbers (and quarters, for floats), so that it is the same everywhere.
 template <typename T>
-TestVolume<T> MakeGoldenVolume()
+SampleVolume<T> MakeGoldenVolume()
 {
-  TestVolume<T> volume({ 37, 21, 18 });
+  SampleVolume<T> volume({ 37, 21, 18 });
   volume.Geometry.Extent = { -3, 33, 5, 25, 0, 17 };
   volume.Geometry.Origin = { 10, -20, 0.5 };
   volume.Geometry.Spacing = { 0.5, 1, 2 };
@@ -72,7 +72,7 @@ std::vector<std::uint8_t> ReadGolden(const std::string& name)
 template <typename T>
 void CheckDecoded(const std::vector<std::uint8_t>& golden, EdgeIndexMode mode, bool normals)
 {
-  const TestVolume<T> volume = MakeGoldenVolume<T>();
+  const SampleVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
   const auto file = disk.CreateForWriting(Path);
@@ -117,7 +117,7 @@ void CheckGolden(
   const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile, bool normals = false)
 {
   const std::vector<std::uint8_t> golden = ReadGolden(name);
-  const TestVolume<T> volume = MakeGoldenVolume<T>();
+  const SampleVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
   EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);

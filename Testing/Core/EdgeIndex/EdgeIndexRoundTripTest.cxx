@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
-#include "PlainContour.h"
+#include "Fixtures/PlainContour.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ double FindMiddle()
 }
 
 template <typename T>
-void FillWithExtremes(TestVolume<T>& volume)
+void FillWithExtremes(SampleVolume<T>& volume)
 {
   std::mt19937 random(11);
   for (T& sample : volume.Samples)
@@ -57,7 +57,7 @@ void FillWithExtremes(TestVolume<T>& volume)
 
 TYPED_TEST(EdgeIndexOfType, SmoothVolumesComeBackBitByBit)
 {
-  TestVolume<TypeParam> volume = MakeWaves<TypeParam>({ 70, 41, 37 }, 0);
+  SampleVolume<TypeParam> volume = MakeWaves<TypeParam>({ 70, 41, 37 }, 0);
   Displace(volume);
   for (const EdgeIndexProfile profile : Profiles)
   {
@@ -67,7 +67,7 @@ TYPED_TEST(EdgeIndexOfType, SmoothVolumesComeBackBitByBit)
 
 TYPED_TEST(EdgeIndexOfType, NoiseComesBackBitByBit)
 {
-  const TestVolume<TypeParam> volume = MakeWaves<TypeParam>({ 35, 20, 18 }, 3);
+  const SampleVolume<TypeParam> volume = MakeWaves<TypeParam>({ 35, 20, 18 }, 3);
   for (const EdgeIndexProfile profile : Profiles)
   {
     ExpectLossless(volume, { FindMiddle<TypeParam>() }, 64, profile);
@@ -76,7 +76,7 @@ TYPED_TEST(EdgeIndexOfType, NoiseComesBackBitByBit)
 
 TYPED_TEST(EdgeIndexOfType, ExtremesComeBackBitByBit)
 {
-  TestVolume<TypeParam> volume({ 19, 18, 17 });
+  SampleVolume<TypeParam> volume({ 19, 18, 17 });
   FillWithExtremes(volume);
   for (const double isovalue : { 0.0, 50.0, -1e300, 1e300 })
   {
@@ -128,7 +128,7 @@ TEST(EdgeIndex, CheckerboardsAndSingleCellsComeBack)
 {
   for (const Index3& size : { Index3{ 2, 2, 2 }, Index3{ 17, 2, 5 }, Index3{ 66, 33, 34 } })
   {
-    TestVolume<std::uint8_t> volume(size);
+    SampleVolume<std::uint8_t> volume(size);
     for (std::int64_t k = 0; k < size[2]; ++k)
     {
       for (std::int64_t j = 0; j < size[1]; ++j)
@@ -149,7 +149,7 @@ TEST(EdgeIndex, CheckerboardsAndSingleCellsComeBack)
 
 TEST(EdgeIndex, ASurfaceThatIsNotThereIsAHeaderOnly)
 {
-  const TestVolume<float> volume({ 20, 20, 20 });
+  const SampleVolume<float> volume({ 20, 20, 20 });
   TestBlockSource<float> source(volume, 16);
   const EdgeIndexHeader header =
     MakeHeader(volume, { 1.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ranks that write one file together write the one that a single writer does.
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
-#include "MemoryDisk.h"
-#include "ThreadCommunicator.h"
+#include "Fixtures/MemoryDisk.h"
+#include "Fixtures/ThreadCommunicator.h"
 
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
@@ -130,7 +130,7 @@ public:
     return outcomes;
   }
 
-  TestVolume<T> Volume;
+  SampleVolume<T> Volume;
   EdgeIndexHeader Header;
 };
 

@@ -98,14 +98,14 @@ TEST(ExternalIntervalTreeBuilder, SameBytesForTheSameSetWhateverOrderAndMemory)
       intervals[index].Payload = 7;
       intervals[index + 100] = intervals[index];
     }
-    MemoryFileSystem disk;
+    MemoryDisk disk;
     ASSERT_TRUE(WriteTree(disk, "a", intervals).IsOk());
-    EXPECT_EQ(disk.Created, 1u) << set.Name << ": a temporary file for a small set";
+    EXPECT_EQ(disk.GetCreatedFiles(), 1u) << set.Name << ": a temporary file for a small set";
     std::shuffle(intervals.begin(), intervals.end(), std::mt19937_64(5));
     ASSERT_TRUE(WriteTree(disk, "b", intervals, SmallMemory).IsOk());
-    EXPECT_GT(disk.Created, 2u) << set.Name << ": the test wants to see temporary files";
-    EXPECT_EQ(*disk.Files.at("a"), *disk.Files.at("b")) << set.Name;
-    EXPECT_EQ(disk.Files.size(), 2u) << set.Name << ": a temporary file is left";
+    EXPECT_GT(disk.GetCreatedFiles(), 2u) << set.Name << ": the test wants to see temporary files";
+    EXPECT_EQ(disk.GetFile("a"), disk.GetFile("b")) << set.Name;
+    EXPECT_EQ(disk.GetFiles().size(), 2u) << set.Name << ": a temporary file is left";
   }
 }
 
@@ -119,9 +119,9 @@ TEST(ExternalIntervalTreeBuilder, TheFormatStaysAsItIs)
     const ValueKey minimum = std::uint64_t(index) * 7919 % 10007;
     intervals.push_back({ minimum, minimum + (std::uint64_t(index) * 104729 % 1000), index });
   }
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   ASSERT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
-  const auto& bytes = *disk.Files["tree"];
+  const auto& bytes = disk.GetFile("tree");
   EXPECT_EQ(ComputeChecksum(bytes.data(), bytes.size()), 17274510250033190819u);
 }
 
@@ -129,9 +129,9 @@ TEST(ExternalIntervalTreeBuilder, SetsThatFitTheMemoryNeedNoTemporaryFile)
 {
   for (const IntervalSet& set : MakeIntervalSets())
   {
-    MemoryFileSystem disk;
+    MemoryDisk disk;
     ASSERT_TRUE(WriteTree(disk, "tree", set.MakeAll(SmallMemory / 240 - 1), SmallMemory).IsOk());
-    EXPECT_EQ(disk.Created, 1u) << set.Name;
+    EXPECT_EQ(disk.GetCreatedFiles(), 1u) << set.Name;
   }
 }
 
@@ -162,58 +162,58 @@ TEST(ExternalIntervalTreeBuilder, DISABLED_TenMillionIntervalsAreBuiltWithin32Me
 TEST(ExternalIntervalTreeBuilder, FailingDiskGivesAnErrorAndLeavesNothing)
 {
   const IntervalVector intervals = MakeIntervalSets()[0].MakeAll(20000);
-  MemoryFileSystem whole;
+  MemoryDisk whole;
   ASSERT_TRUE(WriteTree(whole, "tree", intervals, SmallMemory).IsOk());
   const std::string before = "what was there before";
   for (const bool reads : { false, true })
   {
-    const std::uint64_t operations = reads ? whole.Reads : whole.Writes;
+    const std::uint64_t operations = reads ? whole.GetReads() : whole.GetWrites();
     const std::uint64_t step = std::max<std::uint64_t>(1, operations / 150);
     for (std::uint64_t left = 0; left < operations;
          left += left + step < operations - 20 ? step : 1)
     {
-      MemoryFileSystem disk;
-      disk.Files["tree"] = std::make_shared<MemoryFileSystem::Bytes>(before.begin(), before.end());
-      (reads ? disk.ReadsLeft : disk.WritesLeft) = left;
+      MemoryDisk disk;
+      disk.SetFile("tree", MemoryDisk::Bytes(before.begin(), before.end()));
+      reads ? disk.FailFromRead(left) : disk.FailFromWrite(left);
       const Status status = WriteTree(disk, "tree", intervals, SmallMemory);
       ASSERT_EQ(status.GetCode(), StatusCode::IoError) << left;
       ASSERT_NE(status.GetMessage().find("tree"), std::string::npos);
-      ASSERT_EQ(disk.Files.size(), 1u) << "after " << left << " operations a file is left";
-      ASSERT_EQ(std::string(disk.Files["tree"]->begin(), disk.Files["tree"]->end()), before);
+      ASSERT_EQ(disk.GetFiles().size(), 1u) << "after " << left << " operations a file is left";
+      ASSERT_EQ(std::string(disk.GetFile("tree").begin(), disk.GetFile("tree").end()), before);
     }
   }
 }
 
 TEST(ExternalIntervalTreeBuilder, AbandonedBuilderLeavesNothing)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   {
     ExternalIntervalTreeBuilder builder(disk, "tree", SmallMemory);
     for (const KeyInterval& interval : MakeIntervalSets()[0].MakeAll(30000))
     {
       ASSERT_TRUE(builder.Add(interval).IsOk());
     }
-    EXPECT_FALSE(disk.Files.empty()) << "the test wants to see temporary files";
-    for (const auto& file : disk.Files)
+    EXPECT_FALSE(disk.GetFiles().empty()) << "the test wants to see temporary files";
+    for (const auto& file : disk.GetFiles())
     {
       EXPECT_EQ(file.first.substr(file.first.size() - 4), ".tmp");
     }
   }
-  EXPECT_TRUE(disk.Files.empty());
+  EXPECT_TRUE(disk.GetFiles().empty());
 }
 
 TEST(ExternalIntervalTreeBuilder, TellsWhatItCannotTake)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   ExternalIntervalTreeBuilder builder(disk, "tree", SmallMemory);
   ASSERT_TRUE(builder.Add({ 1, 2, 3 }).IsOk());
   EXPECT_EQ(builder.Add({ 2, 1, 4 }).GetCode(), StatusCode::InvalidArgument);
   EXPECT_EQ(builder.Finish().GetCode(), StatusCode::InvalidArgument) << "the first error stays";
-  EXPECT_TRUE(disk.Files.empty());
+  EXPECT_TRUE(disk.GetFiles().empty());
 
   EXPECT_EQ(WriteTree(disk, "tree", {}, SmallMemory - 1).GetCode(), StatusCode::InvalidArgument);
   EXPECT_EQ(WriteTree(disk, "tree", {}, SmallMemory, 5000).GetCode(), StatusCode::InvalidArgument);
-  EXPECT_TRUE(disk.Files.empty());
+  EXPECT_TRUE(disk.GetFiles().empty());
 
   ExternalIntervalTreeBuilder twice(disk, "tree", SmallMemory);
   EXPECT_TRUE(twice.Finish().IsOk());

@@ -10,15 +10,15 @@ using namespace isosurface;
 namespace
 {
 
-using Bytes = MemoryFileSystem::Bytes;
+using Bytes = MemoryDisk::Bytes;
 
 constexpr std::size_t PageSize = PagedFile::DefaultPageSize;
 
 Bytes MakeTreeBytes(const IntervalVector& intervals)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   EXPECT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
-  return *disk.Files["tree"];
+  return disk.GetFile("tree");
 }
 
 /// Makes the checksums of all whole pages right again.
@@ -31,9 +31,9 @@ void Reseal(Bytes& bytes)
   }
 }
 
-Result<std::unique_ptr<ExternalIntervalTree>> OpenBytes(MemoryFileSystem& disk, Bytes bytes)
+Result<std::unique_ptr<ExternalIntervalTree>> OpenBytes(MemoryDisk& disk, Bytes bytes)
 {
-  disk.Files["tree"] = std::make_shared<Bytes>(std::move(bytes));
+  disk.SetFile("tree", std::move(bytes));
   return ExternalIntervalTree::Open(disk, "tree", 0);
 }
 
@@ -45,7 +45,7 @@ TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
   IntervalVector intervals = MakeIntervalSets()[0].MakeAll(420);
   const Bytes good = MakeTreeBytes(intervals);
   ASSERT_LE(good.size(), 10 * PageSize);
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   PageStatistics statistics;
   const auto whole = OpenBytes(disk, good);
   ASSERT_TRUE(whole.IsOk());
@@ -86,7 +86,7 @@ TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
 TEST(ExternalIntervalTreeCorruption, EveryTruncationIsAnError)
 {
   const Bytes good = MakeTreeBytes(MakeIntervalSets()[0].MakeAll(420));
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   for (std::size_t size = 0; size < good.size(); ++size)
   {
     const auto tree =
@@ -102,7 +102,7 @@ TEST(ExternalIntervalTreeCorruption, EveryTruncationIsAnError)
 TEST(ExternalIntervalTreeCorruption, NewerVersionsAndOtherFilesAreToldApart)
 {
   const Bytes good = MakeTreeBytes({ { 1, 2, 3 } });
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   for (const std::size_t offset : { 8, 32 }) // of the paged file, of the tree
   {
     Bytes newer = good;
@@ -128,14 +128,14 @@ TEST(ExternalIntervalTreeCorruption, AFileWithoutItsFirstPageNeverOpens)
 {
   Bytes bytes = MakeTreeBytes({ { 1, 2, 3 } });
   std::fill(bytes.begin(), bytes.begin() + PageSize, std::uint8_t(0));
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   EXPECT_EQ(OpenBytes(disk, bytes).GetStatus().GetCode(), StatusCode::Corrupt);
 }
 
 TEST(ExternalIntervalTreeCorruption, HostilePagesWithRightChecksumsNeitherCrashNorHang)
 {
   std::mt19937_64 random(11);
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   int errors = 0;
   const auto sets = MakeIntervalSets();
   for (std::size_t set = 0; set < sets.size(); set += 2)
@@ -211,7 +211,7 @@ TEST(ExternalIntervalTreeCorruption, ATreeThatLeadsToItsPagesAgainAndAgainEnds)
   StoreLittleEndian(bytes.data() + 32 + 32, before);
   StoreLittleEndian(bytes.data() + 32 + 42, height);
   Reseal(bytes);
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const auto tree = OpenBytes(disk, bytes);
   ASSERT_TRUE(tree.IsOk()) << tree.GetStatus().GetMessage();
   PageStatistics statistics;
@@ -249,7 +249,7 @@ TEST(ExternalIntervalTreeCorruption, ANodeThatLeadsToOnePageOfRecordsAgainAndAga
   StoreLittleEndian(root + 8, static_cast<std::uint16_t>(multislabs));
   StoreLittleEndian(root + 10, std::uint16_t(0));
   Reseal(bytes);
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const auto tree = OpenBytes(disk, bytes);
   ASSERT_TRUE(tree.IsOk());
   PageStatistics statistics;
@@ -268,7 +268,7 @@ TEST(ExternalIntervalTreeCorruption, VerifyMissesNoIntervalThatTheTreeNoLongerLe
   const auto slabs = LoadLittleEndian<std::uint16_t>(root + 6);
   StoreLittleEndian(root + 8 + 8u * slabs + 36 + 6, std::uint32_t(0)); // the first child's count
   Reseal(bytes);
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const auto tree = OpenBytes(disk, bytes);
   ASSERT_TRUE(tree.IsOk());
   PageStatistics statistics;
@@ -277,10 +277,10 @@ TEST(ExternalIntervalTreeCorruption, VerifyMissesNoIntervalThatTheTreeNoLongerLe
 
 TEST(ExternalIntervalTreeCorruption, ADiskThatFailsToReadGivesItsError)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const auto tree = OpenBytes(disk, MakeTreeBytes(MakeIntervalSets()[0].MakeAll(5000)));
   ASSERT_TRUE(tree.IsOk());
-  disk.ReadsLeft = 3;
+  disk.FailFromRead(3);
   PageStatistics statistics;
   EXPECT_EQ((*tree)
               ->FindOverlapping(

@@ -13,7 +13,7 @@ namespace
 
 using TreePointer = std::unique_ptr<ExternalIntervalTree>;
 
-TreePointer MakeTree(MemoryFileSystem& disk, const IntervalVector& intervals,
+TreePointer MakeTree(MemoryDisk& disk, const IntervalVector& intervals,
   std::uint32_t pageSize = PagedFile::DefaultPageSize, std::size_t cacheBytes = 0)
 {
   const Status written = WriteTree(disk, "tree", intervals, TestMemoryLimit, pageSize);
@@ -60,7 +60,7 @@ struct Worst
 void CheckBounds(
   const IntervalSet& set, std::uint64_t count, int queries, std::uint32_t pageSize, Worst& worst)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const IntervalVector intervals = set.MakeAll(count);
   const TreePointer tree = MakeTree(disk, intervals, pageSize);
   ASSERT_TRUE(tree);
@@ -136,7 +136,7 @@ TEST(ExternalIntervalTree, StabbingQueryEqualsBruteForce)
     for (const auto& [count, queries] : { std::pair(0, 50), std::pair(1, 150), std::pair(204, 300),
            std::pair(205, 500), std::pair(3000, 3000), std::pair(12000, 1000) })
     {
-      MemoryFileSystem disk;
+      MemoryDisk disk;
       const IntervalVector intervals = set.MakeAll(static_cast<std::uint64_t>(count));
       const TreePointer tree = MakeTree(disk, intervals);
       ASSERT_TRUE(tree);
@@ -161,7 +161,7 @@ TEST(ExternalIntervalTree, OverlapQueryEqualsBruteForce)
     for (const auto& [count, queries] :
       { std::pair(0, 50), std::pair(1, 100), std::pair(500, 300), std::pair(9000, 400) })
     {
-      MemoryFileSystem disk;
+      MemoryDisk disk;
       const IntervalVector intervals = set.MakeAll(static_cast<std::uint64_t>(count));
       const TreePointer tree = MakeTree(disk, intervals);
       ASSERT_TRUE(tree);
@@ -191,7 +191,7 @@ TEST(ExternalIntervalTree, LargerPagesGiveTheSameAnswers)
   {
     for (const IntervalSet& set : MakeIntervalSets())
     {
-      MemoryFileSystem disk;
+      MemoryDisk disk;
       const IntervalVector intervals = set.MakeAll(5000);
       const TreePointer tree = MakeTree(disk, intervals, pageSize);
       ASSERT_TRUE(tree);
@@ -211,7 +211,7 @@ TEST(ExternalIntervalTree, LargerPagesGiveTheSameAnswers)
 
 TEST(ExternalIntervalTree, RangeWithoutKeysOverlapsNothing)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const TreePointer tree = MakeTree(disk, { { 5, 9, 0 } });
   ASSERT_TRUE(tree);
   PageStatistics statistics;
@@ -261,7 +261,7 @@ TEST(ExternalIntervalTree, PageReadsOfAMillionIntervalsKeepTheirBounds)
 
 TEST(ExternalIntervalTree, CacheSavesReadsAndKeepsItsBudget)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const IntervalVector intervals = MakeIntervalSets()[0].MakeAll(20000);
   ASSERT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
   PageStatistics first, second;
@@ -285,7 +285,7 @@ TEST(ExternalIntervalTree, CacheSavesReadsAndKeepsItsBudget)
 
 TEST(ExternalIntervalTree, ManyThreadsMayQueryOneTree)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   const IntervalVector intervals = MakeIntervalSets()[0].MakeAll(5000);
   const TreePointer tree = MakeTree(disk, intervals, 4096, 40000);
   ASSERT_TRUE(tree);

@@ -2,9 +2,9 @@
 #ifndef isosurface_IntervalSets_h
 #define isosurface_IntervalSets_h
 
+#include "Fixtures/MemoryDisk.h"
 #include "Index/ExternalIntervalTree.h"
 #include "Index/ExternalIntervalTreeBuilder.h"
-#include "MemoryFileSystem.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Index/IntervalSorter.h"
 
-#include "MemoryFileSystem.h"
+#include "Fixtures/MemoryDisk.h"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST(IntervalSorter, GivesAllRecordsInOrderForAnyNumberOfRuns)
     // From no record to several passes of merging (8 KiB hold 273 records, two runs a merge).
     for (const int count : { 0, 1, 272, 273, 274, 546, 547, 3000, 30000 })
     {
-      MemoryFileSystem disk;
+      MemoryDisk disk;
       TemporaryNames names{ disk, "target" };
       std::mt19937_64 random(9);
       std::vector<Key> expected;
@@ -60,7 +60,7 @@ TEST(IntervalSorter, GivesAllRecordsInOrderForAnyNumberOfRuns)
         ASSERT_TRUE(status.IsOk());
         ASSERT_EQ(sorted, expected) << count;
       }
-      EXPECT_TRUE(disk.Files.empty()) << "a temporary file is left";
+      EXPECT_TRUE(disk.GetFiles().empty()) << "a temporary file is left";
     }
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Index/PagedFile.h"
 
-#include "MemoryFileSystem.h"
+#include "Fixtures/MemoryDisk.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace
 constexpr PagedFile::Kind TestKind = { 'A', ' ', 'T', 'E', 'S', 'T', ' ', ' ' };
 
 /// Page p holds bytes p, p + 1, ...; odd pages are written after all even ones.
-void WritePages(MemoryFileSystem& disk, std::uint32_t pageSize, std::uint32_t count)
+void WritePages(MemoryDisk& disk, std::uint32_t pageSize, std::uint32_t count)
 {
   auto writer = PagedFileWriter::Create(disk, "pages", pageSize, TestKind);
   ASSERT_TRUE(writer.IsOk());
@@ -48,7 +48,7 @@ void WritePages(MemoryFileSystem& disk, std::uint32_t pageSize, std::uint32_t co
   ASSERT_TRUE((*writer)->Finish(area).IsOk());
 }
 
-Result<std::unique_ptr<PagedFileReader>> OpenPages(MemoryFileSystem& disk, std::size_t cacheBytes)
+Result<std::unique_ptr<PagedFileReader>> OpenPages(MemoryDisk& disk, std::size_t cacheBytes)
 {
   return PagedFileReader::Open(std::move(*disk.OpenForReading("pages")), TestKind, cacheBytes);
 }
@@ -59,13 +59,13 @@ TEST(PagedFile, GivesBackWhatWasWrittenForEveryPageSize)
 {
   for (const std::uint32_t pageSize : { 4096u, 8192u, 16384u })
   {
-    MemoryFileSystem disk;
+    MemoryDisk disk;
     WritePages(disk, pageSize, 100);
     auto reader = OpenPages(disk, 0);
     ASSERT_TRUE(reader.IsOk()) << reader.GetStatus().GetMessage();
     EXPECT_EQ((*reader)->GetPageSize(), pageSize);
     EXPECT_EQ((*reader)->GetPageCount(), 101u);
-    EXPECT_EQ(disk.Files["pages"]->size(), 101u * pageSize);
+    EXPECT_EQ(disk.GetFile("pages").size(), 101u * pageSize);
     EXPECT_EQ((*reader)->GetClientArea().front(), 17);
     EXPECT_EQ((*reader)->GetClientArea().back(), 71);
     PageStatistics statistics;
@@ -85,7 +85,7 @@ TEST(PagedFile, GivesBackWhatWasWrittenForEveryPageSize)
 
 TEST(PagedFile, LeastRecentlyUsedPageLeavesTheCacheFirst)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   WritePages(disk, 4096, 10);
   auto reader = OpenPages(disk, 2 * 4096 + 1000); // two pages with their overhead
   ASSERT_TRUE(reader.IsOk());
@@ -104,9 +104,9 @@ TEST(PagedFile, LeastRecentlyUsedPageLeavesTheCacheFirst)
 
 TEST(PagedFile, PageInAnotherPlaceIsCorruptAndNamed)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   WritePages(disk, 4096, 10);
-  auto& bytes = *disk.Files["pages"];
+  auto& bytes = disk.GetFile("pages");
   std::copy_n(bytes.begin() + 3 * 4096, 4096, bytes.begin() + 4 * 4096);
   auto reader = OpenPages(disk, 0);
   ASSERT_TRUE(reader.IsOk());
@@ -119,7 +119,7 @@ TEST(PagedFile, PageInAnotherPlaceIsCorruptAndNamed)
 
 TEST(PagedFile, ThreadsShareOneCache)
 {
-  MemoryFileSystem disk;
+  MemoryDisk disk;
   WritePages(disk, 4096, 50);
   auto reader = OpenPages(disk, 20 * 4400);
   ASSERT_TRUE(reader.IsOk());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/BlockDistribution.h"
 
+#include "Fixtures/SampleVolume.h"
 #include "Partition/BlockWorkload.h"
-#include "SampleVolume.h"
 #include "Volume/BlockGrid.h"
 
 #include <gtest/gtest.h>
@@ -75,10 +75,10 @@ struct Scene
 {
   Scene()
     : Volume({ 129, 129, 129 })
-    , Grid(Volume.Size, 16)
+    , Grid(Volume.GetDimensions(), 16)
   {
     std::mt19937 random(6);
-    Volume = SampleVolume<std::uint8_t>(Volume.Size,
+    Volume = SampleVolume<std::uint8_t>(Volume.GetDimensions(),
       [&](auto i, auto j, auto k)
       {
         const double x = static_cast<double>(i) / 40 - 1;

@@ -4,7 +4,7 @@
 #include "Contour/BlockRanges.h"
 #include "Contour/GridBlockSource.h"
 #include "Contour/SurfaceExtractor.h"
-#include "SampleVolume.h"
+#include "Fixtures/SampleVolume.h"
 #include "Volume/BlockGrid.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ template <typename T>
 SpectrumBins ChooseBins(const SampleVolume<T>& volume)
 {
   KeyRange range;
-  for (const T value : volume.Values)
+  for (const T value : volume.Samples)
   {
     if (std::isfinite(static_cast<double>(value)))
     {
@@ -68,15 +68,16 @@ Measures Measure(const SampleVolume<T>& volume, const GridGeometry& grid, std::i
   const SpectrumBins bins = ChooseBins(volume);
   BlockMeasure measure(bins, grid, rowStride);
   MeasureSums sums(bins);
-  for (std::int64_t k = 0; k == 0 || k + 1 < volume.Size[2]; k += side)
+  for (std::int64_t k = 0; k == 0 || k + 1 < volume.GetDimensions()[2]; k += side)
   {
-    for (std::int64_t j = 0; j == 0 || j + 1 < volume.Size[1]; j += side)
+    for (std::int64_t j = 0; j == 0 || j + 1 < volume.GetDimensions()[1]; j += side)
     {
-      for (std::int64_t i = 0; i == 0 || i + 1 < volume.Size[0]; i += side)
+      for (std::int64_t i = 0; i == 0 || i + 1 < volume.GetDimensions()[0]; i += side)
       {
         const VertexBox box = { { i, j, k },
-          { std::min(i + side + 1, volume.Size[0]), std::min(j + side + 1, volume.Size[1]),
-            std::min(k + side + 1, volume.Size[2]) } };
+          { std::min(i + side + 1, volume.GetDimensions()[0]),
+            std::min(j + side + 1, volume.GetDimensions()[1]),
+            std::min(k + side + 1, volume.GetDimensions()[2]) } };
         measure.Count(volume.GetView(box));
         measure.MoveTo(sums);
       }
@@ -300,7 +301,7 @@ TEST(BlockMeasure, SumsOverBlocksAreThoseOfTheWhole)
   std::mt19937 random(6);
   const SampleVolume<std::uint16_t> volume(
     { 37, 40, 29 }, [&](auto i, auto j, auto k) { return 500 + 13 * i + j * k + random() % 90; });
-  const GridGeometry grid = MakeGrid(volume.Size, { 1, 2, 3 });
+  const GridGeometry grid = MakeGrid(volume.GetDimensions(), { 1, 2, 3 });
   for (const std::int64_t rowStride : { 1, 2, 4, 8 })
   {
     const Measures whole = Measure(volume, grid, 1000, rowStride);
@@ -346,7 +347,7 @@ TEST(BlockMeasure, LeavesOutCellsThatAreNotFinite)
   for (const float value : { std::numeric_limits<float>::quiet_NaN(),
          std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity() })
   {
-    volume.Values[static_cast<std::size_t>(5 + 6 * (4 + 6 * 5))] = value;
+    volume.Samples[static_cast<std::size_t>(5 + 6 * (4 + 6 * 5))] = value;
     const Measures after = Measure(volume, MakeGrid(size));
     const double missing = 125 - after.GetVolume(0);
     EXPECT_NEAR(missing, 2, 1e-9);

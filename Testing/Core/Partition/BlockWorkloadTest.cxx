@@ -2,7 +2,7 @@
 #include "Partition/BlockWorkload.h"
 
 #include "Contour/MarchingCubesCases.h"
-#include "SampleVolume.h"
+#include "Fixtures/SampleVolume.h"
 #include "Volume/BlockGrid.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ template <typename T>
 KeyRange FindFiniteRange(const SampleVolume<T>& volume)
 {
   KeyRange range;
-  for (const T value : volume.Values)
+  for (const T value : volume.Samples)
   {
     if (std::isfinite(static_cast<double>(value)))
     {
@@ -84,7 +84,7 @@ void ExpectEqualsBruteForce(const SampleVolume<T>& volume)
 {
   const SpectrumBins bins = ChooseBins(volume);
   const WorkloadSpectrum spectrum = CountSpectrum(volume, bins);
-  const VertexBox box{ { 0, 0, 0 }, volume.Size };
+  const VertexBox box{ { 0, 0, 0 }, volume.GetDimensions() };
   const std::size_t step = bins.Count > 300 ? 7 : 1;
   for (std::size_t bin = 0; bin < bins.Count; bin += step)
   {
@@ -204,7 +204,7 @@ TEST(BlockWorkload, CountsTheTrianglesOfEveryOrderOfCorners)
     for (std::size_t bin = 0; bin < bins.Count; ++bin)
     {
       ASSERT_EQ(spectrum.Triangles[bin],
-        CountAt(cell, { { 0, 0, 0 }, cell.Size }, bins.GetEdge(bin)).Triangles)
+        CountAt(cell, { { 0, 0, 0 }, cell.GetDimensions() }, bins.GetEdge(bin)).Triangles)
         << "values " << values << ", bin " << bin;
     }
   }
@@ -234,7 +234,7 @@ TEST(BlockWorkload, BlocksSumUpToTheVolume)
   const SampleVolume<std::uint16_t> volume(
     { 50, 37, 33 }, [&](auto i, auto j, auto k) { return 900 + 13 * i + j * k + random() % 50; });
   const SpectrumBins bins = ChooseBins(volume);
-  const BlockGrid grid(volume.Size, 16);
+  const BlockGrid grid(volume.GetDimensions(), 16);
   BlockWorkload workload(bins);
   WorkloadSpectrum sum(bins);
   for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
@@ -253,7 +253,7 @@ TEST(BlockWorkload, HonoursStrides)
   std::mt19937 random(13);
   const SampleVolume<std::uint8_t> dense({ 20, 9, 8 }, [&](auto...) { return random(); });
   // The same samples, every third byte, x and z exchanged in memory.
-  std::vector<std::uint8_t> scattered(3 * dense.Values.size());
+  std::vector<std::uint8_t> scattered(3 * dense.Samples.size());
   SampleView view = dense.GetView();
   view.First = scattered.data();
   view.Stride = { 3 * 8 * 9, 3 * 8, 3 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Query/BlockAssembly.h"
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The level that a budget allows, against all levels tried one by one; and the rates behind it.
 #include "Query/LevelChoice.h"
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 using namespace isosurface;
 

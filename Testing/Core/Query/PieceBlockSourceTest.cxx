@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Blocks of pieces on several ranks are those of the whole grid, sample by sample.
-#include "TestVolume.h"
-#include "ThreadCommunicator.h"
+#include "Fixtures/TestBlockSource.h"
+#include "Fixtures/ThreadCommunicator.h"
 
 #include "Contour/BlockRanges.h"
 #include "Query/PieceBlockSource.h"
@@ -19,7 +19,7 @@ using namespace isosurface;
 namespace
 {
 
-using Volume = TestVolume<std::int16_t>;
+using Volume = SampleVolume<std::int16_t>;
 
 const std::vector<double> Isovalues = { 3, 250 };
 

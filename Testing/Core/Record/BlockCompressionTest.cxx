@@ -3,7 +3,7 @@
 #include "Record/ByteCodec.h"
 #include "Record/RecordCodec.h"
 
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 #include <cmath>
 #include <cstring>
@@ -34,7 +34,7 @@ struct TestRecord
 {
   template <typename T>
   TestRecord(const SampleVolume<T>& volume, int blockSize, std::int64_t block)
-    : Grid(volume.Size, blockSize)
+    : Grid(volume.GetDimensions(), blockSize)
     , Block(block)
     , Types{ ValueTypeOf<T>::Value }
     , Layout(Grid, block, Types)

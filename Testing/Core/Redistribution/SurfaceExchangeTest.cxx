@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A surface that goes from ranks to ranks stays the surface that it was.
-#include "CodedVolumes.h"
-#include "PlainContour.h"
-#include "ThreadCommunicator.h"
-#include "TriangleSet.h"
+#include "Fixtures/CodedVolumes.h"
+#include "Fixtures/PlainContour.h"
+#include "Fixtures/ThreadCommunicator.h"
+#include "Fixtures/TriangleSet.h"
 
 #include "Redistribution/SurfaceExchange.h"
 
@@ -25,9 +25,9 @@ namespace
 constexpr int BlockSize = 16;
 const std::vector<double> Isovalues = { 120.5, 90 };
 
-const TestVolume<std::uint8_t>& GetVolume()
+const SampleVolume<std::uint8_t>& GetVolume()
 {
-  static const TestVolume<std::uint8_t> volume = []
+  static const SampleVolume<std::uint8_t> volume = []
   {
     auto waves = MakeWaves<std::uint8_t>({ 60, 45, 52 }, 0.1);
     Displace(waves);

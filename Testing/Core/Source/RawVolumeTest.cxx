@@ -24,7 +24,7 @@ void ExpectRoundTrip(bool isBigEndian)
   const Bytes samples = MakeBytes(volume, isBigEndian);
   bytes.insert(bytes.end(), samples.begin(), samples.end());
   WriteFile(disk, "/data/a.raw", bytes);
-  RawVolume raw = DescribeRaw(volume.Size, ValueTypeOf<T>::Value);
+  RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueTypeOf<T>::Value);
   raw.Offset = 13;
   raw.IsBigEndian = isBigEndian;
   const auto source = raw.Open(disk);
@@ -55,7 +55,7 @@ TEST(RawVolume, ReadsAFileOfASliceOrASlab)
   for (const std::size_t count : { 12u, 4u })
   {
     MemoryDisk disk;
-    RawVolume raw = DescribeRaw(volume.Size, ValueType::UInt16);
+    RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueType::UInt16);
     raw.Paths.clear();
     raw.EndsWithSamples = count == 4;
     const std::size_t size = samples.size() / count;

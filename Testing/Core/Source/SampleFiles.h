@@ -2,8 +2,8 @@
 #ifndef isosurface_Testing_SampleFiles_h
 #define isosurface_Testing_SampleFiles_h
 
-#include "../Partition/SampleVolume.h"
-#include "../Store/MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
+#include "Fixtures/SampleVolume.h"
 #include "Source/RawVolume.h"
 
 #include <gtest/gtest.h>
@@ -53,9 +53,9 @@ inline Bytes Deflate(const Bytes& bytes, int windowBits = 15 + 16)
 template <typename T>
 Bytes MakeBytes(const SampleVolume<T>& volume, bool isBigEndian = false)
 {
-  Bytes bytes(volume.Values.size() * sizeof(T));
-  std::memcpy(bytes.data(), volume.Values.data(), bytes.size());
-  for (std::size_t sample = 0; isBigEndian && sample < volume.Values.size(); ++sample)
+  Bytes bytes(volume.Samples.size() * sizeof(T));
+  std::memcpy(bytes.data(), volume.Samples.data(), bytes.size());
+  for (std::size_t sample = 0; isBigEndian && sample < volume.Samples.size(); ++sample)
   {
     std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(sample * sizeof(T)),
       bytes.begin() + static_cast<std::ptrdiff_t>((sample + 1) * sizeof(T)));
@@ -75,9 +75,9 @@ SampleVolume<T> MakeRamp(const Index3& size)
 template <typename T>
 void ExpectSamples(SlabSource& source, const SampleVolume<T>& volume)
 {
-  const VertexBox whole = { { 0, 0, 0 }, volume.Size };
+  const VertexBox whole = { { 0, 0, 0 }, volume.GetDimensions() };
   ASSERT_TRUE(source.GetBox() == whole);
-  const Index3 size = volume.Size;
+  const Index3 size = volume.GetDimensions();
   const VertexBox boxes[] = { whole, { { 0, 0, size[2] - 1 }, size },
     { { 0, 0, 0 }, { size[0], size[1], 1 } }, { { 0, 1, 0 }, { size[0], size[1] - 1, size[2] } },
     { { 1, 1, 1 }, { size[0] - 1, size[1], size[2] } },

@@ -60,15 +60,15 @@ void SetFormat(TIFF* tiff, const Index3& size, const TiffLayout& layout)
 template <typename T>
 void WritePage(TIFF* tiff, const SampleVolume<T>& volume, std::int64_t k, const TiffLayout& layout)
 {
-  SetFormat<T>(tiff, volume.Size, layout);
-  const auto width = static_cast<std::size_t>(volume.Size[0]);
+  SetFormat<T>(tiff, volume.GetDimensions(), layout);
+  const auto width = static_cast<std::size_t>(volume.GetDimensions()[0]);
   if (layout.Tile == 0)
   {
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, layout.RowsPerStrip);
     std::vector<T> row(width);
-    for (std::int64_t j = 0; j < volume.Size[1]; ++j)
+    for (std::int64_t j = 0; j < volume.GetDimensions()[1]; ++j)
     {
-      for (std::int64_t i = 0; i < volume.Size[0]; ++i)
+      for (std::int64_t i = 0; i < volume.GetDimensions()[0]; ++i)
       {
         row[static_cast<std::size_t>(i)] = volume.At(i, j, k);
       }
@@ -80,14 +80,14 @@ void WritePage(TIFF* tiff, const SampleVolume<T>& volume, std::int64_t k, const 
     TIFFSetField(tiff, TIFFTAG_TILEWIDTH, layout.Tile);
     TIFFSetField(tiff, TIFFTAG_TILELENGTH, layout.Tile);
     const std::int64_t edge = layout.Tile;
-    for (std::int64_t y = 0; y < volume.Size[1]; y += edge)
+    for (std::int64_t y = 0; y < volume.GetDimensions()[1]; y += edge)
     {
-      for (std::int64_t x = 0; x < volume.Size[0]; x += edge)
+      for (std::int64_t x = 0; x < volume.GetDimensions()[0]; x += edge)
       {
         std::vector<T> tile(static_cast<std::size_t>(edge * edge));
-        for (std::int64_t j = y; j < std::min(y + edge, volume.Size[1]); ++j)
+        for (std::int64_t j = y; j < std::min(y + edge, volume.GetDimensions()[1]); ++j)
         {
-          for (std::int64_t i = x; i < std::min(x + edge, volume.Size[0]); ++i)
+          for (std::int64_t i = x; i < std::min(x + edge, volume.GetDimensions()[0]); ++i)
           {
             tile[static_cast<std::size_t>((j - y) * edge + i - x)] = volume.At(i, j, k);
           }
@@ -118,7 +118,7 @@ template <typename T>
 void WriteStack(
   const std::string& path, const SampleVolume<T>& volume, const TiffLayout& layout = {})
 {
-  WriteStack(path, volume, layout, 0, volume.Size[2]);
+  WriteStack(path, volume, layout, 0, volume.GetDimensions()[2]);
 }
 
 template <typename T>
@@ -126,7 +126,7 @@ void ExpectStack(const std::string& path, const SampleVolume<T>& volume)
 {
   auto file = VolumeFile::Open(GetLocalFileSystem(), path);
   ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
-  EXPECT_EQ(file->Grid.GetDimensions(), volume.Size);
+  EXPECT_EQ(file->Grid.GetDimensions(), volume.GetDimensions());
   EXPECT_EQ(file->Type, ValueTypeOf<T>::Value);
   ExpectSamples(*file->Source, volume);
 }

@@ -26,7 +26,7 @@ RawVolume ExpectVolume(MemoryDisk& disk, const std::string& path, const SampleVo
   {
     return {};
   }
-  EXPECT_EQ(raw->Grid.GetDimensions(), volume.Size);
+  EXPECT_EQ(raw->Grid.GetDimensions(), volume.GetDimensions());
   EXPECT_EQ(raw->Type, ValueTypeOf<T>::Value);
   const auto source = raw->Open(disk);
   EXPECT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();

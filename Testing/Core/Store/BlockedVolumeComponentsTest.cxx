@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Arrays of several components: each component, and the magnitude, can be read and queried.
 #include "Contour/SurfaceExtractor.h"
+#include "Fixtures/VolumeOnDisk.h"
 #include "Partition/BlockWorkload.h"
 #include "Query/StoredBlockSource.h"
-#include "VolumeOnDisk.h"
 
 #include <cmath>
 #include <limits>
@@ -77,10 +77,10 @@ struct VectorVolume
     ThreadCommunicator::Run(ranks,
       [&](Communicator& communicator)
       {
-        const Part part(*this, layout(communicator.GetRank(), ranks, this->Scalar.Size));
-        const auto written =
-          BlockedVolumeWriter(communicator, disk)
-            .Write(VolumePath, MakeGeometry(this->Scalar.Size), Describe(), part.Piece, settings);
+        const Part part(*this, layout(communicator.GetRank(), ranks, this->Scalar.GetDimensions()));
+        const auto written = BlockedVolumeWriter(communicator, disk)
+                               .Write(VolumePath, MakeGeometry(this->Scalar.GetDimensions()),
+                                 Describe(), part.Piece, settings);
         ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
       });
   }
@@ -88,7 +88,7 @@ struct VectorVolume
   /// As the format has it.
   SampleVolume<double> FindMagnitudes() const
   {
-    return SampleVolume<double>(this->Scalar.Size,
+    return SampleVolume<double>(this->Scalar.GetDimensions(),
       [&](auto i, auto j, auto k)
       {
         double sum = 0;
@@ -221,7 +221,7 @@ TYPED_TEST(VectorsOfType, AreReadAndIndexedByComponentAndByMagnitude)
   const SampleVolume<double> magnitudes = volume.FindMagnitudes();
   ExpectReadsBack(*opened, magnitudes, 4);
   ExpectIndexed(*opened, magnitudes, 4);
-  const auto extremes = std::minmax_element(magnitudes.Values.begin(), magnitudes.Values.end());
+  const auto extremes = std::minmax_element(magnitudes.Samples.begin(), magnitudes.Samples.end());
   const KeyRange& range = opened->GetHeader().TimeSteps[0].Ranges[4];
   EXPECT_EQ(range.Minimum, MakeValueKey(*extremes.first));
   EXPECT_EQ(range.Maximum, MakeValueKey(*extremes.second));
@@ -379,20 +379,20 @@ TEST(BlockedVolumeComponents, ComeOutOfAContourAsOneArrayOfTuples)
 TEST(BlockedVolumeComponents, OfNaNAndInfinitiesHaveMagnitudesOfNaNAndInfinity)
 {
   VectorVolume<float> volume;
-  volume.Components[0].Values[5] = std::numeric_limits<float>::quiet_NaN();
-  volume.Components[1].Values[5000] = -std::numeric_limits<float>::infinity();
-  volume.Components[2].Values[9000] = std::numeric_limits<float>::max();
+  volume.Components[0].Samples[5] = std::numeric_limits<float>::quiet_NaN();
+  volume.Components[1].Samples[5000] = -std::numeric_limits<float>::infinity();
+  volume.Components[2].Samples[9000] = std::numeric_limits<float>::max();
   MemoryDisk disk;
   volume.Write(disk, MakeSettings(16, 2), 3);
   const auto opened = OpenVolume(disk);
   ASSERT_NE(opened, nullptr);
   const SampleVolume<double> magnitudes = volume.FindMagnitudes();
-  ASSERT_TRUE(std::isnan(magnitudes.Values[5]));
-  ASSERT_TRUE(std::isinf(magnitudes.Values[5000]));
+  ASSERT_TRUE(std::isnan(magnitudes.Samples[5]));
+  ASSERT_TRUE(std::isinf(magnitudes.Samples[5000]));
   ExpectIndexed(*opened, magnitudes, 4);
   // All finite: the magnitude of the greatest float is no infinity.
   EXPECT_EQ(
-    opened->GetHeader().TimeSteps[0].Ranges[4].Maximum, MakeValueKey(magnitudes.Values[9000]));
+    opened->GetHeader().TimeSteps[0].Ranges[4].Maximum, MakeValueKey(magnitudes.Samples[9000]));
 }
 
 TEST(BlockedVolumeComponents, AreFoundDamagedInAnyFile)

@@ -4,7 +4,7 @@
 #include "Store/BlockedVolume.h"
 #include "Writing/BlockedVolumeWriter.h"
 
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 using namespace isosurface;
 

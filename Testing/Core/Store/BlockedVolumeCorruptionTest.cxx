@@ -3,8 +3,8 @@
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
+#include "Fixtures/VolumeOnDisk.h"
 #include "Store/BlockDirectory.h"
-#include "VolumeOnDisk.h"
 
 using namespace isosurface;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Levels down to a single block: what they cost to read, and their surfaces, block by block,
 // against the same surface of the whole volume, subsampled in memory.
-#include "../Contour/PlainContour.h"
+#include "Fixtures/PlainContour.h"
+#include "Fixtures/VolumeOnDisk.h"
 #include "Partition/BlockWorkload.h"
 #include "Query/StoredBlockSource.h"
-#include "VolumeOnDisk.h"
 #include "Writing/OverviewSamples.h"
 
 using namespace isosurface;
@@ -23,10 +23,10 @@ GridGeometry MakeLevelGeometry(const Index3& size, int level)
 
 /// Every 2^level-th vertex of a volume, as a volume of its own.
 template <typename T>
-TestVolume<T> Subsample(const SampleVolume<T>& volume, int level)
+SampleVolume<T> Subsample(const SampleVolume<T>& volume, int level)
 {
-  const GridGeometry geometry = MakeLevelGeometry(volume.Size, level);
-  TestVolume<T> coarse(geometry.GetDimensions());
+  const GridGeometry geometry = MakeLevelGeometry(volume.GetDimensions(), level);
+  SampleVolume<T> coarse(geometry.GetDimensions());
   coarse.Geometry = geometry;
   const Index3 size = coarse.GetDimensions();
   for (std::int64_t k = 0; k < size[2]; ++k)
@@ -73,7 +73,7 @@ PlainSurface ContourLevel(
 
 template <typename T>
 std::vector<std::int64_t> FindActive(
-  const TestVolume<T>& volume, const BlockGrid& grid, T threshold)
+  const SampleVolume<T>& volume, const BlockGrid& grid, T threshold)
 {
   std::vector<std::int64_t> blocks;
   for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockedVolume.h"
 
+#include "Fixtures/VolumeOnDisk.h"
 #include "Record/BlockRecord.h"
-#include "VolumeOnDisk.h"
 
 #include <algorithm>
 #include <atomic>

@@ -2,7 +2,7 @@
 #include "Store/BlockedVolume.h"
 #include "Writing/BlockedVolumeWriter.h"
 
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 #include <limits>
 
@@ -79,7 +79,7 @@ TYPED_TEST(BlockedVolumeOfType, ReadsBackWhatWasWritten)
   ASSERT_NE(opened, nullptr);
   ExpectReadsBack(*opened, volume);
   KeyRange range;
-  for (const T value : volume.Values)
+  for (const T value : volume.Samples)
   {
     range.Minimum = std::min(range.Minimum, MakeValueKey(value));
     range.Maximum = std::max(range.Maximum, MakeValueKey(value));
@@ -119,12 +119,12 @@ TEST(BlockedVolumeRoundTrip, HoldsForSeveralArrays)
     ThreadCommunicator::Run(ranks,
       [&](Communicator& communicator)
       {
-        const VertexBox box = SlabOfEach(communicator.GetRank(), ranks, first.Size);
+        const VertexBox box = SlabOfEach(communicator.GetRank(), ranks, first.GetDimensions());
         const PieceOfVolume<std::uint8_t> firstPart(first, box);
         const PieceOfVolume<double> secondPart(second, box);
         const auto result =
           BlockedVolumeWriter(communicator, disk)
-            .Write(VolumePath, MakeGeometry(first.Size),
+            .Write(VolumePath, MakeGeometry(first.GetDimensions()),
               { { "bytes", ValueType::UInt8 }, { "r\xC3\xB6ntgen \"x\"", ValueType::Float64 } },
               { box, { firstPart.View, secondPart.View } }, MakeSettings(32, 2));
         ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();

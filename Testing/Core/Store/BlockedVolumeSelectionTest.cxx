@@ -2,7 +2,7 @@
 #include "Query/StoredBlockSource.h"
 
 #include "Contour/SurfaceExtractor.h"
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 #include <algorithm>
 #include <cstring>
@@ -21,8 +21,8 @@ constexpr int BlockSize = 16;
 std::vector<std::int64_t> FindByForce(const SampleVolume<std::uint8_t>& volume,
   const std::vector<double>& isovalues, bool closed, const std::array<double, 6>* bounds)
 {
-  const BlockGrid grid(volume.Size, BlockSize);
-  const GridGeometry geometry = MakeGeometry(volume.Size);
+  const BlockGrid grid(volume.GetDimensions(), BlockSize);
+  const GridGeometry geometry = MakeGeometry(volume.GetDimensions());
   std::vector<std::int64_t> blocks;
   for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
   {
@@ -56,7 +56,7 @@ std::vector<std::int64_t> FindByForce(const SampleVolume<std::uint8_t>& volume,
       bool atBorder = false;
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
-        atBorder = atBorder || box.Low[axis] == 0 || box.High[axis] == volume.Size[axis];
+        atBorder = atBorder || box.Low[axis] == 0 || box.High[axis] == volume.GetDimensions()[axis];
       }
       isActive = isActive || (inside && (outside || (closed && atBorder)));
     }
@@ -82,18 +82,18 @@ std::vector<std::int64_t> GetSortedBlocks(const std::vector<BlockReference>& ref
 /// Three arrays on one grid: density, its double, and the negative as float.
 void WriteThreeArrays(FileSystem& disk, const SampleVolume<std::uint8_t>& volume)
 {
-  const SampleVolume<std::uint16_t> twice(volume.Size,
+  const SampleVolume<std::uint16_t> twice(volume.GetDimensions(),
     [&](auto i, auto j, auto k) { return static_cast<std::uint16_t>(2 * volume.At(i, j, k)); });
-  const SampleVolume<float> negative(
-    volume.Size, [&](auto i, auto j, auto k) { return -static_cast<float>(volume.At(i, j, k)); });
+  const SampleVolume<float> negative(volume.GetDimensions(),
+    [&](auto i, auto j, auto k) { return -static_cast<float>(volume.At(i, j, k)); });
   ThreadCommunicator::Run(1,
     [&](Communicator& communicator)
     {
       VolumePiece piece;
-      piece.Box = { { 0, 0, 0 }, volume.Size };
+      piece.Box = { { 0, 0, 0 }, volume.GetDimensions() };
       piece.Arrays = { volume.GetView(), twice.GetView(), negative.GetView() };
       BlockedVolumeWriter writer(communicator, disk);
-      const auto written = writer.Write(VolumePath, MakeGeometry(volume.Size),
+      const auto written = writer.Write(VolumePath, MakeGeometry(volume.GetDimensions()),
         { { "density", ValueType::UInt8 }, { "twice", ValueType::UInt16 },
           { "negative", ValueType::Float32 } },
         piece, MakeSettings(BlockSize, 2));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time steps that are appended to a volume one at a time.
-#include "VolumeOnDisk.h"
+#include "Fixtures/VolumeOnDisk.h"
 
 #include <cmath>
 #include <functional>

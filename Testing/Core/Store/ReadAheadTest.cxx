@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a source of stored blocks asks the disk for ahead of time, against what it reads then.
+#include "Fixtures/VolumeOnDisk.h"
 #include "Query/StoredBlockSource.h"
 #include "Record/BlockRecord.h"
-#include "VolumeOnDisk.h"
 
 using namespace isosurface;
 

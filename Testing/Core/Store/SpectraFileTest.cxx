@@ -3,9 +3,9 @@
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
+#include "Fixtures/VolumeOnDisk.h"
 #include "Store/JsonDocument.h"
 #include "Store/PackedCounts.h"
-#include "VolumeOnDisk.h"
 
 #include <limits>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../Partition/SampleVolume.h"
-#include "MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
+#include "Fixtures/SampleVolume.h"
 
 #include "Store/BlockStore.h"
 #include "Store/VolumeVerification.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What becomes of a volume on disk when a process that writes it is killed, or refused by the
 // system, or takes more memory than it may. Writers run in processes of their own.
+#include "Fixtures/VolumeOnDisk.h"
 #include "Source/RawVolume.h"
-#include "VolumeOnDisk.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
@@ -56,8 +56,9 @@ protected:
   {
     SerialCommunicator serial;
     return BlockedVolumeWriter(serial)
-      .Write(this->Path, MakeGeometry(volume.Size), { { "density", ValueType::UInt8 } },
-        VolumePiece{ { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, settings, progress)
+      .Write(this->Path, MakeGeometry(volume.GetDimensions()), { { "density", ValueType::UInt8 } },
+        VolumePiece{ { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, settings,
+        progress)
       .GetStatus();
   }
 

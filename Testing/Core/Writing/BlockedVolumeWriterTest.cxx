@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Writing/BlockedVolumeWriter.h"
 
+#include "Fixtures/VolumeOnDisk.h"
 #include "Partition/BlockMeasure.h"
 #include "Partition/BlockWorkload.h"
-#include "VolumeOnDisk.h"
 
 #include <atomic>
 
@@ -147,7 +147,7 @@ TEST(BlockedVolumeWriter, TellsTheSpectrumOfTheWholeVolumeAndOfEachStore)
   whole.MoveTo(expected);
   EXPECT_EQ((*total)->Triangles, expected.Triangles);
   EXPECT_EQ((*total)->ActiveCells, expected.ActiveCells);
-  BlockMeasure measure((*total)->Bins, MakeGeometry(volume.Size));
+  BlockMeasure measure((*total)->Bins, MakeGeometry(volume.GetDimensions()));
   measure.Count(volume.GetView());
   MeasureSums sums((*total)->Bins);
   measure.MoveTo(sums);
@@ -243,10 +243,10 @@ TEST(BlockedVolumeWriter, RefusesWhatCannotBeWritten)
   EXPECT_FALSE(WriteVolume(disk, volume, MakeSettings(16, 1u << 30))[0].IsOk());
   SerialCommunicator serial;
   BlockedVolumeWriter writer(serial, disk);
-  const VolumePiece piece{ { { 0, 0, 0 }, volume.Size }, { volume.GetView() } };
+  const VolumePiece piece{ { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } };
   const auto write = [&](const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
   { return writer.Write(VolumePath, grid, arrays, piece, MakeSettings(16, 1)).IsOk(); };
-  const GridGeometry grid = MakeGeometry(volume.Size);
+  const GridGeometry grid = MakeGeometry(volume.GetDimensions());
   GridGeometry wrong = grid;
   wrong.Spacing[1] = std::nan("");
   EXPECT_FALSE(write(wrong, { { "a", ValueType::UInt8 } }));
@@ -270,10 +270,11 @@ TEST(BlockedVolumeWriter, RefusesRanksThatDisagree)
     {
       BlockedVolumeSettings settings = MakeSettings(16, 2);
       settings.RandomSeed += communicator.GetRank() == 2 ? 1 : 0;
-      refused += !BlockedVolumeWriter(communicator, disk)
-                    .Write(VolumePath, MakeGeometry(volume.Size), { { "a", ValueType::UInt8 } },
-                      { { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, settings)
-                    .IsOk();
+      refused +=
+        !BlockedVolumeWriter(communicator, disk)
+           .Write(VolumePath, MakeGeometry(volume.GetDimensions()), { { "a", ValueType::UInt8 } },
+             { { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, settings)
+           .IsOk();
     });
   EXPECT_EQ(refused, 3);
 }
@@ -412,11 +413,11 @@ TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenARankCannotRead)
       ThreadCommunicator::Run(3,
         [&](Communicator& communicator)
         {
-          const VertexBox box = layout(communicator.GetRank(), 3, volume.Size);
+          const VertexBox box = layout(communicator.GetRank(), 3, volume.GetDimensions());
           const PieceOfVolume<std::uint8_t> part(volume, box);
           FailingSource source({ box, { part.View } }, communicator.GetRank() == 1 ? reads : 1000);
           const auto written = BlockedVolumeWriter(communicator, disk)
-                                 .Write(VolumePath, MakeGeometry(volume.Size),
+                                 .Write(VolumePath, MakeGeometry(volume.GetDimensions()),
                                    { { "density", ValueType::UInt8 } }, source, settings);
           failed += written.IsOk() ? 0 : 1;
           const std::string& message = written.GetStatus().GetMessage();
@@ -438,8 +439,8 @@ TEST(BlockedVolumeWriter, WritesToTheLocalDisk)
   const auto volume = MakeVolume<std::uint16_t>({ 40, 30, 20 });
   SerialCommunicator serial;
   const auto written = BlockedVolumeWriter(serial).Write(folder + "/a.bvol",
-    MakeGeometry(volume.Size), { { "a", ValueType::UInt16 } },
-    { { { 0, 0, 0 }, volume.Size }, { volume.GetView() } }, MakeSettings(16, 2));
+    MakeGeometry(volume.GetDimensions()), { { "a", ValueType::UInt16 } },
+    { { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, MakeSettings(16, 2));
   ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
   const auto opened = BlockedVolume::Open(folder + "/a.bvol");
   ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();

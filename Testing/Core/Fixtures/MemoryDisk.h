@@ -13,13 +13,14 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace isosurface
 {
 
-/// A disk in memory, with folders, for several threads. It fails from a given write on, and counts
-/// what is read.
+/// A disk in memory, with folders, for several threads. A test looks at its bytes and changes them;
+/// it counts operations, and fails from a given one on. A path without a slash is always writable.
 class MemoryDisk : public FileSystem
 {
 public:
@@ -28,6 +29,11 @@ public:
 
   /// A file's bytes, to look at or to damage.
   Bytes& GetFile(const std::string& path) { return *this->Files.at(path); }
+  /// Makes or replaces a file, whether the disk fails or not.
+  void SetFile(const std::string& path, Bytes bytes)
+  {
+    this->Files[path] = std::make_shared<Bytes>(std::move(bytes));
+  }
   const std::map<std::string, std::shared_ptr<Bytes>>& GetFiles() const { return this->Files; }
   /// The names of all files, each with its contents.
   std::map<std::string, Bytes> Copy() const
@@ -41,12 +47,20 @@ public:
   }
   const std::set<std::string>& GetFolders() const { return this->Folders; }
 
+  /// Lets `write` operations that change the disk succeed; all later ones fail.
   void FailFromWrite(std::uint64_t write)
   {
     this->Writes = 0;
-    this->FirstFailure = write;
+    this->FirstFailingWrite = write;
+  }
+  /// Lets `read` reads succeed; all later ones fail.
+  void FailFromRead(std::uint64_t read)
+  {
+    this->Reads = 0;
+    this->FirstFailingRead = read;
   }
   std::uint64_t GetWrites() const { return this->Writes; }
+  std::uint64_t GetCreatedFiles() const { return this->CreatedFiles; }
   std::uint64_t GetBytesRead(const std::string& nameEnd) const
   {
     std::uint64_t sum = 0;
@@ -97,10 +111,12 @@ public:
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
     ISOSURFACE_RETURN_IF_ERROR(this->CountWrite(path));
-    if (this->Folders.count(path.substr(0, path.rfind('/'))) == 0)
+    const std::size_t folderEnd = path.rfind('/');
+    if (folderEnd != std::string::npos && this->Folders.count(path.substr(0, folderEnd)) == 0)
     {
       return Status(StatusCode::NotFound, path + ": cannot create: No such folder");
     }
+    ++this->CreatedFiles;
     auto bytes = std::make_shared<Bytes>();
     this->Files[path] = bytes;
     return std::unique_ptr<WritableFile>(new Writer(*this, path, bytes));
@@ -187,7 +203,7 @@ public:
 private:
   Status CountWrite(const std::string& path)
   {
-    if (this->Writes++ >= this->FirstFailure)
+    if (this->Writes++ >= this->FirstFailingWrite)
     {
       return Status(StatusCode::IoError, path + ": cannot write: No space left on device");
     }
@@ -206,7 +222,10 @@ private:
     Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
     {
       const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
-      ++this->Disk.Reads;
+      if (this->Disk.Reads++ >= this->Disk.FirstFailingRead)
+      {
+        return Status(StatusCode::IoError, this->Path + ": cannot read: Input/output error");
+      }
       this->Disk.BytesRead[this->Path] += size;
       this->Disk.Accesses.push_back({ this->Path, offset, offset + size, false });
       if (offset > this->Content->size() || size > this->Content->size() - offset)
@@ -278,7 +297,9 @@ private:
   std::vector<Access> Accesses;
   std::uint64_t Reads = 0;
   std::uint64_t Writes = 0;
-  std::uint64_t FirstFailure = Never;
+  std::uint64_t CreatedFiles = 0;
+  std::uint64_t FirstFailingRead = Never;
+  std::uint64_t FirstFailingWrite = Never;
 };
 
 } // namespace isosurface

@@ -2,7 +2,7 @@
 #ifndef isosurface_AttributedSource_h
 #define isosurface_AttributedSource_h
 
-#include "CodedVolumes.h"
+#include "Fixtures/CodedVolumes.h"
 
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ public:
   static constexpr int VectorSize = 3;
 
   /// odd: with NaN, infinity and great numbers among the floats.
-  AttributedSource(const TestVolume<std::uint8_t>& volume, int blockSize, bool odd)
+  AttributedSource(const SampleVolume<std::uint8_t>& volume, int blockSize, bool odd)
     : TestBlockSource<std::uint8_t>(volume, blockSize)
     , Dimensions(volume.GetDimensions())
   {
@@ -84,7 +84,7 @@ private:
 };
 
 /// A header for a surface with normals and these arrays.
-inline EdgeIndexHeader MakeAttributedHeader(const TestVolume<std::uint8_t>& volume,
+inline EdgeIndexHeader MakeAttributedHeader(const SampleVolume<std::uint8_t>& volume,
   const std::vector<double>& isovalues, EdgeIndexMode mode, EdgeIndexProfile profile, double error)
 {
   EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, profile);

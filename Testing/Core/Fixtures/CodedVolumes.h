@@ -5,7 +5,7 @@
 #include "Contour/SurfaceExtractor.h"
 #include "EdgeIndex/EdgeIndexDecoder.h"
 #include "EdgeIndex/EdgeIndexEncoder.h"
-#include "TestVolume.h"
+#include "Fixtures/TestBlockSource.h"
 
 #include <gtest/gtest.h>
 
@@ -21,9 +21,9 @@ namespace isosurface
 
 /// Spheres and waves with some noise, over a good part of the type's range, or -1 to 1.
 template <typename T>
-TestVolume<T> MakeWaves(const Index3& dimensions, double noise)
+SampleVolume<T> MakeWaves(const Index3& dimensions, double noise)
 {
-  TestVolume<T> volume(dimensions);
+  SampleVolume<T> volume(dimensions);
   std::mt19937 random(7);
   double scale = 1;
   double middle = 0;
@@ -56,7 +56,7 @@ TestVolume<T> MakeWaves(const Index3& dimensions, double noise)
 
 /// The same volume somewhere else in the world.
 template <typename T>
-void Displace(TestVolume<T>& volume)
+void Displace(SampleVolume<T>& volume)
 {
   const Index3 size = volume.GetDimensions();
   volume.Geometry.Extent = { -3, size[0] - 4, 5, size[1] + 4, 100, size[2] + 99 };
@@ -65,7 +65,7 @@ void Displace(TestVolume<T>& volume)
 }
 
 template <typename T>
-EdgeIndexHeader MakeHeader(const TestVolume<T>& volume, const std::vector<double>& isovalues,
+EdgeIndexHeader MakeHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
   EdgeIndexMode mode, EdgeIndexProfile profile)
 {
   EdgeIndexHeader header;
@@ -121,7 +121,7 @@ inline void ExpectSameTopology(const Surface& expected, const Surface& decoded)
 
 /// The decoded surface must be the extracted one, point by point and bit by bit.
 template <typename T>
-void ExpectLossless(const TestVolume<T>& volume, const std::vector<double>& isovalues,
+void ExpectLossless(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
   int blockSize, EdgeIndexProfile profile)
 {
   TestBlockSource<T> source(volume, blockSize);

@@ -2,10 +2,10 @@
 #ifndef isosurface_Testing_VolumeOnDisk_h
 #define isosurface_Testing_VolumeOnDisk_h
 
-#include "../Partition/SampleVolume.h"
-#include "MemoryDisk.h"
+#include "Fixtures/MemoryDisk.h"
+#include "Fixtures/SampleVolume.h"
+#include "Fixtures/ThreadCommunicator.h"
 #include "Store/BlockedVolume.h"
-#include "ThreadCommunicator.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
@@ -83,14 +83,15 @@ std::vector<Result<WriteStatistics>> WriteVolume(FileSystem& disk, const SampleV
     [&](Communicator& communicator)
     {
       const int rank = communicator.GetRank();
-      const VertexBox box = layout(rank, ranks, volume.Size);
+      const VertexBox box = layout(rank, ranks, volume.GetDimensions());
       const PieceOfVolume<T> part(volume, box);
       VolumePiece piece;
       piece.Box = box;
       piece.Arrays = { part.View };
       BlockedVolumeWriter writer(communicator, disk);
-      results[static_cast<std::size_t>(rank)] = writer.Write(VolumePath, MakeGeometry(volume.Size),
-        { { "density", ValueTypeOf<T>::Value } }, piece, settings, progress);
+      results[static_cast<std::size_t>(rank)] =
+        writer.Write(VolumePath, MakeGeometry(volume.GetDimensions()),
+          { { "density", ValueTypeOf<T>::Value } }, piece, settings, progress);
     });
   return results;
 }

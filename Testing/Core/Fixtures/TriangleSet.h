@@ -2,7 +2,7 @@
 #ifndef isosurface_TriangleSet_h
 #define isosurface_TriangleSet_h
 
-#include "PlainContour.h"
+#include "Fixtures/PlainContour.h"
 
 #include <algorithm>
 #include <array>
@@ -136,7 +136,7 @@ inline PlainSurface UniteRanks(const std::vector<PlainSurface>& ranks, bool& agr
 /// The blocks of a source that a selection wants, tried one by one on all samples.
 template <typename T>
 std::vector<std::int64_t> FindBlocksByForce(
-  const TestVolume<T>& volume, int blockSize, const std::vector<double>& isovalues, bool closed)
+  const SampleVolume<T>& volume, int blockSize, const std::vector<double>& isovalues, bool closed)
 {
   const BlockGrid grid(volume.GetDimensions(), blockSize);
   const Index3 size = volume.GetDimensions();

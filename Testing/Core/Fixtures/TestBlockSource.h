@@ -1,81 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_TestVolume_h
-#define isosurface_TestVolume_h
+#ifndef isosurface_Testing_TestBlockSource_h
+#define isosurface_Testing_TestBlockSource_h
 
+#include "Fixtures/SampleVolume.h"
 #include "Volume/BlockSource.h"
-#include "Volume/GridGeometry.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
-#include <random>
-#include <utility>
 #include <vector>
 
 namespace isosurface
 {
-
-/// A grid and its samples, x fastest.
-template <typename T>
-struct TestVolume
-{
-  GridGeometry Geometry;
-  std::vector<T> Samples;
-
-  explicit TestVolume(const Index3& dimensions)
-  {
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      this->Geometry.Extent[2 * axis] = 0;
-      this->Geometry.Extent[2 * axis + 1] = dimensions[axis] - 1;
-    }
-    this->Samples.resize(static_cast<std::size_t>(dimensions[0] * dimensions[1] * dimensions[2]));
-  }
-  Index3 GetDimensions() const { return this->Geometry.GetDimensions(); }
-  T& At(std::int64_t i, std::int64_t j, std::int64_t k)
-  {
-    const Index3 size = this->GetDimensions();
-    return this->Samples[static_cast<std::size_t>(i + size[0] * (j + size[1] * k))];
-  }
-  T At(std::int64_t i, std::int64_t j, std::int64_t k) const
-  {
-    return const_cast<TestVolume*>(this)->At(i, j, k);
-  }
-  SampleView GetView() const
-  {
-    SampleView view;
-    const Index3 size = this->GetDimensions();
-    view.Type = ValueTypeOf<T>::Value;
-    view.First = this->Samples.data();
-    view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
-      static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-    view.Available.High = size;
-    view.Box = view.Available;
-    return view;
-  }
-};
-
-/// Small whole values around zero (or from zero on), so that many equal an isovalue; some NaN.
-template <typename T>
-TestVolume<T> MakeRandomVolume(std::mt19937& random, const Index3& dimensions, int levels)
-{
-  TestVolume<T> volume(dimensions);
-  std::uniform_int_distribution<int> value(0, levels);
-  for (T& sample : volume.Samples)
-  {
-    const int drawn = value(random);
-    sample = static_cast<T>(std::numeric_limits<T>::is_signed ? drawn - levels / 2 : drawn);
-    if (std::numeric_limits<T>::has_quiet_NaN && random() % 40 == 0)
-    {
-      sample = std::numeric_limits<T>::quiet_NaN();
-    }
-  }
-  return volume;
-}
 
 /**
  * Blocks of any number of cells a side, each copied with its ghost layer to memory of exactly its
@@ -85,7 +23,7 @@ template <typename T>
 class TestBlockSource : public BlockSource
 {
 public:
-  TestBlockSource(const TestVolume<T>& volume, int blockSize, int ghosts = 1, int components = 1)
+  TestBlockSource(const SampleVolume<T>& volume, int blockSize, int ghosts = 1, int components = 1)
     : Volume(volume)
     , Grid(volume.GetDimensions(), blockSize)
     , Ghosts(ghosts)
@@ -149,7 +87,7 @@ public:
   }
 
 private:
-  const TestVolume<T>& Volume;
+  const SampleVolume<T>& Volume;
   BlockGrid Grid;
   int Ghosts;
   int Components;

@@ -4,7 +4,7 @@
 
 #include "Contour/MarchingCubesCases.h"
 #include "Contour/SurfaceExtractor.h"
-#include "TestVolume.h"
+#include "Fixtures/TestBlockSource.h"
 
 #include <algorithm>
 #include <array>
@@ -57,7 +57,7 @@ template <typename T>
 class PlainContour
 {
 public:
-  explicit PlainContour(const TestVolume<T>& volume)
+  explicit PlainContour(const SampleVolume<T>& volume)
     : Volume(volume)
   {
   }
@@ -197,11 +197,11 @@ private:
     return plain;
   }
 
-  const TestVolume<T>& Volume;
+  const SampleVolume<T>& Volume;
 };
 
 template <typename T>
-PlainSurface ContourPlainly(const TestVolume<T>& volume, const std::vector<double>& isovalues)
+PlainSurface ContourPlainly(const SampleVolume<T>& volume, const std::vector<double>& isovalues)
 {
   PlainSurface surface;
   for (std::size_t n = 0; n < isovalues.size(); ++n)

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Testing_SampleVolume_h
+#define isosurface_Testing_SampleVolume_h
+
+#include "Volume/GridGeometry.h"
+#include "Volume/SampleView.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A grid and its samples in memory, x fastest.
+template <typename T>
+struct SampleVolume
+{
+  GridGeometry Geometry;
+  std::vector<T> Samples;
+
+  /// All samples are zero.
+  explicit SampleVolume(const Index3& dimensions)
+    : Samples(static_cast<std::size_t>(dimensions[0] * dimensions[1] * dimensions[2]))
+    , Dimensions(dimensions)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      this->Geometry.Extent[2 * axis] = 0;
+      this->Geometry.Extent[2 * axis + 1] = dimensions[axis] - 1;
+    }
+  }
+  /// The sample at (i, j, k) is function(i, j, k); called with x fastest.
+  template <typename Function>
+  SampleVolume(const Index3& dimensions, Function&& function)
+    : SampleVolume(dimensions)
+  {
+    std::size_t vertex = 0;
+    for (std::int64_t k = 0; k < dimensions[2]; ++k)
+    {
+      for (std::int64_t j = 0; j < dimensions[1]; ++j)
+      {
+        for (std::int64_t i = 0; i < dimensions[0]; ++i)
+        {
+          this->Samples[vertex++] = static_cast<T>(function(i, j, k));
+        }
+      }
+    }
+  }
+
+  Index3 GetDimensions() const { return this->Dimensions; }
+  T& At(std::int64_t i, std::int64_t j, std::int64_t k)
+  {
+    return this
+      ->Samples[static_cast<std::size_t>(i + this->Dimensions[0] * (j + this->Dimensions[1] * k))];
+  }
+  T At(std::int64_t i, std::int64_t j, std::int64_t k) const
+  {
+    return const_cast<SampleVolume*>(this)->At(i, j, k);
+  }
+
+  /// The samples of a box, with all others available beside them.
+  SampleView GetView(const VertexBox& box) const
+  {
+    const Index3& size = this->Dimensions;
+    SampleView view;
+    view.Type = ValueTypeOf<T>::Value;
+    view.First = this->Samples.data();
+    view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
+      static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+    view.Available = { { 0, 0, 0 }, size };
+    view.Box = box;
+    return view;
+  }
+  SampleView GetView() const { return this->GetView({ { 0, 0, 0 }, this->Dimensions }); }
+
+private:
+  Index3 Dimensions;
+};
+
+/// Small integers around zero (or from zero on), so that many equal an isovalue; some NaN.
+template <typename T>
+SampleVolume<T> MakeRandomVolume(std::mt19937& random, const Index3& dimensions, int levels)
+{
+  SampleVolume<T> volume(dimensions);
+  std::uniform_int_distribution<int> value(0, levels);
+  for (T& sample : volume.Samples)
+  {
+    const int drawn = value(random);
+    sample = static_cast<T>(std::numeric_limits<T>::is_signed ? drawn - levels / 2 : drawn);
+    if (std::numeric_limits<T>::has_quiet_NaN && random() % 40 == 0)
+    {
+      sample = std::numeric_limits<T>::quiet_NaN();
+    }
+  }
+  return volume;
+}
+
+} // namespace isosurface
+
+#endif
