@@ -3,8 +3,8 @@
 // Every rank draws its share of many balls while the camera turns around them. Run it under
 // mpiexec.
 //
-// A frame is split into: render, the slowest rank's, until its picture is there; read, the slowest
-// rank's reading back; deliver, of the merged picture to the root's window, VTK's showing of it
+// A frame is split into: render, the slowest rank's, until its image is there; read, the slowest
+// rank's reading back; deliver, of the merged image to the root's window, VTK's showing of it
 // included; composite, all else: merging, sending, waiting for each other, clearing.
 //
 // Where there are more ranks than cores, some render while others wait to be read back. With
@@ -13,7 +13,7 @@
 // it, summed over all ranks, which do not depend on who waits for whom.
 //
 // "background 1/4" are frames in which the nearer half of the ranks draws each pixel, the others a
-// sample for 4 x 4; beside it, how close the picture is to the full one (peak signal to noise ratio
+// sample for 4 x 4; beside it, how close the image is to the full one (peak signal to noise ratio
 // of red, green and blue). With --budget there is one way only, along a path with two jumps.
 #include "PatientMpi.h"
 
@@ -86,7 +86,7 @@ struct Clocks
   }
 };
 
-/// Draws, and takes the time until the picture is there.
+/// Draws, and takes the time until the image is there.
 class TimedPass : public vtkRenderPass
 {
 public:
@@ -107,7 +107,7 @@ public:
   /// Waits for all ranks in the end; null (the default): does not.
   void SetController(vtkMultiProcessController* controller) { this->Controller = controller; }
   double TakeSeconds() { return std::exchange(this->Seconds, 0.0); }
-  /// When the last picture was there; on all ranks, if there is a controller.
+  /// When the last image was there; on all ranks, if there is a controller.
   const Clocks& GetEnd() const { return this->End; }
 
 private:
@@ -216,7 +216,7 @@ struct Way
   int Divisor = 1;
   bool HasBackground = false; ///< the divisor is that of the farther half of the ranks only
   double Budget = 0;
-  double SquaredError = 0; ///< of colors, to the full picture
+  double SquaredError = 0; ///< of colors, to the full image
   double RenderSeconds = 0;
   double ReadSeconds = 0;
   double DeliverSeconds = 0;
@@ -260,7 +260,7 @@ public:
   }
   vtkRenderer* GetRenderer() { return this->Renderer; }
 
-  /// The root's picture without background; empty elsewhere.
+  /// The root's image without background; empty elsewhere.
   std::vector<unsigned char> GetImage()
   {
     vtkSynchronizedRenderers::vtkRawImage tile;
@@ -313,9 +313,9 @@ public:
     std::array<double, 3> counts{};
     if (pass)
     {
-      seconds[1] = pass->GetFrameCost().ReadSeconds;
-      counts = { static_cast<double>(pass->GetFrameCost().DrawnPixels),
-        static_cast<double>(pass->GetFrameCost().BytesSent), 0 };
+      seconds[1] = pass->GetReadSeconds();
+      counts = { static_cast<double>(pass->GetDrawnPixels()),
+        static_cast<double>(pass->GetBytesSent()), 0 };
     }
     else
     {
@@ -425,12 +425,12 @@ void PrintTable(const std::vector<Way>& ways, const Options& options, int ranks)
 
 // Of red, green, blue.
 double GetSquaredError(
-  const std::vector<unsigned char>& picture, const std::vector<unsigned char>& expected)
+  const std::vector<unsigned char>& image, const std::vector<unsigned char>& expected)
 {
   double sum = 0;
-  for (std::size_t byte = 0; byte < std::min(picture.size(), expected.size()); ++byte)
+  for (std::size_t byte = 0; byte < std::min(image.size(), expected.size()); ++byte)
   {
-    const double difference = byte % 4 == 3 ? 0.0 : picture[byte] - expected[byte];
+    const double difference = byte % 4 == 3 ? 0.0 : image[byte] - expected[byte];
     sum += difference * difference;
   }
   return sum;
@@ -459,12 +459,12 @@ void RunWays(Display& stock, Display& ours, const Options& options, vtkMPIContro
       Way ignored = way;
       Way& counted = frame < 0 ? ignored : way;
       display.DrawFrame(counted);
-      const std::vector<unsigned char> picture = display.GetImage();
+      const std::vector<unsigned char> image = display.GetImage();
       if (way.CompositeMode < 0)
       {
-        full = picture;
+        full = image;
       }
-      counted.SquaredError += GetSquaredError(picture, full);
+      counted.SquaredError += GetSquaredError(image, full);
     }
   }
   if (controller->GetLocalProcessId() == 0)

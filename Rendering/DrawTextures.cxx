@@ -15,7 +15,7 @@ GLint GetProperty(GLenum attachment, GLenum property)
   return value;
 }
 
-// The texture at a place of the framebuffer; 0 if there is something else, or nothing.
+// The texture that is attached to the framebuffer; 0 if there is none.
 GLuint GetTexture(GLenum attachment)
 {
   return GetProperty(attachment, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_TEXTURE

@@ -10,11 +10,10 @@ namespace isosurface
 {
 
 /**
- * The textures of the framebuffer that is drawn to, where it has a color and a depth texture, no
- * stencil, one sample for a pixel, and OpenGL allows to write to textures as memory (4.5, or the
- * extensions). Software renderers write memory ten times as fast as they draw rectangles.
- *
- * Neither scissor nor color masks count. Needs the context of the framebuffer to be current.
+ * Clears and writes the textures of the current draw framebuffer as memory, which software renderers
+ * do ten times as fast as drawing rectangles. Possible where the framebuffer has a color and a depth
+ * texture, no stencil and one sample for a pixel, and OpenGL can write textures (4.5, or the
+ * extensions). Scissor and color masks have no effect. The framebuffer's context must be current.
  */
 class DrawTextures
 {
@@ -22,14 +21,14 @@ public:
   /// Finds the textures of the framebuffer that is bound now.
   DrawTextures();
 
-  /// If not, nothing may be cleared or put.
+  /// Whether textures can be cleared.
   bool AreThere() const { return this->Color != 0 && this->Depth != 0; }
-  /// Whether a color is four bytes: red, green, blue, alpha.
+  /// Whether, in addition, a color has four bytes: red, green, blue, alpha.
   bool HavePlainColors() const { return this->AreThere() && this->IsPlain; }
 
-  /// Sets plain colors, or, with 0, colors of any kind to black, transparent.
+  /// Sets plain colors; with 0 sets colors of any kind to black, transparent.
   void ClearColors(const PixelRectangle& rectangle, std::uint32_t color) const;
-  /// Sets depths to the farthest, 1.
+  /// Sets depths to 1, the far plane.
   void ClearDepths(const PixelRectangle& rectangle) const;
   /// Copies plain colors; rows have the rectangle's width.
   void PutColors(const PixelRectangle& rectangle, const std::uint32_t* colors) const;

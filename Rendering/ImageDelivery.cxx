@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ImageDelivery.h"
 
+#include "Compositing/Background.h"
 #include "DrawTextures.h"
 
 #include "vtkOpenGLRenderWindow.h"
@@ -9,26 +10,30 @@
 #include "vtk_glew.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 
 namespace isosurface
 {
 namespace
 {
 
-// Rows are put over the background, and then into the window, in bands that a processor keeps in
-// its cache.
+// Rows are put over the background, then copied to the window, in bands that fit in the cache.
 constexpr std::int64_t PixelsOfBand = 1 << 16;
 
-bool IsOpaque(std::uint32_t color)
+// The renderer's rectangle of its window.
+PixelRectangle GetPlaceInWindow(vtkOpenGLRenderer* renderer)
 {
-  std::array<std::uint8_t, 4> bytes{};
-  std::memcpy(bytes.data(), &color, sizeof(color));
-  return bytes[3] == 255;
+  PixelRectangle place;
+  renderer->GetTiledSizeAndOrigin(&place.Width, &place.Height, &place.X, &place.Y);
+  return place;
 }
 
-// The color of a background of one color, as the framebuffer has it.
+bool HasPlainBackground(vtkOpenGLRenderer* renderer)
+{
+  return !renderer->GetGradientBackground() && !renderer->GetTexturedBackground() &&
+    !renderer->Transparent() && !renderer->GetSelector();
+}
+
+// The color of a background of one color, as it is in the framebuffer.
 std::uint32_t ReadBackground(vtkOpenGLRenderer* renderer, vtkOpenGLState* gl, int x, int y)
 {
   gl->vtkglScissor(x, y, 1, 1);
@@ -40,40 +45,13 @@ std::uint32_t ReadBackground(vtkOpenGLRenderer* renderer, vtkOpenGLState* gl, in
 
 } // namespace
 
-bool ImageDelivery::PutOverBackground(
-  const std::uint32_t* colors, int width, const PixelRectangle& band, std::uint32_t background)
-{
-  this->Band.resize(static_cast<std::size_t>(band.GetArea()));
-  std::uint32_t* to = this->Band.data();
-  bool isPlain = true;
-  for (int y = band.Y; y < band.GetTop(); ++y)
-  {
-    const std::uint32_t* from =
-      colors + static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + band.X;
-    bool isRowPlain = true;
-    for (int x = 0; x < band.Width; ++x)
-    {
-      const std::uint32_t color = from[x];
-      const bool isOpaque = IsOpaque(color);
-      isRowPlain &= isOpaque | (color == 0);
-      to[x] = isOpaque ? color : background;
-    }
-    to += band.Width;
-    isPlain = isPlain && isRowPlain;
-  }
-  return isPlain;
-}
-
 bool ImageDelivery::Deliver(vtkOpenGLRenderer* renderer, const std::uint32_t* colors, int width,
   int height, const PixelRectangle& covered)
 {
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetVTKWindow());
-  std::array<int, 2> size{};
-  std::array<int, 2> origin{};
-  renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
+  const PixelRectangle place = GetPlaceInWindow(renderer);
   const DrawTextures textures;
-  if (!window || size[0] != width || size[1] != height || renderer->GetGradientBackground() ||
-    renderer->GetTexturedBackground() || renderer->Transparent() || renderer->GetSelector() ||
+  if (!window || place.Width != width || place.Height != height || !HasPlainBackground(renderer) ||
     !textures.HavePlainColors())
   {
     return false;
@@ -82,31 +60,31 @@ bool ImageDelivery::Deliver(vtkOpenGLRenderer* renderer, const std::uint32_t* co
   const vtkOpenGLState::ScopedglScissor keepScissor(gl);
   const vtkOpenGLState::ScopedglEnableDisable keepTest(gl, GL_SCISSOR_TEST);
   gl->vtkglEnable(GL_SCISSOR_TEST);
-  const std::uint32_t background = ReadBackground(renderer, gl, origin[0], origin[1]);
-  gl->vtkglViewport(origin[0], origin[1], width, height);
+  const std::uint32_t background = ReadBackground(renderer, gl, place.X, place.Y);
+  gl->vtkglViewport(place.X, place.Y, width, height);
 
-  const auto inWindow = [&origin](const PixelRectangle& rectangle)
+  const auto inWindow = [&place](const PixelRectangle& rectangle)
   {
-    return PixelRectangle{ rectangle.X + origin[0], rectangle.Y + origin[1], rectangle.Width,
+    return PixelRectangle{ rectangle.X + place.X, rectangle.Y + place.Y, rectangle.Width,
       rectangle.Height };
   };
   const PixelRectangle whole{ 0, 0, width, height };
-  const PixelRectangle part = covered.Intersect(whole);
+  const PixelRectangle inside = covered.Intersect(whole);
   const int rows =
-    static_cast<int>(std::max<std::int64_t>(1, PixelsOfBand / std::max(1, part.Width)));
-  for (int y = part.Y; y < part.GetTop(); y += rows)
+    static_cast<int>(std::max<std::int64_t>(1, PixelsOfBand / std::max(1, inside.Width)));
+  for (int y = inside.Y; y < inside.GetTop(); y += rows)
   {
-    const PixelRectangle band = PixelRectangle{ part.X, y, part.Width, rows }.Intersect(part);
-    if (!this->PutOverBackground(colors, width, band, background))
+    const PixelRectangle band = PixelRectangle{ inside.X, y, inside.Width, rows }.Intersect(inside);
+    if (!PutOverBackground(colors, width, band, background, this->Band))
     {
       return false;
     }
     textures.PutColors(inWindow(band), this->Band.data());
   }
-  for (const PixelRectangle& outside : { PixelRectangle::FromEdges(0, 0, width, part.Y),
-         PixelRectangle::FromEdges(0, part.GetTop(), width, height),
-         PixelRectangle::FromEdges(0, part.Y, part.X, part.GetTop()),
-         PixelRectangle::FromEdges(part.GetRight(), part.Y, width, part.GetTop()) })
+  for (const PixelRectangle& outside : { PixelRectangle::FromEdges(0, 0, width, inside.Y),
+         PixelRectangle::FromEdges(0, inside.GetTop(), width, height),
+         PixelRectangle::FromEdges(0, inside.Y, inside.X, inside.GetTop()),
+         PixelRectangle::FromEdges(inside.GetRight(), inside.Y, width, inside.GetTop()) })
   {
     textures.ClearColors(inWindow(outside), background);
   }

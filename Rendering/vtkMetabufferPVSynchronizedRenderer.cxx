@@ -12,7 +12,7 @@ vtkStandardNewMacro(vtkMetabufferPVSynchronizedRenderer);
 namespace
 {
 
-// What the stock synchronizer was told by vtkPVSynchronizedRenderer.
+// Copies the settings that vtkPVSynchronizedRenderer made.
 void CopySettings(
   vtkIceTSynchronizedRenderers* stock, vtkMetabufferSynchronizedRenderers* renderers)
 {
@@ -42,7 +42,7 @@ void vtkMetabufferPVSynchronizedRenderer::InitializeMetabuffer(vtkPVSession* ses
   }
   auto* renderers = vtkMetabufferSynchronizedRenderers::New();
   CopySettings(stock, renderers);
-  // Depths travel when somebody asks for them.
+  // Depths are collected only on request; see vtkMetabufferRenderView::CaptureZBuffer().
   renderers->GetMetabufferPass()->CollectDepthsOff();
   stock->Delete();
   this->ParallelSynchronizer = renderers;

@@ -4,9 +4,9 @@
  * @class   vtkMetabufferPVSynchronizedRenderer
  * @brief   ParaView's synchronized renderer with a vtkMetabufferSynchronizedRenderers inside
  *
- * Where ranks render together (pvbatch, pvserver), the one that ParaView makes for them is
- * replaced, with the same tiles, background and roles. All else is as ParaView has it: clients,
- * CAVEs, and single ranks, which have nothing to merge.
+ * Where several ranks render together (pvbatch, pvserver), this replaces the synchronizer that
+ * ParaView makes for them by one with the same tiles, background and roles. Clients, CAVEs and single
+ * ranks are left as they are.
  */
 
 #ifndef vtkMetabufferPVSynchronizedRenderer_h
@@ -25,10 +25,10 @@ public:
   vtkTypeMacro(vtkMetabufferPVSynchronizedRenderer, vtkPVSynchronizedRenderer);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// Instead of the superclass' Initialize(), which is not virtual.
+  /// Called instead of the superclass' Initialize(), which is not virtual.
   void InitializeMetabuffer(vtkPVSession* session);
 
-  /// The pass that merges; null where no ranks render together.
+  /// The pass that merges the images; null where no ranks render together.
   vtkMetabufferPass* GetMetabufferPass();
 
 protected:

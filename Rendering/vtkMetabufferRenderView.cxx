@@ -13,7 +13,7 @@ vtkStandardNewMacro(vtkMetabufferRenderView);
 
 vtkMetabufferRenderView::vtkMetabufferRenderView()
 {
-  // In the place of the one that the superclass made.
+  // Replaces the one that the superclass made.
   this->SynchronizedRenderers->SetRenderer(nullptr);
   this->SynchronizedRenderers->Delete();
   auto* renderers = vtkMetabufferPVSynchronizedRenderer::New();
@@ -84,7 +84,7 @@ void vtkMetabufferRenderView::AboutToRenderOnLocalProcess(bool interactive)
   }
   if (hasBudget)
   {
-    // The other way to get faster frames, for all ranks alike.
+    // Otherwise the stock view would lower the resolution of all ranks as well.
     this->SynchronizedRenderers->SetImageReductionFactor(1);
   }
   this->Superclass::AboutToRenderOnLocalProcess(interactive);
@@ -98,11 +98,11 @@ void vtkMetabufferRenderView::SetAntiAliasing(bool antiAliasing)
   }
 }
 
-void vtkMetabufferRenderView::SetSmoothEnlarging(bool smoothEnlarging)
+void vtkMetabufferRenderView::SetSmoothUpsampling(bool smoothUpsampling)
 {
   if (vtkMetabufferPass* pass = this->GetPass())
   {
-    pass->SetSmoothEnlarging(smoothEnlarging);
+    pass->SetSmoothUpsampling(smoothUpsampling);
   }
 }
 

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkMetabufferRenderView
- * @brief   ParaView's render view with each rank's viewport and resolution its own
+ * @brief   ParaView's render view, whose ranks draw viewports at resolutions of their own
  *
- * A vtkPVRenderView whose ranks' pictures a vtkMetabufferPass merges. At full resolution it shows
- * the same picture, pixel for pixel, for less. Annotations are drawn over it as ever, by the
- * process that shows it. What the pass cannot do (translucent geometry, volumes, selection) it
- * leaves to stock compositing.
+ * A vtkPVRenderView that merges the ranks' images by a vtkMetabufferPass. At full resolution the image
+ * is that of the stock view, pixel for pixel. The process that shows the view draws annotations over
+ * it, as in the stock view. What the pass does not support (translucent geometry, volumes,
+ * selections) is composited as in the stock view.
  *
- * All settings are made on all processes; those without a pass ignore them: clients, and ranks that
- * are alone, which draw as in the stock view.
+ * All settings are made on all processes. Clients and single ranks, which have no pass, ignore them
+ * and draw as in the stock view.
  */
 
 #ifndef vtkMetabufferRenderView_h
@@ -35,13 +35,12 @@ public:
 
   enum ResolutionModes
   {
-    FULL,
-    PER_RANK,
-    TIME_BUDGET
+    FULL,       ///< one sample for each pixel
+    PER_RANK,   ///< by the divisors
+    TIME_BUDGET ///< chosen for each frame while the camera moves; FULL when it rests
   };
   ///@{
-  /// Whether all ranks draw a sample for each pixel (the default), or as the divisors say, or such
-  /// that frames keep their time while the camera moves; still frames are full ones then.
+  /// The resolutions of the ranks. FULL by default.
   void SetResolutionMode(int mode);
   vtkGetMacro(ResolutionMode, int);
   ///@}
@@ -53,22 +52,22 @@ public:
   ///@}
 
   ///@{
-  /// Seconds of TIME_BUDGET for a frame; 0.1 by default. See vtkMetabufferPass::FrameTimeBudget.
+  /// The seconds that a frame may take with TIME_BUDGET; 0.1 by default. See vtkMetabufferPass.
   vtkSetClampMacro(FrameTimeBudget, double, 0.001, VTK_DOUBLE_MAX);
   vtkGetMacro(FrameTimeBudget, double);
   ///@}
 
-  /// Whether pixels are means of 2 x 2 samples, and blocks go over into each other; see
-  /// vtkMetabufferPass.
+  /// Whether pixels are means of 2 x 2 samples, and whether colors are interpolated between blocks.
+  /// See vtkMetabufferPass.
   void SetAntiAliasing(bool antiAliasing);
-  void SetSmoothEnlarging(bool smoothEnlarging);
+  void SetSmoothUpsampling(bool smoothUpsampling);
 
-  /// Whether the ranks' viewports are outlined in the picture.
+  /// Whether the ranks' viewports are outlined in the image.
   void SetShowViewports(bool show);
 
   /**
-   * Collects the depths of a frame, which are not kept of others, hence draws one more. (Hides the
-   * superclass' function, which ParaView calls by its name, on all processes.)
+   * Draws one more frame to collect its depths: other frames do without. (Hides the superclass'
+   * function; ParaView calls it by name on all processes.)
    */
   void CaptureZBuffer();
 

@@ -8,6 +8,7 @@
 #include "vtkCommand.h"
 #include "vtkMetabufferPass.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLFXAAFilter.h"
 #include "vtkOpenGLRenderer.h"
@@ -15,12 +16,24 @@
 #include "vtkTimerLog.h"
 #include "vtkUnsignedCharArray.h"
 
+class vtkMetabufferSynchronizedRenderers::Internals
+{
+public:
+  isosurface::ImageDelivery Delivery;
+  vtkNew<vtkOpenGLFXAAFilter> Antialiasing;
+  bool WantsFXAA = false;
+  bool DoesErase = false;
+  bool IsFrameHidden = false;
+  unsigned long EndOfFrameObserver = 0;
+  double BeginOfFrame = 0;
+};
+
 vtkStandardNewMacro(vtkMetabufferSynchronizedRenderers);
 
 vtkMetabufferSynchronizedRenderers::vtkMetabufferSynchronizedRenderers()
-  : Delivery(new isosurface::ImageDelivery)
+  : Internal(new Internals)
 {
-  // In the place of the pass that the superclass made.
+  // Replaces the pass that the superclass made.
   this->IceTCompositePass->Delete();
   this->IceTCompositePass = vtkMetabufferPass::New();
   this->IceTCompositePass->SetController(this->ParallelController);
@@ -41,13 +54,13 @@ bool vtkMetabufferSynchronizedRenderers::IsActive() const
 
 void vtkMetabufferSynchronizedRenderers::HandleStartRender()
 {
-  this->BeginOfFrame = vtkTimerLog::GetUniversalTime();
-  // The superclass turns it off until the merged picture is there.
-  this->WantsFXAA = this->Renderer && this->Renderer->GetUseFXAA();
+  this->Internal->BeginOfFrame = vtkTimerLog::GetUniversalTime();
+  // The superclass turns it off until the merged image is there.
+  this->Internal->WantsFXAA = this->Renderer && this->Renderer->GetUseFXAA();
   this->Superclass::HandleStartRender();
-  this->DoesErase = this->IsActive() && this->Renderer->GetErase();
-  this->GetMetabufferPass()->SetErasesDisplay(this->DoesErase);
-  if (this->DoesErase)
+  this->Internal->DoesErase = this->IsActive() && this->Renderer->GetErase();
+  this->GetMetabufferPass()->SetErasesDisplay(this->Internal->DoesErase);
+  if (this->Internal->DoesErase)
   {
     this->Renderer->EraseOff();
   }
@@ -55,39 +68,41 @@ void vtkMetabufferSynchronizedRenderers::HandleStartRender()
 
 void vtkMetabufferSynchronizedRenderers::HandleEndRender()
 {
-  if (this->DoesErase)
+  if (this->Internal->DoesErase)
   {
     this->Renderer->EraseOn();
     this->GetMetabufferPass()->SetErasesDisplay(false);
-    this->DoesErase = false;
+    this->Internal->DoesErase = false;
   }
   this->Superclass::HandleEndRender();
   vtkRenderWindow* window = this->IsActive() ? this->Renderer->GetRenderWindow() : nullptr;
-  if (!window || !this->GetMetabufferPass()->GetUsedViewports() || this->EndOfFrameObserver != 0)
+  if (!window || !this->GetMetabufferPass()->GetUsedViewports() ||
+    this->Internal->EndOfFrameObserver != 0)
   {
     return;
   }
-  this->IsFrameHidden = !this->GetMetabufferPass()->ShowsTile() && window->GetSwapBuffers();
-  if (this->IsFrameHidden)
+  this->Internal->IsFrameHidden =
+    !this->GetMetabufferPass()->ShowsTile() && window->GetSwapBuffers();
+  if (this->Internal->IsFrameHidden)
   {
     window->SwapBuffersOff();
   }
-  this->EndOfFrameObserver = window->AddObserver(
+  this->Internal->EndOfFrameObserver = window->AddObserver(
     vtkCommand::EndEvent, this, &vtkMetabufferSynchronizedRenderers::HandleEndOfFrame);
 }
 
 void vtkMetabufferSynchronizedRenderers::HandleEndOfFrame(
   vtkObject* window, unsigned long vtkNotUsed(event), void* vtkNotUsed(data))
 {
-  window->RemoveObserver(this->EndOfFrameObserver);
-  this->EndOfFrameObserver = 0;
-  if (this->IsFrameHidden)
+  window->RemoveObserver(this->Internal->EndOfFrameObserver);
+  this->Internal->EndOfFrameObserver = 0;
+  if (this->Internal->IsFrameHidden)
   {
     static_cast<vtkRenderWindow*>(window)->SwapBuffersOn();
-    this->IsFrameHidden = false;
+    this->Internal->IsFrameHidden = false;
   }
   this->GetMetabufferPass()->SetLastFrameSeconds(
-    vtkTimerLog::GetUniversalTime() - this->BeginOfFrame);
+    vtkTimerLog::GetUniversalTime() - this->Internal->BeginOfFrame);
 }
 
 void vtkMetabufferSynchronizedRenderers::PushImageToScreen()
@@ -98,7 +113,7 @@ void vtkMetabufferSynchronizedRenderers::PushImageToScreen()
   int covered[4];
   this->GetMetabufferPass()->GetCoveredPixels(covered);
   if (!isOurs ||
-    !this->Delivery->Deliver(this->Renderer,
+    !this->Internal->Delivery.Deliver(this->Renderer,
       reinterpret_cast<const std::uint32_t*>(this->Image.GetRawPtr()->GetPointer(0)),
       this->Image.GetWidth(), this->Image.GetHeight(),
       { covered[0], covered[1], covered[2], covered[3] }))
@@ -106,10 +121,10 @@ void vtkMetabufferSynchronizedRenderers::PushImageToScreen()
     this->Superclass::PushImageToScreen();
     return;
   }
-  if (this->WantsFXAA)
+  if (this->Internal->WantsFXAA)
   {
-    this->Antialiasing->UpdateConfiguration(this->Renderer->GetFXAAOptions());
-    this->Antialiasing->Execute(this->Renderer);
+    this->Internal->Antialiasing->UpdateConfiguration(this->Renderer->GetFXAAOptions());
+    this->Internal->Antialiasing->Execute(this->Renderer);
   }
 }
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkMetabufferSynchronizedRenderers
- * @brief   synchronizes renderers of several ranks, merging their pictures by a vtkMetabufferPass
+ * @brief   synchronizes renderers of several ranks, and merges their images by a vtkMetabufferPass
  *
- * Used as vtkIceTSynchronizedRenderers, beside a vtkSynchronizedRenderWindows; the class is all
- * that an application without a ParaView session needs. Windows must not have multisamples.
+ * Used like vtkIceTSynchronizedRenderers, with a vtkSynchronizedRenderWindows. An application without
+ * a ParaView session needs no other class of this module. Windows must not have multisamples.
  *
- * Only what is seen is cleared, drawn and shown: windows of ranks that have no tile of the display
- * keep what they had.
+ * Windows of ranks without a tile of the display are neither cleared nor swapped: they keep what they
+ * had.
  */
 
 #ifndef vtkMetabufferSynchronizedRenderers_h
@@ -16,16 +16,10 @@
 
 #include "IsosurfaceRenderingModule.h" // For export macro
 #include "vtkIceTSynchronizedRenderers.h"
-#include "vtkNew.h" // For FXAA
 
-#include <memory> // For the delivery
+#include <memory> // For the implementation
 
-namespace isosurface
-{
-class ImageDelivery;
-}
 class vtkMetabufferPass;
-class vtkOpenGLFXAAFilter;
 
 class ISOSURFACERENDERING_EXPORT vtkMetabufferSynchronizedRenderers
   : public vtkIceTSynchronizedRenderers
@@ -42,10 +36,10 @@ protected:
   vtkMetabufferSynchronizedRenderers();
   ~vtkMetabufferSynchronizedRenderers() override;
 
-  /// The pass erases what it draws, in the place of the superclass' camera pass.
+  /// The pass erases the window, instead of the superclass' camera pass.
   void HandleStartRender() override;
   void HandleEndRender() override;
-  /// By copying where that gives the superclass' picture.
+  /// Copies the image to the window where that gives the superclass' result.
   void PushImageToScreen() override;
 
 private:
@@ -53,16 +47,11 @@ private:
   void operator=(const vtkMetabufferSynchronizedRenderers&) = delete;
 
   bool IsActive() const;
-  /// The window has shown the frame, or, where it shows no tile, done without.
+  /// Called when the window has shown the frame, or has skipped it because it shows no tile.
   void HandleEndOfFrame(vtkObject* window, unsigned long event, void* data);
 
-  std::unique_ptr<isosurface::ImageDelivery> Delivery;
-  vtkNew<vtkOpenGLFXAAFilter> Antialiasing;
-  bool WantsFXAA = false;
-  bool DoesErase = false;
-  bool IsFrameHidden = false;
-  unsigned long EndOfFrameObserver = 0;
-  double BeginOfFrame = 0;
+  class Internals;
+  std::unique_ptr<Internals> Internal;
 };
 
 #endif

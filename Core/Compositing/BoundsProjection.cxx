@@ -37,8 +37,7 @@ double GetDistanceToNearPlane(const ClipPoint& point)
   return point[2] + point[3];
 }
 
-// The corners of what is left of the box in front of the near plane. All others are on that plane,
-// where an edge of the box crosses it.
+// The corners of the box in front of the near plane, and where the other edges cross that plane.
 std::vector<ClipPoint> ClipAtNearPlane(const std::array<ClipPoint, 8>& corners)
 {
   std::vector<ClipPoint> clipped;
@@ -55,12 +54,12 @@ std::vector<ClipPoint> ClipAtNearPlane(const std::array<ClipPoint, 8>& corners)
       const double otherDistance = GetDistanceToNearPlane(corners[other]);
       if (distance < 0 && otherDistance > 0)
       {
-        const double share = otherDistance / (otherDistance - distance);
+        const double fraction = otherDistance / (otherDistance - distance);
         ClipPoint crossing{};
         for (std::size_t row = 0; row < 4; ++row)
         {
           crossing[row] =
-            corners[other][row] + share * (corners[corner][row] - corners[other][row]);
+            corners[other][row] + fraction * (corners[corner][row] - corners[other][row]);
         }
         clipped.push_back(crossing);
       }

@@ -8,14 +8,14 @@ namespace isosurface
 namespace
 {
 
-// Rows of the thinnest strip: below that a message's cost is that of its pieces, not of its pixels.
-constexpr int LeastStripRows = 8;
-// Strips a rank: the more, the more evenly their different contents are spread.
+// The rows of a strip are not fewer: the overhead of a strip would exceed the cost of its pixels.
+constexpr int MinimumStripRows = 8;
+// Strips a rank: with more of them, their different contents are spread more evenly.
 constexpr int StripsPerRank = 4;
-// What it costs to put a received pixel into its place, as against merging a pixel into another.
-constexpr double PlacingCost = 0.5;
+// The cost of copying a merged pixel to the tile, relative to that of merging a pixel.
+constexpr double CopyCost = 0.5;
 
-struct CoveredPart
+struct CoveredPixels
 {
   PixelRectangle Pixels;
   int Rank;
@@ -27,19 +27,19 @@ void SortUnique(std::vector<int>& values)
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-// The cells of rows [bottom, top), which no edge of a part lies between.
-void AppendBand(const std::vector<CoveredPart>& parts, std::size_t tile, int bottom, int top,
+// Appends the cells of rows [bottom, top), between which no viewport begins or ends.
+void AppendBand(const std::vector<CoveredPixels>& coverage, std::size_t tile, int bottom, int top,
   std::vector<CompositeCell>& cells)
 {
-  std::vector<CoveredPart> band;
+  std::vector<CoveredPixels> band;
   std::vector<int> columns;
-  for (const CoveredPart& part : parts)
+  for (const CoveredPixels& covered : coverage)
   {
-    if (part.Pixels.Y <= bottom && part.Pixels.GetTop() >= top)
+    if (covered.Pixels.Y <= bottom && covered.Pixels.GetTop() >= top)
     {
-      band.push_back(part);
-      columns.push_back(part.Pixels.X);
-      columns.push_back(part.Pixels.GetRight());
+      band.push_back(covered);
+      columns.push_back(covered.Pixels.X);
+      columns.push_back(covered.Pixels.GetRight());
     }
   }
   SortUnique(columns);
@@ -48,11 +48,11 @@ void AppendBand(const std::vector<CoveredPart>& parts, std::size_t tile, int bot
     CompositeCell cell;
     cell.Tile = tile;
     cell.Pixels = PixelRectangle::FromEdges(columns[column], bottom, columns[column + 1], top);
-    for (const CoveredPart& part : band)
+    for (const CoveredPixels& covered : band)
     {
-      if (part.Pixels.Contains(cell.Pixels.X, bottom))
+      if (covered.Pixels.Contains(cell.Pixels.X, bottom))
       {
-        cell.Ranks.push_back(part.Rank);
+        cell.Ranks.push_back(covered.Rank);
       }
     }
     if (!cell.Ranks.empty())
@@ -62,8 +62,8 @@ void AppendBand(const std::vector<CoveredPart>& parts, std::size_t tile, int bot
   }
 }
 
-// Joins cells of the last band, which begins at index `band`, to those right below them that have
-// the same columns and ranks; these are left empty.
+// Joins the cells of the last band, from index `band` on, with the cells right below them that have
+// the same columns and ranks. Those, from index `below` on, are left empty.
 void JoinUpwards(std::vector<CompositeCell>& cells, std::size_t below, std::size_t band)
 {
   const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(below);
@@ -88,14 +88,14 @@ void JoinUpwards(std::vector<CompositeCell>& cells, std::size_t below, std::size
 std::vector<CompositeCell> CutTile(
   const std::vector<Viewport>& viewports, const PixelRectangle& tilePixels, std::size_t tile)
 {
-  std::vector<CoveredPart> parts;
+  std::vector<CoveredPixels> coverage;
   std::vector<int> rows;
   for (std::size_t rank = 0; rank < viewports.size(); ++rank)
   {
     const PixelRectangle pixels = viewports[rank].GetPixels(tilePixels);
     if (!pixels.IsEmpty())
     {
-      parts.push_back({ pixels, static_cast<int>(rank) });
+      coverage.push_back({ pixels, static_cast<int>(rank) });
       rows.push_back(pixels.Y);
       rows.push_back(pixels.GetTop());
     }
@@ -106,7 +106,7 @@ std::vector<CompositeCell> CutTile(
   for (std::size_t row = 0; row + 1 < rows.size(); ++row)
   {
     const std::size_t band = cells.size();
-    AppendBand(parts, tile, rows[row], rows[row + 1], cells);
+    AppendBand(coverage, tile, rows[row], rows[row + 1], cells);
     JoinUpwards(cells, below, band);
     below = band;
   }
@@ -131,10 +131,10 @@ double GetMergeCost(const CompositeCell& cell)
   return static_cast<double>(cell.GetBlocks().GetArea()) * static_cast<double>(cell.Ranks.size());
 }
 
-void AppendStrips(const CompositeCell& cell, double largestCost, std::vector<CompositeCell>& strips)
+void AppendStrips(const CompositeCell& cell, double maximumCost, std::vector<CompositeCell>& strips)
 {
-  const int wanted = static_cast<int>(std::min(1e6, GetMergeCost(cell) / largestCost)) + 1;
-  const int possible = std::max(1, cell.Pixels.Height / (LeastStripRows * cell.Divisor));
+  const int wanted = static_cast<int>(std::min(1e6, GetMergeCost(cell) / maximumCost)) + 1;
+  const int possible = std::max(1, cell.Pixels.Height / (MinimumStripRows * cell.Divisor));
   const int count = std::min(wanted, possible);
   for (int strip = 0; strip < count; ++strip)
   {
@@ -147,6 +147,32 @@ void AppendStrips(const CompositeCell& cell, double largestCost, std::vector<Com
     strips.back().Pixels = PixelRectangle::FromEdges(
       cell.Pixels.X, edge(strip), cell.Pixels.GetRight(), edge(strip + 1));
   }
+}
+
+// Cuts the cells of several ranks into strips of at most `maximumCost`, each of which goes to the
+// rank of the cell that has the least to do so far. `loads` are the ranks' costs before.
+std::vector<CompositeCell> AssignOwners(
+  const std::vector<CompositeCell>& cells, double maximumCost, std::vector<double> loads)
+{
+  std::vector<CompositeCell> strips;
+  for (const CompositeCell& cell : cells)
+  {
+    if (cell.Ranks.size() == 1)
+    {
+      strips.push_back(cell);
+      continue;
+    }
+    const std::size_t first = strips.size();
+    AppendStrips(cell, maximumCost, strips);
+    for (std::size_t strip = first; strip < strips.size(); ++strip)
+    {
+      strips[strip].Owner = *std::min_element(cell.Ranks.begin(), cell.Ranks.end(),
+        [&loads](int a, int b)
+        { return loads[static_cast<std::size_t>(a)] < loads[static_cast<std::size_t>(b)]; });
+      loads[static_cast<std::size_t>(strips[strip].Owner)] += GetMergeCost(strips[strip]);
+    }
+  }
+  return strips;
 }
 
 } // namespace
@@ -165,30 +191,11 @@ std::vector<CompositeCell> PlanCompositing(
       cell.Owner = cell.Ranks.front();
       total += cell.Ranks.size() > 1 ? GetMergeCost(cell) : 0;
       loads[static_cast<std::size_t>(tiles[tile].Rank)] +=
-        PlacingCost * static_cast<double>(cell.GetBlocks().GetArea());
+        CopyCost * static_cast<double>(cell.GetBlocks().GetArea());
       cells.push_back(std::move(cell));
     }
   }
-
-  std::vector<CompositeCell> strips;
-  for (const CompositeCell& cell : cells)
-  {
-    if (cell.Ranks.size() == 1)
-    {
-      strips.push_back(cell);
-      continue;
-    }
-    const std::size_t first = strips.size();
-    AppendStrips(cell, total / static_cast<double>(StripsPerRank * viewports.size()), strips);
-    for (std::size_t strip = first; strip < strips.size(); ++strip)
-    {
-      strips[strip].Owner = *std::min_element(cell.Ranks.begin(), cell.Ranks.end(),
-        [&loads](int a, int b)
-        { return loads[static_cast<std::size_t>(a)] < loads[static_cast<std::size_t>(b)]; });
-      loads[static_cast<std::size_t>(strips[strip].Owner)] += GetMergeCost(strips[strip]);
-    }
-  }
-  return strips;
+  return AssignOwners(cells, total / static_cast<double>(StripsPerRank * viewports.size()), loads);
 }
 
 } // namespace isosurface

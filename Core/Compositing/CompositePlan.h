@@ -2,6 +2,7 @@
 #ifndef isosurface_CompositePlan_h
 #define isosurface_CompositePlan_h
 
+#include "Compositing/DisplayLayout.h"
 #include "Compositing/Viewport.h"
 
 #include <cstddef>
@@ -11,8 +12,8 @@ namespace isosurface
 {
 
 /**
- * A part of a tile that the same ranks cover all over. One of them, the owner, merges the pictures
- * of all and passes the result on to the rank that shows the tile.
+ * A rectangle of a tile that the same ranks cover completely. One of them, the owner, merges the
+ * images of all and sends the result to the rank that shows the tile.
  */
 struct CompositeCell
 {
@@ -20,24 +21,24 @@ struct CompositeCell
   PixelRectangle Pixels;  ///< of the display, inside the tile
   std::vector<int> Ranks; ///< those whose viewports cover it, ascending, at least one
   int Owner = 0;          ///< one of them
-  int Divisor = 1;        ///< of the merged picture: the greatest common one of the ranks' divisors
+  int Divisor = 1;        ///< of the merged image: the greatest common divisor of the ranks' ones
 
-  /// The raster of the merged picture, in blocks of Divisor.
+  /// The raster of the merged image, in blocks of Divisor.
   PixelRectangle GetBlocks() const { return CoverWithBlocks(this->Pixels, this->Divisor); }
 };
 
 /**
- * Cuts the tiles along the edges of the viewports into cells, and those where pictures meet into
- * strips that are shared out evenly among the ranks that draw there. All that some viewport covers
- * is in one cell for each tile that it is on, all else in none.
+ * Cuts the tiles into cells along the edges of the viewports. Cells that several ranks cover are cut
+ * further, into strips whose owners have about equal work. Each pixel of a tile that some viewport
+ * covers is in one cell of that tile; all other pixels are in none.
  *
- * `viewports` are by rank; a rank that shows a tile has one, maybe empty. Every rank makes the same
- * plan of the same arguments.
+ * `viewports` are those of all ranks, by rank; that of a rank that draws nothing is empty. The plan
+ * depends on the arguments alone, so it is the same on every rank.
  *
- * Where one rank draws alone, nothing has to be merged, and it needs to send colors only, to
- * nobody but the rank that shows the tile. Compact parts of a surface have mostly such cells.
+ * A cell that one rank covers needs no merging: that rank sends colors only, to the rank that shows
+ * the tile. Compact pieces of a surface have mostly such cells.
  *
- * Cost for n viewports: O(n^2) cells of up to n ranks on a tile, where all overlap.
+ * Cost for n viewports that all overlap: O(n^2) cells a tile, of up to n ranks each.
  */
 std::vector<CompositeCell> PlanCompositing(
   const std::vector<Viewport>& viewports, const std::vector<DisplayTile>& tiles);

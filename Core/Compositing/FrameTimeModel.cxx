@@ -9,15 +9,16 @@ namespace isosurface
 namespace
 {
 
-// Deviation of a frame's seconds from those of the same frame a moment before, as a share of them.
+// The standard deviation of the seconds of equal frames, relative to these seconds.
 constexpr double MeasurementNoise = 0.1;
-// How far the constant wanders from frame to frame, against the noise: about half of what a frame
-// tells is believed at once. The other coefficients wander less; they are the machine's.
+// The variance that the constant gains from frame to frame, relative to the noise: about half of what
+// a frame tells is believed at once. The other coefficients, which are the machine's, change less:
+// their standard deviation a frame, relative to their values.
 constexpr double ConstantDrift = 0.5;
 constexpr double CoefficientDrift = 0.02;
 // How much longer or shorter than predicted an outlier is.
 constexpr double OutlierFactor = 1.5;
-// Until then it is the model's beginning that is measured, not the machine.
+// Ratios of the first frames are not kept: they measure the initial coefficients, not the machine.
 constexpr std::int64_t FirstFrames = 3;
 
 } // namespace
@@ -25,8 +26,8 @@ constexpr std::int64_t FirstFrames = 3;
 FrameTimeModel::Vector FrameTimeModel::MakeFeatures(const FrameWork& work)
 {
   constexpr double Million = 1e6;
-  return { 1.0, static_cast<double>(work.MostTriangles) / Million,
-    static_cast<double>(work.MostSamples) / Million,
+  return { 1.0, static_cast<double>(work.MaximumTriangles) / Million,
+    static_cast<double>(work.MaximumSamples) / Million,
     static_cast<double>(work.AllSamples) / Million };
 }
 
@@ -100,7 +101,7 @@ void FrameTimeModel::Learn(const FrameWork& work, double seconds)
   for (std::size_t row = 0; row < Size; ++row)
   {
     gain[row] /= uncertainty;
-    // Nothing takes less than no time.
+    // No work takes negative time.
     this->Coefficients[row] =
       std::max(0.0, this->Coefficients[row] + gain[row] * (seconds - predicted));
   }

@@ -13,7 +13,7 @@ namespace
 constexpr unsigned BitsOfByte = 8;
 constexpr std::size_t BytesOfColor = 4;
 
-/// A sum of colors with weights, byte by byte.
+/// The weighted mean of colors, byte by byte.
 class WeightedColor
 {
 public:
@@ -40,7 +40,7 @@ private:
   std::uint32_t Weight = 0;
 };
 
-/// The two blocks whose middles a pixel is between, and their weights, which add up to 2 * divisor.
+/// The two blocks between whose centers a pixel lies, and their weights, which add up to 2 * divisor.
 struct BlockPair
 {
   std::array<int, 2> Blocks;
@@ -56,7 +56,7 @@ struct BlockPair
   }
 };
 
-std::uint32_t Interpolate(const ImageView& picture, const BlockPair& columns, const BlockPair& rows)
+std::uint32_t Interpolate(const ImageView& image, const BlockPair& columns, const BlockPair& rows)
 {
   WeightedColor mean;
   for (std::size_t row = 0; row < 2; ++row)
@@ -64,14 +64,14 @@ std::uint32_t Interpolate(const ImageView& picture, const BlockPair& columns, co
     for (std::size_t column = 0; column < 2; ++column)
     {
       const std::uint32_t weight = columns.Weights[column] * rows.Weights[row];
-      if (weight == 0 || !picture.Raster.Contains(columns.Blocks[column], rows.Blocks[row]))
+      if (weight == 0 || !image.Raster.Contains(columns.Blocks[column], rows.Blocks[row]))
       {
         continue;
       }
-      const std::size_t sample = picture.GetIndex(columns.Blocks[column], rows.Blocks[row]);
-      if (picture.Depths[sample] < 1.0F)
+      const std::size_t sample = image.GetIndex(columns.Blocks[column], rows.Blocks[row]);
+      if (image.Depths[sample] < 1.0F)
       {
-        mean.Add(picture.Colors[sample], weight);
+        mean.Add(image.Colors[sample], weight);
       }
     }
   }
@@ -80,17 +80,25 @@ std::uint32_t Interpolate(const ImageView& picture, const BlockPair& columns, co
 
 } // namespace
 
-void OwnImage::Resize(const PixelRectangle& raster)
+void UpsampleBlocks(
+  const ImageView& image, int divisor, const PixelRectangle& pixels, ImageBuffer& upsampled)
 {
-  this->Raster = raster;
-  this->Colors.resize(static_cast<std::size_t>(raster.GetArea()));
-  this->Depths.resize(static_cast<std::size_t>(raster.GetArea()));
+  for (int y = pixels.Y; y < pixels.GetTop(); ++y)
+  {
+    std::size_t pixel = upsampled.GetView().GetIndex(pixels.X, y);
+    for (int x = pixels.X; x < pixels.GetRight(); ++x, ++pixel)
+    {
+      const std::size_t sample = image.GetIndex(x / divisor, y / divisor);
+      upsampled.Colors[pixel] = image.Colors[sample];
+      upsampled.Depths[pixel] = image.Depths[sample];
+    }
+  }
 }
 
-void EnlargeSmoothly(
-  const ImageView& picture, int divisor, const PixelRectangle& pixels, OwnImage& enlarged)
+void UpsampleSmoothly(
+  const ImageView& image, int divisor, const PixelRectangle& pixels, ImageBuffer& upsampled)
 {
-  enlarged.Resize(pixels);
+  upsampled.Resize(pixels);
   std::size_t pixel = 0;
   for (int y = pixels.Y; y < pixels.GetTop(); ++y)
   {
@@ -98,9 +106,9 @@ void EnlargeSmoothly(
     for (int x = pixels.X; x < pixels.GetRight(); ++x, ++pixel)
     {
       const BlockPair columns(x, divisor);
-      const float depth = picture.Depths[picture.GetIndex(columns.Blocks[0], rows.Blocks[0])];
-      enlarged.Depths[pixel] = depth;
-      enlarged.Colors[pixel] = depth < 1.0F ? Interpolate(picture, columns, rows) : 0;
+      const float depth = image.Depths[image.GetIndex(columns.Blocks[0], rows.Blocks[0])];
+      upsampled.Depths[pixel] = depth;
+      upsampled.Colors[pixel] = depth < 1.0F ? Interpolate(image, columns, rows) : 0;
     }
   }
 }
@@ -108,7 +116,7 @@ void EnlargeSmoothly(
 void AverageSamples(const std::uint32_t* fineColors, const float* fineDepths, int width, int height,
   std::uint32_t* coarseColors, float* coarseDepths)
 {
-  // Even and odd bytes of a color apart: sums of four bytes fit in two.
+  // Even and odd bytes of a color are summed separately: a sum of four bytes fits in two bytes.
   constexpr std::uint32_t EvenBytes = 0x00ff00ffU;
   constexpr std::uint32_t Halves = 0x00020002U;
   const auto columns = static_cast<std::size_t>(width);

@@ -2,41 +2,35 @@
 #ifndef isosurface_ImageScaling_h
 #define isosurface_ImageScaling_h
 
-#include "Compositing/PixelRuns.h"
-
-#include <cstdint>
-#include <vector>
+#include "Compositing/Image.h"
 
 namespace isosurface
 {
 
-/// A picture with memory of its own.
-struct OwnImage
-{
-  std::vector<std::uint32_t> Colors;
-  std::vector<float> Depths;
-  PixelRectangle Raster;
-
-  void Resize(const PixelRectangle& raster);
-  ImageView GetView() const { return { this->Colors.data(), this->Depths.data(), this->Raster }; }
-};
-
 /**
- * Enlarges a picture of one sample for each block of divisor x divisor pixels to `pixels`, which
- * its blocks cover. Depths, and what is active, are those of a pixel's block; colors go over
- * linearly from the middles of blocks to those of the neighbors, as far as these are active, so
- * silhouettes do not fray and the background does not bleed.
- *
- * All is computed in integers: of the up to four samples around a pixel, each byte of the color is
- * the mean, by the products of the distances to the middles in half pixels, rounded half up.
- * Pixels without an active sample become 0.
+ * Upsamples an image of one sample for each block of divisor x divisor pixels: every pixel gets the
+ * sample of its block. Only `pixels` of `upsampled` are written; they lie inside its raster, and the
+ * image's blocks cover them.
  */
-void EnlargeSmoothly(
-  const ImageView& picture, int divisor, const PixelRectangle& pixels, OwnImage& enlarged);
+void UpsampleBlocks(
+  const ImageView& image, int divisor, const PixelRectangle& pixels, ImageBuffer& upsampled);
 
 /**
- * Makes a picture of width x height pixels from one of twice the size in both directions: each byte
- * of a color is the mean of four, rounded half up, and the depth the nearest one. `coarseDepths` is
+ * Upsamples an image of one sample for each block of divisor x divisor pixels by bilinear
+ * interpolation. `upsampled` becomes an image of `pixels`, which the image's blocks cover.
+ *
+ * A pixel has its block's depth; it is active if its block is. Its color is interpolated between the
+ * centers of the up to four blocks around it, the active ones only, so that silhouettes stay sharp
+ * and the background does not bleed in. All is computed in integers: each byte of the color is a
+ * mean weighted by the products of the distances in half pixels, rounded half up. Inactive pixels
+ * get color 0.
+ */
+void UpsampleSmoothly(
+  const ImageView& image, int divisor, const PixelRectangle& pixels, ImageBuffer& upsampled);
+
+/**
+ * Downsamples an image to width x height pixels from twice as many in both directions. Each byte of
+ * a color is the mean of four, rounded half up; the depth is the minimum of four. `coarseDepths` is
  * null if there are no depths.
  */
 void AverageSamples(const std::uint32_t* fineColors, const float* fineDepths, int width, int height,

@@ -14,7 +14,6 @@ namespace
 
 constexpr std::size_t HeaderSize = 14;
 constexpr std::uint32_t AlphaBits = 0xff000000U; // of a color that was loaded little-endian
-constexpr std::size_t LongestCount = 5;          // bytes of a LEB128 of 32 bits
 
 std::uint32_t GetBits(float depth)
 {
@@ -30,76 +29,43 @@ float MakeDepth(std::uint32_t bits)
   return depth;
 }
 
-void AppendCount(std::uint32_t count, Message& bytes)
-{
-  while (count >= 0x80U)
-  {
-    bytes.push_back(static_cast<std::uint8_t>(count | 0x80U));
-    count >>= 7U;
-  }
-  bytes.push_back(static_cast<std::uint8_t>(count));
-}
-
-bool ReadCount(const std::uint8_t*& cursor, const std::uint8_t* end, std::uint32_t& count)
-{
-  std::uint64_t value = 0;
-  for (unsigned index = 0; index < LongestCount && cursor != end; ++index)
-  {
-    const std::uint8_t byte = *cursor++;
-    value |= static_cast<std::uint64_t>(byte & 0x7fU) << (7U * index);
-    if (byte < 0x80U)
-    {
-      count = static_cast<std::uint32_t>(value);
-      return value <= std::numeric_limits<std::uint32_t>::max();
-    }
-  }
-  return false;
-}
-
-// What a pass over the part finds out about its active pixels.
+// What the passes over the depths find out about the active pixels.
 struct Summary
 {
   std::vector<PixelRun> Runs;
   std::size_t Count = 0;
-  std::uint32_t LowestDepth = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t HighestDepth = 0;
-  std::uint32_t CommonAlpha = AlphaBits; // all ones if every alpha is 255
+  std::uint32_t MinimumDepth = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t MaximumDepth = 0;
+  std::uint32_t CommonAlpha = AlphaBits; // unchanged if every alpha is 255
 };
 
-Summary Summarize(const ImageView& picture, const PixelRectangle& part)
+Summary Summarize(const ImageView& image, const PixelRectangle& rectangle)
 {
   Summary summary;
-  for (int y = part.Y; y < part.GetTop(); ++y)
-  {
-    const std::size_t row = picture.GetIndex(part.X, y);
-    const float* depths = picture.Depths + row;
-    const std::uint32_t* colors = picture.Colors + row;
-    for (int begin = FindActive(depths, 0, part.Width); begin < part.Width;)
+  ForEachActiveRun(image, rectangle,
+    [&summary](const PixelRun& run, const std::uint32_t* colors, const float* depths)
     {
-      const int end = FindInactive(depths, begin, part.Width);
-      for (int x = begin; x < end; ++x)
+      for (int x = 0; x < run.Length; ++x)
       {
         const std::uint32_t bits = GetBits(depths[x]);
-        summary.LowestDepth = std::min(summary.LowestDepth, bits);
-        summary.HighestDepth = std::max(summary.HighestDepth, bits);
+        summary.MinimumDepth = std::min(summary.MinimumDepth, bits);
+        summary.MaximumDepth = std::max(summary.MaximumDepth, bits);
         summary.CommonAlpha &= colors[x];
       }
-      summary.Runs.push_back({ part.X + begin, y, end - begin, summary.Count });
-      summary.Count += static_cast<std::size_t>(end - begin);
-      begin = FindActive(depths, end, part.Width);
-    }
-  }
+      summary.Runs.push_back(run);
+      summary.Count += static_cast<std::size_t>(run.Length);
+    });
   return summary;
 }
 
 std::uint8_t ChooseDepthSize(const Summary& summary)
 {
-  const std::uint32_t range = summary.Count == 0 ? 0 : summary.HighestDepth - summary.LowestDepth;
+  const std::uint32_t range = summary.Count == 0 ? 0 : summary.MaximumDepth - summary.MinimumDepth;
   return range < (1U << 16U) ? 2 : range < (1U << 24U) ? 3 : 4;
 }
 
-// Stores the `size` low bytes of values as `at` advances. Four bytes are written each time, which
-// the next value overwrites; so the buffer is to have four bytes more than the values take.
+// Stores the `size` low bytes of values, and returns their end. Each value is written as four bytes,
+// the next one overwrites what exceeds it; so the buffer has four bytes more than the values take.
 template <typename Value>
 std::uint8_t* PackValues(std::size_t size, int count, const Value& value, std::uint8_t* at)
 {
@@ -111,20 +77,20 @@ std::uint8_t* PackValues(std::size_t size, int count, const Value& value, std::u
   return at;
 }
 
-void AppendRunLengths(const Summary& summary, const PixelRectangle& part, Message& bytes)
+void AppendRunLengths(const Summary& summary, const PixelRectangle& rectangle, Message& bytes)
 {
   std::uint32_t end = 0;
   std::uint32_t inactive = 0;
   std::uint32_t active = 0;
   for (const PixelRun& run : summary.Runs)
   {
-    const std::uint32_t begin =
-      static_cast<std::uint32_t>(run.Y - part.Y) * static_cast<std::uint32_t>(part.Width) +
-      static_cast<std::uint32_t>(run.X - part.X);
+    const std::uint32_t begin = static_cast<std::uint32_t>(run.Y - rectangle.Y) *
+        static_cast<std::uint32_t>(rectangle.Width) +
+      static_cast<std::uint32_t>(run.X - rectangle.X);
     if (begin != end && active != 0)
     {
-      AppendCount(inactive, bytes);
-      AppendCount(active, bytes);
+      AppendVarint(bytes, inactive);
+      AppendVarint(bytes, active);
       inactive = 0;
       active = 0;
     }
@@ -135,8 +101,8 @@ void AppendRunLengths(const Summary& summary, const PixelRectangle& part, Messag
   }
   if (active != 0)
   {
-    AppendCount(inactive, bytes);
-    AppendCount(active, bytes);
+    AppendVarint(bytes, inactive);
+    AppendVarint(bytes, active);
   }
 }
 
@@ -145,30 +111,30 @@ Status MakeCorruptError(const char* reason)
   return { StatusCode::Corrupt, std::string("Pixels from another rank: ") + reason };
 }
 
-// Makes runs of rows from the lengths; each lies inside the part.
-Status ReadRunLengths(const std::uint8_t*& cursor, const std::uint8_t* end,
-  const PixelRectangle& part, std::size_t count, std::vector<PixelRun>& runs)
+// Makes runs of rows from the lengths; each lies inside the rectangle.
+Status ReadRunLengths(ByteReader& reader, const PixelRectangle& rectangle, std::size_t count,
+  std::vector<PixelRun>& runs)
 {
   runs.clear();
-  const auto area = static_cast<std::uint64_t>(part.GetArea());
+  const auto area = static_cast<std::uint64_t>(rectangle.GetArea());
   std::uint64_t position = 0;
   std::size_t first = 0;
   while (first < count)
   {
-    std::uint32_t inactive = 0;
-    std::uint32_t active = 0;
-    if (!ReadCount(cursor, end, inactive) || !ReadCount(cursor, end, active) || active == 0 ||
-      active > count - first || position + inactive + active > area)
+    const auto inactive = reader.ReadVarint<std::uint32_t>();
+    auto active = reader.ReadVarint<std::uint32_t>();
+    if (reader.HasFailed() || active == 0 || active > count - first ||
+      position + inactive + active > area)
     {
       return MakeCorruptError("runs that do not fit their rectangle");
     }
     position += inactive;
     while (active > 0)
     {
-      const auto x = static_cast<int>(position % static_cast<std::uint64_t>(part.Width));
-      const auto y = static_cast<int>(position / static_cast<std::uint64_t>(part.Width));
-      const int length = std::min(static_cast<int>(active), part.Width - x);
-      runs.push_back({ part.X + x, part.Y + y, length, first });
+      const auto x = static_cast<int>(position % static_cast<std::uint64_t>(rectangle.Width));
+      const auto y = static_cast<int>(position / static_cast<std::uint64_t>(rectangle.Width));
+      const int length = std::min(static_cast<int>(active), rectangle.Width - x);
+      runs.push_back({ rectangle.X + x, rectangle.Y + y, length, first });
       first += static_cast<std::size_t>(length);
       position += static_cast<std::uint64_t>(length);
       active -= static_cast<std::uint32_t>(length);
@@ -177,8 +143,7 @@ Status ReadRunLengths(const std::uint8_t*& cursor, const std::uint8_t* end,
   return Status::Ok();
 }
 
-// Loads values of `size` (2 to 4) bytes each: four at a time, but for the last value, behind which
-// there may be nothing.
+// Loads values of `size` (2 to 4) bytes each. All but the last two are loaded as four bytes at once.
 template <typename Function>
 void UnpackValues(const std::uint8_t* at, std::size_t size, std::size_t count, const Function& use)
 {
@@ -236,16 +201,16 @@ int FindInactive(const float* depths, int begin, int end)
 }
 
 void AppendActivePixels(
-  const ImageView& picture, const PixelRectangle& part, PixelContent content, Message& bytes)
+  const ImageView& image, const PixelRectangle& rectangle, PixelContent content, Message& bytes)
 {
-  const Summary summary = Summarize(picture, part);
+  const Summary summary = Summarize(image, rectangle);
   const std::uint8_t colorSize = summary.CommonAlpha == AlphaBits ? 3 : 4;
   const std::uint8_t depthSize =
     content == PixelContent::Colors ? std::uint8_t{ 0 } : ChooseDepthSize(summary);
 
   const std::size_t begin = bytes.size();
   bytes.resize(begin + HeaderSize);
-  AppendRunLengths(summary, part, bytes);
+  AppendRunLengths(summary, rectangle, bytes);
   const std::size_t pixels = bytes.size();
   const std::size_t end = pixels + summary.Count * (std::size_t{ colorSize } + depthSize);
   bytes.resize(end + sizeof(std::uint32_t));
@@ -253,16 +218,16 @@ void AppendActivePixels(
   std::uint8_t* at = bytes.data() + pixels;
   for (const PixelRun& run : summary.Runs)
   {
-    const std::uint32_t* colors = picture.Colors + picture.GetIndex(run.X, run.Y);
+    const std::uint32_t* colors = image.Colors + image.GetIndex(run.X, run.Y);
     at = PackValues(
       colorSize, run.Length, [colors](int index) { return colors[index]; }, at);
   }
   for (const PixelRun& run : summary.Runs)
   {
-    const float* depths = picture.Depths + picture.GetIndex(run.X, run.Y);
+    const float* depths = image.Depths + image.GetIndex(run.X, run.Y);
     at = PackValues(
       depthSize, depthSize == 0 ? 0 : run.Length,
-      [depths, &summary](int index) { return GetBits(depths[index]) - summary.LowestDepth; }, at);
+      [depths, &summary](int index) { return GetBits(depths[index]) - summary.MinimumDepth; }, at);
   }
   bytes.resize(end);
 
@@ -271,50 +236,49 @@ void AppendActivePixels(
   StoreLittleEndian(header + 4, static_cast<std::uint32_t>(summary.Count));
   header[8] = colorSize;
   header[9] = depthSize;
-  StoreLittleEndian(header + 10, summary.Count == 0 ? 0 : summary.LowestDepth);
+  StoreLittleEndian(header + 10, summary.Count == 0 ? 0 : summary.MinimumDepth);
 }
 
-Status ReadActivePixels(const Message& bytes, const PixelRectangle& part, PixelContent content,
+Status ReadActivePixels(const Message& bytes, const PixelRectangle& rectangle, PixelContent content,
   std::size_t& offset, ActivePixels& pixels)
 {
   if (offset > bytes.size() || bytes.size() - offset < HeaderSize)
   {
     return MakeCorruptError("truncated header");
   }
-  const std::uint8_t* header = bytes.data() + offset;
-  const std::size_t size = LoadLittleEndian<std::uint32_t>(header) + sizeof(std::uint32_t);
-  const std::size_t count = LoadLittleEndian<std::uint32_t>(header + 4);
-  const std::size_t colorSize = header[8];
-  const std::size_t depthSize = header[9];
-  const auto lowest = LoadLittleEndian<std::uint32_t>(header + 10);
+  const std::uint8_t* begin = bytes.data() + offset;
+  const std::size_t size = LoadLittleEndian<std::uint32_t>(begin) + sizeof(std::uint32_t);
   if (size < HeaderSize || size > bytes.size() - offset)
   {
     return MakeCorruptError("truncated");
   }
+  ByteReader reader(begin + sizeof(std::uint32_t), size - sizeof(std::uint32_t));
+  const std::size_t count = reader.Read<std::uint32_t>();
+  const std::size_t colorSize = reader.Read<std::uint8_t>();
+  const std::size_t depthSize = reader.Read<std::uint8_t>();
+  const auto minimumDepth = reader.Read<std::uint32_t>();
   if (colorSize < 3 || colorSize > 4 || depthSize == 1 || depthSize > 4 ||
     (depthSize == 0) != (content == PixelContent::Colors) ||
-    count > static_cast<std::uint64_t>(part.GetArea()))
+    count > static_cast<std::uint64_t>(rectangle.GetArea()))
   {
-    return MakeCorruptError("a header that nobody writes");
+    return MakeCorruptError("impossible sizes in the header");
   }
 
-  const std::uint8_t* cursor = header + HeaderSize;
-  const std::uint8_t* end = header + size;
-  ISOSURFACE_RETURN_IF_ERROR(ReadRunLengths(cursor, end, part, count, pixels.Runs));
-  if (static_cast<std::size_t>(end - cursor) != count * (colorSize + depthSize))
+  ISOSURFACE_RETURN_IF_ERROR(ReadRunLengths(reader, rectangle, count, pixels.Runs));
+  if (reader.GetRemaining() != count * (colorSize + depthSize))
   {
     return MakeCorruptError("colors and depths of another number of pixels");
   }
   pixels.Colors.resize(count);
   const std::uint32_t alpha = colorSize == 3 ? AlphaBits : 0;
-  UnpackValues(cursor, colorSize, count,
+  UnpackValues(reader.ReadBytes(count * colorSize), colorSize, count,
     [&](std::size_t index, std::uint32_t value) { pixels.Colors[index] = value | alpha; });
   pixels.Depths.resize(depthSize == 0 ? 0 : count);
   if (depthSize != 0)
   {
-    UnpackValues(cursor + count * colorSize, depthSize, count,
+    UnpackValues(reader.ReadBytes(count * depthSize), depthSize, count,
       [&](std::size_t index, std::uint32_t value)
-      { pixels.Depths[index] = MakeDepth(lowest + value); });
+      { pixels.Depths[index] = MakeDepth(minimumDepth + value); });
   }
   offset += size;
   return Status::Ok();

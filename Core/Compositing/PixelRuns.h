@@ -3,7 +3,7 @@
 #define isosurface_PixelRuns_h
 
 #include "Base/Communicator.h"
-#include "Compositing/PixelRectangle.h"
+#include "Compositing/Image.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -12,31 +12,7 @@
 namespace isosurface
 {
 
-/**
- * A picture in memory: pixels of four bytes (red, green, blue, alpha in the order of addresses) and
- * depths from 0 (near) to 1 (far), row by row from the bottom up. A pixel is active, that is,
- * something was drawn there, if its depth is less than 1. Not owned.
- */
-struct ImageView
-{
-  const std::uint32_t* Colors = nullptr;
-  const float* Depths = nullptr;
-  PixelRectangle Raster; ///< the place of the picture in the raster that it is part of
-
-  std::size_t GetIndex(int x, int y) const
-  {
-    return static_cast<std::size_t>(y - this->Raster.Y) *
-      static_cast<std::size_t>(this->Raster.Width) +
-      static_cast<std::size_t>(x - this->Raster.X);
-  }
-};
-
-/// The index of the first active (or inactive) pixel of a row at `begin` or behind it; `end` if
-/// there is none. Rows are empty for the most part, and are searched a block at a time.
-int FindActive(const float* depths, int begin, int end);
-int FindInactive(const float* depths, int begin, int end);
-
-/// Whether depths travel with the colors: whoever merges needs them, whoever shows does not.
+/// Whether depths are sent with the colors: merging needs them, showing does not.
 enum class PixelContent : std::uint8_t
 {
   Colors,
@@ -46,13 +22,13 @@ enum class PixelContent : std::uint8_t
 /// Active pixels of one row, side by side.
 struct PixelRun
 {
-  int X = 0; ///< in the raster that the picture is part of
+  int X = 0; ///< in the raster that the image belongs to
   int Y = 0;
   int Length = 0;
   std::size_t First = 0; ///< index of its first pixel among the active ones
 };
 
-/// The active pixels of a part of a picture.
+/// The active pixels of a rectangle of an image.
 struct ActivePixels
 {
   std::vector<PixelRun> Runs; ///< row by row, from left to right
@@ -60,29 +36,57 @@ struct ActivePixels
   std::vector<float> Depths; ///< empty if they were not sent
 };
 
-/**
- * Appends the active pixels of `part`, which lies inside the picture's raster, in as few bytes as a
- * pass over them gives, without loss:
- *
- *     u32  bytes that follow
- *     u32  active pixels
- *     u8   bytes of a color: 4, or 3 if alpha is 255 all over
- *     u8   bytes of a depth: 4, 3, 2, or 0 if none are sent
- *     u32  lowest depth's bits (a float's bits are ordered as it is); depths are counted from it
- *     runs by turns: inactive pixels, active pixels, as LEB128, through all rows of the part, to
- * the last active one colors of the active pixels, then their depths
- *
- * All numbers are little-endian. Cost: two passes over the depths, one over the colors.
- */
-void AppendActivePixels(
-  const ImageView& picture, const PixelRectangle& part, PixelContent content, Message& bytes);
+/// The index of the first active (inactive) pixel of a row from `begin` on; `end` if there is none.
+int FindActive(const float* depths, int begin, int end);
+int FindInactive(const float* depths, int begin, int end);
+
+/// Calls use(run, its colors, its depths) for the active pixels of a rectangle of an image, which
+/// lies inside its raster. The runs' First counts from 0.
+template <typename Function>
+void ForEachActiveRun(const ImageView& image, const PixelRectangle& rectangle, const Function& use)
+{
+  std::size_t count = 0;
+  for (int y = rectangle.Y; y < rectangle.GetTop(); ++y)
+  {
+    const std::size_t row = image.GetIndex(rectangle.X, y);
+    const std::uint32_t* colors = image.Colors + row;
+    const float* depths = image.Depths + row;
+    for (int begin = FindActive(depths, 0, rectangle.Width); begin < rectangle.Width;)
+    {
+      const int end = FindInactive(depths, begin, rectangle.Width);
+      use(PixelRun{ rectangle.X + begin, y, end - begin, count }, colors + begin, depths + begin);
+      count += static_cast<std::size_t>(end - begin);
+      begin = FindActive(depths, end, rectangle.Width);
+    }
+  }
+}
+
+// The bytes of the active pixels of a rectangle; all integers are little-endian.
+//
+//   offset  size  content
+//        0     4  number of bytes that follow
+//        4     4  number of active pixels, n
+//        8     1  bytes of a color, c: 4; 3 if alpha is 255 in all of them, which is not stored then
+//        9     1  bytes of a depth, d: 4, 3 or 2; 0 if no depths are sent
+//       10     4  bits of the minimum depth, as an integer (positive floats have the same order)
+//       14        lengths of runs, each a varint: inactive, active, inactive, active, ..., through all
+//                 rows of the rectangle, up to the last active pixel
+//             cn  colors of the active pixels: red, green, blue, alpha
+//             dn  depths of the active pixels: bits minus the bits of the minimum depth
 
 /**
- * Reads what AppendActivePixels wrote for the same `part` from `offset` on, and moves the offset
- * behind it. Corrupt if it cannot have been written so: whatever the bytes are, nothing is read
- * beyond their end, and no more is allocated than the part's pixels need.
+ * Appends the active pixels of a rectangle of an image, without loss. The rectangle lies inside the
+ * image's raster. Cost: two passes over the depths, one over the colors.
  */
-Status ReadActivePixels(const Message& bytes, const PixelRectangle& part, PixelContent content,
+void AppendActivePixels(
+  const ImageView& image, const PixelRectangle& rectangle, PixelContent content, Message& bytes);
+
+/**
+ * Reads what AppendActivePixels wrote of the same rectangle from `offset` on, and moves the offset to
+ * its end. Corrupt if AppendActivePixels cannot have written it. Never reads beyond the end of the
+ * bytes, nor allocates more than the rectangle's pixels need.
+ */
+Status ReadActivePixels(const Message& bytes, const PixelRectangle& rectangle, PixelContent content,
   std::size_t& offset, ActivePixels& pixels);
 
 } // namespace isosurface

@@ -9,11 +9,11 @@ namespace isosurface
 namespace
 {
 
-// A plan that is in use is left only if it is this much beyond the target.
+// Resolutions are kept unless they are expected to take this much longer than the target.
 constexpr double Tolerance = 1.05;
 
-// What a frame may be expected to take, such that nineteen of twenty are within 1.1 times the
-// budget, if they go on to differ from what is expected as they did.
+// The seconds to predict for a frame, such that nineteen of twenty frames take at most 1.1 times the
+// budget, provided that predictions stay as accurate as they were.
 double GetTarget(double budget, double highRatio)
 {
   constexpr double Allowed = 1.1;
@@ -36,15 +36,15 @@ FrameWork ResolutionChooser::Sum(
   for (std::size_t rank = 0; rank < work.size(); ++rank)
   {
     const std::int64_t samples = work[rank].Samples[resolutions[rank]];
-    sum.MostTriangles = std::max(sum.MostTriangles, work[rank].Triangles);
-    sum.MostSamples = std::max(sum.MostSamples, samples);
+    sum.MaximumTriangles = std::max(sum.MaximumTriangles, work[rank].Triangles);
+    sum.MaximumSamples = std::max(sum.MaximumSamples, samples);
     sum.AllSamples += samples;
   }
   return sum;
 }
 
-// Halves blocks as long as the frame fits, of those ranks first whose blocks' area, weighed with
-// their importance, is largest.
+// Halves the blocks of one rank after the other as long as the frame fits. The next rank is the one
+// with the maximum product of block area and importance.
 std::vector<std::size_t> ResolutionChooser::Refine(
   const std::vector<RankWork>& work, std::vector<std::size_t> resolutions, double seconds) const
 {
@@ -71,7 +71,7 @@ std::vector<std::size_t> ResolutionChooser::Refine(
     if (this->Model.Predict(Sum(work, resolutions)) > seconds)
     {
       ++resolutions[best];
-      isDone[best] = true; // another one may be smaller
+      isDone[best] = true; // another rank may have fewer samples
     }
   }
 }
@@ -107,12 +107,7 @@ void ResolutionChooser::Learn(
   std::vector<std::size_t> resolutions;
   for (const int divisor : divisors)
   {
-    std::size_t resolution = 0;
-    while (resolution + 1 < NumberOfResolutions && GetResolutionDivisor(resolution) < divisor)
-    {
-      ++resolution;
-    }
-    resolutions.push_back(resolution);
+    resolutions.push_back(FindResolution(divisor));
   }
   if (resolutions.size() == work.size())
   {

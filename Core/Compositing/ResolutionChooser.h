@@ -14,47 +14,53 @@ namespace isosurface
 
 /// The resolutions to choose from: divisors 1, 2, 4, 8, 16.
 constexpr std::size_t NumberOfResolutions = 5;
-constexpr int GetResolutionDivisor(std::size_t index)
+constexpr int GetResolutionDivisor(std::size_t resolution)
 {
-  return 1 << index;
+  return 1 << resolution;
+}
+/// The first resolution with at least this divisor; the last one if there is none.
+constexpr std::size_t FindResolution(int divisor)
+{
+  std::size_t resolution = 0;
+  while (resolution + 1 < NumberOfResolutions && GetResolutionDivisor(resolution) < divisor)
+  {
+    ++resolution;
+  }
+  return resolution;
 }
 
 /// What a rank would draw in the next frame.
 struct RankWork
 {
   std::int64_t Triangles = 0;
-  /// By resolution: samples of the viewport.
-  std::array<std::int64_t, NumberOfResolutions> Samples{};
-  /// How much of the viewer's attention is there, more than 0; see GetImportance().
-  double Importance = 1;
+  std::array<std::int64_t, NumberOfResolutions> Samples{}; ///< of the viewport, by resolution
+  double Importance = 1;                                   ///< more than 0; see GetImportance()
 };
 
 /**
- * The importance of a part of the picture: from 1 (behind all others, in the display's corner) to
- * 16 (before all others, in its middle).
- *
- * `offset` is the distance of the part's middle from the display's, as a share of that of the
- * display's corner; `depth` where the part begins between the nearest (0) and the farthest (1)
- * part.
+ * How much a viewer looks at a rank's viewport: from 1 (behind all others, in the display's corner)
+ * to 16 (in front of all others, at its center). `offset` is the distance of the viewport's center
+ * from the display's center, relative to that of the corners. `depth` is where the rank's piece
+ * begins between the nearest (0) and the farthest (1) piece.
  */
 double GetImportance(double offset, double depth);
 
 /**
- * Chooses each rank's resolution such that frames take the time that is given for them, from what
- * the last frames took. Parts that matter less, and large ones before small ones, lose resolution
- * first: the picture gets coarser evenly, if blocks are weighed with their importance.
+ * Chooses the resolutions of all ranks such that frames keep a time budget. Less important ranks
+ * lose resolution first, and large viewports before small ones: blocks get larger evenly, when
+ * their areas are weighted by importance.
  *
- * Resolution goes down as soon as a frame is expected to take too long; it goes up only if that has
- * been possible for several frames, so that it does not flicker. Deterministic: ranks that were
- * given the same numbers choose the same.
+ * A resolution is lowered as soon as a frame is expected to take too long. It is raised only if that
+ * has been possible for several frames, so that images do not flicker. Deterministic: ranks that
+ * are given the same numbers choose the same.
  */
 class ResolutionChooser
 {
 public:
-  /// By rank: divisors for a frame within `budget` seconds; the coarsest ones if there is none.
+  /// The divisors by rank for a frame within `budget` seconds; the coarsest if there are none.
   std::vector<int> Choose(const std::vector<RankWork>& work, double budget);
 
-  /// Tells what a frame took that was drawn with these divisors, chosen here or not.
+  /// Learns from a frame that took `seconds` with these divisors, chosen here or not.
   void Learn(const std::vector<RankWork>& work, const std::vector<int>& divisors, double seconds);
 
 private:

@@ -14,27 +14,16 @@ PixelRectangle CoverWithBlocks(const PixelRectangle& pixels, int divisor)
     (pixels.GetRight() + divisor - 1) / divisor, (pixels.GetTop() + divisor - 1) / divisor);
 }
 
-PixelRectangle Viewport::GetPixels(const PixelRectangle& part) const
+PixelRectangle Viewport::GetPixels(const PixelRectangle& rectangle) const
 {
   const PixelRectangle covered{ this->Blocks.X * this->Divisor, this->Blocks.Y * this->Divisor,
     this->Blocks.Width * this->Divisor, this->Blocks.Height * this->Divisor };
-  return covered.Intersect(part);
+  return covered.Intersect(rectangle);
 }
 
 Viewport MakeViewport(const PixelRectangle& pixels, int divisor)
 {
   return { divisor, CoverWithBlocks(pixels, divisor) };
-}
-
-PixelRectangle GetDisplay(const std::vector<DisplayTile>& tiles)
-{
-  PixelRectangle display;
-  for (const DisplayTile& tile : tiles)
-  {
-    display = PixelRectangle::FromEdges(0, 0, std::max(display.GetRight(), tile.Pixels.GetRight()),
-      std::max(display.GetTop(), tile.Pixels.GetTop()));
-  }
-  return display;
 }
 
 } // namespace isosurface

@@ -1,60 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Compositing/ViewportCompositor.h"
 
+#include "Compositing/ImageScaling.h"
+
 #include <algorithm>
-#include <chrono>
+#include <utility>
 
 namespace isosurface
 {
 namespace
 {
 
-/// Adds the seconds of its life to a sum.
-class SecondsMeter
-{
-public:
-  explicit SecondsMeter(double& sum)
-    : Sum(sum)
-  {
-  }
-  ~SecondsMeter()
-  {
-    this->Sum +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
-  }
-  SecondsMeter(const SecondsMeter&) = delete;
-  SecondsMeter& operator=(const SecondsMeter&) = delete;
-
-private:
-  double& Sum;
-  std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
-};
-
-bool Takes(const CompositeCell& cell, int rank)
+bool IsCoveredBy(const CompositeCell& cell, int rank)
 {
   return std::binary_search(cell.Ranks.begin(), cell.Ranks.end(), rank);
 }
 
-// The samples of a rank that a cell shows.
-PixelRectangle GetPiece(const CompositeCell& cell, const Viewport& viewport)
+// The samples of a rank's viewport that a cell shows.
+PixelRectangle GetSamples(const CompositeCell& cell, const Viewport& viewport)
 {
   return CoverWithBlocks(cell.Pixels, viewport.Divisor).Intersect(viewport.Blocks);
 }
 
-// The cells of the target raster that a run of blocks covers, each as `factor` x `factor` cells.
-PixelRectangle EnlargeRun(const PixelRun& run, int factor, const PixelRectangle& target)
+// The rectangle of the target that a run of samples covers, each factor x factor pixels.
+PixelRectangle UpsampleRun(const PixelRun& run, int factor, const PixelRectangle& target)
 {
   return PixelRectangle{ run.X * factor, run.Y * factor, run.Length * factor, factor }.Intersect(
     target);
 }
 
-/// A raster that samples are merged into, or put.
+/// A raster that samples are merged into, or copied to.
 struct TargetRaster
 {
   std::uint32_t* Colors;
-  float* Depths; ///< null where only colors count
+  float* Depths; ///< null if only colors are wanted
   PixelRectangle Raster;
-  PixelRectangle Part; ///< nothing outside of it is touched
+  PixelRectangle Written; ///< nothing outside of it is written
 
   std::size_t GetIndex(int x, int y) const
   {
@@ -64,13 +45,13 @@ struct TargetRaster
   }
 };
 
-// Calls use(target index, run's sample index) for each cell of the target under a run of samples,
-// each of which stands for factor x factor cells.
+// Calls use(pixel, sample) for each pixel of the target under a run of samples, each of which stands
+// for factor x factor pixels. Both are indices: into the target, and into the run.
 template <typename Function>
-void ForEachCellOfRun(
+void ForEachPixelOfRun(
   const PixelRun& run, int factor, const TargetRaster& target, const Function& use)
 {
-  const PixelRectangle covered = EnlargeRun(run, factor, target.Part);
+  const PixelRectangle covered = UpsampleRun(run, factor, target.Written);
   for (int y = covered.Y; y < covered.GetTop(); ++y)
   {
     std::size_t index = target.GetIndex(covered.X, y);
@@ -90,71 +71,65 @@ void ForEachCellOfRun(
   }
 }
 
-// Of a cell's sample and a new one the nearer is kept, of equal ones the new one.
+// Keeps the nearer one of a pixel's sample and a new one; of equally near ones the new one.
 void MergeRun(const PixelRun& run, const std::uint32_t* colors, const float* depths, int factor,
   const TargetRaster& target)
 {
-  ForEachCellOfRun(run, factor, target,
-    [&](std::size_t cell, std::size_t sample)
+  ForEachPixelOfRun(run, factor, target,
+    [&](std::size_t pixel, std::size_t sample)
     {
       const float depth = depths[sample];
-      const bool isNearer = depth <= target.Depths[cell] && depth < 1.0F;
-      target.Depths[cell] = isNearer ? depth : target.Depths[cell];
-      target.Colors[cell] = isNearer ? colors[sample] : target.Colors[cell];
+      const bool isNearer = depth <= target.Depths[pixel] && depth < 1.0F;
+      target.Depths[pixel] = isNearer ? depth : target.Depths[pixel];
+      target.Colors[pixel] = isNearer ? colors[sample] : target.Colors[pixel];
     });
 }
 
-// The runs' depths are null if none were sent; all samples are active.
-void PutRun(const PixelRun& run, const std::uint32_t* colors, const float* depths, int factor,
+// Copies active samples. `depths` is null if none were sent.
+void CopyRun(const PixelRun& run, const std::uint32_t* colors, const float* depths, int factor,
   const TargetRaster& target)
 {
-  ForEachCellOfRun(run, factor, target,
-    [&](std::size_t cell, std::size_t sample) { target.Colors[cell] = colors[sample]; });
+  ForEachPixelOfRun(run, factor, target,
+    [&](std::size_t pixel, std::size_t sample) { target.Colors[pixel] = colors[sample]; });
   if (target.Depths && depths)
   {
-    ForEachCellOfRun(run, factor, target,
-      [&](std::size_t cell, std::size_t sample) { target.Depths[cell] = depths[sample]; });
+    ForEachPixelOfRun(run, factor, target,
+      [&](std::size_t pixel, std::size_t sample) { target.Depths[pixel] = depths[sample]; });
   }
 }
 
-// Calls use(run, its colors, its depths) for the active samples of a part of a picture.
+// Calls use(run, its colors, its depths) for pixels from another rank; depths are null if none were
+// sent.
 template <typename Function>
-void ForEachActiveRun(const ImageView& picture, const PixelRectangle& part, const Function& use)
+void ForEachReceivedRun(const ActivePixels& received, const Function& use)
 {
-  for (int y = part.Y; y < part.GetTop(); ++y)
+  for (const PixelRun& run : received.Runs)
   {
-    const std::size_t first = picture.GetIndex(part.X, y);
-    const std::uint32_t* colors = picture.Colors + first;
-    const float* depths = picture.Depths + first;
-    for (int begin = FindActive(depths, 0, part.Width); begin < part.Width;)
-    {
-      const int end = FindInactive(depths, begin, part.Width);
-      use(PixelRun{ part.X + begin, y, end - begin, 0 }, colors + begin, depths + begin);
-      begin = FindActive(depths, end, part.Width);
-    }
+    use(run, received.Colors.data() + run.First,
+      received.Depths.empty() ? nullptr : received.Depths.data() + run.First);
   }
 }
 
-// Every rank shows one tile at most, every tile is shown by some rank, and what a rank draws or
-// fills is there.
-Status CheckArguments(const Communicator& communicator, const std::vector<Viewport>& viewports,
-  const std::vector<DisplayTile>& tiles, const ImageView& mine, const TileImage& tile)
+// Every rank shows one tile at most, every tile is shown by some rank, and this rank has the image
+// that it drew and memory for the tile that it shows.
+Status CheckArguments(const Communicator& communicator, const DisplayLayout& display,
+  const std::vector<Viewport>& viewports, const ImageView& mine, const TileImage& tile)
 {
   const int me = communicator.GetRank();
   if (viewports.size() != static_cast<std::size_t>(communicator.GetSize()))
   {
-    return { StatusCode::InvalidArgument, "Viewports are not those of all ranks." };
+    return { StatusCode::InvalidArgument, "The number of viewports is not that of the ranks." };
   }
   for (const Viewport& viewport : viewports)
   {
-    if (viewport.Divisor < 1 || viewport.Divisor > LargestDivisor || viewport.Blocks.X < 0 ||
+    if (viewport.Divisor < 1 || viewport.Divisor > MaximumDivisor || viewport.Blocks.X < 0 ||
       viewport.Blocks.Y < 0)
     {
       return { StatusCode::InvalidArgument, "A viewport begins outside of the display." };
     }
   }
   std::vector<bool> shows(viewports.size(), false);
-  for (const DisplayTile& shown : tiles)
+  for (const DisplayTile& shown : display.Tiles)
   {
     const auto rank = static_cast<std::size_t>(shown.Rank);
     if (rank >= shows.size() || shows[rank])
@@ -166,28 +141,26 @@ Status CheckArguments(const Communicator& communicator, const std::vector<Viewpo
   const PixelRectangle& blocks = viewports[static_cast<std::size_t>(me)].Blocks;
   if (!blocks.IsEmpty() && (!(mine.Raster == blocks) || !mine.Colors || !mine.Depths))
   {
-    return { StatusCode::InvalidArgument, "A rank's picture is not that of its viewport." };
+    return { StatusCode::InvalidArgument, "A rank's image is not that of its viewport." };
   }
   if (shows[static_cast<std::size_t>(me)] && !tile.Colors)
   {
-    return { StatusCode::InvalidArgument,
-      "A rank that shows a tile has no place for its picture." };
+    return { StatusCode::InvalidArgument, "A rank that shows a tile has no memory for its image." };
   }
   return Status::Ok();
 }
 
 } // namespace
 
-std::vector<Message> ViewportCompositor::EncodePieces(
-  int me, const std::vector<Viewport>& viewports, const ImageView& mine)
+std::vector<Message> ViewportCompositor::EncodeSamples(
+  int me, const std::vector<Viewport>& viewports, const ImageView& mine) const
 {
-  const SecondsMeter meter(this->Cost.EncodeSeconds);
   std::vector<Message> messages(viewports.size());
   for (const CompositeCell& cell : this->Cells)
   {
-    if (cell.Owner != me && Takes(cell, me))
+    if (cell.Owner != me && IsCoveredBy(cell, me))
     {
-      AppendActivePixels(mine, GetPiece(cell, viewports[static_cast<std::size_t>(me)]),
+      AppendActivePixels(mine, GetSamples(cell, viewports[static_cast<std::size_t>(me)]),
         PixelContent::ColorsAndDepths, messages[static_cast<std::size_t>(cell.Owner)]);
     }
   }
@@ -195,10 +168,9 @@ std::vector<Message> ViewportCompositor::EncodePieces(
 }
 
 Status ViewportCompositor::MergeOwnedCells(int me, const std::vector<Viewport>& viewports,
-  const ImageView& mine, const std::vector<Message>& pieces)
+  const ImageView& mine, const std::vector<Message>& samples)
 {
-  const SecondsMeter meter(this->Cost.MergeSeconds);
-  std::vector<std::size_t> offsets(pieces.size(), 0);
+  std::vector<std::size_t> offsets(samples.size(), 0);
   this->Owned.resize(std::max(this->Owned.size(), this->Cells.size()));
   for (std::size_t index = 0; index < this->Cells.size(); ++index)
   {
@@ -207,50 +179,43 @@ Status ViewportCompositor::MergeOwnedCells(int me, const std::vector<Viewport>& 
     {
       continue;
     }
-    OwnedImage& owned = this->Owned[index];
-    const PixelRectangle raster = cell.GetBlocks();
-    owned.Colors.assign(static_cast<std::size_t>(raster.GetArea()), 0);
-    owned.Depths.assign(static_cast<std::size_t>(raster.GetArea()), 1.0F);
-    owned.View = { owned.Colors.data(), owned.Depths.data(), raster };
-    const TargetRaster target{ owned.Colors.data(), owned.Depths.data(), raster, raster };
+    ImageBuffer& owned = this->Owned[index];
+    owned.Clear(cell.GetBlocks());
+    const TargetRaster target{ owned.Colors.data(), owned.Depths.data(), owned.Raster,
+      owned.Raster };
     for (const int rank : cell.Ranks)
     {
       const auto from = static_cast<std::size_t>(rank);
-      const PixelRectangle piece = GetPiece(cell, viewports[from]);
+      const PixelRectangle rectangle = GetSamples(cell, viewports[from]);
       const int factor = viewports[from].Divisor / cell.Divisor;
-      this->Cost.PixelsMerged += static_cast<std::uint64_t>(piece.GetArea());
+      const auto merge = [&](const PixelRun& run, const std::uint32_t* colors, const float* depths)
+      { MergeRun(run, colors, depths, factor, target); };
       if (rank == me)
       {
-        ForEachActiveRun(mine, piece,
-          [&](const PixelRun& run, const std::uint32_t* colors, const float* depths)
-          { MergeRun(run, colors, depths, factor, target); });
+        ForEachActiveRun(mine, rectangle, merge);
         continue;
       }
       ISOSURFACE_RETURN_IF_ERROR(ReadActivePixels(
-        pieces[from], piece, PixelContent::ColorsAndDepths, offsets[from], this->Received));
-      for (const PixelRun& run : this->Received.Runs)
-      {
-        MergeRun(run, this->Received.Colors.data() + run.First,
-          this->Received.Depths.data() + run.First, factor, target);
-      }
+        samples[from], rectangle, PixelContent::ColorsAndDepths, offsets[from], this->Received));
+      ForEachReceivedRun(this->Received, merge);
     }
   }
   return Status::Ok();
 }
 
-const ImageView& ViewportCompositor::GetMergedImage(std::size_t cell, const ImageView& mine) const
+ImageView ViewportCompositor::GetMergedImage(std::size_t cell, const ImageView& mine) const
 {
-  return this->Cells[cell].Ranks.size() == 1 ? mine : this->Owned[cell].View;
+  return this->Cells[cell].Ranks.size() == 1 ? mine : this->Owned[cell].GetView();
 }
 
-std::vector<Message> ViewportCompositor::EncodeMergedCells(int me, const ImageView& mine)
+std::vector<Message> ViewportCompositor::EncodeMergedCells(
+  int me, std::size_t ranks, const ImageView& mine) const
 {
-  const SecondsMeter meter(this->Cost.EncodeSeconds);
-  std::vector<Message> messages(this->NumberOfRanks);
+  std::vector<Message> messages(ranks);
   for (std::size_t index = 0; index < this->Cells.size(); ++index)
   {
     const CompositeCell& cell = this->Cells[index];
-    const int shownBy = this->Tiles[cell.Tile].Rank;
+    const int shownBy = this->Display.Tiles[cell.Tile].Rank;
     if (cell.Owner == me && shownBy != me)
     {
       AppendActivePixels(this->GetMergedImage(index, mine), cell.GetBlocks(), this->Delivered,
@@ -260,80 +225,88 @@ std::vector<Message> ViewportCompositor::EncodeMergedCells(int me, const ImageVi
   return messages;
 }
 
-Status ViewportCompositor::FillTile(
-  int me, const ImageView& mine, const std::vector<Message>& merged, const TileImage& tile)
+Status ViewportCompositor::FillSamples(const DisplayTile& shown, const ImageView& mine,
+  const std::vector<Message>& merged, const TileImage& samples)
 {
-  const SecondsMeter meter(this->Cost.DeliverSeconds);
-  const auto shown = std::find_if(this->Tiles.begin(), this->Tiles.end(),
-    [me](const DisplayTile& candidate) { return candidate.Rank == me; });
-  if (shown == this->Tiles.end())
+  std::fill_n(samples.Colors, shown.Pixels.GetArea(), 0);
+  if (samples.Depths)
   {
-    return Status::Ok();
-  }
-  const PixelRectangle& raster = shown->Pixels;
-  std::fill_n(tile.Colors, raster.GetArea(), 0);
-  if (tile.Depths)
-  {
-    std::fill_n(tile.Depths, raster.GetArea(), 1.0F);
+    std::fill_n(samples.Depths, shown.Pixels.GetArea(), 1.0F);
   }
   std::vector<std::size_t> offsets(merged.size(), 0);
   for (std::size_t index = 0; index < this->Cells.size(); ++index)
   {
     const CompositeCell& cell = this->Cells[index];
-    if (this->Tiles[cell.Tile].Rank != me)
+    if (this->Display.Tiles[cell.Tile].Rank != shown.Rank)
     {
       continue;
     }
-    const TargetRaster target{ tile.Colors, tile.Depths, raster, cell.Pixels };
-    if (cell.Owner == me)
+    const TargetRaster target{ samples.Colors, samples.Depths, shown.Pixels, cell.Pixels };
+    const auto copy = [&](const PixelRun& run, const std::uint32_t* colors, const float* depths)
+    { CopyRun(run, colors, depths, cell.Divisor, target); };
+    if (cell.Owner == shown.Rank)
     {
-      ForEachActiveRun(this->GetMergedImage(index, mine), cell.GetBlocks(),
-        [&](const PixelRun& run, const std::uint32_t* colors, const float* depths)
-        { PutRun(run, colors, depths, cell.Divisor, target); });
+      ForEachActiveRun(this->GetMergedImage(index, mine), cell.GetBlocks(), copy);
       continue;
     }
     const auto from = static_cast<std::size_t>(cell.Owner);
     ISOSURFACE_RETURN_IF_ERROR(ReadActivePixels(
       merged[from], cell.GetBlocks(), this->Delivered, offsets[from], this->Received));
-    for (const PixelRun& run : this->Received.Runs)
-    {
-      PutRun(run, this->Received.Colors.data() + run.First,
-        this->Received.Depths.empty() ? nullptr : this->Received.Depths.data() + run.First,
-        cell.Divisor, target);
-    }
+    ForEachReceivedRun(this->Received, copy);
   }
+  return Status::Ok();
+}
+
+Status ViewportCompositor::FillTile(
+  int me, const ImageView& mine, const std::vector<Message>& merged, const TileImage& tile)
+{
+  const DisplayTile* shown = this->Display.FindTile(me);
+  if (!shown)
+  {
+    return Status::Ok();
+  }
+  if (this->Display.SamplesPerPixel == 1)
+  {
+    return this->FillSamples(*shown, mine, merged, tile);
+  }
+  ImageBuffer& fine = this->TileSamples;
+  fine.Resize(shown->Pixels);
+  const TileImage samples{ fine.Colors.data(), tile.Depths ? fine.Depths.data() : nullptr };
+  ISOSURFACE_RETURN_IF_ERROR(this->FillSamples(*shown, mine, merged, samples));
+  const PixelRectangle pixels = this->Display.CoverWithPixels(shown->Pixels);
+  AverageSamples(
+    samples.Colors, samples.Depths, pixels.Width, pixels.Height, tile.Colors, tile.Depths);
   return Status::Ok();
 }
 
 std::vector<Message> ViewportCompositor::Send(
   Communicator& communicator, std::vector<Message> outgoing)
 {
-  for (std::size_t rank = 0; rank < outgoing.size(); ++rank)
+  for (const Message& message : outgoing)
   {
-    this->Cost.BytesSent += outgoing[rank].size();
+    this->BytesSent += message.size();
   }
-  const SecondsMeter meter(this->Cost.ExchangeSeconds);
   return communicator.Exchange(std::move(outgoing));
 }
 
-Status ViewportCompositor::Composite(Communicator& communicator,
-  const std::vector<Viewport>& viewports, const std::vector<DisplayTile>& tiles,
-  const ImageView& mine, const TileImage& tile, bool wantsDepths)
+Status ViewportCompositor::Composite(Communicator& communicator, const DisplayLayout& display,
+  const std::vector<Viewport>& viewports, const ImageView& mine, const TileImage& tile,
+  bool wantsDepths)
 {
   const int me = communicator.GetRank();
-  this->Cost = {};
+  this->BytesSent = 0;
   ISOSURFACE_RETURN_IF_ERROR(
-    communicator.Agree(CheckArguments(communicator, viewports, tiles, mine, tile)));
-  this->NumberOfRanks = viewports.size();
-  this->Tiles = tiles;
-  this->Cells = PlanCompositing(viewports, tiles);
+    communicator.Agree(CheckArguments(communicator, display, viewports, mine, tile)));
+  this->Display = display;
+  this->Cells = PlanCompositing(viewports, display.Tiles);
   this->Delivered = wantsDepths ? PixelContent::ColorsAndDepths : PixelContent::Colors;
 
-  const std::vector<Message> pieces =
-    this->Send(communicator, this->EncodePieces(me, viewports, mine));
+  const std::vector<Message> samples =
+    this->Send(communicator, this->EncodeSamples(me, viewports, mine));
   ISOSURFACE_RETURN_IF_ERROR(
-    communicator.Agree(this->MergeOwnedCells(me, viewports, mine, pieces)));
-  const std::vector<Message> merged = this->Send(communicator, this->EncodeMergedCells(me, mine));
+    communicator.Agree(this->MergeOwnedCells(me, viewports, mine, samples)));
+  const std::vector<Message> merged =
+    this->Send(communicator, this->EncodeMergedCells(me, viewports.size(), mine));
   return communicator.Agree(this->FillTile(me, mine, merged, tile));
 }
 

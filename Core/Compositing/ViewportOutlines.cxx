@@ -14,7 +14,7 @@ namespace
 constexpr int LineWidth = 2;
 constexpr int BlocksOfDash = 4;
 
-// `x` and `y` count from the viewport's corner, so that dashes are the same on all tiles.
+// `x` and `y` are counted from the viewport's corner, so that dashes are the same on all tiles.
 bool IsOnOutline(int x, int y, const PixelRectangle& viewport, int divisor)
 {
   const bool isBesideColumn = x < LineWidth || x >= viewport.Width - LineWidth;
@@ -28,7 +28,7 @@ bool IsOnOutline(int x, int y, const PixelRectangle& viewport, int divisor)
 
 std::uint32_t GetOutlineColor(int rank)
 {
-  // Hues by the golden ratio; fully saturated, so that they stand out from surfaces.
+  // Hues at steps of the golden ratio, fully saturated to stand out from surfaces.
   const double hue = std::fmod(0.05 + 0.61803398875 * rank, 1.0) * 6;
   std::array<std::uint8_t, 4> bytes{ 0, 0, 0, 255 };
   for (std::size_t channel = 0; channel < 3; ++channel)
@@ -40,23 +40,29 @@ std::uint32_t GetOutlineColor(int rank)
   return LoadLittleEndian<std::uint32_t>(bytes.data());
 }
 
-void DrawViewportOutlines(const std::vector<Viewport>& viewports, const PixelRectangle& display,
-  const PixelRectangle& tile, std::uint32_t* colors)
+void DrawViewportOutlines(const std::vector<Viewport>& viewports, const DisplayLayout& display,
+  const DisplayTile& tile, std::uint32_t* colors)
 {
+  const PixelRectangle shown = display.CoverWithPixels(tile.Pixels);
+  const PixelRectangle extent = display.GetExtent();
   for (std::size_t rank = 0; rank < viewports.size(); ++rank)
   {
-    const PixelRectangle pixels = viewports[rank].GetPixels(display);
-    const PixelRectangle here = pixels.Intersect(tile);
+    // Whole blocks of pixels, as far as they are on the display.
+    const int divisor = viewports[rank].Divisor;
+    const PixelRectangle pixels =
+      MakeViewport(display.CoverWithPixels(viewports[rank].GetPixels(extent)), divisor)
+        .GetPixels(display.CoverWithPixels(extent));
+    const PixelRectangle here = pixels.Intersect(shown);
     const std::uint32_t color = GetOutlineColor(static_cast<int>(rank));
     for (int y = here.Y; y < here.GetTop(); ++y)
     {
       std::uint32_t* row =
-        colors + static_cast<std::size_t>(y - tile.Y) * static_cast<std::size_t>(tile.Width);
+        colors + static_cast<std::size_t>(y - shown.Y) * static_cast<std::size_t>(shown.Width);
       for (int x = here.X; x < here.GetRight(); ++x)
       {
-        if (IsOnOutline(x - pixels.X, y - pixels.Y, pixels, viewports[rank].Divisor))
+        if (IsOnOutline(x - pixels.X, y - pixels.Y, pixels, divisor))
         {
-          row[x - tile.X] = color;
+          row[x - shown.X] = color;
         }
       }
     }

@@ -2,6 +2,7 @@
 #ifndef isosurface_ViewportOutlines_h
 #define isosurface_ViewportOutlines_h
 
+#include "Compositing/DisplayLayout.h"
 #include "Compositing/Viewport.h"
 
 #include <cstdint>
@@ -10,19 +11,19 @@
 namespace isosurface
 {
 
-/// The color of a rank's outline: opaque, bytes red, green, blue, alpha in the order of addresses.
-/// Ranks that follow each other have hues far apart.
+/// The color of a rank's outline: opaque; bytes red, green, blue, alpha in the order of addresses.
+/// Consecutive ranks have very different hues.
 std::uint32_t GetOutlineColor(int rank);
 
 /**
- * Draws the edges of the viewports over a tile's picture, inside of them, two pixels wide, each in
- * its rank's color: as a full line at full resolution, else in dashes as long as four blocks. Of
- * lines in the same place that of the highest rank is seen.
+ * Draws the outlines of the ranks' viewports over the image of a tile: two pixels wide, inside the
+ * viewport, in the rank's color. The line is solid at full resolution, else dashed, with dashes of
+ * four blocks. Where lines coincide, that of the highest rank is seen.
  *
- * `colors` are those of `tile`, row by row from the bottom up.
+ * `colors` are the tile's pixels, row by row from the bottom up.
  */
-void DrawViewportOutlines(const std::vector<Viewport>& viewports, const PixelRectangle& display,
-  const PixelRectangle& tile, std::uint32_t* colors);
+void DrawViewportOutlines(const std::vector<Viewport>& viewports, const DisplayLayout& display,
+  const DisplayTile& tile, std::uint32_t* colors);
 
 } // namespace isosurface
 

@@ -112,24 +112,24 @@ class ClientAndServer(unittest.TestCase):
     def test_progressive_surface_ends_with_the_full_one(self):
         self.run_client_and_server("progressive.py")
 
-    def test_metabuffer_view_shows_the_stock_picture(self):
+    def test_metabuffer_view_shows_the_stock_image(self):
         self.run_client_and_server("metabuffer_view.py")
 
-    def test_wall_shows_the_one_big_picture_of_the_stock_view(self):
+    def test_wall_shows_the_one_big_image_of_the_stock_view(self):
         import numpy
 
         ranks = testing.arguments.ranks
-        self.run_client_and_server("wall_picture.py", output="picture")
+        self.run_client_and_server("wall_image.py", output="image")
         # Without it tiles are as large as the screen.
         os.environ["PV_ICET_WINDOW_BORDERS"] = "1"
         self.addCleanup(os.environ.pop, "PV_ICET_WINDOW_BORDERS")
         self.run_client_and_server(
-            "wall_picture.py", [f"--tdx={ranks}", "--tdy=1"], "tiles", ["--wall"]
+            "wall_image.py", [f"--tdx={ranks}", "--tdy=1"], "tiles", ["--wall"]
         )
-        picture = testing.read_picture(testing.output("picture/wall.png"))[:, :, :3]
+        image = testing.read_picture(testing.output("image/wall.png"))[:, :, :3]
         tiles = [numpy.load(testing.output(f"tiles/tile-{rank}.npy")) for rank in range(ranks)]
-        self.assertTrue((numpy.hstack(tiles) == picture).all())
-        self.assertGreater(int((picture != picture[0, 0]).any(axis=2).sum()), 10000)
+        self.assertTrue((numpy.hstack(tiles) == image).all())
+        self.assertGreater(int((image != image[0, 0]).any(axis=2).sum()), 10000)
 
     def test_distributed_surface_has_the_picture_of_the_contour(self):
         self.run_client_and_server("distribute.py")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The Metabuffer render view beside the stock one, in the same session: same pictures, pixel for
-pixel, on any number of ranks, with all that a user puts into a picture.
+"""The Metabuffer render view beside the stock one, in the same session: same images, pixel for
+pixel, on any number of ranks, with all that a user puts into an image.
 
 Translucent surfaces are not among it: stock compositing of them fails on several ranks of the
 ParaView that these tests were made with, in any view.
@@ -61,37 +61,37 @@ class MetabufferView(unittest.TestCase):
         simple.SaveScreenshot(path, view, ImageResolution=size or view.ViewSize)
         return testing.read_picture(path)
 
-    def check_same(self, picture, expected):
-        self.assertEqual(picture.shape, expected.shape)
-        self.assertEqual(int((picture != expected).any(axis=2).sum()), 0)
-        self.assertGreater(int((picture != picture[0, 0]).any(axis=2).sum()), 1000)
+    def check_same(self, image, expected):
+        self.assertEqual(image.shape, expected.shape)
+        self.assertEqual(int((image != expected).any(axis=2).sum()), 0)
+        self.assertGreater(int((image != image[0, 0]).any(axis=2).sum()), 1000)
 
     def check_views(self, name, change=None, size=None, camera="far"):
-        """The views' pictures after the same change of both."""
-        pictures = []
+        """The views' images after the same change of both."""
+        images = []
         for kind in ("RenderView", "MetabufferRenderView"):
             view = self.make_view(kind, camera)
             if change:
                 change(view)
-            pictures.append(self.save(view, name + kind, size))
-        self.check_same(pictures[1], pictures[0])
+            images.append(self.save(view, name + kind, size))
+        self.check_same(images[1], images[0])
 
     def require_several_ranks(self):
         if testing.arguments.ranks == 1:
             self.skipTest("a single rank draws as in the stock view")
 
-    def test_same_picture_from_every_camera(self):
+    def test_same_image_from_every_camera(self):
         for camera in CAMERAS:
             with self.subTest(camera=camera):
                 self.check_views("camera-" + camera, camera=camera)
 
-    def test_same_picture_with_and_without_fxaa_and_in_other_sizes(self):
+    def test_same_image_with_and_without_fxaa_and_in_other_sizes(self):
         for fxaa in (0, 1):
             self.check_views("fxaa%d" % fxaa, lambda view: setattr(view, "UseFXAA", fxaa))
         # Larger than the window, which ParaView puts together of parts.
         self.check_views("large", size=[777, 555])
 
-    def test_same_picture_with_annotations(self):
+    def test_same_image_with_annotations(self):
         def annotate(view):
             display = simple.Show(self.surface, view)
             display.SetScalarBarVisibility(view, True)
@@ -103,7 +103,7 @@ class MetabufferView(unittest.TestCase):
 
         self.check_views("annotations", annotate)
 
-    def test_same_picture_with_several_representations_and_backgrounds(self):
+    def test_same_image_with_several_representations_and_backgrounds(self):
         def change(view):
             simple.Show(self.outline, view)
             display = simple.Show(self.surface, view)
@@ -114,28 +114,28 @@ class MetabufferView(unittest.TestCase):
 
         self.check_views("representations", change)
 
-    def test_same_picture_with_tone_mapping(self):
+    def test_same_image_with_tone_mapping(self):
         def change(view):
             view.UseToneMapping = 1
 
         self.check_views("tone", change)
 
     def test_nothing_to_show(self):
-        pictures = []
+        images = []
         for kind in ("RenderView", "MetabufferRenderView"):
             view = self.make_view(kind)
             simple.Hide(self.surface, view)
-            pictures.append(self.save(view, "nothing" + kind))
-        self.assertEqual(int((pictures[0] != pictures[1]).sum()), 0)
+            images.append(self.save(view, "nothing" + kind))
+        self.assertEqual(int((images[0] != images[1]).sum()), 0)
 
-    def test_full_display_as_viewports_gives_the_same_picture(self):
+    def test_full_display_as_viewports_gives_the_same_image(self):
         def change(view):
             if "ViewportMode" in view.ListProperties():
                 view.ViewportMode = "Full display"
 
         self.check_views("full-display", change)
 
-    def test_a_lower_resolution_is_the_small_stock_picture_enlarged(self):
+    def test_a_lower_resolution_is_the_small_stock_image_upsampled(self):
         self.require_several_ranks()
         size = [300, 240]
         for divisor in (2, 4, 5):
@@ -148,9 +148,9 @@ class MetabufferView(unittest.TestCase):
                 ours.ResolutionMode = "Per rank"
                 ours.ResolutionDivisors = [divisor]
                 expected = self.save(small, "small%d" % divisor)
-                picture = self.save(ours, "enlarged%d" % divisor)
+                image = self.save(ours, "upsampled%d" % divisor)
                 expected = expected.repeat(divisor, axis=0).repeat(divisor, axis=1)
-                self.check_same(picture, expected)
+                self.check_same(image, expected)
 
     def test_full_resolution_comes_back(self):
         self.require_several_ranks()
@@ -171,12 +171,12 @@ class MetabufferView(unittest.TestCase):
         full = self.save(view, "still")
         view.ResolutionMode = "Time budget"
         view.FrameTimeBudget = 0.001
-        pictures = []
+        images = []
         for _ in range(3):
             view.SMProxy.InteractiveRender()
-            pictures.append(self.read_window(view))
+            images.append(self.read_window(view))
         # The coarsest resolution: in the middle of blocks of 16 pixels neighbors are equal.
-        changes = (pictures[-1][:, 1:] != pictures[-1][:, :-1]).any(axis=2)
+        changes = (images[-1][:, 1:] != images[-1][:, :-1]).any(axis=2)
         self.assertGreater(int(changes[:, 15::16].sum()), 100)
         self.assertEqual(int(changes.sum()), int(changes[:, 15::16].sum()))
         self.check_same(self.save(view, "rests"), full)
@@ -192,7 +192,7 @@ class MetabufferView(unittest.TestCase):
         window.GetPixelData(0, 0, columns - 1, rows - 1, 1, pixels, 0)
         return vtk_to_numpy(pixels).reshape(rows, columns, 3).astype(int)
 
-    def test_supersampled_pixels_are_means_of_those_of_a_larger_picture(self):
+    def test_supersampled_pixels_are_means_of_those_of_a_larger_image(self):
         self.require_several_ranks()
         size = [300, 240]
         large = self.make_view("RenderView", size=[2 * length for length in size])
@@ -202,11 +202,11 @@ class MetabufferView(unittest.TestCase):
             view.OrientationAxesVisibility = 0
         ours.AntiAliasing = 1
         fine = self.save(large, "fine")
-        picture = self.save(ours, "supersampled")
+        image = self.save(ours, "supersampled")
         mean = (fine[::2, ::2] + fine[1::2, ::2] + fine[::2, 1::2] + fine[1::2, 1::2]) / 4
         # The background is mixed in after the mean was rounded.
-        self.assertLessEqual(float(abs(picture - mean).max()), 1.5)
-        self.assertGreater(int((picture != fine[::2, ::2]).any(axis=2).sum()), 500)
+        self.assertLessEqual(float(abs(image - mean).max()), 1.5)
+        self.assertGreater(int((image != fine[::2, ::2]).any(axis=2).sum()), 500)
 
     def test_animations_have_the_frames_of_the_stock_view(self):
         frames = {}

@@ -73,7 +73,7 @@ std::vector<int> GetAllDivisors(RankWindow& window)
 }
 
 /// Peak signal to noise ratio of red, green, blue.
-double GetDecibels(const Image& picture, const Image& expected)
+double GetDecibels(const Image& image, const Image& expected)
 {
   double sum = 0;
   for (std::size_t pixel = 0; pixel < expected.Colors.size(); ++pixel)
@@ -82,7 +82,7 @@ double GetDecibels(const Image& picture, const Image& expected)
     {
       const auto get = [byte](std::uint32_t color)
       { return static_cast<double>(color >> (8 * byte) & 0xffU); };
-      sum += std::pow(get(picture.Colors[pixel]) - get(expected.Colors[pixel]), 2);
+      sum += std::pow(get(image.Colors[pixel]) - get(expected.Colors[pixel]), 2);
     }
   }
   return 10 * std::log10(255.0 * 255.0 * 3.0 * static_cast<double>(expected.Colors.size()) / sum);
@@ -94,7 +94,7 @@ TEST(MetabufferFrame, WindowsShowWhatTheyShowWithStockCompositing)
 {
   RankWindow stock(RankWindow::Stock, Width, Height);
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
-  std::vector<std::vector<std::uint32_t>> pictures;
+  std::vector<std::vector<std::uint32_t>> images;
   for (const bool hasGradient : { false, true })
   {
     for (const bool hasFXAA : { false, true })
@@ -112,17 +112,17 @@ TEST(MetabufferFrame, WindowsShowWhatTheyShowWithStockCompositing)
         }
         if (GetRank() == 0)
         {
-          pictures.push_back(ours.GetShownColors());
-          EXPECT_TRUE(pictures.back() == stock.GetShownColors())
+          images.push_back(ours.GetShownColors());
+          EXPECT_TRUE(images.back() == stock.GetShownColors())
             << hasGradient << ", " << hasFXAA << ", " << scene;
         }
       }
     }
   }
-  for (std::size_t picture = 1; picture < pictures.size(); ++picture)
+  for (std::size_t image = 1; image < images.size(); ++image)
   {
     // Each setting can be seen, but FXAA where there is nothing.
-    EXPECT_EQ(pictures[picture] == pictures[picture - 1], false);
+    EXPECT_EQ(images[image] == images[image - 1], false);
   }
 }
 

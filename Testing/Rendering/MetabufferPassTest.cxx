@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// At full resolution the picture is that of stock compositing, and that of one rank that draws all.
+// At full resolution the image is that of stock compositing, and that of one rank that draws all.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"
@@ -89,11 +89,11 @@ TEST(MetabufferPass, FullResolutionIsTheImageOfOneRankThatDrawsAll)
     for (const CameraPlace& camera : GetCameraPlaces())
     {
       ours.SetCamera(camera);
-      const Image picture = ours.Render();
+      const Image image = ours.Render();
       if (GetRank() == 0)
       {
         ExpectSame(
-          picture, RenderAllAlone(scene, camera, Width, Height), scene.Name + ", " + camera.Name);
+          image, RenderAllAlone(scene, camera, Width, Height), scene.Name + ", " + camera.Name);
       }
     }
   }
@@ -129,7 +129,7 @@ TEST(MetabufferPass, RanksDrawTheRectanglesThatTheirPropsCover)
       if (scene.Name == "nested" && camera.Name == "far away")
       {
         EXPECT_LT(viewport[2] * viewport[3], Width * Height / (GetRank() == 0 ? 1 : 2));
-        EXPECT_EQ(ours.GetPass()->GetFrameCost().DrawnPixels, viewport[2] * viewport[3]);
+        EXPECT_EQ(ours.GetPass()->GetDrawnPixels(), viewport[2] * viewport[3]);
       }
       if (scene.Name == "nobody draws" || camera.Name == "beside")
       {
@@ -147,7 +147,7 @@ TEST(MetabufferPass, FullDisplayAsViewportGivesTheSameImage)
   const Image bounds = ours.Render();
   ours.GetPass()->SetViewportMode(vtkMetabufferPass::FULL_DISPLAY);
   ExpectSame(ours.Render(), bounds, "full display");
-  EXPECT_EQ(ours.GetPass()->GetFrameCost().DrawnPixels, Width * Height);
+  EXPECT_EQ(ours.GetPass()->GetDrawnPixels(), Width * Height);
 }
 
 TEST(MetabufferPass, WithoutDepthsTheColorsAreTheSame)
@@ -172,8 +172,8 @@ TEST(MetabufferPass, DepthsAreCollectedIfOneRankWantsThem)
   ours.SetScene(GetScenes()[0]);
   ours.SetCamera(GetCameraPlaces()[0]);
   ours.GetPass()->SetCollectDepths(GetRank() == GetNumberOfRanks() - 1);
-  const Image picture = ours.Render();
-  EXPECT_EQ(picture.Depths.size(), picture.Colors.size());
+  const Image image = ours.Render();
+  EXPECT_EQ(image.Depths.size(), image.Colors.size());
 }
 
 TEST(MetabufferPass, WhereViewportsCannotBeUsedTheImageIsTheStockOne)
@@ -215,7 +215,7 @@ TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
   order->SetBoundingBoxes(slabs);
   RankWindow stock(RankWindow::Stock, Width, Height);
   RankWindow ours(RankWindow::Metabuffer, Width, Height);
-  std::vector<Image> pictures;
+  std::vector<Image> images;
   for (RankWindow* window : { &stock, &ours })
   {
     window->SetScene({ scene.Name,
@@ -231,9 +231,9 @@ TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
     window->SetCamera(GetCameraPlaces()[0]);
     window->GetIceTPass()->SetOrderedCompositingHelper(order);
     window->GetIceTPass()->SetUseOrderedCompositing(true);
-    pictures.push_back(window->Render());
+    images.push_back(window->Render());
   }
-  ExpectSame(pictures[1], pictures[0], "translucent");
+  ExpectSame(images[1], images[0], "translucent");
   EXPECT_FALSE(ours.GetPass()->GetUsedViewports());
   ours.Render();
   vtkLogger::RemoveCallback("count");
@@ -270,9 +270,9 @@ TEST(MetabufferPass, ARendererThatIsPartOfItsWindow)
   const CameraPlace camera = GetCameraPlaces()[0];
   ours.SetScene(scene);
   ours.SetCamera(camera);
-  const Image picture = ours.Render();
+  const Image image = ours.Render();
   if (GetRank() == 0)
   {
-    ExpectSame(picture, RenderAllAlone(scene, camera, 100, 120), "part of a window");
+    ExpectSame(image, RenderAllAlone(scene, camera, 100, 120), "part of a window");
   }
 }

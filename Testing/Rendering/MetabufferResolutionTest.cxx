@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ranks at resolutions of their own: beside pictures that each rank draws in a small window,
-// without viewports, which the test enlarges and merges pixel by pixel.
+// Ranks at resolutions of their own: beside images that each rank draws in a small window,
+// without viewports, which the test upsamples and merges pixel by pixel.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"
@@ -21,7 +21,7 @@ namespace
 constexpr int Width = 216; // divisible by all divisors of these tests
 constexpr int Height = 168;
 
-/// All ranks' small pictures, on rank 0.
+/// All ranks' small images, on rank 0.
 template <typename Value>
 std::vector<Value> GatherOnRootRank(const std::vector<Value>& mine)
 {
@@ -85,7 +85,7 @@ std::uint32_t GetSmoothColor(const SmallImage& small, int x, int y)
   return color;
 }
 
-/// How the reference puts small pictures together.
+/// How the reference puts small images together.
 struct Composition
 {
   std::vector<int> Divisors;
@@ -124,7 +124,7 @@ Image AverageFour(const Image& fine)
   return coarse;
 }
 
-/// The picture of a display on rank 0, of what each rank draws in a window of 1/divisor of the
+/// The image of a display on rank 0, of what each rank draws in a window of 1/divisor of the
 /// size.
 Image MergeSmallImages(
   const Scene& scene, const CameraPlace& camera, const Composition& composition)
@@ -214,12 +214,12 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallImagesMergedOneByOne)
         for (const int mode : { vtkMetabufferPass::DIRECT_SEND, vtkMetabufferPass::ICET })
         {
           ours.GetPass()->SetCompositeMode(mode);
-          const Image picture = ours.Render();
+          const Image image = ours.Render();
           if (GetRank() == 0)
           {
-            EXPECT_EQ(CountDifferentColors(picture, expected), 0U)
+            EXPECT_EQ(CountDifferentColors(image, expected), 0U)
               << scene.Name << ", " << camera.Name << ", " << divisors[0];
-            EXPECT_EQ(CountDifferentDepths(picture, expected), 0U)
+            EXPECT_EQ(CountDifferentDepths(image, expected), 0U)
               << scene.Name << ", " << camera.Name << ", " << divisors[0];
           }
         }
@@ -246,17 +246,17 @@ TEST(MetabufferResolution, SmoothAndSupersampledImagesAreMergedOneByOne)
         {
           const bool isSmooth = way % 2 == 1;
           const int samples = 1 + way / 2;
-          ours.GetPass()->SetSmoothEnlarging(isSmooth);
+          ours.GetPass()->SetSmoothUpsampling(isSmooth);
           ours.GetPass()->SetAntiAliasing(samples == 2);
           const Image expected = MergeSmallImages(scene, camera, { divisors, isSmooth, samples });
-          const Image picture = ours.Render();
+          const Image image = ours.Render();
           if (GetRank() == 0)
           {
             const std::string what = scene.Name + ", " + camera.Name + ", " +
               std::to_string(divisors[0]) + ", " + std::to_string(way);
-            EXPECT_EQ(picture.Width, Width) << what;
-            EXPECT_EQ(CountDifferentColors(picture, expected), 0U) << what;
-            EXPECT_EQ(CountDifferentDepths(picture, expected), 0U) << what;
+            EXPECT_EQ(image.Width, Width) << what;
+            EXPECT_EQ(CountDifferentColors(image, expected), 0U) << what;
+            EXPECT_EQ(CountDifferentDepths(image, expected), 0U) << what;
           }
         }
       }
@@ -283,8 +283,8 @@ TEST(MetabufferResolution, ADivisorThatDoesNotDivideTheDisplayMovesNothing)
   {
     for (int x = 4; x < 211 - 4; ++x)
     {
-      const auto isActive = [](const Image& picture, int column, int row)
-      { return picture.Depths[static_cast<std::size_t>(row * 211 + column)] < 1.0F; };
+      const auto isActive = [](const Image& image, int column, int row)
+      { return image.Depths[static_cast<std::size_t>(row * 211 + column)] < 1.0F; };
       if (isActive(full, x, y) == isActive(coarse, x, y))
       {
         continue;
@@ -310,10 +310,10 @@ TEST(MetabufferResolution, HalfTheResolutionDrawsAQuarterOfThePixels)
   ours.SetScene(GetScenes()[2]);
   ours.SetCamera(GetCameraPlaces()[0]);
   ours.Render();
-  const auto full = static_cast<double>(ours.GetPass()->GetFrameCost().DrawnPixels);
+  const auto full = static_cast<double>(ours.GetPass()->GetDrawnPixels());
   SetDivisors(ours, { 2 });
   ours.Render();
-  const auto half = static_cast<double>(ours.GetPass()->GetFrameCost().DrawnPixels);
+  const auto half = static_cast<double>(ours.GetPass()->GetDrawnPixels());
   EXPECT_GT(half, 0.25 * full);
   EXPECT_LT(half, 0.25 * full * 1.3 + 32); // the edges of a viewport of a few pixels
   int viewport[5];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Walls of several windows show the parts of the one big picture.
+// Walls of several windows show the parts of the one big image.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"
@@ -14,19 +14,19 @@ using namespace isosurface;
 namespace
 {
 
-/// Rank 0's picture, on all ranks.
-Image BroadcastFromRootRank(Image picture)
+/// Rank 0's image, on all ranks.
+Image BroadcastFromRootRank(Image image)
 {
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  controller->Broadcast(&picture.Width, 1, 0);
-  controller->Broadcast(&picture.Height, 1, 0);
-  picture.Colors.resize(
-    static_cast<std::size_t>(picture.Width) * static_cast<std::size_t>(picture.Height));
-  picture.Depths.resize(picture.Colors.size());
-  controller->Broadcast(reinterpret_cast<char*>(picture.Colors.data()),
-    static_cast<vtkIdType>(4 * picture.Colors.size()), 0);
-  controller->Broadcast(picture.Depths.data(), static_cast<vtkIdType>(picture.Depths.size()), 0);
-  return picture;
+  controller->Broadcast(&image.Width, 1, 0);
+  controller->Broadcast(&image.Height, 1, 0);
+  image.Colors.resize(
+    static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
+  image.Depths.resize(image.Colors.size());
+  controller->Broadcast(reinterpret_cast<char*>(image.Colors.data()),
+    static_cast<vtkIdType>(4 * image.Colors.size()), 0);
+  controller->Broadcast(image.Depths.data(), static_cast<vtkIdType>(image.Depths.size()), 0);
+  return image;
 }
 
 /// Tiles are by rank: from left to right, the upper row first, as ParaView has them.

@@ -284,30 +284,30 @@ Image RankWindow::Render()
   }
   GetController()->Barrier();
 
-  Image picture;
+  Image image;
   vtkSynchronizedRenderers::vtkRawImage tile;
   this->Renderers->GetIceTCompositePass()->GetLastRenderedTile(tile);
   if (tile.IsValid())
   {
-    picture.Width = tile.GetWidth();
-    picture.Height = tile.GetHeight();
+    image.Width = tile.GetWidth();
+    image.Height = tile.GetHeight();
     const std::size_t pixels =
-      static_cast<std::size_t>(picture.Width) * static_cast<std::size_t>(picture.Height);
-    picture.Colors.resize(pixels);
-    std::memcpy(picture.Colors.data(), tile.GetRawPtr()->GetPointer(0), 4 * pixels);
+      static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
+    image.Colors.resize(pixels);
+    std::memcpy(image.Colors.data(), tile.GetRawPtr()->GetPointer(0), 4 * pixels);
     if (vtkFloatArray* depths = this->Renderers->GetIceTCompositePass()->GetLastRenderedDepths())
     {
-      picture.Depths.assign(
+      image.Depths.assign(
         depths->GetPointer(0), depths->GetPointer(0) + depths->GetNumberOfTuples());
     }
   }
-  return picture;
+  return image;
 }
 
 Image RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
   int width, int height)
 {
-  // One window for all: to make one, and its shaders, takes longer than the pictures.
+  // One window for all: to make one, and its shaders, takes longer than the images.
   static vtkSmartPointer<vtkRenderWindow> window;
   static vtkSmartPointer<vtkRenderer> renderer;
   if (!window)
@@ -327,18 +327,18 @@ Image RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const Ca
   }
   PlaceCamera(renderer, camera);
   window->Render();
-  Image picture;
-  picture.Width = width;
-  picture.Height = height;
+  Image image;
+  image.Width = width;
+  image.Height = height;
   vtkNew<vtkUnsignedCharArray> colors;
   vtkNew<vtkFloatArray> depths;
   window->GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, colors);
   window->GetZbufferData(0, 0, width - 1, height - 1, depths);
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  picture.Colors.resize(pixels);
-  std::memcpy(picture.Colors.data(), colors->GetPointer(0), 4 * pixels);
-  picture.Depths.assign(depths->GetPointer(0), depths->GetPointer(0) + pixels);
-  return picture;
+  image.Colors.resize(pixels);
+  std::memcpy(image.Colors.data(), colors->GetPointer(0), 4 * pixels);
+  image.Depths.assign(depths->GetPointer(0), depths->GetPointer(0) + pixels);
+  return image;
 }
 
 } // namespace isosurface

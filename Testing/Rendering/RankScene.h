@@ -27,7 +27,7 @@ int GetRank();
 int GetNumberOfRanks();
 bool IsTrueOnSomeRank(bool mine);
 
-/// A picture of this rank's tile, or none.
+/// An image of this rank's tile, or none.
 struct Image
 {
   int Width = 0;

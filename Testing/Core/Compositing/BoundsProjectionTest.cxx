@@ -127,7 +127,7 @@ void ExpectFits(const PixelRectangle& pixels, const SampledBounds& sampled, doub
 
 } // namespace
 
-TEST(BoundsProjection, InFrontOfTheCameraItIsTheLeastRectangleOfAllPoints)
+TEST(BoundsProjection, InFrontOfTheCameraItIsTheSmallestRectangleOfAllPoints)
 {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-2, 2);

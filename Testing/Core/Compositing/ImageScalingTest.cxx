@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images that are enlarged smoothly or averaged, beside sums in floating point.
+// Images that are upsampled smoothly or averaged, beside sums in floating point.
 #include "Compositing/ImageScaling.h"
+
+#include "Compositing/Viewport.h"
 
 #include <gtest/gtest.h>
 
@@ -13,17 +15,17 @@ using namespace isosurface;
 namespace
 {
 
-OwnImage MakeImage(const PixelRectangle& raster, std::mt19937& random)
+ImageBuffer MakeImage(const PixelRectangle& raster, std::mt19937& random)
 {
-  OwnImage picture;
-  picture.Resize(raster);
+  ImageBuffer image;
+  image.Resize(raster);
   std::uniform_real_distribution<float> depth(0.2F, 1.4F);
-  for (std::size_t pixel = 0; pixel < picture.Colors.size(); ++pixel)
+  for (std::size_t pixel = 0; pixel < image.Colors.size(); ++pixel)
   {
-    picture.Depths[pixel] = std::min(1.0F, depth(random));
-    picture.Colors[pixel] = picture.Depths[pixel] < 1.0F ? static_cast<std::uint32_t>(random()) : 0;
+    image.Depths[pixel] = std::min(1.0F, depth(random));
+    image.Colors[pixel] = image.Depths[pixel] < 1.0F ? static_cast<std::uint32_t>(random()) : 0;
   }
-  return picture;
+  return image;
 }
 
 unsigned GetByte(std::uint32_t color, int byte)
@@ -33,32 +35,32 @@ unsigned GetByte(std::uint32_t color, int byte)
 
 } // namespace
 
-TEST(ImageScaling, EnlargedColorsAreBilinearAmongActiveSamples)
+TEST(ImageScaling, UpsampledColorsAreBilinearAmongActiveSamples)
 {
   std::mt19937 random(5);
   for (const int divisor : { 1, 2, 3, 4, 7, 64 })
   {
     const PixelRectangle raster{ 3, 2, 6, 5 };
-    const OwnImage picture = MakeImage(raster, random);
+    const ImageBuffer image = MakeImage(raster, random);
     // Blocks at the display's edge may reach beyond it.
     const PixelRectangle pixels = PixelRectangle::FromEdges(
       3 * divisor, 2 * divisor, 9 * divisor - divisor / 2, 7 * divisor - divisor / 3);
-    OwnImage enlarged;
-    EnlargeSmoothly(picture.GetView(), divisor, pixels, enlarged);
-    ASSERT_EQ(enlarged.Raster, pixels);
+    ImageBuffer upsampled;
+    UpsampleSmoothly(image.GetView(), divisor, pixels, upsampled);
+    ASSERT_EQ(upsampled.Raster, pixels);
     for (int y = pixels.Y; y < pixels.GetTop(); ++y)
     {
       for (int x = pixels.X; x < pixels.GetRight(); ++x)
       {
-        const std::size_t pixel = enlarged.GetView().GetIndex(x, y);
-        const std::size_t own = picture.GetView().GetIndex(x / divisor, y / divisor);
-        EXPECT_EQ(enlarged.Depths[pixel], picture.Depths[own]);
-        if (!(picture.Depths[own] < 1.0F))
+        const std::size_t pixel = upsampled.GetView().GetIndex(x, y);
+        const std::size_t own = image.GetView().GetIndex(x / divisor, y / divisor);
+        EXPECT_EQ(upsampled.Depths[pixel], image.Depths[own]);
+        if (!(image.Depths[own] < 1.0F))
         {
-          EXPECT_EQ(enlarged.Colors[pixel], 0U);
+          EXPECT_EQ(upsampled.Colors[pixel], 0U);
           continue;
         }
-        // Every sample in the picture has the weight of a tent one block wide to each side.
+        // Every sample in the image has the weight of a tent one block wide to each side.
         for (int byte = 0; byte < 4; ++byte)
         {
           double sum = 0;
@@ -67,32 +69,58 @@ TEST(ImageScaling, EnlargedColorsAreBilinearAmongActiveSamples)
           {
             for (int column = raster.X; column < raster.GetRight(); ++column)
             {
-              const std::size_t sample = picture.GetView().GetIndex(column, row);
+              const std::size_t sample = image.GetView().GetIndex(column, row);
               const double across = std::abs((x + 0.5) / divisor - (column + 0.5));
               const double up = std::abs((y + 0.5) / divisor - (row + 0.5));
-              if (across < 1 && up < 1 && picture.Depths[sample] < 1.0F)
+              if (across < 1 && up < 1 && image.Depths[sample] < 1.0F)
               {
                 const double weight = (1 - across) * (1 - up);
-                sum += weight * GetByte(picture.Colors[sample], byte);
+                sum += weight * GetByte(image.Colors[sample], byte);
                 weights += weight;
               }
             }
           }
-          EXPECT_NEAR(GetByte(enlarged.Colors[pixel], byte), sum / weights, 0.5 + 1e-9);
+          EXPECT_NEAR(GetByte(upsampled.Colors[pixel], byte), sum / weights, 0.5 + 1e-9);
         }
       }
     }
   }
 }
 
-TEST(ImageScaling, EnlargingByOneChangesNothing)
+TEST(ImageScaling, UpsampledBlocksHaveOneSampleAndLeaveOtherPixels)
+{
+  std::mt19937 random(8);
+  const PixelRectangle display{ 0, 0, 31, 23 };
+  for (const int divisor : { 1, 2, 3, 5 })
+  {
+    const PixelRectangle pixels{ 7, 4, 20, 17 };
+    const ImageBuffer image = MakeImage(CoverWithBlocks(pixels, divisor), random);
+    ImageBuffer upsampled;
+    upsampled.Clear(display);
+    UpsampleBlocks(image.GetView(), divisor, pixels, upsampled);
+    for (int y = 0; y < display.Height; ++y)
+    {
+      for (int x = 0; x < display.Width; ++x)
+      {
+        const auto pixel = static_cast<std::size_t>(y * display.Width + x);
+        const bool isInside = pixels.Contains(x, y);
+        const std::size_t own =
+          isInside ? image.GetView().GetIndex(x / divisor, y / divisor) : std::size_t{ 0 };
+        EXPECT_EQ(upsampled.Colors[pixel], isInside ? image.Colors[own] : 0U);
+        EXPECT_EQ(upsampled.Depths[pixel], isInside ? image.Depths[own] : 1.0F);
+      }
+    }
+  }
+}
+
+TEST(ImageScaling, UpsamplingByOneChangesNothing)
 {
   std::mt19937 random(6);
-  const OwnImage picture = MakeImage({ 10, 20, 17, 9 }, random);
-  OwnImage enlarged;
-  EnlargeSmoothly(picture.GetView(), 1, picture.Raster, enlarged);
-  EXPECT_EQ(enlarged.Colors, picture.Colors);
-  EXPECT_EQ(enlarged.Depths, picture.Depths);
+  const ImageBuffer image = MakeImage({ 10, 20, 17, 9 }, random);
+  ImageBuffer upsampled;
+  UpsampleSmoothly(image.GetView(), 1, image.Raster, upsampled);
+  EXPECT_EQ(upsampled.Colors, image.Colors);
+  EXPECT_EQ(upsampled.Depths, image.Depths);
 }
 
 TEST(ImageScaling, AveragesAreThoseOfFourSamples)
@@ -100,7 +128,7 @@ TEST(ImageScaling, AveragesAreThoseOfFourSamples)
   std::mt19937 random(7);
   constexpr int Width = 13;
   constexpr int Height = 7;
-  const OwnImage fine = MakeImage({ 0, 0, 2 * Width, 2 * Height }, random);
+  const ImageBuffer fine = MakeImage({ 0, 0, 2 * Width, 2 * Height }, random);
   std::vector<std::uint32_t> colors(Width * Height);
   std::vector<float> depths(Width * Height);
   AverageSamples(

@@ -17,57 +17,57 @@ namespace
 
 constexpr PixelRectangle Raster{ 13, 7, 53, 31 };
 
-/// The part of a picture as it should arrive: what is not active is color 0 and depth 1.
-OwnImage CutActive(const OwnImage& picture, const PixelRectangle& part)
+/// The part of an image as it should arrive: what is not active is color 0 and depth 1.
+ImageBuffer CutActive(const ImageBuffer& image, const PixelRectangle& part)
 {
-  OwnImage cut;
+  ImageBuffer cut;
   cut.Raster = part;
   for (int y = part.Y; y < part.GetTop(); ++y)
   {
     for (int x = part.X; x < part.GetRight(); ++x)
     {
-      const std::size_t index = picture.GetView().GetIndex(x, y);
-      const bool isActive = picture.Depths[index] < 1.0F;
-      cut.Colors.push_back(isActive ? picture.Colors[index] : 0);
-      cut.Depths.push_back(isActive ? picture.Depths[index] : 1.0F);
+      const std::size_t index = image.GetView().GetIndex(x, y);
+      const bool isActive = image.Depths[index] < 1.0F;
+      cut.Colors.push_back(isActive ? image.Colors[index] : 0);
+      cut.Depths.push_back(isActive ? image.Depths[index] : 1.0F);
     }
   }
   return cut;
 }
 
-OwnImage Paint(const ActivePixels& pixels, const PixelRectangle& part)
+ImageBuffer Paint(const ActivePixels& pixels, const PixelRectangle& part)
 {
-  OwnImage picture;
-  picture.Raster = part;
-  picture.Colors.assign(static_cast<std::size_t>(part.GetArea()), 0);
-  picture.Depths.assign(static_cast<std::size_t>(part.GetArea()), 1.0F);
+  ImageBuffer image;
+  image.Raster = part;
+  image.Colors.assign(static_cast<std::size_t>(part.GetArea()), 0);
+  image.Depths.assign(static_cast<std::size_t>(part.GetArea()), 1.0F);
   for (const PixelRun& run : pixels.Runs)
   {
-    const std::size_t index = picture.GetView().GetIndex(run.X, run.Y);
+    const std::size_t index = image.GetView().GetIndex(run.X, run.Y);
     std::copy_n(pixels.Colors.begin() + static_cast<std::ptrdiff_t>(run.First), run.Length,
-      picture.Colors.begin() + static_cast<std::ptrdiff_t>(index));
+      image.Colors.begin() + static_cast<std::ptrdiff_t>(index));
     if (!pixels.Depths.empty())
     {
       std::copy_n(pixels.Depths.begin() + static_cast<std::ptrdiff_t>(run.First), run.Length,
-        picture.Depths.begin() + static_cast<std::ptrdiff_t>(index));
+        image.Depths.begin() + static_cast<std::ptrdiff_t>(index));
     }
   }
-  return picture;
+  return image;
 }
 
-void ExpectRoundTrip(const OwnImage& picture, const PixelRectangle& part)
+void ExpectRoundTrip(const ImageBuffer& image, const PixelRectangle& part)
 {
-  const OwnImage expected = CutActive(picture, part);
+  const ImageBuffer expected = CutActive(image, part);
   Message bytes(3, 99);
-  AppendActivePixels(picture.GetView(), part, PixelContent::ColorsAndDepths, bytes);
+  AppendActivePixels(image.GetView(), part, PixelContent::ColorsAndDepths, bytes);
   const std::size_t second = bytes.size();
-  AppendActivePixels(picture.GetView(), part, PixelContent::Colors, bytes);
+  AppendActivePixels(image.GetView(), part, PixelContent::Colors, bytes);
 
   std::size_t offset = 3;
   ActivePixels pixels;
   ASSERT_TRUE(ReadActivePixels(bytes, part, PixelContent::ColorsAndDepths, offset, pixels).IsOk());
   EXPECT_EQ(offset, second);
-  const OwnImage full = Paint(pixels, part);
+  const ImageBuffer full = Paint(pixels, part);
   EXPECT_EQ(full.Colors, expected.Colors);
   // Bit for bit: a depth of -0 is not one of 0.
   EXPECT_TRUE(std::equal(full.Depths.begin(), full.Depths.end(), expected.Depths.begin(),
@@ -78,10 +78,10 @@ void ExpectRoundTrip(const OwnImage& picture, const PixelRectangle& part)
   EXPECT_TRUE(pixels.Depths.empty());
 }
 
-Message MakeBytes(const OwnImage& picture, PixelContent content)
+Message MakeBytes(const ImageBuffer& image, PixelContent content)
 {
   Message bytes;
-  AppendActivePixels(picture.GetView(), picture.Raster, content, bytes);
+  AppendActivePixels(image.GetView(), image.Raster, content, bytes);
   return bytes;
 }
 
@@ -112,54 +112,54 @@ TEST(PixelRuns, AnyPartOfAnyImageArrivesBitForBit)
   std::mt19937 random(1);
   for (unsigned trial = 0; trial < 100; ++trial)
   {
-    const OwnImage picture = MakeRandomImage(Raster, trial);
-    ExpectRoundTrip(picture, MakeRandomRectangle(Raster, random));
+    const ImageBuffer image = MakeRandomImage(Raster, trial);
+    ExpectRoundTrip(image, MakeRandomRectangle(Raster, random));
   }
 }
 
 TEST(PixelRuns, FullEmptyAndSinglePixels)
 {
-  OwnImage picture = MakeRandomImage(Raster, 1);
-  std::fill(picture.Depths.begin(), picture.Depths.end(), 0.25F);
-  ExpectRoundTrip(picture, Raster);
-  std::fill(picture.Depths.begin(), picture.Depths.end(), 1.0F);
-  ExpectRoundTrip(picture, Raster);
-  ExpectRoundTrip(picture, { 20, 10, 0, 5 });
-  picture.Depths.back() = 0.0F;
-  ExpectRoundTrip(picture, Raster);
+  ImageBuffer image = MakeRandomImage(Raster, 1);
+  std::fill(image.Depths.begin(), image.Depths.end(), 0.25F);
+  ExpectRoundTrip(image, Raster);
+  std::fill(image.Depths.begin(), image.Depths.end(), 1.0F);
+  ExpectRoundTrip(image, Raster);
+  ExpectRoundTrip(image, { 20, 10, 0, 5 });
+  image.Depths.back() = 0.0F;
+  ExpectRoundTrip(image, Raster);
 }
 
 TEST(PixelRuns, DepthsOfAllRangesArriveBitForBit)
 {
-  OwnImage picture = MakeRandomImage(Raster, 2);
+  ImageBuffer image = MakeRandomImage(Raster, 2);
   std::mt19937 random(9);
   for (const float low : { -1.0F, 0.0F, 1e-30F, 0.3F, 0.6F, 0.999F })
   {
-    for (float& depth : picture.Depths)
+    for (float& depth : image.Depths)
     {
       depth = low + (1.0001F - low) * static_cast<float>(random() % 100000) / 100000.0F;
     }
-    ExpectRoundTrip(picture, Raster);
+    ExpectRoundTrip(image, Raster);
   }
   // NaN is not less than 1: nothing was drawn there.
-  picture.Depths[17] = std::numeric_limits<float>::quiet_NaN();
-  ExpectRoundTrip(picture, Raster);
+  image.Depths[17] = std::numeric_limits<float>::quiet_NaN();
+  ExpectRoundTrip(image, Raster);
 }
 
 TEST(PixelRuns, OpaquePixelsTakeThreeBytesAndDepthsOfAScreenThree)
 {
-  OwnImage picture = MakeRandomImage(Raster, 3);
-  std::fill(picture.Depths.begin(), picture.Depths.end(), 0.75F);
-  picture.Depths[0] = 0.3F;
+  ImageBuffer image = MakeRandomImage(Raster, 3);
+  std::fill(image.Depths.begin(), image.Depths.end(), 0.75F);
+  image.Depths[0] = 0.3F;
   const auto count = static_cast<std::size_t>(Raster.GetArea());
-  EXPECT_LT(MakeBytes(picture, PixelContent::ColorsAndDepths).size(), 7 * count + 20);
-  for (std::uint32_t& color : picture.Colors)
+  EXPECT_LT(MakeBytes(image, PixelContent::ColorsAndDepths).size(), 7 * count + 20);
+  for (std::uint32_t& color : image.Colors)
   {
     color |= 0xff000000U;
   }
-  ExpectRoundTrip(picture, Raster);
-  EXPECT_LT(MakeBytes(picture, PixelContent::ColorsAndDepths).size(), 6 * count + 20);
-  EXPECT_LT(MakeBytes(picture, PixelContent::Colors).size(), 3 * count + 20);
+  ExpectRoundTrip(image, Raster);
+  EXPECT_LT(MakeBytes(image, PixelContent::ColorsAndDepths).size(), 6 * count + 20);
+  EXPECT_LT(MakeBytes(image, PixelContent::Colors).size(), 3 * count + 20);
 }
 
 TEST(PixelRuns, TruncatedBytesAreCorrupt)

@@ -2,39 +2,28 @@
 #ifndef isosurface_Testing_RandomImages_h
 #define isosurface_Testing_RandomImages_h
 
-#include "Compositing/PixelRuns.h"
-#include "Compositing/Viewport.h"
+#include "Compositing/Image.h"
 
 #include <random>
-#include <vector>
+#include <utility>
 
 namespace isosurface
 {
 
-/// A picture with its memory.
-struct OwnImage
-{
-  std::vector<std::uint32_t> Colors;
-  std::vector<float> Depths;
-  PixelRectangle Raster;
-
-  ImageView GetView() const { return { this->Colors.data(), this->Depths.data(), this->Raster }; }
-};
-
 /// Spans of active and inactive samples; depths from a few values, so that ranks are equally near.
-inline OwnImage MakeRandomImage(const PixelRectangle& raster, unsigned seed)
+inline ImageBuffer MakeRandomImage(const PixelRectangle& raster, unsigned seed)
 {
   std::mt19937 random(seed);
-  OwnImage picture;
-  picture.Raster = raster;
+  ImageBuffer image;
+  image.Raster = raster;
   bool isActive = false;
   for (std::int64_t index = 0; index < raster.GetArea(); ++index)
   {
     isActive = random() % 7 == 0 ? !isActive : isActive;
-    picture.Colors.push_back(static_cast<std::uint32_t>(random()));
-    picture.Depths.push_back(isActive ? static_cast<float>(random() % 5) / 5.0F : 1.0F);
+    image.Colors.push_back(static_cast<std::uint32_t>(random()));
+    image.Depths.push_back(isActive ? static_cast<float>(random() % 5) / 5.0F : 1.0F);
   }
-  return picture;
+  return image;
 }
 
 /// Any rectangle inside of one.

@@ -44,7 +44,7 @@ std::vector<RankWork> MakeScene(double zoom)
     MakeWork({ 500 * zoom, 0.8, 0.7, 200000 }), MakeWork({ 300 * zoom, 0.6, 1.0, 320000 }) };
 }
 
-/// Ranks draw side by side, then the pictures are merged.
+/// Ranks draw side by side, then the images are merged.
 struct Machine
 {
   double SecondsOfFrame = 0.008;
@@ -293,8 +293,8 @@ TEST(FrameTimeModel, LearnsWhatTrianglesAndSamplesCost)
   std::uniform_int_distribution<std::int64_t> samples(0, 4000000);
   const auto cost = [](const FrameWork& work)
   {
-    return 0.01 + 2e-8 * static_cast<double>(work.MostTriangles) +
-      1e-8 * static_cast<double>(work.MostSamples) + 5e-9 * static_cast<double>(work.AllSamples);
+    return 0.01 + 2e-8 * static_cast<double>(work.MaximumTriangles) +
+      1e-8 * static_cast<double>(work.MaximumSamples) + 5e-9 * static_cast<double>(work.AllSamples);
   };
   for (int frame = 0; frame < 300; ++frame)
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Compositing/ViewportCompositor.h"
 
+#include "Compositing/ImageScaling.h"
 #include "Fixtures/ThreadCommunicator.h"
 #include "RandomImages.h"
 
@@ -14,10 +15,10 @@ namespace
 {
 
 /// Pixel by pixel, rank by rank: of all samples over the pixel the nearest one, the last of equals.
-OwnImage MergeOneByOne(const std::vector<Viewport>& viewports,
-  const std::vector<OwnImage>& pictures, const PixelRectangle& tile)
+ImageBuffer MergeOneByOne(const std::vector<Viewport>& viewports,
+  const std::vector<ImageBuffer>& images, const PixelRectangle& tile)
 {
-  OwnImage merged;
+  ImageBuffer merged;
   merged.Raster = tile;
   for (int y = tile.Y; y < tile.GetTop(); ++y)
   {
@@ -31,11 +32,11 @@ OwnImage MergeOneByOne(const std::vector<Viewport>& viewports,
         const int row = y / viewports[rank].Divisor;
         if (viewports[rank].Blocks.Contains(column, row))
         {
-          const std::size_t index = pictures[rank].GetView().GetIndex(column, row);
-          if (pictures[rank].Depths[index] < 1.0F && pictures[rank].Depths[index] <= depth)
+          const std::size_t index = images[rank].GetView().GetIndex(column, row);
+          if (images[rank].Depths[index] < 1.0F && images[rank].Depths[index] <= depth)
           {
-            depth = pictures[rank].Depths[index];
-            color = pictures[rank].Colors[index];
+            depth = images[rank].Depths[index];
+            color = images[rank].Colors[index];
           }
         }
       }
@@ -50,7 +51,7 @@ struct Frame
 {
   std::vector<Viewport> Viewports;
   std::vector<DisplayTile> Tiles;
-  std::vector<OwnImage> Images;
+  std::vector<ImageBuffer> Images;
 };
 
 Frame MakeFrame(const std::vector<Viewport>& viewports, const std::vector<DisplayTile>& tiles)
@@ -76,7 +77,7 @@ void CheckFrames(int ranks, const std::vector<Frame>& frames)
       {
         for (const bool wantsDepths : { false, true })
         {
-          OwnImage shown;
+          ImageBuffer shown;
           for (const DisplayTile& tile : frame.Tiles)
           {
             if (tile.Rank == communicator.GetRank())
@@ -86,11 +87,11 @@ void CheckFrames(int ranks, const std::vector<Frame>& frames)
           }
           shown.Colors.assign(static_cast<std::size_t>(shown.Raster.GetArea()), 77);
           shown.Depths.assign(static_cast<std::size_t>(shown.Raster.GetArea()), 77);
-          const Status status = compositor.Composite(communicator, frame.Viewports, frame.Tiles,
+          const Status status = compositor.Composite(communicator, { frame.Tiles }, frame.Viewports,
             frame.Images[me].GetView(),
             { shown.Colors.data(), wantsDepths ? shown.Depths.data() : nullptr }, wantsDepths);
           EXPECT_TRUE(status.IsOk()) << status.GetMessage();
-          const OwnImage expected = MergeOneByOne(frame.Viewports, frame.Images, shown.Raster);
+          const ImageBuffer expected = MergeOneByOne(frame.Viewports, frame.Images, shown.Raster);
           EXPECT_EQ(shown.Colors, expected.Colors);
           if (wantsDepths)
           {
@@ -140,7 +141,7 @@ TEST(ViewportCompositor, EqualNestedDisjointAndEmptyViewports)
       MakeFrame({ inner, {}, inner }, tiles) });
 }
 
-TEST(ViewportCompositor, TilesOfAWallAreThePartsOfTheOneBigImage)
+TEST(ViewportCompositor, TilesOfAWallAreRectanglesOfTheWholeImage)
 {
   std::mt19937 random(12);
   std::vector<Viewport> viewports;
@@ -160,6 +161,40 @@ TEST(ViewportCompositor, TilesOfAWallAreThePartsOfTheOneBigImage)
       MakeFrame(viewports, { { { 0, 0, 31, 59 }, 1 }, { { 37, 0, 36, 59 }, 0 } }) });
 }
 
+TEST(ViewportCompositor, WithAntialiasingPixelsAreMeansOfMergedSamples)
+{
+  std::mt19937 random(13);
+  const DisplayLayout display =
+    MakeDisplayLayout({ { { 0, 0, 20, 30 }, 1 }, { { 20, 0, 16, 30 }, 0 } }, 2);
+  std::vector<Viewport> viewports;
+  for (const int divisor : { 1, 2, 3 })
+  {
+    viewports.push_back(MakeViewport(MakeRandomRectangle(display.GetExtent(), random), divisor));
+  }
+  const Frame frame = MakeFrame(viewports, display.Tiles);
+  ThreadCommunicator::Run(3,
+    [&](Communicator& communicator)
+    {
+      const auto me = static_cast<std::size_t>(communicator.GetRank());
+      const DisplayTile* tile = display.FindTile(communicator.GetRank());
+      const PixelRectangle samples = tile ? tile->Pixels : PixelRectangle{};
+      ImageBuffer shown;
+      shown.Resize(display.CoverWithPixels(samples));
+      ViewportCompositor compositor;
+      EXPECT_TRUE(compositor
+                    .Composite(communicator, display, viewports, frame.Images[me].GetView(),
+                      { shown.Colors.data(), shown.Depths.data() }, true)
+                    .IsOk());
+      const ImageBuffer fine = MergeOneByOne(viewports, frame.Images, samples);
+      ImageBuffer expected;
+      expected.Resize(shown.Raster);
+      AverageSamples(fine.Colors.data(), fine.Depths.data(), shown.Raster.Width,
+        shown.Raster.Height, expected.Colors.data(), expected.Depths.data());
+      EXPECT_EQ(shown.Colors, expected.Colors);
+      EXPECT_EQ(shown.Depths, expected.Depths);
+    });
+}
+
 TEST(ViewportCompositor, HalfTheResolutionTakesAQuarterOfTheBytes)
 {
   std::array<std::uint64_t, 2> sent{};
@@ -175,12 +210,12 @@ TEST(ViewportCompositor, HalfTheResolutionTakesAQuarterOfTheBytes)
         std::vector<std::uint32_t> colors(512 * 512);
         ViewportCompositor compositor;
         EXPECT_TRUE(compositor
-                      .Composite(communicator, frame.Viewports, frame.Tiles,
+                      .Composite(communicator, { frame.Tiles }, frame.Viewports,
                         frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(),
                         { colors.data(), nullptr }, false)
                       .IsOk());
         const std::lock_guard<std::mutex> lock(mutex);
-        sent[static_cast<std::size_t>(divisor - 1)] += compositor.GetCost().BytesSent;
+        sent[static_cast<std::size_t>(divisor - 1)] += compositor.GetBytesSent();
       });
   }
   EXPECT_GT(sent[1], 0U);
@@ -196,27 +231,28 @@ TEST(ViewportCompositor, AnErrorOfOneRankIsAnErrorOfAll)
     {
       std::vector<std::uint32_t> colors(static_cast<std::size_t>(Display.GetArea()));
       ViewportCompositor compositor;
-      // Rank 1 has no picture.
+      // Rank 1 has no image.
       const ImageView mine = communicator.GetRank() == 0 ? frame.Images[0].GetView() : ImageView{};
       EXPECT_EQ(compositor
-                  .Composite(communicator, frame.Viewports, frame.Tiles, mine,
+                  .Composite(communicator, { frame.Tiles }, frame.Viewports, mine,
                     { colors.data(), nullptr }, false)
                   .GetCode(),
         communicator.GetRank() == 1 ? StatusCode::InvalidArgument : StatusCode::RemoteFailure);
       // Two tiles for one rank; no place for the tile.
-      EXPECT_FALSE(compositor
-                     .Composite(communicator, frame.Viewports, { { Display, 0 }, { Display, 0 } },
-                       frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(),
-                       { colors.data(), nullptr }, false)
-                     .IsOk());
       EXPECT_FALSE(
         compositor
-          .Composite(communicator, frame.Viewports, frame.Tiles,
+          .Composite(communicator, { { { Display, 0 }, { Display, 0 } } }, frame.Viewports,
+            frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(),
+            { colors.data(), nullptr }, false)
+          .IsOk());
+      EXPECT_FALSE(
+        compositor
+          .Composite(communicator, { frame.Tiles }, frame.Viewports,
             frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(), {}, false)
           .IsOk());
       // The compositor is as good as new.
       EXPECT_TRUE(compositor
-                    .Composite(communicator, frame.Viewports, frame.Tiles,
+                    .Composite(communicator, { frame.Tiles }, frame.Viewports,
                       frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(),
                       { colors.data(), nullptr }, false)
                     .IsOk());

@@ -16,7 +16,8 @@ std::vector<std::uint32_t> DrawOn(
   const PixelRectangle& tile, const std::vector<Viewport>& viewports)
 {
   std::vector<std::uint32_t> colors(static_cast<std::size_t>(tile.GetArea()), 7);
-  DrawViewportOutlines(viewports, Display, tile, colors.data());
+  const DisplayTile shown{ tile, 0 };
+  DrawViewportOutlines(viewports, MakeDisplayLayout({ { Display, 0 } }, 1), shown, colors.data());
   return colors;
 }
 
@@ -37,18 +38,18 @@ TEST(ViewportOutlines, AreTwoPixelsWideInsideTheViewport)
   }
 }
 
-TEST(ViewportOutlines, OfATileAreThatPartOfTheDisplays)
+TEST(ViewportOutlines, OfATileAreThoseOfTheDisplay)
 {
   const std::vector<Viewport> viewports = { MakeViewport({ 3, 4, 50, 30 }, 1),
     MakeViewport({ 20, 8, 39, 31 }, 2), MakeViewport({ 30, 30, 2, 2 }, 4) };
   const std::vector<std::uint32_t> all = DrawOn(Display, viewports);
   const PixelRectangle tile{ 15, 10, 33, 26 };
-  const std::vector<std::uint32_t> part = DrawOn(tile, viewports);
+  const std::vector<std::uint32_t> ofTile = DrawOn(tile, viewports);
   for (int y = tile.Y; y < tile.GetTop(); ++y)
   {
     for (int x = tile.X; x < tile.GetRight(); ++x)
     {
-      EXPECT_EQ(part[static_cast<std::size_t>((y - tile.Y) * tile.Width + x - tile.X)],
+      EXPECT_EQ(ofTile[static_cast<std::size_t>((y - tile.Y) * tile.Width + x - tile.X)],
         all[static_cast<std::size_t>(y * Display.Width + x)]);
     }
   }
@@ -64,6 +65,16 @@ TEST(ViewportOutlines, CoarseViewportsAreDashed)
   }
   EXPECT_GT(line, Display.Width / 4);
   EXPECT_LT(line, Display.Width * 3 / 4);
+}
+
+TEST(ViewportOutlines, WithAntialiasingAreThoseOfThePixels)
+{
+  const PixelRectangle pixels{ 10, 5, 20, 16 };
+  const DisplayLayout display = MakeDisplayLayout({ { Display, 0 } }, 2);
+  std::vector<std::uint32_t> colors(static_cast<std::size_t>(Display.GetArea()), 7);
+  DrawViewportOutlines(
+    { MakeViewport({ 20, 10, 40, 32 }, 1) }, display, display.Tiles[0], colors.data());
+  EXPECT_EQ(colors, DrawOn(Display, { MakeViewport(pixels, 1) }));
 }
 
 TEST(ViewportOutlines, ColorsOfRanksAreOpaqueAndDiffer)

@@ -37,11 +37,3 @@ TEST(Viewport, OfNothingItIsEmpty)
   EXPECT_TRUE(CoverWithBlocks({ 5, 5, 0, 3 }, 4).IsEmpty());
   EXPECT_TRUE(MakeViewport({}, 1).GetPixels({ 0, 0, 10, 10 }).IsEmpty());
 }
-
-TEST(Viewport, DisplayContainsAllTiles)
-{
-  EXPECT_EQ(GetDisplay({}), PixelRectangle());
-  EXPECT_EQ(
-    GetDisplay({ { { 110, 0, 100, 50 }, 1 }, { { 0, 0, 100, 50 }, 0 }, { { 0, 60, 100, 50 }, 2 } }),
-    (PixelRectangle{ 0, 0, 210, 110 }));
-}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A client of client_and_server.py: what the ranks of a server show of the same scene.
 
-Without --wall SaveScreenshot writes the picture, wall.png; with it each rank of the server writes
+Without --wall SaveScreenshot writes the image, wall.png; with it each rank of the server writes
 its tile of the wall as tile-RANK.npy.
 """
 from paraview import simple

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SceneProjection_h
+#define isosurface_SceneProjection_h
+
+#include "Compositing/FramePlanner.h"
+#include "Compositing/PixelRectangle.h"
+
+#include "vtkSmartPointer.h"
+
+#include <vector>
+
+class vtkCamera;
+class vtkMatrix4x4;
+class vtkRenderState;
+
+namespace isosurface
+{
+
+/// The camera's projection to a display of this size, to OpenGL's clip coordinates.
+vtkSmartPointer<vtkMatrix4x4> MakeProjection(vtkCamera* camera, const PixelRectangle& display);
+
+/**
+ * What this rank would draw of a render state: a viewport for each of the divisors, and what they
+ * all have in common, triangles and distances from the camera. Times and wishes are left as they are
+ * by default.
+ *
+ * A viewport covers the bounds of the visible props, lines and points in their full width included.
+ * If the bounds of a prop do not tell where it draws, the viewport is the whole display.
+ * `isFullDisplay` makes all viewports the whole display.
+ */
+FrameProposal MakeProposal(const vtkRenderState* state, const PixelRectangle& display,
+  const std::vector<int>& divisors, bool isFullDisplay);
+
+} // namespace isosurface
+
+#endif
