@@ -38,6 +38,14 @@ void vtkMetabufferRenderView::SetViewportMode(int mode)
   }
 }
 
+void vtkMetabufferRenderView::SetCompositeMode(int mode)
+{
+  if (vtkMetabufferPass* pass = this->GetPass())
+  {
+    pass->SetCompositeMode(mode);
+  }
+}
+
 void vtkMetabufferRenderView::SetResolutionMode(int mode)
 {
   this->ResolutionMode = std::clamp<int>(mode, FULL, TIME_BUDGET);

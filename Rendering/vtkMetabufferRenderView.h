@@ -30,8 +30,10 @@ public:
   vtkTypeMacro(vtkMetabufferRenderView, vtkPVRenderView);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// vtkMetabufferPass::ViewportModes.
+  /// What a rank draws, one of vtkMetabufferPass::ViewportModes.
   void SetViewportMode(int mode);
+  /// How images are merged, one of vtkMetabufferPass::CompositeModes.
+  void SetCompositeMode(int mode);
 
   enum ResolutionModes
   {

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Metabuffer render view beside the stock one, in the same session: same images, pixel for
-pixel, on any number of ranks, with all that a user puts into an image.
+pixel, on any number of ranks, with everything that a user puts into an image.
 
-Translucent surfaces are not among it: stock compositing of them fails on several ranks of the
-ParaView that these tests were made with, in any view.
+Translucent surfaces are left out: on several ranks stock compositing of them fails, in any view of
+the ParaView that these tests were made with.
 """
 import glob
 import unittest
@@ -88,7 +88,7 @@ class MetabufferView(unittest.TestCase):
     def test_same_image_with_and_without_fxaa_and_in_other_sizes(self):
         for fxaa in (0, 1):
             self.check_views("fxaa%d" % fxaa, lambda view: setattr(view, "UseFXAA", fxaa))
-        # Larger than the window, which ParaView puts together of parts.
+        # Larger than the window: ParaView joins several images.
         self.check_views("large", size=[777, 555])
 
     def test_same_image_with_annotations(self):
@@ -134,6 +134,25 @@ class MetabufferView(unittest.TestCase):
                 view.ViewportMode = "Full display"
 
         self.check_views("full-display", change)
+
+    def test_compositing_by_icet_gives_the_same_image(self):
+        def change(view):
+            if "CompositeMode" in view.ListProperties():
+                view.CompositeMode = "IceT"
+
+        self.check_views("icet", change)
+
+    def test_smooth_upsampling_shows_more_colors_than_blocks(self):
+        self.require_several_ranks()
+        view = self.make_view("MetabufferRenderView")
+        view.UseFXAA = 0
+        view.ResolutionMode = "Per rank"
+        view.ResolutionDivisors = [4]
+        blocks = self.save(view, "blocks")
+        view.SmoothUpsampling = 1
+        smooth = self.save(view, "smooth")
+        count = [len({tuple(c) for row in image for c in row}) for image in (blocks, smooth)]
+        self.assertGreater(count[1], 2 * count[0])
 
     def test_a_lower_resolution_is_the_small_stock_image_upsampled(self):
         self.require_several_ranks()
