@@ -11,7 +11,7 @@ namespace
 
 bool IsPatient = false;
 
-// Calls test(done) until it is done or fails; sleeps longer the longer it takes.
+// Calls test(done) until it is done or fails; sleeps in between, longer after many calls.
 template <typename Function>
 int Await(const Function& test)
 {
@@ -30,7 +30,7 @@ int Await(const Function& test)
   return status;
 }
 
-// Ends what was begun with the status `begun`.
+// Waits for the request that was begun with the status `begun`.
 int Finish(int begun, MPI_Request& request, MPI_Status* status = MPI_STATUS_IGNORE)
 {
   return begun == MPI_SUCCESS ? Await([&](int& done) { return PMPI_Test(&request, &done, status); })

@@ -3,12 +3,11 @@
 #define PatientMpi_h
 
 /**
- * Whether ranks that wait for messages sleep meanwhile; off to begin with. MPI spins: where there
- * are more ranks than cores, those that wait take the time of those that work, which they do not
- * where each has a core of its own. Counts for all calls of the program and its libraries, of VTK's
- * and IceT's alike.
+ * Makes ranks sleep while they wait for messages; off by default. MPI spins: where there are more
+ * ranks than cores, waiting ranks take processor time from working ones. Affects all calls of the
+ * program and its libraries, those of VTK and IceT included.
  *
- * By MPI's profiling interface: the program's calls stand before the library's.
+ * Implemented with MPI's profiling interface: the program's definitions replace the library's.
  */
 void WaitPatiently(bool isPatient);
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From an isovalue to the picture on several ranks, and what it costs to bring each rank its part.
+"""From an isovalue to the image on several ranks, and what it costs to bring each rank its part.
 
     mpirun -n 4 pvbatch redistribution.py --plugin .../ScalableIsosurface.so [--output FOLDER]
         [--volume VOLUME.bvol --array NAME] [--isovalues VALUE ...] [--without-pictures]
@@ -75,7 +75,7 @@ def make_view():
 
 def show_frames(contour, surface, isovalues, folder):
     """Draws each surface coarse, then in full; prints a table."""
-    print("| isovalue | level | triangles | most on a rank | sent, kB | seconds to the picture |")
+    print("| isovalue | level | triangles | most on a rank | sent, kB | seconds to the image |")
     print("|---|---|---|---|---|---|")
     view = make_view()
     for isovalue in isovalues:

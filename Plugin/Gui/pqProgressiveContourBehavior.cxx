@@ -30,7 +30,7 @@ bool IsFinal(vtkSMProxy* proxy)
   return vtkSMPropertyHelper(proxy, "Final").GetAsInt() != 0;
 }
 
-bool IsAnyServerAtWork(const pqServerManagerModel* model)
+bool IsAnyServerWorking(const pqServerManagerModel* model)
 {
   const QList<pqServer*> servers = model->findItems<pqServer*>();
   return std::any_of(servers.begin(), servers.end(),
@@ -92,7 +92,7 @@ void pqProgressiveContourBehavior::Refine()
 {
   pqApplicationCore* application = pqApplicationCore::instance();
   const pqServerManagerModel* model = application->getServerManagerModel();
-  if (QGuiApplication::mouseButtons() != Qt::NoButton || IsAnyServerAtWork(model))
+  if (QGuiApplication::mouseButtons() != Qt::NoButton || IsAnyServerWorking(model))
   {
     this->Timer->start();
     return;

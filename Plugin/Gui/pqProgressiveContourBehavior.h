@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   pqProgressiveContourBehavior
- * @brief   goes on to finer levels of progressive contours when the hand rests
+ * @brief   refines progressive contours while the user is idle
  *
- * Whenever a Stabbing Contour with Progressive on has given a surface that is not final, and then
- * nothing was updated for RestMilliseconds, no mouse button is down and no server is at work, this
- * calls its Refine and lets all views render: one level at a time, so that the user is heard
- * between them.
+ * Calls Refine of every Stabbing Contour with Progressive on whose surface is not final, then renders
+ * all views. Does so when nothing was updated for RestMilliseconds, no mouse button is down and no
+ * server is working. Refines one level at a time, so that the user can act between them.
  *
- * ParaView makes the one object when the plugin is loaded into its window.
+ * ParaView makes one object when its window loads the plugin.
  */
 
 #ifndef pqProgressiveContourBehavior_h
@@ -40,7 +39,7 @@ private Q_SLOTS:
 private:
   Q_DISABLE_COPY(pqProgressiveContourBehavior)
 
-  pqTimer* Timer; ///< one that ParaView's test player waits for; belongs to this
+  pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
 };
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What windows show, frames that keep a time, and frames that fail.
+// What windows show, frames with a time budget, and frames that fail.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"
@@ -31,7 +31,7 @@ namespace
 constexpr int Width = 211;
 constexpr int Height = 163;
 
-/// Draws, or throws if it is told to.
+/// Draws, or throws on request.
 class FaultyPass : public vtkRenderPass
 {
 public:
@@ -41,7 +41,7 @@ public:
   {
     if (this->IsFaulty)
     {
-      throw std::runtime_error("no more ink");
+      throw std::runtime_error("ink has run out");
     }
     this->Inner->Render(state);
   }
@@ -121,7 +121,7 @@ TEST(MetabufferFrame, WindowsShowWhatTheyShowWithStockCompositing)
   }
   for (std::size_t image = 1; image < images.size(); ++image)
   {
-    // Each setting can be seen, but FXAA where there is nothing.
+    // Each setting changes the image.
     EXPECT_EQ(images[image] == images[image - 1], false);
   }
 }
@@ -147,7 +147,7 @@ TEST(MetabufferFrame, WhatIsNotOpaqueIsBlendedOverTheBackground)
   }
   if (GetRank() == 0 && GetNumberOfRanks() == 1)
   {
-    // Of several ranks' translucent props nobody knows the order, without a helper that does.
+    // On several ranks the order is undefined without a vtkOrderedCompositingHelper.
     EXPECT_EQ(ours.GetShownColors(), stock.GetShownColors());
   }
 }
@@ -167,13 +167,13 @@ TEST(MetabufferFrame, ARankThatFailsInDrawingEndsTheFrameOnAllWithOneError)
     [](vtkObject*, unsigned long, void* sum, void* text)
     {
       ++*static_cast<int*>(sum);
-      EXPECT_NE(std::string(static_cast<char*>(text)).find("no more ink"), std::string::npos);
+      EXPECT_NE(std::string(static_cast<char*>(text)).find("ink has run out"), std::string::npos);
     });
   ours.GetPass()->AddObserver(vtkCommand::ErrorEvent, count);
   for (const int divisor : { 1, 2 })
   {
     ours.GetPass()->SetDivisor(0, divisor);
-    // In the window's framebuffer, and in one of the pass.
+    // In the window's framebuffer, and in one that the pass makes.
     ours.GetPass()->SetAntiAliasing(divisor == 2);
     pass->IsFaulty = GetRank() == GetNumberOfRanks() - 1;
     EXPECT_TRUE(ours.Render().IsEmpty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// At full resolution the image is that of stock compositing, and that of one rank that draws all.
+// Full resolution, compared with stock compositing, and with one rank that draws all.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"
@@ -194,7 +194,7 @@ TEST(MetabufferPass, WhereViewportsCannotBeUsedTheImageIsTheStockOne)
 
 TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)
 {
-  // It is said once.
+  // The log has the message once.
   int messages = 0;
   vtkLogger::AddCallback(
     "count",
@@ -252,7 +252,7 @@ TEST(MetabufferPass, ShowsTheViewportsOnRequest)
   ours.GetPass()->GetViewport(GetNumberOfRanks() - 1, viewport);
   if (GetRank() == 0)
   {
-    // The last rank's outline lies over the others', all around its viewport.
+    // The last rank's outline is drawn over all others.
     const auto pixel = static_cast<std::size_t>(viewport[1] * Width + viewport[0]);
     EXPECT_NE(outlined.Colors[pixel], plain.Colors[pixel]);
     EXPECT_GE(CountDifferentColors(outlined, plain),
@@ -261,9 +261,9 @@ TEST(MetabufferPass, ShowsTheViewportsOnRequest)
   }
 }
 
-TEST(MetabufferPass, ARendererThatIsPartOfItsWindow)
+TEST(MetabufferPass, ARendererInARectangleOfItsWindow)
 {
-  // Stock compositing cuts a projection to the part out of one to the window, and rounds.
+  // The oracle is not stock compositing, which rounds the projection.
   RankWindow ours(RankWindow::Metabuffer, 200, 160);
   ours.GetRenderer()->SetViewport(0.25, 0.1, 0.75, 0.85);
   const Scene scene = GetScenes()[1];
@@ -273,6 +273,6 @@ TEST(MetabufferPass, ARendererThatIsPartOfItsWindow)
   const Image image = ours.Render();
   if (GetRank() == 0)
   {
-    ExpectSame(image, RenderAllAlone(scene, camera, 100, 120), "part of a window");
+    ExpectSame(image, RenderAllAlone(scene, camera, 100, 120), "rectangle of a window");
   }
 }

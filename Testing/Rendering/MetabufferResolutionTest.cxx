@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ranks at resolutions of their own: beside images that each rank draws in a small window,
-// without viewports, which the test upsamples and merges pixel by pixel.
+// Resolutions by rank, compared with images that each rank draws in a small window, without
+// viewports, and that the test upsamples and merges pixel by pixel.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"
@@ -57,8 +57,8 @@ struct SmallImage
   }
 };
 
-// The color at the middle of a pixel, between those of the middles of the active blocks around it,
-// by a sum of fractions with 4 * divisor^2 as denominator.
+// The color at the center of a pixel, interpolated between the centers of the active blocks around it
+// by a sum of fractions with the denominator 4 * divisor^2.
 std::uint32_t GetSmoothColor(const SmallImage& small, int x, int y)
 {
   const int d = small.Divisor;
@@ -85,7 +85,7 @@ std::uint32_t GetSmoothColor(const SmallImage& small, int x, int y)
   return color;
 }
 
-/// How the reference puts small images together.
+/// How the reference merges small images.
 struct Composition
 {
   std::vector<int> Divisors;
@@ -124,7 +124,7 @@ Image AverageFour(const Image& fine)
   return coarse;
 }
 
-/// The image of a display on rank 0, of what each rank draws in a window of 1/divisor of the
+/// The image of a display, on rank 0, made of what each rank draws in a window of 1/divisor of its
 /// size.
 Image MergeSmallImages(
   const Scene& scene, const CameraPlace& camera, const Composition& composition)
@@ -266,8 +266,8 @@ TEST(MetabufferResolution, SmoothAndSupersampledImagesAreMergedOneByOne)
 
 TEST(MetabufferResolution, ADivisorThatDoesNotDivideTheDisplayMovesNothing)
 {
-  // 211 = 4 * 52 + 3: drawn as the low left part of a display of 212 x 164, whose blocks' middles
-  // are pixels' corners of this one. The same part of the scene is there, one block at most apart.
+  // 211 = 4 * 52 + 3: drawn as the low left corner of a display of 212 x 164, in which the centers of
+  // blocks are corners of pixels of this one. Props differ by one block at most.
   RankWindow odd(RankWindow::Metabuffer, 211, 163);
   odd.SetScene(GetScenes()[2]);
   odd.SetCamera(GetCameraPlaces()[0]);

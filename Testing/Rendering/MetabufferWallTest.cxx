@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Walls of several windows show the parts of the one big image.
+// Walls of several windows show the image of one large display.
 #include "RankScene.h"
 
 #include "vtkMetabufferPass.h"

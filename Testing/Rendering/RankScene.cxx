@@ -48,7 +48,7 @@ vtkSmartPointer<vtkActor> MakeBall(const std::array<double, 3>& center, double r
   return actor;
 }
 
-// Twenty-four balls in the unit cube; `owns` says which of them are a rank's.
+// Those of twenty-four balls in the unit cube for which `owns` is true.
 template <typename Function>
 std::vector<vtkSmartPointer<vtkActor>> MakeBalls(const Function& owns)
 {
@@ -174,7 +174,7 @@ std::vector<Scene> GetScenes()
 
 std::vector<vtkSmartPointer<vtkActor>> MakeRowOfBalls(int rank, int)
 {
-  // Beside each other as well, such that each is seen.
+  // Shifted sideways, such that each is visible.
   const double away = 0.45 * rank;
   return { MakeBall(
     { 0.5 - 0.7 * away + 0.12 * rank, 0.5 - 0.4 * away + 0.1 * rank, 0.5 - away }, 0.4, 3 * rank) };
@@ -307,7 +307,7 @@ Image RankWindow::Render()
 Image RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
   int width, int height)
 {
-  // One window for all: to make one, and its shaders, takes longer than the images.
+  // One window for all calls: to make one, with its shaders, takes longer than the images.
   static vtkSmartPointer<vtkRenderWindow> window;
   static vtkSmartPointer<vtkRenderer> renderer;
   if (!window)

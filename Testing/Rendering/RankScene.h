@@ -27,7 +27,7 @@ int GetRank();
 int GetNumberOfRanks();
 bool IsTrueOnSomeRank(bool mine);
 
-/// An image of this rank's tile, or none.
+/// The image of a tile; empty on ranks without one.
 struct Image
 {
   int Width = 0;
@@ -52,10 +52,10 @@ struct CameraPlace
   std::array<double, 2> ClippingRange{};
 };
 
-/// Around the unit cube: far away, near, inside, beside it, parallel.
+/// Views of the unit cube: far away, near, inside, beside it, parallel.
 std::vector<CameraPlace> GetCameraPlaces();
 
-/// What each rank draws: the actors of a rank, of so many ranks.
+/// Makes the actors of a rank, of `ranks` ranks.
 using SceneMaker = std::function<std::vector<vtkSmartPointer<vtkActor>>(int rank, int ranks)>;
 
 struct Scene
@@ -64,15 +64,14 @@ struct Scene
   SceneMaker Make;
 };
 
-/// Balls dealt out at random or in compact parts, nested ones, ranks without anything, lines,
+/// Balls dealt out at random or in compact pieces, nested ones, ranks without anything, lines,
 /// points.
 std::vector<Scene> GetScenes();
 
-/// A large ball of each rank, one behind the other in the line of sight of "far away"; rank 0's is
-/// the nearest one.
+/// One large ball a rank, one behind the other as seen from "far away"; rank 0 has the nearest.
 std::vector<vtkSmartPointer<vtkActor>> MakeRowOfBalls(int rank, int ranks);
 
-/// Renders a scene in one window a rank, its parts merged by vtkIceTSynchronizedRenderers or ours.
+/// Renders a scene in one window a rank, merged by vtkIceTSynchronizedRenderers or by ours.
 class RankWindow
 {
 public:
@@ -88,13 +87,13 @@ public:
   void SetCamera(const CameraPlace& camera);
   /// Collective: a frame of all ranks.
   Image Render();
-  /// Null for stock ones.
+  /// Null for Stock.
   vtkMetabufferPass* GetPass();
   vtkIceTCompositePass* GetIceTPass();
   vtkRenderer* GetRenderer() { return this->Renderer; }
   /// What draws the props; null for the default.
   void SetRenderPass(vtkRenderPass* pass);
-  /// The colors that the window shows after a frame, with background and all.
+  /// The colors that the window shows after a frame, with background.
   std::vector<std::uint32_t> GetShownColors();
 
 private:
@@ -104,7 +103,7 @@ private:
   vtkSmartPointer<vtkIceTSynchronizedRenderers> Renderers;
 };
 
-/// Draws actors in a window of this rank's own, without any merging.
+/// Draws actors in a window of this rank, without merging.
 Image RenderAlone(const std::vector<vtkSmartPointer<vtkActor>>& actors, const CameraPlace& camera,
   int width, int height);
 

@@ -57,8 +57,8 @@ Matrix MakeOrthographic(double halfHeight, double nearPlane, double farPlane)
     2 / (nearPlane - farPlane), (farPlane + nearPlane) / (nearPlane - farPlane), 0, 0, 0, 1 };
 }
 
-/// Pixels of points all over the box that are in front of the near plane: their least rectangle,
-/// not cut at the display's edges.
+/// The smallest rectangle of pixels of many points of the box in front of the near plane, not cut at
+/// the display's edges.
 struct SampledBounds
 {
   double Left = HUGE_VAL;
@@ -102,7 +102,7 @@ SampledBounds SampleBox(const Bounds& bounds, const Matrix& worldToClip, int ste
   return sampled;
 }
 
-/// The rectangle contains all samples; nor is it larger than they say, within `slack` pixels.
+/// The rectangle contains all samples, and is larger by at most `slack` pixels.
 void ExpectFits(const PixelRectangle& pixels, const SampledBounds& sampled, double slack)
 {
   const auto cut = [](double value, int length) { return std::clamp(value, 0.0, double(length)); };
@@ -144,7 +144,7 @@ TEST(BoundsProjection, InFrontOfTheCameraItIsTheSmallestRectangleOfAllPoints)
     for (const Matrix& projection : { MakePerspective(1, 30), MakeOrthographic(2.5, 1, 30) })
     {
       const Matrix matrix = Multiply(projection, view);
-      // Corners are among the samples, and the least rectangle is that of the corners.
+      // Corners are among the samples, and the smallest rectangle is that of the corners.
       ExpectFits(ProjectBounds(bounds, matrix, Display).Pixels, SampleBox(bounds, matrix, 2), 0);
     }
   }
@@ -163,15 +163,15 @@ TEST(BoundsProjection, OfABoxThatReachesBehindTheCameraItIsWhatTheNearPlaneLeave
       bounds[2 * axis] = place(random);
       bounds[2 * axis + 1] = bounds[2 * axis] + length(random);
     }
-    // The camera is at most 1 from the middle: inside many of the boxes, or has them behind it.
+    // The camera is at most 1 from the center: inside many of the boxes, or in front of them.
     const Matrix matrix = Multiply(MakePerspective(0.5, 30), MakeView(trial, trial % 3 - 1.0));
     const PixelRectangle pixels = ProjectBounds(bounds, matrix, Display).Pixels;
     const SampledBounds sampled = SampleBox(bounds, matrix, 40);
     if (sampled.Left > sampled.Right)
     {
-      continue; // a corner of the box may still be in front, between two samples
+      continue; // a corner of the box may still be in front of the plane, between two samples
     }
-    // Samples come near the corners of what is left, in steps of a fortieth of the box.
+    // Samples are a fortieth of the box apart, so they come near the corners of what is left.
     ExpectFits(pixels, sampled, 60);
   }
 }

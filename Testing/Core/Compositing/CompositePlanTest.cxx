@@ -95,7 +95,7 @@ TEST(CompositePlan, WithoutViewportsThereAreNoCells)
   EXPECT_TRUE(PlanCompositing({ MakeViewport({ 0, 0, 9, 9 }, 1) }, {}).empty());
 }
 
-TEST(CompositePlan, WhereImagesMeetTheWorkIsSharedOutEvenly)
+TEST(CompositePlan, WhereImagesMeetAllRanksHaveAboutEqualWork)
 {
   const PixelRectangle display{ 0, 0, 1920, 1080 };
   for (const std::size_t ranks : { 2U, 3U, 8U, 16U })
@@ -106,9 +106,9 @@ TEST(CompositePlan, WhereImagesMeetTheWorkIsSharedOutEvenly)
     {
       pixels[static_cast<std::size_t>(cell.Owner)] += static_cast<double>(cell.Pixels.GetArea());
     }
-    // The rank that shows the tile has that to do as well, and owns less.
-    const double most = *std::max_element(pixels.begin(), pixels.end());
-    EXPECT_LT(most, 1.35 * static_cast<double>(display.GetArea()) / static_cast<double>(ranks));
+    // The rank that shows the tile has additional work, and owns less.
+    const double maximum = *std::max_element(pixels.begin(), pixels.end());
+    EXPECT_LT(maximum, 1.35 * static_cast<double>(display.GetArea()) / static_cast<double>(ranks));
     EXPECT_EQ(std::max_element(pixels.begin(), pixels.end()) == pixels.begin(), false) << ranks;
   }
 }

@@ -17,7 +17,7 @@ namespace
 
 constexpr PixelRectangle Raster{ 13, 7, 53, 31 };
 
-/// The part of an image as it should arrive: what is not active is color 0 and depth 1.
+/// A rectangle of an image as it should arrive: inactive pixels have color 0 and depth 1.
 ImageBuffer CutActive(const ImageBuffer& image, const PixelRectangle& part)
 {
   ImageBuffer cut;
@@ -107,7 +107,7 @@ TEST(FindActive, IsTheFirstOfARowWhereverItBeginsAndEnds)
   }
 }
 
-TEST(PixelRuns, AnyPartOfAnyImageArrivesBitForBit)
+TEST(PixelRuns, AnyRectangleOfAnyImageArrivesBitForBit)
 {
   std::mt19937 random(1);
   for (unsigned trial = 0; trial < 100; ++trial)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames of a machine whose speed the chooser does not know, on a clock of the test's own.
+// Frames of a machine whose speed the chooser does not know, with a simulated clock.
 #include "Compositing/ResolutionChooser.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using namespace isosurface;
 namespace
 {
 
-/// Part of a scene on the display: a square, at a depth.
+/// A rank's piece of a scene on the display: a square, at a depth.
 struct Part
 {
   double Side;
@@ -92,10 +92,10 @@ std::vector<double> DrawFrames(
   return seconds;
 }
 
-double GetShareWithin(const std::vector<double>& seconds, double most)
+double GetShareWithin(const std::vector<double>& seconds, double maximum)
 {
   return static_cast<double>(std::count_if(
-           seconds.begin(), seconds.end(), [most](double value) { return value <= most; })) /
+           seconds.begin(), seconds.end(), [maximum](double value) { return value <= maximum; })) /
     static_cast<double>(seconds.size());
 }
 
@@ -118,7 +118,7 @@ TEST(ResolutionChooser, KeepsTheBudgetAlongACameraPath)
   }
 }
 
-// Of ranks that take turns on cores, as other programs do.
+// Ranks that share cores with each other, and with other programs.
 TEST(ResolutionChooser, KeepsTheBudgetWhereFramesAreHardToPredict)
 {
   for (const double noise : { 0.1, 0.15, 0.2 })
@@ -130,7 +130,7 @@ TEST(ResolutionChooser, KeepsTheBudgetWhereFramesAreHardToPredict)
     const auto zoom = [](int frame) { return 2.0 + 1.5 * std::sin(0.06 * frame); };
     const std::vector<double> seconds = DrawFrames(chooser, machine, budget, 400, zoom);
     EXPECT_GE(GetShareWithin(seconds, 1.1 * budget), 0.93) << noise;
-    // Not by drawing much less than there is time for.
+    // Not by drawing much less than the time allows.
     EXPECT_GT(std::accumulate(seconds.begin(), seconds.end(), 0.0) / 400, 0.5 * budget) << noise;
   }
 }
@@ -142,7 +142,7 @@ TEST(ResolutionChooser, UsesTheBudget)
   DrawFrames(chooser, machine, 0.05, 30, [](int) { return 3.0; });
   const std::vector<double> seconds =
     DrawFrames(chooser, machine, 0.05, 30, [](int) { return 3.0; });
-  // To halve one more rank's blocks would be too much; all ranks' coarsest would be 0.022.
+  // Halving one more rank's blocks would exceed it; the coarsest resolutions would take 0.022 s.
   const double mean = std::accumulate(seconds.begin(), seconds.end(), 0.0) / 30;
   EXPECT_GT(mean, 0.035);
   EXPECT_LT(mean, 0.055);
@@ -200,7 +200,7 @@ TEST(ResolutionChooser, GivesTheBackgroundLessThanTheFocus)
   ResolutionChooser chooser;
   Machine machine;
   machine.SecondsOfSample = 0;
-  machine.SecondsOfMerge = 3e-8; // all share one processor
+  machine.SecondsOfMerge = 3e-8; // all ranks share one processor
   const std::vector<RankWork> work = { MakeWork({ 1500, 0.0, 0.0, 100000 }),
     MakeWork({ 1500, 0.9, 1.0, 100000 }), MakeWork({ 1500, 0.5, 0.5, 100000 }) };
   std::vector<int> divisors;
@@ -268,7 +268,7 @@ TEST(ResolutionChooser, ImportanceFallsWithDistanceAndDepth)
   EXPECT_DOUBLE_EQ(GetImportance(7, -3), GetImportance(1, 0));
 }
 
-TEST(FrameTimeModel, TellsHowMuchLongerThanPredictedFramesGet)
+TEST(FrameTimeModel, TellsHowMuchLongerThanPredictedFramesTake)
 {
   FrameTimeModel model;
   const FrameWork work{ 100000, 100000, 400000 };
@@ -279,7 +279,7 @@ TEST(FrameTimeModel, TellsHowMuchLongerThanPredictedFramesGet)
   EXPECT_NEAR(model.GetHighRatio(), 1, 0.02);
   for (int frame = 0; frame < 40; ++frame)
   {
-    // One of eight is longer, alone.
+    // One frame of eight takes longer.
     model.Learn(work, frame % 8 == 0 ? 0.2 : 0.1);
   }
   EXPECT_NEAR(model.GetHighRatio(), 2, 0.1);
@@ -298,14 +298,14 @@ TEST(FrameTimeModel, LearnsWhatTrianglesAndSamplesCost)
   };
   for (int frame = 0; frame < 300; ++frame)
   {
-    const std::int64_t most = samples(random);
-    const FrameWork work{ triangles(random), most, 2 * most + samples(random) };
+    const std::int64_t maximum = samples(random);
+    const FrameWork work{ triangles(random), maximum, 2 * maximum + samples(random) };
     model.Learn(work, cost(work));
   }
   for (int frame = 0; frame < 20; ++frame)
   {
-    const std::int64_t most = samples(random);
-    const FrameWork work{ triangles(random), most, 2 * most + samples(random) };
+    const std::int64_t maximum = samples(random);
+    const FrameWork work{ triangles(random), maximum, 2 * maximum + samples(random) };
     EXPECT_NEAR(model.Predict(work), cost(work), 0.15 * cost(work));
   }
   EXPECT_LT(model.GetHighRatio(), 1.1);
