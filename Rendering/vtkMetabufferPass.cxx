@@ -50,7 +50,7 @@ std::uint32_t* GetColors(vtkSynchronizedRenderers::vtkRawImage& image)
 
 } // namespace
 
-/// The steps of a frame, and what they keep from one to the next.
+/// The steps of a frame, and their state between frames.
 class vtkMetabufferPass::Internals
 {
 public:
@@ -69,7 +69,8 @@ public:
   void PlanFrame(const vtkMetabufferPass& pass, const vtkRenderState* state);
   /// Draws this rank's viewport and reads it back. An error of one rank is one of all.
   Status Draw(const vtkMetabufferPass& pass, const vtkRenderState* state, ImageView& image);
-  /// Merges the images of all ranks to the pass' last rendered image. An error is one of all ranks.
+  /// Merges the images of all ranks into the pass' last rendered image. An error of one rank is one
+  /// of all.
   Status Merge(vtkMetabufferPass& pass, ImageView image);
   /// Draws over the image of this rank's tile.
   void DrawOutlines(vtkMetabufferPass& pass) const;
