@@ -12,9 +12,9 @@ namespace isosurface
 {
 
 /**
- * A fixed-size array of trivial values, left uninitialised: what fills it writes each value once.
- * The memory comes from malloc, so that Release() can hand it to an owner that calls free(), such
- * as a VTK data array. Throws std::bad_alloc when memory is short.
+ * An array of fixed size that is not initialised, so that each value is written only once. The
+ * memory comes from malloc: Release() can hand it to an owner that calls free(), such as a VTK data
+ * array. The constructor throws std::bad_alloc if memory is short.
  */
 template <typename T>
 class Buffer
@@ -59,7 +59,7 @@ public:
   const T* begin() const { return this->Data; }
   const T* end() const { return this->Data + this->Size; }
 
-  /// Gives the memory away, to be ended by free(); the buffer is empty afterwards.
+  /// Hands over the memory, to be freed by free(). The buffer is empty afterwards.
   T* Release()
   {
     this->Size = 0;

@@ -9,8 +9,8 @@ namespace isosurface
 {
 
 /**
- * The 64-bit XXH3 hash of some bytes. The seed says where the bytes belong (a page number, a block
- * index), so that bytes of one place found in another are recognised as wrong, too.
+ * Computes the 64-bit XXH3 hash of bytes. The seed is the place of the bytes (a page number, a
+ * block index): bytes that were written to a wrong place do not match their checksum there.
  */
 std::uint64_t ComputeChecksum(const void* bytes, std::size_t size, std::uint64_t seed = 0);
 

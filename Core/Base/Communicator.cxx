@@ -27,7 +27,7 @@ Status Communicator::Agree(const Status& mine)
   {
     return mine;
   }
-  // One cheap reduction in the common case; the messages travel only when there is a failure.
+  // Without an error a single cheap reduction suffices; messages travel only if a rank has failed.
   std::vector<std::uint64_t> failed{ mine.IsOk() ? 0u : 1u };
   this->ReduceMaximum(failed);
   if (failed[0] == 0)
@@ -52,7 +52,7 @@ Status Communicator::Agree(const Status& mine)
     if (!messages[rank].empty())
     {
       const std::string reason(messages[rank].begin() + 1, messages[rank].end());
-      // A stop that the user asked one rank for is no failure of the others.
+      // If the user aborted one rank, the others have not failed.
       return static_cast<StatusCode>(messages[rank][0]) == StatusCode::Aborted
         ? Status(StatusCode::Aborted, reason)
         : Status(StatusCode::RemoteFailure, "rank " + std::to_string(rank) + " failed: " + reason);

@@ -11,13 +11,13 @@
 namespace isosurface
 {
 
-/// Bytes on their way between ranks.
+/// Bytes that one rank sends to another.
 using Message = std::vector<std::uint8_t>;
 
 /**
- * What the parallel algorithms of Core ask of a group of ranks. Every function is collective: all
- * ranks enter it, in the same order. The VTK wrappers implement it on a vtkMultiProcessController;
- * SerialCommunicator is a group of one.
+ * The communication that the parallel algorithms of Core need. Every function is collective: all
+ * ranks call it, in the same order. The VTK classes implement it with a vtkMultiProcessController;
+ * SerialCommunicator is a group of one rank.
  */
 class Communicator
 {
@@ -26,34 +26,34 @@ public:
 
   virtual int GetRank() const = 0;
   virtual int GetSize() const = 0;
-  /// How many ranks run on this rank's node, itself included. Collective like the rest.
+  /// The number of ranks on this rank's node, itself included. Collective, too.
   virtual int GetRanksOnNode() = 0;
 
-  /// Element-wise over all ranks, in place; the vectors have equal length on all ranks.
+  /// Reduce element by element, in place. The vectors have the same length on all ranks.
   virtual void ReduceMinimum(std::vector<std::uint64_t>& values) = 0;
   virtual void ReduceMaximum(std::vector<std::uint64_t>& values) = 0;
   virtual void ReduceSum(std::vector<std::uint64_t>& values) = 0;
 
-  /// Every rank's message, by rank, on every rank.
+  /// Gives every rank the messages of all ranks, in the order of the ranks.
   virtual std::vector<Message> AllGather(const Message& mine) = 0;
 
   /// Sends outgoing[r] to rank r; returns what each rank sent to this one.
   virtual std::vector<Message> Exchange(std::vector<Message> outgoing) = 0;
 
   /**
-   * The same of messages whose sizes are known to those that get them: incoming[r] has the size of
-   * what rank r sends here, and is filled; the own message may have any. Calls arrived(r), from the
-   * calling thread, when incoming[r] is there and not empty, so that work on it begins while the
-   * others are under way.
+   * Exchanges messages whose sizes the receivers know: the caller gives incoming[r] the size of the
+   * message from rank r (the size of its own message does not matter), and it is filled. Calls
+   * arrived(r) in the calling thread as soon as incoming[r] is complete, unless it is empty, so
+   * that work on one message overlaps the transfer of the others.
    */
   virtual void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
     const std::function<void(int rank)>& arrived);
 
   /**
-   * Makes one outcome of all ranks' outcomes: Ok if all are Ok; else the own error where there is
-   * one, and RemoteFailure with the first failing rank's message elsewhere; Aborted if that rank
-   * was stopped. Called before any collective that a failed rank could not enter, so that no rank
-   * is left waiting.
+   * Tells all ranks whether one has failed. Returns Ok if all are Ok. Otherwise a rank with an
+   * error gets its own error back; every other rank gets RemoteFailure with the message of the
+   * first failing rank, or Aborted if that rank was aborted. Call it before a collective that a
+   * failed rank would not enter: otherwise the other ranks would wait forever.
    */
   Status Agree(const Status& mine);
 };

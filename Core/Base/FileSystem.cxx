@@ -70,7 +70,7 @@ public:
   }
   void Prefetch(std::uint64_t offset, std::uint64_t size) const override
   {
-    // A hint: what fails here fails again, and is told, when it is read.
+    // Only a hint: Read() reports any error.
     static_cast<void>(::posix_fadvise(
       this->Descriptor, static_cast<off_t>(offset), static_cast<off_t>(size), POSIX_FADV_WILLNEED));
   }
@@ -138,7 +138,7 @@ public:
   const std::string& GetPath() const override { return this->Path; }
 
 private:
-  /// Lets the disk begin with what is written, so that SyncAndClose() need not wait for all of it.
+  /// Starts writing to the disk, so that SyncAndClose() does not have to wait for all of it.
   void StartWriteBack()
   {
 #if defined(__linux__)
@@ -164,7 +164,7 @@ private:
   std::string Path;
   int Descriptor;
   std::uint64_t Size = 0;
-  std::uint64_t Unsent = 0; ///< bytes written since the disk was last told
+  std::uint64_t Unsent = 0; ///< bytes written since write-back was last started
 };
 
 class LocalFolderLock : public FolderLock
@@ -179,7 +179,7 @@ public:
   ~LocalFolderLock() override { ::close(this->Descriptor); }
 
   bool IsExclusive() const override { return true; }
-  /// Whether the folder at the path is still the one that is locked.
+  /// Whether the path still leads to the locked folder.
   bool IsOf(const std::string& path) const
   {
     struct stat mine = {};
@@ -304,9 +304,9 @@ public:
           return Status(
             StatusCode::IoError, path + ": cannot be locked: another program is writing there");
         }
-        return std::make_unique<FolderLock>(); // unknown here: NFS, for one, locks no folders
+        return std::make_unique<FolderLock>(); // no locks here: NFS, for one, locks no folders
       }
-      // Whoever had it until now may have removed the folder; then the lock is worth nothing.
+      // The previous holder may have removed the folder; then the lock is worthless.
       if (lock->IsOf(path))
       {
         return std::unique_ptr<FolderLock>(std::move(lock));

@@ -19,7 +19,7 @@ void AdviseHugePages(void* memory, std::size_t size)
   const std::uintptr_t end = (address + size) / page * page;
   if (memory && begin < end)
   {
-    // Advice may be refused; the memory is as good without it.
+    // The system may refuse; the memory works without huge pages as well.
     (void)madvise(static_cast<char*>(memory) + (begin - address), end - begin, MADV_HUGEPAGE);
   }
 #else

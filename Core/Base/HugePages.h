@@ -8,9 +8,9 @@ namespace isosurface
 {
 
 /**
- * Tells the system that a large piece of memory is about to be filled as a whole, so that it comes
- * in pages of megabytes: first touches by the thousand cost more than what is written. Without
- * effect for small pieces and where the system knows no such advice.
+ * Asks the system to back memory that is about to be filled by huge pages: thousands of page faults
+ * would cost more than the writing itself. No effect on small blocks of memory, or where the system
+ * has no huge pages.
  */
 void AdviseHugePages(void* memory, std::size_t size);
 

@@ -10,6 +10,89 @@
 
 namespace isosurface
 {
+namespace
+{
+
+/// What the threads of one call share.
+class IndexLoop
+{
+public:
+  using Body = std::function<void(std::size_t index, int thread)>;
+
+  IndexLoop(std::size_t count, const Body& body, const Progress& progress)
+    : Count(count)
+    , Call(body)
+    , Report(progress)
+    , Step(std::max<std::size_t>(1, count / 100))
+  {
+  }
+
+  /// Works on indices until none is left. Thread 0 is the calling one.
+  void Run(int thread)
+  {
+    try
+    {
+      for (std::size_t index; !this->Stopped && (index = this->Next.fetch_add(1)) < this->Count;)
+      {
+        this->Call(index, thread);
+        if (thread == 0)
+        {
+          this->ReportProgress(index);
+        }
+      }
+    }
+    catch (...)
+    {
+      const std::lock_guard<std::mutex> lock(this->FailureMutex);
+      this->Failure = std::current_exception();
+      this->Stopped = true;
+    }
+  }
+
+  /// After all threads have stopped: whether all indices were visited.
+  bool Finish()
+  {
+    if (this->Failure)
+    {
+      std::rethrow_exception(this->Failure);
+    }
+    if (!this->Stopped && this->Report && this->Count > 0 && this->Fraction < 1)
+    {
+      // If the other threads did all the work, the calling one has not reported progress yet.
+      return this->Report(1);
+    }
+    return !this->Stopped;
+  }
+
+private:
+  // Only the calling thread reports progress, at most a hundred times.
+  void ReportProgress(std::size_t index)
+  {
+    if (!this->Report || index < this->NextReport)
+    {
+      return;
+    }
+    this->NextReport = index + this->Step;
+    this->Fraction = static_cast<double>(index + 1) / static_cast<double>(this->Count);
+    if (!this->Report(this->Fraction))
+    {
+      this->Stopped = true;
+    }
+  }
+
+  const std::size_t Count;
+  const Body& Call;
+  const Progress& Report;
+  const std::size_t Step; ///< indices from one report to the next
+  std::size_t NextReport = 0;
+  double Fraction = 0; ///< that was last reported
+  std::atomic<std::size_t> Next{ 0 };
+  std::atomic<bool> Stopped{ false };
+  std::exception_ptr Failure;
+  std::mutex FailureMutex;
+};
+
+} // namespace
 
 int ChooseThreadCount(int processesOnNode)
 {
@@ -20,63 +103,20 @@ int ChooseThreadCount(int processesOnNode)
 bool ParallelFor(std::size_t count, int threads, const std::function<void(std::size_t, int)>& body,
   const Progress& progress)
 {
-  std::atomic<std::size_t> next{ 0 };
-  std::atomic<bool> stopped{ false };
-  std::exception_ptr failure;
-  std::mutex failureMutex;
-
-  // Progress is told from the caller's thread alone, at most a hundred times.
-  const std::size_t step = std::max<std::size_t>(1, count / 100);
-  double share = 0;
-  auto work = [&](int thread)
-  {
-    std::size_t told = 0;
-    try
-    {
-      for (std::size_t index; !stopped && (index = next.fetch_add(1)) < count;)
-      {
-        body(index, thread);
-        if (thread == 0 && progress && index >= told)
-        {
-          told = index + step;
-          share = static_cast<double>(index + 1) / static_cast<double>(count);
-          if (!progress(share))
-          {
-            stopped = true;
-          }
-        }
-      }
-    }
-    catch (...)
-    {
-      const std::lock_guard<std::mutex> lock(failureMutex);
-      failure = std::current_exception();
-      stopped = true;
-    }
-  };
-
+  IndexLoop loop(count, body, progress);
   const std::size_t useful =
     std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));
   std::vector<std::thread> helpers;
   for (std::size_t thread = 1; thread < useful; ++thread)
   {
-    helpers.emplace_back(work, static_cast<int>(thread));
+    helpers.emplace_back([&loop, thread] { loop.Run(static_cast<int>(thread)); });
   }
-  work(0);
+  loop.Run(0);
   for (std::thread& helper : helpers)
   {
     helper.join();
   }
-  if (failure)
-  {
-    std::rethrow_exception(failure);
-  }
-  if (!stopped && progress && count > 0 && share < 1)
-  {
-    // The others may have left nothing to the caller's thread: then it has not asked yet.
-    return progress(1);
-  }
-  return !stopped;
+  return loop.Finish();
 }
 
 } // namespace isosurface

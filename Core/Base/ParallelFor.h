@@ -10,14 +10,14 @@
 namespace isosurface
 {
 
-/// The number of threads that one of `processesOnNode` equal processes should use, at least 1.
+/// The number of threads that each of `processesOnNode` processes on a node should use, at least 1.
 int ChooseThreadCount(int processesOnNode);
 
 /**
- * Calls body(index, thread) once for every index in [0, count), on `threads` threads (the caller's
- * among them; thread is 0 .. threads - 1), each index as soon as a thread is free. Returns false if
- * `progress`, which is told 1 at the end, asked to stop; then some indices may be left out. An
- * exception thrown by a body is thrown again from here after all threads have stopped.
+ * Calls body(index, thread) once for every index in [0, count), on `threads` threads, the calling
+ * one included; `thread` is in [0, threads). A free thread takes the next index. Returns false if
+ * `progress`, which is called with 1 at the end, asked to stop: then some indices may be missing.
+ * Rethrows an exception of `body` after all threads have stopped.
  */
 bool ParallelFor(std::size_t count, int threads,
   const std::function<void(std::size_t index, int thread)>& body, const Progress& progress = {});

@@ -8,19 +8,21 @@ namespace isosurface
 {
 
 /**
- * Told the finished share of the work (0 to 1) now and then; answers false to stop it. Called from
- * the calling thread only. An empty function means that nobody wants to know.
+ * Called now and then with the finished fraction of the work (0 to 1); returns false to stop the
+ * work. Only the calling thread calls it. May be empty.
  */
-using Progress = std::function<bool(double share)>;
+using Progress = std::function<bool(double fraction)>;
 
-/// What tells `progress`, which must outlive it, of a part of its work, from `begin` to `end`.
+/// The progress of one step of the work, which takes the fractions from `begin` to `end` of
+/// `progress`. That must outlive the result.
 inline Progress MakePartOfProgress(const Progress& progress, double begin, double end)
 {
   if (!progress)
   {
     return {};
   }
-  return [&progress, begin, end](double share) { return progress(begin + share * (end - begin)); };
+  return [&progress, begin, end](double fraction)
+  { return progress(begin + fraction * (end - begin)); };
 }
 
 } // namespace isosurface

@@ -11,23 +11,23 @@
 namespace isosurface
 {
 
-/// What went wrong, in the few kinds that a caller treats differently.
+/// The kinds of error that callers treat differently.
 enum class StatusCode : std::uint8_t
 {
   Ok,
-  InvalidArgument, ///< the caller asked for something that cannot be
-  NotFound,        ///< a file, store or array that is not there
+  InvalidArgument, ///< an argument that makes no sense
+  NotFound,        ///< a file, store or array does not exist
   IoError,         ///< the operating system refused (disk full, permission, ...)
-  Corrupt,         ///< bytes that are not what was written: truncated, altered, inconsistent
+  Corrupt,         ///< the bytes are not those that were written: truncated, altered, inconsistent
   Unsupported,     ///< a newer format version, an unknown codec or value type
-  OutOfMemory,     ///< what was asked for does not fit
+  OutOfMemory,     ///< there is not enough memory
   Aborted,         ///< the user asked to stop
-  RemoteFailure    ///< another rank failed; its own message is told by that rank
+  RemoteFailure    ///< another rank failed, and reports its own error
 };
 
 /**
- * The outcome of an operation: an error is a value, never an exception. A message names the file
- * and the reason in one sentence, ready to be shown to a user.
+ * The outcome of an operation: Ok or an error. Core returns errors instead of throwing exceptions.
+ * A message is one sentence for the user that names the file and the reason.
  */
 class [[nodiscard]] Status
 {
@@ -50,7 +50,7 @@ private:
 };
 
 /**
- * A value or the reason why there is none. The value may be asked for only when IsOk().
+ * A value, or the error that prevented it. Only access the value if IsOk().
  */
 template <typename T>
 class [[nodiscard]] Result

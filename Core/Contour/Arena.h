@@ -14,13 +14,13 @@ namespace isosurface
 {
 
 /**
- * Memory that is handed out front to back and ended as a whole. Pieces begin at multiples of 64
+ * Memory that is allocated from front to back and freed as a whole. Allocations are aligned to 64
  * bytes. For one thread at a time.
  */
 class Arena
 {
 public:
-  /// Room for `count` values, the most that may be needed. Holds until the next call unless kept.
+  /// Returns room for up to `count` values. Valid until the next call unless kept by Keep().
   template <typename T>
   T* Reserve(std::size_t count)
   {
@@ -29,7 +29,7 @@ public:
     {
       const std::size_t size = this->Chunks.empty()
         ? FirstChunkSize
-        : std::min(2 * this->Chunks.back().GetSize(), MostChunkSize);
+        : std::min(2 * this->Chunks.back().GetSize(), MaximumChunkSize);
       this->Chunks.emplace_back(std::max(size, bytes + Alignment));
       AdviseHugePages(this->Chunks.back().GetData(), this->Chunks.back().GetSize());
       const auto address = reinterpret_cast<std::uintptr_t>(this->Chunks.back().GetData());
@@ -38,7 +38,7 @@ public:
     return reinterpret_cast<T*>(this->Chunks.back().GetData() + this->Used);
   }
 
-  /// Keeps the first `count` values of what was reserved last.
+  /// Keeps the first `count` values of the last reservation.
   template <typename T>
   void Keep(std::size_t count)
   {
@@ -55,9 +55,9 @@ public:
   }
 
 private:
-  // Small at first, so that a small surface does not pay for much memory.
+  // The first chunk is small, so that a small surface does not take much memory.
   static constexpr std::size_t FirstChunkSize = std::size_t(1) << 18;
-  static constexpr std::size_t MostChunkSize = std::size_t(8) << 20;
+  static constexpr std::size_t MaximumChunkSize = std::size_t(8) << 20;
   static constexpr std::size_t Alignment = 64;
 
   std::vector<Buffer<std::uint8_t>> Chunks;

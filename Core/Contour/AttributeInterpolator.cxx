@@ -28,7 +28,7 @@ template <typename T, typename Out>
 void InterpolateComponent(const SampleView& samples, const T* first, const EdgeCode* codes,
   const double* parameters, std::size_t count, Out* out, std::size_t step)
 {
-  // A code of no axis is that of a vertex.
+  // Axis 3 is the code of a vertex.
   const std::ptrdiff_t along[4] = { samples.Stride[0], samples.Stride[1], samples.Stride[2], 0 };
   for (std::size_t n = 0; n < count; ++n, out += step)
   {

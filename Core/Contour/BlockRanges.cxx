@@ -13,7 +13,7 @@ namespace isosurface
 namespace
 {
 
-// What has been seen of one block.
+// The minimum and maximum of a block so far.
 template <typename T>
 struct Extremes
 {
@@ -38,7 +38,7 @@ struct Extremes
   }
 };
 
-// The ranges of all blocks of one row of blocks, plane by plane, in about the samples' order.
+// The ranges of a row of blocks, computed plane by plane, roughly in the order of the samples.
 template <typename T>
 void ComputeRowOfBlocks(const SampleView& samples, const BlockGrid& grid, std::int64_t firstBlock,
   std::vector<KeyRange>& ranges)
@@ -99,7 +99,7 @@ Result<BlockRanges> BlockRanges::Compute(
     progress);
   if (!finished)
   {
-    return Status(StatusCode::Aborted, "The search for the blocks' ranges was stopped.");
+    return Status(StatusCode::Aborted, "The computation of the blocks' ranges was aborted.");
   }
   return made;
 }

@@ -15,12 +15,12 @@ namespace isosurface
 {
 
 /**
- * The range of values in each block of some samples in memory: which blocks an isovalue crosses.
- * Computed once an array, it serves every isovalue.
+ * The value range of each block of samples in memory, to find the active blocks. Computed once for
+ * an array, and used for every isovalue.
  *
- * The samples' Box is cut from its own low corner into blocks of 32 cells a side, as BlockGrid
- * does; a block's range covers all of its vertices. Cost: one pass over the samples; 16 bytes of
- * memory a block.
+ * The samples' Box is cut into blocks of 32 cells a side, from its low corner, as BlockGrid does.
+ * The range of a block covers all of its vertices. Cost: one pass over the samples. Memory: 16
+ * bytes a block.
  */
 class BlockRanges
 {
@@ -29,7 +29,7 @@ public:
 
   BlockRanges() = default;
 
-  /// Reads every sample of samples.Box once, on `threads` threads. Errors: Aborted.
+  /// Reads the samples of the Box on `threads` threads. Errors: Aborted.
   static Result<BlockRanges> Compute(
     const SampleView& samples, int threads, const Progress& progress = {});
 
@@ -40,10 +40,10 @@ public:
     return this->Ranges[static_cast<std::size_t>(block)];
   }
 
-  /// The blocks that at least one of the isovalues crosses, ascending.
+  /// The blocks that are active for at least one of the isovalues, ascending.
   std::vector<std::int64_t> FindActiveBlocks(const std::vector<double>& isovalues) const;
 
-  /// The blocks of which all samples are inside for at least one of the isovalues, ascending.
+  /// The blocks that are entirely inside for at least one of the isovalues, ascending.
   std::vector<std::int64_t> FindInsideBlocks(const std::vector<double>& isovalues) const;
 
 private:

@@ -48,7 +48,7 @@ void ClearOuterVertices(const Brick& brick, std::uint64_t* inside)
 {
   const Index3 size = brick.Vertices.GetSize();
   std::int64_t index[3];
-  // Beyond a low side vertex 0 is the outer one, beyond a high side vertex 1.
+  // The outer vertex is vertex 0 beyond a low side, vertex 1 beyond a high side.
   const auto isOuter = [&](std::size_t axis)
   { return brick.Side[axis] != 0 && index[axis] == (brick.Side[axis] < 0 ? 0 : 1); };
   const std::uint64_t innerBits = brick.Side[0] == 0 ? ~std::uint64_t(0)

@@ -12,22 +12,22 @@
 namespace isosurface
 {
 
-// A brick beyond the grid (Brick::IsBeyond) closes the surface: its outer vertices are outside,
-// the points on its edges, which all lead outwards, lie on their inner vertex.
+// A brick beyond the grid (Brick::IsBeyond) closes the surface. Its outer vertices are outside. Its
+// crossed edges lead outwards; their points lie on their inner vertices.
 
-/// The samples of the block at the border, as the brick has them: across the border all of its
-/// vertices have the sample of the inner one.
+/// The samples of the brick, from those of the block at the border: an outer vertex has the sample
+/// of the inner vertex next to it.
 BlockSamples ExtendBeyond(const BlockSamples& samples, const Brick& brick);
 
-/// Clears the bits of the outer vertices in the brick's words.
+/// Clears the bits of the outer vertices in the brick's inside words.
 void ClearOuterVertices(const Brick& brick, std::uint64_t* inside);
 
-/// The structured coordinate along each edge, and a part of the edge that yields the inner vertex's
-/// values.
+/// As BrickKernels::LocatePoints: the structured coordinate of each point, and a parameter with
+/// which interpolation gives the value at the inner vertex.
 void LocateBorderPoints(const Brick& brick, const BrickSamples& position, const EdgeCode* codes,
   std::uint32_t count, float* coordinates, double* parameters);
 
-/// The normals of edges that lead outwards: their directions.
+/// The normals of the points: the outward directions of their edges.
 void ComputeOutwardNormals(
   const Brick& brick, const EdgeCode* codes, std::uint32_t count, float* normals);
 

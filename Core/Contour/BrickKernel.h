@@ -11,14 +11,16 @@
 namespace isosurface
 {
 
-/// Most vertices of a brick on an axis: 32 cells, so that a row of vertices fits one 64-bit word.
+/// The maximum number of vertices of a brick on an axis, for 32 cells. A row of vertices fits in a
+/// 64-bit word.
 constexpr int MaximumBrickSize = 33;
 
-/// Where an edge lies on an axis across it: on the brick's near face, between, on its far face.
+/// The places of an edge on an axis across it: 0 on the brick's low face, 1 between, 2 on its high
+/// face.
 constexpr int NumberOfPlaces = 3;
 
-// The structures below are all that the kernels see. They are plain, and so is the code that the
-// kernels call: see BrickKernels.
+// The structures below are the interface of the kernels. They are plain structures: see
+// BrickKernels.
 
 /// The samples of a brick: vertex (i, j, k) of the brick at First + i*Stride[0] + j*Stride[1] + ...
 struct BrickSamples
@@ -32,8 +34,8 @@ struct BrickSamples
 };
 
 /**
- * Which of a brick's edges the brick makes points for, as words over a row of vertices. An index is
- * the place of the row on the axes across the edge, x before y before z.
+ * The edges that a brick owns, that is, for which it makes points: words with a bit for each vertex
+ * of a row. The indices are the places of the row on the axes across the edge, x before y before z.
  */
 struct BrickOwnership
 {
@@ -42,24 +44,24 @@ struct BrickOwnership
   std::uint64_t Z[NumberOfPlaces];                 ///< [y]
 };
 
-/// Numbers found while rows are numbered.
+/// The counts of a brick.
 struct BrickCounts
 {
   std::uint32_t Points;
   std::uint32_t Triangles;
-  std::uint32_t Polygons; ///< loops of the surface in cells
+  std::uint32_t Polygons; ///< loops of the surface in the cells
 };
 
 /**
- * A crossed edge as a word: vertex i, j, k of the brick (6 bits each from the lowest), then axis;
- * or, where what is made of points says so, a vertex: axis 3.
+ * A crossed edge as a word: the vertex i, j, k of the brick (6 bits each, i lowest), then the axis.
+ * If a point was moved to a vertex, the axis is 3.
  */
 using EdgeCode = std::uint32_t;
 
-/// Slots past the last edge code that NumberRows may overwrite.
+/// The number of edge codes after the last one that NumberRows may overwrite.
 constexpr int EdgeCodeSlack = 4;
 
-/// How structured coordinates become world coordinates, in the steps of vtkImageTransform.
+/// Transforms structured coordinates to world coordinates, in the steps of vtkImageTransform.
 struct WorldTransform
 {
   enum class Kind : std::uint8_t
@@ -76,11 +78,11 @@ struct WorldTransform
   double Determinant = 1; ///< of the direction; -1 flips normals along with the triangles
 };
 
-/// Where the points of a brick go, and from what they are made.
+/// The input and output of WritePoints for a brick.
 struct PointOutput
 {
   const EdgeCode* Codes;
-  const float* Coordinates; ///< the structured coordinate along the edge, or x of a vertex
+  const float* Coordinates; ///< the structured coordinate along the edge; x for a vertex
   const float* Normals;     ///< in structured axes; null for none
   std::uint32_t NumberOfPoints;
   float* Points;
@@ -89,7 +91,7 @@ struct PointOutput
   std::int64_t FirstGlobalId; ///< added to every global id
 };
 
-/// Rows of samples, one after the other along y.
+/// Rows of samples along x.
 struct SampleRows
 {
   const void* First;
@@ -97,14 +99,15 @@ struct SampleRows
   std::int64_t Size[2];     ///< samples a row, rows
 };
 
-/// The points of one row of edges: the bits that have one, and the number of the first.
+/// The points of a row of edges: the bits of the edges with a point, and the number of the first
+/// point.
 struct EdgeRow
 {
   std::uint64_t Bits;
   std::int64_t First;
 };
 
-/// What a brick keeps of its rows, and where its points begin; see BrickKernels::NumberRows.
+/// The rows of a brick after BrickKernels::NumberRows.
 struct NumberedRows
 {
   const std::uint64_t* Inside;
@@ -115,8 +118,8 @@ struct NumberedRows
 };
 
 /**
- * Two neighbouring planes of rows, as the triangles between them need it: X and Y rows and inside
- * words of both planes, and the Z rows from one to the other.
+ * The input for the triangles between two neighbouring planes of vertices: the inside words and the
+ * X and Y rows of both planes, and the Z rows between them.
  */
 struct RowSlab
 {
@@ -125,19 +128,19 @@ struct RowSlab
   const EdgeRow* Y[2];
   const EdgeRow* Z;
   int Size[2]; ///< vertices on x and y
-  /// Per row of vertices: numbers of the points on edges in the first and the last column, which
-  /// may belong to other bricks than the row between. [0] is the first column, [1] the last.
+  /// By row of vertices: the numbers of the points on edges in the first and in the last column.
+  /// These may belong to other bricks than the rest of the row.
   const std::int64_t* ColumnY[2][2]; ///< [column][plane]
   const std::int64_t* ColumnZ[2];    ///< [column]
-  /// The first column's points are those of the row.
+  /// Whether the first column belongs to the same brick as the row: then ColumnY[0] and ColumnZ[0]
+  /// are not used.
   bool FirstColumnInRow;
 };
 
 /**
- * The inner loops. They exist twice, compiled for the oldest processor and for one with AVX2, BMI
- * and POPCNT; results are bitwise equal. The source of both is BrickKernel.txx. So that no copy of
- * a function compiled for the newer processor is called on the older one, that source calls no
- * inline functions or templates that other sources share.
+ * The inner loops. They are compiled twice from BrickKernel.txx: for any processor, and for one
+ * with AVX2, BMI and POPCNT. The results are bitwise equal. That source calls no inline functions
+ * or templates of other sources: otherwise the linker might choose their AVX2 version for both.
  */
 struct BrickKernels
 {
@@ -149,35 +152,35 @@ struct BrickKernels
     ValueType type, const BrickSamples& samples, const void* threshold, std::uint64_t* inside);
 
   /**
-   * Numbers the owned crossed edges row by row: X, then Y, then Z edges of a row. Row r's first is
-   * offsets[r], codes[n] tells edge n. Counts the triangles and polygons of all the brick's cells.
+   * Numbers the owned crossed edges row by row: the X, then the Y, then the Z edges of a row. The
+   * first edge of row r is offsets[r]; codes[n] is the code of edge n. Counts the triangles and
+   * polygons of all cells of the brick.
    */
   BrickCounts (*NumberRows)(const int size[3], const std::uint64_t* inside,
     const BrickOwnership& ownership, std::uint32_t* offsets, EdgeCode* codes);
 
   /**
-   * For each edge its structured coordinate along its axis and, if `parameters` is not null, how
-   * far along the edge that is (0 to 1).
+   * Computes the structured coordinate of the point on each edge, along the axis of the edge. If
+   * `parameters` is not null, also the position on the edge (0 to 1).
    */
   void (*LocatePoints)(ValueType type, const BrickSamples& samples, double isovalue,
     const EdgeCode* codes, std::uint32_t count, float* coordinates, double* parameters);
 
-  /// For each edge or vertex the unit normal: the negative gradient, interpolated by `parameters`,
-  /// which are 0 for vertices.
+  /// Computes the unit normal for each edge or vertex: the negative gradient, interpolated by
+  /// `parameters`, which are 0 for vertices.
   void (*ComputeNormals)(ValueType type, const BrickSamples& samples, const EdgeCode* codes,
     const double* parameters, std::uint32_t count, float* normals);
 
-  /// Puts points, normals and global ids into their final place.
+  /// Writes points, normals and global ids to their final place.
   void (*WritePoints)(
     const BrickSamples& position, const WorldTransform& transform, const PointOutput& output);
 
-  /// The X, Y and Z rows of edges that begin in plane k, one each for every row of vertices, as far
-  /// as the brick owns them.
+  /// Finds the owned edges that begin in plane k: an X, a Y and a Z row for each row of vertices.
   void (*FindRows)(const NumberedRows& rows, int k, EdgeRow* x, EdgeRow* y, EdgeRow* z);
 
   /**
-   * Writes the triangles of a slab's cells; returns where the next ones go. Values between that
-   * and `end` may be overwritten.
+   * Writes the triangles of a slab's cells; returns the end of what was written. Values between
+   * that and `end` may be overwritten.
    */
   std::int32_t* (*WriteTriangles32)(
     const RowSlab& slab, std::int32_t* connectivity, std::int32_t* end);
@@ -185,8 +188,8 @@ struct BrickKernels
     const RowSlab& slab, std::int64_t* connectivity, std::int64_t* end);
 
   /**
-   * Writes the polygons of a slab's cells and where each begins; advances all three.
-   * `cases` is GetPolygonCases().
+   * Writes the polygons of a slab's cells and their offsets; advances all three references. `cases`
+   * is GetPolygonCases().
    */
   void (*WritePolygons32)(const RowSlab& slab, const PolygonCase* cases,
     std::int32_t*& connectivity, std::int32_t*& offsets, std::int64_t& index);
@@ -194,8 +197,8 @@ struct BrickKernels
     std::int64_t*& connectivity, std::int64_t*& offsets, std::int64_t& index);
 
   /**
-   * Least and greatest of some rows of samples, NaN left out, joined to what minimum and maximum
-   * hold; these point to one value of the type each. Sets *notANumber if there is a NaN.
+   * Extends the range *minimum to *maximum, which are values of the type, by rows of samples. NaN
+   * is left out; *notANumber is set if there is one.
    */
   void (*JoinRange)(
     ValueType type, const SampleRows& rows, void* minimum, void* maximum, bool* notANumber);
@@ -204,10 +207,10 @@ struct BrickKernels
 /// The kernels for any processor.
 const BrickKernels& GetBaselineBrickKernels();
 
-/// The kernels for newer processors; null if this processor or this build has none.
+/// The kernels for AVX2; null if this processor or this build does not have it.
 const BrickKernels* GetAvx2BrickKernels();
 
-/// The fastest kernels that run here.
+/// The fastest kernels for this processor.
 const BrickKernels& GetBrickKernels();
 
 } // namespace isosurface

@@ -36,7 +36,7 @@ struct IsFloating
 template <typename T>
 constexpr bool IsWide = !IsFloating<T>::Value && sizeof(T) == 8;
 
-// a - b without overflow, rounded once.
+// a - b without overflow, with a single rounding.
 template <typename T>
 inline double Subtract(T a, T b)
 {
@@ -55,7 +55,7 @@ inline double Subtract(T a, T b)
   }
 }
 
-// Calls functor(T{}) with the type of the samples; a switch of this namespace's own.
+// As DispatchValueType, which kernels may not call: see BrickKernels.
 template <typename Functor>
 inline void Dispatch(ValueType type, const Functor& functor)
 {

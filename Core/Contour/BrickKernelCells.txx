@@ -18,7 +18,7 @@ inline Id NumberOf(const EdgeRow& row, Word below)
   return static_cast<Id>(row.First) + static_cast<Id>(CountBits(row.Bits & below));
 }
 
-// The numbers of the points on the twelve edges of cell (i, j); meaningless for uncrossed edges.
+// The numbers of the points on the twelve edges of cell (i, j); undefined for edges not crossed.
 template <typename Id>
 inline void NumberEdges(const RowSlab& slab, int i, int j, Id numbers[12])
 {
@@ -38,7 +38,8 @@ inline void NumberEdges(const RowSlab& slab, int i, int j, Id numbers[12])
   numbers[11] = NumberOf<Id>(slab.Z[j + 1], upTo);
 }
 
-// Puts right the edges of a cell's low (side 0) or high (side 1) x face that lies in a column.
+// Replaces the numbers of edges on a cell's low (side 0) or high (side 1) x face by those of the
+// column.
 template <typename Id>
 inline void NumberColumnEdges(const RowSlab& slab, int side, int j, Id numbers[12])
 {
@@ -48,24 +49,24 @@ inline void NumberColumnEdges(const RowSlab& slab, int side, int j, Id numbers[1
   numbers[10 + side] = static_cast<Id>(slab.ColumnZ[side][j + 1]);
 }
 
-constexpr int MostCorners = 15;
+constexpr int MaximumCorners = 15;
 
 template <typename Id>
 inline Id* AppendTriangles(Id* out, const Id* end, Word triangles, const Id numbers[12])
 {
   const int corners = 3 * static_cast<int>(triangles >> 60);
-  if (end - out >= MostCorners)
+  if (end - out >= MaximumCorners)
   {
-    // Two triangles are the rule: they are written in any case, which saves guessing the number.
+    // Usually there are two triangles. They are always written, which saves a branch misprediction.
     for (int n = 0; n < 6; ++n)
     {
       out[n] = numbers[triangles >> (4 * n) & 15];
     }
     if (corners > 6)
     {
-      for (int n = 6; n < MostCorners; ++n)
+      for (int n = 6; n < MaximumCorners; ++n)
       {
-        // Nibbles of no triangle are 0, and so name an edge.
+        // Unused nibbles are 0, which is a valid edge.
         out[n] = numbers[triangles >> (4 * n) & 15];
       }
     }

@@ -30,7 +30,7 @@ inline int AxisOf(EdgeCode code) // 3 if the code is that of a vertex
 {
   return static_cast<int>(code >> 18);
 }
-inline int CoordinateOf(EdgeCode code) // which one is told for the point: x of a vertex
+inline int CoordinateOf(EdgeCode code) // the axis of PointOutput::Coordinates: x for a vertex
 {
   return 0x24 >> (2 * AxisOf(code)) & 3;
 }
@@ -41,7 +41,7 @@ inline double Interpolate(double isovalue, T from, T to)
   double t = (isovalue - static_cast<double>(from)) / Subtract(to, from);
   if constexpr (IsWide<T>)
   {
-    // A sample of more than 53 bits is rounded above, which can put the point off its edge.
+    // Samples of more than 53 bits are rounded above, which can move the point off its edge.
     t = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
   }
   return t;
@@ -83,7 +83,7 @@ void LocatePoints(ValueType type, const BrickSamples& samples, double isovalue,
     });
 }
 
-// Which samples make the derivative along an axis at each of a brick's vertices.
+// The differences for the derivative along an axis at each of a brick's vertices.
 struct Stencil
 {
   std::ptrdiff_t Before[MaximumBrickSize];
@@ -202,7 +202,7 @@ void WritePositions(
     point[CoordinateOf(code)] = coordinate;
     if (coordinate != coordinate)
     {
-      // As in vtkFlyingEdges3D: beside a NaN there is no point on the edge, nor a part of one.
+      // As in vtkFlyingEdges3D: next to a NaN, all coordinates of the point are NaN.
       point[0] = point[1] = point[2] = coordinate;
     }
     if constexpr (Transformed)
@@ -236,7 +236,7 @@ void WriteNormals(const WorldTransform& transform, const PointOutput& output)
       normal[row] = static_cast<float>(normal[row] * transform.Determinant);
     }
     const float square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    // No gradient stays (0, 0, 0), where vtkImageTransform divides by 0.
+    // A zero gradient stays (0, 0, 0); vtkImageTransform divides by 0.
     const float factor =
       square != 0.0f ? static_cast<float>(1.0 / sqrt(static_cast<double>(square))) : 0.0f;
     to[0] = normal[0] * factor;

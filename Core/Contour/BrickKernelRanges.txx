@@ -12,8 +12,8 @@ namespace ISOSURFACE_KERNEL
 namespace
 {
 
-// 32 bytes of samples side by side, as GCC and Clang have it: operators work on all lanes, and the
-// compiler breaks them down to what the processor has.
+// A vector of 32 bytes, an extension of GCC and Clang: operators work on all lanes, and the
+// compiler splits them into instructions of the processor.
 template <typename T>
 struct LanesOf
 {
@@ -47,7 +47,7 @@ void JoinRows(const SampleRows& rows, T& minimum, T& maximum, bool& notANumber)
     }
     for (std::int64_t i = 0; i < count; i += width)
     {
-      // The last step goes back to end with the row: samples may be seen twice.
+      // The last vector ends at the end of the row, so it may overlap the one before.
       Lanes values;
       __builtin_memcpy(&values, row + (i + width <= count ? i : count - width), sizeof(values));
       low = values < low ? values : low;

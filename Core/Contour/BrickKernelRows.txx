@@ -16,13 +16,13 @@ namespace ISOSURFACE_KERNEL
 namespace
 {
 
-// One bit for each of 32 bytes that are 0 or 1.
+// Packs 32 bytes that are 0 or 1 into bits.
 inline Word PackFlags(const std::uint8_t* flags)
 {
 #if defined(__SSE2__)
   const __m128i low = _mm_load_si128(reinterpret_cast<const __m128i*>(flags));
   const __m128i high = _mm_load_si128(reinterpret_cast<const __m128i*>(flags + 16));
-  // The flag is moved to the byte's top bit, which movemask gathers.
+  // The shift moves each flag to the top bit of its byte, which movemask gathers.
   return static_cast<unsigned>(_mm_movemask_epi8(_mm_slli_epi16(low, 7))) |
     static_cast<Word>(static_cast<unsigned>(_mm_movemask_epi8(_mm_slli_epi16(high, 7)))) << 16;
 #else
@@ -74,7 +74,7 @@ void ClassifyRows(ValueType type, const BrickSamples& samples, const void* thres
         const T* row = plane;
         for (int j = 0; j < samples.Size[1]; ++j, row += samples.Stride[1])
         {
-          // The rows of a brick are too short for the processor to see where the next ones are.
+          // The rows of a brick are too short for the prefetching of the processor.
           if (k + 1 < samples.Size[2])
           {
             __builtin_prefetch(row + samples.Stride[2]);
@@ -86,8 +86,8 @@ void ClassifyRows(ValueType type, const BrickSamples& samples, const void* thres
     });
 }
 
-// Appends a code for each bit. Four slots are always written, since that is cheaper than finding
-// out how few are needed.
+// Appends a code for each bit. Always writes four codes at a time, which is cheaper than a branch
+// for each.
 inline EdgeCode* AppendCodes(EdgeCode* codes, Word bits, EdgeCode base)
 {
   const int count = CountBits(bits);
@@ -113,7 +113,7 @@ inline unsigned CaseOf(int i, Word row00, Word row10, Word row01, Word row11)
     (row00 >> i & 3) | (row10 >> i & 3) << 2 | (row01 >> i & 3) << 4 | (row11 >> i & 3) << 6);
 }
 
-// The cells of a row of cells that have vertices on both sides, by their low vertex.
+// The active cells of a row of cells, by their low vertex.
 inline Word ActiveCells(Word row00, Word row10, Word row01, Word row11, Word cells)
 {
   Word any = row00 | row10 | row01 | row11;
@@ -123,8 +123,7 @@ inline Word ActiveCells(Word row00, Word row10, Word row01, Word row11, Word cel
   return any & ~all & cells;
 }
 
-// The crossed edges of each cell of a row of cells, summed up: an edge counts for each of its
-// cells.
+// The sum of the crossed edges of each cell in a row of cells. An edge counts once for each cell.
 inline Word CountCorners(Word row00, Word row10, Word row01, Word row11, Word cells)
 {
   const auto alongX = [cells](Word row) { return CountBits((row ^ row >> 1) & cells); };
@@ -147,7 +146,7 @@ BrickCounts NumberRows(const int size[3], const Word* inside, const BrickOwnersh
   const Word cells = MaskBelow(nx - 1);
   EdgeCode* const first = codes;
   Word triangles = 0;
-  Word corners = 0; // a cell has as many triangles as corners, less two for each of its loops
+  Word corners = 0; // triangles of a cell = corners of its polygons - 2 * polygons
   for (int k = 0; k < nz; ++k)
   {
     const int zPlace = PlaceOf(k, nz);

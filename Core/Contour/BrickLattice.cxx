@@ -19,24 +19,25 @@ Status MakeError(std::size_t block, const char* reason)
   return { StatusCode::InvalidArgument, "Block " + std::to_string(block) + " " + reason + "." };
 }
 
-// The vertices that blocks of each lattice coordinate span on one axis.
+// The vertices that the blocks of each lattice coordinate span on an axis.
 class LatticeAxis
 {
 public:
-  // Whether the blocks met so far agree with this one.
+  // Adds a block; returns false if it contradicts an earlier one.
   bool Add(std::int64_t coordinate, std::int64_t low, std::int64_t high)
   {
     const auto found = this->Spans.emplace(coordinate, std::make_pair(low, high));
-    this->MostCells = std::max(this->MostCells, high - low - 1);
+    this->MaximumCells = std::max(this->MaximumCells, high - low - 1);
     return found.second || found.first->second == std::make_pair(low, high);
   }
 
   std::int64_t GetBricksPerBlock() const
   {
-    return std::max<std::int64_t>(1, (this->MostCells + CellsPerBrick - 1) / CellsPerBrick);
+    return std::max<std::int64_t>(1, (this->MaximumCells + CellsPerBrick - 1) / CellsPerBrick);
   }
 
-  // Whether neighbours share a layer of vertices and have bricks that follow each other.
+  // Whether neighbours share a layer of vertices, and all but the last block have the same number
+  // of bricks.
   bool IsConsistent() const
   {
     const std::pair<const std::int64_t, std::pair<std::int64_t, std::int64_t>>* last = nullptr;
@@ -60,14 +61,14 @@ public:
 
 private:
   std::map<std::int64_t, std::pair<std::int64_t, std::int64_t>> Spans;
-  std::int64_t MostCells = 0;
+  std::int64_t MaximumCells = 0;
 };
 
 } // namespace
 
 BrickNeighborhood::Step BrickNeighborhood::FindOwner(int axis, int lowerPlace, int upperPlace) const
 {
-  // Candidates from the greatest down: the upper axis counts first.
+  // Candidates by decreasing coordinates; the upper axis counts first.
   Step beyond;
   bool isBeyondFound = false;
   for (int upper = 1; upper >= -1; --upper)
@@ -180,7 +181,7 @@ void BrickLattice::CutBlock(
   Index3 count{};
   for (int axis = 0; axis < 3; ++axis)
   {
-    // An axis without cells has no bricks: there is no surface in a flat block.
+    // A block without cells on an axis has no bricks, since it contains no surface.
     count[axis] =
       (vertices.High[axis] - vertices.Low[axis] - 1 + CellsPerBrick - 1) / CellsPerBrick;
   }

@@ -18,16 +18,16 @@ namespace isosurface
 {
 
 /**
- * A part of a block, at most 32 cells a side. Where the surface is to be closed, the bricks of a
- * block at the border have neighbours beyond it, of one cell across the border: they belong to the
- * same block, and their outer vertices are outside of every surface.
+ * A part of a block, at most 32 cells a side. If the surface is closed at a side of the grid, the
+ * bricks there have neighbours beyond that side, one cell wide. These belong to the same block, and
+ * their outer vertices are outside for every isovalue.
  */
 struct Brick
 {
   std::size_t Block = 0;
   Index3 Coordinates{}; ///< in the lattice of bricks
   VertexBox Vertices;
-  /// On each axis: -1, 1 for beyond the low or high side of the grid, else 0.
+  /// On each axis: -1 beyond the low side of the grid, 1 beyond the high side, otherwise 0.
   std::array<int, 3> Side{};
 
   bool IsBeyond() const { return this->Side != std::array<int, 3>{}; }
@@ -37,14 +37,14 @@ struct Brick
 constexpr std::size_t NoBrick = static_cast<std::size_t>(-1);
 
 /**
- * The bricks around one, itself included, and which of them makes the point of a shared edge: among
- * the bricks of the lattice that contain an edge, the one with the greatest coordinates, z before y
- * before x; one beyond the grid only if there is no other. (Only the others see the samples that
- * normals at the border are made of.)
+ * A brick and its neighbours, and the owner of each shared edge, that is, the brick that makes its
+ * point: among the bricks that contain the edge, the one with the maximum coordinates, z before y
+ * before x. Bricks beyond the grid own an edge only if no other brick contains it, since they do
+ * not have the samples for normals at the border.
  */
 struct BrickNeighborhood
 {
-  /// How the owner of an edge lies from this brick.
+  /// A step from this brick to a neighbour: -1, 0 or 1 on each axis.
   struct Step
   {
     int X = 0;
@@ -59,7 +59,7 @@ struct BrickNeighborhood
   std::array<std::size_t, 27> Bricks; ///< at (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1), or NoBrick
   std::array<bool, 27> AreBeyond{};   ///< Brick::IsBeyond of each
 
-  /// Where a step stands in Bricks.
+  /// The index of a step in Bricks.
   static std::size_t GetIndex(const Step& step)
   {
     const int index = step.X + 1 + 3 * (step.Y + 1) + 9 * (step.Z + 1);
@@ -67,28 +67,26 @@ struct BrickNeighborhood
   }
   std::size_t Get(const Step& step) const { return this->Bricks[GetIndex(step)]; }
 
-  /// The owner of edges along `axis` at the places (0 near face, 1 between, 2 far face) on the two
-  /// axes across, lower axis first.
+  /// The owner of edges along `axis` at these places (see NumberOfPlaces) on the two axes across,
+  /// the lower axis first.
   Step FindOwner(int axis, int lowerPlace, int upperPlace) const;
 
-  /// What this brick owns, as masks for the kernels.
+  /// The edges that this brick owns.
   BrickOwnership ComputeOwnership(const int size[3]) const;
 };
 
-/**
- * All bricks of the blocks of a source, in the order of the blocks, and their neighbours.
- */
+/// The bricks of all blocks of a source, in the order of the blocks.
 class BrickLattice
 {
 public:
-  /// Adds bricks beyond the closed sides. Errors: InvalidArgument for blocks that do not form a
-  /// lattice within the grid.
+  /// Cuts the blocks into bricks, and adds bricks beyond the closed sides. Errors: InvalidArgument
+  /// if the blocks do not form a lattice within the grid.
   static Result<BrickLattice> Cut(
     const Index3& dimensions, const BlockSource& source, const GridSides& closedSides = {});
 
   const std::vector<Brick>& GetBricks() const { return this->Bricks; }
 
-  /// The bricks of block b are numbers [first(b), first(b + 1)).
+  /// The bricks of block b are GetFirstBrick(b) .. GetFirstBrick(b + 1) - 1.
   std::size_t GetFirstBrick(std::size_t block) const { return this->FirstBricks[block]; }
 
   BrickNeighborhood FindNeighborhood(std::size_t brick) const;
@@ -110,7 +108,7 @@ private:
 
   void CutBlock(std::size_t block, const Index3& lattice, const VertexBox& vertices,
     const Index3& bricksPerBlock);
-  /// Adds the neighbours beyond the grid of the bricks from `first` on.
+  /// Adds the bricks beyond the grid for the bricks from `first` on.
   void AddBricksBeyond(std::size_t first, const Index3& dimensions, const GridSides& closedSides);
 
   std::vector<Brick> Bricks;

@@ -23,7 +23,7 @@ bool Contains(const VertexBox& outer, const VertexBox& inner)
   return outer.Intersect(inner) == inner;
 }
 
-// The box with one more layer on each side, where the grid has one.
+// Adds a layer on each side of the box, where the grid has one.
 VertexBox AddGhostLayer(VertexBox box, const Index3& dimensions)
 {
   for (int axis = 0; axis < 3; ++axis)
@@ -34,7 +34,7 @@ VertexBox AddGhostLayer(VertexBox box, const Index3& dimensions)
   return box;
 }
 
-// As BrickKernels::LocatePoints, of crossings that are known.
+// As BrickKernels::LocatePoints, for given crossings.
 void LocateCrossings(const CrossingView& crossings, const BrickSamples& view, const EdgeCode* codes,
   std::uint32_t count, float* coordinates, double* parameters)
 {
@@ -72,7 +72,7 @@ Status MakeError(std::size_t block, const std::string& reason)
     "The samples of block " + std::to_string(block) + " " + reason + "." };
 }
 
-// Whether an attribute of a block's vertices is as asked for.
+// Whether an attribute matches its layout and covers a block's vertices.
 bool Fits(const AttributeView& view, const AttributeLayout& layout, const VertexBox& vertices)
 {
   if (view.EdgeTuples)
@@ -184,7 +184,7 @@ Status BrickScan::Run(int threads, const Progress& progress)
   {
     return failure;
   }
-  return finished ? Status::Ok() : Status(StatusCode::Aborted, "The contour was stopped.");
+  return finished ? Status::Ok() : Status(StatusCode::Aborted, "The extraction was aborted.");
 }
 
 double BrickScan::GetAcquireSeconds() const
@@ -228,27 +228,28 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
     this->Request.Normals ? AddGhostLayer(vertices, this->Geometry.GetDimensions()) : vertices;
   if (!Contains(scalars.Available, needed))
   {
-    return MakeError(block,
-      this->Request.Normals ? "lack the layer around it that normals need" : "do not cover it");
+    return MakeError(
+      block, this->Request.Normals ? "lack the layer around it for normals" : "do not cover it");
   }
   if (samples.Crossings && !Contains(samples.Crossings->Box, vertices))
   {
-    return MakeError(block, "come with crossings that do not cover it");
+    return MakeError(block, "have crossings that do not cover it");
   }
   if (samples.Attributes.size() != this->Request.Attributes.size())
   {
-    return MakeError(block, "come with another number of attributes than asked for");
+    return MakeError(block, "do not have the requested number of attributes");
   }
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
     const AttributeView& view = samples.Attributes[n];
     if (view.EdgeTuples && !this->Request.ClosedSides.IsEmpty())
     {
-      return MakeError(block, "come with tuples on edges, which sides to close do not have");
+      return MakeError(block, "have tuples on edges, with which sides cannot be closed");
     }
     if (!Fits(view, this->Request.Attributes[n], vertices))
     {
-      return MakeError(block, "come with attribute " + std::to_string(n) + " unlike asked for");
+      return MakeError(
+        block, "have an attribute " + std::to_string(n) + " that does not match the request");
     }
   }
   return Status::Ok();
@@ -294,10 +295,10 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const
   }
   worker.Memory.Keep<std::uint64_t>(rows);
   auto* offsets = worker.Memory.Allocate<std::uint32_t>(rows);
-  const std::size_t mostPoints = 3 * rows * static_cast<std::size_t>(view.Size[0]);
+  const std::size_t maximumPoints = 3 * rows * static_cast<std::size_t>(view.Size[0]);
   part.Inside = inside;
   part.Offsets = offsets;
-  part.Codes = worker.Memory.Reserve<EdgeCode>(mostPoints + EdgeCodeSlack);
+  part.Codes = worker.Memory.Reserve<EdgeCode>(maximumPoints + EdgeCodeSlack);
   part.Counts =
     this->Kernels.NumberRows(view.Size, inside, this->Ownerships[brick], offsets, part.Codes);
   worker.Memory.Keep<EdgeCode>(part.Counts.Points);
@@ -359,7 +360,7 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
   this->InterpolateAttributes(brick.Vertices.Low, samples, part, worker);
 }
 
-// Allocates all attributes, and takes those that stand on edges; before points become vertices'.
+// Allocates all attributes, and copies tuples on edges. Before any points are moved to vertices.
 void BrickScan::CopyAttributes(
   const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const
 {

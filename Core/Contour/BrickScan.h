@@ -19,31 +19,31 @@
 namespace isosurface
 {
 
-/// What is kept of one brick at one isovalue between the two phases; all null where it is empty.
+/// The results of the first phase for a brick and an isovalue. All null if there is no surface.
 struct BrickPart
 {
-  const std::uint64_t* Inside = nullptr;  ///< a word a row of vertices, y fastest
-  const std::uint32_t* Offsets = nullptr; ///< a row's first point, counted in the brick
+  const std::uint64_t* Inside = nullptr;  ///< a word for each row of vertices, y fastest
+  const std::uint32_t* Offsets = nullptr; ///< the first point of each row, counted in the brick
   EdgeCode* Codes = nullptr;              ///< the owned points' edges, or vertices
   float* Coordinates = nullptr;           ///< the structured coordinate along each edge
   float* Normals = nullptr;
   std::uint8_t** Attributes = nullptr; ///< tuples of each attribute
-  /// With DropDegenerateTriangles: the points that lie on vertices.
+  /// With DropDegenerateTriangles, the points on vertices.
   VertexPoint* VertexPoints = nullptr;
   std::uint32_t NumberOfVertexPoints = 0;
   BrickCounts Counts{ 0, 0, 0 };
-  std::int64_t FirstPoint = 0; ///< when all are counted; what triangles call it
+  std::int64_t FirstPoint = 0; ///< the number of the first point, before any are dropped
 
-  // Set when it is known what is written: how much, and where it begins.
-  BrickCounts Kept{ 0, 0, 0 }; ///< Counts, or what VertexMerge leaves of them
+  // Set by the second phase.
+  BrickCounts Kept{ 0, 0, 0 }; ///< Counts, without what VertexMerge drops
   std::int64_t FirstKeptPoint = 0;
   std::int64_t FirstCell = 0;
   std::int64_t FirstIndex = 0; ///< into the connectivity
 };
 
 /**
- * The first phase of an extraction: goes through the samples, each block once, and keeps what the
- * second phase (SurfaceAssembler) needs to finish without them.
+ * The first phase of an extraction: visits the samples of each block once, and keeps everything
+ * that the second phase (SurfaceAssembler) needs.
  */
 class BrickScan
 {
@@ -51,10 +51,10 @@ public:
   BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, BlockSource& source,
     const ContourRequest& request);
 
-  /// Visits every block. Errors: those of Acquire, InvalidArgument for what it gave, Aborted.
+  /// Visits every block. Errors: those of Acquire(); InvalidArgument for invalid samples; Aborted.
   Status Run(int threads, const Progress& progress);
 
-  /// The part of brick b at isovalue n stands at n * number of bricks + b.
+  /// The part of brick b at isovalue n is number n * number of bricks + b.
   std::vector<BrickPart>& GetParts() { return this->Parts; }
   const std::vector<BrickPart>& GetParts() const { return this->Parts; }
   const std::vector<BrickOwnership>& GetOwnerships() const { return this->Ownerships; }
@@ -67,7 +67,7 @@ private:
     std::vector<double> Parameters;
     double AcquireSeconds = 0;
   };
-  /// A threshold as one value of the samples' type; not there if no value is inside.
+  /// A threshold as a value of the samples' type. Does not exist if no value can be inside.
   struct Threshold
   {
     bool Exists = false;
@@ -97,7 +97,8 @@ private:
   std::vector<BrickOwnership> Ownerships;
 };
 
-/// The brick's place in the grid and, with a view of its block's samples, where they are.
+/// The kernel's description of a brick: its place in the grid and, if `samples` is given, its
+/// samples.
 BrickSamples MakeBrickSamples(
   const GridGeometry& geometry, const VertexBox& brick, const SampleView* samples = nullptr);
 

@@ -12,10 +12,9 @@ namespace isosurface
 {
 
 /**
- * The active blocks of samples that lie in memory as a whole (a vtkImageData, or the piece of one
- * that a rank has). The blocks are those of `ranges`, which must have been computed for the same
- * samples; only those that an isovalue crosses are counted, or what the selection makes of them,
- * whose grid is the one that the samples' coordinates are of. No sample is copied.
+ * The active blocks of samples in memory: a vtkImageData, or the piece of one on this rank.
+ * `ranges` must have been computed for the same samples. With a selection, the selected blocks;
+ * `grid` is the grid of the samples' coordinates. No sample is copied.
  *
  * The samples and the attributes must outlive the source.
  */
@@ -28,7 +27,7 @@ public:
     const std::vector<double>& isovalues, const BlockSelection& selection,
     const GridGeometry& grid);
 
-  /// Arrays on the same vertices to interpolate; their Available must cover the samples' Box.
+  /// Sets the arrays to interpolate. Their Available must cover the samples' Box.
   void SetAttributes(std::vector<AttributeView> attributes);
 
   std::size_t GetNumberOfBlocks() const override { return this->Active.size(); }
@@ -38,7 +37,7 @@ public:
   Result<BlockSamples> Acquire(std::size_t block) override;
 
 private:
-  /// The vertices of a block of Grid, as the samples count them.
+  /// The vertices of a block of Grid, in coordinates of the samples.
   VertexBox FindVertices(std::int64_t block) const;
 
   SampleView Samples;

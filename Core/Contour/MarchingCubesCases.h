@@ -8,24 +8,25 @@ namespace isosurface
 {
 
 /**
- * The 256 cases of marching cubes: W. E. Lorensen and H. E. Cline, "Marching cubes: A high
- * resolution 3D surface construction algorithm", SIGGRAPH 1987. Of the tables that agree on shared
- * faces this is the one that VTK has (vtkMarchingCubesTriangleCases), triangle for triangle.
+ * The 256 cases of marching cubes (W. E. Lorensen, H. E. Cline, "Marching cubes: A high resolution
+ * 3D surface construction algorithm", SIGGRAPH 1987), with the same triangles in the same order as
+ * vtkMarchingCubesTriangleCases. On a face, the cases of both cells agree.
  *
- * Vertices of a cell: vertex x + 2y + 4z stands at the corner (x, y, z). A case has bit v set if
- * vertex v is inside.
+ * Vertices of a cell: vertex x + 2y + 4z is the corner (x, y, z). Bit v of a case is set if vertex
+ * v is inside.
  *
  * Edges of a cell, by axis: 0-3 along x from (0, y, z), number y + 2z; 4-7 along y from (x, 0, z),
  * number 4 + x + 2z; 8-11 along z from (x, y, 0), number 8 + x + 2y.
  *
- * A case is one word: nibble n (from the lowest) is the edge on which corner n % 3 of triangle n /
- * 3 lies; the highest nibble is the number of triangles, at most 5.
+ * A case is one word: nibble n, from the lowest, is the edge of corner n % 3 of triangle n / 3; the
+ * top nibble is the number of triangles, at most 5.
  */
 extern const std::uint64_t MarchingCubesCases[256];
 
 /**
- * A case as polygons, one for each loop in which the surface crosses the cell's faces, turning as
- * the triangles do. Derived from MarchingCubesCases: the outline of triangles that hang together.
+ * A case as polygons: one for each loop in which the surface crosses the cell's faces, with the
+ * orientation of the triangles. Derived from MarchingCubesCases: the outlines of connected
+ * triangles.
  */
 struct PolygonCase
 {

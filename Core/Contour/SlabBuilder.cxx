@@ -16,7 +16,7 @@ std::int64_t CountBits(std::uint64_t bits)
   return __builtin_popcountll(bits);
 }
 
-// A coordinate of a shared vertex in the neighbour that lies `step` away on the axis.
+// The coordinate of a shared vertex in the neighbour at `step` on the axis.
 int TranslateCoordinate(int coordinate, int step, int neighborSize)
 {
   return step == 0 ? coordinate : step > 0 ? 0 : neighborSize - 1;
@@ -152,7 +152,7 @@ void SlabBuilder::FillPlane(int k)
   }
 }
 
-// Puts rows that other bricks own in the place of the brick's own.
+// Replaces the rows on faces that other bricks own.
 void SlabBuilder::FillSharedRows(int k)
 {
   const BrickNeighborhood::Step self;
@@ -181,13 +181,13 @@ void SlabBuilder::FillSharedRows(int k)
   }
 }
 
-// The row of edges from (., j, k) as the brick has it that lies at `owner`.
+// The row of edges from (., j, k), from the brick at `owner`.
 EdgeRow SlabBuilder::FindSharedRow(int axis, const BrickNeighborhood::Step& owner, int j, int k)
 {
   const NumberedRows& rows = this->GetRows(owner);
   if (!rows.Inside)
   {
-    return { 0, 0 }; // a brick without a surface: nothing crosses the shared row
+    return { 0, 0 }; // the owner has no surface, so no edge of the shared row is crossed
   }
   const int ny = rows.Size[1];
   j = TranslateCoordinate(j, owner.Y, ny);
@@ -212,7 +212,7 @@ EdgeRow SlabBuilder::FindSharedRow(int axis, const BrickNeighborhood::Step& owne
   return edges;
 }
 
-// The numbers of the points on the Y or Z edges from the first and the last column of plane k.
+// The numbers of the points on Y or Z edges that begin in the first and last column of plane k.
 void SlabBuilder::FillColumns(int axis, int k, Column& first, Column& last)
 {
   const int ny = this->Self.Size[1];

@@ -15,8 +15,8 @@ namespace isosurface
 {
 
 /**
- * Finds the numbers of the points on a brick's rows of edges, slab by slab: its own from its kept
- * words, those on shared faces from the words of the brick that owns them.
+ * Finds the numbers of the points on a brick's edges, slab by slab: from the brick's own words, and
+ * for shared edges from the words of the brick that owns them.
  */
 class SlabBuilder
 {
@@ -29,11 +29,11 @@ public:
   /// Whether the surface crosses the cells between planes k and k + 1.
   bool IsActive(int k) const;
 
-  /// Those cells; holds until the next call.
+  /// The slab between planes k and k + 1. Valid until the next call.
   const RowSlab& Build(int k);
 
-  /// Writes the triangles of all slabs; returns where the next ones go. Values between that and
-  /// `end` may be overwritten.
+  /// Writes the triangles of all slabs; returns the end of what was written. Values between that
+  /// and `end` may be overwritten.
   template <typename Id>
   Id* WriteTriangles(Id* next, Id* end);
 
@@ -54,12 +54,12 @@ private:
   const BrickKernels& Kernels;
   NumberedRows Self{};
   BrickNeighborhood Neighborhood;
-  std::array<NumberedRows, 27> Neighbors{}; ///< of the neighbourhood, filled as they are asked for
+  std::array<NumberedRows, 27> Neighbors{}; ///< rows of the neighbours, filled on first use
   /// Owners by axis and places; see BrickNeighborhood::FindOwner.
   std::array<std::array<std::array<BrickNeighborhood::Step, 3>, 3>, 3> Owners;
 
   RowSlab Slab{};
-  std::array<Rows, 2> X; ///< of planes with even and with odd numbers
+  std::array<Rows, 2> X; ///< [plane even or odd]
   std::array<Rows, 2> Y;
   std::array<Rows, 2> Z;
   std::array<std::array<Column, 2>, 2> ColumnY{}; ///< [column][plane even or odd]

@@ -20,8 +20,8 @@ struct AttributeLayout
   int NumberOfComponents = 1;
 };
 
-/// The type that values of an attribute have on the surface, as in vtkFlyingEdges3D: float32, but
-/// for float64, which stays.
+/// The type of an attribute's values on the surface, as in vtkFlyingEdges3D: float64 stays, all
+/// others become float32.
 inline ValueType GetInterpolatedType(ValueType type)
 {
   return type == ValueType::Float64 ? type : ValueType::Float32;
@@ -30,27 +30,45 @@ inline ValueType GetInterpolatedType(ValueType type)
 /// What to extract.
 struct ContourRequest
 {
-  /// In the order of the output. A value that is NaN or above all values of the type has no
-  /// surface.
+  /// In the order of the output. There is no surface for NaN, or above all values of the type.
   std::vector<double> Isovalues;
   bool Normals = false;   ///< fill Surface::Normals: unit vectors from high to low values
   bool GlobalIds = false; ///< fill Surface::GlobalIds
-  /// One polygon for each loop in which the surface cuts a cell, instead of triangles.
+  /// Make one polygon for each loop of the surface in a cell, instead of triangles.
   bool Polygons = false;
-  /// Fill Surface::Offsets for triangles, too (for polygons they are always there).
+  /// Fill Surface::Offsets for triangles, too. For polygons they are always filled.
   bool Offsets = false;
-  /// Make points at one vertex of the grid one, and leave out the triangles that collapse thereby.
-  /// Without effect on polygons. See ExtractSurface.
+  /**
+   * Merge points whose structured coordinates, as floats, are those of the same vertex of the grid,
+   * and drop triangles with two corners there, then points without triangles. The merged point has
+   * the gradient and the attributes at the vertex. Other triangles do not change, so a closed
+   * surface stays closed. It stays a manifold where the inside is thicker than a vertex; sheets
+   * that touch at a vertex are joined. No effect on polygons.
+   *
+   * Global id of a merged point: (3 * number of isovalues + isovalue number) * NumberOfVertices +
+   * vertex, above the ids of all edges. The id of an edge would be ambiguous: if the sample is only
+   * near the isovalue, the edge may also have a point of its own.
+   */
   bool DropDegenerateTriangles = false;
-  /// Close the surface at these sides of the grid, as if all were outside beyond them.
+  /**
+   * Close the surface at these sides of the grid: the surface is that of a grid with one more layer
+   * at these sides, which is outside, with the points in the layer moved onto the side. The caps
+   * lie exactly in the sides, with outward normals. Where two caps meet, each has its own point,
+   * and triangles without area connect them. Points where the isosurface meets a cap have the
+   * normals of the isosurface. (With DropDegenerateTriangles, a vertex on the sides has one point,
+   * with the mean of the sides' outward normals.) A grid of one vertex on an axis has no surface.
+   *
+   * Beside the active blocks, the source must give the blocks at these sides that are entirely
+   * inside: see BlockSelection.
+   */
   GridSides ClosedSides;
-  /// Indices of 64 bits even where 32 suffice.
+  /// Use indices of 64 bits even if 32 suffice.
   bool WideIndices = false;
-  /// Interpolate these: the arrays that the source gives in BlockSamples::Attributes, in order.
+  /// The arrays to interpolate, in the order of BlockSamples::Attributes.
   std::vector<AttributeLayout> Attributes;
 };
 
-/// Integers of 32 bits where they suffice, else of 64 bits: one of the two buffers is in use.
+/// Integers of 32 bits if these suffice, otherwise of 64 bits. One of the two buffers is used.
 struct IndexArray
 {
   bool Is64Bit = false;
@@ -74,7 +92,7 @@ struct SurfaceAttribute
   Buffer<std::uint8_t> Bytes; ///< points * components values of Layout.Type
 };
 
-/// The part of a surface that belongs to one isovalue. Parts follow each other without gaps.
+/// The part of a surface for one isovalue. The parts are contiguous.
 struct SurfacePart
 {
   double Isovalue = 0;
@@ -85,8 +103,8 @@ struct SurfacePart
 };
 
 /**
- * A surface of triangles (or polygons) that share their points. Every array is written once, in
- * its final place; Buffer::Release hands it to a VTK array without a copy.
+ * A surface of triangles (or polygons) that share their points. Buffer::Release() can hand its
+ * arrays to VTK arrays without a copy.
  */
 struct Surface
 {
@@ -97,13 +115,13 @@ struct Surface
   IndexArray
     Offsets; ///< cells + 1 values into Connectivity, of the same width; empty if not asked for
   std::vector<SurfaceAttribute> Attributes;
-  std::vector<SurfacePart> Parts; ///< one an isovalue, in the order of the request
+  std::vector<SurfacePart> Parts; ///< one for each isovalue, in the order of the request
 
   std::size_t NumberOfPoints = 0;
   std::size_t NumberOfCells = 0;     ///< triangles or polygons
-  std::size_t NumberOfTriangles = 0; ///< that the cells have when cut into triangles
+  std::size_t NumberOfTriangles = 0; ///< polygons count as the triangles that they consist of
   std::size_t NumberOfBlocks = 0;    ///< blocks that were acquired
-  double AcquireSeconds = 0;         ///< in BlockSource::Acquire, summed over the threads
+  double AcquireSeconds = 0;         ///< in BlockSource::Acquire(), summed over the threads
   double TotalSeconds = 0;           ///< wall clock of the whole call
 };
 

@@ -82,13 +82,13 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
   double done = 0;
   if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
   {
-    constexpr double mergeShare = 0.4;
+    constexpr double mergeEnd = 0.4; // of the progress, as measured
     this->Merge = std::make_unique<VertexMerge>(this->Lattice, this->Scan);
-    if (!this->Merge->Run(threads, MakePartOfProgress(progress, 0.0, mergeShare)))
+    if (!this->Merge->Run(threads, MakePartOfProgress(progress, 0.0, mergeEnd)))
     {
       return false;
     }
-    done = mergeShare;
+    done = mergeEnd;
   }
   this->Count(surface);
   this->Allocate(surface);
@@ -157,8 +157,8 @@ void SurfaceAssembler::Allocate(Surface& surface) const
 {
   const std::size_t points = surface.NumberOfPoints;
   const std::size_t connectivity = CountConnectivity(surface, this->Request.Polygons);
-  constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
-  const bool wide = this->Request.WideIndices || points > most || connectivity > most;
+  constexpr std::size_t maximum = std::numeric_limits<std::int32_t>::max();
+  const bool wide = this->Request.WideIndices || points > maximum || connectivity > maximum;
 
   surface.Points = AllocateHuge<float>(3 * points);
   if (this->Request.Normals)
@@ -212,7 +212,7 @@ void SurfaceAssembler::WriteBrick(std::size_t number, Surface& surface, Corners&
   }
 }
 
-// Moves what is kept of the part's points together, in their order.
+// Moves the points of the part that are kept together, in their order.
 void SurfaceAssembler::DropPoints(const BrickPart& part) const
 {
   if (part.Kept.Points == part.Counts.Points)
@@ -222,7 +222,7 @@ void SurfaceAssembler::DropPoints(const BrickPart& part) const
   std::size_t to = 0;
   for (std::size_t from = 0; from < part.Counts.Points; ++from)
   {
-    // The number of a merged point is that of an earlier one.
+    // A merged point has the number of an earlier point.
     if (this->Merge->GetNumber(part.FirstPoint + static_cast<std::int64_t>(from)) !=
       part.FirstKeptPoint + static_cast<std::int64_t>(to))
     {
@@ -276,8 +276,8 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
   {
     return;
   }
-  // The ids of vertices follow those of the edges for all isovalues. The kernel took a vertex for
-  // an edge along the axis of that number.
+  // The ids of vertices follow those of all edges. The kernel has treated a vertex as an edge along
+  // axis VertexAxis.
   const auto isovalues = static_cast<std::int64_t>(this->Request.Isovalues.size());
   const std::int64_t firstId =
     isovalues * idsPerIsovalue + isovalue * this->NumberedGrid.GetNumberOfVertices();

@@ -17,9 +17,9 @@ namespace isosurface
 {
 
 /**
- * The second phase of an extraction: puts the bricks' points in their final place and writes the
- * cells, without looking at samples again. Edges on shared faces are looked up in the rows of the
- * brick that owns them.
+ * The second phase of an extraction: writes the points of all bricks to their final place, then the
+ * cells. Does not use the samples. The points of shared edges are found in the rows of the brick
+ * that owns them.
  */
 class SurfaceAssembler
 {
@@ -33,9 +33,9 @@ public:
 private:
   using Corners = std::vector<std::int64_t>;
 
-  /// Sets the numbers by which triangles call the parts' points; all is kept at first.
+  /// Numbers the points of all parts. All are kept at first.
   void NumberPoints();
-  /// Sets where each part begins, and the surface's counts.
+  /// Sets the place of each part in the surface, and the surface's counts.
   void Count(Surface& surface);
   void Allocate(Surface& surface) const;
   void WriteBrick(std::size_t part, Surface& surface, Corners& corners) const;
@@ -47,7 +47,8 @@ private:
   template <typename Id>
   void WriteKeptTriangles(std::size_t number, Id* connectivity, Corners& corners) const;
 
-  /// The grid that global ids count in, and where its first vertex lies in the grid of the blocks.
+  /// The grid whose vertices the global ids count, and the coordinate of the blocks' first vertex
+  /// in it (the same on all axes).
   GridGeometry NumberedGrid;
   std::int64_t FirstVertex;
   const BrickLattice& Lattice;

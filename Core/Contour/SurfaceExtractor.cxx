@@ -14,8 +14,8 @@ namespace isosurface
 namespace
 {
 
-// The share of the time that the first phase usually takes.
-constexpr double ScanShare = 0.5;
+// The first phase usually takes half of the time.
+constexpr double ScanEnd = 0.5;
 
 Status CheckRequest(const GridGeometry& geometry, const ContourRequest& request)
 {
@@ -57,7 +57,7 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
   }
 
   BrickScan scan(geometry, *lattice, source, request);
-  const Status scanned = scan.Run(threads, MakePartOfProgress(progress, 0.0, ScanShare));
+  const Status scanned = scan.Run(threads, MakePartOfProgress(progress, 0.0, ScanEnd));
   if (!scanned.IsOk())
   {
     return scanned;
@@ -66,9 +66,9 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
   surface.AcquireSeconds = scan.GetAcquireSeconds();
 
   SurfaceAssembler assembler(geometry, *lattice, scan, request);
-  if (!assembler.Run(threads, MakePartOfProgress(progress, ScanShare, 1.0), surface))
+  if (!assembler.Run(threads, MakePartOfProgress(progress, ScanEnd, 1.0), surface))
   {
-    return Status(StatusCode::Aborted, "The contour was stopped.");
+    return Status(StatusCode::Aborted, "The extraction was aborted.");
   }
   surface.TotalSeconds =
     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -12,7 +12,7 @@ namespace isosurface
 namespace
 {
 
-// Where the points of the pieces go, and where they come from.
+// The new numbers of the surfaces' points, and the origin of the merged ones.
 struct PointPlan
 {
   std::vector<std::vector<std::int64_t>> NewNumbers;           ///< by surface and old number

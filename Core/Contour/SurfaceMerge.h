@@ -10,13 +10,12 @@ namespace isosurface
 {
 
 /**
- * One surface of several that were extracted from parts of a grid by requests of the same kind,
- * with GlobalIds. Points of equal global id become one: they are bitwise equal, so the first is
- * kept. The result has its parts by isovalue, then by surface as given. Connectivity has Offsets if
- * all surfaces have them.
+ * Merges surfaces that were extracted from parts of a grid with equal requests and GlobalIds.
+ * Points with equal global ids are bitwise equal, and become one. The result is ordered by
+ * isovalue, then by surface. It has Offsets if all surfaces have them.
  *
- * Cost: one hash table entry a point, and a copy of everything: meant for surfaces that come in
- * pieces anyway, such as those of a composite dataset. ExtractSurface itself shares points already.
+ * Cost: a hash table entry for each point, and a copy of everything. Meant for the pieces of a
+ * composite dataset; within one call, ExtractSurface() shares points itself.
  */
 Surface MergeSurfaces(const std::vector<Surface>& surfaces);
 

@@ -8,10 +8,10 @@ namespace isosurface
 {
 
 /**
- * Fills surface.Normals for a surface of triangles that has none of the samples' gradients: at each
- * point the unit vector along the sum of the cross products of the triangles around, that is, their
- * mean normal by area; (0, 0, 0) where there is none. Triangles are seen from the side of low
- * values, so it points the same way as a gradient's. Cost: a pass over the triangles.
+ * Computes surface.Normals from the triangles, if the samples for gradients are not available: the
+ * mean of the normals of the triangles around each point, weighted by area, scaled to unit length;
+ * (0, 0, 0) if there is none. They point to low values, as the normals from gradients do. Cost: one
+ * pass over the triangles.
  */
 void ComputeNormalsOfTriangles(Surface& surface);
 

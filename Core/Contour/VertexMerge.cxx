@@ -79,7 +79,7 @@ bool VertexMerge::Run(int threads, const Progress& progress)
   {
     return false;
   }
-  // Points count for the brick that made them: only when all triangles are known, they are.
+  // Triangles of other bricks use a brick's points too, so these are counted after all triangles.
   ParallelFor(this->Active.size(), threads,
     [&](std::size_t n, int)
     {
@@ -151,8 +151,7 @@ void VertexMerge::MergeWithinBrick(std::size_t number, FirstPoints& firstPoints)
   }
 }
 
-// Part by part, so that the point that stands for a vertex is the one of the first part that has
-// it.
+// Not parallel: the point that stands for a vertex is that of the first part.
 void VertexMerge::MergeAcrossBricks()
 {
   const std::size_t bricks = this->Lattice.GetBricks().size();
@@ -173,7 +172,7 @@ void VertexMerge::MergeAcrossBricks()
       std::int64_t& own = this->Numbers[static_cast<std::size_t>(part.FirstPoint + point.Point)];
       if (point.IsMerged)
       {
-        own = this->GetNumber(own); // the brick's first one may be merged by now
+        own = this->GetNumber(own); // the brick's first point may be merged itself
       }
       else if (IsOnFace(point, vertices.GetSize()))
       {
@@ -207,7 +206,7 @@ void VertexMerge::CountKept(std::size_t number, std::vector<std::int64_t>& corne
   }
 }
 
-// Leaves the merged points as they are: they are told the number of their first one later.
+// Numbers the points that are not merged. Run() then numbers the merged points.
 void VertexMerge::NumberPoints(std::size_t number, std::int64_t first)
 {
   const BrickPart& part = this->Scan.GetParts()[number];

@@ -17,30 +17,29 @@ namespace isosurface
 {
 
 /**
- * Decides, between the two phases of an extraction, which points become one because they lie on one
- * vertex of the grid, which triangles have three different corners left, and how the points of
- * these are numbered: in their old order, the first of a vertex standing for all.
+ * Merges points on the same vertex of the grid, between the two phases of an extraction: finds the
+ * triangles that keep three different corners, and numbers the points of these triangles in their
+ * old order. The first point of a vertex stands for all.
  *
- * Cost: the triangles are made once more, and not kept; 9 bytes of memory a point, one hash table
- * entry for each vertex with points on the face of a brick.
+ * Cost: the triangles are made once more, but not kept. Memory: 9 bytes a point, and a hash table
+ * entry for each vertex with points on a face of a brick.
  */
 class VertexMerge
 {
 public:
-  /// The parts of `scan` must know their FirstPoint.
+  /// The FirstPoint of the parts must be set.
   VertexMerge(const BrickLattice& lattice, BrickScan& scan);
 
   /// Returns false if `progress` asked to stop. Sets Kept of every part.
   bool Run(int threads, const Progress& progress);
 
-  /// The new number of a point by its old one; -1 if it is left out.
+  /// The new number of a point by its old number; -1 if it is dropped.
   std::int64_t GetNumber(std::int64_t point) const
   {
     return this->Numbers[static_cast<std::size_t>(point)];
   }
 
-  /// The triangles of a part of the scan, three old numbers each; `corners` holds them until the
-  /// next call with it.
+  /// The triangles of a part, three old numbers each, in `corners`.
   const std::int64_t* MakeTriangles(std::size_t part, std::vector<std::int64_t>& corners) const;
 
 private:
@@ -54,7 +53,7 @@ private:
   const BrickLattice& Lattice;
   BrickScan& Scan;
   std::vector<std::size_t> Active; ///< the parts that are not empty
-  /// By old number: at first the old number of the point that stands for it, then the new one.
+  /// By old number: first the old number of the point that stands for it, later the new number.
   Buffer<std::int64_t> Numbers;
   std::vector<std::atomic<std::uint8_t>> AreUsed; ///< by old number
 };

@@ -21,23 +21,23 @@ struct VertexPoint
   std::uint16_t I;     ///< the vertex, counted in the brick
   std::uint8_t J;
   std::uint8_t K;
-  bool IsMerged; ///< an earlier point stands for it; set by VertexMerge
+  bool IsMerged; ///< an earlier point of the same vertex stands for it; set by VertexMerge
 };
 
 /**
- * Finds the points of a brick whose coordinate is, as a float, that of an end of their edge. Their
- * codes become those of the vertex, with VertexAxis, their coordinates the vertex's x coordinate,
- * their parameters (if any) 0. So what is made of them, position, normal and attributes, is that of
- * the vertex, whatever edge led there.
+ * Finds the points of a brick whose coordinate, as a float, is that of an end of their edge.
+ * Changes their codes to those of the vertex, with VertexAxis, their coordinates to the vertex's x
+ * coordinate and their parameters (if any) to 0. So their positions, normals and attributes are
+ * those of the vertex, and do not depend on the edge.
  *
- * points: room for `count`; returns how many there are, in the order of their numbers.
+ * points: room for `count` points; returns their number. They are in the order of their numbers.
  */
 std::uint32_t FindVertexPoints(const BrickSamples& position, EdgeCode* codes, float* coordinates,
   double* parameters, std::uint32_t count, VertexPoint* points);
 
 /**
- * Gives the vertices on closed sides of the grid the normal that points out of all those sides.
- * `dimensions` are the grid's, low is the brick's first vertex.
+ * Sets the normals of vertices on closed sides of the grid: the mean of the outward normals of
+ * these sides. `dimensions` are those of the grid, `low` is the brick's first vertex.
  */
 void SetNormalsOnSides(const GridSides& closedSides, const Index3& dimensions, const Index3& low,
   const VertexPoint* points, std::uint32_t count, float* normals);

@@ -18,7 +18,7 @@ double ComputeDeterminant(const Matrix& m)
     m[6] * (m[1] * m[5] - m[2] * m[4]);
 }
 
-// The transposed adjoint divided by the determinant; a singular matrix is given back as it is.
+// The transposed adjoint divided by the determinant. Returns a singular matrix unchanged.
 Matrix InvertAndTranspose(const Matrix& m, double determinant)
 {
   Matrix inverse = m;

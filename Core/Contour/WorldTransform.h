@@ -9,8 +9,9 @@ namespace isosurface
 {
 
 /**
- * From structured coordinates to the world and for normals, with the very matrices, in the order of
- * operations, that vtkImageData and vtkImageTransform use, so that results agree to the last bit.
+ * The transformation of points from structured to world coordinates, and of normals, with the
+ * matrices and the order of operations of vtkImageData and vtkImageTransform: the results are
+ * bitwise equal.
  */
 WorldTransform MakeWorldTransform(const GridGeometry& geometry);
 

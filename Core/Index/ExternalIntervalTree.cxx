@@ -10,10 +10,9 @@ namespace isosurface
 {
 
 /**
- * One query on its way through the tree. It goes on a stack instead of recursion. That it ends,
- * even on pages made to prevent it: a node refers to pages before it only; nodes visited, pages
- * read, records looked at and intervals reported are limited by what a whole tree of this size
- * could ask for.
+ * One query. It uses a stack instead of recursion. It ends on any pages, even hostile ones: a node
+ * refers to pages before it only, and the pages visited, the records read and the intervals
+ * reported are limited by the maximum for a valid tree of this size.
  */
 class ExternalIntervalTree::Query
 {
@@ -48,19 +47,19 @@ public:
 private:
   using Page = PagedFileReader::Page;
 
-  /// What the order and purpose of a list promise of its records.
-  enum class ListKind : std::uint8_t
+  /// The order of the records in a list.
+  enum class ListOrder : std::uint8_t
   {
-    AscendingMinimum,  // answers are a prefix
-    DescendingMaximum, // answers are a prefix
-    Mixed              // answers are anywhere
+    AscendingMinimum,  // the answers are a prefix
+    DescendingMaximum, // the answers are a prefix
+    None               // the answers may be anywhere
   };
 
   Status Enter(const IntervalSubtree& subtree)
   {
     if (subtree.Height == 0)
     {
-      return this->ReadList(subtree.List, ListKind::Mixed);
+      return this->ReadList(subtree.List, ListOrder::None);
     }
     this->Nodes.push_back(subtree);
     return Status::Ok();
@@ -90,7 +89,7 @@ private:
     return this->EnterChildren(*node, first, last);
   }
 
-  /// The intervals that begin in the query's slabs, at or before its end.
+  /// Reports the intervals whose minimum is in the query's slabs and not above its end.
   Status ReadLeftLists(const IntervalTreeNode& node, std::size_t first, std::size_t last)
   {
     for (std::size_t slab = first; slab <= last; ++slab)
@@ -98,25 +97,25 @@ private:
       if (node.Slabs[slab].Left.Count > 0 && node.Slabs[slab].LeftMinimum <= this->High)
       {
         ISOSURFACE_RETURN_IF_ERROR(
-          this->ReadList(node.Slabs[slab].Left, ListKind::AscendingMinimum));
+          this->ReadList(node.Slabs[slab].Left, ListOrder::AscendingMinimum));
       }
     }
     return Status::Ok();
   }
 
-  /// The intervals that begin before the slab of the query's begin, and reach it.
+  /// Reports the intervals whose minimum is below the slab in which the query begins.
   Status ReadListsAcross(const IntervalTreeNode& node, std::size_t slab)
   {
     const IntervalTreeSlab& entry = node.Slabs[slab];
     if (entry.Right.Count > 0 && entry.RightMaximum >= this->Low)
     {
-      ISOSURFACE_RETURN_IF_ERROR(this->ReadList(entry.Right, ListKind::DescendingMaximum));
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadList(entry.Right, ListOrder::DescendingMaximum));
     }
     for (const IntervalTreeMultislab& multislab : node.Multislabs)
     {
       if (multislab.First <= slab && slab <= multislab.Last)
       {
-        ISOSURFACE_RETURN_IF_ERROR(this->ReadList(multislab.List, ListKind::Mixed));
+        ISOSURFACE_RETURN_IF_ERROR(this->ReadList(multislab.List, ListOrder::None));
       }
     }
     return entry.Window == IntervalTreeSlab::NoWindow
@@ -128,9 +127,9 @@ private:
   {
     for (std::size_t slab = first; slab <= last; ++slab)
     {
-      // Intervals of a child end before the upper boundary of its slab.
-      const bool isBefore = slab < node.Boundaries.size() && node.Boundaries[slab] == this->Low;
-      if (node.Slabs[slab].Child.List.Count > 0 && !isBefore)
+      // All intervals of a child lie below the upper boundary of its slab.
+      const bool isBelow = slab < node.Boundaries.size() && node.Boundaries[slab] == this->Low;
+      if (node.Slabs[slab].Child.List.Count > 0 && !isBelow)
       {
         ISOSURFACE_RETURN_IF_ERROR(this->Enter(node.Slabs[slab].Child));
       }
@@ -138,7 +137,7 @@ private:
     return Status::Ok();
   }
 
-  Status ReadList(const IntervalList& list, ListKind kind)
+  Status ReadList(const IntervalList& list, ListOrder order)
   {
     KeyInterval before;
     for (std::uint32_t index = 0; index < list.Count; ++index)
@@ -146,8 +145,8 @@ private:
       KeyInterval interval;
       ISOSURFACE_RETURN_IF_ERROR(this->GetRecord(list, index, interval));
       if (index > 0 &&
-        ((kind == ListKind::AscendingMinimum && interval.Minimum < before.Minimum) ||
-          (kind == ListKind::DescendingMaximum && interval.Maximum > before.Maximum)))
+        ((order == ListOrder::AscendingMinimum && interval.Minimum < before.Minimum) ||
+          (order == ListOrder::DescendingMaximum && interval.Maximum > before.Maximum)))
       {
         return this->File.MakeCorrupt(this->RecordPageNumber, "a list is not in order");
       }
@@ -155,7 +154,7 @@ private:
       {
         ISOSURFACE_RETURN_IF_ERROR(this->Report(interval));
       }
-      else if (kind != ListKind::Mixed)
+      else if (order != ListOrder::None)
       {
         return Status::Ok();
       }
@@ -164,8 +163,9 @@ private:
     return Status::Ok();
   }
 
-  /// The intervals of a window that begin in an earlier slab and span this one. Others of them may
-  /// overlap a range, too, but begin in or after this slab: their left list reports them.
+  /// Reports the intervals of a window that span this slab. Other intervals of the window may
+  /// overlap the query's range, too, but their minimum is in or above this slab: their left list
+  /// reports them.
   Status ReadWindow(const IntervalList& list, const IntervalTreeNode& node, std::size_t slab)
   {
     for (std::uint32_t index = 0; index < list.Count; ++index)
@@ -182,7 +182,7 @@ private:
     return Status::Ok();
   }
 
-  /// A record of a list; reads its page unless it was the last one that was read.
+  /// Gets a record of a list. Reads its page unless that was the last page read.
   Status GetRecord(const IntervalList& list, std::uint32_t index, KeyInterval& interval)
   {
     const std::uint64_t position = std::uint64_t(list.Record) + index;
@@ -300,7 +300,7 @@ Status ExternalIntervalTree::FindStabbed(
 Status ExternalIntervalTree::FindOverlapping(
   ValueKey low, ValueKey high, const Visitor& visit, PageStatistics& statistics) const
 {
-  if (low > high || low > this->Header.Greatest || high < this->Header.Least)
+  if (low > high || low > this->Header.Maximum || high < this->Header.Minimum)
   {
     return Status::Ok();
   }

@@ -17,14 +17,14 @@ ExternalIntervalTreeBuilder::ExternalIntervalTreeBuilder(
   , Path(std::move(path))
   , MemoryLimit(memoryLimit)
   , PageSize(pageSize)
-  , Least(std::numeric_limits<ValueKey>::max())
-  , Greatest(0)
+  , Minimum(std::numeric_limits<ValueKey>::max())
+  , Maximum(0)
 {
-  if (memoryLimit < LeastMemoryLimit)
+  if (memoryLimit < MinimumMemoryLimit)
   {
     this->FirstError = Status(StatusCode::InvalidArgument,
       this->Path + ": an interval tree cannot be built in " + std::to_string(memoryLimit) +
-        " bytes; it takes at least " + std::to_string(LeastMemoryLimit));
+        " bytes; it takes at least " + std::to_string(MinimumMemoryLimit));
     return;
   }
   this->Sorter = std::make_unique<IntervalSorter>(this->Names,
@@ -49,8 +49,8 @@ Status ExternalIntervalTreeBuilder::Add(const KeyInterval& interval)
     return status;
   }
   ++this->Count;
-  this->Least = std::min(this->Least, interval.Minimum);
-  this->Greatest = std::max(this->Greatest, interval.Maximum);
+  this->Minimum = std::min(this->Minimum, interval.Minimum);
+  this->Maximum = std::max(this->Maximum, interval.Maximum);
   return Status::Ok();
 }
 
@@ -107,8 +107,8 @@ Status ExternalIntervalTreeBuilder::Write(const std::string& path)
   IntervalTreeHeader header;
   header.Count = this->Count;
   header.Root = *root;
-  header.Least = this->Least;
-  header.Greatest = this->Greatest;
+  header.Minimum = this->Minimum;
+  header.Maximum = this->Maximum;
   return (*file)->Finish(header.Encode());
 }
 

@@ -18,28 +18,25 @@ namespace isosurface
 
 /**
  * Writes the file that ExternalIntervalTree reads: Add() the intervals in any order, then Finish().
+ * The bytes depend on the set of intervals only, not on their order or the memory limit.
  *
- * Memory: at most `memoryLimit` bytes, whatever the number of intervals. Up to memoryLimit / 240
- * intervals are sorted in memory, without temporary files; more go through temporary files beside
- * the target (<path>.<n>.tmp, at most about 200 bytes an interval at a time, commonly 70). The tree
- * is written to <path>.tmp, brought to stable storage and renamed; an error, or giving up the
- * builder, leaves no file behind and one that was at the path as it was.
+ * Memory: at most `memoryLimit` bytes for any number of intervals. Up to memoryLimit / 240
+ * intervals are sorted in memory; more need temporary files beside the target (<path>.<n>.tmp, at
+ * most about 200 bytes an interval, usually 70). The tree is written to <path>.tmp and then
+ * renamed. An error, or a builder that is not finished, leaves no new file and does not change an
+ * existing one.
  *
- * The same set of intervals gives the same bytes, whatever their order and the memory limit.
+ * Method: Documentation/formats/interval-tree.md, Building. Cost: O(N/B log_s N/B) page transfers
+ * for N intervals.
  *
- * Method: intervals are sorted by Minimum once (external merge sort). A node takes every
- * (n/s)-th Minimum as a slab boundary, so that no child gets more than n/s intervals, distributes
- * its intervals in one pass (left lists and children come out sorted), and sorts the right lists
- * and the multislab lists externally: O(N/B log_s N/B) page transfers in all.
- *
- * Errors (the first one is given again by all later calls): InvalidArgument (an interval with
- * Minimum > Maximum, a memory limit below LeastMemoryLimit, a page size that is none), Unsupported
- * (2^32 intervals or pages), those of the file system.
+ * Errors (all calls after an error return that error): InvalidArgument (an interval with Minimum >
+ * Maximum, a memory limit below MinimumMemoryLimit, an invalid page size), Unsupported (2^32
+ * intervals or pages), those of the file system.
  */
 class ExternalIntervalTreeBuilder
 {
 public:
-  static constexpr std::size_t LeastMemoryLimit = 2 * 1024 * 1024;
+  static constexpr std::size_t MinimumMemoryLimit = 2 * 1024 * 1024;
 
   ExternalIntervalTreeBuilder(FileSystem& fileSystem, std::string path, std::size_t memoryLimit,
     std::uint32_t pageSize = PagedFile::DefaultPageSize);
@@ -62,8 +59,8 @@ private:
   std::size_t MemoryLimit;
   std::uint32_t PageSize;
   std::uint64_t Count = 0;
-  ValueKey Least;
-  ValueKey Greatest;
+  ValueKey Minimum; ///< of all intervals
+  ValueKey Maximum;
   std::unique_ptr<IntervalSorter> Sorter;
   Status FirstError;
 };

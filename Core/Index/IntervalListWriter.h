@@ -13,10 +13,10 @@ namespace isosurface
 {
 
 /**
- * Packs lists of intervals into pages, one after the other. A list of at most B intervals begins
- * in the page where the last one ended if the rest of that page holds it, else in a new one; a
- * longer list begins in a new page. So a short list costs one read, a prefix of t intervals of a
- * long one at most 1 + t/B, and two neighbouring pages hold more than B intervals together.
+ * Packs lists of intervals into pages, one after the other. A list of at most B intervals follows
+ * the previous one if it fits in the rest of the page; otherwise it begins a new page. A longer
+ * list always begins a new page. So a short list costs one read, the first t intervals of a long
+ * one at most 1 + t/B reads, and two successive pages hold more than B intervals together.
  */
 class IntervalListWriter
 {
@@ -25,8 +25,8 @@ public:
 
   std::uint32_t GetRecordsPerPage() const { return this->RecordsPerPage; }
 
-  /// Begins a list of `count` intervals, which are then added. No page may be allocated by others
-  /// until they are.
+  /// Begins a list of `count` intervals, which the caller then adds. Until then, only this object
+  /// may allocate pages.
   Result<IntervalList> Begin(std::uint32_t count);
   Status Add(const KeyInterval& interval);
   /// Writes the last page.

@@ -10,14 +10,14 @@ namespace isosurface
 namespace
 {
 
-// A run is merged through a buffer of at least so many bytes, lest the reads become small.
-constexpr std::size_t LeastBufferBytes = 8 * 1024;
-// Above so many runs a second pass costs less than the seeks of one.
-constexpr std::size_t MostRuns = 128;
+// The buffer through which a run is merged, so that reads do not become too small.
+constexpr std::size_t MinimumBufferBytes = 8 * 1024;
+// With more runs, a second pass costs less than the seeks of a single pass.
+constexpr std::size_t MaximumRuns = 128;
 
 } // namespace
 
-/// The records of several runs in one order, through buffers that share `bytes`.
+/// Merges several runs through buffers of `bytes` bytes in all.
 class IntervalSorter::Merge
 {
 public:
@@ -48,7 +48,7 @@ public:
     }
     else if (!this->Heap.empty())
     {
-      // The record given out last lies in its stream's buffer: only now may the stream go on.
+      // The record returned last is in its stream's buffer, so the stream could not advance before.
       std::pop_heap(this->Heap.begin(), this->Heap.end(), HeapOrder{ this->Sorter });
       const std::size_t run = this->Heap.back().Run;
       this->Heap.pop_back();
@@ -64,7 +64,7 @@ private:
     std::size_t Run;
   };
 
-  /// The other way round, since std heaps keep the largest in front.
+  /// Reversed, since the heaps of the standard library have the maximum in front.
   struct HeapOrder
   {
     const IntervalSorter& Sorter;
@@ -100,7 +100,7 @@ IntervalSorter::~IntervalSorter() = default;
 
 std::size_t IntervalSorter::GetMemoryRecords(std::size_t memoryBytes)
 {
-  // Records move once from at most a quarter of the final capacity, so 5/4 of it exist at a time.
+  // The vector last grows from at most a quarter of its final capacity: 5/4 of it exist then.
   return std::max<std::size_t>(4, memoryBytes / 5 * 4 / sizeof(IntervalRecord));
 }
 
@@ -108,15 +108,15 @@ Status IntervalSorter::Add(const IntervalRecord& record)
 {
   if (this->Records.size() == this->Records.capacity())
   {
-    const std::size_t most = GetMemoryRecords(this->MemoryBytes);
-    if (this->Records.size() >= most)
+    const std::size_t maximum = GetMemoryRecords(this->MemoryBytes);
+    if (this->Records.size() >= maximum)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->WriteRun());
     }
     else
     {
       const std::size_t twice = std::max<std::size_t>(64, 2 * this->Records.capacity());
-      this->Records.reserve(twice > most / 4 ? most : twice);
+      this->Records.reserve(twice > maximum / 4 ? maximum : twice);
     }
   }
   this->Records.push_back(record);
@@ -137,13 +137,13 @@ Status IntervalSorter::Sort()
   }
   std::vector<IntervalRecord>().swap(this->Records);
   // One buffer is for the merged run.
-  const std::size_t most =
-    std::clamp<std::size_t>(this->MemoryBytes / LeastBufferBytes, 3, MostRuns + 1) - 1;
-  while (this->Runs.size() > most)
+  const std::size_t maximum =
+    std::clamp<std::size_t>(this->MemoryBytes / MinimumBufferBytes, 3, MaximumRuns + 1) - 1;
+  while (this->Runs.size() > maximum)
   {
-    // The first merge takes just as many as leave full ones for the others.
-    const std::size_t excess = (this->Runs.size() - 1) % (most - 1);
-    ISOSURFACE_RETURN_IF_ERROR(this->MergeFirstRuns(excess == 0 ? most : excess + 1));
+    // The first merge takes as many runs as are needed for all later merges to be full.
+    const std::size_t excess = (this->Runs.size() - 1) % (maximum - 1);
+    ISOSURFACE_RETURN_IF_ERROR(this->MergeFirstRuns(excess == 0 ? maximum : excess + 1));
   }
   this->FinalMerge = std::make_unique<Merge>(*this, this->Runs.size(), this->MemoryBytes);
   return Status::Ok();
@@ -178,7 +178,7 @@ void IntervalSorter::SortMemory()
 Status IntervalSorter::WriteRun()
 {
   this->SortMemory();
-  auto run = TemporaryRecords::Create(this->Names, LeastBufferBytes);
+  auto run = TemporaryRecords::Create(this->Names, MinimumBufferBytes);
   if (!run.IsOk())
   {
     return run.GetStatus();

@@ -14,11 +14,12 @@ namespace isosurface
 {
 
 /**
- * Sorts records within a byte budget: in memory if they fit, else by merging sorted runs from
- * temporary files (external merge sort; the file reads and writes are sequential). The order is
- * total, so that the same set gives the same sequence whatever the order it came in.
+ * Sorts records within a byte budget: in memory if they fit, otherwise by an external merge sort
+ * with temporary files, which are read and written sequentially. The order is total, so the result
+ * does not depend on the order of the input.
  *
- * Usage: Add() all, Sort(), then Next() until null. Temporary files end with the sorter.
+ * Usage: Add() all records, Sort(), then Next() until null. The destructor removes the temporary
+ * files.
  */
 class IntervalSorter
 {
@@ -34,17 +35,17 @@ public:
   IntervalSorter(const IntervalSorter&) = delete;
   IntervalSorter& operator=(const IntervalSorter&) = delete;
 
-  /// The most records that a sorter of so many bytes keeps without a temporary file.
+  /// The maximum number of records that a sorter of this budget sorts without temporary files.
   static std::size_t GetMemoryRecords(std::size_t memoryBytes);
 
   Status Add(const IntervalRecord& record);
   Status Sort();
   std::uint64_t GetCount() const { return this->Count; }
 
-  /// The next record in order, or null at the end (or on an error: see `status`).
+  /// The next record in order; null at the end, or on an error: see `status`.
   const IntervalRecord* Next(Status& status);
 
-  /// Whether no temporary file was needed; then all records can be taken at once after Sort().
+  /// Whether there are no temporary files. Then TakeRecords() gives all records after Sort().
   bool IsInMemory() const { return this->Runs.empty(); }
   std::vector<IntervalRecord> TakeRecords() { return std::move(this->Records); }
 

@@ -7,7 +7,7 @@
 namespace isosurface
 {
 
-/// One node while it is written.
+/// A node that is being written.
 struct IntervalSubtreeWriter::NodeState
 {
   NodeState(IntervalSubtreeWriter& writer, std::vector<ValueKey> boundaries)
@@ -144,9 +144,9 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteNode(const Sequence& sequenc
 Status IntervalSubtreeWriter::ChooseBoundaries(
   const Sequence& sequence, std::vector<ValueKey>& boundaries) const
 {
-  // As many slabs as make leaves of the children, if there may be so many. Strictly between two
-  // boundaries there are at most n / slabs values Minimum, hence so many intervals in a child.
-  // Equal boundaries become one: what has a heavy value as its Minimum stays in this node.
+  // If possible, as many slabs as make all children leaves. Strictly between two boundaries there
+  // are at most n / slabs minima, so a child has at most as many intervals. Equal boundaries become
+  // one: intervals that share a frequent minimum stay in this node.
   const std::uint32_t capacity = this->Lists.GetRecordsPerPage();
   const std::uint64_t slabs = std::min<std::uint64_t>(IntervalTreeFormat::GetSlabLimit(capacity),
     (std::uint64_t(sequence.Count) + capacity - 1) / capacity);
@@ -202,10 +202,10 @@ Status IntervalSubtreeWriter::DistributeOne(const IntervalRecord& record, NodeSt
     {
       return state.ChildFile->Append(record);
     }
-    *state.ChildMemory++ = record; // never ahead of where the sequence is read
+    *state.ChildMemory++ = record; // never ahead of the position that is read
     return Status::Ok();
   }
-  // Sorted by Minimum, the intervals of one left list come in a row and in its order.
+  // The intervals are sorted by Minimum, so those of a left list are consecutive and in its order.
   IntervalTreeSlab& slab = state.Node.Slabs[placement.First];
   if (slab.Left.Count == 0)
   {
@@ -299,7 +299,7 @@ Status IntervalSubtreeWriter::WriteSpanLists(NodeState& state)
 
 Status IntervalSubtreeWriter::WriteChildren(NodeState& state)
 {
-  // Leaves first, so that neighbours share pages.
+  // Leaves first, so that neighbouring leaves share pages.
   for (const bool leaves : { true, false })
   {
     std::uint64_t first = 0;
@@ -335,7 +335,7 @@ Status IntervalSubtreeWriter::ForEach(const Sequence& sequence, Visitor&& visit)
   {
     for (std::uint32_t index = 0; index < sequence.Count; ++index)
     {
-      const IntervalRecord record = sequence.Memory[index]; // its place may be overwritten
+      const IntervalRecord record = sequence.Memory[index]; // a copy: `visit` may overwrite it
       ISOSURFACE_RETURN_IF_ERROR(visit(record));
     }
     return Status::Ok();

@@ -20,25 +20,25 @@ namespace isosurface
 
 /**
  * The recursion of ExternalIntervalTreeBuilder: writes the pages of a subtree from its intervals,
- * sorted by Minimum, which lie in memory or in a temporary file. Pages come in the order: lists of
- * the node, its leaves, its other children, the node itself. So everything that a page refers to
- * lies before it, which is how a reader knows that it will come to an end.
+ * which are sorted by Minimum and are in memory or in a temporary file. The order of the pages is:
+ * lists of the node, its leaves, its other children, the node itself. So a page refers to pages
+ * before it only, which guarantees that a query ends.
  */
 class IntervalSubtreeWriter
 {
 public:
   IntervalSubtreeWriter(PagedFileWriter& file, TemporaryNames& names, std::size_t memoryLimit);
 
-  /// The share of a memory limit that may hold the intervals of a subtree. One such share more is
-  /// for sorting the right lists of a node, five are for its multislab lists (see the bound of
-  /// IntervalTreeNodePlan): what fits the first fits the others.
+  /// The memory for the intervals of a subtree. As much again is for sorting the right lists of a
+  /// node, five times as much for its multislab lists and windows (IntervalTreeNodePlan). So if
+  /// the intervals fit, their lists fit as well.
   static std::size_t GetSourceBytes(std::size_t memoryLimit) { return memoryLimit / 8; }
 
-  /// Takes a sorter by Minimum to which everything has been added; writes all pages but page 0.
+  /// Takes a sorter by Minimum with all intervals; writes all pages except page 0.
   Result<IntervalSubtree> WriteTree(std::unique_ptr<IntervalSorter> sorter);
 
 private:
-  /// Sorted intervals, in memory (which the subtree may overwrite) or in a temporary file.
+  /// Sorted intervals in memory, which writing the subtree may overwrite, or in a temporary file.
   struct Sequence
   {
     IntervalRecord* Memory;
@@ -64,10 +64,11 @@ private:
 
   PagedFileWriter& File;
   TemporaryNames& Names;
-  std::size_t SourceBytes; // a subtree's intervals
-  std::size_t RightBytes;  // sorting the right lists of one node
-  std::size_t SpanBytes;   // sorting the multislab lists of one node
-  std::size_t BufferBytes; // a stream from or to a temporary file
+  // Memory for:
+  std::size_t SourceBytes; // the intervals of a subtree
+  std::size_t RightBytes;  // sorting the right lists of a node
+  std::size_t SpanBytes;   // sorting the multislab lists of a node
+  std::size_t BufferBytes; // the buffer of a temporary file
   IntervalListWriter Lists;
 };
 

@@ -17,8 +17,8 @@ namespace isosurface
 //     |  0 | tree version (uint32)                                     |
 //     |  4 | zeros (uint32)                                            |
 //     |  8 | number of intervals, N (uint64)                           |
-//     | 16 | least Minimum (uint64)         both are there so that a   |
-//     | 24 | greatest Maximum (uint64)      query beside them is free  |
+//     | 16 | minimum of all intervals (uint64)  a query outside this   |
+//     | 24 | maximum of all intervals (uint64)  range reads no page    |
 //     | 32 | root: subtree reference (12)                              |
 //     | 44 | zeros                                                     |
 //     +----+-----------------------------------------------------------+
@@ -53,9 +53,9 @@ namespace isosurface
 //     |              16 | s - 1 boundaries (uint64), ascending         |
 //     |         8 + 8 s | s slabs of 50 bytes:                         |
 //     |                 |    0 left list (10)                          |
-//     |                 |   10 least Minimum of the left list (uint64) |
+//     |                 |   10 minimum of the left list (uint64)       |
 //     |                 |   18 right list (10)                         |
-//     |                 |   28 greatest Maximum of the right list (u64)|
+//     |                 |   28 maximum of the right list (uint64)      |
 //     |                 |   36 child: subtree reference (12)           |
 //     |                 |   48 underflow window (uint16), 65535: none  |
 //     |        8 + 58 s | m multislab lists of 14 bytes:               |
@@ -113,7 +113,7 @@ IntervalSubtree LoadSubtree(const std::uint8_t* bytes)
   return subtree;
 }
 
-/// Whether the list lies in pages 1 .. endPage - 1 and is laid out as lists are.
+/// Whether the list lies in pages 1 .. endPage - 1, in a layout that lists have.
 bool IsListValid(const IntervalList& list, std::uint64_t endPage, std::uint32_t recordsPerPage)
 {
   if (list.Count == 0)
@@ -139,7 +139,7 @@ bool IsSubtreeValid(const IntervalSubtree& subtree, std::uint64_t endPage,
     list.Page < endPage;
 }
 
-/// The reason why what a node refers to cannot be, or null.
+/// Why the references of a node are impossible; null if they are valid.
 const char* FindFault(const IntervalTreeNode& node, std::uint32_t page, std::uint32_t capacity)
 {
   if (std::adjacent_find(node.Boundaries.begin(), node.Boundaries.end(),
@@ -299,8 +299,8 @@ PagedFile::ClientArea IntervalTreeHeader::Encode() const
   PagedFile::ClientArea bytes = {};
   StoreLittleEndian(&bytes[0], IntervalTreeFormat::Version);
   StoreLittleEndian(&bytes[8], this->Count);
-  StoreLittleEndian(&bytes[16], this->Least);
-  StoreLittleEndian(&bytes[24], this->Greatest);
+  StoreLittleEndian(&bytes[16], this->Minimum);
+  StoreLittleEndian(&bytes[24], this->Maximum);
   static_assert(32 + SubtreeSize <= PagedFile::ClientAreaSize, "the header fits its area");
   StoreSubtree(&bytes[32], this->Root);
   return bytes;
@@ -319,8 +319,8 @@ Result<IntervalTreeHeader> IntervalTreeHeader::Decode(const PagedFileReader& fil
   }
   IntervalTreeHeader header;
   header.Count = LoadLittleEndian<std::uint64_t>(&bytes[8]);
-  header.Least = LoadLittleEndian<ValueKey>(&bytes[16]);
-  header.Greatest = LoadLittleEndian<ValueKey>(&bytes[24]);
+  header.Minimum = LoadLittleEndian<ValueKey>(&bytes[16]);
+  header.Maximum = LoadLittleEndian<ValueKey>(&bytes[24]);
   header.Root = LoadSubtree(&bytes[32]);
   if (version == 0 || header.Count != header.Root.List.Count ||
     !IsSubtreeValid(header.Root, file.GetPageCount(), IntervalTreeFormat::HeightLimit,

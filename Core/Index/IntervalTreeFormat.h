@@ -15,9 +15,9 @@ namespace isosurface
 {
 
 /**
- * The pages of an external interval tree: what they hold, and its bytes. See the drawings in
- * IntervalTreeFormat.cxx. Decoding checks all that the bytes alone can tell, so that whoever walks
- * the tree stays inside the file and comes to an end.
+ * The contents of the pages of an external interval tree and their bytes, drawn in
+ * IntervalTreeFormat.cxx. Decode() checks everything that a page shows by itself, so that a query
+ * stays inside the file and ends.
  */
 struct IntervalTreeFormat
 {
@@ -25,7 +25,7 @@ struct IntervalTreeFormat
   static constexpr PagedFile::Kind Kind = { 'I', 'N', 'T', 'V', 'T', 'R', 'E', 'E' };
   static constexpr std::size_t RecordSize = 20;
   static constexpr std::size_t RecordPageHeaderSize = 8;
-  /// No tree comes near it: the fan-out is at least 28 where there is more than one level.
+  /// No tree comes near this height: with more than one level, the fan-out is at least 28.
   static constexpr std::uint32_t HeightLimit = 32;
 
   /// B: the records of one page (204 in pages of 4 KiB, 818 in pages of 16 KiB).
@@ -35,8 +35,8 @@ struct IntervalTreeFormat
 };
 
 /**
- * Consecutive records, `Count` of them from record `Record` of page `Page` on. A list of at most B
- * records lies within one page; a longer one begins a page and goes on in the pages that follow.
+ * `Count` consecutive records, beginning with record `Record` of page `Page`. A list of at most B
+ * records lies within one page; a longer one begins a page and continues in the next ones.
  */
 struct IntervalList
 {
@@ -48,19 +48,19 @@ struct IntervalList
 /// A subtree: nothing (Count 0), a leaf (Height 0: one list of at most B), or a node.
 struct IntervalSubtree
 {
-  IntervalList List; ///< of a node: its page, record 0, and how many intervals are below
+  IntervalList List; ///< for a node: its page, record 0, and the number of intervals below it
   std::uint32_t Height = 0;
 };
 
-/// What a node keeps for the slab (b[i], b[i + 1]] between two of its boundaries.
+/// The entry of a node for the slab (b[i], b[i + 1]] between two of its boundaries.
 struct IntervalTreeSlab
 {
   static constexpr std::uint16_t NoWindow = 0xffff;
 
   IntervalList Left;         ///< Minimum in the slab, ascending; all contain its upper boundary
-  ValueKey LeftMinimum = 0;  ///< the least Minimum in Left
+  ValueKey LeftMinimum = 0;  ///< the minimum of all Minimum in Left
   IntervalList Right;        ///< Maximum in the slab, descending; all contain its lower boundary
-  ValueKey RightMaximum = 0; ///< the greatest Maximum in Right
+  ValueKey RightMaximum = 0; ///< the maximum of all Maximum in Right
   IntervalSubtree Child;     ///< the intervals strictly between the boundaries
   std::uint16_t Window = NoWindow; ///< the underflow window with intervals that span the slab
 };
@@ -85,21 +85,21 @@ struct IntervalTreeNode
   /// The slab that holds the key.
   std::size_t FindSlab(ValueKey key) const;
 
-  /// How many multislab lists fit beside the rest.
+  /// The maximum number of multislab lists that fit in the page of a node of `slabs` slabs.
   static std::size_t GetMultislabLimit(std::size_t payloadSize, std::size_t slabs);
   void Encode(std::size_t payloadSize, std::uint8_t* payload) const;
-  /// `page` is the node's own number: all it refers to lies before it, for it is written last.
+  /// `page` is the node's page: all pages that it refers to must lie before it.
   static Result<IntervalTreeNode> Decode(
     const PagedFileReader& file, std::uint32_t page, const std::uint8_t* payload);
 };
 
-/// What the client area of page 0 tells of the tree.
+/// The client area of page 0.
 struct IntervalTreeHeader
 {
   std::uint64_t Count = 0; ///< intervals in the tree
   IntervalSubtree Root;
-  ValueKey Least = std::numeric_limits<ValueKey>::max(); ///< of all Minimum
-  ValueKey Greatest = 0;                                 ///< of all Maximum
+  ValueKey Minimum = std::numeric_limits<ValueKey>::max(); ///< of all intervals
+  ValueKey Maximum = 0;
 
   PagedFile::ClientArea Encode() const;
   static Result<IntervalTreeHeader> Decode(const PagedFileReader& file);

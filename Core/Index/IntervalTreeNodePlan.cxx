@@ -89,7 +89,7 @@ void IntervalTreeNodePlan::DecideMultislabs(
       }
     }
   }
-  // Where not all fit, the largest lists have the first right.
+  // If not all fit, the longest lists are kept.
   std::stable_sort(this->Groups.begin(), this->Groups.end(),
     [](const Group& a, const Group& b) { return a.Count > b.Count; });
   this->Groups.resize(std::min(this->Groups.size(), multislabLimit));
@@ -101,7 +101,7 @@ void IntervalTreeNodePlan::DecideMultislabs(
   {
     const std::size_t span = this->Groups[group].First * slabs + this->Groups[group].Last;
     this->GroupOfSpan[span] = static_cast<std::int32_t>(group);
-    this->Spans[span] = 0; // what is left is the underflow list
+    this->Spans[span] = 0; // the remaining ones are the underflow list
   }
 }
 
@@ -109,11 +109,11 @@ void IntervalTreeNodePlan::DecideWindows(std::uint32_t recordsPerPage)
 {
   const std::size_t slabs = this->GetSlabCount();
   bool open = false;
-  std::uint64_t least = 0;
+  std::uint64_t minimum = 0; // of the numbers of intervals that span a slab of the open window
   for (std::size_t slab = 0; slab < slabs; ++slab)
   {
     std::uint64_t spanning = 0;  // intervals that span this slab
-    std::uint64_t beginning = 0; // those that span it, but not the one before
+    std::uint64_t beginning = 0; // those that do not span the previous slab
     for (std::size_t last = slab; last < slabs; ++last)
     {
       beginning += this->Spans[slab * slabs + last];
@@ -127,9 +127,9 @@ void IntervalTreeNodePlan::DecideWindows(std::uint32_t recordsPerPage)
       open = false;
       continue;
     }
-    least = open ? std::min(least, spanning) : spanning;
+    minimum = open ? std::min(minimum, spanning) : spanning;
     if (open &&
-      this->Groups.back().Count + beginning > std::max<std::uint64_t>(recordsPerPage, 2 * least))
+      this->Groups.back().Count + beginning > std::max<std::uint64_t>(recordsPerPage, 2 * minimum))
     {
       open = false;
     }
@@ -142,7 +142,7 @@ void IntervalTreeNodePlan::DecideWindows(std::uint32_t recordsPerPage)
     {
       this->Groups.push_back({ static_cast<std::uint16_t>(slab), static_cast<std::uint16_t>(slab),
         static_cast<std::uint32_t>(spanning) });
-      least = spanning;
+      minimum = spanning;
       open = true;
     }
     this->WindowOfSlab[slab] = static_cast<std::int32_t>(this->Groups.size() - 1);

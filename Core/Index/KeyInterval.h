@@ -10,8 +10,8 @@ namespace isosurface
 {
 
 /**
- * The closed interval [Minimum, Maximum] of keys that something covers (a block, usually) and the
- * number of that something. Payloads end at 2^32 - 1: blocks are counted within one store.
+ * A closed interval [Minimum, Maximum] of keys with a payload: usually the value range of a block
+ * and its number within its store.
  */
 struct KeyInterval
 {

@@ -24,7 +24,8 @@ constexpr std::size_t KindOffset = 24;
 constexpr std::size_t ClientAreaOffset = 32;
 constexpr std::size_t FixedHeaderSize = ClientAreaOffset + PagedFile::ClientAreaSize;
 
-// What a cached page costs beside its bytes: list and map nodes, the vector, its owner, malloc.
+// The memory of a cached page besides its bytes: nodes of list and map, vector, shared pointer,
+// malloc.
 constexpr std::size_t CacheOverhead = 256;
 
 } // namespace
@@ -89,7 +90,7 @@ Status PagedFileWriter::WritePage(std::uint32_t page, const std::uint8_t* payloa
 
 Status PagedFileWriter::Finish(const PagedFile::ClientArea& clientArea)
 {
-  // All else is written before page 0, without which the file is not valid.
+  // Page 0 is written last: without it the file is not valid.
   ISOSURFACE_RETURN_IF_ERROR(this->Flush());
   std::vector<std::uint8_t> header(this->GetPayloadSize(), 0);
   std::copy(Magic.begin(), Magic.end(), header.begin());
@@ -142,7 +143,7 @@ Status PagedFileReader::ReadHeader(const PagedFile::Kind& kind)
   {
     return this->MakeCorrupt(0, "this is not a paged file (wrong magic)");
   }
-  // Before anything else is believed: a newer version may lay out the rest in another way.
+  // First the version: the rest of a newer version may have another layout.
   const auto version = LoadLittleEndian<std::uint32_t>(&header[VersionOffset]);
   if (version > PagedFile::FormatVersion)
   {

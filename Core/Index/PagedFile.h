@@ -18,7 +18,7 @@
 namespace isosurface
 {
 
-/// What the pages of one or several queries cost.
+/// The pages that one or several queries read.
 struct PageStatistics
 {
   std::uint64_t PageReads = 0; ///< pages read from disk
@@ -26,9 +26,9 @@ struct PageStatistics
 };
 
 /**
- * A file of pages of one size (4096, 8192 or 16384 bytes), each with its own checksum, so that any
- * page can be read and trusted alone. Page 0 tells what the file is; pages 1 .. n - 1 belong to the
- * user of the file. All numbers are little-endian.
+ * A file of pages of one size (4096, 8192 or 16384 bytes). Each page has its own checksum, so it
+ * can be read and checked alone. Page 0 says what the file is; pages 1 .. n - 1 belong to the user
+ * of the file. All numbers are little-endian.
  *
  *     page 0                                        page p
  *     +------+--------------------------------+     +------+--------------------------------+
@@ -39,7 +39,7 @@ struct PageStatistics
  *     |   24 | kind, 8 characters             |
  *     |   32 | client area, 256 bytes         |     checksum = XXH3-64 of the payload, with the
  *     |  288 | zeros                          |     page's number as seed: a page in a wrong place
- *     | PageSize - 8 : checksum (uint64)      |     is recognised like a page with wrong bytes.
+ *     | PageSize - 8 : checksum (uint64)      |     does not match its checksum
  *     +------+--------------------------------+
  */
 struct PagedFile
@@ -49,7 +49,7 @@ struct PagedFile
   static constexpr std::size_t ChecksumSize = 8;
   static constexpr std::size_t ClientAreaSize = 256;
 
-  /// Eight characters that say what the pages hold.
+  /// Eight characters that name the content of the pages.
   using Kind = std::array<char, 8>;
   /// Bytes of page 0 that belong to the user of the file.
   using ClientArea = std::array<std::uint8_t, ClientAreaSize>;
@@ -61,9 +61,9 @@ struct PagedFile
 };
 
 /**
- * Writes a paged file. Pages are allocated in order and may be written in any order; page 0 is
- * written by Finish(), so that a file without it never opens as valid. Memory: WriteBehindSize
- * bytes, by which neighbouring pages reach the disk in one write.
+ * Writes a paged file. Pages are allocated in order and may be written in any order. Finish()
+ * writes page 0 last: a file without it is not valid. Memory: WriteBehindSize bytes, so that
+ * successive pages reach the disk in one write.
  */
 class PagedFileWriter
 {
@@ -78,11 +78,11 @@ public:
   std::size_t GetPayloadSize() const { return this->PageSize - PagedFile::ChecksumSize; }
   std::uint64_t GetPageCount() const { return this->PageCount; }
 
-  /// The number of a new page at the end. The page must be written once before Finish().
+  /// Adds a page at the end; returns its number. The page must be written before Finish().
   Result<std::uint32_t> AllocatePage();
   /// Writes GetPayloadSize() bytes as the payload of an allocated page, and its checksum.
   Status WritePage(std::uint32_t page, const std::uint8_t* payload);
-  /// Writes page 0, then brings the file to stable storage and closes it.
+  /// Writes page 0, flushes the file to stable storage and closes it.
   Status Finish(const PagedFile::ClientArea& clientArea);
 
 private:
@@ -101,20 +101,21 @@ private:
 };
 
 /**
- * Reads a paged file. Every page's checksum is verified when it comes from disk. Pages are kept in
- * a least-recently-used cache of at most `cacheBytes` bytes (0: none), overhead included. Any
- * number of threads may read at once.
+ * Reads a paged file. Checks the checksum of every page that it reads from disk. Keeps pages in a
+ * least-recently-used cache of at most `cacheBytes` bytes (0: none), overhead included. Any number
+ * of threads may read at once.
  *
- * Errors: Corrupt (not such a file, another kind, truncated, longer than it says, altered; names
- * file, page and reason), Unsupported (a newer format version), those of the file.
+ * Errors: Corrupt (not a paged file, another kind, truncated, longer than its header says, altered;
+ * the message names file, page and reason), Unsupported (a newer format version), those of the
+ * file.
  */
 class PagedFileReader
 {
 public:
-  /// The payload of a page and its checksum; stays valid as long as someone holds it.
+  /// The payload of a page and its checksum. Valid as long as it is held.
   using Page = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-  /// Reads and checks page 0. Owns the file from now on.
+  /// Reads and checks page 0. Takes ownership of the file.
   static Result<std::unique_ptr<PagedFileReader>> Open(
     std::unique_ptr<RandomAccessFile> file, const PagedFile::Kind& kind, std::size_t cacheBytes);
 
@@ -124,7 +125,7 @@ public:
   const PagedFile::ClientArea& GetClientArea() const { return this->ClientArea; }
   const std::string& GetPath() const { return this->File->GetPath(); }
 
-  /// Costs one page read, or none if the page is in the cache; counted in `statistics`.
+  /// Reads a page, or takes it from the cache; counts that in `statistics`.
   Result<Page> ReadPage(std::uint64_t page, PageStatistics& statistics) const;
 
   /// An error that names this file and one of its pages.

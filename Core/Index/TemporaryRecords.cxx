@@ -43,7 +43,7 @@ TemporaryRecords::~TemporaryRecords()
 {
   this->Writer.reset();
   this->Reader.reset();
-  // Nobody is left to be told; the name says that the file may be removed.
+  // A destructor cannot report an error; the file's name says that it may be removed.
   static_cast<void>(this->Files.RemoveAll(this->Path));
 }
 

@@ -15,7 +15,7 @@
 namespace isosurface
 {
 
-/// An interval on its way into the tree, with the number of the list that it will be part of.
+/// An interval that is being sorted, with the number of the list to which it belongs.
 struct IntervalRecord
 {
   ValueKey Minimum;
@@ -25,7 +25,7 @@ struct IntervalRecord
 };
 static_assert(sizeof(IntervalRecord) == 24, "the records of temporary files have no padding");
 
-/// Where temporary files are made: beside the target, as <target>.<number>.tmp.
+/// Makes names of temporary files beside the target: <target>.<number>.tmp.
 struct TemporaryNames
 {
   FileSystem& Files;
@@ -36,8 +36,8 @@ struct TemporaryNames
 };
 
 /**
- * A temporary file of records, written once, then read any number of times; removed by the
- * destructor. It never leaves its machine, hence holds the records as they lie in memory.
+ * A temporary file of records, written once and then read any number of times. The destructor
+ * removes it. It holds the records as they are in memory, since no other machine reads it.
  */
 class TemporaryRecords
 {
@@ -50,7 +50,7 @@ public:
   TemporaryRecords& operator=(const TemporaryRecords&) = delete;
 
   Status Append(const IntervalRecord& record);
-  /// Closes the file: many can be waiting to be read, more than a process may hold open.
+  /// Closes the file: a sort can have more of them than a process may hold open.
   Status FinishWriting();
   Status OpenForReading();
 
@@ -70,14 +70,14 @@ private:
   std::uint64_t Count = 0;
 };
 
-/// Reads a part of a temporary file front to back, through a buffer of its own.
+/// Reads a part of a temporary file from front to back through a buffer.
 class TemporaryRecordStream
 {
 public:
   TemporaryRecordStream(const TemporaryRecords& records, std::uint64_t first, std::uint64_t count,
     std::size_t bufferBytes);
 
-  /// The next record, or null at the end (or on an error: see `status`).
+  /// The next record; null at the end, or on an error: see `status`.
   const IntervalRecord* Next(Status& status);
 
 private:

@@ -13,8 +13,9 @@ namespace isosurface
 {
 
 /**
- * Counts blocks that are active, and their bytes, for all isovalues at once: exactly those with
- * minimum < t <= maximum at the threshold t of each bin's edge. Cost: two binary searches a block.
+ * Counts active blocks and their bytes for all isovalues of a spectrum at once. A block is active
+ * at a bin if minimum < t <= maximum, where t is the threshold of the bin's edge. Exact. Cost: two
+ * binary searches a block.
  */
 class BlockActivity
 {
@@ -22,15 +23,15 @@ public:
   /// `bins` are chosen for values of the type (SpectrumBins::Choose).
   BlockActivity(ValueType type, const SpectrumBins& bins);
 
-  /// Adds a block of this range of values, of which a query reads so many bytes.
+  /// Adds a block of this value range. A query reads `bytes` bytes of it.
   void Add(const KeyRange& range, std::uint64_t bytes);
 
-  /// Sets the spectrum's ActiveBlocks and Bytes, for the bins that this is for.
+  /// Sets ActiveBlocks and Bytes of a spectrum that has the bins of this object.
   void SetActivity(WorkloadSpectrum& spectrum) const;
 
 private:
   std::vector<ValueKey> Thresholds; ///< per bin, ascending
-  // Per bin and one behind: how the sums differ from the bin before, modulo 2^64.
+  // For each bin, and for one after the last: the difference to the bin before, modulo 2^64.
   std::vector<std::uint64_t> Blocks;
   std::vector<std::uint64_t> Bytes;
 };

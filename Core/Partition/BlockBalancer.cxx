@@ -10,8 +10,8 @@ namespace isosurface
 namespace
 {
 
-/// Isovalues to choose from: most of them evenly over the range; where a few extreme values stretch
-/// it, the blocks' own ranges say where they lie.
+/// Candidates for the isovalues. Most are evenly spaced over the range of all values. Others are
+/// the middles of block ranges, in case a few extreme values stretch the range.
 constexpr std::size_t EvenCandidates = 1536;
 constexpr std::size_t BlockCandidates = 192;
 
@@ -24,12 +24,12 @@ std::array<std::size_t, 2> FindWithin(const std::vector<double>& isovalues, cons
     static_cast<std::size_t>(end - isovalues.begin()) };
 }
 
-/// growth += load^2 * work, for all stores.
-void AddProducts(const float* load, float work, std::size_t stores, float* growth)
+/// sum += load^2 * work, for all stores.
+void AddProducts(const float* load, float work, std::size_t stores, float* sum)
 {
   for (std::size_t store = 0; store < stores; ++store)
   {
-    growth[store] += load[store] * load[store] * work;
+    sum[store] += load[store] * load[store] * work;
   }
 }
 
@@ -63,8 +63,8 @@ std::vector<double> BlockBalancer::FindCandidates() const
   std::sort(middles.begin(), middles.end());
   for (std::size_t n = 0; n < EvenCandidates; ++n)
   {
-    const double share = (static_cast<double>(n) + 0.5) / EvenCandidates;
-    candidates.push_back((1 - share) * span.Low + share * span.High);
+    const double fraction = (static_cast<double>(n) + 0.5) / EvenCandidates;
+    candidates.push_back((1 - fraction) * span.Low + fraction * span.High);
   }
   for (std::size_t n = 0; n < BlockCandidates; ++n)
   {
@@ -87,7 +87,7 @@ void BlockBalancer::ChooseIsovalues()
       cubes[n] += profile.GetCount(candidates[n]);
     }
   }
-  // The eighth root: thin surfaces, the hardest to spread, get their share of the isovalues.
+  // The eighth root, so that small surfaces, the most difficult to spread, get isovalues as well.
   double sum = 0;
   for (double& weight : cubes)
   {
@@ -122,8 +122,8 @@ void BlockBalancer::FindMeans()
   }
   for (std::size_t k = 0; k < count; ++k)
   {
-    // Where a store has less than a block, every block would seem huge.
-    this->ActiveShare.push_back(static_cast<float>(ActiveWeight / std::max(1.0, active[k])));
+    // With less than one block a store, the load of a block would be very large.
+    this->ActiveLoad.push_back(static_cast<float>(ActiveWeight / std::max(1.0, active[k])));
   }
 }
 
@@ -160,19 +160,18 @@ std::vector<std::uint32_t> BlockBalancer::SortBlocks() const
 
 std::uint32_t BlockBalancer::ChooseStore(const Work& work)
 {
-  std::fill(this->Growth.begin(), this->Growth.end(), 0.0F);
+  std::fill(this->Sums.begin(), this->Sums.end(), 0.0F);
   for (std::size_t k = work.Begin; k < work.End; ++k)
   {
     const std::size_t row = k * this->Stores;
-    AddProducts(
-      &this->CubeLoads[row], work.Cubes[k - work.Begin], this->Stores, this->Growth.data());
-    AddProducts(&this->ActiveLoads[row], this->ActiveShare[k], this->Stores, this->Growth.data());
+    AddProducts(&this->CubeLoads[row], work.Cubes[k - work.Begin], this->Stores, this->Sums.data());
+    AddProducts(&this->ActiveLoads[row], this->ActiveLoad[k], this->Stores, this->Sums.data());
   }
   std::uint32_t best = 0;
   for (std::uint32_t store = 1; store < this->Stores; ++store)
   {
-    if (this->Growth[store] < this->Growth[best] ||
-      (this->Growth[store] == this->Growth[best] && this->Numbers[store] < this->Numbers[best]))
+    if (this->Sums[store] < this->Sums[best] ||
+      (this->Sums[store] == this->Sums[best] && this->Numbers[store] < this->Numbers[best]))
     {
       best = store;
     }
@@ -184,7 +183,7 @@ std::vector<std::uint32_t> BlockBalancer::Distribute()
 {
   this->CubeLoads.assign(this->Values.size() * this->Stores, 0);
   this->ActiveLoads.assign(this->Values.size() * this->Stores, 0);
-  this->Growth.resize(this->Stores);
+  this->Sums.resize(this->Stores);
   this->Numbers.assign(this->Stores, 0);
   std::vector<std::uint32_t> result(this->Profiles.size());
   for (const std::uint32_t block : this->SortBlocks())
@@ -195,7 +194,7 @@ std::vector<std::uint32_t> BlockBalancer::Distribute()
     {
       const std::size_t load = k * this->Stores + store;
       this->CubeLoads[load] += work.Cubes[k - work.Begin];
-      this->ActiveLoads[load] += this->ActiveShare[k];
+      this->ActiveLoads[load] += this->ActiveLoad[k];
     }
     ++this->Numbers[store];
     result[block] = store;

@@ -12,41 +12,35 @@ namespace isosurface
 {
 
 /**
- * Spreads blocks over stores such that every store has an equal share of the estimated triangles
- * and of the active blocks at every isovalue: DistributionMethod::Balanced. The blocks, by
- * decreasing work, go one by one to the store that has least where the block has work, i.e. that
- * makes the sum over stores and isovalues of the squared normalised loads grow least:
+ * Spreads blocks over stores such that all stores have the same estimated triangles and the same
+ * active blocks at every isovalue: DistributionMethod::Balanced. Takes the blocks by decreasing
+ * work and gives each to the store with the minimum of
  *
- *   sum over isovalues k in the block's span of  load[store][k] / mean[k] * work[block][k] /
- * mean[k]
+ *     sum over isovalues k of  (load[store][k] / mean[k])^2 * work[block][k] / mean[k]
  *
- * (and the same, with a smaller weight, for the number of active blocks). At equal sums the store
- * of fewer blocks takes it; blocks without work follow last, to the stores of fewest blocks.
+ * plus the same sum, with the weight ActiveWeight, for active blocks; then of the number of blocks.
+ * Work is the number of cubes that the isosurface crosses (BlockProfile).
  *
- * Work is the number of cubes that the isosurface passes (BlockProfile), taken at Isovalues
- * isovalues, which lie closer where there is more of it. Isovalues of less than MinimumCubes cubes
- * a store are left out.
+ * Source: vector bin packing in decreasing order, after R. Graham, "Bounds on multiprocessing
+ * timing anomalies", 1969. The aim is that of section 4.1.1.1 of X. Zhang, C. Bajaj, "Scalable
+ * isosurface visualization of massive datasets on commodity off-the-shelf clusters", 2009.
  *
- * Source: vector bin packing in decreasing order, after T. Graham, "Bounds on multiprocessing
- * timing anomalies", 1969; the aim, stores whose spectra are scaled copies of the whole one, is
- * section 4.1.1.1 of X. Zhang, C. Bajaj, "Scalable isosurface visualization of massive datasets on
- * commodity off-the-shelf clusters", 2009, which has no algorithm for it.
- *
- * Depends on its arguments alone. Cost: a multiplication a block, store and isovalue of the block's
- * span: seconds for 262,144 blocks and 1,024 stores. Memory: 12 bytes a block, 512 a store.
+ * The result depends on the arguments only. Cost: a multiplication for each block, store and
+ * isovalue: seconds for 262,144 blocks and 1,024 stores. Memory: 12 bytes a block, 512 a store.
  */
 class BlockBalancer
 {
 public:
+  /// At most so many isovalues are looked at. They are closer together where there is more work.
   static constexpr std::size_t Isovalues = 64;
-  /// Some 500 triangles.
+  /// Isovalues with fewer cubes a store (about 500 triangles) are left out.
   static constexpr double MinimumCubes = 12;
-  /// The load that an active block is, against one of mean work.
+  /// The weight of active blocks, relative to that of work.
   static constexpr double ActiveWeight = 0.6;
 
   BlockBalancer(const std::vector<BlockProfile>& profiles, std::uint32_t stores);
 
-  /// The memory of the loads of so many stores.
+  /// The memory for the loads of the stores.
   static std::uint64_t GetBytes(std::uint32_t stores) { return stores * (8 * Isovalues + 8); }
 
   /// The store of every block.
@@ -70,13 +64,13 @@ private:
 
   const std::vector<BlockProfile>& Profiles;
   std::uint32_t Stores;
-  std::vector<double> Values;         ///< the isovalues, increasing
-  std::vector<double> MeanCubes;      ///< a store, per isovalue
-  std::vector<float> ActiveShare;     ///< of one active block in a store's mean, weighted
-  std::vector<float> CubeLoads;       ///< [isovalue][store]
-  std::vector<float> ActiveLoads;     ///< [isovalue][store]
-  std::vector<float> Growth;          ///< per store
-  std::vector<std::uint32_t> Numbers; ///< of blocks a store
+  std::vector<double> Values;     ///< the isovalues, increasing
+  std::vector<double> MeanCubes;  ///< mean of the stores, by isovalue
+  std::vector<float> ActiveLoad;  ///< of one block, relative to the mean of the stores, weighted
+  std::vector<float> CubeLoads;   ///< [isovalue][store]
+  std::vector<float> ActiveLoads; ///< [isovalue][store]
+  std::vector<float> Sums;        ///< that are compared, by store
+  std::vector<std::uint32_t> Numbers; ///< of blocks, by store
 };
 
 } // namespace isosurface

@@ -18,10 +18,10 @@ namespace
 
 constexpr std::array<const char*, 4> Names = { "greedy", "random", "slab", "balanced" };
 
-/// A block in the range space.
+/// The range of a block.
 struct Span
 {
-  std::uint32_t Element; ///< of the matrix, row by row; beyond all of them for a constant block
+  std::uint32_t Element; ///< of the matrix, row by row; after the last one for a constant block
   std::uint32_t Block;
   double Size;
 };
@@ -32,7 +32,7 @@ double ConvertToDouble(ValueType type, ValueKey key)
     type, [&](auto zero) { return static_cast<double>(MakeValueOfKey<decltype(zero)>(key)); });
 }
 
-/// The blocks' ranges as points of the range space [low, high] x [0, high - low], ends clamped.
+/// The element and size of each block's range. Infinite ends are clamped.
 std::vector<Span> MakeSpans(ValueType type, const std::vector<KeyRange>& ranges)
 {
   double low = std::numeric_limits<double>::infinity();
@@ -55,7 +55,8 @@ std::vector<Span> MakeSpans(ValueType type, const std::vector<KeyRange>& ranges)
       }
     }
   }
-  // NaN is below everything, as it is for every isovalue. Halves: the span of doubles may overflow.
+  // NaN counts as the minimum, since it is below every isovalue. Halved, since a difference of
+  // doubles may overflow.
   const auto place = [&](double end)
   { return 0.5 * (std::isnan(end) ? low : std::clamp(end, low, high)) - 0.5 * low; };
   const double extent = low < high ? place(high) : 1;

@@ -13,18 +13,18 @@ namespace isosurface
 namespace
 {
 
-/// The spectrum keeps so many bits less than the sums: what is rounded away is below a thousandth
-/// of a cell's face, and the numbers are short.
+/// The spectrum has so many bits less than the sums. The rounding error is below a thousandth of a
+/// cell's face, and the numbers take fewer bytes on disk.
 constexpr int DroppedBits = 12;
 
-/// A cell's values are at least so wide, in bins, lest anything is divided by 0.
-constexpr float LeastWidth = 1e-6f;
-/// No cell has more area than this, in its largest face, but for the rounding of tiny widths.
-constexpr float LargestDensity = 8;
+/// The minimum width of a cell's values, in bins, so that there is no division by 0.
+constexpr float MinimumWidth = 1e-6f;
+/// The maximum area of a cell, in its maximum face. Only rounding errors of tiny widths exceed it.
+constexpr float MaximumDensity = 8;
 
 constexpr float OverFortyEight = 1.0f / 48;
 
-/// A value in units of bins from the first edge, NaN and infinities as they are.
+/// Converts a value to bins from the first edge. NaN and infinities stay as they are.
 template <typename T>
 class BinCoordinate
 {
@@ -32,7 +32,7 @@ public:
   explicit BinCoordinate(const SpectrumBins& bins)
     : First(bins.First)
     , Exponent(bins.Exponent)
-    // In two steps, since 2^-Exponent alone may be beyond the doubles.
+    // In two steps, since 2^-Exponent may be too large for a double.
     , Scale{ std::ldexp(1.0, -(bins.Exponent / 2)),
       std::ldexp(1.0, -(bins.Exponent - bins.Exponent / 2)) }
     , SmallScale(static_cast<float>(std::ldexp(1.0, -std::clamp(bins.Exponent, -64, 64))))
@@ -48,7 +48,7 @@ public:
     }
     else if constexpr (sizeof(T) == 8 && !std::is_floating_point_v<T>)
     {
-      // Large numbers of small differences: these are exact modulo 2^64.
+      // The difference may be small and the numbers large: it is exact modulo 2^64.
       const std::uint64_t first = static_cast<std::uint64_t>(this->First) << this->Exponent;
       return static_cast<float>(static_cast<double>(static_cast<std::uint64_t>(value) - first) *
         this->Scale[0] * this->Scale[1]);
@@ -68,14 +68,14 @@ private:
   float SmallFirst;
 };
 
-/// The vertices of some cells along x, `stride` samples from one to the next.
+/// Loads the vertices of `cells` cells along x, `stride` samples apart.
 template <typename T, std::size_t N>
 void LoadCells(const BinCoordinate<T>& coordinate, const T* from, std::ptrdiff_t stride,
   std::int64_t cells, std::array<float, N>& row)
 {
   if (stride == 1 && cells + 1 == static_cast<std::int64_t>(N))
   {
-    // The usual case, as the compiler can unroll it.
+    // The usual case, which the compiler can unroll.
     for (std::size_t i = 0; i < N; ++i)
     {
       row[i] = coordinate(from[i]);
@@ -104,18 +104,18 @@ float Square(float value)
   return value * value;
 }
 
-/// The least and the greatest of two; NaN gives either.
-float Least(float a, float b)
+/// As std::min and std::max. If an argument is NaN, the result is one of both.
+float Minimum(float a, float b)
 {
   return a < b ? a : b;
 }
-float Greatest(float a, float b)
+float Maximum(float a, float b)
 {
   return a > b ? a : b;
 }
 
 /**
- * Measures a row of cells. From and To of a cell that has a corner that is not finite are 0.
+ * Measures a row of cells. From and To are 0 for a cell with a sample that is not finite.
  *
  * With u, v, w from -1/2 to 1/2, the trilinear interpolant of a cell is
  *   mean + gx u + gy v + gz w + hxy uv + hxz uw + hyz vw + k uvw,
@@ -154,26 +154,26 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
       weight.XZ * hxz + weight.YZ * hyz + weight.XYZ * k;
 
     const float low =
-      Least(Least(Least(a0, a1), Least(b0, b1)), Least(Least(c0, c1), Least(d0, d1)));
-    const float high = Greatest(
-      Greatest(Greatest(a0, a1), Greatest(b0, b1)), Greatest(Greatest(c0, c1), Greatest(d0, d1)));
+      Minimum(Minimum(Minimum(a0, a1), Minimum(b0, b1)), Minimum(Minimum(c0, c1), Minimum(d0, d1)));
+    const float high =
+      Maximum(Maximum(Maximum(a0, a1), Maximum(b0, b1)), Maximum(Maximum(c0, c1), Maximum(d0, d1)));
     const bool isFinite = variance <= std::numeric_limits<float>::max(); // neither is NaN
     const float middle = isFinite ? mean : 0;
-    const float widest = isFinite ? Least(middle - low, high - middle) : 0;
-    const float radius = Least(std::sqrt(isFinite ? variance : 0) / 2, widest);
-    const float begin = Least(Greatest(middle - radius, 0), bins);
-    const float end = Least(Greatest(middle + radius, 0), bins);
-    const float steepness = 1 / Greatest(end - begin, LeastWidth);
+    const float widest = isFinite ? Minimum(middle - low, high - middle) : 0;
+    const float radius = Minimum(std::sqrt(isFinite ? variance : 0) / 2, widest);
+    const float begin = Minimum(Maximum(middle - radius, 0), bins);
+    const float end = Minimum(Maximum(middle + radius, 0), bins);
+    const float steepness = 1 / Maximum(end - begin, MinimumWidth);
     const std::int32_t beginBin = static_cast<std::int32_t>(begin) + 1;
     const std::int32_t endBin = static_cast<std::int32_t>(end) + 1;
     const float rest = (end - static_cast<float>(beginBin)) * steepness;
     const float density = std::sqrt(isFinite ? gradient : 0) * steepness;
     from[i] = isFinite ? beginBin : 0;
     to[i] = isFinite ? endBin : 0;
-    area[i] = static_cast<std::int32_t>(Least(density, LargestDensity) * one + 0.5f);
-    first[i] = static_cast<std::int32_t>(Least(Greatest(rest, 0), 1) * one + 0.5f);
-    // Steeper ones end before the next bin.
-    slope[i] = static_cast<std::int32_t>(Least(steepness, 1) * one + 0.5f);
+    area[i] = static_cast<std::int32_t>(Minimum(density, MaximumDensity) * one + 0.5f);
+    first[i] = static_cast<std::int32_t>(Minimum(Maximum(rest, 0), 1) * one + 0.5f);
+    // The volume of steeper cells is 0 at the next bin.
+    slope[i] = static_cast<std::int32_t>(Minimum(steepness, 1) * one + 0.5f);
   }
 }
 
@@ -182,7 +182,7 @@ std::array<double, 3> GetAbsoluteSpacing(const GridGeometry& grid)
   return { std::abs(grid.Spacing[0]), std::abs(grid.Spacing[1]), std::abs(grid.Spacing[2]) };
 }
 
-/// The areas of a cell's faces, by the axis that they are normal to.
+/// The areas of a cell's faces, by the axis normal to the face.
 std::array<double, 3> GetFaces(const GridGeometry& grid)
 {
   const std::array<double, 3> h = GetAbsoluteSpacing(grid);
@@ -209,7 +209,7 @@ void MeasureSums::SetMeasures(WorkloadSpectrum& spectrum) const
 {
   const auto round = [](std::uint64_t sum)
   {
-    // The rounding of slopes may leave a little less than nothing.
+    // The rounding of slopes may make the sum slightly negative.
     const auto whole = std::max<std::int64_t>(0, static_cast<std::int64_t>(sum));
     return (static_cast<std::uint64_t>(whole) + (1u << (DroppedBits - 1))) >> DroppedBits;
   };
@@ -256,28 +256,28 @@ BlockMeasure::BlockMeasure(
   , RowsOfCells(grid.GetDimensions()[1] - 1)
   , RowStride(rowStride)
   , Sums(bins)
-  , LowestBin(bins.Count)
-  , HighestBin(0)
+  , MinimumBin(bins.Count)
+  , MaximumBin(0)
 {
-  // |gradient| * volume is the norm of the differences along the axes times the faces normal to
-  // these, for each mode of the interpolant.
+  // |gradient| * volume is, for each term of the interpolant, the norm of the vector of differences
+  // along the axes, each times the area of the face normal to its axis.
   const std::array<double, 3> faces = GetFaces(grid);
-  const double largest = *std::max_element(faces.begin(), faces.end());
+  const double maximum = *std::max_element(faces.begin(), faces.end());
   std::array<float, 3> squares;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const double face = largest > 0 ? faces[axis] / largest : 0;
+    const double face = maximum > 0 ? faces[axis] / maximum : 0;
     squares[axis] = static_cast<float>(face * face);
   }
   this->Weights = { squares[0], squares[1], squares[2], squares[0] + squares[1],
     squares[0] + squares[2], squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
 }
 
-/// The row of a group of RowStride ones, of a run of cells, that stands for all of them.
+/// Chooses the row that is measured for a group of RowStride rows and a run of cells along x.
 std::int64_t BlockMeasure::ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const
 {
-  // Of RowStride runs along x, or along z, each has another row. In which order is different from
-  // place to place.
+  // RowStride successive runs, along x or along z, have different rows. Their order is
+  // pseudorandom, so that it is not in step with the surface.
   std::uint64_t hash = static_cast<std::uint64_t>(run / this->RowStride) * 0x9e3779b97f4a7c15u ^
     static_cast<std::uint64_t>(group) * 0xc2b2ae3d27d4eb4fu ^
     static_cast<std::uint64_t>(k / this->RowStride) * 0x165667b19e3779f9u;
@@ -315,7 +315,7 @@ void BlockMeasure::CountCells(const SampleView& samples)
   };
 
   const std::int64_t last = box.High[1] - 1;
-  // The rows of the grid's last group, if it is not whole, stand for themselves.
+  // If the grid's last group is incomplete, all of its rows are measured.
   const std::int64_t grouped = this->RowsOfCells - this->RowsOfCells % this->RowStride;
   for (std::int64_t k = box.Low[2]; k + 1 < box.High[2]; ++k)
   {
@@ -355,8 +355,8 @@ void BlockMeasure::CountRun(
 void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one)
 {
   MeasureSums::Change* changes = this->Sums.Changes.data();
-  std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
-  std::int32_t highest = 0;
+  std::int32_t minimum = std::numeric_limits<std::int32_t>::max();
+  std::int32_t maximum = 0;
   std::uint64_t whole = 0;
   for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)
   {
@@ -367,8 +367,8 @@ void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t 
       continue;
     }
     whole += one;
-    lowest = std::min(lowest, from);
-    highest = std::max(highest, to);
+    minimum = std::min(minimum, from);
+    maximum = std::max(maximum, to);
     if (from == to)
     {
       changes[from].Constant -= one;
@@ -386,8 +386,8 @@ void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t 
     changes[to].Slope -= slope;
   }
   changes[0].Constant += whole;
-  this->LowestBin = std::min(this->LowestBin, static_cast<std::size_t>(lowest));
-  this->HighestBin = std::max(this->HighestBin, static_cast<std::size_t>(highest));
+  this->MinimumBin = std::min(this->MinimumBin, static_cast<std::size_t>(minimum));
+  this->MaximumBin = std::max(this->MaximumBin, static_cast<std::size_t>(maximum));
 }
 
 void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& box)
@@ -413,8 +413,8 @@ void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& b
   const auto cells = static_cast<std::uint64_t>((size[0] - 1) * (size[1] - 1) * (size[2] - 1));
   this->Sums.Changes[0].Constant += cells << MeasureSums::FractionBits;
   this->Sums.Changes[bin].Constant -= cells << MeasureSums::FractionBits;
-  this->LowestBin = std::min(this->LowestBin, bin);
-  this->HighestBin = std::max(this->HighestBin, bin);
+  this->MinimumBin = std::min(this->MinimumBin, bin);
+  this->MaximumBin = std::max(this->MaximumBin, bin);
 }
 
 void BlockMeasure::MoveTo(MeasureSums& sums)
@@ -428,12 +428,12 @@ void BlockMeasure::MoveTo(MeasureSums& sums)
     mine = {};
   };
   move(0);
-  for (std::size_t bin = std::max<std::size_t>(1, this->LowestBin); bin <= this->HighestBin; ++bin)
+  for (std::size_t bin = std::max<std::size_t>(1, this->MinimumBin); bin <= this->MaximumBin; ++bin)
   {
     move(bin);
   }
-  this->LowestBin = this->Bins.Count;
-  this->HighestBin = 0;
+  this->MinimumBin = this->Bins.Count;
+  this->MaximumBin = 0;
 }
 
 } // namespace isosurface

@@ -17,13 +17,13 @@ namespace isosurface
 {
 
 /**
- * Surface area and enclosed volume of many cells by isovalue, as differences from bin to bin.
- * Whole numbers of a fixed unit: their sum is the same in whatever order cells, blocks and ranks
- * are added. Wrapping around 2^64 on the way does no harm, since the results do not.
+ * Surface area and enclosed volume by isovalue, summed over many cells, as differences from bin to
+ * bin. The numbers are integers in a fixed unit, so the sums do not depend on the order of cells,
+ * blocks and ranks. Intermediate sums may wrap around 2^64; the results do not.
  */
 struct MeasureSums
 {
-  /// From its bin on: the area, and the volume as Constant - Slope * bin.
+  /// Added from its bin on: the area, and the volume Constant - Slope * bin.
   struct Change
   {
     std::uint64_t Area = 0;
@@ -31,7 +31,7 @@ struct MeasureSums
     std::uint64_t Slope = 0;
   };
 
-  /// One of these is the area of the largest face of a cell, or the volume of a cell.
+  /// 2^FractionBits units are the area of the largest face of a cell, or the volume of a cell.
   static constexpr int FractionBits = 20;
 
   MeasureSums() = default;
@@ -40,41 +40,37 @@ struct MeasureSums
   {
   }
 
-  /// Collective: adds those of all ranks, on all ranks.
+  /// Collective: adds up the sums of all ranks, on all ranks.
   void Reduce(Communicator& ranks);
 
-  /// Sets the spectrum's Area and Volume, for the bins that these sums are for.
+  /// Sets Area and Volume of a spectrum that has the bins of these sums.
   void SetMeasures(WorkloadSpectrum& spectrum) const;
 
-  std::vector<Change> Changes; ///< per bin, and one behind the last
+  std::vector<Change> Changes; ///< by bin, and one after the last
 };
 
-/// What the squares of a cell's differences weigh in that of its gradient: by the faces normal to
-/// the axes that they are differences along, in the square of the largest face.
+/// The weights of a cell's squared differences along the axes in its squared gradient: squared
+/// areas of the faces normal to these axes, relative to the largest face.
 struct MeasureWeights
 {
   float X, Y, Z, XY, XZ, YZ, XYZ;
 };
 
 /**
- * Measures the isosurfaces of blocks for all isovalues at once: their area, and the volume where
- * value >= isovalue. The values in a cell are taken to be spread evenly, around the mean and with
- * the variance of its trilinear interpolant (but not beyond its corners' values). So the cell's
- * volume above t falls linearly with t, and by the coarea formula its area is |gradient| * volume /
- * width for every t within that width; |gradient| is the interpolant's root mean square. Both are
- * exact for linear fields. A cell with a corner that is not finite counts for nothing.
+ * Estimates, for all isovalues at once, the area of the isosurface in blocks, and the volume where
+ * value >= isovalue. Assumes that the values in a cell are evenly distributed, with the mean and
+ * the variance of the trilinear interpolant. So the cell's volume above t falls linearly with t,
+ * and its area is |gradient| * volume / width by the coarea formula. Exact for linear fields. Cells
+ * with samples that are not finite are left out.
  *
- * In a large grid few cells stand for all: of each run of CellsAtOnce cells along x and its
- * neighbours in y, one in `rowStride` is measured. Which one takes turns along x and z, in an
- * order that differs from place to place, lest it keeps step with the surface. The choice depends
- * on the cells' place in the grid alone, so sums over blocks do not depend on how the grid is cut.
+ * Large grids are sampled: of `rowStride` neighbouring rows of cells one is measured; which one
+ * changes pseudorandomly every CellsAtOnce cells. That depends on the place in the grid only, so
+ * the sums do not depend on how the grid is cut into blocks.
  *
- * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997,
- * which integrates splines over simplices exactly; here by the coarea formula as in C. Scheidegger,
- * J. Schreiner, B. Duffy, H. Carr, C. Silva, "Revisiting histograms and isosurface statistics",
- * IEEE TVCG 14(6), 2008, for a fraction of the cost.
- *
- * Memory: 24 bytes a bin. One object serves one thread at a time.
+ * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997; the
+ * coarea formula as in C. Scheidegger et al., "Revisiting histograms and isosurface statistics",
+ * IEEE TVCG 14(6), 2008, instead of exact integrals of splines. Memory: 24 bytes a bin. For one
+ * thread at a time.
  */
 class BlockMeasure
 {
@@ -86,18 +82,18 @@ public:
   /// rowStride: 1, 2, 4 or 8.
   BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride);
 
-  /// One row in so many is measured: the more, the larger the grid is. Errors grow with the stride
-  /// and fall with the side of the grid, so that a surface across it has one of about 3 %; small
-  /// ones more.
+  /// One row in so many is measured; the number grows with the grid. Errors grow with the stride
+  /// and fall with the side of the grid: the error of a surface across the grid is about 3 %, that
+  /// of a small surface more.
   static std::int64_t ChooseRowStride(const GridGeometry& grid);
 
-  /// Adds the cells of the samples' Box, which is in the grid's coordinates.
+  /// Adds the cells of the samples' Box, which is in coordinates of the grid.
   void Count(const SampleView& samples);
 
-  /// Adds the cells of a box that has but one value, of this key.
+  /// Adds the cells of a box whose samples all have the value of this key.
   void CountUniform(ValueType type, ValueKey key, const VertexBox& box);
 
-  /// Adds what was counted since the last call, and forgets it.
+  /// Adds everything counted since the last call to `sums`, and resets this object.
   void MoveTo(MeasureSums& sums);
 
   /// The units of a spectrum's Area and Volume.
@@ -108,8 +104,9 @@ private:
   static constexpr std::int64_t CellsAtOnce = 16;
   using CellRow = std::array<float, CellsAtOnce + 1>;
 
-  /// What a run of cells adds: from bin From on the area is Area and the volume First, which falls
-  /// by Slope a bin; from bin To on there is neither. Below From the volume is one cell.
+  /// The results for a run of cells. Below bin From, the volume is one cell. In the bins From to
+  /// To - 1, the area is Area; the volume is First at From and falls by Slope from bin to bin. From
+  /// To on, both are 0.
   struct CellRun
   {
     std::array<std::int32_t, CellsAtOnce> From;
@@ -130,8 +127,8 @@ private:
   std::int64_t RowStride;
   MeasureWeights Weights;
   MeasureSums Sums;
-  std::size_t LowestBin;
-  std::size_t HighestBin;
+  std::size_t MinimumBin; ///< of the changes since the last MoveTo()
+  std::size_t MaximumBin;
 };
 
 } // namespace isosurface

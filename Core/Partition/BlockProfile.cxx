@@ -9,7 +9,7 @@ namespace isosurface
 namespace
 {
 
-/// The first multiple of 2^exponent above a value, as a factor.
+/// The minimum n with n * 2^exponent > value.
 std::int64_t FindFirstAbove(double value, std::int32_t exponent)
 {
   return static_cast<std::int64_t>(std::floor(std::ldexp(value, -exponent))) + 1;
@@ -58,15 +58,15 @@ BlockProfile BlockProfile::Make(ValueType type, const std::vector<ValueSpan>& cu
   return profile;
 }
 
-/// The exponent and the first isovalue for Span.
+/// Sets Exponent and First from Span.
 void BlockProfile::ChooseBins(ValueType type)
 {
-  // Halves, since the difference of two doubles may overflow.
+  // Halved, since the difference of two doubles may overflow.
   const double half = 0.5 * this->Span.High - 0.5 * this->Span.Low;
   this->Exponent = half > 0 ? std::ilogb(half) - 5 : std::numeric_limits<double>::min_exponent - 53;
-  // Not below the spacing of doubles: the multiples would not fit 64 bits.
-  const double largest = std::max(std::abs(this->Span.Low), std::abs(this->Span.High));
-  this->Exponent = std::max(this->Exponent, std::ilogb(largest) - 60);
+  // With smaller exponents, the multiples would not fit 64 bits.
+  const double magnitude = std::max(std::abs(this->Span.Low), std::abs(this->Span.High));
+  this->Exponent = std::max(this->Exponent, std::ilogb(magnitude) - 60);
   this->Exponent = IsInteger(type) ? std::max(this->Exponent, 0) : this->Exponent;
   for (;; ++this->Exponent)
   {
@@ -79,7 +79,7 @@ void BlockProfile::ChooseBins(ValueType type)
   }
 }
 
-/// Leaves the counts at multiples of 2^exponent alone.
+/// Keeps only the counts at multiples of 2^exponent.
 void BlockProfile::Coarsen(std::int32_t exponent)
 {
   for (; this->Exponent < exponent; ++this->Exponent)
@@ -114,7 +114,7 @@ void BlockProfile::Add(ValueType type, const BlockProfile& other)
     part.Coarsen(sum.Exponent);
     for (std::size_t bin = 0; bin < MaximumCount; ++bin)
     {
-      // Counts beyond a part's span are 0, and may lie beyond the sum's bins.
+      // Bins outside the sum's have the count 0, since they are outside the part's span.
       const std::int64_t target = part.First + static_cast<std::int64_t>(bin) - sum.First;
       if (part.Counts[bin] != 0)
       {

@@ -13,7 +13,7 @@
 namespace isosurface
 {
 
-/// The least and the greatest finite value of some samples; empty when Low > High.
+/// The range of the finite values of samples; empty if Low > High.
 struct ValueSpan
 {
   double Low = std::numeric_limits<double>::infinity();
@@ -27,24 +27,24 @@ struct ValueSpan
 };
 
 /**
- * How many small cubes of a block (CubeSize vertices a side) an isosurface passes, by isovalue: a
- * cheap estimate of the block's spectrum of triangles, known after one look at the samples.
+ * The number of small cubes of a block (CubeSize vertices a side) that an isosurface crosses, by
+ * isovalue: a cheap estimate of the block's triangles, computed in one pass over the samples.
  *
- * Counted at isovalues that are multiples of 2^Exponent, the least exponent for which Span has at
- * most MaximumCount of them (for integers not below 0). So a block's profile is the same, whatever
- * parts it was made of, in whatever order.
+ * The isovalues are the multiples of 2^Exponent in Span. Exponent is the minimum for which there
+ * are at most MaximumCount of them, but not below 0 for integers. So the profile of a block does
+ * not depend on the parts that it was made from, or on their order.
  */
 struct BlockProfile
 {
   static constexpr std::int64_t CubeSize = 4;
   static constexpr std::size_t MaximumCount = 32;
 
-  ValueSpan Span; ///< of the cubes that are not constant
+  ValueSpan Span; ///< of all cubes that are not constant
   std::int32_t Exponent = 0;
   std::int64_t First = 0;                           ///< Counts[n] is at (First + n) * 2^Exponent
-  std::array<std::uint16_t, MaximumCount> Counts{}; ///< 0 beyond Span
+  std::array<std::uint16_t, MaximumCount> Counts{}; ///< 0 outside Span
 
-  /// The profile of these cubes, each the span of its samples.
+  /// The profile of cubes, given by the ranges of their samples.
   static BlockProfile Make(ValueType type, const std::vector<ValueSpan>& cubes);
 
   /// Adds the cubes of another part of the block.
@@ -52,7 +52,7 @@ struct BlockProfile
 
   bool IsEmpty() const { return this->Span.Low >= this->Span.High; }
 
-  /// The count at the last of the isovalues that is <= `isovalue`; 0 outside of Span.
+  /// The count at the last of the profile's isovalues <= `isovalue`; 0 outside Span.
   std::uint32_t GetCount(double isovalue) const;
 
 private:

@@ -16,11 +16,11 @@ namespace
 {
 
 constexpr std::int64_t PackedCell = std::int64_t{ 1 } << 32;
-/// A vertex changes less than 128 triangles.
-constexpr std::size_t MostPackedVertices = std::size_t{ 1 } << 24;
+/// So many packed sums do not overflow: a vertex changes less than 128 triangles.
+constexpr std::size_t MaximumPackedVertices = std::size_t{ 1 } << 24;
 
-/// How many edges are <= values of at most 16 bits: in 32 bits and without a branch, so that loops
-/// become vectors.
+/// Counts the edges <= a value of at most 16 bits, in 32 bits and without a branch, so that loops
+/// can be vectorised.
 struct ShortEdgeCounter
 {
   std::int16_t operator()(int value) const
@@ -29,7 +29,7 @@ struct ShortEdgeCounter
       std::clamp((value >> this->Exponent) - this->First + 1, 0, this->Count));
   }
 
-  int First; ///< within 2^20 of 0, which is beyond all 16-bit values
+  int First; ///< clamped to -2^20 .. 2^20, beyond all 16-bit values
   int Count;
   int Exponent;
 };
@@ -44,7 +44,8 @@ ISOSURFACE_CLONES void CountShortRow(const T* __restrict__ from, ShortEdgeCounte
   }
 }
 
-/// How many of the edges First, First + 1, ... (Count of them, in units of the width) are <= value.
+/// Counts the edges <= a value. The edges are First, First + 1, ... First + Count - 1 times the
+/// width.
 template <typename T>
 class EdgeCounter
 {
@@ -55,7 +56,7 @@ public:
     , Exponent(bins.Exponent)
     , Short{ static_cast<int>(std::clamp<std::int64_t>(bins.First, -ShortLimit, ShortLimit)),
       static_cast<int>(bins.Count), std::min(bins.Exponent, 31) }
-    // In two steps, since 2^-Exponent alone may be beyond the doubles.
+    // In two steps, since 2^-Exponent may be too large for a double.
     , Scale{ std::ldexp(1.0, -(bins.Exponent / 2)),
       std::ldexp(1.0, -(bins.Exponent - bins.Exponent / 2)) }
   {
@@ -73,11 +74,11 @@ public:
     }
     else
     {
-      using Largest =
+      using Wide =
         std::conditional_t<std::is_same_v<T, std::uint64_t>, std::uint64_t, std::int64_t>;
-      const Largest shifted = static_cast<Largest>(value) >> std::min(this->Exponent, 63);
+      const Wide shifted = static_cast<Wide>(value) >> std::min(this->Exponent, 63);
       const auto quotient = static_cast<std::int64_t>(
-        std::min<Largest>(shifted, std::numeric_limits<std::int64_t>::max()));
+        std::min<Wide>(shifted, std::numeric_limits<std::int64_t>::max()));
       if (quotient < this->First)
       {
         return 0;
@@ -88,7 +89,7 @@ public:
     }
   }
 
-  /// The same for values that follow each other.
+  /// Counts the edges for each value of a row.
   void CountRow(const T* from, std::int64_t size, std::int16_t* to) const
   {
     if constexpr (sizeof(T) <= sizeof(std::int16_t))
@@ -186,10 +187,10 @@ void BlockWorkload::Count(const SampleView& samples)
     samples.Type, [&](auto zero) { CountEdges<decltype(zero)>(this->Bins, samples, values); });
   this->Vertices.Compute();
   const std::size_t vertices = this->Vertices.GetNumberOfVertices();
-  for (std::size_t begin = 0; begin < vertices; begin += MostPackedVertices)
+  for (std::size_t begin = 0; begin < vertices; begin += MaximumPackedVertices)
   {
-    const std::size_t end = std::min(begin + MostPackedVertices, vertices);
-    if (this->PackedVertices + (end - begin) > MostPackedVertices)
+    const std::size_t end = std::min(begin + MaximumPackedVertices, vertices);
+    if (this->PackedVertices + (end - begin) > MaximumPackedVertices)
     {
       this->Unpack();
     }
@@ -214,12 +215,13 @@ void BlockWorkload::AddChanges(std::size_t begin, std::size_t end)
     const int change = changes[vertex];
     const int cells = (change + unit / 2) >> 8;
     const int triangles = change - cells * unit;
-    // Neighbours often have equal values: each adds to a sum of its own, so as not to wait.
+    // Neighbours often have the same value: they use different sums, so that one addition need not
+    // wait for the other.
     const std::size_t sum =
       static_cast<std::size_t>(values[vertex]) * PackedSums + vertex % PackedSums;
     this->PackedChanges[sum] += triangles + cells * PackedCell;
   };
-  // Most are 0 where values are smooth.
+  // Skips zeros several at a time: most changes are 0 where values are smooth.
   constexpr std::size_t atOnce = sizeof(std::uint64_t) / sizeof(std::int16_t);
   std::size_t vertex = begin;
   for (; vertex + atOnce <= end; vertex += atOnce)

@@ -13,28 +13,29 @@ namespace isosurface
 {
 
 /**
- * Counts the marching-cubes triangles and the active cells of blocks for all isovalues at once,
- * exactly: a cell's number of triangles changes only where the isovalue passes one of its eight
- * corner values. The changes of the cells around a vertex are summed up (VertexChanges) before they
- * are noted in the bin of its value; most sums are 0 where values are smooth. Running sums over the
- * bins give the spectrum. NaN is outside for every isovalue.
+ * Counts the marching-cubes triangles and the active cells of blocks for all isovalues at once.
+ * Exact: the number of triangles in a cell changes only where the isovalue passes the value of one
+ * of its corners. VertexChanges sums the changes of the cells around each vertex; most sums are 0
+ * where values are smooth. They are added to the bin of the vertex's value, and running sums over
+ * the bins give the spectrum. NaN is outside for every isovalue.
  *
  * Source: X. Zhang, C. Bajaj, "Scalable isosurface visualization of massive datasets on commodity
  * off-the-shelf clusters", 2009, section 4.1.1, after C. Bajaj, V. Pascucci, D. Schikore, "The
  * contour spectrum", 1997.
  *
- * Cost: 2 ns a cell where values are smooth, 4 in noise (vectors of 32 bytes); memory 4 bytes a
- * vertex of the largest box and 32 a bin. One object serves one thread at a time.
+ * Cost: 2 ns a cell where values are smooth, 4 in noise (vectors of 32 bytes). Memory: 4 bytes a
+ * vertex of the largest box, and 32 a bin. For one thread at a time.
  */
 class BlockWorkload
 {
 public:
   explicit BlockWorkload(const SpectrumBins& bins);
 
-  /// Adds the cells of the samples' Box (of one or more blocks, one after another).
+  /// Adds the cells of the samples' Box. May be called for several blocks.
   void Count(const SampleView& samples);
 
-  /// Adds what was counted since the last call to a spectrum of the same bins, and forgets it.
+  /// Adds everything counted since the last call to a spectrum of the same bins; resets this
+  /// object.
   void MoveTo(WorkloadSpectrum& spectrum);
 
 private:
@@ -48,11 +49,11 @@ private:
   void Unpack();
 
   SpectrumBins Bins;
-  VertexChanges Vertices;      ///< their values: how many edges are <= them
-  std::vector<Change> Changes; ///< per number of edges
-  /// The latest changes, per number of edges: triangles + cells * 2^32, of so few vertices that the
-  /// triangles fill less than half of it.
-  static constexpr std::size_t PackedSums = 2; ///< per number of edges
+  VertexChanges Vertices;      ///< the value of a vertex is the number of bin edges <= its sample
+  std::vector<Change> Changes; ///< by value
+  /// The latest changes, PackedSums sums for each value: triangles + cells * 2^32. Unpacked before
+  /// the triangles could overflow.
+  static constexpr std::size_t PackedSums = 2;
   std::vector<std::int64_t> PackedChanges;
   std::size_t PackedVertices = 0;
 };

@@ -17,24 +17,24 @@ namespace
 
 Status MakeAborted()
 {
-  return Status(StatusCode::Aborted, "the spectrum was stopped on request");
+  return Status(StatusCode::Aborted, "The computation of the spectrum was aborted.");
 }
 
 /// Joins the ranges of all ranks.
 void ReduceRanges(Communicator& ranks, std::vector<KeyRange>& ranges)
 {
-  std::vector<std::uint64_t> least;
-  std::vector<std::uint64_t> greatest;
+  std::vector<std::uint64_t> minima;
+  std::vector<std::uint64_t> maxima;
   for (const KeyRange& range : ranges)
   {
-    least.push_back(range.Minimum);
-    greatest.push_back(range.Maximum);
+    minima.push_back(range.Minimum);
+    maxima.push_back(range.Maximum);
   }
-  ranks.ReduceMinimum(least);
-  ranks.ReduceMaximum(greatest);
+  ranks.ReduceMinimum(minima);
+  ranks.ReduceMaximum(maxima);
   for (std::size_t index = 0; index < ranges.size(); ++index)
   {
-    ranges[index] = { least[index], greatest[index] };
+    ranges[index] = { minima[index], maxima[index] };
   }
 }
 
@@ -46,7 +46,7 @@ void Join(KeyRange& range, const KeyRange& other)
 
 } // namespace
 
-/// What a thread has counted.
+/// The counts of one thread.
 struct GridSpectrum::Counted
 {
   BlockWorkload Workload;
@@ -76,7 +76,7 @@ GridSpectrum::GridSpectrum(
     Index3 high;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
-      // A vertex on a face is in both blocks.
+      // A vertex on a face belongs to both blocks.
       low[axis] = std::max<std::int64_t>(0, (box.Low[axis] - 1) / BlockSize);
       high[axis] = std::min(last[axis], (box.High[axis] - 1) / BlockSize + 1);
     }

@@ -19,35 +19,35 @@ namespace isosurface
 {
 
 /**
- * The spectrum of a grid whose samples are in memory, in pieces, on one rank or spread over
- * several: FindRanges(), then Count(). Each cell of the grid is in the Box of one piece of one
- * rank. The result is the same however the grid is cut. Its active blocks are of 32 cells a side,
- * counted from the grid's first vertex, its bytes those of their samples.
+ * Computes the spectrum of a grid in memory, in pieces, on one or several ranks: call FindRanges(),
+ * then Count(). Each cell of the grid is in the Box of one piece of one rank. The result does not
+ * depend on the pieces. The blocks of the spectrum have 32 cells a side, counted from the grid's
+ * first vertex, and the bytes of their samples.
  *
- * Cost: two passes over the samples, on all threads; memory 16 bytes a block of the grid.
+ * Cost: two passes over the samples, on `threads` threads. Memory: 16 bytes a block of the grid.
  */
 class GridSpectrum
 {
 public:
   static constexpr int BlockSize = 32;
 
-  /// The pieces are in the grid's coordinates; their samples must outlive this object.
+  /// The pieces are in coordinates of the grid. Their samples must outlive this object.
   GridSpectrum(
     const GridGeometry& grid, ValueType type, std::vector<SampleView> pieces, int threads);
 
   /// Collective. Finds the value range of every block. Errors: Aborted.
   Status FindRanges(Communicator& ranks, const Progress& progress = {});
 
-  /// Of the finite values of all ranks; once FindRanges() has found it.
+  /// The range of the finite values of all ranks. Call FindRanges() first.
   const KeyRange& GetFiniteRange() const { return this->FiniteRange; }
 
-  /// Collective. The spectrum in bins that cover the finite range; equal on all ranks. Errors:
-  /// Aborted.
+  /// Collective. Computes the spectrum in bins that cover the finite range. The result is the same
+  /// on all ranks. Errors: Aborted.
   Result<WorkloadSpectrum> Count(
     Communicator& ranks, const SpectrumBins& bins, const Progress& progress = {}) const;
 
 private:
-  /// The part of a block that a piece has.
+  /// The intersection of a block and a piece.
   struct Part
   {
     std::size_t Piece;

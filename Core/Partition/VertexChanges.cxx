@@ -11,7 +11,7 @@ namespace isosurface
 namespace
 {
 
-/// 16-bit numbers of a slice, from its first vertex on.
+/// The 16-bit numbers of a slice, beginning with its first vertex.
 using Input = const std::int16_t* __restrict__;
 using Output = std::int16_t* __restrict__;
 
@@ -20,42 +20,42 @@ constexpr std::int16_t Narrow(int value)
   return static_cast<std::int16_t>(value);
 }
 
-/// `value` if the condition holds, else 0.
+/// `value` if the condition is true, otherwise 0.
 constexpr std::int16_t If(bool condition, std::int16_t value)
 {
   return condition ? value : std::int16_t{ 0 };
 }
 
-constexpr std::int16_t Least(std::int16_t a, std::int16_t b)
+constexpr std::int16_t Minimum(std::int16_t a, std::int16_t b)
 {
   return a < b ? a : b;
 }
 
-constexpr std::int16_t Greatest(std::int16_t a, std::int16_t b)
+constexpr std::int16_t Maximum(std::int16_t a, std::int16_t b)
 {
   return a > b ? a : b;
 }
 
-/// Hands the weights of the cells between two slices, of the faces there and, as each of these
-/// cells has one in either slice, of the faces in the slices. What the lower slice has got before
-/// is added to; the upper one has got nothing.
-ISOSURFACE_CLONES void HandLowsDown(Input low, Input high, Input cells, Input facesXZ,
+/// Passes on the weights for minima of the cells between two slices and of the faces between them,
+/// and adds the weights of the cells' faces in the slices. Adds to the weights of the lower slice;
+/// sets those of the upper slice.
+ISOSURFACE_CLONES void PassOnMinima(Input low, Input high, Input cells, Input facesXZ,
   Input facesYZ, Output lowFace, Output lowEdgeX, Output lowEdgeY, Output highFace,
   Output highEdgeX, Output highEdgeY, std::ptrdiff_t row, std::ptrdiff_t count)
 {
   constexpr std::int16_t unit = VertexChanges::ActiveCellUnit - 4;
   for (std::ptrdiff_t i = 0; i < count; ++i)
   {
-    const std::int16_t a = Least(low[i], low[i + 1]);
-    const std::int16_t b = Least(high[i], high[i + 1]);
+    const std::int16_t a = Minimum(low[i], low[i + 1]);
+    const std::int16_t b = Minimum(high[i], high[i + 1]);
     lowEdgeX[i] = Narrow(lowEdgeX[i] + If(a <= b, facesXZ[i]));
     highEdgeX[i] = If(a > b, facesXZ[i]);
-    const std::int16_t aY = Least(low[i], low[i + row]);
-    const std::int16_t bY = Least(high[i], high[i + row]);
+    const std::int16_t aY = Minimum(low[i], low[i + row]);
+    const std::int16_t bY = Minimum(high[i], high[i + row]);
     lowEdgeY[i] = Narrow(lowEdgeY[i] + If(aY <= bY, facesYZ[i]));
     highEdgeY[i] = If(aY > bY, facesYZ[i]);
-    const std::int16_t aFace = Least(a, Least(low[i + row], low[i + row + 1]));
-    const std::int16_t bFace = Least(b, Least(high[i + row], high[i + row + 1]));
+    const std::int16_t aFace = Minimum(a, Minimum(low[i + row], low[i + row + 1]));
+    const std::int16_t bFace = Minimum(b, Minimum(high[i + row], high[i + row + 1]));
     const auto face = static_cast<std::int16_t>(cells[i] & 2);
     const auto cell = static_cast<std::int16_t>(cells[i] & unit);
     lowFace[i] = Narrow(lowFace[i] + face + If(aFace <= bFace, cell));
@@ -63,24 +63,24 @@ ISOSURFACE_CLONES void HandLowsDown(Input low, Input high, Input cells, Input fa
   }
 }
 
-/// The same for the maxima of the cells.
-ISOSURFACE_CLONES void HandHighsDown(Input low, Input high, Input cells, Output lowFace,
+/// Passes on the weights for maxima of the cells.
+ISOSURFACE_CLONES void PassOnMaxima(Input low, Input high, Input cells, Output lowFace,
   Output highFace, std::ptrdiff_t row, std::ptrdiff_t count)
 {
   for (std::ptrdiff_t i = 0; i < count; ++i)
   {
     const std::int16_t a =
-      Greatest(Greatest(low[i], low[i + 1]), Greatest(low[i + row], low[i + row + 1]));
+      Maximum(Maximum(low[i], low[i + 1]), Maximum(low[i + row], low[i + row + 1]));
     const std::int16_t b =
-      Greatest(Greatest(high[i], high[i + 1]), Greatest(high[i + row], high[i + row + 1]));
+      Maximum(Maximum(high[i], high[i + 1]), Maximum(high[i + row], high[i + row + 1]));
     const auto cell = static_cast<std::int16_t>(cells[i] & -VertexChanges::ActiveCellUnit);
     lowFace[i] = Narrow(lowFace[i] + If(a >= b, cell));
     highFace[i] = If(a < b, cell);
   }
 }
 
-/// Which diagonal's ends (1 to 4, by the end in the lower slice; 0: none) are below all other
-/// corners of a cell; false if that is so nowhere.
+/// Finds the cells with a diagonal whose ends are below all other corners. found: the diagonal (1
+/// to 4, by the end in the lower slice) or 0. Returns false if there is none.
 ISOSURFACE_CLONES bool FindDiagonals(
   Input low, Input high, Input cells, Output found, std::ptrdiff_t row, std::ptrdiff_t count)
 {
@@ -89,41 +89,45 @@ ISOSURFACE_CLONES bool FindDiagonals(
   {
     const std::int16_t a[4] = { low[i], low[i + 1], low[i + row], low[i + row + 1] };
     const std::int16_t b[4] = { high[i + row + 1], high[i + row], high[i + 1], high[i] };
-    const std::int16_t least01 = Least(Least(a[0], b[0]), Least(a[1], b[1]));
-    const std::int16_t least23 = Least(Least(a[2], b[2]), Least(a[3], b[3]));
-    // At most one of them holds.
-    const std::int16_t which0 = If(Greatest(a[0], b[0]) < Least(Least(a[1], b[1]), least23), 1);
-    const std::int16_t which1 = If(Greatest(a[1], b[1]) < Least(Least(a[0], b[0]), least23), 2);
-    const std::int16_t which2 = If(Greatest(a[2], b[2]) < Least(Least(a[3], b[3]), least01), 3);
-    const std::int16_t which3 = If(Greatest(a[3], b[3]) < Least(Least(a[2], b[2]), least01), 4);
+    const std::int16_t minimum01 = Minimum(Minimum(a[0], b[0]), Minimum(a[1], b[1]));
+    const std::int16_t minimum23 = Minimum(Minimum(a[2], b[2]), Minimum(a[3], b[3]));
+    // At most one of these conditions is true.
+    const std::int16_t which0 =
+      If(Maximum(a[0], b[0]) < Minimum(Minimum(a[1], b[1]), minimum23), 1);
+    const std::int16_t which1 =
+      If(Maximum(a[1], b[1]) < Minimum(Minimum(a[0], b[0]), minimum23), 2);
+    const std::int16_t which2 =
+      If(Maximum(a[2], b[2]) < Minimum(Minimum(a[3], b[3]), minimum01), 3);
+    const std::int16_t which3 =
+      If(Maximum(a[3], b[3]) < Minimum(Minimum(a[2], b[2]), minimum01), 4);
     found[i] = static_cast<std::int16_t>(cells[i] & (which0 | which1 | which2 | which3));
     any = static_cast<std::int16_t>(any | found[i]);
   }
   return any != 0;
 }
 
-/// Hands the weights of a slice's faces to its edges along x. A face has the edge that starts where
-/// it does, and the one a row behind.
-ISOSURFACE_CLONES void HandFacesDown(Input values, Input lowFace, Input lowEdge, Input highFace,
+/// Passes on the weights of a slice's faces to its edges along x: a face has the edge of its low
+/// corner and the edge of the next row.
+ISOSURFACE_CLONES void PassOnFaces(Input values, Input lowFace, Input lowEdge, Input highFace,
   Output toLow, Output toHigh, std::ptrdiff_t row, std::ptrdiff_t count)
 {
   for (std::ptrdiff_t i = 0; i < count; ++i)
   {
-    const std::int16_t low = Least(values[i], values[i + 1]);
-    const std::int16_t lowBefore = Least(values[i - row], values[i - row + 1]);
-    const std::int16_t lowBehind = Least(values[i + row], values[i + row + 1]);
+    const std::int16_t low = Minimum(values[i], values[i + 1]);
+    const std::int16_t lowBefore = Minimum(values[i - row], values[i - row + 1]);
+    const std::int16_t lowBehind = Minimum(values[i + row], values[i + row + 1]);
     toLow[i] =
       Narrow(lowEdge[i] + If(low <= lowBehind, lowFace[i]) + If(lowBefore > low, lowFace[i - row]));
-    const std::int16_t high = Greatest(values[i], values[i + 1]);
-    const std::int16_t highBefore = Greatest(values[i - row], values[i - row + 1]);
-    const std::int16_t highBehind = Greatest(values[i + row], values[i + row + 1]);
+    const std::int16_t high = Maximum(values[i], values[i + 1]);
+    const std::int16_t highBefore = Maximum(values[i - row], values[i - row + 1]);
+    const std::int16_t highBehind = Maximum(values[i + row], values[i + row + 1]);
     toHigh[i] =
       Narrow(If(high >= highBehind, highFace[i]) + If(highBefore < high, highFace[i - row]));
   }
 }
 
-/// Hands the weights of a slice's edges to its vertices.
-ISOSURFACE_CLONES void HandEdgesDown(Input values, Input corners, std::int16_t sliceCount,
+/// Passes on the weights of a slice's edges to its vertices.
+ISOSURFACE_CLONES void PassOnEdges(Input values, Input corners, std::int16_t sliceCount,
   Input lowEdgeX, Input highEdgeX, Input lowEdgeY, Output to, std::ptrdiff_t row,
   std::ptrdiff_t count)
 {
@@ -222,11 +226,11 @@ void VertexChanges::VisitCells(std::size_t slice)
   const auto count = static_cast<std::ptrdiff_t>(this->SliceSize);
   const auto begin = [&](std::vector<std::int16_t>& weights)
   { return weights.data() + this->Margin; };
-  HandLowsDown(low, high, this->Cells.data(), this->FacesXZ.data(), this->FacesYZ.data(),
+  PassOnMinima(low, high, this->Cells.data(), this->FacesXZ.data(), this->FacesYZ.data(),
     begin(this->Lower.LowFace), begin(this->Lower.LowEdgeX), begin(this->Lower.LowEdgeY),
     begin(this->Upper.LowFace), begin(this->Upper.LowEdgeX), begin(this->Upper.LowEdgeY), row,
     count);
-  HandHighsDown(low, high, this->Cells.data(), begin(this->Lower.HighFace),
+  PassOnMaxima(low, high, this->Cells.data(), begin(this->Lower.HighFace),
     begin(this->Upper.HighFace), row, count);
   if (FindDiagonals(low, high, this->Cells.data(), this->Found.data(), row, count))
   {
@@ -246,10 +250,10 @@ void VertexChanges::AddDiagonals(const std::int16_t* low, const std::int16_t* hi
     std::int16_t a[4] = { low[i], low[i + 1], low[i + row], low[i + row + 1] };
     std::int16_t b[4] = { high[i + row + 1], high[i + row], high[i + 1], high[i] };
     const auto which = static_cast<std::size_t>(this->Found[i] - 1);
-    const std::int16_t second = Greatest(a[which], b[which]);
+    const std::int16_t second = Maximum(a[which], b[which]);
     a[which] = b[which] = std::numeric_limits<std::int16_t>::max();
-    const std::int16_t third = Least(
-      Least(Least(a[0], a[1]), Least(a[2], a[3])), Least(Least(b[0], b[1]), Least(b[2], b[3])));
+    const std::int16_t third = Minimum(Minimum(Minimum(a[0], a[1]), Minimum(a[2], a[3])),
+      Minimum(Minimum(b[0], b[1]), Minimum(b[2], b[3])));
     this->Diagonals.push_back({ second, third });
   }
 }
@@ -262,9 +266,9 @@ void VertexChanges::FinishSlice(std::size_t slice)
   const std::int16_t slices = slice == 0 || slice + 1 == this->Slices ? 1 : 2;
   const auto begin = [&](std::vector<std::int16_t>& weights)
   { return weights.data() + this->Margin; };
-  HandFacesDown(values, begin(this->Lower.LowFace), begin(this->Lower.LowEdgeX),
+  PassOnFaces(values, begin(this->Lower.LowFace), begin(this->Lower.LowEdgeX),
     begin(this->Lower.HighFace), begin(this->LowEdge), begin(this->HighEdge), row, count);
-  HandEdgesDown(values, this->Corners.data(), slices, begin(this->LowEdge), begin(this->HighEdge),
+  PassOnEdges(values, this->Corners.data(), slices, begin(this->LowEdge), begin(this->HighEdge),
     begin(this->Lower.LowEdgeY), this->Changes.data() + slice * this->SliceSize, row, count);
 }
 

@@ -12,59 +12,55 @@ namespace isosurface
 {
 
 /**
- * How the numbers of marching-cubes triangles and of active cells in a lattice change when its
- * vertices go outside, one value after another from the least to the greatest.
- *
- * With the case table used here, which separates the inside corners of an ambiguous face, a cell
- * has
+ * Computes how the numbers of triangles and of active cells in a lattice change at each vertex,
+ * when the vertices go outside in the order of increasing values. With this case table, a cell has
  *
  *     V - 2 F + 4 A - 4 D    triangles,
  *
- * V: its corners inside; F: its faces with all corners inside; A: 1 if all corners are inside; D: 1
- * if exactly the two ends of one of its diagonals are outside. (Euler's formula gives the number of
- * polygons from the inside corners, edges and faces, since nothing but such a diagonal makes the
- * outside fall apart; a polygon of n sides is n - 2 triangles.) So only the minima of faces and
- * cells matter, and the maxima of cells for the active ones. They are found by halves, many cells
- * at a time; on the way back each half hands its weight to the lesser one, down to one vertex.
- * Where values rise evenly the weights of a vertex cancel out.
+ * V: inside corners; F: faces with all corners inside; A: 1 if all corners are inside; D: 1 if only
+ * the two ends of one of its diagonals are outside (by Euler's formula). So only the minima of
+ * faces and cells matter, and the maxima of cells for the active ones. Each face and cell has a
+ * weight, which is passed on to the half with the minimum (maximum), down to one vertex: from cells
+ * to faces, to edges, to vertices. Where values are smooth, the weights of a vertex cancel out.
  *
- * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex, and slices. One
- * object serves one thread at a time, any number of lattices after each other.
+ * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex, and a few slices. For
+ * one thread at a time; an object can be used for several lattices.
  */
 class VertexChanges
 {
 public:
-  /// A cell whose two least corners are the ends of a diagonal: 4 triangles fewer from the greater
-  /// one of these on, 4 more again from the least of the other six on.
+  /// A cell whose two corners of minimum value are the ends of a diagonal: it has 4 triangles fewer
+  /// from the second value to the third.
   struct Diagonal
   {
     std::int16_t Second;
     std::int16_t Third;
   };
 
-  /// What a change counts for an active cell; it counts 1 for a triangle.
+  /// An active cell counts so much in a change; a triangle counts 1.
   static constexpr int ActiveCellUnit = 256;
 
-  /// Memory for the values of a lattice of at least 2 vertices an axis, x fastest, to be filled.
+  /// Returns the memory for the values of a lattice, x fastest, for the caller to fill. `size`: at
+  /// least 2 vertices on each axis.
   std::int16_t* Resize(const Index3& size);
 
-  /// Finds the changes of the lattice that was filled.
+  /// Computes the changes.
   void Compute();
 
   std::size_t GetNumberOfVertices() const { return this->SliceSize * this->Slices; }
   const std::int16_t* GetValues() const { return this->Values.data() + this->Margin; }
-  /// Per vertex, but for the diagonals.
+  /// The changes by vertex, without those of the diagonals.
   const std::int16_t* GetChanges() const { return this->Changes.data(); }
   const std::vector<Diagonal>& GetDiagonals() const { return this->Diagonals; }
 
 private:
-  /// What is handed down to the parts of a slice of vertices; behind a margin of zeros.
+  /// Weights passed on to a slice of vertices. Each vector begins with a margin of zeros.
   struct SliceWeights
   {
-    std::vector<std::int16_t> LowFace;  ///< to the minima of its faces
-    std::vector<std::int16_t> LowEdgeX; ///< to the minima of its edges along x
+    std::vector<std::int16_t> LowFace;  ///< for the minima of its faces
+    std::vector<std::int16_t> LowEdgeX; ///< for the minima of its edges along x
     std::vector<std::int16_t> LowEdgeY;
-    std::vector<std::int16_t> HighFace; ///< to the maxima of its faces
+    std::vector<std::int16_t> HighFace; ///< for the maxima of its faces
   };
 
   void FillUnits(std::size_t rows);
@@ -75,22 +71,22 @@ private:
   std::size_t Columns = 0;
   std::size_t SliceSize = 0;
   std::size_t Slices = 0;
-  std::size_t Margin = 0;           ///< a row and a vertex: as far as neighbours in a slice are
+  std::size_t Margin = 0;           ///< a row and a vertex: the maximum offset of neighbours
   std::vector<std::int16_t> Values; ///< between two margins
   std::vector<std::int16_t> Changes;
   std::vector<Diagonal> Diagonals;
 
-  // Per vertex of a slice, for what has it as its low corner; 0 where there is nothing.
-  std::vector<std::int16_t> Cells;   ///< all bits
-  std::vector<std::int16_t> FacesXZ; ///< between this slice and the next: weight
+  // By vertex of a slice; 0 if it is not the low corner of a cell or face.
+  std::vector<std::int16_t> Cells;   ///< all bits set if it is the low corner of a cell
+  std::vector<std::int16_t> FacesXZ; ///< the weight of the face between this slice and the next
   std::vector<std::int16_t> FacesYZ;
-  std::vector<std::int16_t> Corners; ///< of how many cells of one slice of cells it is one
+  std::vector<std::int16_t> Corners; ///< the number of cells around it in a slice of cells
 
   SliceWeights Lower;
   SliceWeights Upper;
-  std::vector<std::int16_t> LowEdge;  ///< all that goes to edges along x
-  std::vector<std::int16_t> HighEdge; ///< the same for maxima
-  std::vector<std::int16_t> Found;    ///< per cell of a slice: its diagonal
+  std::vector<std::int16_t> LowEdge;  ///< weights for the minima of edges along x
+  std::vector<std::int16_t> HighEdge; ///< weights for their maxima
+  std::vector<std::int16_t> Found;    ///< the diagonal of each cell of a slice, or 0
 };
 
 } // namespace isosurface

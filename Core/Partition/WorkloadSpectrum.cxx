@@ -11,7 +11,7 @@ namespace isosurface
 namespace
 {
 
-/// floor(value / 2^exponent), where that is below 2^63 in magnitude.
+/// floor(value / 2^exponent). Its magnitude must be below 2^63.
 template <typename T>
 std::int64_t FloorQuotient(T value, int exponent)
 {
@@ -27,17 +27,17 @@ std::int64_t FloorQuotient(T value, int exponent)
   }
 }
 
-/// The exponent of the finest width that is worth having for values of a range.
+/// The exponent of the minimum width of bins for values of a range.
 template <typename T>
 int FindFinestExponent(T minimum, T maximum)
 {
   if constexpr (std::is_floating_point_v<T>)
   {
     using Limits = std::numeric_limits<T>;
-    const T largest = std::max(std::abs(minimum), std::abs(maximum));
-    const int spacing = largest == 0
+    const T magnitude = std::max(std::abs(minimum), std::abs(maximum));
+    const int spacing = magnitude == 0
       ? 0
-      : std::max(std::ilogb(largest), Limits::min_exponent - 1) - Limits::digits + 1;
+      : std::max(std::ilogb(magnitude), Limits::min_exponent - 1) - Limits::digits + 1;
     // Halved, since the difference of two doubles may overflow.
     const double half = 0.5 * static_cast<double>(maximum) - 0.5 * static_cast<double>(minimum);
     return half > 0 ? std::max(spacing, std::ilogb(half) + 1 - 11) : spacing;

@@ -30,20 +30,20 @@ struct SpectrumBins
   std::uint32_t Count = 0;
 
   /**
-   * The bins for a range of finite values (infinities and NaN left out): the least power of two
-   * that covers it by at most 2048 bins (hence at least 1024), but for integers not less than 1,
-   * for floats not less than the spacing of the type's numbers at the end of larger magnitude. So
-   * integers of at most 2048 values, all 8-bit data among them, have a bin for every value. The
-   * first edge is the last one <= the minimum, the last edge the last one <= the maximum. An empty
-   * range has no bins. (uint64 values from 2^63 on have a width of at least 2; an isovalue, being a
-   * double, cannot tell them apart anyway.)
+   * Chooses the bins for a range of finite values. The width is the minimum power of two that
+   * covers the range with at most 2048 bins (hence at least 1024). But it is at least 1 for
+   * integers, and at least the spacing of the type's numbers (at the end of larger magnitude) for
+   * floats. So integers of at most 2048 values, such as all 8-bit data, have a bin for every value.
+   * The first edge is the last one <= the minimum, the last edge the last one <= the maximum. An
+   * empty range has no bins. (For uint64 values above 2^63 the width is at least 2: isovalues are
+   * doubles, which cannot distinguish neighbouring values anyway.)
    */
   static SpectrumBins Choose(ValueType type, const KeyRange& finiteRange);
 
   double GetWidth() const;
   double GetEdge(std::size_t bin) const;
-  /// The key of the least value of the type, of a range that these bins were chosen for, that is
-  /// not below an edge. Exact where GetEdge is not, for 64-bit integers of many digits.
+  /// The key of the threshold of an edge: the minimum value of the type >= the edge. The bins must
+  /// have been chosen for the type. Exact also where GetEdge() rounds: for large 64-bit integers.
   ValueKey GetEdgeKey(ValueType type, std::size_t bin) const;
 
   bool operator==(const SpectrumBins& other) const
@@ -55,13 +55,11 @@ struct SpectrumBins
 };
 
 /**
- * What an isosurface is and costs, by isovalue: at the edge of every bin. Triangles, cells, blocks
- * and bytes are exact, with inside meaning value >= isovalue; area and volume are estimates
- * (BlockMeasure). All are whole numbers, so the spectra of parts add up to that of the whole in any
- * order.
+ * Quantities of the isosurface by isovalue, at the edge of every bin. Triangles, cells, blocks and
+ * bytes are exact; area and volume are estimates (BlockMeasure). All are integers, so the spectra
+ * of parts add up to the spectrum of the whole in any order.
  *
- * A quantity that is not known, as in files of older versions, is an empty vector; the others have
- * Bins.Count elements.
+ * A quantity that is not known is an empty vector; the others have Bins.Count elements.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997.
  */
@@ -71,8 +69,8 @@ struct WorkloadSpectrum
 
   SpectrumBins Bins;
   Counts Triangles;    ///< that marching cubes extracts
-  Counts ActiveCells;  ///< cells that the isosurface passes
-  Counts ActiveBlocks; ///< blocks with values on both sides
+  Counts ActiveCells;  ///< cells that the isosurface crosses
+  Counts ActiveBlocks; ///< blocks that it crosses
   Counts Bytes;        ///< that a query reads of the active blocks
   Counts Area;         ///< of the isosurface, in AreaUnit
   Counts Volume;       ///< where value >= isovalue, in VolumeUnit
@@ -88,12 +86,12 @@ struct WorkloadSpectrum
   std::array<Counts*, NumberOfQuantities> GetQuantities();
   std::array<const Counts*, NumberOfQuantities> GetQuantities() const;
 
-  /// The bin whose edge is the last one <= isovalue, clamped to the bins; 0 if there is none. Exact
-  /// for an isovalue on an edge, else a close guess.
+  /// The bin of the last edge <= isovalue; 0 if there is none. The quantities at that edge are
+  /// those of the isovalue if it is on the edge, otherwise an approximation.
   std::size_t FindBin(double isovalue) const;
 
-  /// Adds a spectrum of equal bins and units; false (and nothing added) if these differ. What one
-  /// of the two does not know, the sum does not know either.
+  /// Adds a spectrum of equal bins and units. Returns false, and adds nothing, if these differ. A
+  /// quantity that one of the spectra does not know is unknown in the sum.
   bool Add(const WorkloadSpectrum& other);
 };
 

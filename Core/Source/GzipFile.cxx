@@ -11,25 +11,25 @@ namespace isosurface
 namespace
 {
 
-constexpr std::uint64_t LargestPlaces = 1024;
-constexpr std::uint64_t LeastSpacing = std::uint64_t{ 4 } << 20;
+constexpr std::uint64_t MaximumPlaces = 1024;
+constexpr std::uint64_t MinimumSpacing = std::uint64_t{ 4 } << 20;
 constexpr std::size_t WindowSize = 32768;
 constexpr std::size_t InputSize = std::size_t{ 1 } << 18;
 constexpr std::size_t SkipSize = std::size_t{ 1 } << 18;
-/// A gzip or zlib header is recognised; or there is none, where inflating begins again.
+/// zlib's codes: a gzip or zlib header, which is recognised, or none, at a place in the stream.
 constexpr int AnyHeader = 15 + 32;
 constexpr int NoHeader = -15;
 constexpr std::uint64_t GzipTrailerSize = 8;
 
-/// Bytes from one place to the next.
+/// The bytes from one place to the next.
 std::uint64_t FindSpacing(std::uint64_t size)
 {
-  return std::max(LeastSpacing, size / LargestPlaces + 1);
+  return std::max(MinimumSpacing, size / MaximumPlaces + 1);
 }
 
 } // namespace
 
-/// A zlib stream that takes its input from a file.
+/// A zlib stream that reads its input from a file.
 class GzipFile::Inflater
 {
 public:
@@ -52,7 +52,7 @@ public:
   std::uint64_t GetOut() const { return this->Out; }
   std::uint64_t GetIn() const { return this->In - this->Stream.avail_in; }
   int GetBits() const { return this->Stream.data_type & 7; }
-  /// Whether the next byte is the first of a block that is not the last one's end.
+  /// Whether the next byte is the first one of a block.
   bool IsBetweenBlocks() const
   {
     return (this->Stream.data_type & 128) != 0 && (this->Stream.data_type & 64) == 0;
@@ -78,12 +78,13 @@ public:
     return Status::Ok();
   }
 
-  /// Inflates to the end of the next block, but at most `size` bytes.
+  /// Inflates up to the end of the next block, but at most `size` bytes. Sets `count` to the
+  /// number.
   Status Inflate(std::uint8_t* bytes, std::size_t size, std::size_t& count)
   {
-    constexpr std::size_t most = std::size_t{ 1 } << 30;
+    constexpr std::size_t maximum = std::size_t{ 1 } << 30;
     this->Stream.next_out = bytes;
-    this->Stream.avail_out = static_cast<uInt>(std::min(size, most));
+    this->Stream.avail_out = static_cast<uInt>(std::min(size, maximum));
     const uInt room = this->Stream.avail_out;
     if (this->Stream.avail_in == 0)
     {
@@ -105,8 +106,8 @@ public:
     return Status::Ok();
   }
 
-  /// Goes on to the end of the stream's member, where its checksum stands; unless inflating began
-  /// in the middle of it.
+  /// Continues to the end of the current member and checks its checksum, unless inflating started
+  /// in the middle of the member.
   Status CheckEnd(std::vector<std::uint8_t>& scratch)
   {
     Status status;
@@ -140,7 +141,7 @@ private:
 
   Status StartNextMember()
   {
-    // Without a header, zlib does not expect the trailer either.
+    // Without a header, zlib does not expect a trailer either.
     this->In = this->GetIn() + (this->IsRaw ? GzipTrailerSize : 0);
     this->IsRaw = false;
     ++this->Members;
@@ -150,10 +151,10 @@ private:
   }
 
   const RandomAccessFile& File;
-  std::uint64_t In; ///< behind what stands in Input
+  std::uint64_t In; ///< offset in the file after Input
   std::uint64_t Out;
   bool IsRaw;
-  std::uint64_t Members = 0; ///< that have ended
+  std::uint64_t Members = 0; ///< members that have ended
   std::vector<std::uint8_t> Input;
   z_stream Stream = {};
 };
@@ -173,7 +174,7 @@ std::uint64_t GzipFile::GetHeldBytes(std::uint64_t size)
   return InputSize + SkipSize + (size / FindSpacing(size) + 3) * (WindowSize + sizeof(Place));
 }
 
-/// Makes the state stand at most a place before the offset.
+/// Sets State to an inflater at or before the offset, with no place between.
 Status GzipFile::Seek(std::uint64_t offset) const
 {
   const auto next = std::upper_bound(this->Places.begin(), this->Places.end(), offset,

@@ -14,20 +14,20 @@ namespace isosurface
 {
 
 /**
- * What a gzip or zlib stream inflates to, read at any offset. The first pass inflates front to back
- * and notes places where inflating can begin again, at most 1024, 4 MiB apart or more; so a read
- * elsewhere inflates what lies between such a place and its end, but never all from the beginning.
+ * Reads the uncompressed bytes of a gzip or zlib stream at any offset. The first pass records
+ * places at which inflating can start: at most 1024, at least 4 MiB apart. A later read starts at
+ * the place before its offset instead of the beginning of the stream.
  *
- * Memory: 32 KiB a place. Several gzip members in a row are one file. A damaged stream is Corrupt,
- * as is one that ends too early; the stream's own checksums are checked by reading front to back.
- * Several threads may read; they wait for each other.
+ * Several gzip members are one file. Errors: Corrupt (damaged, truncated). The checksums of the
+ * stream are checked when it is read from front to back. Several threads may read, one at a time.
+ * Memory: 32 KiB for each place.
  *
- * Source: the method is that of M. Adler's zran (an example of zlib, 2005).
+ * Source: the method of M. Adler's zran (an example of zlib, 2005).
  */
 class GzipFile : public RandomAccessFile
 {
 public:
-  /// The stream begins at `begin` of the file; `size` bytes of what it inflates to are wanted.
+  /// The stream begins at offset `begin` of the file. `size`: the uncompressed bytes to be read.
   GzipFile(std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, std::uint64_t size);
   ~GzipFile() override;
 
@@ -35,16 +35,16 @@ public:
   std::uint64_t GetSize() const override { return this->Size; }
   const std::string& GetPath() const override { return this->File->GetPath(); }
 
-  /// The most memory that such an object takes, of which `size` bytes are wanted.
+  /// The maximum memory of an object for `size` uncompressed bytes.
   static std::uint64_t GetHeldBytes(std::uint64_t size);
 
 private:
-  /// Where inflating can begin again: between two blocks of the deflate format.
+  /// A place at which inflating can start, between two blocks of the deflate format.
   struct Place
   {
-    std::uint64_t In = 0;
-    std::uint64_t Out = 0;
-    int Bits = 0; ///< of the byte before In that belong to the next block
+    std::uint64_t In = 0;  ///< offset in the file
+    std::uint64_t Out = 0; ///< offset in the uncompressed bytes
+    int Bits = 0;          ///< of the byte before In that belong to the next block
     std::vector<std::uint8_t> Window;
   };
   class Inflater;

@@ -14,8 +14,8 @@ namespace isosurface
 namespace
 {
 
-constexpr std::uint64_t LargestHeader = std::uint64_t{ 1 } << 20;
-constexpr std::int64_t LargestSeries = std::int64_t{ 1 } << 20;
+constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 1 } << 20;
+constexpr std::int64_t MaximumSeriesSize = std::int64_t{ 1 } << 20;
 
 } // namespace
 
@@ -28,7 +28,7 @@ Result<HeaderText> HeaderText::Open(FileSystem& files, const std::string& path)
   }
   HeaderText header;
   header.Path = path;
-  header.Text.resize(static_cast<std::size_t>(std::min((*file)->GetSize(), LargestHeader)));
+  header.Text.resize(static_cast<std::size_t>(std::min((*file)->GetSize(), MaximumHeaderSize)));
   ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, header.Text.size(), header.Text.data()));
   return header;
 }
@@ -83,7 +83,7 @@ std::vector<std::string> HeaderText::Split(const std::string& text)
 
 std::optional<double> HeaderText::ParseDouble(const std::string& text)
 {
-  // Whatever the user's language: a header has decimal points.
+  // Headers have decimal points in every locale.
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
   double value = 0;
@@ -136,7 +136,7 @@ std::optional<std::vector<std::string>> HeaderText::ExpandPattern(
   if (begin == std::string::npos || end == std::string::npos ||
     std::string("diu").find(pattern[end]) == std::string::npos || end - begin > 3 ||
     pattern.find('%', end) != std::string::npos || step == 0 || first < 0 || last < 0 ||
-    (last - first) / step < 0 || (last - first) / step >= LargestSeries)
+    (last - first) / step < 0 || (last - first) / step >= MaximumSeriesSize)
   {
     return std::nullopt;
   }

@@ -13,15 +13,15 @@
 namespace isosurface
 {
 
-/// The lines of a text header that samples may follow in the same file.
+/// The lines of a text header, which samples may follow in the same file.
 class HeaderText
 {
 public:
   static Result<HeaderText> Open(FileSystem& files, const std::string& path);
 
-  /// The next line, without its end; nothing at the end of the file, or of the first MiB.
+  /// The next line, without its line end. Nothing at the end of the file, or after the first MiB.
   std::optional<std::string> TakeLine();
-  /// Bytes from the begin of the file to behind the last line taken.
+  /// The offset in the file after the last line taken.
   std::uint64_t GetPosition() const { return this->Position; }
 
   const std::string& GetPath() const { return this->Path; }
@@ -31,19 +31,19 @@ public:
   {
     return Status(code, this->Path + ": " + reason);
   }
-  /// A path as the header gives it: relative to the header's own folder.
+  /// Resolves a path in the header, which is relative to the header's folder.
   std::string ResolvePath(const std::string& name) const;
 
   static std::string Trim(const std::string& text);
   static std::string Lower(std::string text);
   static std::vector<std::string> Split(const std::string& text);
-  /// All of the text is this number.
+  /// The number in a text that contains nothing else.
   static std::optional<double> ParseDouble(const std::string& text);
   static std::optional<std::int64_t> ParseInteger(const std::string& text);
-  /// The numbers of a text, if it has exactly so many.
+  /// The numbers in a text that contains exactly `count` numbers.
   static std::optional<std::vector<double>> ParseDoubles(
     const std::string& text, std::size_t count);
-  /// The names of a series: a printf pattern with one %d (or %03d, %i, ...), from first to last.
+  /// The names of a series from first to last: a printf pattern with one %d (or %03d, %i, ...).
   static std::optional<std::vector<std::string>> ExpandPattern(
     const std::string& pattern, std::int64_t first, std::int64_t last, std::int64_t step);
 

@@ -10,8 +10,8 @@ namespace isosurface
 {
 
 /**
- * The part of a volume that one rank has in memory: the vertices of Box (counted from 0 at the
- * grid's first vertex), one view an array, each with Box within its Available. Box may be empty.
+ * The piece of a volume that a rank has in memory: the vertices of Box, counted from 0 at the
+ * grid's first vertex, and a view for each array whose Available contains Box. Box may be empty.
  */
 struct VolumePiece
 {
@@ -19,7 +19,7 @@ struct VolumePiece
   std::vector<SampleView> Arrays;
 };
 
-/// Samples that are in memory: Read() copies nothing. The piece's samples must outlive the source.
+/// Samples in memory. Read() copies nothing. The samples must outlive the source.
 class MemorySource : public SlabSource
 {
 public:

@@ -66,7 +66,7 @@ private:
     return value == "true" || value == "1" || value == "t";
   }
 
-  /// ElementDataFile is the last field; in a header of its own its list follows.
+  /// Takes the fields. ElementDataFile is the last one; a list of files may follow it.
   Status TakeFields()
   {
     while (this->Fields.count("elementdatafile") == 0)

@@ -12,13 +12,14 @@ namespace isosurface
 {
 
 /**
- * Reads the header of a MetaImage (.mhd, or .mha with the samples in the same file): two or three
- * dimensions (further ones of one sample each), one channel, binary samples in one file
- * (ElementDataFile = LOCAL or a name) or in one file a slice or slab (LIST, or a pattern with
- * first, last and step), as they are or compressed as a whole (CompressedData). What it does not
- * know it passes over; what it cannot read is Unsupported, what is contradictory Corrupt, by name.
+ * Reads the header of a MetaImage (.mhd, or .mha with the samples in the same file). Supported: two
+ * or three dimensions, and more of one sample each; one channel; binary samples in one file
+ * (ElementDataFile = LOCAL or a name) or in a file for each slice or slab (LIST, or a pattern with
+ * first, last and step), also compressed (CompressedData). Unknown fields are ignored. Errors,
+ * which name the field: Unsupported, Corrupt (contradictory).
  *
- * TransformMatrix has the direction of the x axis first; it becomes the first column of Direction.
+ * TransformMatrix begins with the direction of the x axis, which becomes the first column of
+ * Direction.
  *
  * Source: the MetaIO documentation of Kitware's wiki (MetaIO/Documentation).
  */

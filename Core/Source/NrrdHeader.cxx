@@ -77,7 +77,8 @@ private:
                                        : otherwise;
   }
 
-  /// "field: value" up to an empty line, or to the end; "data file: LIST" is followed by names.
+  /// Takes the lines "field: value" up to an empty line, or to the end. Names of files follow "data
+  /// file: LIST".
   Status TakeFields()
   {
     const auto magic = this->Header.TakeLine();
@@ -91,7 +92,7 @@ private:
       const std::size_t colon = line->find(':');
       if ((*line)[0] == '#' || line->find(":=") == colon)
       {
-        continue; // a comment, or a key of the user's
+        continue; // a comment, or a key/value pair
       }
       if (colon == std::string::npos)
       {
@@ -109,7 +110,7 @@ private:
     return Status::Ok();
   }
 
-  /// An axis of the file, as the header has it; several axes of one sample may be no grid's.
+  /// An axis of the file. Axes of one sample may not belong to the grid.
   struct Axis
   {
     std::int64_t Size = 1;
@@ -117,7 +118,8 @@ private:
     std::string Spacing;
     std::optional<std::vector<double>> Direction;
 
-    /// Its samples stand beside each other in space (or time), rather than making up one value.
+    /// Whether its samples are at different places in space (or time), instead of components of a
+    /// value.
     bool IsOfSpace() const
     {
       return this->Kind.empty() || this->Kind == "domain" || this->Kind == "space" ||
@@ -184,7 +186,7 @@ private:
     return Status::Ok();
   }
 
-  /// Two or three axes are left when those that tell nothing are dropped.
+  /// Drops axes of one sample until two or three axes are left.
   Status ChooseAxes()
   {
     const bool hasDirections = std::any_of(this->Axes.begin(), this->Axes.end(),
@@ -205,7 +207,7 @@ private:
         return this->Unsupported("an axis of several samples has no direction in space");
       }
     }
-    // Those of one sample go, the last one first.
+    // Drops the last ones first.
     for (std::size_t axis = this->Axes.size(); axis > 0 && this->Axes.size() > 3; --axis)
     {
       if (this->Axes[axis - 1].Size == 1)
@@ -276,7 +278,7 @@ private:
     }
   }
 
-  /// The direction of z for a slice somewhere in space.
+  /// Sets the direction of z for a single slice in space.
   void SetNormal()
   {
     std::array<double, 9>& d = this->Volume.Grid.Direction;

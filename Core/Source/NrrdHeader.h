@@ -12,13 +12,14 @@ namespace isosurface
 {
 
 /**
- * Reads the header of a NRRD file (.nrrd, or .nhdr with the samples in files of their own): two or
- * three axes of space, beside any axes of one sample, one value a sample, encoding raw or gzip, in
- * one file or in one file a slice or slab (LIST, or a pattern with first, last and step), behind
- * lines and bytes that are skipped. What it does not know it passes over; what it cannot read is
- * Unsupported, what is contradictory Corrupt, by name.
+ * Reads the header of a NRRD file (.nrrd, or .nhdr with the samples in other files). Supported: two
+ * or three axes of space, and any axes of one sample; one value a sample; encoding raw or gzip; one
+ * file, or a file for each slice or slab (LIST, or a pattern with first, last and step); skipped
+ * lines and bytes. Unknown fields are ignored. Errors, which name the field: Unsupported, Corrupt
+ * (contradictory).
  *
- * The lengths of the space directions are the spacing; coordinates stay in the file's own space.
+ * The spacing is the lengths of the space directions. Coordinates are not converted to another
+ * space.
  *
  * Source: the definition of the NRRD file format, teem.sourceforge.net/nrrd/format.html.
  */

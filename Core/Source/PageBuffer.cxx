@@ -24,7 +24,7 @@ Result<std::shared_ptr<PageBuffer>> PageBuffer::Create(std::uint64_t size)
     return Status(StatusCode::OutOfMemory,
       "no memory for " + std::to_string(size) + " bytes: " + std::strerror(errno));
   }
-  // Rows of a block lie far apart in a slab, on a small page each.
+  // The rows of a block are far apart in a slab: each would be on another small page.
   AdviseHugePages(pages, mapped);
   return std::shared_ptr<PageBuffer>(new PageBuffer(pages, mapped));
 }
@@ -76,7 +76,7 @@ void PageBufferPool::Return(std::shared_ptr<PageBuffer> buffer)
   }
   catch (const std::bad_alloc&)
   {
-    // It is freed rather than kept.
+    // Then the buffer is freed.
   }
 }
 

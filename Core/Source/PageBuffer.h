@@ -14,12 +14,12 @@
 namespace isosurface
 {
 
-/// Memory straight from the system, which gets it back at once: slabs are large, and a heap would
-/// keep some of them. Its bytes are zero.
+/// Memory allocated by the system instead of the heap, which would not give large slabs back at
+/// once. Its bytes are zero.
 class PageBuffer
 {
 public:
-  /// OutOfMemory, with the system's reason, if there is none.
+  /// Errors: OutOfMemory, with the system's reason.
   static Result<std::shared_ptr<PageBuffer>> Create(std::uint64_t size);
   PageBuffer(const PageBuffer&) = delete;
   PageBuffer& operator=(const PageBuffer&) = delete;
@@ -40,15 +40,15 @@ private:
 };
 
 /**
- * Page buffers that nobody needs any more. The next slabs are mostly as large, and to get new
- * memory for them costs as much as to copy their samples. Safe for use by any number of threads.
+ * A pool of unused page buffers. The next slab usually has the same size, and new memory for it
+ * would cost as much as copying its samples. Any number of threads may use a pool.
  */
 class PageBufferPool : public std::enable_shared_from_this<PageBufferPool>
 {
 public:
-  /// A buffer of at least `size` bytes, hardly larger, that comes back here when it is let go. Its
-  /// bytes are arbitrary. Idle buffers that do not fit are given back to the system before new
-  /// memory is taken. OutOfMemory as Create.
+  /// Returns a buffer of `size` bytes, or slightly more, with undefined content. When it is
+  /// released it returns to the pool. If no unused buffer fits, all are freed before a new one is
+  /// created. Errors: as Create().
   Result<std::shared_ptr<PageBuffer>> Take(std::uint64_t size);
 
 private:
@@ -58,7 +58,7 @@ private:
   std::vector<std::shared_ptr<PageBuffer>> Idle;
 };
 
-/// The slab of one array whose samples of a box stand in a buffer without gaps, x fastest.
+/// A slab of one array. The samples of the box are in a buffer without gaps, x fastest.
 SampleSlab MakeSlab(
   ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples);
 

@@ -63,7 +63,7 @@ Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const
   const Index3 whole = this->Box.GetSize();
   const Index3 size = box.GetSize();
   const std::size_t valueSize = GetValueSize(this->Type);
-  // As many rows and slices at once as follow each other in the file.
+  // Reads as many rows and slices at once as are contiguous in the file.
   const std::int64_t rows = size[0] == whole[0] ? size[1] : 1;
   const std::int64_t slices = rows == whole[1] ? size[2] : 1;
   const std::size_t bytes = static_cast<std::size_t>(size[0] * rows * slices) * valueSize;

@@ -13,13 +13,13 @@ namespace isosurface
 {
 
 /**
- * The samples of one array in a file, x fastest, then y, then z. A box of whole slices is one read,
- * one of whole rows a read a slice, any other a read a row.
+ * The samples of one array in a file, x fastest, then y, then z. Cost of a box: one read for whole
+ * slices, a read for each slice for whole rows, otherwise a read for each row.
  */
 class RawSource : public SlabSource
 {
 public:
-  /// The file has all samples, and nothing before them. `heldBytes`: the file's own memory.
+  /// The file contains all samples and nothing before them. `heldBytes`: the memory of `file`.
   RawSource(std::unique_ptr<RandomAccessFile> file, const Index3& size, ValueType type,
     bool isBigEndian, std::uint64_t heldBytes);
 

@@ -19,7 +19,7 @@ namespace isosurface
 namespace
 {
 
-/// The bytes of all samples; nothing if there are none, or more than any file has.
+/// The bytes of all samples. Nothing if there are none, or more than any file can have.
 std::optional<std::uint64_t> CountBytes(const GridGeometry& grid, ValueType type)
 {
   std::uint64_t bytes = GetValueSize(type);
@@ -34,7 +34,7 @@ std::optional<std::uint64_t> CountBytes(const GridGeometry& grid, ValueType type
   return bytes;
 }
 
-/// Where the text from `begin` on has `lines` ends of lines behind it.
+/// The offset after `lines` lines of text that begin at `begin`.
 Result<std::uint64_t> SkipLines(
   const RandomAccessFile& file, std::uint64_t begin, std::uint64_t lines)
 {
@@ -95,7 +95,7 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
   }
   if (this->IsGzip)
   {
-    // That the stream has as much is seen when it is read.
+    // Reading shows whether the stream has so many bytes.
     auto inflated = std::make_unique<GzipFile>(std::move(*file), *behindLines, this->Skip + bytes);
     return std::unique_ptr<RandomAccessFile>(
       std::make_unique<SectionFile>(std::move(inflated), this->Skip, bytes));

@@ -12,7 +12,7 @@
 namespace isosurface
 {
 
-/// `size` bytes of a file from `begin` on, as a file of their own. The file must have them.
+/// `size` bytes of a file, from offset `begin`, as a file of their own. The file must contain them.
 class SectionFile : public RandomAccessFile
 {
 public:

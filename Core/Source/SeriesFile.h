@@ -14,14 +14,13 @@ namespace isosurface
 {
 
 /**
- * A series of files that each give an equal number of bytes, as if they were one. A file is opened
- * when it is read, and the last one read stays open; so there may be any number of them. One
- * thread at a time may read.
+ * A series of files of equal size as if they were one file. A file is opened when it is read, and
+ * only the last one stays open, so there may be any number of files. One thread at a time may read.
  */
 class SeriesFile : public RandomAccessFile
 {
 public:
-  /// Opens one file of the series, such that it has `size` bytes from offset 0 on.
+  /// Opens one file of the series. The result must have `size` bytes.
   using Opener = std::function<Result<std::unique_ptr<RandomAccessFile>>(const std::string& path)>;
 
   SeriesFile(Opener open, std::vector<std::string> paths, std::uint64_t size);

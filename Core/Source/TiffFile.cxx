@@ -18,10 +18,10 @@ namespace isosurface
 namespace
 {
 
-/// Rows, columns, and pages of an ImageJ file, are fewer.
-constexpr std::uint64_t LargestSize = std::uint64_t{ 1 } << 31;
-/// What libtiff may need at once beside what a file itself has: tables of its codecs.
-constexpr std::uint64_t LeastAllocation = std::uint64_t{ 64 } << 20;
+/// The maximum number of rows, columns, and pages of an ImageJ file.
+constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 31;
+/// The maximum size of the tables of libtiff's codecs.
+constexpr std::uint64_t MaximumTableSize = std::uint64_t{ 64 } << 20;
 
 std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits)
 {
@@ -51,7 +51,7 @@ std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits
   }
 }
 
-/// A whole number in ImageJ's description: "images=2048".
+/// An integer in ImageJ's description, such as "images=2048".
 std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std::string& name)
 {
   std::istringstream stream(text);
@@ -67,13 +67,13 @@ std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std:
 
 } // namespace
 
-/// libtiff's handle, and what it works on.
+/// libtiff's handle, and the file that it reads.
 struct TiffFile::Handle
 {
   std::unique_ptr<RandomAccessFile> File;
   std::uint64_t Position = 0;
-  Status Failure;     ///< of the file itself, the first one
-  std::string Reason; ///< the first error that libtiff told
+  Status Failure;     ///< the first error of the file
+  std::string Reason; ///< the first error of libtiff
   ::TIFF* Tiff = nullptr;
 
   Handle() = default;
@@ -145,12 +145,12 @@ Status TiffFile::Handle::Open()
   {
     return Status(StatusCode::OutOfMemory, this->File->GetPath() + ": no memory to open it");
   }
-  // Nothing that a sound file needs is larger than the file, but for the codecs' own tables.
+  // A valid file needs no memory larger than the file, except for the tables of the codecs.
   ::TIFFOpenOptionsSetMaxSingleMemAlloc(
-    options, static_cast<tmsize_t>(this->File->GetSize() + LeastAllocation));
+    options, static_cast<tmsize_t>(this->File->GetSize() + MaximumTableSize));
   ::TIFFOpenOptionsSetErrorHandlerExtR(options, TakeError, this);
   ::TIFFOpenOptionsSetWarningHandlerExtR(options, PassWarning, this);
-  // Not mapped; strips as they are; their places read when they are needed.
+  // Flags: no memory mapping, no chopping of strips, their offsets read on demand.
   this->Tiff = ::TIFFClientOpenExt(this->File->GetPath().c_str(), "rmcO", this, ReadBytes,
     WriteBytes, Seek, Close, GetSize, nullptr, nullptr, options);
   ::TIFFOpenOptionsFree(options);
@@ -198,7 +198,7 @@ Result<TiffFormat> TiffFile::ReadFormat()
   const Handle& tiff = *this->Tiff;
   const auto width = tiff.Get<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
   const auto height = tiff.Get<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
-  if (width == 0 || height == 0 || width > LargestSize || height > LargestSize)
+  if (width == 0 || height == 0 || width > MaximumSize || height > MaximumSize)
   {
     return this->MakeError(StatusCode::Corrupt, "its width or height is impossible");
   }
@@ -265,15 +265,15 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
       ::TIFFIsTiled(tiff) != 0 ? ::TIFFTileSize(tiff) : ::TIFFStripSize(tiff);
     const std::uint64_t pageBytes = static_cast<std::uint64_t>(format->Width) *
       static_cast<std::uint64_t>(format->Height) * GetValueSize(format->Type);
-    if (scratch <= 0 || static_cast<std::uint64_t>(scratch) > 4 * pageBytes + LeastAllocation)
+    if (scratch <= 0 || static_cast<std::uint64_t>(scratch) > 4 * pageBytes + MaximumTableSize)
     {
       return this->MakeError(StatusCode::Corrupt, "the size of its strips or tiles is impossible");
     }
-    // As it is, and as it is stored.
+    // Uncompressed and compressed.
     this->ScratchBytes = std::max(this->ScratchBytes, 2 * static_cast<std::uint64_t>(scratch));
     pages.push_back({ ::TIFFCurrentDirOffset(tiff), 0 });
   } while (::TIFFReadDirectory(tiff) == 1);
-  // The end of the chain is no error; a directory that cannot be read is one.
+  // The last directory ends the loop without an error; so does one that cannot be read, with one.
   if (!this->Tiff->Failure.IsOk() || !this->Tiff->Reason.empty())
   {
     return this->MakeError(StatusCode::Corrupt, "the directory behind it cannot be read");

@@ -14,7 +14,7 @@
 namespace isosurface
 {
 
-/// What a page of a TIFF file holds. Two pages of one stack have equal formats.
+/// The format of a page of a TIFF file. All pages of a stack have the same format.
 struct TiffFormat
 {
   std::int64_t Width = 0;
@@ -27,11 +27,11 @@ struct TiffFormat
   }
 };
 
-/// Where a page of a TIFF file stands.
+/// The place of a page in a TIFF file.
 struct TiffPage
 {
   std::uint64_t Directory = 0; ///< offset of its directory
-  std::uint64_t Shift = 0;     ///< its samples stand so many bytes behind those the directory names
+  std::uint64_t Shift = 0;     ///< from the samples that the directory names to those of the page
 };
 
 /// A rectangle of a page, [Low, High) on each axis.
@@ -44,13 +44,13 @@ struct TiffRectangle
 };
 
 /**
- * A TIFF or BigTIFF file of one or several pages of one sample a pixel: integers of 8, 16, 32 or 64
- * bits, floats of 32 or 64; in strips or tiles, in either byte order, compressed by whatever
- * libtiff knows. Samples are taken as they are stored, the first row of the file first, whatever
- * the photometric interpretation. What ImageJ writes beyond 4 GiB is known as well: one directory,
- * and the samples of all pages behind each other.
+ * A TIFF or BigTIFF file of one or more pages with one sample a pixel: integers of 8, 16, 32 or 64
+ * bits, or floats of 32 or 64 bits; in strips or tiles; in either byte order; with any compression
+ * that libtiff supports. Samples are read as they are stored, the first row first, for any
+ * photometric interpretation. Also reads the files that ImageJ writes beyond 4 GiB: one directory,
+ * followed by the samples of all pages.
  *
- * One thread at a time may use a file. Errors name file and page.
+ * One thread at a time may use a file. Errors name the file and the page.
  *
  * Sources: Adobe, "TIFF Revision 6.0", 1992; libtiff's documentation of BigTIFF; ImageJ's
  * ij.io.TiffEncoder for the text in ImageDescription.
@@ -63,35 +63,36 @@ public:
   TiffFile& operator=(const TiffFile&) = delete;
   ~TiffFile();
 
-  /// Reads the directories of all pages: their places, by order in the file. Corrupt if pages have
-  /// different formats, or numbers (tag PageNumber) that go down.
+  /// Reads the directories of all pages, in the order of the file. Unsupported if the pages have
+  /// different formats, or descending numbers (tag PageNumber).
   Result<std::vector<TiffPage>> FindPages();
 
-  /// Of all pages, once they are found.
+  /// The format of all pages, after FindPages() or SetFormat().
   const TiffFormat& GetFormat() const { return this->Format; }
-  /// Instead of finding the pages once more: what they were found to have.
+  /// Sets the format that FindPages() found before, when a file is opened again.
   void SetFormat(const TiffFormat& format) { this->Format = format; }
-  /// The memory that reading takes beside the samples' own, at most, once the pages are found.
+  /// The maximum memory for reading, besides the samples, after FindPages().
   std::uint64_t GetScratchBytes() const { return this->ScratchBytes; }
 
-  /// Reads a rectangle, row by row, without gaps, in the machine's byte order.
+  /// Reads a rectangle, row by row, without gaps, in the byte order of the machine.
   Status Read(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
 
 private:
   struct Handle;
   explicit TiffFile(std::unique_ptr<Handle> handle);
 
-  /// What the current directory says, if it can be read.
+  /// The format of the current directory. Errors: Corrupt, Unsupported.
   Result<TiffFormat> ReadFormat();
-  /// The pages of a file whose one directory stands for several, by ImageJ's description.
+  /// The pages of a file of ImageJ, whose single directory stands for several pages.
   Result<std::vector<TiffPage>> ExpandImageJ(const TiffPage& first) const;
   Status SelectPage(const TiffPage& page);
   Status ReadRows(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
   Status ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to);
   Status ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to);
-  /// Whether the code of a strip or tile is within the file.
+  /// Whether the bytes of a strip or tile ("strile") are within the file.
   bool HasCodeOf(std::uint32_t strile) const;
-  /// An error that names file and page; libtiff's own reason, if it gave one, or else `reason`.
+  /// An error that names the file and the page. The reason is that of libtiff if there is one,
+  /// otherwise `reason`.
   Status MakeError(StatusCode code, const std::string& reason) const;
 
   std::unique_ptr<Handle> Tiff;

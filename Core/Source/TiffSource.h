@@ -16,17 +16,16 @@ namespace isosurface
 {
 
 /**
- * A stack of TIFF pages: a slice a page, of one file or of several ones, x along the rows, y from
- * the first row on. The last file that was read stays open, so there may be any number of them.
+ * A stack of TIFF pages in one or several files: each page is a slice, with x along the rows and y
+ * from the first row on. Only the last file stays open, so there may be any number of files.
  *
- * A box of whole rows costs a read a strip; of what is compressed or in tiles, all strips or tiles
- * that the box touches are decoded.
+ * Cost of a box: all strips or tiles that it touches are read and decoded.
  */
 class TiffSource : public SlabSource
 {
 public:
-  /// Reads the directories of all pages of all files, which must be alike. Errors name file and
-  /// page. `files` must outlive the source.
+  /// Reads the directories of all pages of all files, which must have the same format. Errors name
+  /// the file and the page. `files` must outlive the source.
   static Result<std::unique_ptr<TiffSource>> Open(
     FileSystem& files, const std::vector<std::string>& paths);
 

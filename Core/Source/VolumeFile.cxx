@@ -70,11 +70,11 @@ bool IsDigit(char letter)
   return std::isdigit(static_cast<unsigned char>(letter)) != 0;
 }
 
-/// A name cut where numbers begin and end: text, number, text, number, ...
+/// A name cut into text, number, text, number, ...
 struct NameParts
 {
   std::vector<std::string> Texts;
-  std::vector<std::string> Numbers; ///< without zeros in front
+  std::vector<std::string> Numbers; ///< without leading zeros
 
   explicit NameParts(const std::string& name)
   {
@@ -117,7 +117,7 @@ struct NameParts
   }
 };
 
-/// Which number tells the names apart, if one alone does.
+/// The index of the number in which the names differ, if it is only one.
 std::optional<std::size_t> FindCounter(const std::vector<NameParts>& names)
 {
   std::optional<std::size_t> counter;
@@ -142,7 +142,7 @@ std::optional<std::size_t> FindCounter(const std::vector<NameParts>& names)
   return counter;
 }
 
-/// That the numbers of a series go up by equal steps.
+/// Checks that the numbers of a series increase by equal steps.
 Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameParts>& names)
 {
   const auto counter = FindCounter(names);
@@ -153,7 +153,7 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
     const auto number = HeaderText::ParseInteger(text.empty() ? "0" : text);
     if (!number)
     {
-      return Status::Ok(); // a time or a hash rather than the number of a slice
+      return Status::Ok(); // a time or a hash instead of the number of a slice
     }
     numbers.push_back(*number);
   }

@@ -16,17 +16,17 @@ namespace isosurface
 {
 
 /**
- * A volume in files, opened by its name, whose samples are read part by part:
+ * A volume in files, opened by name:
  *
  *     .mhd .mha      MetaImage (MetaImageHeader.h)
  *     .nrrd .nhdr    NRRD (NrrdHeader.h)
- *     .tif .tiff     TIFF, a slice a page (TiffFile.h)
- *     a folder       a TIFF stack: all files in it that end in .tif or .tiff
- *     *, ? in a name a TIFF stack: all files of the folder that fit the pattern
+ *     .tif .tiff     TIFF, a slice on each page (TiffFile.h)
+ *     a folder       a TIFF stack: all files in the folder that end in .tif or .tiff
+ *     *, ? in a name a TIFF stack: all files of the folder that match the pattern
  *
- * The files of a stack are taken in the order of the numbers in their names ("slice9.tif" before
- * "slice10.tif"); where one number alone tells them apart, it must go up by equal steps, so that a
- * slice that is missing is seen.
+ * The files of a stack are sorted by the numbers in their names ("slice9.tif" before
+ * "slice10.tif"). If they differ in one number only, it must increase by equal steps: otherwise a
+ * slice is missing.
  */
 struct VolumeFile
 {
@@ -35,14 +35,14 @@ struct VolumeFile
   ValueType Type = ValueType::UInt8;
   std::unique_ptr<SlabSource> Source;
 
-  /// Whether Open() knows what to do with the name. Looks at folders, not into files.
+  /// Whether Open() supports the name. Looks at folders, but does not open files.
   static bool IsKnown(FileSystem& files, const std::string& path);
 
-  /// Unsupported for names that are not known. `files` must outlive the source. Cost: the headers;
-  /// of a TIFF stack those of all pages.
+  /// Opens a volume. Unsupported if not IsKnown(). `files` must outlive the source. Cost: reading
+  /// the headers; for a TIFF stack, the directories of all pages.
   static Result<VolumeFile> Open(FileSystem& files, const std::string& path);
 
-  /// The files of a stack in their order; also of a single one. NotFound if there are none, Corrupt
+  /// The files of a stack in their order, or the file itself. NotFound if there are none, Corrupt
   /// if one is missing.
   static Result<std::vector<std::string>> FindStack(FileSystem& files, const std::string& path);
 };

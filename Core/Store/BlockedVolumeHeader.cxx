@@ -306,7 +306,7 @@ Status ValidateOverviews(const BlockedVolumeHeader& header)
   {
     const OverviewDescription& overview = header.Overviews[index];
     if (overview.NumberOfLevels < 1 ||
-      overview.NumberOfLevels > GetLargestNumberOfLevels(header.BlockSize) ||
+      overview.NumberOfLevels > GetMaximumNumberOfLevels(header.BlockSize) ||
       overview.NumberOfStores < 1 || overview.NumberOfStores > MaximumStores)
     {
       return MakeMemberError("overviews", "has impossible numbers of levels or stores");
@@ -403,7 +403,7 @@ Status BlockedVolumeHeader::ValidateVolume() const
       return MakeMemberError("arrays[].name", "is there twice or not UTF-8: " + array.Name);
     }
   }
-  const int mostLevels = GetLargestNumberOfLevels(this->BlockSize);
+  const int mostLevels = GetMaximumNumberOfLevels(this->BlockSize);
   if (this->NumberOfLevels < 0 || this->NumberOfLevels > mostLevels)
   {
     return MakeMemberError("numberOfLevels", "is not from 1 to " + std::to_string(mostLevels));
@@ -471,7 +471,7 @@ std::string BlockedVolumeHeader::Format() const
   document["format"] = FormatName;
   const int levels = this->GetBlockGrid().GetNumberOfLevels();
   const bool hasOverviews =
-    !this->Overviews.empty() || levels != GetLargestNumberOfLevels(this->BlockSize);
+    !this->Overviews.empty() || levels != GetMaximumNumberOfLevels(this->BlockSize);
   document["formatVersion"] = hasOverviews ? 2 : 1;
   document["grid"] = { { "extent", this->Grid.Extent }, { "origin", this->Grid.Origin },
     { "spacing", this->Grid.Spacing }, { "direction", this->Grid.Direction } };
@@ -546,7 +546,7 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
     members.Fail("blockSize", "is not 16, 32 or 64");
   }
   const auto version = (*document)["formatVersion"].get<std::int64_t>();
-  const int mostLevels = GetLargestNumberOfLevels(header.BlockSize);
+  const int mostLevels = GetMaximumNumberOfLevels(header.BlockSize);
   header.NumberOfStores =
     static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
   members.GetInteger("ghostLayers", 1, 1);

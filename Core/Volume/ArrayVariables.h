@@ -28,16 +28,16 @@ struct Variable
 
   std::size_t Array = 0;
   int Component = 0;
-  ValueType Type = ValueType::UInt8; ///< the array's; of magnitudes Float64
+  ValueType Type = ValueType::UInt8; ///< the array's type; Float64 for magnitudes
 
   bool IsMagnitude() const { return this->Component == Magnitude; }
 };
 
 /**
- * All variables of some arrays, by number. First come the components, which are what is stored:
- * those of array 0, of array 1, ... Then the magnitudes, which are computed: one of each array of
- * several components, in the arrays' order. So if all arrays have one component, a variable has the
- * number of its array.
+ * Numbers the variables of several arrays. The components come first, those of array 0, of array 1,
+ * and so on: they are stored on disk. The magnitudes follow, one for each array of several
+ * components, in the order of the arrays: they are computed. So if all arrays have one component, a
+ * variable has the number of its array.
  *
  *     density, velocity[3]:   0 density  1 velocity 0  2 velocity 1  3 velocity 2  4 |velocity|
  */
@@ -49,21 +49,21 @@ public:
 
   std::size_t GetCount() const { return this->Variables.size(); }
   const Variable& operator[](std::size_t variable) const { return this->Variables[variable]; }
-  /// Variables below this number are stored, one segment a level each.
+  /// Variables below this number are stored: one segment for each level.
   std::size_t GetNumberOfStored() const { return this->StoredTypes.size(); }
   const std::vector<ValueType>& GetStoredTypes() const { return this->StoredTypes; }
 
   int GetComponents(std::size_t array) const { return this->Components[array]; }
-  /// The number of an array's component 0; the others follow it.
+  /// The variable of an array's component 0. The other components follow it.
   std::size_t GetFirst(std::size_t array) const { return this->First[array]; }
 
-  /// The variable of a component or of the magnitude. An array of one component is its own
-  /// magnitude. Nothing if there is no such array or component.
+  /// The variable of a component, or of Variable::Magnitude. For an array of one component both are
+  /// the same. Nothing if there is no such array or component.
   std::optional<std::size_t> Find(std::size_t array, int component) const;
 
-  /// The variable that a menu of components means, as ParaView numbers its entries: below the
-  /// array's number of components that component, at it the magnitude. An array of one component
-  /// has no such menu: any number means the array.
+  /// The variable of an entry of ParaView's menu of components: entry n is component n, and the
+  /// entry after the last component is the magnitude. An array of one component has no such menu:
+  /// any number means the array.
   std::optional<std::size_t> FindChoice(std::size_t array, int choice) const;
 
 private:
@@ -73,7 +73,7 @@ private:
   std::vector<std::size_t> First;
 };
 
-/// The component, or Variable::Magnitude, that such a menu means for an array of so many
+/// The component, or Variable::Magnitude, of an entry of that menu, for an array of `components`
 /// components.
 std::optional<int> FindChosenComponent(int components, int choice);
 

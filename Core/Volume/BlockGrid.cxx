@@ -20,7 +20,7 @@ VertexBox VertexBox::Intersect(const VertexBox& other) const
 BlockGrid::BlockGrid(const Index3& dimensions, int blockSize, int levels)
   : Dimensions(dimensions)
   , BlockSize(blockSize)
-  , Levels(levels > 0 ? levels : GetLargestNumberOfLevels(blockSize))
+  , Levels(levels > 0 ? levels : GetMaximumNumberOfLevels(blockSize))
 {
   for (int axis = 0; axis < 3; ++axis)
   {
@@ -79,7 +79,7 @@ bool IsBlockSize(int blockSize)
   return blockSize == 16 || blockSize == 32 || blockSize == 64;
 }
 
-int GetLargestNumberOfLevels(int blockSize)
+int GetMaximumNumberOfLevels(int blockSize)
 {
   int levels = 1;
   while ((blockSize >> levels) > 0)

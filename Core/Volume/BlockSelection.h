@@ -11,16 +11,16 @@ namespace isosurface
 {
 
 /**
- * Which blocks an extraction needs other than those that an isovalue crosses: for a surface that is
- * closed at sides of the grid, the blocks there that are inside as a whole, too; within a region,
- * only the blocks that reach into it.
+ * Which blocks an extraction needs. Usually the active blocks. A surface that is closed at sides of
+ * the grid also needs the blocks at these sides that are entirely inside. With a region, it needs
+ * only blocks that intersect the region.
  */
 struct BlockSelection
 {
   GridSides ClosedSides;
   isosurface::Region Region;
 
-  /// Whether just the crossed blocks are needed, all of them.
+  /// Whether exactly the active blocks are needed.
   bool IsPlain() const { return this->ClosedSides.IsEmpty() && this->Region.IsEverything(); }
 
   bool operator==(const BlockSelection& other) const
@@ -28,10 +28,10 @@ struct BlockSelection
     return this->ClosedSides == other.ClosedSides && this->Region == other.Region;
   }
 
-  /// Whether a block is needed that the isosurface crosses, or that is inside as a whole.
-  bool Selects(const GridGeometry& grid, const VertexBox& vertices, bool isCrossed) const
+  /// Whether a block is needed. The block is active, or it is entirely inside.
+  bool Selects(const GridGeometry& grid, const VertexBox& vertices, bool isActive) const
   {
-    return (isCrossed || this->ClosedSides.Touch(vertices, grid.GetDimensions())) &&
+    return (isActive || this->ClosedSides.Touch(vertices, grid.GetDimensions())) &&
       this->Region.Intersects(grid, vertices);
   }
 };

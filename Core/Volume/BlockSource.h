@@ -16,52 +16,53 @@
 namespace isosurface
 {
 
-/// Tuples that stand on the edges of a block's vertices already, for the points there to take as
-/// they are: one for the edge from the vertex (i, j, k) of Box along each axis, x fastest, without
-/// gaps, of any alignment. Only crossed edges have one.
+/// Tuples on the edges of a block. The points on these edges take them without interpolation.
+/// First[axis] has one tuple for the edge along the axis from each vertex (i, j, k) of Box, x
+/// fastest, without gaps, at any alignment. Only the tuples of crossed edges are defined.
 struct EdgeTupleView
 {
-  ValueType Type = ValueType::Float32; ///< Float32 or Float64, as interpolated values are
+  ValueType Type = ValueType::Float32; ///< Float32 or Float64, like interpolated values
   int NumberOfComponents = 1;
   std::array<const std::uint8_t*, 3> First{};
   VertexBox Box;
 };
 
-/// A further array of a block, in one of two ways.
+/// An array of a block other than the contoured one, either at the vertices or on the edges.
 struct AttributeView
 {
-  /// Samples at the vertices, to be interpolated: one view a component, all of one type.
+  /// Samples at the vertices, to be interpolated: one view for each component, all of one type.
   std::vector<SampleView> Components;
-  /// If given, these instead; there are no Components then. Such an array is not known at vertices:
-  /// sides of the grid cannot be closed, and a point that a vertex keeps (DropDegenerateTriangles)
-  /// has the tuple of its own edge.
+  /// Tuples on the edges; Components is empty then. Since the values at the vertices are unknown,
+  /// sides of the grid cannot be closed, and a point that is moved to a vertex
+  /// (DropDegenerateTriangles) keeps the tuple of its edge.
   std::optional<EdgeTupleView> EdgeTuples{};
 };
 
-/// Where the surface crosses the edges of a block's vertices: how far along the edge (0 to 1) from
-/// the vertex (i, j, k) of Box along each axis, x fastest. Only crossed edges have a value.
+/// Where the surface crosses the edges of a block: First[axis] has, for the edge along the axis
+/// from each vertex (i, j, k) of Box, x fastest, the position of the point on the edge (0 to 1).
+/// Only the values of crossed edges are defined.
 struct CrossingView
 {
   std::array<const float*, 3> First{};
   VertexBox Box;
 };
 
-/// The samples of a block, in grid coordinates, for as long as Owner is held.
+/// The samples of a block, in grid coordinates. They are valid as long as Owner is held.
 struct BlockSamples
 {
   SampleView Scalars; ///< Box is the block's vertices
   std::vector<AttributeView> Attributes;
-  /// If given, points lie there, and the scalars tell only the sides of the isovalue.
+  /// If given, the points lie there, and the scalars only tell which vertices are inside.
   const CrossingView* Crossings = nullptr;
-  std::shared_ptr<const void> Owner; ///< empty if the memory outlives the extraction anyway
+  std::shared_ptr<const void> Owner; ///< may be empty if the memory outlives the extraction
 };
 
 /**
- * The blocks of a grid that an extraction is to visit: a part of a lattice of boxes, of any size,
- * of which neighbours (lattice coordinates that differ by one on an axis) share a face of vertices.
- * Blocks with equal lattice coordinates on an axis span the same vertices on it.
+ * The blocks of a grid that an extraction visits. They are some of the boxes of a lattice, of any
+ * size. Neighbours (lattice coordinates that differ by one on an axis) share a face of vertices.
+ * Blocks with the same lattice coordinate on an axis span the same vertices on it.
  *
- * The source counts its blocks from 0; blocks of the grid that no isovalue can cross are left out.
+ * The source numbers its blocks from 0. It may leave out blocks that are not active.
  */
 class BlockSource
 {
@@ -78,9 +79,9 @@ public:
   virtual ValueType GetValueType() const = 0;
 
   /**
-   * The block's samples. Called once for each block, in no certain order, by several threads at
-   * once; the samples are let go before the same thread asks for another block. Available covers
-   * the block, and one layer more where the grid has one if normals are asked for.
+   * Returns the samples of a block. Called once for each block, in any order, by several threads at
+   * once. A thread releases the samples before it acquires the next block. Available covers the
+   * block; if normals are requested, one more layer around it where the grid has one.
    */
   virtual Result<BlockSamples> Acquire(std::size_t block) = 0;
 };

@@ -29,8 +29,8 @@ struct GridGeometry
   std::int64_t GetNumberOfVertices() const;
   std::int64_t GetNumberOfCells() const;
 
-  /// The grid of every 2^level-th vertex, counted from this grid's first one. Its extent begins at
-  /// 0 (level > 0 only), its origin lies at this grid's first vertex.
+  /// The grid of every 2^level-th vertex, counted from this grid's first one. For level > 0, its
+  /// extent begins at 0 and its origin is this grid's first vertex.
   GridGeometry Coarsen(int level) const;
 
   bool operator==(const GridGeometry& other) const;

@@ -27,7 +27,7 @@ struct GridSides
 
   bool operator==(const GridSides& other) const { return this->Sides == other.Sides; }
 
-  /// Whether a box of vertices of a grid of `dimensions` vertices reaches one of these sides.
+  /// Whether a box of vertices touches one of these sides. `dimensions` are those of the grid.
   bool Touch(const VertexBox& box, const Index3& dimensions) const
   {
     bool touch = false;

@@ -10,10 +10,10 @@ namespace isosurface
 {
 
 /**
- * The magnitudes of tuples: sqrt of the sum of the components' squares, each converted to double
- * and squared there, added from the first component on. Every operation is rounded to double by
- * itself, so the result is the same on all machines; it overflows to infinity where a square does,
- * and is NaN if a component is.
+ * Computes the magnitudes of tuples in double: the components are converted, squared and added from
+ * the first one on; then the square root is taken. Every operation is rounded to double, so the
+ * result is the same on all machines. It is infinite if a square overflows, and NaN if a component
+ * is NaN.
  *
  * components: one view each, with `box` within their Available. magnitudes: room for the box's
  * vertices, x fastest. Cost: one pass over the samples.
@@ -21,7 +21,7 @@ namespace isosurface
 void ComputeMagnitudes(
   const std::vector<SampleView>& components, const VertexBox& box, double* magnitudes);
 
-/// Magnitudes of a box as samples, x fastest; Box and Available are the box.
+/// A view of the magnitudes of a box, x fastest. Its Box and Available are the box.
 SampleView MakeMagnitudeView(const VertexBox& box, const double* magnitudes);
 
 } // namespace isosurface

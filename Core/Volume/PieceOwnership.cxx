@@ -8,7 +8,7 @@ namespace isosurface
 namespace
 {
 
-/// The index-th of count parts of a box, cut across its longest axis.
+/// Cuts a box into `count` parts across its longest axis; returns part `index`.
 VertexBox TakePart(const VertexBox& box, std::int64_t index, std::int64_t count)
 {
   const Index3 size = box.GetSize();
@@ -32,7 +32,7 @@ std::vector<VertexBox> SubtractBox(const VertexBox& box, const VertexBox& hole)
   {
     return { box };
   }
-  // Slabs below and above the hole on z, then what they leave on y, then on x.
+  // The slabs below and above the hole on z; then those of what remains on y; then on x.
   std::vector<VertexBox> rest;
   VertexBox remaining = box;
   for (std::size_t axis = 3; axis-- > 0;)
@@ -82,16 +82,16 @@ std::vector<VertexBox> FindOwnedBoxes(const std::vector<VertexBox>& pieces, std:
   {
     owned = SubtractBox(owned, pieces[other]);
   }
-  std::vector<VertexBox> shares;
+  std::vector<VertexBox> parts;
   for (const VertexBox& box : owned)
   {
-    const VertexBox share = TakePart(box, before, holders);
-    if (!share.IsEmpty())
+    const VertexBox part = TakePart(box, before, holders);
+    if (!part.IsEmpty())
     {
-      shares.push_back(share);
+      parts.push_back(part);
     }
   }
-  return shares;
+  return parts;
 }
 
 } // namespace isosurface

@@ -10,16 +10,16 @@
 namespace isosurface
 {
 
-/// What is left of `box` without `hole`: at most six boxes that do not overlap.
+/// Returns `box` without `hole`, as at most six boxes that do not overlap.
 std::vector<VertexBox> SubtractBox(const VertexBox& box, const VertexBox& hole);
 std::vector<VertexBox> SubtractBox(const std::vector<VertexBox>& boxes, const VertexBox& hole);
 
 /**
- * The vertices that a rank is to supply, as boxes that do not overlap, when the ranks' pieces may:
- * a vertex belongs to the first of the different pieces that has it, and a piece that several ranks
- * have is shared out among them. Over all ranks, each vertex of the union belongs to one rank.
+ * Finds the vertices that a rank owns, as boxes that do not overlap. The ranks' pieces may overlap:
+ * a vertex belongs to the first piece that contains it. Ranks with the same piece divide it among
+ * them. So each vertex of the union belongs to exactly one rank.
  *
- * Cost: one box subtraction per earlier rank whose piece overlaps this one's.
+ * Cost: one box subtraction for each earlier piece that overlaps this rank's.
  */
 std::vector<VertexBox> FindOwnedBoxes(const std::vector<VertexBox>& pieces, std::size_t rank);
 

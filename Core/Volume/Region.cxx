@@ -23,7 +23,7 @@ Vector Cross(const Vector& a, const Vector& b)
   return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
 }
 
-// What a half-space of the world is in structured coordinates, scaled to a normal of length 1.
+// Transforms a half-space to structured coordinates, with a normal of length 1.
 HalfSpace ToStructured(const GridGeometry& grid, const HalfSpace& world)
 {
   HalfSpace structured;
@@ -53,7 +53,8 @@ bool AllContain(const std::vector<HalfSpace>& halfSpaces, const Vector& point, d
     { return Dot(halfSpace.Normal, point) <= halfSpace.Offset + tolerance; });
 }
 
-// Whether the body that the half-spaces bound, which must be finite, has a corner.
+// Whether the half-spaces have a common point. They must bound a finite body, so that it has a
+// corner unless it is empty.
 bool HaveCommonPoint(const std::vector<HalfSpace>& halfSpaces, double tolerance)
 {
   for (std::size_t a = 0; a < halfSpaces.size(); ++a)
@@ -145,20 +146,20 @@ bool Region::Intersects(const GridGeometry& grid, const VertexBox& vertices) con
   for (const HalfSpace& world : this->HalfSpaces)
   {
     const HalfSpace halfSpace = ToStructured(grid, world);
-    double least = 0;
-    double most = 0;
+    double minimum = 0;
+    double maximum = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       const double a = halfSpace.Normal[axis] * low[axis];
       const double b = halfSpace.Normal[axis] * high[axis];
-      least += std::min(a, b);
-      most += std::max(a, b);
+      minimum += std::min(a, b);
+      maximum += std::max(a, b);
     }
-    if (least > halfSpace.Offset + tolerance)
+    if (minimum > halfSpace.Offset + tolerance)
     {
       return false;
     }
-    if (!(most <= halfSpace.Offset))
+    if (!(maximum <= halfSpace.Offset))
     {
       cutting.push_back(halfSpace);
     }

@@ -11,7 +11,7 @@
 namespace isosurface
 {
 
-/// All points x of the world with Normal . x <= Offset.
+/// All points x in world coordinates with Normal . x <= Offset.
 struct HalfSpace
 {
   std::array<double, 3> Normal{};
@@ -24,7 +24,8 @@ struct HalfSpace
 };
 
 /**
- * A convex part of the world: what lies in all of its half-spaces. Without any it is everything.
+ * A convex region in world coordinates: the intersection of half-spaces. Without any, it is all of
+ * space.
  */
 class Region
 {
@@ -32,7 +33,7 @@ public:
   Region() = default;
   explicit Region(std::vector<HalfSpace> halfSpaces);
 
-  /// A box: x0, x1, y0, y1, z0, z1, borders included; nothing if one begins behind its end.
+  /// A box x0, x1, y0, y1, z0, z1, including its faces; empty if a minimum is above its maximum.
   static Region FromBounds(const std::array<double, 6>& bounds);
 
   const std::vector<HalfSpace>& GetHalfSpaces() const { return this->HalfSpaces; }
@@ -41,16 +42,16 @@ public:
   /// Whether both have the same half-spaces, in the same order.
   bool operator==(const Region& other) const { return this->HalfSpaces == other.HalfSpaces; }
 
-  /// What lies in both regions.
+  /// The intersection of both regions.
   Region Intersect(const Region& other) const;
 
   /**
-   * Whether some point of the box between these vertices of the grid lies in the region. Exact, for
-   * grids of any direction, but for rounding, which counts as inside.
+   * Whether the region contains a point of the box that these vertices of the grid span. Exact for
+   * grids of any direction, except that points within the rounding error count as inside.
    *
-   * The half-spaces that cut the box, and the box, bound a convex body, which has a corner unless
-   * it is empty: all corners that there might be are tried. Cost: that of 3 x 3 equations, one for
-   * every three of the planes; none for boxes that lie on one side of all but one plane.
+   * Method: the box and the half-spaces that cut it bound a convex body. Unless it is empty, it has
+   * a corner where three of the planes meet; all such points are tried. Cost: a system of 3 x 3
+   * equations for every three planes; none if the box lies on one side of all planes but one.
    */
   bool Intersects(const GridGeometry& grid, const VertexBox& vertices) const;
 

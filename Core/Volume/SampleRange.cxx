@@ -25,7 +25,7 @@ public:
   {
     if (stride == 1)
     {
-      this->AddSamples(row, count, 1); // the compiler vectorises this one
+      this->AddSamples(row, count, 1); // the compiler vectorises this call
     }
     else
     {
@@ -63,7 +63,7 @@ private:
           continue;
         }
       }
-      // Written such that a NaN changes nothing.
+      // The comparisons are false for NaN, so a NaN changes nothing.
       low = value < low ? value : low;
       high = value > high ? value : high;
       if constexpr (std::is_floating_point_v<T>)
@@ -116,7 +116,7 @@ SampleRange FindSampleRange(const SampleView& samples, const VertexBox& box)
       result.Finite = result.All;
       if constexpr (std::is_floating_point_v<T>)
       {
-        // Only infinities: Low and High start out as such, in the wrong order.
+        // If all samples are NaN, Low and High still have their initial, infinite values.
         if (range.HasInfinity())
         {
           result.Finite = FindRange<T, true>(samples, box).GetKeys();

@@ -8,7 +8,7 @@
 namespace isosurface
 {
 
-/// The range of some samples: of all of them, and without NaN and infinities.
+/// The range of samples: of all of them, and of the finite ones.
 struct SampleRange
 {
   KeyRange All;
@@ -17,7 +17,7 @@ struct SampleRange
   void Add(const SampleRange& other);
 };
 
-/// Reads the samples of `box` once.
+/// The range of the samples in `box`. Cost: one pass over them, two if there are infinities.
 SampleRange FindSampleRange(const SampleView& samples, const VertexBox& box);
 
 } // namespace isosurface

@@ -13,12 +13,12 @@ namespace isosurface
 {
 
 /**
- * Samples of one array on a box of vertices, somewhere in memory that somebody else owns: a decoded
- * block, or a part of a vtkImageData. Box is the vertices to work on; Available contains Box and
- * may be larger: samples around it that gradients may use.
+ * A view of the samples of one array on a box of vertices, in memory that the view does not own: a
+ * decoded block, or a part of a vtkImageData. Box contains the vertices to work on. Available
+ * contains Box and may be larger: gradients may use the samples around Box.
  *
- * The sample of the vertex (i, j, k) of Available's coordinates stands at
- * First + ((i - Available.Low[0]) * Stride[0] + (j - ...) * Stride[1] + ...) samples.
+ * The sample of vertex (i, j, k) is at
+ * First + (i - Available.Low[0]) * Stride[0] + (j - Available.Low[1]) * Stride[1] + ...
  */
 struct SampleView
 {
@@ -28,7 +28,7 @@ struct SampleView
   VertexBox Available;
   VertexBox Box;
 
-  /// The sample at a vertex of Available; T must be the type that Type names.
+  /// The sample at a vertex of Available. T must be the type that Type names.
   template <typename T>
   const T* At(const Index3& vertex) const
   {

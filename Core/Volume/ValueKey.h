@@ -15,14 +15,14 @@ namespace isosurface
 {
 
 /**
- * Values of every type as unsigned 64-bit keys in the same order, so that one index serves all
- * types and loses nothing (int64 and uint64 included).
+ * Represents values of every type as unsigned 64-bit keys that have the same order, so that one
+ * index serves all types without loss, int64 and uint64 included.
  *
- * - integers: the value less the smallest value of its type, plus 1;
+ * - integers: the value minus the minimum of its type, plus 1;
  * - floats: the IEEE bits made monotonic, in the width of the type; -0.0 and +0.0 share a key;
- * - NaN: key 0, below everything, since NaN counts as outside (value >= isovalue is false).
+ * - NaN: key 0, below all others, since NaN is outside (value >= isovalue is false).
  *
- * The largest uint64 shares its key with its predecessor, so that 0 stays free for all types.
+ * The maximum uint64 has the key of its predecessor, so that 0 remains free for NaN.
  */
 using ValueKey = std::uint64_t;
 
@@ -55,7 +55,7 @@ ValueKey MakeValueKey(T value)
   }
 }
 
-/// The value that has the key; the inverse of MakeValueKey but for the cases named above.
+/// The value of a key: the inverse of MakeValueKey(), except where two values share a key.
 template <typename T>
 T MakeValueOfKey(ValueKey key)
 {
@@ -82,9 +82,9 @@ T MakeValueOfKey(ValueKey key)
 }
 
 /**
- * The smallest value t of type T with t >= isovalue, so that for every value v of the type
- * v >= isovalue exactly when v >= t. Nothing if no value of the type is inside (the isovalue is
- * above all of them, or NaN).
+ * The threshold of an isovalue: the minimum value t of type T with t >= isovalue. So a value v of
+ * the type is inside (v >= isovalue) if and only if v >= t. Nothing if no value is inside: the
+ * isovalue is above all of them, or NaN.
  */
 template <typename T>
 std::optional<T> FindThreshold(double isovalue)
@@ -108,19 +108,19 @@ std::optional<T> FindThreshold(double isovalue)
   }
   else
   {
-    // The limits as doubles are powers of two or zero, hence exact; `end` is one above the maximum.
+    // Both are powers of two or zero, hence exact as doubles; `end` is one above the maximum.
     const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
-    const auto least = static_cast<double>(std::numeric_limits<T>::min());
+    const auto minimum = static_cast<double>(std::numeric_limits<T>::min());
     const double ceiling = std::ceil(isovalue);
     if (ceiling >= end)
     {
       return std::nullopt;
     }
-    return ceiling <= least ? std::numeric_limits<T>::min() : static_cast<T>(ceiling);
+    return ceiling <= minimum ? std::numeric_limits<T>::min() : static_cast<T>(ceiling);
   }
 }
 
-/// The closed range [Minimum, Maximum] of keys of some values; empty when Minimum > Maximum.
+/// A closed range [Minimum, Maximum] of keys; empty if Minimum > Maximum.
 struct KeyRange
 {
   ValueKey Minimum = std::numeric_limits<ValueKey>::max();
@@ -128,8 +128,8 @@ struct KeyRange
 
   bool IsEmpty() const { return this->Minimum > this->Maximum; }
 
-  /// Whether values of this range lie on both sides of the threshold (Minimum < t <= Maximum):
-  /// exactly then an isosurface can pass between them.
+  /// Whether the range has values on both sides of the threshold: Minimum < threshold <= Maximum.
+  /// If not, no isosurface crosses a block of this range.
   bool Straddles(ValueKey threshold) const
   {
     return this->Minimum < threshold && threshold <= this->Maximum;

@@ -28,8 +28,9 @@ enum class ValueType : std::uint8_t
 /// Bytes of one sample.
 std::size_t GetValueSize(ValueType type);
 
-/// "int8", "uint8", ... "float32", "float64", as the file header has it; and back.
+/// The type's name in file headers: "int8", "uint8", ... "float32", "float64".
 const char* GetValueTypeName(ValueType type);
+/// The type of that name; nothing if there is none.
 std::optional<ValueType> FindValueType(const std::string& name);
 
 template <typename T>
@@ -48,7 +49,7 @@ template <> struct ValueTypeOf<double> { static constexpr ValueType Value = Valu
 // clang-format on
 
 /**
- * Calls functor(T{}) with a zero of the C++ type that `type` names, and returns what it returns.
+ * Calls functor(T{}) with a zero of the C++ type that `type` names, and returns the result.
  */
 template <typename Functor>
 decltype(auto) DispatchValueType(ValueType type, Functor&& functor)

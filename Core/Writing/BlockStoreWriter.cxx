@@ -70,7 +70,7 @@ Status BlockStoreWriter::WriteTree(
   const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
 {
   ExternalIntervalTreeBuilder builder(
-    this->Files, path, std::max(memoryBytes, ExternalIntervalTreeBuilder::LeastMemoryLimit));
+    this->Files, path, std::max(memoryBytes, ExternalIntervalTreeBuilder::MinimumMemoryLimit));
   for (std::size_t ordinal = 0; ordinal < this->Entries.size(); ++ordinal)
   {
     const KeyRange& range = ranges[static_cast<std::size_t>(this->Entries[ordinal].Block)];

@@ -141,7 +141,7 @@ void AddTree(
 {
   MemoryDisk disk;
   ExternalIntervalTreeBuilder builder(
-    disk, "/data/tree", ExternalIntervalTreeBuilder::LeastMemoryLimit);
+    disk, "/data/tree", ExternalIntervalTreeBuilder::MinimumMemoryLimit);
   Status status;
   for (std::uint64_t index = 0; index < count && status.IsOk(); ++index)
   {
