@@ -12,7 +12,7 @@ using namespace isosurface;
 namespace
 {
 
-/// Blocks of uint8 values with as many triangles at all their isovalues.
+/// Blocks of uint8 values with these triangles at all their isovalues.
 BlockSpectra MakeSpectra(const std::vector<std::uint64_t>& triangles)
 {
   const SpectrumBins bins{ 0, 0, 8 };
@@ -28,7 +28,7 @@ BlockSpectra MakeSpectra(const std::vector<std::uint64_t>& triangles)
   return spectra;
 }
 
-/// The least greatest load over all distributions, by trying them.
+/// The minimum over all distributions of the maximum load, by trying them.
 std::uint64_t FindOptimum(
   const std::vector<std::uint64_t>& work, std::vector<std::uint64_t>& loads, std::size_t block)
 {
@@ -48,7 +48,7 @@ std::uint64_t FindOptimum(
 
 } // namespace
 
-TEST(BlockSpectra, SumsUpTheStoresBlocks)
+TEST(BlockSpectra, AStoresLoadIsTheSumOfItsBlocks)
 {
   const StoreLoads loads = MakeSpectra({ 10, 20, 30 }).Distribute({ 1, 0, 1 }, 3);
   ASSERT_EQ(loads.Stores.size(), 3u);
@@ -65,7 +65,7 @@ TEST(BlockSpectra, SumsUpTheStoresBlocks)
   }
 }
 
-TEST(BlockSpectra, TellsABoundThatNoDistributionStaysBelow)
+TEST(BlockSpectra, NoDistributionHasAMaximumBelowTheBound)
 {
   std::mt19937 random(4);
   int tight = 0;

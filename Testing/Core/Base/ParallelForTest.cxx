@@ -28,13 +28,13 @@ TEST(ParallelFor, VisitsEachIndexOnceOnAnyNumberOfThreads)
   }
 }
 
-// The caller's thread holds its first index until the other one has done all that are left.
-TEST(ParallelFor, TellsTheEndAndAsksToStopWhenTheOtherThreadsDidTheWork)
+// The calling thread holds its first index until the other thread has done all others.
+TEST(ParallelFor, ReportsTheEndWhenTheOtherThreadsDidTheWork)
 {
   for (const bool goOn : { true, false })
   {
     std::atomic<int> done{ 0 };
-    std::vector<double> shares;
+    std::vector<double> fractions;
     const bool finished = ParallelFor(
       100, 2,
       [&](std::size_t, int thread)
@@ -45,15 +45,15 @@ TEST(ParallelFor, TellsTheEndAndAsksToStopWhenTheOtherThreadsDidTheWork)
         }
         ++done;
       },
-      [&](double share)
+      [&](double fraction)
       {
-        shares.push_back(share);
-        return goOn || share < 1;
+        fractions.push_back(fraction);
+        return goOn || fraction < 1;
       });
     EXPECT_EQ(done, 100);
     EXPECT_EQ(finished, goOn);
-    ASSERT_FALSE(shares.empty());
-    EXPECT_EQ(shares.back(), 1);
+    ASSERT_FALSE(fractions.empty());
+    EXPECT_EQ(fractions.back(), 1);
   }
 }
 
@@ -68,7 +68,7 @@ TEST(ParallelFor, StopsWhenAskedTo)
   EXPECT_EQ(done, 1);
 }
 
-TEST(ParallelFor, ThrowsWhatABodyThrows)
+TEST(ParallelFor, RethrowsAnExceptionOfTheBody)
 {
   EXPECT_THROW(ParallelFor(100, 3,
                  [](std::size_t index, int)

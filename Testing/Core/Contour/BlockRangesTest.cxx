@@ -61,7 +61,7 @@ TYPED_TEST(BlockRangesOfType, EqualBruteForce)
   }
 }
 
-TEST(BlockRanges, BlockOfNaNAloneIsNeverActive)
+TEST(BlockRanges, ABlockOfNaNOnlyIsNeverActive)
 {
   SampleVolume<float> volume({ 3, 3, 3 });
   for (float& sample : volume.Samples)
@@ -77,7 +77,7 @@ TEST(BlockRanges, BlockOfNaNAloneIsNeverActive)
   EXPECT_TRUE(withNumber->FindActiveBlocks({ 5.5 }).empty());
 }
 
-TEST(GridBlockSource, ActiveBlocksAloneGiveTheWholeSurface)
+TEST(GridBlockSource, TheActiveBlocksGiveTheWholeSurface)
 {
   // A ball in a corner of the volume, so that most blocks are left out.
   SampleVolume<std::int32_t> volume({ 100, 70, 80 });
@@ -108,7 +108,7 @@ TEST(GridBlockSource, ActiveBlocksAloneGiveTheWholeSurface)
 
 TEST(GridBlockSource, PiecesWithGhostsEqualTheWhole)
 {
-  // Two ranks hold halves that share a plane of vertices, and one layer more.
+  // Two ranks have halves that share a plane of vertices, and a ghost layer.
   std::mt19937 random(71);
   const auto volume = MakeRandomVolume<float>(random, { 50, 20, 20 }, 100);
   ContourRequest request;

@@ -15,7 +15,7 @@ namespace isosurface
 namespace
 {
 
-// Bit by bit, but that any NaN equals any other: which one an operation gives is not defined.
+// Compares bits, but all NaN are equal, since the bits of a NaN are not specified.
 template <typename T>
 bool AreEqual(const std::vector<T>& first, const std::vector<T>& second)
 {
@@ -24,7 +24,7 @@ bool AreEqual(const std::vector<T>& first, const std::vector<T>& second)
     { return std::memcmp(&one, &other, sizeof(T)) == 0 || (one != one && other != other); });
 }
 
-// All that the kernels make of one brick of samples.
+// The results of all kernels for a brick of samples.
 template <typename T>
 struct Products
 {
@@ -170,7 +170,7 @@ TYPED_TEST_SUITE(BrickKernelsOfType, AllTypes);
 
 } // namespace
 
-TYPED_TEST(BrickKernelsOfType, BothKernelsAgreeBitByBit)
+TYPED_TEST(BrickKernelsOfType, BothKernelsAreBitwiseEqual)
 {
   const BrickKernels* newer = GetAvx2BrickKernels();
   if (!newer)

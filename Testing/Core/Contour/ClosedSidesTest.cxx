@@ -23,7 +23,7 @@ ContourRequest MakeRequest(std::vector<double> isovalues)
   return request;
 }
 
-/// The volume with a layer around it that is outside: the oracle's way to close.
+/// The volume with a layer around it that is outside: how the oracle closes a surface.
 template <typename T>
 SampleVolume<double> Pad(const SampleVolume<T>& volume)
 {
@@ -130,9 +130,9 @@ TEST(ClosedSides, NegativeExtentsEqualPaddedGrids)
   CheckAgainstPadding(volume, 16, { 30.0 });
 }
 
-TEST(ClosedSides, ValueBelowAllSamplesGivesTheBoxOfTheGrid)
+TEST(ClosedSides, AnIsovalueBelowAllSamplesGivesTheBoxOfTheGrid)
 {
-  // Nothing is below the least value of the type, and still it is outside beyond the grid.
+  // No value is below the minimum of the type, but beyond the grid everything is outside.
   for (const double isovalue : { -5.0, 0.0 })
   {
     SampleVolume<std::uint8_t> volume({ 20, 6, 37 });
@@ -141,12 +141,12 @@ TEST(ClosedSides, ValueBelowAllSamplesGivesTheBoxOfTheGrid)
     const PlainSurface box = ExtractPlain(volume, 16, request);
     EXPECT_TRUE(IsManifold(box));
     EXPECT_NEAR(ComputeSixfoldVolume(MakeTriangleSet(box)), 6.0 * 19 * 5 * 36, 1e-6);
-    // Two triangles a face of a cell at the border, no others.
+    // Two triangles for each face of a cell at the border, and no others.
     EXPECT_EQ(box.Triangles.size(), 4u * (19 * 5 + 5 * 36 + 36 * 19));
   }
 }
 
-TEST(ClosedSides, CapsHaveNormalsOutwards)
+TEST(ClosedSides, CapsHaveOutwardNormals)
 {
   SampleVolume<float> volume({ 9, 8, 7 });
   std::fill(volume.Samples.begin(), volume.Samples.end(), 1.0f);
@@ -189,7 +189,7 @@ TEST(ClosedSides, PointsOffTheCapsAreThoseOfTheOpenSurface)
   }
 }
 
-TEST(ClosedSides, OnlyTheSidesAskedForAreClosed)
+TEST(ClosedSides, OnlyTheRequestedSidesAreClosed)
 {
   SampleVolume<std::uint8_t> volume({ 6, 7, 8 });
   std::fill(volume.Samples.begin(), volume.Samples.end(), std::uint8_t(9));
@@ -243,7 +243,7 @@ TEST(ClosedSides, UnionOfRanksEqualsOneRank)
   }
 }
 
-TEST(ClosedSides, PolygonsOfTheCapsCloseTheSurfaceToo)
+TEST(ClosedSides, CapsOfPolygonsCloseTheSurface)
 {
   std::mt19937 random(65);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 20, 9, 8 }, 100);
@@ -306,7 +306,7 @@ TEST(ClosedSides, AttributesOfCapsAreThoseOfTheBorder)
   }
 }
 
-TEST(BlockSelection, BlocksOfSamplesInMemoryAreThoseFoundByForce)
+TEST(BlockSelection, BlocksOfSamplesInMemoryEqualBruteForce)
 {
   std::mt19937 random(67);
   SampleVolume<std::int16_t> volume({ 70, 100, 66 });

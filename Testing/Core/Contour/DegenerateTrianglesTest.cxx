@@ -32,7 +32,7 @@ Surface Extract(
   return std::move(*surface);
 }
 
-/// That no two points are at one place, none is without a triangle, and the parts are in order.
+/// Checks that all points are different, each has a triangle, and the parts are in order.
 void CheckPoints(const Surface& surface)
 {
   std::size_t points = 0;
@@ -73,7 +73,7 @@ void CheckAgainstOracle(const SampleVolume<T>& volume, int blockSize,
     MakeTriangleSet(plain), DropDegenerate(MakeTriangleSet(ContourPlainly(volume, isovalues))));
 }
 
-/// Whole numbers that change slowly, so that samples equal to an isovalue form patches.
+/// Integers that change slowly, so that the samples equal to an isovalue form patches.
 template <typename T>
 SampleVolume<T> MakeTerraces(const Index3& dimensions, double steps)
 {
@@ -104,7 +104,7 @@ TYPED_TEST_SUITE(DegenerateTrianglesOfType, SomeTypes);
 
 } // namespace
 
-TYPED_TEST(DegenerateTrianglesOfType, RandomGridsHaveTheOthersOfTheOracle)
+TYPED_TEST(DegenerateTrianglesOfType, RandomGridsHaveTheOraclesOtherTriangles)
 {
   std::mt19937 random(50);
   std::uniform_int_distribution<int> size(2, 9);
@@ -120,7 +120,7 @@ TYPED_TEST(DegenerateTrianglesOfType, RandomGridsHaveTheOthersOfTheOracle)
   }
 }
 
-TEST(DegenerateTriangles, BlocksOfAllSizesHaveTheOthersOfTheOracle)
+TEST(DegenerateTriangles, BlocksOfAllSizesHaveTheOraclesOtherTriangles)
 {
   std::mt19937 random(51);
   for (const Index3& dimensions : { Index3{ 70, 5, 34 }, Index3{ 4, 67, 3 }, Index3{ 3, 4, 66 } })
@@ -133,10 +133,10 @@ TEST(DegenerateTriangles, BlocksOfAllSizesHaveTheOthersOfTheOracle)
   }
 }
 
-TEST(DegenerateTriangles, PointsThatRoundToAVertexAreItsPointToo)
+TEST(DegenerateTriangles, PointsThatRoundToAVertexAreMerged)
 {
-  // The crossing is so near to the vertex that its coordinate as a float is the vertex's, while
-  // another edge of the same vertex has its point well inside.
+  // The crossing is so near to the vertex that its coordinate, as a float, is that of the vertex;
+  // another edge of the vertex has its point well inside.
   SampleVolume<float> volume({ 3, 3, 3 });
   volume.Geometry.Extent = { 1000, 1002, 1000, 1002, 1000, 1002 };
   std::fill(volume.Samples.begin(), volume.Samples.end(), -1e6f);
@@ -148,7 +148,7 @@ TEST(DegenerateTriangles, PointsThatRoundToAVertexAreItsPointToo)
   EXPECT_EQ(ids.size(), surface.NumberOfPoints);
 }
 
-TEST(DegenerateTriangles, SurfaceOfWholeNumbersAtAWholeIsovalueIsAClosedManifold)
+TEST(DegenerateTriangles, TheSurfaceOfIntegersAtAnIntegerIsovalueIsAClosedManifold)
 {
   const auto volume = MakeTerraces<std::uint8_t>({ 45, 41, 38 }, 20.0);
   for (const double isovalue : { 1.0, 5.0, 13.0, 19.0 })
@@ -163,7 +163,7 @@ TEST(DegenerateTriangles, SurfaceOfWholeNumbersAtAWholeIsovalueIsAClosedManifold
   }
 }
 
-TEST(DegenerateTriangles, SurfaceOfNoiseStaysClosed)
+TEST(DegenerateTriangles, TheSurfaceOfNoiseStaysClosed)
 {
   std::mt19937 random(52);
   auto volume = MakeRandomVolume<std::uint8_t>(random, { 36, 20, 19 }, 3);
@@ -213,7 +213,7 @@ TEST(DegenerateTriangles, UnionOfRanksEqualsOneRank)
   }
 }
 
-TEST(DegenerateTriangles, ThreadsDoNotChangeABit)
+TEST(DegenerateTriangles, TheResultDoesNotDependOnThreads)
 {
   std::mt19937 random(54);
   const auto volume = MakeRandomVolume<std::int16_t>(random, { 50, 40, 35 }, 8);
@@ -232,9 +232,9 @@ TEST(DegenerateTriangles, ThreadsDoNotChangeABit)
   }
 }
 
-TEST(DegenerateTriangles, NormalsAndAttributesOfAVertexAreItsOwn)
+TEST(DegenerateTriangles, AMergedPointHasTheNormalAndAttributesOfItsVertex)
 {
-  // A plane through vertices: the only samples there are those of the vertices.
+  // A plane through vertices.
   SampleVolume<std::int32_t> volume({ 20, 5, 6 });
   std::vector<double> field;
   for (std::size_t n = 0; n < volume.Samples.size(); ++n)

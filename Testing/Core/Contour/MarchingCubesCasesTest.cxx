@@ -28,7 +28,7 @@ std::vector<Triangle> TrianglesOf(unsigned cellCase)
   return triangles;
 }
 
-// The two vertices of a cell edge, as the header numbers them.
+// The two vertices of a cell edge, numbered as in the header.
 Side VerticesOf(int edge)
 {
   const int axis = edge / 4;
@@ -46,7 +46,7 @@ bool IsCrossed(unsigned cellCase, int edge)
   return (cellCase >> from & 1) != (cellCase >> to & 1);
 }
 
-// The sides of triangles that are not between two of them.
+// The sides that belong to one triangle only.
 std::set<Side> OutlineOf(const std::vector<Triangle>& triangles)
 {
   std::set<Side> sides;
@@ -82,9 +82,9 @@ TEST(MarchingCubesCases, TrianglesUseExactlyTheCrossedEdges)
   }
 }
 
-TEST(MarchingCubesCases, OutlinesRunOnFacesAndAgreeBetweenNeighbours)
+TEST(MarchingCubesCases, OutlinesLieOnFacesAndAgreeBetweenNeighbours)
 {
-  // What a cell draws on its far face must be what the next cell draws on its near face, backwards.
+  // The outline on a cell's high face must be the reverse of the next cell's on its low face.
   for (int axis = 0; axis < 3; ++axis)
   {
     std::map<unsigned, std::set<Side>> drawn[2]; // by side of the cell, then by the face's vertices
@@ -129,7 +129,7 @@ TEST(MarchingCubesCases, OutlinesRunOnFacesAndAgreeBetweenNeighbours)
   }
 }
 
-TEST(MarchingCubesCases, KnownCasesOfThePublishedTable)
+TEST(MarchingCubesCases, KnownCasesEqualThePublishedTable)
 {
   EXPECT_TRUE(TrianglesOf(0).empty());
   EXPECT_TRUE(TrianglesOf(255).empty());

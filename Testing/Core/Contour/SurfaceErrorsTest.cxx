@@ -31,7 +31,7 @@ struct SurfaceErrors : testing::Test
   std::string Message;
 };
 
-// A source whose blocks claim to be elsewhere.
+// A source whose blocks have wrong lattice coordinates or vertices.
 struct DisplacedSource : TestBlockSource<float>
 {
   using TestBlockSource<float>::TestBlockSource;
@@ -58,7 +58,7 @@ struct DisplacedSource : TestBlockSource<float>
   }
 };
 
-// A source for whose blocks there is no memory.
+// A source that runs out of memory.
 struct HungrySource : TestBlockSource<float>
 {
   using TestBlockSource<float>::TestBlockSource;
@@ -76,7 +76,7 @@ TEST_F(SurfaceErrors, LackOfMemoryIsAnErrorNotAnException)
   }
 }
 
-TEST_F(SurfaceErrors, ErrorOfAcquireIsTold)
+TEST_F(SurfaceErrors, AnErrorOfAcquireIsReturned)
 {
   TestBlockSource<float> source(this->Volume, 16);
   source.Failing = 13;
@@ -95,7 +95,7 @@ TEST_F(SurfaceErrors, BlocksAfterAnErrorAreNotAcquired)
   EXPECT_EQ(source.Acquired, 1);
 }
 
-TEST_F(SurfaceErrors, ProgressCanStopEitherPhase)
+TEST_F(SurfaceErrors, ProgressCanAbortEitherPhase)
 {
   for (const double stopAt : { 0.0, 0.3, 0.6, 0.9 })
   {
@@ -105,7 +105,7 @@ TEST_F(SurfaceErrors, ProgressCanStopEitherPhase)
   }
 }
 
-TEST_F(SurfaceErrors, ProgressRunsFromZeroToOneAndNeverBack)
+TEST_F(SurfaceErrors, ProgressIncreasesFromZeroToOne)
 {
   TestBlockSource<float> source(this->Volume, 16);
   double last = 0;
@@ -121,7 +121,7 @@ TEST_F(SurfaceErrors, ProgressRunsFromZeroToOneAndNeverBack)
   EXPECT_EQ(last, 1.0);
 }
 
-TEST_F(SurfaceErrors, NormalsWithoutGhostLayerAreRefused)
+TEST_F(SurfaceErrors, NormalsWithoutAGhostLayerAreAnError)
 {
   TestBlockSource<float> source(this->Volume, 16, 0);
   EXPECT_EQ(this->Extract(source), StatusCode::Ok);
@@ -129,14 +129,14 @@ TEST_F(SurfaceErrors, NormalsWithoutGhostLayerAreRefused)
   EXPECT_EQ(this->Extract(source), StatusCode::InvalidArgument);
 }
 
-TEST_F(SurfaceErrors, SingleBlockOfTheWholeGridNeedsNoGhostLayer)
+TEST_F(SurfaceErrors, ASingleBlockOfTheWholeGridNeedsNoGhostLayer)
 {
   this->Request.Normals = true;
   TestBlockSource<float> source(this->Volume, 64, 0);
   EXPECT_EQ(this->Extract(source), StatusCode::Ok);
 }
 
-TEST_F(SurfaceErrors, BlocksThatDoNotFitEachOtherAreRefused)
+TEST_F(SurfaceErrors, InconsistentBlocksAreAnError)
 {
   DisplacedSource twice(this->Volume, 16);
   twice.LatticeShift = { -1, 0, 0 };
@@ -152,7 +152,7 @@ TEST_F(SurfaceErrors, BlocksThatDoNotFitEachOtherAreRefused)
   EXPECT_EQ(this->Extract(repeated), StatusCode::InvalidArgument);
 }
 
-TEST_F(SurfaceErrors, AttributesThatAreNotThereAreRefused)
+TEST_F(SurfaceErrors, MissingAttributesAreAnError)
 {
   TestBlockSource<float> source(this->Volume, 16);
   this->Request.Attributes = { { ValueType::Float32, 1 } };
@@ -161,9 +161,9 @@ TEST_F(SurfaceErrors, AttributesThatAreNotThereAreRefused)
   EXPECT_EQ(this->Extract(source), StatusCode::InvalidArgument);
 }
 
-TEST_F(SurfaceErrors, RangesCanBeStopped)
+TEST_F(SurfaceErrors, ProgressCanAbortTheComputationOfRanges)
 {
-  // One thread: progress is told by the caller's, and another one might do all the work before.
+  // With one thread: another thread might finish the work before the calling one reports progress.
   const Result<BlockRanges> ranges =
     BlockRanges::Compute(this->Volume.GetView(), 1, [](double) { return false; });
   EXPECT_EQ(ranges.GetStatus().GetCode(), StatusCode::Aborted);

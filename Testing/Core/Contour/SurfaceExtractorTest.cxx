@@ -31,7 +31,7 @@ Surface Extract(const SampleVolume<T>& volume, int blockSize, const ContourReque
   return std::move(*surface);
 }
 
-// Everything is checked that does not need the oracle's tables: sizes, ranges, parts.
+// Checks what does not need the oracle: sizes, ranges, parts.
 void CheckShape(const Surface& surface, const ContourRequest& request)
 {
   EXPECT_EQ(surface.Points.GetSize(), 3 * surface.NumberOfPoints);
@@ -102,12 +102,12 @@ TYPED_TEST(SurfaceOfType, RandomSmallGridsInSmallBlocksEqualOracle)
   {
     const Index3 dimensions{ size(random), size(random), size(random) };
     const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, trial % 2 == 0 ? 4 : 100);
-    // A whole number equals samples, a half lies between them.
+    // Integers equal samples, halves lie between them.
     CheckAgainstOracle(volume, blockSize(random), { trial % 3 == 0 ? 1.0 : 1.5 }, 1, trial % 4 + 1);
   }
 }
 
-TYPED_TEST(SurfaceOfType, BlocksOfAllSizesWithRestsEqualOracle)
+TYPED_TEST(SurfaceOfType, BlocksOfAllSizesEqualOracle)
 {
   std::mt19937 random(21);
   const Index3 sizes[] = { { 70, 5, 4 }, { 4, 67, 3 }, { 3, 4, 66 }, { 34, 33, 2 }, { 65, 3, 33 } };
@@ -142,9 +142,9 @@ TEST(SurfaceExtractor, ExtremesOfWideIntegersDoNotOverflow)
   CheckAgainstOracle(narrow, 2, { -12345.5 });
 }
 
-TEST(SurfaceExtractor, NeighbouringWideIntegersAreToldApart)
+TEST(SurfaceExtractor, WideIntegersThatRoundToTheSameDoubleAreDistinguished)
 {
-  // Both samples round to the same double; only one is inside.
+  // Only one of the samples is inside.
   SampleVolume<std::int64_t> volume({ 2, 2, 2 });
   const std::int64_t limit = std::int64_t(1) << 60;
   std::fill(volume.Samples.begin(), volume.Samples.end(), limit - 1);
@@ -185,7 +185,7 @@ TEST(SurfaceExtractor, SeveralIsovaluesAreSeparatePartsOfOneSurface)
   CheckAgainstOracle(volume, 16, { 10.5, -40.0, 10.5, 99.0 }, 2);
 }
 
-TEST(SurfaceExtractor, ValuesWithoutSurfaceGiveEmptyParts)
+TEST(SurfaceExtractor, IsovaluesWithoutSurfaceGiveEmptyParts)
 {
   std::mt19937 random(25);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 6, 6, 6 }, 200);
@@ -223,7 +223,7 @@ TEST(SurfaceExtractor, NegativeExtentsAndOriginEqualOracle)
   CheckAgainstOracle(volume, 16, { 30000.0 });
 }
 
-TEST(SurfaceExtractor, ObliqueGridsPlacePointsByTheMatrixAndTurnNormals)
+TEST(SurfaceExtractor, ObliqueGridsTransformPointsAndNormals)
 {
   std::mt19937 random(28);
   auto volume = MakeRandomVolume<std::uint16_t>(random, { 19, 8, 12 }, 60000);
@@ -255,7 +255,7 @@ TEST(SurfaceExtractor, ObliqueGridsPlacePointsByTheMatrixAndTurnNormals)
         turned[row] = 0;
         for (std::size_t column = 0; column < 3; ++column)
         {
-          // A rotation is its own transposed inverse; the sign of a mirror turns the normal.
+          // The transposed inverse of a rotation is the rotation; a reflection reverses the normal.
           turned[row] += flip * volume.Geometry.Direction[3 * row + column] *
             static_cast<double>(before[column]) / volume.Geometry.Spacing[column];
         }
@@ -270,7 +270,7 @@ TEST(SurfaceExtractor, ObliqueGridsPlacePointsByTheMatrixAndTurnNormals)
   }
 }
 
-TEST(SurfaceExtractor, ThreadsDoNotChangeABit)
+TEST(SurfaceExtractor, TheResultDoesNotDependOnThreads)
 {
   std::mt19937 random(29);
   const auto volume = MakeRandomVolume<std::uint16_t>(random, { 70, 40, 50 }, 1000);

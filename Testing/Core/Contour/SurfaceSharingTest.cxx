@@ -21,7 +21,7 @@ ContourRequest MakeRequest(double isovalue)
   return request;
 }
 
-// Triangles of all ranks; a point that two ranks make must be the same in both.
+// The triangles of all ranks. Checks that points with equal ids are equal.
 PlainSurface Merge(const std::vector<PlainSurface>& ranks)
 {
   PlainSurface merged;
@@ -66,7 +66,7 @@ void CheckUnionOfSubsets(
 
 } // namespace
 
-TEST(SurfaceSharing, UnionOfAnySubsetsOfBlocksEqualsWhole)
+TEST(SurfaceSharing, TheUnionOfSubsetsOfBlocksEqualsTheWhole)
 {
   std::mt19937 random(40);
   std::uniform_int_distribution<int> size(2, 12);
@@ -78,7 +78,7 @@ TEST(SurfaceSharing, UnionOfAnySubsetsOfBlocksEqualsWhole)
   }
 }
 
-TEST(SurfaceSharing, UnionOfSubsetsOfLargeBlocksEqualsWhole)
+TEST(SurfaceSharing, TheUnionOfSubsetsOfLargeBlocksEqualsTheWhole)
 {
   std::mt19937 random(41);
   for (int trial = 0; trial < 3; ++trial)
@@ -88,7 +88,7 @@ TEST(SurfaceSharing, UnionOfSubsetsOfLargeBlocksEqualsWhole)
   }
 }
 
-TEST(SurfaceSharing, SurfaceThatDoesNotReachTheBorderIsClosedAndManifold)
+TEST(SurfaceSharing, ASurfaceAwayFromTheBorderIsAClosedManifold)
 {
   std::mt19937 random(42);
   auto volume = MakeRandomVolume<std::int16_t>(random, { 40, 37, 35 }, 1000);
@@ -143,8 +143,8 @@ TEST(SurfaceSharing, PolygonsAreTheLoopsOfTheTriangles)
   ASSERT_EQ(static_cast<std::size_t>(polygons->Offsets[polygons->NumberOfCells]),
     polygons->Connectivity.GetSize());
 
-  // Cells come in the same order: the next polygon of n corners is the next n - 2 triangles, and
-  // its sides are the sides of these that no other of them has.
+  // The cells are in the same order: the next polygon of n corners is the next n - 2 triangles, and
+  // its sides are the sides that only one of these triangles has.
   using Side = std::pair<std::int64_t, std::int64_t>;
   std::size_t triangle = 0;
   for (std::size_t polygon = 0; polygon < polygons->NumberOfCells; ++polygon)
@@ -164,7 +164,7 @@ TEST(SurfaceSharing, PolygonsAreTheLoopsOfTheTriangles)
       {
         const std::int64_t from = triangles->Connectivity[3 * triangle + n];
         const std::int64_t to = triangles->Connectivity[3 * triangle + (n + 1) % 3];
-        // Inner sides are there in both directions and cancel out.
+        // Inner sides occur in both directions and cancel out.
         --outline[{ from, to }];
         if (outline[{ from, to }] < 0 && outline[{ to, from }] < 0)
         {
@@ -180,53 +180,67 @@ TEST(SurfaceSharing, PolygonsAreTheLoopsOfTheTriangles)
   EXPECT_EQ(triangle, triangles->NumberOfTriangles);
 }
 
-TEST(SurfaceSharing, AttributesAreInterpolatedAlongTheEdges)
+namespace
 {
-  // The attribute of a vertex is a linear function of its place, and so is what is interpolated.
-  std::mt19937 random(44);
-  const auto volume = MakeRandomVolume<float>(random, { 20, 18, 17 }, 1000);
-  const Index3 size = volume.GetDimensions();
-  std::vector<double> field;
-  std::vector<std::int16_t> shorts;
-  for (std::int64_t k = 0; k < size[2]; ++k)
+
+/// A volume with two attributes, which are linear functions of the vertex, so that their
+/// interpolated values are linear functions of the point: its place, and 10 times its x coordinate.
+class AttributeSource : public TestBlockSource<float>
+{
+public:
+  explicit AttributeSource(const SampleVolume<float>& volume)
+    : TestBlockSource<float>(volume, 16)
   {
-    for (std::int64_t j = 0; j < size[1]; ++j)
+    const Index3 size = volume.GetDimensions();
+    for (std::int64_t k = 0; k < size[2]; ++k)
     {
-      for (std::int64_t i = 0; i < size[0]; ++i)
+      for (std::int64_t j = 0; j < size[1]; ++j)
       {
-        field.insert(field.end(), { double(i), double(j), double(k) });
-        shorts.push_back(static_cast<std::int16_t>(10 * i));
+        for (std::int64_t i = 0; i < size[0]; ++i)
+        {
+          this->Places.insert(this->Places.end(), { double(i), double(j), double(k) });
+          this->Integers.push_back(static_cast<std::int16_t>(10 * i));
+        }
       }
     }
-  }
-  struct Source : TestBlockSource<float>
-  {
-    using TestBlockSource<float>::TestBlockSource;
-    std::vector<AttributeView> Attributes;
-    Result<BlockSamples> Acquire(std::size_t block) override
+    AttributeView places;
+    for (std::size_t component = 0; component < 3; ++component)
     {
-      Result<BlockSamples> samples = TestBlockSource<float>::Acquire(block);
-      samples->Attributes = this->Attributes;
-      return samples;
+      SampleView view = volume.GetView();
+      view.Type = ValueType::Float64;
+      view.First = &this->Places[component];
+      for (std::ptrdiff_t& stride : view.Stride)
+      {
+        stride *= 3;
+      }
+      places.Components.push_back(view);
     }
-  };
-  Source source(volume, 16);
-  AttributeView vectors;
-  for (std::size_t component = 0; component < 3; ++component)
-  {
-    SampleView view = volume.GetView();
-    view.Type = ValueType::Float64;
-    view.First = &field[component];
-    for (std::ptrdiff_t& stride : view.Stride)
-    {
-      stride *= 3;
-    }
-    vectors.Components.push_back(view);
+    SampleView integers = volume.GetView();
+    integers.Type = ValueType::Int16;
+    integers.First = this->Integers.data();
+    this->Attributes = { places, { { integers } } };
   }
-  SampleView integers = volume.GetView();
-  integers.Type = ValueType::Int16;
-  integers.First = shorts.data();
-  source.Attributes = { vectors, { { integers } } };
+
+  Result<BlockSamples> Acquire(std::size_t block) override
+  {
+    Result<BlockSamples> samples = TestBlockSource<float>::Acquire(block);
+    samples->Attributes = this->Attributes;
+    return samples;
+  }
+
+private:
+  std::vector<double> Places;
+  std::vector<std::int16_t> Integers;
+  std::vector<AttributeView> Attributes;
+};
+
+} // namespace
+
+TEST(SurfaceSharing, AttributesAreInterpolatedAlongTheEdges)
+{
+  std::mt19937 random(44);
+  const auto volume = MakeRandomVolume<float>(random, { 20, 18, 17 }, 1000);
+  AttributeSource source(volume);
   ContourRequest request = MakeRequest(300.5);
   request.Attributes = { { ValueType::Float64, 3 }, { ValueType::Int16, 1 } };
   const Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 2);

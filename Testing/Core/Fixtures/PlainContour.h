@@ -18,7 +18,7 @@
 namespace isosurface
 {
 
-/// A point and a normal by their bits; every NaN is the same.
+/// The bits of a point and its normal. All NaN are the same.
 using PointBits = std::array<std::uint32_t, 6>;
 
 inline std::uint32_t BitsOf(float value)
@@ -31,8 +31,8 @@ inline std::uint32_t BitsOf(float value)
   return bits;
 }
 
-/// A surface in a form that does not depend on numbering: triangles of global ids, lowest first,
-/// sorted; what each id stands for.
+/// A surface in a form that does not depend on the numbering of points: sorted triangles of global
+/// ids, each beginning with its minimum, and the points by global id.
 struct PlainSurface
 {
   std::vector<std::array<std::int64_t, 3>> Triangles;
@@ -50,8 +50,8 @@ struct PlainSurface
 };
 
 /**
- * Marching cubes as slow and plain as can be: cell by cell, every point made anew for every cell it
- * is met in. Knows nothing of blocks, words or shared points.
+ * The oracle: marching cubes in the simplest form, cell by cell. Computes each point again for each
+ * cell. Does not use blocks, words or shared points.
  */
 template <typename T>
 class PlainContour
@@ -212,7 +212,7 @@ PlainSurface ContourPlainly(const SampleVolume<T>& volume, const std::vector<dou
   return surface;
 }
 
-/// The same form of an extracted surface, which must have global ids; normals may be missing.
+/// Converts an extracted surface, which must have global ids. It need not have normals.
 inline PlainSurface MakePlain(const Surface& surface)
 {
   PlainSurface plain;

@@ -16,8 +16,8 @@ namespace isosurface
 {
 
 /**
- * Blocks of any number of cells a side, each copied with its ghost layer to memory of exactly its
- * own size, so that a read beyond it is found by the address sanitizer.
+ * Blocks of any size. Each is copied with its ghost layer to memory of exactly its size, so that
+ * the address sanitizer detects reads beyond it.
  */
 template <typename T>
 class TestBlockSource : public BlockSource

@@ -15,8 +15,8 @@
 namespace isosurface
 {
 
-/// Triangles by the places of their corners, whatever the numbers of these: each begins with its
-/// least corner, all are sorted.
+/// Triangles by the positions of their corners, independent of point numbers: each begins with its
+/// minimum corner, and they are sorted.
 using Place = std::array<float, 3>;
 using TriangleSet = std::vector<std::array<Place, 3>>;
 
@@ -42,7 +42,7 @@ inline TriangleSet MakeTriangleSet(const PlainSurface& surface)
   return set;
 }
 
-/// The triangles that have three different places.
+/// The triangles that have three different corners.
 inline TriangleSet DropDegenerate(const TriangleSet& set)
 {
   TriangleSet kept;
@@ -51,7 +51,7 @@ inline TriangleSet DropDegenerate(const TriangleSet& set)
   return kept;
 }
 
-/// The places moved into the box of the grid's structured coordinates, sorted anew.
+/// Moves the corners into the box of the grid's structured coordinates, and sorts again.
 inline TriangleSet Clamp(const TriangleSet& set, const GridGeometry& grid)
 {
   TriangleSet clamped;
@@ -71,7 +71,7 @@ inline TriangleSet Clamp(const TriangleSet& set, const GridGeometry& grid)
   return clamped;
 }
 
-/// How often each side of a triangle is there, less how often the other way round.
+/// For each side of a triangle, how often it occurs minus how often its reverse occurs.
 inline bool IsClosed(const PlainSurface& surface)
 {
   std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
@@ -87,7 +87,7 @@ inline bool IsClosed(const PlainSurface& surface)
   return std::all_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 0; });
 }
 
-/// Whether each side is that of exactly two triangles.
+/// Whether each side belongs to exactly two triangles.
 inline bool IsManifold(const PlainSurface& surface)
 {
   std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
@@ -104,7 +104,7 @@ inline bool IsManifold(const PlainSurface& surface)
     std::all_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 2; });
 }
 
-/// Six times the volume that a closed surface encloses, with normals outwards.
+/// Six times the volume that a closed surface with outward orientation encloses.
 inline double ComputeSixfoldVolume(const TriangleSet& set)
 {
   double volume = 0;
@@ -117,7 +117,7 @@ inline double ComputeSixfoldVolume(const TriangleSet& set)
   return volume;
 }
 
-/// The union of what several ranks made: a point that two of them make must be the same in both.
+/// The union of the surfaces of several ranks. Checks that points with equal ids are equal.
 inline PlainSurface UniteRanks(const std::vector<PlainSurface>& ranks, bool& agree)
 {
   PlainSurface united;
@@ -133,7 +133,7 @@ inline PlainSurface UniteRanks(const std::vector<PlainSurface>& ranks, bool& agr
   return united;
 }
 
-/// The blocks of a source that a selection wants, tried one by one on all samples.
+/// The blocks of a source that a selection needs, by brute force over all samples.
 template <typename T>
 std::vector<std::int64_t> FindBlocksByForce(
   const SampleVolume<T>& volume, int blockSize, const std::vector<double>& isovalues, bool closed)

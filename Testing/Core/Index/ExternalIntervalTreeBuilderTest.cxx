@@ -13,9 +13,9 @@ using namespace isosurface;
 namespace
 {
 
-constexpr std::size_t SmallMemory = ExternalIntervalTreeBuilder::LeastMemoryLimit;
+constexpr std::size_t SmallMemory = ExternalIntervalTreeBuilder::MinimumMemoryLimit;
 
-/// A folder of the local disk that ends with the test.
+/// A folder on the local disk, removed at the end of the test.
 class TemporaryFolder
 {
 public:
@@ -28,14 +28,14 @@ public:
   const std::string Path;
 };
 
-/// Builds a tree of made-up intervals within the limit; checks memory, leftovers and the tree.
+/// Builds a tree of synthetic intervals within the limit; checks memory, leftovers and the tree.
 void CheckMemory(std::uint32_t count, std::size_t memoryLimit)
 {
   TemporaryFolder folder;
   const std::string path = folder.Path + "/tree";
   const auto make = [](std::uint32_t index)
   {
-    // Any lengths at any places, which can be made again from the index.
+    // Intervals of any length at any place, a function of the index.
     const auto mix = [](std::uint64_t x)
     {
       x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -45,7 +45,7 @@ void CheckMemory(std::uint32_t count, std::size_t memoryLimit)
     const std::uint64_t first = mix(index + 1), second = mix(first);
     const ValueKey minimum = first >> (second % 40);
     return KeyInterval{ minimum,
-      minimum + std::min(LargestKey - minimum, mix(second) >> (second / 64 % 40)), index };
+      minimum + std::min(MaximumKey - minimum, mix(second) >> (second / 64 % 40)), index };
   };
   AllocationCounter::Reset();
   {
@@ -87,7 +87,7 @@ void CheckMemory(std::uint32_t count, std::size_t memoryLimit)
 
 } // namespace
 
-TEST(ExternalIntervalTreeBuilder, SameBytesForTheSameSetWhateverOrderAndMemory)
+TEST(ExternalIntervalTreeBuilder, TheBytesDependOnTheSetOfIntervalsOnly)
 {
   for (const IntervalSet& set : MakeIntervalSets())
   {
@@ -109,7 +109,7 @@ TEST(ExternalIntervalTreeBuilder, SameBytesForTheSameSetWhateverOrderAndMemory)
   }
 }
 
-TEST(ExternalIntervalTreeBuilder, TheFormatStaysAsItIs)
+TEST(ExternalIntervalTreeBuilder, TheFormatHasNotChanged)
 {
   // Files are kept for years. Who changes their bytes raises IntervalTreeFormat::Version (or
   // PagedFile::FormatVersion), reads the old ones still, and changes the specification.
@@ -125,7 +125,7 @@ TEST(ExternalIntervalTreeBuilder, TheFormatStaysAsItIs)
   EXPECT_EQ(ComputeChecksum(bytes.data(), bytes.size()), 17274510250033190819u);
 }
 
-TEST(ExternalIntervalTreeBuilder, SetsThatFitTheMemoryNeedNoTemporaryFile)
+TEST(ExternalIntervalTreeBuilder, IntervalsThatFitInMemoryNeedNoTemporaryFile)
 {
   for (const IntervalSet& set : MakeIntervalSets())
   {
@@ -144,7 +144,7 @@ TEST(ExternalIntervalTreeBuilder, AMillionIntervalsAreBuiltWithinFourMebibytes)
   CheckMemory(1000000, std::size_t(4) << 20);
 }
 
-TEST(ExternalIntervalTreeBuilder, TheLeastMemoryLimitIsKept)
+TEST(ExternalIntervalTreeBuilder, TheMinimumMemoryLimitIsKept)
 {
   if (!AllocationCounter::IsCounting())
   {
@@ -159,7 +159,7 @@ TEST(ExternalIntervalTreeBuilder, DISABLED_TenMillionIntervalsAreBuiltWithin32Me
   CheckMemory(10000000, std::size_t(32) << 20);
 }
 
-TEST(ExternalIntervalTreeBuilder, FailingDiskGivesAnErrorAndLeavesNothing)
+TEST(ExternalIntervalTreeBuilder, AFailingDiskGivesAnErrorAndLeavesNoFile)
 {
   const IntervalVector intervals = MakeIntervalSets()[0].MakeAll(20000);
   MemoryDisk whole;
@@ -184,7 +184,7 @@ TEST(ExternalIntervalTreeBuilder, FailingDiskGivesAnErrorAndLeavesNothing)
   }
 }
 
-TEST(ExternalIntervalTreeBuilder, AbandonedBuilderLeavesNothing)
+TEST(ExternalIntervalTreeBuilder, AnUnfinishedBuilderLeavesNoFile)
 {
   MemoryDisk disk;
   {
@@ -202,7 +202,7 @@ TEST(ExternalIntervalTreeBuilder, AbandonedBuilderLeavesNothing)
   EXPECT_TRUE(disk.GetFiles().empty());
 }
 
-TEST(ExternalIntervalTreeBuilder, TellsWhatItCannotTake)
+TEST(ExternalIntervalTreeBuilder, RejectsInvalidArguments)
 {
   MemoryDisk disk;
   ExternalIntervalTreeBuilder builder(disk, "tree", SmallMemory);

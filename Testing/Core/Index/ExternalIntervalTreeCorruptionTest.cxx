@@ -21,7 +21,7 @@ Bytes MakeTreeBytes(const IntervalVector& intervals)
   return disk.GetFile("tree");
 }
 
-/// Makes the checksums of all whole pages right again.
+/// Computes the checksums of all complete pages again.
 void Reseal(Bytes& bytes)
 {
   for (std::size_t page = 0; page < bytes.size() / PageSize; ++page)
@@ -65,7 +65,7 @@ TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
     ASSERT_FALSE((*tree)->Verify(statistics).IsOk()) << "byte " << offset;
     std::vector<int> seen(intervals.size(), 0);
     const Status status = (*tree)->FindOverlapping(
-      0, LargestKey, [&](const KeyInterval& interval) { ++seen.at(interval.Payload); }, statistics);
+      0, MaximumKey, [&](const KeyInterval& interval) { ++seen.at(interval.Payload); }, statistics);
     const bool complete = std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; });
     ASSERT_TRUE(complete || !status.IsOk()) << "byte " << offset;
     errors += !status.IsOk();
@@ -99,7 +99,7 @@ TEST(ExternalIntervalTreeCorruption, EveryTruncationIsAnError)
   EXPECT_EQ(OpenBytes(disk, longer).GetStatus().GetCode(), StatusCode::Corrupt);
 }
 
-TEST(ExternalIntervalTreeCorruption, NewerVersionsAndOtherFilesAreToldApart)
+TEST(ExternalIntervalTreeCorruption, NewerVersionsAreUnsupportedAndOtherFilesCorrupt)
 {
   const Bytes good = MakeTreeBytes({ { 1, 2, 3 } });
   MemoryDisk disk;
@@ -132,7 +132,7 @@ TEST(ExternalIntervalTreeCorruption, AFileWithoutItsFirstPageNeverOpens)
   EXPECT_EQ(OpenBytes(disk, bytes).GetStatus().GetCode(), StatusCode::Corrupt);
 }
 
-TEST(ExternalIntervalTreeCorruption, HostilePagesWithRightChecksumsNeitherCrashNorHang)
+TEST(ExternalIntervalTreeCorruption, HostilePagesWithMatchingChecksumsNeitherCrashNorHang)
 {
   std::mt19937_64 random(11);
   MemoryDisk disk;
@@ -148,7 +148,7 @@ TEST(ExternalIntervalTreeCorruption, HostilePagesWithRightChecksumsNeitherCrashN
       const std::size_t changes = 1 + random() % 6;
       for (std::size_t change = 0; change < changes; ++change)
       {
-        // Nodes come last and matter most; fields are 2, 4 or 8 bytes, in their first half mostly.
+        // Prefers nodes, which are the last pages, and the first half of a page.
         const std::size_t pages = bad.size() / PageSize;
         const std::size_t page = random() % 3 ? pages - 1 - random() % 2 : random() % pages;
         const std::size_t offset = page * PageSize + random() % (random() % 2 ? 4080 : 400);
@@ -179,9 +179,9 @@ TEST(ExternalIntervalTreeCorruption, HostilePagesWithRightChecksumsNeitherCrashN
   EXPECT_GT(errors, 500);
 }
 
-TEST(ExternalIntervalTreeCorruption, ATreeThatLeadsToItsPagesAgainAndAgainEnds)
+TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyReferencesLeadToTheSamePages)
 {
-  // All children of each node are the one node before it: 28^n ways to the last of n nodes.
+  // All children of a node are the previous node: 28^n paths to the last of n nodes.
   const IntervalVector intervals = MakeIntervalSets()[4].MakeAll(200000);
   Bytes bytes = MakeTreeBytes(intervals);
   constexpr std::size_t childOffset = 36, slabSize = 50;
@@ -216,14 +216,14 @@ TEST(ExternalIntervalTreeCorruption, ATreeThatLeadsToItsPagesAgainAndAgainEnds)
   ASSERT_TRUE(tree.IsOk()) << tree.GetStatus().GetMessage();
   PageStatistics statistics;
   const Status status = (*tree)->FindOverlapping(
-    0, LargestKey, [](const KeyInterval&) {}, statistics);
+    0, MaximumKey, [](const KeyInterval&) {}, statistics);
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
   EXPECT_LE(statistics.PageReads, 64 + 16 * (*tree)->GetPageCount());
 }
 
-TEST(ExternalIntervalTreeCorruption, ANodeThatLeadsToOnePageOfRecordsAgainAndAgainEnds)
+TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyListsAreTheSameRecords)
 {
-  // The page at hand is not read again, so that no count of pages ends the query.
+  // The current page is not read again, so the limit on pages does not end the query.
   Bytes bytes = MakeTreeBytes(MakeIntervalSets()[4].MakeAll(1000));
   std::uint8_t* root = bytes.data() + bytes.size() - PageSize;
   ASSERT_EQ(std::memcmp(root, "NODE", 4), 0);
@@ -260,7 +260,7 @@ TEST(ExternalIntervalTreeCorruption, ANodeThatLeadsToOnePageOfRecordsAgainAndAga
     << status.GetMessage();
 }
 
-TEST(ExternalIntervalTreeCorruption, VerifyMissesNoIntervalThatTheTreeNoLongerLeadsTo)
+TEST(ExternalIntervalTreeCorruption, VerifyFindsIntervalsThatNoReferenceLeadsTo)
 {
   Bytes bytes = MakeTreeBytes(MakeIntervalSets()[4].MakeAll(1000));
   std::uint8_t* root = bytes.data() + bytes.size() - PageSize;
@@ -275,7 +275,7 @@ TEST(ExternalIntervalTreeCorruption, VerifyMissesNoIntervalThatTheTreeNoLongerLe
   EXPECT_EQ((*tree)->Verify(statistics).GetCode(), StatusCode::Corrupt);
 }
 
-TEST(ExternalIntervalTreeCorruption, ADiskThatFailsToReadGivesItsError)
+TEST(ExternalIntervalTreeCorruption, AQueryReturnsTheErrorOfAFailingDisk)
 {
   MemoryDisk disk;
   const auto tree = OpenBytes(disk, MakeTreeBytes(MakeIntervalSets()[0].MakeAll(5000)));
@@ -284,7 +284,7 @@ TEST(ExternalIntervalTreeCorruption, ADiskThatFailsToReadGivesItsError)
   PageStatistics statistics;
   EXPECT_EQ((*tree)
               ->FindOverlapping(
-                0, LargestKey, [](const KeyInterval&) {}, statistics)
+                0, MaximumKey, [](const KeyInterval&) {}, statistics)
               .GetCode(),
     StatusCode::IoError);
 }

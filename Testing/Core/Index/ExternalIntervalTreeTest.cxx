@@ -23,7 +23,8 @@ TreePointer MakeTree(MemoryDisk& disk, const IntervalVector& intervals,
   return tree.IsOk() ? std::move(*tree) : nullptr;
 }
 
-/// Counts answers from sorted endpoints: what neither ends before nor begins behind the query.
+/// Counts answers from sorted endpoints: the intervals that neither end below nor begin above the
+/// query.
 class AnswerCounter
 {
 public:
@@ -49,7 +50,7 @@ private:
   std::vector<ValueKey> Minima, Maxima;
 };
 
-/// The worst of what was measured, in units of what the header promises.
+/// The maximum costs measured, as fractions of the bounds.
 struct Worst
 {
   double Stabbing = 0;    // page reads / (7 log_B max(N, B) + 2 T/B)
@@ -114,7 +115,7 @@ void CheckBounds(
     ASSERT_LE(reads, 2 + 9 * height + 6 * t / b) << set.Name << " " << count;
     ASSERT_LE(reads, 15 * logarithm + 6 * t / b) << set.Name << " " << count;
     worst.Overlapping = std::max(worst.Overlapping, reads / (15 * logarithm + 6 * t / b));
-    query += static_cast<int>(found / 20000); // large answers need not be as many
+    query += static_cast<int>(found / 20000); // fewer queries if the answers are large
   }
 }
 
@@ -179,7 +180,7 @@ TEST(ExternalIntervalTree, OverlapQueryEqualsBruteForce)
         ASSERT_EQ(CompareWithBruteForce(*tree, intervals, low, high, statistics, found), "")
           << set.Name << " " << count;
       }
-      ASSERT_EQ(CompareWithBruteForce(*tree, intervals, 0, LargestKey, statistics, found), "");
+      ASSERT_EQ(CompareWithBruteForce(*tree, intervals, 0, MaximumKey, statistics, found), "");
       ASSERT_EQ(found, intervals.size());
     }
   }
@@ -209,7 +210,7 @@ TEST(ExternalIntervalTree, LargerPagesGiveTheSameAnswers)
   }
 }
 
-TEST(ExternalIntervalTree, RangeWithoutKeysOverlapsNothing)
+TEST(ExternalIntervalTree, AnEmptyRangeOverlapsNothing)
 {
   MemoryDisk disk;
   const TreePointer tree = MakeTree(disk, { { 5, 9, 0 } });
@@ -223,7 +224,7 @@ TEST(ExternalIntervalTree, RangeWithoutKeysOverlapsNothing)
   EXPECT_EQ(found, 0);
 }
 
-TEST(ExternalIntervalTree, PageReadsAndPagesKeepTheirBounds)
+TEST(ExternalIntervalTree, PageReadsAndPagesStayWithinTheirBounds)
 {
   if (!AllocationCounter::IsCounting())
   {
@@ -242,7 +243,7 @@ TEST(ExternalIntervalTree, PageReadsAndPagesKeepTheirBounds)
   Record(worst);
 }
 
-TEST(ExternalIntervalTree, PageReadsOfAMillionIntervalsKeepTheirBounds)
+TEST(ExternalIntervalTree, PageReadsOfAMillionIntervalsStayWithinTheirBounds)
 {
   if (!AllocationCounter::IsCounting())
   {
@@ -259,7 +260,7 @@ TEST(ExternalIntervalTree, PageReadsOfAMillionIntervalsKeepTheirBounds)
   Record(worst);
 }
 
-TEST(ExternalIntervalTree, CacheSavesReadsAndKeepsItsBudget)
+TEST(ExternalIntervalTree, TheCacheSavesReadsWithinItsBudget)
 {
   MemoryDisk disk;
   const IntervalVector intervals = MakeIntervalSets()[0].MakeAll(20000);
@@ -268,18 +269,19 @@ TEST(ExternalIntervalTree, CacheSavesReadsAndKeepsItsBudget)
   std::uint64_t found = 0;
   auto large = ExternalIntervalTree::Open(disk, "tree", std::size_t(64) << 20);
   ASSERT_TRUE(large.IsOk());
-  EXPECT_EQ(CompareWithBruteForce(**large, intervals, 5, LargestKey / 2, first, found), "");
-  EXPECT_EQ(CompareWithBruteForce(**large, intervals, 5, LargestKey / 2, second, found), "");
+  EXPECT_EQ(CompareWithBruteForce(**large, intervals, 5, MaximumKey / 2, first, found), "");
+  EXPECT_EQ(CompareWithBruteForce(**large, intervals, 5, MaximumKey / 2, second, found), "");
   EXPECT_GT(first.PageReads, 0u);
   EXPECT_EQ(second.PageReads, 0u);
   EXPECT_EQ(second.CacheHits, first.PageReads + first.CacheHits);
 
-  // Room for two pages only: answers stay right, and a long query pushes the short one's out.
+  // With room for two pages only, answers remain right, and a long query evicts the pages of a
+  // short one.
   auto small = ExternalIntervalTree::Open(disk, "tree", 10000);
   ASSERT_TRUE(small.IsOk());
   PageStatistics third;
-  EXPECT_EQ(CompareWithBruteForce(**small, intervals, 5, LargestKey / 2, third, found), "");
-  EXPECT_EQ(CompareWithBruteForce(**small, intervals, 5, LargestKey / 2, third, found), "");
+  EXPECT_EQ(CompareWithBruteForce(**small, intervals, 5, MaximumKey / 2, third, found), "");
+  EXPECT_EQ(CompareWithBruteForce(**small, intervals, 5, MaximumKey / 2, third, found), "");
   EXPECT_GE(third.PageReads + 4, 2 * first.PageReads);
 }
 

@@ -20,9 +20,9 @@ namespace isosurface
 {
 
 using IntervalVector = std::vector<KeyInterval>;
-constexpr ValueKey LargestKey = std::numeric_limits<ValueKey>::max();
+constexpr ValueKey MaximumKey = std::numeric_limits<ValueKey>::max();
 
-/// A way to make n intervals; the payload is the index.
+/// Makes `count` intervals. The payload is the index.
 struct IntervalSet
 {
   std::string Name;
@@ -47,7 +47,7 @@ struct IntervalSet
   }
 };
 
-/// Sets that are hard on one or another part of the tree.
+/// Sets that are adversarial for one or another part of the tree.
 inline std::vector<IntervalSet> MakeIntervalSets()
 {
   using Random = std::mt19937_64;
@@ -62,7 +62,7 @@ inline std::vector<IntervalSet> MakeIntervalSets()
         return make(a, a + (r() >> 16));
       } },
     { "Nested", [=](Index i, Index n, Random&) { return make(i, 2 * n + 5 - i); } },
-    { "NestedAtExtremes", [=](Index i, Index, Random&) { return make(i, LargestKey - i); } },
+    { "NestedAtExtremes", [=](Index i, Index, Random&) { return make(i, MaximumKey - i); } },
     { "Disjoint", [=](Index i, Index, Random&) { return make(10 * i, 10 * i + 8); } },
     { "Touching", [=](Index i, Index, Random&) { return make(10 * i, 10 * i + 10); } },
     { "Identical", [=](Index, Index, Random&) { return make(1000, 2000); } },
@@ -70,7 +70,7 @@ inline std::vector<IntervalSet> MakeIntervalSets()
     { "SteepStaircase", [=](Index i, Index n, Random&) { return make(i, i + n / 2); } },
     { "OneValue", [=](Index, Index, Random&) { return make(7, 7); } },
     { "OneValueZero", [=](Index, Index, Random&) { return make(0, 0); } },
-    { "OneValueLargest", [=](Index, Index, Random&) { return make(LargestKey, LargestKey); } },
+    { "OneValueMaximum", [=](Index, Index, Random&) { return make(MaximumKey, MaximumKey); } },
     { "Constants", [=](Index i, Index, Random&) { return make(3 * i, 3 * i); } },
     { "ConstantsOfFewValues",
       [=](Index, Index, Random& r)
@@ -83,34 +83,34 @@ inline std::vector<IntervalSet> MakeIntervalSets()
       [=](Index, Index, Random& r)
       { return r() % 10 ? make(1, 1 + r() % 3) : make(1 + r() % 60000, 1 + r() % 60000); } },
     { "OneMinimum", [=](Index, Index, Random& r) { return make(0, r()); } },
-    { "OneMaximum", [=](Index, Index, Random& r) { return make(r(), LargestKey); } },
+    { "OneMaximum", [=](Index, Index, Random& r) { return make(r(), MaximumKey); } },
     { "AllScales",
       [=](Index, Index, Random& r)
       {
         const ValueKey a = r() >> (r() % 64);
-        return make(a, a + std::min(LargestKey - a, r() >> (r() % 64)));
+        return make(a, a + std::min(MaximumKey - a, r() >> (r() % 64)));
       } },
-    // Few intervals between any two of about as many places as a node has slabs.
+    // As many places as a node has slabs, and few intervals between any two of them.
     { "ThinMultislabs",
       [=](Index, Index, Random& r)
       { return make((r() % 29) * 1000000 + r() % 1000, (r() % 29) * 1000000 + r() % 1000); } },
     { "Everything",
       [=](Index i, Index, Random& r)
       {
-        return i % 3 == 0 ? make(0, LargestKey)
+        return i % 3 == 0 ? make(0, MaximumKey)
           : i % 3 == 1    ? make(r() % 1000, 1000 + r() % 1000)
                           : make(1u << 20, 1u << 20);
       } },
   };
 }
 
-/// Keys to ask for: endpoints, their neighbours, the extremes, anything.
+/// A key to query: an endpoint, a neighbour of one, an extreme, or any key.
 inline ValueKey MakeQueryKey(const IntervalVector& intervals, std::mt19937_64& random)
 {
   const std::uint64_t choice = random() % 16;
   if (intervals.empty() || choice == 0)
   {
-    return random() % 2 ? random() : (random() % 2 ? 0 : LargestKey);
+    return random() % 2 ? random() : (random() % 2 ? 0 : MaximumKey);
   }
   const KeyInterval& one = intervals[random() % intervals.size()];
   const KeyInterval& other = intervals[random() % intervals.size()];
@@ -121,7 +121,7 @@ inline ValueKey MakeQueryKey(const IntervalVector& intervals, std::mt19937_64& r
     case 1:
       return one.Maximum;
     case 2:
-      return one.Minimum - 1; // may wrap around, which is a key as good as any
+      return one.Minimum - 1; // may wrap around, which is a valid key, too
     case 3:
       return one.Maximum + 1;
     case 4:
@@ -144,7 +144,7 @@ inline Status WriteTree(FileSystem& disk, const std::string& path, const Interva
   return builder.Finish();
 }
 
-/// Says what is wrong with the answer to a query, by looking at every interval; nothing if right.
+/// Compares the answer to a query with every interval; returns what is wrong, or nothing.
 inline std::string CompareWithBruteForce(const ExternalIntervalTree& tree,
   const IntervalVector& intervals, ValueKey low, ValueKey high, PageStatistics& statistics,
   std::uint64_t& found)

@@ -16,7 +16,7 @@ namespace
 
 using Key = std::tuple<std::uint32_t, ValueKey, ValueKey, std::uint32_t>;
 
-/// Group, then the order's own key; ~ turns it downwards.
+/// The group, then the key of the order; ~ reverses it.
 Key MakeKey(const IntervalRecord& record, IntervalSorter::Order order)
 {
   return order == IntervalSorter::Order::AscendingMinimum
@@ -31,7 +31,7 @@ TEST(IntervalSorter, GivesAllRecordsInOrderForAnyNumberOfRuns)
   for (const auto order :
     { IntervalSorter::Order::AscendingMinimum, IntervalSorter::Order::DescendingMaximum })
   {
-    // From no record to several passes of merging (8 KiB hold 273 records, two runs a merge).
+    // From no record to several merge passes (8 KiB hold 273 records, a merge takes two runs).
     for (const int count : { 0, 1, 272, 273, 274, 546, 547, 3000, 30000 })
     {
       MemoryDisk disk;

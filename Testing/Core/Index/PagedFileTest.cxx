@@ -55,7 +55,7 @@ Result<std::unique_ptr<PagedFileReader>> OpenPages(MemoryDisk& disk, std::size_t
 
 } // namespace
 
-TEST(PagedFile, GivesBackWhatWasWrittenForEveryPageSize)
+TEST(PagedFile, ReadsWhatWasWrittenForEveryPageSize)
 {
   for (const std::uint32_t pageSize : { 4096u, 8192u, 16384u })
   {
@@ -83,7 +83,7 @@ TEST(PagedFile, GivesBackWhatWasWrittenForEveryPageSize)
   }
 }
 
-TEST(PagedFile, LeastRecentlyUsedPageLeavesTheCacheFirst)
+TEST(PagedFile, TheCacheEvictsTheLeastRecentlyUsedPage)
 {
   MemoryDisk disk;
   WritePages(disk, 4096, 10);
@@ -95,14 +95,14 @@ TEST(PagedFile, LeastRecentlyUsedPageLeavesTheCacheFirst)
   read(1);
   read(2);
   read(1); // hit
-  read(3); // takes the place of 2
+  read(3); // evicts 2
   read(1); // hit
-  read(2); // takes the place of 3
+  read(2); // evicts 3
   EXPECT_EQ(statistics.PageReads, 4u);
   EXPECT_EQ(statistics.CacheHits, 2u);
 }
 
-TEST(PagedFile, PageInAnotherPlaceIsCorruptAndNamed)
+TEST(PagedFile, APageInTheWrongPlaceIsCorrupt)
 {
   MemoryDisk disk;
   WritePages(disk, 4096, 10);

@@ -20,7 +20,7 @@ struct Block
   std::uint64_t Bytes;
 };
 
-/// Compares with every block's range, asked at every edge.
+/// Compares with the ranges of all blocks, at every edge.
 template <typename T>
 void ExpectEqualsBruteForce(const std::vector<Block<T>>& blocks)
 {
@@ -41,7 +41,7 @@ void ExpectEqualsBruteForce(const std::vector<Block<T>>& blocks)
   activity.SetActivity(spectrum);
   for (std::size_t bin = 0; bin < bins.Count; ++bin)
   {
-    // Exact for all types: 128 bits hold every edge of whole numbers.
+    // Exact for all types: every edge of integers fits in 128 bits.
     const auto isBelow = [&](T value)
     {
       if constexpr (std::is_integral_v<T>)
@@ -103,7 +103,7 @@ TYPED_TEST(BlockActivityOfType, EqualsBruteForceAtEveryEdge)
   }
 }
 
-TEST(BlockActivity, IsExactForIntegersThatNoDoubleTellsApart)
+TEST(BlockActivity, IsExactForIntegersThatRoundToTheSameDouble)
 {
   ExpectEqualsBruteForce(MakeBlocks<std::int64_t>((std::int64_t{ 1 } << 60) + 1, 100));
   ExpectEqualsBruteForce(
@@ -112,7 +112,7 @@ TEST(BlockActivity, IsExactForIntegersThatNoDoubleTellsApart)
     MakeBlocks<std::int64_t>(std::numeric_limits<std::int64_t>::min(), std::uint64_t{ 1 } << 62));
 }
 
-TEST(BlockActivity, CountsNaNAsBelowAndInfinitiesAsBeyondAllEdges)
+TEST(BlockActivity, NaNIsBelowAllEdgesAndInfinitiesAreBeyondThem)
 {
   const SpectrumBins bins =
     SpectrumBins::Choose(ValueType::Float32, { MakeValueKey(-1.0f), MakeValueKey(1.0f) });

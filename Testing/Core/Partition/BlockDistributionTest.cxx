@@ -50,7 +50,7 @@ std::vector<KeyRange> MakeRandomRanges(std::size_t count)
   return ranges;
 }
 
-/// Blocks with cubes of values that fill their range.
+/// Profiles of blocks whose cubes fill their range.
 std::vector<BlockProfile> MakeProfiles(const std::vector<KeyRange>& ranges)
 {
   std::mt19937 random(7);
@@ -70,7 +70,7 @@ std::vector<BlockProfile> MakeProfiles(const std::vector<KeyRange>& ranges)
   return profiles;
 }
 
-/// A ball of smooth values in an empty surrounding, with noise: blocks differ very much.
+/// A smooth ball with noise in a constant surrounding, so that blocks differ very much.
 struct Scene
 {
   Scene()
@@ -131,9 +131,10 @@ struct Scene
     return BlockProfile::Make(ValueType::UInt8, cubes);
   }
 
-  /// The worst max/mean of triangles a store, over all isovalues with so many triangles a store.
+  /// The maximum of max/mean of the stores' triangles over all isovalues with a mean of at least
+  /// `minimum`.
   double FindImbalance(
-    const std::vector<std::uint32_t>& blockStores, std::uint32_t stores, double least) const
+    const std::vector<std::uint32_t>& blockStores, std::uint32_t stores, double minimum) const
   {
     double worst = 1;
     for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)
@@ -146,10 +147,10 @@ struct Scene
         total += this->Spectra[block].Triangles[bin];
       }
       const double mean = static_cast<double>(total) / stores;
-      if (mean >= least)
+      if (mean >= minimum)
       {
-        const std::uint64_t most = *std::max_element(triangles.begin(), triangles.end());
-        worst = std::max(worst, static_cast<double>(most) / mean);
+        const std::uint64_t maximum = *std::max_element(triangles.begin(), triangles.end());
+        worst = std::max(worst, static_cast<double>(maximum) / mean);
       }
     }
     return worst;
@@ -200,7 +201,7 @@ TEST(BlockDistribution, SpreadsConstantBlocksEvenly)
 
 TEST(BlockDistribution, DealsBlocksOfOneElementByDecreasingRange)
 {
-  // Of four blocks, the middle two fall into one element; the larger one comes first.
+  // Of four blocks, the middle two belong to the same element; the larger one is dealt first.
   std::vector<KeyRange> ranges;
   for (const double high : { 1000.0, 10.3, 10.4, 0.0 })
   {
@@ -211,7 +212,7 @@ TEST(BlockDistribution, DealsBlocksOfOneElementByDecreasingRange)
   EXPECT_EQ(result, (std::vector<std::uint32_t>{ 2, 1, 0, 3 }));
 }
 
-TEST(BlockDistribution, TakesNaNAndInfinitiesAndTheLargestNumbers)
+TEST(BlockDistribution, AcceptsNaNInfinitiesAndExtremeNumbers)
 {
   const double infinity = std::numeric_limits<double>::infinity();
   const double largest = std::numeric_limits<double>::max();
@@ -227,14 +228,14 @@ TEST(BlockDistribution, TakesNaNAndInfinitiesAndTheLargestNumbers)
     DistributeBlocks(DistributionMethod::Greedy, ValueType::Float64, nothing, 2, 0).size(), 5u);
 }
 
-TEST(BlockDistribution, RandomDependsOnTheSeedAlone)
+TEST(BlockDistribution, RandomDependsOnTheSeedOnly)
 {
   const std::vector<KeyRange> ranges = MakeRandomRanges(500);
   const auto random = [&](std::uint64_t seed)
   { return DistributeBlocks(DistributionMethod::Random, ValueType::Float32, ranges, 8, seed); };
   EXPECT_EQ(random(1), random(1));
   EXPECT_NE(random(1), random(2));
-  // Written in files: these numbers must never change.
+  // These numbers are in files: they must never change.
   const auto first = random(42);
   EXPECT_EQ(std::vector<std::uint32_t>(first.begin(), first.begin() + 8),
     (std::vector<std::uint32_t>{ 6, 3, 5, 6, 7, 4, 3, 3 }));
@@ -252,8 +253,8 @@ TEST(BlockDistribution, GreedyAndRandomBalanceTrianglesAndSlabDoesNot)
       std::to_string(imbalance));
     return imbalance;
   };
-  // A block of 16^3 cells in the surface has up to 5,000 triangles here: with only 1,000 a store no
-  // way of dealing out whole blocks is even.
+  // A block of 16^3 cells in the surface has up to 5,000 triangles here: with 1,000 triangles a
+  // store no distribution of whole blocks is even.
   for (const double least : { 1000.0, 20000.0 })
   {
     const double greedy = measure(DistributionMethod::Greedy, 4, least);
@@ -266,7 +267,7 @@ TEST(BlockDistribution, GreedyAndRandomBalanceTrianglesAndSlabDoesNot)
   }
 }
 
-TEST(BlockDistribution, BalancedIsTheMostEvenOne)
+TEST(BlockDistribution, BalancedIsMoreEvenThanTheOthers)
 {
   const Scene scene;
   for (const std::uint32_t stores : { 4u, 16u })
@@ -284,7 +285,7 @@ TEST(BlockDistribution, BalancedIsTheMostEvenOne)
   }
 }
 
-TEST(BlockDistribution, BalancedGivesConstantBlocksToStoresOfFewBlocks)
+TEST(BlockDistribution, BalancedGivesConstantBlocksToStoresWithFewBlocks)
 {
   std::vector<BlockProfile> profiles(20);
   profiles[3] = BlockProfile::Make(ValueType::UInt8, { { 0, 100 }, { 0, 50 } });

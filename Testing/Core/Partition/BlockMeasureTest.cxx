@@ -60,7 +60,7 @@ struct Measures
   WorkloadSpectrum Spectrum;
 };
 
-/// Measures the volume block by block, `side` vertices of a block overlapping by one.
+/// Measures the volume by blocks of `side` vertices a side, which overlap by one vertex.
 template <typename T>
 Measures Measure(const SampleVolume<T>& volume, const GridGeometry& grid, std::int64_t side = 1000,
   std::int64_t rowStride = 1)
@@ -154,7 +154,7 @@ void ExpectMeasuresSpheres(
       ++tested;
       const double area = 4 * Pi * radius * radius;
       const double volume = area * radius / 3;
-      // Integers are cut off: their surfaces lie half a value further in.
+      // Integers are truncated: their surfaces lie half a value further inside.
       const double shift = std::is_integral_v<T> ? 0.5 / scale * area / volume : 0;
       EXPECT_NEAR(measures.GetArea(bin) / area, 1, 0.03) << "radius " << radius;
       EXPECT_NEAR(measures.GetVolume(bin) / volume, 1 - shift, 0.01) << "radius " << radius;
@@ -212,9 +212,9 @@ TEST(BlockMeasure, IsExactForPlanesAcrossAnAxis)
   }
 }
 
-TEST(BlockMeasure, ErrsInProportionToTheRowsThatAreLeftOut)
+TEST(BlockMeasure, ErrorsGrowWithTheRowStride)
 {
-  // Planes at angles that go along with rows of cells, which a regular choice of rows may miss.
+  // Planes at angles in step with rows of cells, which a regular choice of rows might miss.
   const Index3 size = { 145, 141, 150 };
   for (const std::array<double, 3>& normal : { std::array<double, 3>{ 0, 1, 1 }, { 0, 1, -1 },
          { 0, 1, 2 }, { 0, 2, 1 }, { 1, 1, 1 }, { 1, 0, 4 }, { 3, 8, 1 } })
@@ -234,7 +234,7 @@ TEST(BlockMeasure, ErrsInProportionToTheRowsThatAreLeftOut)
     for (const std::int64_t rowStride : { 2, 4, 8 })
     {
       const Measures few = Measure(volume, grid, 1000, rowStride);
-      // On grids of the sides that these strides are for, which are 2 and 4 times as long, the
+      // On the grids for which these strides are chosen, which are 2 and 4 times as large, the
       // errors are a half and a quarter.
       const double error = 0.015 * static_cast<double>(rowStride);
       EXPECT_NEAR(few.GetArea(bin) / all.GetArea(bin), 1, error) << normal[1] << ' ' << rowStride;
@@ -244,7 +244,7 @@ TEST(BlockMeasure, ErrsInProportionToTheRowsThatAreLeftOut)
   }
 }
 
-TEST(BlockMeasure, TakesAllRowsOfSmallGridsAndOneInEightOfLargeOnes)
+TEST(BlockMeasure, MeasuresAllRowsOfSmallGridsAndOneInEightOfLargeOnes)
 {
   EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 2, 2, 2 })), 1);
   EXPECT_EQ(BlockMeasure::ChooseRowStride(MakeGrid({ 128, 128, 128 })), 1);
@@ -296,7 +296,7 @@ TEST(BlockMeasure, StaysNearTheTrianglesOfNoisyFields)
   }
 }
 
-TEST(BlockMeasure, SumsOverBlocksAreThoseOfTheWhole)
+TEST(BlockMeasure, SumsOverBlocksEqualTheWhole)
 {
   std::mt19937 random(6);
   const SampleVolume<std::uint16_t> volume(
@@ -314,10 +314,10 @@ TEST(BlockMeasure, SumsOverBlocksAreThoseOfTheWhole)
   }
 }
 
-TEST(BlockMeasure, EnclosesAllOfTheGridBelowItsLeastValue)
+TEST(BlockMeasure, TheVolumeBelowTheMinimumIsThatOfTheGrid)
 {
   std::mt19937 random(7);
-  // Grids of odd and even numbers of rows, of one row, of one cell.
+  // Grids with odd and even numbers of rows, with one row, with one cell.
   for (const Index3& size :
     { Index3{ 9, 8, 7 }, Index3{ 9, 9, 8 }, Index3{ 5, 2, 6 }, Index3{ 2, 2, 2 } })
   {
@@ -358,7 +358,7 @@ TEST(BlockMeasure, LeavesOutCellsThatAreNotFinite)
   }
 }
 
-TEST(BlockMeasure, CountsUniformBlocksAsItCountsTheirCells)
+TEST(BlockMeasure, CountUniformEqualsCount)
 {
   // A block of one value beside one of many.
   const Index3 size = { 17, 9, 9 };

@@ -47,7 +47,7 @@ void ExpectEqual(const BlockProfile& a, const BlockProfile& b)
 
 } // namespace
 
-TEST(BlockProfile, CountsTheCubesThatAnIsosurfacePasses)
+TEST(BlockProfile, CountsTheCubesThatAnIsosurfaceCrosses)
 {
   for (const double scale : { 1e-30, 0.013, 1.0, 1e30 })
   {
@@ -64,13 +64,13 @@ TEST(BlockProfile, CountsTheCubesThatAnIsosurfacePasses)
         CountCubes(cubes, isovalue));
       nonzero += profile.Counts[bin] > 0 ? 1 : 0;
     }
-    EXPECT_GE(nonzero, 15u); // no coarser than it must be
+    EXPECT_GE(nonzero, 15u); // not coarser than necessary
     EXPECT_EQ(profile.GetCount(profile.Span.Low - scale * 100), 0u);
     EXPECT_EQ(profile.GetCount(profile.Span.High + scale * 100), 0u);
   }
 }
 
-TEST(BlockProfile, CountsIntegersOfFewValuesAtEachOfThem)
+TEST(BlockProfile, HasABinForEveryValueOfSmallIntegerRanges)
 {
   const std::vector<ValueSpan> cubes = { { 3, 5 }, { 4, 4 }, { 4, 9 } };
   const BlockProfile profile = BlockProfile::Make(ValueType::UInt8, cubes);
@@ -81,13 +81,13 @@ TEST(BlockProfile, CountsIntegersOfFewValuesAtEachOfThem)
   }
 }
 
-TEST(BlockProfile, IsTheSameFromPartsInAnyOrder)
+TEST(BlockProfile, DoesNotDependOnPartsOrTheirOrder)
 {
   for (const bool isInteger : { false, true })
   {
     const ValueType type = isInteger ? ValueType::Int16 : ValueType::Float32;
     auto cubes = MakeCubes(300, isInteger ? 1 : 0.37, isInteger);
-    cubes.push_back({ 300.1, 300.1001 }); // seen by fine bins alone
+    cubes.push_back({ 300.1, 300.1001 }); // counted by fine bins only
     cubes.push_back({ -5000, -5000 });    // constant: no isosurface
     const BlockProfile expected = BlockProfile::Make(type, cubes);
     std::mt19937 random(12);
@@ -109,7 +109,7 @@ TEST(BlockProfile, IsTheSameFromPartsInAnyOrder)
   }
 }
 
-TEST(BlockProfile, TakesTheLargestAndTheSmallestNumbers)
+TEST(BlockProfile, AcceptsExtremeNumbers)
 {
   const double largest = std::numeric_limits<double>::max();
   const double least = std::numeric_limits<double>::denorm_min();

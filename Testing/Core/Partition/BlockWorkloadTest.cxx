@@ -117,7 +117,7 @@ TYPED_TEST(BlockWorkloadOfType, EqualsBruteForceOnNoise)
       }
       else
       {
-        return random(); // all bits, the type's ends included
+        return random(); // all bits, the extremes of the type included
       }
     }));
 }
@@ -161,7 +161,7 @@ TEST(BlockWorkload, CountsNaNAsOutsideAndClipsInfinities)
     }));
 }
 
-TEST(BlockWorkload, IsExactAtTheEndsOfTheDoubles)
+TEST(BlockWorkload, IsExactForExtremeDoubles)
 {
   std::mt19937 random(10);
   for (const double scale : { 1e308, 4e-320, 1e-5, 1e200 })
@@ -169,7 +169,7 @@ TEST(BlockWorkload, IsExactAtTheEndsOfTheDoubles)
     ExpectEqualsBruteForce(SampleVolume<double>({ 8, 7, 8 },
       [&](auto...) { return scale * (static_cast<double>(random() % 2001) / 1000 - 1); }));
   }
-  // Tiny negative values beside large ones: -1e-300 / width underflows, but lies below the edge 0.
+  // Tiny negative values and large ones: -1e-300 / width underflows, but is below the edge 0.
   ExpectEqualsBruteForce(SampleVolume<double>({ 8, 7, 8 },
     [&](auto...)
     {
@@ -194,7 +194,7 @@ TEST(BlockWorkload, CountsTheTrianglesOfEveryCase)
 
 TEST(BlockWorkload, CountsTheTrianglesOfEveryOrderOfCorners)
 {
-  // All ways to go from full to empty, and ties: corners of up to four different values.
+  // All orders from full to empty, and ties: corners of up to four different values.
   for (unsigned values = 0; values < 65536; ++values)
   {
     const SampleVolume<std::uint8_t> cell(
@@ -228,7 +228,7 @@ TEST(BlockWorkload, ResolvesOneUnitInTheLastPlace)
     { 6, 6, 6 }, [&](auto...) { return random() % 2 ? 1.0 : std::nextafter(1.0, 2.0); }));
 }
 
-TEST(BlockWorkload, BlocksSumUpToTheVolume)
+TEST(BlockWorkload, TheSumOverBlocksEqualsTheVolume)
 {
   std::mt19937 random(12);
   const SampleVolume<std::uint16_t> volume(
@@ -252,7 +252,7 @@ TEST(BlockWorkload, HonoursStrides)
 {
   std::mt19937 random(13);
   const SampleVolume<std::uint8_t> dense({ 20, 9, 8 }, [&](auto...) { return random(); });
-  // The same samples, every third byte, x and z exchanged in memory.
+  // The same samples at every third byte, with x and z exchanged in memory.
   std::vector<std::uint8_t> scattered(3 * dense.Samples.size());
   SampleView view = dense.GetView();
   view.First = scattered.data();
@@ -275,7 +275,7 @@ TEST(BlockWorkload, HonoursStrides)
   EXPECT_EQ(spectrum.Triangles, CountSpectrum(dense, bins).Triangles);
 }
 
-TEST(BlockWorkload, FindsNothingInFlatOrConstantVolumes)
+TEST(BlockWorkload, FlatAndConstantVolumesHaveNoTriangles)
 {
   const SampleVolume<float> constant({ 5, 5, 5 }, [](auto...) { return 2.5; });
   const SpectrumBins bins = ChooseBins(constant);

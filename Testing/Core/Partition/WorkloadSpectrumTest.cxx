@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/WorkloadSpectrum.h"
 
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +51,7 @@ TEST(SpectrumBins, AreOneValueWideForIntegersOfSmallRange)
   EXPECT_EQ(Choose<std::int64_t>(large, large + 9).First, large);
 }
 
-TEST(SpectrumBins, CoverTheRangeByAtLeast1024Bins)
+TEST(SpectrumBins, CoverTheRangeWithAtLeast1024Bins)
 {
   ExpectFits<std::int16_t>(-1024, 1024, 1024);
   ExpectFits<std::uint16_t>(0, 65535, 1024);
@@ -64,19 +63,19 @@ TEST(SpectrumBins, CoverTheRangeByAtLeast1024Bins)
   ExpectFits<double>(-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(), 1024);
   ExpectFits<double>(0, 1e-310, 1024);
   ExpectFits<double>(1e-3, 1.7e7, 1024);
-  // No finer than the numbers themselves.
+  // Not finer than the spacing of the numbers.
   ExpectFits<float>(1.0f, std::nextafter(1.0f, 2.0f), 2);
   ExpectFits<double>(0, std::numeric_limits<double>::denorm_min(), 2);
 }
 
-TEST(SpectrumBins, ReachTheLargestIntegers)
+TEST(SpectrumBins, CoverTheMaximumInteger)
 {
-  const std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
-  const SpectrumBins bins = Choose<std::uint64_t>(largest - 5000, largest);
+  const std::uint64_t maximum = std::numeric_limits<std::uint64_t>::max();
+  const SpectrumBins bins = Choose<std::uint64_t>(maximum - 5000, maximum);
   EXPECT_EQ(bins.Exponent, 2);
-  EXPECT_EQ(static_cast<std::uint64_t>(bins.First) << 2, (largest - 5000) / 4 * 4);
+  EXPECT_EQ(static_cast<std::uint64_t>(bins.First) << 2, (maximum - 5000) / 4 * 4);
   EXPECT_EQ(bins.Count, 1251u);
-  EXPECT_EQ(Choose<std::uint64_t>(largest - 5, largest).Exponent, 1);
+  EXPECT_EQ(Choose<std::uint64_t>(maximum - 5, maximum).Exponent, 1);
 }
 
 TEST(WorkloadSpectrum, AddsSpectraOfEqualBinsOnly)

@@ -8,7 +8,7 @@ using namespace isosurface;
 namespace
 {
 
-/// Compressible, but never the same twice.
+/// Bytes that can be compressed, but do not repeat.
 Bytes MakeContent(std::size_t size)
 {
   std::mt19937 random(5);
@@ -68,7 +68,7 @@ TEST(GzipFile, DoesNotInflateFromTheBeginningForEveryRead)
   EXPECT_LT(disk.GetBytesRead(".gz"), 2 * once);
 }
 
-TEST(GzipFile, ReadsMembersInARowAndZlibStreams)
+TEST(GzipFile, ReadsSeveralMembersAndZlibStreams)
 {
   const Bytes content = MakeContent(12000000);
   Bytes members;
@@ -95,7 +95,7 @@ TEST(GzipFile, ReadsMembersInARowAndZlibStreams)
   }
 }
 
-TEST(GzipFile, NamesTheFileThatIsDamagedOrTooShort)
+TEST(GzipFile, DamagedAndTruncatedFilesAreErrorsThatNameTheFile)
 {
   const Bytes content = MakeContent(3000000);
   const Bytes compressed = Deflate(content);
@@ -114,7 +114,7 @@ TEST(GzipFile, NamesTheFileThatIsDamagedOrTooShort)
         << status.GetMessage();
     }
   }
-  // A byte altered in the middle, or in the checksum at the end.
+  // A byte is changed in the middle, or in the checksum at the end.
   for (const std::size_t at : { compressed.size() / 2, compressed.size() - 6 })
   {
     Bytes damaged = compressed;

@@ -48,7 +48,7 @@ TEST(RawVolume, ReadsEveryTypeInBothByteOrders)
   }
 }
 
-TEST(RawVolume, ReadsAFileOfASliceOrASlab)
+TEST(RawVolume, ReadsAFileForEachSliceOrSlab)
 {
   const auto volume = MakeRamp<std::uint16_t>({ 9, 7, 12 });
   const Bytes samples = MakeBytes(volume);
@@ -80,7 +80,7 @@ TEST(RawVolume, ReadsAFileOfASliceOrASlab)
   }
 }
 
-TEST(RawVolume, RefusesFilesThatAreMissingOrTooShort)
+TEST(RawVolume, MissingAndTruncatedFilesAreErrors)
 {
   MemoryDisk disk;
   RawVolume raw = DescribeRaw({ 9, 7, 5 }, ValueType::Float32);

@@ -34,7 +34,7 @@ inline Bytes MakeBytes(const std::string& text)
   return bytes;
 }
 
-/// What gzip, or zlib (15 window bits), makes of some bytes.
+/// Compresses bytes by gzip, or by zlib with 15 window bits.
 inline Bytes Deflate(const Bytes& bytes, int windowBits = 15 + 16)
 {
   z_stream stream = {};
@@ -63,7 +63,7 @@ Bytes MakeBytes(const SampleVolume<T>& volume, bool isBigEndian = false)
   return bytes;
 }
 
-/// Every sample differs from its neighbours.
+/// Samples that differ from their neighbours.
 template <typename T>
 SampleVolume<T> MakeRamp(const Index3& size)
 {
@@ -71,7 +71,7 @@ SampleVolume<T> MakeRamp(const Index3& size)
     size, [](auto i, auto j, auto k) { return i * 7 + j * 31 + k * 257 - 50; });
 }
 
-/// Whether a source gives the volume's samples, in boxes of all kinds.
+/// Checks that a source gives the volume's samples, in boxes of all kinds.
 template <typename T>
 void ExpectSamples(SlabSource& source, const SampleVolume<T>& volume)
 {

@@ -17,13 +17,13 @@ namespace
 
 struct TiffLayout
 {
-  const char* Mode = "w"; ///< as TIFFOpen takes it: byte order, BigTIFF
+  const char* Mode = "w"; ///< of TIFFOpen: byte order, BigTIFF
   std::uint16_t Compression = COMPRESSION_NONE;
   std::uint32_t RowsPerStrip = 3;
   std::uint32_t Tile = 0; ///< instead of strips
 };
 
-/// A folder that is removed at the end.
+/// A folder that is removed at the end of the test.
 class Folder
 {
 public:
@@ -56,7 +56,7 @@ void SetFormat(TIFF* tiff, const Index3& size, const TiffLayout& layout)
                                 : SAMPLEFORMAT_UINT);
 }
 
-/// One page: slice k of a volume.
+/// Writes a page: slice k of a volume.
 template <typename T>
 void WritePage(TIFF* tiff, const SampleVolume<T>& volume, std::int64_t k, const TiffLayout& layout)
 {
@@ -193,13 +193,13 @@ TEST(TiffSource, ReadsStripsAndTilesOfEveryCompression)
   }
 }
 
-TEST(TiffSource, ReadsSeriesInTheOrderOfTheirNumbers)
+TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
 {
   const Folder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 12 });
   for (std::int64_t k = 0; k < 12; ++k)
   {
-    // 8, 9, 10, ...: by letters, 10 would be before 8.
+    // 8, 9, 10, ...: alphabetically, 10 would be before 8.
     const std::string name = "a b" + std::to_string(k + 8) + ".TIF";
     WriteStack(folder / name, volume, {}, k, k + 1);
   }
@@ -218,7 +218,7 @@ TEST(TiffSource, ReadsSeriesInTheOrderOfTheirNumbers)
   EXPECT_EQ(both->Grid.GetDimensions(), (Index3{ 12, 9, 4 }));
 }
 
-TEST(TiffSource, ReadsWhatImageJWritesBeyondFourGibibytes)
+TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
 {
   const Folder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 12, 9, 6 });
@@ -228,7 +228,8 @@ TEST(TiffSource, ReadsWhatImageJWritesBeyondFourGibibytes)
   WritePage(tiff, volume, 0, { "wb", COMPRESSION_NONE, 9 });
   TIFFWriteDirectory(tiff);
   TIFFClose(tiff);
-  // The samples of the first page stand before the directory: move them to the end, with all.
+  // Moves the samples of the first page, which are before the directory, to the end, with all
+  // others.
   Bytes bytes = ReadBytes(folder / "a.tif");
   const Bytes samples = MakeBytes(volume, true);
   const auto begin = bytes.size();
@@ -260,7 +261,7 @@ TEST(TiffSource, ReadsWhatImageJWritesBeyondFourGibibytes)
   ExpectRefused(folder / "b.tif", folder / "b.tif", "truncated");
 }
 
-TEST(TiffSource, RefusesPagesThatDoNotFitTogether)
+TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
 {
   const Folder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 3 });
@@ -286,7 +287,7 @@ TEST(TiffSource, RefusesPagesThatDoNotFitTogether)
   ExpectRefused(folder / "s?.tif", folder / "s2.tif", "differs");
 }
 
-TEST(TiffSource, SaysWhatItCannotRead)
+TEST(TiffSource, ErrorsNameWhatIsNotSupported)
 {
   const Folder folder;
   TIFF* tiff = TIFFOpen((folder / "rgb.tif").c_str(), "w");
@@ -313,7 +314,7 @@ TEST(TiffSource, SaysWhatItCannotRead)
   ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
 }
 
-TEST(TiffSource, DamagedFilesGiveErrorsOrSamplesButNeverMore)
+TEST(TiffSource, DamagedFilesGiveErrorsOrSamples)
 {
   const Folder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 21, 18, 3 });

@@ -54,7 +54,7 @@ const std::string NrrdStart = "NRRD0004\n# made by hand\ntype: short\ndimension:
 
 } // namespace
 
-TEST(MetaImageHeader, ReadsSamplesBesideTheHeader)
+TEST(MetaImageHeader, ReadsSamplesInAnotherFile)
 {
   const auto volume = MakeRamp<std::int16_t>(Size);
   MemoryDisk disk;
@@ -71,7 +71,7 @@ TEST(MetaImageHeader, ReadsSamplesBesideTheHeader)
   EXPECT_EQ(raw.Grid.Direction, (std::array<double, 9>{ 0, -1, 0, 1, 0, 0, 0, 0, 1 }));
 }
 
-TEST(MetaImageHeader, ReadsSamplesBehindTheHeaderAndCompressedOnes)
+TEST(MetaImageHeader, ReadsSamplesAfterTheHeaderAndCompressedOnes)
 {
   const auto volume = MakeRamp<float>(Size);
   MemoryDisk disk;
@@ -122,7 +122,7 @@ TEST(MetaImageHeader, DropsAxesOfOneSampleBeyondTheThird)
   EXPECT_EQ(raw.Grid.Direction, (std::array<double, 9>{ 0, 1, 0, 1, 0, 0, 0, 0, 1 }));
 }
 
-TEST(MetaImageHeader, SaysWhatItCannotRead)
+TEST(MetaImageHeader, ErrorsNameWhatIsNotSupported)
 {
   const std::string data = "ElementType = MET_SHORT\nElementDataFile = a.raw\n";
   ExpectRefused("a.mhd", "", "no ElementDataFile");
@@ -141,7 +141,7 @@ TEST(MetaImageHeader, SaysWhatItCannotRead)
   ExpectRefused("a.tif", "", "only .mhd");
 }
 
-TEST(NrrdHeader, ReadsRawAndGzipSamplesBehindTheHeader)
+TEST(NrrdHeader, ReadsRawAndGzipSamplesAfterTheHeader)
 {
   const auto volume = MakeRamp<std::int16_t>(Size);
   MemoryDisk disk;
@@ -181,7 +181,7 @@ TEST(NrrdHeader, ReadsSamplesInOtherFiles)
   }
 }
 
-TEST(NrrdHeader, PassesOverLinesAndBytes)
+TEST(NrrdHeader, SkipsLinesAndBytes)
 {
   const auto volume = MakeRamp<std::int16_t>(Size);
   const Bytes samples = MakeBytes(volume);
@@ -195,7 +195,7 @@ TEST(NrrdHeader, PassesOverLinesAndBytes)
   WriteFile(
     disk, "/data/b.nhdr", MakeBytes(lines + "byte skip: -1\nencoding: raw\ndata file: a.raw\n"));
   ExpectVolume(disk, "/data/b.nhdr", volume);
-  // Lines before the stream, bytes in what it inflates to.
+  // Lines before the stream, bytes in the uncompressed stream.
   WriteFile(disk, "/data/c.gz", Join(text, Deflate(Join("1234", samples))));
   WriteFile(
     disk, "/data/c.nhdr", MakeBytes(lines + "byte skip: 4\nencoding: gzip\ndata file: c.gz\n"));
@@ -209,7 +209,7 @@ TEST(NrrdHeader, PassesOverLinesAndBytes)
   EXPECT_EQ(raw->Open(disk).GetStatus().GetCode(), StatusCode::Corrupt);
 }
 
-TEST(NrrdHeader, PassesOverLinesOfEachFileAndInflatesEach)
+TEST(NrrdHeader, SkipsLinesOfEachCompressedFile)
 {
   const auto volume = MakeRamp<std::int16_t>(Size);
   const Bytes samples = MakeBytes(volume);
@@ -248,7 +248,7 @@ TEST(NrrdHeader, DropsAxesOfOneSampleThatAreNotOfSpace)
       MakeBytes(volume)));
   EXPECT_EQ(
     ExpectVolume(disk, "/data/b.nrrd", volume).Grid.Spacing, (std::array<double, 3>{ 2, 3, 4 }));
-  // One slice somewhere in space: z is across it.
+  // A single slice in space: z is normal to it.
   const auto slice = MakeRamp<std::int16_t>({ 6, 5, 1 });
   WriteFile(disk, "/data/c.nrrd",
     Join(
@@ -258,7 +258,7 @@ TEST(NrrdHeader, DropsAxesOfOneSampleThatAreNotOfSpace)
     (std::array<double, 9>{ 0, 0, 1, 1, 0, 0, 0, 1, 0 }));
 }
 
-TEST(NrrdHeader, SaysWhatItCannotRead)
+TEST(NrrdHeader, ErrorsNameWhatIsNotSupported)
 {
   ExpectRefused("a.nrrd", "", "does not begin with NRRD");
   ExpectRefused("a.nrrd", NrrdStart + "encoding: ascii\n", "encoding \"ascii\"");

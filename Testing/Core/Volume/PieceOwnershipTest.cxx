@@ -7,7 +7,7 @@
 
 using namespace isosurface;
 
-TEST(PieceOwnership, GivesEveryVertexOfTheUnionToOneRankThatHasIt)
+TEST(PieceOwnership, EveryVertexOfTheUnionBelongsToOneRankWhosePieceHasIt)
 {
   std::mt19937 random(3);
   const auto pick = [&](std::int64_t size)
@@ -60,7 +60,7 @@ TEST(PieceOwnership, GivesEveryVertexOfTheUnionToOneRankThatHasIt)
   }
 }
 
-TEST(PieceOwnership, SharesAPieceThatAllRanksHave)
+TEST(PieceOwnership, RanksWithTheSamePieceDivideItEvenly)
 {
   const std::vector<VertexBox> pieces(4, { { 0, 0, 0 }, { 10, 10, 40 } });
   for (std::size_t rank = 0; rank < pieces.size(); ++rank)

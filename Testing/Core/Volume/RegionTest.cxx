@@ -49,9 +49,9 @@ Vector ToWorld(const GridGeometry& grid, const Vector& structured)
 }
 
 /**
- * How far the box and the region are apart, by projecting a point onto one half-space after the
- * other again and again, which converges to a common point if there is one. -1 if it takes too long
- * to tell, as between planes that are nearly parallel.
+ * The distance between the box and the region: repeatedly projects a point onto one half-space
+ * after the other, which converges to a common point if there is one. -1 if that converges too
+ * slowly, as between nearly parallel planes.
  */
 double FindGap(const GridGeometry& grid, const VertexBox& box, const Region& region)
 {
@@ -127,7 +127,7 @@ TEST(Region, WithoutHalfSpacesItIsEverything)
   EXPECT_TRUE(Region().Intersects(MakeObliqueGrid(), { { 0, 0, 0 }, { 2, 2, 2 } }));
 }
 
-TEST(Region, BlocksThatABoxMeetsAreThoseFoundByProjections)
+TEST(Region, FindsTheBlocksThatABoxIntersects)
 {
   std::mt19937 random(70);
   std::uniform_real_distribution<double> place(-60, 60);
@@ -150,7 +150,7 @@ TEST(Region, BlocksThatABoxMeetsAreThoseFoundByProjections)
   EXPECT_GT(outside, 100);
 }
 
-TEST(Region, BlocksThatHalfSpacesMeetAreThoseFoundByProjections)
+TEST(Region, FindsTheBlocksThatHalfSpacesIntersect)
 {
   std::mt19937 random(71);
   std::normal_distribution<double> direction;
@@ -174,7 +174,7 @@ TEST(Region, BlocksThatHalfSpacesMeetAreThoseFoundByProjections)
   EXPECT_GT(outside, 100);
 }
 
-TEST(Region, TouchingIsInside)
+TEST(Region, IntersectsABlockThatItOnlyTouches)
 {
   GridGeometry grid;
   grid.Extent = { 0, 32, 0, 32, 0, 32 };
@@ -184,7 +184,7 @@ TEST(Region, TouchingIsInside)
   EXPECT_TRUE(Region::FromBounds({ 20, 20, 20, 20, 20, 20 }).Intersects(grid, box));
 }
 
-TEST(Region, BoundsThatEndBeforeTheyBeginAreNowhere)
+TEST(Region, BoundsWithAMinimumAboveTheirMaximumAreEmpty)
 {
   GridGeometry grid;
   grid.Extent = { 0, 32, 0, 32, 0, 32 };
