@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How evenly each distribution spreads the work of every isosurface over stores: for all isovalues
-// of the spectrum whose surface has enough triangles a store, the greatest number of triangles,
-// active blocks and bytes of a store, against the mean. The volume is read once, its blocks are
-// distributed in memory.
+// Measures how evenly each distribution spreads isosurfaces over stores: the maximum number of
+// triangles, active blocks and bytes of a store, relative to the mean, for all isovalues of the
+// spectrum with enough triangles a store. The volume is read once; its blocks are distributed in
+// memory.
 #include "MeasuredVolume.h"
 #include "VolumeQuery.h"
 
@@ -27,7 +27,7 @@ struct Options
   std::string Volume;
   std::vector<std::uint32_t> Stores = { 8, 32, 96, 1024 };
   std::vector<std::string> Methods = { "slab", "random", "greedy", "balanced" };
-  double LeastTriangles = 1000;
+  double MinimumTriangles = 1000;
   int BlockSize = 32;
   std::string Scratch = ".";
   std::string Table;
@@ -36,13 +36,13 @@ struct Options
   int Threads = ChooseThreadCount(1);
 };
 
-/// Greatest over mean.
+/// The maximum of the stores over their mean, by isovalue.
 struct Balance
 {
   std::vector<double> Triangles;
   std::vector<double> ActiveBlocks;
   std::vector<double> Bytes;
-  std::vector<double> Least; ///< of triangles, whatever the distribution
+  std::vector<double> Bound; ///< lower bound of Triangles for any distribution
 };
 
 std::FILE* OpenTable(const std::string& path, const char* columns)
@@ -60,14 +60,14 @@ std::FILE* OpenTable(const std::string& path, const char* columns)
   return file;
 }
 
-double GetQuantile(std::vector<double> values, double share)
+double GetQuantile(std::vector<double> values, double fraction)
 {
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
 }
 
 Balance Judge(const Options& options, const StoreLoads& loads,
-  const std::vector<std::uint64_t>& least, const std::string& method, std::FILE* table)
+  const std::vector<std::uint64_t>& bounds, const std::string& method, std::FILE* table)
 {
   Balance balance;
   const auto stores = static_cast<double>(loads.Stores.size());
@@ -75,26 +75,27 @@ Balance Judge(const Options& options, const StoreLoads& loads,
   {
     const IsosurfaceLoad total = loads.GetTotal(bin);
     const auto triangles = static_cast<double>(total.Triangles);
-    if (triangles < options.LeastTriangles * stores || total.Triangles == 0)
+    if (triangles < options.MinimumTriangles * stores || total.Triangles == 0)
     {
       continue;
     }
-    const IsosurfaceLoad most = loads.GetMaximum(bin);
-    const auto divide = [&](std::uint64_t greatest, std::uint64_t sum)
-    { return static_cast<double>(greatest) * stores / static_cast<double>(sum); };
-    balance.Triangles.push_back(divide(most.Triangles, total.Triangles));
-    balance.ActiveBlocks.push_back(divide(most.ActiveBlocks, total.ActiveBlocks));
-    balance.Bytes.push_back(divide(most.Bytes, total.Bytes));
-    balance.Least.push_back(divide(least[bin], total.Triangles));
+    const IsosurfaceLoad maximum = loads.GetMaximum(bin);
+    const auto divideByMean = [&](std::uint64_t load, std::uint64_t sum)
+    { return static_cast<double>(load) * stores / static_cast<double>(sum); };
+    balance.Triangles.push_back(divideByMean(maximum.Triangles, total.Triangles));
+    balance.ActiveBlocks.push_back(divideByMean(maximum.ActiveBlocks, total.ActiveBlocks));
+    balance.Bytes.push_back(divideByMean(maximum.Bytes, total.Bytes));
+    balance.Bound.push_back(divideByMean(bounds[bin], total.Triangles));
     if (table)
     {
       std::fprintf(table, "%zu,%s,%.17g,%llu,%llu,%llu,%llu,%llu,%llu,%llu\n", loads.Stores.size(),
         method.c_str(), loads.Bins.GetEdge(bin), static_cast<unsigned long long>(total.Triangles),
         static_cast<unsigned long long>(total.ActiveBlocks),
         static_cast<unsigned long long>(total.Bytes),
-        static_cast<unsigned long long>(most.Triangles),
-        static_cast<unsigned long long>(most.ActiveBlocks),
-        static_cast<unsigned long long>(most.Bytes), static_cast<unsigned long long>(least[bin]));
+        static_cast<unsigned long long>(maximum.Triangles),
+        static_cast<unsigned long long>(maximum.ActiveBlocks),
+        static_cast<unsigned long long>(maximum.Bytes),
+        static_cast<unsigned long long>(bounds[bin]));
     }
   }
   return balance;
@@ -108,13 +109,13 @@ void PrintBalance(std::uint32_t stores, const std::string& method, const Balance
     return;
   }
   std::size_t uneven = 0;
-  std::size_t hopeless = 0;
+  std::size_t unavoidable = 0;
   double excess = 0;
   for (std::size_t n = 0; n < balance.Triangles.size(); ++n)
   {
     uneven += balance.Triangles[n] > 1.1 ? 1 : 0;
-    hopeless += balance.Least[n] > 1.1 ? 1 : 0;
-    excess = std::max(excess, balance.Triangles[n] / balance.Least[n]);
+    unavoidable += balance.Bound[n] > 1.1 ? 1 : 0;
+    excess = std::max(excess, balance.Triangles[n] / balance.Bound[n]);
   }
   std::printf("| %u | %s | %zu | %.3f, %.3f, %.2f | %.3f, %.3f, %.2f | %.3f, %.3f, %.2f | %zu "
               "(%zu) | %.2f |\n",
@@ -122,7 +123,7 @@ void PrintBalance(std::uint32_t stores, const std::string& method, const Balance
     GetQuantile(balance.Triangles, 0.9), GetQuantile(balance.Triangles, 1),
     GetQuantile(balance.ActiveBlocks, 0.5), GetQuantile(balance.ActiveBlocks, 0.9),
     GetQuantile(balance.ActiveBlocks, 1), GetQuantile(balance.Bytes, 0.5),
-    GetQuantile(balance.Bytes, 0.9), GetQuantile(balance.Bytes, 1), uneven, hopeless, excess);
+    GetQuantile(balance.Bytes, 0.9), GetQuantile(balance.Bytes, 1), uneven, unavoidable, excess);
   std::fflush(stdout);
 }
 
@@ -148,24 +149,24 @@ void Compare(const Options& options, const MeasuredVolume& volume)
     "greatestActiveBlocks,greatestBytes,leastGreatestTriangles");
   std::FILE* curves =
     OpenTable(options.Curves, "distribution,store,isovalue,triangles,activeBlocks,bytes");
-  std::printf("%s: %zu blocks. Greatest over mean of the stores: median, 9th decile, greatest over "
+  std::printf("%s: %zu blocks. Maximum over mean of the stores: median, 9th decile, maximum over "
               "all isovalues\n"
               "| stores | distribution | isovalues | triangles | active blocks | bytes | triangles "
-              "> 1.10 (unavoidably) | worst, over the least possible |\n"
+              "> 1.10 (unavoidable) | maximum over the bound |\n"
               "|---|---|---|---|---|---|---|---|\n",
     options.Volume.c_str(), volume.Spectra.GetNumberOfBlocks());
   for (const std::uint32_t stores : options.Stores)
   {
-    std::vector<std::uint64_t> least(volume.Spectra.GetBins().Count);
-    ParallelFor(least.size(), options.Threads,
-      [&](std::size_t bin, int) { least[bin] = volume.Spectra.GetMaximumBound(bin, stores); });
+    std::vector<std::uint64_t> bounds(volume.Spectra.GetBins().Count);
+    ParallelFor(bounds.size(), options.Threads,
+      [&](std::size_t bin, int) { bounds[bin] = volume.Spectra.GetMaximumBound(bin, stores); });
     for (const std::string& method : options.Methods)
     {
       const double start = GetSeconds();
       const auto blockStores = volume.Distribute(*FindDistribution(method), stores);
       const double seconds = GetSeconds() - start;
       const StoreLoads loads = volume.Spectra.Distribute(blockStores, stores);
-      PrintBalance(stores, method, Judge(options, loads, least, method, table));
+      PrintBalance(stores, method, Judge(options, loads, bounds, method, table));
       std::fprintf(
         stderr, "%u stores, %s: distributed in %.2f s\n", stores, method.c_str(), seconds);
       if (curves && stores == options.CurveStores)
@@ -189,15 +190,14 @@ void Compare(const Options& options, const MeasuredVolume& volume)
 int main(int argc, char** argv)
 {
   Options options;
-  CLI::App app("How evenly each distribution spreads the work of all isosurfaces over stores.");
+  CLI::App app("Measures how evenly each distribution spreads isosurfaces over stores.");
   app
     .add_option("volume", options.Volume, ".bvol; or .mhd, .mha, .nrrd, .nhdr, to be written first")
     ->required();
   app.add_option("--stores", options.Stores, "numbers of stores")->check(CLI::PositiveNumber);
   app.add_option("--distributions", options.Methods, "slab, random, greedy, balanced")
     ->check(CLI::IsMember({ "slab", "random", "greedy", "balanced" }));
-  app.add_option(
-    "--least", options.LeastTriangles, "triangles a store of an isosurface that counts");
+  app.add_option("--least", options.MinimumTriangles, "minimum triangles a store of an isosurface");
   app.add_option("--block-size", options.BlockSize, "of a volume to be written: 16, 32, 64");
   app.add_option("--scratch", options.Scratch, "folder for a volume to be written");
   app.add_option("--table", options.Table, "CSV file: a row for each isovalue");

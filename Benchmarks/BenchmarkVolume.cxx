@@ -26,7 +26,7 @@ std::vector<Wave> MakeWaves(int side)
 {
   constexpr int count = 16;
   constexpr double twoPi = 6.283185307179586;
-  // The engine's numbers are specified; those of the standard's distributions are not.
+  // The numbers of the engine are specified, those of the standard distributions are not.
   std::mt19937 engine(2009);
   auto uniform = [&engine] { return static_cast<double>(engine()) / 4294967296.0; };
   std::vector<Wave> waves;
@@ -46,7 +46,7 @@ std::vector<Wave> MakeWaves(int side)
   return waves;
 }
 
-// One row of the sum: each wave by rotating a complex number from sample to sample.
+// A row of the sum. Each wave is a complex number that is rotated from sample to sample.
 void FillRow(const std::vector<Wave>& waves, int side, int j, int k, std::vector<float>& row)
 {
   std::fill(row.begin(), row.end(), 0.0F);
@@ -69,7 +69,7 @@ void FillRow(const std::vector<Wave>& waves, int side, int j, int k, std::vector
 std::vector<std::uint16_t> MakeBenchmarkVolume(int side, int threads)
 {
   const std::vector<Wave> waves = MakeWaves(side);
-  // The sum seldom leaves four standard deviations; what does is clamped.
+  // Clamped at four standard deviations, which the sum rarely exceeds.
   double variance = 0;
   for (const Wave& wave : waves)
   {
@@ -97,7 +97,8 @@ std::vector<std::uint16_t> MakeBenchmarkVolume(int side, int threads)
   return volume;
 }
 
-double FindIsovalue(const std::vector<std::uint16_t>& volume, int side, double share, int threads)
+double FindIsovalue(
+  const std::vector<std::uint16_t>& volume, int side, double fraction, int threads)
 {
   SampleView view;
   view.Type = ValueType::UInt16;
@@ -113,9 +114,9 @@ double FindIsovalue(const std::vector<std::uint16_t>& volume, int side, double s
   {
     const double isovalue = value + 0.5;
     const double active = static_cast<double>(ranges->FindActiveBlocks({ isovalue }).size());
-    if (std::abs(active / blocks - share) < distance)
+    if (std::abs(active / blocks - fraction) < distance)
     {
-      distance = std::abs(active / blocks - share);
+      distance = std::abs(active / blocks - fraction);
       best = isovalue;
     }
   }

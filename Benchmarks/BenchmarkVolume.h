@@ -9,18 +9,19 @@ namespace isosurface
 {
 
 /**
- * A volume of `side`^3 samples that looks like turbulence: a sum of plane waves of random
- * directions and phases, with wavelengths from side/4 down to 12 samples and amplitudes in
- * proportion to them, scaled to the range of uint16. The same for every call. Cost: some 10 ns a
- * sample and thread.
+ * Makes a volume of `side`^3 samples that looks like turbulence: a sum of plane waves of random
+ * directions and phases, with wavelengths from side/4 down to 12 samples and amplitudes
+ * proportional to them, scaled to the range of uint16. Deterministic. Cost: about 10 ns a sample
+ * and thread.
  */
 std::vector<std::uint16_t> MakeBenchmarkVolume(int side, int threads);
 
 /**
- * The isovalue, above the volume's median, at which the share of 32^3-cell blocks that the surface
- * passes comes closest to `share`.
+ * Finds the isovalue, above the volume's median, at which the fraction of active blocks (of 32^3
+ * cells) is closest to `fraction`.
  */
-double FindIsovalue(const std::vector<std::uint16_t>& volume, int side, double share, int threads);
+double FindIsovalue(
+  const std::vector<std::uint16_t>& volume, int side, double fraction, int threads);
 
 } // namespace isosurface
 

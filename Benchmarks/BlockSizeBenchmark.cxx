@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * What the size of the blocks costs: a volume is written with blocks of 16, 32 and 64 cells, then
- * isosurfaces are extracted with an empty block cache. For each block size it prints the seconds to
- * write, the bytes on disk against the raw ones, and for each isovalue (of the generated volume:
- * those that pass 50, 20 and 5 % of the blocks of 32 cells) the bytes read and the median seconds
- * of query, reading and extraction together: with the files in the page cache, and dropped from it
- * before each run.
+ * Measures the effect of the block size: writes a volume with blocks of 16, 32 and 64 cells, then
+ * extracts isosurfaces with an empty block cache. Prints, for each block size, the seconds to write
+ * and the bytes on disk relative to the raw ones; for each isovalue the bytes read and the median
+ * seconds of query, reading and extraction together, with the files in the page cache (warm) and
+ * without (cold). Isovalues of the generated volume: 50, 20 and 5 % of the blocks of 32 cells are
+ * active.
  */
 #include "BenchmarkVolume.h"
 #include "VolumeQuery.h"
@@ -28,86 +28,129 @@
 #include <string>
 #include <vector>
 
-int main(int argc, char** argv)
-{
-  int side = 512;
-  int threads = 1;
-  int repeats = 5;
-  std::string input;
-  std::string folder = ".";
-  std::vector<double> isovalues;
-  CLI::App application("What the size of the blocks costs");
-  application.add_option("--volume", input, "a .vti file; else a generated volume");
-  application.add_option("--side", side, "samples along the side of the generated volume");
-  application.add_option("--isovalues", isovalues, "for --volume");
-  application.add_option("--folder", folder, "where to write the blocked volumes");
-  application.add_option("--threads", threads, "threads to extract with");
-  application.add_option("--repeats", repeats, "runs of which the median is taken");
-  CLI11_PARSE(application, argc, argv);
+using namespace isosurface;
 
-  vtkSmartPointer<vtkImageData> image;
-  std::vector<std::uint16_t> generated;
-  if (!input.empty())
+namespace
+{
+
+struct Options
+{
+  int Side = 512;
+  int Threads = 1;
+  int Repeats = 5;
+  std::string Input;
+  std::string Folder = ".";
+  std::vector<double> Isovalues;
+};
+
+/// An image with scalars; a generated image needs the samples.
+struct InputImage
+{
+  std::vector<std::uint16_t> Generated;
+  vtkSmartPointer<vtkImageData> Image;
+};
+
+/// Reads the file of the options, or generates a volume and adds its isovalues to the options.
+InputImage MakeImage(Options& options)
+{
+  InputImage input;
+  if (!options.Input.empty())
   {
     vtkNew<vtkXMLImageDataReader> reader;
-    reader->SetFileName(input.c_str());
+    reader->SetFileName(options.Input.c_str());
     reader->Update();
-    image = reader->GetOutput();
+    input.Image = reader->GetOutput();
+    return input;
   }
-  else
+  const int side = options.Side;
+  input.Generated = MakeBenchmarkVolume(side, 2);
+  input.Image = vtkSmartPointer<vtkImageData>::New();
+  input.Image->SetDimensions(side, side, side);
+  vtkNew<vtkUnsignedShortArray> scalars;
+  scalars->SetName("waves");
+  scalars->SetArray(input.Generated.data(), static_cast<vtkIdType>(input.Generated.size()), 1);
+  input.Image->GetPointData()->SetScalars(scalars);
+  for (const double fraction : { 0.5, 0.2, 0.05 })
   {
-    generated = isosurface::MakeBenchmarkVolume(side, 2);
-    image = vtkSmartPointer<vtkImageData>::New();
-    image->SetDimensions(side, side, side);
-    vtkNew<vtkUnsignedShortArray> scalars;
-    scalars->SetName("waves");
-    scalars->SetArray(generated.data(), static_cast<vtkIdType>(generated.size()), 1);
-    image->GetPointData()->SetScalars(scalars);
-    for (const double share : { 0.5, 0.2, 0.05 })
-    {
-      isovalues.push_back(isosurface::FindIsovalue(generated, side, share, 2));
-    }
+    options.Isovalues.push_back(FindIsovalue(input.Generated, side, fraction, 2));
   }
-  vtkDataArray* scalars = image->GetPointData()->GetScalars();
+  return input;
+}
+
+void MeasureQueries(const std::string& path, const Options& options)
+{
+  for (const double isovalue : options.Isovalues)
+  {
+    const auto query = MeasureQuery(path, isovalue, options.Threads, options.Repeats, false);
+    const auto cold = MeasureQuery(path, isovalue, options.Threads, options.Repeats, true);
+    std::printf("  isovalue %8.1f: %6llu blocks, %8.1f MB read, %9zu triangles, "
+                "warm %.4f s, cold %.4f s\n",
+      isovalue, static_cast<unsigned long long>(query.Statistics.BlocksRead),
+      static_cast<double>(query.Statistics.BytesRead) / 1e6, query.Triangles, query.Seconds,
+      cold.Seconds);
+    std::fflush(stdout);
+  }
+}
+
+/// Writes the volume with blocks of this size, and measures queries of it.
+Status MeasureBlockSize(
+  int blockSize, const GridGeometry& grid, const ImageSamples& samples, const Options& options)
+{
+  const std::string path = options.Folder + "/blocks-" + std::to_string(blockSize) + ".bvol";
+  const SampleView& first = samples.Components.front();
+  SerialCommunicator alone;
+  BlockedVolumeSettings settings;
+  settings.BlockSize = blockSize;
+  settings.Threads = options.Threads;
+  const double start = GetSeconds();
+  const auto written = BlockedVolumeWriter(alone).Write(
+    path, grid, { { "samples", first.Type } }, { first.Box, samples.Components }, settings);
+  if (!written.IsOk())
+  {
+    return written.GetStatus();
+  }
+  const auto raw =
+    static_cast<double>(grid.GetNumberOfVertices()) * static_cast<double>(GetValueSize(first.Type));
+  std::printf("block size %d: written in %.2f s, %.2f x the raw bytes\n", blockSize,
+    GetSeconds() - start, static_cast<double>(written->Bytes) / raw);
+  MeasureQueries(path, options);
+  return Status::Ok();
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  Options options;
+  CLI::App application("Measures the effect of the block size");
+  application.add_option("--volume", options.Input, "a .vti file; default: a generated volume");
+  application.add_option("--side", options.Side, "samples along the side of the generated volume");
+  application.add_option("--isovalues", options.Isovalues, "for --volume");
+  application.add_option("--folder", options.Folder, "where to write the blocked volumes");
+  application.add_option("--threads", options.Threads, "threads for extraction");
+  application.add_option("--repeats", options.Repeats, "runs of which the median is taken");
+  CLI11_PARSE(application, argc, argv);
+
+  const InputImage input = MakeImage(options);
+  vtkDataArray* scalars = input.Image->GetPointData()->GetScalars();
   if (!scalars)
   {
-    std::fprintf(stderr, "%s: no scalars\n", input.c_str());
+    std::fprintf(stderr, "%s: no scalars\n", options.Input.c_str());
     return EXIT_FAILURE;
   }
-  const isosurface::GridGeometry grid = isosurface::MakeGridGeometry(image, image->GetExtent());
-  auto samples = isosurface::MakeImageSamples(grid, image, scalars);
-  const auto raw = static_cast<double>(scalars->GetNumberOfTuples() * scalars->GetDataTypeSize());
+  const GridGeometry grid = MakeGridGeometry(input.Image, input.Image->GetExtent());
+  const auto samples = MakeImageSamples(grid, input.Image, scalars);
   std::printf("%s: %.1f MB, %d thread(s), median of %d\n",
-    input.empty() ? "generated" : input.c_str(), raw / 1e6, threads, repeats);
-
+    options.Input.empty() ? "generated" : options.Input.c_str(),
+    static_cast<double>(scalars->GetNumberOfTuples() * scalars->GetDataTypeSize()) / 1e6,
+    options.Threads, options.Repeats);
   for (const int blockSize : { 16, 32, 64 })
   {
-    const std::string path = folder + "/blocks-" + std::to_string(blockSize) + ".bvol";
-    isosurface::SerialCommunicator alone;
-    isosurface::BlockedVolumeSettings settings;
-    settings.BlockSize = blockSize;
-    settings.Threads = threads;
-    const double start = isosurface::GetSeconds();
-    auto written = isosurface::BlockedVolumeWriter(alone).Write(path, grid,
-      { { "samples", samples->Components.front().Type } },
-      { samples->Components.front().Box, samples->Components }, settings);
-    if (!written.IsOk())
+    const Status status = MeasureBlockSize(blockSize, grid, *samples, options);
+    if (!status.IsOk())
     {
-      std::fprintf(stderr, "%s\n", written.GetStatus().GetMessage().c_str());
+      std::fprintf(stderr, "%s\n", status.GetMessage().c_str());
       return EXIT_FAILURE;
-    }
-    std::printf("block size %d: written in %.2f s, %.2f x the raw bytes\n", blockSize,
-      isosurface::GetSeconds() - start, static_cast<double>(written->Bytes) / raw);
-    for (const double isovalue : isovalues)
-    {
-      const auto query = isosurface::MeasureQuery(path, isovalue, threads, repeats, false);
-      const auto cold = isosurface::MeasureQuery(path, isovalue, threads, repeats, true);
-      std::printf("  isovalue %8.1f: %6llu blocks, %8.1f MB read, %9zu triangles, "
-                  "warm %.4f s, cold %.4f s\n",
-        isovalue, static_cast<unsigned long long>(query.Statistics.BlocksRead),
-        static_cast<double>(query.Statistics.BytesRead) / 1e6, query.Triangles, query.Seconds,
-        cold.Seconds);
-      std::fflush(stdout);
     }
   }
   return EXIT_SUCCESS;

@@ -22,14 +22,14 @@ IsosurfaceLoad StoreLoads::GetTotal(std::size_t bin) const
 
 IsosurfaceLoad StoreLoads::GetMaximum(std::size_t bin) const
 {
-  IsosurfaceLoad most;
+  IsosurfaceLoad maximum;
   for (const std::vector<IsosurfaceLoad>& store : this->Stores)
   {
-    most.Triangles = std::max(most.Triangles, store[bin].Triangles);
-    most.ActiveBlocks = std::max(most.ActiveBlocks, store[bin].ActiveBlocks);
-    most.Bytes = std::max(most.Bytes, store[bin].Bytes);
+    maximum.Triangles = std::max(maximum.Triangles, store[bin].Triangles);
+    maximum.ActiveBlocks = std::max(maximum.ActiveBlocks, store[bin].ActiveBlocks);
+    maximum.Bytes = std::max(maximum.Bytes, store[bin].Bytes);
   }
-  return most;
+  return maximum;
 }
 
 BlockSpectra::BlockSpectra(ValueType type, const SpectrumBins& bins, std::size_t blocks)
@@ -88,13 +88,13 @@ std::uint64_t BlockSpectra::GetMaximumBound(std::size_t bin, std::uint32_t store
   {
     sums.push_back(sums.back() + count);
   }
-  std::uint64_t least = (total + stores - 1) / stores;
+  std::uint64_t bound = (total + stores - 1) / stores;
   for (std::size_t n = 0; n * stores < triangles.size(); ++n)
   {
     const std::size_t end = n * stores + 1;
-    least = std::max(least, sums[end] - sums[end - (n + 1)]);
+    bound = std::max(bound, sums[end] - sums[end - (n + 1)]);
   }
-  return least;
+  return bound;
 }
 
 StoreLoads BlockSpectra::Distribute(

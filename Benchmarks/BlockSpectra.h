@@ -13,7 +13,7 @@
 namespace isosurface
 {
 
-/// What an isosurface costs a store, or all of them.
+/// The load of an isosurface on a store, or on all stores.
 struct IsosurfaceLoad
 {
   std::uint64_t Triangles = 0;
@@ -28,23 +28,24 @@ struct StoreLoads
   std::vector<std::vector<IsosurfaceLoad>> Stores; ///< [store][bin]
 
   IsosurfaceLoad GetTotal(std::size_t bin) const;
-  /// The greatest of each kind, not necessarily of one store.
+  /// The maximum of each member, not necessarily of the same store.
   IsosurfaceLoad GetMaximum(std::size_t bin) const;
 };
 
 /**
- * The spectrum of each block of a volume, from which the stores' loads follow for any distribution
- * of the blocks, without writing it. The same numbers as those of a volume that is written so.
+ * The spectrum of each block of a volume. Gives the loads of the stores for any distribution of the
+ * blocks without writing the volume. The loads are exact.
  *
- * Memory: 4 bytes a block and bin of the block's own range of values. Set() may be called by
- * several threads for different blocks.
+ * Memory: 4 bytes for each block and bin of the block's value range. Several threads may call Set()
+ * for different blocks.
  */
 class BlockSpectra
 {
 public:
   BlockSpectra(ValueType type, const SpectrumBins& bins, std::size_t blocks);
 
-  /// `spectrum` has the bins of all; `range` are the block's values, `bytes` what its record takes.
+  /// `spectrum` must have the bins of this object; `range`: of the block's values; `bytes`: of its
+  /// record.
   void Set(std::size_t block, const WorkloadSpectrum& spectrum, const KeyRange& range,
     std::uint64_t bytes);
 
@@ -53,10 +54,9 @@ public:
   std::uint64_t GetTriangles(std::size_t block, std::size_t bin) const;
 
   /**
-   * No distribution of whole blocks over so many stores has a greatest number of triangles below
-   * this (a real one may still not get there): that of the largest block; the mean, rounded up; and
-   * for every n, since one of the stores has n + 1 of the n * stores + 1 largest blocks, the
-   * triangles of the n + 1 smallest of these. Cost: sorting the bin's blocks.
+   * A lower bound on the maximum triangles of a store, for any distribution of whole blocks: the
+   * maximum of the mean, and for every n, of the triangles of the n + 1 smallest of the n * stores
+   * + 1 largest blocks, since some store has n + 1 of these. Cost: sorting the bin's blocks.
    */
   std::uint64_t GetMaximumBound(std::size_t bin, std::uint32_t stores) const;
 

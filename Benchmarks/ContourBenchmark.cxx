@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * Isosurfaces of volumes in memory: ours beside VTK's filters, in one run, on equal
- * threads. The volumes: turbulence of uint16, or the point arrays of files. For isovalues at which
+ * Compares isosurfaces of volumes in memory with VTK's filters, in one run, on the same number of
+ * threads. The volumes are uint16 turbulence, or the point arrays of files. For isovalues at which
  * about 50 %, 8 % and 2.5 % of the blocks are active, it prints the median seconds, triangles a
- * second and the ratio to ours of
+ * second and the ratio to our filter of
  *
  *   kernel   ExtractSurface alone (ranges known)
- *   filter   vtkStabbingContour with GlobalIds, the finished vtkPolyData, a new isovalue
- *   first    the same at the first execution, the index of value ranges included
+ *   filter   vtkStabbingContour with GlobalIds, the complete vtkPolyData, a new isovalue
+ *   first    the first execution of the filter, which also computes the value ranges
  *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter
  */
 #include "BenchmarkVolume.h"
@@ -64,7 +64,7 @@ struct Measurement
   std::size_t Triangles;
 };
 
-/// The median time of the repeats; `prepare` is not timed.
+/// The median time of the repeats, without `prepare`.
 Measurement Measure(
   int repeats, const std::function<void()>& prepare, const std::function<std::size_t()>& run)
 {
@@ -90,7 +90,7 @@ void Print(const char* name, const Measurement& measurement, const Measurement& 
   std::fflush(stdout);
 }
 
-/// A filter at an isovalue, from its input to its output.
+/// Measures a filter at an isovalue, from its input to its output.
 Measurement MeasureFilter(vtkPolyDataAlgorithm* filter, int repeats)
 {
   return Measure(
@@ -130,14 +130,14 @@ vtkSmartPointer<vtkStabbingContour> MakeContour(
   return contour;
 }
 
-double GetActiveShare(const isosurface::BlockRanges& ranges, double isovalue)
+double GetActiveFraction(const isosurface::BlockRanges& ranges, double isovalue)
 {
   return static_cast<double>(ranges.FindActiveBlocks({ isovalue }).size()) /
     static_cast<double>(ranges.GetGrid().GetNumberOfBlocks());
 }
 
-/// The isovalue above the middle of the range at which the share of active blocks is the closest.
-double FindIsovalue(const isosurface::BlockRanges& ranges, const double range[2], double share)
+/// The isovalue in the range at which the fraction of active blocks is closest to `fraction`.
+double FindIsovalue(const isosurface::BlockRanges& ranges, const double range[2], double fraction)
 {
   double best = range[0];
   double distance = 2;
@@ -145,7 +145,7 @@ double FindIsovalue(const isosurface::BlockRanges& ranges, const double range[2]
   for (int step = 1; step < steps; ++step)
   {
     const double isovalue = range[0] + (range[1] - range[0]) * (step + 0.25) / steps;
-    const double here = std::abs(std::log(GetActiveShare(ranges, isovalue) / share));
+    const double here = std::abs(std::log(GetActiveFraction(ranges, isovalue) / fraction));
     if (here < distance)
     {
       distance = here;
@@ -211,11 +211,11 @@ bool MeasureVolume(const std::string& name, vtkImageData* image, const Options& 
     std::printf("%s: %d x %d x %d %s, %d thread(s), %s, median of %d\n", name.c_str(), size[0],
       size[1], size[2], scalars->GetDataTypeAsString(), threads,
       options.Attributes ? "normals and scalars" : "points and triangles only", options.Repeats);
-    for (const double share : { 0.5, 0.08, 0.025 })
+    for (const double fraction : { 0.5, 0.08, 0.025 })
     {
-      const double isovalue = FindIsovalue(*ranges, scalars->GetRange(), share);
+      const double isovalue = FindIsovalue(*ranges, scalars->GetRange(), fraction);
       std::printf("isovalue %g: %.1f %% of %lld blocks active\n", isovalue,
-        100 * GetActiveShare(*ranges, isovalue),
+        100 * GetActiveFraction(*ranges, isovalue),
         static_cast<long long>(ranges->GetGrid().GetNumberOfBlocks()));
       MeasureIsovalue(image, grid, view, *ranges, isovalue, threads, options);
     }
@@ -250,9 +250,10 @@ void ConvertToFloat(vtkImageData* image)
 int main(int argc, char** argv)
 {
   Options options;
-  CLI::App application("Isosurfaces of volumes in memory, beside VTK's own filters");
-  application.add_option("--volumes", options.Files, ".vti files; else a generated volume");
-  application.add_option("--array", options.Array, "the files' point array; else the first one");
+  CLI::App application("Compares isosurfaces of volumes in memory with VTK's filters");
+  application.add_option("--volumes", options.Files, ".vti files; default: a generated volume");
+  application.add_option(
+    "--array", options.Array, "the files' point array; default: the first one");
   application.add_flag("--float", options.AsFloat, "samples converted to float");
   application.add_option("--side", options.Side, "samples along the side of the generated volume");
   application.add_option("--threads", options.Threads, "threads of each contender");

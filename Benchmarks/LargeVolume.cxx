@@ -18,14 +18,14 @@ namespace
 {
 
 constexpr std::uint64_t SlabBytes = std::uint64_t{ 32 } << 20;
-/// New samples in the shortest wave.
+/// The minimum wavelength of the noise, in new samples.
 constexpr double ShortestWave = 3;
 
-/// The root mean square of numbers that are uniform in [-1, 1), after cubic B-splines on three
-/// axes: sqrt(1/3 * (151/315)^3).
+/// The root mean square of uniform numbers in [-1, 1) after interpolation by cubic B-splines on
+/// three axes: sqrt(1/3 * (151/315)^3).
 constexpr double LatticeNoise = 0.1916;
 
-/// A number in [-1, 1) for a point of a lattice (integer hash: the finalizer of MurmurHash3).
+/// A number in [-1, 1) for a point of a lattice, by the finalizer of MurmurHash3.
 float HashPoint(std::uint32_t rowSeed, std::uint32_t i)
 {
   std::uint32_t hash = rowSeed ^ (i * 0x9E3779B9u);
@@ -87,7 +87,7 @@ void Convert(const std::vector<float>& row, T* out)
     }
     else if constexpr (sizeof(T) <= 2)
     {
-      // The values are within the type's range and not far from 0: truncation rounds down.
+      // The values are in the type's range and small, so truncation rounds down.
       constexpr float shift = static_cast<float>(std::numeric_limits<T>::min());
       out[i] = static_cast<T>(static_cast<std::int32_t>(row[i] - shift + 0.5F) +
         static_cast<std::int32_t>(std::numeric_limits<T>::min()));
@@ -121,7 +121,7 @@ Status WriteText(FileSystem& files, const std::string& path, const std::string& 
 
 } // namespace
 
-/// One lattice, interpolated to the rows of one slice of the grid. A thread has its own.
+/// Interpolates a lattice to the rows of a slice of the grid. Each thread has its own.
 class LargeVolume::SliceSampler
 {
 public:
@@ -193,7 +193,7 @@ private:
     return row;
   }
 
-  /// The points of a row at this slice's z, with the ends repeated for the taps beyond them.
+  /// Interpolates the points of a row along z. Repeats the ends for the taps beyond them.
   void BlendRow(const std::array<const float*, 4>& rows, std::array<float, 4> weights)
   {
     const auto size = static_cast<std::size_t>(this->Points.Size[0]);
@@ -227,6 +227,80 @@ private:
   std::vector<float> Rows; ///< Size[1] rows of the grid's width
 };
 
+/// Makes the rows of a slice. Each thread has its own.
+class LargeVolume::SliceMaker
+{
+public:
+  /// Goes to slice k.
+  void SetSlice(const LargeVolume& volume, std::int64_t k)
+  {
+    if (this->Samplers.empty())
+    {
+      this->Prepare(volume);
+    }
+    for (SliceSampler& sampler : this->Samplers)
+    {
+      sampler.SetSlice(k);
+    }
+  }
+
+  /// Row j of the slice: scan + contrast * sum of octaves, clamped and scaled.
+  const std::vector<float>& MakeRow(const LargeVolume& volume, std::int64_t j)
+  {
+    this->Samplers[0].GetRow(j, this->Row.data());
+    if (this->Samplers.size() > 2)
+    {
+      this->AddDetail(j);
+    }
+    for (float& value : this->Row)
+    {
+      value =
+        volume.Offset + volume.Scale * std::min(volume.Maximum, std::max(volume.Minimum, value));
+    }
+    return this->Row;
+  }
+
+private:
+  void Prepare(const LargeVolume& volume)
+  {
+    const Index3 size = volume.Grid.GetDimensions();
+    this->Samplers.emplace_back(volume.Scan, size);
+    this->Samplers.emplace_back(volume.Contrast, size);
+    for (const Lattice& octave : volume.Octaves)
+    {
+      this->Samplers.emplace_back(octave, size);
+    }
+    const auto width = static_cast<std::size_t>(size[0]);
+    this->Row.resize(width);
+    this->Detail.resize(width);
+    this->Part.resize(width);
+  }
+
+  void AddDetail(std::int64_t j)
+  {
+    const std::size_t width = this->Row.size();
+    this->Samplers[2].GetRow(j, this->Detail.data());
+    for (std::size_t octave = 3; octave < this->Samplers.size(); ++octave)
+    {
+      this->Samplers[octave].GetRow(j, this->Part.data());
+      for (std::size_t i = 0; i < width; ++i)
+      {
+        this->Detail[i] += this->Part[i];
+      }
+    }
+    this->Samplers[1].GetRow(j, this->Part.data());
+    for (std::size_t i = 0; i < width; ++i)
+    {
+      this->Row[i] += this->Detail[i] * this->Part[i];
+    }
+  }
+
+  std::vector<SliceSampler> Samplers; ///< scan, contrast, octaves
+  std::vector<float> Row;
+  std::vector<float> Detail;
+  std::vector<float> Part; ///< a sampler's row
+};
+
 Result<LargeVolume> LargeVolume::Open(
   FileSystem& files, const RawVolume& scan, const LargeVolumeSettings& settings)
 {
@@ -237,7 +311,7 @@ Result<LargeVolume> LargeVolume::Open(
       settings.Dimensions[axis] > std::numeric_limits<std::int32_t>::max())
     {
       return Status(StatusCode::InvalidArgument,
-        "a volume needs two samples along each axis, as does its scan");
+        "The volume and the scan need at least two samples along each axis.");
     }
   }
   LargeVolume volume;
@@ -293,12 +367,12 @@ Status LargeVolume::ReadScan(FileSystem& files, const RawVolume& scan)
       }
     });
   const auto ends = std::minmax_element(this->Scan.Values.begin(), this->Scan.Values.end());
-  this->Lowest = *ends.first;
-  this->Highest = *ends.second;
+  this->Minimum = *ends.first;
+  this->Maximum = *ends.second;
   return Status::Ok();
 }
 
-/// Highest less lowest value among a sample and its neighbours on the axes.
+/// The contrast of a sample: the range of the sample and its neighbours on the axes.
 void LargeVolume::MeasureContrast()
 {
   const Index3& size = this->Scan.Size;
@@ -336,7 +410,7 @@ void LargeVolume::MeasureContrast()
 
 void LargeVolume::AddOctaves(const LargeVolumeSettings& settings)
 {
-  // The contrast spans two distances of samples.
+  // The contrast is that of two distances between samples.
   this->Contrast.Amplitude = static_cast<float>(settings.Detail / 2);
   const Index3 dimensions = this->Grid.GetDimensions();
   double amplitude = 1 / LatticeNoise;
@@ -360,11 +434,11 @@ void LargeVolume::AddOctaves(const LargeVolumeSettings& settings)
 
 void LargeVolume::ChooseScale(ValueType scanType)
 {
-  if (this->Type == scanType || this->Lowest == this->Highest)
+  if (this->Type == scanType || this->Minimum == this->Maximum)
   {
     return;
   }
-  const double highest = DispatchValueType(this->Type,
+  const double maximum = DispatchValueType(this->Type,
     [](auto zero)
     {
       using T = decltype(zero);
@@ -372,8 +446,8 @@ void LargeVolume::ChooseScale(ValueType scanType)
         ? 1.0
         : std::min(16777216.0, static_cast<double>(std::numeric_limits<T>::max()));
     });
-  this->Scale = static_cast<float>(highest / (double{ this->Highest } - double{ this->Lowest }));
-  this->Offset = -this->Lowest * this->Scale;
+  this->Scale = static_cast<float>(maximum / (double{ this->Maximum } - double{ this->Minimum }));
+  this->Offset = -this->Minimum * this->Scale;
 }
 
 LargeVolume::Taps LargeVolume::MakeTaps(
@@ -382,7 +456,7 @@ LargeVolume::Taps LargeVolume::MakeTaps(
   Taps taps;
   for (std::int64_t vertex = 0; vertex < vertices; ++vertex)
   {
-    // Exact at the scan's own samples: whole and fractional part by integers.
+    // Computed in integers, so that it is exact at the samples of the scan.
     const std::int64_t product = vertex * (points - 1);
     const std::int64_t point =
       std::min(product / (vertices - 1), std::max<std::int64_t>(0, points - 2));
@@ -398,59 +472,12 @@ void LargeVolume::FillSlices(std::int64_t begin, std::int64_t end, int threads, 
 {
   const Index3 size = this->Grid.GetDimensions();
   const auto width = static_cast<std::size_t>(size[0]);
-  struct Workspace
-  {
-    std::vector<SliceSampler> Samplers; ///< scan, contrast, octaves
-    std::vector<float> Row;
-    std::vector<float> Detail;
-    std::vector<float> Part;
-  };
-  std::vector<Workspace> workspaces(static_cast<std::size_t>(threads));
-  const auto fillRow = [&](Workspace& own, std::int64_t j)
-  {
-    own.Samplers[0].GetRow(j, own.Row.data());
-    if (own.Samplers.size() > 2)
-    {
-      own.Samplers[2].GetRow(j, own.Detail.data());
-      for (std::size_t octave = 3; octave < own.Samplers.size(); ++octave)
-      {
-        own.Samplers[octave].GetRow(j, own.Part.data());
-        for (std::size_t i = 0; i < width; ++i)
-        {
-          own.Detail[i] += own.Part[i];
-        }
-      }
-      own.Samplers[1].GetRow(j, own.Part.data());
-      for (std::size_t i = 0; i < width; ++i)
-      {
-        own.Row[i] += own.Detail[i] * own.Part[i];
-      }
-    }
-    for (float& value : own.Row)
-    {
-      value = this->Offset + this->Scale * std::min(this->Highest, std::max(this->Lowest, value));
-    }
-  };
+  std::vector<SliceMaker> makers(static_cast<std::size_t>(threads));
   ParallelFor(static_cast<std::size_t>(end - begin), threads,
     [&](std::size_t slice, int thread)
     {
-      Workspace& own = workspaces[static_cast<std::size_t>(thread)];
-      if (own.Samplers.empty())
-      {
-        own.Samplers.emplace_back(this->Scan, size);
-        own.Samplers.emplace_back(this->Contrast, size);
-        for (const Lattice& octave : this->Octaves)
-        {
-          own.Samplers.emplace_back(octave, size);
-        }
-        own.Row.resize(width);
-        own.Detail.resize(width);
-        own.Part.resize(width);
-      }
-      for (SliceSampler& sampler : own.Samplers)
-      {
-        sampler.SetSlice(begin + static_cast<std::int64_t>(slice));
-      }
+      SliceMaker& maker = makers[static_cast<std::size_t>(thread)];
+      maker.SetSlice(*this, begin + static_cast<std::int64_t>(slice));
       DispatchValueType(this->Type,
         [&](auto zero)
         {
@@ -458,8 +485,7 @@ void LargeVolume::FillSlices(std::int64_t begin, std::int64_t end, int threads, 
             slice * width * static_cast<std::size_t>(size[1]);
           for (std::int64_t j = 0; j < size[1]; ++j, out += width)
           {
-            fillRow(own, j);
-            Convert(own.Row, out);
+            Convert(maker.MakeRow(*this, j), out);
           }
         });
     });
@@ -502,6 +528,12 @@ Status LargeVolume::Write(FileSystem& files, const std::string& path, int thread
   {
     return status;
   }
+  return WriteText(files, path, this->MakeHeader(rawPath.filename().string()));
+}
+
+std::string LargeVolume::MakeHeader(const std::string& rawName) const
+{
+  const Index3 size = this->Grid.GetDimensions();
   std::ostringstream header;
   header.precision(17);
   header << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
@@ -517,13 +549,13 @@ Status LargeVolume::Write(FileSystem& files, const std::string& path, int thread
          << this->Grid.Origin[2] << "\nElementSpacing = " << this->Grid.Spacing[0] << ' '
          << this->Grid.Spacing[1] << ' ' << this->Grid.Spacing[2] << "\nDimSize = " << size[0]
          << ' ' << size[1] << ' ' << size[2] << "\nElementType = " << GetElementType(this->Type)
-         << "\nElementDataFile = " << rawPath.filename().string() << "\n";
-  return WriteText(files, path, header.str());
+         << "\nElementDataFile = " << rawName << "\n";
+  return header.str();
 }
 
 RawVolume FindDebianScan()
 {
-  // NIfTI-1: a header of 348 bytes, four that say that none follows, the samples.
+  // NIfTI-1: a header of 348 bytes, four bytes that mean "no extension", the samples.
   RawVolume scan;
   scan.Grid.Extent = { 0, 180, 0, 216, 0, 180 };
   scan.Grid.Origin = { -90, -125, -71 };

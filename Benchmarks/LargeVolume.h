@@ -13,29 +13,27 @@
 namespace isosurface
 {
 
-/// What is made of a scan.
+/// How a large volume is made from a scan.
 struct LargeVolumeSettings
 {
   Index3 Dimensions{ 0, 0, 0 };
   ValueType Type = ValueType::UInt16;
-  /// How far the longest waves of the detail move a surface (root mean square), in distances of the
-  /// scan's samples.
+  /// How far the noise of maximum wavelength moves a surface (root mean square), in distances
+  /// between the scan's samples.
   double Detail = 0.25;
   std::uint64_t Seed = 2009;
 };
 
 /**
- * A volume of any size that looks like a scan of higher resolution: a scan is interpolated (cubic,
- * Catmull-Rom), and noise continues its detail below the distance of its samples, an octave after
- * another, of wavelengths of the scan's sample distance, a half, a quarter, ... of it, down to
- * three new samples, with amplitudes in proportion to the wavelength (cubic B-splines through
- * hashed numbers). The noise is modulated by the scan's local contrast, so that surfaces get rough
- * but stay where they are, and what is constant in the scan stays constant.
+ * A volume of any size that looks like a scan of higher resolution. The scan is interpolated
+ * (cubic, Catmull-Rom). Noise adds detail: octaves with wavelengths of the scan's sample distance,
+ * a half, a quarter, ... down to three new samples, and amplitudes proportional to the wavelength
+ * (cubic B-splines through hashed numbers). It is multiplied by the scan's local contrast, so
+ * surfaces become rough but stay in place, and constant regions stay constant.
  *
- * Each sample is a function of its position, the scan and the settings alone: the same on every
- * machine, for any number of threads. Values: if the type is the scan's, those of the scan; else
- * the scan's range, scaled to [0, largest value] for integers (of more than 24 bits: to [0, 2^24],
- * as far as the calculation is exact), to [0, 1] for floats.
+ * A sample depends on its position, the scan and the settings only. If the type is that of the
+ * scan, the values keep the scan's range. Otherwise the range is scaled to [0, maximum] for
+ * integers (but at most [0, 2^24], where the computation is exact) or [0, 1] for floats.
  *
  * Memory: 8 bytes a sample of the scan, 64 MiB of slabs, a few rows a thread. Cost: about 5 ns a
  * sample and thread.
@@ -47,14 +45,14 @@ public:
   static Result<LargeVolume> Open(
     FileSystem& files, const RawVolume& scan, const LargeVolumeSettings& settings);
 
-  /// The grid of the same box in space as the scan's.
+  /// The grid, of the same box in space as the scan.
   const GridGeometry& GetGrid() const { return this->Grid; }
 
-  /// Computes the slices [begin, end) to `samples`, which has room for them.
+  /// Computes the slices [begin, end). `samples` must have room for them.
   void FillSlices(std::int64_t begin, std::int64_t end, int threads, void* samples) const;
 
-  /// Writes `path` (NAME.mhd) and NAME.raw beside it, slab by slab: while one is written the next
-  /// one is computed.
+  /// Writes `path` (NAME.mhd), and NAME.raw beside it slab by slab. One slab is computed while the
+  /// previous one is written.
   Status Write(FileSystem& files, const std::string& path, int threads) const;
 
 private:
@@ -74,18 +72,20 @@ private:
     std::vector<std::array<float, 4>> Weights;
   };
   class SliceSampler;
+  class SliceMaker;
 
   LargeVolume() = default;
   Status ReadScan(FileSystem& files, const RawVolume& scan);
   void MeasureContrast();
   void AddOctaves(const LargeVolumeSettings& settings);
   void ChooseScale(ValueType scanType);
+  std::string MakeHeader(const std::string& rawName) const;
   static Taps MakeTaps(std::int64_t points, std::int64_t vertices, bool isInterpolating);
 
   GridGeometry Grid;
   ValueType Type = ValueType::UInt16;
-  float Lowest = 0; ///< of the scan
-  float Highest = 0;
+  float Minimum = 0; ///< of the scan
+  float Maximum = 0;
   float Scale = 1; ///< sample = Offset + Scale * scan's value
   float Offset = 0;
   Lattice Scan;
@@ -93,8 +93,8 @@ private:
   std::vector<Lattice> Octaves;
 };
 
-/// The scan that is used when none is named: the head MRI of Debian's mricron-data (uint8, 181 x
-/// 217 x 181 samples).
+/// The default scan: the head MRI of Debian's package mricron-data (uint8, 181 x 217 x 181
+/// samples).
 RawVolume FindDebianScan();
 
 } // namespace isosurface

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes a volume of any size of a scan, by interpolation and added detail (LargeVolume.h), as .mhd
+// Makes a volume of any size from a scan by interpolation and added detail (LargeVolume.h), as .mhd
 // and .raw.
 #include "LargeVolume.h"
 #include "VolumeQuery.h"
@@ -18,7 +18,7 @@ using namespace isosurface;
 
 int main(int argc, char** argv)
 {
-  // The side of cubes of uint16 samples, by the decimal gigabytes that they take.
+  // The sides of cubes of uint16 samples, by their size in decimal gigabytes.
   const std::map<std::string, std::int64_t> presets = { { "2GB", 1024 }, { "8GB", 1600 },
     { "17GB", 2048 } };
   std::string output;
@@ -28,19 +28,19 @@ int main(int argc, char** argv)
   std::vector<std::int64_t> dimensions;
   LargeVolumeSettings settings;
   int threads = ChooseThreadCount(1);
-  CLI::App app("Makes a large volume of a scan: interpolated, with detail added.");
+  CLI::App app("Makes a large volume from a scan by interpolation and added detail.");
   app.add_option("output", output, "NAME.mhd; the samples go to NAME.raw")->required();
   app.add_option("--scan", scanPath,
-    "a volume (.mhd, .mha, .nrrd, .nhdr); else the head MRI of Debian's mricron-data");
+    "a volume (.mhd, .mha, .nrrd, .nhdr); default: the head MRI of Debian's mricron-data");
   auto* named = app.add_option("--preset", preset, "2GB (1024^3), 8GB (1600^3) or 17GB (2048^3)")
                   ->check(CLI::IsMember(presets));
   app.add_option("--dimensions", dimensions, "samples along x, y and z")
     ->expected(3)
     ->excludes(named);
-  app.add_option("--type", type, "of the samples: int8, uint8, ... float32, float64");
+  app.add_option("--type", type, "type of the samples: int8, uint8, ... float32, float64");
   app.add_option("--detail", settings.Detail, "how far surfaces are moved, in samples of the scan");
-  app.add_option("--seed", settings.Seed, "of the detail");
-  app.add_option("--threads", threads, "threads to compute with")->check(CLI::PositiveNumber);
+  app.add_option("--seed", settings.Seed, "seed of the detail");
+  app.add_option("--threads", threads, "number of threads")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
 
   const std::int64_t side = preset.empty() ? 0 : presets.at(preset);
@@ -55,7 +55,7 @@ int main(int argc, char** argv)
   if (!valueType || !scan.IsOk())
   {
     std::fprintf(stderr, "%s\n",
-      scan.IsOk() ? (type + ": no type of samples").c_str()
+      scan.IsOk() ? (type + ": unknown type of samples").c_str()
                   : scan.GetStatus().GetMessage().c_str());
     return EXIT_FAILURE;
   }

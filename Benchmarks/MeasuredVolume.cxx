@@ -17,7 +17,7 @@ namespace isosurface
 namespace
 {
 
-/// Counts blocks as they are read; a thread has its own workload counter.
+/// Measures blocks as they are read. Each thread has its own workload counter.
 class BlockMeasurement
 {
 public:
@@ -42,7 +42,7 @@ public:
     const SampleView& view = (*decoded)->View;
     const auto block = static_cast<std::size_t>(reference.Block);
     this->Ranges[block] = FindSampleRange(view, view.Box).All;
-    // Blocks have cubes of their own, so that threads do not meet.
+    // Each block has its own cubes, so there are no data races.
     this->Profiles.Add(view, this->Profiles.GetOwnVertices(reference.Block));
     WorkloadSpectrum spectrum(this->Bins);
     if (this->Ranges[block].Minimum < this->Ranges[block].Maximum)

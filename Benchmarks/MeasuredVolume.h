@@ -16,19 +16,19 @@
 namespace isosurface
 {
 
-/// All that distributions of a volume's blocks are made from and judged by: the volume is read
-/// once, then any distribution over any number of stores follows without writing it.
+/// The input and the results of distributions of a volume's blocks: the volume is read once, then
+/// any distribution over any number of stores can be computed without writing it.
 struct MeasuredVolume
 {
   ValueType Type = ValueType::UInt8;
-  std::vector<KeyRange> Ranges;       ///< per block
-  std::vector<BlockProfile> Profiles; ///< per block
+  std::vector<KeyRange> Ranges;       ///< by block
+  std::vector<BlockProfile> Profiles; ///< by block
   BlockSpectra Spectra;
 
-  /// Of the first array of a blocked volume; bytes are those of the array in the blocks' records.
+  /// Measures the first array of a blocked volume. Bytes are those of the array in the records.
   static Result<MeasuredVolume> Read(const std::string& path, int threads);
 
-  /// What the writer does with these blocks.
+  /// The distribution that the writer would choose.
   std::vector<std::uint32_t> Distribute(DistributionMethod method, std::uint32_t stores) const
   {
     return DistributeBlocks(method, this->Type, this->Ranges, stores, 0, this->Profiles);

@@ -1,8 +1,8 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// What isosurfaces cost each of some ranks, one process with one thread each, from opening the file
-// to the triangles: a row of CSV for each rank and run, on standard output. Ranks run either
-// together, as far as the machine has cores for them; or one after another, each with the machine
-// for itself, as on a cluster whose ranks have a disk each.
+// SPDX-License-Identifier: BSD-3-Clause Measures the cost of isosurfaces for each of several ranks,
+// from opening the file to the triangles. A rank is a process with one thread. Writes a row of CSV
+// for each rank and run to standard output. The ranks run together, if the machine has enough
+// cores; or in turn, each with the machine for itself, as on a cluster where each rank has its own
+// disk.
 #include "MeasuredVolume.h"
 #include "VolumeQuery.h"
 
@@ -49,10 +49,10 @@ struct Run
   bool IsCold = false;
 };
 
-void PrintShare(const Run& run, int rank)
+void PrintPiece(const Run& run, int rank)
 {
   const std::clock_t begin = std::clock();
-  const VolumeQuery query = MeasureShare(run.Path, run.Isovalue, rank, run.Ranks, 1);
+  const VolumeQuery query = MeasurePiece(run.Path, run.Isovalue, rank, run.Ranks, 1);
   const double cpuSeconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   std::printf("%d,%s,%s,%u,%d,%d,%.17g,%llu,%llu,%zu,%.9f,%.6f\n", run.Turn,
     run.AreTogether ? "together" : "in turn", run.IsCold ? "cold" : "warm", run.Stores, run.Ranks,
@@ -72,10 +72,10 @@ bool RunRanksInTurn(const Run& run)
 {
   for (int rank = 0; rank < run.Ranks; ++rank)
   {
-    const pid_t child = ::fork(); // nothing of the last rank's memory helps this one
+    const pid_t child = ::fork(); // so that a rank does not profit from the memory of another
     if (child == 0)
     {
-      PrintShare(run, rank);
+      PrintPiece(run, rank);
       ::_exit(EXIT_SUCCESS);
     }
     if (!WaitFor(child))
@@ -86,7 +86,7 @@ bool RunRanksInTurn(const Run& run)
   return true;
 }
 
-/// Each rank waits for the others at a pipe, so that they begin at once.
+/// The ranks wait at a pipe, so that all start at the same time.
 bool RunRanksTogether(const Run& run)
 {
   int gate[2];
@@ -102,8 +102,8 @@ bool RunRanksTogether(const Run& run)
     {
       ::close(gate[1]);
       char nothing = 0;
-      static_cast<void>(!::read(gate[0], &nothing, 1)); // until the writing end is closed
-      PrintShare(run, rank);
+      static_cast<void>(!::read(gate[0], &nothing, 1)); // until the write end is closed
+      PrintPiece(run, rank);
       ::_exit(EXIT_SUCCESS);
     }
     children.push_back(child);
@@ -121,7 +121,7 @@ bool RunRanksTogether(const Run& run)
 bool RunColdAndWarm(Run run)
 {
   DropFromPageCache(run.Path + ".stores");
-  for (const bool isCold : { true, false }) // the cold run leaves the pages for the warm one
+  for (const bool isCold : { true, false }) // the cold run brings the files into the page cache
   {
     run.IsCold = isCold;
     if (!(run.AreTogether ? RunRanksTogether(run) : RunRanksInTurn(run)))
@@ -136,7 +136,7 @@ bool RunAll(const Options& options, const std::string& path, std::uint32_t store
 {
   std::printf("turn,mode,cache,stores,ranks,rank,isovalue,activeBlocks,bytes,triangles,seconds,"
               "cpuSeconds\n");
-  std::fflush(stdout); // children would print it again
+  std::fflush(stdout); // otherwise children would print it again
   for (int turn = 0; turn < options.Repeats; ++turn)
   {
     for (const double isovalue : options.Isovalues)
@@ -162,7 +162,7 @@ bool RunAll(const Options& options, const std::string& path, std::uint32_t store
 int main(int argc, char** argv)
 {
   Options options;
-  CLI::App app("What isosurfaces cost each of some ranks.");
+  CLI::App app("Measures the cost of isosurfaces for each of several ranks.");
   app
     .add_option("volume", options.Volume, ".bvol; or .mhd, .mha, .nrrd, .nhdr, to be written first")
     ->required();

@@ -86,7 +86,7 @@ VolumeQuery MeasureQuery(
   return queries[queries.size() / 2];
 }
 
-VolumeQuery MeasureShare(const std::string& path, double isovalue, int rank, int ranks, int threads)
+VolumeQuery MeasurePiece(const std::string& path, double isovalue, int rank, int ranks, int threads)
 {
   return Extract(path, isovalue, rank, ranks, threads);
 }

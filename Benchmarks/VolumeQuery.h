@@ -10,10 +10,10 @@
 namespace isosurface
 {
 
-/// Seconds on a clock that never goes back.
+/// The seconds of a steady clock.
 double GetSeconds();
 
-/// What one isosurface of a blocked volume took, from opening the file on.
+/// The cost of an isosurface of a blocked volume, from opening the file on.
 struct VolumeQuery
 {
   double Seconds = 0;
@@ -29,11 +29,11 @@ struct VolumeQuery
 VolumeQuery MeasureQuery(
   const std::string& path, double isovalue, int threads, int repeats, bool cold);
 
-/// The same, once, for the share of one of several ranks.
-VolumeQuery MeasureShare(
+/// Extracts the piece of one of several ranks, once, with an empty block cache.
+VolumeQuery MeasurePiece(
   const std::string& path, double isovalue, int rank, int ranks, int threads);
 
-/// Makes the next readings of a folder's files come from the disk.
+/// Drops a folder's files from the page cache, so that they are read from the disk.
 void DropFromPageCache(const std::string& folder);
 
 /// Removes a volume and its stores.
