@@ -67,11 +67,11 @@ inline void AppendSignedVarint(std::vector<std::uint8_t>& bytes, std::int64_t nu
 constexpr std::size_t MaximumVarintSize = 10;
 
 /**
- * Reads numbers from bytes one after the other, and never behind their end. A read that fails (too
- * few bytes are left, or the number does not fit its type) gives 0, and so do all reads after it;
- * HasFailed() then tells. So a parser may read all its fields and ask once, provided that
- * nothing is allocated by a number before it was compared with GetRemaining(). The bytes are the
- * caller's and outlive the reader.
+ * Reads numbers from bytes one after the other, and never beyond their end. If a read fails (too
+ * few bytes are left, or the number does not fit in its type), it returns 0, as do all reads after
+ * it, and HasFailed() is true. So a parser may read all fields and check once; but it must compare
+ * a size with GetRemaining() before it allocates memory of that size. The bytes must outlive the
+ * reader.
  */
 class ByteReader
 {

@@ -13,7 +13,7 @@ namespace isosurface
 namespace
 {
 
-/// What the threads of one call share.
+/// The state of a call, which its threads share.
 class IndexLoop
 {
 public:

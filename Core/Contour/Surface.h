@@ -58,7 +58,7 @@ struct ContourRequest
    * normals of the isosurface. (With DropDegenerateTriangles, a vertex on the sides has one point,
    * with the mean of the sides' outward normals.) A grid of one vertex on an axis has no surface.
    *
-   * Beside the active blocks, the source must give the blocks at these sides that are entirely
+   * Besides the active blocks, the source must give the blocks at these sides that are entirely
    * inside: see BlockSelection.
    */
   GridSides ClosedSides;
@@ -113,7 +113,7 @@ struct Surface
   Buffer<std::int64_t> GlobalIds; ///< see ExtractSurface
   IndexArray Connectivity;        ///< point numbers, cell after cell
   IndexArray
-    Offsets; ///< cells + 1 values into Connectivity, of the same width; empty if not asked for
+    Offsets; ///< cells + 1 values into Connectivity, of the same width; empty unless requested
   std::vector<SurfaceAttribute> Attributes;
   std::vector<SurfacePart> Parts; ///< one for each isovalue, in the order of the request
 

@@ -11,7 +11,7 @@
 namespace isosurface
 {
 
-/// What an edge code names as its axis if it stands for a vertex.
+/// The axis in the code of a vertex.
 constexpr EdgeCode VertexAxis = 3;
 
 /// A point of a brick that lies on a vertex of the grid.

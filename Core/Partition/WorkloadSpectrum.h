@@ -14,7 +14,7 @@ namespace isosurface
 {
 
 /**
- * The isovalues at which a spectrum is sampled: bin b stands for the isovalue
+ * The isovalues at which a spectrum is sampled: bin b is the isovalue
  * GetEdge(b) = (First + b) * 2^Exponent, for b in [0, Count).
  *
  * Every width is a power of two, and every edge a multiple of the width. So the edges of coarser

@@ -74,7 +74,7 @@ Result<RawVolume> RawVolume::ReadHeader(FileSystem& files, const std::string& pa
   if (!HasHeader(path))
   {
     return Status(StatusCode::Unsupported,
-      path + ": cannot be read: only .mhd, .mha, .nrrd and .nhdr tell what they hold");
+      path + ": cannot be read: the supported headers are .mhd, .mha, .nrrd and .nhdr");
   }
   const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
   return extension[1] == 'm' ? ReadMetaImageHeader(files, path) : ReadNrrdHeader(files, path);

@@ -23,7 +23,8 @@ Status SeriesFile::Read(std::uint64_t offset, std::size_t size, void* bytes) con
     const std::uint64_t within = offset % this->Size;
     if (number >= this->Paths.size())
     {
-      return Status(StatusCode::Corrupt, this->Paths.back() + ": the series ends here, too early");
+      return Status(
+        StatusCode::Corrupt, this->Paths.back() + ": truncated: the series of files ends here");
     }
     if (!this->OpenFile || this->OpenNumber != number)
     {

@@ -157,7 +157,7 @@ Status TiffFile::Handle::Open()
   ISOSURFACE_RETURN_IF_ERROR(this->Failure);
   return this->Tiff ? Status::Ok()
                     : Status(StatusCode::Corrupt,
-                        this->File->GetPath() + ": no TIFF file" +
+                        this->File->GetPath() + ": not a TIFF file" +
                           (this->Reason.empty() ? "" : ": ") + this->Reason);
 }
 
@@ -206,12 +206,12 @@ Result<TiffFormat> TiffFile::ReadFormat()
   {
     return this->MakeError(StatusCode::Unsupported,
       "it has " + std::to_string(tiff.Get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1)) +
-        " samples a pixel: only one is read");
+        " samples a pixel; only one is supported");
   }
   if (tiff.Get<std::uint32_t>(TIFFTAG_IMAGEDEPTH, 1) > 1 ||
     tiff.Get<std::uint32_t>(TIFFTAG_TILEDEPTH, 1) > 1)
   {
-    return this->MakeError(StatusCode::Unsupported, "a page of several slices is not read");
+    return this->MakeError(StatusCode::Unsupported, "pages of several slices are not supported");
   }
   const auto format = tiff.Get<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
   const auto bits = tiff.Get<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 1);
@@ -220,13 +220,13 @@ Result<TiffFormat> TiffFile::ReadFormat()
   {
     return this->MakeError(StatusCode::Unsupported,
       "samples of " + std::to_string(bits) + " bits (SampleFormat " + std::to_string(format) +
-        ") are not read");
+        ") are not supported");
   }
   const auto compression = tiff.Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   if (::TIFFIsCODECConfigured(compression) == 0)
   {
     return this->MakeError(StatusCode::Unsupported,
-      "its compression, " + std::to_string(compression) + ", is unknown to this libtiff");
+      "its compression (" + std::to_string(compression) + ") is not supported by this libtiff");
   }
   return TiffFormat{ static_cast<std::int64_t>(width), static_cast<std::int64_t>(height), *type };
 }
@@ -256,8 +256,8 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
       if (number < lastNumber)
       {
         return this->MakeError(StatusCode::Unsupported,
-          "it says that it is page number " + std::to_string(number) +
-            " but stands behind number " + std::to_string(lastNumber));
+          "its page number is " + std::to_string(number) + ", that of the page before is " +
+            std::to_string(lastNumber));
       }
       lastNumber = number;
     }
@@ -276,7 +276,7 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
   // The last directory ends the loop without an error; so does one that cannot be read, with one.
   if (!this->Tiff->Failure.IsOk() || !this->Tiff->Reason.empty())
   {
-    return this->MakeError(StatusCode::Corrupt, "the directory behind it cannot be read");
+    return this->MakeError(StatusCode::Corrupt, "the directory of the next page cannot be read");
   }
   return pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
 }

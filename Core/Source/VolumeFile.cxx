@@ -162,9 +162,9 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
     if (numbers[file] - numbers[file - 1] != numbers[1] - numbers[0])
     {
       return Status(StatusCode::Corrupt,
-        paths[file] + ": a slice of the series is missing, or one is too many: its number is " +
-          std::to_string(numbers[file]) + " behind " + std::to_string(numbers[file - 1]) +
-          ", where the series begins " + std::to_string(numbers[0]) + ", " +
+        paths[file] + ": a slice of the series is missing, or there is one too many: number " +
+          std::to_string(numbers[file]) + " follows " + std::to_string(numbers[file - 1]) +
+          ", but the series begins with " + std::to_string(numbers[0]) + ", " +
           std::to_string(numbers[1]));
     }
   }
@@ -225,7 +225,8 @@ Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const 
   }
   if (names.empty())
   {
-    return Status(StatusCode::NotFound, path + ": there are no TIFF files of this name, or in it");
+    return Status(
+      StatusCode::NotFound, path + ": there are no TIFF files of this name, or in this folder");
   }
   std::stable_sort(
     names.begin(), names.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -222,15 +222,15 @@ TEST(ClosedSides, UnionOfRanksEqualsOneRank)
     const int blockSize = 1 + trial % 4;
     ContourRequest request = MakeRequest({ 2.0, 2.5 });
     request.DropDegenerateTriangles = trial % 2 == 0;
-    std::vector<std::vector<std::int64_t>> shares(static_cast<std::size_t>(2 + trial % 3));
+    std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(2 + trial % 3));
     for (const std::int64_t block : FindBlocksByForce(volume, blockSize, request.Isovalues, true))
     {
-      shares[random() % shares.size()].push_back(block);
+      pieces[random() % pieces.size()].push_back(block);
     }
     std::vector<PlainSurface> ranks;
-    for (const auto& share : shares)
+    for (const auto& piece : pieces)
     {
-      const Result<Surface> surface = Extract(volume, blockSize, request, share, 2);
+      const Result<Surface> surface = Extract(volume, blockSize, request, piece, 2);
       ASSERT_TRUE(surface.IsOk());
       ranks.push_back(MakePlain(*surface));
       ASSERT_EQ(ranks.back().Points.size(), surface->NumberOfPoints);

@@ -190,16 +190,16 @@ TEST(DegenerateTriangles, UnionOfRanksEqualsOneRank)
     const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 8, 7 }, 4);
     const int blockSize = 1 + trial % 4;
     const TestBlockSource<std::uint8_t> all(volume, blockSize);
-    std::vector<std::vector<std::int64_t>> shares(static_cast<std::size_t>(2 + trial % 3));
+    std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(2 + trial % 3));
     for (const std::int64_t block : all.Blocks)
     {
-      shares[random() % shares.size()].push_back(block);
+      pieces[random() % pieces.size()].push_back(block);
     }
     std::vector<PlainSurface> ranks;
-    for (const auto& share : shares)
+    for (const auto& piece : pieces)
     {
       TestBlockSource<std::uint8_t> source(volume, blockSize);
-      source.Blocks = share;
+      source.Blocks = piece;
       const Result<Surface> surface =
         ExtractSurface(volume.Geometry, source, MakeRequest({ 2.0, 3.0 }), 2);
       ASSERT_TRUE(surface.IsOk());

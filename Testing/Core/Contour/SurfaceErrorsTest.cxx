@@ -100,7 +100,7 @@ TEST_F(SurfaceErrors, ProgressCanAbortEitherPhase)
   for (const double stopAt : { 0.0, 0.3, 0.6, 0.9 })
   {
     TestBlockSource<float> source(this->Volume, 16);
-    EXPECT_EQ(this->Extract(source, 1, [stopAt](double share) { return share < stopAt; }),
+    EXPECT_EQ(this->Extract(source, 1, [stopAt](double fraction) { return fraction < stopAt; }),
       StatusCode::Aborted);
   }
 }
@@ -110,11 +110,11 @@ TEST_F(SurfaceErrors, ProgressIncreasesFromZeroToOne)
   TestBlockSource<float> source(this->Volume, 16);
   double last = 0;
   EXPECT_EQ(this->Extract(source, 1,
-              [&last](double share)
+              [&last](double fraction)
               {
-                EXPECT_GE(share, last);
-                EXPECT_LE(share, 1.0);
-                last = share;
+                EXPECT_GE(fraction, last);
+                EXPECT_LE(fraction, 1.0);
+                last = fraction;
                 return true;
               }),
     StatusCode::Ok);

@@ -43,17 +43,17 @@ void CheckUnionOfSubsets(
   const SampleVolume<T>& volume, int blockSize, double isovalue, int ranks, std::mt19937& random)
 {
   const TestBlockSource<T> all(volume, blockSize);
-  std::vector<std::vector<std::int64_t>> shares(static_cast<std::size_t>(ranks));
+  std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(ranks));
   for (const std::int64_t block : all.Blocks)
   {
-    shares[random() % shares.size()].push_back(block);
+    pieces[random() % pieces.size()].push_back(block);
   }
   std::vector<PlainSurface> parts;
-  for (std::vector<std::int64_t>& share : shares)
+  for (std::vector<std::int64_t>& piece : pieces)
   {
-    std::shuffle(share.begin(), share.end(), random);
+    std::shuffle(piece.begin(), piece.end(), random);
     TestBlockSource<T> source(volume, blockSize);
-    source.Blocks = share;
+    source.Blocks = piece;
     const Result<Surface> surface =
       ExtractSurface(volume.Geometry, source, MakeRequest(isovalue), 2);
     ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();

@@ -131,7 +131,7 @@ void Record(const Worst& worst)
 TEST(ExternalIntervalTree, StabbingQueryEqualsBruteForce)
 {
   // 21 sets x 5,000 = 105,000 queries; a fifth of these is enough for a sanitizer.
-  const int share = AllocationCounter::IsCounting() ? 1 : 5;
+  const int divisor = AllocationCounter::IsCounting() ? 1 : 5;
   for (const IntervalSet& set : MakeIntervalSets())
   {
     for (const auto& [count, queries] : { std::pair(0, 50), std::pair(1, 150), std::pair(204, 300),
@@ -145,7 +145,7 @@ TEST(ExternalIntervalTree, StabbingQueryEqualsBruteForce)
       std::mt19937_64 random(1);
       PageStatistics statistics;
       std::uint64_t found = 0;
-      for (int query = 0; query < queries / share; ++query)
+      for (int query = 0; query < queries / divisor; ++query)
       {
         const ValueKey key = MakeQueryKey(intervals, random);
         ASSERT_EQ(CompareWithBruteForce(*tree, intervals, key, key, statistics, found), "")

@@ -215,10 +215,10 @@ TEST(BlockDistribution, DealsBlocksOfOneElementByDecreasingRange)
 TEST(BlockDistribution, AcceptsNaNInfinitiesAndExtremeNumbers)
 {
   const double infinity = std::numeric_limits<double>::infinity();
-  const double largest = std::numeric_limits<double>::max();
+  const double maximum = std::numeric_limits<double>::max();
   const std::vector<KeyRange> ranges = { { NotANumberKey, MakeValueKey(3.0) },
     { MakeValueKey(-infinity), MakeValueKey(infinity) }, { NotANumberKey, NotANumberKey },
-    { MakeValueKey(-largest), MakeValueKey(largest) }, { NotANumberKey, MakeValueKey(infinity) },
+    { MakeValueKey(-maximum), MakeValueKey(maximum) }, { NotANumberKey, MakeValueKey(infinity) },
     KeyRange{} };
   const auto result =
     DistributeBlocks(DistributionMethod::Greedy, ValueType::Float64, ranges, 3, 0);
@@ -244,24 +244,24 @@ TEST(BlockDistribution, RandomDependsOnTheSeedOnly)
 TEST(BlockDistribution, GreedyAndRandomBalanceTrianglesAndSlabDoesNot)
 {
   const Scene scene;
-  const auto measure = [&](DistributionMethod method, std::uint32_t stores, double least)
+  const auto measure = [&](DistributionMethod method, std::uint32_t stores, double minimum)
   {
     const auto result = DistributeBlocks(method, ValueType::UInt8, scene.Ranges, stores, 1);
-    const double imbalance = scene.FindImbalance(result, stores, least);
+    const double imbalance = scene.FindImbalance(result, stores, minimum);
     RecordProperty(GetDistributionName(method) + std::to_string(stores) + "_" +
-        std::to_string(static_cast<int>(least)),
+        std::to_string(static_cast<int>(minimum)),
       std::to_string(imbalance));
     return imbalance;
   };
   // A block of 16^3 cells in the surface has up to 5,000 triangles here: with 1,000 triangles a
   // store no distribution of whole blocks is even.
-  for (const double least : { 1000.0, 20000.0 })
+  for (const double minimum : { 1000.0, 20000.0 })
   {
-    const double greedy = measure(DistributionMethod::Greedy, 4, least);
-    const double random = measure(DistributionMethod::Random, 4, least);
-    const double slab = measure(DistributionMethod::Slab, 4, least);
-    EXPECT_LT(greedy, least == 1000 ? 2.0 : 1.2);
-    EXPECT_LT(random, least == 1000 ? 2.5 : 1.5);
+    const double greedy = measure(DistributionMethod::Greedy, 4, minimum);
+    const double random = measure(DistributionMethod::Random, 4, minimum);
+    const double slab = measure(DistributionMethod::Slab, 4, minimum);
+    EXPECT_LT(greedy, minimum == 1000 ? 2.0 : 1.2);
+    EXPECT_LT(random, minimum == 1000 ? 2.5 : 1.5);
     EXPECT_GT(slab, 1.5 * greedy);
     EXPECT_GT(slab, 1.2 * random);
   }

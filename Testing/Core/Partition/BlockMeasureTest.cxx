@@ -140,8 +140,8 @@ SampleVolume<T> MakeSphere(const Index3& size, const std::array<double, 3>& spac
 }
 
 template <typename T>
-void ExpectMeasuresSpheres(
-  const Index3& size, const std::array<double, 3>& spacing, double scale, double least, double most)
+void ExpectMeasuresSpheres(const Index3& size, const std::array<double, 3>& spacing, double scale,
+  double minimum, double maximum)
 {
   const Measures measures = Measure(MakeSphere<T>(size, spacing, scale), MakeGrid(size, spacing));
   const SpectrumBins& bins = measures.Spectrum.Bins;
@@ -149,7 +149,7 @@ void ExpectMeasuresSpheres(
   for (std::size_t bin = 0; bin < bins.Count; bin += 7)
   {
     const double radius = (240 - bins.GetEdge(bin)) / scale;
-    if (radius >= least && radius <= most)
+    if (radius >= minimum && radius <= maximum)
     {
       ++tested;
       const double area = 4 * Pi * radius * radius;
@@ -360,7 +360,7 @@ TEST(BlockMeasure, LeavesOutCellsThatAreNotFinite)
 
 TEST(BlockMeasure, CountUniformEqualsCount)
 {
-  // A block of one value beside one of many.
+  // A block of a single value next to one of many values.
   const Index3 size = { 17, 9, 9 };
   const SampleVolume<std::int16_t> volume(
     size, [](auto i, auto j, auto) { return i <= 8 ? 70 : 70 + 40 * (i - 8) + j; });
@@ -371,14 +371,14 @@ TEST(BlockMeasure, CountUniformEqualsCount)
   MeasureSums counted(bins);
   measure.Count(volume.GetView(uniform));
   measure.MoveTo(counted);
-  MeasureSums told(bins);
+  MeasureSums uniformSums(bins);
   measure.CountUniform(ValueType::Int16, MakeValueKey<std::int16_t>(70), uniform);
   measure.CountUniform(ValueType::Int16, NotANumberKey, { { 0, 0, 0 }, { 1, 9, 9 } });
-  measure.MoveTo(told);
+  measure.MoveTo(uniformSums);
   WorkloadSpectrum a(bins);
   WorkloadSpectrum b(bins);
   counted.SetMeasures(a);
-  told.SetMeasures(b);
+  uniformSums.SetMeasures(b);
   EXPECT_EQ(a.Volume, b.Volume);
   EXPECT_GT(a.Volume[0], 0u);
   EXPECT_EQ(a.Volume[1], 0u);

@@ -308,7 +308,7 @@ TEST(TiffSource, ErrorsNameWhatIsNotSupported)
   TIFFWriteScanline(tiff, row.data(), 0, 0);
   TIFFClose(tiff);
   ExpectRefused(folder / "bits.tif", folder / "bits.tif", "1 bits");
-  std::ofstream(folder / "text.tif") << "no picture at all";
+  std::ofstream(folder / "text.tif") << "not an image";
   ExpectRefused(folder / "text.tif", folder / "text.tif", "no TIFF file");
   ExpectRefused(folder / "none.tif", folder / "none.tif", "cannot open");
   ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
