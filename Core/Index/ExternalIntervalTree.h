@@ -50,9 +50,6 @@ public:
   /// The number of pages of the file, page 0 included.
   std::uint64_t GetPageCount() const { return this->File->GetPageCount(); }
   std::uint32_t GetRecordsPerPage() const;
-  /// The range of all intervals; the minimum is above the maximum if there is none.
-  ValueKey GetMinimum() const { return this->Header.Minimum; }
-  ValueKey GetMaximum() const { return this->Header.Maximum; }
 
   /// Reports each interval with Minimum <= key <= Maximum exactly once, in no particular order.
   /// Adds the pages that it reads to `statistics`.

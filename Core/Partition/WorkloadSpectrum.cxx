@@ -85,11 +85,6 @@ SpectrumBins SpectrumBins::Choose(ValueType type, const KeyRange& finiteRange)
     });
 }
 
-double SpectrumBins::GetWidth() const
-{
-  return std::ldexp(1.0, this->Exponent);
-}
-
 double SpectrumBins::GetEdge(std::size_t bin) const
 {
   const auto multiple = this->First + static_cast<std::int64_t>(bin);

@@ -40,7 +40,6 @@ struct SpectrumBins
    */
   static SpectrumBins Choose(ValueType type, const KeyRange& finiteRange);
 
-  double GetWidth() const;
   double GetEdge(std::size_t bin) const;
   /// The key of the threshold of an edge: the minimum value of the type >= the edge. The bins must
   /// have been chosen for the type. Exact also where GetEdge() rounds: for large 64-bit integers.

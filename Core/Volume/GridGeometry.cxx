@@ -23,17 +23,6 @@ std::int64_t GridGeometry::GetNumberOfVertices() const
   return dimensions[0] * dimensions[1] * dimensions[2];
 }
 
-std::int64_t GridGeometry::GetNumberOfCells() const
-{
-  const Index3 dimensions = this->GetDimensions();
-  std::int64_t cells = 1;
-  for (const std::int64_t vertices : dimensions)
-  {
-    cells *= std::max<std::int64_t>(0, vertices - 1);
-  }
-  return cells;
-}
-
 GridGeometry GridGeometry::Coarsen(int level) const
 {
   if (level == 0)

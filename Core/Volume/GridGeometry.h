@@ -27,7 +27,6 @@ struct GridGeometry
   /// Vertices on each axis; 0 for an empty extent.
   Index3 GetDimensions() const;
   std::int64_t GetNumberOfVertices() const;
-  std::int64_t GetNumberOfCells() const;
 
   /// The grid of every 2^level-th vertex, counted from this grid's first one. For level > 0, its
   /// extent begins at 0 and its origin is this grid's first vertex.

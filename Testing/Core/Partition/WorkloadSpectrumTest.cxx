@@ -43,7 +43,7 @@ TEST(SpectrumBins, AreOneValueWideForIntegersOfSmallRange)
 {
   const SpectrumBins bytes = Choose<std::uint8_t>(0, 255);
   EXPECT_EQ(bytes.Count, 256u);
-  EXPECT_EQ(bytes.GetWidth(), 1);
+  EXPECT_EQ(bytes.Exponent, 0);
   const SpectrumBins scan = Choose<std::int16_t>(-1024, 1023);
   EXPECT_EQ(scan.Count, 2048u);
   EXPECT_EQ(scan.GetEdge(0), -1024);
