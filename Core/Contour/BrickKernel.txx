@@ -2,9 +2,13 @@
 // The inner loops of marching cubes by bits, included by BrickKernelBaseline.cxx and
 // BrickKernelAvx2.cxx, which define ISOSURFACE_KERNEL as the namespace to compile them into.
 //
-// Numerics follow vtkFlyingEdges3D: differences of samples are taken in the sample's own type where
-// that is exact or rounds (float), everything else in double, coordinates and gradients are rounded
-// to float. Where its integer differences would wrap around (32 and 64 bits), ours are exact.
+// Method: a bit for each vertex (inside), a 64-bit word for each row of vertices. XOR of words gives
+// the crossed edges, AND and OR of four words the active cells; population counts number points.
+//
+// The numerics are those of vtkFlyingEdges3D (Schroeder, Maynard, Geveci, "Flying edges", LDAV
+// 2015): differences of samples are computed in the type of the samples where that is exact or
+// rounds (float), everything else in double; coordinates and gradients are rounded to float. Where
+// its integer differences would overflow (32 and 64 bits), ours are exact.
 
 #include "Contour/BrickKernelCells.txx"
 #include "Contour/BrickKernelPoints.txx"
