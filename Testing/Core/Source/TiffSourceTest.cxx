@@ -281,7 +281,7 @@ TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
     TIFFWriteDirectory(tiff);
   }
   TIFFClose(tiff);
-  ExpectRefused(folder / "order.tif", folder / "order.tif", "page 3: it says that it is page");
+  ExpectRefused(folder / "order.tif", folder / "order.tif", "page 3: its page number is 1");
   WriteStack(folder / "s1.tif", volume, {}, 0, 1);
   WriteStack(folder / "s2.tif", deep, {}, 0, 1);
   ExpectRefused(folder / "s?.tif", folder / "s2.tif", "differs");
@@ -309,7 +309,7 @@ TEST(TiffSource, ErrorsNameWhatIsNotSupported)
   TIFFClose(tiff);
   ExpectRefused(folder / "bits.tif", folder / "bits.tif", "1 bits");
   std::ofstream(folder / "text.tif") << "not an image";
-  ExpectRefused(folder / "text.tif", folder / "text.tif", "no TIFF file");
+  ExpectRefused(folder / "text.tif", folder / "text.tif", "not a TIFF file");
   ExpectRefused(folder / "none.tif", folder / "none.tif", "cannot open");
   ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
 }

@@ -138,7 +138,7 @@ TEST(MetaImageHeader, ErrorsNameWhatIsNotSupported)
   ExpectRefused(
     "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile = %s 1 2 3\n", "pattern");
   ExpectRefused("a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile =\n", "no file");
-  ExpectRefused("a.tif", "", "only .mhd");
+  ExpectRefused("a.tif", "", "the supported headers are .mhd");
 }
 
 TEST(NrrdHeader, ReadsRawAndGzipSamplesAfterTheHeader)
