@@ -105,6 +105,7 @@ void ResolutionChooser::Learn(
   const std::vector<RankWork>& work, const std::vector<int>& divisors, double seconds)
 {
   std::vector<std::size_t> resolutions;
+  resolutions.reserve(divisors.size());
   for (const int divisor : divisors)
   {
     resolutions.push_back(FindResolution(divisor));
