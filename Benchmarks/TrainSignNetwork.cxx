@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Learns the network that predicts signs in the profile compact (SignNetwork), and writes
- * Core/EdgeIndex/SignNetworkWeights.cxx. Needed after a change of its inputs only; then the
- * format's version goes up.
+ * Core/TrainedModels/sign-network.txt. Needed only after a change of its inputs, which changes the
+ * format.
  *
  * Stochastic gradient descent in batches: D. P. Kingma and J. Ba, "Adam: a method for stochastic
- * optimization", ICLR 2015; the rate falls with a cosine.
+ * optimization", ICLR 2015. The rate decays with a cosine.
  */
+#include "TableFile.h"
 #include "TrainingSurface.h"
 
+#include "BlockCoding/SignNeighborhood.h"
 #include "EdgeIndex/SampledBlock.h"
-#include "EdgeIndex/SignNeighborhood.h"
 
 #include <CLI/CLI.hpp>
 
@@ -18,7 +19,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
@@ -31,9 +31,9 @@ namespace
 constexpr std::size_t Inputs = SignNetworkWeights::NumberOfInputs;
 constexpr std::size_t Width = SignNetworkWeights::Width;
 constexpr std::size_t Depth = SignNetworkWeights::Depth;
-constexpr float Greatest = 8; // of hidden values and of the stretched probability
+constexpr float Maximum = 8; // of hidden values and of the stretched probability
 
-/// A vertex: which inputs are ones, and whether it has another sign than the one to its left.
+/// The inputs of a vertex, and whether its sign differs from that of the vertex to its left.
 struct Sample
 {
   SignNetworkInputs Seen;
@@ -41,7 +41,7 @@ struct Sample
   bool IsOther;
 };
 
-/// Takes the place of a coder: what the network would have seen is kept, and nothing coded.
+/// Stands in for a range coder, but codes nothing.
 struct NoCoder
 {
   static constexpr bool Encodes = true;
@@ -79,9 +79,9 @@ private:
   SignNeighborhood Around;
 };
 
-/// The vertices of all blocks of a surface, at most so many of them.
+/// A random choice of vertices of a surface, at most `limit`.
 std::vector<Sample> TakeSamples(
-  const TrainingSurface& surface, std::size_t most, std::mt19937& random)
+  const TrainingSurface& surface, std::size_t limit, std::mt19937& random)
 {
   SampleModel model;
   for (std::int64_t block = 0; block < surface.Grid.GetNumberOfBlocks(); ++block)
@@ -103,7 +103,7 @@ std::vector<Sample> TakeSamples(
     }
   }
   std::shuffle(model.Samples.begin(), model.Samples.end(), random);
-  model.Samples.resize(std::min(most, model.Samples.size()));
+  model.Samples.resize(std::min(limit, model.Samples.size()));
   return model.Samples;
 }
 
@@ -111,7 +111,7 @@ std::vector<Sample> TakeSamples(
 struct Network
 {
   std::array<std::array<float, Width>, Inputs + 1> First;
-  std::array<std::array<float, Depth>, Width + 1> Second; ///< the other way round; last: added
+  std::array<std::array<float, Depth>, Width + 1> Second; ///< transposed; last: added
   std::array<float, Depth + 1> Third;                     ///< last: added
 };
 constexpr std::size_t NumberOfWeights = sizeof(Network) / sizeof(float);
@@ -134,7 +134,7 @@ Network MakeNetwork(std::mt19937& random)
   return network;
 }
 
-/// Adds what a sample says about the weights to `gradient`; returns the bits that it would take.
+/// Adds the gradient of a sample's cost to `gradient`; returns the cost in bits.
 float AddGradient(const Network& network, const Sample& sample, Network& gradient)
 {
   std::array<std::size_t, Inputs + 1> ones;
@@ -166,7 +166,7 @@ float AddGradient(const Network& network, const Sample& sample, Network& gradien
   std::array<float, Depth> sums = network.Second[Width];
   for (std::size_t i = 0; i < Width; ++i)
   {
-    first[i] = std::clamp(first[i], 0.0F, Greatest);
+    first[i] = std::clamp(first[i], 0.0F, Maximum);
     for (std::size_t j = 0; j < Depth; ++j)
     {
       sums[j] += first[i] * network.Second[i][j];
@@ -175,17 +175,17 @@ float AddGradient(const Network& network, const Sample& sample, Network& gradien
   float stretched = network.Third[Depth];
   for (std::size_t j = 0; j < Depth; ++j)
   {
-    stretched += std::clamp(sums[j], 0.0F, Greatest) * network.Third[j];
+    stretched += std::clamp(sums[j], 0.0F, Maximum) * network.Third[j];
   }
-  const float probability = 1 / (1 + std::exp(-std::clamp(stretched, -Greatest, Greatest)));
+  const float probability = 1 / (1 + std::exp(-std::clamp(stretched, -Maximum, Maximum)));
 
   const float error = probability - (sample.IsOther ? 1.0F : 0.0F);
   gradient.Third[Depth] += error;
   std::array<float, Depth> deep;
   for (std::size_t j = 0; j < Depth; ++j)
   {
-    gradient.Third[j] += error * std::clamp(sums[j], 0.0F, Greatest);
-    deep[j] = sums[j] > 0 && sums[j] < Greatest ? error * network.Third[j] : 0;
+    gradient.Third[j] += error * std::clamp(sums[j], 0.0F, Maximum);
+    deep[j] = sums[j] > 0 && sums[j] < Maximum ? error * network.Third[j] : 0;
     gradient.Second[Width][j] += deep[j];
   }
   std::array<float, Width> wide{};
@@ -201,7 +201,7 @@ float AddGradient(const Network& network, const Sample& sample, Network& gradien
       sum += deep[j] * network.Second[i][j];
       gradient.Second[i][j] += first[i] * deep[j];
     }
-    wide[i] = first[i] < Greatest ? sum : 0;
+    wide[i] = first[i] < Maximum ? sum : 0;
   }
   for (std::size_t n = 0; n < count; ++n)
   {
@@ -266,69 +266,41 @@ Network Learn(std::vector<Sample>& samples, double epochs, double rate, std::mt1
   return network;
 }
 
-void WriteRow(std::ofstream& file, const std::vector<long>& values)
-{
-  file << "{ {";
-  std::size_t column = 3;
-  for (const long value : values)
-  {
-    const std::string number = std::to_string(value) + ",";
-    if (column + number.size() > 99)
-    {
-      file << "\n";
-      column = 0;
-    }
-    file << number;
-    column += number.size();
-  }
-  file << "} },\n";
-}
-
-/// The weights in the units that SignNetwork has them in.
+/// Writes the weights in the units of SignNetwork.
 bool Write(const Network& network, const std::string& path)
 {
   constexpr float hiddenUnit = 256;
   constexpr float unit = 1024;
   constexpr long half = 512; // sums are rounded down
-  std::ofstream file(path);
-  file << "// SPDX-License-Identifier: BSD-3-Clause\n"
-          "// Written by TrainSignNetwork; see Documentation/dev/edge-index.md.\n"
-          "#include \"EdgeIndex/SignNetwork.h\"\n\n"
-          "namespace isosurface\n{\n\n"
-          "// clang-format off\n"
-          "const SignNetworkWeights LearntSignNetwork = {\n{ {\n";
+  std::vector<long> first;
   for (const auto& weights : network.First)
   {
-    std::vector<long> row;
     for (const float weight : weights)
     {
-      row.push_back(std::lround(weight * hiddenUnit));
+      first.push_back(std::lround(weight * hiddenUnit));
     }
-    WriteRow(file, row);
   }
-  file << "} },\n{ {\n";
-  for (std::size_t j = 0; j < Depth; ++j)
-  {
-    std::vector<long> row;
-    for (std::size_t i = 0; i < Width; ++i)
-    {
-      row.push_back(std::lround(network.Second[i][j] * unit));
-    }
-    WriteRow(file, row);
-  }
-  file << "} },\n";
+  std::vector<long> second;
   std::vector<long> added;
   std::vector<long> third;
   for (std::size_t j = 0; j < Depth; ++j)
   {
+    for (std::size_t i = 0; i < Width; ++i)
+    {
+      second.push_back(std::lround(network.Second[i][j] * unit));
+    }
     added.push_back(std::lround(network.Second[Width][j] * unit * hiddenUnit) + half);
     third.push_back(std::lround(network.Third[j] * unit));
   }
-  WriteRow(file, added);
-  WriteRow(file, third);
-  file << std::lround(network.Third[Depth] * unit * hiddenUnit) + half
-       << ",\n};\n// clang-format on\n\n} // namespace isosurface\n";
-  return static_cast<bool>(file);
+  const std::vector<long> thirdAdded = { std::lround(network.Third[Depth] * unit * hiddenUnit) +
+    half };
+  TableFile file(path, "TrainSignNetwork");
+  file.Add("SignNetworkFirst", "int16", first);
+  file.Add("SignNetworkSecond", "int16", second);
+  file.Add("SignNetworkSecondAdded", "int32", added);
+  file.Add("SignNetworkThird", "int16", third);
+  file.Add("SignNetworkThirdAdded", "int32", thirdAdded);
+  return file.IsGood();
 }
 
 } // namespace
@@ -337,15 +309,15 @@ int main(int argc, char** argv)
 {
   std::string output;
   std::vector<std::string> words;
-  std::size_t most = 250000;
+  std::size_t limit = 250000;
   double epochs = 20;
   double rate = 0.0025;
   CLI::App application("Learns the network that predicts signs in the edge-index code");
-  application.add_option("output", output, "the source file to write")->required();
+  application.add_option("output", output, "the data file to write")->required();
   AddSurfaceOption(application, words);
-  application.add_option("--most", most, "most vertices of a surface");
-  application.add_option("--epochs", epochs, "how often each is looked at");
-  application.add_option("--rate", rate, "how fast it learns at first");
+  application.add_option("--most", limit, "maximum number of vertices of a surface");
+  application.add_option("--epochs", epochs, "passes over all vertices");
+  application.add_option("--rate", rate, "initial learning rate");
   CLI11_PARSE(application, argc, argv);
 
   std::vector<TrainingSurface> surfaces;
@@ -357,7 +329,7 @@ int main(int argc, char** argv)
   std::vector<Sample> samples;
   for (const TrainingSurface& surface : surfaces)
   {
-    const std::vector<Sample> taken = TakeSamples(surface, most, random);
+    const std::vector<Sample> taken = TakeSamples(surface, limit, random);
     samples.insert(samples.end(), taken.begin(), taken.end());
   }
   std::printf("%zu vertices\n", samples.size());

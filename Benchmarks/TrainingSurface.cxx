@@ -27,7 +27,7 @@ void SetGeometry(TrainingSurface& surface, const Index3& size, ValueType type, d
   surface.Header.Isovalues = { isovalue };
 }
 
-/// `words`: file of raw samples, its dimensions, type and isovalue.
+/// words: a file of raw samples, its dimensions, type and isovalue.
 bool ReadSurface(const std::string* words, TrainingSurface& surface)
 {
   const Index3 size{ std::atoll(words[1].c_str()), std::atoll(words[2].c_str()),

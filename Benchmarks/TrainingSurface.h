@@ -23,11 +23,11 @@ struct TrainingSurface
   EdgeIndexHeader Header;
 };
 
-/// Adds the option --surface: six words for each surface.
+/// Adds the option --surface, which has six words for each surface.
 void AddSurfaceOption(CLI::App& application, std::vector<std::string>& words);
 
-/// Reads the surfaces of the option, and makes two of generated fields. Says on standard error what
-/// cannot be read.
+/// Reads the surfaces of the option, and adds two of generated fields. Prints on standard error which
+/// file cannot be read.
 bool ReadSurfaces(const std::vector<std::string>& words, std::vector<TrainingSurface>& surfaces);
 
 } // namespace isosurface

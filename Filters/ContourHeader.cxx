@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContourHeader.h"
 
-#include "EdgeIndex/CodedNumbers.h"
+#include "Base/Coding.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -16,18 +16,15 @@ namespace
 
 void AppendText(Message& message, const std::string& text)
 {
-  AppendNumber(message, text.size());
+  AppendVarint(message, text.size());
   message.insert(message.end(), text.begin(), text.end());
 }
 
-std::string ReadText(NumberReader& reader)
+std::string ReadText(ByteReader& reader)
 {
-  std::string text(std::min<std::uint64_t>(reader.ReadNumber(), reader.GetLeft()), ' ');
-  for (char& character : text)
-  {
-    character = static_cast<char>(reader.ReadByte());
-  }
-  return text;
+  const auto size = std::min<std::uint64_t>(reader.ReadVarint(), reader.GetRemaining());
+  const std::uint8_t* text = reader.ReadBytes(static_cast<std::size_t>(size));
+  return text ? std::string(text, text + size) : std::string();
 }
 
 } // namespace
@@ -87,8 +84,8 @@ std::vector<InterpolatedArray> ShareArrays(Communicator& ranks, const ContourBlo
     {
       AppendText(mine, array.Name);
       mine.push_back(static_cast<std::uint8_t>(array.Layout.Type));
-      AppendNumber(mine, static_cast<std::uint64_t>(array.Layout.NumberOfComponents));
-      AppendNumber(mine, array.ComponentNames.size());
+      AppendVarint(mine, static_cast<std::uint64_t>(array.Layout.NumberOfComponents));
+      AppendVarint(mine, array.ComponentNames.size());
       for (const std::string& name : array.ComponentNames)
       {
         AppendText(mine, name);
@@ -98,14 +95,14 @@ std::vector<InterpolatedArray> ShareArrays(Communicator& ranks, const ContourBlo
   std::vector<InterpolatedArray> arrays;
   for (const Message& message : ranks.AllGather(mine))
   {
-    NumberReader reader(message.data(), message.size());
-    while (reader.GetLeft() > 0)
+    ByteReader reader(message);
+    while (reader.GetRemaining() > 0)
     {
       InterpolatedArray& array = arrays.emplace_back();
       array.Name = ReadText(reader);
-      array.Layout.Type = static_cast<ValueType>(reader.ReadByte());
-      array.Layout.NumberOfComponents = static_cast<int>(reader.ReadNumber());
-      for (std::uint64_t left = reader.ReadNumber(); left > 0 && reader.GetLeft() > 0; --left)
+      array.Layout.Type = static_cast<ValueType>(reader.Read<std::uint8_t>());
+      array.Layout.NumberOfComponents = reader.ReadVarint<int>();
+      for (std::uint64_t left = reader.ReadVarint(); left > 0 && reader.GetRemaining() > 0; --left)
       {
         array.ComponentNames.push_back(ReadText(reader));
       }

@@ -5,10 +5,11 @@
 #include "ChosenScalars.h"
 #include "ImagePieces.h"
 #include "SpectrumTable.h"
-#include "VolumeInput.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkInformationBlockedVolumeKey.h"
+#include "vtkInformationStabbingRequestKey.h"
+#include "vtkStabbingRequest.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
@@ -139,10 +140,12 @@ int vtkContourSpectrum::RequestUpdateExtent(
   inInfo->Set(
     Pipeline::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-  if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
+  if (vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo))
   {
-    // The spectrum is stored: no samples are needed.
-    handle->BeginTaking(this);
+    // No samples are needed.
+    vtkNew<vtkStabbingRequest> request;
+    request->SetHandleOnly(true);
+    vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
   }
   return 1;
 }
@@ -153,15 +156,12 @@ int vtkContourSpectrum::RequestData(
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkTable* table = vtkTable::GetData(output, 0);
-  const isosurface::VolumeInput volume(inInfo);
-  if (volume)
-  {
-    volume.GetHandle().EndTaking(this);
-  }
+  vtkBlockedVolumeReader::STABBING_REQUEST()->Withdraw(inInfo);
 
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = volume ? this->ReadFromVolume(volume, ranks.GetRank(), table)
-                         : this->CountInImages(ranks, inInfo, table);
+  Status status = vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
+    ? this->ReadFromVolume(inInfo, ranks.GetRank(), table)
+    : this->CountInImages(ranks, inInfo, table);
   status = ranks.Agree(status);
   if (!status.IsOk())
   {
@@ -176,25 +176,46 @@ int vtkContourSpectrum::RequestData(
 }
 
 //------------------------------------------------------------------------------
-Status vtkContourSpectrum::ReadFromVolume(
-  const isosurface::VolumeInput& input, int rank, vtkTable* table)
+Status vtkContourSpectrum::ReadFromVolume(vtkInformation* inInfo, int rank, vtkTable* table)
 {
   if (rank != 0)
   {
     return Status::Ok();
   }
-  const auto variable = input.FindVariable(this->GetArrayName(), this->Component);
-  ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
-  isosurface::BlockedVolume& volume = *input.GetVolume();
-  const std::size_t step = input.GetTimeStep();
+  auto* handle =
+    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
+  isosurface::BlockedVolume& volume = *handle->GetVolume();
+  const std::size_t step = handle->FindTimeStep(inInfo);
+  const std::string name = this->GetArrayName();
+  // Without a choice: the first array, which the reader makes the active scalars.
+  const auto array =
+    name.empty() ? std::optional<std::size_t>(0) : volume.GetHeader().FindArray(name);
+  if (!array)
+  {
+    return Status(
+      StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to contour");
+  }
+  const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
+  if (!variable)
+  {
+    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[*array];
+    return isosurface::MakeComponentError(
+      description.Name, description.Components, this->Component);
+  }
   const auto total = volume.GetSpectrum(step, *variable);
-  ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
+  if (!total.IsOk())
+  {
+    return total.GetStatus();
+  }
   isosurface::AddSpectrumColumns({ **total }, table);
   const std::uint32_t stores = this->StoreQuantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
     const auto spectrum = volume.GetStoreSpectrum(step, *variable, store);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
     isosurface::AddQuantityColumn(**spectrum, static_cast<std::size_t>(this->StoreQuantity),
       "[" + std::to_string(store) + "]", table);
   }
@@ -270,7 +291,10 @@ Status vtkContourSpectrum::CountInImages(
   for (const GridSpectrum& grid : grids)
   {
     auto spectrum = grid.Count(ranks, bins, progress);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
+    if (!spectrum.IsOk())
+    {
+      return spectrum.GetStatus();
+    }
     spectra.push_back(std::move(*spectrum));
     ++done;
   }

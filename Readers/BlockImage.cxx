@@ -2,6 +2,7 @@
 #include "BlockImage.h"
 
 #include "ImageSamples.h"
+#include "Record/BlockSegment.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -106,25 +107,25 @@ vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescripti
   return values;
 }
 
-// Gives the first vertex the minimum of a component, the last one its maximum.
+// Makes a component take its least value in the first vertex, its greatest one in the last.
 void FillWithRange(const KeyRange& range, ValueType type, int component, vtkDataArray* values)
 {
   DispatchValueType(type,
     [&](auto zero)
     {
       using Value = decltype(zero);
-      const Value minimum = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
-      const Value maximum = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
+      const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
+      const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
       auto* samples = static_cast<Value*>(values->GetVoidPointer(component));
       const int components = values->GetNumberOfComponents();
       const vtkIdType last = values->GetNumberOfTuples() - 1;
       for (vtkIdType vertex = 0; vertex <= last; ++vertex)
       {
-        // In between: the value nearest to zero, so that magnitudes have about their range.
-        samples[vertex * components] = std::clamp(zero, minimum, maximum);
+        // In between what is nearest to zero, so that magnitudes have about their range.
+        samples[vertex * components] = std::clamp(zero, least, greatest);
       }
-      samples[last * components] = maximum;
-      samples[0] = minimum;
+      samples[last * components] = greatest;
+      samples[0] = least;
     });
 }
 
@@ -138,6 +139,42 @@ void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox&
 
 } // namespace
 
+Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
+  const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
+  int level, QueryStatistics& statistics)
+{
+  const StoredLevel stored = volume.FindLevel(level);
+  const VertexBox available = stored.Grid->GetGhostedVertices(block.Block, stored.Level);
+  vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
+  std::vector<std::size_t> variables;
+  for (const std::size_t array : arrays)
+  {
+    for (int component = 0; component < volume.GetVariables().GetComponents(array); ++component)
+    {
+      variables.push_back(*volume.GetVariables().Find(array, component));
+    }
+  }
+  const Result<DecodedBlocks> decoded =
+    volume.ReadVariables(block, timeStep, variables, level, statistics);
+  if (!decoded.IsOk())
+  {
+    return decoded.GetStatus();
+  }
+  auto next = decoded->begin();
+  for (const std::size_t array : arrays)
+  {
+    const ArrayDescription& description = volume.GetHeader().Arrays[array];
+    vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
+    for (int component = 0; component < description.Components; ++component, ++next)
+    {
+      CopySamples(values->GetVoidPointer(component), description.Components, (*next)->View.First, 1,
+        available.GetNumberOfVertices(), GetValueSize(description.Type));
+    }
+  }
+  AddGhosts(image, available, stored.Grid->GetVertices(block.Block, stored.Level));
+  return image;
+}
+
 Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress)
@@ -145,7 +182,10 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   const StoredLevel stored = volume.FindLevel(level);
   const BlockGrid& grid = *stored.Grid;
   Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics, level);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
   const auto isOutside = [&](const BlockReference& block)
   { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };
   blocks->erase(std::remove_if(blocks->begin(), blocks->end(), isOutside), blocks->end());
@@ -165,9 +205,13 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
     vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
     for (int component = 0; component < description.Components; ++component, ++done)
     {
-      ISOSURFACE_RETURN_IF_ERROR(AssembleBlocks(volume, timeStep,
+      const Status status = AssembleBlocks(volume, timeStep,
         *volume.GetVariables().Find(array, component), level, box, *blocks, threads,
-        values->GetVoidPointer(component), description.Components, statistics, partProgress));
+        values->GetVoidPointer(component), description.Components, statistics, partProgress);
+      if (!status.IsOk())
+      {
+        return status;
+      }
     }
   }
   // One piece alone has no neighbours, hence no ghosts.

@@ -3,8 +3,7 @@
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
-#include "EdgeIndex/CodedNumbers.h"
-#include "EdgeIndex/SignRows.h"
+#include "BlockCoding/SignRows.h"
 
 #include <cstdlib>
 
@@ -15,6 +14,8 @@ namespace
 
 constexpr std::size_t ChecksumSize = 4;
 constexpr std::int64_t LatticeLimit = std::int64_t(1) << 34;
+constexpr std::int64_t LowVertexLimit = std::int64_t(1) << 42;
+constexpr std::int64_t ScaleLimit = 1100;
 
 Status MakeCorrupt(const char* reason)
 {
@@ -35,13 +36,13 @@ Status CheckPlace(const EdgeIndexHeader& header, const EdgeIndexBlock& block)
     }
     if (block.Lattice[axis] < -LatticeLimit || block.Lattice[axis] > LatticeLimit)
     {
-      return MakeCorrupt("has lattice coordinates that cannot be");
+      return MakeCorrupt("has impossible lattice coordinates");
     }
   }
   if (block.NumberOfPoints == 0 ||
     block.NumberOfPoints > 3 * static_cast<std::uint64_t>(block.Vertices.GetNumberOfVertices()))
   {
-    return MakeCorrupt("has a number of points that cannot be");
+    return MakeCorrupt("has an impossible number of points");
   }
   return Status::Ok();
 }
@@ -50,10 +51,10 @@ Status CheckPlace(const EdgeIndexHeader& header, const EdgeIndexBlock& block)
 
 void EdgeIndexBlock::Append(std::vector<std::uint8_t>& bytes) const
 {
-  AppendNumber(bytes, this->Isovalue);
+  AppendVarint(bytes, this->Isovalue);
   for (const std::int64_t low : this->Vertices.Low)
   {
-    AppendNumber(bytes, static_cast<std::uint64_t>(low));
+    AppendVarint(bytes, static_cast<std::uint64_t>(low));
   }
   const Index3 size = this->Vertices.GetSize();
   for (const std::int64_t vertices : size)
@@ -62,44 +63,43 @@ void EdgeIndexBlock::Append(std::vector<std::uint8_t>& bytes) const
   }
   for (const std::int64_t coordinate : this->Lattice)
   {
-    AppendSigned(bytes, coordinate);
+    AppendSignedVarint(bytes, coordinate);
   }
-  AppendNumber(bytes, this->NumberOfPoints);
+  AppendVarint(bytes, this->NumberOfPoints);
   bytes.push_back(static_cast<std::uint8_t>(
     static_cast<int>(this->Coding) + (this->HasMissing ? 2 : 0) + (this->IsPreview ? 4 : 0)));
 }
 
-Result<EdgeIndexBlock> EdgeIndexBlock::Parse(const EdgeIndexHeader& header, NumberReader& reader)
+Result<EdgeIndexBlock> EdgeIndexBlock::Parse(const EdgeIndexHeader& header, ByteReader& reader)
 {
   EdgeIndexBlock block;
-  const std::uint64_t isovalue = reader.ReadNumber();
-  constexpr std::uint64_t most = std::uint64_t(1) << 42;
-  bool inRange = isovalue < header.Isovalues.size();
+  const auto isovalue = reader.ReadVarint<std::int64_t>();
+  bool inRange = static_cast<std::uint64_t>(isovalue) < header.Isovalues.size();
   for (std::int64_t& low : block.Vertices.Low)
   {
-    const std::uint64_t number = reader.ReadNumber();
-    inRange = inRange && number < most;
-    low = inRange ? static_cast<std::int64_t>(number) : 0;
+    low = reader.ReadVarint<std::int64_t>();
+    inRange = inRange && low < LowVertexLimit;
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    block.Vertices.High[axis] = block.Vertices.Low[axis] + reader.ReadByte() + 1;
+    const auto cells = reader.Read<std::uint8_t>();
+    block.Vertices.High[axis] = inRange ? block.Vertices.Low[axis] + cells + 1 : 0;
   }
   for (std::int64_t& coordinate : block.Lattice)
   {
-    coordinate = reader.ReadSigned();
+    coordinate = reader.ReadSignedVarint();
   }
-  block.NumberOfPoints = reader.ReadNumber();
-  const std::uint8_t coding = reader.ReadByte();
+  block.NumberOfPoints = static_cast<std::uint64_t>(reader.ReadVarint<std::int64_t>());
+  const auto coding = reader.Read<std::uint8_t>();
   const bool crossings = (coding & 1) != 0;
   block.Isovalue = static_cast<std::size_t>(isovalue);
-  block.Coding = crossings ? BlockCoding::Crossings : BlockCoding::Values;
+  block.Coding = crossings ? CodedGeometry::Crossings : CodedGeometry::Values;
   block.HasMissing = (coding & 2) != 0;
   block.IsPreview = (coding & 4) != 0;
   if (reader.HasFailed() || !inRange || coding > 7 || (!crossings && block.HasMissing) ||
     (block.IsPreview && header.PreviewLevel == 0))
   {
-    return MakeCorrupt("holds numbers that cannot be");
+    return MakeCorrupt("holds impossible numbers");
   }
   const EdgeIndexMode mode = block.IsPreview ? EdgeIndexMode::Bounded : header.Settings.Mode;
   if (mode != EdgeIndexMode::Smallest && crossings != (mode == EdgeIndexMode::Bounded))
@@ -122,36 +122,36 @@ void EdgeIndexRecord::Append(std::vector<std::uint8_t>& bytes) const
 {
   std::vector<std::uint8_t> head;
   this->Block.Append(head);
-  if (this->Block.Coding == BlockCoding::Values)
+  if (this->Block.Coding == CodedGeometry::Values)
   {
-    AppendSigned(head, this->Scale);
+    AppendSignedVarint(head, this->Scale);
   }
-  AppendNumber(bytes, head.size() + this->CodeSize + ChecksumSize);
+  AppendVarint(bytes, head.size() + this->CodeSize + ChecksumSize);
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), head.begin(), head.end());
   bytes.insert(bytes.end(), this->Code, this->Code + this->CodeSize);
-  std::uint8_t checksum[ChecksumSize];
-  StoreLittleEndian(checksum,
-    static_cast<std::uint32_t>(ComputeChecksum(bytes.data() + first, bytes.size() - first)));
-  bytes.insert(bytes.end(), checksum, checksum + ChecksumSize);
+  AppendLittleEndian(
+    bytes, static_cast<std::uint32_t>(ComputeChecksum(bytes.data() + first, bytes.size() - first)));
 }
 
 std::uint64_t EdgeIndexRecord::ReadSize(const std::uint8_t* bytes, std::size_t size)
 {
-  NumberReader reader(bytes, size);
-  const std::uint64_t length = reader.ReadNumber();
+  ByteReader reader(bytes, size);
+  const auto length = static_cast<std::uint64_t>(reader.ReadVarint<std::int64_t>());
   return reader.HasFailed() || length == 0 || length > std::uint64_t(1) << 62
     ? 0
-    : length + static_cast<std::uint64_t>(reader.GetNext() - bytes);
+    : length + (size - reader.GetRemaining());
 }
 
 Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
   const EdgeIndexHeader& header, const std::uint8_t* bytes, std::size_t size, std::size_t& used)
 {
   used = 0;
-  NumberReader outer(bytes, size);
-  const std::uint64_t length = outer.ReadNumber();
-  if (outer.HasFailed() || length > outer.GetLeft())
+  ByteReader outer(bytes, size);
+  const auto length = outer.ReadVarint<std::size_t>();
+  const std::size_t sizeBytes = size - outer.GetRemaining();
+  const std::uint8_t* first = outer.ReadBytes(length);
+  if (!first || outer.HasFailed())
   {
     return MakeCorrupt("is cut off");
   }
@@ -159,14 +159,13 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
   {
     return MakeCorrupt("is too short");
   }
-  const std::uint8_t* first = outer.GetNext();
-  const std::size_t content = static_cast<std::size_t>(length) - ChecksumSize;
+  const std::size_t content = length - ChecksumSize;
   if (LoadLittleEndian<std::uint32_t>(first + content) !=
     static_cast<std::uint32_t>(ComputeChecksum(first, content)))
   {
     return MakeCorrupt("does not match its checksum");
   }
-  NumberReader reader(first, content);
+  ByteReader reader(first, content);
   const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
   if (!block.IsOk())
   {
@@ -174,15 +173,16 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
   }
   EdgeIndexRecord record;
   record.Block = *block;
-  const std::int64_t scale = block->Coding == BlockCoding::Crossings ? 0 : reader.ReadSigned();
-  if (reader.HasFailed() || scale < -1100 || scale > 1100)
+  const std::int64_t scale =
+    block->Coding == CodedGeometry::Crossings ? 0 : reader.ReadSignedVarint();
+  if (reader.HasFailed() || scale < -ScaleLimit || scale > ScaleLimit)
   {
-    return MakeCorrupt("has a scale that cannot be");
+    return MakeCorrupt("has an impossible scale");
   }
   record.Scale = static_cast<int>(scale);
-  record.Code = reader.GetNext();
-  record.CodeSize = reader.GetLeft();
-  used = static_cast<std::size_t>(first - bytes) + static_cast<std::size_t>(length);
+  record.CodeSize = reader.GetRemaining();
+  record.Code = first + content - record.CodeSize;
+  used = sizeBytes + length;
   return record;
 }
 

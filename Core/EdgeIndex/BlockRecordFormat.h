@@ -13,27 +13,27 @@
 namespace isosurface
 {
 
-class NumberReader;
+class ByteReader;
 
-/// What a block's code holds beside the signs.
-enum class BlockCoding : std::uint8_t
+/// What the code of a block holds beside the signs.
+enum class CodedGeometry : std::uint8_t
 {
-  Values = 0,    ///< lossless or quantized values at the relevant vertices
-  Crossings = 1, ///< where on the crossed edges the points are
+  Values = 0,    ///< values at the ends of crossed edges
+  Crossings = 1, ///< positions of points on crossed edges
 };
 
 /**
- * What a record says of its block before the code. In bytes:
+ * The description of a block, before its code in a record, and in the directory:
  *
- *   isovalue              number     its place in the header
- *   low vertex            3 numbers  in the grid of the level
- *   cells                 3 bytes    1 to 64 each
- *   lattice coordinates   3 signed numbers
- *   points                number     crossed edges of the block, shared faces included
- *   coding                1 byte     BlockCoding; + 2 if a crossing is not a number; + 4 if
- *                                    this is a block of the preview
+ *   isovalue              varint            its index in the header
+ *   low vertex            3 varints         in the grid (of the preview's level)
+ *   cells                 3 bytes           1 to 64 each
+ *   lattice coordinates   3 signed varints
+ *   points                varint            crossed edges, including those on shared faces
+ *   coding                1 byte            CodedGeometry; + 2 if some crossing is not a number;
+ *                                           + 4 if the block belongs to the preview
  *
- * Numbers are those of CodedNumbers.h.
+ * Varints are those of Base/Coding.h, below 2^63.
  */
 struct EdgeIndexBlock
 {
@@ -41,26 +41,26 @@ struct EdgeIndexBlock
   VertexBox Vertices;
   Index3 Lattice{};
   std::uint64_t NumberOfPoints = 0;
-  BlockCoding Coding = BlockCoding::Values;
+  CodedGeometry Coding = CodedGeometry::Values;
   bool HasMissing = false; ///< some crossings are not numbers
-  bool IsPreview = false;  ///< of the coarse level EdgeIndexHeader::PreviewLevel
+  bool IsPreview = false;  ///< at the level EdgeIndexHeader::PreviewLevel
 
   void Append(std::vector<std::uint8_t>& bytes) const;
 
   /// Errors: Corrupt. `header` is that of the stream.
-  static Result<EdgeIndexBlock> Parse(const EdgeIndexHeader& header, NumberReader& reader);
+  static Result<EdgeIndexBlock> Parse(const EdgeIndexHeader& header, ByteReader& reader);
 
   bool operator==(const EdgeIndexBlock& other) const;
 };
 
 /**
- * The record of one block at one isovalue; in bytes:
+ * The record of one block at one isovalue:
  *
- *   size of the rest      number     never 0
- *   block                 EdgeIndexBlock
- *   scale                 signed number (values only)
- *   code                  bytes
- *   checksum              4 bytes    the lower half of XXH3 of all from the block on
+ *   size of the rest   varint          never 0
+ *   block              EdgeIndexBlock
+ *   scale              signed varint   only if values are coded
+ *   code               bytes
+ *   checksum           4 bytes         the lower half of XXH3 of all from the block on
  */
 struct EdgeIndexRecord
 {
@@ -72,15 +72,15 @@ struct EdgeIndexRecord
   void Append(std::vector<std::uint8_t>& bytes) const;
 
   /**
-   * Reads the record at the begin of `bytes`; `used` becomes its size. Errors: Corrupt.
-   * The code is not copied.
+   * Reads the record at the start of `bytes`, without copying its code; `used` becomes its size.
+   * Errors: Corrupt.
    */
   static Result<EdgeIndexRecord> Parse(
     const EdgeIndexHeader& header, const std::uint8_t* bytes, std::size_t size, std::size_t& used);
 
   /**
-   * The size of the record at the begin of `bytes` as it says itself; 0 if it is not a size yet
-   * (fewer than 10 bytes are there), or never will be.
+   * The size of the record that starts at `bytes`, as it says itself. 0 if `bytes` has too few
+   * bytes to tell (10 are enough), or no valid size.
    */
   static std::uint64_t ReadSize(const std::uint8_t* bytes, std::size_t size);
 };

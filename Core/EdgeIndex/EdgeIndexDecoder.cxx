@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndex/EdgeIndexDecoder.h"
 
-#include "EdgeIndex/BlockCoding.h"
+#include "BlockCoding/BlockCoding.h"
+#include "BlockCoding/Quantizer.h"
 #include "EdgeIndex/IsovalueJoin.h"
 #include "EdgeIndex/PointAttributes.h"
-#include "EdgeIndex/Quantizer.h"
 #include "Volume/ValueKey.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace isosurface
 namespace
 {
 
-// A value of the type on either side of the isovalue. Without one inside there is no surface.
+// A value outside and a value inside. Without a value inside there is no surface.
 template <typename T>
 std::array<T, 2> FindSideValues(double isovalue)
 {
@@ -42,7 +42,7 @@ std::array<T, 2> FindSideValues(double isovalue)
   }
 }
 
-// Memory of a decoded block; the samples are x fastest, without gaps.
+// The memory of a decoded block. Samples are x fastest, without gaps.
 struct DecodedMemory
 {
   explicit DecodedMemory(PointAttributes attributes)
@@ -55,7 +55,7 @@ struct DecodedMemory
   CrossingView View;
 };
 
-// Takes what the coders decode.
+// Takes signs and numbers from a decoder.
 class DecodedBlock : public BlockValues
 {
 public:
@@ -73,7 +73,7 @@ public:
     const auto vertices = static_cast<std::size_t>(record.Block.Vertices.GetNumberOfVertices());
     this->ValueSize = GetValueSize(this->Type);
     memory.Samples = Buffer<std::uint8_t>(vertices * this->ValueSize);
-    if (record.Block.Coding == BlockCoding::Crossings)
+    if (record.Block.Coding == CodedGeometry::Crossings)
     {
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
@@ -85,7 +85,7 @@ public:
   }
 
   const std::array<int, 3>& GetSize() const { return this->Size; }
-  /// Whether values came out on the side of the isovalue that their signs tell.
+  /// Whether all decoded values lie on the side of the isovalue that their signs say.
   bool HasRightSides() const { return this->RightSides; }
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
   void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
@@ -136,7 +136,7 @@ public:
         VisitBits(vertices, [&](int x) { values[x] = this->Domain->ToValue<T>(codes[x]); });
         if constexpr (std::is_floating_point_v<T> || sizeof(T) == 8)
         {
-          // Codes of these types are not bounded by the signs.
+          // Signs do not bound the codes of these types.
           const T threshold = FindSideValues<T>(this->Isovalue)[1];
           VisitBits(vertices,
             [&](int x)
@@ -218,13 +218,10 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
 {
   BlockContent content;
   content.Size = block.GetSize();
-  for (std::size_t n = 0; n < header.Attributes.size(); ++n)
-  {
-    content.Attributes.push_back({ header.Attributes[n], attributes.GetEdges()[n], false });
-  }
+  content.Attributes = attributes.GetCoded();
   std::optional<Quantizer> quantizer;
   std::optional<ValueDomain> domain;
-  if (record.Block.Coding == BlockCoding::Crossings)
+  if (record.Block.Coding == CodedGeometry::Crossings)
   {
     content.Intervals = header.GetIntervals();
     content.HasMissing = record.Block.HasMissing;
@@ -233,7 +230,7 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
   {
     if (header.Settings.Mode == EdgeIndexMode::Quantized)
     {
-      quantizer.emplace(header.Settings, header.Isovalues[record.Block.Isovalue]);
+      quantizer.emplace(header.Settings.MakeQuantizer(header.Isovalues[record.Block.Isovalue]));
       block.SetQuantizer(&*quantizer);
     }
     domain.emplace(MakeDomain(header, record, quantizer));
@@ -264,7 +261,7 @@ std::unique_ptr<BlockModel> EdgeIndexBlockDecoder::TakeModel()
       return model;
     }
   }
-  return std::make_unique<BlockModel>(GetFreshModel(this->Header.GetScheme()));
+  return std::make_unique<BlockModel>(GetFreshModel(this->Header.Settings.Profile));
 }
 
 Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record)
@@ -299,18 +296,13 @@ Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record
     static_cast<std::ptrdiff_t>(size[0] * size[1]) };
   view.Box = record.Block.Vertices;
   view.Available = record.Block.Vertices;
-  if (record.Block.Coding == BlockCoding::Crossings)
+  if (record.Block.Coding == CodedGeometry::Crossings)
   {
     samples.Crossings = &memory->View;
   }
   samples.Attributes = memory->Attributes.GetViews(this->Header, record.Block.Vertices);
   samples.Owner = memory;
   return samples;
-}
-
-Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record)
-{
-  return EdgeIndexBlockDecoder(header).Decode(record);
 }
 
 namespace

@@ -22,18 +22,18 @@ namespace isosurface
 struct BlockModel;
 
 /**
- * Decodes the records of the blocks of one stream, on any number of threads at once: samples that
- * have the right side of the isovalue at every vertex and, as far as the mode keeps it, the right
- * value at the ends of crossed edges; (Bounded) where on their edges the points lie; and the tuples
- * of the attributes. Marching cubes of them is the encoded surface.
+ * Decodes the records of one stream, by any number of threads at once, into samples that marching
+ * cubes contours to the encoded surface: each has the right side of the isovalue; as far as the mode
+ * keeps them, the ends of crossed edges have the right values; in bounded mode the positions of
+ * points on their edges are there; and the tuples of the attributes.
  *
- * header: that of the stream, or its MakePreview() for blocks of the preview; must outlive the
- * decoder. Memory: that of the model, at most 2 MB, for as many threads as decode at a time; and
- * the samples.
+ * Memory: a model (at most 2 MB) for each thread that decodes, and the samples.
  */
 class EdgeIndexBlockDecoder
 {
 public:
+  /// header: that of the stream, or its MakePreview() for blocks of the preview; must outlive the
+  /// decoder.
   explicit EdgeIndexBlockDecoder(const EdgeIndexHeader& header);
   ~EdgeIndexBlockDecoder();
   EdgeIndexBlockDecoder(const EdgeIndexBlockDecoder&) = delete;
@@ -47,17 +47,11 @@ private:
 
   const EdgeIndexHeader& Header;
   std::mutex Mutex;
-  std::vector<std::unique_ptr<BlockModel>> Models; ///< those that no thread decodes with now
+  std::vector<std::unique_ptr<BlockModel>> Models; ///< not in use by a thread
 };
 
-/// The same for a single record.
-Result<BlockSamples> DecodeBlock(const EdgeIndexHeader& header, const EdgeIndexRecord& record);
-
-/**
- * The blocks of one isovalue of an edge-index stream, or of any collection of records, as an
- * extraction visits them: each is decoded when its turn comes. The records' bytes must outlive the
- * source.
- */
+/// Blocks of one isovalue, given as records. Each is decoded when an extraction acquires it. The
+/// header and the bytes of the records must outlive the source.
 class EdgeIndexBlockSource : public BlockSource
 {
 public:
@@ -90,11 +84,11 @@ private:
 };
 
 /**
- * Decodes a stream into the surface that it was made of: points, GlobalIds and cells equal, in
- * their order too, what ExtractSurface gives for the blocks that were encoded. Isovalues and
- * Attributes of the request are not used: the surface has all attributes of the header. Normals are
- * there if they are asked for and were encoded; otherwise asking for them is an InvalidArgument:
- * they can be computed of the triangles.
+ * Decodes a stream into its surface: points, GlobalIds and cells are equal, and in the same order,
+ * as those that ExtractSurface makes of the encoded blocks (as far as the mode keeps points). The
+ * request's isovalues and attributes are ignored: the surface has all that the header names.
+ * Normals must be among the attributes if they are requested, since they cannot be computed from
+ * decoded samples.
  *
  * Errors: Corrupt (bytes altered or cut off), Unsupported, InvalidArgument, OutOfMemory, Aborted.
  */

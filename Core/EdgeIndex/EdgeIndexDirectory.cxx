@@ -3,7 +3,6 @@
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
-#include "EdgeIndex/CodedNumbers.h"
 
 #include <cstring>
 
@@ -14,8 +13,8 @@ namespace
 
 constexpr char TrailerMagic[8] = { 'E', 'I', 'X', 'e', 'n', 'd', '.', '\n' };
 constexpr std::size_t ChecksumSize = 8;
-/// An entry has a size and eleven numbers at least.
-constexpr std::size_t LeastEntrySize = 12;
+/// The minimum size of an entry: a size and the eleven fields of a block, one byte each.
+constexpr std::size_t MinimumEntrySize = 12;
 
 std::uint64_t GetHeaderChecksum(const std::vector<std::uint8_t>& headerBytes)
 {
@@ -35,11 +34,11 @@ void EdgeIndexDirectory::Append(const std::vector<EdgeIndexEntry>& entries,
   const std::uint64_t seed = GetHeaderChecksum(headerBytes);
   const std::size_t first = bytes.size();
   bytes.push_back(0);
-  AppendNumber(bytes, entries.size());
+  AppendVarint(bytes, entries.size());
   std::uint64_t offset = headerBytes.size();
   for (const EdgeIndexEntry& entry : entries)
   {
-    AppendNumber(bytes, entry.Size);
+    AppendVarint(bytes, entry.Size);
     entry.Block.Append(bytes);
     offset += entry.Size;
   }
@@ -79,10 +78,10 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
   {
     return MakeCorrupt("does not match its checksum");
   }
-  NumberReader reader(bytes.data(), bytes.size() - ChecksumSize);
-  const std::uint8_t mark = reader.ReadByte();
-  const std::uint64_t count = reader.ReadNumber();
-  if (mark != 0 || reader.HasFailed() || count > reader.GetLeft() / LeastEntrySize)
+  ByteReader reader(bytes.data(), bytes.size() - ChecksumSize);
+  const auto mark = reader.Read<std::uint8_t>();
+  const auto count = reader.ReadVarint();
+  if (mark != 0 || reader.HasFailed() || count > reader.GetRemaining() / MinimumEntrySize)
   {
     return MakeCorrupt("has a size that does not fit");
   }
@@ -93,7 +92,7 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
   {
     EdgeIndexEntry entry;
     entry.Offset = next;
-    entry.Size = reader.ReadNumber();
+    entry.Size = reader.ReadVarint();
     const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
     if (!block.IsOk())
     {
@@ -107,7 +106,7 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
     next += entry.Size;
     entries.push_back(entry);
   }
-  if (reader.GetLeft() != 0 || next != offset)
+  if (reader.GetRemaining() != 0 || next != offset)
   {
     return MakeCorrupt("does not name all records");
   }

@@ -2,8 +2,9 @@
 #include "EdgeIndex/EdgeIndexEncoder.h"
 
 #include "Base/ParallelFor.h"
-#include "EdgeIndex/BlockCoding.h"
+#include "BlockCoding/BlockCoding.h"
 #include "EdgeIndex/BlockRecordFormat.h"
+#include "EdgeIndex/PointAttributes.h"
 #include "EdgeIndex/SampledBlock.h"
 
 #include <algorithm>
@@ -19,50 +20,43 @@ namespace isosurface
 class EdgeIndexEncoder::Work
 {
 public:
-  Work(const EdgeIndexHeader& header, BlockModel* learning)
+  explicit Work(const EdgeIndexHeader& header)
     : Header(header)
     , Preview(header.MakePreview())
-    , Learning(learning)
-    , Model(GetFreshModel(header.GetScheme()))
-    , PreviewModel(GetFreshModel(BlockScheme::Fast))
+    , Model(GetFreshModel(header.Settings.Profile))
+    , PreviewModel(GetFreshModel(this->Preview.Settings.Profile))
   {
   }
 
   void EncodeValues(SampledBlock& block, EdgeIndexRecord& record, std::vector<std::uint8_t>& code)
   {
     const double isovalue = this->Header.Isovalues[record.Block.Isovalue];
-    const double distance = block.MeasureDistance();
     std::optional<Quantizer> quantizer;
-    std::optional<ValueDomain> domain;
     if (this->Header.Settings.Mode == EdgeIndexMode::Quantized)
     {
-      quantizer.emplace(this->Header.Settings, isovalue);
-      record.Scale = std::clamp(ChooseScale(distance / quantizer->GetStep()), -30, 10);
-      domain.emplace(quantizer->MakeDomain(record.Scale));
+      quantizer.emplace(this->Header.Settings.MakeQuantizer(isovalue));
+      record.Scale =
+        std::clamp(ChooseScale(block.MeasureDistance() / quantizer->GetStep()), -30, 10);
     }
     else
     {
-      domain.emplace(this->Header.Type, isovalue, 0);
-      record.Scale = ChooseScale(distance);
-      if (domain->GetKind() == ValueDomain::Kind::Offsets)
-      {
-        record.Scale = std::clamp(record.Scale, -30, 10);
-      }
-      domain.emplace(this->Header.Type, isovalue, record.Scale);
+      record.Scale = block.ChooseLosslessScale();
     }
+    const ValueDomain domain = quantizer ? quantizer->MakeDomain(record.Scale)
+                                         : ValueDomain(this->Header.Type, isovalue, record.Scale);
     block.SetQuantizer(quantizer ? &*quantizer : nullptr);
-    block.SetDomain(&*domain);
-    record.Block.Coding = BlockCoding::Values;
+    block.SetDomain(&domain);
+    record.Block.Coding = CodedGeometry::Values;
     record.Block.HasMissing = false;
     BlockContent content;
-    content.Domain = &*domain;
+    content.Domain = &domain;
     this->Run(block, record.Block.IsPreview, content, code);
   }
 
   void EncodeCrossings(
     SampledBlock& block, EdgeIndexRecord& record, std::vector<std::uint8_t>& code)
   {
-    record.Block.Coding = BlockCoding::Crossings;
+    record.Block.Coding = CodedGeometry::Crossings;
     record.Block.HasMissing = block.HasMissingCrossings();
     BlockContent content;
     content.Intervals = block.GetIntervals();
@@ -96,7 +90,7 @@ public:
     record.Append(bytes);
   }
 
-  /// The same for what of the block belongs to the preview, if anything does.
+  /// Appends the record of the block's part of the preview, if there is one.
   void EncodePreview(
     const SampleView& view, EdgeIndexRecord record, std::vector<std::uint8_t>& bytes)
   {
@@ -120,7 +114,7 @@ public:
   const EdgeIndexHeader Preview;
 
 private:
-  // Every step-th vertex; nothing if the block does not begin at one or has too few for cells.
+  // Every step-th vertex; nothing if the block does not begin at such a vertex, or has no cells.
   static std::optional<SampleView> Coarsen(const SampleView& view, std::int64_t step)
   {
     SampleView coarse = view;
@@ -148,30 +142,28 @@ private:
     BlockModel& model = isPreview ? this->PreviewModel : this->Model;
     model.Reset(content.Domain != nullptr);
     RangeEncoder encoder(code);
-    CodeBlock(encoder, this->Learning ? *this->Learning : model, content, block);
+    CodeBlock(encoder, model, content, block);
     encoder.Finish();
   }
 
-  BlockModel* Learning;
   BlockModel Model;
   BlockModel PreviewModel;
 };
 
-EdgeIndexEncoder::EdgeIndexEncoder(const EdgeIndexHeader& header, BlockModel* learning)
-  : Worker(std::make_unique<Work>(header, learning))
+EdgeIndexEncoder::EdgeIndexEncoder(const EdgeIndexHeader& header)
+  : Worker(std::make_unique<Work>(header))
 {
 }
 
 EdgeIndexEncoder::~EdgeIndexEncoder() = default;
 
-Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& samples,
-  std::size_t isovalue, std::vector<std::uint8_t>& bytes)
+namespace
 {
-  const EdgeIndexHeader& header = this->Worker->Header;
-  const SampleView& view = samples.Scalars;
+
+Status CheckBlock(const EdgeIndexHeader& header, const SampleView& view, std::size_t isovalue)
+{
   const Index3 size = view.Box.GetSize();
   const Index3 dimensions = header.Geometry.GetDimensions();
-  bool flat = false;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     if (size[axis] < 1 || size[axis] > MaximumCodedVertices || view.Box.Low[axis] < 0 ||
@@ -180,23 +172,29 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
       return { StatusCode::InvalidArgument,
         "A block to encode must lie within the grid and have at most 64 cells a side." };
     }
-    flat = flat || size[axis] == 1;
   }
   if (!view.First || view.Type != header.Type || !(view.Available.Intersect(view.Box) == view.Box))
   {
     return { StatusCode::InvalidArgument,
       "The samples of a block to encode are missing or of another type." };
   }
-  if (header.GetScheme() == BlockScheme::Fitted)
-  {
-    return { StatusCode::InvalidArgument,
-      "The profile compact of version 2 is read, but not written any more." };
-  }
   if (isovalue >= header.Isovalues.size())
   {
-    return { StatusCode::InvalidArgument, "There is no such isovalue in the stream." };
+    return { StatusCode::InvalidArgument, "The stream has no such isovalue." };
   }
-  if (flat)
+  return Status::Ok();
+}
+
+} // namespace
+
+Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& samples,
+  std::size_t isovalue, std::vector<std::uint8_t>& bytes)
+{
+  const EdgeIndexHeader& header = this->Worker->Header;
+  const SampleView& view = samples.Scalars;
+  ISOSURFACE_RETURN_IF_ERROR(CheckBlock(header, view, isovalue));
+  const Index3 size = view.Box.GetSize();
+  if (*std::min_element(size.begin(), size.end()) == 1)
   {
     return Status::Ok(); // no cells, no surface
   }
@@ -217,7 +215,7 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
   if (!header.Attributes.empty())
   {
     ISOSURFACE_RETURN_IF_ERROR(attributes.Interpolate(header, samples, isovalue));
-    block.SetAttributes(header.Attributes, attributes);
+    block.SetAttributes(attributes.GetCoded());
   }
   this->Worker->Encode(block, header.Settings.Mode, record, bytes);
   return Status::Ok();
@@ -226,7 +224,7 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
 namespace
 {
 
-// Encodes batches of blocks in parallel, and hands them on in their order.
+// Encodes batches of blocks in parallel and passes them on in order.
 class BatchEncoding
 {
 public:

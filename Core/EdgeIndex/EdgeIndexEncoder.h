@@ -16,35 +16,30 @@
 namespace isosurface
 {
 
-struct BlockModel;
-
 /**
- * Edge-index encoding of isosurfaces: X. Zhang, C. Bajaj and W. Blanke, "Scalable isosurface
+ * Encodes isosurfaces as edge indices: X. Zhang, C. Bajaj and W. Blanke, "Scalable isosurface
  * visualization of massive datasets on commodity off-the-shelf clusters", J. Parallel Distrib.
  * Comput. 2009, section 4.2. A point of the surface is a crossed edge of the grid and the values at
- * its ends. Deviation: not bitmaps of relevant vertices and valid cells are coded but the sign of
- * every vertex, which tells both (see SignCoder); values in a neighbourhood, not in a row.
+ * its ends. Deviation: not bitmaps of vertices and cells are coded, but the sign of every vertex,
+ * which implies both (SignCoder); values are predicted from neighbours, not along a row.
  *
- * Encodes one block after another, each on its own: blocks can be encoded by several threads, with
- * an encoder each, sent as they are done, and decoded in any order. The bytes depend on the block
- * and the header only.
- *
- * Memory: that of the model (at most 1 MB), the signs of the block, and three slices.
+ * Blocks are encoded independently: by several threads, each with an encoder, and decoded in any
+ * order. The bytes depend on the block and the header only. Memory: the model (at most 2 MB), the
+ * signs of the block, and three slices.
  */
 class EdgeIndexEncoder
 {
 public:
-  /// The header must be valid (EdgeIndexHeader::Check). For training only: with `learning`, a model
-  /// of the header's profile, blocks are coded by it and it goes on learning.
-  explicit EdgeIndexEncoder(const EdgeIndexHeader& header, BlockModel* learning = nullptr);
+  /// The header must be valid (EdgeIndexHeader::Check).
+  explicit EdgeIndexEncoder(const EdgeIndexHeader& header);
   ~EdgeIndexEncoder();
   EdgeIndexEncoder(const EdgeIndexEncoder&) = delete;
   EdgeIndexEncoder& operator=(const EdgeIndexEncoder&) = delete;
 
   /**
-   * Appends the record of one block at one isovalue to `bytes`, that of the preview before it, or
-   * nothing where the isovalue does not cross it. samples.Scalars.Box is the block's vertices, at
-   * most 65 on an axis; `lattice` its place among the blocks (BlockSource::GetLatticeCoordinates).
+   * Appends the record of one block at one isovalue, after that of its part of the preview. Appends
+   * nothing if the isovalue does not cross the block. samples.Scalars.Box: the block's vertices, at
+   * most 65 on an axis; lattice: see BlockSource::GetLatticeCoordinates.
    *
    * Errors: InvalidArgument.
    */
@@ -57,18 +52,18 @@ private:
 };
 
 /**
- * Encodes the blocks of a source at all isovalues, and hands the records of some blocks at a time
- * to `take`, from the calling thread: in the order of the source, of a block by isovalue, whatever
- * the number of threads. What take returns if not Ok ends the encoding.
+ * Encodes the blocks of a source at all isovalues. Calls `take`, from the calling thread, with the
+ * records of some blocks at a time: in the order of the source, the records of a block by isovalue,
+ * for any number of threads. An error that `take` returns ends the encoding.
  *
- * Errors: InvalidArgument, whatever Acquire or take returns, OutOfMemory, Aborted. Memory: an
- * encoder a thread, and the records of 16 blocks a thread.
+ * Errors: InvalidArgument, what Acquire or `take` returns, OutOfMemory, Aborted. Memory for each
+ * thread: an encoder, and the records of 16 blocks.
  */
 Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int threads,
   const std::function<Status(const std::vector<std::uint8_t>& records)>& take,
   const Progress& progress = {});
 
-/// The surface of a source as one stream: the header, then the records as EncodeBlocks has them.
+/// The surface of a source as one stream: the header, then the records of EncodeBlocks.
 /// Errors: as EncodeBlocks.
 Result<std::vector<std::uint8_t>> EncodeSurface(
   const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress = {});

@@ -135,10 +135,10 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
   { return Status(status.GetCode(), path + ": " + status.GetMessage()); };
   try
   {
-    std::vector<std::uint8_t> bytes(EdgeIndexHeader::LeastSize);
+    std::vector<std::uint8_t> bytes(EdgeIndexHeader::MinimumSize);
     const std::uint64_t there = std::min<std::uint64_t>(bytes.size(), (*opened)->GetSize());
     ISOSURFACE_RETURN_IF_ERROR((*opened)->Read(0, static_cast<std::size_t>(there), bytes.data()));
-    if (there < bytes.size() && EdgeIndexHeader::IsBegin(bytes.data()))
+    if (there < bytes.size() && EdgeIndexHeader::HasMagic(bytes.data()))
     {
       return Status(StatusCode::Corrupt, path + ": The edge-index header is cut off.");
     }

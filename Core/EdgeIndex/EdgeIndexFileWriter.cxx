@@ -61,7 +61,7 @@ Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size
     std::vector<std::uint8_t>& bytes = entry.Block.IsPreview ? this->Preview : kept;
     bytes.insert(bytes.end(), records + at, records + at + used);
     // Where they come in the file must not depend on how many records are appended at a time.
-    if (this->Preview.size() >= MostPreviewBytes)
+    if (this->Preview.size() >= MaximumPreviewBytes)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->File->Append(kept.data(), kept.size()));
       kept.clear();

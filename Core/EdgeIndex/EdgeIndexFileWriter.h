@@ -45,7 +45,7 @@ public:
   Status Finish();
 
   /// So many bytes of the preview are kept back.
-  static constexpr std::size_t MostPreviewBytes = std::size_t{ 1 } << 20;
+  static constexpr std::size_t MaximumPreviewBytes = std::size_t{ 1 } << 20;
 
   static std::string GetPartialPath(const std::string& path) { return path + ".part"; }
 

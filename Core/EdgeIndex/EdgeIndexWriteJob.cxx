@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndex/EdgeIndexWriteJob.h"
 
+#include "Base/Coding.h"
 #include "Base/ParallelFor.h"
-#include "EdgeIndex/CodedNumbers.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace
 {
 
 constexpr std::size_t BlocksPerThread = 16;
-constexpr std::size_t MostOutputBytes = std::size_t{ 4 } << 20;
+constexpr std::size_t MaximumOutputBytes = std::size_t{ 4 } << 20;
 constexpr std::int64_t EndOfNumbers = std::numeric_limits<std::int64_t>::max();
 
 Status MakeOutOfMemory(const std::string& path)
@@ -218,11 +218,11 @@ Message EdgeIndexWriteJob::DescribeBlocks(std::int64_t end) const
     {
       const auto record = EdgeIndexRecord::Parse(
         this->Header, pending.Bytes.data() + at, pending.Bytes.size() - at, used);
-      AppendNumber(records, used);
+      AppendVarint(records, used);
       record->Block.Append(records);
     }
-    AppendNumber(message, static_cast<std::uint64_t>(pending.Number));
-    AppendNumber(message, count);
+    AppendVarint(message, static_cast<std::uint64_t>(pending.Number));
+    AppendVarint(message, count);
     message.insert(message.end(), records.begin(), records.end());
   }
   return message;
@@ -231,17 +231,17 @@ Message EdgeIndexWriteJob::DescribeBlocks(std::int64_t end) const
 Status EdgeIndexWriteJob::ParseBlocks(
   const Message& message, int rank, std::vector<RoundBlock>& blocks) const
 {
-  NumberReader reader(message.data(), message.size());
-  while (reader.GetLeft() > 0)
+  ByteReader reader(message);
+  while (reader.GetRemaining() > 0)
   {
     RoundBlock block;
     block.Rank = rank;
-    block.Number = static_cast<std::int64_t>(reader.ReadNumber());
-    const std::uint64_t count = reader.ReadNumber();
+    block.Number = reader.ReadVarint<std::int64_t>();
+    const auto count = reader.ReadVarint();
     for (std::uint64_t n = 0; n < count && !reader.HasFailed(); ++n)
     {
       EdgeIndexEntry& entry = block.Records.emplace_back();
-      entry.Size = reader.ReadNumber();
+      entry.Size = reader.ReadVarint();
       const auto parsed = EdgeIndexBlock::Parse(this->Header, reader);
       if (!parsed.IsOk())
       {
@@ -310,7 +310,7 @@ Status EdgeIndexWriteJob::PlaceBlock(const RoundBlock& block, const std::uint8_t
       this->PreviewBytes += record.Size;
     }
     bytes = bytes ? bytes + size : nullptr;
-    if (this->PreviewBytes >= EdgeIndexFileWriter::MostPreviewBytes)
+    if (this->PreviewBytes >= EdgeIndexFileWriter::MaximumPreviewBytes)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->FlushPreview());
     }
@@ -346,7 +346,8 @@ Status EdgeIndexWriteJob::Place(
   {
     return Status::Ok();
   }
-  if (offset != this->OutputOffset + this->Output.size() || this->Output.size() >= MostOutputBytes)
+  if (offset != this->OutputOffset + this->Output.size() ||
+    this->Output.size() >= MaximumOutputBytes)
   {
     ISOSURFACE_RETURN_IF_ERROR(this->FlushOutput());
     this->OutputOffset = offset;

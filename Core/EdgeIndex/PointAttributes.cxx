@@ -15,7 +15,7 @@ std::size_t GetTupleSize(const EdgeIndexAttribute& attribute)
   return GetValueSize(attribute.Type) * static_cast<std::size_t>(attribute.NumberOfComponents);
 }
 
-// One block by itself.
+// A source of one block.
 class SingleBlock : public BlockSource
 {
 public:
@@ -33,7 +33,7 @@ private:
   const BlockSamples& Samples;
 };
 
-// The layouts of the block's arrays, which must become what the header says when interpolated.
+// The layouts of the block's arrays, whose interpolated types must be those of the header.
 Status FindLayouts(
   const EdgeIndexHeader& header, const BlockSamples& samples, std::vector<AttributeLayout>& layouts)
 {
@@ -61,15 +61,18 @@ Status FindLayouts(
 
 PointAttributes::PointAttributes(const EdgeIndexHeader& header, const VertexBox& vertices)
   : Tuples(header.Attributes.size())
-  , Edges(header.Attributes.size())
+  , Coded(header.Attributes.size())
 {
   const auto count = static_cast<std::size_t>(vertices.GetNumberOfVertices());
   for (std::size_t n = 0; n < this->Tuples.size(); ++n)
   {
+    this->Coded[n].Type = header.Attributes[n].Type;
+    this->Coded[n].NumberOfComponents = header.Attributes[n].NumberOfComponents;
+    this->Coded[n].MaximumError = header.Attributes[n].MaximumError;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       this->Tuples[n][axis] = Buffer<std::uint8_t>(count * GetTupleSize(header.Attributes[n]));
-      this->Edges[n].First[axis] = this->Tuples[n][axis].GetData();
+      this->Coded[n].Edges.First[axis] = this->Tuples[n][axis].GetData();
     }
   }
 }
@@ -78,7 +81,7 @@ std::vector<AttributeView> PointAttributes::GetViews(
   const EdgeIndexHeader& header, const VertexBox& vertices) const
 {
   std::vector<AttributeView> views;
-  for (std::size_t n = 0; n < this->Edges.size(); ++n)
+  for (std::size_t n = 0; n < this->Coded.size(); ++n)
   {
     EdgeTupleView tuples;
     tuples.Type = header.Attributes[n].Type;
@@ -86,7 +89,7 @@ std::vector<AttributeView> PointAttributes::GetViews(
     tuples.Box = vertices;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
-      tuples.First[axis] = this->Edges[n].First[axis];
+      tuples.First[axis] = this->Coded[n].Edges.First[axis];
     }
     views.emplace_back();
     views.back().EdgeTuples = tuples;
@@ -130,7 +133,7 @@ Status PointAttributes::Interpolate(
       const std::int64_t j = vertex / dimensions[0] % dimensions[1] - box.Low[1];
       const std::int64_t k = vertex / (dimensions[0] * dimensions[1]) - box.Low[2];
       const auto place = static_cast<std::size_t>(i + size[0] * (j + size[1] * k));
-      std::memcpy(this->Edges[n].First[static_cast<std::size_t>(id % 3)] + place * width,
+      std::memcpy(this->Coded[n].Edges.First[static_cast<std::size_t>(id % 3)] + place * width,
         tuples + point * width, width);
     }
   }

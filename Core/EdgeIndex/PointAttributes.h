@@ -4,8 +4,8 @@
 
 #include "Base/Buffer.h"
 #include "Base/Status.h"
+#include "BlockCoding/AttributeCoder.h"
 #include "Contour/Surface.h"
-#include "EdgeIndex/AttributeCoder.h"
 #include "EdgeIndex/EdgeIndexHeader.h"
 #include "Volume/BlockSource.h"
 
@@ -17,38 +17,36 @@
 namespace isosurface
 {
 
-/**
- * The point arrays of a block at its edges, and the memory that they stand in: for each attribute
- * of the header, and each axis, a tuple a vertex (see AttributeEdges). Only those of crossed edges
- * are ever touched.
- */
+/// The tuples of point arrays at the edges of a block, and their memory: for each attribute of the
+/// header and each axis one tuple for each vertex (AttributeEdges).
 class PointAttributes
 {
 public:
   PointAttributes(const EdgeIndexHeader& header, const VertexBox& vertices);
 
-  const std::vector<AttributeEdges>& GetEdges() const { return this->Edges; }
+  /// The attributes as the coder takes them.
+  std::vector<CodedAttribute> GetCoded() const { return this->Coded; }
 
-  /// The arrays as an extraction takes them, of a block with this box of vertices.
+  /// The attributes as an extraction takes them, for a block with this box of vertices.
   std::vector<AttributeView> GetViews(
     const EdgeIndexHeader& header, const VertexBox& vertices) const;
 
   /**
-   * Interpolates the arrays (and computes normals) at the crossed edges of a block, as
-   * ExtractSurface does; samples.Attributes are the samples of the header's attributes but for
-   * normals, in their order, of any type that becomes the header's (GetInterpolatedType).
+   * Interpolates the arrays, and computes normals, at the crossed edges of a block, as
+   * ExtractSurface does. samples.Attributes: the arrays of the header in their order, without
+   * normals, of any type whose GetInterpolatedType is the header's.
    *
-   * Errors: InvalidArgument (other arrays, no layer around the block for normals).
+   * Errors: InvalidArgument (other arrays, no ghost layer around the block for normals).
    */
   Status Interpolate(
     const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue);
 
 private:
   std::vector<std::array<Buffer<std::uint8_t>, 3>> Tuples;
-  std::vector<AttributeEdges> Edges;
+  std::vector<CodedAttribute> Coded;
 };
 
-/// The layouts of the header's attributes, normals among them.
+/// The layouts of the header's attributes, including normals.
 std::vector<AttributeLayout> GetAttributeLayouts(const EdgeIndexHeader& header);
 
 } // namespace isosurface

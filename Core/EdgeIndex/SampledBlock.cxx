@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 namespace isosurface
 {
@@ -140,13 +141,12 @@ std::uint64_t SampledBlock::CountPoints() const
   return points;
 }
 
-void SampledBlock::SetAttributes(
-  const std::vector<EdgeIndexAttribute>& attributes, const PointAttributes& tuples)
+void SampledBlock::SetAttributes(std::vector<CodedAttribute> attributes)
 {
-  for (std::size_t n = 0; n < attributes.size(); ++n)
+  this->Attributes = std::move(attributes);
+  for (CodedAttribute& attribute : this->Attributes)
   {
-    this->Attributes.push_back({ attributes[n], tuples.GetEdges()[n],
-      this->HasExceptions(attributes[n], tuples.GetEdges()[n]) });
+    attribute.HasExceptions = this->HasExceptions(attribute);
   }
 }
 
@@ -212,6 +212,14 @@ double SampledBlock::MeasureDistance() const
   return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
+int SampledBlock::ChooseLosslessScale() const
+{
+  const int scale = ChooseScale(this->MeasureDistance());
+  const bool isOffsets =
+    ValueDomain(this->View.Type, this->Isovalue, 0).GetKind() == ValueDomain::Kind::Offsets;
+  return isOffsets ? std::clamp(scale, -30, 10) : scale;
+}
+
 bool SampledBlock::HasMissingCrossings() const
 {
   if (this->View.Type != ValueType::Float32 && this->View.Type != ValueType::Float64)
@@ -228,10 +236,9 @@ bool SampledBlock::HasMissingCrossings() const
   return missing;
 }
 
-bool SampledBlock::HasExceptions(
-  const EdgeIndexAttribute& attribute, const AttributeEdges& edges) const
+bool SampledBlock::HasExceptions(const CodedAttribute& attribute) const
 {
-  const AttributeDomain domain(attribute);
+  const AttributeDomain domain(attribute.Type, attribute.MaximumError);
   if (attribute.MaximumError == 0)
   {
     return false;
@@ -247,7 +254,7 @@ bool SampledBlock::HasExceptions(
         VisitBits(rows[axis],
           [&](int x)
           {
-            const std::uint8_t* tuple = edges.First[axis] +
+            const std::uint8_t* tuple = attribute.Edges.First[axis] +
               static_cast<std::size_t>(row + x) * components * domain.GetValueSize();
             for (std::size_t n = 0; n < components; ++n)
             {

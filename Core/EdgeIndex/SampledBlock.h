@@ -2,9 +2,8 @@
 #ifndef isosurface_SampledBlock_h
 #define isosurface_SampledBlock_h
 
-#include "EdgeIndex/BlockCoding.h"
-#include "EdgeIndex/PointAttributes.h"
-#include "EdgeIndex/Quantizer.h"
+#include "BlockCoding/BlockCoding.h"
+#include "BlockCoding/Quantizer.h"
 #include "Volume/BlockSource.h"
 
 #include <array>
@@ -15,8 +14,8 @@
 namespace isosurface
 {
 
-/// The samples of a block as the coders take them. Signs are found by the kernel. The view, and
-/// what is set, must outlive it.
+/// Gives the samples of a block to an encoder. Signs are computed by the brick kernel. The view, and
+/// the objects that are set, must outlive it.
 class SampledBlock : public BlockValues
 {
 public:
@@ -29,9 +28,8 @@ public:
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
   void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
 
-  /// The point arrays that are coded with the block; none unless set.
-  void SetAttributes(
-    const std::vector<EdgeIndexAttribute>& attributes, const PointAttributes& tuples);
+  /// The point arrays that are coded with the block, without HasExceptions; none unless set.
+  void SetAttributes(std::vector<CodedAttribute> attributes);
   const std::vector<CodedAttribute>& GetAttributes() const { return this->Attributes; }
 
   SignSlice& GetSigns(int z) override { return this->Signs[static_cast<std::size_t>(z)]; }
@@ -42,14 +40,18 @@ public:
 
   void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) override;
 
-  /// The mean distance of values from the isovalue at relevant vertices; some are looked at.
+  /// The mean distance of values from the isovalue at relevant vertices, estimated from the first
+  /// ones.
   double MeasureDistance() const;
+
+  /// The scale of the domain of its values without error; see ValueDomain.
+  int ChooseLosslessScale() const;
 
   bool HasMissingCrossings() const;
 
 private:
   // Whether some value at a crossed edge has no code.
-  bool HasExceptions(const EdgeIndexAttribute& attribute, const AttributeEdges& edges) const;
+  bool HasExceptions(const CodedAttribute& attribute) const;
 
   const std::uint8_t* At(int x, int y, int z) const
   {

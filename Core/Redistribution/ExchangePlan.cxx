@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Redistribution/ExchangePlan.h"
 
-#include "EdgeIndex/CodedNumbers.h"
+#include "Base/Coding.h"
 #include "Redistribution/CompactPartition.h"
 
 #include <algorithm>
@@ -13,18 +13,18 @@ namespace isosurface
 namespace
 {
 
-// No block of 65^3 vertices and a few isovalues comes near it.
-constexpr std::uint64_t MostBytes = std::uint64_t{ 1 } << 40;
+// More than any block of 65^3 vertices and a few isovalues takes.
+constexpr std::uint64_t MaximumBytes = std::uint64_t{ 1 } << 40;
 constexpr std::int64_t LatticeLimit = std::int64_t{ 1 } << 34;
 
 Status ReadDescription(
-  NumberReader& reader, const Index3& dimensions, std::size_t isovalues, BlockDescription& block)
+  ByteReader& reader, const Index3& dimensions, std::size_t isovalues, BlockDescription& block)
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const auto low = static_cast<std::int64_t>(reader.ReadNumber());
-    const auto vertices = static_cast<std::int64_t>(reader.ReadNumber());
-    const std::int64_t lattice = reader.ReadSigned();
+    const auto low = reader.ReadVarint<std::int64_t>();
+    const auto vertices = reader.ReadVarint<std::int64_t>();
+    const std::int64_t lattice = reader.ReadSignedVarint();
     if (vertices < 1 || vertices > dimensions[axis] || low > dimensions[axis] - vertices ||
       lattice < -LatticeLimit || lattice > LatticeLimit)
     {
@@ -34,18 +34,18 @@ Status ReadDescription(
     block.Vertices.High[axis] = low + vertices;
     block.Lattice[axis] = lattice;
   }
-  const auto mostPoints = 3 * static_cast<std::uint64_t>(block.Vertices.GetNumberOfVertices());
+  const auto maximumPoints = 3 * static_cast<std::uint64_t>(block.Vertices.GetNumberOfVertices());
   block.Points.resize(isovalues);
   for (std::uint64_t& points : block.Points)
   {
-    points = reader.ReadNumber();
-    if (points > mostPoints)
+    points = reader.ReadVarint();
+    if (points > maximumPoints)
     {
       return MakeDamagedMessage();
     }
   }
-  block.Bytes = reader.ReadNumber();
-  return reader.HasFailed() || block.Bytes > MostBytes ? MakeDamagedMessage() : Status::Ok();
+  block.Bytes = reader.ReadVarint();
+  return reader.HasFailed() || block.Bytes > MaximumBytes ? MakeDamagedMessage() : Status::Ok();
 }
 
 // The blocks of all ranks, those of a rank in the order of its message.
@@ -54,10 +54,10 @@ Status ReadDescriptions(const std::vector<Message>& messages, const Index3& dime
 {
   for (std::size_t source = 0; source < messages.size(); ++source)
   {
-    NumberReader reader(messages[source].data(), messages[source].size());
+    ByteReader reader(messages[source]);
     std::size_t round = 0;
     std::uint64_t bytes = 0;
-    while (reader.GetLeft() > 0)
+    while (reader.GetRemaining() > 0)
     {
       if (bytes >= roundBytes)
       {
@@ -83,15 +83,15 @@ Message ExchangePlan::Describe(const std::vector<BlockDescription>& blocks)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
-      AppendNumber(message, static_cast<std::uint64_t>(block.Vertices.Low[axis]));
-      AppendNumber(message, static_cast<std::uint64_t>(block.Vertices.GetSize()[axis]));
-      AppendSigned(message, block.Lattice[axis]);
+      AppendVarint(message, static_cast<std::uint64_t>(block.Vertices.Low[axis]));
+      AppendVarint(message, static_cast<std::uint64_t>(block.Vertices.GetSize()[axis]));
+      AppendSignedVarint(message, block.Lattice[axis]);
     }
     for (const std::uint64_t points : block.Points)
     {
-      AppendNumber(message, points);
+      AppendVarint(message, points);
     }
-    AppendNumber(message, block.Bytes);
+    AppendVarint(message, block.Bytes);
   }
   return message;
 }

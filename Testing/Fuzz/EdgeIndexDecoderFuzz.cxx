@@ -11,11 +11,11 @@ using namespace isosurface;
 namespace
 {
 
-/// Blocks that are decoded of one input: each takes a moment.
-constexpr std::size_t MostBlocks = 8;
-/// Components of attributes: each takes memory for all edges of a block.
-constexpr int MostComponents = 6;
-/// Decoded blocks, the models, the surface.
+/// The maximum of blocks that are decoded of one input, since each takes time.
+constexpr std::size_t MaximumBlocks = 8;
+/// The maximum of components of attributes, since each takes memory for all edges of a block.
+constexpr int MaximumComponents = 6;
+/// For decoded blocks, the models and the surface.
 constexpr std::size_t BlockBytes = std::size_t{ 192 } << 20;
 
 bool IsSmall(const EdgeIndexHeader& header)
@@ -25,10 +25,10 @@ bool IsSmall(const EdgeIndexHeader& header)
   {
     components += attribute.NumberOfComponents;
   }
-  return components <= MostComponents;
+  return components <= MaximumComponents;
 }
 
-// Whether the stream has few blocks.
+// Returns whether the stream has few blocks.
 bool DecodeRecords(const EdgeIndexHeader& header, const std::uint8_t* bytes, std::size_t size)
 {
   const EdgeIndexHeader preview = header.PreviewLevel > 0 ? header.MakePreview() : header;
@@ -43,7 +43,7 @@ bool DecodeRecords(const EdgeIndexHeader& header, const std::uint8_t* bytes, std
     {
       return true;
     }
-    if (++number > MostBlocks)
+    if (++number > MaximumBlocks)
     {
       return false;
     }

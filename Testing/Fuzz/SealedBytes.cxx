@@ -94,16 +94,15 @@ std::size_t SealRecord(SealedBytes& file, std::size_t at)
 SealedBytes SealEdgeIndexFile(const std::uint8_t* bytes, std::size_t size)
 {
   SealedBytes file(bytes, bytes + size);
-  constexpr std::size_t leastHeader = 264;
+  constexpr std::size_t minimumHeader = 264;
   constexpr std::size_t trailerSize = 32;
-  if (size < leastHeader)
+  if (size < minimumHeader)
   {
     return file;
   }
   std::memcpy(file.data(), "EIXcode\n\1\0\0\0", 12);
-  file[8] = file[18] == 2 ? 2 : 1; // the profile tells the version
   const std::size_t header = LoadLittleEndian<std::uint32_t>(file.data() + 12);
-  if (header < leastHeader || header > size)
+  if (header < minimumHeader || header > size)
   {
     return file;
   }

@@ -32,7 +32,6 @@ class ClientAndServer(unittest.TestCase):
                     str(testing.arguments.ranks),
                     testing.arguments.pvserver,
                     f"--server-port={port}",
-                    "--verbosity=1",
                     *options,
                 ],
                 stdout=log,

@@ -2,15 +2,16 @@
 """Range decoder, adaptive probabilities and magnitudes of edge-index files.
 
 A second implementation of edge-index.md, sections "Range coder", "Probabilities" and "Magnitudes".
-The tables of constants are read from the sources that this text names.
+Tables are read from the data files that this text names.
 """
+import math
 import os
 import re
 from operator import mul
 
 from read_interval_tree import check
 
-_SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../Core/EdgeIndex")
+_TABLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../Core/TrainedModels")
 
 
 def clamp(x, a, b):
@@ -22,12 +23,15 @@ def divide(a, b):
     return a // b if a >= 0 else -(-a // b)
 
 
-def read_constants(name, begin):
-    """All whole numbers between the braces that follow `begin` in a source of Core/EdgeIndex."""
-    with open(os.path.join(_SOURCES, name), encoding="utf-8") as file:
-        text = file.read()
-    text = text[text.index(begin):]
-    return [int(number) for number in re.findall(r"-?\d+", text[text.index("{"):text.index(";")])]
+def read_tables(name):
+    """The tables of a data file by name."""
+    with open(os.path.join(_TABLES, name), encoding="utf-8") as file:
+        words = iter(re.sub(r"#[^\n]*", "", file.read()).split())
+    tables = {}
+    for table in words:
+        next(words)  # the type, which C++ needs
+        tables[table] = [int(next(words)) for _ in range(int(next(words)))]
+    return tables
 
 
 class RangeDecoder:
@@ -88,7 +92,7 @@ class RangeDecoder:
 
 
 def _make_squash():
-    curve = read_constants("AdaptiveModels.cxx", "LogisticCurve = ")
+    curve = [round(32768 / (1 + math.exp(8 - n / 4))) for n in range(65)]
     return [(curve[n // 64] * (64 - n % 64) + curve[n // 64 + 1] * (n % 64)) // 32
             for n in range(4096)]
 
@@ -178,29 +182,30 @@ def find_probabilities(stretched):
 
 
 class MagnitudePriors:
-    """Of `symbols` there are none for the crossings of version 3."""
+    """What magnitudes begin with. Curved crossings have no symbols, since they are never fast."""
 
-    def __init__(self, numbers):
-        self.by_level = find_probabilities(numbers[:512])
-        self.symbols = numbers[512:-512]
-        self.mixers = numbers[-512:]
+    def __init__(self, tables, kind):
+        levels = tables[kind + "Levels"]
+        check(len(levels) == 512, f"{kind}Levels: another size")
+        self.by_level = find_probabilities(levels)
+        self.symbols = tables.get(kind + "Symbols")
+        self.mixers = tables[kind + "Mixers"]
         # By class / 2 and side: those of the even class.
         self.by_side = [probability for level in range(0, 32, 2) for _ in range(128)
                         for probability in self.by_level[16 * level:16 * level + 16]]
 
 
 class Priors:
-    """What all blocks begin with, in the order of EdgeIndexPriors.cxx."""
+    """What all blocks begin with."""
 
     def __init__(self):
-        numbers = read_constants("EdgeIndexPriors.cxx", "Priors = ")
-        check(len(numbers) == 8192 + 8 + 1024 + 2 * 5120 + 16, "EdgeIndexPriors.cxx: other tables")
-        self.near = find_probabilities(numbers[:8192])
-        self.quiet = find_probabilities(numbers[8192:8200])
-        self.sign_mixers = numbers[8200:9224]
-        self.values = MagnitudePriors(numbers[9224:14344])
-        self.crossings = MagnitudePriors(numbers[14344:19464])
-        self.weights = numbers[19464:]
+        tables = read_tables("priors.txt")
+        self.near = find_probabilities(tables["NearSignPriors"])
+        self.quiet = find_probabilities(tables["QuietSignPriors"])
+        self.sign_mixers = tables["SignMixers"]
+        self.values = MagnitudePriors(tables, "Value")
+        self.crossings = MagnitudePriors(tables, "Crossing")
+        self.weights = tables["ValueWeights"]
 
 
 PRIORS = Priors()

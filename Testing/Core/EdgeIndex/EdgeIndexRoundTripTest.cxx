@@ -237,17 +237,6 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndComeCloser)
   }
 }
 
-TEST(EdgeIndex, TheProfileCompactOfVersion2IsNotWritten)
-{
-  const auto volume = MakeWaves<float>({ 20, 20, 20 }, 0);
-  TestBlockSource<float> source(volume, 16);
-  EdgeIndexHeader header =
-    MakeHeader(volume, { 0.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
-  EXPECT_TRUE(EncodeSurface(header, source, 1).IsOk());
-  header.CompactVersion = 2;
-  EXPECT_EQ(EncodeSurface(header, source, 1).GetStatus().GetCode(), StatusCode::InvalidArgument);
-}
-
 TEST(EdgeIndex, WhatCannotBeEncodedIsRefused)
 {
   const auto volume = MakeWaves<float>({ 20, 20, 20 }, 0);

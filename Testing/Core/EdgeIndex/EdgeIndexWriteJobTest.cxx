@@ -183,8 +183,8 @@ TEST(EdgeIndexWriteJob, PreviewsStandTogetherWhereASingleWriterPutsThem)
     changes += entry.Block.IsPreview != wasPreview ? 1 : 0;
     wasPreview = entry.Block.IsPreview;
   }
-  EXPECT_GT(preview, EdgeIndexFileWriter::MostPreviewBytes) << "the test is of no use";
-  EXPECT_LE(changes, 2 * static_cast<int>(preview / EdgeIndexFileWriter::MostPreviewBytes) + 2);
+  EXPECT_GT(preview, EdgeIndexFileWriter::MaximumPreviewBytes) << "the test is of no use";
+  EXPECT_LE(changes, 2 * static_cast<int>(preview / EdgeIndexFileWriter::MaximumPreviewBytes) + 2);
 }
 
 TEST(EdgeIndexWriteJob, ARankThatFailsLeavesTheOldFileAndAllRanksTell)

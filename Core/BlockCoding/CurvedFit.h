@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_CurvedFit_h
+#define isosurface_CurvedFit_h
+
+#include "BlockCoding/CrossingFit.h"
+#include "BlockCoding/LeastSquares.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Predicts where on an edge the surface is from the same crossings and signs as CrossingFit, with
+ * the same weights, but by two functions: a linear and a quadratic one. The first is better where
+ * crossings are noisy, the second where surfaces bend. In integers throughout.
+ */
+class CurvedFit
+{
+public:
+  struct Result
+  {
+    std::int32_t Linear = CrossingFit::FineUnit / 2;    ///< by the linear function, 0 to FineUnit
+    std::int32_t Quadratic = CrossingFit::FineUnit / 2; ///< by the quadratic one
+    int Steepness = 0; ///< as in CrossingFit::Result, of the quadratic function
+    int Number = 0;    ///< of crossings that were used
+  };
+
+  /// The only one; made once.
+  static const CurvedFit& Get();
+
+  /// Arguments as those of CrossingFit::Predict.
+  Result Predict(int axis, int x, int y, std::ptrdiff_t at, bool inside,
+    const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const;
+
+private:
+  static constexpr int NumberOfTerms = 10; ///< 1 x y z, xx yy zz, xy xz yz
+  static constexpr std::int32_t Unit = CrossingFit::Unit;
+  static constexpr std::int32_t SignTarget = 2868; ///< 2.8 Units
+  static constexpr std::int32_t LeastSlope = 5243; ///< 0.08, as a weight
+  static constexpr std::int32_t LeastNewtonSlope = 13107;
+  static constexpr int NumberOfSteps = 3; ///< of Newton's method
+
+  using Solver = LeastSquares<NumberOfTerms>;
+  using Terms = std::array<std::int32_t, NumberOfTerms>;
+  using Coefficients = Solver::Weights;
+
+  // What the signs of one row of vertices around the edge add, by the signs.
+  struct SignRowSums
+  {
+    int Y = 0;
+    std::size_t Slice = 0;
+    std::array<std::array<std::int64_t, NumberOfTerms>, 8> Sums{};
+  };
+
+  CurvedFit();
+  void MakeSigns(int axis);
+
+  static Terms MakeTerms(const std::array<std::int32_t, 3>& point)
+  {
+    const auto multiply = [](std::int32_t a, std::int32_t b) { return a * b >> 10; };
+    return { Unit, point[0], point[1], point[2], multiply(point[0], point[0]),
+      multiply(point[1], point[1]), multiply(point[2], point[2]), multiply(point[0], point[1]),
+      multiply(point[0], point[2]), multiply(point[1], point[2]) };
+  }
+  static void Add(const Terms& terms, std::int32_t weight, Solver::Equations& equations)
+  {
+    for (std::size_t i = 0; i < NumberOfTerms; ++i)
+    {
+      const std::int64_t weighted = std::int64_t{ weight } * terms[i];
+      for (std::size_t j = 0; j <= i; ++j)
+      {
+        equations[i][j] += weighted * terms[j];
+      }
+    }
+  }
+  static void FindRoots(const Coefficients& linear, const Coefficients& quadratic, int axis,
+    bool inside, Result& result);
+
+  std::array<std::vector<SignRowSums>, 3> Signs;
+  std::array<Solver::Equations, 3> SignEquations{}; ///< of the vertices around an edge
+  std::array<std::int64_t, 3> TargetSquares{};
+};
+
+// What is called for each edge is here, so that the coders have it in their own instructions.
+
+inline CurvedFit::Result CurvedFit::Predict(int axis, int x, int y, std::ptrdiff_t at, bool inside,
+  const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const
+{
+  const auto edgeAxis = static_cast<std::size_t>(axis);
+  Solver::Equations equations = this->SignEquations[edgeAxis];
+  for (const SignRowSums& row : this->Signs[edgeAxis])
+  {
+    const std::uint32_t signs = slices[row.Slice]->At(y + row.Y).GetWindow(x) >> 1 & 7;
+    for (std::size_t n = 0; n < NumberOfTerms; ++n)
+    {
+      equations[NumberOfTerms][n] += row.Sums[signs][n];
+    }
+  }
+  Result result;
+  CrossingFit::Get().VisitNeighbors(axis, x, y, at, planes,
+    [&](const std::array<std::int32_t, 3>& point, std::int32_t weight, bool later)
+    {
+      Add(MakeTerms(point), weight, equations);
+      result.Number += later ? 0 : 1;
+    });
+  Solver solver;
+  if (solver.Factor(equations, this->TargetSquares[edgeAxis]))
+  {
+    Coefficients linear;
+    Coefficients quadratic;
+    solver.Substitute(4, linear);
+    solver.Substitute(NumberOfTerms, quadratic);
+    FindRoots(linear, quadratic, axis, inside, result);
+  }
+  return result;
+}
+
+inline void CurvedFit::FindRoots(
+  const Coefficients& linear, const Coefficients& quadratic, int axis, bool inside, Result& result)
+{
+  constexpr std::int64_t unit = CrossingFit::FineUnit;
+  constexpr std::int64_t half = unit / 2;
+  const std::int64_t sign = inside ? -1 : 1;
+  const auto place = static_cast<std::size_t>(axis);
+  const auto step = [=](std::int64_t from, std::int64_t height, std::int64_t slope)
+  { return std::clamp(from - height * unit / slope, -half, half); };
+  result.Linear = static_cast<std::int32_t>(
+    half + step(0, sign * linear[0], std::max<std::int64_t>(sign * linear[1 + place], LeastSlope)));
+
+  const std::int64_t constant = sign * quadratic[0];
+  const std::int64_t slope = sign * quadratic[1 + place];
+  const std::int64_t bend = sign * quadratic[4 + place];
+  const std::int64_t steep = std::max<std::int64_t>(slope, LeastSlope);
+  std::int64_t root = step(0, constant, steep);
+  for (int n = 0; n < NumberOfSteps; ++n)
+  {
+    const std::int64_t height = constant + (root * (slope + (bend * root >> 16)) >> 16);
+    const std::int64_t now = slope + (2 * bend * root >> 16);
+    root = step(root, height, std::max<std::int64_t>(now, LeastNewtonSlope));
+  }
+  result.Quadratic = static_cast<std::int32_t>(half + root);
+
+  std::int64_t square = 1;
+  for (std::size_t n = 1; n < 4; ++n)
+  {
+    square += std::int64_t{ quadratic[n] } * quadratic[n];
+  }
+  for (int n = 1; n < 8; ++n)
+  {
+    result.Steepness += 8 * steep * steep >= n * square ? 1 : 0;
+  }
+}
+
+} // namespace isosurface
+
+#endif

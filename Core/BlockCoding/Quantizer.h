@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Quantizer_h
+#define isosurface_Quantizer_h
+
+#include "BlockCoding/ValueDomain.h"
+
+#include <cstdint>
+
+namespace isosurface
+{
+
+/**
+ * Rounds values to 2^bits equal steps from a minimum to a maximum, as the paper does. A value that
+ * rounding would bring to the other side of the isovalue is moved to the nearest step on its own
+ * side. Codes count steps from the first one inside.
+ */
+class Quantizer
+{
+public:
+  Quantizer(double minimum, double maximum, int bits, double isovalue);
+
+  ValueDomain MakeDomain(int scale) const;
+  std::int64_t ToCode(double value, bool inside) const;
+  float ToValue(std::int64_t code) const;
+  double GetStep() const { return this->Step; }
+
+private:
+  float Restore(std::int64_t step) const;
+
+  double Minimum;
+  double Step;
+  std::int64_t Last;
+  std::int64_t FirstInside = 0;
+  float Threshold = 0; ///< the minimum float that is inside
+  float Below = 0;     ///< the maximum float that is outside
+};
+
+} // namespace isosurface
+
+#endif
