@@ -1,20 +1,26 @@
 #!/bin/sh
 # Builds the project on Debian 12 and runs it. Usage:
-#   ./build.sh example   install what is needed, build, run the main job on two real scans
-#   ./build.sh test      install what is needed, build, pass all tests (Core with sanitizers, too)
-#   ./build.sh packages  install what is needed
+#   ./build.sh example   build what the main job needs, run it on two real scans, say where the image is
+#   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
+#   ./build.sh packages  only install what is needed, for development too
+# The first two install what is missing of CMake/debian-packages.txt.
 set -eu
 cd "$(dirname "$0")"
 
-install_packages() {
-  packages=$(grep -v '^#' CMake/debian-packages.txt)
+say() { # step
+  printf '\n== %s\n' "$1"
+}
+
+install_packages() { # "all", or nothing to leave out those that only development needs
+  packages=$(awk -v all="${1:-}" \
+    '/^# For development alone/ && !all { exit } !/^#/ { print }' CMake/debian-packages.txt)
   missing=
   for package in $packages; do
     dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' ||
       missing="$missing $package"
   done
   [ -n "$missing" ] || return 0
-  echo "Installing:$missing"
+  say "Installing packages:$missing"
   as_root=
   [ "$(id -u)" -eq 0 ] || as_root=sudo
   $as_root apt-get update -q
@@ -22,32 +28,51 @@ install_packages() {
   DEBIAN_FRONTEND=noninteractive $as_root apt-get install -q -y --no-install-recommends $missing
 }
 
-build() { # preset
-  cmake --preset "$1"
-  cmake --build --preset "$1"
+configure() { # preset, options
+  say "Configuring build/$1"
+  cmake --preset "$@"
+}
+
+compile() { # preset, targets
+  preset=$1
+  shift
+  sources=$(ninja -C "build/$preset" -n "$@" | grep -c 'Building C') || true
+  say "Compiling $sources files in build/$preset"
+  ninja -C "build/$preset" "$@"
+}
+
+run_tests() { # preset
+  say "Running the tests of build/$1"
+  ctest --preset "$1" -j 2
 }
 
 case "${1:-}" in
   packages)
-    install_packages
+    install_packages all
     ;;
   example)
     install_packages
-    build release
+    configure release
+    compile release ScalableIsosurface blockvolume edgeindex
+    say "Running Examples/main_job.py on two ranks: isosurfaces of a head MRI and a head CT"
     Examples/run_main_job.sh build/release build/main_job
-    echo
-    echo "The picture: $PWD/build/main_job/main_job.png"
-    echo "The table:   $PWD/build/main_job/main_job.csv"
+    say "Done"
+    echo "The image:  $PWD/build/main_job/main_job.png"
+    echo "The table:  $PWD/build/main_job/main_job.csv"
+    echo "The plugin: $PWD/build/release/lib/ScalableIsosurface/ScalableIsosurface.so"
     ;;
   test)
     install_packages
-    build asan
-    ctest --preset asan -j 2
-    build release
-    ctest --preset release -j 2
+    configure asan
+    compile asan
+    run_tests asan
+    configure release -DISOSURFACE_CORE_TESTS=OPTIMISED # the others have just run
+    compile release
+    run_tests release
+    say "All tests passed"
     ;;
   *)
-    sed -n '2,5s/^# \{0,1\}//p' "$0"
+    sed -n '2,6s/^# \{0,1\}//p' "$0"
     exit 2
     ;;
 esac

@@ -2,12 +2,15 @@
 #include "ContourBlocks.h"
 
 #include "ChosenScalars.h"
+#include "ContourWork.h"
 #include "ImagePieces.h"
 
 #include "Contour/BlockRanges.h"
+#include "Query/LevelChoice.h"
 #include "Query/PieceBlockSource.h"
 #include "Query/StoredBlockSource.h"
 #include "Store/BlockedVolume.h"
+#include "Volume/ArrayVariables.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,16 +18,83 @@
 namespace isosurface
 {
 
-Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume,
-  const VolumeBlocksQuery& query, ContourBlocks& blocks)
+namespace
+{
+
+// The images of a rank, and what is contoured and interpolated of them.
+struct KeptPieces
+{
+  ImagePieces Pieces;
+  std::vector<ChosenScalars> Scalars;
+  std::vector<PieceAttributes> Attributes;
+
+  Status FindArrays(const ImageContour::Settings& settings);
+  std::vector<GridPiece> GetGridPieces() const;
+};
+
+Status KeptPieces::FindArrays(const ImageContour::Settings& settings)
+{
+  for (const ImagePiece& piece : this->Pieces.Pieces)
+  {
+    auto attributes = FindAttributes(piece, settings.Arrays);
+    ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
+    this->Attributes.push_back(std::move(*attributes));
+    const auto components = static_cast<int>(piece.Samples.Components.size());
+    this->Scalars.emplace_back(
+      piece.Samples, *FindChosenComponent(components, settings.Component), settings.Threads);
+  }
+  return Status::Ok();
+}
+
+std::vector<GridPiece> KeptPieces::GetGridPieces() const
+{
+  std::vector<GridPiece> pieces;
+  for (std::size_t n = 0; n < this->Pieces.Pieces.size(); ++n)
+  {
+    pieces.push_back(
+      { this->Scalars[n].GetView(this->Pieces.Pieces[n].Samples), this->Attributes[n].Views });
+  }
+  return pieces;
+}
+
+Status CheckGrids(const std::vector<GridGeometry>& grids)
+{
+  if (grids.size() > 1)
+  {
+    return { StatusCode::InvalidArgument,
+      "the images of the input are of several grids, each with an isosurface of its own; extract "
+      "one of them (Extract Block)" };
+  }
+  return grids.empty() ? Status(StatusCode::InvalidArgument, "the input has no samples")
+                       : Status::Ok();
+}
+
+// An error of PieceBlockSource, with what a user can do about it.
+Status Explain(const Status& error)
+{
+  return error.GetCode() == StatusCode::InvalidArgument
+    ? Status(error.GetCode(),
+        error.GetMessage() +
+          "; Stabbing Contour must be straight behind the reader of a blocked volume, or have "
+          "images that meet")
+    : error;
+}
+
+} // namespace
+
+Status CollectContourBlocks(vtkStabbingContour* contour, int piece, int pieces,
+  const std::optional<double>& time, ContourBlocks& blocks)
+{
+  return ContourWork::Of(*contour).CollectBlocks(piece, pieces, time, blocks);
+}
+
+Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
+  int level, ContourBlocks& blocks)
 {
   QueryStatistics statistics;
   auto active = volume->FindActiveBlocks(query.TimeStep, query.Variable, blocks.Isovalues,
-    query.Rank, query.Ranks, statistics, query.Level, { {}, query.Region });
-  if (!active.IsOk())
-  {
-    return active.GetStatus();
-  }
+    query.Rank, query.Ranks, statistics, level, { {}, query.Selection.Region });
+  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
   std::sort(active->begin(), active->end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
   for (const BlockReference& block : *active)
@@ -32,81 +102,58 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume,
     blocks.Numbers.push_back(block.Block);
   }
   auto source = std::make_unique<StoredBlockSource>(
-    *volume, query.TimeStep, query.Variable, query.Level, std::move(*active));
+    *volume, query.TimeStep, query.Variable, level, std::move(*active));
   source->SetAttributes(query.Attributes);
   blocks.Source = std::move(source);
   blocks.Owner = volume;
   blocks.HasSamples = true;
-  blocks.Level = query.Level;
-  const StoredLevel stored = volume->FindLevel(query.Level);
+  blocks.Level = level;
+  const StoredLevel stored = volume->FindLevel(level);
   blocks.BlockSize = stored.Grid->GetBlockSize() >> stored.Level;
-  blocks.Grid = volume->GetHeader().Grid.Coarsen(query.Level);
+  blocks.Grid = volume->GetHeader().Grid.Coarsen(level);
   const TimeStepDescription& step = volume->GetHeader().TimeSteps[query.TimeStep];
   blocks.Time = step.Time;
   blocks.FiniteRange = step.Ranges[query.Variable];
   const std::string& path = volume->GetPath();
   blocks.Origin = path.substr(path.rfind('/') + 1);
-  if (query.Level > 0)
+  if (level > 0)
   {
-    blocks.Origin += ", level " + std::to_string(query.Level);
+    blocks.Origin += ", level " + std::to_string(level);
   }
   return Status::Ok();
 }
 
-Status CollectImageBlocks(Communicator& ranks, const Status& status,
-  std::shared_ptr<ImagePieces> pieces, std::vector<ChosenScalars> scalars,
-  std::vector<PieceAttributes> attributes, const Region& region, int threads, ContourBlocks& blocks)
+Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
+  const ImageContour::Settings& settings, ContourBlocks& blocks)
 {
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-  if (pieces->Grids.size() > 1)
-  {
-    return { StatusCode::InvalidArgument,
-      "the images of the input are of several grids, each with an isosurface of its own; extract "
-      "one of them (Extract Block)" };
-  }
-  if (pieces->Grids.empty())
-  {
-    return { StatusCode::InvalidArgument, "the input has no samples" };
-  }
-  struct Kept
-  {
-    std::shared_ptr<ImagePieces> Pieces;
-    std::vector<ChosenScalars> Scalars;
-    std::vector<PieceAttributes> Attributes;
-  };
-  auto kept =
-    std::make_shared<Kept>(Kept{ std::move(pieces), std::move(scalars), std::move(attributes) });
-  std::vector<GridPiece> parts;
-  for (std::size_t n = 0; n < kept->Pieces->Pieces.size(); ++n)
-  {
-    parts.push_back(
-      { kept->Scalars[n].GetView(kept->Pieces->Pieces[n].Samples), kept->Attributes[n].Views });
-  }
+  auto kept = std::make_shared<KeptPieces>();
+  kept->Pieces = std::move(pieces);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(kept->FindArrays(settings)));
+  ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces.Grids));
   PieceBlockSelection selection;
   selection.Isovalues = blocks.Isovalues;
-  selection.Region = region;
+  selection.Region = settings.Region;
   // Larger blocks have fewer shared faces; but a region takes blocks whole, those of the filter.
-  selection.BlockSize = region.IsEverything() ? 64 : BlockRanges::BlockSize;
+  selection.BlockSize = settings.Region.IsEverything() ? 64 : BlockRanges::BlockSize;
   selection.WithLayer = blocks.Normals;
-  blocks.Grid = kept->Pieces->Grids.front();
-  auto source = PieceBlockSource::Make(ranks, blocks.Grid, std::move(parts), selection, threads);
+  blocks.Grid = kept->Pieces.Grids.front();
+  auto source =
+    PieceBlockSource::Make(ranks, blocks.Grid, kept->GetGridPieces(), selection, settings.Threads);
   if (!source.IsOk())
   {
-    const Status& failure = source.GetStatus();
-    return failure.GetCode() == StatusCode::InvalidArgument
-      ? Status(failure.GetCode(),
-          failure.GetMessage() +
-            "; Stabbing Contour must be straight behind the reader of a blocked volume, or have "
-            "images that meet")
-      : failure;
+    return Explain(source.GetStatus());
   }
   blocks.Numbers = (*source)->GetNumbers();
   blocks.FiniteRange = (*source)->GetFiniteRange();
   blocks.Source = std::move(*source);
-  blocks.Owner = kept;
   blocks.HasSamples = !kept->Scalars.empty();
+  if (blocks.HasSamples)
+  {
+    blocks.Arrays = kept->Attributes.back().Arrays;
+  }
   blocks.BlockSize = selection.BlockSize;
   blocks.Origin = "image data";
+  blocks.Owner = std::move(kept);
   return Status::Ok();
 }
 

@@ -2,12 +2,14 @@
 #ifndef isosurface_ContourBlocks_h
 #define isosurface_ContourBlocks_h
 
+#include "ImageContour.h"
+#include "IsosurfaceFiltersModule.h"
+
 #include "Base/Communicator.h"
 #include "Base/Status.h"
 #include "SurfacePolyData.h"
 #include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
-#include "Volume/Region.h"
 #include "Volume/ValueKey.h"
 
 #include <cstddef>
@@ -17,13 +19,14 @@
 #include <string>
 #include <vector>
 
+class vtkStabbingContour;
+
 namespace isosurface
 {
 
 class BlockedVolume;
-class ChosenScalars;
 struct ImagePieces;
-struct PieceAttributes;
+struct SurfaceQuery;
 
 /**
  * What a vtkStabbingContour contours on one rank, block by block: all that a consumer needs that
@@ -32,7 +35,7 @@ struct PieceAttributes;
  */
 struct ContourBlocks
 {
-  GridGeometry Grid;  ///< of the level; its vertices are what GlobalIds count
+  GridGeometry Grid;  ///< of the level; GlobalIds number its vertices
   int Level = 0;      ///< of a blocked volume
   int BlockSize = 64; ///< cells along the side of a block, at the level; a power of two
   std::vector<double> Isovalues;
@@ -57,28 +60,30 @@ struct ContourBlocks
   std::shared_ptr<const void> Owner;
 };
 
-/// Which active blocks of a blocked volume: this rank's share of those of a level.
-struct VolumeBlocksQuery
-{
-  std::size_t TimeStep = 0;
-  std::size_t Variable = 0;
-  int Level = 0;
-  std::vector<std::size_t> Attributes;
-  isosurface::Region Region;
-  int Rank = 0;
-  int Ranks = 1;
-};
+/**
+ * What the filter would contour for one of several pieces, block by block. Brings the filter's
+ * input up to date for that piece, at that time if one is given; neither makes nor changes the
+ * filter's output. Isovalues, region, arrays and level are those of the filter's properties;
+ * `blocks` says whether normals and attributes are wanted. Collective.
+ *
+ * Of a blocked volume the blocks are those of Level, or of the finest coarser level that keeps to
+ * MaximumTriangles as far as the contour spectrum can tell. TimeBudget and Progressive have no
+ * effect, nor have the options that say what becomes of the blocks: CloseBoundary,
+ * DropDegenerateTriangles and GenerateTriangles.
+ *
+ * Errors, on all ranks: an input that failed; those of the filter itself.
+ */
+ISOSURFACEFILTERS_EXPORT Status CollectContourBlocks(vtkStabbingContour* contour, int piece,
+  int pieces, const std::optional<double>& time, ContourBlocks& blocks);
 
-/// Fills in what follows from the volume and the query; Isovalues, ArrayName and Arrays are there.
-Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume,
-  const VolumeBlocksQuery& query, ContourBlocks& blocks);
+/// The active blocks of the query's share of a level. Fills in what follows from them; Isovalues,
+/// ArrayName and Arrays are there. Not collective.
+Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
+  int level, ContourBlocks& blocks);
 
-/// The same of images that all ranks have pieces of. Collective: all ranks enter it, whatever
-/// `status` they bring, and get the error of any. Scalars and attributes are those of the pieces.
-Status CollectImageBlocks(Communicator& ranks, const Status& status,
-  std::shared_ptr<ImagePieces> pieces, std::vector<ChosenScalars> scalars,
-  std::vector<PieceAttributes> attributes, const Region& region, int threads,
-  ContourBlocks& blocks);
+/// The same of images that all ranks have pieces of; fills in Arrays, too. Collective.
+Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
+  const ImageContour::Settings& settings, ContourBlocks& blocks);
 
 } // namespace isosurface
 

@@ -5,11 +5,10 @@
 #include "ChosenScalars.h"
 #include "ImagePieces.h"
 #include "SpectrumTable.h"
+#include "VolumeInput.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkInformationBlockedVolumeKey.h"
-#include "vtkInformationStabbingRequestKey.h"
-#include "vtkStabbingRequest.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
@@ -140,12 +139,10 @@ int vtkContourSpectrum::RequestUpdateExtent(
   inInfo->Set(
     Pipeline::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-  if (vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo))
+  if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
   {
-    // No samples are needed.
-    vtkNew<vtkStabbingRequest> request;
-    request->SetHandleOnly(true);
-    vtkBlockedVolumeReader::STABBING_REQUEST()->Set(inInfo, request);
+    // The spectrum is stored: no samples are needed.
+    handle->BeginTaking(this);
   }
   return 1;
 }
@@ -156,12 +153,15 @@ int vtkContourSpectrum::RequestData(
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkTable* table = vtkTable::GetData(output, 0);
-  vtkBlockedVolumeReader::STABBING_REQUEST()->Withdraw(inInfo);
+  const isosurface::VolumeInput volume(inInfo);
+  if (volume)
+  {
+    volume.GetHandle().EndTaking(this);
+  }
 
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = vtkBlockedVolumeReader::BLOCKED_VOLUME()->Has(inInfo)
-    ? this->ReadFromVolume(inInfo, ranks.GetRank(), table)
-    : this->CountInImages(ranks, inInfo, table);
+  Status status = volume ? this->ReadFromVolume(volume, ranks.GetRank(), table)
+                         : this->CountInImages(ranks, inInfo, table);
   status = ranks.Agree(status);
   if (!status.IsOk())
   {
@@ -176,46 +176,25 @@ int vtkContourSpectrum::RequestData(
 }
 
 //------------------------------------------------------------------------------
-Status vtkContourSpectrum::ReadFromVolume(vtkInformation* inInfo, int rank, vtkTable* table)
+Status vtkContourSpectrum::ReadFromVolume(
+  const isosurface::VolumeInput& input, int rank, vtkTable* table)
 {
   if (rank != 0)
   {
     return Status::Ok();
   }
-  auto* handle =
-    static_cast<vtkBlockedVolumeHandle*>(vtkBlockedVolumeReader::BLOCKED_VOLUME()->Get(inInfo));
-  isosurface::BlockedVolume& volume = *handle->GetVolume();
-  const std::size_t step = handle->FindTimeStep(inInfo);
-  const std::string name = this->GetArrayName();
-  // Without a choice: the first array, which the reader makes the active scalars.
-  const auto array =
-    name.empty() ? std::optional<std::size_t>(0) : volume.GetHeader().FindArray(name);
-  if (!array)
-  {
-    return Status(
-      StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to contour");
-  }
-  const auto variable = volume.GetVariables().FindChoice(*array, this->Component);
-  if (!variable)
-  {
-    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[*array];
-    return isosurface::MakeComponentError(
-      description.Name, description.Components, this->Component);
-  }
+  const auto variable = input.FindVariable(this->GetArrayName(), this->Component);
+  ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
+  isosurface::BlockedVolume& volume = *input.GetVolume();
+  const std::size_t step = input.GetTimeStep();
   const auto total = volume.GetSpectrum(step, *variable);
-  if (!total.IsOk())
-  {
-    return total.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
   isosurface::AddSpectrumColumns({ **total }, table);
   const std::uint32_t stores = this->StoreQuantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
     const auto spectrum = volume.GetStoreSpectrum(step, *variable, store);
-    if (!spectrum.IsOk())
-    {
-      return spectrum.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     isosurface::AddQuantityColumn(**spectrum, static_cast<std::size_t>(this->StoreQuantity),
       "[" + std::to_string(store) + "]", table);
   }
@@ -291,10 +270,7 @@ Status vtkContourSpectrum::CountInImages(
   for (const GridSpectrum& grid : grids)
   {
     auto spectrum = grid.Count(ranks, bins, progress);
-    if (!spectrum.IsOk())
-    {
-      return spectrum.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(std::move(*spectrum));
     ++done;
   }

@@ -38,6 +38,7 @@ namespace isosurface
 {
 class Communicator;
 class Status;
+class VolumeInput;
 }
 
 class vtkMultiProcessController;
@@ -108,7 +109,8 @@ private:
   vtkContourSpectrum(const vtkContourSpectrum&) = delete;
   void operator=(const vtkContourSpectrum&) = delete;
 
-  isosurface::Status ReadFromVolume(vtkInformation* inInfo, int rank, vtkTable* table);
+  isosurface::Status ReadFromVolume(
+    const isosurface::VolumeInput& input, int rank, vtkTable* table);
   isosurface::Status CountInImages(
     isosurface::Communicator& ranks, vtkInformation* inInfo, vtkTable* table);
   std::string GetArrayName();

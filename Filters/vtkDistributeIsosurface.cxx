@@ -196,7 +196,7 @@ Status vtkDistributeIsosurface::Distribute(isosurface::Communicator& ranks,
     time = outInfo->Get(Pipeline::UPDATE_TIME_STEP());
   }
   ISOSURFACE_RETURN_IF_ERROR(
-    contour->CollectBlocks(ranks.GetRank(), ranks.GetSize(), time, blocks));
+    isosurface::CollectContourBlocks(contour, ranks.GetRank(), ranks.GetSize(), time, blocks));
   if (blocks.Isovalues.empty())
   {
     return Status::Ok();
@@ -232,7 +232,7 @@ Status vtkDistributeIsosurface::Distribute(isosurface::Communicator& ranks,
   AddToFieldData(output, "RawBytes", isosurface::GetSurfaceBytes(*surface));
   AddToFieldData(output, "QuerySeconds", querySeconds);
   AddToFieldData(output, "Level", blocks.Level);
-  vtkLogF(INFO,
+  vtkLogF(1,
     "Distribute Isosurface: rank %d: %llu points encoded to %llu bytes, %llu bytes sent, %zu "
     "triangles; query %.4f s, encode %.4f s, choose %.4f s, exchange %.4f s, decode %.4f s",
     ranks.GetRank(), static_cast<unsigned long long>(cost.EncodedPoints),

@@ -10,7 +10,7 @@
  * triangles. So each rank draws into a small part of the picture (see vtkMetabufferRenderView).
  *
  * What travels is not triangles but where the isovalues cross the grid, as edge-index records, some
- * bits a vertex. So this filter takes the contour's blocks (vtkStabbingContour::CollectBlocks), and
+ * bits a vertex. So this filter takes the contour's blocks (CollectContourBlocks), and
  * the contour is not executed. While blocks are under way, those that are there become triangles.
  *
  * The output has the triangles and GlobalIds of the contour, and its point data: isovalues,

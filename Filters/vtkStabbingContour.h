@@ -11,10 +11,9 @@
  *
  * Behind a vtkBlockedVolumeReader the external interval trees are stabbed with the isovalues, and
  * the active blocks are read, through the process' block cache, and contoured one by one; the
- * reader's output is not used. Behind a filter that passes samples on unchanged (vtkPassThrough,
- * vtkPassArrays) the isovalues travel upstream under vtkBlockedVolumeReader::STABBING_REQUEST(),
- * and the reader gives the active blocks. For image data the value ranges of blocks are computed
- * once an array, and kept between isovalues; so are magnitudes, which take 8 bytes a vertex.
+ * reader's output is not used. Filters that hand samples on unchanged may stand between
+ * (vtkPassThrough, vtkPassArrays). For image data the value ranges of blocks are computed once an
+ * array, and kept between isovalues; so are magnitudes, which take 8 bytes a vertex.
  *
  * Of a blocked volume with Level l > 0 the surface is that of the volume subsampled by 2^l: of all
  * vertices whose coordinates, counted from the extent's low corner, are multiples of 2^l. Only what
@@ -34,7 +33,7 @@
  *
  * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
  * BlocksRead, BytesRead, BlockCacheHits, Triangles, Level, QuerySeconds, ReadSeconds,
- * ExtractSeconds); also a line in the log. With a TimeBudget or MaximumTriangles also
+ * ExtractSeconds); also a line in the log, at verbosity 1. With a TimeBudget or MaximumTriangles also
  * EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit: which of the two forbids the
  * next finer level, if one does.
  *
@@ -49,26 +48,13 @@
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
 
-#include <cstddef>  // For std::size_t
-#include <memory>   // For the index
-#include <optional> // For times
-#include <string>   // For array names
-#include <vector>   // For array names
+#include <memory> // For the work
+#include <string> // For array names
+#include <vector> // For array names
 
 namespace isosurface
 {
-class BlockedVolume;
-class Communicator;
-class ImageContour;
-class Region;
-class Status;
-class VolumeContour;
-template <class T>
-class Result;
-struct ContourBlocks;
-struct ContourRequest;
-struct ImagePieces;
-struct SurfaceQuery;
+class ContourWork;
 }
 
 class vtkAlgorithmOutput;
@@ -175,8 +161,8 @@ public:
    *   for (contour->Update(); !contour->GetFinal(); contour->Update()) { ...; contour->Refine(); }
    *
    * A change of a property, the volume or the time step begins anew. Refine without effect: when
-   * the surface is final, or nothing was extracted since the last change. Only straight behind a
-   * vtkBlockedVolumeReader; surfaces of other inputs are final at once. With a budget the surface
+   * the surface is final, or nothing was extracted since the last change. Surfaces of other inputs
+   * than blocked volumes are final at once. With a budget the surface
    * is final at the level that it allows. All ranks take the same level. Default off.
    */
   vtkSetMacro(Progressive, vtkTypeBool);
@@ -272,22 +258,9 @@ public:
   vtkMTimeType GetMTime() override;
 
   /**
-   * For consumers that take a surface larger than memory: what this filter would contour for one of
-   * several pieces, block by block (see ContourBlocks.h). The input is brought up to date for that
-   * piece, at that time if one is given; the output is neither made nor changed. Collective.
-   *
-   * Of a blocked volume the blocks are those of Level, or of the finest level from there on that
-   * keeps to MaximumTriangles as far as the contour spectrum can tell. TimeBudget and Progressive,
-   * which are about waiting for a picture, have no effect, nor have CloseBoundary,
-   * DropDegenerateTriangles and GenerateTriangles, which are about what becomes of the blocks.
-   */
-  isosurface::Status CollectBlocks(
-    int piece, int pieces, const std::optional<double>& time, isosurface::ContourBlocks& blocks);
-
-  /**
-   * The filter whose output arrives at a connection unchanged: the producer, or, behind a
-   * vtkPVPostFilter (which ParaView puts behind every filter) or a vtkPassThrough, what produces
-   * for that. Null if it is another one.
+   * The vtkStabbingContour whose output arrives at a connection unchanged: its producer, or what
+   * is in front of filters that hand everything on (vtkPassThrough, and the vtkPVPostFilter that
+   * ParaView puts behind every filter). Null if there is none.
    */
   static vtkStabbingContour* FindBehind(vtkAlgorithmOutput* connection);
 
@@ -305,35 +278,12 @@ private:
   vtkStabbingContour(const vtkStabbingContour&) = delete;
   void operator=(const vtkStabbingContour&) = delete;
 
-  struct Output; ///< what is extracted
+  friend class isosurface::ContourWork;
 
-  /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
-  isosurface::Status MakeQuery(const isosurface::BlockedVolume& volume,
-    const isosurface::ContourRequest& request, isosurface::SurfaceQuery& query, Output& output);
-
-  struct Pass; ///< of a progressive extraction: the last one
-
-  isosurface::Result<int> ChoosePassLevel(const std::shared_ptr<isosurface::BlockedVolume>& volume,
-    const isosurface::SurfaceQuery& query);
-
-  isosurface::Status ExtractFromVolume(vtkInformation* inInfo, vtkInformation* outInfo,
-    isosurface::ContourRequest& request, Output& output);
-  isosurface::Status ExtractFromImages(
-    vtkInformationVector** input, isosurface::ContourRequest& request, Output& output);
-  /// The images of all ranks that are to be contoured. Collective.
-  isosurface::Result<isosurface::ImagePieces> CollectPieces(
-    isosurface::Communicator& ranks, vtkInformation* inInfo, Output& output);
-  /// What a piece of the output needs of the input; asked for in the input's information.
+  /// Asks the input for what a piece of the output needs; until ReleaseInput, which is called when
+  /// the input is up to date.
   void AskInput(vtkInformation* inInfo, int piece, int pieces);
-  isosurface::Status CollectBlocksOfVolume(isosurface::Communicator& ranks, vtkInformation* inInfo,
-    int piece, int pieces, isosurface::ContourBlocks& blocks);
-  isosurface::Status CollectBlocksOfImages(
-    isosurface::Communicator& ranks, vtkInformation* inInfo, isosurface::ContourBlocks& blocks);
-  isosurface::Region MakeRegion();
-  std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
-  bool TellProgress(double share);
-  std::string GetArrayToContour();
-  int ChooseThreads();
+  void ReleaseInput(vtkInformation* inInfo);
 
   vtkNew<vtkContourValues> ContourValues;
   int Component;
@@ -353,11 +303,8 @@ private:
   double RegionLength[3];
   vtkPlanes* Frustum;
   int NumberOfThreads;
-  int RanksOnNode; ///< 0: not known yet
   vtkMultiProcessController* Controller;
-  std::unique_ptr<isosurface::ImageContour> OfImages;
-  std::unique_ptr<isosurface::VolumeContour> OfVolumes;
-  std::unique_ptr<Pass> LastPass;
+  std::unique_ptr<isosurface::ContourWork> Work;
 };
 
 #endif

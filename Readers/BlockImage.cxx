@@ -2,7 +2,6 @@
 #include "BlockImage.h"
 
 #include "ImageSamples.h"
-#include "Record/BlockSegment.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -107,25 +106,25 @@ vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescripti
   return values;
 }
 
-// Makes a component take its least value in the first vertex, its greatest one in the last.
+// Gives the first vertex the minimum of a component, the last one its maximum.
 void FillWithRange(const KeyRange& range, ValueType type, int component, vtkDataArray* values)
 {
   DispatchValueType(type,
     [&](auto zero)
     {
       using Value = decltype(zero);
-      const Value least = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
-      const Value greatest = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
+      const Value minimum = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Minimum);
+      const Value maximum = range.IsEmpty() ? zero : MakeValueOfKey<Value>(range.Maximum);
       auto* samples = static_cast<Value*>(values->GetVoidPointer(component));
       const int components = values->GetNumberOfComponents();
       const vtkIdType last = values->GetNumberOfTuples() - 1;
       for (vtkIdType vertex = 0; vertex <= last; ++vertex)
       {
-        // In between what is nearest to zero, so that magnitudes have about their range.
-        samples[vertex * components] = std::clamp(zero, least, greatest);
+        // In between: the value nearest to zero, so that magnitudes have about their range.
+        samples[vertex * components] = std::clamp(zero, minimum, maximum);
       }
-      samples[last * components] = greatest;
-      samples[0] = least;
+      samples[last * components] = maximum;
+      samples[0] = minimum;
     });
 }
 
@@ -139,42 +138,6 @@ void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox&
 
 } // namespace
 
-Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
-  const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
-  int level, QueryStatistics& statistics)
-{
-  const StoredLevel stored = volume.FindLevel(level);
-  const VertexBox available = stored.Grid->GetGhostedVertices(block.Block, stored.Level);
-  vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
-  std::vector<std::size_t> variables;
-  for (const std::size_t array : arrays)
-  {
-    for (int component = 0; component < volume.GetVariables().GetComponents(array); ++component)
-    {
-      variables.push_back(*volume.GetVariables().Find(array, component));
-    }
-  }
-  const Result<DecodedBlocks> decoded =
-    volume.ReadVariables(block, timeStep, variables, level, statistics);
-  if (!decoded.IsOk())
-  {
-    return decoded.GetStatus();
-  }
-  auto next = decoded->begin();
-  for (const std::size_t array : arrays)
-  {
-    const ArrayDescription& description = volume.GetHeader().Arrays[array];
-    vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
-    for (int component = 0; component < description.Components; ++component, ++next)
-    {
-      CopySamples(values->GetVoidPointer(component), description.Components, (*next)->View.First, 1,
-        available.GetNumberOfVertices(), GetValueSize(description.Type));
-    }
-  }
-  AddGhosts(image, available, stored.Grid->GetVertices(block.Block, stored.Level));
-  return image;
-}
-
 Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress)
@@ -182,10 +145,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   const StoredLevel stored = volume.FindLevel(level);
   const BlockGrid& grid = *stored.Grid;
   Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics, level);
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   const auto isOutside = [&](const BlockReference& block)
   { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };
   blocks->erase(std::remove_if(blocks->begin(), blocks->end(), isOutside), blocks->end());
@@ -205,13 +165,9 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
     vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
     for (int component = 0; component < description.Components; ++component, ++done)
     {
-      const Status status = AssembleBlocks(volume, timeStep,
+      ISOSURFACE_RETURN_IF_ERROR(AssembleBlocks(volume, timeStep,
         *volume.GetVariables().Find(array, component), level, box, *blocks, threads,
-        values->GetVoidPointer(component), description.Components, statistics, partProgress);
-      if (!status.IsOk())
-      {
-        return status;
-      }
+        values->GetVoidPointer(component), description.Components, statistics, partProgress));
     }
   }
   // One piece alone has no neighbours, hence no ghosts.

@@ -18,20 +18,12 @@ namespace isosurface
 {
 
 /**
- * A block of a blocked volume as a vtkImageData of its own: the given arrays at a level, of which
- * it must be a block (BlockedVolume::FindLevel), with the ghost layer of vertices and cells marked
- * in vtkGhostType. Extent, origin, spacing and direction are those of the level's grid
- * (GridGeometry::Coarsen), so that blocks fit together; its whole extent is in the field data
- * (StoreWholeExtent). May be called from any thread.
- */
-Result<vtkSmartPointer<vtkImageData>> ReadBlockImage(BlockedVolume& volume,
-  const BlockReference& block, std::size_t timeStep, const std::vector<std::size_t>& arrays,
-  int level, QueryStatistics& statistics);
-
-/**
- * A box of the blocks that have a level as one vtkImageData, whatever stores the blocks are in, as
- * ReadBlockImage makes it; without vtkGhostType where there are no ghosts. Reads the directories of
- * all their stores and every block of the box once, on `threads` threads.
+ * A box of the blocks that have a level (BlockedVolume::FindLevel) as one vtkImageData, whatever
+ * stores the blocks are in: the given arrays at that level, with the ghost layer of vertices and
+ * cells marked in vtkGhostType, if there is one. Extent, origin, spacing and direction are those
+ * of the level's grid (GridGeometry::Coarsen), so that pieces fit together; its whole extent is in
+ * the field data (StoreWholeExtent). Reads the directories of all stores and every block of the box
+ * once, on `threads` threads.
  */
 Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
@@ -39,8 +31,8 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
 
 /**
  * The box of the whole volume as an image of 2 vertices an axis (1 where the volume has 1), with
- * every component at its least value in the first vertex and its greatest one in the last. Stands
- * for a volume of which nothing was read: bounds, arrays and the components' ranges are right.
+ * every component at its minimum in the first vertex and at its maximum in the last. Stands for a
+ * volume of which nothing was read: bounds, arrays and the components' ranges are right.
  */
 vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::size_t timeStep);
 

@@ -46,6 +46,13 @@ std::size_t vtkBlockedVolumeHandle::FindTimeStep(vtkInformation* pipelineInfo) c
 }
 
 //------------------------------------------------------------------------------
+void vtkBlockedVolumeHandle::FinishOutput(bool isBox)
+{
+  this->IsAsked = false;
+  this->IsBox = isBox;
+}
+
+//------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

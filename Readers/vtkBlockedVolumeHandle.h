@@ -6,7 +6,7 @@
  *
  * Travels downstream under vtkBlockedVolumeReader::BLOCKED_VOLUME(), so that a filter can take
  * blocks straight from the stores. The handle shares the volume with the reader: it stays valid
- * when the reader opens another file or is deleted.
+ * when the reader opens another file or is deleted. Internal: not installed, not wrapped.
  */
 
 #ifndef vtkBlockedVolumeHandle_h
@@ -17,6 +17,7 @@
 
 #include <cstddef> // For std::size_t
 #include <memory>  // For std::shared_ptr
+#include <set>     // For the takers
 
 class vtkInformation;
 
@@ -41,6 +42,27 @@ public:
    */
   std::size_t FindTimeStep(vtkInformation* pipelineInfo) const;
 
+  ///@{
+  /**
+   * A consumer that takes blocks through this handle calls BeginTaking in REQUEST_UPDATE_EXTENT and
+   * EndTaking in REQUEST_DATA. In between the reader's output is not needed, unless somebody else
+   * has asked for it before (AskOutput, called by the reader in REQUEST_UPDATE_EXTENT).
+   */
+  void BeginTaking(const vtkObject* consumer) { this->Takers.insert(consumer); }
+  void EndTaking(const vtkObject* consumer) { this->Takers.erase(consumer); }
+  void EndTaking() { this->Takers.clear(); }
+  void AskOutput() { this->IsAsked = this->IsAsked || this->Takers.empty(); }
+  bool IsOutputNeeded() const { return this->IsAsked || this->Takers.empty(); }
+  ///@}
+
+  ///@{
+  /**
+   * Whether the reader's last output is no more than a box, made while no output was needed.
+   */
+  void FinishOutput(bool isBox);
+  bool IsOutputBox() const { return this->IsBox; }
+  ///@}
+
 protected:
   vtkBlockedVolumeHandle();
   ~vtkBlockedVolumeHandle() override;
@@ -50,6 +72,9 @@ private:
   void operator=(const vtkBlockedVolumeHandle&) = delete;
 
   std::shared_ptr<isosurface::BlockedVolume> Volume;
+  std::set<const vtkObject*> Takers;
+  bool IsAsked = false;
+  bool IsBox = false;
 };
 
 #endif

@@ -5,8 +5,6 @@
 #include "BlockImage.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkInformationBlockedVolumeKey.h"
-#include "vtkInformationStabbingRequestKey.h"
-#include "vtkStabbingRequest.h"
 
 #include "vtkDataArraySelection.h"
 #include "vtkImageData.h"
@@ -21,17 +19,18 @@
 
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
+#include "Query/BlockAssembly.h"
 #include "Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <vector>
 
 vtkStandardNewMacro(vtkBlockedVolumeReader);
 vtkCxxSetObjectMacro(vtkBlockedVolumeReader, Controller, vtkMultiProcessController);
 
 vtkInformationKeyMacro(vtkBlockedVolumeReader, BLOCKED_VOLUME, BlockedVolume);
-vtkInformationKeyMacro(vtkBlockedVolumeReader, STABBING_REQUEST, StabbingRequest);
 
 namespace
 {
@@ -39,40 +38,24 @@ constexpr std::uint64_t Mebibyte = 1024 * 1024;
 
 using isosurface::Status;
 using isosurface::StatusCode;
-
-/// The finest level of which a piece's part of the arrays fits the limit; -1 if none does.
-int ChooseLevel(const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays,
-  int pieces, std::uint64_t limit)
-{
-  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
-  {
-    std::uint64_t bytes = 0;
-    for (const std::size_t array : arrays)
-    {
-      const auto components =
-        static_cast<std::uint64_t>(volume.GetHeader().Arrays[array].Components);
-      bytes += components * volume.EstimateBytes(volume.GetVariables().GetFirst(array), level) /
-        static_cast<std::uint64_t>(pieces);
-    }
-    if (bytes <= limit)
-    {
-      return level;
-    }
-  }
-  return -1;
-}
-
-/// The array of a request; without a name the one that becomes the active scalars.
-std::optional<std::size_t> FindAskedArray(const isosurface::BlockedVolumeHeader& header,
-  const std::vector<std::size_t>& enabled, const std::string& name)
-{
-  if (name.empty())
-  {
-    return enabled.empty() ? std::nullopt : std::make_optional(enabled.front());
-  }
-  return header.FindArray(name);
-}
 } // namespace
+
+/// Fills an output with a piece of the volume. Not collective.
+struct vtkBlockedVolumeReader::Reading
+{
+  vtkBlockedVolumeReader* Reader;
+  isosurface::BlockedVolume& Volume;
+  std::size_t Step;
+  int Piece;
+  int Pieces;
+  int Threads;
+
+  /// The image of one cell that stands for the volume.
+  void MakeBox(vtkPartitionedDataSet* partitions) const;
+  /// The slab of the piece at the finest level that fits MemoryLimit.
+  Status ReadSlab(vtkPartitionedDataSet* partitions) const;
+  std::vector<std::size_t> FindEnabledArrays() const;
+};
 
 //------------------------------------------------------------------------------
 vtkBlockedVolumeReader::vtkBlockedVolumeReader()
@@ -195,12 +178,7 @@ int vtkBlockedVolumeReader::RequestInformation(
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   outInfo->Remove(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
   outInfo->Remove(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
-  if (!this->STABBING_REQUEST()->Has(outInfo))
-  {
-    vtkNew<vtkStabbingRequest> nothing;
-    this->STABBING_REQUEST()->Set(outInfo, nothing);
-  }
-  // A failure on some ranks must not keep them from RequestData, where all ranks agree on it.
+  // An error on some ranks must not keep them from RequestData, where all ranks agree on it.
   if (!this->OpenVolume())
   {
     outInfo->Remove(this->BLOCKED_VOLUME());
@@ -240,6 +218,17 @@ int vtkBlockedVolumeReader::RequestInformation(
 }
 
 //------------------------------------------------------------------------------
+int vtkBlockedVolumeReader::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector*)
+{
+  if (this->Handle)
+  {
+    this->Handle->AskOutput();
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
@@ -254,13 +243,33 @@ int vtkBlockedVolumeReader::RequestData(
   {
     if (open)
     {
+      // A consumer that takes blocks is not executed behind an error.
+      this->Handle->EndTaking();
       vtkErrorMacro(<< status.GetMessage());
     }
     return 0;
   }
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  vtkInformation* outInfo = output->GetInformationObject(0);
   const int ranksOnNode = ranks.GetRanksOnNode();
-  status = this->ReadBlocks(
-    output->GetInformationObject(0), isosurface::ChooseThreadCount(ranksOnNode), partitions);
+  const Reading reading = { this, *this->Handle->GetVolume(), this->Handle->FindTimeStep(outInfo),
+    outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
+    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())),
+    isosurface::ChooseThreadCount(ranksOnNode) };
+  if (const auto time = reading.Volume.GetHeader().TimeSteps[reading.Step].Time)
+  {
+    partitions->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *time);
+  }
+  const bool isBox = !this->Handle->IsOutputNeeded();
+  if (isBox)
+  {
+    reading.MakeBox(partitions);
+  }
+  else
+  {
+    status = reading.ReadSlab(partitions);
+  }
+  this->Handle->FinishOutput(isBox);
   // Progress is told by one of the threads: a stop may have come when others did the last blocks.
   if (status.IsOk() && this->CheckAbort())
   {
@@ -275,6 +284,7 @@ int vtkBlockedVolumeReader::RequestData(
   if (!status.IsOk())
   {
     partitions->Initialize();
+    this->Handle->EndTaking();
     vtkErrorMacro(<< status.GetMessage());
     return 0;
   }
@@ -282,80 +292,29 @@ int vtkBlockedVolumeReader::RequestData(
 }
 
 //------------------------------------------------------------------------------
-isosurface::Status vtkBlockedVolumeReader::ReadBlocks(
-  vtkInformation* outInfo, int threads, vtkPartitionedDataSet* partitions)
+std::vector<std::size_t> vtkBlockedVolumeReader::Reading::FindEnabledArrays() const
 {
-  isosurface::BlockedVolume& volume = *this->Handle->GetVolume();
-  const isosurface::BlockedVolumeHeader& header = volume.GetHeader();
-  const std::size_t step = this->Handle->FindTimeStep(outInfo);
-  const int piece = outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
-  const int pieces =
-    std::max(1, outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES()));
+  std::vector<std::size_t> enabled;
+  const auto& arrays = this->Volume.GetHeader().Arrays;
+  for (std::size_t array = 0; array < arrays.size(); ++array)
+  {
+    if (this->Reader->PointDataArraySelection->ArrayIsEnabled(arrays[array].Name.c_str()))
+    {
+      enabled.push_back(array);
+    }
+  }
+  return enabled;
+}
 
-  std::vector<std::size_t> arrays;
-  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions) const
+{
+  // Whoever asks for information (ParaView's panels) learns the bounds, arrays and ranges.
+  if (this->Piece == 0)
   {
-    if (this->PointDataArraySelection->ArrayIsEnabled(header.Arrays[array].Name.c_str()))
-    {
-      arrays.push_back(array);
-    }
+    partitions->SetNumberOfPartitions(1);
+    partitions->SetPartition(0, isosurface::MakeBoxImage(this->Volume, this->Step));
   }
-
-  if (header.TimeSteps[step].Time)
-  {
-    partitions->GetInformation()->Set(
-      vtkDataObject::DATA_TIME_STEP(), *header.TimeSteps[step].Time);
-  }
-  vtkStabbingRequest* request = this->STABBING_REQUEST()->GetRequest(outInfo);
-  if (request && request->GetHandleOnly())
-  {
-    // The consumer takes its blocks itself. Whoever else asks for information (ParaView's panels)
-    // learns the bounds, arrays and ranges.
-    if (piece == 0)
-    {
-      partitions->SetNumberOfPartitions(1);
-      partitions->SetPartition(0, isosurface::MakeBoxImage(volume, step));
-    }
-    return Status::Ok();
-  }
-
-  isosurface::QueryStatistics statistics;
-  const auto asked = request && !request->GetIsovalues().empty()
-    ? FindAskedArray(header, arrays, request->GetArrayName())
-    : std::optional<std::size_t>();
-  const auto variable = asked ? volume.GetVariables().FindChoice(*asked, request->GetComponent())
-                              : std::optional<std::size_t>();
-  if (variable)
-  {
-    if (std::find(arrays.begin(), arrays.end(), *asked) == arrays.end())
-    {
-      arrays.push_back(*asked);
-    }
-    const int level = std::clamp(request->GetLevel(), 0, volume.GetNumberOfLevels() - 1);
-    auto active = volume.FindActiveBlocks(step, *variable, request->GetIsovalues(), piece, pieces,
-      statistics, level, request->GetSelection());
-    if (!active.IsOk())
-    {
-      return active.GetStatus();
-    }
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->ReadActiveBlocks(*active, step, arrays, level, threads, partitions, statistics));
-  }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->ReadSlab(piece, pieces, step, arrays, threads, partitions, statistics));
-  }
-  vtkLogF(INFO,
-    "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
-    "%llu tree pages read, query %.4f s, read %.4f s",
-    this->FileName, piece, pieces, this->Level,
-    static_cast<unsigned long long>(statistics.BlocksRead),
-    static_cast<unsigned long long>(statistics.BlockCacheHits),
-    static_cast<unsigned long long>(statistics.BytesRead),
-    static_cast<unsigned long long>(statistics.TreePagesRead), statistics.QuerySeconds,
-    statistics.ReadSeconds);
-  return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
@@ -366,83 +325,39 @@ bool vtkBlockedVolumeReader::TellProgress(double share)
 }
 
 //------------------------------------------------------------------------------
-isosurface::Status vtkBlockedVolumeReader::ReadSlab(int piece, int pieces, std::size_t step,
-  const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
-  isosurface::QueryStatistics& statistics)
+Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitions) const
 {
-  isosurface::BlockedVolume& volume = *this->Handle->GetVolume();
-  const int level = ChooseLevel(volume, arrays, pieces, this->MemoryLimit * Mebibyte);
-  if (level < 0)
+  vtkBlockedVolumeReader* reader = this->Reader;
+  const std::vector<std::size_t> arrays = this->FindEnabledArrays();
+  const std::optional<int> level =
+    isosurface::FindLevelWithin(this->Volume, arrays, this->Pieces, reader->MemoryLimit * Mebibyte);
+  if (!level)
   {
-    vtkWarningMacro(<< this->FileName << ": not even the coarsest level fits the memory limit of "
-                    << this->MemoryLimit << " MiB: the output is empty.");
+    vtkWarningWithObjectMacro(reader, << reader->FileName
+                                      << ": not even the coarsest level fits the memory limit of "
+                                      << reader->MemoryLimit << " MiB: the output is empty.");
     return Status::Ok();
   }
-  this->Level = level;
+  reader->Level = *level;
   const isosurface::BlockBox slab =
-    isosurface::PartitionBlocks(*volume.FindLevel(level).Grid, piece, pieces);
+    isosurface::PartitionBlocks(*this->Volume.FindLevel(*level).Grid, this->Piece, this->Pieces);
   if (slab.IsEmpty())
   {
     return Status::Ok();
   }
-  const auto image = isosurface::ReadSlabImage(volume, slab, step, arrays, level, threads,
-    statistics, [this](double share) { return this->TellProgress(share); });
-  if (!image.IsOk())
-  {
-    return image.GetStatus();
-  }
+  isosurface::QueryStatistics statistics;
+  const auto image = isosurface::ReadSlabImage(this->Volume, slab, this->Step, arrays, *level,
+    this->Threads, statistics, [reader](double share) { return reader->TellProgress(share); });
+  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
   partitions->SetNumberOfPartitions(1);
   partitions->SetPartition(0, *image);
-  return Status::Ok();
-}
-
-//------------------------------------------------------------------------------
-isosurface::Status vtkBlockedVolumeReader::ReadActiveBlocks(
-  const std::vector<isosurface::BlockReference>& blocks, std::size_t step,
-  const std::vector<std::size_t>& arrays, int level, int threads, vtkPartitionedDataSet* partitions,
-  isosurface::QueryStatistics& statistics)
-{
-  isosurface::BlockedVolume& volume = *this->Handle->GetVolume();
-  this->Level = level;
-  std::vector<vtkSmartPointer<vtkImageData>> images(blocks.size());
-  std::vector<isosurface::QueryStatistics> costs(static_cast<std::size_t>(threads));
-  std::vector<Status> failures(static_cast<std::size_t>(threads));
-  const bool finished = isosurface::ParallelFor(
-    blocks.size(), threads,
-    [&](std::size_t index, int thread)
-    {
-      if (failures[thread].IsOk())
-      {
-        auto image =
-          isosurface::ReadBlockImage(volume, blocks[index], step, arrays, level, costs[thread]);
-        if (image.IsOk())
-        {
-          images[index] = *image;
-        }
-        else
-        {
-          failures[thread] = image.GetStatus();
-        }
-      }
-    },
-    [this](double share) { return this->TellProgress(share); });
-  for (const isosurface::QueryStatistics& cost : costs)
-  {
-    statistics.Add(cost);
-  }
-  for (const Status& failure : failures)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(failure);
-  }
-  if (!finished)
-  {
-    return Status(StatusCode::Aborted, "reading was stopped");
-  }
-  partitions->SetNumberOfPartitions(static_cast<unsigned int>(images.size()));
-  for (std::size_t index = 0; index < images.size(); ++index)
-  {
-    partitions->SetPartition(static_cast<unsigned int>(index), images[index]);
-  }
+  vtkLogF(1,
+    "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
+    "%.4f s",
+    reader->FileName, this->Piece, this->Pieces, *level,
+    static_cast<unsigned long long>(statistics.BlocksRead),
+    static_cast<unsigned long long>(statistics.BlockCacheHits),
+    static_cast<unsigned long long>(statistics.BytesRead), statistics.ReadSeconds);
   return Status::Ok();
 }
 

@@ -2,21 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkBlockedVolumeReader
- * @brief   reads blocked volumes (.bvol): only the blocks that a consumer needs
+ * @brief   reads blocked volumes (.bvol)
  *
- * The output is a vtkPartitionedDataSet of vtkImageData. What it holds depends on what is asked for
- * upstream:
- * - STABBING_REQUEST() with isovalues: the blocks that they cross, at the level of detail that the
- *   request names, each an image of its own. Any number of pieces (ranks) reads any number of
- * stores: each piece takes whole stores, or pieces share the blocks of one.
- * - else the whole volume, at the finest level of detail that fits MemoryLimit: one image a piece,
- *   a slab of blocks from whatever stores they are in.
- * A layer of ghost vertices and cells around blocks and slabs is marked by vtkGhostType.
+ * The output is a vtkPartitionedDataSet of vtkImageData: the whole volume, at the finest level of
+ * detail that fits MemoryLimit. Each piece gets one image, a slab of blocks from whatever stores
+ * they are in, with a layer of ghost vertices and cells marked by vtkGhostType.
  *
- * A consumer that finds BLOCKED_VOLUME() in its input's information can do without the output and
- * take blocks straight from the volume, as vtkStabbingContour does. It says so by a request with
- * HandleOnly; if there is no output yet, the reader then reads nothing and puts an image of one
- * cell in its place, the box of the volume.
+ * Filters of this project, such as vtkStabbingContour, take blocks straight from the stores
+ * instead: they find BLOCKED_VOLUME() in their input's information. If only such filters have
+ * asked for the output, it is the box of the volume, an image of one cell, and nothing is read.
  *
  * Decoded blocks are kept in one cache a process, of CacheSize. Errors name file and reason, on
  * every rank of the controller; the output is empty then.
@@ -29,20 +23,11 @@
 #include "vtkPartitionedDataSetAlgorithm.h"
 #include "vtkSmartPointer.h" // For the handle
 
-#include <string> // For the file name
-#include <vector> // For lists of blocks
-
-namespace isosurface
-{
-class Status;
-struct BlockReference;
-struct QueryStatistics;
-}
+#include <string> // For the last error
 
 class vtkBlockedVolumeHandle;
 class vtkDataArraySelection;
 class vtkInformationBlockedVolumeKey;
-class vtkInformationStabbingRequestKey;
 class vtkMultiProcessController;
 
 class ISOSURFACEREADERS_EXPORT vtkBlockedVolumeReader : public vtkPartitionedDataSetAlgorithm
@@ -110,11 +95,6 @@ public:
    */
   static vtkInformationBlockedVolumeKey* BLOCKED_VOLUME();
 
-  /**
-   * Upstream, in the output's pipeline information: the isovalues whose blocks are wanted.
-   */
-  static vtkInformationStabbingRequestKey* STABBING_REQUEST();
-
   vtkMTimeType GetMTime() override;
 
 protected:
@@ -123,6 +103,8 @@ protected:
 
   int RequestInformation(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  int RequestUpdateExtent(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
@@ -130,15 +112,9 @@ private:
   vtkBlockedVolumeReader(const vtkBlockedVolumeReader&) = delete;
   void operator=(const vtkBlockedVolumeReader&) = delete;
 
+  struct Reading; ///< the steps of RequestData
+
   bool OpenVolume();
-  isosurface::Status ReadBlocks(
-    vtkInformation* outInfo, int threads, vtkPartitionedDataSet* partitions);
-  isosurface::Status ReadSlab(int piece, int pieces, std::size_t step,
-    const std::vector<std::size_t>& arrays, int threads, vtkPartitionedDataSet* partitions,
-    isosurface::QueryStatistics& statistics);
-  isosurface::Status ReadActiveBlocks(const std::vector<isosurface::BlockReference>& blocks,
-    std::size_t step, const std::vector<std::size_t>& arrays, int level, int threads,
-    vtkPartitionedDataSet* partitions, isosurface::QueryStatistics& statistics);
   bool TellProgress(double share);
 
   char* FileName;

@@ -247,7 +247,7 @@ Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtk
   {
     return surface.GetStatus();
   }
-  vtkLogF(INFO, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->FileName,
+  vtkLogF(1, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->FileName,
     selection.Piece, selection.NumberOfPieces, surface->NumberOfBlocks, surface->NumberOfTriangles,
     surface->TotalSeconds);
   if (this->ComputeNormals && !request.Normals)

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkInformationBlockedVolumeKey.h"
 
+#include "PassingFilters.h"
+#include "vtkBlockedVolumeHandle.h"
+
 #include "vtkAlgorithm.h"
 #include "vtkDemandDrivenPipeline.h"
 #include "vtkExecutive.h"
@@ -19,6 +22,12 @@ vtkInformationBlockedVolumeKey::vtkInformationBlockedVolumeKey(
 vtkInformationBlockedVolumeKey::~vtkInformationBlockedVolumeKey() = default;
 
 //------------------------------------------------------------------------------
+vtkBlockedVolumeHandle* vtkInformationBlockedVolumeKey::GetHandle(vtkInformation* info)
+{
+  return static_cast<vtkBlockedVolumeHandle*>(this->Get(info));
+}
+
+//------------------------------------------------------------------------------
 void vtkInformationBlockedVolumeKey::CopyDefaultInformation(
   vtkInformation* request, vtkInformation* fromInfo, vtkInformation* toInfo)
 {
@@ -27,9 +36,31 @@ void vtkInformationBlockedVolumeKey::CopyDefaultInformation(
     return;
   }
   vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(toInfo);
-  if (executive && executive->GetAlgorithm()->IsA("vtkPVPostFilter"))
+  if (executive &&
+    isosurface::FindPassedArrays(executive->GetAlgorithm()) != isosurface::PassedArrays::None)
   {
     this->ShallowCopy(fromInfo, toInfo);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkInformationBlockedVolumeKey::NeedToExecute(
+  vtkInformation* pipelineInfo, vtkInformation* dobjInfo)
+{
+  return this->Has(dobjInfo) && this->GetHandle(pipelineInfo)->IsOutputNeeded();
+}
+
+//------------------------------------------------------------------------------
+void vtkInformationBlockedVolumeKey::StoreMetaData(
+  vtkInformation*, vtkInformation* pipelineInfo, vtkInformation* dobjInfo)
+{
+  if (this->GetHandle(pipelineInfo)->IsOutputBox())
+  {
+    this->ShallowCopy(pipelineInfo, dobjInfo);
+  }
+  else
+  {
+    this->Remove(dobjInfo);
   }
 }
 

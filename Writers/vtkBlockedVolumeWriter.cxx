@@ -260,7 +260,7 @@ Status vtkBlockedVolumeWriter::WriteStep(const isosurface::LocalVolume& local)
     });
   if (written.IsOk() && this->Writing->Ranks.GetRank() == 0)
   {
-    vtkLogF(INFO, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->FileName,
+    vtkLogF(1, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->FileName,
       static_cast<unsigned long long>(written->Blocks), this->BlockSize, written->Stores.size(),
       static_cast<unsigned long long>(written->Bytes));
   }

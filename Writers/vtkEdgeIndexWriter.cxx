@@ -238,7 +238,7 @@ Status vtkEdgeIndexWriter::WriteStep(isosurface::Communicator& ranks, vtkStabbin
   blocks.Attributes = this->WriteArrays;
   blocks.Normals = this->WriteNormals && contour->GetComputeNormals();
   ISOSURFACE_RETURN_IF_ERROR(
-    contour->CollectBlocks(ranks.GetRank(), ranks.GetSize(), time, blocks));
+    isosurface::CollectContourBlocks(contour, ranks.GetRank(), ranks.GetSize(), time, blocks));
   const Result<EdgeIndexHeader> header = this->MakeHeader(ranks, blocks);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.GetStatus()));
   isosurface::EdgeIndexWriteJob::Settings settings;
@@ -251,7 +251,7 @@ Status vtkEdgeIndexWriter::WriteStep(isosurface::Communicator& ranks, vtkStabbin
   const auto written = job.Run([this](double share) { return this->TellProgress(share); });
   if (written.IsOk() && ranks.GetRank() == 0)
   {
-    vtkLogF(INFO, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
+    vtkLogF(1, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
       static_cast<unsigned long long>(written->Records),
       static_cast<unsigned long long>(written->Points),
       static_cast<unsigned long long>(written->Bytes));

@@ -6,7 +6,7 @@
  *
  * The input is the output of a vtkStabbingContour, as it is. What is written is not its triangles
  * but where the isovalues cross the grid, so the writer takes the contour's blocks instead, some at
- * a time (vtkStabbingContour::CollectBlocks): Write() does not make the contour extract anything,
+ * a time (CollectContourBlocks): Write() does not make the contour extract anything,
  * and a surface of any size is written within MemoryLimit. Connectivity and GlobalIds are kept
  * exactly, points as Mode tells; interpolated arrays and normals exactly or within a bound. Any
  * other input (a surface that was clipped, say) is an error.

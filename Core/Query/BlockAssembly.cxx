@@ -110,6 +110,27 @@ BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces)
   return box;
 }
 
+std::optional<int> FindLevelWithin(const BlockedVolume& volume,
+  const std::vector<std::size_t>& arrays, int pieces, std::uint64_t bytes)
+{
+  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
+  {
+    std::uint64_t needed = 0;
+    for (const std::size_t array : arrays)
+    {
+      const auto components =
+        static_cast<std::uint64_t>(volume.GetHeader().Arrays[array].Components);
+      needed += components * volume.EstimateBytes(volume.GetVariables().GetFirst(array), level) /
+        static_cast<std::uint64_t>(pieces);
+    }
+    if (needed <= bytes)
+    {
+      return level;
+    }
+  }
+  return std::nullopt;
+}
+
 Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -36,6 +37,11 @@ struct BlockBox
 /// The slab of a piece: pieces of equally many layers of blocks along the axis that has most of
 /// them. With more pieces than layers some are empty.
 BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces);
+
+/// The finest level at which one of `pieces` equal pieces of these arrays takes at most `bytes` of
+/// memory, by BlockedVolume::EstimateBytes; nothing if not even the coarsest level does.
+std::optional<int> FindLevelWithin(const BlockedVolume& volume,
+  const std::vector<std::size_t>& arrays, int pieces, std::uint64_t bytes);
 
 /**
  * Fills `samples` with one variable in a box of blocks at a level of the volume, ghost layer

@@ -32,6 +32,7 @@ class ClientAndServer(unittest.TestCase):
                     str(testing.arguments.ranks),
                     testing.arguments.pvserver,
                     f"--server-port={port}",
+                    "--verbosity=1",
                     *options,
                 ],
                 stdout=log,

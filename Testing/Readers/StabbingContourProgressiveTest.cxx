@@ -187,21 +187,16 @@ TEST_F(StabbingContourProgressive, IsFinalAtOnceWhereItCannotBeProgressive)
   EXPECT_TRUE(this->Contour->GetFinal()) << "nothing is coarser";
   this->Contour->SetLevel(0);
 
-  vtkNew<vtkPassThrough> between;
-  between->SetInputConnection(this->Reader->GetOutputPort());
-  this->Contour->SetInputConnection(between->GetOutputPort());
-  this->Contour->Update();
-  EXPECT_TRUE(this->Contour->GetFinal()) << "behind another filter";
-  this->ExpectSurfaceOfItsLevel(0.3);
-
   this->Contour->SetInputData(this->Image);
   this->Contour->Update();
   EXPECT_TRUE(this->Contour->GetFinal()) << "image data";
   this->ExpectSurfaceOfItsLevel(0.3);
 
-  this->Contour->SetInputConnection(this->Reader->GetOutputPort());
+  vtkNew<vtkPassThrough> between;
+  between->SetInputConnection(this->Reader->GetOutputPort());
+  this->Contour->SetInputConnection(between->GetOutputPort());
   this->Contour->Update();
-  EXPECT_FALSE(this->Contour->GetFinal());
+  EXPECT_FALSE(this->Contour->GetFinal()) << "a filter that passes samples on";
   this->ExpectNoErrors();
 }
 

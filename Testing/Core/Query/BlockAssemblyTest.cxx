@@ -114,4 +114,25 @@ TEST(BlockAssembly, StopsWhenTold)
   EXPECT_EQ(status.GetCode(), StatusCode::Aborted);
 }
 
+TEST(BlockAssembly, LevelWithinALimitIsTheFinestThatFits)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::int16_t>({ 70, 33, 50 }), MakeSettings(16, 3));
+  const auto volume = OpenVolume(disk);
+  for (const int pieces : { 1, 3 })
+  {
+    for (int level = 0; level < 3; ++level)
+    {
+      const std::uint64_t bytes =
+        volume->EstimateBytes(0, level) / static_cast<std::uint64_t>(pieces);
+      EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, bytes), level);
+      EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, bytes - 1), level + 1);
+      // Two arrays take twice as much.
+      EXPECT_EQ(FindLevelWithin(*volume, { 0, 0 }, pieces, 2 * bytes), level);
+    }
+  }
+  EXPECT_EQ(FindLevelWithin(*volume, { 0 }, 1, 0), std::nullopt);
+  EXPECT_EQ(FindLevelWithin(*volume, {}, 1, 0), 0) << "no array takes no memory";
+}
+
 } // namespace isosurface

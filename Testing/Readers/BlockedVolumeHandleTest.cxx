@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contract between consumers and the reader: who asks for what gets just that, and nobody else
-// notices.
+// Consumers that take blocks through the handle beside consumers of the reader's output: each gets
+// what it asked for, in any order.
 #include "BlockChecks.h"
 #include "EventCounter.h"
 #include "ScratchFolder.h"
@@ -8,18 +8,20 @@
 
 #include "vtkBlockedVolumeReader.h"
 #include "vtkInformationBlockedVolumeKey.h"
-#include "vtkInformationStabbingRequestKey.h"
 #include "vtkStabbingContour.h"
-#include "vtkStabbingRequest.h"
 
 #include "vtkArrayCalculator.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
+#include "vtkDataArraySelection.h"
 #include "vtkDataSet.h"
+#include "vtkExecutive.h"
+#include "vtkGroupDataSetsFilter.h"
 #include "vtkInformation.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPassArrays.h"
+#include "vtkPassSelectedArrays.h"
 #include "vtkPassThrough.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
@@ -34,10 +36,10 @@ namespace
 constexpr double High = 200.0;
 constexpr double Low = 60.5;
 
-class StabbingRequest : public testing::Test
+class BlockedVolumeHandle : public testing::Test
 {
 protected:
-  StabbingRequest()
+  BlockedVolumeHandle()
     : Image(MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT))
     , ReaderRuns(this->Reader, vtkCommand::StartEvent)
     , ReaderErrors(this->Reader)
@@ -46,7 +48,7 @@ protected:
     WriteVolume(this->Image, this->Folder.GetPath("volume.bvol"), { 16, 3 });
     this->Reader->SetFileName(this->Folder.GetPath("volume.bvol").c_str());
   }
-  ~StabbingRequest() override
+  ~BlockedVolumeHandle() override
   {
     EXPECT_EQ(this->ReaderErrors.Messages, std::vector<std::string>());
   }
@@ -69,7 +71,14 @@ protected:
   {
     return CountActiveBlocks(this->Image, 16, isovalue).ActiveBlocks;
   }
-  std::uint64_t CountBlocks() { return this->Reader->GetOutput()->GetNumberOfPartitions(); }
+  // Nothing but the active blocks was read: the reader's output is the box of the volume.
+  void ExpectActiveBlocksAlone(vtkStabbingContour* contour, double isovalue)
+  {
+    this->ExpectSurface(contour, isovalue);
+    EXPECT_EQ(GetCost(contour->GetOutput(), "ActiveBlocks"), this->CountActive(isovalue));
+    ASSERT_EQ(this->Reader->GetOutput()->GetNumberOfPartitions(), 1u);
+    EXPECT_EQ(this->Reader->GetOutput()->GetPartition(0)->GetNumberOfCells(), 1);
+  }
 
   const ScratchFolder Folder;
   const vtkSmartPointer<vtkImageData> Image;
@@ -85,7 +94,7 @@ void Connect(vtkStabbingContour* contour, vtkAlgorithm* input)
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
 }
 
-TEST_F(StabbingRequest, ThroughPassThroughGivesActiveBlocksAlone)
+TEST_F(BlockedVolumeHandle, PassesPassThrough)
 {
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
@@ -93,42 +102,70 @@ TEST_F(StabbingRequest, ThroughPassThroughGivesActiveBlocksAlone)
   Connect(contour, pass);
   for (const double isovalue : { High, Low, 1.0 })
   {
-    this->ExpectSurface(contour, isovalue);
-    EXPECT_EQ(this->CountBlocks(), this->CountActive(isovalue)) << "at " << isovalue;
-    EXPECT_TRUE((BlockChecks{ this->Image }.HaveValues({ this->Reader->GetOutput() }, "density")));
-    EXPECT_EQ(GetCost(contour->GetOutput(), "ActiveBlocks"), this->CountActive(isovalue));
+    this->ExpectActiveBlocksAlone(contour, isovalue);
   }
-  EXPECT_EQ(this->ReaderRuns.Count, 3);
+  EXPECT_EQ(this->ReaderRuns.Count, 1) << "another isovalue is no reason to read again";
 }
 
-TEST_F(StabbingRequest, ThroughPassArraysGivesActiveBlocksAlone)
+TEST_F(BlockedVolumeHandle, PassesSeveralFilters)
+{
+  vtkNew<vtkPassThrough> first;
+  first->SetInputConnection(this->Reader->GetOutputPort());
+  vtkNew<vtkPassArrays> second;
+  second->SetInputConnection(first->GetOutputPort());
+  second->AddPointDataArray("density");
+  vtkNew<vtkPassThrough> third;
+  third->SetInputConnection(second->GetOutputPort());
+  vtkNew<vtkStabbingContour> contour;
+  Connect(contour, third);
+  this->ExpectActiveBlocksAlone(contour, High);
+  this->ExpectActiveBlocksAlone(contour, Low);
+}
+
+TEST_F(BlockedVolumeHandle, PassesPassArraysWithTheArray)
 {
   vtkNew<vtkPassArrays> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
   pass->AddPointDataArray("density");
-  pass->AddPointDataArray("vtkGhostType");
-  pass->AddCellDataArray("vtkGhostType");
   vtkNew<vtkStabbingContour> contour;
   Connect(contour, pass);
-  this->ExpectSurface(contour, High);
-  EXPECT_EQ(this->CountBlocks(), this->CountActive(High));
+  this->ExpectActiveBlocksAlone(contour, High);
+  vtkNew<vtkPassSelectedArrays> selected;
+  selected->SetInputConnection(this->Reader->GetOutputPort());
+  selected->GetPointDataArraySelection()->EnableArray("density");
+  Connect(contour, selected);
+  this->ExpectActiveBlocksAlone(contour, Low);
 }
 
-TEST_F(StabbingRequest, ThroughSeveralPassThroughsGivesActiveBlocksAlone)
+TEST_F(BlockedVolumeHandle, ArraysThatPassArraysLeavesOutAreErrors)
 {
-  vtkNew<vtkPassThrough> first;
-  first->SetInputConnection(this->Reader->GetOutputPort());
-  vtkNew<vtkPassThrough> second;
-  second->SetInputConnection(first->GetOutputPort());
-  vtkNew<vtkStabbingContour> contour;
-  Connect(contour, second);
-  this->ExpectSurface(contour, High);
-  EXPECT_EQ(this->CountBlocks(), this->CountActive(High));
-  this->ExpectSurface(contour, Low);
-  EXPECT_EQ(this->CountBlocks(), this->CountActive(Low));
+  for (const bool isOutputThere : { false, true })
+  {
+    vtkNew<vtkPassArrays> pass;
+    pass->SetInputConnection(this->Reader->GetOutputPort());
+    pass->RemoveArraysOn();
+    pass->AddPointDataArray("density");
+    if (isOutputThere)
+    {
+      this->Reader->Update();
+    }
+    vtkNew<vtkStabbingContour> contour;
+    ErrorCounter errors(contour);
+    const ErrorCounter executiveErrors(contour->GetExecutive());
+    Connect(contour, pass);
+    contour->SetValue(0, High);
+    contour->Update();
+    EXPECT_EQ(contour->GetOutput()->GetNumberOfPoints(), 0);
+    ASSERT_EQ(errors.Messages.size(), 1u);
+    EXPECT_NE(errors.Messages[0].find("no point array \"density\""), std::string::npos);
+
+    pass->ClearArrays();
+    errors.Messages.clear();
+    this->ExpectSurface(contour, High);
+  }
 }
 
-TEST_F(StabbingRequest, NothingActiveGivesNoBlocks)
+TEST_F(BlockedVolumeHandle, NothingActiveGivesAnEmptySurface)
 {
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
@@ -139,10 +176,10 @@ TEST_F(StabbingRequest, NothingActiveGivesNoBlocks)
   contour->Update();
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(contour->GetOutput()->GetNumberOfPoints(), 0);
-  EXPECT_EQ(this->CountBlocks(), 0u);
+  EXPECT_EQ(GetCost(contour->GetOutput(), "ActiveBlocks"), 0u);
 }
 
-TEST_F(StabbingRequest, DoesNotPassFiltersThatChangeValues)
+TEST_F(BlockedVolumeHandle, DoesNotPassFiltersThatChangeValues)
 {
   // 100 - density: other blocks are active than those of the stored values.
   vtkNew<vtkArrayCalculator> calculator;
@@ -177,7 +214,7 @@ TEST_F(StabbingRequest, DoesNotPassFiltersThatChangeValues)
   EXPECT_EQ(this->ReaderRuns.Count, 1) << "another isovalue is no reason to read again";
 }
 
-TEST_F(StabbingRequest, BehindReaderTakesBlocksFromVolume)
+TEST_F(BlockedVolumeHandle, BehindReaderTakesBlocksFromVolume)
 {
   vtkNew<vtkStabbingContour> contour;
   Connect(contour, this->Reader);
@@ -189,14 +226,14 @@ TEST_F(StabbingRequest, BehindReaderTakesBlocksFromVolume)
   EXPECT_EQ(this->ReaderRuns.Count, 1) << "another isovalue is no reason to read again";
 }
 
-TEST_F(StabbingRequest, BehindReaderNeedsNoArrayName)
+TEST_F(BlockedVolumeHandle, BehindReaderNeedsNoArrayName)
 {
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(this->Reader->GetOutputPort());
   this->ExpectSurface(contour, High);
 }
 
-TEST_F(StabbingRequest, BehindReaderPutsBoxInPlaceOfBlocks)
+TEST_F(BlockedVolumeHandle, BehindReaderPutsBoxInPlaceOfBlocks)
 {
   vtkNew<vtkStabbingContour> contour;
   Connect(contour, this->Reader);
@@ -225,7 +262,7 @@ TEST_F(StabbingRequest, BehindReaderPutsBoxInPlaceOfBlocks)
   EXPECT_EQ(range[1], expectedRange[1]);
 }
 
-TEST_F(StabbingRequest, ContoursOfOneReaderDoNotDisturbEachOther)
+TEST_F(BlockedVolumeHandle, ContoursOfOneReaderDoNotDisturbEachOther)
 {
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
@@ -243,7 +280,7 @@ TEST_F(StabbingRequest, ContoursOfOneReaderDoNotDisturbEachOther)
   }
 }
 
-TEST_F(StabbingRequest, PassingContoursOfOneReaderDoNotDisturbEachOther)
+TEST_F(BlockedVolumeHandle, PassingContoursOfOneReaderDoNotDisturbEachOther)
 {
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
@@ -263,8 +300,8 @@ TEST_F(StabbingRequest, PassingContoursOfOneReaderDoNotDisturbEachOther)
 }
 
 // Stock consumers, before, between and after contours: none of them may inherit a request.
-class StabbingRequestBesideStock
-  : public StabbingRequest
+class HandleBesideStock
+  : public BlockedVolumeHandle
   , public testing::WithParamInterface<bool>
 {
 protected:
@@ -287,7 +324,7 @@ protected:
   vtkNew<vtkThreshold> Threshold;
 };
 
-TEST_P(StabbingRequestBesideStock, StockConsumersSeeAllCells)
+TEST_P(HandleBesideStock, StockConsumersSeeAllCells)
 {
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
@@ -317,7 +354,7 @@ TEST_P(StabbingRequestBesideStock, StockConsumersSeeAllCells)
   this->ExpectAllCellsInThreshold();
 }
 
-TEST_P(StabbingRequestBesideStock, StockConsumerAfterContourSeesAllCells)
+TEST_P(HandleBesideStock, StockConsumerAfterContourSeesAllCells)
 {
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
@@ -347,41 +384,51 @@ std::string NameOfInput(const testing::TestParamInfo<bool>& info)
   return info.param ? "BehindPassThrough" : "BehindReader";
 }
 
-INSTANTIATE_TEST_SUITE_P(Inputs, StabbingRequestBesideStock, testing::Bool(), NameOfInput);
+INSTANTIATE_TEST_SUITE_P(Inputs, HandleBesideStock, testing::Bool(), NameOfInput);
 
-TEST_F(StabbingRequest, IsServedByOutputMadeForTheSame)
+TEST_F(BlockedVolumeHandle, ContoursAndStockConsumersShareOneUpdate)
 {
-  vtkNew<vtkStabbingRequest> nothing;
-  vtkNew<vtkStabbingRequest> high;
-  high->SetArrayName("density");
-  high->SetIsovalues({ High });
-  vtkNew<vtkStabbingRequest> alsoHigh;
-  alsoHigh->SetArrayName("density");
-  alsoHigh->SetIsovalues({ High });
-  vtkNew<vtkStabbingRequest> low;
-  low->SetArrayName("density");
-  low->SetIsovalues({ Low });
-  vtkNew<vtkStabbingRequest> other;
-  other->SetArrayName("pressure");
-  other->SetIsovalues({ High });
-  vtkNew<vtkStabbingRequest> handle;
-  handle->SetHandleOnly(true);
-  vtkStabbingRequest* const none = nullptr;
-  for (vtkStabbingRequest* made : { none, nothing.Get(), high.Get(), handle.Get() })
+  // Whatever the order of the inputs, the threshold sees the whole volume.
+  for (const bool contourFirst : { true, false })
   {
-    EXPECT_TRUE(vtkStabbingRequest::Serves(made, handle));
+    vtkNew<vtkStabbingContour> contours[2];
+    vtkNew<vtkThreshold> threshold;
+    threshold->SetInputConnection(this->Reader->GetOutputPort());
+    threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
+    threshold->SetLowerThreshold(1e9);
+    threshold->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+    threshold->Update();
+    this->Reader->Modified();
+    for (vtkStabbingContour* contour : { contours[0].Get(), contours[1].Get() })
+    {
+      Connect(contour, this->Reader);
+      contour->SetValue(0, High);
+    }
+    const EventCounter runs(this->Reader, vtkCommand::StartEvent);
+    vtkNew<vtkGroupDataSetsFilter> group;
+    group->SetOutputTypeToPartitionedDataSetCollection();
+    if (contourFirst)
+    {
+      group->AddInputConnection(contours[0]->GetOutputPort());
+      group->AddInputConnection(contours[1]->GetOutputPort());
+    }
+    group->AddInputConnection(threshold->GetOutputPort());
+    if (!contourFirst)
+    {
+      group->AddInputConnection(contours[0]->GetOutputPort());
+      group->AddInputConnection(contours[1]->GetOutputPort());
+    }
+    group->Update();
+    EXPECT_LE(runs.Count, 2);
+    EXPECT_TRUE((BlockChecks{ this->Image }.HaveEachCellOnce({ this->Reader->GetOutput() })))
+      << contourFirst;
+    for (vtkStabbingContour* contour : { contours[0].Get(), contours[1].Get() })
+    {
+      EdgeSurface surface;
+      surface.Add(contour->GetOutput());
+      EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(this->Image, High)));
+    }
   }
-  for (vtkStabbingRequest* wanted : { none, nothing.Get(), high.Get() })
-  {
-    EXPECT_FALSE(vtkStabbingRequest::Serves(handle, wanted));
-  }
-  EXPECT_TRUE(vtkStabbingRequest::Serves(nullptr, nothing));
-  EXPECT_TRUE(vtkStabbingRequest::Serves(nothing, nullptr));
-  EXPECT_TRUE(vtkStabbingRequest::Serves(high, alsoHigh));
-  EXPECT_FALSE(vtkStabbingRequest::Serves(high, low));
-  EXPECT_FALSE(vtkStabbingRequest::Serves(high, other));
-  EXPECT_FALSE(vtkStabbingRequest::Serves(high, nothing));
-  EXPECT_FALSE(vtkStabbingRequest::Serves(nullptr, high));
 }
 
 } // namespace

@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ContourWork.h"
+
+#include "ContourBlocks.h"
+#include "vtkBlockedVolumeHandle.h"
+#include "vtkStabbingContour.h"
+
+#include "vtkAlgorithmOutput.h"
+#include "vtkDataArray.h"
+#include "vtkExecutive.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkMath.h"
+#include "vtkNew.h"
+#include "vtkPlane.h"
+#include "vtkPlanes.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "Base/ParallelFor.h"
+#include "Query/ProgressiveLevels.h"
+#include "Store/BlockedVolume.h"
+#include "Volume/BlockSelection.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace isosurface
+{
+
+namespace
+{
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+}
+
+ContourWork::ContourWork(vtkStabbingContour& contour)
+  : Contour(contour)
+{
+}
+
+ContourWork& ContourWork::Of(vtkStabbingContour& contour)
+{
+  return *contour.Work;
+}
+
+//------------------------------------------------------------------------------
+// What the properties mean
+
+ControllerCommunicator ContourWork::GetRanks()
+{
+  return ControllerCommunicator(this->Contour.GetController());
+}
+
+int ContourWork::ChooseThreads()
+{
+  if (this->RanksOnNode == 0)
+  {
+    this->RanksOnNode = this->GetRanks().GetRanksOnNode();
+  }
+  const int threads = this->Contour.GetNumberOfThreads();
+  return threads > 0 ? threads : ChooseThreadCount(this->RanksOnNode);
+}
+
+bool ContourWork::TellProgress(double share)
+{
+  this->Contour.UpdateProgress(share);
+  return !this->Contour.CheckAbort();
+}
+
+ContourRequest ContourWork::MakeRequest()
+{
+  ContourRequest request;
+  for (vtkIdType n = 0; n < this->Contour.GetNumberOfContours(); ++n)
+  {
+    request.Isovalues.push_back(this->Contour.GetValue(static_cast<int>(n)));
+  }
+  request.Normals = this->Contour.GetComputeNormals() != 0;
+  request.GlobalIds = true;
+  request.Polygons = this->Contour.GetGenerateTriangles() == 0;
+  request.Offsets = true;
+  request.DropDegenerateTriangles = this->Contour.GetDropDegenerateTriangles() != 0;
+  if (this->Contour.GetCloseBoundary())
+  {
+    request.ClosedSides = GridSides::All();
+  }
+  return request;
+}
+
+Region ContourWork::MakeRegion()
+{
+  Region region;
+  if (this->Contour.GetUseRegion())
+  {
+    const double* position = this->Contour.GetRegionPosition();
+    const double* length = this->Contour.GetRegionLength();
+    std::array<double, 6> bounds;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      bounds[2 * axis] = position[axis];
+      bounds[2 * axis + 1] = position[axis] + length[axis];
+    }
+    region = Region::FromBounds(bounds);
+  }
+  std::vector<HalfSpace> halfSpaces;
+  vtkPlanes* frustum = this->Contour.GetFrustum();
+  vtkNew<vtkPlane> plane;
+  for (int number = 0; frustum && number < frustum->GetNumberOfPlanes(); ++number)
+  {
+    frustum->GetPlane(number, plane);
+    HalfSpace halfSpace;
+    plane->GetNormal(halfSpace.Normal.data());
+    halfSpace.Offset = vtkMath::Dot(plane->GetNormal(), plane->GetOrigin());
+    halfSpaces.push_back(halfSpace);
+  }
+  return region.Intersect(Region(halfSpaces));
+}
+
+std::string ContourWork::GetArrayToContour()
+{
+  vtkInformation* array = this->Contour.GetInputArrayInformation(0);
+  return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
+}
+
+std::vector<std::string> ContourWork::ChooseInterpolatedArrays(const std::string& contoured)
+{
+  std::vector<std::string> names;
+  for (int n = 0; n < this->Contour.GetNumberOfInterpolatedArrays(); ++n)
+  {
+    names.emplace_back(this->Contour.GetInterpolatedArray(n));
+  }
+  if (this->Contour.GetComputeScalars())
+  {
+    names.erase(std::remove(names.begin(), names.end(), contoured), names.end());
+  }
+  return names;
+}
+
+//------------------------------------------------------------------------------
+// A surface
+
+Status ContourWork::Extract(vtkInformation* inInfo, vtkInformation* outInfo, Outcome& outcome)
+{
+  const VolumeInput input(inInfo);
+  return input ? this->ExtractFromVolume(input, outInfo, outcome)
+               : this->ExtractFromImages(inInfo, outcome);
+}
+
+Status ContourWork::MakeQuery(
+  const VolumeInput& input, const ContourRequest& request, SurfaceQuery& query, Outcome& outcome)
+{
+  const auto variable = input.FindVariable(this->GetArrayToContour(), this->Contour.GetComponent());
+  ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
+  const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
+  const std::vector<ArrayDescription>& arrays = volume->GetHeader().Arrays;
+  query.TimeStep = input.GetTimeStep();
+  query.Variable = *variable;
+  outcome.ArrayName = arrays[volume->GetVariables()[*variable].Array].Name;
+  for (const std::string& name : this->ChooseInterpolatedArrays(outcome.ArrayName))
+  {
+    const auto attribute = input.FindArray(name, "interpolate");
+    ISOSURFACE_RETURN_IF_ERROR(attribute.GetStatus());
+    query.Attributes.push_back(*attribute);
+    outcome.Arrays.push_back(
+      { name, {}, { arrays[*attribute].Type, arrays[*attribute].Components } });
+  }
+  query.Isovalues = request.Isovalues;
+  query.Selection = { request.ClosedSides, this->MakeRegion() };
+  return Status::Ok();
+}
+
+Status ContourWork::ExtractFromVolume(
+  const VolumeInput& input, vtkInformation* outInfo, Outcome& outcome)
+{
+  const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
+  const int threads = this->ChooseThreads();
+  ContourRequest request = this->MakeRequest();
+  SurfaceQuery query;
+  query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
+  query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
+  const Status status = this->MakeQuery(input, request, query, outcome);
+  for (const InterpolatedArray& array : outcome.Arrays)
+  {
+    request.Attributes.push_back(array.Layout);
+  }
+  const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
+    static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
+  ControllerCommunicator ranks = this->GetRanks();
+  if (this->Contour.GetProgressive() || budget.IsLimited())
+  {
+    // What follows is collective.
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  const auto finest = this->ChoosePassLevel(volume, query);
+  ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
+  outcome.Final = *finest <= this->Contour.GetLevel();
+  const VolumeContour::Task task = { *volume, query, request, threads,
+    [this](double share) { return this->TellProgress(share); } };
+  if (budget.IsLimited())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->OfVolumes.ExtractWithinBudget(ranks, budget, task, *finest, outcome));
+    // What forbids this level forbids finer ones, too.
+    outcome.Final = outcome.Final || outcome.Cost.Level > *finest;
+    return Status::Ok();
+  }
+  LevelChoice choice;
+  choice.Level = *finest;
+  return this->OfVolumes.ExtractAtLevel(task, choice, outcome);
+}
+
+Status ContourWork::ExtractFromImages(vtkInformation* inInfo, Outcome& outcome)
+{
+  ControllerCommunicator ranks = this->GetRanks();
+  const int threads = this->ChooseThreads();
+  const auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
+  ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
+  ContourRequest request = this->MakeRequest();
+  auto extracted = this->OfImages.Extract(*pieces,
+    { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
+      this->MakeRegion(), threads },
+    request, [this](double share) { return this->TellProgress(share); });
+  ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
+  outcome.Extracted = std::move(extracted->Extracted);
+  outcome.Arrays = std::move(extracted->Arrays);
+  outcome.Cost.Reading.ActiveBlocks = extracted->ActiveBlocks;
+  return Status::Ok();
+}
+
+Result<ImagePieces> ContourWork::CollectPieces(
+  Communicator& ranks, vtkInformation* inInfo, std::string& arrayName)
+{
+  auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
+  {
+    int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+    vtkDataArray* array = this->Contour.GetInputArrayToProcess(0, image, association);
+    if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
+    {
+      return Status(StatusCode::InvalidArgument,
+        std::string("array \"") + (array->GetName() ? array->GetName() : "") +
+          "\" is not a point array; convert it to point data first");
+    }
+    if (array && array->GetName())
+    {
+      arrayName = array->GetName();
+    }
+    const int component = this->Contour.GetComponent();
+    if (array && !FindChosenComponent(array->GetNumberOfComponents(), component))
+    {
+      return MakeComponentError(arrayName, array->GetNumberOfComponents(), component);
+    }
+    return array;
+  };
+  auto pieces = CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
+  if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
+  {
+    return Status(StatusCode::NotFound,
+      "the input has no point array \"" + this->GetArrayToContour() + "\" to contour");
+  }
+  return pieces;
+}
+
+//------------------------------------------------------------------------------
+// Progressive surfaces
+
+Result<int> ContourWork::ChoosePassLevel(
+  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
+{
+  const int finest = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
+  if (!this->Contour.GetProgressive())
+  {
+    return finest;
+  }
+  ControllerCommunicator ranks = this->GetRanks();
+  Pass& pass = this->LastPass;
+  const vtkMTimeType time = this->Contour.GetMTime();
+  const bool isSame =
+    pass.Time == time && pass.Volume.lock() == volume && pass.TimeStep == query.TimeStep;
+  std::vector<std::uint64_t> isNew = { isSame ? 0U : 1U };
+  ranks.ReduceMaximum(isNew);
+  if (isNew.front() != 0)
+  {
+    const auto first = ChooseFirstLevel(*volume, query, finest, ranks);
+    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
+    pass.Level = *first;
+    pass.Time = time;
+    pass.Volume = volume;
+    pass.TimeStep = query.TimeStep;
+  }
+  return pass.Level;
+}
+
+bool ContourWork::Refine()
+{
+  Pass& pass = this->LastPass;
+  const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
+  if (!this->Contour.GetProgressive() || this->Contour.GetFinal() || !pass.Shown ||
+    pass.Time != this->Contour.GetMTime() || !volume)
+  {
+    return false;
+  }
+  pass.Level = GetNextLevel(*volume, pass.Level, this->Contour.GetLevel());
+  pass.Shown = false;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+// The blocks of a surface
+
+Status ContourWork::CollectBlocks(
+  int piece, int pieces, const std::optional<double>& time, ContourBlocks& blocks)
+{
+  ControllerCommunicator ranks = this->GetRanks();
+  blocks.Isovalues = this->MakeRequest().Isovalues;
+  const bool isUpdated = this->UpdateInput(piece, pieces, time);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isUpdated
+      ? Status::Ok()
+      : Status(StatusCode::InvalidArgument, "the contour filter has no input, or it failed")));
+  vtkInformation* inInfo = this->Contour.GetInputInformation();
+  const VolumeInput input(inInfo);
+  return input ? this->CollectBlocksOfVolume(ranks, input, piece, pieces, blocks)
+               : this->CollectBlocksOfImages(ranks, inInfo, blocks);
+}
+
+bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
+{
+  if (this->Contour.GetNumberOfInputConnections(0) == 0)
+  {
+    return false;
+  }
+  vtkAlgorithmOutput* connection = this->Contour.GetInputConnection(0, 0);
+  this->Contour.UpdateInformation();
+  vtkInformation* inInfo = this->Contour.GetInputInformation();
+  this->Contour.AskInput(inInfo, piece, pieces);
+  if (time)
+  {
+    inInfo->Set(Pipeline::UPDATE_TIME_STEP(), *time);
+  }
+  const bool isUpdated =
+    connection->GetProducer()->GetExecutive()->Update(connection->GetIndex()) != 0;
+  this->Contour.ReleaseInput(inInfo);
+  return isUpdated;
+}
+
+Status ContourWork::CollectBlocksOfVolume(
+  Communicator& ranks, const VolumeInput& input, int piece, int pieces, ContourBlocks& blocks)
+{
+  const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
+  SurfaceQuery query;
+  query.Rank = piece;
+  query.Ranks = pieces;
+  ContourRequest request;
+  request.Isovalues = blocks.Isovalues;
+  Outcome outcome;
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->MakeQuery(input, request, query, outcome)));
+  blocks.ArrayName = outcome.ArrayName;
+  if (blocks.Attributes)
+  {
+    blocks.Arrays = outcome.Arrays;
+  }
+  else
+  {
+    query.Attributes.clear();
+  }
+  int level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
+  if (this->Contour.GetMaximumTriangles() > 0)
+  {
+    QueryStatistics statistics;
+    const auto choice = ChooseLevel(*volume, query, level,
+      { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
+      this->OfVolumes.GetRate(), ranks, statistics);
+    ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+    level = choice->Level;
+  }
+  return ranks.Agree(CollectVolumeBlocks(volume, query, level, blocks));
+}
+
+Status ContourWork::CollectBlocksOfImages(
+  Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks)
+{
+  const int threads = this->ChooseThreads();
+  auto collected = this->CollectPieces(ranks, inInfo, blocks.ArrayName);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(collected.GetStatus()));
+  vtkInformation* data = vtkDataObject::GetData(inInfo)->GetInformation();
+  if (data->Has(vtkDataObject::DATA_TIME_STEP()))
+  {
+    blocks.Time = data->Get(vtkDataObject::DATA_TIME_STEP());
+  }
+  ImageContour::Settings settings;
+  settings.Component = this->Contour.GetComponent();
+  settings.Region = this->MakeRegion();
+  settings.Threads = threads;
+  if (blocks.Attributes)
+  {
+    settings.Arrays = this->ChooseInterpolatedArrays(blocks.ArrayName);
+  }
+  return CollectImageBlocks(ranks, std::move(*collected), settings, blocks);
+}
+
+} // namespace isosurface

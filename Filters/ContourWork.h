@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ContourWork_h
+#define isosurface_ContourWork_h
+
+#include "ControllerCommunicator.h"
+#include "ImageContour.h"
+#include "ImagePieces.h"
+#include "VolumeInput.h"
+
+#include "vtkType.h"
+
+#include "Base/Status.h"
+#include "Contour/SurfaceExtractor.h"
+#include "Query/VolumeContour.h"
+#include "SurfacePolyData.h"
+#include "Volume/Region.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+class vtkInformation;
+class vtkStabbingContour;
+
+namespace isosurface
+{
+
+struct ContourBlocks;
+
+/**
+ * What a vtkStabbingContour does: its properties become a query, the query becomes a surface, or
+ * the blocks that the surface is made of. Keeps what a later execution can use: value ranges of
+ * images, how fast this machine extracts, and the level of a progressive surface.
+ */
+class ContourWork
+{
+public:
+  explicit ContourWork(vtkStabbingContour& contour);
+  static ContourWork& Of(vtkStabbingContour& contour);
+
+  /// Of one execution, on this rank.
+  struct Outcome : VolumeContour::Outcome
+  {
+    std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
+    std::string ArrayName;                 ///< of the contoured array
+    bool Final = true;                     ///< whether a progressive surface is at its last level
+  };
+
+  /// This rank's piece of the surface. The caller has all ranks agree on the status. Collective.
+  Status Extract(vtkInformation* inInfo, vtkInformation* outInfo, Outcome& outcome);
+
+  /// See CollectContourBlocks.
+  Status CollectBlocks(
+    int piece, int pieces, const std::optional<double>& time, ContourBlocks& blocks);
+
+  /// Makes the next execution one of a finer level; false if the surface is final.
+  bool Refine();
+  /// Tells that the filter was modified by Refine alone.
+  void KeepPass(vtkMTimeType time) { this->LastPass.Time = time; }
+  /// Tells whether the surface of the level was extracted.
+  void SetShown(bool shown) { this->LastPass.Shown = shown; }
+
+  ControllerCommunicator GetRanks();
+  int ChooseThreads(); ///< collective at the first call
+
+private:
+  /// What the last execution was made of. A progressive surface goes on from it if neither the
+  /// filter, nor the volume, nor the time step has changed.
+  struct Pass
+  {
+    int Level = 0;
+    bool Shown = false;    ///< whether the surface of this level was extracted
+    vtkMTimeType Time = 0; ///< of the filter
+    std::weak_ptr<BlockedVolume> Volume;
+    std::size_t TimeStep = 0;
+  };
+
+  ContourRequest MakeRequest();
+  Region MakeRegion();
+  std::string GetArrayToContour();
+  std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
+  bool TellProgress(double share);
+
+  /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
+  Status MakeQuery(
+    const VolumeInput& input, const ContourRequest& request, SurfaceQuery& query, Outcome& outcome);
+  Status ExtractFromVolume(const VolumeInput& input, vtkInformation* outInfo, Outcome& outcome);
+  /// The finest level that this execution may extract. Collective if the surface is progressive.
+  Result<int> ChoosePassLevel(
+    const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
+  Status ExtractFromImages(vtkInformation* inInfo, Outcome& outcome);
+  /// The images of all ranks that are to be contoured. Collective.
+  Result<ImagePieces> CollectPieces(
+    Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
+
+  bool UpdateInput(int piece, int pieces, const std::optional<double>& time);
+  Status CollectBlocksOfVolume(
+    Communicator& ranks, const VolumeInput& input, int piece, int pieces, ContourBlocks& blocks);
+  Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);
+
+  vtkStabbingContour& Contour;
+  ImageContour OfImages;
+  VolumeContour OfVolumes;
+  Pass LastPass;
+  int RanksOnNode = 0; ///< 0: not known yet
+};
+
+} // namespace isosurface
+
+#endif

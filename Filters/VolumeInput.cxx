@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "VolumeInput.h"
+
+#include "ChosenScalars.h"
+#include "PassingFilters.h"
+#include "vtkBlockedVolumeHandle.h"
+#include "vtkBlockedVolumeReader.h"
+#include "vtkInformationBlockedVolumeKey.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSet.h"
+#include "vtkExecutive.h"
+#include "vtkInformation.h"
+#include "vtkInformationExecutivePortKey.h"
+#include "vtkPointData.h"
+
+#include "Store/BlockedVolume.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+namespace
+{
+
+// Whether a filter between the reader and this information's port passes chosen arrays alone.
+bool IsBehindChoice(vtkInformation* info)
+{
+  vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(info);
+  const PassedArrays passed = FindPassedArrays(executive->GetAlgorithm());
+  return passed == PassedArrays::Chosen ||
+    (passed == PassedArrays::All && executive->GetNumberOfInputConnections(0) > 0 &&
+      IsBehindChoice(executive->GetInputInformation(0, 0)));
+}
+
+} // namespace
+
+VolumeInput::VolumeInput(vtkInformation* inInfo)
+  : Info(inInfo)
+  , Handle(vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
+{
+}
+
+std::shared_ptr<BlockedVolume> VolumeInput::GetVolume() const
+{
+  return this->Handle->GetVolume();
+}
+
+std::size_t VolumeInput::GetTimeStep() const
+{
+  return this->Handle->FindTimeStep(this->Info);
+}
+
+bool VolumeInput::IsLeftOut(const std::string& name) const
+{
+  if (!IsBehindChoice(this->Info))
+  {
+    return false;
+  }
+  const auto images =
+    vtkCompositeDataSet::GetDataSets<vtkDataSet>(vtkDataObject::GetData(this->Info));
+  return std::any_of(images.begin(), images.end(),
+    [&](vtkDataSet* image) { return !image->GetPointData()->HasArray(name.c_str()); });
+}
+
+Result<std::size_t> VolumeInput::FindArray(const std::string& name, const char* purpose) const
+{
+  const BlockedVolume& volume = *this->GetVolume();
+  const BlockedVolumeHeader& header = volume.GetHeader();
+  const auto array = name.empty() ? std::optional<std::size_t>(0) : header.FindArray(name);
+  if (!array)
+  {
+    return Status(
+      StatusCode::NotFound, volume.GetPath() + ": has no array \"" + name + "\" to " + purpose);
+  }
+  if (this->IsLeftOut(header.Arrays[*array].Name))
+  {
+    return Status(StatusCode::NotFound,
+      "the input has no point array \"" + header.Arrays[*array].Name + "\" to " + purpose);
+  }
+  return *array;
+}
+
+Result<std::size_t> VolumeInput::FindVariable(const std::string& name, int component) const
+{
+  const auto array = this->FindArray(name, "contour");
+  ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+  const BlockedVolume& volume = *this->GetVolume();
+  const auto variable = volume.GetVariables().FindChoice(*array, component);
+  if (!variable)
+  {
+    const ArrayDescription& description = volume.GetHeader().Arrays[*array];
+    return MakeComponentError(description.Name, description.Components, component);
+  }
+  return *variable;
+}
+
+} // namespace isosurface

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VolumeInput_h
+#define isosurface_VolumeInput_h
+
+#include "Base/Status.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+class vtkBlockedVolumeHandle;
+class vtkInformation;
+
+namespace isosurface
+{
+
+class BlockedVolume;
+
+/// A blocked volume whose samples arrive unchanged at the input of a filter.
+class VolumeInput
+{
+public:
+  /// What the information of the filter's input tells. Behind any other source, no volume.
+  explicit VolumeInput(vtkInformation* inInfo);
+
+  explicit operator bool() const { return this->Handle != nullptr; }
+  vtkBlockedVolumeHandle& GetHandle() const { return *this->Handle; }
+  std::shared_ptr<BlockedVolume> GetVolume() const;
+  std::size_t GetTimeStep() const; ///< that the filter asks for
+
+  /// The volume's array of this name, or its first array, the active scalars, if the name is
+  /// empty. Errors: NotFound if the volume has no such array, or if a filter between reader and
+  /// input leaves it out. The input must be up to date.
+  Result<std::size_t> FindArray(const std::string& name, const char* purpose) const;
+
+  /// The variable to contour: of that array a component, or the magnitude, as the menu of ParaView
+  /// counts them. Errors: those of FindArray; InvalidArgument if there is no such component.
+  Result<std::size_t> FindVariable(const std::string& name, int component) const;
+
+private:
+  bool IsLeftOut(const std::string& name) const;
+
+  vtkInformation* Info;
+  vtkBlockedVolumeHandle* Handle;
+};
+
+} // namespace isosurface
+
+#endif
