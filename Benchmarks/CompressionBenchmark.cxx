@@ -2,13 +2,15 @@
 /**
  * What compression costs and gains, on volumes that the caller names or on a generated one.
  *
- * First every codec, level and filter on the volume's blocks in memory, one thread: bytes a voxel
- * that the records take in the file (ghost layers, headers and padding included), their ratio to
- * uncompressed ones, and the MB/s of samples encoded and decoded; decoding ends with samples that
- * can be contoured, which takes its time without compression, too. With --surfaces instead whole
- * volumes on disk: the seconds to write, the bytes, and the seconds from opening the file to the
- * surface, with the files in the page cache and dropped from it, for the isovalues with the most
- * triangles, a quarter and a sixteenth of them. Of all repeated runs the fastest counts.
+ * Without --surfaces: each codec and some of its levels on the volume's blocks in memory, with one
+ * thread. Told are the bytes a voxel that records take in the file (ghost layers, headers and
+ * padding included), their ratio to uncompressed ones, and the MB/s of samples encoded and decoded.
+ * Decoding ends with samples that can be contoured, which takes time without compression, too.
+ *
+ * With --surfaces: whole volumes on disk. Told are the seconds to write and the bytes; then, for
+ * the isovalues with the maximum of triangles, a quarter and a sixteenth of it, the seconds from
+ * opening the file to the surface, with the files in the page cache and without. The fastest of
+ * all repeated runs counts.
  */
 #include "BenchmarkVolume.h"
 #include "VolumeQuery.h"
@@ -47,8 +49,7 @@ struct Options
   int Side = 256;
   int Threads = 1;
   int Repeats = 5;
-  std::uint64_t LargestBytes = std::uint64_t{ 1 } << 26;
-  bool AllFilters = false;
+  std::uint64_t MaximumBytes = std::uint64_t{ 1 } << 26;
   bool Surfaces = false;
   std::vector<std::string> Inputs;
   std::string Folder = ".";
@@ -56,13 +57,11 @@ struct Options
 
 constexpr std::array<SegmentCodec, 3> Codecs = { SegmentCodec::None, SegmentCodec::Lz4,
   SegmentCodec::Zstd };
-constexpr const char* PredictorNames[] = { "none", "previous", "coarser" };
-constexpr const char* LayoutNames[] = { "samples", "bytes", "bits" };
 
-/// The records of some blocks of a volume, as a writer has them before it compresses.
+/// The uncompressed records of some blocks of a volume.
 struct Records
 {
-  Records(const SampleView& view, const BlockGrid& grid, std::uint64_t largestBytes)
+  Records(const SampleView& view, const BlockGrid& grid, std::uint64_t maximumBytes)
     : Grid(grid)
     , Type(view.Type)
   {
@@ -71,7 +70,7 @@ struct Records
     const std::uint64_t all = static_cast<std::uint64_t>(grid.GetDimensions()[0] *
                                 grid.GetDimensions()[1] * grid.GetDimensions()[2]) *
       GetValueSize(view.Type);
-    const auto step = static_cast<std::int64_t>(1 + all / largestBytes);
+    const auto step = static_cast<std::int64_t>(1 + all / maximumBytes);
     for (std::int64_t block = 0; block < blocks; block += step)
     {
       this->Add(view, block);
@@ -114,7 +113,7 @@ struct Records
   ValueType Type;
   double Voxels = 0;
   double SampleBytes = 0;
-  double RecordBytes = 0; ///< as they are
+  double RecordBytes = 0; ///< uncompressed
   std::vector<std::int64_t> Blocks;
   std::vector<BlockRecordLayout> Layouts;
   std::vector<Buffer<std::uint8_t>> Bytes;
@@ -165,14 +164,8 @@ void MeasureCodec(const Records& records, const BlockCompression& compression, i
     DecodeAll(records, layouts, bytes);
     decoding = std::min(decoding, GetSeconds() - begin);
   }
-  const SegmentFilter filter =
-    compression.Filter ? *compression.Filter : ChooseFilter(compression.Codec, records.Type);
-  const bool isNone = compression.Codec == SegmentCodec::None;
-  std::printf("  %-4s %2d  %-8s %-7s  %6.3f B/voxel  ratio %6.2f  encode %6.0f MB/s  decode %6.0f "
-              "MB/s\n",
-    GetCodecName(compression.Codec), compression.GetEffectiveLevel(),
-    isNone ? "" : PredictorNames[static_cast<int>(filter.Predictor)],
-    isNone ? "" : LayoutNames[static_cast<int>(filter.Layout)], stored / records.Voxels,
+  std::printf("  %-4s %2d  %6.3f B/voxel  ratio %6.2f  encode %6.0f MB/s  decode %6.0f MB/s\n",
+    GetCodecName(compression.Codec), compression.GetEffectiveLevel(), stored / records.Voxels,
     records.RecordBytes / stored, records.SampleBytes / encoding / 1e6,
     records.SampleBytes / decoding / 1e6);
   std::fflush(stdout);
@@ -181,20 +174,13 @@ void MeasureCodec(const Records& records, const BlockCompression& compression, i
 void MeasureCodecs(const SampleView& view, const GridGeometry& grid, const Options& options)
 {
   const Records records(
-    view, BlockGrid(grid.GetDimensions(), options.BlockSize), options.LargestBytes);
+    view, BlockGrid(grid.GetDimensions(), options.BlockSize), options.MaximumBytes);
   MeasureCodec(records, {}, options.Repeats);
   const std::pair<SegmentCodec, int> ways[] = { { SegmentCodec::Lz4, 1 }, { SegmentCodec::Lz4, 9 },
     { SegmentCodec::Zstd, 1 }, { SegmentCodec::Zstd, 3 }, { SegmentCodec::Zstd, 9 } };
   for (const auto& way : ways)
   {
-    BlockCompression compression{ way.first, way.second, {} };
-    MeasureCodec(records, compression, options.Repeats);
-    for (int code = 0; options.AllFilters && code < 9; ++code)
-    {
-      compression.Filter =
-        SegmentFilter::FromCode(static_cast<std::uint8_t>(code % 3 + 16 * (code / 3)));
-      MeasureCodec(records, compression, options.Repeats);
-    }
+    MeasureCodec(records, { way.first, way.second }, options.Repeats);
   }
 }
 
@@ -251,7 +237,7 @@ void MeasureSurfaces(const SampleView& view, const GridGeometry& grid, const Opt
   std::vector<std::string> paths;
   for (const SegmentCodec codec : Codecs)
   {
-    paths.push_back(WriteCompressed(view, grid, { codec, 0, {} }, options));
+    paths.push_back(WriteCompressed(view, grid, { codec, 0 }, options));
   }
   auto volume = BlockedVolume::Open(paths[0]);
   for (const double isovalue : ChooseIsovalues(**(*volume)->GetSpectrum(0, 0)))
@@ -329,8 +315,7 @@ int main(int argc, char** argv)
   application.add_option("--folder", options.Folder, "where to write blocked volumes");
   application.add_option("--threads", options.Threads, "threads to write and extract with");
   application.add_option("--repeats", options.Repeats, "runs of which the best or median is taken");
-  application.add_option("--largest", options.LargestBytes, "bytes of samples to code at most");
-  application.add_flag("--all-filters", options.AllFilters, "beside the chosen filter, all others");
+  application.add_option("--largest", options.MaximumBytes, "maximum bytes of samples to encode");
   application.add_flag("--surfaces", options.Surfaces, "whole volumes and surfaces, from disk");
   CLI11_PARSE(application, argc, argv);
 

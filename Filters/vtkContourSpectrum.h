@@ -15,8 +15,7 @@
  * - Area: of the isosurface, Volume: where value >= isovalue; estimates, in world units
  *
  * Behind a vtkBlockedVolumeReader the spectrum that is stored with the volume is read, no samples.
- * (Volumes of older versions have no more than the first three columns.) With StoreQuantity there
- * is one column more a store, "Triangles[0]", "Triangles[1]", ... if the quantity is Triangles. For
+ * With StoreQuantity there is one column more a store, "Triangles[0]", "Triangles[1]", ... if the quantity is Triangles. For
  * image data the spectrum is counted: two passes over the samples, on all ranks and threads. Of
  * images of several grids in one composite it is the sum.
  *

@@ -20,8 +20,7 @@ struct SpectrumColumn
   nlohmann::json Values; ///< an array of numbers
 };
 
-/// All that a spectrum tells, the isovalues first; area and volume in the grid's units. What is not
-/// known, as of volumes of older versions, has no column.
+/// All that a spectrum tells, the isovalues first; area and volume in the grid's units.
 std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum);
 
 /// At most `count` bins, evenly spread from the first to the last one whose isosurface has at least

@@ -13,7 +13,7 @@ namespace
 struct CodecTraits
 {
   const char* Name;
-  int HighestLevel;
+  int MaximumLevel;
 };
 
 constexpr std::array<CodecTraits, 3> Codecs = { { { "none", 0 }, { "lz4", 12 }, { "zstd", 19 } } };
@@ -45,7 +45,7 @@ bool BlockCompression::IsValid() const
 {
   const auto index = static_cast<std::size_t>(this->Codec);
   return index < Codecs.size() && this->Level >= 0 &&
-    (this->Codec == SegmentCodec::None || this->Level <= Codecs[index].HighestLevel);
+    (this->Codec == SegmentCodec::None || this->Level <= Codecs[index].MaximumLevel);
 }
 
 } // namespace isosurface

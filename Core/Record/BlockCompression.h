@@ -2,8 +2,6 @@
 #ifndef isosurface_BlockCompression_h
 #define isosurface_BlockCompression_h
 
-#include "Record/SegmentFilter.h"
-
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,33 +9,30 @@
 namespace isosurface
 {
 
-/// How the bytes of a segment are coded. The numbers are part of the file format.
+/// How the bytes of a segment are compressed. The numbers are part of the file format.
 enum class SegmentCodec : std::uint8_t
 {
-  None = 0, ///< as they are
+  None = 0, ///< not at all
   Lz4 = 1,  ///< one LZ4 block
   Zstd = 2  ///< one Zstandard frame
 };
 
-/// "none", "lz4", "zstd", as the file header has it; and back.
+/// "none", "lz4", "zstd", as in the file header.
 const char* GetCodecName(SegmentCodec codec);
+/// The codec of a name, or nothing.
 std::optional<SegmentCodec> FindCodec(const std::string& name);
 
-/**
- * What a writer is to do with segments. A segment that would not shrink by a sixteenth is stored as
- * it is, whatever is asked for here.
- */
+/// How a writer compresses segments. A segment that would not shrink by at least a sixteenth is
+/// stored uncompressed, whatever is asked for here.
 struct BlockCompression
 {
   SegmentCodec Codec = SegmentCodec::None;
-  /// How hard the codec tries: 1 to 12 for lz4, 1 to 19 for zstd; 0 is the codec's default, 1.
+  /// The codec's own level: 1 to 12 for lz4, 1 to 19 for zstd; 0 is the default, 1.
   int Level = 0;
-  /// Instead of the filter that ChooseFilter() gives each segment; for measurements.
-  std::optional<SegmentFilter> Filter;
 
-  /// 0 where there is nothing to choose; else the level that is meant.
+  /// Level with its default resolved; 0 without a codec.
   int GetEffectiveLevel() const;
-  /// Whether codec and level are possible together.
+  /// Whether the codec has the level.
   bool IsValid() const;
 };
 

@@ -32,7 +32,7 @@ void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentCodin
 {
   StoreLittleEndian(segment + 8, stored);
   segment[12] = static_cast<std::uint8_t>(coding.Codec);
-  segment[13] = coding.Filter.GetCode();
+  segment[13] = static_cast<std::uint8_t>(coding.Predictor);
   StoreLittleEndian(segment + 14, std::uint16_t{ 0 });
   StoreLittleEndian(segment, ComputeSegmentChecksum(segment, stored, place));
 }
@@ -44,11 +44,11 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
   if (LoadLittleEndian<std::uint64_t>(segment) != ComputeSegmentChecksum(segment, stored, place))
   {
     return Status(
-      StatusCode::Corrupt, name + " does not have the checksum that was written with it");
+      StatusCode::Corrupt, name + " has a wrong checksum");
   }
   if (LoadLittleEndian<std::uint32_t>(segment + 8) != stored)
   {
-    return Status(StatusCode::Corrupt, name + " does not have the length that the directory says");
+    return Status(StatusCode::Corrupt, name + " has another length than the directory states");
   }
   return Status::Ok();
 }
@@ -56,15 +56,15 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
 std::optional<SegmentCoding> LoadSegmentCoding(const std::uint8_t* segment)
 {
   const std::uint8_t codec = segment[12];
-  const std::uint8_t filter = segment[13];
+  const std::uint8_t predictor = segment[13];
   const bool isKnown = codec == static_cast<std::uint8_t>(SegmentCodec::None)
-    ? filter == 0
-    : codec <= static_cast<std::uint8_t>(SegmentCodec::Zstd) && SegmentFilter::IsCode(filter);
+    ? predictor == 0
+    : codec <= static_cast<std::uint8_t>(SegmentCodec::Zstd) && IsPredictor(predictor);
   if (!isKnown)
   {
     return std::nullopt;
   }
-  return SegmentCoding{ static_cast<SegmentCodec>(codec), SegmentFilter::FromCode(filter) };
+  return SegmentCoding{ static_cast<SegmentCodec>(codec), static_cast<SamplePredictor>(predictor) };
 }
 
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,

@@ -19,26 +19,25 @@ namespace isosurface
 {
 
 /**
- * The bytes of a block in a store's file `blocks`. Records begin at multiples of 4096 bytes; what
- * follows the last segment up to the next such multiple is zero. Little-endian throughout.
+ * The bytes of a block in a store's file `blocks`. Records begin at multiples of 4096 bytes; zeros
+ * fill the file from a record's last segment to the next such multiple. Little-endian throughout.
  *
  *     record                                     segment
- *     +---------------------------------+        +----+--------------------------------------+
- *     | variable 0: segment, level L - 1|        |  0 | checksum                   (uint64)  |
- *     |          ...                    |        |  8 | bytes stored               (uint32)  |
- *     |          segment, level 0       |        | 12 | codec: SegmentCodec        (uint8)   |
- *     | variable 1: segment, level L - 1|        | 13 | filter: SegmentFilter      (uint8)   |
- *     |          ...                    |        | 14 | 0                          (uint16)  |
- *     | zeros                           |        | 16 | stored bytes: the samples of the     |
- *     +---------------------------------+        |    | level as BlockSegment lists them,    |
- *                                                |    | filtered and compressed              |
- *                                                +----+--------------------------------------+
- *     checksum: XXH3-64 of the segment from byte 8 on, seeded by XXH3-64 of block index (uint64),
- *     variable (uint32), level (uint32): a segment in a wrong place is recognised like a damaged
- * one.
+ *     +------------------------------------+     +----+-----------------------------------------+
+ *     | variable 0: segment of level L - 1 |     |  0 | checksum                       (uint64) |
+ *     |             ...                    |     |  8 | m, the bytes stored            (uint32) |
+ *     |             segment of level 0     |     | 12 | codec: SegmentCodec             (uint8) |
+ *     | variable 1: segment of level L - 1 |     | 13 | predictor: SamplePredictor      (uint8) |
+ *     |             ...                    |     | 14 | 0                              (uint16) |
+ *     |             segment of level 0     |     | 16 | m bytes: the samples that BlockSegment  |
+ *     | zeros                              |     |    | lists, filtered (SegmentFilter.h) and   |
+ *     +------------------------------------+     |    | compressed; with codec 0 as they are    |
+ *                                                +----+-----------------------------------------+
  *
- * Variables: the components of all arrays (ArrayVariables), each a scalar grid of its own, so that
- * one component is read without the others and compression sees like next to like.
+ * checksum: XXH3-64 of the segment from byte 8 on, with the XXH3-64 of block index (uint64),
+ * variable (uint32) and level (uint32) as its seed, so a segment in a wrong place is detected like
+ * a damaged one. Variables: the components of all arrays (ArrayVariables), each stored as a scalar
+ * grid of its own, so that one component is read without the others.
  */
 struct BlockRecord
 {
@@ -59,42 +58,40 @@ struct SegmentPlace
   std::uint32_t Level;
 };
 
-/// How the stored bytes of a segment give its samples.
+/// How the stored bytes of a segment are decoded.
 struct SegmentCoding
 {
   SegmentCodec Codec = SegmentCodec::None;
-  SegmentFilter Filter;
+  SamplePredictor Predictor = SamplePredictor::None;
 };
 
-/// Writes the header before the `stored` bytes that already stand at segment + SegmentHeaderSize.
+/// Writes the segment's header. The `stored` bytes must already be at segment + SegmentHeaderSize.
 void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentCoding& coding,
   const SegmentPlace& place);
 
-/// What a segment's header says; nothing if this version does not know it.
+/// The coding that a segment's header states, or nothing if this version does not know it.
 std::optional<SegmentCoding> LoadSegmentCoding(const std::uint8_t* segment);
 
-/// Checks a segment of SegmentHeaderSize + stored bytes against its checksum and length. The
-/// message (Corrupt) names the place, not the file.
+/// Checks the checksum and the length of a segment of SegmentHeaderSize + stored bytes. The message
+/// of the error (Corrupt) names the place, not the file.
 Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place);
 
-/**
- * Puts the samples of a level together. segments[n] is the samples of the segment of level
- * L - 1 - n, at any address, for the levels from the coarsest to `level`.
- */
+/// Assembles the samples of a level from decoded segments: segments[n] are the samples of level
+/// L - 1 - n, for the levels from the coarsest to `level`. They need not be aligned.
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,
   ValueType type, const std::vector<const std::uint8_t*>& segments);
 
-/// The magnitudes of an array's tuples, from all of its components at one level.
+/// Computes the magnitudes of an array's tuples from all of its components at one level.
 std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(const DecodedBlocks& components);
 
-/// Where the segments of a record are; when made, if every one is stored as it is.
+/// Where the segments of a record are. A new layout is that of uncompressed segments.
 struct BlockRecordLayout
 {
   BlockRecordLayout(const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types);
 
-  /// Per segment in the order of the record: bytes from the record's begin to its header.
+  /// Per segment, in the order of the record: bytes from the record's start to the header.
   std::vector<std::uint64_t> Offsets;
-  /// Per segment: the bytes stored, without the header.
+  /// Per segment: bytes stored, without the header.
   std::vector<std::uint32_t> Lengths;
   std::uint64_t Samples = 0; ///< of all segments
   std::uint64_t Size = 0;    ///< of the record, without padding

@@ -12,7 +12,7 @@ template <typename T>
 void CopyStrided(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
   std::int64_t count)
 {
-  // Segments follow each other without padding, so a sample may stand at any address.
+  // There is no padding between segments, so samples may be unaligned.
   auto* target = static_cast<std::uint8_t*>(to);
   const auto* source = static_cast<const std::uint8_t*>(from);
   constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(T));

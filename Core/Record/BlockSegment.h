@@ -11,7 +11,7 @@
 namespace isosurface
 {
 
-/// Samples of a segment that follow each other: the vertices (I + n * Step, J, K), n < Count.
+/// Consecutive samples of a segment: those of the vertices (I + n * Step, J, K), n < Count.
 struct SegmentRow
 {
   std::int64_t I;
@@ -19,20 +19,20 @@ struct SegmentRow
   std::int64_t K;
   std::int64_t Step;
   std::int64_t Count;
-  std::uint64_t Offset; ///< of the first one in the segment, in samples
+  std::uint64_t Offset; ///< of the first sample in the segment, in samples
 };
 
 /**
- * Which vertices of a block stand in the segment of one level, and in which order.
+ * Which vertices of a block the segment of one level lists, and in which order.
  *
  * The segment of level l lists, in raster order, the vertices of the level's ghosted box that level
- * l + 1 does not have: those with an odd coordinate. (A ghost vertex of level l has an odd one,
- * since blocks begin and end at even vertices of each level but the coarsest, or at the end of the
- * volume.) The coarsest level lists its whole box. So each level has a ghost layer of its own, at
- * its own spacing, and a block at level l needs the segments from the coarsest to l:
+ * l + 1 does not have: those with an odd coordinate. Blocks begin and end at even vertices of each
+ * level but the coarsest, or at the end of the volume, so ghost vertices always have an odd one.
+ * The coarsest level lists its whole box. So each level has a ghost layer of its own, at its own
+ * spacing, and a block at level l needs the segments from the coarsest level to l:
  *
  *     level 1 (coarsest here)   G . O . O . G          O own vertex, G ghost vertex
- *     level 0                   . g o - o - o g .      o, g listed anew; - comes from level 1
+ *     level 0                   . g o - o - o g .      o, g listed here; - taken from level 1
  */
 class BlockSegment
 {
@@ -50,7 +50,7 @@ public:
   const VertexBox& GetOwnBox() const { return this->OwnBox; }
   std::uint64_t GetNumberOfSamples() const;
 
-  /// Calls visit(SegmentRow) for the segment's samples inside `part`, row by row, in order.
+  /// Calls visit(SegmentRow) for the segment's samples within `part`, row by row, in order.
   template <typename Visitor>
   void VisitRows(const VertexBox& part, Visitor&& visit) const
   {
@@ -78,7 +78,7 @@ public:
   }
 
 private:
-  /// The first vertex from `low` on that a row of this step has: any one, or the next odd one.
+  /// The first vertex >= low that a row of this step lists: `low` itself, or the next odd one.
   static std::int64_t AlignUp(std::int64_t low, std::int64_t step)
   {
     return step == 1 ? low : low | 1;
@@ -97,7 +97,7 @@ private:
 void CopySamples(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
   std::int64_t count, std::size_t size);
 
-/// The vertices of a box that level `level` has, in the level's coordinates.
+/// The vertices of a level within a box, in the level's coordinates.
 VertexBox CoarsenBox(const VertexBox& box, int level);
 
 } // namespace isosurface

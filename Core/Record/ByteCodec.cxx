@@ -15,13 +15,11 @@ namespace isosurface
 namespace
 {
 
-/// The level from which on LZ4's thorough encoder works; the levels of the fast one are one and the
-/// same below it.
+/// LZ4's thorough encoder works from this level on; below it, all levels are the fast encoder.
 constexpr int FirstThoroughLevel = 3;
 
-/// A segment of the largest block has 67^3 samples of 8 bytes; LZ4 and its interface take less than
-/// 2 GiB.
-constexpr std::size_t LargestSize = LZ4_MAX_INPUT_SIZE;
+/// LZ4's interface takes less than 2 GiB; a segment has at most 67^3 samples of 8 bytes.
+constexpr std::size_t MaximumSize = LZ4_MAX_INPUT_SIZE;
 
 struct ZstdDeleter
 {
@@ -51,7 +49,7 @@ std::size_t CompressLz4(
   state.resize(std::max(state.size(), (bytes + 7) / 8));
   const auto* source = reinterpret_cast<const char*>(from);
   auto* target = reinterpret_cast<char*>(to);
-  const int limit = static_cast<int>(std::min(capacity, LargestSize));
+  const int limit = static_cast<int>(std::min(capacity, MaximumSize));
   const int stored = isThorough
     ? LZ4_compress_HC_extStateHC(state.data(), source, target, static_cast<int>(size), limit, level)
     : LZ4_compress_fast_extState(state.data(), source, target, static_cast<int>(size), limit, 1);
@@ -71,7 +69,7 @@ std::size_t CompressZstd(
 std::size_t CompressBytes(SegmentCodec codec, int level, const std::uint8_t* from, std::size_t size,
   std::uint8_t* to, std::size_t capacity)
 {
-  if (size > LargestSize || capacity == 0)
+  if (size > MaximumSize || capacity == 0)
   {
     return 0;
   }
@@ -90,7 +88,7 @@ std::size_t CompressBytes(SegmentCodec codec, int level, const std::uint8_t* fro
 bool DecompressBytes(SegmentCodec codec, const std::uint8_t* from, std::size_t stored,
   std::uint8_t* to, std::size_t size)
 {
-  if (stored > LargestSize || size > LargestSize)
+  if (stored > MaximumSize || size > MaximumSize)
   {
     return false;
   }

@@ -12,11 +12,9 @@
 namespace isosurface
 {
 
-/**
- * The samples of one variable of one block at one level, x fastest. View.Box is the block's own
- * vertices, View.Available those and the ghost layer, both in the level's vertex coordinates
- * (BlockGrid); View points into Bytes.
- */
+/// The samples of one variable of one block at one level, x fastest. View.Box is the block's own
+/// vertices, View.Available includes the ghost layer; both are in the level's vertex coordinates
+/// (BlockGrid). View points into Bytes.
 struct DecodedBlock
 {
   std::int64_t Block = 0;

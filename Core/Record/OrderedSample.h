@@ -14,10 +14,9 @@ using OrderedOf = std::conditional_t<sizeof(T) == 1, std::uint8_t,
   std::conditional_t<sizeof(T) == 2, std::uint16_t,
     std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
 
-/**
- * The bits of samples of type T as unsigned integers of the same order, and back; exact for every
- * pattern of bits (SegmentFilter.h).
- */
+/// Converts the bits of samples of type T to unsigned integers u of the same order, and back.
+/// Unsigned integers stay; of signed ones the highest bit is inverted; of floats the highest bit is
+/// inverted if it is 0, else all bits. Exact for every pattern of bits.
 template <typename T>
 struct OrderedSample
 {

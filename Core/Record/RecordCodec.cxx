@@ -13,13 +13,13 @@ namespace isosurface
 namespace
 {
 
-/// Memory that a thread uses again for each block.
+/// Memory that a thread reuses for each block.
 struct Workspace
 {
   SegmentPrediction Prediction;
   std::vector<std::uint8_t> Filtered;
   std::vector<std::uint8_t> Coded;
-  std::vector<std::vector<std::uint8_t>> Samples; ///< decoded ones, per segment
+  std::vector<std::vector<std::uint8_t>> Samples; ///< decoded, per segment
 
   static Workspace& OfThisThread()
   {
@@ -34,7 +34,7 @@ std::uint8_t* Grow(std::vector<std::uint8_t>& bytes, std::size_t size)
   return bytes.data();
 }
 
-/// One segment's samples on their way into a file or out of it.
+/// One segment to encode or decode.
 struct SegmentTask
 {
   SegmentTask(const BlockGrid& grid, std::int64_t block, int level, ValueType type)
@@ -50,11 +50,12 @@ struct SegmentTask
 
   bool IsCoarsest() const { return this->Level == this->Grid.GetNumberOfLevels() - 1; }
 
-  /// The predictions that a filter needs; `coarser`: the samples of all coarser levels' segments.
-  const void* Predict(SegmentFilter filter, const std::vector<const std::uint8_t*>& coarser,
+  /// The predictions of a predictor, null if it needs none; `coarser`: the samples of the segments
+  /// of all coarser levels.
+  const void* Predict(SamplePredictor predictor, const std::vector<const std::uint8_t*>& coarser,
     SegmentPrediction& prediction) const
   {
-    if (filter.Predictor != SamplePredictor::Coarser)
+    if (predictor != SamplePredictor::Coarser)
     {
       return nullptr;
     }
@@ -72,7 +73,7 @@ struct SegmentTask
   std::size_t Size; ///< in bytes
 };
 
-/// What the payload of a segment is to be.
+/// The bytes to store for a segment.
 struct EncodedSegment
 {
   SegmentCoding Coding;
@@ -80,31 +81,27 @@ struct EncodedSegment
   std::uint32_t Stored;
 };
 
-/// `samples`: of the segments from the coarsest level to this one.
+/// `samples`: those of the segments from the coarsest level to this one.
 EncodedSegment EncodeSegment(const BlockCompression& compression, const SegmentTask& task,
   const std::vector<const std::uint8_t*>& samples, Workspace& workspace)
 {
-  const EncodedSegment asItIs = { {}, samples.back(), static_cast<std::uint32_t>(task.Size) };
+  const EncodedSegment uncompressed = { {}, samples.back(), static_cast<std::uint32_t>(task.Size) };
   const std::size_t limit = task.Size - task.Size / 16;
   if (compression.Codec == SegmentCodec::None || limit == task.Size)
   {
-    return asItIs;
+    return uncompressed;
   }
-  SegmentFilter filter =
-    compression.Filter ? *compression.Filter : ChooseFilter(compression.Codec, task.Type);
-  if (task.IsCoarsest() && filter.Predictor == SamplePredictor::Coarser)
-  {
-    filter.Predictor = SamplePredictor::Previous;
-  }
+  const SamplePredictor predictor =
+    ChoosePredictor(compression.Codec, task.Type, task.IsCoarsest());
   std::uint8_t* filtered = Grow(workspace.Filtered, task.Size);
-  const void* predictions = task.Predict(filter, samples, workspace.Prediction);
-  ApplyFilter(filter, task.Type, samples.back(), task.Count, predictions, filtered);
+  const void* predictions = task.Predict(predictor, samples, workspace.Prediction);
+  ApplyFilter(predictor, task.Type, samples.back(), task.Count, predictions, filtered);
   std::uint8_t* coded = Grow(workspace.Coded, limit);
   const std::size_t stored = CompressBytes(
     compression.Codec, compression.GetEffectiveLevel(), filtered, task.Size, coded, limit);
   return stored == 0
-    ? asItIs
-    : EncodedSegment{ { compression.Codec, filter }, coded, static_cast<std::uint32_t>(stored) };
+    ? uncompressed
+    : EncodedSegment{ { compression.Codec, predictor }, coded, static_cast<std::uint32_t>(stored) };
 }
 
 Status MakeError(
@@ -117,15 +114,14 @@ Status MakeError(
 
 } // namespace
 
-SegmentFilter ChooseFilter(SegmentCodec codec, ValueType type)
+SamplePredictor ChoosePredictor(SegmentCodec codec, ValueType type, bool isCoarsest)
 {
-  if (codec == SegmentCodec::Lz4)
+  if (codec != SegmentCodec::Zstd)
   {
-    return { SamplePredictor::None, SampleLayout::BytePlanes };
+    return SamplePredictor::None;
   }
   const bool isFloat = type == ValueType::Float32 || type == ValueType::Float64;
-  return { isFloat ? SamplePredictor::Previous : SamplePredictor::Coarser,
-    SampleLayout::BytePlanes };
+  return isFloat || isCoarsest ? SamplePredictor::Previous : SamplePredictor::Coarser;
 }
 
 void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, std::int64_t block,
@@ -144,7 +140,7 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       const SegmentTask task(grid, block, static_cast<int>(levels - 1 - index), types[variable]);
       const std::uint8_t* from =
         record.GetData() + layout.Offsets[segment] + BlockRecord::SegmentHeaderSize;
-      // Finer levels are predicted from these samples when code stands in their place.
+      // Finer levels are predicted from these samples, which compressed bytes will overwrite.
       if (compression.Codec != SegmentCodec::None && index + 1 < levels && task.Size != 0)
       {
         std::uint8_t* copy = Grow(workspace.Samples[index], task.Size);
@@ -156,7 +152,7 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       std::uint8_t* to = record.GetData() + end;
       if (encoded.Stored != 0)
       {
-        // Samples that stay as they are may move by less than their length.
+        // Uncompressed samples may move by less than their length.
         std::memmove(to + BlockRecord::SegmentHeaderSize, encoded.Bytes, encoded.Stored);
       }
       SealSegment(to, encoded.Stored, encoded.Coding,
@@ -186,7 +182,7 @@ Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::in
     if (!coding)
     {
       return MakeError(StatusCode::Unsupported, task, variable,
-        "is stored by a codec or filter that this version does not know");
+        "is stored with a codec or predictor that this version does not know");
     }
     if (coding->Codec == SegmentCodec::None)
     {
@@ -198,20 +194,20 @@ Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::in
       samples.push_back(bytes);
       continue;
     }
-    if (task.IsCoarsest() && coding->Filter.Predictor == SamplePredictor::Coarser)
+    if (task.IsCoarsest() && coding->Predictor == SamplePredictor::Coarser)
     {
       return MakeError(StatusCode::Corrupt, task, variable,
-        "is predicted from a coarser level, which is not there");
+        "is predicted from a coarser level, but it is the coarsest");
     }
     std::uint8_t* filtered = Grow(workspace.Filtered, task.Size);
     if (!DecompressBytes(coding->Codec, bytes, stored[index], filtered, task.Size))
     {
       return MakeError(
-        StatusCode::Corrupt, task, variable, "cannot be decompressed to its samples");
+        StatusCode::Corrupt, task, variable, "cannot be decompressed");
     }
-    const void* predictions = task.Predict(coding->Filter, samples, workspace.Prediction);
+    const void* predictions = task.Predict(coding->Predictor, samples, workspace.Prediction);
     std::uint8_t* decoded = Grow(workspace.Samples[index], task.Size);
-    RevertFilter(coding->Filter, type, filtered, task.Count, predictions, decoded);
+    RevertFilter(coding->Predictor, type, filtered, task.Count, predictions, decoded);
     samples.push_back(decoded);
   }
   return AssembleLevel(grid, block, level, type, samples);

@@ -12,20 +12,8 @@ namespace isosurface
 namespace
 {
 
-/// Samples are filtered in pieces that stay in the first cache; a multiple of 8.
+/// Samples are filtered in pieces that stay in the first cache.
 constexpr std::size_t PieceSize = 1024;
-
-/// Transposes 8 x 8 bits: bit c of byte r goes to bit r of byte c. Source: H. S. Warren, "Hacker's
-/// Delight", 2nd ed., 2013, section 7-3.
-std::uint64_t TransposeBits(std::uint64_t x)
-{
-  std::uint64_t t = (x ^ (x >> 7)) & 0x00AA00AA00AA00AAu;
-  x ^= t ^ (t << 7);
-  t = (x ^ (x >> 14)) & 0x0000CCCC0000CCCCu;
-  x ^= t ^ (t << 14);
-  t = (x ^ (x >> 28)) & 0x00000000F0F0F0F0u;
-  return x ^ t ^ (t << 28);
-}
 
 template <typename U>
 U Zigzag(U residual)
@@ -42,7 +30,7 @@ U Unzigzag(U code)
     static_cast<U>(code >> 1) ^ static_cast<U>(0 - static_cast<U>(code & U{ 1 })));
 }
 
-/// Where a piece of a layout is: codes [First, First + Count) of Total.
+/// A piece of a segment: samples [First, First + Count) of Total.
 struct Piece
 {
   std::size_t First;
@@ -68,7 +56,7 @@ void LoadBytePlanes(const std::uint8_t* from, const Piece& piece, U* __restrict 
 {
   const std::uint8_t* __restrict plane = from + piece.First;
   const std::size_t pitch = piece.Total;
-  // Plane after plane: loops that compilers turn into vectors, on codes in the first cache.
+  // One loop a plane, which compilers vectorise, on codes that stay in the first cache.
   for (std::size_t index = 0; index < piece.Count; ++index)
   {
     codes[index] = plane[index];
@@ -83,95 +71,7 @@ void LoadBytePlanes(const std::uint8_t* from, const Piece& piece, U* __restrict 
   }
 }
 
-template <typename U>
-void StoreBitPlanes(const U* codes, const Piece& piece, std::uint8_t* to)
-{
-  const std::size_t groups = piece.Total / 8;
-  const std::size_t first = piece.First / 8;
-  const std::size_t whole = std::min(piece.Count / 8, groups - first);
-  for (std::size_t byte = 0; byte < sizeof(U); ++byte)
-  {
-    for (std::size_t group = 0; group < whole; ++group)
-    {
-      std::uint64_t rows = 0;
-      for (std::size_t row = 0; row < 8; ++row)
-      {
-        rows |= static_cast<std::uint64_t>(
-                  static_cast<std::uint8_t>(codes[8 * group + row] >> (8 * byte)))
-          << (8 * row);
-      }
-      const std::uint64_t planes = TransposeBits(rows);
-      for (std::size_t bit = 0; bit < 8; ++bit)
-      {
-        to[(8 * byte + bit) * groups + first + group] =
-          static_cast<std::uint8_t>(planes >> (8 * bit));
-      }
-    }
-  }
-  std::memcpy(to + sizeof(U) * (piece.First + 8 * whole), codes + 8 * whole,
-    sizeof(U) * (piece.Count - 8 * whole));
-}
-
-template <typename U>
-void LoadBitPlanes(const std::uint8_t* from, const Piece& piece, U* codes)
-{
-  const std::size_t groups = piece.Total / 8;
-  const std::size_t first = piece.First / 8;
-  const std::size_t whole = std::min(piece.Count / 8, groups - first);
-  std::memset(codes, 0, sizeof(U) * piece.Count);
-  for (std::size_t byte = 0; byte < sizeof(U); ++byte)
-  {
-    const std::uint8_t* planes = from + 8 * byte * groups + first;
-    for (std::size_t group = 0; group < whole; ++group)
-    {
-      std::uint64_t columns = 0;
-      for (std::size_t bit = 0; bit < 8; ++bit)
-      {
-        columns |= static_cast<std::uint64_t>(planes[bit * groups + group]) << (8 * bit);
-      }
-      const std::uint64_t rows = TransposeBits(columns);
-      for (std::size_t row = 0; row < 8; ++row)
-      {
-        U& code = codes[8 * group + row];
-        const auto part = static_cast<std::uint8_t>(rows >> (8 * row));
-        code = static_cast<U>(code | static_cast<U>(U{ part } << (8 * byte)));
-      }
-    }
-  }
-  std::memcpy(codes + 8 * whole, from + sizeof(U) * (piece.First + 8 * whole),
-    sizeof(U) * (piece.Count - 8 * whole));
-}
-
-template <typename U>
-void StoreCodes(SampleLayout layout, const U* codes, const Piece& piece, std::uint8_t* to)
-{
-  // One byte plane is what it was.
-  switch (sizeof(U) == 1 && layout == SampleLayout::BytePlanes ? SampleLayout::Samples : layout)
-  {
-    case SampleLayout::BytePlanes:
-      return StoreBytePlanes(codes, piece, to);
-    case SampleLayout::BitPlanes:
-      return StoreBitPlanes(codes, piece, to);
-    case SampleLayout::Samples:
-      std::memcpy(to + sizeof(U) * piece.First, codes, sizeof(U) * piece.Count);
-  }
-}
-
-template <typename U>
-void LoadCodes(SampleLayout layout, const std::uint8_t* from, const Piece& piece, U* codes)
-{
-  switch (sizeof(U) == 1 && layout == SampleLayout::BytePlanes ? SampleLayout::Samples : layout)
-  {
-    case SampleLayout::BytePlanes:
-      return LoadBytePlanes(from, piece, codes);
-    case SampleLayout::BitPlanes:
-      return LoadBitPlanes(from, piece, codes);
-    case SampleLayout::Samples:
-      std::memcpy(codes, from + sizeof(U) * piece.First, sizeof(U) * piece.Count);
-  }
-}
-
-/// Codes of a piece of the samples, in place; `previous` goes from piece to piece.
+/// Replaces the samples of a piece by their codes z; `previous` is carried from piece to piece.
 template <typename T, typename U>
 void EncodePiece(
   SamplePredictor predictor, U* values, std::size_t count, const U* predictions, U& previous)
@@ -223,7 +123,18 @@ void DecodePiece(
 
 } // namespace
 
-void ApplyFilter(SegmentFilter filter, ValueType type, const std::uint8_t* samples,
+const char* GetPredictorName(SamplePredictor predictor)
+{
+  constexpr const char* names[] = { "none", "previous", "coarser" };
+  return names[static_cast<std::size_t>(predictor)];
+}
+
+bool IsPredictor(std::uint8_t number)
+{
+  return number <= static_cast<std::uint8_t>(SamplePredictor::Coarser);
+}
+
+void ApplyFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* samples,
   std::size_t count, const void* predictions, std::uint8_t* to)
 {
   DispatchValueType(type,
@@ -232,21 +143,21 @@ void ApplyFilter(SegmentFilter filter, ValueType type, const std::uint8_t* sampl
       using T = decltype(zero);
       using U = OrderedOf<T>;
       const U* predicted =
-        filter.Predictor == SamplePredictor::Coarser ? static_cast<const U*>(predictions) : nullptr;
+        predictor == SamplePredictor::Coarser ? static_cast<const U*>(predictions) : nullptr;
       U previous = OrderedSample<T>::Sign;
       U values[PieceSize];
       for (Piece piece{ 0, 0, count }; piece.First < count; piece.First += piece.Count)
       {
         piece.Count = std::min(PieceSize, count - piece.First);
         std::memcpy(values, samples + sizeof(U) * piece.First, sizeof(U) * piece.Count);
-        EncodePiece<T>(filter.Predictor, values, piece.Count,
+        EncodePiece<T>(predictor, values, piece.Count,
           predicted ? predicted + piece.First : nullptr, previous);
-        StoreCodes(filter.Layout, values, piece, to);
+        StoreBytePlanes(values, piece, to);
       }
     });
 }
 
-void RevertFilter(SegmentFilter filter, ValueType type, const std::uint8_t* from, std::size_t count,
+void RevertFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* from, std::size_t count,
   const void* predictions, std::uint8_t* samples)
 {
   DispatchValueType(type,
@@ -255,14 +166,14 @@ void RevertFilter(SegmentFilter filter, ValueType type, const std::uint8_t* from
       using T = decltype(zero);
       using U = OrderedOf<T>;
       const U* predicted =
-        filter.Predictor == SamplePredictor::Coarser ? static_cast<const U*>(predictions) : nullptr;
+        predictor == SamplePredictor::Coarser ? static_cast<const U*>(predictions) : nullptr;
       U previous = OrderedSample<T>::Sign;
       U values[PieceSize];
       for (Piece piece{ 0, 0, count }; piece.First < count; piece.First += piece.Count)
       {
         piece.Count = std::min(PieceSize, count - piece.First);
-        LoadCodes(filter.Layout, from, piece, values);
-        DecodePiece<T>(filter.Predictor, values, piece.Count,
+        LoadBytePlanes(from, piece, values);
+        DecodePiece<T>(predictor, values, piece.Count,
           predicted ? predicted + piece.First : nullptr, previous);
         std::memcpy(samples + sizeof(U) * piece.First, values, sizeof(U) * piece.Count);
       }

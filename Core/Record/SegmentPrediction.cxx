@@ -12,8 +12,8 @@ namespace isosurface
 namespace
 {
 
-/// Rows are computed in steps of so many samples, which compilers turn into vectors, up to an end
-/// that may lie behind the row's.
+/// Rows are computed in steps of this many samples, which compilers vectorise; the last step may
+/// exceed the row.
 constexpr std::size_t Step = 16;
 
 std::size_t CountSteps(std::size_t size)
@@ -26,7 +26,7 @@ U Mean(U a, U b)
 {
   if constexpr (sizeof(U) <= 2)
   {
-    // A form that compilers know as one instruction.
+    // Compilers turn this form into one instruction.
     return static_cast<U>((std::uint32_t{ a } + b + 1) >> 1);
   }
   else
@@ -55,7 +55,7 @@ void Interleave(const U* __restrict a, const U* __restrict b, U* __restrict to, 
   }
 }
 
-/// A copy of the coarser level as ordered integers, its rows continued by their last sample.
+/// A copy of the coarser level as ordered integers; the last sample of each row is repeated.
 template <typename U>
 struct CoarseRows
 {
@@ -92,7 +92,7 @@ struct CoarseRows
   }
 };
 
-/// The coarse row that predicts the fine row (j, k) at its even vertices; `memory` for 3 pitches.
+/// The coarse row that predicts the fine row (j, k) at its even vertices; `memory` holds 3 pitches.
 template <typename U>
 const U* CombineRows(const CoarseRows<U>& coarse, std::int64_t j, std::int64_t k, U* memory)
 {
@@ -130,7 +130,7 @@ const void* SegmentPrediction::Compute(const BlockSegment& segment, const Sample
       CoarseRows<U> coarse;
       coarse.Box = coarser.Available;
       coarse.Pitch = CountSteps(static_cast<std::size_t>(coarse.Box.GetSize()[0]) + 1) * Step;
-      // A row's last step may read one sample and write two steps behind the row.
+      // A row's last step may read one sample and write two steps beyond the row.
       const std::size_t margin = 4 * coarse.Pitch;
       const auto grow = [](std::vector<std::uint8_t>& bytes, std::size_t size)
       { bytes.resize(std::max(bytes.size(), size * sizeof(U))); };
@@ -142,7 +142,7 @@ const void* SegmentPrediction::Compute(const BlockSegment& segment, const Sample
       coarse.template Fill<T>(coarser);
       U* between = reinterpret_cast<U*>(this->Rows.data());
       U* combined = between + coarse.Pitch + Step;
-      // One sample before the first, since rows are computed from an even vertex on.
+      // One sample more in front: rows are computed from an even vertex on.
       U* predictions = reinterpret_cast<U*>(this->Predictions.data()) + 1;
 
       segment.VisitRows(segment.GetBox(),
@@ -157,7 +157,7 @@ const void* SegmentPrediction::Compute(const BlockSegment& segment, const Sample
             ComputeMeans(means, means + 1, to, CountSteps(count));
             return;
           }
-          // The even vertex before an odd first one belongs to the row before.
+          // If the first vertex is odd, the even one before it belongs to the previous row.
           U* even = to - (row.I & 1);
           const U before = *even;
           const std::size_t steps = CountSteps(count / 2 + 1);

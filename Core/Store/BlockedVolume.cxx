@@ -136,7 +136,7 @@ BlockedVolume::~BlockedVolume() = default;
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
   const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)
 {
-  auto text = ReadText(fileSystem, path, BlockedVolumeHeader::MaximumSize);
+  auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
   if (!text.IsOk())
   {
     return text.GetStatus();
@@ -195,7 +195,7 @@ Status BlockedVolume::CheckRank(int rank, int ranks) const
 
 Status BlockedVolume::CheckNotRewritten(std::size_t timeStep) const
 {
-  const auto text = ReadText(this->Files, this->Path, BlockedVolumeHeader::MaximumSize);
+  const auto text = BlockedVolumeHeader::ReadText(this->Files, this->Path);
   if (text.IsOk() && *text == this->HeaderText)
   {
     return Status::Ok();

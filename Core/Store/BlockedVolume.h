@@ -147,8 +147,7 @@ public:
 
   /// The spectrum of a variable's whole volume at GetSpectrumLevel(level), read from disk at the
   /// first call for a time step, then kept; and of each of the volume's own stores, at level 0,
-  /// read at each call. All spectra of a variable have the same bins. (Volumes of older versions
-  /// have triangles and cells only.)
+  /// read at each call. All spectra of a variable have the same bins.
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
     std::size_t timeStep, std::size_t variable, int level = 0);
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(

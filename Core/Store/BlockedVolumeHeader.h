@@ -25,69 +25,63 @@ struct StoreDescription
 {
   std::uint64_t Blocks = 0;   ///< number of blocks
   std::uint64_t Bytes = 0;    ///< size of its file of blocks
-  std::uint64_t Checksum = 0; ///< of all its blocks' checksums, so that it identifies the contents
+  std::uint64_t Checksum = 0; ///< of all its blocks' checksums; it identifies the contents
 };
 
-/// A coarser copy of the volume, which holds the levels that follow those of the volume before it.
+/**
+ * A coarser copy of the volume. The records of the volume's blocks hold its levels 0 to
+ * numberOfLevels - 1; level 0 of the first overview is the next level, and so on. Each overview is
+ * a blocked volume of its own, made of the one before it, subsampled by 2^(the levels of that).
+ */
 struct OverviewDescription
 {
-  int NumberOfLevels = 0; ///< that the records of its blocks hold
+  int NumberOfLevels = 0; ///< in the records of its blocks
   std::uint32_t NumberOfStores = 1;
 };
 
-/// One time step: its own folder, its own distribution of blocks over the stores.
+/// One time step. It has a folder and a distribution of blocks over stores of its own.
 struct TimeStepDescription
 {
   std::optional<double> Time;
-  std::string Folder;           ///< the generation folder, six or more digits
-  std::vector<KeyRange> Ranges; ///< per variable: of its finite values; empty if it has none
+  std::string Folder;           ///< six or more digits
+  std::vector<KeyRange> Ranges; ///< per variable: range of its finite values, or empty
   std::vector<StoreDescription> Stores;
   std::vector<std::vector<StoreDescription>> Overviews; ///< per overview: its stores
 };
 
 // clang-format off
 /**
- * What the file NAME.bvol says: everything about a blocked volume but its samples and indices.
+ * The contents of the file NAME.bvol: everything about a blocked volume but its samples and
+ * indices. Documentation/formats/blocked-volume.md defines each member.
  *
- * The file is one JSON object:
- *
- *   { "format": "ScalableIsosurface blocked volume", "formatVersion": 1 | 2,
- *     "grid": { "extent": [6 integers], "origin": [3], "spacing": [3],
- *               "direction": [9, row-major] },
- *     "blockSize": 16 | 32 | 64, "ghostLayers": 1,
- *     "numberOfLevels": 1 ... log2(blockSize) + 1; just this in version 1,
- *     "overviews": [ { "numberOfLevels": as above, "stores": D }, ... ],       since version 2
- *     "stores": D, "distribution": { "method": "greedy" | "random" | "slab" | "balanced",
- *                                    "seed": integer },
- *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, if not "none",
+ *   { "format": "ScalableIsosurface blocked volume", "formatVersion": 1,
+ *     "grid": { "extent": [6], "origin": [3], "spacing": [3], "direction": [9] },
+ *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": L, "stores": D,
+ *     "overviews": [ { "numberOfLevels": L, "stores": D }, ... ],
+ *     "distribution": { "method": string, "seed": integer },
+ *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, unless "none",
  *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": n }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
- *                      "ranges": [ [minimum, maximum] | null, ... ],           per variable
+ *                      "ranges": [ [minimum, maximum] | null, ... ],            per variable
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ],
- *                      "overviews": [ { "stores": as above }, ... ] }, ... ],  since version 2
- *     "checksum": hex, XXH3 of all bytes before this member's name; the last member }
- *
- * Members that are not known are ignored; a newer formatVersion is refused. A header gets the
- * lowest version that can say what it says. Numbers round-trip exactly, the values of 64-bit integer
- * arrays included.
- *
- * Overviews. The records of the volume's blocks hold its levels 0 ... numberOfLevels - 1. The first
- * overview's level 0 is the next level, and so on: overview n is a blocked volume of its own, made
- * of the volume before it subsampled by 2^(numberOfLevels of that). Its grid follows from there.
+ *                      "overviews": [ { "stores": as above }, ... ] }, ... ],
+ *     "checksum": hex }
  */
 // clang-format on
 struct BlockedVolumeHeader
 {
-  static constexpr std::int64_t FormatVersion = 2;
+  static constexpr std::int64_t FormatVersion = 1;
   static constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 30;
+  static constexpr std::int64_t MaximumStores = 1 << 20;
+  static constexpr std::int64_t MaximumCoordinate = std::int64_t{ 1 } << 40;
 
   GridGeometry Grid;
   int BlockSize = 32;
-  int NumberOfLevels = 0; ///< that the records hold; 0: as many as a block can have
+  int NumberOfLevels = 0; ///< in the records; 0: as many as a block can have
   std::uint32_t NumberOfStores = 1;
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
-  BlockCompression Compression; ///< what the writer was asked for; each segment says what it is
+  BlockCompression Compression; ///< the writer's setting; each segment states its own coding
   std::vector<ArrayDescription> Arrays;
   std::vector<OverviewDescription> Overviews; ///< from the finest to the coarsest
   std::vector<TimeStepDescription> TimeSteps;
@@ -98,29 +92,29 @@ struct BlockedVolumeHeader
   /// Whether a time step has this folder.
   bool HasFolder(const std::string& folder) const;
 
-  /// What can be contoured.
+  /// The components and magnitudes that can be contoured.
   ArrayVariables GetVariables() const { return ArrayVariables(this->Arrays); }
 
   /// The blocks of the volume, with the levels that their records hold.
   BlockGrid GetBlockGrid() const;
 
-  /// An overview (from 0) as a volume of its own: what its stores need to be read. The folders of
-  /// its time steps lead into it; it has no overviews.
+  /// The header of an overview (from 0) as a volume of its own. The folders of its time steps are
+  /// those of the overview; it has no overviews itself.
   BlockedVolumeHeader MakeOverview(std::size_t overview) const;
 
-  /// Whether the header can be written: a grid with vertices, distinct names, finite numbers, ...
-  /// The message names the member that is wrong.
+  /// Checks all rules of the format. The message of an error names the wrong member.
   Status Validate() const;
-  /// The same for all but the time steps.
+  /// The same without time steps and overviews.
   Status ValidateVolume() const;
 
   /// The file's text.
   std::string Format() const;
 
-  /// A header from a file's text, validated in full; `path` is named in errors (Corrupt,
-  /// Unsupported).
+  /// Parses and validates a file's text. Errors name `path`: Corrupt, Unsupported.
   static Result<BlockedVolumeHeader> Parse(const std::string& text, const std::string& path);
-  /// The same for a file of at most MaximumSize bytes.
+  /// The text of a file of at most MaximumSize bytes.
+  static Result<std::string> ReadText(FileSystem& files, const std::string& path);
+  /// Reads, parses and validates a file.
   static Result<BlockedVolumeHeader> Read(FileSystem& files, const std::string& path);
 };
 

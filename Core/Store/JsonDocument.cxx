@@ -3,7 +3,10 @@
 
 #include "Base/Checksum.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
+#include <limits>
 
 namespace isosurface
 {
@@ -18,7 +21,7 @@ const Json Nothing;
 const Json EmptyArray = Json::array();
 
 /// Whether objects and arrays are nested deeper than MaximumDepth. The parser's own callback could
-/// tell, too, but with one it looks at all elements of an array after each of them.
+/// tell, too, but takes quadratic time in long arrays.
 bool IsTooDeep(const std::string& text)
 {
   int depth = 0;
@@ -28,7 +31,7 @@ bool IsTooDeep(const std::string& text)
     const char character = text[n];
     if (isInString && character == '\\')
     {
-      ++n; // what is escaped ends no string
+      ++n; // an escaped character does not end the string
     }
     else if (character == '"')
     {
@@ -62,11 +65,16 @@ std::string FormatChecksum(std::uint64_t checksum)
   return text;
 }
 
+bool IsUtf8(const std::string& text)
+{
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::ignore)) == Json(text);
+}
+
 std::string FormatDocument(Json object)
 {
   object.erase(ChecksumMember);
   std::string text = object.dump(1, ' ', false, Json::error_handler_t::replace);
-  // Instead of the line break and the brace at the end, one more member.
+  // Replace the final line break and brace by one more member.
   text.resize(text.size() - 2);
   text += ",\n ";
   const std::uint64_t checksum = ComputeChecksum(text.data(), text.size());
@@ -79,7 +87,7 @@ Result<Json> ParseDocument(
   Json document = IsTooDeep(text) ? Json() : Json::parse(text, nullptr, false);
   if (document.is_discarded() || !document.is_object())
   {
-    return Status(StatusCode::Corrupt, path + ": is not a JSON object, or incomplete");
+    return Status(StatusCode::Corrupt, path + ": is not a complete JSON object");
   }
   Status status;
   JsonMembers members(document, path, "", status);
@@ -98,31 +106,14 @@ Result<Json> ParseDocument(
   }
   const std::uint64_t expected = members.GetChecksum(ChecksumMember);
   ISOSURFACE_RETURN_IF_ERROR(status);
-  // The document has the member, and names inside strings are escaped: the last one is found.
+  // The member is there, and quotes inside strings are escaped, so this finds its name.
   const std::size_t covered = text.rfind(ChecksumName);
   if (covered == std::string::npos || ComputeChecksum(text.data(), covered) != expected)
   {
-    return Status(StatusCode::Corrupt, path + ": member checksum does not fit the contents");
+    return Status(StatusCode::Corrupt, path + ": has a wrong checksum");
   }
   document.erase(ChecksumMember);
   return document;
-}
-
-Result<std::string> ReadText(FileSystem& files, const std::string& path, std::uint64_t limit)
-{
-  const auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
-  const std::uint64_t size = (*file)->GetSize();
-  if (size > limit)
-  {
-    return Status(StatusCode::Corrupt, path + ": is larger than such a file can be");
-  }
-  std::string text(static_cast<std::size_t>(size), '\0');
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
-  return text;
 }
 
 JsonMembers::JsonMembers(const Json& object, std::string path, std::string where, Status& status)
@@ -158,7 +149,7 @@ const Json& JsonMembers::GetAny(const char* member)
   return *found;
 }
 
-std::int64_t JsonMembers::GetInteger(const char* member, std::int64_t least, std::int64_t most)
+std::int64_t JsonMembers::GetInteger(const char* member, std::int64_t minimum, std::int64_t maximum)
 {
   const Json& value = this->GetAny(member);
   const bool isTooLarge = value.is_number_unsigned() &&
@@ -166,11 +157,11 @@ std::int64_t JsonMembers::GetInteger(const char* member, std::int64_t least, std
       static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   const std::int64_t number =
     value.is_number_integer() && !isTooLarge ? value.get<std::int64_t>() : 0;
-  if (!value.is_number_integer() || isTooLarge || number < least || number > most)
+  if (!value.is_number_integer() || isTooLarge || number < minimum || number > maximum)
   {
     this->Fail(
-      member, "is not an integer from " + std::to_string(least) + " to " + std::to_string(most));
-    return least;
+      member, "is not an integer from " + std::to_string(minimum) + " to " + std::to_string(maximum));
+    return minimum;
   }
   return number;
 }

@@ -2,10 +2,9 @@
 #ifndef isosurface_JsonDocument_h
 #define isosurface_JsonDocument_h
 
-#include "Base/FileSystem.h"
 #include "Base/Status.h"
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -14,33 +13,33 @@
 namespace isosurface
 {
 
+/// Complete only where <nlohmann/json.hpp> is included: in the sources that format or parse a
+/// document, since it is slow to compile.
 using Json = nlohmann::json;
 
 /// A 64-bit checksum as 16 hexadecimal digits.
 std::string FormatChecksum(std::uint64_t checksum);
 
+/// Whether a text is UTF-8, so that a document can hold it.
+bool IsUtf8(const std::string& text);
+
 /**
- * The text of an object with the member "checksum" added as its last one: XXH3-64 of all bytes of
- * the text before the opening quote of that member's name. So it depends on no way of writing
- * numbers, and any language can check it without parsing.
+ * The text of an object with the member "checksum" appended: XXH3-64 of all bytes of the text
+ * before the opening quote of that member's name. So it does not depend on how numbers are written,
+ * and any language can check it without parsing.
  */
 std::string FormatDocument(Json object);
 
 /**
- * Reads what FormatDocument wrote. Nesting is bounded before anything recursive sees the document.
- * Errors name `path`: Corrupt (no JSON object, another "format", a wrong checksum), Unsupported (a
- * "formatVersion" above `version`).
+ * Reads what FormatDocument wrote. The depth of nesting is checked before anything recursive sees
+ * the document. Errors name `path`: Corrupt (no JSON object, another "format", a wrong checksum),
+ * Unsupported (a "formatVersion" above `version`).
  */
 Result<Json> ParseDocument(const std::string& text, const std::string& path,
   const std::string& format, std::int64_t version);
 
-/// A whole file of at most `limit` bytes.
-Result<std::string> ReadText(FileSystem& files, const std::string& path, std::uint64_t limit);
-
-/**
- * Reads the members of an object whose contents are not to be trusted. After the first error every
- * function returns a harmless value; the error (Corrupt) names file and member.
- */
+/// Reads the members of an object whose contents are not trusted. After the first error every
+/// function returns a harmless value; the error (Corrupt) names file and member.
 class JsonMembers
 {
 public:
@@ -50,7 +49,7 @@ public:
   bool IsOk() const { return this->Error.IsOk(); }
   void Fail(const std::string& member, const std::string& reason);
 
-  std::int64_t GetInteger(const char* member, std::int64_t least, std::int64_t most);
+  std::int64_t GetInteger(const char* member, std::int64_t minimum, std::int64_t maximum);
   std::uint64_t GetUnsigned(const char* member);
   double GetNumber(const char* member);
   std::string GetString(const char* member);

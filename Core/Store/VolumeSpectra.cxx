@@ -2,7 +2,6 @@
 #include "Store/VolumeSpectra.h"
 
 #include "Store/BlockedVolumeHeader.h"
-#include "Store/SpectraDocument.h"
 
 #include <utility>
 
@@ -28,27 +27,7 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& fil
   std::size_t stores)
 {
   auto result = std::make_shared<VolumeSpectra>();
-  const std::string path = GetPath(volumePath, generation);
-  const std::string oldPath = path + ".json";
-  if (!files.Exists(path) && files.Exists(oldPath))
-  {
-    auto document = SpectraDocument::Read(files, oldPath, variables, stores);
-    if (!document.IsOk())
-    {
-      return document.GetStatus();
-    }
-    for (std::size_t variable = 0; variable < variables; ++variable)
-    {
-      result->Totals.push_back(Share(std::move(document->Totals[variable])));
-      result->Stores.emplace_back();
-      for (WorkloadSpectrum& spectrum : document->Stores[variable])
-      {
-        result->Stores.back().push_back(Share(std::move(spectrum)));
-      }
-    }
-    return std::shared_ptr<const VolumeSpectra>(std::move(result));
-  }
-  auto file = SpectraFile::Open(files, path, variables, stores);
+  auto file = SpectraFile::Open(files, GetPath(volumePath, generation), variables, stores);
   if (!file.IsOk())
   {
     return file.GetStatus();
@@ -69,10 +48,6 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& fil
 Result<VolumeSpectra::Spectrum> VolumeSpectra::GetStore(
   std::size_t variable, std::size_t store) const
 {
-  if (!this->File)
-  {
-    return this->Stores[variable][store];
-  }
   auto spectrum = this->File->ReadStore(variable, store);
   if (!spectrum.IsOk())
   {

@@ -16,17 +16,16 @@ namespace isosurface
 {
 
 /**
- * The spectra of one time step: of the whole volume, and of each store; the stores' sum is the
- * whole. They stand in a file of their own in the time step's folder, `spectra` (SpectraFile) or,
- * in older volumes, `spectra.json` (SpectraDocument), so that the header stays small with many
- * stores and time steps. The stores' spectra are read when they are asked for.
+ * The spectra of one time step: of the whole volume, and of each store, which add up to the whole.
+ * They are in a file of their own, `spectra` in the time step's folder, so that the header stays
+ * small with many stores and time steps.
  */
 class VolumeSpectra
 {
 public:
   using Spectrum = std::shared_ptr<const WorkloadSpectrum>;
 
-  /// The file of a time step that is written.
+  /// The file of a time step.
   static std::string GetPath(const std::string& volumePath, const std::string& generation);
 
   /// Reads the spectra of the whole volume from a time step's folder.
@@ -35,12 +34,12 @@ public:
     std::size_t stores);
 
   const Spectrum& GetTotal(std::size_t variable) const { return this->Totals[variable]; }
+  /// Reads the spectrum of a store.
   Result<Spectrum> GetStore(std::size_t variable, std::size_t store) const;
 
 private:
   std::unique_ptr<SpectraFile> File;
-  std::vector<Spectrum> Totals;              ///< per variable
-  std::vector<std::vector<Spectrum>> Stores; ///< per variable and store, of an older volume
+  std::vector<Spectrum> Totals; ///< per variable
 };
 
 } // namespace isosurface

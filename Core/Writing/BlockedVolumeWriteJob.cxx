@@ -8,7 +8,6 @@
 #include "Partition/BlockDistribution.h"
 #include "Record/BlockRecord.h"
 #include "Record/RecordCodec.h"
-#include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
 #include "Writing/BlockRounds.h"
 #include "Writing/BlockShipment.h"
@@ -16,6 +15,8 @@
 #include "Writing/OverviewSamples.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
 namespace isosurface
 {
@@ -36,6 +37,18 @@ constexpr int LevelsBelowOverview = 2;
 
 /// A store of an overview with fewer blocks is not worth its files.
 constexpr std::int64_t BlocksPerOverviewStore = 64;
+
+/// With as many digits as tell a time from any other.
+std::string FormatTime(double time)
+{
+  char text[32];
+  int digits = 1;
+  do
+  {
+    std::snprintf(text, sizeof(text), "%.*g", digits, time);
+  } while (std::strtod(text, nullptr) != time && ++digits <= 17);
+  return text;
+}
 
 } // namespace
 
@@ -259,8 +272,8 @@ Status BlockedVolumeWriteJob::CheckAppends(const BlockedVolumeHeader& existing) 
   }
   else if (!(*existing.TimeSteps.back().Time < *this->Settings.Time))
   {
-    reason = "its last time step is that of time " + Json(*existing.TimeSteps.back().Time).dump() +
-      ", this one of time " + Json(*this->Settings.Time).dump() + "; times must ascend";
+    reason = "its last time step is that of time " + FormatTime(*existing.TimeSteps.back().Time) +
+      ", this one of time " + FormatTime(*this->Settings.Time) + "; times must ascend";
   }
   return reason.empty()
     ? Status::Ok()

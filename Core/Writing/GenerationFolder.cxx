@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Writing/GenerationFolder.h"
 
-#include "Store/JsonDocument.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -42,8 +40,7 @@ void GenerationFolder::RemoveUnnamed(
   std::vector<TimeStepDescription> named = pending.TimeSteps;
   if (files.Exists(path))
   {
-    const auto text = ReadText(files, path, std::uint64_t{ 1 } << 30);
-    const auto header = text.IsOk() ? BlockedVolumeHeader::Parse(*text, path) : text.GetStatus();
+    const auto header = BlockedVolumeHeader::Read(files, path);
     if (!header.IsOk())
     {
       return;

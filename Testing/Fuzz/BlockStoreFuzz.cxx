@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Input: flags (1 byte: 1 seals pages and segments, 2 cuts into blocks of 32 instead of 16, 4 adds
-// a second array, 8 makes the first one have 2 to 4 components by the second value type),
-// dimensions (3 bytes), value types (2 bytes), pages of the first array's tree (1 byte), an
-// isovalue (float64); then the files: directory, tree, blocks. The header is made from the first
-// bytes, so the length of the directory is known. The store is asked for the blocks at the
-// isovalue, in the first and in the last variable, which share the tree; the first blocks are
-// decoded at all levels.
+// Input: flags (1 byte), dimensions (3 bytes), value types (2 bytes), pages of the first array's tree
+// (1 byte), an isovalue (float64); then the files: directory, tree, blocks. The first bytes give the
+// header, hence the length of the directory. Flags: 1 seals pages and segments, 2 has blocks of 32
+// cells instead of 16, 4 adds a second array, 8 gives the first array 2 to 4 components by the
+// second value type, 16 has two levels in the records instead of all. The target finds the active
+// blocks of the isovalue in the first and in the last variable, which share the tree, then decodes
+// the first blocks at all levels.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
@@ -31,6 +31,7 @@ BlockedVolumeHeader MakeHeader(const std::uint8_t* bytes)
 {
   BlockedVolumeHeader header;
   header.BlockSize = (bytes[0] & 2) != 0 ? 32 : 16;
+  header.NumberOfLevels = (bytes[0] & 16) != 0 ? 2 : 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     header.Grid.Extent[2 * axis] = 0;
@@ -143,7 +144,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   }
   const bool isSealed = (bytes[0] & 1) != 0;
   const BlockedVolumeHeader header = MakeHeader(bytes);
-  const BlockGrid grid(header.Grid.GetDimensions(), header.BlockSize);
+  const BlockGrid grid = header.GetBlockGrid();
   const auto blocks = static_cast<std::uint32_t>(grid.GetNumberOfBlocks());
   const ArrayVariables variables = header.GetVariables();
   const auto segments = static_cast<std::uint32_t>(variables.GetNumberOfStored()) *

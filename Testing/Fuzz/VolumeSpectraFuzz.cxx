@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Input: a file of spectra, which is read as it is and with the right checksums, for as many arrays
-// and stores as it seems to have. What begins with "{" is taken for a spectra.json.
+// Input: a file of spectra. It is read as it is and with correct checksums, for the numbers of
+// arrays and stores that it states.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
-#include "Store/JsonDocument.h"
 #include "Store/VolumeSpectra.h"
 
 #include <algorithm>
@@ -17,15 +16,14 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Folder = "/data/volume.bvol.stores/000001";
+const std::string Path = "/data/volume.bvol.stores/000001/spectra";
 
 void Use(const WorkloadSpectrum& spectrum)
 {
   Require(spectrum.Bins.Count <= SpectrumBins::MaximumCount, "there are not too many bins");
   for (const WorkloadSpectrum::Counts* counts : spectrum.GetQuantities())
   {
-    Require(counts->empty() || counts->size() == spectrum.Bins.Count,
-      "a spectrum has as many counts as bins");
+    Require(counts->size() == spectrum.Bins.Count, "a spectrum has as many counts as bins");
   }
   for (const double isovalue : { -1e300, -1.0, 0.0, 17.25, 1e300 })
   {
@@ -35,17 +33,16 @@ void Use(const WorkloadSpectrum& spectrum)
   Require(sum.Add(spectrum), "spectra of equal bins can be added");
 }
 
-void ReadAndUse(
-  const std::string& name, const SealedBytes& file, std::size_t arrays, std::size_t stores)
+void ReadAndUse(const SealedBytes& file, std::size_t arrays, std::size_t stores)
 {
   MemoryDisk disk;
-  PutFile(disk, Folder + name, file);
+  PutFile(disk, Path, file);
   // A section of few bytes may have many equal counts.
   const MemoryLimit limit(64 * file.size() + std::size_t{ 256 } * 1024 * (arrays + 1));
   const auto spectra = VolumeSpectra::Read(disk, "/data/volume.bvol", "000001", arrays, stores);
   if (!spectra.IsOk())
   {
-    Require(spectra.GetStatus().GetMessage().find(Folder + name) == 0, "an error names the file");
+    Require(spectra.GetStatus().GetMessage().find(Path) == 0, "an error names the file");
     return;
   }
   for (std::size_t array = 0; array < arrays; ++array)
@@ -89,7 +86,9 @@ SealedBytes SealSections(SealedBytes bytes, std::size_t arrays, std::size_t stor
   return bytes;
 }
 
-void ReadSections(const std::uint8_t* bytes, std::size_t size)
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
   std::size_t arrays = 1;
   std::size_t stores = 1;
@@ -103,44 +102,7 @@ void ReadSections(const std::uint8_t* bytes, std::size_t size)
         std::min<std::uint64_t>(LoadLittleEndian<std::uint64_t>(bytes + 16), size / 8)));
   }
   const SealedBytes file(bytes, bytes + size);
-  ReadAndUse("/spectra", file, arrays, stores);
-  ReadAndUse("/spectra", SealSections(file, arrays, stores), arrays, stores);
-}
-
-/// The numbers of arrays and stores that the text tells; 1 where it tells none.
-void FindNumbers(const std::string& text, std::size_t& arrays, std::size_t& stores)
-{
-  arrays = 1;
-  stores = 1;
-  const auto limitDepth = [](int depth, Json::parse_event_t, Json&) { return depth < 20; };
-  const Json document = Json::parse(text, limitDepth, false);
-  if (!document.is_object() || !document.contains("arrays") || !document["arrays"].is_array())
-  {
-    return;
-  }
-  const Json& list = document["arrays"];
-  arrays = std::max<std::size_t>(1, list.size());
-  if (!list.empty() && list[0].is_object() && list[0].contains("stores"))
-  {
-    stores = std::max<std::size_t>(1, list[0]["stores"].size());
-  }
-}
-
-} // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
-{
-  if (size == 0 || bytes[0] != '{')
-  {
-    ReadSections(bytes, size);
-    return 0;
-  }
-  const std::string text(bytes, bytes + size);
-  std::size_t arrays;
-  std::size_t stores;
-  FindNumbers(text, arrays, stores);
-  const std::string sealed = SealJson(text);
-  ReadAndUse("/spectra.json", SealedBytes(text.begin(), text.end()), arrays, stores);
-  ReadAndUse("/spectra.json", SealedBytes(sealed.begin(), sealed.end()), arrays, stores);
+  ReadAndUse(file, arrays, stores);
+  ReadAndUse(SealSections(file, arrays, stores), arrays, stores);
   return 0;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
 // small volumes and trees, as Core writes them, behind the bytes that each target wants first.
-// Seeds that it does not write are kept, too: those of older versions, and what fuzzing found.
+// The corpus also holds seeds that fuzzing found, which this does not write.
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/SampleVolume.h"
 #include "Fixtures/TestBlockSource.h"
@@ -69,8 +69,8 @@ void Append(Bytes& bytes, const Bytes& others)
   bytes.insert(bytes.end(), others.begin(), others.end());
 }
 
-/// One volume's files (spectra.json, which is not written any more, stays as it is), for the four
-/// targets that read them: an array of one component or more, in one time step or more.
+/// One volume's files, for the four targets that read them: an array of one component or more, in
+/// one time step or more.
 template <typename T>
 void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std::uint32_t stores,
   const BlockCompression& compression = {}, int components = 1, int steps = 1)
@@ -104,10 +104,10 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
     }
   }
   corpus.Add("BlockedVolumeHeader", name, disk.GetFile(Path));
-  // Those of components are as those of arrays, and long.
+  // The spectra of components are like those of arrays, and long.
   if (components == 1)
   {
-    corpus.Add("VolumeSpectra", name + "-sections", disk.GetFile(Path + ".stores/000001/spectra"));
+    corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra"));
   }
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
   const ArrayVariables variables({ { "density", type, components } });
@@ -121,7 +121,8 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   corpus.Add("BlockDirectory", name, input);
   if (stores == 1)
   {
-    input = { static_cast<std::uint8_t>(components > 1 ? 1 + 8 : 1),
+    const bool hasOverviews = BlockGrid(size, settings.BlockSize).GetNumberOfBlocks() > 1;
+    input = { static_cast<std::uint8_t>(1 + (components > 1 ? 8 : 0) + (hasOverviews ? 16 : 0)),
       static_cast<std::uint8_t>(size[0] - 1), static_cast<std::uint8_t>(size[1] - 1),
       static_cast<std::uint8_t>(size[2] - 1), static_cast<std::uint8_t>(type),
       static_cast<std::uint8_t>(components > 1 ? components - 2 : 0),
@@ -263,13 +264,12 @@ int main(int argc, char* argv[])
   AddVolume<std::int16_t>(corpus, "int16", { 5, 4, 3 }, 1);
   AddVolume<float>(corpus, "float32", { 3, 18, 2 }, 1);
   AddVolume<std::uint64_t>(corpus, "uint64-two-stores", { 2, 2, 20 }, 2);
-  AddVolume<std::uint8_t>(corpus, "uint8-lz4", { 20, 9, 5 }, 1, { SegmentCodec::Lz4, 0, {} });
-  AddVolume<std::int16_t>(corpus, "int16-zstd", { 18, 9, 5 }, 1, { SegmentCodec::Zstd, 0, {} });
-  AddVolume<float>(corpus, "float32-lz4-bits", { 9, 18, 5 }, 1,
-    { SegmentCodec::Lz4, 0, SegmentFilter::FromCode(0x22) });
+  AddVolume<std::uint8_t>(corpus, "uint8-lz4", { 20, 9, 5 }, 1, { SegmentCodec::Lz4, 0 });
+  AddVolume<std::int16_t>(corpus, "int16-zstd", { 18, 9, 5 }, 1, { SegmentCodec::Zstd, 0 });
+  AddVolume<float>(corpus, "float32-zstd", { 9, 18, 5 }, 1, { SegmentCodec::Zstd, 0 });
   AddVolume<float>(corpus, "float32-vectors", { 18, 4, 3 }, 1, {}, 3);
   AddVolume<std::uint8_t>(
-    corpus, "uint8-pairs-lz4", { 9, 8, 7 }, 1, { SegmentCodec::Lz4, 0, {} }, 2);
+    corpus, "uint8-pairs-lz4", { 9, 8, 7 }, 1, { SegmentCodec::Lz4, 0 }, 2);
   AddVolume<std::int16_t>(corpus, "int16-steps", { 5, 4, 3 }, 2, {}, 1, 3);
   AddTrees(corpus);
   AddEdgeIndexFiles(corpus);

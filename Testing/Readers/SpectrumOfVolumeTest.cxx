@@ -97,21 +97,6 @@ TEST(SpectrumOfVolume, LeavesOtherConsumersTheirSamples)
   EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), 7);
 }
 
-TEST(SpectrumOfVolume, OfAnOlderVolumeHasTrianglesAndCells)
-{
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(ISOSURFACE_TEST_DATA "/golden-v1/golden.bvol");
-  vtkNew<vtkContourSpectrum> spectrum;
-  const ErrorCounter errors(spectrum);
-  spectrum->SetInputConnection(reader->GetOutputPort());
-  spectrum->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "distance");
-  spectrum->Update();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
-  ASSERT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), 3);
-  EXPECT_EQ(spectrum->GetOutput()->GetValueByName(11, "Isovalue").ToDouble(), 12);
-  EXPECT_EQ(spectrum->GetOutput()->GetValueByName(11, "Triangles").ToInt(), 941);
-}
-
 TEST(SpectrumOfVolume, TellsOfADamagedFile)
 {
   const ScratchFolder folder;

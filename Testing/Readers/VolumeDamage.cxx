@@ -58,7 +58,7 @@ std::vector<VolumeDamage> MakeDamages()
 {
   const std::string bvol = ".bvol";
   const std::string store = "store-00000";
-  const std::string incomplete = "incomplete";
+  const std::string incomplete = "complete JSON";
   const std::string checksum = "checksum";
   return {
     { "HeaderMissing", Remove, bvol, "No such file" },
@@ -66,8 +66,8 @@ std::vector<VolumeDamage> MakeDamages()
     { "HeaderTruncated", CutTo(500), bvol, incomplete },
     { "HeaderAltered", Replace("density", "dEnsity"), bvol, checksum },
     { "HeaderOfOtherFormat", Replace("blocked volume", "clocked volume"), bvol, "format" },
-    { "HeaderNewer", Replace("\"formatVersion\": 2", "\"formatVersion\": 3"), bvol,
-      "format version 3" },
+    { "HeaderNewer", Replace("\"formatVersion\": 1", "\"formatVersion\": 2"), bvol,
+      "format version 2" },
     { "StoreMissing", InStore("", Remove), store, "missing" },
     { "DirectoryMissing", InStore("directory", Remove), store + "/directory", "No such file" },
     { "DirectoryEmpty", InStore("directory", CutTo(0)), store + "/directory", "truncated" },

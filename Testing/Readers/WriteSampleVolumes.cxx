@@ -124,7 +124,7 @@ double MakePatches(std::int64_t, std::int64_t j, std::int64_t k)
   return std::clamp(centre + (noise - 0.5) * width, 0.0, 1.0);
 }
 
-/// All kinds of types, by all codecs, predictors and layouts.
+/// Types of every kind and size, by all codecs and predictors.
 bool WriteCompressed(const std::string& folder)
 {
   const Index3 size = { 35, 20, 18 };
@@ -133,10 +133,8 @@ bool WriteCompressed(const std::string& folder)
     MakeArray<std::uint32_t>("u32", size, MakeWaves), MakeArray<float>("f32", size, MakeWaves),
     MakeArray<double>("f64", size, MakeWaves) };
   const std::pair<const char*, BlockCompression> ways[] = {
-    { "compressed-by-lz4", { SegmentCodec::Lz4, 0, {} } },
-    { "compressed-by-zstd", { SegmentCodec::Zstd, 0, {} } },
-    { "coarser-bits", { SegmentCodec::Lz4, 9, SegmentFilter::FromCode(0x22) } },
-    { "previous-samples", { SegmentCodec::Zstd, 5, SegmentFilter::FromCode(0x01) } },
+    { "compressed-by-lz4", { SegmentCodec::Lz4, 0 } },
+    { "compressed-by-zstd", { SegmentCodec::Zstd, 0 } },
   };
   bool isWritten = true;
   for (const auto& way : ways)

@@ -60,7 +60,7 @@ def make_threshold_key(isovalue, type_name):
     return key + (2 if key + 1 == negative_zero else 1) if nearest < isovalue else key
 
 
-def read_document(path, format_name, versions=(1,)):
+def read_document(path, format_name):
     content = read_file(path)
     try:
         document = json.loads(content.decode(),
@@ -69,7 +69,7 @@ def read_document(path, format_name, versions=(1,)):
         raise FormatError(f"{path}: {error}") from error
     check(isinstance(document, dict) and document.get("format") == format_name,
           f"{path}: is no {format_name}")
-    check(document.get("formatVersion") in versions, f"{path}: another version")
+    check(document.get("formatVersion") == 1, f"{path}: another version")
     covered = content[:content.rfind(b'"checksum"')]
     found = f"{hash64(covered):016x}"
     check(document.get("checksum") == found, f"{path}: the checksum is {found}")
@@ -132,11 +132,11 @@ class Store:
             where, level = divmod(number, self.volume.levels)
             level = self.volume.levels - 1 - level
             name = f"{self.path}: block {block}, component {where}, level {level}"
-            checksum, own, codec, filter_, _ = struct.unpack_from("<QIBBH", self.records, offset)
+            checksum, own, codec, predictor, _ = struct.unpack_from("<QIBBH", self.records, offset)
             seed = hash64(struct.pack("<QII", block, where, level))
             check(checksum == hash64(self.records[offset + 8:offset + 16 + stored], seed),
                   f"{name}: wrong checksum")
-            check(own == stored and (codec != 0 or filter_ == 0), f"{name}: length or codec")
+            check(own == stored and (codec != 0 or predictor == 0), f"{name}: length or codec")
             payload = self.records[offset + 16:offset + 16 + stored]
             type_name = self.volume.components[where]
             typecode = TYPES[type_name][0]
@@ -145,7 +145,7 @@ class Store:
                 samples[where, level].frombytes(payload)
             else:
                 samples[where, level] = decode_segment(
-                    payload, codec, filter_, typecode, type_name[0],
+                    payload, codec, predictor, typecode, type_name[0],
                     self.volume.list_vertices(block, level),
                     lambda: (self.volume.decode(block, samples, where, level + 1),
                              self.volume.find_box(block, level + 1, True)))
@@ -199,11 +199,7 @@ class Spectra:
 
     def __init__(self, folder, arrays, stores):
         self.path = os.path.join(folder, "spectra")
-        if os.path.exists(self.path):
-            self.read(arrays, stores)
-        else:
-            self.path += ".json"
-            self.read_older(arrays, stores)
+        self.read(arrays, stores)
         for array in range(arrays):
             for name, total in self.totals[array].items():
                 sums = [sum(of) for of in zip(*(store[name] for store in self.stores[array]))]
@@ -266,18 +262,6 @@ class Spectra:
             counts += [count] * repeats
         return counts, position
 
-    def read_older(self, arrays, stores):
-        document = read_document(self.path, "ScalableIsosurface spectra")
-        check(len(document["arrays"]) == arrays
-              and all(len(of_array["stores"]) == stores for of_array in document["arrays"]),
-              f"{self.path}: does not fit the header")
-        self.bins = [(of_array["first"], of_array["exponent"], of_array["count"])
-                     for of_array in document["arrays"]]
-        self.units = [None] * arrays
-        self.stores = [of_array["stores"] for of_array in document["arrays"]]
-        self.totals = [{name: [sum(of) for of in zip(*(store[name] for store in of_array))]
-                        for name in self.QUANTITIES[:2]} for of_array in self.stores]
-
     def list_isovalues(self, array):
         first, exponent, count = self.bins[array]
         # In halves: beyond the doubles it becomes infinite, which ldexp alone refuses to.
@@ -289,16 +273,15 @@ class BlockedVolume:
     """A volume, or, with number > 0, one of its overviews, which are blocked volumes like it."""
 
     def __init__(self, path, time_step=0, number=0):
-        self.header = read_document(path, "ScalableIsosurface blocked volume", (1, 2))
-        version = self.header["formatVersion"]
+        self.header = read_document(path, "ScalableIsosurface blocked volume")
         self.arrays = self.header["arrays"]
         self.block_size = self.header["blockSize"]
         check(self.block_size in (16, 32, 64), f"{path}: block size")
-        most_levels = self.block_size.bit_length()
-        overviews = self.header["overviews"] if version > 1 else []
+        max_levels = self.block_size.bit_length()
+        overviews = self.header["overviews"]
         parts = [self.header, *overviews]
         levels = [part["numberOfLevels"] for part in parts]
-        check(all((1 if version > 1 else most_levels) <= n <= most_levels for n in levels)
+        check(all(1 <= n <= max_levels for n in levels)
               and self.header["ghostLayers"] == 1
               and self.header["compression"] in ("none", "lz4", "zstd")
               and all(a["components"] >= 1 and a["type"] in TYPES for a in self.arrays),
@@ -317,8 +300,7 @@ class BlockedVolume:
               f"{path}: an overview of a single block")
         step = self.header["timeSteps"][time_step]
         check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
-        check(version == 1 or len(step["overviews"]) == len(overviews),
-              f"{path}: number of overviews")
+        check(len(step["overviews"]) == len(overviews), f"{path}: number of overviews")
         folder = os.path.join(path + ".stores", step["folder"])
         if number > 0:
             folder = os.path.join(folder, f"overview-{number}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decodes compressed segments, made from Documentation/formats/block-compression.md alone."""
+"""Decodes compressed segments, written from Documentation/formats/block-compression.md alone."""
 import array
 import ctypes
 import ctypes.util
@@ -45,19 +45,10 @@ def decompress_zstd(code, size):
 DECOMPRESS = {1: decompress_lz4, 2: decompress_zstd}
 
 
-def gather_codes(data, layout, count, size):
-    """z of each sample, out of a layout."""
-    whole = count // 8 * 8
-    codes = []
-    for index in range(count):
-        if layout == 1:
-            codes.append(sum(data[byte * count + index] << 8 * byte for byte in range(size)))
-        elif layout == 2 and index < whole:
-            codes.append(sum((data[bit * (whole // 8) + index // 8] >> index % 8 & 1) << bit
-                             for bit in range(8 * size)))
-        else:
-            codes.append(int.from_bytes(data[index * size:(index + 1) * size], "little"))
-    return codes
+def gather_codes(data, count, size):
+    """z of each sample, out of its byte planes."""
+    return [sum(data[byte * count + index] << 8 * byte for byte in range(size))
+            for index in range(count)]
 
 
 def order(bits, kind, size):
@@ -90,13 +81,12 @@ def predict(coarse, box, vertex):
     return mean(x0, x1)
 
 
-def decode_segment(payload, codec, filter_, typecode, kind, vertices, coarser):
+def decode_segment(payload, codec, predictor, typecode, kind, vertices, coarser):
     """The samples at `vertices`; coarser() gives those of the next coarser level and their box."""
     size = array.array(typecode).itemsize
     count = len(vertices)
-    layout, predictor = divmod(filter_, 16)
-    check(codec in DECOMPRESS and predictor <= 2 and layout <= 2, "unknown codec or filter")
-    codes = gather_codes(DECOMPRESS[codec](payload, count * size), layout, count, size)
+    check(codec in DECOMPRESS and predictor <= 2, "unknown codec or predictor")
+    codes = gather_codes(DECOMPRESS[codec](payload, count * size), count, size)
     if predictor:
         mask, previous = (1 << 8 * size) - 1, 1 << 8 * size - 1
         if predictor == 2:

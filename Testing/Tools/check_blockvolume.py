@@ -336,13 +336,6 @@ class InfoTellsWhatIndependentReadersFind(Case):
                     for name, value, unit in zip(names[5:], row[5:], spectra.units[number]):
                         self.assertAlmostEqual(value, total[name][b] * unit, delta=1e-8 * value)
 
-    def test_an_older_volume_has_a_spectrum_of_triangles_and_cells(self):
-        path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Data", "golden-v1",
-                            "golden.bvol")
-        code, out, err = run("--info", path)
-        self.assertEqual(code, 0, err)
-        self.assertRegex(out, r"isovalue +triangles +activeCells\n +-?[0-9.]+ +[0-9]+ +[0-9]+\n")
-
 
 class ErrorsAreOneLine(Case):
     def check(self, expected, *arguments, ranks=1):

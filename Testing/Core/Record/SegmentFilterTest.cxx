@@ -43,29 +43,15 @@ std::uint64_t Encode(std::uint64_t ordered, std::uint64_t predicted)
   return (isNegative ? 2 * ((~residual + 1) & mask) - 1 : 2 * residual) & mask;
 }
 
-/// The bytes of a layout, bit by bit from its definition.
-std::vector<std::uint8_t> Arrange(
-  const std::vector<std::uint64_t>& codes, std::size_t size, SampleLayout layout)
+/// Byte planes, from their definition.
+std::vector<std::uint8_t> Arrange(const std::vector<std::uint64_t>& codes, std::size_t size)
 {
-  const std::size_t count = codes.size();
-  std::vector<std::uint8_t> bytes(count * size, 0);
-  const std::size_t whole = count / 8 * 8;
-  for (std::size_t index = 0; index < count; ++index)
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t byte = 0; byte < size; ++byte)
   {
-    for (std::size_t bit = 0; bit < 8 * size; ++bit)
+    for (const std::uint64_t code : codes)
     {
-      std::size_t byte = index * size + bit / 8;
-      std::size_t shift = bit % 8;
-      if (layout == SampleLayout::BytePlanes)
-      {
-        byte = bit / 8 * count + index;
-      }
-      else if (layout == SampleLayout::BitPlanes && index < whole)
-      {
-        byte = bit * (whole / 8) + index / 8;
-        shift = index % 8;
-      }
-      bytes[byte] = static_cast<std::uint8_t>(bytes[byte] | ((codes[index] >> bit & 1) << shift));
+      bytes.push_back(static_cast<std::uint8_t>(code >> (8 * byte)));
     }
   }
   return bytes;
@@ -98,7 +84,7 @@ TYPED_TEST(FilterOfType, OrderedSamplesKeepOrderAndBits)
   }
 }
 
-TYPED_TEST(FilterOfType, GivesTheBytesOfTheSpecificationAndTheSamplesBack)
+TYPED_TEST(FilterOfType, WritesTheBytesOfTheSpecificationAndRestoresTheSamples)
 {
   using T = TypeParam;
   using U = OrderedOf<T>;
@@ -112,14 +98,9 @@ TYPED_TEST(FilterOfType, GivesTheBytesOfTheSpecificationAndTheSamplesBack)
       memory.begin(), memory.end(), [&] { return static_cast<std::uint8_t>(random()); });
     std::generate(predictions.begin(), predictions.end(), [&] { return static_cast<U>(random()); });
     const std::uint8_t* samples = memory.data() + 1;
-    for (int code = 0; code < 256; ++code)
+    for (const SamplePredictor predictor :
+      { SamplePredictor::None, SamplePredictor::Previous, SamplePredictor::Coarser })
     {
-      if (!SegmentFilter::IsCode(static_cast<std::uint8_t>(code)))
-      {
-        continue;
-      }
-      const SegmentFilter filter = SegmentFilter::FromCode(static_cast<std::uint8_t>(code));
-      ASSERT_EQ(filter.GetCode(), code);
       std::vector<std::uint64_t> codes;
       std::uint64_t previous = std::uint64_t{ 1 } << (8 * sizeof(T) - 1);
       for (std::size_t index = 0; index < count; ++index)
@@ -127,31 +108,29 @@ TYPED_TEST(FilterOfType, GivesTheBytesOfTheSpecificationAndTheSamplesBack)
         U bits;
         std::memcpy(&bits, samples + index * sizeof(T), sizeof(T));
         const std::uint64_t ordered = OrderedSample<T>::FromBits(bits);
-        codes.push_back(filter.Predictor == SamplePredictor::None ? bits
-            : filter.Predictor == SamplePredictor::Previous
-            ? Encode<T>(ordered, previous)
-            : Encode<T>(ordered, predictions[index]));
+        codes.push_back(predictor == SamplePredictor::None ? bits
+            : predictor == SamplePredictor::Previous       ? Encode<T>(ordered, previous)
+                                                           : Encode<T>(ordered, predictions[index]));
         previous = ordered;
       }
-      const std::vector<std::uint8_t> expected = Arrange(codes, sizeof(T), filter.Layout);
+      const std::vector<std::uint8_t> expected = Arrange(codes, sizeof(T));
       std::vector<std::uint8_t> filtered(count * sizeof(T));
       ApplyFilter(
-        filter, ValueTypeOf<T>::Value, samples, count, predictions.data(), filtered.data());
-      ASSERT_EQ(filtered, expected) << "filter " << code << ", " << count << " samples";
+        predictor, ValueTypeOf<T>::Value, samples, count, predictions.data(), filtered.data());
+      ASSERT_EQ(filtered, expected) << GetPredictorName(predictor) << ", " << count << " samples";
       std::vector<std::uint8_t> back(count * sizeof(T));
       RevertFilter(
-        filter, ValueTypeOf<T>::Value, filtered.data(), count, predictions.data(), back.data());
-      ASSERT_TRUE(std::equal(back.begin(), back.end(), samples)) << code << ", " << count;
+        predictor, ValueTypeOf<T>::Value, filtered.data(), count, predictions.data(), back.data());
+      ASSERT_TRUE(std::equal(back.begin(), back.end(), samples))
+        << GetPredictorName(predictor) << ", " << count << " samples";
     }
   }
 }
 
-TEST(SegmentFilter, HasNineCodes)
+TEST(SamplePredictor, HasTheNumbersOfTheSpecification)
 {
-  int codes = 0;
-  for (int code = 0; code < 256; ++code)
+  for (int number = 0; number < 256; ++number)
   {
-    codes += SegmentFilter::IsCode(static_cast<std::uint8_t>(code));
+    EXPECT_EQ(IsPredictor(static_cast<std::uint8_t>(number)), number < 3) << number;
   }
-  EXPECT_EQ(codes, 9);
 }

@@ -206,7 +206,7 @@ TYPED_TEST(VectorsOfType, AreReadAndIndexedByComponentAndByMagnitude)
   const VectorVolume<TypeParam> volume;
   MemoryDisk disk;
   BlockedVolumeSettings settings = MakeSettings(16, 3);
-  settings.Compression = { SegmentCodec::Zstd, 1, {} };
+  settings.Compression = { SegmentCodec::Zstd, 1 };
   volume.Write(disk, settings, 2, OverlappingColumns);
   const auto opened = OpenVolume(disk);
   ASSERT_NE(opened, nullptr);

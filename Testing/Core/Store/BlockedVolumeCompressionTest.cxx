@@ -14,7 +14,7 @@ namespace
 BlockedVolumeSettings MakeCompressed(SegmentCodec codec, int level = 0)
 {
   BlockedVolumeSettings settings = MakeSettings(16, 3);
-  settings.Compression = { codec, level, {} };
+  settings.Compression = { codec, level };
   return settings;
 }
 
@@ -104,7 +104,7 @@ TEST(BlockedVolumeCompression, ReadsBackWithFewerBytesAtEveryLevel)
   }
 }
 
-TEST(BlockedVolumeCompression, SaysNothingNewOfUncompressedVolumes)
+TEST(BlockedVolumeCompression, GivesUncompressedVolumesNoLevel)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 20, 20, 20 }), MakeSettings(16, 1));
@@ -168,7 +168,7 @@ TEST(BlockedVolumeCompression, HostileSegmentsWithRightChecksumsAreRefused)
       }
       if (trial % 3 == 2)
       {
-        coding.Filter = SegmentFilter::FromCode(static_cast<std::uint8_t>(random()));
+        coding.Predictor = static_cast<SamplePredictor>(random() % 256);
       }
       SealSegment(segment, stored, coding, { (*blocks)[0].Block, 0, 0 });
       const auto block = opened->ReadBlock((*blocks)[0], 0, 0, 0, statistics);

@@ -4,6 +4,7 @@
 #include "Store/JsonDocument.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <functional>
 #include <limits>
@@ -143,7 +144,7 @@ TEST(BlockedVolumeHeader, TakesManyStores)
 TEST(BlockedVolumeHeader, SaysHowBlocksAreCompressed)
 {
   BlockedVolumeHeader header = MakeHeader();
-  header.Compression = { SegmentCodec::Zstd, 7, {} };
+  header.Compression = { SegmentCodec::Zstd, 7 };
   const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
   ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
   EXPECT_EQ(parsed->Compression.Codec, SegmentCodec::Zstd);
@@ -167,7 +168,7 @@ TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
 
 TEST(BlockedVolumeHeader, RefusesANewerVersionWithAdvice)
 {
-  ExpectRefused(Change([](Json& document) { document["formatVersion"] = 3; }), "update",
+  ExpectRefused(Change([](Json& document) { document["formatVersion"] = 2; }), "update",
     StatusCode::Unsupported);
   ExpectRefused(Change([](Json& document) { document["compression"] = "brotli"; }), "brotli",
     StatusCode::Unsupported);
@@ -316,21 +317,15 @@ TEST(BlockedVolumeHeader, RoundTripsOverviewsAndTellsTheirGrids)
   EXPECT_EQ(second.TimeSteps[0].Folder, "000012/overview-2");
 }
 
-TEST(BlockedVolumeHeader, SaysTheLowestVersionThatTellsAll)
+TEST(BlockedVolumeHeader, HasVersionOneAndItsOverviewsEvenIfThereAreNone)
 {
-  EXPECT_EQ(Json::parse(MakeHeader().Format())["formatVersion"], 1);
-  EXPECT_EQ(Json::parse(MakeHeaderWithOverviews().Format())["formatVersion"], 2);
-  // Version 1 knows nothing of overviews, hence of records with fewer levels.
-  ExpectRefused(ChangeOverviews([](Json& d) { d["formatVersion"] = 1; }), "numberOfLevels");
-  const auto old = BlockedVolumeHeader::Parse(ChangeOverviews(
-                                                [](Json& d)
-                                                {
-                                                  d["formatVersion"] = 1;
-                                                  d["numberOfLevels"] = 5;
-                                                }),
-    Path);
-  ASSERT_TRUE(old.IsOk()) << old.GetStatus().GetMessage();
-  EXPECT_TRUE(old->Overviews.empty());
+  const Json document = Json::parse(MakeHeader().Format());
+  EXPECT_EQ(document["formatVersion"], 1);
+  EXPECT_EQ(document["overviews"], Json::array());
+  EXPECT_EQ(document["timeSteps"][0]["overviews"], Json::array());
+  ExpectRefused(Change([](Json& d) { d.erase("overviews"); }), "overviews");
+  ExpectRefused(
+    Change([](Json& d) { d["timeSteps"][1].erase("overviews"); }), "timeSteps[1].overviews");
 }
 
 TEST(BlockedVolumeHeader, NamesTheMemberOfAnOverviewThatIsWrong)

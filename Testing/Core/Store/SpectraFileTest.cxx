@@ -4,7 +4,6 @@
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Store/JsonDocument.h"
 #include "Store/PackedCounts.h"
 
 #include <limits>
@@ -187,43 +186,4 @@ TEST_F(SpectraFileOnDisk, MustFitTheHeader)
   }
   EXPECT_EQ(
     SpectraFile::Open(this->Disk, "/data/none", 2, 3).GetStatus().GetCode(), StatusCode::NotFound);
-}
-
-TEST(VolumeSpectra, OfOlderVolumesTellTrianglesAndCells)
-{
-  MemoryDisk disk;
-  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 33, 20 }), MakeSettings(16, 2));
-  const auto now = OpenVolume(disk);
-  const auto total = now->GetSpectrum(0, 0);
-  ASSERT_TRUE(total.IsOk());
-  // What such a volume has instead of the file.
-  Json array = { { "first", (*total)->Bins.First }, { "exponent", (*total)->Bins.Exponent },
-    { "count", (*total)->Bins.Count }, { "stores", Json::array() } };
-  for (std::uint32_t store = 0; store < 2; ++store)
-  {
-    const auto spectrum = now->GetStoreSpectrum(0, 0, store);
-    ASSERT_TRUE(spectrum.IsOk());
-    array["stores"].push_back(
-      { { "triangles", (*spectrum)->Triangles }, { "activeCells", (*spectrum)->ActiveCells } });
-  }
-  const auto second = now->GetStoreSpectrum(0, 0, 1);
-  const std::string text = FormatDocument({ { "format", "ScalableIsosurface spectra" },
-    { "formatVersion", 1 }, { "arrays", Json::array({ array }) } });
-  const std::string folder = VolumePath + ".stores/000001/";
-  ASSERT_TRUE(disk.RemoveAll(folder + "spectra").IsOk());
-  auto file = disk.CreateForWriting(folder + "spectra.json");
-  ASSERT_TRUE(file.IsOk());
-  ASSERT_TRUE((*file)->Append(text.data(), text.size()).IsOk());
-  ASSERT_TRUE((*file)->SyncAndClose().IsOk());
-
-  const auto older = OpenVolume(disk);
-  const auto old = older->GetSpectrum(0, 0);
-  ASSERT_TRUE(old.IsOk()) << old.GetStatus().GetMessage();
-  EXPECT_EQ((*old)->Triangles, (*total)->Triangles);
-  EXPECT_EQ((*old)->ActiveCells, (*total)->ActiveCells);
-  EXPECT_TRUE((*old)->Bytes.empty());
-  EXPECT_TRUE((*old)->Area.empty());
-  const auto store = older->GetStoreSpectrum(0, 0, 1);
-  ASSERT_TRUE(store.IsOk());
-  EXPECT_EQ((*store)->Triangles, (*second)->Triangles);
 }
