@@ -15,12 +15,18 @@ namespace isosurface
 namespace
 {
 
-// Message of GatherPieces: number of components of all arrays, of attributes, the components'
-// types, the attributes' components; then two boxes a piece. All int64.
+// The message of GatherPieces, all int64. With n pieces on the rank, 0 without:
+//
+//     +--------------------------------------------------+
+//     | components of all arrays, scalars first      (c) |
+//     | attributes                                   (a) |
+//     | types of the components                      x c |
+//     | components of each attribute                 x a |
+//     | box of each piece: low x, y, z, high x, y, z x n |
+//     +--------------------------------------------------+
 void AppendInteger(Message& message, std::int64_t value)
 {
-  message.resize(message.size() + sizeof(value));
-  StoreLittleEndian(message.data() + message.size() - sizeof(value), value);
+  AppendLittleEndian(message, value);
 }
 
 void AppendBox(Message& message, const VertexBox& box)
@@ -148,84 +154,13 @@ std::vector<SampleView> PieceBlockSource::GetViews(std::size_t piece) const
 Status PieceBlockSource::GatherPieces(Communicator& ranks)
 {
   Message mine;
-  Status status;
-  Message layout;
-  for (std::size_t n = 0; n < this->Pieces.size(); ++n)
-  {
-    Message own;
-    const std::vector<SampleView> views = this->GetViews(n);
-    AppendInteger(own, static_cast<std::int64_t>(views.size()));
-    AppendInteger(own, static_cast<std::int64_t>(this->Pieces[n].Attributes.size()));
-    for (const SampleView& view : views)
-    {
-      AppendInteger(own, static_cast<std::int64_t>(view.Type));
-    }
-    for (const AttributeView& attribute : this->Pieces[n].Attributes)
-    {
-      AppendInteger(own, static_cast<std::int64_t>(attribute.Components.size()));
-    }
-    if (!layout.empty() && own != layout)
-    {
-      status = Status(StatusCode::InvalidArgument,
-        "the arrays are not of the same types in all images of the input");
-    }
-    layout = std::move(own);
-  }
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-  mine = layout;
-  for (const GridPiece& piece : this->Pieces)
-  {
-    AppendBox(mine, piece.Scalars.Available);
-  }
-  layout.clear();
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->DescribePieces(mine)));
   const std::vector<Message> all = ranks.AllGather(mine);
   for (std::size_t rank = 0; rank < all.size(); ++rank)
   {
-    const Message& message = all[rank];
-    std::size_t at = 0;
-    const auto read = [&]
+    if (!all[rank].empty())
     {
-      const auto value = LoadLittleEndian<std::int64_t>(message.data() + at);
-      at += sizeof(value);
-      return value;
-    };
-    if (message.empty())
-    {
-      continue;
-    }
-    const std::int64_t components = read();
-    const std::int64_t attributes = read();
-    std::vector<ValueType> types;
-    std::vector<int> sizes;
-    for (std::int64_t n = 0; n < components; ++n)
-    {
-      types.push_back(static_cast<ValueType>(read()));
-    }
-    for (std::int64_t n = 0; n < attributes; ++n)
-    {
-      sizes.push_back(static_cast<int>(read()));
-    }
-    const bool isFirst = this->Types.empty();
-    if (!isFirst && (types != this->Types || sizes != this->AttributeSizes))
-    {
-      return { StatusCode::InvalidArgument,
-        "the arrays are not of the same types in the images of all ranks" };
-    }
-    this->Types = std::move(types);
-    this->AttributeSizes = std::move(sizes);
-    for (std::size_t number = 0; at < message.size(); ++number)
-    {
-      PlacedPiece piece;
-      piece.Rank = static_cast<int>(rank);
-      piece.Number = number;
-      for (Index3* corner : { &piece.Box.Low, &piece.Box.High })
-      {
-        for (std::int64_t& coordinate : *corner)
-        {
-          coordinate = read();
-        }
-      }
-      this->AllPieces.push_back(piece);
+      ISOSURFACE_RETURN_IF_ERROR(this->AddPieces(all[rank], static_cast<int>(rank)));
     }
   }
   if (this->Types.empty())
@@ -243,6 +178,70 @@ Status PieceBlockSource::GatherPieces(Communicator& ranks)
         }
       }
     });
+  return Status::Ok();
+}
+
+Status PieceBlockSource::DescribePieces(Message& message) const
+{
+  for (std::size_t n = 0; n < this->Pieces.size(); ++n)
+  {
+    Message arrays;
+    const std::vector<SampleView> views = this->GetViews(n);
+    AppendInteger(arrays, static_cast<std::int64_t>(views.size()));
+    AppendInteger(arrays, static_cast<std::int64_t>(this->Pieces[n].Attributes.size()));
+    for (const SampleView& view : views)
+    {
+      AppendInteger(arrays, static_cast<std::int64_t>(view.Type));
+    }
+    for (const AttributeView& attribute : this->Pieces[n].Attributes)
+    {
+      AppendInteger(arrays, static_cast<std::int64_t>(attribute.Components.size()));
+    }
+    if (!message.empty() && arrays != message)
+    {
+      return { StatusCode::InvalidArgument,
+        "the arrays are not of the same types in all images of the input" };
+    }
+    message = std::move(arrays);
+  }
+  for (const GridPiece& piece : this->Pieces)
+  {
+    AppendBox(message, piece.Scalars.Available);
+  }
+  return Status::Ok();
+}
+
+Status PieceBlockSource::AddPieces(const Message& message, int rank)
+{
+  ByteReader reader(message.data(), message.size());
+  const auto components = reader.Read<std::int64_t>();
+  const auto attributes = reader.Read<std::int64_t>();
+  std::vector<ValueType> types;
+  std::vector<int> sizes;
+  for (std::int64_t n = 0; n < components; ++n)
+  {
+    types.push_back(static_cast<ValueType>(reader.Read<std::int64_t>()));
+  }
+  for (std::int64_t n = 0; n < attributes; ++n)
+  {
+    sizes.push_back(static_cast<int>(reader.Read<std::int64_t>()));
+  }
+  if (!this->Types.empty() && (types != this->Types || sizes != this->AttributeSizes))
+  {
+    return { StatusCode::InvalidArgument,
+      "the arrays are not of the same types in the images of all ranks" };
+  }
+  this->Types = std::move(types);
+  this->AttributeSizes = std::move(sizes);
+  for (std::size_t number = 0; reader.GetRemaining() > 0; ++number)
+  {
+    PlacedPiece piece;
+    piece.Rank = rank;
+    piece.Number = number;
+    reader.ReadAll(piece.Box.Low);
+    reader.ReadAll(piece.Box.High);
+    this->AllPieces.push_back(piece);
+  }
   return Status::Ok();
 }
 
@@ -379,35 +378,17 @@ void PieceBlockSource::JoinRanges(Communicator& ranks)
 // Brings the samples of the shared active blocks to their owners.
 Status PieceBlockSource::CollectShared(Communicator& ranks)
 {
-  const int rank = ranks.GetRank();
   const auto hasGap = [](const SharedBlock& block) { return block.HasGap; };
   if (std::any_of(this->Shared.begin(), this->Shared.end(), hasGap))
   {
     return { StatusCode::InvalidArgument,
-      "the images of the input leave gaps in their grid, through which the isosurface passes" };
+      "the images of the input leave gaps in their grid where the isosurface passes" };
   }
   std::vector<Message> outgoing(static_cast<std::size_t>(ranks.GetSize()));
-  std::vector<VertexBox> missing;
   Status status;
   try
   {
-    for (SharedBlock& block : this->Shared)
-    {
-      for (const auto& [number, part] : this->FindParts(block.Samples, missing))
-      {
-        const PlacedPiece& piece = this->AllPieces[number];
-        for (const SampleView& view :
-          piece.Rank == rank ? this->GetViews(piece.Number) : std::vector<SampleView>())
-        {
-          AppendSamples(view, part, outgoing[static_cast<std::size_t>(block.Owner)]);
-        }
-      }
-      for (std::size_t n = 0; block.Owner == rank && n < this->Types.size(); ++n)
-      {
-        block.Arrays.emplace_back(static_cast<std::size_t>(block.Samples.GetNumberOfVertices()) *
-          GetValueSize(this->Types[n]));
-      }
-    }
+    this->PackShared(ranks.GetRank(), outgoing);
   }
   catch (const std::bad_alloc&)
   {
@@ -415,7 +396,37 @@ Status PieceBlockSource::CollectShared(Communicator& ranks)
       Status(StatusCode::OutOfMemory, "there is not enough memory for the blocks that ranks share");
   }
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
+  this->PlaceShared(ranks.GetRank(), ranks.Exchange(std::move(outgoing)));
+  return Status::Ok();
+}
+
+// Packs the samples for each rank, and makes room for those that this rank will get.
+void PieceBlockSource::PackShared(int rank, std::vector<Message>& outgoing)
+{
+  std::vector<VertexBox> missing;
+  for (SharedBlock& block : this->Shared)
+  {
+    for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+    {
+      const PlacedPiece& piece = this->AllPieces[number];
+      for (const SampleView& view :
+        piece.Rank == rank ? this->GetViews(piece.Number) : std::vector<SampleView>())
+      {
+        AppendSamples(view, part, outgoing[static_cast<std::size_t>(block.Owner)]);
+      }
+    }
+    for (std::size_t n = 0; block.Owner == rank && n < this->Types.size(); ++n)
+    {
+      block.Arrays.emplace_back(static_cast<std::size_t>(block.Samples.GetNumberOfVertices()) *
+        GetValueSize(this->Types[n]));
+    }
+  }
+}
+
+// Adds the shared blocks of this rank to its own, with the samples that all ranks sent.
+void PieceBlockSource::PlaceShared(int rank, const std::vector<Message>& incoming)
+{
+  std::vector<VertexBox> missing;
   std::vector<std::size_t> used(incoming.size(), 0);
   for (std::size_t index = 0; index < this->Shared.size(); ++index)
   {
@@ -437,7 +448,6 @@ Status PieceBlockSource::CollectShared(Communicator& ranks)
     this->Places.insert(this->Places.begin() + (place - this->Numbers.begin()), { true, index });
     this->Numbers.insert(place, block.Number);
   }
-  return Status::Ok();
 }
 
 Result<BlockSamples> PieceBlockSource::Acquire(std::size_t block)

@@ -20,14 +20,14 @@
 namespace isosurface
 {
 
-/// A part of a grid that a rank has in memory: the arrays' views are of the same boxes as Scalars.
+/// A piece of a grid that a rank has in memory. The views of all arrays have the boxes of Scalars.
 struct GridPiece
 {
   SampleView Scalars;
   std::vector<AttributeView> Attributes;
 };
 
-/// What of a grid a PieceBlockSource is to have.
+/// Which blocks of a grid a PieceBlockSource has.
 struct PieceBlockSelection
 {
   std::vector<double> Isovalues;
@@ -37,12 +37,11 @@ struct PieceBlockSelection
 };
 
 /**
- * The active blocks of one grid of which the ranks have pieces in memory, of any shape, overlapping
- * ones included. The blocks are those of the grid as a whole, not of the pieces: which ones there
- * are, and their samples, do not depend on how the grid was cut. A block within a piece is taken
- * from there without a copy; one that pieces share belongs to the first rank that has a part of it,
- * which is sent the rest, of each vertex from the first piece that has it. Of a piece all samples
- * count that are Available, so ghost layers fill gaps.
+ * The active blocks of a grid of which the ranks have pieces in memory, of any shape, overlapping
+ * ones included. The blocks are those of the grid as a whole, so blocks and samples do not depend on
+ * how the grid was cut. A block within a piece is a view of that piece. A block that pieces share
+ * belongs to the first rank that has some of it, which is sent the rest, each vertex from the first
+ * piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
  *
  * Memory beside the pieces, which must outlive the source: the samples of the shared active blocks
  * of this rank.
@@ -109,9 +108,14 @@ private:
   PieceBlockSource(const GridGeometry& geometry, std::vector<GridPiece> pieces,
     const PieceBlockSelection& selection);
   Status GatherPieces(Communicator& ranks);
+  /// The message of GatherPieces, of this rank; and adds that of any rank.
+  Status DescribePieces(Message& message) const;
+  Status AddPieces(const Message& message, int rank);
   void FindBlocks(Communicator& ranks, const Region& region, int threads);
   void JoinRanges(Communicator& ranks);
   Status CollectShared(Communicator& ranks);
+  void PackShared(int rank, std::vector<Message>& outgoing);
+  void PlaceShared(int rank, const std::vector<Message>& incoming);
   bool IsActive(const KeyRange& range) const;
   /// The part of the box that each piece supplies, and what none has.
   std::vector<std::pair<std::size_t, VertexBox>> FindParts(

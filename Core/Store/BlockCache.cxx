@@ -49,9 +49,16 @@ Result<std::shared_ptr<const DecodedBlock>> BlockCache::Get(
   const auto loading = std::make_shared<Loading>();
   this->InFlight.emplace(key, loading);
   lock.unlock();
+  return this->Load(key, load, *loading);
+}
+
+Result<std::shared_ptr<const DecodedBlock>> BlockCache::Load(
+  const BlockCacheKey& key, const Loader& load, Loading& loading)
+{
+  std::unique_lock<std::mutex> lock(this->Mutex, std::defer_lock);
   const auto finish = [&]
   {
-    loading->Done = true;
+    loading.Done = true;
     this->InFlight.erase(key);
     this->LoadingDone.notify_all();
   };
@@ -61,24 +68,24 @@ Result<std::shared_ptr<const DecodedBlock>> BlockCache::Get(
     lock.lock();
     if (result.IsOk())
     {
-      loading->Block = *result;
+      loading.Block = *result;
       this->Insert(key, *result);
     }
     else
     {
-      loading->Error = result.GetStatus();
+      loading.Error = result.GetStatus();
     }
     finish();
     return result;
   }
   catch (...)
   {
-    // Short of memory: those who wait must not wait for ever.
+    // Short of memory. Those who wait must be told.
     if (!lock.owns_lock())
     {
       lock.lock();
     }
-    loading->Error = Status(StatusCode::IoError, "loading a block failed for want of memory");
+    loading.Error = Status(StatusCode::IoError, "loading a block failed for want of memory");
     finish();
     throw;
   }

@@ -18,7 +18,7 @@
 namespace isosurface
 {
 
-/// What a decoded block is known by.
+/// Identifies a decoded block.
 struct BlockCacheKey
 {
   std::uint64_t Dataset = 0; ///< a hash of path, time step's folder and contents
@@ -34,11 +34,11 @@ struct BlockCacheKey
 };
 
 /**
- * Decoded blocks, kept in memory up to a budget of bytes; the least recently used ones go first,
- * but never an expected one for another: a query that is larger than the budget finds at the next
- * isovalue what was kept of it, where the least recently used block would always be the next one
- * to be asked for. A block that somebody still holds lives on after it has left the cache. Safe for
- * use by any number of threads; a block that several threads ask for at once is loaded once.
+ * Keeps decoded blocks in memory, up to a budget of bytes. The least recently used ones are evicted
+ * first, but no block that the current query expects is evicted for one that it does not. So a query
+ * larger than the budget finds some of its blocks at the next isovalue, where plain LRU would evict
+ * each block just before it is needed. A block that somebody still holds outlives its eviction. Safe
+ * for any number of threads; a block that several threads ask for at once is loaded once.
  */
 class BlockCache
 {
@@ -52,19 +52,19 @@ public:
   BlockCache(const BlockCache&) = delete;
   BlockCache& operator=(const BlockCache&) = delete;
 
-  /// The one of this process, which outlives every reader; its budget is 1 GiB until it is set.
+  /// The cache of this process, which outlives every reader. Its budget is 1 GiB until it is set.
   static const std::shared_ptr<BlockCache>& GetProcessCache();
 
-  /// Returns the block, calling `load` if it is not here; `hit` tells whether it was. A failed load
-  /// is not kept: the next one to ask tries anew.
+  /// Returns the block, which `load` loads if it is not here; `hit` tells whether it was. An error is
+  /// not kept: the next call loads anew.
   Result<std::shared_ptr<const DecodedBlock>> Get(
     const BlockCacheKey& key, const Loader& load, bool& hit);
 
-  /// Tells what a query is going to ask for; of two queries at a time, the later one counts. Cost:
-  /// one search a key.
+  /// Declares the blocks that a query will ask for, in place of those of the query before. Cost: one
+  /// search a key.
   void Expect(const std::vector<BlockCacheKey>& keys);
 
-  /// Whether the block is here, or on its way; by the time of the answer it may be gone.
+  /// Whether the block is here or being loaded. It may be evicted before the call returns.
   bool Contains(const BlockCacheKey& key) const;
 
   /// In bytes; a lower one takes effect at once, 0 keeps nothing.
@@ -93,6 +93,9 @@ private:
     Status Error;
   };
 
+  /// Loads a block without holding the mutex, and tells those who wait for it.
+  Result<std::shared_ptr<const DecodedBlock>> Load(
+    const BlockCacheKey& key, const Loader& load, Loading& loading);
   EntryList& FindList(const BlockCacheKey& key);
   void Insert(const BlockCacheKey& key, const std::shared_ptr<const DecodedBlock>& block);
   void Trim(std::uint64_t budget);

@@ -3,17 +3,15 @@
 
 #include "Record/BlockRecord.h"
 
-#include <cstddef>
-
 namespace isosurface
 {
 
-void BlockedVolume::BlockReading::Announce(const std::vector<std::size_t>& variables)
+void BlockReading::Announce(const std::vector<std::size_t>& variables)
 {
-  const ArrayVariables& all = this->Volume.Variables;
+  const ArrayVariables& all = this->Stores.GetVariables();
   for (const std::size_t variable : variables)
   {
-    this->Asked.insert(variable);
+    this->Announced.insert(variable);
     const std::size_t array = all[variable].Array;
     if (!all[variable].IsMagnitude())
     {
@@ -29,11 +27,11 @@ void BlockedVolume::BlockReading::Announce(const std::vector<std::size_t>& varia
   }
 }
 
-Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::Get(std::size_t variable)
+Result<std::shared_ptr<const DecodedBlock>> BlockReading::Get(std::size_t variable)
 {
-  const Variable& wanted = this->Volume.Variables[variable];
+  const Variable& wanted = this->Stores.GetVariables()[variable];
   bool hit = false;
-  auto block = this->Volume.Cache->Get(
+  auto block = this->Cache.Get(
     this->MakeKey(variable),
     [&]
     {
@@ -45,7 +43,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::Get(std
   return block;
 }
 
-std::size_t BlockedVolume::BlockReading::FindEndOfRead(std::size_t component) const
+std::size_t BlockReading::FindEndOfRead(std::size_t component) const
 {
   std::size_t end = component + 1;
   while (this->Stored.Level == 0 && this->Needed.count(end) != 0 && this->Found.count(end) == 0 &&
@@ -56,7 +54,7 @@ std::size_t BlockedVolume::BlockReading::FindEndOfRead(std::size_t component) co
   return end;
 }
 
-void BlockedVolume::BlockReading::FindRanges(
+void BlockReading::FindRanges(
   const BlockStore& store, std::vector<BlockStore::ByteRange>& ranges) const
 {
   for (auto component = this->Needed.begin(); component != this->Needed.end();)
@@ -77,9 +75,7 @@ void BlockedVolume::BlockReading::FindRanges(
   }
 }
 
-/// With the components that follow it in the record, if they are needed too.
-Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadComponent(
-  std::size_t component)
+Result<std::shared_ptr<const DecodedBlock>> BlockReading::ReadComponent(std::size_t component)
 {
   const auto found = this->Found.find(component);
   if (found != this->Found.end())
@@ -87,7 +83,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadCom
     return found->second;
   }
   const auto store =
-    this->Volume.GetStore(this->TimeStep, this->Stored.Part, this->Reference.Store);
+    this->Stores.GetStore(this->TimeStep, this->Stored.Part, this->Reference.Store);
   if (!store.IsOk())
   {
     return store.GetStatus();
@@ -106,16 +102,15 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::ReadCom
   return blocks->front();
 }
 
-/// Components that nobody asked for do not take the place of others in the cache.
-Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::BlockReading::MakeMagnitude(
-  std::size_t array)
+/// Components that were not announced do not enter the cache, where they would displace others.
+Result<std::shared_ptr<const DecodedBlock>> BlockReading::MakeMagnitude(std::size_t array)
 {
-  const ArrayVariables& all = this->Volume.Variables;
+  const ArrayVariables& all = this->Stores.GetVariables();
   DecodedBlocks components;
   for (int number = 0; number < all.GetComponents(array); ++number)
   {
     const std::size_t component = all.GetFirst(array) + static_cast<std::size_t>(number);
-    const auto block = this->Asked.count(component) != 0 || this->IsCached(component)
+    const auto block = this->Announced.count(component) != 0 || this->IsCached(component)
       ? this->Get(component)
       : this->ReadComponent(component);
     if (!block.IsOk())

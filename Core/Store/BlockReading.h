@@ -2,8 +2,13 @@
 #ifndef isosurface_BlockReading_h
 #define isosurface_BlockReading_h
 
+#include "Base/Status.h"
+#include "Record/DecodedBlock.h"
+#include "Store/BlockCache.h"
+#include "Store/BlockReference.h"
 #include "Store/BlockStore.h"
-#include "Store/BlockedVolume.h"
+#include "Store/QueryStatistics.h"
+#include "Store/VolumeStores.h"
 
 #include <cstddef>
 #include <map>
@@ -15,12 +20,14 @@ namespace isosurface
 {
 
 /// Reads variables of one block at one level, each through the block cache.
-class BlockedVolume::BlockReading
+class BlockReading
 {
 public:
-  BlockReading(BlockedVolume& volume, const BlockReference& reference, std::size_t timeStep,
-    const StoredLevel& stored, QueryStatistics& statistics)
-    : Volume(volume)
+  /// The references must outlive this object.
+  BlockReading(VolumeStores& stores, BlockCache& cache, const BlockReference& reference,
+    std::size_t timeStep, const StoredLevel& stored, QueryStatistics& statistics)
+    : Stores(stores)
+    , Cache(cache)
     , Reference(reference)
     , TimeStep(timeStep)
     , Stored(stored)
@@ -28,12 +35,13 @@ public:
   {
   }
 
-  /// Tells beforehand what will be asked for, so that one read can bring several components.
+  /// Declares the variables that Get() will be called for, so that one read can fetch several
+  /// components.
   void Announce(const std::vector<std::size_t>& variables);
 
   Result<std::shared_ptr<const DecodedBlock>> Get(std::size_t variable);
 
-  /// What will be read for the announced variables.
+  /// Adds the ranges of bytes that will be read for the announced variables.
   void FindRanges(const BlockStore& store, std::vector<BlockStore::ByteRange>& ranges) const;
 
 private:
@@ -41,24 +49,26 @@ private:
 
   BlockCacheKey MakeKey(std::size_t variable) const
   {
-    return this->Volume.MakeKey(this->Reference.Block, this->TimeStep, variable, this->Stored);
+    return this->Stores.MakeKey(this->Reference.Block, this->TimeStep, variable, this->Stored);
   }
-  /// The end of the components from this one on that one read brings. At a coarser level what lies
-  /// between them is not worth reading.
-  std::size_t FindEndOfRead(std::size_t component) const;
   bool IsCached(std::size_t variable) const
   {
-    return this->Volume.Cache->Contains(this->MakeKey(variable));
+    return this->Cache.Contains(this->MakeKey(variable));
   }
+  /// Returns the end of the components, beginning with this one, that one read fetches. At a
+  /// coarser level than 0 that is this one alone, since the bytes in between are not needed.
+  std::size_t FindEndOfRead(std::size_t component) const;
+  /// Also reads the components that follow it in the record, if they are needed.
   Result<Block> ReadComponent(std::size_t component);
   Result<Block> MakeMagnitude(std::size_t array);
 
-  BlockedVolume& Volume;
+  VolumeStores& Stores;
+  BlockCache& Cache;
   const BlockReference& Reference;
   std::size_t TimeStep;
   StoredLevel Stored;
   QueryStatistics& Statistics;
-  std::set<std::size_t> Asked;        ///< variables
+  std::set<std::size_t> Announced;    ///< variables
   std::set<std::size_t> Needed;       ///< the components among them, and those of magnitudes
   std::map<std::size_t, Block> Found; ///< components that were read
 };

@@ -77,7 +77,7 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   {
     return Status(StatusCode::Corrupt,
       store->Blocks->GetPath() + ": has " + std::to_string(store->Blocks->GetSize()) +
-        " bytes instead of the " + std::to_string(description.Bytes) + " that the header says");
+        " bytes instead of the " + std::to_string(description.Bytes) + " that the header states");
   }
   auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
     store->Variables.GetNumberOfStored() *

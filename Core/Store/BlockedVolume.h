@@ -6,51 +6,21 @@
 #include "Base/Status.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Store/BlockCache.h"
+#include "Store/BlockReference.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/QueryStatistics.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/BlockSelection.h"
 
 #include <cstdint>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 namespace isosurface
 {
 
-class BlockStore;
-class VolumeSpectra;
-
-/// Where a block stands: the Ordinal-th one of a store. Block is its index in the BlockGrid of the
-/// levels that it has.
-struct BlockReference
-{
-  std::int64_t Block = 0;
-  std::uint32_t Store = 0;
-  std::uint32_t Ordinal = 0;
-  std::uint32_t Part = 0; ///< StoredLevel::Part
-
-  bool operator==(const BlockReference& other) const
-  {
-    return this->Block == other.Block && this->Store == other.Store &&
-      this->Ordinal == other.Ordinal && this->Part == other.Part;
-  }
-};
-
-/**
- * Where a level of a volume is stored: in the records of the volume's own blocks, or in those of an
- * overview's, which are blocks of a coarser grid. Grid->GetVertices(block, Level) are the vertices
- * of such a block in the coordinates of the volume's level, that is, full ones / 2^level.
- */
-struct StoredLevel
-{
-  std::uint32_t Part = 0;          ///< 0 is the volume itself, n the n-th overview
-  int Level = 0;                   ///< of the records there
-  const BlockGrid* Grid = nullptr; ///< the blocks there; belongs to the volume
-};
+class VolumeStores;
 
 /**
  * A blocked volume on disk, opened for reading. Opening reads the header alone; the files of a
@@ -58,11 +28,11 @@ struct StoredLevel
  * once, each with statistics of its own, to which the cost is added.
  *
  * P ranks share D stores: with P <= D, rank r takes the stores d with d mod P == r; with P > D, the
- * ranks r with r mod D == d share store d, each taking a contiguous part of the blocks asked for in
- * the order of their ordinals. No rank needs another one for that.
+ * ranks r with r mod D == d share store d, and each takes a contiguous run of the blocks in the
+ * order of their ordinals. No rank needs another one to know its share.
  *
- * Errors name file and reason: Corrupt, NotFound (a store that is missing; a dataset that was
- * rewritten since it was opened, which must be opened anew), IoError.
+ * Errors name file and reason: Corrupt, NotFound (a store is missing, or the volume was rewritten
+ * since it was opened and must be opened anew), IoError.
  */
 class BlockedVolume
 {
@@ -76,54 +46,52 @@ public:
   BlockedVolume& operator=(const BlockedVolume&) = delete;
   ~BlockedVolume();
 
-  const std::string& GetPath() const { return this->Path; }
-  const BlockedVolumeHeader& GetHeader() const { return this->Parts.front()->Header; }
-  /// What can be contoured and read, by number.
-  const ArrayVariables& GetVariables() const { return this->Variables; }
+  const std::string& GetPath() const;
+  const BlockedVolumeHeader& GetHeader() const;
+  /// The components and magnitudes that can be contoured and read.
+  const ArrayVariables& GetVariables() const;
   /// The volume's own blocks, which have its finest levels.
-  const BlockGrid& GetBlockGrid() const { return this->Parts.front()->Grid; }
-  /// Level l has every vertex whose coordinates are multiples of 2^l, whatever it is stored in.
+  const BlockGrid& GetBlockGrid() const;
+  /// Level l has every vertex whose coordinates are multiples of 2^l, wherever it is stored.
   int GetNumberOfLevels() const;
   /// `level` must be one of the volume's.
   StoredLevel FindLevel(int level) const;
 
   /**
-   * The blocks of this rank's share that an isosurface of one of the isovalues passes (some samples
-   * are >= the isovalue, some are not), sorted by store and ordinal, each once; of the blocks that
-   * have the given level (FindLevel). They are active at the finest level there,
-   * GetSpectrumLevel(); at a coarser one some of them may turn out empty. Cost: one tree query a
-   * store and isovalue, and the directory pages of the reported blocks.
+   * Finds the blocks of this rank's share that an isosurface of one of the isovalues crosses (some
+   * samples are >= the isovalue, some are not), sorted by store and ordinal, each once. They are
+   * those blocks that have the given level (FindLevel), and active at the finest level there,
+   * GetSpectrumLevel(); at a coarser one some may be empty. Cost: one tree query a store and
+   * isovalue, and the directory pages of the reported blocks.
    *
-   * A selection adds blocks and leaves blocks out, before they are shared among ranks; it is of the
-   * grid of `level`. It costs the directory pages of all blocks of the rank's stores that may be
-   * selected; if sides are closed, a range query of the trees for all blocks with samples inside.
+   * A selection, of the grid of `level`, adds blocks and leaves blocks out before ranks share them.
+   * Cost: the directory pages of all candidate blocks of the rank's stores; if sides are closed,
+   * also a range query of the trees for all blocks with samples inside.
    */
   Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
     int level = 0, const BlockSelection& selection = {});
 
-  /// This rank's share of all blocks that have a level, sorted by store and ordinal. Reads the
+  /// This rank's share of all blocks that have a level, sorted by store and ordinal. Cost: the
   /// directories of their stores.
   Result<std::vector<BlockReference>> GetShare(
     std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level = 0);
 
   /**
-   * One variable of a block at a level, decoded, with its ghost layer; from the block cache or by
-   * one read of the part of the block's record that holds the levels up to this one. The block must
-   * be one that has the level. Coordinates are the level's. A magnitude is computed from the
-   * components, which are read as by ReadVariables.
+   * Returns one variable of a block at a level, decoded, with its ghost layer, from the block cache
+   * or by one read of the part of the block's record up to that level. The block must have the
+   * level. Coordinates are the level's. A magnitude is computed from the components, which are read
+   * as by ReadVariables.
    */
   Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
     std::size_t timeStep, std::size_t variable, int level, QueryStatistics& statistics);
 
-  /**
-   * Several variables of a block, in the order asked for. At the finest level of a block,
-   * components that follow each other in the record and are not in the cache are read by one read.
-   */
+  /// Returns several variables of a block, in the given order. At level 0 of a record, components
+  /// that follow each other in the record and are not in the cache are read by one read.
   Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,
     const std::vector<std::size_t>& variables, int level, QueryStatistics& statistics);
 
-  /// Tells the block cache which blocks a query is going to read (BlockCache::Expect).
+  /// Tells the block cache which blocks a query will read (BlockCache::Expect).
   void Expect(const std::vector<BlockReference>& blocks, std::size_t timeStep,
     const std::vector<std::size_t>& variables, int level);
 
@@ -131,84 +99,42 @@ public:
   bool IsCached(
     const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const;
 
-  /**
-   * Starts reading the blocks [begin, end) of a list for calls of ReadVariables that will follow
-   * soon, without waiting for them: neighbors in a store as one. What is in the block cache is left
-   * out. A hint, without errors: those are ReadVariables' own. Cost: the blocks' directory pages.
-   */
+  /// Starts reading the blocks [begin, end) of a list for calls of ReadVariables that follow soon,
+  /// without waiting; neighbours in a store as one read. Skips what is in the block cache. This is a
+  /// hint without errors: ReadVariables reports them. Cost: the blocks' directory pages.
   void Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin, std::size_t end,
     std::size_t timeStep, const std::vector<std::size_t>& variables, int level);
 
-  /// Memory for one variable of all blocks at a level, decoded, in bytes (ghost layers included).
+  /// The bytes of one variable of all blocks at a level, decoded, with ghost layers.
   std::uint64_t EstimateBytes(std::size_t variable, int level) const;
 
-  /// The finest level that is stored in the same blocks as this one. Its spectrum is stored too.
+  /// The finest level that is stored in the same blocks as this one; it has a spectrum.
   int GetSpectrumLevel(int level) const;
 
-  /// The spectrum of a variable's whole volume at GetSpectrumLevel(level), read from disk at the
-  /// first call for a time step, then kept; and of each of the volume's own stores, at level 0,
-  /// read at each call. All spectra of a variable have the same bins.
+  /// The spectrum of a variable in the whole volume at GetSpectrumLevel(level), read at the first
+  /// call for a time step, then kept. All spectra of a variable have the same bins.
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
     std::size_t timeStep, std::size_t variable, int level = 0);
+  /// The same for one of the volume's own stores at level 0, read at each call.
   Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(
     std::size_t timeStep, std::size_t variable, std::uint32_t store);
 
   /**
-   * The triangles of an isosurface at a level: counted ones where the level has a spectrum and the
-   * isovalue is one of its bins' edges; else a guess from the nearest spectra, between which the
-   * logarithm of the count is taken to be linear in the level, and behind the last of which each
-   * level has a quarter of the triangles of the one before.
+   * The triangles of an isosurface at a level: exact where the level has a spectrum and the isovalue
+   * is an edge of its bins. Otherwise interpolated between the nearest spectra, the logarithm of
+   * the count linearly in the level; beyond the last spectrum, each level has a quarter of the
+   * triangles of the one before.
    */
   Result<double> EstimateTriangles(
     std::size_t timeStep, std::size_t variable, double isovalue, int level);
 
 private:
-  BlockedVolume(std::string path, FileSystem& files, std::shared_ptr<BlockCache> cache,
-    std::string text, BlockedVolumeHeader header);
-
-  /// The volume itself, or an overview: what is needed to read its stores.
-  struct Part
-  {
-    BlockedVolumeHeader Header;
-    BlockGrid Grid;
-    int FirstLevel = 0;                    ///< of the volume's levels, the finest one here
-    std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
-    std::vector<std::shared_ptr<const VolumeSpectra>> Spectra; ///< per time step
-  };
-
-  class BlockReading;
-  struct OpenStore
-  {
-    std::size_t TimeStep;
-    std::uint32_t Part;
-    std::uint32_t Index;
-    std::shared_ptr<BlockStore> Store;
-  };
-
-  void AddPart(BlockedVolumeHeader header);
-  /// All blocks of a store that FindActiveBlocks finds with a selection, by ordinal.
-  Result<std::vector<BlockReference>> SelectBlocks(BlockStore& store, std::uint32_t number,
-    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection,
-    int level, QueryStatistics& statistics);
-  Result<std::shared_ptr<BlockStore>> GetStore(
-    std::size_t timeStep, std::uint32_t part, std::uint32_t store);
-  Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
-  /// Ok if the header on disk still names the time step as it was when this was opened.
-  Status CheckNotRewritten(std::size_t timeStep) const;
+  BlockedVolume(std::unique_ptr<VolumeStores> stores, std::shared_ptr<BlockCache> cache);
   Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
   Status CheckRank(int rank, int ranks) const;
-  BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
-    const StoredLevel& stored) const;
 
-  std::string Path;
-  FileSystem& Files;
+  std::unique_ptr<VolumeStores> Stores;
   std::shared_ptr<BlockCache> Cache;
-  std::string HeaderText;
-  ArrayVariables Variables;
-  std::vector<std::unique_ptr<Part>> Parts; ///< the volume, then its overviews
-
-  std::mutex Mutex;
-  std::list<OpenStore> OpenStores; ///< the most recently used one first
 };
 
 } // namespace isosurface

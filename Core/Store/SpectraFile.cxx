@@ -20,36 +20,29 @@ constexpr std::uint32_t FormatVersion = 1;
 constexpr std::size_t FixedSize = 24;
 constexpr std::size_t ArraySize = 32;
 constexpr std::size_t ChecksumSize = 8;
-constexpr std::int32_t LargestExponent = 1100;
-
-template <typename T>
-void Append(std::vector<std::uint8_t>& bytes, T value)
-{
-  bytes.resize(bytes.size() + sizeof(value));
-  StoreLittleEndian(bytes.data() + bytes.size() - sizeof(value), value);
-}
+constexpr std::int32_t MaximumExponent = 1100;
 
 void AppendBins(std::vector<std::uint8_t>& bytes, const WorkloadSpectrum& spectrum)
 {
-  Append(bytes, spectrum.Bins.First);
-  Append(bytes, spectrum.Bins.Exponent);
-  Append(bytes, spectrum.Bins.Count);
-  Append(bytes, spectrum.AreaUnit);
-  Append(bytes, spectrum.VolumeUnit);
+  AppendLittleEndian(bytes, spectrum.Bins.First);
+  AppendLittleEndian(bytes, spectrum.Bins.Exponent);
+  AppendLittleEndian(bytes, spectrum.Bins.Count);
+  AppendLittleEndian(bytes, spectrum.AreaUnit);
+  AppendLittleEndian(bytes, spectrum.VolumeUnit);
 }
 
-/// Bins and units without counts; false if they are impossible.
-bool LoadBins(const std::uint8_t* bytes, WorkloadSpectrum& spectrum)
+/// Reads bins and units; false if they are impossible.
+bool ReadBins(ByteReader& reader, WorkloadSpectrum& spectrum)
 {
-  spectrum.Bins.First = LoadLittleEndian<std::int64_t>(bytes);
-  spectrum.Bins.Exponent = LoadLittleEndian<std::int32_t>(bytes + 8);
-  spectrum.Bins.Count = LoadLittleEndian<std::uint32_t>(bytes + 12);
-  spectrum.AreaUnit = LoadLittleEndian<double>(bytes + 16);
-  spectrum.VolumeUnit = LoadLittleEndian<double>(bytes + 24);
+  spectrum.Bins.First = reader.Read<std::int64_t>();
+  spectrum.Bins.Exponent = reader.Read<std::int32_t>();
+  spectrum.Bins.Count = reader.Read<std::uint32_t>();
+  spectrum.AreaUnit = reader.Read<double>();
+  spectrum.VolumeUnit = reader.Read<double>();
   constexpr std::int64_t limit = std::numeric_limits<std::int64_t>::max();
   const auto isUnit = [](double unit) { return std::isfinite(unit) && unit >= 0; };
   return spectrum.Bins.First <= limit - SpectrumBins::MaximumCount &&
-    spectrum.Bins.Exponent >= -LargestExponent && spectrum.Bins.Exponent <= LargestExponent &&
+    spectrum.Bins.Exponent >= -MaximumExponent && spectrum.Bins.Exponent <= MaximumExponent &&
     spectrum.Bins.Count <= SpectrumBins::MaximumCount && isUnit(spectrum.AreaUnit) &&
     isUnit(spectrum.VolumeUnit);
 }
@@ -70,9 +63,9 @@ Status SpectraFile::Write(FileSystem& files, const std::string& path,
   const std::vector<WorkloadSpectrum>& totals, const std::vector<Section>& stores)
 {
   std::vector<std::uint8_t> header(Magic, Magic + 8);
-  Append(header, FormatVersion);
-  Append(header, static_cast<std::uint32_t>(totals.size()));
-  Append(header, static_cast<std::uint64_t>(stores.size() / totals.size()));
+  AppendLittleEndian(header, FormatVersion);
+  AppendLittleEndian(header, static_cast<std::uint32_t>(totals.size()));
+  AppendLittleEndian(header, static_cast<std::uint64_t>(stores.size() / totals.size()));
   std::vector<Section> packedTotals;
   std::vector<const Section*> sections;
   for (const WorkloadSpectrum& total : totals)
@@ -92,9 +85,9 @@ Status SpectraFile::Write(FileSystem& files, const std::string& path,
   for (const Section* section : sections)
   {
     end += ChecksumSize + section->size();
-    Append(header, end);
+    AppendLittleEndian(header, end);
   }
-  Append(header, ComputeChecksum(header.data(), header.size()));
+  AppendLittleEndian(header, ComputeChecksum(header.data(), header.size()));
 
   auto file = files.CreateForWriting(path);
   if (!file.IsOk())
@@ -129,7 +122,7 @@ Result<std::unique_ptr<SpectraFile>> SpectraFile::Open(
   ISOSURFACE_RETURN_IF_ERROR(file.Read(0, sizeof(fixed), fixed));
   if (std::memcmp(fixed, Magic, 8) != 0)
   {
-    return fail(StatusCode::Corrupt, "is no file of spectra");
+    return fail(StatusCode::Corrupt, "is not a file of spectra");
   }
   if (LoadLittleEndian<std::uint32_t>(fixed + 8) > FormatVersion)
   {
@@ -162,19 +155,18 @@ Status SpectraFile::ParseHeader(const std::vector<std::uint8_t>& header, std::ui
   {
     return this->Fail(StatusCode::Corrupt, "has a wrong checksum");
   }
-  const std::uint8_t* next = header.data() + FixedSize;
+  ByteReader reader(header.data() + FixedSize, covered - FixedSize);
   for (WorkloadSpectrum& spectrum : this->Empty)
   {
-    if (!LoadBins(next, spectrum))
+    if (!ReadBins(reader, spectrum))
     {
       return this->Fail(StatusCode::Corrupt, "has impossible bins");
     }
-    next += ArraySize;
   }
   this->Ends.push_back(header.size());
-  for (; next < header.data() + covered; next += sizeof(std::uint64_t))
+  while (reader.GetRemaining() > 0)
   {
-    const auto end = LoadLittleEndian<std::uint64_t>(next);
+    const auto end = reader.Read<std::uint64_t>();
     if (end > fileSize || end < this->Ends.back() || end - this->Ends.back() < ChecksumSize)
     {
       return this->Fail(StatusCode::Corrupt, "is truncated, or has impossible sections");
@@ -183,7 +175,7 @@ Status SpectraFile::ParseHeader(const std::vector<std::uint8_t>& header, std::ui
   }
   return this->Ends.back() == fileSize
     ? Status::Ok()
-    : this->Fail(StatusCode::Corrupt, "has bytes behind its last section");
+    : this->Fail(StatusCode::Corrupt, "has bytes after its last section");
 }
 
 Result<WorkloadSpectrum> SpectraFile::Read(std::size_t variable, std::size_t section) const
@@ -205,13 +197,13 @@ Result<WorkloadSpectrum> SpectraFile::Read(std::size_t variable, std::size_t sec
   WorkloadSpectrum spectrum(this->Empty[variable].Bins);
   spectrum.AreaUnit = this->Empty[variable].AreaUnit;
   spectrum.VolumeUnit = this->Empty[variable].VolumeUnit;
-  std::size_t position = ChecksumSize;
+  ByteReader reader(bytes.data() + ChecksumSize, bytes.size() - ChecksumSize);
   bool isGood = true;
   for (WorkloadSpectrum::Counts* counts : spectrum.GetQuantities())
   {
-    isGood = isGood && TakePackedCounts(bytes.data(), bytes.size(), position, *counts);
+    isGood = isGood && ReadPackedCounts(reader, *counts);
   }
-  if (!isGood || position != bytes.size())
+  if (!isGood || reader.GetRemaining() != 0)
   {
     return this->Fail(
       StatusCode::Corrupt, "section " + std::to_string(section) + " has impossible counts");

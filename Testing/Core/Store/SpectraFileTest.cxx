@@ -101,14 +101,14 @@ TEST(PackedCounts, ComeBackAsTheyWere)
     std::vector<std::uint8_t> bytes = { 99 };
     AppendPackedCounts(counts, bytes);
     std::vector<std::uint64_t> read(counts.size(), 7);
-    std::size_t position = 1;
-    ASSERT_TRUE(TakePackedCounts(bytes.data(), bytes.size(), position, read));
+    ByteReader reader(bytes.data() + 1, bytes.size() - 1);
+    ASSERT_TRUE(ReadPackedCounts(reader, read));
     EXPECT_EQ(read, counts);
-    EXPECT_EQ(position, bytes.size());
+    EXPECT_EQ(reader.GetRemaining(), 0u);
     for (std::size_t size = 1; size < bytes.size(); ++size)
     {
-      position = 1;
-      EXPECT_FALSE(TakePackedCounts(bytes.data(), size, position, read));
+      ByteReader truncated(bytes.data() + 1, size - 1);
+      EXPECT_FALSE(ReadPackedCounts(truncated, read));
     }
   }
 }
@@ -116,12 +116,13 @@ TEST(PackedCounts, ComeBackAsTheyWere)
 TEST(PackedCounts, RefuseNumbersThatDoNotFit)
 {
   std::vector<std::uint64_t> read(2);
-  std::size_t position = 0;
-  std::vector<std::uint8_t> bytes(10, 255); // 70 bits
-  EXPECT_FALSE(TakePackedCounts(bytes.data(), bytes.size(), position, read));
-  bytes = { 0, 2 }; // three equal counts where there are two
-  position = 0;
-  EXPECT_FALSE(TakePackedCounts(bytes.data(), bytes.size(), position, read));
+  for (const std::vector<std::uint8_t>& bytes :
+    { std::vector<std::uint8_t>(10, 255), // 70 bits
+      { 0, 2 } })                         // three equal counts where there are two
+  {
+    ByteReader reader(bytes);
+    EXPECT_FALSE(ReadPackedCounts(reader, read));
+  }
 }
 
 TEST_F(SpectraFileOnDisk, HasTheSpectraThatWereWritten)

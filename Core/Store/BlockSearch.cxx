@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Store/BlockSearch.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace isosurface
+{
+
+std::vector<BlockSearch::Share> BlockSearch::ListShares() const
+{
+  const std::uint32_t stores = this->Stores.GetParts()[this->Stored.Part].Header.NumberOfStores;
+  std::vector<Share> shares;
+  if (this->Ranks > stores)
+  {
+    const std::uint32_t store = this->Rank % stores;
+    shares.push_back({ store, this->Rank / stores, (this->Ranks - store + stores - 1) / stores });
+    return shares;
+  }
+  for (std::uint32_t store = this->Rank; store < stores; store += this->Ranks)
+  {
+    shares.push_back({ store, 0, 1 });
+  }
+  return shares;
+}
+
+Result<BlockReference> BlockSearch::MakeReference(
+  const BlockStore& store, std::uint32_t number, std::uint32_t ordinal)
+{
+  const auto block = store.FindBlock(ordinal, this->Statistics);
+  if (!block.IsOk())
+  {
+    return block.GetStatus();
+  }
+  return BlockReference{ *block, number, ordinal, this->Stored.Part };
+}
+
+Result<std::vector<BlockReference>> BlockSearch::FindActive(
+  std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
+{
+  std::vector<BlockReference> references;
+  for (const Share& share : this->ListShares())
+  {
+    const Status status = this->AddActive(share, variable, isovalues, selection, references);
+    if (!status.IsOk())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->Stores.CheckNotRewritten(this->TimeStep));
+      return status;
+    }
+  }
+  this->Statistics.ActiveBlocks += references.size();
+  return references;
+}
+
+Status BlockSearch::AddActive(const Share& share, std::size_t variable,
+  const std::vector<double>& isovalues, const BlockSelection& selection,
+  std::vector<BlockReference>& references)
+{
+  const auto store = this->Stores.GetStore(this->TimeStep, this->Stored.Part, share.Store);
+  ISOSURFACE_RETURN_IF_ERROR(store.GetStatus());
+  if (!selection.IsPlain())
+  {
+    const auto selected = this->Select(**store, share.Store, variable, isovalues, selection);
+    ISOSURFACE_RETURN_IF_ERROR(selected.GetStatus());
+    const auto first = selected->begin();
+    references.insert(references.end(),
+      first + static_cast<std::ptrdiff_t>(share.FindBegin(selected->size())),
+      first + static_cast<std::ptrdiff_t>(share.FindEnd(selected->size())));
+    return Status::Ok();
+  }
+  const auto active = (*store)->FindActive(variable, isovalues, this->Statistics);
+  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
+  const std::uint64_t end = share.FindEnd(active->size());
+  for (std::uint64_t index = share.FindBegin(active->size()); index < end; ++index)
+  {
+    const auto reference = this->MakeReference(**store, share.Store, (*active)[index]);
+    ISOSURFACE_RETURN_IF_ERROR(reference.GetStatus());
+    references.push_back(*reference);
+  }
+  return Status::Ok();
+}
+
+Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::uint32_t number,
+  std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
+{
+  const auto active = store.FindActive(variable, isovalues, this->Statistics);
+  if (!active.IsOk())
+  {
+    return active.GetStatus();
+  }
+  std::vector<std::uint32_t> candidates = *active;
+  if (!selection.ClosedSides.IsEmpty())
+  {
+    const auto inside = store.FindInside(variable, isovalues, this->Statistics);
+    if (!inside.IsOk())
+    {
+      return inside.GetStatus();
+    }
+    candidates.clear();
+    std::set_union(active->begin(), active->end(), inside->begin(), inside->end(),
+      std::back_inserter(candidates));
+  }
+  const GridGeometry geometry = this->Stores.GetHeader().Grid.Coarsen(this->Level);
+  std::vector<BlockReference> references;
+  for (const std::uint32_t ordinal : candidates)
+  {
+    const auto reference = this->MakeReference(store, number, ordinal);
+    if (!reference.IsOk())
+    {
+      return reference.GetStatus();
+    }
+    const VertexBox vertices = this->Stored.Grid->GetVertices(reference->Block, this->Stored.Level);
+    const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
+    if (selection.Selects(geometry, vertices, isCrossed))
+    {
+      references.push_back(*reference);
+    }
+  }
+  return references;
+}
+
+Result<std::vector<BlockReference>> BlockSearch::FindAll()
+{
+  std::vector<BlockReference> references;
+  for (const Share& share : this->ListShares())
+  {
+    const auto store = this->Stores.GetStore(this->TimeStep, this->Stored.Part, share.Store);
+    if (!store.IsOk())
+    {
+      return store.GetStatus();
+    }
+    const std::uint64_t size = (*store)->GetNumberOfBlocks();
+    for (std::uint64_t index = share.FindBegin(size); index < share.FindEnd(size); ++index)
+    {
+      const auto reference =
+        this->MakeReference(**store, share.Store, static_cast<std::uint32_t>(index));
+      if (!reference.IsOk())
+      {
+        return reference.GetStatus();
+      }
+      references.push_back(*reference);
+    }
+  }
+  return references;
+}
+
+} // namespace isosurface
