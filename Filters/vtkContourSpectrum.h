@@ -15,9 +15,9 @@
  * - Area: of the isosurface, Volume: where value >= isovalue; estimates, in world units
  *
  * Behind a vtkBlockedVolumeReader the spectrum that is stored with the volume is read, no samples.
- * With StoreQuantity there is one column more a store, "Triangles[0]", "Triangles[1]", ... if the quantity is Triangles. For
- * image data the spectrum is counted: two passes over the samples, on all ranks and threads. Of
- * images of several grids in one composite it is the sum.
+ * With StoreQuantity there is one column more a store, "Triangles[0]", "Triangles[1]", ... if the
+ * quantity is Triangles. For image data the spectrum is counted: two passes over the samples, on
+ * all ranks and threads. Of images of several grids in one composite it is the sum.
  *
  * Every rank of the controller must execute together; the first one gets the table, as charts in
  * ParaView want it, the others an empty one. Errors of any rank are reported by all.

@@ -11,8 +11,8 @@ namespace isosurface
 namespace
 {
 
-// The vertices that a block contributes: its own but for the far faces, which the next block has;
-// at the box's border all it has, the ghost layer included. So each vertex has one contributor.
+// The vertices that a block contributes: its own without the far faces, which the next block has;
+// at the box's border also its ghost layer. So each vertex has one contributor.
 VertexBox FindContribution(
   const BlockGrid& grid, const BlockBox& box, std::int64_t block, int level)
 {

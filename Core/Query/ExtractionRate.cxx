@@ -10,19 +10,19 @@ namespace isosurface
 namespace
 {
 
-/// As many extractions are remembered: a disk, or a load, that changes is noticed soon.
+/// The number of extractions remembered; few, so that a change of disk or load shows soon.
 constexpr std::size_t Memory = 16;
 
 /// Errors of less than this do not matter.
 constexpr double Tolerance = 5e-3;
 
-/// What the usual rates weigh beside the observations.
+/// The weight of the usual rates against that of an observation.
 constexpr double UsualWeight = 1e-3;
 
-/// No machine differs from the usual one by more.
-constexpr double LargestFactor = 1e4;
+/// The maximum factor between this machine and a usual one.
+constexpr double MaximumFactor = 1e4;
 
-/// Of coordinate descent, which has converged long before.
+/// Sweeps of coordinate descent, which converges much earlier.
 constexpr int Sweeps = 100;
 
 } // namespace
@@ -38,7 +38,7 @@ double ExtractionRate::Predict(const ExtractionWork& work) const
   double seconds = std::inner_product(counts.begin(), counts.end(), this->Rates.begin(), 0.0);
   for (const std::size_t kind : ReadKinds)
   {
-    const double untried = std::max(0.0, counts[kind] - this->FindMost(kind));
+    const double untried = std::max(0.0, counts[kind] - this->FindMaximum(kind));
     seconds += untried * std::max(0.0, UsualRates[kind] - this->Rates[kind]);
   }
   return seconds;
@@ -54,17 +54,17 @@ void ExtractionRate::Observe(const ExtractionWork& work, double seconds)
   this->Fit();
 }
 
-double ExtractionRate::FindMost(std::size_t kind) const
+double ExtractionRate::FindMaximum(std::size_t kind) const
 {
-  double most = 0;
+  double maximum = 0;
   for (const Observation& seen : this->Observations)
   {
-    most = std::max(most, seen.Counts[kind]);
+    maximum = std::max(maximum, seen.Counts[kind]);
   }
-  return most;
+  return maximum;
 }
 
-/// The median of measured to usual seconds.
+/// The median of the ratios of measured to usual seconds.
 double ExtractionRate::FindSpeed() const
 {
   std::vector<double> factors;
@@ -76,10 +76,10 @@ double ExtractionRate::FindSpeed() const
   }
   const auto middle = factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2);
   std::nth_element(factors.begin(), middle, factors.end());
-  return std::clamp(*middle, 1 / LargestFactor, LargestFactor);
+  return std::clamp(*middle, 1 / MaximumFactor, MaximumFactor);
 }
 
-/// Coordinate descent on the factors by which the rates differ from the usual ones.
+/// Fits the factors between the rates and the usual ones, by coordinate descent.
 void ExtractionRate::Fit()
 {
   const double speed = this->FindSpeed();
@@ -93,7 +93,7 @@ void ExtractionRate::Fit()
       share[kind] = seen.Counts[kind] * UsualRates[kind] * speed;
     }
     const double usual = std::accumulate(share.begin(), share.end(), 0.0);
-    // By the larger one, so that nothing that was suspiciously fast or slow outweighs the others.
+    // Relative to the larger one, so that no outlier outweighs the others.
     const double scale = 1 / (std::max(seen.Seconds, usual) + Tolerance);
     std::for_each(share.begin(), share.end(), [scale](double& term) { term *= scale; });
     shares.push_back(share);

@@ -9,23 +9,23 @@
 namespace isosurface
 {
 
-/// What an extraction has to do on one rank, as far as it can be known beforehand.
+/// The work of an extraction on one rank, as far as it is known beforehand.
 struct ExtractionWork
 {
   double Blocks = 0;      ///< active ones
   double SampleBytes = 0; ///< of their decoded samples
-  double BlocksRead = 0;  ///< those that are not in the block cache: places that a disk seeks
-  double ReadBytes = 0;   ///< of these
+  double BlocksRead = 0;  ///< blocks that are not in the block cache: seeks of a disk
+  double ReadBytes = 0;   ///< of these blocks
   double Triangles = 0;
 };
 
 /**
- * Seconds that extractions take here: a sum over kinds of work, each with a rate of its own. The
- * rates are those that fit the last extractions best: the least squares of the relative errors
- * (below some milliseconds of the absolute ones), without negative rates. Where these tell nothing
- * of a kind, its rate is that of a usual laptop, faster or slower by as much as this machine is.
- * What is read beyond the most that was read before takes a usual disk's time at least: few blocks
- * may have come from memory, or lain side by side, where many more do not.
+ * Predicts the seconds of an extraction: a sum over kinds of work, each with a rate of its own. The
+ * rates are fitted to the last extractions: they minimise the squares of the relative errors (below
+ * some milliseconds, of the absolute ones), and none is negative. A kind that these do not
+ * determine has the rate of a usual laptop, scaled by this machine's speed relative to it. Reads
+ * beyond the maximum of earlier ones take at least the time of a usual disk, since a few blocks may
+ * have come from memory or one after another.
  *
  * A value class. Cost of Observe: some microseconds.
  */
@@ -49,7 +49,7 @@ private:
 
   static Terms Count(const ExtractionWork& work);
   double FindSpeed() const;
-  double FindMost(std::size_t kind) const;
+  double FindMaximum(std::size_t kind) const;
   void Fit();
 
   static constexpr Terms UsualRates = { 2e-3, 2e-6, 1e-9, 2e-4, 3e-9, 3e-8 }; ///< s

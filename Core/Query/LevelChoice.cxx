@@ -10,8 +10,7 @@ namespace isosurface
 namespace
 {
 
-/// The active blocks of one part of a volume (itself, or an overview), and how many of them a
-/// selection takes.
+/// The active blocks of the volume itself or of one overview, and how many of them are selected.
 struct ActivePart
 {
   std::uint32_t Part;
@@ -117,7 +116,7 @@ Result<LevelChoice> ChooseLevel(BlockedVolume& volume, const SurfaceQuery& query
     }
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
     finer.Work = EstimateWork(volume, query, level, *part, finer.Triangles / query.Ranks);
-    // Selected shares differ among ranks.
+    // The ranks' shares of selected blocks differ.
     std::vector<std::uint64_t> greatest = {
       static_cast<std::uint64_t>(std::min(rate.Predict(finer.Work), 1e9) * Nanoseconds),
       static_cast<std::uint64_t>(std::llround(finer.Triangles))

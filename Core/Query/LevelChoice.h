@@ -16,16 +16,16 @@
 namespace isosurface
 {
 
-/// What an isosurface may cost. Equal on all ranks.
+/// What an isosurface may cost; equal on all ranks.
 struct ExtractionBudget
 {
-  double Seconds = 0;          ///< 0: as many as it takes
-  std::uint64_t Triangles = 0; ///< of all ranks and isovalues together; 0: as many as there are
+  double Seconds = 0;          ///< 0: no limit
+  std::uint64_t Triangles = 0; ///< of all ranks and isovalues together; 0: no limit
 
   bool IsLimited() const { return this->Seconds > 0 || this->Triangles > 0; }
 };
 
-/// An isosurface of a blocked volume; equal on all ranks where nothing else is said.
+/// An isosurface of a blocked volume; equal on all ranks unless stated otherwise.
 struct SurfaceQuery
 {
   std::size_t TimeStep = 0;
@@ -33,15 +33,15 @@ struct SurfaceQuery
   std::vector<std::size_t> Attributes; ///< arrays to interpolate
   std::vector<double> Isovalues;
   BlockSelection Selection;
-  /// The share that this rank extracts; not equal on all ranks.
+  /// The share that this rank extracts; differs from rank to rank.
   int Rank = 0;
   int Ranks = 1;
 };
 
-/// The sum of BlockedVolume::EstimateTriangles over the isovalues, wherever they are.
+/// The sum of BlockedVolume::EstimateTriangles over the isovalues, in the whole volume.
 Result<double> EstimateTriangles(BlockedVolume& volume, const SurfaceQuery& query, int level);
 
-/// What limited a choice.
+/// What limited the choice of a level.
 enum class LevelLimit
 {
   None,
@@ -49,26 +49,26 @@ enum class LevelLimit
   Seconds
 };
 
-/// Equal on all ranks but for the work.
+/// A chosen level. Equal on all ranks except for the work.
 struct LevelChoice
 {
   int Level = 0;
-  LevelLimit Limit = LevelLimit::None; ///< what forbids the next finer level, or the finest wanted
+  LevelLimit Limit = LevelLimit::None; ///< why no finer level was chosen
   double Triangles = 0;                ///< estimated, of all ranks
   double Seconds = 0;                  ///< predicted, of the slowest rank
   ExtractionWork Work;                 ///< this rank's
 };
 
 /**
- * The finest level, not finer than `finest`, whose surface fits the budget; the coarsest, if none
- * does. Triangles are those of BlockedVolume::EstimateTriangles, in proportion to the selected
- * ones of the active blocks; seconds are predicted by `rate` from the active blocks of each rank's
- * share, from what of them is not in the block cache, and from an equal share of the triangles.
- * Collective: the ranks have rates of their own, the slowest decides.
+ * Chooses the finest level, not finer than `finest`, whose surface fits the budget; the coarsest
+ * level if none does. Triangles are those of BlockedVolume::EstimateTriangles, in proportion to the
+ * selected active blocks. `rate` predicts the seconds from the active blocks of each rank's share,
+ * from those that are not in the block cache, and from an equal share of the triangles.
+ * Collective: each rank has its own rate; the slowest rank decides.
  *
- * Errors: of FindActiveBlocks and EstimateTriangles, on all ranks. Cost: FindActiveBlocks for each
- * of the volume and its overviews that has a level in question, from the coarsest on, until one is
- * beyond the budget.
+ * Errors: of FindActiveBlocks and EstimateTriangles, on all ranks. Cost: FindActiveBlocks for the
+ * volume and the overviews that have a possible level, from the coarsest on, until one exceeds the
+ * budget.
  */
 Result<LevelChoice> ChooseLevel(BlockedVolume& volume, const SurfaceQuery& query, int finest,
   const ExtractionBudget& budget, const ExtractionRate& rate, Communicator& ranks,

@@ -38,10 +38,10 @@ struct PieceBlockSelection
 
 /**
  * The active blocks of a grid of which the ranks have pieces in memory, of any shape, overlapping
- * ones included. The blocks are those of the grid as a whole, so blocks and samples do not depend on
- * how the grid was cut. A block within a piece is a view of that piece. A block that pieces share
- * belongs to the first rank that has some of it, which is sent the rest, each vertex from the first
- * piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
+ * ones included. The blocks are those of the grid as a whole, so blocks and samples do not depend
+ * on how the grid was cut. A block within a piece is a view of that piece. A block that pieces
+ * share belongs to the first rank that has some of it, which is sent the rest, each vertex from the
+ * first piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
  *
  * Memory beside the pieces, which must outlive the source: the samples of the shared active blocks
  * of this rank.

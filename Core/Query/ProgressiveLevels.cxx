@@ -45,7 +45,7 @@ Result<int> ChooseFirstLevel(
 {
   const auto mine = ChooseOnThisRank(volume, query, finest);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(mine.GetStatus()));
-  // All read the same files; but what ranks do together must not depend on that.
+  // All ranks read the same files, but collective operations must not depend on that.
   std::vector<std::uint64_t> level = { static_cast<std::uint64_t>(*mine) };
   ranks.ReduceMaximum(level);
   return static_cast<int>(level.front());

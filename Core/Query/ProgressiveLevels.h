@@ -10,15 +10,15 @@
 namespace isosurface
 {
 
-/// How many of the triangles of the final surface the first one of a progressive extraction may
-/// have.
+/// The maximum number of triangles of the first surface of a progressive extraction, relative to
+/// the final one.
 constexpr double FirstSurfaceShare = 1.0 / 20;
 
 /**
- * The level that a progressive extraction begins with: the finest one coarser than `finest` whose
- * surface has at most FirstSurfaceShare of the triangles at `finest`, by EstimateTriangles. Where
- * no level is as coarse, or the surface is estimated to vanish before, it is the coarsest one that
- * still has triangles; `finest` itself if there is none coarser, or if it has no triangles.
+ * Chooses the level that a progressive extraction begins with: the finest one coarser than `finest`
+ * whose surface has at most FirstSurfaceShare of the triangles at `finest`, by EstimateTriangles.
+ * If no level is as coarse, or the surface is estimated to vanish there, it is the coarsest level
+ * with triangles; `finest` itself if there is none coarser, or if it has no triangles.
  *
  * Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks. Cost: the
  * spectra of the volume and its overviews, which the volume keeps.
@@ -26,11 +26,9 @@ constexpr double FirstSurfaceShare = 1.0 / 20;
 Result<int> ChooseFirstLevel(
   BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
 
-/**
- * The level that follows `level`, which is coarser than `finest`: the finest one that is stored in
- * the same blocks as the next finer level, but not finer than `finest`. Coarser ones there would
- * read as many blocks, for a fraction of the triangles.
- */
+/// The level that follows `level`, which is coarser than `finest`: the finest one, but not finer
+/// than `finest`, that is stored in the same blocks as the next finer level. Coarser levels there
+/// would read as many blocks for a fraction of the triangles.
 int GetNextLevel(const BlockedVolume& volume, int level, int finest);
 
 } // namespace isosurface

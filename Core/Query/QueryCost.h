@@ -11,14 +11,14 @@
 namespace isosurface
 {
 
-/// What a query cost one rank.
+/// The cost of a query on one rank.
 struct QueryCost
 {
   QueryStatistics Reading;
   std::uint64_t Triangles = 0;
-  int Level = 0;                     ///< that the surface was extracted from
+  int Level = 0;                     ///< of the surface
   std::optional<LevelChoice> Choice; ///< of the level, within a budget
-  double ExtractSeconds = 0; ///< wall clock of extraction, the reading that it waited for included
+  double ExtractSeconds = 0; ///< wall clock of extraction, with the reading that it waited for
 };
 
 } // namespace isosurface

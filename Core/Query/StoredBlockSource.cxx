@@ -64,7 +64,7 @@ void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
     static_cast<std::size_t>(ReadAheadBytes / std::max<std::uint64_t>(1, bytes / count));
 }
 
-/// Half of what may be ahead at a time, so that neighbors are read as one.
+/// Reads half of the blocks that may be ahead at once, so that neighbours are read together.
 void StoredBlockSource::ReadAhead(std::size_t block)
 {
   const std::unique_lock<std::mutex> lock(this->ReadAheadMutex, std::try_to_lock);

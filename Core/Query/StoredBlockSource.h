@@ -15,24 +15,24 @@ namespace isosurface
 {
 
 /**
- * Blocks of a blocked volume on disk as an extraction visits them: each is read when its turn
- * comes, through the block cache, and let go afterwards; meanwhile the disk reads those ahead. The
- * blocks must have the level (FindLevel); coordinates are those of the level.
+ * Blocks of a blocked volume on disk, for an extraction. Each is read when it is acquired, through
+ * the block cache, and released afterwards; meanwhile the disk reads ahead. The blocks must have
+ * the level (FindLevel); coordinates are those of the level. The volume must outlive the source.
  *
- * The volume must outlive the source. Cost of Acquire: BlockedVolume::ReadVariables, of the
- * variable and of all components of the arrays to interpolate.
+ * Cost of Acquire: BlockedVolume::ReadVariables, of the variable and of all components of the
+ * arrays to interpolate.
  */
 class StoredBlockSource : public BlockSource
 {
 public:
-  /// What is read ahead of the block that is acquired: blocks of so many bytes once decoded.
+  /// The decoded bytes of the blocks that are read ahead of the acquired one.
   static constexpr std::uint64_t ReadAheadBytes = std::uint64_t{ 16 } << 20;
 
   StoredBlockSource(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
     std::vector<BlockReference> blocks);
 
-  /// Further arrays to interpolate, in the order of the attributes. Those of inactive blocks are
-  /// not read.
+  /// Sets further arrays to interpolate, in the order of the attributes. Inactive blocks are read
+  /// without them.
   void SetAttributes(std::vector<std::size_t> arrays);
 
   std::size_t GetNumberOfBlocks() const override { return this->Blocks.size(); }
@@ -41,7 +41,7 @@ public:
   ValueType GetValueType() const override;
   Result<BlockSamples> Acquire(std::size_t block) override;
 
-  /// What the blocks acquired so far cost, over all threads.
+  /// The cost of the blocks acquired so far, of all threads.
   QueryStatistics GetStatistics() const;
 
 private:
@@ -60,7 +60,7 @@ private:
   std::once_flag Expected;
   std::mutex ReadAheadMutex;
   std::size_t EndOfReadAhead = 0;
-  std::size_t BlocksAhead = 0; ///< as many as are ReadAheadBytes
+  std::size_t BlocksAhead = 0; ///< of ReadAheadBytes
 
   mutable std::mutex StatisticsMutex;
   QueryStatistics Statistics;

@@ -45,7 +45,7 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
   QueryStatistics& reading = outcome.Cost.Reading;
   if (budget.Seconds > 0 && !this->Rate.IsKnown())
   {
-    // A level that takes next to no time tells how fast this machine is.
+    // A coarse level costs little, and shows the speed of this machine.
     const auto probe = ChooseLevel(
       task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);
     ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());

@@ -15,14 +15,12 @@
 namespace isosurface
 {
 
-/**
- * Isosurfaces of a blocked volume, at a level or at the finest one that budgets allow. Every
- * extraction teaches it how fast this machine is.
- */
+/// Extracts isosurfaces of blocked volumes, at a given level or at the finest one that a budget
+/// allows. It learns this machine's speed from every extraction.
 class VolumeContour
 {
 public:
-  /// What is to be extracted, and how. References must live as long as the extraction.
+  /// What to extract, and how. The references must outlive the extraction.
   struct Task
   {
     BlockedVolume& Volume;

@@ -43,8 +43,7 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
     std::to_string(place.Variable) + ", level " + std::to_string(place.Level);
   if (LoadLittleEndian<std::uint64_t>(segment) != ComputeSegmentChecksum(segment, stored, place))
   {
-    return Status(
-      StatusCode::Corrupt, name + " has a wrong checksum");
+    return Status(StatusCode::Corrupt, name + " has a wrong checksum");
   }
   if (LoadLittleEndian<std::uint32_t>(segment + 8) != stored)
   {

@@ -202,8 +202,7 @@ Result<std::shared_ptr<DecodedBlock>> DecodeLevel(const BlockGrid& grid, std::in
     std::uint8_t* filtered = Grow(workspace.Filtered, task.Size);
     if (!DecompressBytes(coding->Codec, bytes, stored[index], filtered, task.Size))
     {
-      return MakeError(
-        StatusCode::Corrupt, task, variable, "cannot be decompressed");
+      return MakeError(StatusCode::Corrupt, task, variable, "cannot be decompressed");
     }
     const void* predictions = task.Predict(coding->Predictor, samples, workspace.Prediction);
     std::uint8_t* decoded = Grow(workspace.Samples[index], task.Size);

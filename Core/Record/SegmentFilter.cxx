@@ -123,12 +123,6 @@ void DecodePiece(
 
 } // namespace
 
-const char* GetPredictorName(SamplePredictor predictor)
-{
-  constexpr const char* names[] = { "none", "previous", "coarser" };
-  return names[static_cast<std::size_t>(predictor)];
-}
-
 bool IsPredictor(std::uint8_t number)
 {
   return number <= static_cast<std::uint8_t>(SamplePredictor::Coarser);
@@ -150,15 +144,15 @@ void ApplyFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* 
       {
         piece.Count = std::min(PieceSize, count - piece.First);
         std::memcpy(values, samples + sizeof(U) * piece.First, sizeof(U) * piece.Count);
-        EncodePiece<T>(predictor, values, piece.Count,
-          predicted ? predicted + piece.First : nullptr, previous);
+        EncodePiece<T>(
+          predictor, values, piece.Count, predicted ? predicted + piece.First : nullptr, previous);
         StoreBytePlanes(values, piece, to);
       }
     });
 }
 
-void RevertFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* from, std::size_t count,
-  const void* predictions, std::uint8_t* samples)
+void RevertFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* from,
+  std::size_t count, const void* predictions, std::uint8_t* samples)
 {
   DispatchValueType(type,
     [&](auto zero)
@@ -173,8 +167,8 @@ void RevertFilter(SamplePredictor predictor, ValueType type, const std::uint8_t*
       {
         piece.Count = std::min(PieceSize, count - piece.First);
         LoadBytePlanes(from, piece, values);
-        DecodePiece<T>(predictor, values, piece.Count,
-          predicted ? predicted + piece.First : nullptr, previous);
+        DecodePiece<T>(
+          predictor, values, piece.Count, predicted ? predicted + piece.First : nullptr, previous);
         std::memcpy(samples + sizeof(U) * piece.First, values, sizeof(U) * piece.Count);
       }
     });

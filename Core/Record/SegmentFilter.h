@@ -19,8 +19,6 @@ enum class SamplePredictor : std::uint8_t
   Coarser = 2   ///< the samples of the next coarser level around it (SegmentPrediction.h)
 };
 
-/// "none", "previous", "coarser".
-const char* GetPredictorName(SamplePredictor predictor);
 /// Whether a byte of a file is the number of a predictor.
 bool IsPredictor(std::uint8_t number);
 

@@ -35,10 +35,11 @@ struct BlockCacheKey
 
 /**
  * Keeps decoded blocks in memory, up to a budget of bytes. The least recently used ones are evicted
- * first, but no block that the current query expects is evicted for one that it does not. So a query
- * larger than the budget finds some of its blocks at the next isovalue, where plain LRU would evict
- * each block just before it is needed. A block that somebody still holds outlives its eviction. Safe
- * for any number of threads; a block that several threads ask for at once is loaded once.
+ * first, but no block that the current query expects is evicted for one that it does not. So a
+ * query larger than the budget finds some of its blocks at the next isovalue, where plain LRU would
+ * evict each block just before it is needed. A block that somebody still holds outlives its
+ * eviction. Safe for any number of threads; a block that several threads ask for at once is loaded
+ * once.
  */
 class BlockCache
 {
@@ -55,13 +56,13 @@ public:
   /// The cache of this process, which outlives every reader. Its budget is 1 GiB until it is set.
   static const std::shared_ptr<BlockCache>& GetProcessCache();
 
-  /// Returns the block, which `load` loads if it is not here; `hit` tells whether it was. An error is
-  /// not kept: the next call loads anew.
+  /// Returns the block, which `load` loads if it is not here; `hit` tells whether it was. An error
+  /// is not kept: the next call loads anew.
   Result<std::shared_ptr<const DecodedBlock>> Get(
     const BlockCacheKey& key, const Loader& load, bool& hit);
 
-  /// Declares the blocks that a query will ask for, in place of those of the query before. Cost: one
-  /// search a key.
+  /// Declares the blocks that a query will ask for, in place of those of the query before. Cost:
+  /// one search a key.
   void Expect(const std::vector<BlockCacheKey>& keys);
 
   /// Whether the block is here or being loaded. It may be evicted before the call returns.

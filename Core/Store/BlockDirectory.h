@@ -16,7 +16,7 @@
 namespace isosurface
 {
 
-/// Where a block of a store stands in the file `blocks`, and how long its segments are.
+/// Where a block of a store is in the file `blocks`, and the lengths of its segments.
 struct BlockDirectoryEntry
 {
   std::int64_t Block = 0;
@@ -25,41 +25,40 @@ struct BlockDirectoryEntry
   /// coarsest level first).
   std::vector<std::uint32_t> Lengths;
 
-  /// Bytes from the record's begin to a segment's header.
+  /// Bytes from the record's start to a segment's header.
   std::uint64_t FindSegment(std::size_t segment) const;
 };
 
-// clang-format off
 /**
  * The file `directory` of a store: one entry a block, in the order of their ordinals, in a paged
- * file (PagedFile.h) of kind "BLOCKDIR". Entries do not cross pages:
+ * file (PagedFile.h) of kind "BLOCKDIR". Page p has the entries (p - 1) * n to p * n - 1, with n
+ * the number that fit its payload:
  *
- *     page 0, client area                   page p: entries (p - 1) * n, ..., n = floor(payload / size)
- *     +----+-----------------------------+ +----+-------------------------------------------------+
- *     |  0 | number of entries  (uint64) |  |  0 | block index                       (uint64)     |
- *     |  8 | segments an entry  (uint32) |  |  8 | offset of the record in `blocks`  (uint64)     |
- *     | 12 | zeros                       |  | 16 | bytes stored, of each segment     (uint32 each)|
- *     +----+-----------------------------+ +----+-------------------------------------------------+
+ *     page 0, client area                    entry
+ *     +----+------------------------------+  +----+-------------------------------------------+
+ *     |  0 | number of entries   (uint64) |  |  0 | block index                      (uint64) |
+ *     |  8 | segments an entry s (uint32) |  |  8 | offset of the record in `blocks` (uint64) |
+ *     | 12 | zeros                        |  | 16 | bytes stored of each segment (s x uint32) |
+ *     +----+------------------------------+  +----+-------------------------------------------+
  */
-// clang-format on
 class BlockDirectory
 {
 public:
-  /// More segments (arrays times levels) than this do not fit the largest page.
+  /// The maximum number of segments (components times levels) of an entry, by the page size.
   static constexpr std::size_t MaximumSegments = (16384 - PagedFile::ChecksumSize - 16) / 4;
 
   static Status Write(FileSystem& fileSystem, const std::string& path, std::size_t segments,
     const std::vector<BlockDirectoryEntry>& entries);
 
-  /// Reads page 0. A file with other numbers of entries or segments is Corrupt.
+  /// Reads page 0. Corrupt if the file has other numbers of entries or segments.
   static Result<std::unique_ptr<BlockDirectory>> Open(FileSystem& fileSystem,
     const std::string& path, std::uint64_t entries, std::size_t segments, std::size_t cacheBytes);
 
   std::uint64_t GetCount() const { return this->Count; }
   const std::string& GetPath() const { return this->File->GetPath(); }
 
-  /// Costs at most one page read. The entry's block is below `blocks`, its record within
-  /// `fileSize`; else it is Corrupt.
+  /// Cost: at most one page read. Corrupt unless the entry's block is below `blocks` and its record
+  /// within `fileSize`.
   Result<BlockDirectoryEntry> Read(std::uint64_t ordinal, std::int64_t blocks,
     std::uint64_t fileSize, QueryStatistics& statistics) const;
 

@@ -12,7 +12,7 @@ namespace isosurface
 namespace
 {
 
-/// The keys at which the trees are asked; isovalues that nothing can reach have none.
+/// The keys of the isovalues' thresholds; isovalues above all values of the type have none.
 std::vector<ValueKey> FindThresholdKeys(ValueType type, const std::vector<double>& isovalues)
 {
   std::vector<ValueKey> keys;
@@ -129,7 +129,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
     const auto visit = [&](const KeyInterval& interval)
     {
       ++statistics.IntervalsReported;
-      // The tree's intervals are closed, but a block whose least value is inside is all inside.
+      // The tree's intervals are closed, but a block whose minimum is inside is inside as a whole.
       if (interval.Minimum != key)
       {
         ordinals.push_back(interval.Payload);
@@ -163,7 +163,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindInside(
   {
     return ordinals;
   }
-  // What is inside for a higher isovalue is so for the lowest one.
+  // Whatever is inside for a higher isovalue is inside for the minimum one.
   PageStatistics pages;
   const auto visit = [&](const KeyInterval& interval)
   {
@@ -227,7 +227,7 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   const std::size_t last = first + count - 1;
   for (std::size_t variable = first; variable <= last; ++variable)
   {
-    // What is read past goes up to level 0.
+    // All components but the last one are read up to level 0.
     ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, variable, variable == last ? level : 0));
   }
   const std::uint64_t begin = entry->FindSegment(first * levels);
@@ -283,7 +283,7 @@ void BlockStore::Prefetch(const std::vector<ByteRange>& ranges) const
   }
 }
 
-// A length from the directory is checked before memory is allocated by it.
+// Checks lengths of the directory before memory is allocated for them.
 Status BlockStore::CheckLengths(
   const BlockDirectoryEntry& entry, std::size_t variable, int level) const
 {

@@ -27,17 +27,17 @@ namespace isosurface
  *
  *     blocks          the records (BlockRecord.h)
  *     directory       where they are (BlockDirectory.h)
- *     array-N.tree    per variable: the external interval tree over the blocks' value ranges
- *                     (ExternalIntervalTree.h); payload = the block's ordinal. Of an array of
- *                     several components: array-N-component-C.tree, array-N-magnitude.tree
+ *     array-N.tree    the external interval tree over the blocks' value ranges of an array
+ *                     (ExternalIntervalTree.h); payload = the block's ordinal. An array of several
+ *                     components has array-N-component-C.tree and array-N-magnitude.tree instead.
  *
  * The folder may be a link or a mount point, so that each store has a disk of its own. A tree is
- * opened at the first query of its variable. Any number of threads may use one store at once.
+ * opened at the first query of its variable. Safe for any number of threads.
  */
 class BlockStore
 {
 public:
-  /// Of the pages of the directory and of each tree, so many bytes are kept in memory.
+  /// The bytes of pages that the directory and each tree keep in memory.
   static constexpr std::size_t PageCacheBytes = 1024 * 1024;
 
   static std::string GetBlocksPath(const std::string& folder) { return folder + "/blocks"; }
@@ -45,32 +45,32 @@ public:
   static std::string GetTreePath(
     const std::string& folder, const ArrayVariables& variables, std::size_t variable);
 
-  /// Opens the records and the directory. A missing folder is NotFound; files that do not fit
-  /// `description` are Corrupt.
+  /// Opens the records and the directory. NotFound if the folder is missing, Corrupt if the files
+  /// do not fit `description`.
   static Result<std::shared_ptr<BlockStore>> Open(FileSystem& files, const std::string& folder,
     const BlockedVolumeHeader& header, const StoreDescription& description);
 
   std::uint64_t GetNumberOfBlocks() const { return this->Directory->GetCount(); }
 
-  /// The ordinals of the blocks that an isosurface of one of the isovalues passes, ascending.
+  /// The ordinals of the blocks that an isosurface of one of the isovalues crosses, ascending.
   Result<std::vector<std::uint32_t>> FindActive(
     std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics);
 
-  /// The ordinals of the blocks of which all samples are inside for one of the isovalues,
-  /// ascending. Cost: a range query for all blocks with samples inside.
+  /// The ordinals of the blocks whose samples are all inside for one of the isovalues, ascending.
+  /// Cost: a range query for all blocks with samples inside.
   Result<std::vector<std::uint32_t>> FindInside(
     std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics);
 
   /// The grid's index of a block.
   Result<std::int64_t> FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const;
 
-  /// Reads one component of a block up to a level, by one read, and decodes it. Corrupt if the
-  /// ordinal is not that of `block`.
+  /// Reads one component of a block up to a level by one read, and decodes it. Corrupt if another
+  /// block has the ordinal.
   Result<std::shared_ptr<const DecodedBlock>> Read(std::uint32_t ordinal, std::int64_t block,
     std::size_t variable, int level, QueryStatistics& statistics) const;
 
-  /// The same for the components [first, first + count) of the variables, by one read, which skips
-  /// nothing: at a coarser level than 0 it has the finer levels of all but the last one in it.
+  /// The same for the components [first, first + count), by one contiguous read: at a level above 0
+  /// it includes the finer levels of all components but the last one.
   Result<DecodedBlocks> ReadAdjacent(std::uint32_t ordinal, std::int64_t block, std::size_t first,
     std::size_t count, int level, QueryStatistics& statistics) const;
 
@@ -81,12 +81,12 @@ public:
     std::uint64_t End;
   };
 
-  /// What ReadAdjacent would read; nothing if the directory's entry is damaged.
+  /// The range that ReadAdjacent reads; nothing if the directory's entry is damaged.
   std::optional<ByteRange> FindAdjacent(
     std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const;
 
-  /// Starts reading, without waiting for it, ranges by ascending begin; those that touch, but for
-  /// the padding between records, as one.
+  /// Starts reading ranges, in ascending order, without waiting. Ranges with nothing but padding
+  /// between them are one read.
   void Prefetch(const std::vector<ByteRange>& ranges) const;
 
 private:
@@ -94,7 +94,7 @@ private:
   Result<const ExternalIntervalTree*> GetTree(std::size_t variable);
   Status MakeError(StatusCode code, const std::string& reason) const;
   Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
-  /// `segment`: those of the levels from the coarsest to `level`, as they are on disk.
+  /// `segment`: the stored segments of the levels from the coarsest to `level`.
   Result<std::shared_ptr<const DecodedBlock>> Decode(const BlockDirectoryEntry& entry,
     std::size_t variable, int level, const std::uint8_t* segment) const;
 

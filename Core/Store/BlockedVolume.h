@@ -100,8 +100,8 @@ public:
     const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const;
 
   /// Starts reading the blocks [begin, end) of a list for calls of ReadVariables that follow soon,
-  /// without waiting; neighbours in a store as one read. Skips what is in the block cache. This is a
-  /// hint without errors: ReadVariables reports them. Cost: the blocks' directory pages.
+  /// without waiting; neighbours in a store as one read. Skips what is in the block cache. This is
+  /// a hint without errors: ReadVariables reports them. Cost: the blocks' directory pages.
   void Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin, std::size_t end,
     std::size_t timeStep, const std::vector<std::size_t>& variables, int level);
 
@@ -120,10 +120,10 @@ public:
     std::size_t timeStep, std::size_t variable, std::uint32_t store);
 
   /**
-   * The triangles of an isosurface at a level: exact where the level has a spectrum and the isovalue
-   * is an edge of its bins. Otherwise interpolated between the nearest spectra, the logarithm of
-   * the count linearly in the level; beyond the last spectrum, each level has a quarter of the
-   * triangles of the one before.
+   * The triangles of an isosurface at a level: exact where the level has a spectrum and the
+   * isovalue is an edge of its bins. Otherwise interpolated between the nearest spectra, the
+   * logarithm of the count linearly in the level; beyond the last spectrum, each level has a
+   * quarter of the triangles of the one before.
    */
   Result<double> EstimateTriangles(
     std::size_t timeStep, std::size_t variable, double isovalue, int level);

@@ -159,8 +159,8 @@ std::int64_t JsonMembers::GetInteger(const char* member, std::int64_t minimum, s
     value.is_number_integer() && !isTooLarge ? value.get<std::int64_t>() : 0;
   if (!value.is_number_integer() || isTooLarge || number < minimum || number > maximum)
   {
-    this->Fail(
-      member, "is not an integer from " + std::to_string(minimum) + " to " + std::to_string(maximum));
+    this->Fail(member,
+      "is not an integer from " + std::to_string(minimum) + " to " + std::to_string(maximum));
     return minimum;
   }
   return number;

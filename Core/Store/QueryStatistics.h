@@ -7,13 +7,13 @@
 namespace isosurface
 {
 
-/// What queries and reads of a blocked volume cost. One object is for one thread; Add() joins them.
+/// The cost of queries and reads of a blocked volume. Each thread has its own; Add() joins them.
 struct QueryStatistics
 {
   std::uint64_t TreePagesRead = 0;      ///< pages of interval trees read from disk
   std::uint64_t TreePageCacheHits = 0;  ///< pages of interval trees found in memory
   std::uint64_t IntervalsReported = 0;  ///< by the trees, before exact filtering
-  std::uint64_t ActiveBlocks = 0;       ///< blocks that an isosurface passes, in this rank's share
+  std::uint64_t ActiveBlocks = 0;       ///< blocks that an isosurface crosses, in this rank's share
   std::uint64_t DirectoryPagesRead = 0; ///< pages of block directories read from disk
   std::uint64_t BlocksRead = 0;         ///< reads of blocks from disk, each of adjacent arrays
   std::uint64_t BytesRead = 0;          ///< bytes of blocks read from disk

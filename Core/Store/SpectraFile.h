@@ -16,8 +16,8 @@ namespace isosurface
 {
 
 /**
- * The file `spectra` of a time step: the spectra of the whole volume and of each store, which can
- * be read one by one. Little-endian, nothing aligned:
+ * The file `spectra` of a time step: the spectra of the whole volume and of each store, each of
+ * which can be read alone. Little-endian, without alignment:
  *
  *     +------+--------------------------------------+    section s (from end s - 1 to end s)
  *     |    0 | "ISOSPECT"                 (8 bytes) |    +---+------------------------------+
@@ -35,22 +35,22 @@ namespace isosurface
  *     |      | the sections                         |
  *     +------+--------------------------------------+
  *
- * Section A (d + 1) + a is that of variable a in store d, section a that of variable a as a whole.
+ * Section a is that of variable a in the whole volume, section A (d + 1) + a that in store d.
  */
 class SpectraFile
 {
 public:
   using Section = std::vector<std::uint8_t>;
 
-  /// The counts of a spectrum, as they stand in a section behind its checksum.
+  /// The counts of a spectrum: a section without its checksum.
   static Section Pack(const WorkloadSpectrum& spectrum);
 
   /// Writes the file: totals[variable], stores[variable + A * store].
   static Status Write(FileSystem& files, const std::string& path,
     const std::vector<WorkloadSpectrum>& totals, const std::vector<Section>& stores);
 
-  /// Reads all but the sections. A file for other numbers of variables or stores is Corrupt; a
-  /// newer version is Unsupported.
+  /// Reads all but the sections. Corrupt if the file has other numbers of variables or stores,
+  /// Unsupported if it is of a newer version.
   static Result<std::unique_ptr<SpectraFile>> Open(
     FileSystem& files, const std::string& path, std::size_t variables, std::size_t stores);
 

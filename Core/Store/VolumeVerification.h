@@ -29,11 +29,11 @@ struct VolumeVerification
 };
 
 /**
- * Reads every byte of a blocked volume that its header leads to, overviews included, and checks: the
- * checksums of header, spectra, directories, trees and segments; that every segment decodes; that
- * the padding after records is zero; that each store has the contents that the header states; that
- * the stores together have each block once; that each tree has the range of each block's samples;
- * and that the stores' spectra add up to the volume's.
+ * Reads every byte of a blocked volume that its header leads to, overviews included, and checks:
+ * the checksums of header, spectra, directories, trees and segments; that every segment decodes;
+ * that the padding after records is zero; that each store has the contents that the header states;
+ * that the stores together have each block once; that each tree has the range of each block's
+ * samples; and that the stores' spectra add up to the volume's.
  *
  * After a fault it continues with whatever does not depend on it. The result does not depend on the
  * number of threads. Aborted if `progress` asked to stop.

@@ -34,8 +34,8 @@ void CopyFromSamples(std::uint8_t* to, const SampleView& from, const SegmentRow&
     });
 }
 
-/// Calls for the row above one that is being copied: the rows of a block lie too far apart for the
-/// processor to guess the next ones.
+/// Prefetches the row above the one that is copied: the rows of a block are too far apart for the
+/// processor to predict.
 void PrefetchRow(const SampleView& layer, const SegmentRow& row, std::size_t valueSize)
 {
 #if defined(__GNUC__)
@@ -156,7 +156,7 @@ std::uint64_t BlockExchange::GetMessageBytes(const BlockRun& run, std::size_t ra
 Message BlockExchange::Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const
 {
   Message message;
-  // A vector that grows by itself would take twice the memory at times.
+  // A growing vector would take twice the memory at times.
   message.reserve(static_cast<std::size_t>(this->GetMessageBytes(run, rank)));
   this->VisitParts(run, rank,
     [&](const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level)

@@ -18,7 +18,7 @@
 namespace isosurface
 {
 
-/// A block whose record is being made, on its way to the rank that writes it.
+/// A block whose record is being made.
 struct PendingBlock
 {
   /// `record`: at least as large as the record will be, padded.
@@ -34,39 +34,38 @@ struct PendingBlock
   std::int64_t Block;
   std::uint32_t Store;
   BlockRecordLayout Layout;
-  Buffer<std::uint8_t> Record; ///< padded; segments without their headers until they are sealed
-  std::vector<std::uint8_t> OverviewSamples; ///< what the next overview takes of it; see there
-  bool IsFinished = false;                   ///< whether the record is what the file will have
+  Buffer<std::uint8_t> Record; ///< padded; segments have no headers until they are sealed
+  std::vector<std::uint8_t> OverviewSamples; ///< of PickOverviewSamples, for the next overview
+  bool IsFinished = false;                   ///< whether the record is encoded and sealed
 };
 
 /**
  * Brings the samples of blocks from the ranks that have them to the ranks that make their records.
+ * A rank takes samples from its own source where that has them, and the rest from the vertices'
+ * owners (PieceOwnership.h), with one message for each pair of ranks and round:
  *
- * What a rank's own source has it takes from there. The rest comes from the vertices' owners
- * (PieceOwnership.h), one message a pair of ranks and round:
- *
- *     message: parts, one after another
- *     +----+------------------------------------------------+
- *     |  0 | block index                          (uint64)   |
- *     |  8 | level                                (uint32)   |
- *     | 12 | 0                                    (uint32)   |
- *     | 16 | part: low x, y, z, high x, y, z      (int64)    |   in the level's coordinates
- *     | 64 | the samples of the segment in the part, in its order, array after array
- *     +----+------------------------------------------------+
+ *     message: parts of segments, one after another
+ *     +----+----------------------------------------------------------------------+
+ *     |  0 | block index                                                 (uint64) |
+ *     |  8 | level                                                       (uint32) |
+ *     | 12 | 0                                                           (uint32) |
+ *     | 16 | box in the level's coordinates: low x, y, z, high x, y, z    (int64) |
+ *     | 64 | the segment's samples in the box, in its order, array after array    |
+ *     +----+----------------------------------------------------------------------+
  */
 class BlockExchange
 {
 public:
-  /// `boxes`: what the source of each rank has. The references must outlive this object.
+  /// `boxes`: those of the ranks' sources. The references must outlive this object.
   BlockExchange(const BlockGrid& grid, const std::vector<ValueType>& types,
     const std::vector<VertexBox>& boxes, std::size_t rank, int threads);
 
-  /// What this rank is to supply.
+  /// The vertices that this rank supplies.
   const std::vector<VertexBox>& GetOwned() const { return this->Owned; }
-  /// Whether any rank lacks anything that another one has.
+  /// Whether any rank needs samples of another one.
   bool IsNeeded() const { return this->HasParts; }
 
-  /// What this rank reads to supply another rank's run.
+  /// The boxes that this rank reads to supply another rank's run.
   std::vector<VertexBox> FindBoxes(const BlockRun& run, std::size_t rank) const;
   /// A bound of the bytes of Pack()'s message.
   std::uint64_t GetMessageBytes(const BlockRun& run, std::size_t rank) const;
@@ -74,8 +73,8 @@ public:
   Message Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const;
 
   /// Fills the records of this rank's run from its own samples and from the messages of all ranks.
-  /// Fails if the samples do not add up. `whenFilled` is called, by several threads at once, for
-  /// each block that takes nothing from messages, while its samples are still near.
+  /// Fails if samples are missing. For each block that needs no messages, `whenFilled` is called,
+  /// by several threads at once, while its samples are in the processor's cache.
   Status Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
     const std::vector<Message>& messages,
     const std::function<void(PendingBlock&, int thread)>& whenFilled) const;
@@ -85,7 +84,7 @@ private:
   void VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const;
   void PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level,
     const RunSamples& samples, Message& message) const;
-  /// Returns the number of samples that the source had.
+  /// Returns the number of samples taken from the source.
   std::uint64_t FillFromSource(PendingBlock& block, const RunSamples& samples) const;
   Status FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
     std::atomic<std::uint64_t>& count) const;
@@ -95,7 +94,7 @@ private:
   const VertexBox Box;
   int Threads;
   std::vector<VertexBox> Owned;
-  /// Per rank: what it has to be sent from here.
+  /// Per rank: the boxes that this rank sends to it.
   std::vector<std::vector<VertexBox>> ToSend;
   bool HasParts = false;
 };

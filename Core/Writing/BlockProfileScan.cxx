@@ -16,7 +16,7 @@ namespace
 constexpr std::int64_t CubeSize = BlockProfile::CubeSize;
 constexpr std::size_t LargestBlock = 64;
 
-/// A profile on its way between ranks.
+/// A profile in a message between ranks.
 struct ProfileRecord
 {
   std::uint64_t Block = 0;
@@ -30,7 +30,7 @@ void ExtendRow(const T* row, std::size_t count, std::ptrdiff_t stride, T* low, T
   {
     for (std::size_t i = 0; i < count; ++i)
     {
-      // Written such that a NaN changes nothing.
+      // Comparisons with NaN are false, so it changes nothing.
       low[i] = row[i] < low[i] ? row[i] : low[i];
       high[i] = row[i] > high[i] ? row[i] : high[i];
     }
@@ -60,7 +60,7 @@ BlockProfileScan::BlockProfileScan(const BlockGrid& grid, ValueType type, int th
 
 std::uint64_t BlockProfileScan::GetBytes(const BlockGrid& grid)
 {
-  // A profile, one in each direction, what distributing takes; and a layer of open cubes.
+  // A profile, one sent and one received, the memory of distributing; and a layer of open cubes.
   const Index3& size = grid.GetDimensions();
   const auto cubes =
     static_cast<std::uint64_t>((size[0] / CubeSize + 1) * (size[1] / CubeSize + 1));
@@ -184,7 +184,7 @@ void BlockProfileScan::AddCubeRow(
     const T least = *std::min_element(low.begin() + begin, low.begin() + end);
     const T most = *std::max_element(high.begin() + begin, high.begin() + end);
     ValueSpan span;
-    // Without any number, the initial values stand the wrong way round.
+    // Without any number, the minimum is above the maximum.
     if (least <= most)
     {
       span.Low = static_cast<double>(std::max(least, Limits::lowest()));

@@ -15,15 +15,15 @@ namespace isosurface
 {
 
 /**
- * The profile of every block in one array, on all ranks, from a look at each vertex in boxes of any
- * shape and order. Infinities count as the type's largest numbers, NaN not at all.
+ * Computes the profile of every block in one array, on all ranks, from samples that are added in
+ * boxes of any shape and order. Infinities count as the type's extreme numbers, NaN is ignored.
  *
- * The cubes of a block begin at multiples of BlockProfile::CubeSize and have vertices of their own:
- * none on the faces that the block shares with the next ones. So each vertex is in one cube, and
- * the profiles are the same however the volume is cut. A cube that boxes cut waits, as a span of
- * values, until its last vertex has been seen; those that ranks cut are put together by Reduce().
+ * The cubes of a block begin at multiples of BlockProfile::CubeSize, without the vertices on the
+ * faces that the block shares with the next ones. So each vertex is in one cube, and the profiles
+ * do not depend on how the volume is cut. A cube that boxes cut is kept, as a span of values, until
+ * its last vertex is added; Reduce() joins cubes that ranks cut.
  *
- * Cost: about that of finding the blocks' ranges; memory: GetBytes().
+ * Cost: about that of finding the blocks' ranges. Memory: GetBytes().
  */
 class BlockProfileScan
 {
@@ -33,21 +33,21 @@ public:
   /// Adds the samples of a box; no vertex may be added twice, on any rank.
   void Add(const SampleView& samples, const VertexBox& box);
 
-  /// Collective: joins what the ranks have seen.
+  /// Collective. Joins the samples that the ranks have added.
   void Reduce(Communicator& communicator);
 
   /// Per block; complete after Reduce().
   const std::vector<BlockProfile>& GetProfiles() const { return this->Profiles; }
 
-  /// The vertices of a block's cubes: those of the block without its far faces, which the next
-  /// blocks have.
+  /// The vertices of a block's cubes: the block without its far faces, which belong to the next
+  /// blocks.
   VertexBox GetOwnVertices(std::int64_t block) const;
 
-  /// The memory of all that, messages and the distribution that follows included.
+  /// The memory, with messages and the distribution that follows.
   static std::uint64_t GetBytes(const BlockGrid& grid);
 
 private:
-  /// What has been seen of a cube.
+  /// The samples of a cube that were added so far.
   struct Part
   {
     std::uint64_t Cube = 0;
@@ -76,7 +76,7 @@ private:
   int Threads;
   Index3 CubesPerAxis;
   std::vector<BlockProfile> Profiles;
-  std::unordered_map<std::uint64_t, Part> Open; ///< cubes that were seen in part, by number
+  std::unordered_map<std::uint64_t, Part> Open; ///< incomplete cubes, by number
 };
 
 } // namespace isosurface

@@ -14,7 +14,7 @@ namespace isosurface
 namespace
 {
 
-/// More than this at once is not read faster.
+/// Larger reads are not faster.
 constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 8 } << 20;
 
 void Extend(KeyRange& range, const KeyRange& other)
@@ -32,8 +32,8 @@ VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::i
   return part;
 }
 
-/// The largest thickness on an axis with which a box, cut into parts as equal as can be, is read
-/// within `bytes`; at least 1.
+/// The maximum thickness on an axis, at least 1, with which a box, cut into nearly equal parts, is
+/// read within `bytes`.
 std::int64_t FindThickness(
   const SlabSource& source, const VertexBox& box, std::size_t axis, std::uint64_t bytes)
 {
@@ -49,7 +49,7 @@ std::int64_t FindThickness(
 }
 
 /// Cuts a box into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
-/// rows of a slice. Most are equally large, so that memory can be used again.
+/// rows of a slice. Most have equal sizes, so that memory is reused.
 void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
   std::uint64_t bytes, std::vector<VertexBox>& slabs)
 {
@@ -178,7 +178,7 @@ void BlockRangeScan::AddToProfiles(const SampleSlab& slab, const VertexBox& box)
     return;
   }
   const std::vector<SampleView> tuple(slab.Arrays.begin(), slab.Arrays.begin() + components);
-  // A layer of cubes at a time, since magnitudes may be many times as large as what they are of.
+  // One layer of cubes at a time, since magnitudes may take much more memory than components.
   std::vector<double> magnitudes;
   for (std::int64_t begin = box.Low[2]; begin < box.High[2];)
   {

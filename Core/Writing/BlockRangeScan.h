@@ -20,29 +20,29 @@
 namespace isosurface
 {
 
-/// The range of values of every block's own vertices, in every variable, on all ranks.
+/// Finds the range of values at every block's own vertices, for every variable, on all ranks.
 class BlockRangeScan
 {
 public:
   BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads);
 
-  /// Call before Scan() to have profiles of the first array, or of its magnitude, as well.
+  /// Makes Scan() compute profiles of the first array, or of its magnitude, as well.
   void AddProfiles();
 
-  /// Reads this rank's part of the vertices once, in slabs that take at most `memoryBytes` (the
-  /// one being read ahead included), but a row of vertices at least. `owned` are boxes within the
-  /// source's. Aborted if `progress` asked to stop.
+  /// Reads this rank's vertices, the boxes `owned` of the source, once, in slabs of at least a row
+  /// of vertices that take at most `memoryBytes`, with the one read ahead. Aborted if `progress`
+  /// asked to stop.
   Status Scan(SlabSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
     const Progress& progress);
 
-  /// Collective: joins the ranges of all ranks.
+  /// Collective. Joins the ranges of all ranks.
   void Reduce(Communicator& communicator);
 
   /// Per variable and block.
   const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
   /// Per variable: of the whole volume's finite values.
   const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
-  /// Per block; none without AddProfiles(), or after the call.
+  /// Per block; none without AddProfiles(). May be called once.
   std::vector<BlockProfile> TakeProfiles();
 
 private:

@@ -13,10 +13,10 @@ namespace isosurface
 namespace
 {
 
-/// A round of more records than this, and more than a layer of blocks, is no faster.
+/// Rounds with more bytes of records than this and more than a layer of blocks are not faster.
 constexpr std::uint64_t EnoughRecordBytes = std::uint64_t{ 32 } << 20;
 
-/// Runs a step; shortage of memory or threads is an error like others.
+/// Runs a step. A shortage of memory or threads is an error like others.
 template <typename Step>
 Status Attempt(Step&& step)
 {
@@ -31,10 +31,10 @@ Status Attempt(Step&& step)
   }
 }
 
-/// A bound of the bytes of any block's record.
+/// The maximum of the bytes of a block's record.
 std::uint64_t FindLargestRecord(const BlockGrid& grid, const std::vector<ValueType>& types)
 {
-  // One in the middle has all ghost layers. With two blocks an axis the first is as large as any.
+  // A block in the middle has all ghost layers. Of two blocks on an axis, the first is the larger.
   Index3 middle = grid.GetNumberOfBlocksPerAxis();
   for (std::int64_t& coordinate : middle)
   {
@@ -91,8 +91,8 @@ std::uint64_t BlockRounds::GetLoad(const std::vector<BlockRun>& runs) const
     messages += made * record; // received: at most all samples
   }
   const BlockShipment::Load load = this->Shipment.GetLoad(runs);
-  // Two rounds' samples, since the next are read meanwhile. Blocks: as made; as messages; as
-  // received; and those of the round before, which are being written.
+  // The samples of two rounds, since the next are read meanwhile. The blocks as made, in messages
+  // and as received, and those of the round before, which are being written.
   return 2 * samples + messages +
     record * (made + load.Sent + 2 * load.Received + (load.Received + load.Kept));
 }
@@ -181,7 +181,7 @@ Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples 
         blocks.emplace_back(
           this->Grid, block, this->Shipment.FindStore(block), this->Types, this->Records.Take());
       }
-      // What stays here is finished at once, what travels by its writer.
+      // Blocks that stay here are finished at once, others by the rank that writes them.
       return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages,
         [&](PendingBlock& block, int thread)
         {

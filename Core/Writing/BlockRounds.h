@@ -21,13 +21,13 @@
 namespace isosurface
 {
 
-/// What the rounds do not do themselves.
+/// The steps of a round that the caller provides.
 struct BlockRoundsSteps
 {
-  /// An agreement of all ranks, as Communicator::Agree.
+  /// Makes all ranks agree, like Communicator::Agree.
   std::function<Status(const Status&)> Agree;
   /// Completes the record of a block that this rank writes; called by several threads at once. The
-  /// views, one an array, are of the samples of its vertices; none where only the record has them.
+  /// views, one an array, are of the samples of its vertices; empty if only the record has them.
   std::function<void(PendingBlock&, const std::vector<SampleView>&, int thread)> Finish;
   /// Writes a finished block; called by one thread at a time, in the order of the blocks.
   std::function<Status(const PendingBlock&)> Write;
@@ -35,12 +35,12 @@ struct BlockRoundsSteps
 };
 
 /**
- * Makes the records of all blocks from the samples that the ranks' sources have, and brings them to
- * their writers, round by round. In a round every rank reads, sends, finishes and writes its share;
- * the next round's samples are read and the last round's blocks are written meanwhile.
+ * Makes the records of all blocks from the samples of the ranks' sources, and brings them to their
+ * writers, in rounds. In a round every rank reads, sends, finishes and writes its share. Meanwhile
+ * the samples of the next round are read and the blocks of the last one are written.
  *
- * Memory: the samples of two rounds, the records of two, and the messages of one. A round is made
- * small enough for all ranks to keep within `memoryBytes`.
+ * Memory: the samples and records of two rounds, and the messages of one. Rounds are so small that
+ * all ranks keep within `memoryBytes`.
  */
 class BlockRounds
 {
@@ -50,15 +50,15 @@ public:
     const std::vector<ValueType>& types, const BlockExchange& exchange,
     const BlockShipment& shipment, RoundPlan& plan, int threads, std::uint64_t memoryBytes);
 
-  /// Collective. InvalidArgument if not even a block a rank fits the memory.
+  /// Collective. InvalidArgument if one block for each rank does not fit the memory.
   Status Run(const BlockRoundsSteps& steps);
 
   std::uint64_t GetRounds() const { return this->Rounds; }
-  /// The memory that the largest round was planned to take, on any rank.
+  /// The maximum memory that was planned for a round on any rank.
   std::uint64_t GetLargestBytes() const { return this->LargestBytes; }
 
 private:
-  /// The samples for this rank's own run, and for what it sends to each other rank's.
+  /// The samples for this rank's own run, and for its messages to each other rank.
   struct RoundSamples
   {
     Status Outcome;

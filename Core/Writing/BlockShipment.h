@@ -15,14 +15,14 @@ namespace isosurface
 {
 
 /**
- * Brings whole records from the ranks that made them to the ranks that write them: the stores d
- * with d mod P == r belong to rank r of P. One message a pair of ranks and round:
+ * Brings whole records from the ranks that made them to the ranks that write them: rank r of P
+ * writes the stores d with d mod P == r. One message for each pair of ranks and round:
  *
  *     message: blocks, one after another
- *     +----+------------------------------------------------+
- *     |  0 | block index                          (uint64)   |
- *     |  8 | record, without the padding at its end           |
- *     +----+------------------------------------------------+
+ *     +----+-------------------------------------+
+ *     |  0 | block index                (uint64) |
+ *     |  8 | record, without its padding         |
+ *     +----+-------------------------------------+
  */
 class BlockShipment
 {
@@ -44,8 +44,8 @@ public:
   }
   std::size_t FindWriter(std::int64_t block) const { return this->FindStore(block) % this->Ranks; }
 
-  /// How many blocks of a round this rank sends to others, receives from them, and keeps: runs[r]
-  /// is made by rank r.
+  /// The blocks of a round that this rank sends to others, receives from them, and keeps. Rank r
+  /// makes the records of runs[r].
   struct Load
   {
     std::uint64_t Sent = 0;
@@ -54,10 +54,10 @@ public:
   };
   Load GetLoad(const std::vector<BlockRun>& runs) const;
 
-  /// The messages to all ranks; leaves the blocks that this rank writes.
+  /// Packs the messages to all ranks. The blocks that this rank writes stay in `blocks`.
   std::vector<Message> Pack(std::vector<PendingBlock>& blocks, RecordBuffers& buffers) const;
 
-  /// Adds what other ranks sent, and sorts all by block index. Frees the messages one by one.
+  /// Adds the blocks that other ranks sent, and sorts all by block index. Frees each message.
   Status Unpack(std::vector<Message>& messages, std::vector<PendingBlock>& blocks,
     RecordBuffers& buffers) const;
 

@@ -38,7 +38,7 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
 Status BlockStoreWriter::Append(const PendingBlock& block)
 {
   this->Entries.push_back({ block.Block, this->Blocks->GetSize(), block.Layout.Lengths });
-  // The store's checksum chains the segments' own, which stand at the begin of each.
+  // The store's checksum chains those of the segments, which are their first bytes.
   std::vector<std::uint64_t> checksums = { this->Checksum };
   for (const std::uint64_t offset : block.Layout.Offsets)
   {

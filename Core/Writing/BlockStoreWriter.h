@@ -18,16 +18,14 @@
 namespace isosurface
 {
 
-/**
- * Writes one store: Append() its blocks in the order of their ordinals, then Finish(). The files
- * are those that BlockStore.h names. Memory: one directory entry a block; for the trees what
- * Finish() is allowed.
- */
+/// Writes one store: Append() its blocks in the order of their ordinals, then Finish().
+/// BlockStore.h names the files. Memory: one directory entry a block, and the limit of Finish() for
+/// the trees.
 class BlockStoreWriter
 {
 public:
-  /// Creates the folder and the file of records: `blocks` of so many segments (components times
-  /// levels) each.
+  /// Creates the folder and the file of records, for `blocks` blocks of `segments` segments
+  /// (components times levels) each.
   static Result<std::unique_ptr<BlockStoreWriter>> Create(
     FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks);
 
@@ -37,8 +35,8 @@ public:
   /// Of the blocks appended so far, in the order of their ordinals.
   const std::vector<BlockDirectoryEntry>& GetEntries() const { return this->Entries; }
 
-  /// Writes the directory and the trees, brings all to stable storage. ranges[variable][block] are
-  /// the value ranges of all blocks of the volume.
+  /// Writes the directory and the trees, and brings all files to stable storage.
+  /// ranges[variable][block]: the value ranges of all blocks of the volume.
   Result<StoreDescription> Finish(const ArrayVariables& variables,
     const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes);
 

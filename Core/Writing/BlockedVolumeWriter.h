@@ -22,7 +22,7 @@
 namespace isosurface
 {
 
-/// What the user of a writer chooses; equal on all ranks.
+/// The settings of a write; equal on all ranks.
 struct BlockedVolumeSettings
 {
   int BlockSize = 32;               ///< cells a side: 16, 32 or 64
@@ -31,19 +31,19 @@ struct BlockedVolumeSettings
   std::uint64_t RandomSeed = 0;
   BlockCompression Compression;
   std::optional<double> Time; ///< the time of the time step
-  /// Adds the time step to the volume at the path, behind those that it has. They must have the
-  /// same grid, arrays, block size, stores (0: as many as they have), distribution and compression,
-  /// and an earlier time; else this is an InvalidArgument. A volume that is not there is begun.
+  /// Appends the time step to the volume at the path; without one, makes a new volume. The volume
+  /// must have the same grid, arrays, block size, stores (0: as many as it has), distribution and
+  /// compression, and earlier times; else this is an InvalidArgument.
   bool Append = false;
-  /// Whether the time step is visible at the end. If not, it becomes so with the next one that the
-  /// same writer appends and publishes, all in one step.
+  /// Whether the time step is visible at the end. If not, it becomes visible together with the next
+  /// one that the same writer appends and publishes.
   bool Publish = true;
-  /// Bytes that a rank may hold beside what its source had in memory before.
+  /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores
 };
 
-/// What was written; equal on all ranks.
+/// The result of a write; equal on all ranks.
 struct WriteStatistics
 {
   std::uint64_t Blocks = 0;
@@ -55,35 +55,19 @@ struct WriteStatistics
 };
 
 /**
- * Writes a volume as a blocked volume: blocks with ghost layers and levels, spread over stores, and
- * an external interval tree a store and array. The volume may be larger than the memory of all
- * ranks: it is read from each rank's source in slabs.
+ * Writes a blocked volume, or appends a time step to one. The volume may be larger than the memory
+ * of all ranks: each rank reads slabs from its own source. The sources' boxes may overlap; together
+ * they must cover the grid. The files do not depend on the number of ranks and threads, nor on the
+ * memory limit. Rank r of P writes the stores d with d mod P == r, on a file system that all ranks
+ * share. Documentation/architecture.md describes writing, Documentation/formats the files.
  *
- * Collective: every rank calls Write with equal arguments but for its source. The sources' boxes
- * may overlap in any way; together they must cover the grid. If every rank's source has the whole
- * grid (a file that all see), each reads its share and nothing but finished records travels;
- * otherwise the ranks supply each other with what their parts lack. The stores d with d mod P == r
- * are written by rank r of P, on a file system that all ranks see. Every array has its own tree;
- * the first array's value ranges decide which store a block goes to. The files are byte for byte
- * the same for any number of ranks and threads, and any memory limit.
+ * On an error of any rank, or if any rank's progress asks to stop, all ranks return an error, and
+ * the volume at `path` stays as it was. Another writer to the same path fails at once.
  *
- * Whatever fails on any rank, or whichever rank's progress asks to stop: all ranks return an error,
- * and what was at `path` before is untouched. The new dataset becomes visible by one rename at the
- * end; then the folders of older ones that no header names are removed. A killed run leaves a
- * folder that no header names, which the next write to the path removes before it begins. While one
- * writer is at work, another one to the same path fails at once.
- *
- * Appending a time step touches no file of the steps before but for the header, which is written
- * anew with about 80 bytes for each store and step. Steps that are not published yet are removed
- * when a later one fails, or with the writer.
- *
- * Cost: two passes over the samples: one for the blocks' value ranges, from which the distribution
- * follows, one for writing, which reads up to ten slices a layer of blocks once more for the ghost
- * layers of coarser levels. Memory: within MemoryLimit; InvalidArgument if that does not suffice
- * for a block a rank and about 100 bytes for every block of the volume.
- *
- * Source: X. Zhang, C. Bajaj, "Scalable isosurface visualization of massive datasets on commodity
- * off-the-shelf clusters", 2009, sections 4.1.1 (preprocessing steps 1 to 3).
+ * Cost: two passes over the samples, one for the blocks' value ranges and one to write. Memory:
+ * within MemoryLimit; InvalidArgument if that does not suffice for a block on each rank and about
+ * 100 bytes for every block of the volume. Source: X. Zhang, C. Bajaj, "Scalable isosurface
+ * visualization of massive datasets on commodity off-the-shelf clusters", 2009, section 4.1.1.
  */
 class BlockedVolumeWriter
 {
@@ -98,11 +82,13 @@ public:
   BlockedVolumeWriter& operator=(const BlockedVolumeWriter&) = delete;
   ~BlockedVolumeWriter();
 
+  /// Collective. All arguments but the source and the progress are equal on all ranks. Steps that
+  /// were not published are removed when a later one fails, or with the writer.
   Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, SlabSource& source,
     const BlockedVolumeSettings& settings, const Progress& progress = {});
 
-  /// The same for a piece that is in memory: a view a component, array after array.
+  /// The same for a piece in memory: a view for each component, array after array.
   Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, const VolumePiece& piece,
     const BlockedVolumeSettings& settings, const Progress& progress = {});

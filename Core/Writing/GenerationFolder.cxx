@@ -112,7 +112,7 @@ void GenerationFolder::RemoveOlder(FileSystem& files, const std::string& path,
   for (const std::string& name : *names)
   {
     const auto number = FindNumber(name);
-    // A higher number is another writer's at work.
+    // Higher numbers belong to another writer at work.
     if (number && *number < FindNumber(current).value_or(0) && !header.HasFolder(name))
     {
       static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + name));

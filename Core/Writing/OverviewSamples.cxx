@@ -39,7 +39,7 @@ VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block)
   VertexBox part = finer.GetVertices(block, finer.GetNumberOfLevels());
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    // The next block has the shared face.
+    // The shared face belongs to the next block.
     part.High[axis] -= coordinates[axis] + 1 < finer.GetNumberOfBlocksPerAxis()[axis] ? 1 : 0;
   }
   return part;
@@ -48,7 +48,7 @@ VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block)
 std::vector<std::uint8_t> PickOverviewSamples(
   const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block)
 {
-  // The coarsest level of the record is stored as a whole; every second of its vertices is wanted.
+  // The record's coarsest level is stored as a whole; the overview has every second vertex of it.
   const int levels = finer.GetNumberOfLevels();
   const VertexBox box = BlockSegment(finer, block.Block, levels - 1).GetBox();
   const VertexBox part = FindOverviewPart(finer, block.Block);
@@ -113,7 +113,7 @@ std::uint64_t OverviewSource::GetPartBytes(std::int64_t block) const
 
 std::int64_t OverviewSource::FindBlock(std::int64_t vertex, std::size_t axis) const
 {
-  // Behind the last block's begin there is its far face as well.
+  // The last block also has its far face.
   return std::min((vertex << this->Finer.GetNumberOfLevels()) / this->Finer.GetBlockSize(),
     this->Finer.GetNumberOfBlocksPerAxis()[axis] - 1);
 }
@@ -126,7 +126,7 @@ std::uint64_t OverviewSource::GetHeldBytes() const
 
 std::uint64_t OverviewSource::GetReadBytes(const VertexBox& box) const
 {
-  // The box, and the parts of one layer in the rows of blocks that it touches, with their numbers.
+  // The box, and the parts of one layer in the rows of blocks that it intersects.
   const std::int64_t blockVertices =
     (this->Finer.GetBlockSize() >> this->Finer.GetNumberOfLevels()) + 1;
   const Index3 size = this->Box.GetSize();

@@ -16,29 +16,29 @@
 namespace isosurface
 {
 
-/// The samples of an overview that one block of the finer volume supplies, in the overview's
-/// coordinates: every vertex of the overview belongs to one block.
+/// The vertices of an overview that one block of the finer volume supplies, in the overview's
+/// coordinates. Each vertex of the overview belongs to one block.
 VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block);
 
-/// Takes these samples, array after array, x fastest, out of a block's record whose segments are
-/// still as they are.
+/// Copies the samples of these vertices, array after array, x fastest, from a block's record before
+/// its segments are encoded.
 std::vector<std::uint8_t> PickOverviewSamples(
   const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block);
 
 /**
- * The samples of an overview, as a source of the writer that makes it, while the finer volume's
- * writers leave them in temporary files: one a rank, in the finer volume's folder, with the parts
- * (PickOverviewSamples) of the blocks that this rank wrote, by ascending block index, without gaps.
+ * The samples of an overview, for the writer of the overview. The writers of the finer volume leave
+ * them in temporary files: one a rank, in the finer volume's folder, with the samples
+ * (PickOverviewSamples) of the blocks that the rank wrote, by ascending block index, without gaps.
  *
- * Each rank reads from all files, wherever its blocks lie: a read for each layer of blocks and
- * rank. Memory: 4 bytes a block of the finer volume, 8 a layer of blocks and rank.
+ * Each rank reads from all files: one read for each layer of blocks and rank. Memory: 4 bytes a
+ * block of the finer volume, 8 a layer of blocks and rank.
  */
 class OverviewSource : public SlabSource
 {
 public:
   static std::string GetPath(const std::string& folder, std::size_t rank);
 
-  /// `stores`: the store of each block of the finer volume, that of rank r being those d with
+  /// `stores`: the store of each block of the finer volume; rank r wrote the stores d with
   /// d mod ranks == r. `folder`: where the files are.
   OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
     std::vector<ValueType> types, std::vector<std::uint32_t> stores, std::size_t ranks);
@@ -65,7 +65,7 @@ private:
   /// The block on an axis that supplies a vertex.
   std::int64_t FindBlock(std::int64_t vertex, std::size_t axis) const;
   std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
-  /// Puts what a part has of a box where it belongs: samples[array].
+  /// Copies the samples of a part within a box to their places in samples[array].
   Status ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
     std::vector<Buffer<std::uint8_t>>& samples) const;
 

@@ -13,10 +13,9 @@
 namespace isosurface
 {
 
-/**
- * The memory of records, used again round after round: the first touch of new memory costs as much
- * as to fill it. Holds as many buffers as were ever in use at once. May be used by any thread.
- */
+/// The memory of records, reused in each round, since the first access to new memory costs as much
+/// as filling it. Holds the maximum number of buffers that were in use at once. Safe for all
+/// threads.
 class RecordBuffers
 {
 public:

@@ -33,7 +33,7 @@ BlockRun RoundPlan::CutRun(std::int64_t begin, std::int64_t blocks) const
 
 std::vector<BlockRun> RoundPlan::Propose(std::int64_t blocks) const
 {
-  // What remains at the end is shared out in equal parts.
+  // The remaining blocks are divided evenly.
   const auto ranks = static_cast<std::int64_t>(this->Ranks);
   const std::int64_t remaining = this->Blocks - this->Next;
   const std::int64_t share = std::max<std::int64_t>(1, (remaining + ranks - 1) / ranks);

@@ -12,12 +12,9 @@
 namespace isosurface
 {
 
-/**
- * Which rank makes the records of which blocks in which round. The same on all ranks.
- *
- * A round is a run of blocks that is shared out among the ranks, so blocks come in the order of
- * their indices: a store can be written by appending, whatever its records' sizes turn out to be.
- */
+/// Plans which rank makes the records of which blocks in which round; equal on all ranks. A round
+/// is a run of blocks, divided among the ranks. So blocks come in the order of their indices, and
+/// stores are written by appending records of any size.
 class RoundPlan
 {
 public:
@@ -27,10 +24,10 @@ public:
   /// How many blocks are planned.
   std::int64_t GetCount() const { return this->Next; }
 
-  /// The runs of the next round, a rank each, of at most `blocks` (> 0) blocks. Whole layers of
-  /// blocks, whole rows or parts of one, so that little is read twice.
+  /// The runs of the next round, one for each rank, of at most `blocks` (> 0) blocks: whole layers
+  /// of blocks, whole rows, or parts of a row, so that few samples are read twice.
   std::vector<BlockRun> Propose(std::int64_t blocks) const;
-  /// Goes on to the round after these.
+  /// Continues after these runs.
   void Take(const std::vector<BlockRun>& runs);
 
 private:

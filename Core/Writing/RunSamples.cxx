@@ -10,7 +10,7 @@ namespace isosurface
 namespace
 {
 
-/// The lowest and highest vertices on an axis that any level of a block needs.
+/// The minimum and maximum vertex on an axis that any level of a block needs.
 std::pair<std::int64_t, std::int64_t> FindReach(
   const BlockGrid& grid, std::int64_t first, std::int64_t last, std::size_t axis)
 {

@@ -23,11 +23,10 @@ struct BlockRun
 };
 
 /**
- * The samples that the records of a run of blocks are made of, as far as one source has them.
+ * The samples for the records of a run of blocks, as far as one source has them.
  *
- * A block needs its own slices with one more on either side, and for the ghost layers of its
- * coarser levels the slices 2, 4, ... BlockSize before and after. These are read one by one, what
- * lies between is not:
+ * A block needs its own slices with one more on either side and, for the ghost layers of its
+ * coarser levels, the slices 2, 4, ... BlockSize before and after. Only these are read, one by one:
  *
  *     z   -32        -16   -8 -4 -2 -1 [0 ... 32] +1 +2 +4  +8    +16         +32
  *          |          |     |  |  |====================|  |  |      |           |
@@ -35,7 +34,7 @@ struct BlockRun
 class RunSamples
 {
 public:
-  /// What a run needs of a part of the volume: boxes of whole rows, by increasing z. Empty for an
+  /// The boxes that a run needs of a part of the volume: whole rows, by ascending z. None for an
   /// empty run.
   static std::vector<VertexBox> FindBoxes(
     const BlockGrid& grid, const BlockRun& run, const VertexBox& part);
@@ -43,18 +42,18 @@ public:
   /// The memory that reading some boxes takes.
   static std::uint64_t GetReadBytes(const SlabSource& source, const std::vector<VertexBox>& boxes);
 
-  /// Fails if what the source gives does not have the arrays' types.
+  /// Fails if the source's samples are not of the given types.
   Status Read(
     SlabSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types);
 
-  /// The samples of a slice that a box read contains.
+  /// The samples of a slice of one of the boxes.
   const SampleView& Find(std::size_t array, std::int64_t z) const
   {
     return this->Slabs[this->SlabOfSlice[static_cast<std::size_t>(z - this->FirstSlice)]]
       .Arrays[array];
   }
 
-  /// The samples of a box, one view an array; none if they were not read by one read.
+  /// The samples of a box, one view an array; empty if they were not read by one read.
   std::vector<SampleView> FindViews(const VertexBox& box) const;
 
 private:

@@ -69,7 +69,7 @@ void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirec
   Store& mine = *this->Mine[store / this->Ranks];
   for (std::size_t variable = 0; variable < this->Bins.size(); ++variable)
   {
-    // A query reads the segments of all levels; of a magnitude those of all components.
+    // A query reads the segments of all levels; for a magnitude those of all components.
     const Variable& counted = this->Variables[variable];
     const std::size_t first =
       counted.IsMagnitude() ? this->Variables.GetFirst(counted.Array) : variable;
@@ -146,8 +146,8 @@ std::vector<SpectraFile::Section> StoreSpectra::Unpack(const std::vector<Message
 
 std::uint64_t StoreSpectra::GetBytes() const
 {
-  // A spectrum's triangles, cells and changes of measures; packed, it takes about half of that,
-  // which rank 0 has as sections and as messages.
+  // The triangles, cells and changes of measures of a spectrum. A packed one takes about half of
+  // that; rank 0 has it as a section and in a message.
   constexpr std::uint64_t sums = 2 * sizeof(std::uint64_t) + sizeof(MeasureSums::Change);
   constexpr std::uint64_t packed = sums / 2;
   std::uint64_t bytes = 0;

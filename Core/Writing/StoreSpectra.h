@@ -21,7 +21,7 @@
 namespace isosurface
 {
 
-/// What counts one variable in the blocks that a thread finishes.
+/// Counts one variable in the blocks that one thread finishes.
 struct BlockCounters
 {
   BlockCounters(const SpectrumBins& bins, const GridGeometry& grid)
@@ -38,11 +38,9 @@ struct BlockCounters
   BlockMeasure Measure;
 };
 
-/**
- * The spectra of the stores while these are written: each rank has those of its own stores
- * (d mod P == r), which several threads add to. A store's are packed when its last block is
- * written; rank 0 gets these packed ones, and all ranks the spectra of the whole volume.
- */
+/// The spectra of the stores while these are written. Each rank has those of its own stores
+/// (d mod P == r), which several threads add to, and packs them when the store is finished. Then
+/// rank 0 gets the packed spectra, and all ranks those of the whole volume.
 class StoreSpectra
 {
 public:
@@ -53,11 +51,12 @@ public:
   /// Counters of all variables, for one thread.
   std::vector<BlockCounters> MakeCounters() const;
 
-  /// Adds what was counted in blocks of one of this rank's stores, and forgets it.
+  /// Adds what was counted in blocks of one of this rank's stores, and resets the counters.
   void Add(std::uint32_t store, std::size_t variable, BlockCounters& counted);
 
-  /// Adds a store's active blocks, and packs it; `entries` are those of its blocks, and
-  /// ranges[variable][block] the value ranges of all blocks of the volume. Several stores at once.
+  /// Adds a store's active blocks and packs its spectra. `entries`: those of its blocks;
+  /// ranges[variable][block]: the value ranges of all blocks of the volume. Threads may finish
+  /// several stores at once.
   void FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
     const std::vector<std::vector<KeyRange>>& ranges);
 
@@ -66,7 +65,7 @@ public:
 
   /// The packed spectra of this rank's stores: to be sent to rank 0.
   Message Pack() const;
-  /// Those of all stores, from all ranks' messages, as SpectraFile::Write takes them.
+  /// The packed spectra of all stores, from all ranks' messages, for SpectraFile::Write.
   std::vector<SpectraFile::Section> Unpack(const std::vector<Message>& messages) const;
 
   /// The memory of this rank's spectra; on rank 0 also that of writing all of them.

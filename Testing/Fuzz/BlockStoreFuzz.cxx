@@ -1,11 +1,10 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// Input: flags (1 byte), dimensions (3 bytes), value types (2 bytes), pages of the first array's tree
-// (1 byte), an isovalue (float64); then the files: directory, tree, blocks. The first bytes give the
-// header, hence the length of the directory. Flags: 1 seals pages and segments, 2 has blocks of 32
-// cells instead of 16, 4 adds a second array, 8 gives the first array 2 to 4 components by the
-// second value type, 16 has two levels in the records instead of all. The target finds the active
-// blocks of the isovalue in the first and in the last variable, which share the tree, then decodes
-// the first blocks at all levels.
+// SPDX-License-Identifier: BSD-3-Clause Input: flags (1 byte), dimensions (3 bytes), value types (2
+// bytes), pages of the first array's tree (1 byte), an isovalue (float64); then the files:
+// directory, tree, blocks. The first bytes give the header, hence the length of the directory.
+// Flags: 1 seals pages and segments, 2 has blocks of 32 cells instead of 16, 4 adds a second array,
+// 8 gives the first array 2 to 4 components by the second value type, 16 has two levels in the
+// records instead of all. The target finds the active blocks of the isovalue in the first and in
+// the last variable, which share the tree, then decodes the first blocks at all levels.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 

@@ -268,8 +268,7 @@ int main(int argc, char* argv[])
   AddVolume<std::int16_t>(corpus, "int16-zstd", { 18, 9, 5 }, 1, { SegmentCodec::Zstd, 0 });
   AddVolume<float>(corpus, "float32-zstd", { 9, 18, 5 }, 1, { SegmentCodec::Zstd, 0 });
   AddVolume<float>(corpus, "float32-vectors", { 18, 4, 3 }, 1, {}, 3);
-  AddVolume<std::uint8_t>(
-    corpus, "uint8-pairs-lz4", { 9, 8, 7 }, 1, { SegmentCodec::Lz4, 0 }, 2);
+  AddVolume<std::uint8_t>(corpus, "uint8-pairs-lz4", { 9, 8, 7 }, 1, { SegmentCodec::Lz4, 0 }, 2);
   AddVolume<std::int16_t>(corpus, "int16-steps", { 5, 4, 3 }, 2, {}, 1, 3);
   AddTrees(corpus);
   AddEdgeIndexFiles(corpus);

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// Files of every released format version stay readable, and keep their meaning. The numbers compared
-// here were computed when the files were written; neither may change together with the code.
+// SPDX-License-Identifier: BSD-3-Clause Files of every released format version stay readable, and
+// keep their meaning. The numbers compared here were computed when the files were written; neither
+// may change together with the code.
 #include "BlockChecks.h"
 #include "ScratchFolder.h"
 #include "TestVolumes.h"

@@ -110,19 +110,19 @@ TYPED_TEST(FilterOfType, WritesTheBytesOfTheSpecificationAndRestoresTheSamples)
         const std::uint64_t ordered = OrderedSample<T>::FromBits(bits);
         codes.push_back(predictor == SamplePredictor::None ? bits
             : predictor == SamplePredictor::Previous       ? Encode<T>(ordered, previous)
-                                                           : Encode<T>(ordered, predictions[index]));
+                                                     : Encode<T>(ordered, predictions[index]));
         previous = ordered;
       }
       const std::vector<std::uint8_t> expected = Arrange(codes, sizeof(T));
       std::vector<std::uint8_t> filtered(count * sizeof(T));
       ApplyFilter(
         predictor, ValueTypeOf<T>::Value, samples, count, predictions.data(), filtered.data());
-      ASSERT_EQ(filtered, expected) << GetPredictorName(predictor) << ", " << count << " samples";
+      ASSERT_EQ(filtered, expected) << static_cast<int>(predictor) << ", " << count << " samples";
       std::vector<std::uint8_t> back(count * sizeof(T));
       RevertFilter(
         predictor, ValueTypeOf<T>::Value, filtered.data(), count, predictions.data(), back.data());
       ASSERT_TRUE(std::equal(back.begin(), back.end(), samples))
-        << GetPredictorName(predictor) << ", " << count << " samples";
+        << static_cast<int>(predictor) << ", " << count << " samples";
     }
   }
 }

@@ -116,9 +116,8 @@ TEST(PackedCounts, ComeBackAsTheyWere)
 TEST(PackedCounts, RefuseNumbersThatDoNotFit)
 {
   std::vector<std::uint64_t> read(2);
-  for (const std::vector<std::uint8_t>& bytes :
-    { std::vector<std::uint8_t>(10, 255), // 70 bits
-      { 0, 2 } })                         // three equal counts where there are two
+  for (const std::vector<std::uint8_t>& bytes : { std::vector<std::uint8_t>(10, 255), // 70 bits
+         { 0, 2 } }) // three equal counts where there are two
   {
     ByteReader reader(bytes);
     EXPECT_FALSE(ReadPackedCounts(reader, read));
