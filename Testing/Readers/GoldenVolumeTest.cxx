@@ -73,7 +73,7 @@ vtkSmartPointer<vtkPolyData> ContourFile(
   return contour->GetOutput();
 }
 
-const std::string GoldenPath = GetDataPath("blocked-volume-v1/golden.bvol");
+const std::string GoldenPath = GetDataPath("blocked-volume/golden.bvol");
 
 TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
 {
@@ -164,7 +164,7 @@ TEST(GoldenVolume, IsWrittenByteForByteToday)
   for (const std::string& name : names)
   {
     EXPECT_TRUE(
-      ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("blocked-volume-v1/" + name)))
+      ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("blocked-volume/" + name)))
       << name << " differs: a change of format needs a new version, specification and golden file";
   }
   EXPECT_EQ(ListVolumeFiles(path), names);
