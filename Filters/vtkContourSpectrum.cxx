@@ -51,26 +51,26 @@ Result<std::optional<ValueType>> FindType(
   isosurface::Communicator& ranks, const std::vector<isosurface::SampleView>& scalars)
 {
   constexpr std::uint64_t none = 1000;
-  std::vector<std::uint64_t> least = { none };
-  std::vector<std::uint64_t> greatest = { 0 };
+  std::vector<std::uint64_t> minimum = { none };
+  std::vector<std::uint64_t> maximum = { 0 };
   for (const isosurface::SampleView& view : scalars)
   {
     const auto type = static_cast<std::uint64_t>(view.Type);
-    least[0] = std::min(least[0], type);
-    greatest[0] = std::max(greatest[0], type);
+    minimum[0] = std::min(minimum[0], type);
+    maximum[0] = std::max(maximum[0], type);
   }
-  ranks.ReduceMinimum(least);
-  ranks.ReduceMaximum(greatest);
-  if (least[0] == none)
+  ranks.ReduceMinimum(minimum);
+  ranks.ReduceMaximum(maximum);
+  if (minimum[0] == none)
   {
     return std::optional<ValueType>();
   }
-  if (least[0] != greatest[0])
+  if (minimum[0] != maximum[0])
   {
     return Status(StatusCode::InvalidArgument,
       "the input's images have arrays of several types; their values cannot share bins");
   }
-  return std::optional<ValueType>(static_cast<ValueType>(least[0]));
+  return std::optional<ValueType>(static_cast<ValueType>(minimum[0]));
 }
 
 // scalars: those of each piece.
@@ -94,6 +94,23 @@ std::vector<GridSpectrum> MakeGridSpectra(const isosurface::ImagePieces& pieces,
 }
 
 } // namespace
+
+struct vtkContourSpectrum::Steps
+{
+  vtkContourSpectrum& Filter;
+  isosurface::Communicator& Ranks;
+  vtkTable* Table;
+
+  std::string GetArrayName() const;
+  /// Fills the table of the first rank with the spectra that the volume has.
+  Status ReadFromVolume(const isosurface::VolumeInput& input) const;
+  /// Fills it with the spectra of images that all ranks have pieces of. Collective.
+  Status CountInImages(vtkInformation* inInfo) const;
+  Result<isosurface::ImagePieces> CollectPieces(vtkInformation* inInfo) const;
+  /// The spectra of the grids, in equal bins. Collective.
+  Result<std::vector<WorkloadSpectrum>> Count(
+    ValueType type, std::vector<GridSpectrum> grids) const;
+};
 
 //------------------------------------------------------------------------------
 vtkContourSpectrum::vtkContourSpectrum()
@@ -119,13 +136,6 @@ int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
-}
-
-//------------------------------------------------------------------------------
-std::string vtkContourSpectrum::GetArrayName()
-{
-  vtkInformation* array = this->GetInputArrayInformation(0);
-  return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
 }
 
 //------------------------------------------------------------------------------
@@ -160,8 +170,8 @@ int vtkContourSpectrum::RequestData(
   }
 
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = volume ? this->ReadFromVolume(volume, ranks.GetRank(), table)
-                         : this->CountInImages(ranks, inInfo, table);
+  const Steps steps = { *this, ranks, table };
+  Status status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
   status = ranks.Agree(status);
   if (!status.IsOk())
   {
@@ -176,109 +186,130 @@ int vtkContourSpectrum::RequestData(
 }
 
 //------------------------------------------------------------------------------
-Status vtkContourSpectrum::ReadFromVolume(
-  const isosurface::VolumeInput& input, int rank, vtkTable* table)
+std::string vtkContourSpectrum::Steps::GetArrayName() const
 {
-  if (rank != 0)
+  vtkInformation* array = this->Filter.GetInputArrayInformation(0);
+  return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
+}
+
+//------------------------------------------------------------------------------
+Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& input) const
+{
+  if (this->Ranks.GetRank() != 0)
   {
     return Status::Ok();
   }
-  const auto variable = input.FindVariable(this->GetArrayName(), this->Component);
+  const auto variable = input.FindVariable(this->GetArrayName(), this->Filter.Component);
   ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
   isosurface::BlockedVolume& volume = *input.GetVolume();
   const std::size_t step = input.GetTimeStep();
   const auto total = volume.GetSpectrum(step, *variable);
   ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
-  isosurface::AddSpectrumColumns({ **total }, table);
-  const std::uint32_t stores = this->StoreQuantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
+  isosurface::AddSpectrumColumns({ **total }, this->Table);
+  const int quantity = this->Filter.StoreQuantity;
+  const std::uint32_t stores = quantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
     const auto spectrum = volume.GetStoreSpectrum(step, *variable, store);
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    isosurface::AddQuantityColumn(**spectrum, static_cast<std::size_t>(this->StoreQuantity),
-      "[" + std::to_string(store) + "]", table);
+    isosurface::AddQuantityColumn(**spectrum, static_cast<std::size_t>(quantity),
+      "[" + std::to_string(store) + "]", this->Table);
   }
   return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
-Status vtkContourSpectrum::CountInImages(
-  isosurface::Communicator& ranks, vtkInformation* inInfo, vtkTable* table)
+Result<isosurface::ImagePieces> vtkContourSpectrum::Steps::CollectPieces(
+  vtkInformation* inInfo) const
 {
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
-    vtkDataArray* array = this->GetInputArrayToProcess(0, image, association);
+    vtkDataArray* array = this->Filter.GetInputArrayToProcess(0, image, association);
     if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
     {
       return Status(StatusCode::InvalidArgument,
         "the array is not a point array; convert it to point data first");
     }
-    if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), this->Component))
+    const int component = this->Filter.Component;
+    if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), component))
     {
       return isosurface::MakeComponentError(
-        this->GetArrayName(), array->GetNumberOfComponents(), this->Component);
+        this->GetArrayName(), array->GetNumberOfComponents(), component);
     }
     return array;
   };
-  const auto pieces =
-    isosurface::CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
-  if (!pieces.IsOk())
+  auto pieces =
+    isosurface::CollectImagePieces(this->Ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
+  if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
   {
-    return pieces.GetStatus().GetCode() == StatusCode::NotFound
-      ? Status(StatusCode::NotFound,
-          "the input has no point array \"" + this->GetArrayName() + "\" to contour")
-      : pieces.GetStatus();
+    return Status(StatusCode::NotFound,
+      "the input has no point array \"" + this->GetArrayName() + "\" to contour");
   }
-  const int ranksOnNode = ranks.GetRanksOnNode();
-  const int threads =
-    this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
+  return pieces;
+}
+
+//------------------------------------------------------------------------------
+Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
+{
+  const auto pieces = this->CollectPieces(inInfo);
+  ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
+  const int ranksOnNode = this->Ranks.GetRanksOnNode();
+  const int threads = this->Filter.NumberOfThreads > 0 ? this->Filter.NumberOfThreads
+                                                       : isosurface::ChooseThreadCount(ranksOnNode);
   std::vector<isosurface::ChosenScalars> chosen;
   std::vector<isosurface::SampleView> scalars;
   for (const isosurface::ImagePiece& piece : pieces->Pieces)
   {
     const int component = *isosurface::FindChosenComponent(
-      static_cast<int>(piece.Samples.Components.size()), this->Component);
+      static_cast<int>(piece.Samples.Components.size()), this->Filter.Component);
     chosen.emplace_back(piece.Samples, component, threads);
     scalars.push_back(chosen.back().GetView(piece.Samples));
   }
-  const auto type = FindType(ranks, scalars);
+  const auto type = FindType(this->Ranks, scalars);
   if (!type.IsOk() || !*type)
   {
     return type.GetStatus();
   }
+  const auto spectra = this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads));
+  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+  if (this->Ranks.GetRank() == 0)
+  {
+    isosurface::AddSpectrumColumns(*spectra, this->Table);
+  }
+  return Status::Ok();
+}
 
-  std::vector<GridSpectrum> grids = MakeGridSpectra(*pieces, scalars, **type, threads);
+//------------------------------------------------------------------------------
+Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
+  ValueType type, std::vector<GridSpectrum> grids) const
+{
   // Ranges, then counts, of each grid.
   std::size_t done = 0;
   const auto progress = [&](double share)
   {
-    this->UpdateProgress(
+    this->Filter.UpdateProgress(
       (static_cast<double>(done) + share) / static_cast<double>(2 * grids.size()));
-    return !this->CheckAbort();
+    return !this->Filter.CheckAbort();
   };
   KeyRange finite;
   for (GridSpectrum& grid : grids)
   {
-    ISOSURFACE_RETURN_IF_ERROR(grid.FindRanges(ranks, progress));
+    ISOSURFACE_RETURN_IF_ERROR(grid.FindRanges(this->Ranks, progress));
     finite.Minimum = std::min(finite.Minimum, grid.GetFiniteRange().Minimum);
     finite.Maximum = std::max(finite.Maximum, grid.GetFiniteRange().Maximum);
     ++done;
   }
-  const auto bins = isosurface::SpectrumBins::Choose(**type, finite);
+  const auto bins = isosurface::SpectrumBins::Choose(type, finite);
   std::vector<WorkloadSpectrum> spectra;
   for (const GridSpectrum& grid : grids)
   {
-    auto spectrum = grid.Count(ranks, bins, progress);
+    auto spectrum = grid.Count(this->Ranks, bins, progress);
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(std::move(*spectrum));
     ++done;
   }
-  if (ranks.GetRank() == 0)
-  {
-    isosurface::AddSpectrumColumns(spectra, table);
-  }
-  return Status::Ok();
+  return spectra;
 }
 
 //------------------------------------------------------------------------------

@@ -31,15 +31,6 @@
 #include "IsosurfaceFiltersModule.h" // For export macro
 #include "vtkTableAlgorithm.h"
 
-#include <string> // For array names
-
-namespace isosurface
-{
-class Communicator;
-class Status;
-class VolumeInput;
-}
-
 class vtkMultiProcessController;
 
 class ISOSURFACEFILTERS_EXPORT vtkContourSpectrum : public vtkTableAlgorithm
@@ -108,11 +99,7 @@ private:
   vtkContourSpectrum(const vtkContourSpectrum&) = delete;
   void operator=(const vtkContourSpectrum&) = delete;
 
-  isosurface::Status ReadFromVolume(
-    const isosurface::VolumeInput& input, int rank, vtkTable* table);
-  isosurface::Status CountInImages(
-    isosurface::Communicator& ranks, vtkInformation* inInfo, vtkTable* table);
-  std::string GetArrayName();
+  struct Steps; ///< of RequestData
 
   int Component;
   int StoreQuantity;

@@ -61,8 +61,10 @@ void AddToFieldData(vtkPolyData* output, const char* name, T value)
   output->GetFieldData()->AddArray(array);
 }
 
-void AddCost(int rank, const SurfaceExchange::Cost& cost, vtkPolyData* output)
+void AddCost(int rank, const SurfaceExchange& exchange, const Surface& surface, double querySeconds,
+  vtkPolyData* output)
 {
+  const SurfaceExchange::Cost& cost = exchange.GetCost();
   AddToFieldData(output, "Rank", rank);
   AddToFieldData(output, "ExtractedPoints", cost.EncodedPoints);
   AddToFieldData(output, "ReceivedPoints", cost.ReceivedPoints);
@@ -73,6 +75,40 @@ void AddCost(int rank, const SurfaceExchange::Cost& cost, vtkPolyData* output)
   AddToFieldData(output, "ChooseSeconds", cost.ChooseSeconds);
   AddToFieldData(output, "ExchangeSeconds", cost.ExchangeSeconds);
   AddToFieldData(output, "DecodeSeconds", cost.DecodeSeconds);
+  AddToFieldData(output, "Triangles", surface.NumberOfTriangles);
+  AddToFieldData(output, "RawBytes", isosurface::GetSurfaceBytes(surface));
+  AddToFieldData(output, "QuerySeconds", querySeconds);
+  vtkLogF(1,
+    "Distribute Isosurface: rank %d: %llu points encoded to %llu bytes, %llu bytes sent, %zu "
+    "triangles; query %.4f s, encode %.4f s, choose %.4f s, exchange %.4f s, decode %.4f s",
+    rank, static_cast<unsigned long long>(cost.EncodedPoints),
+    static_cast<unsigned long long>(cost.EncodedBytes),
+    static_cast<unsigned long long>(cost.SentBytes), surface.NumberOfTriangles, querySeconds,
+    cost.EncodeSeconds, cost.ChooseSeconds, cost.ExchangeSeconds, cost.DecodeSeconds);
+}
+
+Status CheckContour(vtkStabbingContour* contour)
+{
+  const auto refuse = [](const char* reason)
+  { return Status(StatusCode::InvalidArgument, reason); };
+  if (!contour)
+  {
+    return refuse("What travels between ranks is where a surface crosses the grid of its volume, "
+                  "which only the output of Stabbing Contour itself tells: put Distribute "
+                  "Isosurface right behind it, and other filters behind Distribute Isosurface.");
+  }
+  if (contour->GetCloseBoundary())
+  {
+    return refuse("The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
+                  "Stabbing Contour off.");
+  }
+  if (contour->GetDropDegenerateTriangles())
+  {
+    return refuse("A surface is distributed with all its triangles, and cannot do without those "
+                  "that DropDegenerateTriangles leaves out: turn DropDegenerateTriangles of "
+                  "Stabbing Contour off, or put Clean behind Distribute Isosurface.");
+  }
+  return Status::Ok();
 }
 
 // The surface that is asked for of the blocks.
@@ -93,6 +129,19 @@ isosurface::ContourRequest MakeRequest(
 }
 
 } // namespace
+
+struct vtkDistributeIsosurface::Steps
+{
+  vtkDistributeIsosurface& Filter;
+  isosurface::Communicator& Ranks;
+  vtkStabbingContour* Contour;
+
+  /// This rank's part of the surface. Collective.
+  Status Distribute(vtkInformation* outInfo, vtkPolyData* output) const;
+  /// What the blocks of all ranks are encoded with. Collective.
+  Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks) const;
+  SurfaceExchange::Settings MakeSettings() const;
+};
 
 //------------------------------------------------------------------------------
 vtkDistributeIsosurface::vtkDistributeIsosurface()
@@ -128,38 +177,13 @@ bool vtkDistributeIsosurface::TakesBlocks() const
 }
 
 //------------------------------------------------------------------------------
-Status vtkDistributeIsosurface::CheckContour(vtkStabbingContour* contour) const
-{
-  const auto refuse = [](const char* reason)
-  { return Status(StatusCode::InvalidArgument, reason); };
-  if (!contour)
-  {
-    return refuse("What travels between ranks is where a surface crosses the grid of its volume, "
-                  "which only the output of Stabbing Contour itself tells: put Distribute "
-                  "Isosurface right behind it, and other filters behind Distribute Isosurface.");
-  }
-  if (contour->GetCloseBoundary())
-  {
-    return refuse("The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
-                  "Stabbing Contour off.");
-  }
-  if (contour->GetDropDegenerateTriangles())
-  {
-    return refuse("A surface is distributed with all its triangles, and cannot do without those "
-                  "that DropDegenerateTriangles leaves out: turn DropDegenerateTriangles of "
-                  "Stabbing Contour off, or put Clean behind Distribute Isosurface.");
-  }
-  return Status::Ok();
-}
-
-//------------------------------------------------------------------------------
 int vtkDistributeIsosurface::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   vtkStabbingContour* contour = vtkStabbingContour::FindBehind(this->GetInputConnection(0, 0));
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = ranks.Agree(this->CheckContour(contour));
+  Status status = ranks.Agree(CheckContour(contour));
   if (status.IsOk() && !this->TakesBlocks())
   {
     polyData->ShallowCopy(vtkPolyData::GetData(input[0], 0));
@@ -167,7 +191,8 @@ int vtkDistributeIsosurface::RequestData(
   }
   if (status.IsOk())
   {
-    status = this->Distribute(ranks, contour, output->GetInformationObject(0), polyData);
+    const Steps steps = { *this, ranks, contour };
+    status = steps.Distribute(output->GetInformationObject(0), polyData);
   }
   if (status.IsOk())
   {
@@ -183,64 +208,70 @@ int vtkDistributeIsosurface::RequestData(
 }
 
 //------------------------------------------------------------------------------
-Status vtkDistributeIsosurface::Distribute(isosurface::Communicator& ranks,
-  vtkStabbingContour* contour, vtkInformation* outInfo, vtkPolyData* output)
+Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
+  const ContourBlocks& blocks) const
+{
+  EdgeIndexHeader mine =
+    isosurface::DescribeContourBlocks(blocks, this->Filter.ArrayError, this->Filter.NormalError);
+  mine.Settings.Mode = this->Filter.Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
+    : this->Filter.Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
+                                                     : isosurface::EdgeIndexMode::Smallest;
+  mine.Settings.MaximumError = this->Filter.MaximumError;
+  mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
+  const auto header = isosurface::ShareHeader(this->Ranks, mine, blocks.HasSamples);
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(header.GetStatus()));
+  return header;
+}
+
+//------------------------------------------------------------------------------
+SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
+{
+  SurfaceExchange::Settings settings;
+  const int ranksOnNode = this->Ranks.GetRanksOnNode();
+  settings.Threads = this->Filter.NumberOfThreads > 0 ? this->Filter.NumberOfThreads
+                                                      : isosurface::ChooseThreadCount(ranksOnNode);
+  settings.DrawingRanks = this->Filter.DrawingRanks;
+  settings.RoundBytes = static_cast<std::uint64_t>(this->Filter.RoundBytes);
+  return settings;
+}
+
+//------------------------------------------------------------------------------
+Status vtkDistributeIsosurface::Steps::Distribute(
+  vtkInformation* outInfo, vtkPolyData* output) const
 {
   const auto begin = std::chrono::steady_clock::now();
+  isosurface::Communicator& ranks = this->Ranks;
   ContourBlocks blocks;
   blocks.Attributes = true;
-  blocks.Normals = contour->GetComputeNormals() != 0;
+  blocks.Normals = this->Contour->GetComputeNormals() != 0;
   std::optional<double> time;
   if (outInfo->Has(Pipeline::UPDATE_TIME_STEP()))
   {
     time = outInfo->Get(Pipeline::UPDATE_TIME_STEP());
   }
-  ISOSURFACE_RETURN_IF_ERROR(
-    isosurface::CollectContourBlocks(contour, ranks.GetRank(), ranks.GetSize(), time, blocks));
+  ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(
+    this->Contour, ranks.GetRank(), ranks.GetSize(), time, blocks));
   if (blocks.Isovalues.empty())
   {
     return Status::Ok();
   }
-  EdgeIndexHeader mine =
-    isosurface::DescribeContourBlocks(blocks, this->ArrayError, this->NormalError);
-  mine.Settings.Mode = this->Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
-    : this->Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
-                                              : isosurface::EdgeIndexMode::Smallest;
-  mine.Settings.MaximumError = this->MaximumError;
-  mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Profile);
-  const Result<EdgeIndexHeader> header = isosurface::ShareHeader(ranks, mine, blocks.HasSamples);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.GetStatus()));
+  const Result<EdgeIndexHeader> header = this->MakeHeader(blocks);
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   blocks.Arrays = isosurface::ShareArrays(ranks, blocks);
 
-  SurfaceExchange::Settings settings;
-  const int ranksOnNode = ranks.GetRanksOnNode();
-  settings.Threads =
-    this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
-  settings.DrawingRanks = this->DrawingRanks;
-  settings.RoundBytes = static_cast<std::uint64_t>(this->RoundBytes);
+  const SurfaceExchange::Settings settings = this->MakeSettings();
   const isosurface::ContourRequest request =
-    MakeRequest(*header, blocks, contour->GetGenerateTriangles() == 0);
+    MakeRequest(*header, blocks, this->Contour->GetGenerateTriangles() == 0);
   SurfaceExchange exchange(ranks, *header, request, settings);
   const double querySeconds = GetSecondsSince(begin);
   Result<Surface> surface =
-    exchange.Run(*blocks.Source, [this](double share) { return this->TellProgress(share); });
+    exchange.Run(*blocks.Source, [this](double share) { return this->Filter.TellProgress(share); });
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
 
-  const SurfaceExchange::Cost& cost = exchange.GetCost();
-  AddCost(ranks.GetRank(), cost, output);
-  AddToFieldData(output, "Triangles", surface->NumberOfTriangles);
-  AddToFieldData(output, "RawBytes", isosurface::GetSurfaceBytes(*surface));
-  AddToFieldData(output, "QuerySeconds", querySeconds);
+  AddCost(ranks.GetRank(), exchange, *surface, querySeconds, output);
   AddToFieldData(output, "Level", blocks.Level);
-  vtkLogF(1,
-    "Distribute Isosurface: rank %d: %llu points encoded to %llu bytes, %llu bytes sent, %zu "
-    "triangles; query %.4f s, encode %.4f s, choose %.4f s, exchange %.4f s, decode %.4f s",
-    ranks.GetRank(), static_cast<unsigned long long>(cost.EncodedPoints),
-    static_cast<unsigned long long>(cost.EncodedBytes),
-    static_cast<unsigned long long>(cost.SentBytes), surface->NumberOfTriangles, querySeconds,
-    cost.EncodeSeconds, cost.ChooseSeconds, cost.ExchangeSeconds, cost.DecodeSeconds);
   isosurface::MoveToPolyData(
-    *surface, blocks.Arrays, contour->GetComputeScalars() ? header->Array : "", output);
+    *surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header->Array : "", output);
   isosurface::StoreRanges(output, settings.Threads);
   if (header->Time)
   {

@@ -42,14 +42,7 @@
 #include "IsosurfaceFiltersModule.h" // For export macro
 #include "vtkPolyDataAlgorithm.h"
 
-namespace isosurface
-{
-class Communicator;
-class Status;
-}
-
 class vtkMultiProcessController;
-class vtkStabbingContour;
 
 class ISOSURFACEFILTERS_EXPORT vtkDistributeIsosurface : public vtkPolyDataAlgorithm
 {
@@ -165,9 +158,8 @@ private:
   vtkDistributeIsosurface(const vtkDistributeIsosurface&) = delete;
   void operator=(const vtkDistributeIsosurface&) = delete;
 
-  isosurface::Status CheckContour(vtkStabbingContour* contour) const;
-  isosurface::Status Distribute(isosurface::Communicator& ranks, vtkStabbingContour* contour,
-    vtkInformation* outInfo, vtkPolyData* output);
+  struct Steps; ///< of RequestData
+
   bool TellProgress(double share);
 
   int Mode;

@@ -79,6 +79,24 @@ VertexBox FindVertices(const GridGeometry& grid, const double position[3], const
 
 } // namespace
 
+struct vtkEdgeIndexReader::Internals
+{
+  vtkEdgeIndexReader& Reader;
+  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< that OpenTime tells of
+  vtkMTimeType OpenTime = 0;                       ///< the reader's MTime when File was opened
+  std::string OpenError;                           ///< what kept it from being opened
+
+  explicit Internals(vtkEdgeIndexReader& reader)
+    : Reader(reader)
+  {
+  }
+
+  /// Opens the file anew if the properties changed.
+  Status OpenFile();
+  EdgeIndexSelection MakeSelection(vtkInformation* outInfo) const;
+  Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
+};
+
 //------------------------------------------------------------------------------
 vtkEdgeIndexReader::vtkEdgeIndexReader()
   : FileName(nullptr)
@@ -90,7 +108,7 @@ vtkEdgeIndexReader::vtkEdgeIndexReader()
   , ComputeNormals(1)
   , NumberOfThreads(0)
   , Controller(nullptr)
-  , OpenTime(0)
+  , Internal(new Internals(*this))
 {
   this->SetNumberOfInputPorts(0);
   this->SetController(vtkMultiProcessController::GetGlobalController());
@@ -113,28 +131,18 @@ int vtkEdgeIndexReader::CanReadFile(const char* fileName)
 }
 
 //------------------------------------------------------------------------------
-Status vtkEdgeIndexReader::OpenFile()
+Status vtkEdgeIndexReader::Internals::OpenFile()
 {
-  if (this->OpenTime != this->GetMTime())
+  if (this->OpenTime != this->Reader.GetMTime())
   {
-    this->OpenTime = this->GetMTime();
+    this->OpenTime = this->Reader.GetMTime();
     this->File.reset();
-    this->OpenError.clear();
-    if (!this->FileName || !*this->FileName)
+    this->OpenError = "No file name is set.";
+    if (const char* name = this->Reader.FileName; name && *name)
     {
-      this->OpenError = "No file name is set.";
-    }
-    else
-    {
-      auto file = isosurface::EdgeIndexFile::Open(isosurface::GetLocalFileSystem(), this->FileName);
-      if (file.IsOk())
-      {
-        this->File = std::move(*file);
-      }
-      else
-      {
-        this->OpenError = file.GetStatus().GetMessage();
-      }
+      auto file = isosurface::EdgeIndexFile::Open(isosurface::GetLocalFileSystem(), name);
+      this->OpenError = file.GetStatus().GetMessage();
+      this->File = file.IsOk() ? std::move(*file) : nullptr;
     }
   }
   return this->File ? Status::Ok() : Status(StatusCode::NotFound, this->OpenError);
@@ -149,9 +157,9 @@ int vtkEdgeIndexReader::RequestInformation(
   outInfo->Remove(Pipeline::TIME_STEPS());
   outInfo->Remove(Pipeline::TIME_RANGE());
   // What fails here fails in RequestData, too, where all ranks agree on it.
-  if (this->OpenFile().IsOk() && this->File->GetHeader().Time)
+  if (this->Internal->OpenFile().IsOk() && this->Internal->File->GetHeader().Time)
   {
-    const double time = *this->File->GetHeader().Time;
+    const double time = *this->Internal->File->GetHeader().Time;
     const double range[2] = { time, time };
     outInfo->Set(Pipeline::TIME_STEPS(), &time, 1);
     outInfo->Set(Pipeline::TIME_RANGE(), range, 2);
@@ -165,22 +173,23 @@ int vtkEdgeIndexReader::RequestData(
 {
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = ranks.Agree(this->OpenFile());
+  Status status = ranks.Agree(this->Internal->OpenFile());
   if (status.IsOk())
   {
     const int ranksOnNode = ranks.GetRanksOnNode();
     const int threads = this->NumberOfThreads > 0 ? this->NumberOfThreads
                                                   : isosurface::ChooseThreadCount(ranksOnNode);
-    if (ranks.GetRank() == 0 && !this->File->IsComplete())
+    if (ranks.GetRank() == 0 && !this->Internal->File->IsComplete())
     {
-      vtkWarningMacro(<< this->File->GetMissing());
+      vtkWarningMacro(<< this->Internal->File->GetMissing());
     }
-    if (ranks.GetRank() == 0 && this->Preview && this->File->GetHeader().PreviewLevel == 0)
+    if (ranks.GetRank() == 0 && this->Preview &&
+      this->Internal->File->GetHeader().PreviewLevel == 0)
     {
       vtkWarningMacro(<< this->FileName
                       << ": the file has no preview: the surface is read in full.");
     }
-    status = this->ReadSurface(output->GetInformationObject(0), threads, polyData);
+    status = this->Internal->ReadSurface(output->GetInformationObject(0), threads, polyData);
     if (status.IsOk() && this->CheckAbort())
     {
       status = Status(StatusCode::Aborted, "reading was stopped");
@@ -197,20 +206,21 @@ int vtkEdgeIndexReader::RequestData(
     return 1;
   }
   // The file may be whole the next time.
-  this->OpenTime = 0;
+  this->Internal->OpenTime = 0;
   vtkErrorMacro(<< status.GetMessage());
   return 0;
 }
 
 //------------------------------------------------------------------------------
-EdgeIndexSelection vtkEdgeIndexReader::MakeSelection(vtkInformation* outInfo) const
+EdgeIndexSelection vtkEdgeIndexReader::Internals::MakeSelection(vtkInformation* outInfo) const
 {
   const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
   EdgeIndexSelection selection;
-  selection.Preview = this->Preview && header.PreviewLevel > 0;
-  if (this->UseRegion)
+  selection.Preview = this->Reader.Preview && header.PreviewLevel > 0;
+  if (this->Reader.UseRegion)
   {
-    selection.Box = FindVertices(header.Geometry, this->RegionPosition, this->RegionLength);
+    selection.Box =
+      FindVertices(header.Geometry, this->Reader.RegionPosition, this->Reader.RegionLength);
   }
   selection.Piece = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   selection.NumberOfPieces = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
@@ -218,7 +228,8 @@ EdgeIndexSelection vtkEdgeIndexReader::MakeSelection(vtkInformation* outInfo) co
 }
 
 //------------------------------------------------------------------------------
-Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output)
+Status vtkEdgeIndexReader::Internals::ReadSurface(
+  vtkInformation* outInfo, int threads, vtkPolyData* output)
 {
   const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
   const EdgeIndexSelection selection = this->MakeSelection(outInfo);
@@ -234,7 +245,7 @@ Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtk
     }
     if (attribute.IsNormals)
     {
-      request.Normals = this->ComputeNormals != 0;
+      request.Normals = this->Reader.ComputeNormals != 0;
     }
     else
     {
@@ -242,19 +253,17 @@ Status vtkEdgeIndexReader::ReadSurface(vtkInformation* outInfo, int threads, vtk
     }
   }
   auto surface = this->File->Read(
-    selection, request, threads, [this](double share) { return this->TellProgress(share); });
-  if (!surface.IsOk())
-  {
-    return surface.GetStatus();
-  }
-  vtkLogF(1, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->FileName,
+    selection, request, threads, [this](double share) { return this->Reader.TellProgress(share); });
+  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  vtkLogF(1, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->Reader.FileName,
     selection.Piece, selection.NumberOfPieces, surface->NumberOfBlocks, surface->NumberOfTriangles,
     surface->TotalSeconds);
-  if (this->ComputeNormals && !request.Normals)
+  if (this->Reader.ComputeNormals && !request.Normals)
   {
     isosurface::ComputeNormalsOfTriangles(*surface);
   }
-  isosurface::MoveToPolyData(*surface, arrays, this->ComputeScalars ? header.Array : "", output);
+  isosurface::MoveToPolyData(
+    *surface, arrays, this->Reader.ComputeScalars ? header.Array : "", output);
   isosurface::StoreRanges(output, threads);
   if (header.Time)
   {

@@ -25,14 +25,6 @@
 #include "vtkPolyDataAlgorithm.h"
 
 #include <memory> // For the file
-#include <string> // For the last error
-
-namespace isosurface
-{
-class EdgeIndexFile;
-class Status;
-struct EdgeIndexSelection;
-}
 
 class vtkMultiProcessController;
 
@@ -132,10 +124,8 @@ private:
   vtkEdgeIndexReader(const vtkEdgeIndexReader&) = delete;
   void operator=(const vtkEdgeIndexReader&) = delete;
 
-  /// Opens the file anew if the properties changed.
-  isosurface::Status OpenFile();
-  isosurface::EdgeIndexSelection MakeSelection(vtkInformation* outInfo) const;
-  isosurface::Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
+  struct Internals; ///< the open file, and the steps of RequestData
+
   bool TellProgress(double share);
 
   char* FileName;
@@ -147,9 +137,7 @@ private:
   vtkTypeBool ComputeNormals;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
-  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< that OpenTime tells of
-  vtkMTimeType OpenTime;                           ///< our MTime when File was opened
-  std::string OpenError;                           ///< what kept it from being opened
+  std::unique_ptr<Internals> Internal;
 };
 
 #endif

@@ -33,16 +33,23 @@ using Pipeline = vtkStreamingDemandDrivenPipeline;
 } // namespace
 
 /**
- * The writer of Core, which holds the time steps that are not published yet.
+ * Writes the time steps by Core's writer, which holds those that are not published yet.
  */
 struct vtkBlockedVolumeWriter::Session
 {
-  explicit Session(vtkMultiProcessController* controller)
-    : Ranks(controller)
+  explicit Session(vtkBlockedVolumeWriter& owner)
+    : Owner(owner)
+    , Ranks(owner.Controller)
     , Writer(Ranks)
   {
   }
 
+  Status CollectInput(isosurface::LocalVolume& local);
+  isosurface::BlockedVolumeSettings MakeSettings(const isosurface::LocalVolume& local) const;
+  /// Collective.
+  Status WriteStep(const isosurface::LocalVolume& local);
+
+  vtkBlockedVolumeWriter& Owner;
   isosurface::ControllerCommunicator Ranks;
   isosurface::BlockedVolumeWriter Writer;
 };
@@ -166,10 +173,10 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
 }
 
 //------------------------------------------------------------------------------
-Status vtkBlockedVolumeWriter::CollectInput(isosurface::LocalVolume& local)
+Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& local)
 {
-  vtkImageData* image = this->GetInput();
-  if (!this->FileName || !*this->FileName)
+  vtkImageData* image = this->Owner.GetInput();
+  if (!this->Owner.FileName || !*this->Owner.FileName)
   {
     return Status(StatusCode::InvalidArgument, "No file name is set.");
   }
@@ -179,90 +186,87 @@ Status vtkBlockedVolumeWriter::CollectInput(isosurface::LocalVolume& local)
   }
   int whole[6];
   image->GetExtent(whole);
-  vtkInformation* inInfo = this->GetInputInformation();
+  vtkInformation* inInfo = this->Owner.GetInputInformation();
   if (inInfo->Has(Pipeline::WHOLE_EXTENT()))
   {
     inInfo->Get(Pipeline::WHOLE_EXTENT(), whole);
   }
   local.Grid = isosurface::MakeGridGeometry(image, whole);
   local.Piece.Box = isosurface::MakeVertexBox(local.Grid, image->GetExtent());
-  if (!this->TimeSteps.empty())
+  if (!this->Owner.TimeSteps.empty())
   {
-    local.Time = { 1, this->TimeSteps[this->TimeIndex] };
+    local.Time = { 1, this->Owner.TimeSteps[this->Owner.TimeIndex] };
   }
   else if (image->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
   {
     local.Time = { 1, image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) };
   }
-  else if (this->AppendTimeStep && inInfo->Has(Pipeline::UPDATE_TIME_STEP()))
+  else if (this->Owner.AppendTimeStep && inInfo->Has(Pipeline::UPDATE_TIME_STEP()))
   {
     local.Time = { 1, inInfo->Get(Pipeline::UPDATE_TIME_STEP()) };
   }
   const auto choice = isosurface::ArrayChoice::Make(
-    image, this->ChooseArraysToWrite ? this->PointDataArraySelection.Get() : nullptr);
-  if (!choice.IsOk())
-  {
-    return choice.GetStatus();
-  }
-  const bool isFirst =
-    this->TimeIndex == 0 && (!this->Controller || this->Controller->GetLocalProcessId() == 0);
+    image, this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  const bool isFirst = this->Owner.TimeIndex == 0 &&
+    (!this->Owner.Controller || this->Owner.Controller->GetLocalProcessId() == 0);
   if (isFirst && !choice->LeftOut.empty())
   {
-    vtkWarningMacro(<< choice->LeftOut);
+    vtkWarningWithObjectMacro(&this->Owner, << choice->LeftOut);
   }
   return local.CollectArrays(image, [&](const std::string& name) { return choice->Has(name); });
 }
 
 //------------------------------------------------------------------------------
-isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::MakeSettings(
+isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
   const isosurface::LocalVolume& local) const
 {
   isosurface::BlockedVolumeSettings settings;
-  settings.BlockSize = this->BlockSize;
-  settings.NumberOfStores = static_cast<std::uint32_t>(this->NumberOfStores);
-  settings.Distribution = static_cast<isosurface::DistributionMethod>(this->Distribution);
-  settings.RandomSeed = static_cast<std::uint64_t>(this->RandomSeed);
-  settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Compression);
-  settings.Compression.Level = this->CompressionLevel;
+  settings.BlockSize = this->Owner.BlockSize;
+  settings.NumberOfStores = static_cast<std::uint32_t>(this->Owner.NumberOfStores);
+  settings.Distribution = static_cast<isosurface::DistributionMethod>(this->Owner.Distribution);
+  settings.RandomSeed = static_cast<std::uint64_t>(this->Owner.RandomSeed);
+  settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Owner.Compression);
+  settings.Compression.Level = this->Owner.CompressionLevel;
   if (local.Time[0] != 0)
   {
     settings.Time = local.Time[1];
   }
-  settings.Append = this->AppendTimeStep || this->TimeIndex > 0;
-  settings.Publish = this->IsLastTimeStep();
-  if (this->MemoryLimit > 0)
+  settings.Append = this->Owner.AppendTimeStep || this->Owner.TimeIndex > 0;
+  settings.Publish = this->Owner.IsLastTimeStep();
+  if (this->Owner.MemoryLimit > 0)
   {
-    settings.MemoryLimit = static_cast<std::uint64_t>(this->MemoryLimit) << 20;
+    settings.MemoryLimit = static_cast<std::uint64_t>(this->Owner.MemoryLimit) << 20;
   }
   return settings;
 }
 
 //------------------------------------------------------------------------------
-Status vtkBlockedVolumeWriter::WriteStep(const isosurface::LocalVolume& local)
+Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume& local)
 {
   std::unique_ptr<isosurface::SlabSource> source;
-  if (this->MemoryLimit > 0)
+  if (this->Owner.MemoryLimit > 0)
   {
-    source = std::make_unique<isosurface::PipelineSource>(
-      this->GetInputConnection(0, 0), this->GetInputInformation(), local.Grid, local.Arrays);
+    source = std::make_unique<isosurface::PipelineSource>(this->Owner.GetInputConnection(0, 0),
+      this->Owner.GetInputInformation(), local.Grid, local.Arrays);
   }
   else
   {
     source = std::make_unique<isosurface::MemorySource>(local.Piece);
   }
-  const double steps = static_cast<double>(std::max<std::size_t>(1, this->TimeSteps.size()));
-  const auto written = this->Writing->Writer.Write(this->FileName, local.Grid, local.Arrays,
-    *source, this->MakeSettings(local),
+  const double steps = static_cast<double>(std::max<std::size_t>(1, this->Owner.TimeSteps.size()));
+  const auto written = this->Writer.Write(this->Owner.FileName, local.Grid, local.Arrays, *source,
+    this->MakeSettings(local),
     [this, steps](double share)
     {
-      this->UpdateProgress((static_cast<double>(this->TimeIndex) + share) / steps);
-      return !this->CheckAbort();
+      this->Owner.UpdateProgress((static_cast<double>(this->Owner.TimeIndex) + share) / steps);
+      return !this->Owner.CheckAbort();
     });
-  if (written.IsOk() && this->Writing->Ranks.GetRank() == 0)
+  if (written.IsOk() && this->Ranks.GetRank() == 0)
   {
-    vtkLogF(1, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->FileName,
-      static_cast<unsigned long long>(written->Blocks), this->BlockSize, written->Stores.size(),
-      static_cast<unsigned long long>(written->Bytes));
+    vtkLogF(1, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->Owner.FileName,
+      static_cast<unsigned long long>(written->Blocks), this->Owner.BlockSize,
+      written->Stores.size(), static_cast<unsigned long long>(written->Bytes));
   }
   return written.GetStatus();
 }
@@ -272,11 +276,11 @@ void vtkBlockedVolumeWriter::WriteData()
 {
   if (!this->Writing)
   {
-    this->Writing = std::make_unique<Session>(this->Controller);
+    this->Writing = std::make_unique<Session>(*this);
   }
   isosurface::ControllerCommunicator& ranks = this->Writing->Ranks;
   isosurface::LocalVolume local;
-  Status status = ranks.Agree(this->CollectInput(local));
+  Status status = ranks.Agree(this->Writing->CollectInput(local));
   if (status.IsOk())
   {
     status = local.Agree(ranks);
@@ -288,7 +292,7 @@ void vtkBlockedVolumeWriter::WriteData()
       // The slice that is here is one of many that are asked for.
       local.Owners.clear();
     }
-    status = this->WriteStep(local);
+    status = this->Writing->WriteStep(local);
   }
   if (!status.IsOk())
   {

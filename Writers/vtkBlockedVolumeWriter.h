@@ -27,13 +27,6 @@
 #include <memory>  // For the session
 #include <vector>  // For the time steps
 
-namespace isosurface
-{
-class Status;
-struct BlockedVolumeSettings;
-struct LocalVolume;
-}
-
 class vtkDataArraySelection;
 class vtkImageData;
 class vtkMultiProcessController;
@@ -202,9 +195,6 @@ private:
 
   struct Session; ///< what is written between the first and the last time step
 
-  isosurface::Status CollectInput(isosurface::LocalVolume& local);
-  isosurface::Status WriteStep(const isosurface::LocalVolume& local);
-  isosurface::BlockedVolumeSettings MakeSettings(const isosurface::LocalVolume& local) const;
   bool IsLastTimeStep() const;
 
   char* FileName;

@@ -55,7 +55,71 @@ void SetQuantizationRange(const ContourBlocks& blocks, isosurface::EdgeIndexSett
     bounds[1] > bounds[0] ? bounds[1] : bounds[0] + std::max(1.0, std::abs(bounds[0]));
 }
 
+Status CheckContour(vtkStabbingContour* contour)
+{
+  const auto refuse = [](const char* reason)
+  { return Status(StatusCode::InvalidArgument, reason); };
+  if (!contour)
+  {
+    return refuse("An edge-index file is made of where a surface crosses the grid of its volume, "
+                  "which only the output of Stabbing Contour itself tells: save that one, before "
+                  "it is clipped or filtered (its UseRegion limits it to a box), or this surface "
+                  "in another format, such as .vtp.");
+  }
+  if (contour->GetCloseBoundary())
+  {
+    return refuse("An edge-index file cannot hold the caps that CloseBoundary adds: turn "
+                  "CloseBoundary of Stabbing Contour off.");
+  }
+  if (contour->GetDropDegenerateTriangles())
+  {
+    return refuse("An edge-index file holds all triangles, and cannot leave those out that "
+                  "DropDegenerateTriangles does: turn DropDegenerateTriangles of Stabbing Contour "
+                  "off.");
+  }
+  if (!contour->GetGenerateTriangles())
+  {
+    return refuse("An edge-index file holds triangles, not polygons: turn GenerateTriangles of "
+                  "Stabbing Contour on.");
+  }
+  return Status::Ok();
+}
+
+// The name of the n-th file of a series.
+std::string MakeFileName(const std::string& path, std::size_t step)
+{
+  const std::size_t slash = path.rfind('/');
+  const std::size_t dot = path.rfind('.');
+  const bool hasExtension =
+    dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
+  const std::size_t end = hasExtension ? dot : path.size();
+  return path.substr(0, end) + "_" + std::to_string(step) + path.substr(end);
+}
+
 } // namespace
+
+struct vtkEdgeIndexWriter::Steps
+{
+  vtkEdgeIndexWriter& Writer;
+  isosurface::ControllerCommunicator Ranks;
+  vtkStabbingContour* Contour = nullptr;
+  double FirstShare = 0; ///< of the progress, of the time step that is being written
+  double LastShare = 1;
+
+  explicit Steps(vtkEdgeIndexWriter& writer)
+    : Writer(writer)
+    , Ranks(writer.Controller)
+  {
+  }
+
+  /// Writes one file, or one for each time step. Collective.
+  Status WriteSurface();
+  std::vector<double> FindTimeSteps() const;
+  Status WriteStep(const std::optional<double>& time, const std::string& path);
+  Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks);
+  isosurface::EdgeIndexWriteJob::Settings MakeSettings();
+  bool TellProgress(double share) const;
+};
 
 //------------------------------------------------------------------------------
 vtkEdgeIndexWriter::vtkEdgeIndexWriter()
@@ -73,8 +137,6 @@ vtkEdgeIndexWriter::vtkEdgeIndexWriter()
   , WriteAllTimeSteps(false)
   , NumberOfThreads(0)
   , Controller(nullptr)
-  , FirstShare(0)
-  , LastShare(1)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
@@ -108,7 +170,8 @@ int vtkEdgeIndexWriter::Write()
 //------------------------------------------------------------------------------
 void vtkEdgeIndexWriter::WriteData()
 {
-  const Status status = this->WriteSurface();
+  Steps steps(*this);
+  const Status status = steps.WriteSurface();
   if (!status.IsOk())
   {
     this->SetErrorCode(status.GetCode() == StatusCode::IoError ? vtkErrorCode::OutOfDiskSpaceError
@@ -121,46 +184,11 @@ void vtkEdgeIndexWriter::WriteData()
 }
 
 //------------------------------------------------------------------------------
-Status vtkEdgeIndexWriter::CheckContour(vtkStabbingContour* contour) const
+std::vector<double> vtkEdgeIndexWriter::Steps::FindTimeSteps() const
 {
-  const auto refuse = [](const char* reason)
-  { return Status(StatusCode::InvalidArgument, reason); };
-  if (!this->FileName || !*this->FileName)
-  {
-    return refuse("No file name is set.");
-  }
-  if (!contour)
-  {
-    return refuse("An edge-index file is made of where a surface crosses the grid of its volume, "
-                  "which only the output of Stabbing Contour itself tells: save that one, before "
-                  "it is clipped or filtered (its UseRegion limits it to a box), or this surface "
-                  "in another format, such as .vtp.");
-  }
-  if (contour->GetCloseBoundary())
-  {
-    return refuse("An edge-index file cannot hold the caps that CloseBoundary adds: turn "
-                  "CloseBoundary of Stabbing Contour off.");
-  }
-  if (contour->GetDropDegenerateTriangles())
-  {
-    return refuse("An edge-index file holds all triangles, and cannot leave those out that "
-                  "DropDegenerateTriangles does: turn DropDegenerateTriangles of Stabbing Contour "
-                  "off.");
-  }
-  if (!contour->GetGenerateTriangles())
-  {
-    return refuse("An edge-index file holds triangles, not polygons: turn GenerateTriangles of "
-                  "Stabbing Contour on.");
-  }
-  return Status::Ok();
-}
-
-//------------------------------------------------------------------------------
-std::vector<double> vtkEdgeIndexWriter::FindTimeSteps(vtkStabbingContour* contour) const
-{
-  contour->UpdateInformation();
-  vtkInformation* info = contour->GetOutputInformation(0);
-  if (!this->WriteAllTimeSteps || !info->Has(Pipeline::TIME_STEPS()))
+  this->Contour->UpdateInformation();
+  vtkInformation* info = this->Contour->GetOutputInformation(0);
+  if (!this->Writer.WriteAllTimeSteps || !info->Has(Pipeline::TIME_STEPS()))
   {
     return {};
   }
@@ -169,87 +197,85 @@ std::vector<double> vtkEdgeIndexWriter::FindTimeSteps(vtkStabbingContour* contou
 }
 
 //------------------------------------------------------------------------------
-std::string vtkEdgeIndexWriter::MakeFileName(std::size_t step) const
+Status vtkEdgeIndexWriter::Steps::WriteSurface()
 {
-  const std::string path = this->FileName;
-  const std::size_t slash = path.rfind('/');
-  const std::size_t dot = path.rfind('.');
-  const bool hasExtension =
-    dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
-  const std::size_t end = hasExtension ? dot : path.size();
-  return path.substr(0, end) + "_" + std::to_string(step) + path.substr(end);
-}
-
-//------------------------------------------------------------------------------
-Status vtkEdgeIndexWriter::WriteSurface()
-{
-  vtkStabbingContour* contour = this->GetNumberOfInputConnections(0) > 0
-    ? vtkStabbingContour::FindBehind(this->GetInputConnection(0, 0))
-    : nullptr;
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckContour(contour));
-  isosurface::ControllerCommunicator ranks(this->Controller);
-  const std::vector<double> times = this->FindTimeSteps(contour);
+  const char* path = this->Writer.FileName;
+  if (!path || !*path)
+  {
+    return Status(StatusCode::InvalidArgument, "No file name is set.");
+  }
+  if (this->Writer.GetNumberOfInputConnections(0) > 0)
+  {
+    this->Contour = vtkStabbingContour::FindBehind(this->Writer.GetInputConnection(0, 0));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(CheckContour(this->Contour));
+  const std::vector<double> times = this->FindTimeSteps();
   if (times.empty())
   {
-    vtkInformation* inInfo = this->GetInputInformation();
+    vtkInformation* inInfo = this->Writer.GetInputInformation();
     std::optional<double> time;
     if (inInfo->Has(Pipeline::UPDATE_TIME_STEP()))
     {
       time = inInfo->Get(Pipeline::UPDATE_TIME_STEP());
     }
-    this->FirstShare = 0;
-    this->LastShare = 1;
-    return this->WriteStep(ranks, contour, time, this->FileName);
+    return this->WriteStep(time, path);
   }
   for (std::size_t step = 0; step < times.size(); ++step)
   {
     this->FirstShare = static_cast<double>(step) / static_cast<double>(times.size());
     this->LastShare = static_cast<double>(step + 1) / static_cast<double>(times.size());
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->WriteStep(ranks, contour, times[step], this->MakeFileName(step)));
+    ISOSURFACE_RETURN_IF_ERROR(this->WriteStep(times[step], MakeFileName(path, step)));
   }
   return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
-Result<EdgeIndexHeader> vtkEdgeIndexWriter::MakeHeader(
-  isosurface::Communicator& ranks, const ContourBlocks& blocks) const
+Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(const ContourBlocks& blocks)
 {
+  const vtkEdgeIndexWriter& writer = this->Writer;
   EdgeIndexHeader header =
-    isosurface::DescribeContourBlocks(blocks, this->ArrayError, this->NormalError);
-  header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(this->Mode);
-  header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Profile);
-  header.Settings.MaximumError = this->MaximumError;
-  header.Settings.QuantizationBits = this->QuantizationBits;
+    isosurface::DescribeContourBlocks(blocks, writer.ArrayError, writer.NormalError);
+  header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(writer.Mode);
+  header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(writer.Profile);
+  header.Settings.MaximumError = writer.MaximumError;
+  header.Settings.QuantizationBits = writer.QuantizationBits;
   SetQuantizationRange(blocks, header.Settings);
-  for (header.PreviewLevel = this->PreviewLevel;
+  for (header.PreviewLevel = writer.PreviewLevel;
        header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
   {
     --header.PreviewLevel;
   }
-  return isosurface::ShareHeader(ranks, header, blocks.HasSamples);
+  const auto shared = isosurface::ShareHeader(this->Ranks, header, blocks.HasSamples);
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(shared.GetStatus()));
+  return shared;
 }
 
 //------------------------------------------------------------------------------
-Status vtkEdgeIndexWriter::WriteStep(isosurface::Communicator& ranks, vtkStabbingContour* contour,
+isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings()
+{
+  isosurface::EdgeIndexWriteJob::Settings settings;
+  const int ranksOnNode = this->Ranks.GetRanksOnNode();
+  settings.Threads = this->Writer.NumberOfThreads > 0 ? this->Writer.NumberOfThreads
+                                                      : isosurface::ChooseThreadCount(ranksOnNode);
+  settings.MemoryBytes = static_cast<std::uint64_t>(this->Writer.MemoryLimit) << 20;
+  return settings;
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexWriter::Steps::WriteStep(
   const std::optional<double>& time, const std::string& path)
 {
   ContourBlocks blocks;
-  blocks.Attributes = this->WriteArrays;
-  blocks.Normals = this->WriteNormals && contour->GetComputeNormals();
-  ISOSURFACE_RETURN_IF_ERROR(
-    isosurface::CollectContourBlocks(contour, ranks.GetRank(), ranks.GetSize(), time, blocks));
-  const Result<EdgeIndexHeader> header = this->MakeHeader(ranks, blocks);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(header.GetStatus()));
-  isosurface::EdgeIndexWriteJob::Settings settings;
-  const int ranksOnNode = ranks.GetRanksOnNode();
-  settings.Threads =
-    this->NumberOfThreads > 0 ? this->NumberOfThreads : isosurface::ChooseThreadCount(ranksOnNode);
-  settings.MemoryBytes = static_cast<std::uint64_t>(this->MemoryLimit) << 20;
-  isosurface::EdgeIndexWriteJob job(ranks, isosurface::GetLocalFileSystem(), path, *header,
-    *blocks.Source, blocks.Numbers, settings);
+  blocks.Attributes = this->Writer.WriteArrays;
+  blocks.Normals = this->Writer.WriteNormals && this->Contour->GetComputeNormals();
+  ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(
+    this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
+  const Result<EdgeIndexHeader> header = this->MakeHeader(blocks);
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+  isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, *header,
+    *blocks.Source, blocks.Numbers, this->MakeSettings());
   const auto written = job.Run([this](double share) { return this->TellProgress(share); });
-  if (written.IsOk() && ranks.GetRank() == 0)
+  if (written.IsOk() && this->Ranks.GetRank() == 0)
   {
     vtkLogF(1, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
       static_cast<unsigned long long>(written->Records),
@@ -260,10 +286,10 @@ Status vtkEdgeIndexWriter::WriteStep(isosurface::Communicator& ranks, vtkStabbin
 }
 
 //------------------------------------------------------------------------------
-bool vtkEdgeIndexWriter::TellProgress(double share)
+bool vtkEdgeIndexWriter::Steps::TellProgress(double share) const
 {
-  this->UpdateProgress(this->FirstShare + share * (this->LastShare - this->FirstShare));
-  return !this->CheckAbort();
+  this->Writer.UpdateProgress(this->FirstShare + share * (this->LastShare - this->FirstShare));
+  return !this->Writer.CheckAbort();
 }
 
 //------------------------------------------------------------------------------

@@ -25,22 +25,7 @@
 #include "IsosurfaceWritersModule.h" // For export macro
 #include "vtkWriter.h"
 
-#include <optional> // For times
-#include <string>   // For file names
-#include <vector>   // For time steps
-
-namespace isosurface
-{
-class Communicator;
-class Status;
-template <class T>
-class Result;
-struct ContourBlocks;
-struct EdgeIndexHeader;
-}
-
 class vtkMultiProcessController;
-class vtkStabbingContour;
 
 class ISOSURFACEWRITERS_EXPORT vtkEdgeIndexWriter : public vtkWriter
 {
@@ -203,16 +188,7 @@ private:
   vtkEdgeIndexWriter(const vtkEdgeIndexWriter&) = delete;
   void operator=(const vtkEdgeIndexWriter&) = delete;
 
-  isosurface::Status WriteSurface();
-  isosurface::Status CheckContour(vtkStabbingContour* contour) const;
-  isosurface::Status WriteStep(isosurface::Communicator& ranks, vtkStabbingContour* contour,
-    const std::optional<double>& time, const std::string& path);
-  isosurface::Result<isosurface::EdgeIndexHeader> MakeHeader(
-    isosurface::Communicator& ranks, const isosurface::ContourBlocks& blocks) const;
-  std::vector<double> FindTimeSteps(vtkStabbingContour* contour) const;
-  /// The name of the n-th file of a series.
-  std::string MakeFileName(std::size_t step) const;
-  bool TellProgress(double share);
+  struct Steps; ///< of WriteData
 
   char* FileName;
   int Mode;
@@ -228,8 +204,6 @@ private:
   bool WriteAllTimeSteps;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
-  double FirstShare; ///< of the progress, of the step that is being written
-  double LastShare;
 };
 
 #endif
