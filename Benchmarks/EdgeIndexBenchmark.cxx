@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Isosurfaces as edge-index streams, beside Draco in the same run. For a raw volume and isovalues
- * it prints bits a surface vertex and triangles a second (on one core unless --threads), encoding
- * and decoding with the surface rebuilt, of
+ * it prints bits a surface vertex and triangles a second (on one core unless --threads), for encoding
+ * and for decoding including the surface, of
  *
- *   ours    lossless, by profile; bounded, at the largest error that Draco's own bits are found to
- *           make; quantized, as the paper has it
+ *   ours    lossless, by profile; bounded, at the maximum error that Draco makes; quantized as in
+ *           the paper
  *   Draco   compression levels 7 and 10, positions of 11 and 14 bits, connectivity by edgebreaker
- *   errors  with --errors: bounded and smallest at those, in the profiles default and compact
+ *   errors  with --errors: bounded and smallest at these, in the profiles default and compact
  *   peers   with --peers: see SurfacePeers.h
  *
  * and the ratios that Documentation/dev/edge-index.md cites.
@@ -37,19 +37,19 @@ using namespace isosurface;
 namespace
 {
 
-/// The least of the seconds that some runs take.
+/// The minimum of the seconds that some runs take.
 template <typename Functor>
 double Time(int repeats, const Functor& functor)
 {
-  double least = 1e300;
+  double minimum = 1e300;
   for (int repeat = 0; repeat < repeats; ++repeat)
   {
     const auto start = std::chrono::steady_clock::now();
     functor();
-    least = std::min(
-      least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    minimum = std::min(
+      minimum, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
-  return least;
+  return minimum;
 }
 
 struct Outcome
@@ -57,7 +57,7 @@ struct Outcome
   double Bytes = 0;
   double EncodeSeconds = 0;
   double DecodeSeconds = 0;
-  double LargestError = 0; ///< in voxels
+  double MaximumError = 0; ///< in voxels
 };
 
 struct Volume
@@ -67,7 +67,7 @@ struct Volume
   std::vector<char> Bytes;
 };
 
-/// All blocks of a volume in memory, of any size.
+/// The blocks of a volume in memory, of any size.
 class VolumeBlocks : public BlockSource
 {
 public:
@@ -108,9 +108,9 @@ void Print(const char* name, const Outcome& outcome, const Surface& surface)
   std::printf("  %-26s %8.3f b/v  %8.2f M/s in %8.2f M/s out", name,
     8 * outcome.Bytes / static_cast<double>(surface.NumberOfPoints),
     triangles / outcome.EncodeSeconds / 1e6, triangles / outcome.DecodeSeconds / 1e6);
-  if (outcome.LargestError > 0)
+  if (outcome.MaximumError > 0)
   {
-    std::printf("  largest error %.5f", outcome.LargestError);
+    std::printf("  maximum error %.5f", outcome.MaximumError);
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -163,7 +163,7 @@ public:
       { decoded = std::move(*DecodeSurface(bytes.data(), bytes.size(), plain, this->Threads)); });
     for (std::size_t n = 0; n < this->Exact.Points.GetSize(); ++n)
     {
-      outcome.LargestError = std::max(outcome.LargestError,
+      outcome.MaximumError = std::max(outcome.MaximumError,
         std::abs(static_cast<double>(this->Exact.Points[n] - decoded.Points[n])));
     }
     return outcome;
@@ -203,7 +203,7 @@ public:
         const auto decoded = decoder.DecodeMeshFromBuffer(&from);
       });
 
-    // Draco puts points in an order of its own: once more, with their numbers as an attribute.
+    // Draco reorders points: encode once more, with their numbers as an attribute.
     draco::Mesh numbered;
     this->FillMesh(numbered, true);
     draco::EncoderBuffer other;
@@ -212,7 +212,7 @@ public:
     from.Init(other.data(), other.size());
     draco::Decoder decoder;
     const auto decoded = std::move(decoder.DecodeMeshFromBuffer(&from)).value();
-    outcome.LargestError = this->FindLargestError(*decoded);
+    outcome.MaximumError = this->FindMaximumError(*decoded);
     return outcome;
   }
 
@@ -250,7 +250,7 @@ private:
     }
   }
 
-  double FindLargestError(const draco::Mesh& mesh) const
+  double FindMaximumError(const draco::Mesh& mesh) const
   {
     const draco::PointAttribute* positions =
       mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
@@ -284,7 +284,7 @@ private:
   Surface Exact;
 };
 
-/// Quantized as the paper has it, over the range of the samples.
+/// Quantized as in the paper, over the range of the samples.
 void PrintQuantized(const Volume& volume, const Benchmark& benchmark)
 {
   EdgeIndexSettings settings;
@@ -319,12 +319,12 @@ void PrintPeers(const Surface& surface)
   }
 }
 
-/// Bounded and smallest at given largest errors.
+/// Bounded and smallest at given maximum errors.
 void PrintErrors(const std::vector<double>& errors, const Benchmark& benchmark)
 {
   for (const double error : errors)
   {
-    std::printf("  largest error %g\n", error);
+    std::printf("  maximum error %g\n", error);
     for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Compact })
     {
       const std::string end = profile == EdgeIndexProfile::Compact ? ", compact" : "";
@@ -379,7 +379,7 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
     Print((name + ", level 10").c_str(), ten, exact);
     Print((name + ", level 7").c_str(), seven, exact);
     settings.Mode = EdgeIndexMode::Smallest;
-    settings.MaximumError = std::min(0.5, ten.LargestError);
+    settings.MaximumError = std::min(0.5, ten.MaximumError);
     settings.Profile = EdgeIndexProfile::Default;
     const Outcome bounded = benchmark.MeasureOurs(settings);
     Print("smallest, the same error", bounded, exact);
@@ -419,7 +419,7 @@ int main(int argc, char** argv)
   application.add_option("--type", type, "uint8, int16, float32, ...");
   application.add_option("--isovalues", isovalues, "surfaces to encode")->required();
   application.add_option("--block-size", blockSize, "cells along the side of a block");
-  application.add_option("--repeats", repeats, "runs of which the fastest counts");
+  application.add_option("--repeats", repeats, "runs, of which the fastest counts");
   application.add_option("--threads", threads, "threads that encode and decode; Draco has one");
   application.add_flag("--without-draco", withoutDraco, "ours only");
   application.add_flag("--peers", peers, "other formats as well, and our quantized mode");

@@ -134,64 +134,90 @@ Network MakeNetwork(std::mt19937& random)
   return network;
 }
 
-/// Adds the gradient of a sample's cost to `gradient`; returns the cost in bits.
-float AddGradient(const Network& network, const Sample& sample, Network& gradient)
+/// The numbers of the inputs that are ones, including the one that always is.
+std::vector<std::size_t> ListOnes(const Sample& sample)
 {
-  std::array<std::size_t, Inputs + 1> ones;
-  std::size_t count = 0;
+  std::vector<std::size_t> ones;
   std::size_t input = 0;
+  const auto add = [&](bool bit)
+  {
+    if (bit)
+    {
+      ones.push_back(input);
+    }
+    ++input;
+  };
   for (std::size_t n = 0; n < sample.Seen.Patterns.size(); ++n)
   {
-    for (int bit = 0; bit < SignNetworkInputs::Bits[n]; ++bit, ++input)
+    for (int bit = 0; bit < SignNetworkInputs::Bits[n]; ++bit)
     {
-      ones[count] = input;
-      count += sample.Seen.Patterns[n] >> bit & 1;
+      add((sample.Seen.Patterns[n] >> bit & 1) != 0);
     }
   }
   for (const bool bit : sample.Row)
   {
-    ones[count] = input++;
-    count += bit ? 1 : 0;
+    add(bit);
   }
-  ones[count++] = Inputs;
+  add(true);
+  return ones;
+}
 
-  std::array<float, Width> first{};
-  for (std::size_t n = 0; n < count; ++n)
+/// The values of a network for one sample.
+struct Activation
+{
+  std::array<float, Width> First{}; ///< clamped
+  std::array<float, Depth> Second;  ///< before clamping
+  float Probability = 0;            ///< that the sign is another one
+};
+
+Activation Evaluate(const Network& network, const std::vector<std::size_t>& ones)
+{
+  Activation result;
+  for (const std::size_t one : ones)
   {
     for (std::size_t i = 0; i < Width; ++i)
     {
-      first[i] += network.First[ones[n]][i];
+      result.First[i] += network.First[one][i];
     }
   }
-  std::array<float, Depth> sums = network.Second[Width];
+  result.Second = network.Second[Width];
   for (std::size_t i = 0; i < Width; ++i)
   {
-    first[i] = std::clamp(first[i], 0.0F, Maximum);
+    result.First[i] = std::clamp(result.First[i], 0.0F, Maximum);
     for (std::size_t j = 0; j < Depth; ++j)
     {
-      sums[j] += first[i] * network.Second[i][j];
+      result.Second[j] += result.First[i] * network.Second[i][j];
     }
   }
   float stretched = network.Third[Depth];
   for (std::size_t j = 0; j < Depth; ++j)
   {
-    stretched += std::clamp(sums[j], 0.0F, Maximum) * network.Third[j];
+    stretched += std::clamp(result.Second[j], 0.0F, Maximum) * network.Third[j];
   }
-  const float probability = 1 / (1 + std::exp(-std::clamp(stretched, -Maximum, Maximum)));
+  result.Probability = 1 / (1 + std::exp(-std::clamp(stretched, -Maximum, Maximum)));
+  return result;
+}
 
-  const float error = probability - (sample.IsOther ? 1.0F : 0.0F);
+/// Adds the gradient of a sample's cost to `gradient`; returns the cost in bits.
+float AddGradient(const Network& network, const Sample& sample, Network& gradient)
+{
+  const std::vector<std::size_t> ones = ListOnes(sample);
+  const Activation values = Evaluate(network, ones);
+  const float error = values.Probability - (sample.IsOther ? 1.0F : 0.0F);
   gradient.Third[Depth] += error;
   std::array<float, Depth> deep;
   for (std::size_t j = 0; j < Depth; ++j)
   {
-    gradient.Third[j] += error * std::clamp(sums[j], 0.0F, Maximum);
-    deep[j] = sums[j] > 0 && sums[j] < Maximum ? error * network.Third[j] : 0;
+    const float second = values.Second[j];
+    gradient.Third[j] += error * std::clamp(second, 0.0F, Maximum);
+    deep[j] = second > 0 && second < Maximum ? error * network.Third[j] : 0;
     gradient.Second[Width][j] += deep[j];
   }
   std::array<float, Width> wide{};
   for (std::size_t i = 0; i < Width; ++i)
   {
-    if (first[i] <= 0)
+    const float first = values.First[i];
+    if (first <= 0)
     {
       continue;
     }
@@ -199,18 +225,18 @@ float AddGradient(const Network& network, const Sample& sample, Network& gradien
     for (std::size_t j = 0; j < Depth; ++j)
     {
       sum += deep[j] * network.Second[i][j];
-      gradient.Second[i][j] += first[i] * deep[j];
+      gradient.Second[i][j] += first * deep[j];
     }
-    wide[i] = first[i] < Maximum ? sum : 0;
+    wide[i] = first < Maximum ? sum : 0;
   }
-  for (std::size_t n = 0; n < count; ++n)
+  for (const std::size_t one : ones)
   {
     for (std::size_t i = 0; i < Width; ++i)
     {
-      gradient.First[ones[n]][i] += wide[i];
+      gradient.First[one][i] += wide[i];
     }
   }
-  return -std::log2(sample.IsOther ? probability : 1 - probability);
+  return -std::log2(sample.IsOther ? values.Probability : 1 - values.Probability);
 }
 
 Network Learn(std::vector<Sample>& samples, double epochs, double rate, std::mt19937& random)

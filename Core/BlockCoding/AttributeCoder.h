@@ -5,7 +5,7 @@
 #include "BlockCoding/AttributeDomain.h"
 #include "BlockCoding/AttributeNeighbors.h"
 #include "BlockCoding/ResidualCoder.h"
-#include "BlockCoding/SignRows.h"
+#include "Prediction/SignRows.h"
 
 #include <algorithm>
 #include <array>

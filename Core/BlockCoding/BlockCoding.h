@@ -5,9 +5,9 @@
 #include "BlockCoding/AttributeCoder.h"
 #include "BlockCoding/BlockModel.h"
 #include "BlockCoding/CrossingIntervals.h"
-#include "BlockCoding/SignRows.h"
 #include "BlockCoding/ValueDomain.h"
 #include "EntropyCoding/RangeCoder.h"
+#include "Prediction/SignRows.h"
 
 #include <array>
 #include <cstdint>

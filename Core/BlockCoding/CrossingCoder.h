@@ -2,13 +2,13 @@
 #ifndef isosurface_CrossingCoder_h
 #define isosurface_CrossingCoder_h
 
-#include "BlockCoding/CrossingCycles.h"
-#include "BlockCoding/CrossingFit.h"
 #include "BlockCoding/CrossingIntervals.h"
-#include "BlockCoding/CurvedFit.h"
 #include "BlockCoding/EdgeIndexProfile.h"
 #include "BlockCoding/ResidualCoder.h"
-#include "BlockCoding/SignRows.h"
+#include "Prediction/CrossingCycles.h"
+#include "Prediction/CrossingFit.h"
+#include "Prediction/CurvedFit.h"
+#include "Prediction/SignRows.h"
 
 #include <algorithm>
 #include <array>

@@ -8,17 +8,15 @@
 namespace isosurface
 {
 
-/**
- * The intervals of an edge of which the one with the crossing is coded; a point is put in the
- * middle of its interval. Either equal parts of the edge, or intervals of a given width, as wide as
- * the maximum error allows, of which the last ends with the edge.
- */
+/// The intervals of an edge; which of them has the crossing is coded, and the point is placed in its
+/// middle. Intervals either are equal parts of the edge, or have a given width, the last one ending
+/// with the edge.
 class CrossingIntervals
 {
 public:
   static constexpr int UnitBits = 30; ///< widths are in units of 2^-30 of an edge
 
-  /// None.
+  /// No intervals.
   CrossingIntervals() = default;
 
   static CrossingIntervals MakeEqual(std::uint32_t count)
@@ -41,7 +39,7 @@ public:
 
   std::uint32_t GetCount() const { return this->Count; }
 
-  /// The interval of a parameter; the number of intervals for NaN.
+  /// The interval that has a parameter; the number of intervals for NaN.
   std::uint32_t Find(double parameter) const
   {
     if (parameter != parameter)
@@ -55,7 +53,7 @@ public:
                                 : static_cast<std::uint32_t>(position);
   }
 
-  /// The parameter in the middle of an interval.
+  /// The parameter of the middle of an interval.
   double GetMiddle(std::uint32_t interval) const
   {
     return this->Width == 0
@@ -71,7 +69,7 @@ public:
         : this->AddEnds(interval) >> (UnitBits + 1 - 10));
   }
 
-  /// Where a parameter (in units of 2^-16, 0 to 2^16) is, in units of 2^-16 intervals.
+  /// A parameter, given in units of 2^-16, in units of 2^-16 intervals.
   std::int64_t Locate(std::int32_t parameter) const
   {
     return this->Width == 0
@@ -80,7 +78,7 @@ public:
   }
 
 private:
-  // Where an interval begins and where it ends, added.
+  // The sum of an interval's begin and end.
   std::uint64_t AddEnds(std::uint32_t interval) const
   {
     const std::uint64_t begin = std::uint64_t{ interval } * this->Width;

@@ -2,7 +2,7 @@
 #ifndef isosurface_RelevantVertices_h
 #define isosurface_RelevantVertices_h
 
-#include "BlockCoding/SignRows.h"
+#include "Prediction/SignRows.h"
 
 #include <array>
 

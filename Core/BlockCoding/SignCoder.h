@@ -2,8 +2,8 @@
 #ifndef isosurface_SignCoder_h
 #define isosurface_SignCoder_h
 
-#include "BlockCoding/SignRows.h"
 #include "EntropyCoding/AdaptiveModels.h"
+#include "Prediction/SignRows.h"
 
 #include <algorithm>
 #include <array>
@@ -14,11 +14,11 @@
 namespace isosurface
 {
 
-/// Whether a stretch of vertices, none of which has a decoded neighbour of another sign, has the
-/// sign of its neighbours: by the number of vertices.
+/// The probabilities that a run of quiet vertices, whose decoded neighbours all have one sign, has that
+/// sign throughout; by the length of the run.
 using QuietSigns = std::array<AdaptiveBit, 8>;
 
-/// What is known about the signs of vertices, in the profiles Default and Fast.
+/// What is learnt about the signs of a block in the profiles default and fast.
 struct SignModel
 {
   static constexpr int NumberOfNeighbors = 12;
@@ -28,25 +28,23 @@ struct SignModel
 
   explicit SignModel(bool mixed);
 
-  /// By the 12 decoded neighbours around the vertex, told from the one to its left; a second time
-  /// for the first slice.
+  /// By 12 decoded neighbours, relative to the sign of the left one; a second table for the first
+  /// slice.
   std::array<AdaptiveBit, std::size_t(2) << NumberOfNeighbors> Near;
   QuietSigns Quiet;
-  /// By more neighbours; only if mixed.
+  /// By further neighbours; only if mixed.
   std::array<std::vector<AdaptiveBit>, NumberOfHashed> Hashed;
   std::array<LogisticMixer, NumberOfMixers> Mixers;
 };
 
-/**
- * The decoded rows around the one to code. Named by where they are: Y before on the same slice, Z
- * on the slice before, M and P one row before and after on it.
- */
+/// The decoded rows around the current one: Y is the row before in the slice, Z the same row in the
+/// slice before, M and P are one row before and after Z; doubled letters are two rows or slices away.
 struct SignRowsAround
 {
   SignRow Y, YY, Z, ZM, ZP, ZMM, ZPP, ZZ, ZZM, ZZP;
 };
 
-/// Where a row of signs is, and the slices that are decoded.
+/// The place of a row, and the slices that are decoded.
 struct SignRowPlace
 {
   const SignSlice& Slice;  ///< decoded up to the row
@@ -57,11 +55,9 @@ struct SignRowPlace
   int SizeY;
 };
 
-/**
- * Codes the sign of a vertex in contexts of decoded ones. After: G. Taubin, "BLIC: bi-level
- * isosurface compression", IEEE Visualization 2002; here of 13 neighbours, and (mixed) with five
- * wider contexts.
- */
+/// Codes the sign of a vertex in contexts of decoded signs. After: G. Taubin, "BLIC: bi-level
+/// isosurface compression", IEEE Visualization 2002; here with 13 neighbours and, if mixed, five wider
+/// contexts.
 template <typename Coder, bool Mixed>
 class ContextSigns
 {
@@ -76,31 +72,47 @@ public:
 
   void BeginRow(const SignRowPlace& place) { this->FirstSlice = place.Below ? 0 : 1; }
 
-  /// Codes vertex x; own: the signs at x - 2 and x - 1, lowest first.
+  /// Codes the sign of vertex x. own: the signs at x - 2 (bit 0) and x - 1.
   bool CodeVertex(bool bit, std::uint32_t own, const SignRow&, const SignRowsAround& rows, int x)
   {
-    const std::uint32_t left = own >> 1;
-    // Signs are told from the one to the left, so that inside and outside share what is learnt.
-    const std::uint32_t flip = left != 0 ? 31 : 0;
-    const std::uint32_t y = rows.Y.GetWindow(x) ^ flip;
-    const std::uint32_t z = rows.Z.GetWindow(x) ^ flip;
-    const std::uint32_t zm = rows.ZM.GetWindow(x) ^ flip;
-    const std::uint32_t zp = rows.ZP.GetWindow(x) ^ flip;
-    const std::uint32_t near =
-      (y >> 1 & 7) | (z >> 1 & 7) << 3 | (zm >> 1 & 7) << 6 | (zp >> 1 & 7) << 9;
+    const bool flipped = own >> 1 != 0;
+    const std::uint32_t flip = flipped ? 31 : 0;
+    const std::uint32_t near = FindNear(rows, x, flip);
     AdaptiveBit& nearModel =
       this->Known.Near[near | this->FirstSlice << SignModel::NumberOfNeighbors];
-    const bool flipped = left != 0;
-    if constexpr (!Mixed)
+    if constexpr (Mixed)
+    {
+      return this->CodeWithHashed(bit != flipped, nearModel, near, own, flip, rows, x) != flipped;
+    }
+    else
     {
       return CodeAdaptive(this->Output, nearModel, bit != flipped, 255) != flipped;
     }
-    const std::uint32_t yy = rows.YY.GetWindow(x) ^ flip;
-    const std::uint32_t zz = rows.ZZ.GetWindow(x) ^ flip;
-    const std::uint32_t zmm = rows.ZMM.GetWindow(x) ^ flip;
-    const std::uint32_t zpp = rows.ZPP.GetWindow(x) ^ flip;
-    const std::uint32_t zzm = rows.ZZM.GetWindow(x) ^ flip;
-    const std::uint32_t zzp = rows.ZZP.GetWindow(x) ^ flip;
+  }
+
+private:
+  // The 12 nearest neighbours.
+  static std::uint32_t FindNear(const SignRowsAround& rows, int x, std::uint32_t flip)
+  {
+    const auto three = [x, flip](const SignRow& row) { return (row.GetWindow(x) ^ flip) >> 1 & 7; };
+    return three(rows.Y) | three(rows.Z) << 3 | three(rows.ZM) << 6 | three(rows.ZP) << 9;
+  }
+
+  // Codes a bit, relative to the left sign, with the nearest context and the five hashed ones.
+  bool CodeWithHashed(bool bit, AdaptiveBit& nearModel, std::uint32_t near, std::uint32_t own,
+    std::uint32_t flip, const SignRowsAround& rows, int x)
+  {
+    const auto five = [x, flip](const SignRow& row) { return row.GetWindow(x) ^ flip; };
+    const std::uint32_t y = five(rows.Y);
+    const std::uint32_t z = five(rows.Z);
+    const std::uint32_t zp = five(rows.ZP);
+    const std::uint32_t yy = five(rows.YY);
+    const std::uint32_t zz = five(rows.ZZ);
+    const std::uint32_t zmm = five(rows.ZMM);
+    const std::uint32_t zpp = five(rows.ZPP);
+    const std::uint32_t zzm = five(rows.ZZM);
+    const std::uint32_t zzp = five(rows.ZZP);
+    const std::uint32_t left = own >> 1;
     const std::uint32_t left2 = (own ^ flip) & 1;
     const std::uint32_t out = left2 | (yy >> 2 & 1) << 1 | (zz >> 2 & 1) << 2 | (y & 1) << 3 |
       (y >> 4) << 4 | (z & 1) << 5 | (z >> 4) << 6;
@@ -126,10 +138,9 @@ public:
     }
     const std::size_t mixer = core | left2 << 5 | this->FirstSlice << 6;
     return CodeMixed<SignModel::NumberOfHashed + 1>(
-             this->Output, models, this->Known.Mixers[mixer], bit != flipped, 800, 1) != flipped;
+      this->Output, models, this->Known.Mixers[mixer], bit, 800, 1);
   }
 
-private:
   static std::uint32_t Hash(std::uint32_t key)
   {
     key *= 0x9E3779B1u;
@@ -141,11 +152,9 @@ private:
 };
 
 /**
- * Codes the signs of the vertices of a block, slice after slice, each in the order of rows.
- *
- * The rows' bits are what marching cubes classifies cells by, so crossed edges, active cells and
- * connectivity follow from them. Long runs of equal signs are coded as a whole, other vertices by
- * `VertexSigns`, which is ContextSigns or NetworkSigns.
+ * Codes the signs of the vertices of a block, slice after slice, each in the order of rows. Crossed
+ * edges, active cells and connectivity follow from them. Long runs of equal signs are coded as a
+ * whole, other vertices by `VertexSigns`: ContextSigns or NetworkSigns.
  */
 template <typename Coder, typename VertexSigns>
 class SignCoder
@@ -161,8 +170,8 @@ public:
   }
 
   /**
-   * Codes `slice`, whose bits are given when encoding and set when decoding; margins are set.
-   * below, below2: the one and two slices before, null if there are none.
+   * Codes `slice`: its bits are given when encoding, set when decoding; margins are set in both
+   * cases. below, below2: the slice before and the one before that, null if there is none.
    */
   void CodeSlice(SignSlice& slice, const SignSlice* below, const SignSlice* below2)
   {
@@ -206,7 +215,7 @@ private:
     rows.ZZP = second.At(y + 1);
   }
 
-  // Where all neighbours that a quiet vertex has are outside, or all are inside.
+  // The vertices whose neighbours are all outside, and those whose neighbours are all inside.
   void FindQuiet(SignRow& outside, SignRow& inside) const
   {
     const SignRowsAround& rows = this->Around;
@@ -240,7 +249,7 @@ private:
     SignRow outside;
     SignRow inside;
     this->FindQuiet(outside, inside);
-    // What lies left of the row is taken to be as the row before has it.
+    // Vertices left of the row have the sign of the first vertex of Z.
     const bool left = this->Around.Z.Get(0);
     const std::uint64_t margin = (std::uint64_t(1) << SignRow::Margin) - 1;
     SignRow coded;
@@ -266,7 +275,7 @@ private:
     row = coded;
   }
 
-  // Codes vertices from x on that are quiet; returns where to go on.
+  // Codes a run of quiet vertices from x on; returns the next vertex.
   int CodeRun(const SignRow& row, SignRow& coded, const SignRow& quiet, int x, bool sign)
   {
     const int end = std::min(this->SizeX, FindFirst(~quiet, x));
@@ -283,7 +292,7 @@ private:
       const int bits = length == 1 ? 0 : 32 - __builtin_clz(static_cast<unsigned>(length - 1));
       position =
         static_cast<int>(this->Output.CodeUniform(static_cast<std::uint32_t>(position), bits));
-      position = std::min(position, length - 1); // of bytes that no encoder wrote
+      position = std::min(position, length - 1); // only for bytes that no encoder wrote
     }
     else
     {

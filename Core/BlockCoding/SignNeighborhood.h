@@ -11,11 +11,11 @@
 namespace isosurface
 {
 
-/// The decoded signs around the vertices of a row, as the network sees them.
+/// Collects the decoded signs around a vertex as inputs of the network.
 class SignNeighborhood
 {
 public:
-  /// Goes on to a row. Returns whether what GetRow says has changed.
+  /// Begins a row. Returns whether GetRow() has changed.
   bool BeginRow(const SignRowPlace& place)
   {
     const int y = place.Y;
@@ -39,7 +39,7 @@ public:
 
   const SignNetworkRow& GetRow() const { return this->Row; }
 
-  /// What is around vertex x, whose left neighbour's sign is `left`; `row` is decoded up to x.
+  /// The inputs at vertex x. left: the sign of vertex x - 1; row: decoded up to x.
   SignNetworkInputs Find(bool left, const SignRow& row, const SignRowsAround& rows, int x) const
   {
     const std::uint32_t flip = left ? 127 : 0;

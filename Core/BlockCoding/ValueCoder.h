@@ -5,11 +5,11 @@
 #include "BlockCoding/EdgeIndexProfile.h"
 #include "BlockCoding/RelevantVertices.h"
 #include "BlockCoding/ResidualCoder.h"
-#include "BlockCoding/SignRows.h"
 #include "BlockCoding/ValueDomain.h"
 #include "BlockCoding/ValueFilter.h"
 #include "BlockCoding/ValueFit.h"
 #include "BlockCoding/ValueModel.h"
+#include "Prediction/SignRows.h"
 
 #include <algorithm>
 #include <array>

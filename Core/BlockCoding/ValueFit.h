@@ -2,9 +2,9 @@
 #ifndef isosurface_ValueFit_h
 #define isosurface_ValueFit_h
 
-#include "BlockCoding/HeightFit.h"
 #include "BlockCoding/ValueDomain.h"
 #include "BlockCoding/ValueModel.h"
+#include "Prediction/HeightFit.h"
 
 #include <algorithm>
 #include <array>

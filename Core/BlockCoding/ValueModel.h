@@ -3,7 +3,7 @@
 #define isosurface_ValueModel_h
 
 #include "BlockCoding/ResidualCoder.h"
-#include "BlockCoding/SignRows.h"
+#include "Prediction/SignRows.h"
 
 #include <array>
 #include <cstddef>

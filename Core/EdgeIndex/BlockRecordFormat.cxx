@@ -3,7 +3,7 @@
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
-#include "BlockCoding/SignRows.h"
+#include "Prediction/SignRows.h"
 
 #include <cstdlib>
 

@@ -16,10 +16,10 @@ namespace isosurface
 namespace
 {
 
-/// Bytes at the begin of a record that tell its size.
+/// The maximum of bytes that the size of a record takes.
 constexpr std::size_t SizePrefix = 10;
 
-// Blocks of one isovalue, read when their turn comes.
+// Blocks of one isovalue; each is read when an extraction acquires it.
 class FileBlockSource : public BlockSource
 {
 public:
@@ -62,8 +62,8 @@ private:
   std::vector<std::size_t> Blocks;
 };
 
-// Whether a block has cells in a box, or is cut by a flat one. `step`: vertices of the grid between
-// two of the block.
+// Whether a block has cells in a box, or a flat box cuts it. step: the distance of the block's vertices
+// in the grid.
 bool Overlaps(const VertexBox& block, std::int64_t step, const VertexBox& box)
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -79,7 +79,7 @@ bool Overlaps(const VertexBox& block, std::int64_t step, const VertexBox& box)
   return true;
 }
 
-// Of entries in their order the part [piece, piece + 1) / pieces of their points.
+// Keeps those of the selected entries that belong to a piece; pieces have about equal numbers of points.
 void KeepPiece(const std::vector<EdgeIndexEntry>& entries, int piece, int pieces,
   std::vector<std::size_t>& selected)
 {
@@ -228,7 +228,7 @@ Status EdgeIndexFile::ScanRecords()
   if (atEnd)
   {
     this->Missing = this->GetPath() + ": the directory is damaged or cut off; all " +
-      std::to_string(this->Entries.size()) + " blocks are there.";
+      std::to_string(this->Entries.size()) + " blocks are complete.";
     return Status::Ok();
   }
   this->Missing = this->GetPath() +
@@ -298,8 +298,8 @@ Result<EdgeIndexRecord> EdgeIndexFile::ReadRecord(
   }
   if (used != bytes.size() || !(record->Block == place.Block))
   {
-    return Status(
-      StatusCode::Corrupt, this->GetPath() + ": the directory does not fit the record of a block.");
+    return Status(StatusCode::Corrupt,
+      this->GetPath() + ": the directory does not match the record of a block.");
   }
   return record;
 }

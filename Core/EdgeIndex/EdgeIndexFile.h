@@ -24,24 +24,23 @@ struct EdgeIndexSelection
 {
   /// The coarse preview instead of the surface.
   bool Preview = false;
-  /// Blocks that have cells in this box of vertices of the (fine) grid, or that it cuts if it is
-  /// flat. All blocks otherwise.
+  /// Only blocks that have cells in this box of vertices of the (fine) grid, or that the box cuts if
+  /// it is flat.
   std::optional<VertexBox> Box;
-  /// Places in EdgeIndexHeader::Isovalues; empty for all of them.
+  /// Indices of EdgeIndexHeader::Isovalues; empty for all of them.
   std::vector<std::size_t> Isovalues;
-  /// Of what is selected so far, one of so many parts with about as many points each.
+  /// One of so many pieces of what is selected so far, with about equal numbers of points.
   int Piece = 0;
   int NumberOfPieces = 1;
 };
 
 /**
- * An edge-index file (.eix), opened for reading. Opening reads the header and the directory; of the
- * rest only the records of the blocks that are asked for are read, each once, and decoded in
- * parallel.
+ * An edge-index file (.eix), opened for reading. Opening reads the header and the directory. Of the
+ * records, only those of the selected blocks are read, each once, and decoded in parallel.
  *
- * A file that is still being written, or was cut off, or whose directory is damaged, is read from
- * the begin up to the first record that is not complete; see IsComplete. Every record has a
- * checksum, which is looked at before anything is decoded.
+ * A file without a valid directory (still being written, cut off, damaged) is read from its start up
+ * to the first incomplete record; see IsComplete. The checksum of a record is verified before it is
+ * decoded.
  */
 class EdgeIndexFile
 {
@@ -57,21 +56,21 @@ public:
   std::uint64_t GetSize() const { return this->File->GetSize(); }
 
   bool IsComplete() const { return this->Missing.empty(); }
-  /// What is missing, in a sentence for the user; empty if the file is complete.
+  /// What is missing, as a message for the user; empty if the file is complete.
   const std::string& GetMissing() const { return this->Missing; }
 
-  /// The places of the selected blocks in GetEntries(). Errors: InvalidArgument.
+  /// The indices of the selected blocks in GetEntries(). Errors: InvalidArgument.
   Result<std::vector<std::size_t>> Select(const EdgeIndexSelection& selection) const;
 
-  /// Reads a record into `bytes`, to which it refers. Errors: Corrupt, IoError.
+  /// Reads a record into `bytes`, which it refers to. Errors: Corrupt, IoError.
   Result<EdgeIndexRecord> ReadRecord(std::size_t entry, std::vector<std::uint8_t>& bytes) const;
 
   /**
    * The surface of the selected blocks; see DecodeSurface. GlobalIds are those of the whole surface
-   * (of the preview: in its own grid), so that pieces can be joined.
+   * (for the preview, of its own grid), so that pieces can be joined.
    *
    * Errors: InvalidArgument, Corrupt, IoError, OutOfMemory, Aborted; they name the file. Memory
-   * beside the surface: a block a thread.
+   * beside the surface: one block for each thread.
    */
   Result<Surface> Read(const EdgeIndexSelection& selection, const ContourRequest& request,
     int threads, const Progress& progress = {}) const;

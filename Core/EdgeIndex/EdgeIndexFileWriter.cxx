@@ -21,7 +21,7 @@ EdgeIndexFileWriter::~EdgeIndexFileWriter()
   if (this->File)
   {
     this->File.reset();
-    // Nobody is left to be told; what cannot be removed is not taken for a complete file.
+    // An error cannot be reported here; a partial file is not taken for a complete one.
     static_cast<void>(this->Files.RemoveAll(GetPartialPath(this->Path)));
   }
 }
@@ -60,7 +60,7 @@ Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size
     (entry.Block.IsPreview ? this->PreviewEntries : this->Entries).push_back(entry);
     std::vector<std::uint8_t>& bytes = entry.Block.IsPreview ? this->Preview : kept;
     bytes.insert(bytes.end(), records + at, records + at + used);
-    // Where they come in the file must not depend on how many records are appended at a time.
+    // Their place in the file must not depend on how many records are appended at a time.
     if (this->Preview.size() >= MaximumPreviewBytes)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->File->Append(kept.data(), kept.size()));

@@ -19,13 +19,13 @@ namespace isosurface
 {
 
 /**
- * Writes an edge-index file (.eix): the header, records as they come, and at the end the directory
- * (EdgeIndexDirectory). Until then it stands beside its place (GetPartialPath), where a reader
- * finds the blocks that are complete; then it comes to its place in one step. A writer that is
- * dropped before leaves what was at the place as it was, and removes its own.
+ * Writes an edge-index file (.eix): the header, records in the order of appending, and the directory
+ * (EdgeIndexDirectory). Until Finish the file has the name GetPartialPath, from which readers get the
+ * complete blocks; then it is renamed. A writer that is destroyed before removes the partial file and
+ * leaves an older file as it was.
  *
- * Blocks of the preview are kept back until there is 1 MB of them, so that they stand together.
- * Memory: that, and about 100 bytes a record.
+ * Records of the preview are kept in memory until there is 1 MB of them, so that they are adjacent in
+ * the file. Memory: these, and about 100 bytes for each record.
  */
 class EdgeIndexFileWriter
 {
@@ -37,14 +37,14 @@ public:
   EdgeIndexFileWriter(const EdgeIndexFileWriter&) = delete;
   EdgeIndexFileWriter& operator=(const EdgeIndexFileWriter&) = delete;
 
-  /// Appends whole records (EdgeIndexEncoder::EncodeBlock), of any number of blocks, made by an
-  /// encoder with the same header. Errors: Corrupt, what the file system returns.
+  /// Appends records of any number of blocks, whole, from an encoder with the same header. Errors:
+  /// Corrupt, what the file system returns.
   Status Append(const std::uint8_t* records, std::size_t size);
 
-  /// Completes the file. Nothing may follow.
+  /// Writes the directory and renames the file. Nothing may follow.
   Status Finish();
 
-  /// So many bytes of the preview are kept back.
+  /// Records of the preview are written when they reach this size.
   static constexpr std::size_t MaximumPreviewBytes = std::size_t{ 1 } << 20;
 
   static std::string GetPartialPath(const std::string& path) { return path + ".part"; }
@@ -59,19 +59,19 @@ private:
   std::vector<std::uint8_t> HeaderBytes;
   std::unique_ptr<WritableFile> File;
   std::vector<EdgeIndexEntry> Entries;
-  std::vector<EdgeIndexEntry> PreviewEntries; ///< of what is kept back
+  std::vector<EdgeIndexEntry> PreviewEntries; ///< of Preview
   std::vector<std::uint8_t> Preview;
 };
 
-/// Brings a complete file from GetPartialPath(path) to its place, in one step and durably.
+/// Renames a complete file from GetPartialPath(path) to `path`, durably.
 Status PutEdgeIndexFileInPlace(FileSystem& files, const std::string& path);
 
 /**
- * The surface of a source as a file, encoded by `threads` threads; equal bytes for any number. The
- * header's NumberOfBlocks is set to the source's.
+ * Writes the surface of a source as a file. The bytes do not depend on the number of threads. The
+ * header's NumberOfBlocks is set to that of the source.
  *
- * Errors: InvalidArgument, what Acquire or the file system returns, OutOfMemory, Aborted; there is
- * no file then, or the one that was. Memory: see EncodeBlocks.
+ * Errors: InvalidArgument, what Acquire or the file system returns, OutOfMemory, Aborted; an older
+ * file stays then. Memory: see EncodeBlocks.
  */
 Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const EdgeIndexHeader& header,
   BlockSource& source, int threads, const Progress& progress = {});

@@ -68,7 +68,7 @@ Result<EdgeIndexFileSummary> EdgeIndexWriteJob::Run(const Progress& progress)
     this->File.reset();
     if (this->Ranks.GetRank() == 0)
     {
-      // What cannot be removed is not taken for a complete file.
+      // A partial file that cannot be removed is not taken for a complete one.
       static_cast<void>(this->Files.RemoveAll(EdgeIndexFileWriter::GetPartialPath(this->Path)));
     }
     return status;
@@ -76,7 +76,7 @@ Result<EdgeIndexFileSummary> EdgeIndexWriteJob::Run(const Progress& progress)
   return this->Summary;
 }
 
-// Rank 0 makes the file, then the others open it.
+// Rank 0 creates the file, then the others open it.
 Status EdgeIndexWriteJob::Begin()
 {
   std::vector<std::uint64_t> blocks = { this->Numbers.size() };
@@ -200,8 +200,8 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
   return Status::Ok();
 }
 
-// For each own block before `end`: its number, the number of its records, and of each the size and
-// the block, as in the directory.
+// For each own block before `end`: its number, the number of its records, and for each record its size
+// and EdgeIndexBlock, as in the directory.
 Message EdgeIndexWriteJob::DescribeBlocks(std::int64_t end) const
 {
   Message message;
@@ -291,7 +291,7 @@ Status EdgeIndexWriteJob::WriteRound(std::int64_t end)
   return this->Ranks.Agree(status);
 }
 
-// The same as EdgeIndexFileWriter::Append, of which only the own records are written.
+// Does what EdgeIndexFileWriter::Append does, but writes only the own records.
 Status EdgeIndexWriteJob::PlaceBlock(const RoundBlock& block, const std::uint8_t* bytes)
 {
   for (const EdgeIndexEntry& record : block.Records)
@@ -332,7 +332,7 @@ Status EdgeIndexWriteJob::FlushPreview()
   return Status::Ok();
 }
 
-// Gives a record the next place in the file, and writes it if its bytes are here.
+// Assigns the next offset in the file to a record, and writes it if `bytes` is not null.
 Status EdgeIndexWriteJob::Place(
   const EdgeIndexEntry& entry, const std::uint8_t* bytes, std::size_t size)
 {

@@ -21,27 +21,25 @@
 namespace isosurface
 {
 
-/// What a file was written of, and how large it became; the same on all ranks.
+/// What was written; the same on all ranks.
 struct EdgeIndexFileSummary
 {
-  std::uint64_t Records = 0; ///< of the surface; those of the preview not counted
-  std::uint64_t Points = 0;  ///< crossed edges of the blocks, shared ones once a block
+  std::uint64_t Records = 0; ///< without those of the preview
+  std::uint64_t Points = 0;  ///< crossed edges, counted in each block that has them
   std::uint64_t Bytes = 0;
 };
 
 /**
- * Writes the surface of the blocks of all ranks as one edge-index file, in rounds: each rank
- * encodes blocks of its own until its memory is full, all agree up to which block everything is
- * encoded, tell each other the sizes of the records up to there, and write their own ones to their
- * places, at once. Rank 0 adds the directory.
+ * Writes the surface of all ranks' blocks as one edge-index file, in rounds. Each rank encodes blocks
+ * until its memory is full; all agree up to which block everything is encoded, exchange the sizes of
+ * the records up to there, and write their own ones at once. Rank 0 adds the directory.
  *
- * Blocks stand in the order of their numbers, which the ranks have in common, whoever has them: the
- * file is, byte for byte, what EdgeIndexFileWriter makes of the records in that order. It appears
- * in one step (see there); if any rank fails, what was there before stays.
+ * The file has the blocks in the order of their numbers and is, byte for byte, what
+ * EdgeIndexFileWriter makes of these records, for any number of ranks. It is renamed when complete; if
+ * any rank fails, an older file stays.
  *
- * Memory of a rank: `memoryBytes` of records, with those of 16 blocks a thread that come on top, an
- * encoder and a block a thread; on rank 0 about 100 bytes a record. A rank whose blocks all come
- * late in the file waits, once its memory is full, for those of the others.
+ * Memory of a rank: MemoryBytes of records, plus those of 16 blocks, an encoder and a block for each
+ * thread; on rank 0 about 100 bytes for each record. A rank with full memory waits for the others.
  */
 class EdgeIndexWriteJob
 {
@@ -53,27 +51,27 @@ public:
   };
 
   /**
-   * numbers: of the source's blocks, in their order, ascending; no two blocks of any ranks have the
-   * same one. The header is the same on all ranks; its NumberOfBlocks becomes that of all blocks.
-   * The references must outlive the job.
+   * numbers: of the source's blocks, in their order, ascending; no two blocks of all ranks have the
+   * same number. The header is the same on all ranks; its NumberOfBlocks is set to that of all
+   * blocks. The references must outlive the job.
    */
   EdgeIndexWriteJob(Communicator& ranks, FileSystem& files, std::string path,
     const EdgeIndexHeader& header, BlockSource& source, const std::vector<std::int64_t>& numbers,
     const Settings& settings);
 
-  /// Collective. Errors, of any rank: InvalidArgument, what Acquire or the file system returns,
-  /// OutOfMemory, Aborted. Progress is told of this rank's blocks.
+  /// Collective. Errors of any rank: InvalidArgument, what Acquire or the file system returns,
+  /// OutOfMemory, Aborted. `progress` is that of this rank's blocks.
   Result<EdgeIndexFileSummary> Run(const Progress& progress = {});
 
 private:
-  /// The records of a block that are encoded and not written yet.
+  /// The encoded records of a block that are not written yet.
   struct PendingBlock
   {
     std::int64_t Number = 0;
     std::vector<std::uint8_t> Bytes;
   };
 
-  struct RoundBlock; ///< the records of a block of any rank's, as it told the others
+  struct RoundBlock; ///< the records of a block of any rank, as it described them
 
   Status Begin();
   Status WriteRounds(const Progress& progress);
@@ -99,17 +97,18 @@ private:
   std::vector<std::uint8_t> HeaderBytes;
   std::unique_ptr<WritableFile> File;
   std::vector<std::unique_ptr<EdgeIndexEncoder>> Encoders; ///< one a thread
-  std::size_t NextBlock = 0;                               ///< of the source, to be encoded
+  std::size_t NextBlock = 0; ///< of the source, the next one to encode
   std::deque<PendingBlock> Pending;
   std::uint64_t PendingBytes = 0;
 
   std::uint64_t Offset = 0;             ///< of the next record
-  std::vector<EdgeIndexEntry> Entries;  ///< of what has its place; on rank 0
-  std::vector<EdgeIndexEntry> Previews; ///< of what is kept back, in their order
+  std::vector<EdgeIndexEntry> Entries;  ///< records that have their offsets; on rank 0 only
+  std::vector<EdgeIndexEntry> Previews; ///< records of the preview that have no offset yet
   std::uint64_t PreviewBytes = 0;
-  std::vector<std::vector<std::uint8_t>> OwnPreviews; ///< bytes of Previews; empty if not ours
-  std::vector<std::uint8_t> Output;                   ///< own records that follow each other ...
-  std::uint64_t OutputOffset = 0;                     ///< ... from here on
+  std::vector<std::vector<std::uint8_t>>
+    OwnPreviews;                    ///< bytes of Previews; empty for other ranks' records
+  std::vector<std::uint8_t> Output; ///< own records that are adjacent in the file ...
+  std::uint64_t OutputOffset = 0;   ///< ... from here on
   EdgeIndexFileSummary Summary;
 };
 

@@ -26,13 +26,13 @@ void AppendBuffer(Buffer<T>& to, const Buffer<T>& from)
   to = std::move(joined);
 }
 
-// Blocks share points, which are the one's or the other's: if they tell different signs of the
-// vertices between them, cells may name points that nobody made.
+// Blocks share points; if their signs differ at shared vertices, cells may name points that no block
+// made.
 bool HasAllPoints(const Surface& surface)
 {
   const auto areBelow = [points = surface.NumberOfPoints](const auto& values)
   {
-    std::size_t strange = 0; // counted, as the compiler makes vectors of that
+    std::size_t strange = 0; // counted, so that the compiler vectorises the loop
     for (const auto value : values)
     {
       strange += static_cast<std::uint64_t>(value) >= points ? 1 : 0;
@@ -43,7 +43,7 @@ bool HasAllPoints(const Surface& surface)
                                       : areBelow(surface.Connectivity.Values32);
 }
 
-// The entries of both, those of `from` raised; the first `skip` entries of `to` from the end on go.
+// Appends the entries of `from`, each plus `raise`, to `to` without its last `drop` entries.
 void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, std::size_t drop)
 {
   const std::size_t kept = to.GetSize() - std::min(drop, to.GetSize());
@@ -79,7 +79,7 @@ void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, s
   to = std::move(joined);
 }
 
-// Makes the attribute that is the normals what they are.
+// Moves the normals from the attributes to where a surface has them; drops them if not wanted.
 void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
 {
   std::vector<SurfaceAttribute> others;
@@ -102,7 +102,7 @@ void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
   surface.Attributes = std::move(others);
 }
 
-// Joins the surface of the next isovalue to those before.
+// Appends the surface of the next isovalue.
 void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
 {
   for (std::int64_t& id : next.GlobalIds)
@@ -176,7 +176,7 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
     Result<Surface> next = ExtractSurface(header.Geometry, *sources[isovalue], one, threads, part);
     if (!next.IsOk())
     {
-      // The places of blocks are bytes, too.
+      // Blocks at impossible places come from corrupt bytes.
       const Status& status = next.GetStatus();
       return status.GetCode() == StatusCode::InvalidArgument
         ? Status(StatusCode::Corrupt, "The edge-index stream is corrupt: " + status.GetMessage())

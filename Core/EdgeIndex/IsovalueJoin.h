@@ -15,15 +15,13 @@ namespace isosurface
 {
 
 /**
- * The surface of decoded blocks: of each isovalue those of its own source, joined to what
- * ExtractSurface makes of several isovalues.
+ * Extracts the surface of decoded blocks: each isovalue from its own source, joined as ExtractSurface
+ * joins isovalues. sources: one for each isovalue of the header, null for those to leave out. The
+ * request's isovalues and attributes are ignored: the surface has all attributes of the header. If
+ * the request asks for normals, they must be among these (else InvalidArgument), since decoded samples
+ * have no gradients.
  *
- * sources: as many as the header has isovalues; null for one that is left out. Isovalues and
- * Attributes of the request are not used: the surface has all attributes of the header. Normals are
- * there if they are asked for and are among them; otherwise asking for them is an InvalidArgument,
- * since a surface by itself has no gradients.
- *
- * Errors: Corrupt (blocks that do not fit each other), InvalidArgument, OutOfMemory, Aborted, what
+ * Errors: Corrupt (blocks that do not fit together), InvalidArgument, OutOfMemory, Aborted, what
  * Acquire returns.
  */
 Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,

@@ -13,10 +13,8 @@
 namespace isosurface
 {
 
-/**
- * The blocks that a rank is to get, by place: one thread tells of each that is there, others wait
- * for the one that they need next.
- */
+/// The blocks that a rank receives, by place. One thread reports each block that has arrived; others
+/// wait for the block that they need next.
 class ArrivingBlocks
 {
 public:
@@ -24,13 +22,13 @@ public:
 
   const std::vector<BlockDescription>& GetBlocks() const { return this->Blocks; }
 
-  /// The block's bytes, of the size of its description; waits for them. Null if there will be none.
+  /// The block's bytes, as many as its description says. Waits for them; null after GiveUp.
   const std::uint8_t* Wait(std::size_t block);
 
-  /// The block's bytes are there; they must outlive all waiting.
+  /// Reports that a block has arrived. The bytes must outlive the object.
   void Arrive(std::size_t block, const std::uint8_t* bytes);
 
-  /// No further block will come.
+  /// Reports that no further block will arrive.
   void GiveUp();
 
 private:

@@ -12,13 +12,13 @@
 namespace isosurface
 {
 
-/// What all ranks are told of a block before its surface travels.
+/// What all ranks know of a block before its records travel.
 struct BlockDescription
 {
   VertexBox Vertices;
   Index3 Lattice{};                  ///< see BlockSource
-  std::vector<std::uint64_t> Points; ///< of each isovalue: crossed edges, shared faces included
-  std::uint64_t Bytes = 0;           ///< that its surface travels as
+  std::vector<std::uint64_t> Points; ///< for each isovalue: crossed edges, including shared faces
+  std::uint64_t Bytes = 0;           ///< of its records
 
   std::uint64_t CountPoints() const
   {
@@ -26,7 +26,7 @@ struct BlockDescription
   }
 };
 
-/// The error for whatever came otherwise than it was sent.
+/// The error for messages that differ from what was sent.
 inline Status MakeDamagedMessage()
 {
   return { StatusCode::Corrupt, "A message of isosurface blocks between ranks arrived damaged." };

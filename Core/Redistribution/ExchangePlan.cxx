@@ -48,7 +48,7 @@ Status ReadDescription(
   return reader.HasFailed() || block.Bytes > MaximumBytes ? MakeDamagedMessage() : Status::Ok();
 }
 
-// The blocks of all ranks, those of a rank in the order of its message.
+// Reads the descriptions of all ranks' blocks.
 Status ReadDescriptions(const std::vector<Message>& messages, const Index3& dimensions,
   std::size_t isovalues, std::uint64_t roundBytes, std::vector<ExchangePlan::IncomingBlock>& blocks)
 {

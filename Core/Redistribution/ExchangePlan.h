@@ -15,8 +15,8 @@ namespace isosurface
 {
 
 /**
- * Which block goes where and when, as one rank needs it: computed by each from what all say of
- * their blocks, so that the sizes of all messages are known before the first one is sent.
+ * Which block goes where and when, as one rank needs it. Every rank computes it from the descriptions
+ * of all blocks, so the sizes of all messages are known before the first one is sent.
  *
  * A rank sends its blocks in the order in which it described them. A round ends with the block by
  * which the rank has sent `roundBytes` in it.
@@ -35,20 +35,20 @@ struct ExchangePlan
     std::size_t Round = 0;
   };
 
-  std::vector<OwnBlock> Own;                      ///< in the order in which they were described
-  std::vector<IncomingBlock> Incoming;            ///< by place: z, y, x
-  std::vector<std::vector<std::size_t>> BySource; ///< of each rank, its places in Incoming as sent
-  std::size_t Rounds = 0;                         ///< of the rank that has most
+  std::vector<OwnBlock> Own;           ///< in the order of their descriptions
+  std::vector<IncomingBlock> Incoming; ///< by place: z, y, x
+  std::vector<std::vector<std::size_t>>
+    BySource;             ///< for each rank, indices in Incoming in the order of sending
+  std::size_t Rounds = 0; ///< the maximum of all ranks
 
-  /// What one rank tells all others of its blocks. Of each: axis by axis, the low vertex, the
-  /// number of vertices, and the lattice coordinate; the points by isovalue; the bytes. Numbers as
-  /// in CodedNumbers.h.
+  /// Packs the descriptions of a rank's blocks. For each block: for each axis low vertex, number of
+  /// vertices, lattice coordinate; points for each isovalue; bytes. All are varints of Base/Coding.h.
   static Message Describe(const std::vector<BlockDescription>& blocks);
 
   /**
-   * messages: those of all ranks; blocks go to the ranks 0 to parts - 1, see MakeCompactPartition.
-   * Errors: Corrupt. Cost: memory about 120 bytes a block of all ranks, let go in the end but for
-   * the blocks that `rank` sends and gets.
+   * messages: of all ranks; blocks go to the ranks 0 to parts - 1, see MakeCompactPartition. Errors:
+   * Corrupt. Memory: about 120 bytes for each block of all ranks, kept only for the blocks that `rank`
+   * sends and receives.
    */
   static Result<ExchangePlan> Make(const std::vector<Message>& messages, std::size_t rank,
     const GridGeometry& geometry, std::size_t isovalues, std::uint32_t parts,

@@ -17,7 +17,7 @@ namespace isosurface
 namespace
 {
 
-// The share of the work that is done when all own blocks are encoded, for progress.
+// The fraction of the progress at which all own blocks are encoded.
 constexpr double EncodingShare = 0.5;
 
 using Clock = std::chrono::steady_clock;
@@ -27,7 +27,7 @@ double GetSecondsSince(Clock::time_point begin)
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// What `step` returns, or that there is not enough memory, or no further thread, for it.
+// Returns what `step` returns, or an error if memory or threads run out.
 template <typename Step>
 Status RunWithinMemory(Step&& step)
 {
@@ -47,7 +47,7 @@ Status RunWithinMemory(Step&& step)
   }
 }
 
-// Whether all ranks were told the same. Collective.
+// Whether all ranks received the same messages. Collective.
 bool IsSameOnAllRanks(Communicator& ranks, const std::vector<Message>& messages)
 {
   std::uint64_t sum = 0;
@@ -154,7 +154,7 @@ Status SurfaceExchange::MakePlan()
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(described));
   this->Spent.SentBytes += mine.size() * static_cast<std::uint64_t>(this->Ranks.GetSize() - 1);
   const std::vector<Message> messages = this->Ranks.AllGather(mine);
-  // Plans that differ would leave ranks waiting for each other.
+  // With different plans, ranks would wait for each other forever.
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
     IsSameOnAllRanks(this->Ranks, messages) ? Status::Ok() : MakeDamagedMessage()));
   return this->Ranks.Agree(RunWithinMemory(
@@ -217,7 +217,7 @@ Status SurfaceExchange::SendRounds(SurfaceUnpacking& unpacking, const Progress& 
   return this->Ranks.Agree(status);
 }
 
-// All that delivering needs is there afterwards: it cannot fail on one rank alone.
+// Allocates all that delivering needs, so that it cannot fail on one rank alone.
 void SurfaceExchange::FillRound(
   std::size_t round, std::vector<Message>& outgoing, std::vector<Message>& incoming)
 {

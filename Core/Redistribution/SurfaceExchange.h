@@ -52,15 +52,15 @@ public:
   struct Cost
   {
     std::uint64_t EncodedBlocks = 0;
-    std::uint64_t EncodedPoints = 0; ///< crossed edges of the own blocks, shared ones once a block
+    std::uint64_t EncodedPoints = 0; ///< crossed edges, counted in each own block that has them
     std::uint64_t EncodedBytes = 0;  ///< of all own blocks
-    std::uint64_t SentBytes = 0;     ///< of those that went to other ranks, and descriptions
+    std::uint64_t SentBytes = 0;     ///< to other ranks, including descriptions
     std::uint64_t ReceivedBlocks = 0;
-    std::uint64_t ReceivedPoints = 0; ///< crossed edges of the blocks, shared ones once a block
+    std::uint64_t ReceivedPoints = 0; ///< crossed edges, counted in each block that has them
     std::uint64_t Rounds = 0;
     double EncodeSeconds = 0;
-    double ChooseSeconds = 0;   ///< of step 2, waiting for slower ranks included
-    double ExchangeSeconds = 0; ///< of the rounds, waiting for slower ranks included
+    double ChooseSeconds = 0;   ///< for step 2, including waiting for slower ranks
+    double ExchangeSeconds = 0; ///< for the rounds, including waiting for slower ranks
     double DecodeSeconds = 0;   ///< from the last round to the finished surface
   };
 

@@ -28,7 +28,7 @@ ContourRequest MakeAttributedRequest(const std::vector<double>& isovalues)
 
 } // namespace
 
-TEST(EdgeIndexAttributes, ComeBackBitByBitInEveryMode)
+TEST(EdgeIndexAttributes, AreBitwiseEqualInEveryMode)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 50, 35, 20 }, 0.3);
   const std::vector<double> isovalues = { 120.5, 90, 255 };
@@ -58,7 +58,7 @@ TEST(EdgeIndexAttributes, ComeBackBitByBitInEveryMode)
   }
 }
 
-TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndOddOnesAreKept)
+TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndExceptionsAreKept)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 40, 35, 20 }, 0.3);
   const ContourRequest request = MakeAttributedRequest({ 120.5 });
@@ -107,7 +107,7 @@ TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndOddOnesAreKept)
   }
 }
 
-TEST(EdgeIndexAttributes, NormalsAreGivenIfAskedFor)
+TEST(EdgeIndexAttributes, NormalsAreDecodedOnlyIfRequested)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
@@ -121,7 +121,7 @@ TEST(EdgeIndexAttributes, NormalsAreGivenIfAskedFor)
   EXPECT_EQ(decoded->Attributes.size(), 3u);
 }
 
-TEST(EdgeIndexAttributes, OfPointsThatAreMergedAtAVertexAreThoseOfTheirEdges)
+TEST(EdgeIndexAttributes, PointsMergedAtAVertexHaveTheTuplesOfTheirEdges)
 {
   // Values that are whole numbers, contoured at one: many points lie at vertices.
   const auto volume = MakeWaves<std::uint8_t>({ 30, 20, 20 }, 0.3);
@@ -163,7 +163,7 @@ TEST(EdgeIndexAttributes, OfPointsThatAreMergedAtAVertexAreThoseOfTheirEdges)
   }
 }
 
-TEST(EdgeIndexAttributes, CannotBeGivenAtSidesOfTheGrid)
+TEST(EdgeIndexAttributes, AreRefusedOnClosedSidesOfTheGrid)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
@@ -177,7 +177,7 @@ TEST(EdgeIndexAttributes, CannotBeGivenAtSidesOfTheGrid)
     StatusCode::InvalidArgument);
 }
 
-TEST(EdgeIndexAttributes, ThoseThatDoNotFitTheHeaderAreRefused)
+TEST(EdgeIndexAttributes, ArraysThatDoNotMatchTheHeaderAreRefused)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   TestBlockSource<std::uint8_t> without(volume, 16);

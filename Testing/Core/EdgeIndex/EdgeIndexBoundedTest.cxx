@@ -107,7 +107,7 @@ TEST(EdgeIndexBounded, PointsOnFacesThatBlocksShareAreThoseInsideOfLargerBlocks)
   }
 }
 
-TEST(EdgeIndexBounded, NoPointIsFurtherFromItsExactCrossing)
+TEST(EdgeIndexBounded, NoPointIsFurtherFromItsExactCrossingThanTheMaximumError)
 {
   auto smooth = MakeWaves<std::int16_t>({ 70, 40, 30 }, 0);
   smooth.Geometry.Extent = { -1000, -931, 2000, 2039, 0, 29 };
@@ -117,12 +117,12 @@ TEST(EdgeIndexBounded, NoPointIsFurtherFromItsExactCrossing)
   ExpectBounded(MakeWaves<double>({ 40, 30, 30 }, 1), 0.01, 32);
 }
 
-TEST(EdgeIndexBounded, IntegersOf64BitsAreBoundedTooAsFarAsDoublesTellThem)
+TEST(EdgeIndexBounded, IntegersOf64BitsAreBoundedUpToThePrecisionOfDoubles)
 {
   ExpectBounded(MakeWaves<std::int64_t>({ 30, 30, 30 }, 0.3), 1000.5, 32);
 }
 
-TEST(EdgeIndexBounded, CrossingsThatAreNotNumbersStayThat)
+TEST(EdgeIndexBounded, CrossingsThatAreNotNumbersStayNaN)
 {
   auto volume = MakeWaves<float>({ 30, 30, 30 }, 0.1);
   std::mt19937 random(4);

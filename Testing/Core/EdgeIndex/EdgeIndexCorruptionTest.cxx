@@ -92,7 +92,7 @@ TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
   }
 }
 
-TEST(EdgeIndexCorruption, NormalsOfAStreamAreRefused)
+TEST(EdgeIndexCorruption, NormalsThatAreNotInTheStreamAreRefused)
 {
   const std::vector<std::uint8_t> good =
     EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);

@@ -117,7 +117,7 @@ TEST(EdgeIndexFile, ThreadsDoNotChangeTheBytes)
   EXPECT_EQ(one.GetFile(Path), three.GetFile(Path));
 }
 
-TEST(EdgeIndexFile, ABoxReadsTheBlocksThatItMeetsOnly)
+TEST(EdgeIndexFile, ABoxReadsOnlyTheBlocksThatItOverlaps)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 129, 65, 65 }, 0.2);
   MemoryDisk disk;
@@ -206,7 +206,7 @@ TEST(EdgeIndexFile, ThePreviewIsTheSurfaceOfEveryFourthVertex)
                             ->size()));
 }
 
-TEST(EdgeIndexFile, ThePreviewIsCodedInTheFastProfileWhateverThatOfTheSurface)
+TEST(EdgeIndexFile, ThePreviewIsCodedInTheProfileFastInAllProfiles)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 65, 65, 65 }, 0.2);
   EdgeIndexHeader header = MakeFileHeader(volume, { 120.5, 150 });
@@ -328,7 +328,7 @@ TEST(EdgeIndexFile, EveryCutLeavesTheBlocksBeforeIt)
   }
 }
 
-TEST(EdgeIndexFile, AShortFileIsCutOffOnlyIfItBeginsAsOne)
+TEST(EdgeIndexFile, AShortFileIsCutOffOnlyIfItHasTheMagicNumber)
 {
   MemoryDisk disk;
   const MemoryDisk::Bytes good = WriteSmallFile(disk);
@@ -362,7 +362,7 @@ TEST(EdgeIndexFile, EveryFlippedByteIsFound)
   }
 }
 
-TEST(EdgeIndexFile, ADamagedDirectoryCostsNoBlock)
+TEST(EdgeIndexFile, ADamagedDirectoryLosesNoBlock)
 {
   MemoryDisk disk;
   const MemoryDisk::Bytes whole = WriteSmallFile(disk);
@@ -383,7 +383,7 @@ TEST(EdgeIndexFile, OpeningReadsHeaderAndDirectoryOnly)
   EXPECT_LT(disk.GetBytesRead(Path), disk.GetFile(Path).size() / 20);
 }
 
-TEST(EdgeIndexFile, AWriteThatFailsLeavesWhatWasThere)
+TEST(EdgeIndexFile, AFailedWriteLeavesTheOldFile)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 40, 36, 33 }, 0.2);
   const EdgeIndexHeader header = MakeFileHeader(volume, { 120.5 });
@@ -411,7 +411,7 @@ TEST(EdgeIndexFile, AWriteThatFailsLeavesWhatWasThere)
   }
 }
 
-TEST(EdgeIndexFile, WhatIsNotInTheFileCannotBeAskedFor)
+TEST(EdgeIndexFile, SelectionsThatTheFileDoesNotHaveAreRefused)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.2);
   EdgeIndexHeader header = MakeFileHeader(volume, { 120.5 });
@@ -438,7 +438,7 @@ TEST(EdgeIndexFile, WhatIsNotInTheFileCannotBeAskedFor)
     EdgeIndexFile::Open(disk, "/data/none.eix").GetStatus().GetCode(), StatusCode::NotFound);
 }
 
-TEST(EdgeIndexFile, HeadersThatCannotBeAreRefused)
+TEST(EdgeIndexFile, InvalidHeadersAreRefused)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.2);
   MemoryDisk disk;

@@ -124,7 +124,7 @@ TEST(EdgeIndex, TheDecodedSurfaceIsThatOfPlainMarchingCubes)
   EXPECT_TRUE(plain == MakePlain(*decoded));
 }
 
-TEST(EdgeIndex, CheckerboardsAndSingleCellsComeBack)
+TEST(EdgeIndex, CheckerboardsAndSingleCellsAreEqualAfterDecoding)
 {
   for (const Index3& size : { Index3{ 2, 2, 2 }, Index3{ 17, 2, 5 }, Index3{ 66, 33, 34 } })
   {
@@ -147,7 +147,7 @@ TEST(EdgeIndex, CheckerboardsAndSingleCellsComeBack)
   }
 }
 
-TEST(EdgeIndex, ASurfaceThatIsNotThereIsAHeaderOnly)
+TEST(EdgeIndex, AnEmptySurfaceIsAHeaderOnly)
 {
   const SampleVolume<float> volume({ 20, 20, 20 });
   TestBlockSource<float> source(volume, 16);
@@ -163,13 +163,13 @@ TEST(EdgeIndex, ASurfaceThatIsNotThereIsAHeaderOnly)
   EXPECT_EQ(decoded->NumberOfPoints, 0u);
 }
 
-TEST(EdgeIndex, SeveralIsovaluesAreTheExtractorsParts)
+TEST(EdgeIndex, SeveralIsovaluesBecomeTheExtractorsParts)
 {
   const auto volume = MakeWaves<std::uint16_t>({ 60, 40, 30 }, 0.1);
   ExpectLossless(volume, { 30000.5, 33000.25, 64000, 35000 }, 32, EdgeIndexProfile::Default);
 }
 
-TEST(EdgeIndex, NeighboursThatAreNotEncodedLeaveTheRestAsItIs)
+TEST(EdgeIndex, LeavingOutBlocksDoesNotChangeTheOthers)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 64, 48, 40 }, 0.2);
   TestBlockSource<std::uint8_t> source(volume, 16);
@@ -202,7 +202,7 @@ TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
   EXPECT_TRUE(HaveEqualBytes(first->Points, second->Points));
 }
 
-TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndComeCloser)
+TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
 {
   const auto volume = MakeWaves<float>({ 50, 40, 30 }, 0.1);
   TestBlockSource<float> source(volume, 32);
@@ -237,7 +237,7 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndComeCloser)
   }
 }
 
-TEST(EdgeIndex, WhatCannotBeEncodedIsRefused)
+TEST(EdgeIndex, InvalidBlocksAreRefused)
 {
   const auto volume = MakeWaves<float>({ 20, 20, 20 }, 0);
   TestBlockSource<float> source(volume, 16);

@@ -158,7 +158,7 @@ TEST(EdgeIndexWriteJob, RanksThreadsAndMemoryDoNotChangeTheBytes)
   }
 }
 
-TEST(EdgeIndexWriteJob, PreviewsStandTogetherWhereASingleWriterPutsThem)
+TEST(EdgeIndexWriteJob, PreviewsAreWhereASingleWriterPutsThem)
 {
   // More than what is kept back of a preview at a time.
   Writing<float> writing;
@@ -187,7 +187,7 @@ TEST(EdgeIndexWriteJob, PreviewsStandTogetherWhereASingleWriterPutsThem)
   EXPECT_LE(changes, 2 * static_cast<int>(preview / EdgeIndexFileWriter::MaximumPreviewBytes) + 2);
 }
 
-TEST(EdgeIndexWriteJob, ARankThatFailsLeavesTheOldFileAndAllRanksTell)
+TEST(EdgeIndexWriteJob, AFailedRankLeavesTheOldFileAndAllRanksReportIt)
 {
   Writing<std::uint8_t> writing;
   const MemoryDisk::Bytes old = { 1, 2, 3 };
@@ -207,7 +207,7 @@ TEST(EdgeIndexWriteJob, ARankThatFailsLeavesTheOldFileAndAllRanksTell)
   }
 }
 
-TEST(EdgeIndexWriteJob, AFullDiskLeavesTheOldFileAndAllRanksTell)
+TEST(EdgeIndexWriteJob, AFullDiskLeavesTheOldFileAndAllRanksReportIt)
 {
   Writing<std::uint8_t> writing;
   MemoryDisk whole;
@@ -226,7 +226,7 @@ TEST(EdgeIndexWriteJob, AFullDiskLeavesTheOldFileAndAllRanksTell)
   }
 }
 
-TEST(EdgeIndexWriteJob, StopsWhenAskedTo)
+TEST(EdgeIndexWriteJob, StopsWhenProgressReturnsFalse)
 {
   Writing<std::uint8_t> writing;
   MemoryDisk disk;

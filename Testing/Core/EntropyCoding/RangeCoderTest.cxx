@@ -72,7 +72,7 @@ std::vector<Decision> MakeDecisions(unsigned seed)
 
 } // namespace
 
-TEST(RangeCoder, GivesBackWhatWasCodedAndEndsWhereItEnded)
+TEST(RangeCoder, DecodesWhatWasEncodedAndReadsAllBytes)
 {
   for (unsigned seed = 0; seed < 40; ++seed)
   {
@@ -94,7 +94,7 @@ TEST(RangeCoder, GivesBackWhatWasCodedAndEndsWhereItEnded)
   }
 }
 
-TEST(RangeCoder, KeepsBytesThatWereThereBefore)
+TEST(RangeCoder, KeepsEarlierBytes)
 {
   std::vector<std::uint8_t> bytes = { 255, 255, 255 };
   RangeEncoder encoder(bytes);
@@ -108,7 +108,7 @@ TEST(RangeCoder, KeepsBytesThatWereThereBefore)
     (std::vector<std::uint8_t>{ 255, 255, 255 }));
 }
 
-TEST(RangeCoder, SpendsAboutWhatTheProbabilitiesSay)
+TEST(RangeCoder, CodesInAboutTheEntropy)
 {
   std::vector<std::uint8_t> bytes;
   RangeEncoder encoder(bytes);
@@ -123,7 +123,7 @@ TEST(RangeCoder, SpendsAboutWhatTheProbabilitiesSay)
   EXPECT_NEAR(static_cast<double>(bytes.size()), entropy, 0.02 * entropy);
 }
 
-TEST(RangeCoder, AnyBytesDecodeToSomethingAndAreFoundExhausted)
+TEST(RangeCoder, AnyBytesDecodeAndExhaustionIsFound)
 {
   const std::vector<Decision> decisions = MakeDecisions(5);
   for (const std::size_t size : { 0, 1, 5, 100 })

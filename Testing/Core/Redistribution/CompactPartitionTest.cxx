@@ -131,7 +131,7 @@ std::uint64_t FindHeaviest(const std::vector<WeighedBlock>& blocks)
 
 } // namespace
 
-TEST(CompactPartition, NoPartHasMoreThanTheMeanAndOnePointThreeBlocks)
+TEST(CompactPartition, NoPieceHasMoreThanTheMeanPlusOnePointThreeBlocks)
 {
   std::mt19937 random(3);
   for (int trial = 0; trial < 300; ++trial)
@@ -170,7 +170,7 @@ TEST(CompactPartition, IsWithinOnePointThreeBlocksOfTheBestOfAllAssignments)
   }
 }
 
-TEST(CompactPartition, PartsOfALineOfBlocksAreItsBestCuts)
+TEST(CompactPartition, PiecesOfALineOfBlocksAreItsBestCuts)
 {
   std::mt19937 random(5);
   for (int trial = 0; trial < 50; ++trial)
@@ -191,7 +191,7 @@ TEST(CompactPartition, PartsOfALineOfBlocksAreItsBestCuts)
   }
 }
 
-TEST(CompactPartition, BoxesOfPartsHaveLittleMoreVolumeThanThatOfAll)
+TEST(CompactPartition, BoxesOfPiecesHaveLittleMoreVolumeThanTheWhole)
 {
   std::mt19937 random(1);
   const auto blocks = MakeShell(random);
@@ -259,7 +259,7 @@ TEST(CompactPartition, DoesNotDependOnTheOrderOfTheBlocks)
   }
 }
 
-TEST(CompactPartition, TakesFewerBlocksThanParts)
+TEST(CompactPartition, AcceptsFewerBlocksThanPieces)
 {
   std::mt19937 random(1);
   EXPECT_TRUE(MakeCompactPartition({}, 5, Cubic).empty());

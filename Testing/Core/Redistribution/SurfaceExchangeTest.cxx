@@ -214,7 +214,7 @@ TEST(SurfaceExchange, OneDrawingRankHasTheExtractedSurfaceBitByBit)
   }
 }
 
-TEST(SurfaceExchange, PartsOfAllRanksAreTheWholeSurfaceNormalsIncluded)
+TEST(SurfaceExchange, PiecesOfAllRanksAreTheWholeSurfaceWithNormals)
 {
   PlainSurface expected = ContourPlainly(GetVolume(), Isovalues);
   std::sort(expected.Triangles.begin(), expected.Triangles.end());
@@ -255,7 +255,7 @@ TEST(SurfaceExchange, PolygonsArriveAsTheyWere)
     });
 }
 
-TEST(SurfaceExchange, MovedPointsOfABoundedSurfaceMeetWherePartsDo)
+TEST(SurfaceExchange, PointsOfABoundedSurfaceAreEqualWherePiecesMeet)
 {
   const EdgeIndexHeader header = MakeVolumeHeader(EdgeIndexMode::Bounded);
   TestBlockSource<std::uint8_t> all(GetVolume(), BlockSize);
@@ -272,7 +272,7 @@ TEST(SurfaceExchange, MovedPointsOfABoundedSurfaceMeetWherePartsDo)
   }
 }
 
-TEST(SurfaceExchange, PartsDoNotDependOnWhereTheBlocksWere)
+TEST(SurfaceExchange, PiecesDoNotDependOnWhereTheBlocksWere)
 {
   const Outcome expected =
     Redistribute(3, EdgeIndexMode::Smallest, MakeSettings(3, 1 << 20), DealToLast);
@@ -288,7 +288,7 @@ TEST(SurfaceExchange, PartsDoNotDependOnWhereTheBlocksWere)
   }
 }
 
-TEST(SurfaceExchange, PartsHaveEqualTrianglesWithinAHeavyBlock)
+TEST(SurfaceExchange, PiecesHaveAboutEqualNumbersOfTriangles)
 {
   const Outcome outcome =
     Redistribute(4, EdgeIndexMode::Lossless, MakeSettings(0, 1 << 20), DealToLast);
@@ -339,7 +339,7 @@ TEST(SurfaceExchange, EmptySourcesMakeEmptySurfaces)
   }
 }
 
-TEST(SurfaceExchange, ARankThatFailsEndsItOnAllRanks)
+TEST(SurfaceExchange, AFailedRankStopsAllRanks)
 {
   const EdgeIndexHeader header = MakeVolumeHeader(EdgeIndexMode::Lossless);
   std::vector<Status> errors(4);

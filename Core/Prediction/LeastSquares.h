@@ -12,11 +12,9 @@ namespace isosurface
 {
 
 /**
- * Solves normal equations of `Size` unknowns.
- *
- * Integers throughout, so that it is the same on every machine: the equations are brought to 58
- * bits and solved by Cholesky's factorisation with factors of 30 bits. A ridge of 2^-16 of the
- * largest diagonal entry keeps them solvable.
+ * Solves normal equations of `Size` unknowns in integers, so that the result is the same on every
+ * machine. The equations are scaled to 58 bits and solved by Cholesky's factorisation, with factors
+ * of 30 bits. A ridge of 2^-16 of the maximum diagonal entry keeps them solvable.
  */
 template <int Size>
 class LeastSquares
@@ -24,12 +22,12 @@ class LeastSquares
 public:
   static constexpr int WeightBits = 16;
 
-  /// Lower triangle of the products of inputs; the last row has those with the target.
+  /// Lower triangle of the products of inputs; the last row has the products with the target.
   using Equations = std::array<std::array<std::int64_t, Size>, Size + 1>;
 
   using Weights = std::array<std::int32_t, Size>;
 
-  /// Factors the equations; false if they tell nothing. targetSquare: the product of the target
+  /// Factors the equations; false if they cannot be solved. targetSquare: the product of the target
   /// with itself.
   bool Factor(const Equations& products, std::int64_t targetSquare)
   {
@@ -51,11 +49,11 @@ public:
         sum = products[i][j] * scale - sum;
         if (i != j)
         {
-          this->Factors[i][j] = Divide(sum, this->Reciprocals[j], MostFactor);
+          this->Factors[i][j] = Divide(sum, this->Reciprocals[j], MaximumFactor);
           continue;
         }
         sum += Ridge;
-        if (sum < LeastPivot)
+        if (sum < MinimumPivot)
         {
           return false;
         }
@@ -66,8 +64,7 @@ public:
     return true;
   }
 
-  /// Sets the weights of the first `count` inputs, the others being left out, in units of
-  /// 2^-WeightBits.
+  /// Computes the weights of a fit to the first `count` inputs alone, in units of 2^-WeightBits.
   void Substitute(std::size_t count, Weights& weights) const
   {
     for (std::size_t i = count; i-- > 0;)
@@ -77,19 +74,19 @@ public:
       {
         sum -= std::int64_t{ this->Factors[k][i] } * weights[k];
       }
-      weights[i] = Divide(sum, this->Reciprocals[i], MostWeight);
+      weights[i] = Divide(sum, this->Reciprocals[i], MaximumWeight);
     }
   }
 
 private:
   static constexpr int ReciprocalBits = 60;
   static constexpr std::int64_t Ridge = std::int64_t{ 1 } << 42;
-  static constexpr std::int64_t LeastPivot = std::int64_t{ 1 } << 40;
-  // Whatever comes, sums of products stay below 2^63.
-  static constexpr std::int64_t MostFactor = 1 << 29;
-  static constexpr std::int64_t MostWeight = 8 << WeightBits;
+  static constexpr std::int64_t MinimumPivot = std::int64_t{ 1 } << 40;
+  // With these bounds, sums of products stay below 2^63.
+  static constexpr std::int64_t MaximumFactor = 1 << 29;
+  static constexpr std::int64_t MaximumWeight = 8 << WeightBits;
 
-  // sum / divisor, rounded down, by the divisor's reciprocal; within +-maximum.
+  // sum / divisor, rounded down, by the divisor's reciprocal; within -maximum .. maximum.
   static std::int32_t Divide(std::int64_t sum, std::int64_t reciprocal, std::int64_t maximum)
   {
     __extension__ using Wide = __int128;
@@ -97,7 +94,7 @@ private:
     return static_cast<std::int32_t>(std::clamp(quotient, -maximum, maximum));
   }
 
-  // The square root, rounded down. That of floating point is next to it, however it rounds.
+  // The square root, rounded down. Floating point gives it or a neighbour, however it rounds.
   static std::int32_t FindRoot(std::int64_t number)
   {
     auto root = static_cast<std::int64_t>(std::sqrt(static_cast<double>(number)));
@@ -109,7 +106,7 @@ private:
     {
       ++root;
     }
-    return static_cast<std::int32_t>(std::min(root, MostFactor));
+    return static_cast<std::int32_t>(std::min(root, MaximumFactor));
   }
 
   alignas(32) std::array<std::array<std::int32_t, Size>, Size + 1> Factors;

@@ -2,7 +2,7 @@
 #ifndef isosurface_CrossingFit_h
 #define isosurface_CrossingFit_h
 
-#include "BlockCoding/SignRows.h"
+#include "Prediction/SignRows.h"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@ namespace isosurface
 
 constexpr std::size_t CrossingPlaneSize = (MaximumCodedVertices + 4) * std::size_t(80);
 
-/// Where on the edges along one axis that begin at the vertices of a slice the crossings are, in
-/// units of 1 / CrossingFit::Unit, and which edges are crossed: row y stands at y + 2.
+/// The crossings of the edges along one axis that begin in a slice: their positions, in units of
+/// 1 / CrossingFit::Unit, and which edges are crossed. Row y is stored at y + 2.
 struct CrossingPlane
 {
   std::array<std::int16_t, CrossingPlaneSize> Positions;
@@ -26,13 +26,13 @@ struct CrossingPlane
 using CrossingPlanes = std::array<std::array<CrossingPlane, 3>*, 3>;
 
 /**
- * Predicts where on an edge the surface is, from where it was on edges nearby: the zero of a linear
- * function that is fitted, by weighted least squares, to 0 at those points and, with little weight,
- * to -0.7 and 0.7 at vertices outside and inside. Edges that are crossed but not decoded yet count
- * a little as well, by their middles.
+ * Predicts the crossing of an edge from crossings of edges nearby: the zero of a linear function that
+ * is fitted by weighted least squares to 0 at those points and, with little weight, to -0.7 and 0.7
+ * at vertices outside and inside. Crossed edges that are not decoded yet count a little, with their
+ * middles.
  *
- * In integers throughout, so that encoder and decoder agree on every machine: sums of products are
- * exact, the mean is taken out, and the three equations that are left are solved by Cramer's rule.
+ * In integers, so that encoders and decoders on every machine agree: sums of products are exact, the
+ * mean is subtracted, and the remaining three equations are solved by Cramer's rule.
  */
 class CrossingFit
 {
@@ -40,8 +40,8 @@ public:
   static constexpr std::ptrdiff_t RowStride = 80;
   static constexpr std::ptrdiff_t RowMargin = 8;
   static constexpr std::int32_t Unit = 1024;       ///< of positions on an edge
-  static constexpr std::int32_t FineUnit = 65536;  ///< of predicted ones
-  static constexpr std::int32_t WeightUnit = 4096; ///< of 1
+  static constexpr std::int32_t FineUnit = 65536;  ///< of predicted positions
+  static constexpr std::int32_t WeightUnit = 4096; ///< the weight 1
   static constexpr std::int16_t None = -1;         ///< for edges without a crossing
   static constexpr std::int16_t Later = -2;        ///< for crossings that are not decoded yet
 
@@ -49,45 +49,45 @@ public:
   {
     std::int32_t Position = FineUnit / 2; ///< 0 to FineUnit
     int Steepness = 0;                    ///< how straight the surface crosses the edge, 0 to 7
-    int Number = 0;                       ///< of crossings that were used
+    int Number = 0;                       ///< decoded crossings that were used
   };
 
   /// The only one; made once.
   static const CrossingFit& Get();
 
-  /// at: the place of the edge's first vertex (x, y) in a plane; inside: its sign; slices: the
-  /// signs before, in and after this slice.
+  /// at: the index of the edge's first vertex (x, y) in a plane; inside: its sign; slices: the signs
+  /// of the slice before, this one and the next one.
   Result Predict(int axis, int x, int y, std::ptrdiff_t at, bool inside,
     const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const;
 
-  /// The mean of the nearest parallel edges only.
+  /// The weighted mean of crossings of parallel edges nearby.
   Result PredictParallel(
     int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes) const;
 
-  /// Calls functor(point, weight, whether it is not decoded yet) for the crossings nearby; points
-  /// as seen from the middle of the edge, in Units.
+  /// Calls functor(point, weight, later) for the crossings nearby. point: relative to the middle of
+  /// the edge, in Units; later: whether the crossing is not decoded yet.
   template <typename Functor>
   void VisitNeighbors(int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes,
     const Functor& functor) const;
 
-  /// The weight of a vertex so many steps from the first one of an edge.
+  /// The weight of a vertex, given its offset from the first vertex of the edge.
   static std::int32_t WeighVertex(int axis, const std::array<int, 3>& step);
 
 private:
-  // An edge nearby: its first vertex as seen from the middle of the edge to predict, in Units.
+  // An edge nearby: its first vertex relative to the middle of the predicted edge, in Units.
   struct Neighbor
   {
     std::array<std::int32_t, 3> First{};
-    std::int32_t Weight = 0;      ///< once it is decoded
-    std::int32_t WeightLater = 0; ///< before
+    std::int32_t Weight = 0;      ///< if it is decoded
+    std::int32_t WeightLater = 0; ///< if not
   };
-  // Those of one row of vertices, x - 2 to x + 2.
+  // The edges along one axis that begin in one row, at x - 2 to x + 2.
   struct NeighborRow
   {
     std::size_t Plane = 0;
     std::size_t Axis = 0;
     int Y = 0;
-    std::uint32_t Near = 0; ///< bits of those that are near enough
+    std::uint32_t Near = 0; ///< bits of the edges that are near enough
     std::array<Neighbor, 5> Neighbors;
   };
   // Lower triangle of the symmetric matrix, and the right-hand side, of (1, x, y, z).
@@ -96,7 +96,7 @@ private:
     std::array<std::int64_t, 10> A{}; ///< 11 xx yy zz, x y z, xy xz yz
     std::array<std::int64_t, 4> B{};
   };
-  // What the signs of one row of vertices around the edge add to B, by the signs.
+  // What one row of three vertices around the edge adds to B, for each pattern of their signs.
   struct SignRowSums
   {
     int Y = 0;
@@ -107,7 +107,26 @@ private:
   CrossingFit();
   void MakeNeighbors(int axis);
   void MakeSigns(int axis);
+  // The equations without the mean of the points: three unknowns, the slopes.
+  struct CenteredEquations
+  {
+    std::array<std::int64_t, 3> Mean; ///< of the points, in units of 1 / (16 Unit)
+    std::int64_t Middle = 0;          ///< mean of the targets, in units of 1 / Unit
+    std::array<std::int64_t, 6> S;    ///< xx yy zz, xy xz yz; 18 bits each
+    std::array<std::int64_t, 3> B;    ///< 18 bits each
+    int Shift = 0;                    ///< by how many bits B was shifted down less than S
+  };
+  // Slopes times the determinant, and the determinant: at most 38 bits each.
+  struct Slopes
+  {
+    std::array<std::int64_t, 3> Values;
+    std::int64_t Determinant = 0;
+  };
   static Result Solve(const Equations& equations, int axis, bool inside);
+  static CenteredEquations Center(const Equations& equations);
+  static bool FindSlopes(const CenteredEquations& equations, Slopes& slopes);
+  static Result FindZero(
+    const CenteredEquations& equations, const Slopes& slopes, int axis, bool inside);
 
   std::array<std::vector<NeighborRow>, 3> Rows;
   std::array<std::vector<NeighborRow>, 3> ParallelRows; ///< of the same axis only
@@ -115,7 +134,8 @@ private:
   std::array<Equations, 3> SignEquations; ///< A of the vertices around an edge
 };
 
-// What is called for each edge is here, so that the coders have it in their own instructions.
+// Functions that are called for each edge are inline, so that they are compiled for the instruction
+// set of the coder.
 
 /// The length of a magnitude in bits.
 inline int CountFitBits(std::int64_t number)
@@ -190,74 +210,97 @@ inline CrossingFit::Result CrossingFit::Predict(int axis, int x, int y, std::ptr
 
 inline CrossingFit::Result CrossingFit::Solve(const Equations& equations, int axis, bool inside)
 {
+  const CenteredEquations centered = Center(equations);
+  Slopes slopes;
+  return FindSlopes(centered, slopes) ? FindZero(centered, slopes, axis, inside) : Result();
+}
+
+inline CrossingFit::CenteredEquations CrossingFit::Center(const Equations& equations)
+{
+  CenteredEquations result;
   const std::array<std::int64_t, 10>& a = equations.A;
-  // The mean of the points, in units of 1 / (16 Unit), and of what is fitted to, of 1 / Unit.
   const std::int64_t reciprocal = (std::int64_t{ 1 } << 40) / a[0];
-  std::int64_t mean[3];
   for (std::size_t n = 0; n < 3; ++n)
   {
-    mean[n] = a[4 + n] * reciprocal >> 36;
+    result.Mean[n] = a[4 + n] * reciprocal >> 36;
   }
-  const std::int64_t middle = equations.B[0] * reciprocal >> 40;
+  result.Middle = equations.B[0] * reciprocal >> 40;
   const auto center = [&](std::size_t entry, std::size_t i, std::size_t j)
-  { return a[entry] - (mean[i] * a[4 + j] >> 4); };
-  std::int64_t s[6] = { center(1, 0, 0), center(2, 1, 1), center(3, 2, 2), center(7, 0, 1),
-    center(8, 0, 2), center(9, 1, 2) };
-  std::int64_t b[3];
-  std::int64_t largestB = 0;
+  { return a[entry] - (result.Mean[i] * a[4 + j] >> 4); };
+  result.S = { center(1, 0, 0), center(2, 1, 1), center(3, 2, 2), center(7, 0, 1), center(8, 0, 2),
+    center(9, 1, 2) };
+  std::int64_t magnitudes = 0;
   for (std::size_t n = 0; n < 3; ++n)
   {
-    b[n] = equations.B[n + 1] - (mean[n] * equations.B[0] >> 4);
-    largestB |= b[n] < 0 ? -b[n] : b[n];
+    result.B[n] = equations.B[n + 1] - (result.Mean[n] * equations.B[0] >> 4);
+    magnitudes |= result.B[n] < 0 ? -result.B[n] : result.B[n];
   }
-  // 18 bits each: then nothing below overflows. The common factors cancel.
-  const int down = std::max(0, CountFitBits(s[0] | s[1] | s[2]) - 18);
-  for (std::int64_t& entry : s)
+  // With 18 bits each, no product overflows. The common factors cancel.
+  const int down = std::max(0, CountFitBits(result.S[0] | result.S[1] | result.S[2]) - 18);
+  const int downB = std::max(0, CountFitBits(magnitudes) - 18);
+  for (std::int64_t& entry : result.S)
   {
     entry >>= down;
   }
-  const int downB = std::max(0, CountFitBits(largestB) - 18);
-  const std::int64_t cofactors[6] = { s[1] * s[2] - s[5] * s[5], s[0] * s[2] - s[4] * s[4],
-    s[0] * s[1] - s[3] * s[3], s[4] * s[5] - s[3] * s[2], s[3] * s[5] - s[4] * s[1],
-    s[3] * s[4] - s[0] * s[5] };
-  std::int64_t determinant = s[0] * cofactors[0] + s[3] * cofactors[3] + s[4] * cofactors[4];
-  Result result;
-  if (determinant <= 0)
-  {
-    return result;
-  }
-  for (std::int64_t& entry : b)
+  for (std::int64_t& entry : result.B)
   {
     entry >>= downB;
   }
-  std::int64_t slopes[3] = { cofactors[0] * b[0] + cofactors[3] * b[1] + cofactors[4] * b[2],
+  result.Shift = down - downB;
+  return result;
+}
+
+inline bool CrossingFit::FindSlopes(const CenteredEquations& equations, Slopes& slopes)
+{
+  const std::array<std::int64_t, 6>& s = equations.S;
+  const std::array<std::int64_t, 3>& b = equations.B;
+  const std::int64_t cofactors[6] = { s[1] * s[2] - s[5] * s[5], s[0] * s[2] - s[4] * s[4],
+    s[0] * s[1] - s[3] * s[3], s[4] * s[5] - s[3] * s[2], s[3] * s[5] - s[4] * s[1],
+    s[3] * s[4] - s[0] * s[5] };
+  const std::int64_t determinant = s[0] * cofactors[0] + s[3] * cofactors[3] + s[4] * cofactors[4];
+  if (determinant <= 0)
+  {
+    return false;
+  }
+  slopes.Values = { cofactors[0] * b[0] + cofactors[3] * b[1] + cofactors[4] * b[2],
     cofactors[3] * b[0] + cofactors[1] * b[1] + cofactors[5] * b[2],
     cofactors[4] * b[0] + cofactors[5] * b[1] + cofactors[2] * b[2] };
-  // Slopes are these / determinant * 2^(downB - down). Bring both to at most 38 bits.
-  int bits =
-    std::max({ CountFitBits(slopes[0]), CountFitBits(slopes[1]), CountFitBits(slopes[2]) });
-  int shift = std::max(bits, CountFitBits(determinant) + down - downB) - 38;
+  // The slopes are these / (determinant * 2^Shift). Both are brought to at most 38 bits.
+  const int bits = std::max({ CountFitBits(slopes.Values[0]), CountFitBits(slopes.Values[1]),
+    CountFitBits(slopes.Values[2]) });
+  const int shift = std::max(bits, CountFitBits(determinant) + equations.Shift) - 38;
   const auto move = [](std::int64_t number, int by)
   {
     return by >= 63 ? 0
       : by >= 0     ? number >> by
                     : number * (std::int64_t{ 1 } << std::min(-by, 62));
   };
-  for (std::int64_t& slope : slopes)
+  for (std::int64_t& slope : slopes.Values)
   {
     slope = move(slope, shift);
   }
-  determinant = move(determinant, shift + downB - down);
+  slopes.Determinant = move(determinant, shift - equations.Shift);
+  return true;
+}
+
+inline CrossingFit::Result CrossingFit::FindZero(
+  const CenteredEquations& equations, const Slopes& slopes, int axis, bool inside)
+{
+  const std::array<std::int64_t, 3>& values = slopes.Values;
+  const std::array<std::int64_t, 3>& mean = equations.Mean;
   const std::int64_t sign = inside ? -1 : 1;
-  const std::int64_t along = std::max(slopes[axis] * sign, determinant / 50 + 1);
+  const std::int64_t along =
+    std::max(values[static_cast<std::size_t>(axis)] * sign, slopes.Determinant / 50 + 1);
   const std::int64_t height =
-    ((slopes[0] * mean[0] + slopes[1] * mean[1] + slopes[2] * mean[2]) >> 4) - middle * determinant;
+    ((values[0] * mean[0] + values[1] * mean[1] + values[2] * mean[2]) >> 4) -
+    equations.Middle * slopes.Determinant;
   const std::int64_t offset = height * sign * (FineUnit / Unit) / along;
+  Result result;
   result.Position =
     static_cast<std::int32_t>(std::clamp<std::int64_t>(FineUnit / 2 + offset, 0, FineUnit));
   const std::int64_t steep = along >> 10;
   std::int64_t square = 1;
-  for (const std::int64_t slope : slopes)
+  for (const std::int64_t slope : values)
   {
     square += (slope >> 10) * (slope >> 10);
   }

@@ -2,7 +2,7 @@
 #ifndef isosurface_HeightFit_h
 #define isosurface_HeightFit_h
 
-#include "BlockCoding/LeastSquares.h"
+#include "Prediction/LeastSquares.h"
 
 #include <algorithm>
 #include <array>
@@ -12,18 +12,17 @@
 namespace isosurface
 {
 
-/**
- * A linear function of `Size` inputs that is fitted to pairs of inputs and a target by least
- * squares; older pairs count less and less. In integers throughout (see LeastSquares).
- */
+/// A linear function of `Size` inputs that is fitted by least squares to pairs of inputs and a
+/// target. Older pairs count less and less. In integers, see LeastSquares.
 template <int Size>
 class LinearFit
 {
 public:
   static constexpr int WeightBits = LeastSquares<Size>::WeightBits;
-  static constexpr int FineBits = 4; ///< of what is predicted
+  static constexpr int FineBits = 4; ///< predictions have these fractional bits
 
-  /// Begins with weights (in units of 2^-WeightBits), which count as much as inputs of that square.
+  /// Sets the first weights, in units of 2^-WeightBits. They count as much as inputs whose squares
+  /// add up to `certainty`.
   void Begin(const std::int32_t* weights, std::int64_t certainty)
   {
     for (auto& row : this->Products)
@@ -38,7 +37,7 @@ public:
     }
   }
 
-  /// In units of 2^-FineBits of those of the inputs.
+  /// The prediction, in units of 2^-FineBits.
   std::int32_t Predict(const std::int16_t* inputs) const
   {
     std::int64_t sum = 0;
@@ -51,8 +50,8 @@ public:
       std::clamp<std::int64_t>(sum >> (WeightBits - FineBits), -maximum, maximum));
   }
 
-  /// Adds sums of products of the inputs, [i][j] with j <= i, of which the row `target` has those
-  /// with the target; what came before counts 2^-decay less.
+  /// Adds sums of products of inputs, [i][j] with j <= i; the row `target` has those with the target.
+  /// Earlier sums lose 2^-decay of their weight.
   template <typename Sums>
   void Add(const Sums& sums, std::size_t target, int decay)
   {
@@ -67,7 +66,7 @@ public:
     this->TargetSquare += sums[target][target] - (this->TargetSquare >> decay);
   }
 
-  /// Makes the weights of what was added.
+  /// Computes the weights from all that was added.
   void Solve()
   {
     LeastSquares<Size> equations;
@@ -85,17 +84,17 @@ private:
 
 /**
  * Predicts heights from heights around by two linear functions: one of all inputs that forgets
- * slowly (half of it in 700 vertices), one of the first ten that forgets quickly (in 40). They are
- * mixed by the squares of the errors that they made of late. After: X. Wu, E. U. Barthel and W.
- * Zhang, "Piecewise 2D autoregression for predictive image coding", ICIP 1998; B. Meyer and P.
- * Tischer, "TMW: a new method for lossless image compression", PCS 1997 (mixing of predictions).
+ * slowly (half in 700 vertices), one of the first ten that forgets quickly (half in 40). They are
+ * mixed by the squares of their recent errors. After: X. Wu, E. U. Barthel and W. Zhang, "Piecewise
+ * 2D autoregression for predictive image coding", ICIP 1998; B. Meyer and P. Tischer, "TMW: a new
+ * method for lossless image compression", PCS 1997 (mixing of predictions).
  */
 class HeightFit
 {
 public:
   static constexpr int NumberOfInputs = 24;
 
-  /// Begins with weights in units of 2^-LinearFit::WeightBits.
+  /// weights: the first ones, in units of 2^-LinearFit::WeightBits.
   explicit HeightFit(const std::array<std::int32_t, NumberOfInputs>& weights)
   {
     constexpr std::int64_t certainty = 3000000;
@@ -103,10 +102,10 @@ public:
     this->Quick.Begin(weights.data(), certainty);
   }
 
-  /// Where the inputs of the next vertex go.
+  /// The inputs of the next prediction, to be set.
   std::int16_t* GetInputs() { return this->Inputs.data(); }
 
-  /// The height that follows from the inputs.
+  /// The height that the inputs predict.
   std::int32_t Predict()
   {
     this->Predictions = { this->Slow.Predict(this->Inputs.data()),
@@ -122,7 +121,7 @@ public:
     return static_cast<std::int32_t>((sum + (1 << (down2 - 1))) >> down2);
   }
 
-  /// The height that came for the last inputs.
+  /// Learns the height that belongs to the last inputs.
   void Learn(std::int32_t height)
   {
     for (std::size_t n = 0; n < 2; ++n)
@@ -179,8 +178,8 @@ private:
   LinearFit<NumberOfQuickInputs> Quick;
   alignas(32) std::array<std::int16_t, NumberOfInputs> Inputs{};
   std::array<std::int32_t, 2> Predictions{};
-  std::array<std::int64_t, 2> Errors{ 1 << 16, 1 << 16 }; ///< mean squares of late
-  /// Inputs that are to be learnt, and in the last row what came of them.
+  std::array<std::int64_t, 2> Errors{ 1 << 16, 1 << 16 }; ///< recent mean squares
+  /// Inputs to learn from, by input; the last row has the heights.
   alignas(32) std::array<std::array<std::int16_t, BatchSize>, NumberOfInputs + 1> Batch{};
   std::size_t InBatch = 0;
   bool Odd = false; ///< the number of batches

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "BlockCoding/CurvedFit.h"
+#include "Prediction/CurvedFit.h"
 
 namespace isosurface
 {

@@ -9,14 +9,12 @@
 namespace isosurface
 {
 
-/// Most cells of a block on an axis, and so most vertices.
+/// The maximum numbers of cells and vertices of a block on each axis.
 constexpr int MaximumCodedCells = 64;
 constexpr int MaximumCodedVertices = MaximumCodedCells + 1;
 
-/**
- * One bit for each vertex of a row: vertex x at bit x + 16, so that vertices beside the row can be
- * looked at, too. Plain words; bit n is bit n % 64 of word n / 64.
- */
+/// One bit for each vertex of a row: vertex x at bit x + 16, with margins so that vertices beside the
+/// row can be read, too. Bit n is bit n % 64 of word n / 64.
 struct SignRow
 {
   static constexpr int Margin = 16;
@@ -32,7 +30,7 @@ struct SignRow
     const auto bit = static_cast<unsigned>(x + Margin);
     this->Words[bit / 64] |= std::uint64_t(1) << (bit % 64);
   }
-  /// Sets the vertices from `first` on that come before `end`.
+  /// Sets the vertices first .. end - 1.
   void SetRange(int first, int end)
   {
     const SignRow below = MakeMask(first);
@@ -64,7 +62,7 @@ struct SignRow
     mask.Words[1] = (std::uint64_t(1) << (size - low)) - 1;
     return mask;
   }
-  /// Gives the margins the value of the vertex beside them.
+  /// Sets the margins to the bit of the vertex next to them.
   void SpreadEnds(int size)
   {
     const SignRow mask = MakeMask(size);
@@ -77,7 +75,7 @@ struct SignRow
   }
 
 private:
-  // The bits of vertex x and at least 7 that follow, lowest first.
+  // The bits of vertex x and at least 7 more, lowest first.
   std::uint32_t GetBits(int x) const
   {
     const auto bit = static_cast<unsigned>(x + Margin);
@@ -110,7 +108,7 @@ inline SignRow operator~(const SignRow& a)
   return { { ~a.Words[0], ~a.Words[1] } };
 }
 
-/// Calls functor(x) for each vertex of the row whose bit is set, from the first on.
+/// Calls functor(x) for each vertex whose bit is set, in ascending order.
 template <typename Functor>
 inline void VisitBits(const SignRow& row, const Functor& functor)
 {
@@ -124,10 +122,8 @@ inline void VisitBits(const SignRow& row, const Functor& functor)
   }
 }
 
-/**
- * The bits (value >= isovalue) of the vertices of one slice, with two rows more on either side: row
- * y stands at y + 2.
- */
+/// The bits (value >= isovalue) of the vertices of a slice, with two more rows on either side: row y is
+/// stored at y + 2.
 struct SignSlice
 {
   std::array<SignRow, MaximumCodedVertices + 4> Rows;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The oracle is where the surface crosses edges by the values of their ends.
-#include "BlockCoding/CrossingCycles.h"
-#include "BlockCoding/CrossingIntervals.h"
-#include "BlockCoding/CurvedFit.h"
+// The oracle computes crossings from the values at the ends of edges.
+#include "Prediction/CrossingCycles.h"
+#include "Prediction/CurvedFit.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +22,7 @@ namespace
 constexpr int Side = 20; ///< vertices of a block on each axis
 using Field = std::function<double(int x, int y, int z)>;
 
-/// What is known before an edge of slice z is decoded, of a block whose isovalue is 0.
+/// What a decoder knows before an edge of slice z, in a block whose isovalue is 0.
 class KnownCrossings
 {
 public:
@@ -135,7 +134,7 @@ private:
 
 } // namespace
 
-TEST(CrossingPrediction, QuadraticFunctionFollowsASphereAndLinearOneAPlane)
+TEST(CrossingPrediction, QuadraticFitFollowsASphereAndLinearFitAPlane)
 {
   const Field sphere = [](int x, int y, int z)
   { return 64.3 - (x - 10.2) * (x - 10.2) - (y - 9.7) * (y - 9.7) - (z - 9.9) * (z - 9.9); };
@@ -173,7 +172,7 @@ TEST(CrossingPrediction, QuadraticFunctionFollowsASphereAndLinearOneAPlane)
   EXPECT_LT(quadratic, 0.8 * linear);
 }
 
-TEST(CrossingPrediction, CyclesTellCrossingsOfNoiseExactly)
+TEST(CrossingPrediction, CyclesGiveCrossingsOfNoiseExactly)
 {
   std::mt19937 random(3);
   std::vector<double> samples(Side * Side * 4);
@@ -196,7 +195,7 @@ TEST(CrossingPrediction, CyclesTellCrossingsOfNoiseExactly)
         axis, x, y, KnownCrossings::GetPlace(x, y), known.GetPlanesBefore(axis, x, y));
       if (result.Weight != 0)
       {
-        // Where the weight is great, positions in units of 2^-10 tell enough.
+        // Where the weight is large, positions in units of 2^-10 are exact enough.
         const double error =
           std::abs(result.Position / 65536.0 - known.FindCrossing(axis, x, y, 2));
         EXPECT_LT(error, result.Weight > 20000 ? 0.01 : 0.2) << axis << " " << x << " " << y;
@@ -206,27 +205,4 @@ TEST(CrossingPrediction, CyclesTellCrossingsOfNoiseExactly)
   EXPECT_GT(number[0], 10);
   EXPECT_GT(number[1], 10);
   EXPECT_EQ(number[2], 0);
-}
-
-TEST(CrossingIntervals, MiddlesAreWithinHalfAWidthOfEveryParameter)
-{
-  for (const std::uint32_t width : { 1u << 30, 900000000u, 500000001u, 191260262u, 1234567u })
-  {
-    const CrossingIntervals intervals = CrossingIntervals::MakeOfWidth(width);
-    const double unit = 1 << 30;
-    EXPECT_GE(static_cast<double>(intervals.GetCount()) * width, unit);
-    EXPECT_LT((static_cast<double>(intervals.GetCount()) - 1) * width, unit);
-    for (int n = 0; n <= 10000; ++n)
-    {
-      const double parameter = n / 10000.0;
-      const std::uint32_t found = intervals.Find(parameter);
-      ASSERT_LT(found, intervals.GetCount());
-      ASSERT_LE(std::abs(intervals.GetMiddle(found) - parameter), width / unit / 2 * (1 + 1e-12));
-      ASSERT_NEAR(intervals.GetPosition(found), intervals.GetMiddle(found) * 1024, 1);
-      const auto fine = static_cast<std::int32_t>(parameter * 65536);
-      ASSERT_NEAR(
-        static_cast<double>(intervals.Locate(fine)), fine * unit / width, 1 + unit / width);
-    }
-    EXPECT_EQ(intervals.Find(std::nan("")), intervals.GetCount());
-  }
 }

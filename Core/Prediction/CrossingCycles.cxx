@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "BlockCoding/CrossingCycles.h"
+#include "Prediction/CrossingCycles.h"
 
 namespace isosurface
 {
@@ -12,22 +12,22 @@ const CrossingCycles& CrossingCycles::Get()
 
 CrossingCycles::CrossingCycles()
 {
-  // Of edges along x: over the face to the row before, the face below, and the two ways around
-  // the cell between them.
+  // Edges along x: over the face to the row before, over the face to the slice before, and both ways
+  // around the cell between these faces.
   this->AddPath(0, { { 0, 0, 0 }, { 0, -1, 0 }, { 1, -1, 0 }, { 1, 0, 0 } });
   this->AddPath(0, { { 0, 0, 0 }, { 0, 0, -1 }, { 1, 0, -1 }, { 1, 0, 0 } });
   this->AddPath(
     0, { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -1, -1 }, { 1, -1, -1 }, { 1, 0, -1 }, { 1, 0, 0 } });
   this->AddPath(
     0, { { 0, 0, 0 }, { 0, 0, -1 }, { 0, -1, -1 }, { 1, -1, -1 }, { 1, -1, 0 }, { 1, 0, 0 } });
-  // Of edges along y: over the face below, and around the cells on either side of it.
+  // Edges along y: over the face to the slice before, and around the cells on either side of it.
   this->AddPath(1, { { 0, 0, 0 }, { 0, 0, -1 }, { 0, 1, -1 }, { 0, 1, 0 } });
   for (const int side : { -1, 1 })
   {
     this->AddPath(1,
       { { 0, 0, 0 }, { side, 0, 0 }, { side, 0, -1 }, { side, 1, -1 }, { 0, 1, -1 }, { 0, 1, 0 } });
   }
-  // Edges along z come before any that lead from their second vertex.
+  // Edges along z are decoded before all edges that begin at their second vertex: no cycles.
   constexpr std::int32_t minimumSpread = 20;
   for (std::size_t n = 0; n < this->Variances.size(); ++n)
   {

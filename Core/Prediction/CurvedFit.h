@@ -2,8 +2,8 @@
 #ifndef isosurface_CurvedFit_h
 #define isosurface_CurvedFit_h
 
-#include "BlockCoding/CrossingFit.h"
-#include "BlockCoding/LeastSquares.h"
+#include "Prediction/CrossingFit.h"
+#include "Prediction/LeastSquares.h"
 
 #include <algorithm>
 #include <array>
@@ -15,25 +15,25 @@ namespace isosurface
 {
 
 /**
- * Predicts where on an edge the surface is from the same crossings and signs as CrossingFit, with
- * the same weights, but by two functions: a linear and a quadratic one. The first is better where
- * crossings are noisy, the second where surfaces bend. In integers throughout.
+ * Predicts the crossing of an edge from the same crossings and signs as CrossingFit, with the same
+ * weights, by a linear and by a quadratic function. The first is better where crossings are noisy,
+ * the second where surfaces are curved. In integers, see LeastSquares.
  */
 class CurvedFit
 {
 public:
   struct Result
   {
-    std::int32_t Linear = CrossingFit::FineUnit / 2;    ///< by the linear function, 0 to FineUnit
-    std::int32_t Quadratic = CrossingFit::FineUnit / 2; ///< by the quadratic one
+    std::int32_t Linear = CrossingFit::FineUnit / 2;    ///< of the linear function, 0 to FineUnit
+    std::int32_t Quadratic = CrossingFit::FineUnit / 2; ///< of the quadratic function
     int Steepness = 0; ///< as in CrossingFit::Result, of the quadratic function
-    int Number = 0;    ///< of crossings that were used
+    int Number = 0;    ///< decoded crossings that were used
   };
 
   /// The only one; made once.
   static const CurvedFit& Get();
 
-  /// Arguments as those of CrossingFit::Predict.
+  /// Arguments: see CrossingFit::Predict.
   Result Predict(int axis, int x, int y, std::ptrdiff_t at, bool inside,
     const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const;
 
@@ -49,7 +49,7 @@ private:
   using Terms = std::array<std::int32_t, NumberOfTerms>;
   using Coefficients = Solver::Weights;
 
-  // What the signs of one row of vertices around the edge add, by the signs.
+  // What one row of three vertices around the edge adds, for each pattern of their signs.
   struct SignRowSums
   {
     int Y = 0;
@@ -86,7 +86,8 @@ private:
   std::array<std::int64_t, 3> TargetSquares{};
 };
 
-// What is called for each edge is here, so that the coders have it in their own instructions.
+// Functions that are called for each edge are inline, so that they are compiled for the instruction
+// set of the coder.
 
 inline CurvedFit::Result CurvedFit::Predict(int axis, int x, int y, std::ptrdiff_t at, bool inside,
   const std::array<const SignSlice*, 3>& slices, const CrossingPlanes& planes) const

@@ -2,8 +2,8 @@
 #ifndef isosurface_CrossingCycles_h
 #define isosurface_CrossingCycles_h
 
-#include "BlockCoding/CrossingFit.h"
 #include "EntropyCoding/AdaptiveModels.h"
+#include "Prediction/CrossingFit.h"
 
 #include <algorithm>
 #include <array>
@@ -15,15 +15,15 @@ namespace isosurface
 {
 
 /**
- * Predicts where on an edge the surface is from crossed edges that lead around a face or a corner
- * of a cell from one of its ends to the other: 3 or 5 edges, all decoded. A crossing at t tells the
- * ratio of its edge's two values, (t - 1) / t, so those edges tell the ratio of the values at the
- * ends, and with it the crossing exactly; what is left is the error of the decoded positions.
+ * Predicts the crossing of an edge from cycles: 3 or 5 decoded crossed edges that lead around a face
+ * or a corner of a cell from one end of the edge to the other. A crossing at t gives the ratio of the
+ * values at the ends of its edge, (t - 1) / t. So a cycle gives that ratio for the predicted edge,
+ * and its crossing up to the error of the decoded positions.
  */
 class CrossingCycles
 {
 public:
-  /// Variances are in units of 2^-8 of that of the positions within an interval.
+  /// The variance of positions within an interval; variances are in units of 2^-8 of it.
   static constexpr std::int32_t VarianceUnit = 256;
 
   struct Result
@@ -35,7 +35,7 @@ public:
   /// The only one; made once.
   static const CrossingCycles& Get();
 
-  /// at: the place of the edge's first vertex (x, y) in a plane.
+  /// at: the index of the edge's first vertex (x, y) in a plane.
   Result Predict(int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes) const;
 
 private:
@@ -43,7 +43,7 @@ private:
   {
     std::size_t Plane = 0;
     std::size_t Axis = 0;
-    int X = 0; ///< of the edge's first vertex, as seen from that of the edge to predict
+    int X = 0; ///< of its first vertex, relative to that of the predicted edge
     int Y = 0;
     bool Forward = true; ///< from the first vertex to the second
   };
@@ -52,7 +52,7 @@ private:
   CrossingCycles();
   void AddPath(int axis, const std::vector<std::array<int, 3>>& vertices);
 
-  // t (1 - t) in units of 2^-10.
+  // t (1 - t), in units of 2^-10.
   static std::int32_t FindSpread(std::int32_t position)
   {
     return position * (CrossingFit::Unit - position) >> 10;

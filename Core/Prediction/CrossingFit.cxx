@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "BlockCoding/CrossingFit.h"
+#include "Prediction/CrossingFit.h"
 
 #include <algorithm>
 
@@ -8,13 +8,13 @@ namespace isosurface
 namespace
 {
 
-// Squared distances of middles of edges are whole quarters.
+// q below is four times the squared distance of the middles of two edges, an integer.
 constexpr std::int32_t WeightUnit = CrossingFit::WeightUnit;
 constexpr std::int32_t Ridge = 4;
 constexpr std::int32_t SignTarget = 717; ///< 0.7 Units
-constexpr int MostSquaredQuarters = 11;  ///< 2.75
+constexpr int MostSquaredQuarters = 11;  ///< a squared distance of 2.75
 
-// About 1 / (0.05 + d^4): q is 4 d^2.
+// About 1 / (0.05 + d^4), d^2 being q / 4.
 std::int32_t WeighCrossing(int q)
 {
   return 320 * WeightUnit / (16 + 20 * q * q);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The oracle is least squares in double precision, by elimination.
-#include "BlockCoding/HeightFit.h"
+#include "Prediction/HeightFit.h"
 
 #include <gtest/gtest.h>
 
@@ -100,7 +100,7 @@ void Add(const Pair* pairs, LinearFit<Size>& fit)
 
 } // namespace
 
-TEST(LinearFit, PredictsAsLeastSquaresDo)
+TEST(LinearFit, PredictsLikeLeastSquaresInDoublePrecision)
 {
   const std::vector<Pair> pairs = MakePairs(800);
   const std::array<std::int32_t, Size> first{};
@@ -124,7 +124,7 @@ TEST(LinearFit, PredictsAsLeastSquaresDo)
   }
 }
 
-TEST(LinearFit, BeginsWithTheWeightsThatItIsGiven)
+TEST(LinearFit, StartsWithTheGivenWeights)
 {
   const std::array<std::int32_t, Size> first{ 1 << 16, 1 << 15, 0, -(1 << 14), 0, 0 };
   LinearFit<Size> fit;
