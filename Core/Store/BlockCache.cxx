@@ -156,6 +156,41 @@ void BlockCache::RemoveOne()
   entries.pop_back();
 }
 
+void BlockCache::RemoveDataset(std::uint64_t dataset, EntryList& entries)
+{
+  for (auto entry = entries.begin(); entry != entries.end();)
+  {
+    if (entry->Key.Dataset == dataset)
+    {
+      this->Size -= entry->Bytes;
+      this->Index.erase(entry->Key);
+      entry = entries.erase(entry);
+    }
+    else
+    {
+      ++entry;
+    }
+  }
+}
+
+void BlockCache::Retain(std::uint64_t dataset)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  ++this->Users[dataset];
+}
+
+void BlockCache::Release(std::uint64_t dataset)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const auto users = this->Users.find(dataset);
+  if (users != this->Users.end() && --users->second == 0)
+  {
+    this->Users.erase(users);
+    this->RemoveDataset(dataset, this->ExpectedEntries);
+    this->RemoveDataset(dataset, this->OtherEntries);
+  }
+}
+
 void BlockCache::SetBudget(std::uint64_t budget)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);

@@ -6,6 +6,7 @@
 #include "Record/DecodedBlock.h"
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -68,6 +69,12 @@ public:
   /// Whether the block is here or being loaded. It may be evicted before the call returns.
   bool Contains(const BlockCacheKey& key) const;
 
+  /// Counts the users of a dataset. When its last one goes, its blocks leave the cache: nobody can
+  /// ask for them any more. Blocks of a dataset without users are kept as any others. Cost of the
+  /// last Release: a look at each entry.
+  void Retain(std::uint64_t dataset);
+  void Release(std::uint64_t dataset);
+
   /// In bytes; a lower one takes effect at once, 0 keeps nothing.
   void SetBudget(std::uint64_t budget);
   std::uint64_t GetBudget() const;
@@ -101,8 +108,10 @@ private:
   void Insert(const BlockCacheKey& key, const std::shared_ptr<const DecodedBlock>& block);
   void Trim(std::uint64_t budget);
   void RemoveOne();
+  void RemoveDataset(std::uint64_t dataset, EntryList& entries);
 
   mutable std::mutex Mutex;
+  std::unordered_map<std::uint64_t, std::size_t> Users; ///< of each dataset
   std::condition_variable LoadingDone;
   std::uint64_t Budget;
   std::uint64_t Size = 0;

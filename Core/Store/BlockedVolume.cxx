@@ -43,9 +43,25 @@ BlockedVolume::BlockedVolume(
   : Stores(std::move(stores))
   , Cache(std::move(cache))
 {
+  for (const VolumePart& part : this->Stores->GetParts())
+  {
+    for (const std::uint64_t identity : part.Identities)
+    {
+      this->Cache->Retain(identity);
+    }
+  }
 }
 
-BlockedVolume::~BlockedVolume() = default;
+BlockedVolume::~BlockedVolume()
+{
+  for (const VolumePart& part : this->Stores->GetParts())
+  {
+    for (const std::uint64_t identity : part.Identities)
+    {
+      this->Cache->Release(identity);
+    }
+  }
+}
 
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
   const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)

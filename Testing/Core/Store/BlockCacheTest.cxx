@@ -177,3 +177,27 @@ TEST(BlockCache, LoadsABlockOnceForAllThreads)
   EXPECT_EQ(loads, 200);
   EXPECT_EQ(hits, 7 * 200);
 }
+
+TEST(BlockCache, DropsTheBlocksOfADatasetWithItsLastUser)
+{
+  BlockCache cache(1 << 20);
+  cache.Retain(1);
+  cache.Retain(1);
+  EXPECT_FALSE(Ask(cache, 7));
+  cache.Expect({ { 1, 8, 0, 0 } });
+  EXPECT_FALSE(Ask(cache, 8));
+  bool hit = false;
+  ASSERT_TRUE(cache
+                .Get(
+                  { 2, 7, 0, 0 }, [] { return MakeBlock(7, 1000); }, hit)
+                .IsOk());
+  const std::uint64_t all = cache.GetSize();
+  cache.Release(1);
+  EXPECT_EQ(cache.GetSize(), all);
+  EXPECT_TRUE(Ask(cache, 7));
+  cache.Release(1);
+  EXPECT_EQ(cache.GetSize(), all / 3);
+  EXPECT_FALSE(cache.Contains({ 1, 7, 0, 0 }));
+  EXPECT_FALSE(cache.Contains({ 1, 8, 0, 0 }));
+  EXPECT_TRUE(cache.Contains({ 2, 7, 0, 0 }));
+}
