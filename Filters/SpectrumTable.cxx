@@ -6,11 +6,14 @@
 #include "vtkNew.h"
 #include "vtkTable.h"
 
+#include <limits>
+
 namespace isosurface
 {
 namespace
 {
 
+constexpr const char* IsovalueName = "Isovalue";
 constexpr const char* Names[WorkloadSpectrum::NumberOfQuantities] = { "Triangles", "ActiveCells",
   "ActiveBlocks", "Bytes", "Area", "Volume" };
 constexpr std::size_t Area = 4;
@@ -78,7 +81,7 @@ void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* 
   }
   const SpectrumBins& bins = spectra.front().Bins;
   vtkNew<vtkDoubleArray> isovalues;
-  isovalues->SetName("Isovalue");
+  isovalues->SetName(IsovalueName);
   isovalues->SetNumberOfValues(bins.Count);
   for (std::uint32_t bin = 0; bin < bins.Count; ++bin)
   {
@@ -100,6 +103,22 @@ void AddQuantityColumn(const WorkloadSpectrum& spectrum, std::size_t quantity,
   const std::string& suffix, vtkTable* table)
 {
   AddQuantity({ &spectrum }, quantity, suffix, table);
+}
+
+void FillSpectrumTuples(vtkTable* table, vtkDoubleArray* tuples)
+{
+  constexpr int columns = 1 + static_cast<int>(WorkloadSpectrum::NumberOfQuantities);
+  tuples->SetNumberOfComponents(columns);
+  tuples->SetNumberOfTuples(table->GetNumberOfRows());
+  tuples->Fill(std::numeric_limits<double>::quiet_NaN());
+  for (int column = 0; column < columns; ++column)
+  {
+    const char* name = column == 0 ? IsovalueName : Names[column - 1];
+    if (auto* values = vtkDataArray::SafeDownCast(table->GetColumnByName(name)))
+    {
+      tuples->CopyComponent(column, values, 0);
+    }
+  }
 }
 
 } // namespace isosurface

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+class vtkDoubleArray;
 class vtkTable;
 
 namespace isosurface
@@ -20,6 +21,10 @@ void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* 
 /// Adds one quantity of a spectrum of the table's bins, its column named with a suffix.
 void AddQuantityColumn(const WorkloadSpectrum& spectrum, std::size_t quantity,
   const std::string& suffix, vtkTable* table);
+
+/// Fills an array with the table's rows as tuples: the isovalue, then each quantity, NaN where the
+/// table has no column of it. Columns of stores are left out.
+void FillSpectrumTuples(vtkTable* table, vtkDoubleArray* tuples);
 
 } // namespace isosurface
 

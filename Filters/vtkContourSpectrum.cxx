@@ -12,6 +12,7 @@
 
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -136,6 +137,13 @@ int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
+}
+
+//------------------------------------------------------------------------------
+vtkDoubleArray* vtkContourSpectrum::GetSpectrum()
+{
+  isosurface::FillSpectrumTuples(this->GetOutput(), this->Spectrum);
+  return this->Spectrum;
 }
 
 //------------------------------------------------------------------------------

@@ -29,8 +29,10 @@
 #define vtkContourSpectrum_h
 
 #include "IsosurfaceFiltersModule.h" // For export macro
+#include "vtkNew.h"                  // For the tuples
 #include "vtkTableAlgorithm.h"
 
+class vtkDoubleArray;
 class vtkMultiProcessController;
 
 class ISOSURFACEFILTERS_EXPORT vtkContourSpectrum : public vtkTableAlgorithm
@@ -85,6 +87,12 @@ public:
   vtkGetObjectMacro(Controller, vtkMultiProcessController);
   ///@}
 
+  /**
+   * The last table as tuples: isovalue, then the quantities in their order, NaN where they are not
+   * known. For clients that want the numbers without the table. Belongs to this.
+   */
+  vtkDoubleArray* GetSpectrum();
+
 protected:
   vtkContourSpectrum();
   ~vtkContourSpectrum() override;
@@ -105,6 +113,7 @@ private:
   int StoreQuantity;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
+  vtkNew<vtkDoubleArray> Spectrum;
 };
 
 #endif

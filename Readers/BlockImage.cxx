@@ -7,11 +7,17 @@
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationDoubleVectorKey.h"
+#include "vtkInformationInformationVectorKey.h"
+#include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace isosurface
 {
@@ -128,6 +134,55 @@ void FillWithRange(const KeyRange& range, ValueType type, int component, vtkData
     });
 }
 
+double GetValueOfKey(ValueKey key, ValueType type)
+{
+  double result = 0;
+  DispatchValueType(
+    type, [&](auto zero) { result = static_cast<double>(MakeValueOfKey<decltype(zero)>(key)); });
+  return result;
+}
+
+/// Stores the ranges of the volume in an array of a level of it, where VTK keeps those it has
+/// computed: a level leaves out most samples, and ranges in panels and color maps are the volume's.
+/// Ranges that are empty or not finite are left to VTK. Call it when the samples are there.
+void StoreVolumeRanges(
+  const BlockedVolume& volume, std::size_t timeStep, std::size_t array, vtkDataArray* values)
+{
+  const ArrayDescription& description = volume.GetHeader().Arrays[array];
+  const std::vector<KeyRange>& ranges = volume.GetHeader().TimeSteps[timeStep].Ranges;
+  const auto find = [&](int choice, ValueType type, double range[2])
+  {
+    const auto variable = volume.GetVariables().FindChoice(array, choice);
+    if (!variable || *variable >= ranges.size() || ranges[*variable].IsEmpty())
+    {
+      return false;
+    }
+    range[0] = GetValueOfKey(ranges[*variable].Minimum, type);
+    range[1] = GetValueOfKey(ranges[*variable].Maximum, type);
+    return std::isfinite(range[0]) && std::isfinite(range[1]);
+  };
+  vtkNew<vtkInformationVector> components;
+  double range[2];
+  for (int component = 0; component < description.Components; ++component)
+  {
+    if (!find(component, description.Type, range))
+    {
+      return;
+    }
+    vtkNew<vtkInformation> information;
+    information->Set(vtkDataArray::COMPONENT_RANGE(), range, 2);
+    components->Append(information);
+  }
+  vtkInformation* known = values->GetInformation();
+  known->Set(vtkDataArray::PER_COMPONENT(), components);
+  known->Set(vtkDataArray::PER_FINITE_COMPONENT(), components);
+  if (description.Components > 1 && find(description.Components, ValueType::Float64, range))
+  {
+    known->Set(vtkDataArray::L2_NORM_RANGE(), range, 2);
+    known->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), range, 2);
+  }
+}
+
 void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox& own)
 {
   image->GetPointData()->AddArray(
@@ -169,6 +224,7 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
         *volume.GetVariables().Find(array, component), level, box, *blocks, threads,
         values->GetVoidPointer(component), description.Components, statistics, partProgress));
     }
+    StoreVolumeRanges(volume, timeStep, array, values);
   }
   // One piece alone has no neighbours, hence no ghosts.
   const VertexBox own = box.GetVertices(grid, stored.Level);

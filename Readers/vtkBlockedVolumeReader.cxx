@@ -38,6 +38,21 @@ constexpr std::uint64_t Mebibyte = 1024 * 1024;
 
 using isosurface::Status;
 using isosurface::StatusCode;
+
+/// "1023 x 1023 x 1097"
+std::string DescribeDimensions(const isosurface::GridGeometry& grid)
+{
+  const isosurface::Index3 dimensions = grid.GetDimensions();
+  return std::to_string(dimensions[0]) + " x " + std::to_string(dimensions[1]) + " x " +
+    std::to_string(dimensions[2]);
+}
+
+std::string DescribeLevel(const isosurface::GridGeometry& grid, int level)
+{
+  return level == 0 ? "all of it, " + DescribeDimensions(grid)
+                    : "level " + std::to_string(level) + ", " +
+      DescribeDimensions(grid.Coarsen(level)) + ", of " + DescribeDimensions(grid);
+}
 } // namespace
 
 /// Fills an output with a piece of the volume. Not collective.
@@ -150,7 +165,11 @@ bool vtkBlockedVolumeReader::OpenVolume()
     return this->Handle != nullptr;
   }
   this->OpenTime = this->Superclass::GetMTime();
+  // Of a series of files each in turn is opened: consumers keep the handle of the first one, since
+  // pipeline information does not reach them when the time changes.
+  auto handle = this->Handle ? this->Handle : vtkSmartPointer<vtkBlockedVolumeHandle>::New();
   this->Handle = nullptr;
+  this->ShownText.clear();
   this->ReportedError.clear();
   if (!this->FileName || !*this->FileName)
   {
@@ -165,7 +184,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
     vtkErrorMacro(<< this->ReportedError);
     return false;
   }
-  this->Handle = vtkSmartPointer<vtkBlockedVolumeHandle>::New();
+  this->Handle = handle;
   this->Handle->SetVolume(*volume);
   return true;
 }
@@ -309,6 +328,7 @@ std::vector<std::size_t> vtkBlockedVolumeReader::Reading::FindEnabledArrays() co
 //------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions) const
 {
+  this->Reader->ShownText = "nothing yet, of " + DescribeDimensions(this->Volume.GetHeader().Grid);
   // Whoever asks for information (ParaView's panels) learns the bounds, arrays and ranges.
   if (this->Piece == 0)
   {
@@ -339,6 +359,7 @@ Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitio
     return Status::Ok();
   }
   reader->Level = *level;
+  reader->ShownText = DescribeLevel(this->Volume.GetHeader().Grid, *level);
   const isosurface::BlockBox slab =
     isosurface::PartitionBlocks(*this->Volume.FindLevel(*level).Grid, this->Piece, this->Pieces);
   if (slab.IsEmpty())

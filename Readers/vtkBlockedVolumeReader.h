@@ -91,6 +91,11 @@ public:
   vtkGetMacro(Level, int);
 
   /**
+   * What the last output is, in words: "level 2, 256 x 256 x 275, of 1023 x 1023 x 1097".
+   */
+  vtkGetCharFromStdStringMacro(ShownText);
+
+  /**
    * In the output's pipeline information: the blocked volume itself.
    */
   static vtkInformationBlockedVolumeKey* BLOCKED_VOLUME();
@@ -124,7 +129,8 @@ private:
   vtkSmartPointer<vtkDataArraySelection> PointDataArraySelection;
   vtkSmartPointer<vtkBlockedVolumeHandle> Handle; ///< of the file that OpenTime tells of
   vtkMTimeType OpenTime;                          ///< our MTime when Handle was opened
-  std::string ReportedError;                      ///< what OpenVolume said last, said once
+  std::string ShownText;
+  std::string ReportedError; ///< what OpenVolume said last, said once
 };
 
 #endif

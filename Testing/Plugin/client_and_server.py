@@ -76,11 +76,12 @@ class ClientAndServer(unittest.TestCase):
             server.kill()
             server.wait()
 
-    def test_gui_shows_the_distributed_surface(self):
+    def run_gui(self, script):
+        """The GUI as client, which plays the script and compares its view with the baseline."""
         here = os.path.dirname(os.path.abspath(__file__))
         folder = os.path.dirname(testing.arguments.plugin)
         plugin = [f"--plugin-search-paths={folder}", "--plugins=ScalableIsosurface"]
-        os.makedirs(testing.output("gui"))
+        os.makedirs(testing.output("gui"), exist_ok=True)
         port = find_free_port()
         server = self.start_server(port, *plugin)
         try:
@@ -92,7 +93,7 @@ class ClientAndServer(unittest.TestCase):
                     f"--server-url=cs://localhost:{port}",
                     f"--data-directory={testing.arguments.volumes}",
                     f"--test-directory={testing.output('gui')}",
-                    f"--test-script={os.path.join(here, 'GuiDistribute.xml')}",
+                    f"--test-script={os.path.join(here, script)}",
                     f"--test-baseline={testing.baseline('StabbingContour.png')}",
                     "--test-threshold=3",
                     "--exit",
@@ -106,9 +107,15 @@ class ClientAndServer(unittest.TestCase):
         finally:
             server.kill()
             server.wait()
+
+    def test_gui_shows_the_distributed_surface(self):
+        self.run_gui("GuiDistribute.xml")
         self.assertEqual(
             len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 1
         )
+
+    def test_gui_chooses_isovalues_on_the_spectrum(self):
+        self.run_gui("GuiIsovalues.xml")
 
     def test_progressive_surface_ends_with_the_full_one(self):
         self.run_client_and_server("progressive.py")

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   pqBlockedVolumeDecorator
+ * @brief   shows a property only of filters whose input is a blocked volume
+ *
+ * In a panel: PropertyWidgetDecorator type="BlockedVolume" at a property of levels, say, which image
+ * data does not have.
+ */
+
+#ifndef pqBlockedVolumeDecorator_h
+#define pqBlockedVolumeDecorator_h
+
+#include "pqPropertyWidgetDecorator.h"
+
+class vtkSMProxy;
+
+class pqBlockedVolumeDecorator : public pqPropertyWidgetDecorator
+{
+  Q_OBJECT
+  typedef pqPropertyWidgetDecorator Superclass;
+
+public:
+  pqBlockedVolumeDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
+  ~pqBlockedVolumeDecorator() override;
+
+  bool canShowWidget(bool showAdvanced) const override;
+
+  /// Whether a filter stands straight behind the reader of blocked volumes.
+  static bool IsBehindReader(vtkSMProxy* filter);
+
+private:
+  Q_DISABLE_COPY(pqBlockedVolumeDecorator)
+};
+
+#endif

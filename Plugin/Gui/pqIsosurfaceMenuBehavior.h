@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   pqIsosurfaceMenuBehavior
+ * @brief   makes what the plugin offers findable and its charts readable
+ *
+ * - Menus and the quick search call Stabbing Contour "Isosurface (Stabbing Contour)". Its label in
+ *   the server manager stays, since scripts call the filter by that.
+ * - A new chart of a contour spectrum shows the triangles alone, on a logarithmic axis where they
+ *   span more than two decades, with the axes' titles.
+ *
+ * ParaView makes the one object when the plugin is loaded into its window.
+ */
+
+#ifndef pqIsosurfaceMenuBehavior_h
+#define pqIsosurfaceMenuBehavior_h
+
+#include <QObject>
+
+class pqDataRepresentation;
+class pqRepresentation;
+class pqView;
+
+class pqIsosurfaceMenuBehavior : public QObject
+{
+  Q_OBJECT
+
+public:
+  explicit pqIsosurfaceMenuBehavior(QObject* parent = nullptr);
+  ~pqIsosurfaceMenuBehavior() override;
+
+  void OnStartup();
+  void OnShutdown() {}
+
+private Q_SLOTS:
+  void NameActions();
+  void ObserveView(pqView* view);
+  void ArrangeChart(pqRepresentation* representation);
+  void ExpectReset();
+  void KeepRanges();
+
+private:
+  Q_DISABLE_COPY(pqIsosurfaceMenuBehavior)
+};
+
+#endif

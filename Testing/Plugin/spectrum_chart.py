@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The chart that GuiContourSpectrum.xml made by Apply alone, as its state file has it."""
+import os
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+import plugin_testing as testing
+
+
+class SpectrumChart(unittest.TestCase):
+    def setUp(self):
+        state = ElementTree.parse(os.path.join(testing.arguments.states, "chart.pvsm"))
+        self.view = state.find(".//Proxy[@type='XYChartView']")
+        self.lines = state.find(".//Proxy[@type='ContourSpectrumRepresentation']")
+
+    @staticmethod
+    def read(proxy, name):
+        elements = proxy.find(f"Property[@name='{name}']").findall("Element")
+        return [element.get("value") for element in elements]
+
+    def test_shows_the_triangles_alone(self):
+        series = self.read(self.lines, "SeriesVisibility")
+        shown = [name for name, visible in zip(series[::2], series[1::2]) if visible == "1"]
+        self.assertEqual(shown, ["Triangles"])
+
+    def test_is_logarithmic_from_the_least_to_the_most_triangles(self):
+        self.assertEqual(self.read(self.view, "LeftAxisLogScale"), ["1"])
+        self.assertGreater(float(self.read(self.view, "LeftAxisRangeMinimum")[0]), 0)
+        self.assertGreater(float(self.read(self.view, "LeftAxisRangeMaximum")[0]), 85000)
+
+    def test_axes_have_titles(self):
+        self.assertEqual(self.read(self.view, "LeftAxisTitle"), ["Triangles"])
+        self.assertEqual(self.read(self.view, "BottomAxisTitle"), ["RTData"])
+
+
+if __name__ == "__main__":
+    testing.parse_arguments(lambda parser: parser.add_argument("--states"))
+    testing.run()
