@@ -9,9 +9,20 @@
 vtkStandardNewMacro(vtkIsosurfaceMapper);
 
 //------------------------------------------------------------------------------
+vtkIsosurfaceMapper::vtkIsosurfaceMapper()
+  : Triangles(std::make_shared<isosurface::MeasuredTriangles>())
+{
+}
+
+//------------------------------------------------------------------------------
+vtkIsosurfaceMapper::~vtkIsosurfaceMapper() = default;
+
+//------------------------------------------------------------------------------
 vtkCompositeMapperHelper2* vtkIsosurfaceMapper::CreateHelper()
 {
-  return vtkIsosurfaceMapperHelper::New();
+  vtkIsosurfaceMapperHelper* helper = vtkIsosurfaceMapperHelper::New();
+  helper->SetTriangles(this->Triangles);
+  return helper;
 }
 
 //------------------------------------------------------------------------------

@@ -18,6 +18,13 @@
 #include "IsosurfaceRepresentationModule.h" // For export macro
 #include "vtkCompositePolyDataMapper2.h"
 
+#include <memory> // For what is shared
+
+namespace isosurface
+{
+class MeasuredTriangles;
+}
+
 class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceMapper : public vtkCompositePolyDataMapper2
 {
 public:
@@ -25,15 +32,23 @@ public:
   vtkTypeMacro(vtkIsosurfaceMapper, vtkCompositePolyDataMapper2);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /// What measures the surface. Whoever knows the surface as well may share it, then it is measured once.
+  const std::shared_ptr<isosurface::MeasuredTriangles>& GetTriangles() const
+  {
+    return this->Triangles;
+  }
+
 protected:
-  vtkIsosurfaceMapper() = default;
-  ~vtkIsosurfaceMapper() override = default;
+  vtkIsosurfaceMapper();
+  ~vtkIsosurfaceMapper() override;
 
   vtkCompositeMapperHelper2* CreateHelper() override;
 
 private:
   vtkIsosurfaceMapper(const vtkIsosurfaceMapper&) = delete;
   void operator=(const vtkIsosurfaceMapper&) = delete;
+
+  std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
 };
 
 #endif

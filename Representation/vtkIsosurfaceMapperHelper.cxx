@@ -27,6 +27,7 @@
 #include "Drawing/DrawingBuffers.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -45,11 +46,9 @@ struct ShiftAndScale
   std::vector<double> Shift;
   std::vector<double> Scale;
 
-  explicit ShiftAndScale(vtkPoints* points)
+  explicit ShiftAndScale(const std::array<double, 6>& bounds)
   {
-    double bounds[6];
-    points->GetBounds(bounds);
-    for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t axis = 0; axis < 3; ++axis)
     {
       const double length = bounds[2 * axis + 1] - bounds[2 * axis];
       this->Shift.push_back(0.5 * (bounds[2 * axis + 1] + bounds[2 * axis]));
@@ -94,7 +93,7 @@ bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor)
     this->ScalarMode != VTK_SCALAR_MODE_USE_FIELD_DATA &&
     (this->ScalarMode == VTK_SCALAR_MODE_USE_POINT_FIELD_DATA || !this->ScalarVisibility);
   this->Threads = isosurface::ChooseDrawingThreads();
-  return isPlain && shifts && ofPoints && this->Triangles.Measure(surface, this->Threads);
+  return isPlain && shifts && ofPoints && this->Triangles->Measure(surface, this->Threads);
 }
 
 //------------------------------------------------------------------------------
@@ -126,7 +125,7 @@ void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkAct
   this->UploadIndices(this->Primitives[PrimitiveTris].IBO);
 
   data->StartVertex = 0;
-  data->NextVertex = static_cast<unsigned int>(this->Triangles.GetSurface().NumberOfPoints);
+  data->NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
   std::fill(data->StartIndex, data->StartIndex + PrimitiveEnd, 0U);
   std::fill(data->NextIndex, data->NextIndex + PrimitiveEnd, 0U);
   data->NextIndex[PrimitiveTris] =
@@ -217,8 +216,8 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
 void vtkIsosurfaceMapperHelper::UploadVertices(
   vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface)
 {
-  const TriangleSurface& triangles = this->Triangles.GetSurface();
-  const ShiftAndScale map(surface->GetPoints());
+  const TriangleSurface& triangles = this->Triangles->GetSurface();
+  const ShiftAndScale map(this->Triangles->GetMeasure().PointBounds);
   vtkNew<vtkFloatArray> points;
   points->SetNumberOfComponents(3);
   points->SetNumberOfTuples(static_cast<vtkIdType>(triangles.NumberOfPoints));
@@ -254,7 +253,7 @@ void vtkIsosurfaceMapperHelper::UploadVertices(
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer)
 {
-  const isosurface::TriangleMeasure& measure = this->Triangles.GetMeasure();
+  const isosurface::TriangleMeasure& measure = this->Triangles->GetMeasure();
   const std::size_t count = 3 * measure.CountProperTriangles();
   buffer->IndexCount = count;
   if (count == 0)
@@ -274,14 +273,14 @@ void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer
   if (mapped)
   {
     isosurface::CopyProperTriangles(
-      this->Triangles.GetSurface(), measure, static_cast<std::uint32_t*>(mapped), this->Threads);
+      this->Triangles->GetSurface(), measure, static_cast<std::uint32_t*>(mapped), this->Threads);
     written = glUnmapBuffer(GL_ELEMENT_ARRAY_BUFFER) == GL_TRUE;
   }
   if (!written)
   {
     std::vector<unsigned int> indices(count);
     isosurface::CopyProperTriangles(
-      this->Triangles.GetSurface(), measure, indices.data(), this->Threads);
+      this->Triangles->GetSurface(), measure, indices.data(), this->Threads);
     buffer->Upload(indices, vtkOpenGLBufferObject::ElementArrayBuffer);
   }
 }

@@ -8,8 +8,10 @@
 #ifndef vtkIsosurfaceMapperHelper_h
 #define vtkIsosurfaceMapperHelper_h
 
-#include "MeasuredTriangles.h" // For a member
+#include "MeasuredTriangles.h" // For what is shared
 #include "vtkCompositeMapperHelper2.h"
+
+#include <memory> // For what is shared
 
 class vtkIsosurfaceMapperHelper : public vtkCompositeMapperHelper2
 {
@@ -17,6 +19,12 @@ public:
   static vtkIsosurfaceMapperHelper* New();
   vtkTypeMacro(vtkIsosurfaceMapperHelper, vtkCompositeMapperHelper2);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// What measures the surface, shared with the mapper.
+  void SetTriangles(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles)
+  {
+    this->Triangles = triangles;
+  }
 
 protected:
   vtkIsosurfaceMapperHelper() = default;
@@ -38,7 +46,7 @@ private:
   void UploadVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
   void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
 
-  isosurface::MeasuredTriangles Triangles;
+  std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
   int Threads = 1;
 };
 

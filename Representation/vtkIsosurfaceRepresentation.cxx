@@ -24,12 +24,6 @@
 
 vtkStandardNewMacro(vtkIsosurfaceRepresentation);
 
-struct vtkIsosurfaceRepresentation::Measures
-{
-  isosurface::MeasuredTriangles Full;
-  isosurface::MeasuredTriangles Thinned;
-};
-
 namespace
 {
 
@@ -39,6 +33,16 @@ vtkPolyData* GetSurfaceAlone(vtkDataObject* piece)
   auto* blocks = vtkMultiBlockDataSet::SafeDownCast(piece);
   return blocks && blocks->GetNumberOfBlocks() == 1 ? vtkPolyData::SafeDownCast(blocks->GetBlock(0))
                                                     : nullptr;
+}
+
+// Spares the count of bounds cell by cell, where a piece is one surface of triangles.
+void StoreBounds(vtkDataObject* piece, vtkIsosurfaceMapper* mapper)
+{
+  vtkPolyData* surface = GetSurfaceAlone(piece);
+  if (mapper->GetTriangles()->Measure(surface, isosurface::ChooseDrawingThreads()))
+  {
+    isosurface::StoreCellsBounds(surface, mapper->GetTriangles()->GetMeasure());
+  }
 }
 
 // Puts another object in the place of one that the superclass made.
@@ -53,16 +57,16 @@ void Replace(BaseT*& place, T* object)
 
 //------------------------------------------------------------------------------
 vtkIsosurfaceRepresentation::vtkIsosurfaceRepresentation()
-  : Pieces(new Measures)
+  : SurfaceMapper(vtkIsosurfaceMapper::New())
+  , ThinnedMapper(vtkIsosurfaceMapper::New())
 {
   Replace(this->GeometryFilter, vtkIsosurfaceGeometryFilter::New());
   this->GeometryFilter->AddObserver(vtkCommand::ProgressEvent, this,
     &vtkIsosurfaceRepresentation::HandleGeometryRepresentationProgress);
-  auto* mapper = vtkIsosurfaceMapper::New();
-  mapper->SetProcessIdArrayName("vtkProcessId");
-  mapper->SetCompositeIdArrayName("vtkCompositeIndex");
-  Replace(this->Mapper, mapper);
-  Replace(this->LODMapper, vtkIsosurfaceMapper::New());
+  this->SurfaceMapper->SetProcessIdArrayName("vtkProcessId");
+  this->SurfaceMapper->SetCompositeIdArrayName("vtkCompositeIndex");
+  Replace(this->Mapper, this->SurfaceMapper);
+  Replace(this->LODMapper, this->ThinnedMapper);
   this->SetArrayIdNames(nullptr, nullptr);
   this->SetupDefaults();
 }
@@ -78,7 +82,7 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
   {
     // The superclass counts bounds as soon as it has updated; then they are to be there.
     this->vtkPVDataRepresentation::ProcessViewRequest(request, input, output);
-    this->StoreBounds(this->MultiBlockMaker->GetOutputDataObject(0));
+    StoreBounds(this->MultiBlockMaker->GetOutputDataObject(0), this->SurfaceMapper);
   }
   else if (this->GetVisibility() && request == vtkPVView::REQUEST_UPDATE_LOD())
   {
@@ -89,26 +93,10 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
   }
   else if (this->GetVisibility() && request == vtkPVView::REQUEST_RENDER())
   {
-    this->StoreBounds(vtkPVView::GetDeliveredPiece(input, this));
-    if (vtkPolyData* thinned = GetSurfaceAlone(vtkPVView::GetDeliveredPieceLOD(input, this)))
-    {
-      if (this->Pieces->Thinned.Measure(thinned, isosurface::ChooseDrawingThreads()))
-      {
-        isosurface::StoreCellsBounds(thinned, this->Pieces->Thinned.GetMeasure());
-      }
-    }
+    StoreBounds(vtkPVView::GetDeliveredPiece(input, this), this->SurfaceMapper);
+    StoreBounds(vtkPVView::GetDeliveredPieceLOD(input, this), this->ThinnedMapper);
   }
   return this->Superclass::ProcessViewRequest(request, input, output);
-}
-
-//------------------------------------------------------------------------------
-void vtkIsosurfaceRepresentation::StoreBounds(vtkDataObject* piece)
-{
-  vtkPolyData* surface = GetSurfaceAlone(piece);
-  if (this->Pieces->Full.Measure(surface, isosurface::ChooseDrawingThreads()))
-  {
-    isosurface::StoreCellsBounds(surface, this->Pieces->Full.GetMeasure());
-  }
 }
 
 //------------------------------------------------------------------------------
@@ -121,7 +109,7 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
   vtkDataObject* piece = vtkPVView::GetPiece(input, this);
   vtkPolyData* surface = GetSurfaceAlone(piece);
   const int threads = isosurface::ChooseDrawingThreads();
-  if (!this->Pieces->Full.Measure(surface, threads))
+  if (!this->SurfaceMapper->GetTriangles()->Measure(surface, threads))
   {
     return false;
   }
@@ -129,7 +117,8 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
     ? input->Get(vtkPVRenderView::LOD_RESOLUTION())
     : 0.5;
   vtkNew<vtkPolyData> thinned;
-  isosurface::ThinPolyData(surface, this->Pieces->Full, resolution, threads, thinned);
+  isosurface::ThinPolyData(
+    surface, *this->SurfaceMapper->GetTriangles(), resolution, threads, thinned);
   vtkNew<vtkMultiBlockDataSet> blocks;
   blocks->SetBlock(0, thinned);
   // The superclass knows by the field data that the block is not one of the user's.

@@ -18,7 +18,7 @@
 #include "IsosurfaceRepresentationModule.h" // For export macro
 #include "vtkGeometryRepresentationWithFaces.h"
 
-#include <memory> // For the implementation
+class vtkIsosurfaceMapper;
 
 class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceRepresentation
   : public vtkGeometryRepresentationWithFaces
@@ -39,13 +39,11 @@ private:
   vtkIsosurfaceRepresentation(const vtkIsosurfaceRepresentation&) = delete;
   void operator=(const vtkIsosurfaceRepresentation&) = delete;
 
-  /// Spares the count of bounds cell by cell, where a piece is one surface of triangles.
-  void StoreBounds(vtkDataObject* piece);
   /// Gives the view a thinned surface; false if the superclass has to.
   bool ProvideLevelOfDetail(vtkInformation* input);
 
-  struct Measures;
-  std::unique_ptr<Measures> Pieces;
+  vtkIsosurfaceMapper* SurfaceMapper; ///< Mapper
+  vtkIsosurfaceMapper* ThinnedMapper; ///< LODMapper
 };
 
 #endif

@@ -10,19 +10,20 @@ namespace isosurface
 {
 
 /// Whether two points, given by their coordinates, are in one place. A NaN is in no place.
-inline bool AreInOnePlace(const float* a, const float* b)
+[[gnu::always_inline]] inline bool AreInOnePlace(const float* a, const float* b)
 {
-  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+  // Without branches: which coordinates are the same is not to be foretold.
+  return ((a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2])) != 0;
 }
 
 /// Whether a triangle has three points in different places, as VTK's mappers want them.
 template <typename T>
-bool IsProperTriangle(const float* points, const T* triangle)
+[[gnu::always_inline]] inline bool IsProperTriangle(const float* points, const T* triangle)
 {
   const float* a = points + 3 * static_cast<std::size_t>(triangle[0]);
   const float* b = points + 3 * static_cast<std::size_t>(triangle[1]);
   const float* c = points + 3 * static_cast<std::size_t>(triangle[2]);
-  return !AreInOnePlace(a, b) && !AreInOnePlace(b, c) && !AreInOnePlace(a, c);
+  return !(AreInOnePlace(a, b) | AreInOnePlace(b, c) | AreInOnePlace(a, c));
 }
 
 /// Calls body with the connectivity as an array of its own type.

@@ -147,8 +147,6 @@ public:
     return points;
   }
 
-  std::size_t CountPoints() { return this->CountPointsOfRuns().back(); }
-
   /// The triangles with corners in three cells, by the numbers of NumberPoints.
   std::vector<std::uint32_t> CollectTriangles() const
   {
@@ -222,6 +220,49 @@ private:
   std::unique_ptr<std::uint32_t[]> CellOfPoint;
 };
 
+/// How many cells have a point, as the points that are looked at tell: at most as many as there are.
+std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid, int threads)
+{
+  constexpr std::size_t pointsOfLook = 8;
+  std::vector<std::atomic<unsigned char>> taken(grid.CountCells());
+  std::atomic<std::size_t> count{ 0 };
+  ForRuns(surface.NumberOfPoints, threads,
+    [&](std::size_t, std::size_t first, std::size_t last)
+    {
+      std::size_t mine = 0;
+      for (std::size_t point = first; point < last; point += pointsOfLook)
+      {
+        float distance = 0;
+        const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
+        if (taken[cell].load(std::memory_order_relaxed) == 0)
+        {
+          mine += taken[cell].exchange(1, std::memory_order_relaxed) == 0 ? 1 : 0;
+        }
+      }
+      count += mine;
+    });
+  return count;
+}
+
+/// The number of cells along the longest side with which about limits.Points are kept.
+int ChooseCells(const TriangleSurface& surface, const TriangleMeasure& measure,
+  const ThinningLimits& limits, int threads)
+{
+  int cells = std::clamp(limits.Cells, 1, MostCells);
+  while (cells > 1)
+  {
+    const std::size_t points = EstimatePoints(surface, CellGrid(measure.Bounds, cells), threads);
+    if (points <= limits.Points)
+    {
+      break;
+    }
+    // A smooth surface has points in as many cells as the square of their number along a side.
+    const double ratio = static_cast<double>(limits.Points) / static_cast<double>(points);
+    cells = std::clamp(static_cast<int>(cells * std::sqrt(ratio)), 1, cells - 1);
+  }
+  return cells;
+}
+
 } // namespace
 
 ThinnedSurface ThinSurface(const TriangleSurface& surface, const TriangleMeasure& measure,
@@ -232,21 +273,11 @@ ThinnedSurface ThinSurface(const TriangleSurface& surface, const TriangleMeasure
   {
     return thinned;
   }
-  int cells = std::clamp(limits.Cells, 1, MostCells);
-  for (;;)
-  {
-    Clusters clusters(surface, CellGrid(measure.Bounds, cells), threads);
-    const std::size_t points = clusters.CountPoints();
-    if (points <= limits.MaximumPoints || cells == 1)
-    {
-      thinned.Points = clusters.NumberPoints();
-      thinned.Triangles = clusters.CollectTriangles();
-      return thinned;
-    }
-    // A smooth surface has points in as many cells as the square of their number along a side.
-    const double ratio = static_cast<double>(limits.MaximumPoints) / static_cast<double>(points);
-    cells = std::clamp(static_cast<int>(cells * 0.97 * std::sqrt(ratio)), 1, cells - 1);
-  }
+  const CellGrid grid(measure.Bounds, ChooseCells(surface, measure, limits, threads));
+  Clusters clusters(surface, grid, threads);
+  thinned.Points = clusters.NumberPoints();
+  thinned.Triangles = clusters.CollectTriangles();
+  return thinned;
 }
 
 } // namespace isosurface

@@ -15,8 +15,8 @@ namespace isosurface
 /// How much of a surface is kept.
 struct ThinningLimits
 {
-  int Cells = 128; ///< along the longest side of the surface's bounds; at most 512
-  std::size_t MaximumPoints = 200000;
+  int Cells = 110;            ///< along the longest side of the surface's bounds; at most 512
+  std::size_t Points = 80000; ///< about so many at most
 };
 
 /// Some points of a surface, and triangles between them.
@@ -29,11 +29,11 @@ struct ThinnedSurface
 /**
  * Thins a surface by a grid of cubic cells over its bounds. Of the points in a cell the one next to
  * its centre is kept, the first of several; of the triangles those whose corners are in three cells.
- * So what is kept are points of the surface itself, with its own normals and attributes. Cells are
- * made larger until at most MaximumPoints are left. The result does not depend on the threads.
+ * So what is kept are points of the surface itself, with its own normals and attributes. Where more
+ * points than wanted are expected, by every eighth one, cells are larger. The result does not depend
+ * on the threads.
  *
- * Each point and each triangle is visited once or, where cells have to be made larger, a few times;
- * 4 bytes a point and 8 a cell of memory. The measure is that of the surface, and valid; a surface
+ * Each point and each triangle is visited once; 4 bytes a point and 8 a cell of memory. The measure is that of the surface, and valid; a surface
  * has at most 2^32 - 1 points. Cf. J. Rossignac, P. Borrel, Multi-resolution 3D approximations for
  * rendering complex scenes, 1993.
  */

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <type_traits>
 
 namespace isosurface
 {
@@ -65,30 +66,56 @@ struct FloatBounds
   }
 };
 
-FloatBounds FindBounds(
+/// The bounds of the points that have a mark, and of all points.
+struct MarkedBounds
+{
+  FloatBounds Marked;
+  FloatBounds All;
+};
+
+MarkedBounds FindBounds(
   const TriangleSurface& surface, const std::atomic<unsigned char>* marks, int threads)
 {
-  std::vector<FloatBounds> runs(CountRuns(surface.NumberOfPoints, PointsOfRun));
+  std::vector<MarkedBounds> runs(CountRuns(surface.NumberOfPoints, PointsOfRun));
   ParallelFor(runs.size(), threads,
     [&](std::size_t run, int)
     {
       const std::size_t last = std::min(surface.NumberOfPoints, (run + 1) * PointsOfRun);
-      FloatBounds bounds;
+      MarkedBounds bounds;
+      bool allMarked = true;
       for (std::size_t point = run * PointsOfRun; point < last; ++point)
+      {
+        bounds.All.Add(surface.Points + 3 * point, surface.Points + 3 * point);
+        allMarked &= marks[point].load(std::memory_order_relaxed) != 0;
+      }
+      bounds.Marked = allMarked ? bounds.All : FloatBounds{};
+      for (std::size_t point = run * PointsOfRun; !allMarked && point < last; ++point)
       {
         if (marks[point].load(std::memory_order_relaxed) != 0)
         {
-          bounds.Add(surface.Points + 3 * point, surface.Points + 3 * point);
+          bounds.Marked.Add(surface.Points + 3 * point, surface.Points + 3 * point);
         }
       }
       runs[run] = bounds;
     });
-  FloatBounds all;
-  for (const FloatBounds& run : runs)
+  MarkedBounds all;
+  for (const MarkedBounds& run : runs)
   {
-    all.Add(run.Low, run.High);
+    all.Marked.Add(run.Marked.Low, run.Marked.High);
+    all.All.Add(run.All.Low, run.All.High);
   }
   return all;
+}
+
+std::array<double, 6> Widen(const FloatBounds& bounds)
+{
+  std::array<double, 6> widened{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    widened[2 * axis] = static_cast<double>(bounds.Low[axis]);
+    widened[2 * axis + 1] = static_cast<double>(bounds.High[axis]);
+  }
+  return widened;
 }
 
 template <typename T>
@@ -145,12 +172,9 @@ TriangleMeasure MeasureTriangles(const TriangleSurface& surface, int threads)
   measure.IsValid = valid;
   if (measure.IsValid && surface.NumberOfTriangles > 0)
   {
-    const FloatBounds bounds = FindBounds(surface, marks.get(), threads);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      measure.Bounds[2 * axis] = static_cast<double>(bounds.Low[axis]);
-      measure.Bounds[2 * axis + 1] = static_cast<double>(bounds.High[axis]);
-    }
+    const MarkedBounds bounds = FindBounds(surface, marks.get(), threads);
+    measure.Bounds = Widen(bounds.Marked);
+    measure.PointBounds = Widen(bounds.All);
   }
   return measure;
 }

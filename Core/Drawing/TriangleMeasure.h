@@ -21,6 +21,8 @@ struct TriangleMeasure
   bool IsValid = false; ///< whether every point number is one of the surface's points
   /// Of the points that triangles use: xmin, xmax, ymin ...; minimum > maximum if there are none.
   std::array<double, 6> Bounds = { 1, -1, 1, -1, 1, -1 };
+  /// Of all points, whether triangles use them or not.
+  std::array<double, 6> PointBounds = { 1, -1, 1, -1, 1, -1 };
   /// By run: how many triangles have three points in different places.
   std::vector<std::uint32_t> ProperTriangles;
 
