@@ -115,13 +115,23 @@ public:
     ForRuns(surface.NumberOfPoints, threads,
       [&](std::size_t, std::size_t first, std::size_t last)
       {
+        // Points that follow each other are often in one cell, which then is asked once.
+        std::uint32_t lastCell = 0;
+        std::uint64_t best = NoPoint;
         for (std::size_t point = first; point < last; ++point)
         {
           float distance = 0;
           const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
           this->CellOfPoint[point] = cell;
-          KeepMinimum(this->PointOfCell[cell], MakePreference(distance, point));
+          if (cell != lastCell)
+          {
+            KeepMinimum(this->PointOfCell[lastCell], best);
+            lastCell = cell;
+            best = NoPoint;
+          }
+          best = std::min(best, MakePreference(distance, point));
         }
+        KeepMinimum(this->PointOfCell[lastCell], best);
       });
   }
 
@@ -220,17 +230,19 @@ private:
   std::unique_ptr<std::uint32_t[]> CellOfPoint;
 };
 
+/// Every so many points are looked at to choose the cells.
+constexpr std::size_t PointsOfLook = 8;
+
 /// How many cells have a point, as the points that are looked at tell: at most as many as there are.
 std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid, int threads)
 {
-  constexpr std::size_t pointsOfLook = 8;
   std::vector<std::atomic<unsigned char>> taken(grid.CountCells());
   std::atomic<std::size_t> count{ 0 };
   ForRuns(surface.NumberOfPoints, threads,
     [&](std::size_t, std::size_t first, std::size_t last)
     {
       std::size_t mine = 0;
-      for (std::size_t point = first; point < last; point += pointsOfLook)
+      for (std::size_t point = first; point < last; point += PointsOfLook)
       {
         float distance = 0;
         const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
@@ -259,6 +271,10 @@ int ChooseCells(const TriangleSurface& surface, const TriangleMeasure& measure,
     // A smooth surface has points in as many cells as the square of their number along a side.
     const double ratio = static_cast<double>(limits.Points) / static_cast<double>(points);
     cells = std::clamp(static_cast<int>(cells * std::sqrt(ratio)), 1, cells - 1);
+    if (points < surface.NumberOfPoints / PointsOfLook / 4)
+    {
+      break; // several looks found each cell, so no cells were missed
+    }
   }
   return cells;
 }
