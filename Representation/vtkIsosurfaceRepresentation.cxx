@@ -81,6 +81,7 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
   if (this->GetVisibility() && request == vtkPVView::REQUEST_UPDATE())
   {
     // The superclass counts bounds as soon as it has updated; then they are to be there.
+    // NOLINTNEXTLINE(bugprone-parent-virtual-call): this updates; the superclass finds that done.
     this->vtkPVDataRepresentation::ProcessViewRequest(request, input, output);
     StoreBounds(this->MultiBlockMaker->GetOutputDataObject(0), this->SurfaceMapper);
   }
