@@ -4,10 +4,12 @@
 
 #include "vtkActor.h"
 #include "vtkCellData.h"
+#include "vtkCompositePolyDataMapper2.h"
 #include "vtkFloatArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkImageData.h"
 #include "vtkMatrix4x4.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLCellToVTKCellMap.h"
@@ -57,6 +59,13 @@ struct ShiftAndScale
   }
 };
 
+// Whether a mapper has no other block than the one that a helper has.
+bool IsOneBlock(vtkDataObject* input)
+{
+  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(input);
+  return vtkPolyData::SafeDownCast(input) || (blocks && blocks->GetNumberOfBlocks() == 1);
+}
+
 // A mapper's own arrays are held without a smart pointer.
 template <typename ArrayT>
 void Drop(ArrayT*& array, vtkObjectBase* owner)
@@ -73,7 +82,7 @@ void Drop(ArrayT*& array, vtkObjectBase* owner)
 //------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor)
 {
-  if (this->Data.size() != 1)
+  if (this->Data.size() != 1 || !IsOneBlock(this->Parent->GetInputDataObject(0, 0)))
   {
     return false;
   }
