@@ -179,6 +179,26 @@ void StoreRangesOfArray(vtkDataArray* array, int threads)
   }
 }
 
+/// Reaches the bounds that vtkPoints keeps, which it does not take from its array; never made.
+class KeptBounds : public vtkPoints
+{
+public:
+  static void Store(vtkPoints* points)
+  {
+    vtkDataArray* array = points->GetData();
+    if (array->HasInformation() && array->GetInformation()->Has(vtkDataArray::PER_COMPONENT()))
+    {
+      double(vtkPoints::*bounds)[6] = &KeptBounds::Bounds;
+      vtkTimeStamp vtkPoints::*time = &KeptBounds::ComputeTime;
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        array->GetRange(points->*bounds + static_cast<std::ptrdiff_t>(2 * axis), axis);
+      }
+      (points->*time).Modified();
+    }
+  }
+};
+
 } // namespace
 
 void StoreRanges(vtkPolyData* surface, int threads)
@@ -186,6 +206,7 @@ void StoreRanges(vtkPolyData* surface, int threads)
   if (surface->GetPoints())
   {
     StoreRangesOfArray(surface->GetPoints()->GetData(), threads);
+    KeptBounds::Store(surface->GetPoints());
   }
   vtkPointData* arrays = surface->GetPointData();
   for (int n = 0; n < arrays->GetNumberOfArrays(); ++n)

@@ -12,7 +12,7 @@ namespace isosurface
 /**
  * Stores the ranges of a surface's points and point arrays, of each component and of the norm, in
  * the arrays, where VTK keeps those that it has computed (vtkDataArray::COMPONENT_RANGE,
- * L2_NORM_RANGE and their finite counterparts). ParaView asks for all of them after each update,
+ * L2_NORM_RANGE and their finite counterparts), and the bounds in vtkPoints. ParaView asks for all of them after each update,
  * and VTK computes each alone, value by value: five times as long as the extraction takes.
  *
  * Arrays of other types than float, double and vtkIdType, and such with values that are not finite,

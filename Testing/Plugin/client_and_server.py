@@ -123,6 +123,9 @@ class ClientAndServer(unittest.TestCase):
     def test_metabuffer_view_shows_the_stock_image(self):
         self.run_client_and_server("metabuffer_view.py")
 
+    def test_surfaces_have_the_stock_image(self):
+        self.run_client_and_server("surface_representation.py")
+
     def test_wall_shows_the_one_big_image_of_the_stock_view(self):
         import numpy
 

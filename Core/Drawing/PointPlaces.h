@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PointPlaces_h
+#define isosurface_PointPlaces_h
+
+#include "Drawing/TriangleSurface.h"
+
+#include <cstddef>
+
+namespace isosurface
+{
+
+/// Whether two points, given by their coordinates, are in one place. A NaN is in no place.
+[[gnu::always_inline]] inline bool AreInOnePlace(const float* a, const float* b)
+{
+  // Without branches: which coordinates are the same is not to be foretold.
+  return ((a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2])) != 0;
+}
+
+/// Whether a triangle has three points in different places, as VTK's mappers want them.
+template <typename T>
+[[gnu::always_inline]] inline bool IsProperTriangle(const float* points, const T* triangle)
+{
+  const float* a = points + 3 * static_cast<std::size_t>(triangle[0]);
+  const float* b = points + 3 * static_cast<std::size_t>(triangle[1]);
+  const float* c = points + 3 * static_cast<std::size_t>(triangle[2]);
+  return !(AreInOnePlace(a, b) | AreInOnePlace(b, c) | AreInOnePlace(a, c));
+}
+
+/// Calls body with the connectivity as an array of its own type.
+template <typename BodyT>
+void WithConnectivity(const TriangleConnectivity& connectivity, BodyT&& body)
+{
+  if (connectivity.Values32)
+  {
+    body(connectivity.Values32);
+  }
+  else
+  {
+    body(connectivity.Values64);
+  }
+}
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Drawing/SurfaceThinning.h"
+
+#include "Base/ParallelFor.h"
+#include "Drawing/PointPlaces.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::size_t ThingsOfRun = std::size_t{ 1 } << 16;
+constexpr std::uint64_t NoPoint = std::numeric_limits<std::uint64_t>::max();
+constexpr int MostCells = 512;
+
+template <typename BodyT>
+void ForRuns(std::size_t count, int threads, BodyT&& body)
+{
+  ParallelFor((count + ThingsOfRun - 1) / ThingsOfRun, threads,
+    [&](std::size_t run, int)
+    { body(run, run * ThingsOfRun, std::min(count, (run + 1) * ThingsOfRun)); });
+}
+
+/// The grid of cells over a surface's bounds.
+struct CellGrid
+{
+  std::array<float, 3> Low{};
+  float CellsPerLength = 0;
+  std::array<std::uint32_t, 3> Cells{ 1, 1, 1 };
+
+  CellGrid(const std::array<double, 6>& bounds, int cells)
+  {
+    double longest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      longest = std::max(longest, bounds[2 * axis + 1] - bounds[2 * axis]);
+    }
+    this->CellsPerLength = longest > 0 ? static_cast<float>(cells / longest) : 0.0F;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Low[axis] = static_cast<float>(bounds[2 * axis]);
+      const auto length = static_cast<float>(bounds[2 * axis + 1] - bounds[2 * axis]);
+      this->Cells[axis] = static_cast<std::uint32_t>(length * this->CellsPerLength) + 1;
+    }
+  }
+
+  std::size_t CountCells() const
+  {
+    return std::size_t{ this->Cells[0] } * this->Cells[1] * this->Cells[2];
+  }
+
+  /// The number of a point's cell, and the squared distance from its centre, in cells.
+  std::uint32_t FindCell(const float* point, float& distance) const
+  {
+    std::array<std::uint32_t, 3> cell{};
+    distance = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const float place = (point[axis] - this->Low[axis]) * this->CellsPerLength;
+      // What is not within the grid, a NaN too, is in its first or last cell.
+      const float last = static_cast<float>(this->Cells[axis] - 1);
+      const float inside = place > 0 ? std::min(place, last) : 0.0F;
+      cell[axis] = static_cast<std::uint32_t>(inside);
+      const float offset = place - static_cast<float>(cell[axis]) - 0.5F;
+      distance += offset * offset;
+    }
+    return (cell[2] * this->Cells[1] + cell[1]) * this->Cells[0] + cell[0];
+  }
+};
+
+/// A point in the order in which a cell prefers them: next to the centre first, then by number.
+std::uint64_t MakePreference(float distance, std::size_t point)
+{
+  // Floats that are not negative have the order of their bits.
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &distance, sizeof(bits));
+  return (std::uint64_t{ bits } << 32) | static_cast<std::uint32_t>(point);
+}
+
+void KeepMinimum(std::atomic<std::uint64_t>& least, std::uint64_t value)
+{
+  std::uint64_t known = least.load(std::memory_order_relaxed);
+  while (value < known && !least.compare_exchange_weak(known, value, std::memory_order_relaxed))
+  {
+  }
+}
+
+/// The points of a surface in the cells of a grid.
+class Clusters
+{
+public:
+  Clusters(const TriangleSurface& surface, const CellGrid& grid, int threads)
+    : Surface(surface)
+    , Threads(threads)
+    , CountOfCells(grid.CountCells())
+    , PointOfCell(new std::atomic<std::uint64_t>[this->CountOfCells])
+    , CellOfPoint(new std::uint32_t[surface.NumberOfPoints])
+  {
+    ForRuns(this->CountOfCells, threads,
+      [&](std::size_t, std::size_t first, std::size_t last)
+      {
+        for (std::size_t cell = first; cell < last; ++cell)
+        {
+          this->PointOfCell[cell].store(NoPoint, std::memory_order_relaxed);
+        }
+      });
+    ForRuns(surface.NumberOfPoints, threads,
+      [&](std::size_t, std::size_t first, std::size_t last)
+      {
+        // Points that follow each other are often in one cell, which then is asked once.
+        std::uint32_t lastCell = 0;
+        std::uint64_t best = NoPoint;
+        for (std::size_t point = first; point < last; ++point)
+        {
+          float distance = 0;
+          const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
+          this->CellOfPoint[point] = cell;
+          if (cell != lastCell)
+          {
+            KeepMinimum(this->PointOfCell[lastCell], best);
+            lastCell = cell;
+            best = NoPoint;
+          }
+          best = std::min(best, MakePreference(distance, point));
+        }
+        KeepMinimum(this->PointOfCell[lastCell], best);
+      });
+  }
+
+  /// Numbers the cells that have points, in their order; returns their points.
+  std::vector<std::uint32_t> NumberPoints()
+  {
+    const std::vector<std::size_t> starts = this->CountPointsOfRuns();
+    std::vector<std::uint32_t> points(starts.back());
+    ForRuns(this->CountOfCells, this->Threads,
+      [&](std::size_t run, std::size_t first, std::size_t last)
+      {
+        std::size_t number = starts[run];
+        for (std::size_t cell = first; cell < last; ++cell)
+        {
+          const std::uint64_t point = this->PointOfCell[cell].load(std::memory_order_relaxed);
+          if (point != NoPoint)
+          {
+            points[number] = static_cast<std::uint32_t>(point);
+            this->PointOfCell[cell].store(number++, std::memory_order_relaxed);
+          }
+        }
+      });
+    return points;
+  }
+
+  /// The triangles with corners in three cells, by the numbers of NumberPoints.
+  std::vector<std::uint32_t> CollectTriangles() const
+  {
+    const std::size_t triangles = this->Surface.NumberOfTriangles;
+    std::vector<std::vector<std::uint32_t>> runs((triangles + ThingsOfRun - 1) / ThingsOfRun);
+    WithConnectivity(this->Surface.Connectivity,
+      [&](const auto* connectivity)
+      {
+        ForRuns(triangles, this->Threads,
+          [&](std::size_t run, std::size_t first, std::size_t last)
+          {
+            for (std::size_t triangle = first; triangle < last; ++triangle)
+            {
+              const auto* points = connectivity + 3 * triangle;
+              const std::uint32_t a = this->CellOfPoint[points[0]];
+              const std::uint32_t b = this->CellOfPoint[points[1]];
+              const std::uint32_t c = this->CellOfPoint[points[2]];
+              if (a != b && b != c && a != c)
+              {
+                runs[run].insert(
+                  runs[run].end(), { this->GetNumber(a), this->GetNumber(b), this->GetNumber(c) });
+              }
+            }
+          });
+      });
+    std::vector<std::uint32_t> all;
+    std::size_t size = 0;
+    for (const auto& run : runs)
+    {
+      size += run.size();
+    }
+    all.reserve(size);
+    for (const auto& run : runs)
+    {
+      all.insert(all.end(), run.begin(), run.end());
+    }
+    return all;
+  }
+
+private:
+  /// How many cells with points are before each run of cells, and at the end how many in all.
+  std::vector<std::size_t> CountPointsOfRuns() const
+  {
+    std::vector<std::size_t> counts((this->CountOfCells + ThingsOfRun - 1) / ThingsOfRun + 1);
+    ForRuns(this->CountOfCells, this->Threads,
+      [&](std::size_t run, std::size_t first, std::size_t last)
+      {
+        std::size_t count = 0;
+        for (std::size_t cell = first; cell < last; ++cell)
+        {
+          count += this->PointOfCell[cell].load(std::memory_order_relaxed) != NoPoint ? 1 : 0;
+        }
+        counts[run + 1] = count;
+      });
+    for (std::size_t run = 1; run < counts.size(); ++run)
+    {
+      counts[run] += counts[run - 1];
+    }
+    return counts;
+  }
+
+  std::uint32_t GetNumber(std::uint32_t cell) const
+  {
+    return static_cast<std::uint32_t>(this->PointOfCell[cell].load(std::memory_order_relaxed));
+  }
+
+  const TriangleSurface& Surface;
+  int Threads;
+  std::size_t CountOfCells;
+  std::unique_ptr<std::atomic<std::uint64_t>[]> PointOfCell; ///< a preference, then a number
+  std::unique_ptr<std::uint32_t[]> CellOfPoint;
+};
+
+/// Every so many points are looked at to choose the cells.
+constexpr std::size_t PointsOfLook = 8;
+
+/// How many cells have a point, as the points that are looked at tell: at most as many as there are.
+std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid, int threads)
+{
+  std::vector<std::atomic<unsigned char>> taken(grid.CountCells());
+  std::atomic<std::size_t> count{ 0 };
+  ForRuns(surface.NumberOfPoints, threads,
+    [&](std::size_t, std::size_t first, std::size_t last)
+    {
+      std::size_t mine = 0;
+      for (std::size_t point = first; point < last; point += PointsOfLook)
+      {
+        float distance = 0;
+        const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
+        if (taken[cell].load(std::memory_order_relaxed) == 0)
+        {
+          mine += taken[cell].exchange(1, std::memory_order_relaxed) == 0 ? 1 : 0;
+        }
+      }
+      count += mine;
+    });
+  return count;
+}
+
+/// The number of cells along the longest side with which about limits.Points are kept.
+int ChooseCells(const TriangleSurface& surface, const TriangleMeasure& measure,
+  const ThinningLimits& limits, int threads)
+{
+  int cells = std::clamp(limits.Cells, 1, MostCells);
+  while (cells > 1)
+  {
+    const std::size_t points = EstimatePoints(surface, CellGrid(measure.Bounds, cells), threads);
+    if (points <= limits.Points)
+    {
+      break;
+    }
+    // A smooth surface has points in as many cells as the square of their number along a side.
+    const double ratio = static_cast<double>(limits.Points) / static_cast<double>(points);
+    cells = std::clamp(static_cast<int>(cells * std::sqrt(ratio)), 1, cells - 1);
+    if (points < surface.NumberOfPoints / PointsOfLook / 4)
+    {
+      break; // several looks found each cell, so no cells were missed
+    }
+  }
+  return cells;
+}
+
+} // namespace
+
+ThinnedSurface ThinSurface(const TriangleSurface& surface, const TriangleMeasure& measure,
+  const ThinningLimits& limits, int threads)
+{
+  ThinnedSurface thinned;
+  if (surface.NumberOfTriangles == 0)
+  {
+    return thinned;
+  }
+  const CellGrid grid(measure.Bounds, ChooseCells(surface, measure, limits, threads));
+  Clusters clusters(surface, grid, threads);
+  thinned.Points = clusters.NumberPoints();
+  thinned.Triangles = clusters.CollectTriangles();
+  return thinned;
+}
+
+} // namespace isosurface

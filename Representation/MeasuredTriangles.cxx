@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MeasuredTriangles.h"
+
+#include "vtkCellArray.h"
+#include "vtkFloatArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkTypeInt32Array.h"
+#include "vtkTypeInt64Array.h"
+
+#include "Base/ParallelFor.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr auto MostIndices = static_cast<vtkIdType>(std::numeric_limits<std::uint32_t>::max());
+
+/// The cells of a surface that has float points, and no other cells than these polygons.
+vtkCellArray* GetPolygonsAlone(vtkPolyData* surface)
+{
+  vtkCellArray* polygons = surface->GetPolys();
+  const bool alone = surface->GetPoints() &&
+    vtkFloatArray::FastDownCast(surface->GetPoints()->GetData()) &&
+    polygons->GetNumberOfCells() > 0 && surface->GetNumberOfVerts() == 0 &&
+    surface->GetNumberOfLines() == 0 && surface->GetNumberOfStrips() == 0;
+  return alone ? polygons : nullptr;
+}
+
+/// VTK's 64-bit integers may be another type of this size than the standard library's.
+const std::int64_t* GetValues64(vtkCellArray::ArrayType64* array)
+{
+  return reinterpret_cast<const std::int64_t*>(array->GetPointer(0));
+}
+
+bool AreTriangles(vtkCellArray* polygons, int threads)
+{
+  const auto cells = static_cast<std::size_t>(polygons->GetNumberOfCells());
+  return polygons->IsStorage64Bit()
+    ? AreTriangleOffsets(GetValues64(polygons->GetOffsetsArray64()), cells, threads)
+    : AreTriangleOffsets(polygons->GetOffsetsArray32()->GetPointer(0), cells, threads);
+}
+
+TriangleSurface View(vtkDataArray* points, vtkCellArray* triangles)
+{
+  TriangleSurface view;
+  view.Points = vtkFloatArray::FastDownCast(points)->GetPointer(0);
+  view.NumberOfPoints = static_cast<std::size_t>(points->GetNumberOfTuples());
+  view.NumberOfTriangles = static_cast<std::size_t>(triangles->GetNumberOfCells());
+  if (triangles->IsStorage64Bit())
+  {
+    view.Connectivity.Values64 = GetValues64(triangles->GetConnectivityArray64());
+  }
+  else
+  {
+    view.Connectivity.Values32 = triangles->GetConnectivityArray32()->GetPointer(0);
+  }
+  return view;
+}
+
+/// Reaches the bounds that a vtkPolyData keeps; never made.
+class PolyDataBounds : public vtkPolyData
+{
+public:
+  static void Store(vtkPolyData* surface, const TriangleMeasure& measure)
+  {
+    double(vtkPolyData::*bounds)[6] = &PolyDataBounds::CellsBounds;
+    vtkTimeStamp vtkPolyData::*time = &PolyDataBounds::CellsBoundsTime;
+    if (surface->GetMeshMTime() > (surface->*time).GetMTime())
+    {
+      std::copy(measure.Bounds.begin(), measure.Bounds.end(), surface->*bounds);
+      (surface->*time).Modified();
+    }
+  }
+};
+
+} // namespace
+
+bool MeasuredTriangles::Measure(vtkPolyData* surface, int threads)
+{
+  vtkCellArray* polygons = surface ? GetPolygonsAlone(surface) : nullptr;
+  if (!polygons)
+  {
+    return false;
+  }
+  vtkDataArray* points = surface->GetPoints()->GetData();
+  const Key key{ points->GetMTime(), polygons->GetOffsetsArray()->GetMTime(),
+    polygons->GetConnectivityArray()->GetMTime() };
+  const bool isNew = !(key == this->Measured);
+  if (isNew)
+  {
+    this->Measured = key;
+    this->IsCovered = polygons->GetNumberOfConnectivityIds() == 3 * polygons->GetNumberOfCells() &&
+      polygons->GetNumberOfConnectivityIds() <= MostIndices &&
+      points->GetNumberOfTuples() <= MostIndices && AreTriangles(polygons, threads);
+  }
+  if (!this->IsCovered)
+  {
+    return false;
+  }
+  this->Surface = View(points, polygons);
+  if (isNew)
+  {
+    this->Found = MeasureTriangles(this->Surface, threads);
+    this->IsCovered = this->Found.IsValid;
+  }
+  return this->IsCovered;
+}
+
+void StoreCellsBounds(vtkPolyData* surface, const TriangleMeasure& measure)
+{
+  PolyDataBounds::Store(surface, measure);
+}
+
+int ChooseDrawingThreads()
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  return ChooseThreadCount(controller ? controller->GetNumberOfProcesses() : 1);
+}
+
+} // namespace isosurface

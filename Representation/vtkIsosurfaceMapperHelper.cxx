@@ -1,0 +1,332 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkIsosurfaceMapperHelper.h"
+
+#include "vtkActor.h"
+#include "vtkCellData.h"
+#include "vtkCompositePolyDataMapper2.h"
+#include "vtkFloatArray.h"
+#include "vtkHardwareSelector.h"
+#include "vtkImageData.h"
+#include "vtkMatrix4x4.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkOpenGLCellToVTKCellMap.h"
+#include "vtkOpenGLIndexBufferObject.h"
+#include "vtkOpenGLTexture.h"
+#include "vtkOpenGLVertexBufferObject.h"
+#include "vtkOpenGLVertexBufferObjectGroup.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkProperty.h"
+#include "vtkRenderer.h"
+#include "vtkScalarsToColors.h"
+#include "vtkSmartPointer.h"
+#include "vtkTransform.h"
+
+#include "Drawing/DrawingBuffers.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+vtkStandardNewMacro(vtkIsosurfaceMapperHelper);
+
+using isosurface::TriangleSurface;
+
+namespace
+{
+
+using VertexBuffer = vtkOpenGLVertexBufferObject;
+
+// What maps coordinates to a unit cube around the origin.
+struct ShiftAndScale
+{
+  std::vector<double> Shift;
+  std::vector<double> Scale;
+
+  explicit ShiftAndScale(const std::array<double, 6>& bounds)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const double length = bounds[2 * axis + 1] - bounds[2 * axis];
+      this->Shift.push_back(0.5 * (bounds[2 * axis + 1] + bounds[2 * axis]));
+      this->Scale.push_back(length > 0 ? 1.0 / length : 1.0);
+    }
+  }
+};
+
+// Whether a mapper has no other block than the one that a helper has.
+bool IsOneBlock(vtkDataObject* input)
+{
+  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(input);
+  return vtkPolyData::SafeDownCast(input) || (blocks && blocks->GetNumberOfBlocks() == 1);
+}
+
+// A mapper's own arrays are held without a smart pointer.
+template <typename ArrayT>
+void Drop(ArrayT*& array, vtkObjectBase* owner)
+{
+  if (array)
+  {
+    array->UnRegister(owner);
+    array = nullptr;
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor)
+{
+  if (this->Data.size() != 1 || !IsOneBlock(this->Parent->GetInputDataObject(0, 0)))
+  {
+    return false;
+  }
+  vtkProperty* property = actor->GetProperty();
+  vtkHardwareSelector* selector = renderer->GetSelector();
+  const bool picksPoints = selector && this->PopulateSelectionSettings &&
+    selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_POINTS;
+  const bool isPlain = property->GetRepresentation() == VTK_SURFACE &&
+    !property->GetEdgeVisibility() && !property->GetVertexVisibility() && !actor->GetTexture() &&
+    property->GetNumberOfTextures() == 0 && !picksPoints;
+  const bool shifts = this->ShiftScaleMethod == VertexBuffer::AUTO_SHIFT_SCALE ||
+    this->ShiftScaleMethod == VertexBuffer::ALWAYS_AUTO_SHIFT_SCALE;
+  vtkPolyData* surface = this->Data.begin()->second->Data;
+  const bool ofPoints = !surface->GetCellData()->GetNormals() &&
+    !surface->GetPointData()->GetTangents() && this->ScalarMode != VTK_SCALAR_MODE_USE_CELL_DATA &&
+    this->ScalarMode != VTK_SCALAR_MODE_USE_CELL_FIELD_DATA &&
+    this->ScalarMode != VTK_SCALAR_MODE_USE_FIELD_DATA &&
+    (this->ScalarMode == VTK_SCALAR_MODE_USE_POINT_FIELD_DATA || !this->ScalarVisibility);
+  this->Threads = isosurface::ChooseDrawingThreads();
+  return isPlain && shifts && ofPoints && this->Triangles->Measure(surface, this->Threads);
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor)
+{
+  if (!this->Covers(renderer, actor))
+  {
+    this->Superclass::BuildBufferObjects(renderer, actor);
+    return;
+  }
+  vtkCompositeMapperHelperData* data = this->Data.begin()->second;
+  vtkPolyData* surface = data->Data;
+  this->VBOs->ClearAllVBOs();
+  this->EdgeValues.clear();
+  this->HaveCellScalars = false;
+  this->HaveCellNormals = false;
+
+  vtkCellArray* cells[4] = { surface->GetVerts(), surface->GetLines(), surface->GetPolys(),
+    surface->GetStrips() };
+  data->CellCellMap->SetStartOffset(0);
+  data->CellCellMap->BuildPrimitiveOffsetsIfNeeded(cells, VTK_SURFACE, surface->GetPoints());
+
+  this->MapColors(surface);
+  this->UploadVertices(renderer, actor, surface);
+  for (vtkOpenGLHelper& primitive : this->Primitives)
+  {
+    primitive.IBO->IndexCount = 0;
+  }
+  this->UploadIndices(this->Primitives[PrimitiveTris].IBO);
+
+  data->StartVertex = 0;
+  data->NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
+  std::fill(data->StartIndex, data->StartIndex + PrimitiveEnd, 0U);
+  std::fill(data->NextIndex, data->NextIndex + PrimitiveEnd, 0U);
+  data->NextIndex[PrimitiveTris] =
+    static_cast<unsigned int>(this->Primitives[PrimitiveTris].IBO->IndexCount);
+  this->VBOBuildTime.Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::MapColors(vtkPolyData* surface)
+{
+  Drop(this->ColorCoordinates, this);
+  Drop(this->Colors, this);
+  if (!this->MapColorsToTexture(surface))
+  {
+    this->MapScalars(surface, 1.0);
+  }
+  if (this->ColorTextureMap)
+  {
+    if (!this->InternalColorTexture)
+    {
+      this->InternalColorTexture = vtkOpenGLTexture::New();
+      this->InternalColorTexture->RepeatOff();
+    }
+    this->InternalColorTexture->SetInputData(this->ColorTextureMap);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
+{
+  if (!this->ScalarVisibility || this->ScalarMode != VTK_SCALAR_MODE_USE_POINT_FIELD_DATA ||
+    this->ArrayAccessMode != VTK_GET_ARRAY_BY_NAME || !this->ArrayName ||
+    !this->CanUseTextureMapForColoring(surface))
+  {
+    return false;
+  }
+  vtkDataArray* scalars = surface->GetPointData()->GetArray(this->ArrayName);
+  if (!scalars || !scalars->HasStandardMemoryLayout() || scalars->GetDataType() == VTK_BIT ||
+    scalars->GetNumberOfTuples() == 0)
+  {
+    return false;
+  }
+
+  // The superclass makes the texture, with the coordinates of one value.
+  const auto first = vtkSmartPointer<vtkDataArray>::Take(scalars->NewInstance());
+  first->SetName(scalars->GetName());
+  first->SetLookupTable(scalars->GetLookupTable());
+  first->SetNumberOfComponents(scalars->GetNumberOfComponents());
+  first->SetNumberOfTuples(1);
+  first->SetTuple(0, 0, scalars);
+  vtkNew<vtkPolyData> one;
+  one->GetPointData()->AddArray(first);
+  this->MapScalars(one, 1.0);
+  if (!this->ColorCoordinates || !this->LookupTable || this->LookupTable->UsingLogScale())
+  {
+    Drop(this->ColorCoordinates, this);
+    Drop(this->Colors, this);
+    return false;
+  }
+
+  const int components = scalars->GetNumberOfComponents();
+  const bool magnitude =
+    components > 1 && this->LookupTable->GetVectorMode() == vtkScalarsToColors::MAGNITUDE;
+  const int component = magnitude ? -1 : this->LookupTable->GetVectorComponent();
+  isosurface::TextureRange range;
+  range.Minimum = this->LookupTable->GetRange()[0];
+  range.Maximum = this->LookupTable->GetRange()[1];
+  range.Colors = static_cast<int>(this->LookupTable->GetNumberOfAvailableColors());
+  const auto tuples = static_cast<std::size_t>(scalars->GetNumberOfTuples());
+  Drop(this->ColorCoordinates, this);
+  this->ColorCoordinates = vtkFloatArray::New();
+  this->ColorCoordinates->SetNumberOfComponents(2);
+  this->ColorCoordinates->SetNumberOfTuples(scalars->GetNumberOfTuples());
+  float* coordinates = this->ColorCoordinates->GetPointer(0);
+  switch (scalars->GetDataType())
+  {
+    vtkTemplateMacro(
+      isosurface::FindTextureCoordinates(static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)),
+        tuples, components, component, range, coordinates, this->Threads));
+    default:
+      Drop(this->ColorCoordinates, this);
+      return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::UploadVertices(
+  vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface)
+{
+  const TriangleSurface& triangles = this->Triangles->GetSurface();
+  const ShiftAndScale map(this->Triangles->GetMeasure().PointBounds);
+  vtkNew<vtkFloatArray> points;
+  points->SetNumberOfComponents(3);
+  points->SetNumberOfTuples(static_cast<vtkIdType>(triangles.NumberOfPoints));
+  isosurface::ShiftAndScale(triangles.Points, triangles.NumberOfPoints, map.Shift.data(),
+    map.Scale.data(), points->GetPointer(0), this->Threads);
+
+  vtkDataArray* normals = actor->GetProperty()->GetInterpolation() != VTK_FLAT
+    ? surface->GetPointData()->GetNormals()
+    : nullptr;
+  this->VBOs->AppendDataArray("vertexMC", points, VTK_FLOAT);
+  this->VBOs->AppendDataArray("normalMC", normals, VTK_FLOAT);
+  this->VBOs->AppendDataArray("scalarColor", this->Colors, VTK_UNSIGNED_CHAR);
+  if (this->ColorTextureMap && this->InterpolateScalarsBeforeMapping && this->ColorCoordinates)
+  {
+    this->VBOs->AppendDataArray("tcoord", this->ColorCoordinates, VTK_FLOAT);
+  }
+  this->VBOs->BuildAllVBOs(renderer);
+
+  // Shaders and matrices learn afterwards that what was uploaded is shifted and scaled.
+  VertexBuffer* buffer = this->VBOs->GetVBO("vertexMC");
+  buffer->SetCoordShiftAndScaleMethod(VertexBuffer::MANUAL_SHIFT_SCALE);
+  buffer->SetShift(map.Shift);
+  buffer->SetScale(map.Scale);
+  if (buffer->GetCoordShiftAndScaleEnabled())
+  {
+    this->VBOInverseTransform->Identity();
+    this->VBOInverseTransform->Translate(map.Shift[0], map.Shift[1], map.Shift[2]);
+    this->VBOInverseTransform->Scale(1.0 / map.Scale[0], 1.0 / map.Scale[1], 1.0 / map.Scale[2]);
+    this->VBOInverseTransform->GetTranspose(this->VBOShiftScale);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer)
+{
+  const isosurface::TriangleMeasure& measure = this->Triangles->GetMeasure();
+  const std::size_t count = 3 * measure.CountProperTriangles();
+  buffer->IndexCount = count;
+  if (count == 0)
+  {
+    return;
+  }
+  // Threads write where the graphics card reads, or into memory that is copied there.
+  const auto bytes = static_cast<GLsizeiptr>(count * sizeof(std::uint32_t));
+  void* mapped = nullptr;
+  if (buffer->GenerateBuffer(vtkOpenGLBufferObject::ElementArrayBuffer) && buffer->Bind())
+  {
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, bytes, nullptr, GL_STATIC_DRAW);
+    mapped = glMapBufferRange(
+      GL_ELEMENT_ARRAY_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+  }
+  bool written = false;
+  if (mapped)
+  {
+    isosurface::CopyProperTriangles(
+      this->Triangles->GetSurface(), measure, static_cast<std::uint32_t*>(mapped), this->Threads);
+    written = glUnmapBuffer(GL_ELEMENT_ARRAY_BUFFER) == GL_TRUE;
+  }
+  if (!written)
+  {
+    std::vector<unsigned int> indices(count);
+    isosurface::CopyProperTriangles(
+      this->Triangles->GetSurface(), measure, indices.data(), this->Threads);
+    buffer->Upload(indices, vtkOpenGLBufferObject::ElementArrayBuffer);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::BuildSelectionIBO(
+  vtkPolyData* surface, std::vector<unsigned int> (&indices)[4], vtkIdType offset)
+{
+  // A surface that came without original ids has its own numbers for ids.
+  const std::string pointIds = this->PointIdArrayName ? this->PointIdArrayName : "";
+  const std::string cellIds = this->CellIdArrayName ? this->CellIdArrayName : "";
+  const bool single = this->Data.size() == 1;
+  vtkPolyData* data = single ? this->Data.begin()->second->Data : nullptr;
+  const bool noPointIds = data && !data->GetPointData()->HasArray(pointIds.c_str());
+  const bool noCellIds = data && !data->GetCellData()->HasArray(cellIds.c_str());
+  if (noPointIds)
+  {
+    this->SetPointIdArrayName(nullptr);
+  }
+  if (noCellIds)
+  {
+    this->SetCellIdArrayName(nullptr);
+  }
+  this->Superclass::BuildSelectionIBO(surface, indices, offset);
+  if (noPointIds)
+  {
+    this->SetPointIdArrayName(pointIds.c_str());
+  }
+  if (noCellIds)
+  {
+    this->SetCellIdArrayName(cellIds.c_str());
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Threads: " << this->Threads << endl;
+}

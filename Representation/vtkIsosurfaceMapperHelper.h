@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkIsosurfaceMapperHelper
+ * @brief   makes the buffers of vtkIsosurfaceMapper
+ */
+
+#ifndef vtkIsosurfaceMapperHelper_h
+#define vtkIsosurfaceMapperHelper_h
+
+#include "MeasuredTriangles.h" // For what is shared
+#include "vtkCompositeMapperHelper2.h"
+
+#include <memory> // For what is shared
+
+class vtkIsosurfaceMapperHelper : public vtkCompositeMapperHelper2
+{
+public:
+  static vtkIsosurfaceMapperHelper* New();
+  vtkTypeMacro(vtkIsosurfaceMapperHelper, vtkCompositeMapperHelper2);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// What measures the surface, shared with the mapper.
+  void SetTriangles(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles)
+  {
+    this->Triangles = triangles;
+  }
+
+protected:
+  vtkIsosurfaceMapperHelper() = default;
+  ~vtkIsosurfaceMapperHelper() override = default;
+
+  void BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor) override;
+  void BuildSelectionIBO(
+    vtkPolyData* surface, std::vector<unsigned int> (&indices)[4], vtkIdType offset) override;
+
+private:
+  vtkIsosurfaceMapperHelper(const vtkIsosurfaceMapperHelper&) = delete;
+  void operator=(const vtkIsosurfaceMapperHelper&) = delete;
+
+  /// Whether the buffers can be made here; if so, its triangles are measured.
+  bool Covers(vtkRenderer* renderer, vtkActor* actor);
+  /// Sets Colors, or ColorCoordinates and the texture, as MapScalars does.
+  void MapColors(vtkPolyData* surface);
+  bool MapColorsToTexture(vtkPolyData* surface);
+  void UploadVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
+  void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
+
+  std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
+  int Threads = 1;
+};
+
+#endif

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkIsosurfaceRepresentation.h"
+
+#include "MeasuredTriangles.h"
+#include "ThinnedPolyData.h"
+#include "vtkIsosurfaceGeometryFilter.h"
+#include "vtkIsosurfaceMapper.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationDoubleKey.h"
+#include "vtkInformationIntegerKey.h"
+#include "vtkInformationRequestKey.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPVLODActor.h"
+#include "vtkPVRenderView.h"
+#include "vtkPolyData.h"
+
+vtkStandardNewMacro(vtkIsosurfaceRepresentation);
+
+namespace
+{
+
+// The surface of a piece that has no other block.
+vtkPolyData* GetSurfaceAlone(vtkDataObject* piece)
+{
+  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(piece);
+  return blocks && blocks->GetNumberOfBlocks() == 1 ? vtkPolyData::SafeDownCast(blocks->GetBlock(0))
+                                                    : nullptr;
+}
+
+// Spares the count of bounds cell by cell, where a piece is one surface of triangles.
+void StoreBounds(vtkDataObject* piece, vtkIsosurfaceMapper* mapper)
+{
+  vtkPolyData* surface = GetSurfaceAlone(piece);
+  if (mapper->GetTriangles()->Measure(surface, isosurface::ChooseDrawingThreads()))
+  {
+    isosurface::StoreCellsBounds(surface, mapper->GetTriangles()->GetMeasure());
+  }
+}
+
+// Puts another object in the place of one that the superclass made.
+template <typename BaseT, typename T>
+void Replace(BaseT*& place, T* object)
+{
+  place->Delete();
+  place = object;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkIsosurfaceRepresentation::vtkIsosurfaceRepresentation()
+  : SurfaceMapper(vtkIsosurfaceMapper::New())
+  , ThinnedMapper(vtkIsosurfaceMapper::New())
+{
+  Replace(this->GeometryFilter, vtkIsosurfaceGeometryFilter::New());
+  this->GeometryFilter->AddObserver(vtkCommand::ProgressEvent, this,
+    &vtkIsosurfaceRepresentation::HandleGeometryRepresentationProgress);
+  this->SurfaceMapper->SetProcessIdArrayName("vtkProcessId");
+  this->SurfaceMapper->SetCompositeIdArrayName("vtkCompositeIndex");
+  Replace(this->Mapper, this->SurfaceMapper);
+  Replace(this->LODMapper, this->ThinnedMapper);
+  this->SetArrayIdNames(nullptr, nullptr);
+  this->SetupDefaults();
+}
+
+//------------------------------------------------------------------------------
+vtkIsosurfaceRepresentation::~vtkIsosurfaceRepresentation() = default;
+
+//------------------------------------------------------------------------------
+int vtkIsosurfaceRepresentation::ProcessViewRequest(
+  vtkInformationRequestKey* request, vtkInformation* input, vtkInformation* output)
+{
+  if (this->GetVisibility() && request == vtkPVView::REQUEST_UPDATE())
+  {
+    // The superclass counts bounds as soon as it has updated; then they are to be there.
+    // NOLINTNEXTLINE(bugprone-parent-virtual-call): this updates; the superclass finds that done.
+    this->vtkPVDataRepresentation::ProcessViewRequest(request, input, output);
+    StoreBounds(this->MultiBlockMaker->GetOutputDataObject(0), this->SurfaceMapper);
+  }
+  else if (this->GetVisibility() && request == vtkPVView::REQUEST_UPDATE_LOD())
+  {
+    if (this->ProvideLevelOfDetail(input))
+    {
+      return 1;
+    }
+  }
+  else if (this->GetVisibility() && request == vtkPVView::REQUEST_RENDER())
+  {
+    StoreBounds(vtkPVView::GetDeliveredPiece(input, this), this->SurfaceMapper);
+    StoreBounds(vtkPVView::GetDeliveredPieceLOD(input, this), this->ThinnedMapper);
+  }
+  return this->Superclass::ProcessViewRequest(request, input, output);
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
+{
+  if (this->SuppressLOD || input->Has(vtkPVRenderView::USE_OUTLINE_FOR_LOD()))
+  {
+    return false;
+  }
+  vtkDataObject* piece = vtkPVView::GetPiece(input, this);
+  vtkPolyData* surface = GetSurfaceAlone(piece);
+  const int threads = isosurface::ChooseDrawingThreads();
+  if (!this->SurfaceMapper->GetTriangles()->Measure(surface, threads))
+  {
+    return false;
+  }
+  const double resolution = input->Has(vtkPVRenderView::LOD_RESOLUTION())
+    ? input->Get(vtkPVRenderView::LOD_RESOLUTION())
+    : 0.5;
+  vtkNew<vtkPolyData> thinned;
+  isosurface::ThinPolyData(
+    surface, *this->SurfaceMapper->GetTriangles(), resolution, threads, thinned);
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  blocks->SetBlock(0, thinned);
+  // The superclass knows by the field data that the block is not one of the user's.
+  blocks->GetFieldData()->ShallowCopy(piece->GetFieldData());
+  vtkPVView::SetPieceLOD(input, this, blocks);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+}

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkIsosurfaceRepresentation
+ * @brief   ParaView's surface representation, faster for surfaces of triangles
+ *
+ * Shows what vtkGeometryRepresentationWithFaces shows, pixel for pixel. A single vtkPolyData of
+ * triangles is passed on as it is (vtkIsosurfaceGeometryFilter), measured once by threads instead
+ * of cell by cell, and drawn by vtkIsosurfaceMapper. While the camera moves, points of the surface
+ * itself are shown (isosurface::ThinSurface) instead of those of quadric clustering.
+ *
+ * For everything else it is the superclass.
+ */
+
+#ifndef vtkIsosurfaceRepresentation_h
+#define vtkIsosurfaceRepresentation_h
+
+#include "IsosurfaceRepresentationModule.h" // For export macro
+#include "vtkGeometryRepresentationWithFaces.h"
+
+class vtkIsosurfaceMapper;
+
+class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceRepresentation
+  : public vtkGeometryRepresentationWithFaces
+{
+public:
+  static vtkIsosurfaceRepresentation* New();
+  vtkTypeMacro(vtkIsosurfaceRepresentation, vtkGeometryRepresentationWithFaces);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  int ProcessViewRequest(
+    vtkInformationRequestKey* request, vtkInformation* input, vtkInformation* output) override;
+
+protected:
+  vtkIsosurfaceRepresentation();
+  ~vtkIsosurfaceRepresentation() override;
+
+private:
+  vtkIsosurfaceRepresentation(const vtkIsosurfaceRepresentation&) = delete;
+  void operator=(const vtkIsosurfaceRepresentation&) = delete;
+
+  /// Gives the view a thinned surface; false if the superclass has to.
+  bool ProvideLevelOfDetail(vtkInformation* input);
+
+  vtkIsosurfaceMapper* SurfaceMapper; ///< Mapper
+  vtkIsosurfaceMapper* ThinnedMapper; ///< LODMapper
+};
+
+#endif
