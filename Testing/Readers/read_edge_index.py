@@ -409,15 +409,16 @@ class EdgeIndexFile:
 
 
 def read_cases():
-    """VTK's 256 cases of marching cubes, as triples of a cell's edges.
+    """The 256 cases of marching cubes, as triples of a cell's edges.
 
     Bit x + 2 y + 4 z of a case tells whether the corner (x, y, z) is inside.
     """
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)),
-                        "../../Core/Contour/MarchingCubesCases.cxx")
-    words = [int(word, 16) for word in re.findall("0x[0-9a-f]{16}", read_file(path).decode())]
-    return [[tuple(word >> 12 * n + 4 * corner & 15 for corner in range(3))
-             for n in range(word >> 60)] for word in words[:256]]
+                        "../../Documentation/formats/marching-cubes-cases.txt")
+    lines = re.findall(r"^\d+:(.*)$", read_file(path).decode(), re.MULTILINE)
+    check(len(lines) == 256, f"{path}: has other cases")
+    return [[tuple(map(int, triangle.split())) for triangle in line.split(",") if triangle.strip()]
+            for line in lines]
 
 
 # Edges of a cell: the first vertex, and the axis; those along x first, then y, then z.
