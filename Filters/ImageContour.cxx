@@ -3,6 +3,7 @@
 
 #include "vtkDataArray.h"
 
+#include "Contour/GridBlockSource.h"
 #include "Contour/SurfaceMerge.h"
 #include "Volume/ArrayVariables.h"
 
@@ -49,6 +50,18 @@ Result<ImageContour::Entry> ImageContour::TakeEntry(
   return entry;
 }
 
+Result<Surface> ImageContour::ExtractPiece(const GridGeometry& grid, const ImagePiece& piece,
+  const PieceAttributes& attributes, const Entry& entry, const Settings& settings,
+  ContourRequest request, const Progress& progress)
+{
+  const SampleView samples = entry.Scalars.GetView(piece.Samples);
+  request.KnownSamples = samples.Available;
+  GridBlockSource source(
+    samples, entry.Ranges, request.Isovalues, { request.ClosedSides, settings.Region }, grid);
+  source.SetAttributes(attributes.Views);
+  return ExtractSurface(grid, source, request, settings.Threads, progress);
+}
+
 Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
   const Settings& settings, ContourRequest& request, const Progress& progress)
 {
@@ -79,23 +92,17 @@ Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
       *FindChosenComponent(static_cast<int>(piece.Samples.Components.size()), settings.Component);
     auto entry = this->TakeEntry(piece.Samples, component, settings.Threads);
     ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
+    used.push_back(std::move(*entry));
     const auto advance = [&](double share)
     {
       return !progress ||
         progress((static_cast<double>(number) + share) / static_cast<double>(pieces.Pieces.size()));
     };
-    auto extracted = ExtractPiece(pieces.Grids[piece.Grid], entry->Scalars.GetView(piece.Samples),
-      attributes->Views, entry->Ranges, request, settings.Region, settings.Threads, advance);
-    used.push_back(std::move(*entry));
+    auto extracted = ExtractPiece(
+      pieces.Grids[piece.Grid], piece, *attributes, used.back(), settings, request, advance);
     ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
     outcome.ActiveBlocks += extracted->NumberOfBlocks;
-    if (const std::int64_t firstId = firstIds[piece.Grid]; firstId != 0)
-    {
-      for (std::int64_t& id : extracted->GlobalIds)
-      {
-        id += firstId;
-      }
-    }
+    ShiftGlobalIds(firstIds[piece.Grid], *extracted);
     surfaces.push_back(std::move(*extracted));
   }
   this->Entries = std::move(used);

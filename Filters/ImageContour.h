@@ -71,7 +71,13 @@ private:
   /// That of the last extraction, which is taken out, or one that is computed.
   Result<Entry> TakeEntry(const ImageSamples& samples, int component, int threads);
 
-  std::vector<Entry> Entries;
+  /// Of one piece. Where its samples end before its grid does, normals are made of one-sided
+  /// differences: they are not those of the neighbouring piece there.
+  static Result<Surface> ExtractPiece(const GridGeometry& grid, const ImagePiece& piece,
+    const PieceAttributes& attributes, const Entry& entry, const Settings& settings,
+    ContourRequest request, const Progress& progress);
+
+  std::vector<Entry> Entries; ///< of the last extraction
 };
 
 } // namespace isosurface

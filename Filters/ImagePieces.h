@@ -5,14 +5,11 @@
 #include "vtkSmartPointer.h"
 
 #include "Base/Communicator.h"
-#include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/BlockRanges.h"
 #include "ImageSamples.h"
 #include "SurfacePolyData.h"
 #include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
-#include "Volume/Region.h"
 
 #include <cstddef>
 #include <functional>
@@ -36,8 +33,8 @@ struct ImagePiece
 };
 
 /**
- * The images of all ranks, sorted out: images of equal origin, spacing and direction are pieces of
- * one grid, whose extent covers them all, and the volume that they are blocks of (FindWholeExtent).
+ * The images of all ranks as pieces of grids (UniteGrids). The extent of a grid also covers the
+ * volume that the images are blocks of (FindWholeExtent).
  */
 struct ImagePieces
 {
@@ -67,18 +64,6 @@ struct PieceAttributes
 /// of numbers.
 Result<PieceAttributes> FindAttributes(
   const ImagePiece& piece, const std::vector<std::string>& names);
-
-/**
- * The surface of one piece of a grid, with the GlobalIds of the grid. `ranges` are those of the
- * piece's samples; the request's closed sides are those of the grid.
- *
- * Where the image ends before its grid does, and has no ghost samples beyond its own, normals are
- * made of one-sided differences, as at the border of the grid: they are not those of the
- * neighbouring piece there.
- */
-Result<Surface> ExtractPiece(const GridGeometry& grid, const SampleView& samples,
-  const std::vector<AttributeView>& attributes, const BlockRanges& ranges,
-  const ContourRequest& request, const Region& region, int threads, const Progress& progress);
 
 } // namespace isosurface
 

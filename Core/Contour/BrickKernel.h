@@ -30,7 +30,9 @@ struct BrickSamples
   int Size[3];                ///< vertices, 2 to 33
   std::int64_t Low[3];        ///< the first vertex, counted from the grid's first
   std::int64_t Dimensions[3]; ///< of the grid
-  std::int64_t ExtentLow[3];  ///< structured coordinates of the grid's first vertex
+  std::int64_t KnownLow[3];   ///< the box of the samples that gradients are made of, [low, high)
+  std::int64_t KnownHigh[3];
+  std::int64_t ExtentLow[3]; ///< structured coordinates of the grid's first vertex
 };
 
 /**

@@ -96,8 +96,8 @@ inline void MakeStencil(const BrickSamples& samples, int axis, Stencil& stencil)
   for (int n = 0; n < samples.Size[axis]; ++n)
   {
     const std::int64_t vertex = samples.Low[axis] + n;
-    const bool atLow = vertex == 0;
-    const bool atHigh = vertex == samples.Dimensions[axis] - 1;
+    const bool atLow = vertex == samples.KnownLow[axis];
+    const bool atHigh = vertex == samples.KnownHigh[axis] - 1;
     stencil.Before[n] = atLow ? 0 : -samples.Stride[axis];
     stencil.After[n] = atHigh ? 0 : samples.Stride[axis];
     stencil.Factor[n] = atLow || atHigh ? 1.0 : 0.5;

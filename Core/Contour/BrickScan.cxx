@@ -23,15 +23,22 @@ bool Contains(const VertexBox& outer, const VertexBox& inner)
   return outer.Intersect(inner) == inner;
 }
 
-// Adds a layer on each side of the box, where the grid has one.
-VertexBox AddGhostLayer(VertexBox box, const Index3& dimensions)
+// Adds a layer on each side of the box, where there are samples.
+VertexBox AddGhostLayer(VertexBox box, const VertexBox& known)
 {
   for (int axis = 0; axis < 3; ++axis)
   {
-    box.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
-    box.High[axis] = std::min(dimensions[axis], box.High[axis] + 1);
+    --box.Low[axis];
+    ++box.High[axis];
   }
-  return box;
+  return box.Intersect(known);
+}
+
+// The vertices of the grid whose samples are known.
+VertexBox FindKnownSamples(const GridGeometry& geometry, const ContourRequest& request)
+{
+  const VertexBox all{ { 0, 0, 0 }, geometry.GetDimensions() };
+  return request.KnownSamples ? all.Intersect(*request.KnownSamples) : all;
 }
 
 // As BrickKernels::LocatePoints, for given crossings.
@@ -133,6 +140,7 @@ BrickScan::BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, 
   , Lattice(lattice)
   , Source(source)
   , Request(request)
+  , KnownSamples(FindKnownSamples(geometry, request))
   , Kernels(GetBrickKernels())
 {
   DispatchValueType(source.GetValueType(),
@@ -225,7 +233,7 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
     return MakeError(block, "are missing or of another type");
   }
   const VertexBox needed =
-    this->Request.Normals ? AddGhostLayer(vertices, this->Geometry.GetDimensions()) : vertices;
+    this->Request.Normals ? AddGhostLayer(vertices, this->KnownSamples) : vertices;
   if (!Contains(scalars.Available, needed))
   {
     return MakeError(
@@ -265,7 +273,9 @@ void BrickScan::ScanBrick(std::size_t number, const BlockSamples& samples, Worke
     extended = ExtendBeyond(samples, brick);
   }
   const BlockSamples& own = brick.IsBeyond() ? extended : samples;
-  const BrickSamples view = MakeBrickSamples(this->Geometry, brick.Vertices, &own.Scalars);
+  BrickSamples view = MakeBrickSamples(this->Geometry, brick.Vertices, &own.Scalars);
+  std::copy(this->KnownSamples.Low.begin(), this->KnownSamples.Low.end(), view.KnownLow);
+  std::copy(this->KnownSamples.High.begin(), this->KnownSamples.High.end(), view.KnownHigh);
   this->Ownerships[number] = this->Lattice.FindNeighborhood(number).ComputeOwnership(view.Size);
   for (std::size_t isovalue = 0; isovalue < this->Thresholds.size(); ++isovalue)
   {

@@ -90,6 +90,7 @@ private:
   const BrickLattice& Lattice;
   BlockSource& Source;
   const ContourRequest& Request;
+  const VertexBox KnownSamples;
   const BrickKernels& Kernels;
   std::vector<Threshold> Thresholds;
   std::vector<Worker> Workers;

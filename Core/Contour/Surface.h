@@ -3,11 +3,13 @@
 #define isosurface_Surface_h
 
 #include "Base/Buffer.h"
+#include "Volume/BlockGrid.h"
 #include "Volume/GridSides.h"
 #include "Volume/ValueType.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -62,6 +64,9 @@ struct ContourRequest
    * inside: see BlockSelection.
    */
   GridSides ClosedSides;
+  /// The vertices of the grid whose samples are known, if these are not all: at the faces of this
+  /// box gradients are one-sided differences, as they are at the faces of the grid.
+  std::optional<VertexBox> KnownSamples;
   /// Use indices of 64 bits even if 32 suffice.
   bool WideIndices = false;
   /// The arrays to interpolate, in the order of BlockSamples::Attributes.

@@ -181,4 +181,15 @@ Surface MergeSurfaces(const std::vector<Surface>& surfaces)
   return merged;
 }
 
+void ShiftGlobalIds(std::int64_t shift, Surface& surface)
+{
+  if (shift != 0)
+  {
+    for (std::int64_t& id : surface.GlobalIds)
+    {
+      id += shift;
+    }
+  }
+}
+
 } // namespace isosurface

@@ -4,6 +4,7 @@
 
 #include "Contour/SurfaceExtractor.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace isosurface
@@ -18,6 +19,9 @@ namespace isosurface
  * composite dataset; within one call, ExtractSurface() shares points itself.
  */
 Surface MergeSurfaces(const std::vector<Surface>& surfaces);
+
+/// Adds a number to all GlobalIds, so that the ids of several grids follow each other.
+void ShiftGlobalIds(std::int64_t shift, Surface& surface);
 
 } // namespace isosurface
 

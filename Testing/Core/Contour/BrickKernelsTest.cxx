@@ -191,6 +191,7 @@ TYPED_TEST(BrickKernelsOfType, BothKernelsAreBitwiseEqual)
       samples.Stride[axis] = volume.GetView().Stride[axis];
       samples.Size[axis] = size[axis];
       samples.Dimensions[axis] = size[axis];
+      samples.KnownHigh[axis] = size[axis];
       samples.ExtentLow[axis] = -7 * axis;
     }
     const auto transform = MakeTransform(static_cast<WorldTransform::Kind>(trial % 3));
