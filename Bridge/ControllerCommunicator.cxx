@@ -165,18 +165,26 @@ std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
   return messages;
 }
 
-std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgoing)
+void ControllerCommunicator::Send(const Message& message, int rank)
+{
+  ForEachPart(message.data(), message.size(),
+    [&](const std::uint8_t* part, int size)
+    { this->Controller->Send(part, size, rank, ExchangeTag); });
+}
+
+void ControllerCommunicator::Receive(Message& message, int rank)
+{
+  ForEachPart(message.data(), message.size(),
+    [&](std::uint8_t* part, int size)
+    { this->Controller->Receive(part, size, rank, ExchangeTag); });
+}
+
+void ControllerCommunicator::PrepareIncoming(
+  const std::vector<Message>& outgoing, std::vector<Message>& incoming)
 {
   const int ranks = this->GetSize();
   const int me = this->GetRank();
-  std::vector<Message> incoming(ranks);
-  incoming[me] = std::move(outgoing[me]);
-  if (ranks == 1)
-  {
-    return incoming;
-  }
-
-  // Everybody learns what it is sent: row r of the table holds the lengths that rank r sends.
+  // Row r of the table holds the lengths that rank r sends.
   std::vector<vtkIdType> lengths(ranks);
   for (int rank = 0; rank < ranks; ++rank)
   {
@@ -191,23 +199,16 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
       incoming[rank].resize(table[static_cast<std::size_t>(rank) * ranks + me]);
     }
   }
+}
 
-  auto send = [&](int rank)
-  {
-    ForEachPart(outgoing[rank].data(), outgoing[rank].size(),
-      [&](const std::uint8_t* part, int size)
-      { this->Controller->Send(part, size, rank, ExchangeTag); });
-  };
-  auto receive = [&](int rank)
-  {
-    ForEachPart(incoming[rank].data(), incoming[rank].size(),
-      [&](std::uint8_t* part, int size)
-      { this->Controller->Receive(part, size, rank, ExchangeTag); });
-  };
-
+bool ControllerCommunicator::ExchangeWithoutBlocking(
+  const std::vector<Message>& outgoing, std::vector<Message>& incoming)
+{
 #ifdef ISOSURFACE_HAS_MPI_CONTROLLER
   if (auto* mpi = vtkMPIController::SafeDownCast(this->Controller))
   {
+    const int ranks = this->GetSize();
+    const int me = this->GetRank();
     std::vector<vtkMPICommunicator::Request> requests;
     for (int step = 1; step < ranks; ++step)
     {
@@ -221,28 +222,49 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
     }
     for (int step = 1; step < ranks; ++step)
     {
-      receive((me + ranks - step) % ranks);
+      const int rank = (me + ranks - step) % ranks;
+      this->Receive(incoming[rank], rank);
     }
     if (!requests.empty())
     {
       mpi->WaitAll(static_cast<int>(requests.size()), requests.data());
     }
-    return incoming;
+    return true;
   }
 #endif
+  static_cast<void>(outgoing);
+  static_cast<void>(incoming);
+  return false;
+}
+
+std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgoing)
+{
+  const int ranks = this->GetSize();
+  const int me = this->GetRank();
+  std::vector<Message> incoming(ranks);
+  incoming[me] = std::move(outgoing[me]);
+  if (ranks == 1)
+  {
+    return incoming;
+  }
+  this->PrepareIncoming(outgoing, incoming);
+  if (this->ExchangeWithoutBlocking(outgoing, incoming))
+  {
+    return incoming;
+  }
   for (int low = 0; low < ranks; ++low)
   {
     for (int high = low + 1; high < ranks; ++high)
     {
       if (me == low)
       {
-        send(high);
-        receive(high);
+        this->Send(outgoing[high], high);
+        this->Receive(incoming[high], high);
       }
       else if (me == high)
       {
-        receive(low);
-        send(low);
+        this->Receive(incoming[low], low);
+        this->Send(outgoing[low], low);
       }
     }
   }

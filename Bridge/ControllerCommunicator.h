@@ -16,8 +16,8 @@ namespace isosurface
  * outlive this object; a null controller is a group of one rank.
  *
  * Exchange() sends without blocking where the controller is a vtkMPIController; with any other
- * controller pairs of ranks take turns, the lower rank sending first. Deliver() asks MPI now and
- * then, and sleeps meanwhile, so that other threads of the process have its core.
+ * controller pairs of ranks take turns, the lower rank sending first. Deliver() polls MPI
+ * and sleeps in between, so that other threads of the process can use the core.
  */
 class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
 {
@@ -38,6 +38,13 @@ public:
 
 private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);
+  void Send(const Message& message, int rank);
+  void Receive(Message& message, int rank);
+  /// Gives the messages of all other ranks their sizes.
+  void PrepareIncoming(const std::vector<Message>& outgoing, std::vector<Message>& incoming);
+  /// False if the controller is no vtkMPIController: then nothing is sent.
+  bool ExchangeWithoutBlocking(
+    const std::vector<Message>& outgoing, std::vector<Message>& incoming);
 
   vtkMultiProcessController* Controller;
 };

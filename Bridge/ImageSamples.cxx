@@ -202,10 +202,7 @@ Result<ImageSamples> MakeImageSamples(
         "point arrays first");
   }
   const Result<ValueType> type = GetValueTypeOf(array);
-  if (!type.IsOk())
-  {
-    return type.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
   ImageSamples samples;
   samples.Array = array;
   if (!array->HasStandardMemoryLayout())

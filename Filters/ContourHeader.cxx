@@ -54,11 +54,7 @@ EdgeIndexHeader DescribeContourBlocks(
 Result<EdgeIndexHeader> ShareHeader(
   Communicator& ranks, const EdgeIndexHeader& mine, bool hasSamples)
 {
-  const Status status = ranks.Agree(mine.Check());
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(mine.Check()));
   Message message;
   if (hasSamples)
   {

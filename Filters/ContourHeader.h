@@ -13,8 +13,8 @@
 namespace isosurface
 {
 
-/// What an edge-index stream of these blocks says of them; its settings are left as they are. The
-/// errors are the most by which a value of the arrays, or a component of the normals, may change.
+/// What an edge-index stream of these blocks says of them; its settings are left as they are. The errors are
+/// the maximum ones of a value of the arrays, and of a component of the normals.
 EdgeIndexHeader DescribeContourBlocks(
   const ContourBlocks& blocks, double arrayError, double normalError);
 

@@ -14,11 +14,11 @@ class vtkTable;
 namespace isosurface
 {
 
-/// Adds the column of isovalues, and one of each quantity that is known: the sum of the spectra,
-/// which have equal bins (and units of their own).
+/// Adds the column of isovalues and one column for each known quantity: the sum of the spectra,
+/// which have equal bins (their units may differ).
 void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* table);
 
-/// Adds one quantity of a spectrum of the table's bins, its column named with a suffix.
+/// Adds a column for one quantity of a spectrum with the same bins; `suffix` ends its name.
 void AddQuantityColumn(const WorkloadSpectrum& spectrum, std::size_t quantity,
   const std::string& suffix, vtkTable* table);
 

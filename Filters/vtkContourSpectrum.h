@@ -2,25 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkContourSpectrum
- * @brief   what the isosurface of every isovalue is and costs, as a table
+ * @brief   the size and the cost of the isosurface at every isovalue, as a table
  *
- * The input is the output of a vtkBlockedVolumeReader, a vtkImageData, or a composite of
- * vtkImageData. The output has a row an isovalue: every value of integers of at most 2048 values,
- * all 8-bit data among them, else 1024 to 2048 multiples of a power of two. Columns:
+ * Input: as for vtkStabbingContour. Output: a table with one row for each isovalue: each value of
+ * integers with at most 2048 values, else 1024 to 2048 multiples of a power of two. Columns:
+ * Isovalue; Triangles and ActiveCells, exact; ActiveBlocks and Bytes that a query reads, exact (for
+ * image data, blocks of 32 cells a side in memory); Area of the isosurface, and Volume where value
+ * >= isovalue, estimates in world units. With StoreQuantity also one column for each store, such as
+ * "Triangles[0]".
  *
- * - Isovalue
- * - Triangles, ActiveCells: of the isosurface, exactly; inside is value >= isovalue
- * - ActiveBlocks, Bytes: that a query reads, exactly; of image data, blocks of 32 cells a side in
- *   memory
- * - Area: of the isosurface, Volume: where value >= isovalue; estimates, in world units
- *
- * Behind a vtkBlockedVolumeReader the spectrum that is stored with the volume is read, no samples.
- * With StoreQuantity there is one column more a store, "Triangles[0]", "Triangles[1]", ... if the
- * quantity is Triangles. For image data the spectrum is counted: two passes over the samples, on
- * all ranks and threads. Of images of several grids in one composite it is the sum.
- *
- * Every rank of the controller must execute together; the first one gets the table, as charts in
- * ParaView want it, the others an empty one. Errors of any rank are reported by all.
+ * For a blocked volume the stored spectrum is read, no samples. For image data the spectrum is
+ * counted in two passes, on all ranks and threads; for images of several grids it is the sum.
+ * All ranks of the controller must execute together; the first one gets the table. All ranks report
+ * the errors of any.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997.
  */
@@ -55,8 +49,8 @@ public:
 
   ///@{
   /**
-   * Which component of an array of several ones is measured; their number means the magnitude.
-   * Default 0. Arrays of one component are measured whatever this is.
+   * The component of an array that is measured, or, if it is the number of components, the
+   * magnitude. Default 0. No effect on arrays of one component.
    */
   vtkSetClampMacro(Component, int, 0, VTK_INT_MAX);
   vtkGetMacro(Component, int);
@@ -64,8 +58,8 @@ public:
 
   ///@{
   /**
-   * The quantity of which each store of a blocked volume gets a column of its own; -1 (the
-   * default): none.
+   * The quantity for which each store of a blocked volume gets its own column; -1 (the default):
+   * none.
    */
   vtkSetClampMacro(StoreQuantity, int, -1, VOLUME);
   vtkGetMacro(StoreQuantity, int);

@@ -93,9 +93,10 @@ Status CheckContour(vtkStabbingContour* contour)
   { return Status(StatusCode::InvalidArgument, reason); };
   if (!contour)
   {
-    return refuse("What travels between ranks is where a surface crosses the grid of its volume, "
-                  "which only the output of Stabbing Contour itself tells: put Distribute "
-                  "Isosurface right behind it, and other filters behind Distribute Isosurface.");
+    return refuse(
+      "Only the unchanged output of Stabbing Contour can be distributed, which knows "
+      "where the surface crosses the grid of its volume: put Distribute Isosurface right "
+      "behind it, and other filters behind Distribute Isosurface.");
   }
   if (contour->GetCloseBoundary())
   {
@@ -104,9 +105,9 @@ Status CheckContour(vtkStabbingContour* contour)
   }
   if (contour->GetDropDegenerateTriangles())
   {
-    return refuse("A surface is distributed with all its triangles, and cannot do without those "
-                  "that DropDegenerateTriangles leaves out: turn DropDegenerateTriangles of "
-                  "Stabbing Contour off, or put Clean behind Distribute Isosurface.");
+    return refuse("A surface is always distributed with all its triangles: turn "
+                  "DropDegenerateTriangles of Stabbing Contour off, or put Clean behind Distribute "
+                  "Isosurface.");
   }
   return Status::Ok();
 }

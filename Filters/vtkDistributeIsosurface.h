@@ -2,38 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkDistributeIsosurface
- * @brief   brings an isosurface to the ranks that draw it, compressed
+ * @brief   gives each rank a compact piece of an isosurface, which ranks send compressed
  *
- * The input is the output of a vtkStabbingContour, as it is. Its ranks have whatever blocks are in
- * their stores, spread over the whole volume. The output of this filter is the same surface, dealt
- * out anew: each drawing rank has a part that is compact in space, and all parts have about as many
- * triangles. So each rank draws into a small part of the picture (see vtkMetabufferRenderView).
+ * Input: the unchanged output of a vtkStabbingContour, whose ranks have the blocks in their stores,
+ * all over the volume. Output: the same surface, as one piece for each drawing rank; the pieces are
+ * compact in space and have about equally many triangles. So each rank draws into a small viewport
+ * (see vtkMetabufferRenderView). A piece depends on the number of drawing ranks alone.
  *
- * What travels is not triangles but where the isovalues cross the grid, as edge-index records, some
- * bits a vertex. So this filter takes the contour's blocks (CollectContourBlocks), and
- * the contour is not executed. While blocks are under way, those that are there become triangles.
+ * Ranks send edge-index records of blocks, a few bits a point, and make triangles of those that
+ * have arrived while others are still under way. The contour is not executed (see
+ * CollectContourBlocks). Triangles, GlobalIds and isovalues are those of the contour; points,
+ * normals and arrays are exact or within bounds, and equal on both sides of a border. On one rank
+ * the output is the input. TimeBudget and Progressive of the contour have no effect on several
+ * ranks; DropDegenerateTriangles, CloseBoundary and any other input are errors.
  *
- * The output has the triangles and GlobalIds of the contour, and its point data: isovalues,
- * Normals, interpolated arrays. Points are those of the contour with LOSSLESS, bit by bit, and
- * within MaximumError with BOUNDED and SMALLEST; so are normals within NormalError and arrays
- * within ArrayError. Points on the borders of parts are there once on each side, and equal. A part
- * depends on the number of drawing ranks alone, not on where its blocks came from.
- *
- * Where there is one rank only, nothing travels, and the output is the input.
- *
- * Of the contour's properties, TimeBudget and Progressive are without effect on several ranks: the
- * surface is that of Level, or what MaximumTriangles allows. DropDegenerateTriangles and
- * CloseBoundary are errors, and so is any other input.
- *
- * Field data, of this rank, times in seconds: Rank, Level; ExtractedPoints and ReceivedPoints, of
- * the blocks that it had and that it got (those on shared faces once a block); Triangles that it
- * got; RawBytes of these (points, GlobalIds, normals, arrays, three corners a triangle),
- * EncodedBytes of all blocks that it had, SentBytes to other ranks; Rounds; QuerySeconds until the
- * active blocks are known, EncodeSeconds, which include reading, ChooseSeconds until it is known
- * which block goes where, ExchangeSeconds until all have arrived, DecodeSeconds from then on.
- *
- * Every rank of the controller must execute together. Errors of any rank are reported by all; the
- * output is empty then.
+ * Field data: the cost on this rank, see Documentation/user-guide.md. All ranks of the controller
+ * must execute together; all report the errors of any, and the output is empty then.
  */
 
 #ifndef vtkDistributeIsosurface_h
@@ -53,7 +37,7 @@ public:
 
   enum ModeType
   {
-    LOSSLESS = 1, ///< every point, bit by bit
+    LOSSLESS = 1, ///< every point bit by bit
     BOUNDED = 2,  ///< every point to within MaximumError
     SMALLEST = 3  ///< of each block the smaller of LOSSLESS and BOUNDED
   };
@@ -66,7 +50,7 @@ public:
 
   ///@{
   /**
-   * In what form the surface travels. Default LOSSLESS.
+   * How exact the points are that arrive. Default LOSSLESS.
    */
   vtkSetClampMacro(Mode, int, LOSSLESS, SMALLEST);
   vtkGetMacro(Mode, int);
@@ -74,8 +58,8 @@ public:
 
   ///@{
   /**
-   * BOUNDED and SMALLEST: the most by which a point may move, along its grid edge, in lengths of
-   * that edge. Above 0, at most 0.5. Default 0.05.
+   * BOUNDED and SMALLEST: how far a point may move along its grid edge, in lengths of that edge.
+   * Above 0, at most 0.5. Default 0.05.
    */
   vtkSetMacro(MaximumError, double);
   vtkGetMacro(MaximumError, double);
@@ -83,7 +67,7 @@ public:
 
   ///@{
   /**
-   * How much time is spent on sending little. Default FAST.
+   * Speed against bytes. Default FAST.
    */
   vtkSetClampMacro(Profile, int, DEFAULT, FAST);
   vtkGetMacro(Profile, int);
@@ -91,9 +75,9 @@ public:
 
   ///@{
   /**
-   * The most by which a component of a normal may change, if the contour
-   * computes normals. 0 keeps every bit, and makes four times as many bytes. Default 0.01, which
-   * changes shades by one of 255 here and there, and by some more at creases as small as a pixel.
+   * The maximum error of a component of a normal, if the contour computes normals. 0 keeps every
+   * bit, with four times as many bytes. Default 0.01, which changes shades by one of 255 here and
+   * there, and by a little more at creases as small as a pixel.
    */
   vtkSetClampMacro(NormalError, double, 0, 1);
   vtkGetMacro(NormalError, double);
@@ -101,8 +85,7 @@ public:
 
   ///@{
   /**
-   * The most by which a value of an interpolated array may change; 0, the
-   * default, keeps every bit.
+   * The maximum error of a value of an interpolated array; 0, the default, keeps every bit.
    */
   vtkSetClampMacro(ArrayError, double, 0, VTK_DOUBLE_MAX);
   vtkGetMacro(ArrayError, double);

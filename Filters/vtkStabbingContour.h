@@ -4,40 +4,19 @@
  * @class   vtkStabbingContour
  * @brief   isosurfaces of blocked volumes and image data
  *
- * The input is the output of a vtkBlockedVolumeReader, a vtkImageData, or a composite of
- * vtkImageData; the output is one vtkPolyData a rank. Triangles, connectivity, points and normals
- * are those of vtkFlyingEdges3D: a sample equal to the isovalue is inside, degenerate triangles are
- * kept.
+ * Input: the output of a vtkBlockedVolumeReader (filters that hand samples on unchanged may stand
+ * between, such as vtkPassThrough and vtkPassArrays), a vtkImageData, or a composite of them.
+ * Output: one vtkPolyData a rank, with the triangles, points and normals of vtkFlyingEdges3D.
  *
- * Behind a vtkBlockedVolumeReader the external interval trees are stabbed with the isovalues, and
- * the active blocks are read, through the process' block cache, and contoured one by one; the
- * reader's output is not used. Filters that hand samples on unchanged may stand between
- * (vtkPassThrough, vtkPassArrays). For image data the value ranges of blocks are computed once an
- * array, and kept between isovalues; so are magnitudes, which take 8 bytes a vertex.
+ * Of a blocked volume only the active blocks are read, one by one, through the block cache of the
+ * process. For image data the value ranges of blocks, and magnitudes (8 bytes a vertex), are kept
+ * between isovalues. Where images meet without a ghost layer, normals are those of one side.
  *
- * Of a blocked volume with Level l > 0 the surface is that of the volume subsampled by 2^l: of all
- * vertices whose coordinates, counted from the extent's low corner, are multiples of 2^l. Only what
- * this level needs is read. GlobalIds then count the vertices of the subsampled grid, so they fit
- * together within a level, not across levels. Image data have level 0 only.
- *
- * Point data: GlobalIds, the grid edge that a point lies on: 3 * vertex + axis +
- * n * 3 * numberOfVertices for the n-th isovalue, where vertex is the edge's low end, numbered over
- * the whole grid (x fastest) from 0; with CloseBoundary over the grid with a layer more around it.
- * With DropDegenerateTriangles, points on vertices have the ids of these: 3 * numberOfVertices *
- * numberOfIsovalues + vertex + n * numberOfVertices. Equal ids, on whatever rank, mean bitwise
- * equal points, normals and attributes: merging by GlobalIds alone makes the surface watertight.
- * (Where images meet without a ghost layer, normals are of one side only, and differ.) Images of
- * several different grids in one composite have consecutive ranges of ids. With ComputeNormals,
- * Normals; with ComputeScalars, the isovalue under the name of the contoured array; the
- * interpolated arrays.
- *
- * Field data: what the query cost this rank (Rank, TreePagesRead, DirectoryPagesRead, ActiveBlocks,
- * BlocksRead, BytesRead, BlockCacheHits, Triangles, Level, QuerySeconds, ReadSeconds,
- * ExtractSeconds); also a line in the log, at verbosity 1. With a TimeBudget or MaximumTriangles also
- * EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit: which of the two forbids the
- * next finer level, if one does.
- *
- * Every rank of the controller must execute together. Errors of any rank are reported by all.
+ * Point data: GlobalIds, by which the pieces of all ranks fit together (see
+ * Documentation/architecture.md), Normals, the isovalue under the name of the contoured array, interpolated
+ * arrays. Field data: the cost of the query on this rank, also logged at verbosity 1; see
+ * Documentation/user-guide.md. All ranks of the controller must execute together; all report the
+ * errors of any.
  */
 
 #ifndef vtkStabbingContour_h
@@ -84,9 +63,8 @@ public:
 
   ///@{
   /**
-   * What is contoured of an array of several components: below their number that component, at
-   * their number the magnitude, as in ParaView's menus of components. Default 0. Arrays of one
-   * component are contoured whatever this is.
+   * The component of an array that is contoured, or, if it is the number of components, the
+   * magnitude, as in ParaView's menus. Default 0. No effect on arrays of one component.
    */
   vtkSetClampMacro(Component, int, 0, VTK_INT_MAX);
   vtkGetMacro(Component, int);
@@ -112,8 +90,8 @@ public:
 
   ///@{
   /**
-   * Whether cells are triangles; else one polygon for each loop in which the surface cuts a grid
-   * cell. Default on.
+   * Whether cells are triangles. If off, one polygon for each loop of the surface in a cell of the
+   * grid. Default on.
    */
   vtkSetMacro(GenerateTriangles, vtkTypeBool);
   vtkGetMacro(GenerateTriangles, vtkTypeBool);
@@ -122,8 +100,11 @@ public:
 
   ///@{
   /**
-   * The level of detail of a blocked volume: 0 (the default) is full resolution, each next one half
-   * of it on every axis. A level above the volume's coarsest gives the coarsest.
+   * The level of detail of a blocked volume: 0 (the default) is full resolution, each next level
+   * half of it on every axis. At level l the surface is that of all vertices whose coordinates,
+   * counted from the low corner of the extent, are multiples of 2^l; only what the level needs is
+   * read, and GlobalIds number the vertices of its own grid. A level above the volume's coarsest
+   * gives the coarsest. Image data has only level 0.
    */
   vtkSetClampMacro(Level, int, 0, 64);
   vtkGetMacro(Level, int);
@@ -131,11 +112,11 @@ public:
 
   ///@{
   /**
-   * Seconds that the surface of a blocked volume may take; 0, the default, as many as it takes. The
-   * finest level from Level on is chosen that the slowest rank will have ready in time, as far as
-   * the contour spectrum, the active blocks and the block cache, and how fast earlier executions
-   * were, can tell; the coarsest level if none will be. The same surface may so be coarser the
-   * first time, while its blocks are read, and finer later.
+   * Seconds that the surface of a blocked volume may take; 0, the default: no limit. Chooses the
+   * finest level, not finer than Level, that the slowest rank is expected to extract in time, and
+   * the coarsest if there is none. The prediction is made from the contour spectrum, the active
+   * blocks, the block cache, and the speed of earlier executions. So the same surface may be
+   * coarser the first time, while its blocks are read, and finer later.
    */
   vtkSetClampMacro(TimeBudget, double, 0, VTK_DOUBLE_MAX);
   vtkGetMacro(TimeBudget, double);
@@ -144,8 +125,10 @@ public:
   ///@{
   /**
    * Triangles that the surface of a blocked volume may have, on all ranks and for all isovalues
-   * together; 0, the default, as many as there are. The finest level from Level on is chosen that
-   * keeps to it; the coarsest if none does.
+   * together; 0, the default: no limit. Chooses the finest level, not finer than Level, with at
+   * most so many, and the coarsest if there is none. Field data of a level that was chosen within a
+   * budget: EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit, the name of the
+   * budget that forbids the next finer level.
    */
   vtkSetClampMacro(MaximumTriangles, vtkIdType, 0, VTK_ID_MAX);
   vtkGetMacro(MaximumTriangles, vtkIdType);
@@ -153,17 +136,17 @@ public:
 
   ///@{
   /**
-   * With Progressive, the first execution after a change gives a coarse surface of a blocked volume
-   * soon: that of the finest level with at most 1/20 of the triangles at Level, as far as the
-   * volume's spectra tell. Final then tells whether the last execution was at Level. If not, Refine
-   * makes the next execution one of a finer level, the next for which other blocks are read:
+   * With Progressive, the first execution after a change gives a coarse surface of a blocked
+   * volume: that of the finest level with at most 1/20 of the triangles at Level, as far as the
+   * spectra of the volume tell. Final says whether the last execution was at Level. If not, Refine
+   * makes the next execution extract a finer level, the next for which other blocks are read:
    *
    *   for (contour->Update(); !contour->GetFinal(); contour->Update()) { ...; contour->Refine(); }
    *
-   * A change of a property, the volume or the time step begins anew. Refine without effect: when
-   * the surface is final, or nothing was extracted since the last change. Surfaces of other inputs
-   * than blocked volumes are final at once. With a budget the surface
-   * is final at the level that it allows. All ranks take the same level. Default off.
+   * After a change of a property, the volume or the time step, the next surface is coarse again.
+   * Refine has no effect if the surface is final, or if nothing was extracted since the last
+   * change. Surfaces of image data are always final; with a budget the surface is final at the
+   * level that the budget allows. All ranks extract the same level. Default off.
    */
   vtkSetMacro(Progressive, vtkTypeBool);
   vtkGetMacro(Progressive, vtkTypeBool);
@@ -174,10 +157,10 @@ public:
 
   ///@{
   /**
-   * Further point arrays to interpolate linearly along the grid edges, to arrays of the same name,
-   * of float for integers, as in vtkFlyingEdges3D. None by default: of a blocked volume
-   * each costs the reading of its active blocks. An array that the input does not have is an error.
-   * With ComputeScalars, the contoured array stands for the isovalues.
+   * Other point arrays to interpolate linearly along the grid edges, to arrays of the same name,
+   * of float for integers, as in vtkFlyingEdges3D. Default: none. Of a blocked volume the active
+   * blocks of each are read. An array that the input does not have is an error. With
+   * ComputeScalars, the contoured array is not interpolated: the isovalue has its name.
    */
   void AddInterpolatedArray(const char* name);
   void RemoveAllInterpolatedArrays();
@@ -187,9 +170,9 @@ public:
 
   ///@{
   /**
-   * Whether points that lie on one vertex of the grid, as those of all its edges do where the
-   * sample equals the isovalue, become one point, and triangles with two corners there are left
-   * out. The surface stays watertight. Without effect on polygons. Default off, as in
+   * Whether points at the same vertex of the grid become one point, and triangles with two corners
+   * there are left out. Such points arise on all edges of a vertex whose sample equals the
+   * isovalue. The surface stays watertight. No effect on polygons. Default off, as in
    * vtkFlyingEdges3D.
    */
   vtkSetMacro(DropDegenerateTriangles, vtkTypeBool);
@@ -199,10 +182,10 @@ public:
 
   ///@{
   /**
-   * Whether the surface is closed where it meets the border of the grid (of the whole extent of
-   * images), by caps that lie in the border and whose normals point outwards; so it bounds what is
-   * not below the isovalue. Of a blocked volume the blocks at the border that are above the
-   * isovalue as a whole are then read, too. Default off.
+   * Whether caps close the surface where it meets the border of the grid (of the whole extent of
+   * images). Caps lie in the border, and their normals point outwards; the closed surface bounds
+   * what is not below the isovalue. Of a blocked volume the blocks at the border that are above the
+   * isovalue as a whole are read as well. Default off.
    */
   vtkSetMacro(CloseBoundary, vtkTypeBool);
   vtkGetMacro(CloseBoundary, vtkTypeBool);
@@ -211,10 +194,10 @@ public:
 
   ///@{
   /**
-   * With UseRegion, only the blocks that reach into a box of the world are read and contoured,
-   * whole: the surface ends where these blocks end, not at the box (vtkClipPolyData cuts exactly).
-   * The box goes from RegionPosition along the axes by RegionLength; all of it counts as inside,
-   * its border too. Defaults: off; the unit cube.
+   * With UseRegion, only blocks that reach into a box in world coordinates are read and contoured,
+   * as a whole: the surface ends where these blocks end, not at the box (vtkClipPolyData cuts
+   * exactly). RegionPosition is the low corner of the box, RegionLength its lengths along the axes;
+   * its faces count as inside. Defaults: off; the unit cube.
    */
   vtkSetMacro(UseRegion, vtkTypeBool);
   vtkGetMacro(UseRegion, vtkTypeBool);
@@ -229,8 +212,8 @@ public:
 
   ///@{
   /**
-   * Planes, normals outwards, between which blocks are read and contoured, in the same way and in
-   * addition to a box: those of the view, say. Null, the default: no such limit.
+   * Planes with outward normals, such as those of a view: only blocks that reach between them are
+   * read and contoured, in the same way as for a box. Null, the default: no such limit.
    */
   virtual void SetFrustum(vtkPlanes* planes);
   vtkGetObjectMacro(Frustum, vtkPlanes);

@@ -4,18 +4,17 @@
  * @class   vtkEdgeIndexReader
  * @brief   reads isosurfaces from edge-index files (.eix)
  *
- * The output is what vtkStabbingContour gave: one vtkPolyData a piece, with the same triangles and
- * GlobalIds (those of the surface as a whole, so that merging pieces by them makes it watertight),
- * and with points and arrays as the file keeps them. Blocks are spread over the pieces such that
- * all have about as many points, and decoded by several threads. With Preview, or a region, only
- * the blocks that belong to it are read.
+ * Output: the surface of the vtkStabbingContour that was written, as one vtkPolyData a piece, with
+ * the same triangles and GlobalIds, and with points and arrays as exact as the file has them.
+ * Merging the pieces by GlobalIds makes the surface watertight. Blocks are distributed over pieces
+ * such that all have about equally many points, and decoded by several threads. With Preview, or a
+ * region, only the blocks that are needed are read.
  *
- * Of a file that was cut off, or is still being written, the blocks that are complete are read,
- * with a warning of what is missing. Any other damage is an error, on every rank of the controller,
- * which names the file and the reason; the output is empty then.
+ * Of a file that was truncated, or is still being written, the complete blocks are read, with a
+ * warning of what is missing. Any other damage is an error on every rank of the controller, which
+ * names the file and the reason; the output is empty then.
  *
- * A file knows its time, if its volume did. Several files are read as a series by
- * vtkFileSeriesReader, as ParaView does.
+ * A file knows its time, if its volume did. vtkFileSeriesReader reads several files as a series.
  */
 
 #ifndef vtkEdgeIndexReader_h
@@ -50,8 +49,8 @@ public:
 
   ///@{
   /**
-   * Whether to read the coarse surface that the file has beside the full one; its GlobalIds are
-   * those of its own, coarser grid. A file without one gives a warning, and the full surface.
+   * Whether to read the coarse surface that the file has in addition to the full one; its GlobalIds
+   * are those of its own, coarser grid. A file without one gives a warning, and the full surface.
    * Default off.
    */
   vtkSetMacro(Preview, vtkTypeBool);
@@ -61,9 +60,10 @@ public:
 
   ///@{
   /**
-   * With UseRegion, only the blocks that reach into a box of the world are read, whole. The box
-   * goes from RegionPosition along the axes by RegionLength. In a grid whose axes are not those of
-   * the world it is the box of the grid around it. Defaults: off; the unit cube.
+   * With UseRegion, only blocks that reach into a box in world coordinates are read, as a whole.
+   * RegionPosition is the low corner of the box, RegionLength its lengths along the axes. For a
+   * grid whose axes are not those of the world, the box of the grid around it is taken. Defaults:
+   * off; the unit cube.
    */
   vtkSetMacro(UseRegion, vtkTypeBool);
   vtkGetMacro(UseRegion, vtkTypeBool);
@@ -86,9 +86,9 @@ public:
 
   ///@{
   /**
-   * Whether points have normals: those of the file, or, if it has none, the mean of the normals of
-   * the triangles around, by area. These are of the piece alone: at its border they are those of
-   * one side. Default on.
+   * Whether points have normals: those of the file or, if it has none, the mean of the normals of
+   * the adjacent triangles, weighted by area. The mean is of the piece alone: at its border it is
+   * that of one side. Default on.
    */
   vtkSetMacro(ComputeNormals, vtkTypeBool);
   vtkGetMacro(ComputeNormals, vtkTypeBool);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// blockvolume: makes blocked volumes, tells what is in them, checks them. Alone or under mpirun.
+// blockvolume: writes, prints and checks blocked volumes. Alone or under mpirun.
 #include "BlockVolumeOptions.h"
 #include "InfoCommand.h"
 #include "StopSignal.h"
@@ -27,15 +27,12 @@ using Command = BlockVolumeOptions::Command;
 
 Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
 {
-  if (!options.IsOk())
-  {
-    return options.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(options.GetStatus());
   if (options->What == Command::Write)
   {
     return RunWriteCommand(*options, ranks);
   }
-  // Looking at a volume is the work of one rank.
+  // One rank inspects a volume.
   if (ranks.GetRank() != 0)
   {
     return Status::Ok();
@@ -65,7 +62,7 @@ int Finish(const Status& status, int rank)
   return status.GetCode() == StatusCode::Aborted ? 130 : 1;
 }
 
-/// A rank that ends here cannot tell the others, who may wait for it.
+/// A rank that ends here cannot notify the others, which may wait for it.
 int FailAtOnce(const char* reason, int ranks)
 {
   std::fprintf(stderr, "blockvolume: %s\n", reason);

@@ -16,19 +16,18 @@ namespace isosurface
 namespace
 {
 
-constexpr const char* Description = "Makes a blocked volume (OUT.bvol beside OUT.bvol.stores/) of "
-                                    "a volume of any size, tells what is\n"
-                                    "in one, or checks one. Under mpirun all ranks write together; "
-                                    "the result does not depend on how\n"
-                                    "many there are.";
+constexpr const char* Description =
+  "Writes a volume of any size as a blocked volume (OUT.bvol and OUT.bvol.stores/), prints the\n"
+  "contents of one, or checks one. Under mpirun all ranks write together; the result does not\n"
+  "depend on the number of ranks.";
 
-constexpr const char* Footer = R"(What IN may be:
-  .mhd .mha .nrrd .nhdr     MetaImage and NRRD, raw or gzip: read part by part
-  .tif .tiff                TIFF or BigTIFF, a slice a page: read page by page
-  a folder, 'scan*.tif'     a TIFF stack: all .tif files of the folder, or those that fit the pattern,
-                            by the numbers in their names
-  any file --dimensions     samples without a header: read part by part
-  .vti .pvti .vtk .nii ...  what VTK's readers know; some of them read all at once (user guide)
+constexpr const char* Footer = R"(IN is one of:
+  .mhd .mha .nrrd .nhdr     MetaImage and NRRD, raw or gzip: read slab by slab
+  .tif .tiff                TIFF or BigTIFF, one slice a page: read page by page
+  a folder, 'scan*.tif'     a TIFF stack: all .tif files of the folder, or those that match the
+                            pattern, ordered by the numbers in their names
+  any file --dimensions     samples without a header: read slab by slab
+  .vti .pvti .vtk .nii ...  formats of VTK's readers; some always read the whole file (user guide)
 
 Examples:
   blockvolume head.mhd head.bvol
@@ -38,8 +37,8 @@ Examples:
   blockvolume --info scan.bvol --json
   blockvolume --verify scan.bvol
 
-Exit status: 0 if all went well, 1 for an error or a fault found, 130 if it was stopped. OUT.bvol
-appears in one step at the end; until then, and if anything fails, an older one is as it was.)";
+Exit status: 0 for success, 1 for an error or a fault found, 130 if the command was stopped. OUT.bvol
+appears in one step at the end; until then, and after an error, an older file stays unchanged.)";
 
 Status MakeError(const std::string& option, const std::string& reason)
 {
@@ -99,7 +98,7 @@ Result<BlockCompression> ParseCompression(const std::string& text)
   return compression;
 }
 
-/// What is told as text before it is understood.
+/// Options as text, before they are parsed.
 struct RawTexts
 {
   std::string Distribution = "greedy";
@@ -127,58 +126,58 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->capture_default_str();
   app
     .add_option("--stores", settings.NumberOfStores,
-      "Stores that the blocks are spread over; 0: as many as there are ranks")
+      "Stores that the blocks are distributed over; 0: the number of ranks")
     ->group(group)
     ->check(CLI::Range(0, 65536))
     ->capture_default_str();
   app
     .add_option("--distribution", texts.Distribution,
-      "How blocks are spread: greedy (alike blocks in turn), balanced (equal shares of the\n"
-      "estimated triangles), random (by a seeded hash), slab (neighbours together)")
+      "How blocks are distributed: greedy (similar blocks in turn), balanced (equal shares of\n"
+      "the estimated triangles), random (by a seeded hash), slab (neighbours together)")
     ->group(group)
     ->capture_default_str();
-  app.add_option("--seed", settings.RandomSeed, "Of the random distribution")
+  app.add_option("--seed", settings.RandomSeed, "Seed of the random distribution")
     ->group(group)
     ->capture_default_str();
   app
     .add_option("--compression", texts.Compression,
-      "Without loss: none, lz4[:1-12] (fast) or zstd[:1-19] (small)")
+      "Lossless: none, lz4[:1-12] (fast) or zstd[:1-19] (small)")
     ->group(group)
     ->capture_default_str();
   app
     .add_option("--memory", texts.MemoryMebibytes,
-      "MiB that a rank may take, beside what a reader of VTK's takes itself")
+      "MiB that a rank may use, without the memory of VTK's readers")
     ->group(group)
     ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
     ->capture_default_str();
   app
     .add_option("--arrays", texts.Arrays,
       "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
-      "Without it: all numeric point arrays, of any number of components")
+      "Default: all numeric point arrays, with any number of components")
     ->group(group);
   app
     .add_flag("--append", settings.Append,
-      "Add IN to the time steps that OUT.bvol has; it must have the same grid, arrays and options")
+      "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options")
     ->group(group);
-  app.add_option("--time", settings.Time, "The time of the time step, instead of what IN says")
+  app.add_option("--time", settings.Time, "The time of the time step, instead of that of IN")
     ->group(group);
   app
     .add_option(
-      "--threads", settings.Threads, "Threads of a rank; 0: its share of the machine's cores")
-    ->group("Everywhere")
+      "--threads", settings.Threads, "Threads of a rank; 0: its share of the node's cores")
+    ->group("General")
     ->check(CLI::Range(0, 4096))
     ->capture_default_str();
   app.add_flag("--quiet", options.IsQuiet, "No progress and no summary, only errors")
-    ->group("Everywhere");
+    ->group("General");
 }
 
 void AddInputOptions(CLI::App& app, RawTexts& texts)
 {
-  const char* group = "Geometry, instead of what IN says";
+  const char* group = "Geometry, instead of that of IN";
   app.add_option("--spacing", texts.Spacing, "Distances between samples, X,Y,Z")->group(group);
-  app.add_option("--origin", texts.Origin, "Where sample (0, 0, 0) lies, X,Y,Z")->group(group);
+  app.add_option("--origin", texts.Origin, "Position of sample (0, 0, 0), X,Y,Z")->group(group);
   group = "Samples without a header (x fastest, one array)";
-  app.add_option("--dimensions", texts.Dimensions, "How many samples, X,Y,Z")->group(group);
+  app.add_option("--dimensions", texts.Dimensions, "Number of samples, X,Y,Z")->group(group);
   app
     .add_option(
       "--type", texts.Type, "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64")
@@ -189,16 +188,18 @@ void AddInputOptions(CLI::App& app, RawTexts& texts)
     ->capture_default_str();
   app.add_flag("--big-endian", texts.IsBigEndian, "The high byte of a sample comes first")
     ->group(group);
-  app.add_flag("--gzip", texts.IsGzip, "What follows the header bytes is a gzip or zlib stream")
+  app
+    .add_flag(
+      "--gzip", texts.IsGzip, "The samples after the header bytes are a gzip or zlib stream")
     ->group(group);
   app.add_option("--name", texts.Name, "Name of the array")->group(group)->capture_default_str();
 }
 
-void AddLookingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
+void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
 {
-  const char* group = "Looking at a blocked volume";
+  const char* group = "Inspecting a blocked volume";
   CLI::Option* info = app.add_flag("--info", texts.IsInfo,
-    "Tell grid, arrays, time steps, stores, compression, balance and contour spectrum of IN.bvol");
+    "Print grid, arrays, time steps, stores, compression, balance and contour spectrum of IN.bvol");
   info->group(group);
   app.add_flag("--json", options.IsJson, "... as JSON")->group(group)->needs(info);
   app
@@ -209,7 +210,7 @@ void AddLookingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->needs(info);
   app
     .add_flag("--verify", texts.IsVerify,
-      "Read all of IN.bvol, check every checksum and decode every block; tell every fault")
+      "Read all of IN.bvol, check every checksum and decode every block; print every fault")
     ->group(group)
     ->excludes(info);
 }
@@ -217,10 +218,7 @@ void AddLookingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
 Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
 {
   const auto dimensions = ParseThree("--dimensions", texts.Dimensions);
-  if (!dimensions.IsOk())
-  {
-    return dimensions.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(dimensions.GetStatus());
   RawVolume raw;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
@@ -264,10 +262,7 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
   }
   options.Settings.Distribution = *distribution;
   const auto compression = ParseCompression(texts.Compression);
-  if (!compression.IsOk())
-  {
-    return compression.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(compression.GetStatus());
   options.Settings.Compression = *compression;
   options.Settings.MemoryLimit = texts.MemoryMebibytes << 20;
   if (!texts.Arrays.empty())
@@ -291,20 +286,14 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
     if (!text->empty())
     {
       const auto values = ParseThree(option, *text);
-      if (!values.IsOk())
-      {
-        return values.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
       *to = *values;
     }
   }
   if (!texts.Dimensions.empty())
   {
     auto raw = MakeRaw(texts, options.Input);
-    if (!raw.IsOk())
-    {
-      return raw.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
     options.Raw = std::move(*raw);
   }
   return Status::Ok();
@@ -348,13 +337,13 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   CLI::App app(Description, "blockvolume");
   app.footer(Footer);
   app.set_version_flag("--version", std::string("blockvolume " ISOSURFACE_VERSION))
-    ->group("Everywhere");
-  app.get_help_ptr()->group("Everywhere");
+    ->group("General");
+  app.get_help_ptr()->group("General");
   app.add_option("IN", options.Input, "The volume to read; with --info and --verify: IN.bvol");
   app.add_option("OUT", options.Output, "The blocked volume to write, OUT.bvol");
   AddWritingOptions(app, texts, options);
   AddInputOptions(app, texts);
-  AddLookingOptions(app, texts, options);
+  AddInspectingOptions(app, texts, options);
   try
   {
     app.parse(argc, argv);

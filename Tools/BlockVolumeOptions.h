@@ -42,7 +42,7 @@ struct BlockVolumeOptions
   bool IsJson = false;
   bool WithSpectrum = false;
 
-  /// InvalidArgument for what makes no sense; the message names the option.
+  /// Error: InvalidArgument, which names the option.
   static Result<BlockVolumeOptions> Parse(int argc, const char* const* argv);
 };
 

@@ -9,13 +9,13 @@
 namespace isosurface
 {
 
-/// Tells on standard output what a file has, from its header and directory alone.
+/// Prints the contents of a file, which it knows from header and directory alone.
 Status RunEdgeIndexInfo(const EdgeIndexOptions& options);
 
-/// Decodes every block. Corrupt, with the reason, if one is faulty or something is missing.
+/// Decodes every block. Error: Corrupt, with the reason, if a block is faulty or missing.
 Status RunEdgeIndexVerify(const EdgeIndexOptions& options);
 
-/// Decodes a file to triangles, and writes them. InvalidArgument for an ending that is not known.
+/// Decodes a file and writes its triangles. Error: InvalidArgument for an unknown file extension.
 Status RunEdgeIndexDecode(const EdgeIndexOptions& options);
 
 } // namespace isosurface

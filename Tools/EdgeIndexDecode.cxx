@@ -66,10 +66,10 @@ Status WriteTriangles(vtkPolyData* surface, const std::string& ending, const std
   return RunWriter(writer.Get(), surface, path);
 }
 
-/// Beside its place first, so that no half of it is ever taken for the whole.
+/// Writes to a temporary name first, so that an incomplete file is never taken for a complete one.
 Status WriteInOneStep(vtkPolyData* surface, const std::string& path)
 {
-  // VTK's writers want names that end as the format does.
+  // VTK's writers need the extension of the format.
   const std::string ending = FindEnding(path);
   const std::string partial = path.substr(0, path.size() - ending.size()) + ".part" + ending;
   FileSystem& files = GetLocalFileSystem();
@@ -128,10 +128,7 @@ std::vector<InterpolatedArray> ListArrays(const EdgeIndexHeader& header, bool is
 Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
 {
   const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
   const auto bytes = static_cast<double>((*file)->GetSize());
   {
@@ -150,20 +147,14 @@ Status RunEdgeIndexDecode(const EdgeIndexOptions& options)
 {
   ISOSURFACE_RETURN_IF_ERROR(CheckOutput(options.Output));
   const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   if (!(*file)->IsComplete())
   {
     std::fprintf(stderr, "edgeindex: warning: %s\n", (*file)->GetMissing().c_str());
   }
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
   auto surface = ReadSurface(**file, options, threads);
-  if (!surface.IsOk())
-  {
-    return surface.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
   if (!options.IsQuiet)
   {
     std::printf("%s: %zu points, %zu triangles, %.2f s\n", options.Input.c_str(),

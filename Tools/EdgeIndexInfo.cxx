@@ -197,10 +197,7 @@ void Print(const Json& told)
 Status RunEdgeIndexInfo(const EdgeIndexOptions& options)
 {
   const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const Json told = Describe(**file);
   if (options.IsJson)
   {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// edgeindex: tells what is in edge-index files, checks them, decodes them to triangles.
+// edgeindex: prints and checks edge-index files, and decodes them to triangles.
 #include "EdgeIndexCommands.h"
 #include "EdgeIndexOptions.h"
 #include "StopSignal.h"
@@ -19,10 +19,7 @@ using Command = EdgeIndexOptions::Command;
 
 Status Run(const Result<EdgeIndexOptions>& options)
 {
-  if (!options.IsOk())
-  {
-    return options.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(options.GetStatus());
   switch (options->What)
   {
     case Command::Info:
@@ -48,7 +45,7 @@ int Fail(const char* reason)
 int main(int argc, char** argv)
 {
   CatchStopSignals();
-  // What VTK's writers find is told in one line, as everything else is.
+  // Errors of VTK's writers are printed in one line, like all others.
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   try
   {

@@ -9,9 +9,9 @@ namespace
 {
 
 constexpr const char* Description =
-  "Tells what is in an edge-index file (.eix), checks one, or decodes one to triangles.";
+  "Prints the contents of an edge-index file (.eix), checks one, or decodes one to triangles.";
 
-constexpr const char* Footer = R"(Formats of OUT, by its ending:
+constexpr const char* Footer = R"(Formats of OUT, by its file extension:
   .ply .stl           binary
   .vtp                with GlobalIds, isovalues, arrays and normals
   .obj                text
@@ -22,9 +22,9 @@ Examples:
   edgeindex decode skull.eix skull.ply
   edgeindex decode skull.eix coarse.stl --preview
 
-Triangles of several blocks share their points, so the surface is watertight. Of a file that was cut
-off the complete blocks are decoded, with a warning. Exit status: 0 if all went well, 1 for an error
-or a fault found, 130 if it was stopped. OUT appears in one step at the end.)";
+The triangles of all blocks share their points, so the surface is watertight. Of a truncated file the
+complete blocks are decoded, with a warning. Exit status: 0 for success, 1 for an error or a fault
+found, 130 if the command was stopped. OUT appears in one step at the end.)";
 
 } // namespace
 
@@ -41,17 +41,17 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
     command->add_option("FILE", options.Input, "The edge-index file, FILE.eix")->required();
     return command;
   };
-  CLI::App* info = addCommand("info", "Tells what is in a file");
+  CLI::App* info = addCommand("info", "Print the contents of a file");
   info->add_flag("--json", options.IsJson, "As one JSON object");
-  CLI::App* verify = addCommand("verify", "Decodes all of a file, to find any fault");
-  CLI::App* decode = addCommand("decode", "Writes the triangles to OUT, or only counts them");
+  CLI::App* verify = addCommand("verify", "Decode the whole file, to find any fault");
+  CLI::App* decode = addCommand("decode", "Write the triangles to OUT, or only count them");
   decode->add_option("OUT", options.Output, "OUT.ply, .stl, .vtp or .obj");
-  decode->add_flag("--preview", options.IsPreview, "The coarse surface that the file has beside");
+  decode->add_flag("--preview", options.IsPreview, "Only the coarse surface of the file");
   for (CLI::App* command : { verify, decode })
   {
     command->add_option("--threads", options.Threads, "Threads; 0: all cores")
       ->check(CLI::Range(0, 4096));
-    command->add_flag("--quiet", options.IsQuiet, "Say nothing but errors");
+    command->add_flag("--quiet", options.IsQuiet, "Print only errors");
   }
   try
   {

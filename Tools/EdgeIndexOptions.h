@@ -23,13 +23,13 @@ struct EdgeIndexOptions
   Command What = Command::Print;
   std::string Text;
   std::string Input;
-  std::string Output; ///< of Decode; empty: none
+  std::string Output; ///< of Decode; empty: no file
   bool IsQuiet = false;
   bool IsJson = false;
   bool IsPreview = false;
   int Threads = 0; ///< 0: all cores
 
-  /// InvalidArgument for what makes no sense; the message names the option.
+  /// Error: InvalidArgument, which names the option.
   static Result<EdgeIndexOptions> Parse(int argc, const char* const* argv);
 };
 

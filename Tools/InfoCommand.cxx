@@ -18,28 +18,28 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-/// Isovalues whose surface has fewer triangles a store are no load to balance.
+/// Isovalues with fewer triangles a store do not count for the balance.
 constexpr std::uint64_t LeastTriangles = 1000;
-/// Of a spectrum, unless all is asked for.
+/// Isovalues that are printed, unless all are asked for.
 constexpr std::size_t IsovaluesToTell = 16;
 
-/// The largest share of a store, over the mean one; null if there is nothing to share.
+/// The maximum share of a store, divided by the mean share; null if there is nothing to share.
 template <typename T>
 Json ComputeBalance(const std::vector<T>& shares)
 {
   T sum = 0;
-  T largest = 0;
+  T maximum = 0;
   for (const T share : shares)
   {
     sum += share;
-    largest = std::max(largest, share);
+    maximum = std::max(maximum, share);
   }
   return sum == 0 ? Json()
-                  : Json(static_cast<double>(largest) * static_cast<double>(shares.size()) /
+                  : Json(static_cast<double>(maximum) * static_cast<double>(shares.size()) /
                       static_cast<double>(sum));
 }
 
-/// Values as they are: 64-bit integers do not fit a double.
+/// Values in their own type: 64-bit integers do not fit a double.
 Json MakeValue(ValueType type, ValueKey key)
 {
   return DispatchValueType(
@@ -53,7 +53,7 @@ Json MakeGrid(const BlockedVolume& volume)
     { "origin", grid.Origin }, { "spacing", grid.Spacing }, { "direction", grid.Direction } };
 }
 
-/// "density", "velocity, component 1", "velocity, magnitude": what can be contoured.
+/// "density", "velocity, component 1", "velocity, magnitude": the names of variables.
 std::string FormatVariable(const BlockedVolume& volume, std::size_t variable)
 {
   const Variable& described = volume.GetVariables()[variable];
@@ -63,23 +63,17 @@ std::string FormatVariable(const BlockedVolume& volume, std::size_t variable)
   return array.Name + (array.Components > 1 ? component : "");
 }
 
-/// How evenly the triangles are spread, over the isovalues that have many.
+/// How evenly the triangles are distributed, at the isovalues with many triangles.
 Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::size_t variable)
 {
   const std::uint32_t stores = volume.GetHeader().NumberOfStores;
   const auto total = volume.GetSpectrum(step, variable);
-  if (!total.IsOk())
-  {
-    return total.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
   std::vector<std::shared_ptr<const WorkloadSpectrum>> spectra;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
     const auto spectrum = volume.GetStoreSpectrum(step, variable, store);
-    if (!spectrum.IsOk())
-    {
-      return spectrum.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(*spectrum);
   }
   std::vector<std::pair<double, double>> balances; // and the isovalue
@@ -112,10 +106,7 @@ Result<Json> MakeSpectra(BlockedVolume& volume, std::size_t step)
   for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
     const auto spectrum = volume.GetSpectrum(step, variable);
-    if (!spectrum.IsOk())
-    {
-      return spectrum.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     Json columns = { { "variable", FormatVariable(volume, variable) } };
     for (const SpectrumColumn& column : MakeSpectrumColumns(**spectrum))
     {
@@ -157,10 +148,7 @@ Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
   for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
   {
     auto balance = MakeTriangleBalance(volume, index, variable);
-    if (!balance.IsOk())
-    {
-      return balance.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(balance.GetStatus());
     triangles.push_back(std::move(*balance));
   }
   result["balance"] = { { "blocks", ComputeBalance(blocks) }, { "bytes", ComputeBalance(bytes) },
@@ -196,17 +184,11 @@ Result<Json> Describe(BlockedVolume& volume, bool withSpectrum)
   for (std::size_t step = 0; step < header.TimeSteps.size(); ++step)
   {
     auto described = MakeTimeStep(volume, step);
-    if (!described.IsOk())
-    {
-      return described.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(described.GetStatus());
     if (withSpectrum)
     {
       auto spectra = MakeSpectra(volume, step);
-      if (!spectra.IsOk())
-      {
-        return spectra.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
       (*described)["spectra"] = std::move(*spectra);
     }
     result["timeSteps"].push_back(std::move(*described));
@@ -281,10 +263,7 @@ Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
   for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
     const auto spectrum = volume.GetSpectrum(step, variable);
-    if (!spectrum.IsOk())
-    {
-      return spectrum.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(**spectrum);
     const std::string table = isWhole
       ? FormatSpectrumTable(columns)
@@ -332,15 +311,9 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
 Status RunInfoCommand(const BlockVolumeOptions& options)
 {
   const auto volume = BlockedVolume::Open(options.Input);
-  if (!volume.IsOk())
-  {
-    return volume.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const auto told = Describe(**volume, options.WithSpectrum && options.IsJson);
-  if (!told.IsOk())
-  {
-    return told.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(told.GetStatus());
   if (options.IsJson)
   {
     std::printf("%s\n", told->dump(2).c_str());

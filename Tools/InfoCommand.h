@@ -9,7 +9,7 @@
 namespace isosurface
 {
 
-/// Tells on standard output what is in a blocked volume, as text or JSON.
+/// Prints the contents of a blocked volume, as text or JSON.
 Status RunInfoCommand(const BlockVolumeOptions& options);
 
 } // namespace isosurface

@@ -16,10 +16,7 @@ namespace
 Result<VolumeFile> OpenRaw(const RawVolume& raw)
 {
   auto source = raw.Open(GetLocalFileSystem());
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   VolumeFile file;
   file.Grid = raw.Grid;
   file.ArrayName = raw.ArrayName;
@@ -32,16 +29,10 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options)
 {
   auto file =
     options.Raw ? OpenRaw(*options.Raw) : VolumeFile::Open(GetLocalFileSystem(), options.Input);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const auto arrays =
     ChooseArrays(options.Input, { { file->ArrayName, file->Type } }, options.Arrays);
-  if (!arrays.IsOk())
-  {
-    return arrays.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
   InputVolume volume;
   volume.Grid = file->Grid;
   volume.Arrays = *arrays;

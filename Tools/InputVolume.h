@@ -18,15 +18,15 @@
 namespace isosurface
 {
 
-/// The volume that is to be written, as any rank sees it: all of it.
+/// The volume to write, as a whole on any rank.
 struct InputVolume
 {
   GridGeometry Grid;
   std::vector<ArrayDescription> Arrays;
   std::optional<double> Time;
-  std::string LeftOut; ///< says what is not written though nobody chose; empty if nothing is
-  std::uint64_t HeldBytes = 0; ///< of samples that are in memory already
-  std::shared_ptr<void> Owner; ///< of what the source reads from; goes after it
+  std::string LeftOut;         ///< says what cannot be written; empty if everything can
+  std::uint64_t HeldBytes = 0; ///< of samples in memory
+  std::shared_ptr<void> Owner; ///< of what the source reads from; destroyed after it
   std::unique_ptr<SlabSource> Source;
 
   /// Opens what the options name: samples without a header, a format that Core reads part by part,
@@ -34,8 +34,8 @@ struct InputVolume
   static Result<InputVolume> Open(const BlockVolumeOptions& options);
 };
 
-/// Of the arrays that a file has, those of the names, in the names' order; all without names.
-/// NotFound tells which there are.
+/// The arrays of a file with these names, in this order; all if there are no names. Error: NotFound,
+/// with the names that the file has.
 Result<std::vector<ArrayDescription>> ChooseArrays(const std::string& path,
   const std::vector<ArrayDescription>& arrays, const std::vector<std::string>& names);
 

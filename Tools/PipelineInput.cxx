@@ -34,7 +34,7 @@
 namespace
 {
 
-/// Keeps the first error that VTK tells, instead of printing it.
+/// Keeps VTK's first error, instead of printing it.
 class vtkErrorKeeper : public vtkOutputWindow
 {
 public:
@@ -53,7 +53,7 @@ public:
     }
   }
 
-  /// What VTK said, in one line and without where in its sources; then nothing.
+  /// VTK's error in one line, without the place in its sources; then nothing.
   std::string TakeError()
   {
     // "ERROR: In file, line 1\nvtkClass (0x1234): what it has to say\n\n"
@@ -151,7 +151,7 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   return reader;
 }
 
-/// A source that gives VTK's own words where its reader fails.
+/// A source that gives VTK's message if the reader fails.
 class ReaderSource : public PipelineSource
 {
 public:
@@ -179,7 +179,7 @@ private:
   std::string Path;
 };
 
-/// Image data of the whole extent, or of its first slice; or why there is none.
+/// Image data of the whole extent, or of its first slice.
 Result<vtkImageData*> Read(
   vtkAlgorithm* reader, const std::string& path, const int whole[6], bool isWhole)
 {
@@ -203,7 +203,7 @@ Result<vtkImageData*> Read(
   return image;
 }
 
-/// Puts the samples of the chosen arrays into memory, and lets go of all others.
+/// Keeps the samples of the chosen arrays in memory, and releases all others.
 Status TakeWhole(
   vtkImageData* image, const std::string& path, const int whole[6], InputVolume& volume)
 {
@@ -248,6 +248,32 @@ Status TakeWhole(
   return Status::Ok();
 }
 
+// Fills in the grid, the arrays and the time that a slice of the input has.
+Status DescribeInput(const std::string& path, vtkImageData* slice, int whole[6],
+  const std::vector<std::string>& arrays, InputVolume& volume)
+{
+  LocalVolume local;
+  local.Grid = MakeGridGeometry(slice, whole);
+  const auto choice = ArrayChoice::Make(slice, nullptr);
+  const Status status = choice.IsOk()
+    ? local.CollectArrays(slice, [&](const std::string& name) { return choice->Has(name); })
+    : choice.GetStatus();
+  if (!status.IsOk())
+  {
+    return Status(status.GetCode(), path + ": " + status.GetMessage());
+  }
+  const auto chosen = ChooseArrays(path, local.Arrays, arrays);
+  ISOSURFACE_RETURN_IF_ERROR(chosen.GetStatus());
+  volume.Grid = local.Grid;
+  volume.Arrays = *chosen;
+  volume.LeftOut = arrays.empty() ? choice->LeftOut : "";
+  if (slice->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
+  {
+    volume.Time = slice->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP());
+  }
+  return Status::Ok();
+}
+
 } // namespace
 
 Result<InputVolume> OpenPipelineInput(
@@ -272,35 +298,10 @@ Result<InputVolume> OpenPipelineInput(
   }
   int whole[6];
   information->Get(Pipeline::WHOLE_EXTENT(), whole);
-  // A slice tells which arrays there are.
-  auto image = Read(reader, path, whole, false);
-  if (!image.IsOk())
-  {
-    return image.GetStatus();
-  }
-  LocalVolume local;
-  local.Grid = MakeGridGeometry(*image, whole);
-  const auto choice = ArrayChoice::Make(*image, nullptr);
-  const Status status = choice.IsOk()
-    ? local.CollectArrays(*image, [&](const std::string& name) { return choice->Has(name); })
-    : choice.GetStatus();
-  if (!status.IsOk())
-  {
-    return Status(status.GetCode(), path + ": " + status.GetMessage());
-  }
-  const auto chosen = ChooseArrays(path, local.Arrays, arrays);
-  if (!chosen.IsOk())
-  {
-    return chosen.GetStatus();
-  }
+  const auto slice = Read(reader, path, whole, false);
+  ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
   InputVolume volume;
-  volume.Grid = local.Grid;
-  volume.Arrays = *chosen;
-  volume.LeftOut = arrays.empty() ? choice->LeftOut : "";
-  if ((*image)->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
-  {
-    volume.Time = (*image)->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP());
-  }
+  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, *slice, whole, arrays, volume));
   auto source = std::make_unique<ReaderSource>(reader, path, volume.Grid, volume.Arrays);
   const std::uint64_t bytes = source->GetReadBytes(source->GetBox());
   if (bytes > wholeBytes)
@@ -309,12 +310,9 @@ Result<InputVolume> OpenPipelineInput(
     volume.Owner = std::make_shared<vtkSmartPointer<vtkAlgorithm>>(reader);
     return volume;
   }
-  image = Read(reader, path, whole, true);
-  const Status taken = image.IsOk() ? TakeWhole(*image, path, whole, volume) : image.GetStatus();
-  if (!taken.IsOk())
-  {
-    return taken;
-  }
+  const auto image = Read(reader, path, whole, true);
+  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(*image, path, whole, volume));
   volume.HeldBytes = bytes;
   return volume;
 }

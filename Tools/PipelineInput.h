@@ -12,10 +12,9 @@ namespace isosurface
 {
 
 /**
- * Opens a file with that reader of VTK's that its name asks for. What takes no more than
- * `wholeBytes` is read at once, since many readers go through all of a file for any part of it;
- * else the reader is asked for parts of its extent, and whether it reads no more than these is its
- * own affair. Errors name the file, and give what VTK said.
+ * Opens a file with VTK's reader for its file extension. A volume of at most `wholeBytes` is read
+ * at once, because many readers always read their whole file. Of a larger one, boxes of its extent
+ * are read; the reader may read more than that. Errors name the file, with VTK's message.
  */
 Result<InputVolume> OpenPipelineInput(
   const std::string& path, const std::vector<std::string>& arrays, std::uint64_t wholeBytes);

@@ -14,8 +14,8 @@ namespace isosurface
 std::string FormatBytes(double bytes);
 
 /**
- * Shows on standard error how far some work is: a bar that is redrawn on a terminal, otherwise a
- * line every tenth of the work.
+ * Shows the progress of some work on standard error: a bar on a terminal, otherwise a line for
+ * every tenth.
  */
 class ProgressDisplay
 {

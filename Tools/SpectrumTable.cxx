@@ -61,8 +61,8 @@ std::vector<std::size_t> PickBins(const WorkloadSpectrum& spectrum, std::size_t 
   {
     return {};
   }
-  const std::uint64_t least = *std::max_element(triangles.begin(), triangles.end()) / 100;
-  const auto isLarge = [least](std::uint64_t number) { return number >= least; };
+  const std::uint64_t minimum = *std::max_element(triangles.begin(), triangles.end()) / 100;
+  const auto isLarge = [minimum](std::uint64_t number) { return number >= minimum; };
   const auto first = static_cast<std::size_t>(
     std::find_if(triangles.begin(), triangles.end(), isLarge) - triangles.begin());
   const auto last = static_cast<std::size_t>(

@@ -13,22 +13,22 @@
 namespace isosurface
 {
 
-/// One column of a printed contour spectrum: a value an isovalue.
+/// One column of a printed contour spectrum: one value for each isovalue.
 struct SpectrumColumn
 {
   std::string Name;
   nlohmann::json Values; ///< an array of numbers
 };
 
-/// All that a spectrum tells, the isovalues first; area and volume in the grid's units.
+/// All columns of a spectrum, isovalues first; area and volume in the units of the grid.
 std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum);
 
-/// At most `count` bins, evenly spread from the first to the last one whose isosurface has at least
-/// a hundredth of the triangles of the largest one; ascending.
+/// At most `count` bins, evenly distributed from the first to the last whose isosurface has at least
+/// a hundredth of the maximum number of triangles; ascending.
 std::vector<std::size_t> PickBins(const WorkloadSpectrum& spectrum, std::size_t count);
 
-/// The columns beside each other, a line an isovalue, below their names; of all bins, or of those
-/// that are given.
+/// The columns as text, with their names and one line for each isovalue: of all bins, or of the
+/// given ones.
 std::string FormatSpectrumTable(const std::vector<SpectrumColumn>& columns);
 std::string FormatSpectrumTable(
   const std::vector<SpectrumColumn>& columns, const std::vector<std::size_t>& bins);

@@ -5,10 +5,10 @@
 namespace isosurface
 {
 
-/// From now on SIGINT and SIGTERM ask to stop; the second one of a kind ends the process at once.
+/// From now on SIGINT and SIGTERM ask to stop; a second signal of a kind ends the process at once.
 void CatchStopSignals();
 
-/// Whether one of them came.
+/// Whether such a signal arrived.
 bool IsStopAsked();
 
 } // namespace isosurface

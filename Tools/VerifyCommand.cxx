@@ -49,10 +49,7 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
     seconds = display.GetSeconds();
     return result;
   }();
-  if (!found.IsOk())
-  {
-    return found.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
   for (const Status& fault : found->Faults)
   {
     std::fprintf(stderr, "blockvolume: %s\n", fault.GetMessage().c_str());

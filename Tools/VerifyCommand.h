@@ -9,7 +9,7 @@
 namespace isosurface
 {
 
-/// Checks a blocked volume and tells every fault on standard error. Corrupt if there are any.
+/// Checks a blocked volume and prints every fault to standard error. Error: Corrupt if there are any.
 Status RunVerifyCommand(const BlockVolumeOptions& options);
 
 } // namespace isosurface

@@ -42,10 +42,7 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
     seconds = display.GetSeconds();
     return result;
   }();
-  if (!written.IsOk())
-  {
-    return written.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   if (isTold)
   {
     const auto bytes = static_cast<double>(written->Bytes);

@@ -10,7 +10,7 @@
 namespace isosurface
 {
 
-/// Writes the blocked volume that the options ask for. Collective; rank 0 tells of it.
+/// Writes the blocked volume that the options ask for. Collective; rank 0 prints the result.
 Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks);
 
 } // namespace isosurface

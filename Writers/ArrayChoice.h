@@ -16,11 +16,11 @@ class vtkImageData;
 namespace isosurface
 {
 
-/// Which of an image's arrays are written.
+/// The arrays of an image that are written.
 struct ISOSURFACEWRITERS_EXPORT ArrayChoice
 {
   std::set<std::string> Names;
-  std::string LeftOut; ///< says what else there is, and why it is not written; empty if nothing is
+  std::string LeftOut; ///< says which arrays cannot be written, and why; empty if all can
 
   bool Has(const std::string& name) const { return this->Names.count(name) != 0; }
 
@@ -32,7 +32,7 @@ struct ISOSURFACEWRITERS_EXPORT ArrayChoice
   static Result<ArrayChoice> Make(vtkImageData* image, vtkDataArraySelection* chosen);
 };
 
-/// An array's name; of one without, "scalars".
+/// The name of an array, or "scalars" if it has none.
 std::string GetNameOf(vtkDataArray* array);
 
 } // namespace isosurface

@@ -61,15 +61,9 @@ Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelect
       continue;
     }
     const auto type = GetValueTypeOf(array);
-    if (!type.IsOk())
-    {
-      return type.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
     auto samples = MakeImageSamples(this->Grid, image, array);
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     this->Arrays.push_back({ name, *type, array->GetNumberOfComponents() });
     for (SampleView& view : samples->Components)
     {

@@ -23,11 +23,11 @@ class vtkImageData;
 namespace isosurface
 {
 
-/// What this rank has of the volume: of each of `Arrays` in turn, a view a component.
+/// This rank's piece of the volume: the views of all components of `Arrays`, in order.
 struct ISOSURFACEWRITERS_EXPORT LocalVolume
 {
   GridGeometry Grid;
-  std::array<double, 2> Time{ 0, 0 }; ///< 1 and the time, if there is one
+  std::array<double, 2> Time{ 0, 0 }; ///< 1 and the time; or 0 and 0 without a time
   std::vector<ArrayDescription> Arrays;
   VolumePiece Piece;
   std::vector<vtkSmartPointer<vtkDataArray>> Owners;

@@ -67,7 +67,7 @@ std::uint64_t PipelineSource::GetReadBytes(const VertexBox& box) const
   return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
 
-Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
+vtkImageData* PipelineSource::UpdateInput(const VertexBox& box)
 {
   int extent[6];
   for (int axis = 0; axis < 3; ++axis)
@@ -88,54 +88,64 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
   }
   vtkAlgorithm* producer = this->Input->GetProducer();
   producer->Update(this->Input->GetIndex(), requests);
+  return vtkImageData::SafeDownCast(producer->GetOutputDataObject(this->Input->GetIndex()));
+}
 
-  auto* image = vtkImageData::SafeDownCast(producer->GetOutputDataObject(this->Input->GetIndex()));
-  auto owner = std::make_shared<LocalVolume>();
-  owner->Grid = this->Grid;
-  const auto isWanted = [this](const std::string& name)
+bool PipelineSource::TakeArrays(
+  const LocalVolume& local, const VertexBox& box, SampleSlab& slab) const
+{
+  for (const ArrayDescription& wanted : this->Arrays)
   {
-    return std::any_of(this->Arrays.begin(), this->Arrays.end(),
-      [&name](const ArrayDescription& array) { return array.Name == name; });
-  };
-  const Status status = image
-    ? owner->CollectArrays(image, isWanted)
-    : Status(StatusCode::InvalidArgument, "the input is no image data any more");
-  if (!status.IsOk())
-  {
-    return status;
-  }
-  SampleSlab slab;
-  bool fits = true;
-  for (std::size_t array = 0; fits && array < this->Arrays.size(); ++array)
-  {
-    const ArrayDescription& wanted = this->Arrays[array];
-    const auto found = std::find_if(owner->Arrays.begin(), owner->Arrays.end(),
+    const auto found = std::find_if(local.Arrays.begin(), local.Arrays.end(),
       [&wanted](const ArrayDescription& any)
       {
         return any.Name == wanted.Name && any.Type == wanted.Type &&
           any.Components == wanted.Components;
       });
-    fits = found != owner->Arrays.end();
-    const std::size_t first = fits
-      ? ArrayVariables(owner->Arrays)
-          .GetFirst(static_cast<std::size_t>(found - owner->Arrays.begin()))
-      : 0;
-    for (std::size_t n = 0; fits && n < static_cast<std::size_t>(wanted.Components); ++n)
+    if (found == local.Arrays.end())
     {
-      SampleView view = owner->Piece.Arrays[first + n];
-      fits = view.Available.Intersect(box) == box;
+      return false;
+    }
+    const std::size_t first =
+      ArrayVariables(local.Arrays).GetFirst(static_cast<std::size_t>(found - local.Arrays.begin()));
+    for (std::size_t n = 0; n < static_cast<std::size_t>(wanted.Components); ++n)
+    {
+      SampleView view = local.Piece.Arrays[first + n];
+      if (!(view.Available.Intersect(box) == box))
+      {
+        return false;
+      }
       view.Box = box;
       slab.Arrays.push_back(view);
     }
   }
-  if (!fits)
+  return true;
+}
+
+Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
+{
+  vtkImageData* image = this->UpdateInput(box);
+  if (!image)
+  {
+    return Status(StatusCode::InvalidArgument, "the input is no image data any more");
+  }
+  auto local = std::make_shared<LocalVolume>();
+  local->Grid = this->Grid;
+  ISOSURFACE_RETURN_IF_ERROR(local->CollectArrays(image,
+    [this](const std::string& name)
+    {
+      return std::any_of(this->Arrays.begin(), this->Arrays.end(),
+        [&name](const ArrayDescription& array) { return array.Name == name; });
+    }));
+  SampleSlab slab;
+  if (!this->TakeArrays(*local, box, slab))
   {
     return Status(StatusCode::Unsupported,
-      std::string("the input (") + producer->GetClassName() +
+      std::string("the input (") + this->Input->GetProducer()->GetClassName() +
         ") does not deliver the part of its extent that it is asked for, with the same arrays; "
         "without a memory limit it is asked for its piece at once");
   }
-  slab.Owner = std::move(owner);
+  slab.Owner = std::move(local);
   return slab;
 }
 

@@ -11,13 +11,16 @@
 #include <vector>
 
 class vtkAlgorithmOutput;
+class vtkImageData;
 class vtkInformation;
 
 namespace isosurface
 {
 
+struct LocalVolume;
+
 /**
- * The samples of a pipeline's image data, of which Read() asks for a part: an update of the
+ * The samples of a pipeline's image data, of which Read() asks for a box: it updates the
  * pipeline with an extent of its own. Every rank's source has the whole grid.
  *
  * An input that delivers more than what it is asked for is not asked again for what it has.
@@ -30,7 +33,7 @@ public:
   PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays);
 
-  /// The least request that tells which arrays there are.
+  /// Asks for the smallest piece that tells which arrays there are.
   static void AskForFirstSlice(vtkInformation* information);
 
   const VertexBox& GetBox() const override { return this->Box; }
@@ -39,6 +42,10 @@ public:
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:
+  vtkImageData* UpdateInput(const VertexBox& box);
+  /// Takes the wanted arrays of a box; false if one is missing or does not cover the box.
+  bool TakeArrays(const LocalVolume& local, const VertexBox& box, SampleSlab& slab) const;
+
   vtkAlgorithmOutput* Input;
   vtkInformation* Information;
   GridGeometry Grid;

@@ -4,16 +4,15 @@
  * @class   vtkBlockedVolumeWriter
  * @brief   writes image data as a blocked volume (.bvol)
  *
- * The image data may be spread over the ranks of the controller in any pieces, overlapping ones
- * included; every rank calls Write(). All numeric point arrays are written, of any number of
- * components, or those that are chosen. Of cell arrays there is a warning; an input of cell arrays
- * alone is an error. The file appears in one step when everything is written; if anything fails, on
- * any rank, all ranks report an error and what was there before is left as it was.
+ * The image data may be distributed over the ranks of the controller in any pieces, overlapping
+ * ones included; every rank calls Write(). All numeric point arrays are written, with any number of
+ * components, or only the chosen ones. Cell arrays give a warning; an input with only cell arrays
+ * is an error.
  *
- * A volume may have several time steps: AppendTimeStep adds one to those that the file has,
- * WriteAllTimeSteps writes all that the input has.
- *
- * The file does not depend on the number of ranks, but for the default of NumberOfStores.
+ * A volume may have several time steps: AppendTimeStep adds one to a file, WriteAllTimeSteps writes
+ * all that the input has. The file appears in one step at the end. If there is an error on any
+ * rank, all ranks report it, and an older file stays unchanged. The file does not depend on the
+ * number of ranks, except for the default of NumberOfStores.
  */
 
 #ifndef vtkBlockedVolumeWriter_h
@@ -40,10 +39,10 @@ public:
 
   enum DistributionType
   {
-    GREEDY = 0,  ///< deal blocks of like value range round robin
+    GREEDY = 0,  ///< distribute blocks with similar value ranges in turn
     RANDOM = 1,  ///< scatter blocks by a seeded hash
     SLAB = 2,    ///< keep neighbours together; not balanced
-    BALANCED = 3 ///< give every store an equal share of the estimated triangles
+    BALANCED = 3 ///< give each store an equal number of estimated triangles
   };
 
   enum CompressionType
@@ -71,7 +70,7 @@ public:
 
   ///@{
   /**
-   * How many stores the blocks are spread over; 0 (the default) means as many as there are ranks.
+   * How many stores the blocks are distributed over; 0 (the default): the number of ranks.
    */
   vtkSetClampMacro(NumberOfStores, int, 0, 65536);
   vtkGetMacro(NumberOfStores, int);
@@ -79,7 +78,7 @@ public:
 
   ///@{
   /**
-   * How blocks are spread over stores. Default GREEDY.
+   * How blocks are distributed over stores. Default GREEDY.
    */
   vtkSetClampMacro(Distribution, int, GREEDY, BALANCED);
   vtkGetMacro(Distribution, int);
@@ -96,8 +95,8 @@ public:
   ///@{
   /**
    * How blocks are compressed, always without loss. Default LZ4, which is read nearly as fast as
-   * uncompressed blocks; ZSTD takes the fewest bytes. Blocks that do not shrink are stored as they
-   * are.
+   * uncompressed blocks; ZSTD needs the fewest bytes. Blocks that do not shrink are stored
+   * uncompressed.
    */
   vtkSetClampMacro(Compression, int, NONE, ZSTD);
   vtkGetMacro(Compression, int);
@@ -105,8 +104,8 @@ public:
 
   ///@{
   /**
-   * How hard to compress: 1 (fast) to 12 for LZ4, 1 to 19 for ZSTD. 0 (the default) means 1. A
-   * level that the compression does not have is an error when writing.
+   * 1 (fast) to 12 for LZ4, 1 to 19 for ZSTD; 0 (the default) means 1. Any other level is an error
+   * when writing.
    */
   vtkSetClampMacro(CompressionLevel, int, 0, 19);
   vtkGetMacro(CompressionLevel, int);
@@ -114,14 +113,13 @@ public:
 
   ///@{
   /**
-   * The MiB that a rank may take to write a volume larger than memory: the input is asked for in
-   * slabs, each rank for its share of all. 0 (the default): each rank asks for its piece at once,
-   * and the input is in memory as a whole.
+   * MiB that a rank may use to write a volume larger than memory: each rank reads its share of the
+   * input in slabs. 0 (the default): each rank reads its piece at once, and the whole input is in
+   * memory.
    *
-   * The input must deliver any part of its whole extent on every rank, as readers of one file that
-   * all ranks see do, and must not need the other ranks to do so. What it takes itself is not
-   * counted. An input that delivers the whole of what it has, whatever part is asked for, is
-   * written all the same, but is in memory then.
+   * The input must be able to deliver any piece of its whole extent on every rank, without the help
+   * of other ranks, as readers of a file that all ranks see do. Its own memory is not counted. An
+   * input that always delivers everything is written as well, but is in memory as a whole.
    */
   vtkSetClampMacro(MemoryLimit, int, 0, VTK_INT_MAX);
   vtkGetMacro(MemoryLimit, int);
@@ -140,11 +138,11 @@ public:
 
   ///@{
   /**
-   * Whether the input is added, as another time step, to the file that is there; without one, it
-   * is the first step of a new file. Default off: a file is replaced. The time is that of the input
-   * (DATA_TIME_STEP, else UPDATE_TIME_STEP) and must be above that of the file's last step; grid,
-   * arrays and settings must be those of the file (NumberOfStores 0: as many as it has). Steps
-   * before are not touched: whoever reads sees them alone, or the new one as well.
+   * Whether the input is added to an existing file, as another time step; a new file gets it as
+   * its first time step. Default off: a file is replaced. The time is that of the input
+   * (DATA_TIME_STEP, else UPDATE_TIME_STEP) and must be greater than that of the file's last time
+   * step; grid, arrays and settings must be those of the file (NumberOfStores 0: those of the
+   * file). Earlier time steps are not touched: readers see them alone, or the new one as well.
    */
   vtkSetMacro(AppendTimeStep, bool);
   vtkGetMacro(AppendTimeStep, bool);
@@ -153,9 +151,8 @@ public:
 
   ///@{
   /**
-   * Whether all time steps of the input (its TIME_STEPS) are written. Default off: the one that it
-   * is at. They become visible together at the end. With AppendTimeStep they are added to those of
-   * the file.
+   * Whether all time steps of the input (its TIME_STEPS) are written. Default off: the current one.
+   * They appear together at the end. With AppendTimeStep they are added to those of the file.
    */
   vtkSetMacro(WriteAllTimeSteps, bool);
   vtkGetMacro(WriteAllTimeSteps, bool);

@@ -61,10 +61,10 @@ Status CheckContour(vtkStabbingContour* contour)
   { return Status(StatusCode::InvalidArgument, reason); };
   if (!contour)
   {
-    return refuse("An edge-index file is made of where a surface crosses the grid of its volume, "
-                  "which only the output of Stabbing Contour itself tells: save that one, before "
-                  "it is clipped or filtered (its UseRegion limits it to a box), or this surface "
-                  "in another format, such as .vtp.");
+    return refuse("Only the unchanged output of Stabbing Contour can be written to an edge-index "
+                  "file, which holds where the surface crosses the grid of its volume: save that "
+                  "output, before it is clipped or filtered (its UseRegion limits it to a box), or "
+                  "save this surface in another format, such as .vtp.");
   }
   if (contour->GetCloseBoundary())
   {
@@ -73,9 +73,8 @@ Status CheckContour(vtkStabbingContour* contour)
   }
   if (contour->GetDropDegenerateTriangles())
   {
-    return refuse("An edge-index file holds all triangles, and cannot leave those out that "
-                  "DropDegenerateTriangles does: turn DropDegenerateTriangles of Stabbing Contour "
-                  "off.");
+    return refuse("An edge-index file always holds all triangles: turn DropDegenerateTriangles of "
+                  "Stabbing Contour off.");
   }
   if (!contour->GetGenerateTriangles())
   {

@@ -2,21 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkEdgeIndexWriter
- * @brief   writes an isosurface as an edge-index file (.eix): a few bits a vertex
+ * @brief   writes an isosurface as an edge-index file (.eix), a few bits a point
  *
- * The input is the output of a vtkStabbingContour, as it is. What is written is not its triangles
- * but where the isovalues cross the grid, so the writer takes the contour's blocks instead, some at
- * a time (CollectContourBlocks): Write() does not make the contour extract anything,
- * and a surface of any size is written within MemoryLimit. Connectivity and GlobalIds are kept
- * exactly, points as Mode tells; interpolated arrays and normals exactly or within a bound. Any
- * other input (a surface that was clipped, say) is an error.
+ * Input: the unchanged output of a vtkStabbingContour. The file holds where the isovalues cross the
+ * grid, instead of triangles. So Write() takes the contour's blocks, some at a time
+ * (CollectContourBlocks), without executing the contour, and writes a surface of any size within
+ * MemoryLimit. Connectivity and GlobalIds are exact, points as Mode says, interpolated arrays and
+ * normals exact or within a bound. Any other input is an error, and so are surfaces with
+ * DropDegenerateTriangles, CloseBoundary or polygons.
  *
- * All ranks of the controller call Write(), and write one file together, which does not depend on
- * how many they are, nor on the number of threads. It appears in one step when everything is
- * written; if anything fails, on any rank, all ranks report an error and what was there before is
- * left as it was.
- *
- * Surfaces with DropDegenerateTriangles, CloseBoundary or polygons cannot be written.
+ * All ranks of the controller call Write(), and write one file together. It does not depend on the
+ * number of ranks or threads, and appears in one step at the end. If there is an error on any rank,
+ * all ranks report it, and an older file stays unchanged.
  */
 
 #ifndef vtkEdgeIndexWriter_h
@@ -59,7 +56,7 @@ public:
 
   ///@{
   /**
-   * What is kept of where points lie. Default LOSSLESS.
+   * How exact points are. Default LOSSLESS.
    */
   vtkSetClampMacro(Mode, int, LOSSLESS, SMALLEST);
   vtkGetMacro(Mode, int);
@@ -67,8 +64,8 @@ public:
 
   ///@{
   /**
-   * BOUNDED and SMALLEST: the most by which a point may move, along its grid edge, in lengths of
-   * that edge. Above 0, at most 0.5. Default 0.01.
+   * BOUNDED and SMALLEST: how far a point may move along its grid edge, in lengths of that edge.
+   * Above 0, at most 0.5. Default 0.01.
    */
   vtkSetMacro(MaximumError, double);
   vtkGetMacro(MaximumError, double);
@@ -84,7 +81,7 @@ public:
 
   ///@{
   /**
-   * How much time is spent on a small file. Default DEFAULT.
+   * Speed against size. Default DEFAULT.
    */
   vtkSetClampMacro(Profile, int, DEFAULT, COMPACT);
   vtkGetMacro(Profile, int);
@@ -101,7 +98,7 @@ public:
 
   ///@{
   /**
-   * The most by which a value of these arrays may change; 0, the default, keeps every bit.
+   * The maximum error of a value of these arrays; 0, the default, keeps every bit.
    */
   vtkSetClampMacro(ArrayError, double, 0, VTK_DOUBLE_MAX);
   vtkGetMacro(ArrayError, double);
@@ -109,8 +106,9 @@ public:
 
   ///@{
   /**
-   * Whether the contour's normals are written, if it computes any; otherwise vtkEdgeIndexReader
-   * makes normals of the triangles. Default off: they take about as much space as all the rest.
+   * Whether the contour's normals are written, if it computes any. Without them vtkEdgeIndexReader
+   * computes normals from the triangles. Default off: they take about as much space as everything
+   * else.
    */
   vtkSetMacro(WriteNormals, bool);
   vtkGetMacro(WriteNormals, bool);
@@ -119,7 +117,7 @@ public:
 
   ///@{
   /**
-   * The most by which a component of a normal may change; 0 keeps every bit. Default 0.005.
+   * The maximum error of a component of a normal; 0 keeps every bit. Default 0.005.
    */
   vtkSetClampMacro(NormalError, double, 0, 1);
   vtkGetMacro(NormalError, double);
@@ -127,9 +125,9 @@ public:
 
   ///@{
   /**
-   * A coarse surface is in the file as well, of every 2^PreviewLevel-th vertex of the grid, so that
-   * it can be looked at before all is read; 0: none. Where blocks are smaller than that (of coarse
-   * levels of a volume) it is of a lower level. Default 3, which adds about 2 percent.
+   * The file also holds a coarse surface, of every 2^PreviewLevel-th vertex of the grid on each
+   * axis, to look at before everything is read; 0: none. If blocks are smaller than that, as those
+   * of coarse levels are, the level is lower. Default 3, which adds about 2 per cent.
    */
   vtkSetClampMacro(PreviewLevel, int, 0, 6);
   vtkGetMacro(PreviewLevel, int);
@@ -137,8 +135,9 @@ public:
 
   ///@{
   /**
-   * The MiB of encoded surface that a rank holds before it writes. Beside them it takes a few MiB a
-   * thread, and what the input takes: of a blocked volume its CacheSize. Default 256.
+   * MiB of encoded surface that a rank holds before it writes. In addition it takes a few MiB a
+   * thread, and the memory of the input: for a blocked volume the CacheSize of the reader. Default
+   * 256.
    */
   vtkSetClampMacro(MemoryLimit, int, 1, VTK_INT_MAX);
   vtkGetMacro(MemoryLimit, int);
@@ -146,9 +145,8 @@ public:
 
   ///@{
   /**
-   * Whether all time steps of the input are written, each to a file of its own: NAME_0.eix,
-   * NAME_1.eix and so on, which ParaView opens as one series. Default off: the one that the input
-   * is at.
+   * Whether all time steps of the input are written, each to its own file: NAME_0.eix, NAME_1.eix
+   * and so on, which ParaView opens as one series. Default off: the current time step.
    */
   vtkSetMacro(WriteAllTimeSteps, bool);
   vtkGetMacro(WriteAllTimeSteps, bool);
@@ -173,7 +171,7 @@ public:
   ///@}
 
   /**
-   * Writes without updating the input. 1 if all went well.
+   * Writes without executing the input. 1 for success.
    */
   int Write() override;
 
