@@ -2,6 +2,8 @@
 #ifndef isosurface_LargeVolume_h
 #define isosurface_LargeVolume_h
 
+#include "LatticeSampler.h"
+
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
 #include "Source/RawVolume.h"
@@ -56,22 +58,6 @@ public:
   Status Write(FileSystem& files, const std::string& path, int threads) const;
 
 private:
-  /// Numbers on a coarse lattice, to be interpolated to the grid.
-  struct Lattice
-  {
-    Index3 Size{ 0, 0, 0 };
-    std::vector<float> Values; ///< empty: hashed numbers in [-1, 1)
-    std::uint64_t Seed = 0;
-    float Amplitude = 1;
-    bool IsInterpolating = false; ///< Catmull-Rom instead of B-spline
-  };
-  /// For each vertex on one axis of the grid: the first of four lattice points, and their weights.
-  struct Taps
-  {
-    std::vector<std::int32_t> First;
-    std::vector<std::array<float, 4>> Weights;
-  };
-  class SliceSampler;
   class SliceMaker;
 
   LargeVolume() = default;
@@ -80,7 +66,6 @@ private:
   void AddOctaves(const LargeVolumeSettings& settings);
   void ChooseScale(ValueType scanType);
   std::string MakeHeader(const std::string& rawName) const;
-  static Taps MakeTaps(std::int64_t points, std::int64_t vertices, bool isInterpolating);
 
   GridGeometry Grid;
   ValueType Type = ValueType::UInt16;

@@ -5,16 +5,14 @@
  * @brief   the size and the cost of the isosurface at every isovalue, as a table
  *
  * Input: as for vtkStabbingContour. Output: a table with one row for each isovalue: each value of
- * integers with at most 2048 values, else 1024 to 2048 multiples of a power of two. Columns:
- * Isovalue; Triangles and ActiveCells, exact; ActiveBlocks and Bytes that a query reads, exact (for
- * image data, blocks of 32 cells a side in memory); Area of the isosurface, and Volume where value
- * >= isovalue, estimates in world units. With StoreQuantity also one column for each store, such as
- * "Triangles[0]".
+ * integers with at most 2048 values, else 1024 to 2048 multiples of a power of two. Columns, exact:
+ * Isovalue, Triangles, ActiveCells, and ActiveBlocks and Bytes that a query reads; estimated, in
+ * world units: Area, and Volume where value >= isovalue. With StoreQuantity also one column for
+ * each store, such as "Triangles[0]".
  *
- * For a blocked volume the stored spectrum is read, no samples. For image data the spectrum is
- * counted in two passes, on all ranks and threads; for images of several grids it is the sum.
- * All ranks of the controller must execute together; the first one gets the table. All ranks report
- * the errors of any.
+ * The spectrum of a blocked volume is read from its file; that of image data is counted in two
+ * passes, and of several images the sum is given. All ranks of the controller must execute
+ * together; the first one gets the table. All report the errors of any.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997.
  */

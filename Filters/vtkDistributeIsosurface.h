@@ -4,20 +4,19 @@
  * @class   vtkDistributeIsosurface
  * @brief   gives each rank a compact piece of an isosurface, which ranks send compressed
  *
- * Input: the unchanged output of a vtkStabbingContour, whose ranks have the blocks in their stores,
- * all over the volume. Output: the same surface, as one piece for each drawing rank; the pieces are
- * compact in space and have about equally many triangles. So each rank draws into a small viewport
- * (see vtkMetabufferRenderView). A piece depends on the number of drawing ranks alone.
+ * Input: the unchanged output of a vtkStabbingContour. Output: the same surface, as one piece for
+ * each drawing rank. Pieces are compact in space, so each rank draws into a small viewport (see
+ * vtkMetabufferRenderView), and have about equally many triangles. They depend on the number of
+ * drawing ranks alone.
  *
- * Ranks send edge-index records of blocks, a few bits a point, and make triangles of those that
- * have arrived while others are still under way. The contour is not executed (see
- * CollectContourBlocks). Triangles, GlobalIds and isovalues are those of the contour; points,
- * normals and arrays are exact or within bounds, and equal on both sides of a border. On one rank
- * the output is the input. TimeBudget and Progressive of the contour have no effect on several
- * ranks; DropDegenerateTriangles, CloseBoundary and any other input are errors.
+ * Ranks send edge-index records of blocks (CollectContourBlocks) and extract those that have
+ * arrived; the contour does not execute. Triangles, GlobalIds and isovalues are those of the
+ * contour; points, normals and arrays are exact or within bounds, and equal on both sides of a
+ * border. On one rank the output is the input. On several ranks TimeBudget and Progressive have no
+ * effect; DropDegenerateTriangles, CloseBoundary and any other input are errors.
  *
- * Field data: the cost on this rank, see Documentation/user-guide.md. All ranks of the controller
- * must execute together; all report the errors of any, and the output is empty then.
+ * Field data: the cost on this rank. All ranks of the controller must execute together; all report
+ * the errors of any, and the output is empty then.
  */
 
 #ifndef vtkDistributeIsosurface_h

@@ -8,15 +8,14 @@
  * between, such as vtkPassThrough and vtkPassArrays), a vtkImageData, or a composite of them.
  * Output: one vtkPolyData a rank, with the triangles, points and normals of vtkFlyingEdges3D.
  *
- * Of a blocked volume only the active blocks are read, one by one, through the block cache of the
- * process. For image data the value ranges of blocks, and magnitudes (8 bytes a vertex), are kept
- * between isovalues. Where images meet without a ghost layer, normals are those of one side.
+ * Of a blocked volume only the active blocks are read, through the block cache of the process. For
+ * image data the value ranges of blocks, and magnitudes (8 bytes a vertex), are kept between
+ * isovalues. Where images meet without a ghost layer, normals are those of one side.
  *
- * Point data: GlobalIds, by which the pieces of all ranks fit together (see
- * Documentation/architecture.md), Normals, the isovalue under the name of the contoured array, interpolated
- * arrays. Field data: the cost of the query on this rank, also logged at verbosity 1; see
- * Documentation/user-guide.md. All ranks of the controller must execute together; all report the
- * errors of any.
+ * Point data: GlobalIds, by which the pieces of all ranks fit together, Normals, the isovalue under
+ * the name of the contoured array, interpolated arrays. Field data: the cost of the query on this
+ * rank, also logged at verbosity 1; see Documentation/user-guide.md. All ranks of the controller
+ * must execute together; all report the errors of any.
  */
 
 #ifndef vtkStabbingContour_h

@@ -12,8 +12,8 @@
  * - Wheel: zoom of the value axis around the mouse; Home shows all. Shift and wheel, or dragging
  *   with the middle button, moves the visible range.
  *
- * Knows nothing of ParaView: the isovalues are its only state that matters, and belong to whoever
- * listens to isovaluesChanged. They keep their order.
+ * Knows nothing of ParaView. The listener to isovaluesChanged owns the isovalues; they keep their
+ * order.
  */
 
 #ifndef pqIsovalueChart_h
