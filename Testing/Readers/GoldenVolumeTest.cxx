@@ -116,7 +116,7 @@ TEST(GoldenVolume, HasTheSurfaceOfTheSubsampledImageAtEveryLevel)
   }
 }
 
-TEST(GoldenVolume, CanBeAppendedATimeStep)
+TEST(GoldenVolume, TakesAnotherTimeStep)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");
@@ -163,8 +163,7 @@ TEST(GoldenVolume, IsWrittenByteForByteToday)
   const std::vector<std::string> names = ListVolumeFiles(GoldenPath);
   for (const std::string& name : names)
   {
-    EXPECT_TRUE(
-      ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("blocked-volume/" + name)))
+    EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("blocked-volume/" + name)))
       << name << " differs: a change of format needs a new version, specification and golden file";
   }
   EXPECT_EQ(ListVolumeFiles(path), names);

@@ -83,7 +83,7 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
   }
 }
 
-TEST(BlockAssembly, TellsWhatABlockSuffers)
+TEST(BlockAssembly, ReportsTheErrorOfABlock)
 {
   const auto source = MakeVolume<std::uint8_t>({ 40, 40, 40 });
   MemoryDisk disk;
@@ -100,7 +100,7 @@ TEST(BlockAssembly, TellsWhatABlockSuffers)
   EXPECT_NE(status.GetMessage().find("blocks"), std::string::npos);
 }
 
-TEST(BlockAssembly, StopsWhenTold)
+TEST(BlockAssembly, StopsOnRequest)
 {
   const auto source = MakeVolume<std::uint8_t>({ 40, 40, 40 });
   MemoryDisk disk;

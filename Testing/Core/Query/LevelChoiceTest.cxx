@@ -127,7 +127,7 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
   }
 }
 
-TEST_F(LevelChoiceTest, IsThatOfTheSlowestRankOnAll)
+TEST_F(LevelChoiceTest, IsThatOfTheSlowestRankOnAllRanks)
 {
   const int alone = this->Choose(0, { 0.02, 0 }, LearnSecondsPerBlock(1e-4)).Level;
   EXPECT_GT(alone, 0);
@@ -188,7 +188,7 @@ TEST_F(LevelChoiceTest, ErrorsOfOneRankReachAll)
   }
 }
 
-TEST(ExtractionRate, LearnsWhatWorkCosts)
+TEST(ExtractionRate, LearnsTheCostsOfWork)
 {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> exponent(0, 1);
@@ -260,7 +260,7 @@ TEST(ExtractionRate, FastSmallReadsDoNotPromiseFastLargeOnes)
   EXPECT_LT(rate.Predict(makeWork(1e9)), 0.5) << "as much was read as fast";
 }
 
-TEST(ExtractionRate, OneObservationTellsHowFastTheMachineIs)
+TEST(ExtractionRate, OneObservationGivesTheSpeedOfTheMachine)
 {
   ExtractionWork small;
   small.Blocks = 1000;

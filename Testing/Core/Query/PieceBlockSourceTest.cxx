@@ -219,7 +219,7 @@ TEST(PieceBlockSource, ARegionLeavesBlocksOut)
   }
 }
 
-TEST(PieceBlockSource, AGapIsAnErrorIfTheSurfacePassesThere)
+TEST(PieceBlockSource, AGapThatTheSurfaceCrossesIsAnError)
 {
   Volume volume({ 40, 40, 40 });
   const Cut cut = { { MakeBox({ 0, 0, 0 }, { 40, 40, 18 }) },
@@ -254,7 +254,7 @@ TEST(PieceBlockSource, AGapIsAnErrorIfTheSurfacePassesThere)
   }
 }
 
-TEST(PieceBlockSource, NoPiecesAtAllAreAnErrorOfAllRanks)
+TEST(PieceBlockSource, NoPiecesAreAnErrorOnAllRanks)
 {
   ThreadCommunicator::Run(2,
     [](Communicator& ranks)

@@ -55,7 +55,7 @@ TEST(ProgressiveLevels, BeginAtTheFinestOneWithATwentiethOfTheTriangles)
   }
 }
 
-TEST(ProgressiveLevels, NeverBeginWithNothing)
+TEST(ProgressiveLevels, NeverBeginWithAnEmptySurface)
 {
   MemoryDisk disk;
   // A ball that the coarsest levels miss.

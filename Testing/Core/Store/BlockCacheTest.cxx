@@ -50,7 +50,7 @@ TEST(BlockCache, KeepsTheMostRecentlyUsedBlocksWithinItsBudget)
   EXPECT_FALSE(Ask(cache, 2));
 }
 
-TEST(BlockCache, KeepsWhatItHoldsOfAQueryLargerThanItsBudget)
+TEST(BlockCache, KeepsBlocksOfAQueryLargerThanItsBudget)
 {
   BlockCache cache(4000); // three blocks
   const auto sweep = [&cache](std::int64_t first)
@@ -81,7 +81,7 @@ TEST(BlockCache, KeepsWhatItHoldsOfAQueryLargerThanItsBudget)
   EXPECT_EQ(cache.GetSize(), 0u);
 }
 
-TEST(BlockCache, TellsKeysApart)
+TEST(BlockCache, DistinguishesKeys)
 {
   BlockCache cache(100000);
   bool hit = false;
@@ -97,7 +97,7 @@ TEST(BlockCache, TellsKeysApart)
   EXPECT_TRUE(hit);
 }
 
-TEST(BlockCache, DoesNotKeepWhatIsLargerThanTheBudget)
+TEST(BlockCache, DoesNotKeepABlockLargerThanItsBudget)
 {
   BlockCache cache(4000);
   EXPECT_FALSE(Ask(cache, 1));

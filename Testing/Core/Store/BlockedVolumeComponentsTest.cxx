@@ -249,7 +249,7 @@ TEST(BlockedVolumeComponents, GiveTheSameFilesOnAnyNumberOfRanks)
   }
 }
 
-TEST(BlockedVolumeComponents, HaveATreeEachBesideThatOfTheMagnitude)
+TEST(BlockedVolumeComponents, HaveATreeEachAndOneForTheMagnitude)
 {
   MemoryDisk disk;
   VectorVolume<float>().Write(disk, MakeSettings(16, 1), 1);
@@ -261,7 +261,7 @@ TEST(BlockedVolumeComponents, HaveATreeEachBesideThatOfTheMagnitude)
       "directory" }));
 }
 
-TEST(BlockedVolumeComponents, AreReadAloneAndMagnitudesByOneReadOfAll)
+TEST(BlockedVolumeComponents, AreReadAloneButMagnitudesByOneReadOfAll)
 {
   const VectorVolume<float> volume;
   MemoryDisk disk;
@@ -288,7 +288,7 @@ TEST(BlockedVolumeComponents, AreReadAloneAndMagnitudesByOneReadOfAll)
   EXPECT_EQ(bytes[0], bytes[1] + bytes[2] + bytes[3]);
 }
 
-TEST(BlockedVolumeComponents, AndTheirMagnitudeAreReadTogetherByOneReadWhateverTheOrder)
+TEST(BlockedVolumeComponents, AndTheirMagnitudeTakeOneReadInAnyOrder)
 {
   const VectorVolume<float> volume;
   MemoryDisk disk;
@@ -322,7 +322,7 @@ TEST(BlockedVolumeComponents, AndTheirMagnitudeAreReadTogetherByOneReadWhateverT
   }
 }
 
-TEST(BlockedVolumeComponents, ThatAreCachedMakeTheMagnitudeWithoutAnotherRead)
+TEST(BlockedVolumeComponents, InTheCacheGiveTheMagnitudeWithoutARead)
 {
   const VectorVolume<float> volume;
   MemoryDisk disk;
@@ -341,7 +341,7 @@ TEST(BlockedVolumeComponents, ThatAreCachedMakeTheMagnitudeWithoutAnotherRead)
   }
 }
 
-TEST(BlockedVolumeComponents, ComeOutOfAContourAsOneArrayOfTuples)
+TEST(BlockedVolumeComponents, BecomeOneArrayOfTuplesOnASurface)
 {
   const VectorVolume<float> volume;
   MemoryDisk disk;
@@ -395,7 +395,7 @@ TEST(BlockedVolumeComponents, OfNaNAndInfinitiesHaveMagnitudesOfNaNAndInfinity)
     opened->GetHeader().TimeSteps[0].Ranges[4].Maximum, MakeValueKey(magnitudes.Samples[9000]));
 }
 
-TEST(BlockedVolumeComponents, AreFoundDamagedInAnyFile)
+TEST(BlockedVolumeComponents, ReportDamageOfAnyFile)
 {
   MemoryDisk disk;
   VectorVolume<std::uint8_t>({ 40, 18, 17 }).Write(disk, MakeSettings(16, 1), 1);

@@ -66,7 +66,7 @@ protected:
 
 } // namespace
 
-TEST_F(BlockedVolumeCorruption, OfALengthIsFoundInEveryFile)
+TEST_F(BlockedVolumeCorruption, WrongLengthsAreDetectedInEveryFile)
 {
   for (const auto& file : this->Intact)
   {
@@ -87,7 +87,7 @@ TEST_F(BlockedVolumeCorruption, OfALengthIsFoundInEveryFile)
   }
 }
 
-TEST_F(BlockedVolumeCorruption, OfABitIsFoundWhereverItIsRead)
+TEST_F(BlockedVolumeCorruption, FlippedBitsAreDetectedWhereTheyAreRead)
 {
   for (const auto& file : this->Intact)
   {
@@ -110,7 +110,7 @@ TEST_F(BlockedVolumeCorruption, OfABitIsFoundWhereverItIsRead)
   }
 }
 
-TEST_F(BlockedVolumeCorruption, OfEveryByteOfABlockIsFound)
+TEST_F(BlockedVolumeCorruption, EveryDamagedByteOfABlockIsDetected)
 {
   const std::string path = Folder + "/store-00000/blocks";
   const auto opened = OpenVolume(this->Disk, 0);
@@ -138,7 +138,7 @@ TEST_F(BlockedVolumeCorruption, OfEveryByteOfABlockIsFound)
   EXPECT_FALSE(opened->ReadBlock((*share)[0], 0, 0, 0, statistics).IsOk());
 }
 
-TEST_F(BlockedVolumeCorruption, ExchangedFilesAreFound)
+TEST_F(BlockedVolumeCorruption, ExchangedFilesAreDetected)
 {
   for (const char* name : { "/blocks", "/directory", "/array-0.tree", "" })
   {
@@ -178,7 +178,7 @@ TEST_F(BlockedVolumeCorruption, AMissingStoreIsNamed)
   EXPECT_TRUE(opened->GetShare(0, 0, 2, statistics).IsOk());
 }
 
-TEST_F(BlockedVolumeCorruption, OfAnOverviewLeavesTheFinerLevelsReadable)
+TEST_F(BlockedVolumeCorruption, DamagedOverviewsLeaveTheFinerLevelsReadable)
 {
   const std::string overview = Folder + "/overview-1";
   ASSERT_TRUE(this->Disk.RemoveAll(overview + "/store-00000").IsOk());
@@ -196,7 +196,7 @@ TEST_F(BlockedVolumeCorruption, OfAnOverviewLeavesTheFinerLevelsReadable)
   EXPECT_TRUE(opened->GetShare(0, 0, 1, statistics).IsOk());
 }
 
-TEST_F(BlockedVolumeCorruption, AnOverviewInAnothersPlaceIsFound)
+TEST_F(BlockedVolumeCorruption, ExchangedOverviewsAreDetected)
 {
   // The volume's own store has as many files, of another grid.
   for (const char* name : { "/blocks", "/directory", "/array-0.tree" })
@@ -207,7 +207,7 @@ TEST_F(BlockedVolumeCorruption, AnOverviewInAnothersPlaceIsFound)
   }
 }
 
-TEST(BlockDirectoryCorruption, OfItsNumberOfEntriesIsFoundWhateverTheNumber)
+TEST(BlockDirectoryCorruption, WrongNumbersOfEntriesAreDetected)
 {
   constexpr std::size_t pageSize = 4096, countOffset = 32;
   MemoryDisk disk;

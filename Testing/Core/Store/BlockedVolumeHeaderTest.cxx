@@ -126,7 +126,7 @@ TEST(BlockedVolumeHeader, HasARangeOfEachComponentAndOfEachMagnitude)
   EXPECT_FALSE(variables.Find(4, 0).has_value());
 }
 
-TEST(BlockedVolumeHeader, TakesManyStores)
+TEST(BlockedVolumeHeader, HoldsManyStores)
 {
   // So many that looking at all of them after each one would be felt.
   BlockedVolumeHeader header = MakeHeader();
@@ -141,7 +141,7 @@ TEST(BlockedVolumeHeader, TakesManyStores)
   EXPECT_EQ(parsed->TimeSteps[0].Stores.back().Checksum, header.NumberOfStores - 1);
 }
 
-TEST(BlockedVolumeHeader, SaysHowBlocksAreCompressed)
+TEST(BlockedVolumeHeader, StatesTheCompression)
 {
   BlockedVolumeHeader header = MakeHeader();
   header.Compression = { SegmentCodec::Zstd, 7 };
@@ -298,7 +298,7 @@ std::string ChangeOverviews(const std::function<void(Json&)>& change)
 
 } // namespace
 
-TEST(BlockedVolumeHeader, RoundTripsOverviewsAndTellsTheirGrids)
+TEST(BlockedVolumeHeader, RoundTripsOverviewsAndGivesTheirGrids)
 {
   const BlockedVolumeHeader header = MakeHeaderWithOverviews();
   const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);

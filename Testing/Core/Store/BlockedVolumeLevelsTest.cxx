@@ -161,7 +161,7 @@ TEST(BlockedVolumeLevels, HaveTheSurfaceOfTheSubsampledVolumeWithoutSeams)
   }
 }
 
-TEST(BlockedVolumeLevels, KnowTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
+TEST(BlockedVolumeLevels, HaveTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 150, 61, 90 });
   MemoryDisk disk;
@@ -229,7 +229,7 @@ TEST(BlockedVolumeLevels, CostRequestsAndBytesInProportion)
   }
 }
 
-TEST(BlockedVolumeLevels, AreRefusedToBlocksOfOthers)
+TEST(BlockedVolumeLevels, AreRefusedForBlocksOfOtherLevels)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 70, 70, 70 }), MakeSettings(16, 2));
@@ -251,7 +251,7 @@ TEST(BlockedVolumeLevels, AreRefusedToBlocksOfOthers)
   EXPECT_FALSE(opened->GetSpectrum(0, 0, 99).IsOk());
 }
 
-TEST(OverviewSource, GivesEveryBoxAsTheVolumeHasIt)
+TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
 {
   // Two arrays in parts of blocks that three ranks wrote.
   const BlockGrid finer({ 70, 35, 50 }, 16, 2);

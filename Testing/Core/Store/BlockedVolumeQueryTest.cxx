@@ -214,7 +214,7 @@ TEST(BlockedVolumeQuery, ReadsActiveBlocksAndNothingElse)
   EXPECT_EQ(countHits(**BlockedVolume::Open(VolumePath, disk, cache)), 0u);
 }
 
-TEST(BlockedVolumeQuery, RefusesWhatIsNotThere)
+TEST(BlockedVolumeQuery, RefusesArgumentsOutOfRange)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint16_t>({ 20, 20, 20 }), MakeSettings(16, 2));
@@ -235,7 +235,7 @@ TEST(BlockedVolumeQuery, RefusesWhatIsNotThere)
     BlockedVolume::Open("/data/other.bvol", disk).GetStatus().GetCode(), StatusCode::NotFound);
 }
 
-TEST(BlockedVolumeQuery, TellsThatTheVolumeWasRewritten)
+TEST(BlockedVolumeQuery, ReportsThatTheVolumeWasRewritten)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 40, 40, 40 });
   for (const bool isRemovedFirst : { false, true })

@@ -284,7 +284,7 @@ TEST(BlockedVolumeSelection, InterpolatedArraysOfTheContouredOneHaveTheIsovalue)
   }
 }
 
-TEST(BlockedVolumeSelection, FurtherArrayThatIsNotThereIsAnError)
+TEST(BlockedVolumeSelection, MissingFurtherArrayIsAnError)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 40, 30, 20 });
   MemoryDisk disk;

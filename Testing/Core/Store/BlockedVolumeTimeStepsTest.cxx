@@ -198,7 +198,7 @@ TEST(BlockedVolumeTimeSteps, OfAnOpenVolumeStayReadableWhenAnotherIsAppended)
   EXPECT_FALSE(active->empty());
 }
 
-TEST(BlockedVolumeTimeSteps, BeforeOneThatFailsAtAnyWriteStay)
+TEST(BlockedVolumeTimeSteps, StayWhenALaterOneFailsAtAnyWrite)
 {
   MemoryDisk disk;
   AppendStep(disk, 0);
@@ -219,7 +219,7 @@ TEST(BlockedVolumeTimeSteps, BeforeOneThatFailsAtAnyWriteStay)
   EXPECT_GT(failures, 20u);
 }
 
-TEST(BlockedVolumeTimeSteps, ThatAreNotPublishedAreSeenTogetherWithTheOneThatIs)
+TEST(BlockedVolumeTimeSteps, BecomeVisibleTogetherWhenOneIsPublished)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeStep(7), MakeSettings(16, 2));
@@ -252,7 +252,7 @@ TEST(BlockedVolumeTimeSteps, ThatAreNotPublishedAreSeenTogetherWithTheOneThatIs)
   }
 }
 
-TEST(BlockedVolumeTimeSteps, ThatAreNeverPublishedAreRemoved)
+TEST(BlockedVolumeTimeSteps, NeverPublishedAreRemoved)
 {
   MemoryDisk disk;
   AppendStep(disk, 0);

@@ -75,7 +75,7 @@ TEST_F(ReadAhead, CoversEachReadBeforeItAndLittleElse)
   }
 }
 
-TEST_F(ReadAhead, AsksForNeighborsAsOne)
+TEST_F(ReadAhead, RequestsNeighboursTogether)
 {
   std::size_t prefetches = 0;
   std::size_t reads = 0;
@@ -87,7 +87,7 @@ TEST_F(ReadAhead, AsksForNeighborsAsOne)
   EXPECT_LT(2 * prefetches, reads);
 }
 
-TEST_F(ReadAhead, LeavesOutWhatTheCacheHas)
+TEST_F(ReadAhead, SkipsBlocksInTheCache)
 {
   EXPECT_FALSE(this->AcquireAll(50, 0).empty());
   EXPECT_TRUE(this->AcquireAll(50, 0).empty());

@@ -92,7 +92,7 @@ protected:
 
 } // namespace
 
-TEST(PackedCounts, ComeBackAsTheyWere)
+TEST(PackedCounts, RoundTripExactly)
 {
   for (const std::vector<std::uint64_t>& counts :
     { std::vector<std::uint64_t>{}, { 0 }, { 1 }, { 0, 0, 0 }, { 5, 5, 5, 6, 6 },

@@ -63,7 +63,7 @@ std::vector<std::string> GetMessages(const VolumeVerification& found)
 
 } // namespace
 
-TEST(VolumeVerification, FindsNothingWrongWithWhatWasWritten)
+TEST(VolumeVerification, FindsNoFaultInANewVolume)
 {
   for (const SegmentCodec codec : { SegmentCodec::None, SegmentCodec::Lz4, SegmentCodec::Zstd })
   {
@@ -76,7 +76,7 @@ TEST(VolumeVerification, FindsNothingWrongWithWhatWasWritten)
   }
 }
 
-TEST(VolumeVerification, FindsAnyByteThatIsAlteredAndNamesTheFile)
+TEST(VolumeVerification, FindsAnyAlteredByteAndNamesTheFile)
 {
   MemoryDisk disk;
   WriteVolume(disk, SegmentCodec::Lz4);
@@ -130,7 +130,7 @@ TEST(VolumeVerification, FindsStoresOfAnotherVolume)
   EXPECT_FALSE(Verify(disk).Faults.empty());
 }
 
-TEST(VolumeVerification, StopsWhenItIsToldTo)
+TEST(VolumeVerification, StopsOnRequest)
 {
   MemoryDisk disk;
   WriteVolume(disk, SegmentCodec::None);

@@ -132,7 +132,7 @@ TEST(BlockedVolumeWriter, RefusesAMemoryLimitThatIsTooSmall)
   }
 }
 
-TEST(BlockedVolumeWriter, TellsTheSpectrumOfTheWholeVolumeAndOfEachStore)
+TEST(BlockedVolumeWriter, WritesTheSpectrumOfTheWholeVolumeAndOfEachStore)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 60, 44, 37 });
   MemoryDisk disk;
@@ -176,7 +176,7 @@ TEST(BlockedVolumeWriter, TellsTheSpectrumOfTheWholeVolumeAndOfEachStore)
   EXPECT_FALSE(opened->GetSpectrum(1, 0).IsOk());
 }
 
-TEST(BlockedVolumeWriter, TellsTheBlocksAndBytesThatAQueryReads)
+TEST(BlockedVolumeWriter, WritesTheBlocksAndBytesThatAQueryReads)
 {
   for (const SegmentCodec codec : { SegmentCodec::None, SegmentCodec::Zstd })
   {
@@ -235,7 +235,7 @@ TEST(BlockedVolumeWriter, RefusesPiecesThatDoNotCoverTheGrid)
   EXPECT_TRUE(disk.GetFiles().empty());
 }
 
-TEST(BlockedVolumeWriter, RefusesWhatCannotBeWritten)
+TEST(BlockedVolumeWriter, RefusesInvalidArguments)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
   MemoryDisk disk;
