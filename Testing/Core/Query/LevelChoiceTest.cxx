@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The level that a budget allows, against all levels tried one by one; and the rates behind it.
+// The level that a budget allows, against a test of all levels; and the rates that predict time.
 #include "Query/LevelChoice.h"
 #include "Fixtures/VolumeOnDisk.h"
 

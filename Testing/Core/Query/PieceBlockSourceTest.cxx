@@ -35,7 +35,7 @@ Volume MakeVolume()
   return volume;
 }
 
-// A part of a volume: what a rank has in memory, as a copy of exactly its size.
+// The piece of a volume that a rank has in memory, a copy of exactly its size.
 struct Part
 {
   Part(const Volume& volume, const VertexBox& box)

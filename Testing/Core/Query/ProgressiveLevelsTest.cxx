@@ -22,7 +22,7 @@ SurfaceQuery MakeQuery(const std::vector<double>& isovalues)
   return query;
 }
 
-/// What a rank that is alone chooses; -1 and a failed test for an error.
+/// The level that a single rank chooses; -1 and a failed test after an error.
 int ChooseAlone(BlockedVolume& volume, const std::vector<double>& isovalues, int finest)
 {
   SerialCommunicator alone;

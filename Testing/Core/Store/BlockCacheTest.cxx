@@ -21,7 +21,7 @@ Result<std::shared_ptr<const DecodedBlock>> MakeBlock(std::int64_t number, std::
   return std::shared_ptr<const DecodedBlock>(block);
 }
 
-/// Asks for a block of 1000 bytes; tells whether it was in the cache.
+/// Gets a block of 1000 bytes; returns whether it was in the cache.
 bool Ask(BlockCache& cache, std::int64_t number, std::size_t bytes = 1000)
 {
   bool hit = false;
@@ -74,7 +74,7 @@ TEST(BlockCache, KeepsBlocksOfAQueryLargerThanItsBudget)
   EXPECT_EQ(sweep(2), 3);
   EXPECT_EQ(sweep(100), 0);
   EXPECT_EQ(sweep(100), 3);
-  // Nothing is kept for those who have not told: their blocks come in all the same.
+  // Blocks that no query expects enter the cache as well.
   EXPECT_FALSE(Ask(cache, 1));
   EXPECT_TRUE(Ask(cache, 1));
   cache.SetBudget(0);

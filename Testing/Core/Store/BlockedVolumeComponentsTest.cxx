@@ -28,7 +28,7 @@ struct VectorVolume
     }
   }
 
-  /// What a rank has: the components of a vertex stand side by side, as in a vtkDataArray.
+  /// The samples of a rank: the components of a vertex are adjacent, as in a vtkDataArray.
   struct Part
   {
     Part(const VectorVolume& volume, const VertexBox& box)
@@ -390,7 +390,7 @@ TEST(BlockedVolumeComponents, OfNaNAndInfinitiesHaveMagnitudesOfNaNAndInfinity)
   ASSERT_TRUE(std::isnan(magnitudes.Samples[5]));
   ASSERT_TRUE(std::isinf(magnitudes.Samples[5000]));
   ExpectIndexed(*opened, magnitudes, 4);
-  // All finite: the magnitude of the greatest float is no infinity.
+  // All are finite: the magnitude of the maximum float is not infinity.
   EXPECT_EQ(
     opened->GetHeader().TimeSteps[0].Ranges[4].Maximum, MakeValueKey(magnitudes.Samples[9000]));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Levels down to a single block: what they cost to read, and their surfaces, block by block,
+// Levels down to a single block: the cost of reading them, and their surfaces, block by block,
 // against the same surface of the whole volume, subsampled in memory.
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"

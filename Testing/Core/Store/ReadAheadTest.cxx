@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a source of stored blocks asks the disk for ahead of time, against what it reads then.
+// The bytes that a source of stored blocks reads ahead, against those that it reads later.
 #include "Fixtures/VolumeOnDisk.h"
 #include "Query/StoredBlockSource.h"
 #include "Record/BlockRecord.h"
@@ -19,7 +19,7 @@ protected:
     ASSERT_NE(this->Opened, nullptr);
   }
 
-  /// Acquires all active blocks; returns what that asked of the disk.
+  /// Acquires all active blocks; returns the requests to the disk.
   std::vector<MemoryDisk::Access> AcquireAll(double isovalue, int level)
   {
     QueryStatistics statistics;

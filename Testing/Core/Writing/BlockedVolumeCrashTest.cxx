@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What becomes of a volume on disk when a process that writes it is killed, or refused by the
+// The state of a volume on disk after the process that writes it was killed, or refused by the
 // system, or takes more memory than it may. Writers run in processes of their own.
 #include "Fixtures/VolumeOnDisk.h"
 #include "Source/RawVolume.h"
@@ -62,7 +62,7 @@ protected:
       .GetStatus();
   }
 
-  /// Whether a time step of what is at the path has exactly the samples of the volume.
+  /// Whether a time step of the volume at the path has exactly the samples of `volume`.
   bool Holds(const SampleVolume<std::uint8_t>& volume, std::size_t step = 0)
   {
     const auto opened =

@@ -325,7 +325,7 @@ TEST(BlockedVolumeWriter, CleansUpAfterKilledRuns)
   const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 2));
-  // What a killed run leaves: a generation without a header, and a part of a header.
+  // A killed run leaves a generation without a header, and an incomplete header.
   const std::string leftover = VolumePath + ".stores/000007";
   ASSERT_TRUE(disk.MakeDirectories(leftover + "/store-00000").IsOk());
   ASSERT_TRUE(disk.CreateForWriting(leftover + "/store-00000/blocks").IsOk());
