@@ -98,7 +98,7 @@ def plot_stores(rows, name, path):
         for column, kind in enumerate(KINDS):
             loads = numpy.array([row[kind] for row in own]).reshape(stores, -1)
             isovalues = numpy.array([row["isovalue"] for row in own]).reshape(stores, -1)
-            # As many points as a picture shows.
+            # As many points as an image shows.
             step = max(1, loads.shape[1] // 512)
             axes[line][column].plot(
                 isovalues[:, ::step].T, loads[:, ::step].T, color=COLORS[method], lw=0.4

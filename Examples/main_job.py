@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The main job: two scans become blocked volumes; their isosurfaces a picture and a table.
+"""The main job: two scans become blocked volumes; their isosurfaces become an image and a table.
 
     mpirun -n 2 pvbatch main_job.py --plugin .../ScalableIsosurface.so [--output FOLDER]
 
@@ -23,7 +23,7 @@ STORES = 4
 SKIN = (0.93, 0.76, 0.65)
 BONE = (0.92, 0.90, 0.82)
 
-# blocked volume, array, isovalue, what it is, colour, where it stands in the picture (mm)
+# blocked volume, array, isovalue, what it is, colour, where it stands in the image (mm)
 SURFACES = [
     ("head.bvol", "T1", 40.5, "skin (MRI)", SKIN, (220, 0, 0)),
     ("cranium.bvol", "HU", -300.5, "skin (CT)", SKIN, (-40, 0, 15)),

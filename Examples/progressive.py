@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A progressive isosurface: coarse at once, then finer, a picture of each.
+"""A progressive isosurface: coarse at once, then finer, an image of each.
 
     mpirun -n 2 pvbatch progressive.py --plugin .../ScalableIsosurface.so [--output FOLDER]
         [--volume VOLUME.bvol --array NAME] [--isovalues VALUE ...]

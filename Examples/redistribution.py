@@ -2,7 +2,7 @@
 """From an isovalue to the image on several ranks, and what it costs to bring each rank its part.
 
     mpirun -n 4 pvbatch redistribution.py --plugin .../ScalableIsosurface.so [--output FOLDER]
-        [--volume VOLUME.bvol --array NAME] [--isovalues VALUE ...] [--without-pictures]
+        [--volume VOLUME.bvol --array NAME] [--isovalues VALUE ...] [--without-images]
 
 Each rank extracts the blocks in its stores; Distribute Isosurface sends them, compressed, to the
 ranks that draw them, each a compact part; the Metabuffer render view draws each part into a
@@ -176,7 +176,7 @@ def main():
     parser.add_argument("--block-size", type=int, default=32, help="of the head MRI's blocks")
     parser.add_argument("--isovalues", type=float, nargs="+", default=[40.5, 80.5])
     parser.add_argument("--repeats", type=int, default=1, help="turns of each mode after a first one")
-    parser.add_argument("--without-pictures", action="store_true")
+    parser.add_argument("--without-images", action="store_true")
     arguments = parser.parse_args()
     if arguments.plugin:
         simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
@@ -185,7 +185,7 @@ def main():
     reader = simple.OpenDataFile(path)
     contour = simple.StabbingContour(Input=reader, ContourBy=["POINTS", arguments.array])
     surface = simple.DistributeIsosurface(Input=contour)
-    if not arguments.without_pictures:
+    if not arguments.without_images:
         show_frames(contour, surface, arguments.isovalues, arguments.output)
     compare_modes(contour, surface, arguments.isovalues, arguments.repeats, arguments.output)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the studies (load_balance.py, scaling_study.py) measure: volumes as files that the programs in
-Benchmarks/ read, and the pictures' style."""
+Benchmarks/ read, and the style of figures."""
 import csv
 import os
 import subprocess

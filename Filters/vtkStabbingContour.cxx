@@ -220,7 +220,7 @@ int vtkStabbingContour::RequestData(
   Status status = this->Work->Extract(inInfo, output->GetInformationObject(0), made);
   if (status.IsOk() && this->CheckAbort())
   {
-    status = Status(StatusCode::Aborted, "The contour was stopped.");
+    status = Status(StatusCode::Aborted, "The contour was aborted.");
   }
   status = ranks.Agree(status);
   this->Final = !status.IsOk() || made.Final;

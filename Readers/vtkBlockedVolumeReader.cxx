@@ -292,7 +292,7 @@ int vtkBlockedVolumeReader::RequestData(
   // Progress is told by one of the threads: a stop may have come when others did the last blocks.
   if (status.IsOk() && this->CheckAbort())
   {
-    status = Status(StatusCode::Aborted, "reading was stopped");
+    status = Status(StatusCode::Aborted, "reading was aborted");
   }
   status = ranks.Agree(status);
   if (status.GetCode() == StatusCode::Aborted)

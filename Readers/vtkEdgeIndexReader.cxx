@@ -192,7 +192,7 @@ int vtkEdgeIndexReader::RequestData(
     status = this->Internal->ReadSurface(output->GetInformationObject(0), threads, polyData);
     if (status.IsOk() && this->CheckAbort())
     {
-      status = Status(StatusCode::Aborted, "reading was stopped");
+      status = Status(StatusCode::Aborted, "reading was aborted");
     }
     status = ranks.Agree(status);
   }

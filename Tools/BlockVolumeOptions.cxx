@@ -37,7 +37,7 @@ Examples:
   blockvolume --info scan.bvol --json
   blockvolume --verify scan.bvol
 
-Exit status: 0 for success, 1 for an error or a fault found, 130 if the command was stopped. OUT.bvol
+Exit status: 0 for success, 1 for an error or a fault found, 130 if the command was interrupted. OUT.bvol
 appears in one step at the end; until then, and after an error, an older file stays unchanged.)";
 
 Status MakeError(const std::string& option, const std::string& reason)

@@ -24,7 +24,7 @@ Examples:
 
 The triangles of all blocks share their points, so the surface is watertight. Of a truncated file the
 complete blocks are decoded, with a warning. Exit status: 0 for success, 1 for an error or a fault
-found, 130 if the command was stopped. OUT appears in one step at the end.)";
+found, 130 if the command was interrupted. OUT appears in one step at the end.)";
 
 } // namespace
 

@@ -296,7 +296,7 @@ private:
       progress);
     if (failure.IsOk() && !finished)
     {
-      return { StatusCode::Aborted, "The encoding was stopped." };
+      return { StatusCode::Aborted, "The encoding was aborted." };
     }
     return failure;
   }

@@ -393,7 +393,7 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
   ISOSURFACE_RETURN_IF_ERROR(failure);
   if (!finished)
   {
-    return { StatusCode::Aborted, this->GetPath() + ": the verification was stopped." };
+    return { StatusCode::Aborted, this->GetPath() + ": the verification was aborted." };
   }
   return this->IsComplete() ? Status::Ok() : Status(StatusCode::Corrupt, this->Missing);
 }

@@ -186,7 +186,7 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
   ISOSURFACE_RETURN_IF_ERROR(failure);
   if (!finished)
   {
-    return { StatusCode::Aborted, this->Path + ": writing was stopped." };
+    return { StatusCode::Aborted, this->Path + ": writing was aborted." };
   }
   for (PendingBlock& block : blocks)
   {

@@ -171,7 +171,7 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t v
   }
   if (!finished)
   {
-    return Status(StatusCode::Aborted, "Reading was stopped.");
+    return Status(StatusCode::Aborted, "Reading was aborted.");
   }
   return Status::Ok();
 }

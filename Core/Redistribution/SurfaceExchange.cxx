@@ -183,7 +183,7 @@ Status SurfaceExchange::SendRounds(SurfaceUnpacking& unpacking, const Progress& 
   {
     if (status.IsOk() && progress && !progress(unpacking.GetShare()))
     {
-      status = Status(StatusCode::Aborted, "The redistribution was stopped.");
+      status = Status(StatusCode::Aborted, "The redistribution was aborted.");
     }
     std::vector<Message> outgoing;
     std::vector<Message> incoming;

@@ -59,7 +59,7 @@ Result<Surface> SurfaceUnpacking::Finish(const Progress& progress)
     if (progress && !progress(this->Share))
     {
       this->Stopped = true;
-      return Status(StatusCode::Aborted, "The redistribution was stopped.");
+      return Status(StatusCode::Aborted, "The redistribution was aborted.");
     }
   }
   return std::move(*this->Outcome);

@@ -60,7 +60,7 @@ public:
         this->PartShare = static_cast<double>(this->CountBlocks(part)) / shares;
         if (!this->CheckTimeStep(part, part.TimeSteps[step]))
         {
-          return Status(StatusCode::Aborted, this->Path + ": the check was stopped");
+          return Status(StatusCode::Aborted, this->Path + ": the check was aborted");
         }
         this->PartBegin += this->PartShare;
       }

@@ -146,7 +146,7 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
     }
     if (progress && !progress(static_cast<double>(slab + 1) / static_cast<double>(slabs.size())))
     {
-      return Status(StatusCode::Aborted, "stopped on request");
+      return Status(StatusCode::Aborted, "writing was aborted");
     }
   }
   return Status::Ok();

@@ -268,7 +268,7 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     Status status = Attempt([&] { return this->FinishBlocks(steps, std::move(pending), writing); });
     if (status.IsOk() && steps.Tell && !steps.Tell(share))
     {
-      status = Status(StatusCode::Aborted, "stopped on request");
+      status = Status(StatusCode::Aborted, "writing was aborted");
     }
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(status));
   }

@@ -65,7 +65,7 @@ public:
   }
   Status MakeAborted() const
   {
-    return Status(StatusCode::Aborted, this->Path + ": writing was stopped on request");
+    return Status(StatusCode::Aborted, this->Path + ": writing was aborted");
   }
   /// Whether this rank writes a store.
   bool IsMine(std::uint32_t store) const { return store % this->Size == this->Rank; }
