@@ -166,7 +166,8 @@ ValueDomain::ValueDomain(ValueType type, double isovalue, int scale)
       {
         this->Codes = Kind::Offsets;
         const auto threshold = FindThreshold<T>(isovalue);
-        this->Threshold = static_cast<std::int64_t>(threshold.value_or(0));
+        // The plus makes a number of a char.
+        this->Threshold = static_cast<std::int64_t>(+threshold.value_or(T{ 0 }));
         this->Minimum = static_cast<std::int64_t>(std::numeric_limits<T>::min()) - this->Threshold;
         this->Maximum = static_cast<std::int64_t>(std::numeric_limits<T>::max()) - this->Threshold;
       }

@@ -332,6 +332,7 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
     }
   }
   std::vector<std::unique_ptr<BlockSource>> sources;
+  sources.reserve(records.size());
   for (std::vector<EdgeIndexRecord>& blocks : records)
   {
     sources.push_back(std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)));

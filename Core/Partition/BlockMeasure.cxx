@@ -170,10 +170,13 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
     const float density = std::sqrt(isFinite ? gradient : 0) * steepness;
     from[i] = isFinite ? beginBin : 0;
     to[i] = isFinite ? endBin : 0;
+    // Rounds numbers that are not negative; std::lround would keep the loop from being vectorised.
+    // NOLINTBEGIN(bugprone-incorrect-roundings)
     area[i] = static_cast<std::int32_t>(Minimum(density, MaximumDensity) * one + 0.5f);
     first[i] = static_cast<std::int32_t>(Minimum(Maximum(rest, 0), 1) * one + 0.5f);
     // The volume of steeper cells is 0 at the next bin.
     slope[i] = static_cast<std::int32_t>(Minimum(steepness, 1) * one + 0.5f);
+    // NOLINTEND(bugprone-incorrect-roundings)
   }
 }
 

@@ -2,6 +2,7 @@
 #ifndef isosurface_SignRows_h
 #define isosurface_SignRows_h
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -57,9 +58,8 @@ struct SignRow
   static SignRow MakeMask(int size)
   {
     SignRow mask;
-    const int low = size < 48 ? size : 48;
-    mask.Words[0] = ((std::uint64_t(1) << low) - 1) << Margin;
-    mask.Words[1] = (std::uint64_t(1) << (size - low)) - 1;
+    mask.Words[0] = ((std::uint64_t(1) << std::clamp(size, 0, 48)) - 1) << Margin;
+    mask.Words[1] = (std::uint64_t(1) << std::clamp(size - 48, 0, 63)) - 1;
     return mask;
   }
   /// Sets the margins to the bit of the vertex next to them.

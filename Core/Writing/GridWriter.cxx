@@ -253,6 +253,7 @@ Status GridWriter::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
   std::vector<std::vector<BlockCounters>> counters;
+  counters.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(left.GetStatus()));
   // All ranks plan the same rounds, so the minimum counts.
   std::vector<std::uint64_t> memory = { *left };
