@@ -24,6 +24,11 @@
 
 #include <memory> // For the implementation
 
+namespace isosurface
+{
+class Status;
+}
+
 class ISOSURFACERENDERING_EXPORT vtkMetabufferPass : public vtkIceTCompositePass
 {
 public:
