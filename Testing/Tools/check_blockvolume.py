@@ -418,9 +418,9 @@ class ErrorsAreOneLine(Case):
         os.remove(path)
 
     def test_work_that_no_volume_is_worth(self):
-        self.check("is not from 1 to 4096", os.path.join(INPUTS, "a.mhd"), "o.bvol",
+        self.check("is not from 1 to 4096", os.path.join(INPUTS, "a.mhd"), "few.bvol",
                    "--stores", "65535")
-        self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol.stores")))
+        self.assertFalse(os.path.exists(os.path.join(SCRATCH, "few.bvol.stores")))
         with open(os.path.join(SCRATCH, "huge.vti"), "w", encoding="ascii") as file:
             extent = "0 2000000 0 2000000 0 2000000"
             file.write('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">'
