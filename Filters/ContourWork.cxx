@@ -359,10 +359,15 @@ Status ContourWork::CollectBlocks(
 {
   ControllerCommunicator ranks = this->GetRanks();
   blocks.Isovalues = this->MakeRequest().Isovalues;
+  // The input may be executed by all ranks together.
+  const bool hasInput = this->Contour.GetNumberOfInputConnections(0) > 0;
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(hasInput ? Status::Ok()
+                         : Status(StatusCode::InvalidArgument, "the contour filter has no input")));
   const bool isUpdated = this->UpdateInput(piece, pieces, time);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isUpdated
       ? Status::Ok()
-      : Status(StatusCode::InvalidArgument, "the contour filter has no input, or it failed")));
+      : Status(StatusCode::InvalidArgument, "the input of the contour filter failed")));
   vtkInformation* inInfo = this->Contour.GetInputInformation();
   const VolumeInput input(inInfo);
   SurfaceQuery query;
@@ -376,10 +381,6 @@ Status ContourWork::CollectBlocks(
 
 bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
 {
-  if (this->Contour.GetNumberOfInputConnections(0) == 0)
-  {
-    return false;
-  }
   vtkAlgorithmOutput* connection = this->Contour.GetInputConnection(0, 0);
   this->Contour.UpdateInformation();
   vtkInformation* inInfo = this->Contour.GetInputInformation();

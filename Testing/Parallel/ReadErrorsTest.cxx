@@ -152,6 +152,7 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
       EXPECT_EQ(listened.GetNumberOfPolys(), 0);
     }
     listened.Pipeline.Reader->SetFileName(path.c_str());
+    listened.Pipeline.Reader->Modified(); // on all ranks, as a reload does
     listened.Pipeline.Contour->SetValue(0, Isovalue);
     EXPECT_EQ(listened.Update(), std::vector<std::string>());
     EXPECT_EQ(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())),
@@ -211,6 +212,7 @@ TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
     }
     // Reloaded, all of them see the same one.
     listened.Pipeline.Reader->SetFileName(mine.c_str());
+    listened.Pipeline.Reader->Modified();
     EXPECT_EQ(listened.Update(), std::vector<std::string>());
     EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);
   }
