@@ -16,6 +16,8 @@
 #include "vtkPlanes.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Base/ParallelFor.h"
 #include "Query/ProgressiveLevels.h"
 #include "Store/BlockedVolume.h"
@@ -23,6 +25,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -141,12 +144,62 @@ std::vector<std::string> ContourWork::ChooseInterpolatedArrays(const std::string
 Status ContourWork::Extract(vtkInformation* inInfo, vtkInformation* outInfo, Outcome& outcome)
 {
   const VolumeInput input(inInfo);
-  return input ? this->ExtractFromVolume(input, outInfo, outcome)
+  ControllerCommunicator ranks = this->GetRanks();
+  SurfaceQuery query;
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome));
+  return input ? this->ExtractFromVolume(input, query, outInfo, outcome)
                : this->ExtractFromImages(inInfo, outcome);
 }
 
-Status ContourWork::MakeQuery(
-  const VolumeInput& input, const ContourRequest& request, SurfaceQuery& query, Outcome& outcome)
+Status ContourWork::AgreeOnQuery(
+  const VolumeInput& input, Communicator& ranks, SurfaceQuery& query, Outcome& outcome)
+{
+  Status status = input.GetStatus();
+  if (status.IsOk() && input)
+  {
+    status = this->MakeQuery(input, query, outcome);
+  }
+  std::vector<CommonValue> values = input.MakeCommonValues();
+  values.push_back({ this->ComputeFingerprint(query),
+    "the properties of the contour filter are not the same on all ranks" });
+  return ranks.Agree(status, values);
+}
+
+std::uint64_t ContourWork::ComputeFingerprint(const SurfaceQuery& query)
+{
+  const ContourRequest request = this->MakeRequest();
+  Message bytes;
+  const auto addNumber = [&bytes](std::uint64_t number) { AppendLittleEndian(bytes, number); };
+  const auto addValues = [&bytes](const auto& values)
+  {
+    AppendLittleEndian(bytes, static_cast<std::uint64_t>(std::size(values)));
+    for (const double value : values)
+    {
+      AppendLittleEndian(bytes, value);
+    }
+  };
+  addNumber(query.Variable);
+  addNumber(query.Attributes.size());
+  for (const std::size_t attribute : query.Attributes)
+  {
+    addNumber(attribute);
+  }
+  addValues(request.Isovalues);
+  for (const HalfSpace& halfSpace : this->MakeRegion().GetHalfSpaces())
+  {
+    addValues(halfSpace.Normal);
+    AppendLittleEndian(bytes, halfSpace.Offset);
+  }
+  addNumber(static_cast<std::uint64_t>(this->Contour.GetComponent()));
+  addNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
+  addNumber(this->Contour.GetProgressive() ? 1 : 0);
+  addNumber(this->Contour.GetCloseBoundary() ? 1 : 0);
+  addNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
+  AppendLittleEndian(bytes, static_cast<double>(this->Contour.GetTimeBudget()));
+  return ComputeChecksum(bytes.data(), bytes.size());
+}
+
+Status ContourWork::MakeQuery(const VolumeInput& input, SurfaceQuery& query, Outcome& outcome)
 {
   const auto variable = input.FindVariable(this->GetArrayToContour(), this->Contour.GetComponent());
   ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
@@ -163,34 +216,27 @@ Status ContourWork::MakeQuery(
     outcome.Arrays.push_back(
       { name, {}, { arrays[*attribute].Type, arrays[*attribute].Components } });
   }
+  const ContourRequest request = this->MakeRequest();
   query.Isovalues = request.Isovalues;
   query.Selection = { request.ClosedSides, this->MakeRegion() };
   return Status::Ok();
 }
 
 Status ContourWork::ExtractFromVolume(
-  const VolumeInput& input, vtkInformation* outInfo, Outcome& outcome)
+  const VolumeInput& input, const SurfaceQuery& agreed, vtkInformation* outInfo, Outcome& outcome)
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
   const int threads = this->ChooseThreads();
   ContourRequest request = this->MakeRequest();
-  SurfaceQuery query;
+  SurfaceQuery query = agreed;
   query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  const Status status = this->MakeQuery(input, request, query, outcome);
   for (const InterpolatedArray& array : outcome.Arrays)
   {
     request.Attributes.push_back(array.Layout);
   }
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
-  ControllerCommunicator ranks = this->GetRanks();
-  if (this->Contour.GetProgressive() || budget.IsLimited())
-  {
-    // What follows is collective.
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-  }
-  ISOSURFACE_RETURN_IF_ERROR(status);
   const auto finest = this->ChoosePassLevel(volume, query);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
   outcome.Final = *finest <= this->Contour.GetLevel();
@@ -198,6 +244,7 @@ Status ContourWork::ExtractFromVolume(
     [this](double share) { return this->TellProgress(share); } };
   if (budget.IsLimited())
   {
+    ControllerCommunicator ranks = this->GetRanks();
     ISOSURFACE_RETURN_IF_ERROR(
       this->OfVolumes.ExtractWithinBudget(ranks, budget, task, *finest, outcome));
     // What forbids this level forbids finer ones, too.
@@ -312,22 +359,28 @@ Status ContourWork::CollectBlocks(
 {
   ControllerCommunicator ranks = this->GetRanks();
   blocks.Isovalues = this->MakeRequest().Isovalues;
+  // The input may be executed by all ranks together.
+  const bool hasInput = this->Contour.GetNumberOfInputConnections(0) > 0;
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(hasInput ? Status::Ok()
+                         : Status(StatusCode::InvalidArgument, "the contour filter has no input")));
   const bool isUpdated = this->UpdateInput(piece, pieces, time);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isUpdated
       ? Status::Ok()
-      : Status(StatusCode::InvalidArgument, "the contour filter has no input, or it failed")));
+      : Status(StatusCode::InvalidArgument, "the input of the contour filter failed")));
   vtkInformation* inInfo = this->Contour.GetInputInformation();
   const VolumeInput input(inInfo);
-  return input ? this->CollectBlocksOfVolume(ranks, input, piece, pieces, blocks)
+  SurfaceQuery query;
+  query.Rank = piece;
+  query.Ranks = pieces;
+  Outcome outcome;
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome));
+  return input ? this->CollectBlocksOfVolume(ranks, input, std::move(query), outcome, blocks)
                : this->CollectBlocksOfImages(ranks, inInfo, blocks);
 }
 
 bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
 {
-  if (this->Contour.GetNumberOfInputConnections(0) == 0)
-  {
-    return false;
-  }
   vtkAlgorithmOutput* connection = this->Contour.GetInputConnection(0, 0);
   this->Contour.UpdateInformation();
   vtkInformation* inInfo = this->Contour.GetInputInformation();
@@ -342,17 +395,11 @@ bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>
   return isUpdated;
 }
 
-Status ContourWork::CollectBlocksOfVolume(
-  Communicator& ranks, const VolumeInput& input, int piece, int pieces, ContourBlocks& blocks)
+Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input,
+  SurfaceQuery query, Outcome& outcome, ContourBlocks& blocks)
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
-  SurfaceQuery query;
-  query.Rank = piece;
-  query.Ranks = pieces;
-  ContourRequest request;
-  request.Isovalues = blocks.Isovalues;
-  Outcome outcome;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->MakeQuery(input, request, query, outcome)));
+  query.Selection.ClosedSides = {};
   blocks.ArrayName = outcome.ArrayName;
   if (blocks.Attributes)
   {

@@ -16,6 +16,7 @@
 #include "Volume/Region.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -83,10 +84,16 @@ private:
   std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
   bool TellProgress(double share);
 
+  /// Whether the input is a blocked volume, and what is asked of it, are the same on all ranks; so
+  /// all go the same way. `query` is made for a volume alone. Collective.
+  Status AgreeOnQuery(
+    const VolumeInput& input, Communicator& ranks, SurfaceQuery& query, Outcome& outcome);
   /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
-  Status MakeQuery(
-    const VolumeInput& input, const ContourRequest& request, SurfaceQuery& query, Outcome& outcome);
-  Status ExtractFromVolume(const VolumeInput& input, vtkInformation* outInfo, Outcome& outcome);
+  Status MakeQuery(const VolumeInput& input, SurfaceQuery& query, Outcome& outcome);
+  /// A checksum of the properties that decide about the surface of all ranks, or about its blocks.
+  std::uint64_t ComputeFingerprint(const SurfaceQuery& query);
+  Status ExtractFromVolume(
+    const VolumeInput& input, const SurfaceQuery& query, vtkInformation* outInfo, Outcome& outcome);
   /// The finest level that this execution may extract. Collective if the surface is progressive.
   Result<int> ChoosePassLevel(
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
@@ -96,8 +103,8 @@ private:
     Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
 
   bool UpdateInput(int piece, int pieces, const std::optional<double>& time);
-  Status CollectBlocksOfVolume(
-    Communicator& ranks, const VolumeInput& input, int piece, int pieces, ContourBlocks& blocks);
+  Status CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input, SurfaceQuery query,
+    Outcome& outcome, ContourBlocks& blocks);
   Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);
 
   vtkStabbingContour& Contour;

@@ -42,6 +42,21 @@ VolumeInput::VolumeInput(vtkInformation* inInfo)
 {
 }
 
+Status VolumeInput::GetStatus() const
+{
+  return this->Handle ? this->Handle->GetStatus() : Status::Ok();
+}
+
+std::vector<CommonValue> VolumeInput::MakeCommonValues() const
+{
+  return {
+    { this->Handle ? 1U : 0U,
+      "some ranks have a blocked volume at the input of the filter, and some have images" },
+    this->Handle ? this->Handle->MakeCommonValue() : CommonValue{ 0, "" },
+    { this->Handle ? this->GetTimeStep() : 0U, "the ranks ask for different time steps" },
+  };
+}
+
 std::shared_ptr<BlockedVolume> VolumeInput::GetVolume() const
 {
   return this->Handle->GetVolume();

@@ -2,11 +2,13 @@
 #ifndef isosurface_VolumeInput_h
 #define isosurface_VolumeInput_h
 
+#include "Base/Communicator.h"
 #include "Base/Status.h"
 
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 class vtkBlockedVolumeHandle;
 class vtkInformation;
@@ -25,6 +27,11 @@ public:
 
   explicit operator bool() const { return this->Handle != nullptr; }
   vtkBlockedVolumeHandle& GetHandle() const { return *this->Handle; }
+  /// Ok if there is no blocked volume at the input, or if it is open.
+  Status GetStatus() const;
+  /// Whether the input is a volume, which one, and at what time step: what all ranks have to agree
+  /// on before they go the way of volumes or that of images.
+  std::vector<CommonValue> MakeCommonValues() const;
   std::shared_ptr<BlockedVolume> GetVolume() const;
   std::size_t GetTimeStep() const; ///< that the filter asks for
 

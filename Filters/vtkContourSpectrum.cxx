@@ -179,8 +179,13 @@ int vtkContourSpectrum::RequestData(
 
   isosurface::ControllerCommunicator ranks(this->Controller);
   const Steps steps = { *this, ranks, table };
-  Status status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
-  status = ranks.Agree(status);
+  // All go one way, that of volumes or that of images.
+  Status status = ranks.Agree(volume.GetStatus(), volume.MakeCommonValues());
+  if (status.IsOk())
+  {
+    status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
+    status = ranks.Agree(status);
+  }
   if (!status.IsOk())
   {
     table->Initialize();

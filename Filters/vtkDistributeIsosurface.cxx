@@ -27,6 +27,7 @@
 #include "SurfacePolyData.h"
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -184,7 +185,10 @@ int vtkDistributeIsosurface::RequestData(
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   vtkStabbingContour* contour = vtkStabbingContour::FindBehind(this->GetInputConnection(0, 0));
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = ranks.Agree(CheckContour(contour));
+  // Each rank makes the plan of all messages by these.
+  Status status = ranks.Agree(CheckContour(contour),
+    { { static_cast<std::uint64_t>(this->DrawingRanks), "DrawingRanks differs between the ranks" },
+      { static_cast<std::uint64_t>(this->RoundBytes), "RoundBytes differs between the ranks" } });
   if (status.IsOk() && !this->TakesBlocks())
   {
     polyData->ShallowCopy(vtkPolyData::GetData(input[0], 0));

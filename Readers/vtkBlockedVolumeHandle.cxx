@@ -11,7 +11,10 @@
 vtkStandardNewMacro(vtkBlockedVolumeHandle);
 
 //------------------------------------------------------------------------------
-vtkBlockedVolumeHandle::vtkBlockedVolumeHandle() = default;
+vtkBlockedVolumeHandle::vtkBlockedVolumeHandle()
+  : Error(isosurface::StatusCode::NotFound, "No blocked volume has been opened.")
+{
+}
 
 //------------------------------------------------------------------------------
 vtkBlockedVolumeHandle::~vtkBlockedVolumeHandle() = default;
@@ -22,8 +25,30 @@ void vtkBlockedVolumeHandle::SetVolume(std::shared_ptr<isosurface::BlockedVolume
   if (this->Volume != volume)
   {
     this->Volume = std::move(volume);
+    this->Error = isosurface::Status::Ok();
     this->Modified();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeHandle::SetError(const isosurface::Status& error)
+{
+  this->Volume = nullptr;
+  this->Error = error;
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+isosurface::CommonValue vtkBlockedVolumeHandle::MakeCommonValue() const
+{
+  if (!this->Volume)
+  {
+    return { 0, "" };
+  }
+  return { this->Volume->GetFingerprint(),
+    this->Volume->GetPath() +
+      ": the ranks see different volumes under this path, or the same before and after it was "
+      "written; reload it" };
 }
 
 //------------------------------------------------------------------------------

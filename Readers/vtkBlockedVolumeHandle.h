@@ -6,7 +6,9 @@
  *
  * Travels downstream under vtkBlockedVolumeReader::BLOCKED_VOLUME(), so that a filter can take
  * blocks straight from the stores. The handle shares the volume with the reader: it stays valid
- * when the reader opens another file or is deleted. Internal: not installed, not wrapped.
+ * when the reader opens another file or is deleted. A reader that cannot open its file has a handle
+ * all the same, with the error in place of the volume: so every rank knows that its input is a
+ * blocked volume, and all go the same way. Internal: not installed, not wrapped.
  */
 
 #ifndef vtkBlockedVolumeHandle_h
@@ -14,6 +16,9 @@
 
 #include "IsosurfaceReadersModule.h" // For export macro
 #include "vtkObject.h"
+
+#include "Base/Communicator.h"
+#include "Base/Status.h"
 
 #include <cstddef> // For std::size_t
 #include <memory>  // For std::shared_ptr
@@ -33,8 +38,24 @@ public:
   vtkTypeMacro(vtkBlockedVolumeHandle, vtkObject);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  ///@{
+  /**
+   * The volume, or why there is none. SetError drops the volume.
+   */
   void SetVolume(std::shared_ptr<isosurface::BlockedVolume> volume);
+  void SetError(const isosurface::Status& error);
+  const isosurface::Status& GetStatus() const { return this->Error; }
+  ///@}
+
+  /**
+   * The volume; null if GetStatus() is an error.
+   */
   const std::shared_ptr<isosurface::BlockedVolume>& GetVolume() const { return this->Volume; }
+
+  /**
+   * What tells ranks that see different volumes under one path. Without a volume, any value.
+   */
+  isosurface::CommonValue MakeCommonValue() const;
 
   /**
    * The time step that pipeline information asks for: the last one at or before UPDATE_TIME_STEP(),
@@ -72,6 +93,7 @@ private:
   void operator=(const vtkBlockedVolumeHandle&) = delete;
 
   std::shared_ptr<isosurface::BlockedVolume> Volume;
+  isosurface::Status Error;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;
   bool IsBox = false;

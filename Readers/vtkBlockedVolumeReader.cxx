@@ -17,14 +17,15 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Base/FileSystem.h"
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "Query/BlockAssembly.h"
 #include "Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkBlockedVolumeReader);
@@ -79,7 +80,9 @@ vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   , Level(0)
   , Controller(nullptr)
   , PointDataArraySelection(vtkSmartPointer<vtkDataArraySelection>::New())
+  , Handle(vtkSmartPointer<vtkBlockedVolumeHandle>::New())
   , OpenTime(0)
+  , IsErrorTold(false)
 {
   this->SetNumberOfInputPorts(0);
   this->SetController(vtkMultiProcessController::GetGlobalController());
@@ -95,13 +98,17 @@ vtkBlockedVolumeReader::~vtkBlockedVolumeReader()
 //------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::CanReadFile(const char* fileName)
 {
-  std::ifstream file(fileName ? fileName : "", std::ios::binary);
-  std::string head(4096, '\0');
-  file.read(&head[0], static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
+  const auto file = isosurface::GetLocalFileSystem().OpenForReading(fileName ? fileName : "");
+  std::string head(
+    file.IsOk() ? static_cast<std::size_t>(std::min<std::uint64_t>(4096, (*file)->GetSize())) : 0,
+    '\0');
+  if (head.empty() || !(*file)->Read(0, head.size(), &head[0]).IsOk())
+  {
+    return 0;
+  }
   // The header's members are sorted, so the long lists of stores may stand before the format's
   // name; any part of a header that is large enough for that has its first members in here.
-  return !head.empty() && head[0] == '{' &&
+  return head[0] == '{' &&
     (head.find("ScalableIsosurface blocked volume") != std::string::npos ||
       (head.find("\"arrays\"") != std::string::npos &&
         head.find("\"blockSize\"") != std::string::npos));
@@ -162,29 +169,24 @@ bool vtkBlockedVolumeReader::OpenVolume()
 {
   if (this->OpenTime == this->Superclass::GetMTime())
   {
-    return this->Handle != nullptr;
+    return this->Handle->GetStatus().IsOk();
   }
   this->OpenTime = this->Superclass::GetMTime();
-  // Of a series of files each in turn is opened: consumers keep the handle of the first one, since
-  // pipeline information does not reach them when the time changes.
-  auto handle = this->Handle ? this->Handle : vtkSmartPointer<vtkBlockedVolumeHandle>::New();
-  this->Handle = nullptr;
   this->ShownText.clear();
-  this->ReportedError.clear();
-  if (!this->FileName || !*this->FileName)
+  this->IsErrorTold = false;
+  isosurface::Result<std::shared_ptr<isosurface::BlockedVolume>> volume =
+    Status(StatusCode::NotFound, "No file name is set.");
+  if (this->FileName && *this->FileName)
   {
-    this->ReportedError = "No file name is set.";
-    vtkErrorMacro(<< this->ReportedError);
-    return false;
+    volume = isosurface::BlockedVolume::Open(this->FileName);
   }
-  auto volume = isosurface::BlockedVolume::Open(this->FileName);
   if (!volume.IsOk())
   {
-    this->ReportedError = volume.GetStatus().GetMessage();
-    vtkErrorMacro(<< this->ReportedError);
+    this->Handle->SetError(volume.GetStatus());
+    this->IsErrorTold = true;
+    vtkErrorMacro(<< volume.GetStatus().GetMessage());
     return false;
   }
-  this->Handle = handle;
   this->Handle->SetVolume(*volume);
   return true;
 }
@@ -197,13 +199,13 @@ int vtkBlockedVolumeReader::RequestInformation(
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   outInfo->Remove(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
   outInfo->Remove(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
-  // An error on some ranks must not keep them from RequestData, where all ranks agree on it.
+  // An error on some ranks must not keep them from RequestData, where all ranks agree on it, nor
+  // consumers from knowing that there is a blocked volume.
+  this->BLOCKED_VOLUME()->Set(outInfo, this->Handle);
   if (!this->OpenVolume())
   {
-    outInfo->Remove(this->BLOCKED_VOLUME());
     return 1;
   }
-  this->BLOCKED_VOLUME()->Set(outInfo, this->Handle);
 
   const isosurface::BlockedVolumeHeader& header = this->Handle->GetVolume()->GetHeader();
   for (const isosurface::ArrayDescription& array : header.Arrays)
@@ -240,10 +242,7 @@ int vtkBlockedVolumeReader::RequestInformation(
 int vtkBlockedVolumeReader::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector**, vtkInformationVector*)
 {
-  if (this->Handle)
-  {
-    this->Handle->AskOutput();
-  }
+  this->Handle->AskOutput();
   return 1;
 }
 
@@ -255,15 +254,14 @@ int vtkBlockedVolumeReader::RequestData(
   partitions->Initialize();
   isosurface::ControllerCommunicator ranks(this->Controller);
 
-  const bool open = this->OpenVolume();
-  Status status = open ? Status::Ok() : Status(StatusCode::NotFound, this->ReportedError);
-  status = ranks.Agree(status);
+  this->OpenVolume();
+  Status status = ranks.Agree(this->Handle->GetStatus(), { this->Handle->MakeCommonValue() });
   if (!status.IsOk())
   {
-    if (open)
+    // A consumer that takes blocks is not executed behind an error.
+    this->Handle->EndTaking();
+    if (!std::exchange(this->IsErrorTold, false))
     {
-      // A consumer that takes blocks is not executed behind an error.
-      this->Handle->EndTaking();
       vtkErrorMacro(<< status.GetMessage());
     }
     return 0;

@@ -127,10 +127,12 @@ private:
   int Level;
   vtkMultiProcessController* Controller;
   vtkSmartPointer<vtkDataArraySelection> PointDataArraySelection;
-  vtkSmartPointer<vtkBlockedVolumeHandle> Handle; ///< of the file that OpenTime tells of
-  vtkMTimeType OpenTime;                          ///< our MTime when Handle was opened
+  /// One for good: of a series of files each in turn is opened, and consumers keep the handle that
+  /// they found first, since pipeline information does not reach them when the time changes.
+  vtkSmartPointer<vtkBlockedVolumeHandle> Handle;
+  vtkMTimeType OpenTime; ///< our MTime when the handle's volume was opened
+  bool IsErrorTold;      ///< whether OpenVolume has just reported the handle's error
   std::string ShownText;
-  std::string ReportedError; ///< what OpenVolume said last, said once
 };
 
 #endif

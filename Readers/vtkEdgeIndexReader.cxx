@@ -12,6 +12,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayRanges.h"
+#include "Base/FileSystem.h"
 #include "Base/ParallelFor.h"
 #include "Contour/TriangleNormals.h"
 #include "ControllerCommunicator.h"
@@ -21,7 +22,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 
 vtkStandardNewMacro(vtkEdgeIndexReader);
@@ -93,6 +93,8 @@ struct vtkEdgeIndexReader::Internals
 
   /// Opens the file anew if the properties changed.
   Status OpenFile();
+  /// What tells ranks that see different files under one path.
+  isosurface::CommonValue MakeCommonValue() const;
   EdgeIndexSelection MakeSelection(vtkInformation* outInfo) const;
   Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
 };
@@ -124,10 +126,10 @@ vtkEdgeIndexReader::~vtkEdgeIndexReader()
 //------------------------------------------------------------------------------
 int vtkEdgeIndexReader::CanReadFile(const char* fileName)
 {
-  std::ifstream file(fileName ? fileName : "", std::ios::binary);
+  const auto file = isosurface::GetLocalFileSystem().OpenForReading(fileName ? fileName : "");
   char head[8] = {};
-  file.read(head, sizeof(head));
-  return file && std::memcmp(head, "EIXcode\n", sizeof(head)) == 0;
+  return file.IsOk() && (*file)->Read(0, sizeof(head), head).IsOk() &&
+    std::memcmp(head, "EIXcode\n", sizeof(head)) == 0;
 }
 
 //------------------------------------------------------------------------------
@@ -146,6 +148,19 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
     }
   }
   return this->File ? Status::Ok() : Status(StatusCode::NotFound, this->OpenError);
+}
+
+//------------------------------------------------------------------------------
+isosurface::CommonValue vtkEdgeIndexReader::Internals::MakeCommonValue() const
+{
+  if (!this->File)
+  {
+    return { 0, "" };
+  }
+  return { this->File->GetFingerprint(),
+    this->File->GetPath() +
+      ": the ranks see different files under this path, or the same before and after it was "
+      "written; reload it" };
 }
 
 //------------------------------------------------------------------------------
@@ -173,7 +188,8 @@ int vtkEdgeIndexReader::RequestData(
 {
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   isosurface::ControllerCommunicator ranks(this->Controller);
-  Status status = ranks.Agree(this->Internal->OpenFile());
+  const Status opened = this->Internal->OpenFile();
+  Status status = ranks.Agree(opened, { this->Internal->MakeCommonValue() });
   if (status.IsOk())
   {
     const int ranksOnNode = ranks.GetRanksOnNode();

@@ -65,6 +65,10 @@ public:
     return this->Plan.Viewports[static_cast<std::size_t>(this->GetRank(pass))];
   }
 
+  /// Whether all ranks can use viewports. Collective, unless there is no controller.
+  static bool IsPossibleOnAll(const vtkMetabufferPass& pass, bool isPossible);
+  /// Whether all ranks are ready to draw, with the settings that decide who sends what.
+  static Status AgreeToDraw(const vtkMetabufferPass& pass, bool isReady);
   /// Agrees on the viewports of all ranks.
   void PlanFrame(const vtkMetabufferPass& pass, const vtkRenderState* state);
   /// Draws this rank's viewport and reads it back. An error of one rank is one of all.
@@ -95,6 +99,27 @@ private:
   isosurface::IceTCompositor IceT;
   isosurface::ImageBuffer Smooth;
 };
+
+bool vtkMetabufferPass::Internals::IsPossibleOnAll(const vtkMetabufferPass& pass, bool isPossible)
+{
+  std::vector<std::uint64_t> impossible = { isPossible ? 0U : 1U };
+  isosurface::ControllerCommunicator(pass.Controller).ReduceMaximum(impossible);
+  return impossible.front() == 0;
+}
+
+Status vtkMetabufferPass::Internals::AgreeToDraw(const vtkMetabufferPass& pass, bool isReady)
+{
+  const Status mine = isReady
+    ? Status::Ok()
+    : Status(isosurface::StatusCode::IoError, "Could not initialize IceT context.");
+  const auto flag = [](bool isSet) { return std::uint64_t{ isSet ? 1U : 0U }; };
+  return isosurface::ControllerCommunicator(pass.Controller)
+    .Agree(mine,
+      { { static_cast<std::uint64_t>(pass.CompositeMode),
+          "the ranks of the view have different composite modes" },
+        { flag(pass.SmoothUpsampling), "some ranks of the view upsample smoothly, some do not" },
+        { flag(pass.AntiAliasing != 0), "some ranks of the view antialias, some do not" } });
+}
 
 void vtkMetabufferPass::Internals::PlanFrame(
   const vtkMetabufferPass& pass, const vtkRenderState* state)
@@ -236,7 +261,8 @@ void vtkMetabufferPass::Render(const vtkRenderState* state)
   internal.ReadSeconds = 0;
   internal.DrawnPixels = 0;
   internal.BytesSent = 0;
-  internal.UsedViewports = this->CanUseViewports(state) && this->RenderViewports(state);
+  internal.UsedViewports =
+    internal.IsPossibleOnAll(*this, this->CanUseViewports(state)) && this->RenderViewports(state);
   if (internal.UsedViewports)
   {
     internal.LastSeconds = vtkTimerLog::GetUniversalTime() - begin;
@@ -253,9 +279,10 @@ void vtkMetabufferPass::Render(const vtkRenderState* state)
 bool vtkMetabufferPass::RenderViewports(const vtkRenderState* state)
 {
   this->IceTContext->SetController(this->Controller);
-  if (!this->IceTContext->IsValid())
+  const Status ready = this->Internal->AgreeToDraw(*this, this->IceTContext->IsValid());
+  if (!ready.IsOk())
   {
-    vtkErrorMacro("Could not initialize IceT context.");
+    this->FailFrame(state, ready);
     return true;
   }
   this->IceTContext->MakeCurrent();
@@ -313,18 +340,7 @@ void vtkMetabufferPass::DrawFrame(const vtkRenderState* state)
   }
   if (!status.IsOk())
   {
-    this->LastRenderedRGBAColors->MarkInValid();
-    this->LastRenderedDepths->SetNumberOfTuples(0);
-    internal.Planner.ForgetLastFrame();
-    if (this->ErasesDisplay)
-    {
-      state->GetRenderer()->Clear();
-    }
-    // The rank that failed reports the reason; the others have nothing to add.
-    if (status.GetCode() != isosurface::StatusCode::RemoteFailure)
-    {
-      vtkErrorMacro(<< status.GetMessage());
-    }
+    this->FailFrame(state, status);
     return;
   }
   if (this->ShowViewports && this->LastRenderedRGBAColors->IsValid())
@@ -333,6 +349,22 @@ void vtkMetabufferPass::DrawFrame(const vtkRenderState* state)
   }
   this->DisplayResultsIfNeeded(state);
   this->CleanupContext(state);
+}
+
+void vtkMetabufferPass::FailFrame(const vtkRenderState* state, const isosurface::Status& status)
+{
+  this->LastRenderedRGBAColors->MarkInValid();
+  this->LastRenderedDepths->SetNumberOfTuples(0);
+  this->Internal->Planner.ForgetLastFrame();
+  if (this->ErasesDisplay)
+  {
+    state->GetRenderer()->Clear();
+  }
+  // The rank that failed reports the reason; the others have nothing to add.
+  if (status.GetCode() != isosurface::StatusCode::RemoteFailure)
+  {
+    vtkErrorMacro(<< status.GetMessage());
+  }
 }
 
 void vtkMetabufferPass::SetNumberOfDivisors(int count)

@@ -24,6 +24,11 @@
 
 #include <memory> // For the implementation
 
+namespace isosurface
+{
+class Status;
+}
+
 class ISOSURFACERENDERING_EXPORT vtkMetabufferPass : public vtkIceTCompositePass
 {
 public:
@@ -184,6 +189,8 @@ private:
   bool SetUpDisplay(const vtkRenderState* state);
   /// Collective: draws all viewports of a frame and merges them to the last rendered image.
   void DrawFrame(const vtkRenderState* state);
+  /// Leaves no image, and reports the error unless it is another rank's.
+  void FailFrame(const vtkRenderState* state, const isosurface::Status& status);
 
   class Internals;
   std::unique_ptr<Internals> Internal;

@@ -80,7 +80,7 @@ int main(int argc, char** argv)
   vtkNew<vtkMPIController> controller;
   controller->Initialize(&argc, &argv);
   vtkMultiProcessController::SetGlobalController(controller);
-  CatchStopSignals();
+  CatchStopSignals("blockvolume");
   const int ranks = controller->GetNumberOfProcesses();
   int code = 1;
   try

@@ -73,6 +73,8 @@ Status WriteInOneStep(vtkPolyData* surface, const std::string& path)
   const std::string ending = FindEnding(path);
   const std::string partial = path.substr(0, path.size() - ending.size()) + ".part" + ending;
   FileSystem& files = GetLocalFileSystem();
+  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
+  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(partial, "write"));
   Status status = WriteTriangles(surface, ending, partial);
   if (status.IsOk())
   {

@@ -44,7 +44,7 @@ int Fail(const char* reason)
 
 int main(int argc, char** argv)
 {
-  CatchStopSignals();
+  CatchStopSignals("edgeindex");
   // Errors of VTK's writers are printed in one line, like all others.
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   try

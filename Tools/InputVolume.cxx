@@ -6,6 +6,8 @@
 #include "Source/VolumeFile.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace isosurface
@@ -44,6 +46,11 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options)
 
 Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options)
 {
+  std::error_code error;
+  if (!std::filesystem::is_directory(options.Input, error))
+  {
+    ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(options.Input, "read"));
+  }
   const bool isFile = options.Raw || VolumeFile::IsKnown(GetLocalFileSystem(), options.Input);
   auto volume = isFile
     ? OpenFile(options)

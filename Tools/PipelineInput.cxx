@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PipelineInput.h"
 
+#include "ReaderCrash.h"
+
 #include "vtkAlgorithm.h"
 #include "vtkImageData.h"
 #include "vtkImageReader2.h"
@@ -27,8 +29,10 @@
 #include "Source/MemorySource.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace
@@ -151,6 +155,50 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   return reader;
 }
 
+std::string DescribeCrash(const std::string& path, vtkAlgorithm* reader)
+{
+  return "blockvolume: " + path + ": its reader, " + reader->GetClassName() +
+    ", crashed; the file is damaged, or it is not what its name says";
+}
+
+/// Runs a step of a reader, which may take memory for whatever the file states.
+template <typename Step>
+Status RunReader(const std::string& path, vtkAlgorithm* reader, Step&& step)
+{
+  const ReaderCrash crash(DescribeCrash(path, reader));
+  try
+  {
+    step();
+  }
+  catch (const std::exception& error)
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": cannot be read by " + reader->GetClassName() + ": " + error.what());
+  }
+  return Status::Ok();
+}
+
+/// Every reader has at least a slice in memory: one that cannot be there is not asked for.
+Status CheckSlice(const std::string& path, const int whole[6], std::uint64_t memory)
+{
+  double vertices = 1;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const double length = static_cast<double>(whole[2 * axis + 1]) - whole[2 * axis] + 1;
+    if (length < 1)
+    {
+      return Status(StatusCode::Corrupt, path + ": cannot be read: it has no image data");
+    }
+    vertices *= axis < 2 ? length : 1;
+  }
+  return vertices <= static_cast<double>(memory)
+    ? Status::Ok()
+    : Status(StatusCode::OutOfMemory,
+        path + ": cannot be read: a slice has " +
+          std::to_string(static_cast<std::uint64_t>(vertices)) +
+          " vertices, which the memory limit has no room for");
+}
+
 /// A source that gives VTK's message if the reader fails.
 class ReaderSource : public PipelineSource
 {
@@ -159,12 +207,15 @@ public:
     const std::vector<ArrayDescription>& arrays)
     : PipelineSource(reader->GetOutputPort(), reader->GetOutputInformation(0), grid, arrays)
     , Path(std::move(path))
+    , Reader(reader)
   {
   }
 
   Result<SampleSlab> Read(const VertexBox& box) override
   {
-    auto slab = PipelineSource::Read(box);
+    Result<SampleSlab> slab = SampleSlab();
+    ISOSURFACE_RETURN_IF_ERROR(
+      RunReader(this->Path, this->Reader, [&] { slab = PipelineSource::Read(box); }));
     const std::string error = GetErrorKeeper()->TakeError();
     if (!error.empty() || !slab.IsOk())
     {
@@ -177,6 +228,7 @@ public:
 
 private:
   std::string Path;
+  vtkAlgorithm* Reader;
 };
 
 /// Image data of the whole extent, or of its first slice.
@@ -193,7 +245,7 @@ Result<vtkImageData*> Read(
   {
     request->Set(Pipeline::UPDATE_EXTENT(), whole, 6);
   }
-  reader->Update(0, requests);
+  ISOSURFACE_RETURN_IF_ERROR(RunReader(path, reader, [&] { reader->Update(0, requests); }));
   auto* image = vtkImageData::SafeDownCast(reader->GetOutputDataObject(0));
   const std::string error = GetErrorKeeper()->TakeError();
   if (!image || image->GetNumberOfPoints() == 0 || !error.empty())
@@ -290,7 +342,7 @@ Result<InputVolume> OpenPipelineInput(
     return Status(StatusCode::Unsupported,
       path + ": no reader knows this kind of file; --dimensions is for samples without a header");
   }
-  reader->UpdateInformation();
+  ISOSURFACE_RETURN_IF_ERROR(RunReader(path, reader, [&] { reader->UpdateInformation(); }));
   vtkInformation* information = reader->GetOutputInformation(0);
   if (!information || !information->Has(Pipeline::WHOLE_EXTENT()))
   {
@@ -298,6 +350,7 @@ Result<InputVolume> OpenPipelineInput(
   }
   int whole[6];
   information->Get(Pipeline::WHOLE_EXTENT(), whole);
+  ISOSURFACE_RETURN_IF_ERROR(CheckSlice(path, whole, 4 * wholeBytes));
   const auto slice = Read(reader, path, whole, false);
   ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
   InputVolume volume;

@@ -2,33 +2,63 @@
 #include "StopSignal.h"
 
 #include <csignal>
+#include <cstring>
+
+#include <unistd.h>
 
 namespace isosurface
 {
 namespace
 {
 
+constexpr unsigned PatienceSeconds = 1;
+
 volatile std::sig_atomic_t StopAsked = 0;
+const char* ToolName = "";
 
 void TakeStopSignal(int)
 {
   StopAsked = 1;
+  ::alarm(PatienceSeconds);
+}
+
+/// Nobody has asked whether to stop: the process is within a library, or waits for a disk.
+void EndAtOnce(int)
+{
+  constexpr char text[] = ": stopped at once; the next run removes what is left of this one\n";
+  const bool isTold = ::write(STDERR_FILENO, ToolName, std::strlen(ToolName)) > 0 &&
+    ::write(STDERR_FILENO, text, sizeof(text) - 1) > 0;
+  ::_exit(isTold ? 130 : 131);
+}
+
+void Catch(int signal, void (*handler)(int), int flags)
+{
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  action.sa_flags = flags;
+  ::sigaction(signal, &action, nullptr);
 }
 
 } // namespace
 
-void CatchStopSignals()
+void CatchStopSignals(const char* tool)
 {
-  struct sigaction action = {};
-  action.sa_handler = TakeStopSignal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
+  ToolName = tool;
+  constexpr int once = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  Catch(SIGINT, TakeStopSignal, once);
+  Catch(SIGTERM, TakeStopSignal, once);
+  Catch(SIGALRM, EndAtOnce, 0);
 }
 
 bool IsStopAsked()
 {
-  return StopAsked != 0;
+  if (StopAsked != 0)
+  {
+    // The work ends in good order, however long it takes to remove what it has begun.
+    ::alarm(0);
+    return true;
+  }
+  return false;
 }
 
 } // namespace isosurface

@@ -13,6 +13,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayChoice.h"
+#include "Base/Checksum.h"
 #include "ControllerCommunicator.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
@@ -280,7 +281,12 @@ void vtkBlockedVolumeWriter::WriteData()
   }
   isosurface::ControllerCommunicator& ranks = this->Writing->Ranks;
   isosurface::LocalVolume local;
-  Status status = ranks.Agree(this->Writing->CollectInput(local));
+  // So often all ranks come here; and they ask for a slice, or for all of their pieces.
+  const std::vector<double>& times = this->TimeSteps;
+  Status status = ranks.Agree(this->Writing->CollectInput(local),
+    { { isosurface::ComputeChecksum(times.data(), times.size() * sizeof(double)),
+        "the time steps to write are not the same on all ranks" },
+      { this->MemoryLimit > 0 ? 1U : 0U, "some ranks have a memory limit, some have none" } });
   if (status.IsOk())
   {
     status = local.Agree(ranks);

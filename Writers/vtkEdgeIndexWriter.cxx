@@ -13,6 +13,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
@@ -113,6 +114,8 @@ struct vtkEdgeIndexWriter::Steps
 
   /// Writes one file, or one for each time step. Collective.
   Status WriteSurface();
+  /// Finds the contour, and the time steps to write; this rank alone.
+  Status FindContour(std::vector<double>& times);
   std::vector<double> FindTimeSteps() const;
   Status WriteStep(const std::optional<double>& time, const std::string& path);
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks);
@@ -196,7 +199,7 @@ std::vector<double> vtkEdgeIndexWriter::Steps::FindTimeSteps() const
 }
 
 //------------------------------------------------------------------------------
-Status vtkEdgeIndexWriter::Steps::WriteSurface()
+Status vtkEdgeIndexWriter::Steps::FindContour(std::vector<double>& times)
 {
   const char* path = this->Writer.FileName;
   if (!path || !*path)
@@ -208,7 +211,20 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
     this->Contour = vtkStabbingContour::FindBehind(this->Writer.GetInputConnection(0, 0));
   }
   ISOSURFACE_RETURN_IF_ERROR(CheckContour(this->Contour));
-  const std::vector<double> times = this->FindTimeSteps();
+  times = this->FindTimeSteps();
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexWriter::Steps::WriteSurface()
+{
+  std::vector<double> times;
+  const Status found = this->FindContour(times);
+  // So many files are written, each by all ranks.
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(found,
+    { { isosurface::ComputeChecksum(times.data(), times.size() * sizeof(times[0])),
+      "the time steps to write are not the same on all ranks" } }));
+  const char* path = this->Writer.FileName;
   if (times.empty())
   {
     vtkInformation* inInfo = this->Writer.GetInputInformation();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Base/Communicator.h"
 
+#include "Base/Coding.h"
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -59,6 +61,46 @@ Status Communicator::Agree(const Status& mine)
     }
   }
   return mine;
+}
+
+Status Communicator::Agree(const Status& mine, const std::vector<CommonValue>& values)
+{
+  if (this->GetSize() == 1)
+  {
+    return mine;
+  }
+  // One reduction for the error and all values: the maximum of ~v is ~minimum of v.
+  std::vector<std::uint64_t> reduced{ mine.IsOk() ? 0u : 1u };
+  for (const CommonValue& common : values)
+  {
+    reduced.push_back(common.Value);
+    reduced.push_back(~common.Value);
+  }
+  this->ReduceMaximum(reduced);
+  if (reduced[0] != 0)
+  {
+    return this->Agree(mine);
+  }
+  for (std::size_t index = 0; index < values.size(); ++index)
+  {
+    if (reduced[1 + 2 * index] != ~reduced[2 + 2 * index])
+    {
+      return this->NameDifference(values[index]);
+    }
+  }
+  return mine;
+}
+
+Status Communicator::NameDifference(const CommonValue& mine)
+{
+  Message message;
+  AppendLittleEndian(message, mine.Value);
+  const std::vector<Message> messages = this->AllGather(message);
+  const auto other = std::find_if(messages.begin(), messages.end(),
+    [&messages](const Message& any) { return any != messages.front(); });
+  return Status(StatusCode::InvalidArgument,
+    mine.Difference + " (rank " + std::to_string(other - messages.begin()) +
+      " differs from rank 0)");
 }
 
 } // namespace isosurface

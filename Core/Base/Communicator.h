@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -13,6 +14,13 @@ namespace isosurface
 
 /// Bytes that one rank sends to another.
 using Message = std::vector<std::uint8_t>;
+
+/// Something that has to be the same on all ranks.
+struct CommonValue
+{
+  std::uint64_t Value;    ///< the thing itself, or a checksum of it
+  std::string Difference; ///< what to tell the user if it is not the same
+};
 
 /**
  * The communication that the parallel algorithms of Core need. Every function is collective: all
@@ -56,6 +64,17 @@ public:
    * failed rank would not enter: otherwise the other ranks would wait forever.
    */
   Status Agree(const Status& mine);
+
+  /**
+   * The same, and if no rank has failed, whether the ranks have the same values: otherwise all get
+   * InvalidArgument with the Difference of the first value that is not the same, and the first rank
+   * that has another one than rank 0. Call it before a branch that a value decides and that leads
+   * to a collective. All ranks give the same number of values; those of a failed rank do not count.
+   */
+  Status Agree(const Status& mine, const std::vector<CommonValue>& values);
+
+private:
+  Status NameDifference(const CommonValue& mine);
 };
 
 /// A group of one rank.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Base/FileSystem.h"
 
+#include "Base/DescriptorPool.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -17,50 +19,45 @@ namespace isosurface
 namespace
 {
 
-Status MakeSystemError(const std::string& path, const char* action, int error)
+int Synchronise(int descriptor)
 {
-  const StatusCode code =
-    error == ENOENT || error == ENOTDIR ? StatusCode::NotFound : StatusCode::IoError;
-  return Status(code, path + ": cannot " + action + ": " + std::strerror(error));
-}
-
-Status MakeSystemError(const std::string& path, const char* action, const std::error_code& error)
-{
-  return MakeSystemError(path, action, error.value());
+  int failed = 0;
+  do
+  {
+    failed = ::fsync(descriptor);
+  } while (failed != 0 && errno == EINTR);
+  return failed;
 }
 
 class LocalRandomAccessFile : public RandomAccessFile
 {
 public:
-  LocalRandomAccessFile(std::string path, int descriptor, std::uint64_t size)
-    : Path(std::move(path))
-    , Descriptor(descriptor)
-    , Size(size)
+  explicit LocalRandomAccessFile(std::unique_ptr<PooledFile> file)
+    : File(std::move(file))
   {
   }
-  LocalRandomAccessFile(const LocalRandomAccessFile&) = delete;
-  LocalRandomAccessFile& operator=(const LocalRandomAccessFile&) = delete;
-  ~LocalRandomAccessFile() override { ::close(this->Descriptor); }
 
   Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
   {
+    const auto descriptor = this->File->Use();
+    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
     auto* to = static_cast<std::uint8_t*>(bytes);
     while (size > 0)
     {
-      const ssize_t count = ::pread(this->Descriptor, to, size, static_cast<off_t>(offset));
+      const ssize_t count = ::pread((*descriptor)->Get(), to, size, static_cast<off_t>(offset));
       if (count < 0)
       {
         if (errno == EINTR)
         {
           continue;
         }
-        return MakeSystemError(this->Path, "read", errno);
+        return MakeSystemError(this->GetPath(), "read", errno);
       }
       if (count == 0)
       {
         return Status(StatusCode::Corrupt,
-          this->Path + ": truncated: " + std::to_string(size) + " bytes are missing at offset " +
-            std::to_string(offset));
+          this->GetPath() + ": truncated: " + std::to_string(size) +
+            " bytes are missing at offset " + std::to_string(offset));
       }
       to += count;
       offset += static_cast<std::uint64_t>(count);
@@ -71,29 +68,28 @@ public:
   void Prefetch(std::uint64_t offset, std::uint64_t size) const override
   {
     // Only a hint: Read() reports any error.
-    static_cast<void>(::posix_fadvise(
-      this->Descriptor, static_cast<off_t>(offset), static_cast<off_t>(size), POSIX_FADV_WILLNEED));
+    const auto descriptor = this->File->Use();
+    if (descriptor.IsOk())
+    {
+      static_cast<void>(::posix_fadvise((*descriptor)->Get(), static_cast<off_t>(offset),
+        static_cast<off_t>(size), POSIX_FADV_WILLNEED));
+    }
   }
-  std::uint64_t GetSize() const override { return this->Size; }
-  const std::string& GetPath() const override { return this->Path; }
+  std::uint64_t GetSize() const override { return this->File->GetSize(); }
+  const std::string& GetPath() const override { return this->File->GetPath(); }
 
 private:
-  std::string Path;
-  int Descriptor;
-  std::uint64_t Size;
+  std::unique_ptr<PooledFile> File;
 };
 
 class LocalWritableFile : public WritableFile
 {
 public:
-  LocalWritableFile(std::string path, int descriptor)
-    : Path(std::move(path))
-    , Descriptor(descriptor)
+  explicit LocalWritableFile(std::unique_ptr<PooledFile> file)
+    : Path(file->GetPath())
+    , File(std::move(file))
   {
   }
-  LocalWritableFile(const LocalWritableFile&) = delete;
-  LocalWritableFile& operator=(const LocalWritableFile&) = delete;
-  ~LocalWritableFile() override { static_cast<void>(this->Close()); }
 
   Status Append(const void* bytes, std::size_t size) override
   {
@@ -104,10 +100,12 @@ public:
 
   Status WriteAt(std::uint64_t offset, const void* bytes, std::size_t size) override
   {
+    const auto descriptor = this->File->Use();
+    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
     const auto* from = static_cast<const std::uint8_t*>(bytes);
     while (size > 0)
     {
-      const ssize_t count = ::pwrite(this->Descriptor, from, size, static_cast<off_t>(offset));
+      const ssize_t count = ::pwrite((*descriptor)->Get(), from, size, static_cast<off_t>(offset));
       if (count < 0)
       {
         if (errno == EINTR)
@@ -121,7 +119,7 @@ public:
       size -= static_cast<std::size_t>(count);
       this->Unsent += static_cast<std::uint64_t>(count);
     }
-    this->StartWriteBack();
+    this->StartWriteBack(**descriptor);
     return Status::Ok();
   }
 
@@ -129,57 +127,51 @@ public:
 
   Status SyncAndClose() override
   {
-    if (::fsync(this->Descriptor) != 0)
-    {
-      return MakeSystemError(this->Path, "write to stable storage", errno);
-    }
-    return this->Close();
+    const auto descriptor = this->File->Use();
+    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+    const int failed = Synchronise((*descriptor)->Get());
+    const int error = errno;
+    this->File.reset();
+    return failed != 0 ? MakeSystemError(this->Path, "write to stable storage", error)
+                       : Status::Ok();
   }
   const std::string& GetPath() const override { return this->Path; }
 
 private:
   /// Starts writing to the disk, so that SyncAndClose() does not have to wait for all of it.
-  void StartWriteBack()
+  void StartWriteBack(const Descriptor& descriptor)
   {
 #if defined(__linux__)
     constexpr std::uint64_t enough = std::uint64_t{ 8 } << 20;
     if (this->Unsent >= enough)
     {
       this->Unsent = 0;
-      static_cast<void>(::sync_file_range(this->Descriptor, 0, 0, SYNC_FILE_RANGE_WRITE));
+      static_cast<void>(::sync_file_range(descriptor.Get(), 0, 0, SYNC_FILE_RANGE_WRITE));
     }
+#else
+    static_cast<void>(descriptor);
 #endif
   }
 
-  Status Close()
-  {
-    const int descriptor = std::exchange(this->Descriptor, -1);
-    if (descriptor >= 0 && ::close(descriptor) != 0)
-    {
-      return MakeSystemError(this->Path, "close", errno);
-    }
-    return Status::Ok();
-  }
-
   std::string Path;
-  int Descriptor;
+  std::unique_ptr<PooledFile> File; ///< null when it is closed
   std::uint64_t Size = 0;
   std::uint64_t Unsent = 0; ///< bytes written since write-back was last started
 };
 
-class LocalFolderLock : public FolderLock
+class LocalPathLock : public PathLock
 {
 public:
-  explicit LocalFolderLock(int descriptor)
+  explicit LocalPathLock(int descriptor)
     : Descriptor(descriptor)
   {
   }
-  LocalFolderLock(const LocalFolderLock&) = delete;
-  LocalFolderLock& operator=(const LocalFolderLock&) = delete;
-  ~LocalFolderLock() override { ::close(this->Descriptor); }
+  LocalPathLock(const LocalPathLock&) = delete;
+  LocalPathLock& operator=(const LocalPathLock&) = delete;
+  ~LocalPathLock() override { ::close(this->Descriptor); }
 
   bool IsExclusive() const override { return true; }
-  /// Whether the path still leads to the locked folder.
+  /// Whether the path still leads to what is locked.
   bool IsOf(const std::string& path) const
   {
     struct stat mine = {};
@@ -197,41 +189,19 @@ class LocalFileSystem : public FileSystem
 public:
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override
   {
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0)
-    {
-      return MakeSystemError(path, "open", errno);
-    }
-    struct stat information = {};
-    const bool known = ::fstat(descriptor, &information) == 0;
-    if (!known || !S_ISREG(information.st_mode))
-    {
-      const int error = known ? EISDIR : errno;
-      ::close(descriptor);
-      return MakeSystemError(path, "open", error);
-    }
-    return std::unique_ptr<RandomAccessFile>(
-      new LocalRandomAccessFile(path, descriptor, static_cast<std::uint64_t>(information.st_size)));
+    auto file = PooledFile::Open(this->Descriptors, path, O_RDONLY, "open");
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+    return std::unique_ptr<RandomAccessFile>(new LocalRandomAccessFile(std::move(*file)));
   }
 
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override
   {
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (descriptor < 0)
-    {
-      return MakeSystemError(path, "create", errno);
-    }
-    return std::unique_ptr<WritableFile>(new LocalWritableFile(path, descriptor));
+    return this->OpenForWriting(path, O_RDWR | O_CREAT | O_TRUNC, "create");
   }
 
   Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path) override
   {
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor < 0)
-    {
-      return MakeSystemError(path, "open", errno);
-    }
-    return std::unique_ptr<WritableFile>(new LocalWritableFile(path, descriptor));
+    return this->OpenForWriting(path, O_RDWR, "open");
   }
 
   Status Rename(const std::string& from, const std::string& to) override
@@ -247,7 +217,7 @@ public:
   {
     std::error_code error;
     std::filesystem::create_directories(path, error);
-    return error ? MakeSystemError(path, "create folder", error) : Status::Ok();
+    return error ? MakeSystemError(path, "create folder", error.value()) : Status::Ok();
   }
 
   Status MakeNewDirectory(const std::string& path) override
@@ -260,7 +230,7 @@ public:
   {
     std::error_code error;
     std::filesystem::remove_all(path, error);
-    return error ? MakeSystemError(path, "remove", error) : Status::Ok();
+    return error ? MakeSystemError(path, "remove", error.value()) : Status::Ok();
   }
 
   bool Exists(const std::string& path) override
@@ -280,59 +250,96 @@ public:
     }
     if (error && error != std::errc::no_such_file_or_directory)
     {
-      return MakeSystemError(path, "list", error);
+      return MakeSystemError(path, "list", error.value());
     }
     std::sort(names.begin(), names.end());
     return names;
   }
 
-  Result<std::unique_ptr<FolderLock>> LockFolder(const std::string& path) override
+  Result<std::unique_ptr<PathLock>> LockFolder(const std::string& path) override
   {
     for (;;)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->MakeDirectories(path));
-      const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-      if (descriptor < 0)
+      auto lock = this->TryToLock(path, O_RDONLY | O_DIRECTORY);
+      if (!lock.IsOk() || *lock)
       {
-        return MakeSystemError(path, "open", errno);
-      }
-      auto lock = std::make_unique<LocalFolderLock>(descriptor);
-      if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
-      {
-        if (errno == EWOULDBLOCK)
-        {
-          return Status(
-            StatusCode::IoError, path + ": cannot be locked: another program is writing there");
-        }
-        return std::make_unique<FolderLock>(); // no locks here: NFS, for one, locks no folders
-      }
-      // The previous holder may have removed the folder; then the lock is worthless.
-      if (lock->IsOf(path))
-      {
-        return std::unique_ptr<FolderLock>(std::move(lock));
+        return lock;
       }
     }
   }
 
+  Result<std::unique_ptr<PathLock>> LockFile(const std::string& path) override
+  {
+    for (;;)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(CheckRegularFile(path, "create"));
+      auto lock = this->TryToLock(path, O_RDWR | O_CREAT | O_NONBLOCK);
+      if (!lock.IsOk() || *lock)
+      {
+        return lock;
+      }
+    }
+  }
+
+  Status CheckRegular(const std::string& path, const char* action) override
+  {
+    return CheckRegularFile(path, action);
+  }
+
   Status SyncDirectory(const std::string& path) override
   {
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const int descriptor = OpenUninterrupted(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0)
     {
       return MakeSystemError(path, "open", errno);
     }
-    const int failed = ::fsync(descriptor);
+    const int failed = Synchronise(descriptor);
     const int error = errno;
     ::close(descriptor);
     return failed != 0 ? MakeSystemError(path, "write to stable storage", error) : Status::Ok();
   }
+
+private:
+  Result<std::unique_ptr<WritableFile>> OpenForWriting(
+    const std::string& path, int flags, const char* action)
+  {
+    auto file = PooledFile::Open(this->Descriptors, path, flags, action);
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+    return std::unique_ptr<WritableFile>(new LocalWritableFile(std::move(*file)));
+  }
+
+  /// Null if the path leads to something else by now; then the next attempt may be better.
+  Result<std::unique_ptr<PathLock>> TryToLock(const std::string& path, int flags)
+  {
+    const int descriptor = OpenUninterrupted(path, flags | O_CLOEXEC);
+    if (descriptor < 0)
+    {
+      return MakeSystemError(path, "open", errno);
+    }
+    auto lock = std::make_unique<LocalPathLock>(descriptor);
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+    {
+      if (errno == EWOULDBLOCK)
+      {
+        return Status(
+          StatusCode::IoError, path + ": cannot be locked: another program is writing there");
+      }
+      return std::make_unique<PathLock>(); // no locks here: NFS, for one, locks no folders
+    }
+    // The previous holder may have removed or renamed it; then the lock is worthless.
+    return lock->IsOf(path) ? std::unique_ptr<PathLock>(std::move(lock)) : nullptr;
+  }
+
+  DescriptorPool Descriptors{ DescriptorPool::ChooseLimit() };
 };
 
 } // namespace
 
 FileSystem& GetLocalFileSystem()
 {
-  static LocalFileSystem fileSystem;
+  // Never destroyed: files may be open until the very end of the process.
+  static LocalFileSystem& fileSystem = *new LocalFileSystem;
   return fileSystem;
 }
 

@@ -40,12 +40,12 @@ public:
   virtual const std::string& GetPath() const = 0;
 };
 
-/// The lock of a folder. Released by the destructor, and by the system when the process ends or
-/// crashes.
-class FolderLock
+/// The lock of a folder or file. Released by the destructor, and by the system when the process ends
+/// or crashes.
+class PathLock
 {
 public:
-  virtual ~FolderLock() = default;
+  virtual ~PathLock() = default;
   /// Whether no other program can hold it. False on file systems without locks.
   virtual bool IsExclusive() const { return false; }
 };
@@ -77,16 +77,26 @@ public:
   /// The names (not paths) in a folder, sorted; none if the folder does not exist.
   virtual Result<std::vector<std::string>> List(const std::string& path) = 0;
   /// Creates the folder if necessary and locks it. IoError if another program holds the lock.
-  virtual Result<std::unique_ptr<FolderLock>> LockFolder(const std::string& path)
+  virtual Result<std::unique_ptr<PathLock>> LockFolder(const std::string& path)
   {
     ISOSURFACE_RETURN_IF_ERROR(this->MakeDirectories(path));
-    return std::make_unique<FolderLock>();
+    return std::make_unique<PathLock>();
   }
+  /// The same of a file, which is created if it does not exist; its contents stay. A locked file may
+  /// be written, removed or renamed by the holder; another program then locks a new one.
+  virtual Result<std::unique_ptr<PathLock>> LockFile(const std::string&)
+  {
+    return std::make_unique<PathLock>();
+  }
+  /// Ok if there is nothing at the path, or a regular file: a FIFO or a device is neither read nor
+  /// replaced. `action` is what cannot be done with it, for the message.
+  virtual Status CheckRegular(const std::string&, const char* /*action*/) { return Status::Ok(); }
   /// Flushes the names in a folder to stable storage.
   virtual Status SyncDirectory(const std::string& path) = 0;
 };
 
-/// The local file system. Stateless; any thread may use it.
+/// The local file system; any thread may use it. All files of the process share a limited number of
+/// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();
 
 } // namespace isosurface

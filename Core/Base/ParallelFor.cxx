@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -17,6 +19,7 @@ namespace
 class IndexLoop
 {
 public:
+  using Clock = std::chrono::steady_clock;
   using Body = std::function<void(std::size_t index, int thread)>;
 
   IndexLoop(std::size_t count, const Body& body, const Progress& progress)
@@ -65,14 +68,16 @@ public:
   }
 
 private:
-  // Only the calling thread reports progress, at most a hundred times.
+  // Only the calling thread reports progress: at every hundredth part, and ten times a second, since
+  // it is also the way to stop.
   void ReportProgress(std::size_t index)
   {
-    if (!this->Report || index < this->NextReport)
+    if (!this->Report || (index < this->NextReport && Clock::now() < this->NextTime))
     {
       return;
     }
     this->NextReport = index + this->Step;
+    this->NextTime = Clock::now() + std::chrono::milliseconds(100);
     this->Fraction = static_cast<double>(index + 1) / static_cast<double>(this->Count);
     if (!this->Report(this->Fraction))
     {
@@ -85,6 +90,7 @@ private:
   const Progress& Report;
   const std::size_t Step; ///< indices from one report to the next
   std::size_t NextReport = 0;
+  Clock::time_point NextTime = Clock::now() + std::chrono::milliseconds(100);
   double Fraction = 0; ///< that was last reported
   std::atomic<std::size_t> Next{ 0 };
   std::atomic<bool> Stopped{ false };
@@ -107,9 +113,17 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
   const std::size_t useful =
     std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));
   std::vector<std::thread> helpers;
-  for (std::size_t thread = 1; thread < useful; ++thread)
+  helpers.reserve(useful);
+  try
   {
-    helpers.emplace_back([&loop, thread] { loop.Run(static_cast<int>(thread)); });
+    for (std::size_t thread = 1; thread < useful; ++thread)
+    {
+      helpers.emplace_back([&loop, thread] { loop.Run(static_cast<int>(thread)); });
+    }
+  }
+  catch (const std::system_error&)
+  {
+    // The system gives no more threads: those that are there do the work.
   }
   loop.Run(0);
   for (std::thread& helper : helpers)

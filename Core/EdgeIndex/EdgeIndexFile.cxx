@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndex/EdgeIndexFile.h"
 
+#include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Base/ParallelFor.h"
 #include "EdgeIndex/EdgeIndexDecoder.h"
 #include "EdgeIndex/IsovalueJoin.h"
@@ -169,6 +171,19 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
     return Status(
       StatusCode::OutOfMemory, path + ": there is not enough memory for its directory.");
   }
+}
+
+std::uint64_t EdgeIndexFile::GetFingerprint() const
+{
+  std::vector<std::uint8_t> sizes;
+  for (const EdgeIndexEntry& entry : this->Entries)
+  {
+    AppendLittleEndian(sizes, entry.Offset);
+    AppendLittleEndian(sizes, entry.Size);
+  }
+  const std::uint64_t ofHeader =
+    ComputeChecksum(this->HeaderBytes.data(), this->HeaderBytes.size());
+  return ComputeChecksum(sizes.data(), sizes.size(), ofHeader);
 }
 
 Status EdgeIndexFile::ReadDirectory()

@@ -55,6 +55,10 @@ public:
   const std::string& GetPath() const { return this->File->GetPath(); }
   std::uint64_t GetSize() const { return this->File->GetSize(); }
 
+  /// Differs between files with different headers, or records of other sizes. It does not depend on
+  /// the path.
+  std::uint64_t GetFingerprint() const;
+
   bool IsComplete() const { return this->Missing.empty(); }
   /// What is missing, as a message for the user; empty if the file is complete.
   const std::string& GetMissing() const { return this->Missing; }

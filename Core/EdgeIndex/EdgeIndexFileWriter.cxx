@@ -18,9 +18,9 @@ EdgeIndexFileWriter::EdgeIndexFileWriter(
 
 EdgeIndexFileWriter::~EdgeIndexFileWriter()
 {
-  if (this->File)
+  this->File.reset();
+  if (this->Lock)
   {
-    this->File.reset();
     // An error cannot be reported here; a partial file is not taken for a complete one.
     static_cast<void>(this->Files.RemoveAll(GetPartialPath(this->Path)));
   }
@@ -31,6 +31,9 @@ Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
 {
   ISOSURFACE_RETURN_IF_ERROR(header.Check());
   std::unique_ptr<EdgeIndexFileWriter> writer(new EdgeIndexFileWriter(files, path, header));
+  auto lock = LockEdgeIndexFile(files, path);
+  ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
+  writer->Lock = std::move(*lock);
   Result<std::unique_ptr<WritableFile>> file = files.CreateForWriting(GetPartialPath(path));
   if (!file.IsOk())
   {
@@ -91,14 +94,21 @@ Status EdgeIndexFileWriter::Finish()
   EdgeIndexDirectory::Append(this->Entries, this->HeaderBytes, end);
   ISOSURFACE_RETURN_IF_ERROR(this->File->Append(end.data(), end.size()));
   ISOSURFACE_RETURN_IF_ERROR(this->File->SyncAndClose());
-  ISOSURFACE_RETURN_IF_ERROR(PutEdgeIndexFileInPlace(this->Files, this->Path));
   this->File.reset();
-  return Status::Ok();
+  return PutEdgeIndexFileInPlace(this->Files, this->Path, this->Lock);
 }
 
-Status PutEdgeIndexFileInPlace(FileSystem& files, const std::string& path)
+Result<std::unique_ptr<PathLock>> LockEdgeIndexFile(FileSystem& files, const std::string& path)
+{
+  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
+  return files.LockFile(EdgeIndexFileWriter::GetPartialPath(path));
+}
+
+Status PutEdgeIndexFileInPlace(
+  FileSystem& files, const std::string& path, std::unique_ptr<PathLock>& lock)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.Rename(EdgeIndexFileWriter::GetPartialPath(path), path));
+  lock.reset();
   const std::size_t slash = path.rfind('/');
   return files.SyncDirectory(slash == std::string::npos ? "."
       : slash == 0                                      ? "/"

@@ -22,7 +22,8 @@ namespace isosurface
  * Writes an edge-index file (.eix): the header, records in the order of appending, and the directory
  * (EdgeIndexDirectory). Until Finish the file has the name GetPartialPath, from which readers get the
  * complete blocks; then it is renamed. A writer that is destroyed before removes the partial file and
- * leaves an older file as it was.
+ * leaves an older file as it was. The partial file is locked meanwhile: a second writer to the same
+ * path fails at once.
  *
  * Records of the preview are kept in memory until there is 1 MB of them, so that they are adjacent in
  * the file. Memory: these, and about 100 bytes for each record.
@@ -30,7 +31,7 @@ namespace isosurface
 class EdgeIndexFileWriter
 {
 public:
-  /// Errors: InvalidArgument, what the file system returns.
+  /// Errors: InvalidArgument, what the file system returns; IoError if another program writes there.
   static Result<std::unique_ptr<EdgeIndexFileWriter>> Create(
     FileSystem& files, const std::string& path, const EdgeIndexHeader& header);
   ~EdgeIndexFileWriter();
@@ -57,14 +58,21 @@ private:
   std::string Path;
   EdgeIndexHeader Header;
   std::vector<std::uint8_t> HeaderBytes;
+  std::unique_ptr<PathLock> Lock; ///< of the partial file, until it is complete or removed
   std::unique_ptr<WritableFile> File;
   std::vector<EdgeIndexEntry> Entries;
   std::vector<EdgeIndexEntry> PreviewEntries; ///< of Preview
   std::vector<std::uint8_t> Preview;
 };
 
-/// Renames a complete file from GetPartialPath(path) to `path`, durably.
-Status PutEdgeIndexFileInPlace(FileSystem& files, const std::string& path);
+/// Locks the partial file of `path`, which is the first step of writing. Errors: those of LockFile;
+/// IoError if what is at the path is no regular file.
+Result<std::unique_ptr<PathLock>> LockEdgeIndexFile(FileSystem& files, const std::string& path);
+
+/// Renames a complete file from GetPartialPath(path) to `path`, durably. Releases the lock as soon as
+/// it is renamed: from then on a partial file is another writer's.
+Status PutEdgeIndexFileInPlace(
+  FileSystem& files, const std::string& path, std::unique_ptr<PathLock>& lock);
 
 /**
  * Writes the surface of a source as a file. The bytes do not depend on the number of threads. The

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 
 namespace isosurface
 {
@@ -39,6 +40,10 @@ Status CheckGrid(const EdgeIndexHeader& header)
     MaximumGlobalIds)
   {
     return MakeInvalid("The grid has too many vertices for 64-bit ids of its edges.");
+  }
+  if (const char* fault = header.Geometry.FindFault())
+  {
+    return { StatusCode::InvalidArgument, std::string("The grid ") + fault + "." };
   }
   return Status::Ok();
 }

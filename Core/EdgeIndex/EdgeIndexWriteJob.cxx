@@ -66,10 +66,11 @@ Result<EdgeIndexFileSummary> EdgeIndexWriteJob::Run(const Progress& progress)
   if (!status.IsOk())
   {
     this->File.reset();
-    if (this->Ranks.GetRank() == 0)
+    if (this->Lock)
     {
-      // A partial file that cannot be removed is not taken for a complete one.
+      // Ours. If it cannot be removed, it is not taken for a complete one all the same.
       static_cast<void>(this->Files.RemoveAll(EdgeIndexFileWriter::GetPartialPath(this->Path)));
+      this->Lock.reset();
     }
     return status;
   }
@@ -89,6 +90,12 @@ Status EdgeIndexWriteJob::Begin()
   const auto open = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(this->Header.Check());
+    if (isFirst)
+    {
+      auto lock = LockEdgeIndexFile(this->Files, this->Path);
+      ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
+      this->Lock = std::move(*lock);
+    }
     auto file =
       isFirst ? this->Files.CreateForWriting(partial) : this->Files.OpenForUpdate(partial);
     if (!file.IsOk())
@@ -396,7 +403,7 @@ Status EdgeIndexWriteJob::Finish()
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
   if (isFirst)
   {
-    status = PutEdgeIndexFileInPlace(this->Files, this->Path);
+    status = PutEdgeIndexFileInPlace(this->Files, this->Path, this->Lock);
   }
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
   std::vector<std::uint64_t> bytes = { this->Summary.Bytes };

@@ -36,7 +36,8 @@ struct EdgeIndexFileSummary
  *
  * The file has the blocks in the order of their numbers and is, byte for byte, what
  * EdgeIndexFileWriter makes of these records, for any number of ranks. It is renamed when complete; if
- * any rank fails, an older file stays.
+ * any rank fails, an older file stays. Rank 0 keeps the partial file locked: a second job to the same
+ * path fails at once.
  *
  * Memory of a rank: MemoryBytes of records, plus those of 16 blocks, an encoder and a block for each
  * thread; on rank 0 about 100 bytes for each record. A rank with full memory waits for the others.
@@ -95,6 +96,7 @@ private:
   Settings Wanted;
 
   std::vector<std::uint8_t> HeaderBytes;
+  std::unique_ptr<PathLock> Lock; ///< of the partial file, on rank 0
   std::unique_ptr<WritableFile> File;
   std::vector<std::unique_ptr<EdgeIndexEncoder>> Encoders; ///< one a thread
   std::size_t NextBlock = 0; ///< of the source, the next one to encode

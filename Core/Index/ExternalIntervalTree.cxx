@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Index/ExternalIntervalTree.h"
 
-#include <limits>
+#include "Index/IntervalTreeVerification.h"
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -317,17 +318,7 @@ Status ExternalIntervalTree::Verify(PageStatistics& statistics) const
       return read.GetStatus();
     }
   }
-  std::uint64_t found = 0;
-  ISOSURFACE_RETURN_IF_ERROR(this->FindOverlapping(
-    0, std::numeric_limits<ValueKey>::max(), [&found](const KeyInterval&) { ++found; },
-    statistics));
-  if (found != this->Header.Count)
-  {
-    return this->File->MakeCorrupt(0,
-      "the tree leads to " + std::to_string(found) + " intervals, not to " +
-        std::to_string(this->Header.Count));
-  }
-  return Status::Ok();
+  return IntervalTreeVerification(*this->File, this->Header, statistics).Run();
 }
 
 } // namespace isosurface

@@ -47,6 +47,10 @@ public:
 
   /// The number of intervals.
   std::uint64_t GetCount() const { return this->Header.Count; }
+  /// What the intervals are of, as ExternalIntervalTreeBuilder::SetIdentity() had it.
+  std::uint64_t GetIdentity() const { return this->Header.Identity; }
+  /// An error that names the file.
+  Status MakeCorrupt(const std::string& reason) const { return this->File->MakeCorrupt(0, reason); }
   /// The number of pages of the file, page 0 included.
   std::uint64_t GetPageCount() const { return this->File->GetPageCount(); }
   std::uint32_t GetRecordsPerPage() const;
@@ -59,8 +63,8 @@ public:
   Status FindOverlapping(
     ValueKey low, ValueKey high, const Visitor& visit, PageStatistics& statistics) const;
 
-  /// Reads every page and follows every reference. Ok if all checksums match and the tree contains
-  /// as many intervals as its header says.
+  /// Reads every page and follows every reference. Ok if all checksums match and every query gives
+  /// what the intervals demand (IntervalTreeVerification).
   Status Verify(PageStatistics& statistics) const;
 
 private:

@@ -106,6 +106,7 @@ Status ExternalIntervalTreeBuilder::Write(const std::string& path)
   }
   IntervalTreeHeader header;
   header.Count = this->Count;
+  header.Identity = this->Identity;
   header.Root = *root;
   header.Minimum = this->Minimum;
   header.Maximum = this->Maximum;

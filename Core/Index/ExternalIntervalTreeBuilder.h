@@ -44,6 +44,10 @@ public:
   ExternalIntervalTreeBuilder(const ExternalIntervalTreeBuilder&) = delete;
   ExternalIntervalTreeBuilder& operator=(const ExternalIntervalTreeBuilder&) = delete;
 
+  /// A number that the file keeps in its sealed header. A reader that knows which one to expect
+  /// finds out about a file that is whole but of something else.
+  void SetIdentity(std::uint64_t identity) { this->Identity = identity; }
+
   Status Add(const KeyInterval& interval);
   /// Writes the tree. Called once, last.
   Status Finish();
@@ -59,6 +63,7 @@ private:
   std::size_t MemoryLimit;
   std::uint32_t PageSize;
   std::uint64_t Count = 0;
+  std::uint64_t Identity = 0;
   ValueKey Minimum; ///< of all intervals
   ValueKey Maximum;
   std::unique_ptr<IntervalSorter> Sorter;

@@ -20,7 +20,9 @@ namespace isosurface
 //     | 16 | minimum of all intervals (uint64)  a query outside this   |
 //     | 24 | maximum of all intervals (uint64)  range reads no page    |
 //     | 32 | root: subtree reference (12)                              |
-//     | 44 | zeros                                                     |
+//     | 44 | zeros (uint32)                                            |
+//     | 48 | identity of what the intervals are of (uint64)            |
+//     | 56 | zeros                                                     |
 //     +----+-----------------------------------------------------------+
 //
 // A list reference is 10 bytes, a subtree reference 12:
@@ -301,8 +303,9 @@ PagedFile::ClientArea IntervalTreeHeader::Encode() const
   StoreLittleEndian(&bytes[8], this->Count);
   StoreLittleEndian(&bytes[16], this->Minimum);
   StoreLittleEndian(&bytes[24], this->Maximum);
-  static_assert(32 + SubtreeSize <= PagedFile::ClientAreaSize, "the header fits its area");
+  static_assert(32 + SubtreeSize <= 48, "the root ends before the identity");
   StoreSubtree(&bytes[32], this->Root);
+  StoreLittleEndian(&bytes[48], this->Identity);
   return bytes;
 }
 
@@ -322,6 +325,7 @@ Result<IntervalTreeHeader> IntervalTreeHeader::Decode(const PagedFileReader& fil
   header.Minimum = LoadLittleEndian<ValueKey>(&bytes[16]);
   header.Maximum = LoadLittleEndian<ValueKey>(&bytes[24]);
   header.Root = LoadSubtree(&bytes[32]);
+  header.Identity = LoadLittleEndian<std::uint64_t>(&bytes[48]);
   if (version == 0 || header.Count != header.Root.List.Count ||
     !IsSubtreeValid(header.Root, file.GetPageCount(), IntervalTreeFormat::HeightLimit,
       IntervalTreeFormat::GetRecordsPerPage(file.GetPayloadSize())))

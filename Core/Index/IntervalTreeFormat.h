@@ -96,7 +96,8 @@ struct IntervalTreeNode
 /// The client area of page 0.
 struct IntervalTreeHeader
 {
-  std::uint64_t Count = 0; ///< intervals in the tree
+  std::uint64_t Count = 0;    ///< intervals in the tree
+  std::uint64_t Identity = 0; ///< of what the intervals are of, as the tree's writer says
   IntervalSubtree Root;
   ValueKey Minimum = std::numeric_limits<ValueKey>::max(); ///< of all intervals
   ValueKey Maximum = 0;

@@ -5,11 +5,24 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace isosurface
 {
+namespace
+{
+
+/// An error of the extraction itself does not know what file its blocks are from.
+Status NameVolume(const BlockedVolume& volume, const Status& status)
+{
+  const bool isNamed = status.IsOk() || status.GetCode() == StatusCode::Aborted ||
+    status.GetMessage().find(volume.GetPath()) != std::string::npos;
+  return isNamed ? status : Status(status.GetCode(), volume.GetPath() + ": " + status.GetMessage());
+}
+
+} // namespace
 
 Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome)
 {
@@ -27,7 +40,7 @@ Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice
   auto extracted = ExtractSurface(task.Volume.GetHeader().Grid.Coarsen(choice.Level), source,
     task.Request, task.Threads, task.Advance);
   reading.Add(source.GetStatistics());
-  ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(NameVolume(task.Volume, extracted.GetStatus()));
   outcome.Extracted = std::move(*extracted);
   if (choice.Work.Blocks > 0)
   {
@@ -43,8 +56,12 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
   const Task& task, int finest, Outcome& outcome)
 {
   QueryStatistics& reading = outcome.Cost.Reading;
-  if (budget.Seconds > 0 && !this->Rate.IsKnown())
+  // A rank that has had no active blocks knows nothing yet, so that all have to agree.
+  std::vector<std::uint64_t> isUnknown = { this->Rate.IsKnown() ? 0U : 1U };
+  ranks.ReduceMaximum(isUnknown);
+  if (budget.Seconds > 0 && isUnknown.front() != 0 && !this->HasProbed)
   {
+    this->HasProbed = true;
     // A coarse level costs little, and shows the speed of this machine.
     const auto probe = ChooseLevel(
       task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);

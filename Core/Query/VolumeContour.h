@@ -49,6 +49,7 @@ public:
 
 private:
   ExtractionRate Rate;
+  bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
 };
 
 } // namespace isosurface

@@ -41,7 +41,7 @@ std::uint64_t BlockDirectoryEntry::FindSegment(std::size_t segment) const
 }
 
 Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, std::size_t segments,
-  const std::vector<BlockDirectoryEntry>& entries)
+  std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries)
 {
   auto file = PagedFileWriter::Create(fileSystem, path, ChoosePageSize(segments), DirectoryKind);
   if (!file.IsOk())
@@ -77,6 +77,7 @@ Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, st
   PagedFile::ClientArea area = {};
   StoreLittleEndian(area.data(), static_cast<std::uint64_t>(entries.size()));
   StoreLittleEndian(area.data() + 8, static_cast<std::uint32_t>(segments));
+  StoreLittleEndian(area.data() + 16, identity);
   return writer.Finish(area);
 }
 
@@ -89,7 +90,8 @@ BlockDirectory::BlockDirectory(
 }
 
 Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSystem,
-  const std::string& path, std::uint64_t entries, std::size_t segments, std::size_t cacheBytes)
+  const std::string& path, std::uint64_t entries, std::size_t segments, std::uint64_t identity,
+  std::size_t cacheBytes)
 {
   auto file = fileSystem.OpenForReading(path);
   if (!file.IsOk())
@@ -107,6 +109,10 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
     LoadLittleEndian<std::uint32_t>(area + 8) != segments)
   {
     return pages.MakeCorrupt(0, "its numbers of blocks and segments are not those of the header");
+  }
+  if (LoadLittleEndian<std::uint64_t>(area + 16) != identity)
+  {
+    return pages.MakeCorrupt(0, "it is the directory of another store or time step");
   }
   const std::size_t perPage = pages.GetPayloadSize() / GetEntrySize(segments);
   if (perPage == 0 ||

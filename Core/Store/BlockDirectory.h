@@ -38,8 +38,10 @@ struct BlockDirectoryEntry
  *     +----+------------------------------+  +----+-------------------------------------------+
  *     |  0 | number of entries   (uint64) |  |  0 | block index                      (uint64) |
  *     |  8 | segments an entry s (uint32) |  |  8 | offset of the record in `blocks` (uint64) |
- *     | 12 | zeros                        |  | 16 | bytes stored of each segment (s x uint32) |
- *     +----+------------------------------+  +----+-------------------------------------------+
+ *     | 12 | zeros (uint32)               |  | 16 | bytes stored of each segment (s x uint32) |
+ *     | 16 | store's checksum    (uint64) |  +----+-------------------------------------------+
+ *     | 24 | zeros                        |
+ *     +----+------------------------------+
  */
 class BlockDirectory
 {
@@ -47,12 +49,15 @@ public:
   /// The maximum number of segments (components times levels) of an entry, by the page size.
   static constexpr std::size_t MaximumSegments = (16384 - PagedFile::ChecksumSize - 16) / 4;
 
+  /// `identity`: the checksum of the store, which the header has too.
   static Status Write(FileSystem& fileSystem, const std::string& path, std::size_t segments,
-    const std::vector<BlockDirectoryEntry>& entries);
+    std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries);
 
-  /// Reads page 0. Corrupt if the file has other numbers of entries or segments.
+  /// Reads page 0. Corrupt if the file has other numbers of entries or segments, or is that of
+  /// another store.
   static Result<std::unique_ptr<BlockDirectory>> Open(FileSystem& fileSystem,
-    const std::string& path, std::uint64_t entries, std::size_t segments, std::size_t cacheBytes);
+    const std::string& path, std::uint64_t entries, std::size_t segments, std::uint64_t identity,
+    std::size_t cacheBytes);
 
   std::uint64_t GetCount() const { return this->Count; }
   const std::string& GetPath() const { return this->File->GetPath(); }

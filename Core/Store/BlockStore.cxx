@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockStore.h"
 
+#include "Base/Checksum.h"
+#include "Base/Coding.h"
 #include "Record/BlockRecord.h"
 #include "Record/RecordCodec.h"
 
@@ -50,9 +52,18 @@ std::string BlockStore::GetTreePath(
   return name + ".tree";
 }
 
-BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header)
+std::uint64_t BlockStore::GetTreeIdentity(const StoreDescription& description, std::size_t variable)
+{
+  std::uint8_t bytes[8];
+  StoreLittleEndian(bytes, description.Checksum);
+  return ComputeChecksum(bytes, sizeof(bytes), variable);
+}
+
+BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header,
+  const StoreDescription& description)
   : Files(files)
   , Folder(std::move(folder))
+  , Description(description)
   , Variables(header.GetVariables())
   , Grid(header.GetBlockGrid())
   , Trees(Variables.GetCount())
@@ -66,7 +77,7 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   {
     return Status(StatusCode::NotFound, folder + ": this store of the blocked volume is missing");
   }
-  std::shared_ptr<BlockStore> store(new BlockStore(files, folder, header));
+  std::shared_ptr<BlockStore> store(new BlockStore(files, folder, header, description));
   auto blocks = files.OpenForReading(GetBlocksPath(folder));
   if (!blocks.IsOk())
   {
@@ -82,13 +93,25 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
     store->Variables.GetNumberOfStored() *
       static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
-    PageCacheBytes);
+    description.Checksum, PageCacheBytes);
   if (!directory.IsOk())
   {
     return directory.GetStatus();
   }
   store->Directory = std::move(*directory);
   return store;
+}
+
+Status BlockStore::CheckTree(
+  const ExternalIntervalTree& tree, const StoreDescription& description, std::size_t variable)
+{
+  if (tree.GetCount() != description.Blocks)
+  {
+    return tree.MakeCorrupt("has another number of intervals than the store has blocks");
+  }
+  return tree.GetIdentity() == GetTreeIdentity(description, variable)
+    ? Status::Ok()
+    : tree.MakeCorrupt("it is the tree of another store, array, component or time step");
 }
 
 Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
@@ -103,11 +126,7 @@ Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
     {
       return opened.GetStatus();
     }
-    if ((*opened)->GetCount() != this->GetNumberOfBlocks())
-    {
-      return Status(
-        StatusCode::Corrupt, path + ": has another number of intervals than the store has blocks");
-    }
+    ISOSURFACE_RETURN_IF_ERROR(CheckTree(**opened, this->Description, variable));
     tree = std::move(*opened);
   }
   return const_cast<const ExternalIntervalTree*>(tree.get());

@@ -45,6 +45,13 @@ public:
   static std::string GetTreePath(
     const std::string& folder, const ArrayVariables& variables, std::size_t variable);
 
+  /// What a tree of a variable has in its header: it belongs to the records of this store of this
+  /// time step, whose checksum the description has, and to the variable.
+  static std::uint64_t GetTreeIdentity(const StoreDescription& description, std::size_t variable);
+  /// Corrupt unless the tree is that of the store and the variable.
+  static Status CheckTree(
+    const ExternalIntervalTree& tree, const StoreDescription& description, std::size_t variable);
+
   /// Opens the records and the directory. NotFound if the folder is missing, Corrupt if the files
   /// do not fit `description`.
   static Result<std::shared_ptr<BlockStore>> Open(FileSystem& files, const std::string& folder,
@@ -90,7 +97,8 @@ public:
   void Prefetch(const std::vector<ByteRange>& ranges) const;
 
 private:
-  BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header);
+  BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header,
+    const StoreDescription& description);
   Result<const ExternalIntervalTree*> GetTree(std::size_t variable);
   Status MakeError(StatusCode code, const std::string& reason) const;
   Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
@@ -100,6 +108,7 @@ private:
 
   FileSystem& Files;
   std::string Folder;
+  StoreDescription Description;
   ArrayVariables Variables;
   BlockGrid Grid;
   std::unique_ptr<RandomAccessFile> Blocks;

@@ -90,6 +90,11 @@ const BlockedVolumeHeader& BlockedVolume::GetHeader() const
   return this->Stores->GetHeader();
 }
 
+std::uint64_t BlockedVolume::GetFingerprint() const
+{
+  return this->Stores->GetFingerprint();
+}
+
 const ArrayVariables& BlockedVolume::GetVariables() const
 {
   return this->Stores->GetVariables();

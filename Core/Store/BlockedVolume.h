@@ -48,6 +48,9 @@ public:
 
   const std::string& GetPath() const;
   const BlockedVolumeHeader& GetHeader() const;
+  /// Differs between volumes with different headers: other contents, another write (whose time
+  /// steps are in other folders), another number of time steps. It does not depend on the path.
+  std::uint64_t GetFingerprint() const;
   /// The components and magnitudes that can be contoured and read.
   const ArrayVariables& GetVariables() const;
   /// The volume's own blocks, which have its finest levels.

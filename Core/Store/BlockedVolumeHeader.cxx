@@ -43,15 +43,8 @@ Status ValidateGrid(const GridGeometry& grid)
   {
     return MakeMemberError("grid.extent", "has more than 2^60 vertices");
   }
-  bool isFinite = true;
-  for (std::size_t axis = 0; axis < 9; ++axis)
-  {
-    isFinite = isFinite && std::isfinite(grid.Direction[axis]) &&
-      std::isfinite(grid.Origin[axis % 3]) && std::isfinite(grid.Spacing[axis % 3]);
-  }
-  return isFinite
-    ? Status::Ok()
-    : MakeMemberError("grid", "has an origin, spacing or direction that is not finite");
+  const char* fault = grid.FindFault();
+  return fault ? MakeMemberError("grid", fault) : Status::Ok();
 }
 
 Status ValidateStores(
@@ -101,7 +94,7 @@ Status ValidateOverviews(const BlockedVolumeHeader& header)
     const OverviewDescription& overview = header.Overviews[index];
     if (overview.NumberOfLevels < 1 ||
       overview.NumberOfLevels > GetMaximumNumberOfLevels(header.BlockSize) ||
-      overview.NumberOfStores < 1 || overview.NumberOfStores > MaximumStores)
+      overview.NumberOfStores < 1 || overview.NumberOfStores > header.NumberOfStores)
     {
       return MakeMemberError("overviews", "has impossible numbers of levels or stores");
     }
@@ -164,9 +157,12 @@ Status BlockedVolumeHeader::ValidateVolume() const
   {
     return MakeMemberError("blockSize", "gives more than 2^32 blocks");
   }
-  if (this->NumberOfStores < 1 || this->NumberOfStores > MaximumStores)
+  const std::int64_t storeLimit = GetStoreLimit(this->Grid, this->BlockSize);
+  if (this->NumberOfStores < 1 || this->NumberOfStores > storeLimit)
   {
-    return MakeMemberError("stores", "is not from 1 to " + std::to_string(MaximumStores));
+    return MakeMemberError("stores",
+      "is not from 1 to " + std::to_string(storeLimit) +
+        ", which is the maximum for so few blocks: " + std::to_string(this->NumberOfStores));
   }
   if (!this->Compression.IsValid())
   {
@@ -220,6 +216,12 @@ Status BlockedVolumeHeader::Validate() const
     before = &step;
   }
   return ValidateOverviews(*this);
+}
+
+std::int64_t BlockedVolumeHeader::GetStoreLimit(const GridGeometry& grid, int blockSize)
+{
+  const std::int64_t blocks = BlockGrid(grid.GetDimensions(), blockSize).GetNumberOfBlocks();
+  return std::min(MaximumStores, std::max(StoresOfAnyVolume, blocks));
 }
 
 BlockGrid BlockedVolumeHeader::GetBlockGrid() const

@@ -71,8 +71,10 @@ struct TimeStepDescription
 struct BlockedVolumeHeader
 {
   static constexpr std::int64_t FormatVersion = 1;
-  static constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 30;
+  static constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 28;
   static constexpr std::int64_t MaximumStores = 1 << 20;
+  /// A volume may have so many stores, even if it has fewer blocks.
+  static constexpr std::int64_t StoresOfAnyVolume = 4096;
   static constexpr std::int64_t MaximumCoordinate = std::int64_t{ 1 } << 40;
 
   GridGeometry Grid;
@@ -97,6 +99,11 @@ struct BlockedVolumeHeader
 
   /// The blocks of the volume, with the levels that their records hold.
   BlockGrid GetBlockGrid() const;
+
+  /// The maximum of NumberOfStores: MaximumStores, and either one for each block or
+  /// StoresOfAnyVolume. Each costs files and memory, so that a small volume in many stores is a
+  /// mistake, or meant to do harm.
+  static std::int64_t GetStoreLimit(const GridGeometry& grid, int blockSize);
 
   /// The header of an overview (from 0) as a volume of its own. The folders of its time steps are
   /// those of the overview; it has no overviews itself.

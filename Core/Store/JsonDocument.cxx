@@ -5,7 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace isosurface
@@ -53,6 +55,44 @@ bool IsTooDeep(const std::string& text)
   return false;
 }
 
+/// Whether the last member of the text is the checksum of the bytes before it.
+bool HasChecksum(const std::string& text)
+{
+  const std::size_t covered = text.rfind(ChecksumName);
+  const std::size_t quote =
+    covered == std::string::npos ? covered : text.find('"', covered + std::strlen(ChecksumName));
+  return quote != std::string::npos &&
+    text.compare(quote + 1, 16, FormatChecksum(ComputeChecksum(text.data(), covered))) == 0;
+}
+
+/// Whether the text from `covered` on is the last member and the end of the object, and nothing
+/// else: what the checksum does not cover must not say anything.
+bool IsPlainEnd(const std::string& text, std::size_t covered)
+{
+  std::size_t at = covered;
+  const auto take = [&](const std::string& expected)
+  {
+    const bool isThere = text.compare(at, expected.size(), expected) == 0;
+    at += isThere ? expected.size() : 0;
+    return isThere;
+  };
+  const auto skip = [&](const char* characters)
+  { at = std::min(text.find_first_not_of(characters, at), text.size()); };
+  constexpr const char* space = " \t\r\n";
+  bool isPlain = take(ChecksumName);
+  skip(space);
+  isPlain = isPlain && take(":");
+  skip(space);
+  isPlain = isPlain && take("\"");
+  skip("0123456789abcdef");
+  isPlain = isPlain && take("\"");
+  skip(space);
+  isPlain = isPlain && take("}");
+  take("\r");
+  take("\n");
+  return isPlain && at == text.size();
+}
+
 } // namespace
 
 std::string FormatChecksum(std::uint64_t checksum)
@@ -84,6 +124,13 @@ std::string FormatDocument(Json object)
 Result<Json> ParseDocument(
   const std::string& text, const std::string& path, const std::string& format, std::int64_t version)
 {
+  // A large text is not worth the work of parsing unless its checksum is right; of a small one,
+  // what is wrong can be said more clearly.
+  constexpr std::size_t small = std::size_t{ 1 } << 20;
+  if (text.size() > small && !HasChecksum(text))
+  {
+    return Status(StatusCode::Corrupt, path + ": has a wrong checksum");
+  }
   Json document = IsTooDeep(text) ? Json() : Json::parse(text, nullptr, false);
   if (document.is_discarded() || !document.is_object())
   {
@@ -111,6 +158,10 @@ Result<Json> ParseDocument(
   if (covered == std::string::npos || ComputeChecksum(text.data(), covered) != expected)
   {
     return Status(StatusCode::Corrupt, path + ": has a wrong checksum");
+  }
+  if (!IsPlainEnd(text, covered))
+  {
+    return Status(StatusCode::Corrupt, path + ": has something behind its checksum");
   }
   document.erase(ChecksumMember);
   return document;

@@ -17,7 +17,7 @@ namespace
 
 constexpr char Magic[] = "ISOSPECT";
 constexpr std::uint32_t FormatVersion = 1;
-constexpr std::size_t FixedSize = 24;
+constexpr std::size_t FixedSize = 32;
 constexpr std::size_t ArraySize = 32;
 constexpr std::size_t ChecksumSize = 8;
 constexpr std::int32_t MaximumExponent = 1100;
@@ -59,13 +59,14 @@ SpectraFile::Section SpectraFile::Pack(const WorkloadSpectrum& spectrum)
   return section;
 }
 
-Status SpectraFile::Write(FileSystem& files, const std::string& path,
+Status SpectraFile::Write(FileSystem& files, const std::string& path, std::uint64_t identity,
   const std::vector<WorkloadSpectrum>& totals, const std::vector<Section>& stores)
 {
   std::vector<std::uint8_t> header(Magic, Magic + 8);
   AppendLittleEndian(header, FormatVersion);
   AppendLittleEndian(header, static_cast<std::uint32_t>(totals.size()));
   AppendLittleEndian(header, static_cast<std::uint64_t>(stores.size() / totals.size()));
+  AppendLittleEndian(header, identity);
   std::vector<Section> packedTotals;
   std::vector<const Section*> sections;
   for (const WorkloadSpectrum& total : totals)
@@ -106,8 +107,8 @@ Status SpectraFile::Write(FileSystem& files, const std::string& path,
   return (*file)->SyncAndClose();
 }
 
-Result<std::unique_ptr<SpectraFile>> SpectraFile::Open(
-  FileSystem& files, const std::string& path, std::size_t variables, std::size_t stores)
+Result<std::unique_ptr<SpectraFile>> SpectraFile::Open(FileSystem& files, const std::string& path,
+  std::uint64_t identity, std::size_t variables, std::size_t stores)
 {
   auto opened = files.OpenForReading(path);
   if (!opened.IsOk())
@@ -144,6 +145,10 @@ Result<std::unique_ptr<SpectraFile>> SpectraFile::Open(
   ISOSURFACE_RETURN_IF_ERROR(file.Read(0, size, header.data()));
   spectra->Empty.resize(variables);
   ISOSURFACE_RETURN_IF_ERROR(spectra->ParseHeader(header, file.GetSize()));
+  if (LoadLittleEndian<std::uint64_t>(header.data() + 24) != identity)
+  {
+    return fail(StatusCode::Corrupt, "has the spectra of another time step or volume");
+  }
   return spectra;
 }
 

@@ -24,12 +24,13 @@ namespace isosurface
  *     |    8 | format version 1            (uint32) |    | 0 | checksum of the rest,        |
  *     |   12 | number of variables A       (uint32) |    |   | seeded by s         (uint64) |
  *     |   16 | number of stores D          (uint64) |    | 8 | triangles                    |
- *     |   24 | per variable: first edge     (int64) |    |   | active cells                 |
- *     |      |   exponent                   (int32) |    |   | active blocks                |
- *     |      |   number of bins n          (uint32) |    |   | bytes                        |
- *     |      |   unit of area             (float64) |    |   | area, in units               |
- *     |      |   unit of volume           (float64) |    |   | volume, in units             |
- *     | 24 + | per section: its end in              |    +---+------------------------------+
+ *     |   24 | identity of the time step   (uint64) |    |   | active cells                 |
+ *     |   32 | per variable: first edge     (int64) |    |   | active blocks                |
+ *     |      |   exponent                   (int32) |    |   | bytes                        |
+ *     |      |   number of bins n          (uint32) |    |   | area, in units               |
+ *     |      |   unit of area             (float64) |    |   | volume, in units             |
+ *     |      |   unit of volume           (float64) |    +---+------------------------------+
+ *     | 32 + | per section: its end in              |
  *     | 32 A |   the file, A (D + 1) times (uint64) |    n counts each, as PackedCounts.h has
  *     |      | checksum of all above       (uint64) |    them
  *     |      | the sections                         |
@@ -45,14 +46,15 @@ public:
   /// The counts of a spectrum: a section without its checksum.
   static Section Pack(const WorkloadSpectrum& spectrum);
 
-  /// Writes the file: totals[variable], stores[variable + A * store].
-  static Status Write(FileSystem& files, const std::string& path,
+  /// Writes the file: totals[variable], stores[variable + A * store]. `identity`: that of the time
+  /// step whose spectra they are.
+  static Status Write(FileSystem& files, const std::string& path, std::uint64_t identity,
     const std::vector<WorkloadSpectrum>& totals, const std::vector<Section>& stores);
 
-  /// Reads all but the sections. Corrupt if the file has other numbers of variables or stores,
-  /// Unsupported if it is of a newer version.
-  static Result<std::unique_ptr<SpectraFile>> Open(
-    FileSystem& files, const std::string& path, std::size_t variables, std::size_t stores);
+  /// Reads all but the sections. Corrupt if the file has other numbers of variables or stores, or
+  /// another identity; Unsupported if it is of a newer version.
+  static Result<std::unique_ptr<SpectraFile>> Open(FileSystem& files, const std::string& path,
+    std::uint64_t identity, std::size_t variables, std::size_t stores);
 
   /// Each by one read. The path must still lead to the same file.
   Result<WorkloadSpectrum> ReadTotal(std::size_t variable) const

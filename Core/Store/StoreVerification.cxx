@@ -62,7 +62,8 @@ Status StoreVerification::OpenFiles()
         std::to_string(this->Description.Bytes) + " that the header states"));
   }
   auto directory = BlockDirectory::Open(this->Files, BlockStore::GetDirectoryPath(this->Folder),
-    this->Description.Blocks, this->Segments, BlockStore::PageCacheBytes);
+    this->Description.Blocks, this->Segments, this->Description.Checksum,
+    BlockStore::PageCacheBytes);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   this->Directory = std::move(*directory);
   return Status::Ok();
@@ -94,11 +95,7 @@ Status StoreVerification::ReadTree(std::size_t variable, std::vector<KeyRange>& 
   ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
   PageStatistics pages;
   ISOSURFACE_RETURN_IF_ERROR((*tree)->Verify(pages));
-  if ((*tree)->GetCount() != this->Description.Blocks)
-  {
-    return Status(
-      StatusCode::Corrupt, path + ": has another number of intervals than the store has blocks");
-  }
+  ISOSURFACE_RETURN_IF_ERROR(BlockStore::CheckTree(**tree, this->Description, variable));
   bool isKnown = true;
   ranges.resize(static_cast<std::size_t>(this->Description.Blocks));
   ISOSURFACE_RETURN_IF_ERROR((*tree)->FindOverlapping(

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/VolumeSpectra.h"
 
-#include "Store/BlockedVolumeHeader.h"
+#include "Base/Checksum.h"
+#include "Base/Coding.h"
 
 #include <utility>
 
@@ -22,12 +23,22 @@ std::string VolumeSpectra::GetPath(const std::string& volumePath, const std::str
   return GetStoresFolder(volumePath) + "/" + generation + "/spectra";
 }
 
+std::uint64_t VolumeSpectra::GetIdentity(const TimeStepDescription& step)
+{
+  std::vector<std::uint8_t> checksums;
+  for (const StoreDescription& store : step.Stores)
+  {
+    AppendLittleEndian(checksums, store.Checksum);
+  }
+  return ComputeChecksum(checksums.data(), checksums.size());
+}
+
 Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& files,
-  const std::string& volumePath, const std::string& generation, std::size_t variables,
-  std::size_t stores)
+  const std::string& volumePath, const TimeStepDescription& step, std::size_t variables)
 {
   auto result = std::make_shared<VolumeSpectra>();
-  auto file = SpectraFile::Open(files, GetPath(volumePath, generation), variables, stores);
+  auto file = SpectraFile::Open(
+    files, GetPath(volumePath, step.Folder), GetIdentity(step), variables, step.Stores.size());
   if (!file.IsOk())
   {
     return file.GetStatus();

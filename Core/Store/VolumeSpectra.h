@@ -5,6 +5,7 @@
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
 #include "Partition/WorkloadSpectrum.h"
+#include "Store/BlockedVolumeHeader.h"
 #include "Store/SpectraFile.h"
 
 #include <cstddef>
@@ -28,10 +29,12 @@ public:
   /// The file of a time step.
   static std::string GetPath(const std::string& volumePath, const std::string& generation);
 
+  /// What the file has in its header: it belongs to these stores, whose checksums are known.
+  static std::uint64_t GetIdentity(const TimeStepDescription& step);
+
   /// Reads the spectra of the whole volume from a time step's folder.
   static Result<std::shared_ptr<const VolumeSpectra>> Read(FileSystem& files,
-    const std::string& volumePath, const std::string& generation, std::size_t variables,
-    std::size_t stores);
+    const std::string& volumePath, const TimeStepDescription& step, std::size_t variables);
 
   const Spectrum& GetTotal(std::size_t variable) const { return this->Totals[variable]; }
   /// Reads the spectrum of a store.

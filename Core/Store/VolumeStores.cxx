@@ -48,6 +48,7 @@ VolumeStores::VolumeStores(
   : Path(std::move(path))
   , Files(files)
   , HeaderText(std::move(text))
+  , Fingerprint(ComputeChecksum(HeaderText.data(), HeaderText.size()))
   , Variables(header.GetVariables())
 {
   this->AddPart(header);
@@ -99,6 +100,11 @@ Status VolumeStores::CheckNotRewritten(std::size_t timeStep) const
   if (text.IsOk() && *text == this->HeaderText)
   {
     return Status::Ok();
+  }
+  if (!text.IsOk() && text.GetStatus().GetCode() != StatusCode::NotFound)
+  {
+    // No descriptors, no permission: nobody knows whether it was rewritten.
+    return text.GetStatus();
   }
   if (text.IsOk())
   {
@@ -155,8 +161,8 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
   std::shared_ptr<const VolumeSpectra>& kept = this->Spectra[part][timeStep];
   if (!kept)
   {
-    auto spectra = VolumeSpectra::Read(this->Files, this->Path, header.TimeSteps[timeStep].Folder,
-      this->Variables.GetCount(), header.NumberOfStores);
+    auto spectra = VolumeSpectra::Read(
+      this->Files, this->Path, header.TimeSteps[timeStep], this->Variables.GetCount());
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     if (!spectra.IsOk())
     {

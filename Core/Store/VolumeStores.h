@@ -47,6 +47,8 @@ public:
 
   const std::string& GetPath() const { return this->Path; }
   const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
+  /// The checksum of the header's text.
+  std::uint64_t GetFingerprint() const { return this->Fingerprint; }
   const ArrayVariables& GetVariables() const { return this->Variables; }
 
   /// The volume, then its overviews from the finest to the coarsest.
@@ -78,6 +80,7 @@ private:
   std::string Path;
   FileSystem& Files;
   std::string HeaderText;
+  std::uint64_t Fingerprint;
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;
 

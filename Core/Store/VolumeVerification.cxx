@@ -87,8 +87,7 @@ private:
   Status CheckSpectra(const BlockedVolumeHeader& header, const TimeStepDescription& step)
   {
     const std::size_t variables = header.GetVariables().GetCount();
-    const auto spectra =
-      VolumeSpectra::Read(this->Files, this->Path, step.Folder, variables, header.NumberOfStores);
+    const auto spectra = VolumeSpectra::Read(this->Files, this->Path, step, variables);
     if (!spectra.IsOk())
     {
       return spectra.GetStatus();

@@ -2,6 +2,8 @@
 #include "Volume/GridGeometry.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 
 namespace isosurface
 {
@@ -49,6 +51,36 @@ GridGeometry GridGeometry::Coarsen(int level) const
     coarse.Spacing[axis] *= static_cast<double>(std::int64_t{ 1 } << level);
   }
   return coarse;
+}
+
+const char* GridGeometry::FindFault() const
+{
+  const auto areFinite = [](const auto& numbers)
+  {
+    return std::all_of(
+      numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+  };
+  if (!areFinite(this->Origin) || !areFinite(this->Spacing) || !areFinite(this->Direction))
+  {
+    return "has an origin, spacing or direction that is not finite";
+  }
+  if (std::count(this->Spacing.begin(), this->Spacing.end(), 0.0) > 0)
+  {
+    return "has a spacing of 0";
+  }
+  // The determinant of the directions of length 1 is the volume that they span, from 0 to 1.
+  double scale = 1;
+  const std::array<double, 9>& d = this->Direction;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    scale *= std::hypot(d[axis], d[3 + axis], d[6 + axis]);
+  }
+  const double determinant = d[0] * (d[4] * d[8] - d[5] * d[7]) -
+    d[1] * (d[3] * d[8] - d[5] * d[6]) + d[2] * (d[3] * d[7] - d[4] * d[6]);
+  constexpr double flat = 1e-10;
+  return std::abs(determinant) > flat * scale && std::isfinite(scale)
+    ? nullptr
+    : "has directions that lie in a plane";
 }
 
 bool GridGeometry::operator==(const GridGeometry& other) const

@@ -32,6 +32,10 @@ struct GridGeometry
   /// extent begins at 0 and its origin is this grid's first vertex.
   GridGeometry Coarsen(int level) const;
 
+  /// Why vertices have no places that can be told apart: an origin, spacing or direction that is not
+  /// finite, a spacing of 0, directions that lie in a plane. Null if they have.
+  const char* FindFault() const;
+
   bool operator==(const GridGeometry& other) const;
   bool operator!=(const GridGeometry& other) const { return !(*this == other); }
 };

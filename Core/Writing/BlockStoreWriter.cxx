@@ -58,19 +58,21 @@ Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variable
   for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
     const std::string path = BlockStore::GetTreePath(this->Folder, variables, variable);
-    ISOSURFACE_RETURN_IF_ERROR(this->WriteTree(path, ranges[variable], memoryBytes));
+    ISOSURFACE_RETURN_IF_ERROR(this->WriteTree(
+      path, BlockStore::GetTreeIdentity(description, variable), ranges[variable], memoryBytes));
   }
-  ISOSURFACE_RETURN_IF_ERROR(BlockDirectory::Write(
-    this->Files, BlockStore::GetDirectoryPath(this->Folder), this->Segments, this->Entries));
+  ISOSURFACE_RETURN_IF_ERROR(BlockDirectory::Write(this->Files,
+    BlockStore::GetDirectoryPath(this->Folder), this->Segments, this->Checksum, this->Entries));
   ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->Folder));
   return description;
 }
 
-Status BlockStoreWriter::WriteTree(
-  const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
+Status BlockStoreWriter::WriteTree(const std::string& path, std::uint64_t identity,
+  const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
 {
   ExternalIntervalTreeBuilder builder(
     this->Files, path, std::max(memoryBytes, ExternalIntervalTreeBuilder::MinimumMemoryLimit));
+  builder.SetIdentity(identity);
   for (std::size_t ordinal = 0; ordinal < this->Entries.size(); ++ordinal)
   {
     const KeyRange& range = ranges[static_cast<std::size_t>(this->Entries[ordinal].Block)];

@@ -49,8 +49,8 @@ public:
 private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
     std::unique_ptr<WritableFile> blocksFile, std::size_t blocks);
-  Status WriteTree(
-    const std::string& path, const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
+  Status WriteTree(const std::string& path, std::uint64_t identity,
+    const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 
   FileSystem& Files;
   std::string Folder;

@@ -47,6 +47,7 @@ Status BlockedVolumeWriteJob::LockVolume()
   {
     return Status::Ok();
   }
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.Files.CheckRegular(this->Context.Path, "write"));
   auto lock = this->Context.Files.LockFolder(GetStoresFolder(this->Context.Path));
   if (lock.IsOk())
   {

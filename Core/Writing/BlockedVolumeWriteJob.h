@@ -40,8 +40,8 @@ public:
     const std::optional<BlockedVolumeHeader>& pending);
 
   /// The lock of the volume's folder, on rank 0. Run() takes it unless it is held already.
-  void HoldLock(std::unique_ptr<FolderLock> lock) { this->Lock = std::move(lock); }
-  std::unique_ptr<FolderLock> TakeLock() { return std::move(this->Lock); }
+  void HoldLock(std::unique_ptr<PathLock> lock) { this->Lock = std::move(lock); }
+  std::unique_ptr<PathLock> TakeLock() { return std::move(this->Lock); }
 
   /// After Run(): what was written, with the time steps before.
   const BlockedVolumeHeader& GetHeader() const { return this->Volume->GetHeader(); }
@@ -65,8 +65,8 @@ private:
   SlabSource& Source;
   Progress Tell;
   std::unique_ptr<GridWriter> Volume;
-  std::unique_ptr<FolderLock> Lock; ///< of rank 0
-  std::string NewFolder;            ///< of rank 0; empty until it is made
+  std::unique_ptr<PathLock> Lock; ///< of rank 0
+  std::string NewFolder;          ///< of rank 0; empty until it is made
   bool IsVisible = false;
   WriteStatistics Statistics;
 };

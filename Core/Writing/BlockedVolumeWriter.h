@@ -100,7 +100,7 @@ private:
   FileSystem& Files;
   std::string PendingPath;
   std::optional<BlockedVolumeHeader> Pending; ///< with time steps that are not published yet
-  std::unique_ptr<FolderLock> PendingLock;    ///< keeps other writers out meanwhile, on rank 0
+  std::unique_ptr<PathLock> PendingLock;      ///< keeps other writers out meanwhile, on rank 0
 };
 
 } // namespace isosurface

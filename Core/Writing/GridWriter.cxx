@@ -431,8 +431,8 @@ Status GridWriter::ShareSpectra()
       return this->Context.Rank != 0
         ? Status::Ok()
         : SpectraFile::Write(this->Context.Files,
-            VolumeSpectra::GetPath(this->Context.Path, this->GetStep().Folder), totals,
-            this->Spectra->Unpack(incoming));
+            VolumeSpectra::GetPath(this->Context.Path, this->GetStep().Folder),
+            VolumeSpectra::GetIdentity(this->GetStep()), totals, this->Spectra->Unpack(incoming));
     }));
 }
 

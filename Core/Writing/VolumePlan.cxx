@@ -123,6 +123,22 @@ Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(FileSystem& file
                          : existing.GetStatus();
 }
 
+namespace
+{
+
+/// One for each rank, as far as so many are allowed.
+std::uint32_t ChooseStores(
+  const GridGeometry& grid, const BlockedVolumeSettings& settings, std::size_t ranks)
+{
+  const bool isValid = IsBlockSize(settings.BlockSize) && grid.GetNumberOfVertices() > 0;
+  const std::int64_t limit = isValid ? BlockedVolumeHeader::GetStoreLimit(grid, settings.BlockSize)
+                                     : BlockedVolumeHeader::StoresOfAnyVolume;
+  return static_cast<std::uint32_t>(
+    std::min<std::uint64_t>(ranks, static_cast<std::uint64_t>(limit)));
+}
+
+} // namespace
+
 Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const BlockedVolumeSettings& settings,
   const std::optional<BlockedVolumeHeader>& existing, std::size_t ranks)
@@ -132,7 +148,7 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   header.BlockSize = settings.BlockSize;
   header.NumberOfStores = settings.NumberOfStores != 0 ? settings.NumberOfStores
     : existing                                         ? existing->NumberOfStores
-                                                       : static_cast<std::uint32_t>(ranks);
+                                                       : ChooseStores(grid, settings, ranks);
   header.Distribution = settings.Distribution;
   header.RandomSeed = settings.RandomSeed;
   header.Compression = settings.Compression;

@@ -48,19 +48,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   // The header promises what the directory says, within what a header can promise.
   std::uint64_t entries = 0;
   std::size_t segments = 1;
-  if (file.size() >= ClientAreaOffset + 12)
+  std::uint64_t identity = 0;
+  if (file.size() >= ClientAreaOffset + 24)
   {
     entries = LoadLittleEndian<std::uint64_t>(file.data() + ClientAreaOffset);
     segments =
       std::clamp<std::size_t>(LoadLittleEndian<std::uint32_t>(file.data() + ClientAreaOffset + 8),
         1, BlockDirectory::MaximumSegments);
+    identity = LoadLittleEndian<std::uint64_t>(file.data() + ClientAreaOffset + 16);
   }
   MemoryDisk disk;
   PutFile(disk, Path, std::move(file));
 
   // The cache, a page and one entry's lengths.
   const MemoryLimit limit(CacheBytes + std::size_t{ 128 } * 1024);
-  const auto directory = BlockDirectory::Open(disk, Path, entries, segments, CacheBytes);
+  const auto directory = BlockDirectory::Open(disk, Path, entries, segments, identity, CacheBytes);
   if (!directory.IsOk())
   {
     Require(directory.GetStatus().GetMessage().find(Path) == 0, "an error names the file");

@@ -25,6 +25,8 @@ const std::string Folder = "/data/store";
 constexpr std::size_t PrefixSize = 15;
 constexpr std::size_t PageSize = 4096;
 constexpr std::uint64_t BlockLimit = 4;
+/// Of the store, as the header states it.
+constexpr std::uint64_t Checksum = 5;
 
 BlockedVolumeHeader MakeHeader(const std::uint8_t* bytes)
 {
@@ -61,16 +63,19 @@ SealedBytes SealDirectory(SealedBytes file, std::uint64_t blocks, std::uint32_t 
   StoreLittleEndian(file.data() + 12, static_cast<std::uint32_t>(PageSize));
   StoreLittleEndian(file.data() + 32, blocks);
   StoreLittleEndian(file.data() + 40, segments);
+  StoreLittleEndian(file.data() + 48, Checksum);
   return SealPages(file.data(), file.size(), "BLOCKDIR");
 }
 
 /// The tree as one of as many intervals as there are blocks.
-SealedBytes SealTree(SealedBytes file, std::uint32_t blocks)
+SealedBytes SealTree(SealedBytes file, const StoreDescription& description, std::size_t variable)
 {
+  const auto blocks = static_cast<std::uint32_t>(description.Blocks);
   file.resize(std::max(file.size(), PageSize));
   StoreLittleEndian(file.data() + 12, static_cast<std::uint32_t>(PageSize));
   StoreLittleEndian(file.data() + 40, std::uint64_t{ blocks });
   StoreLittleEndian(file.data() + 70, blocks); // of the root
+  StoreLittleEndian(file.data() + 80, BlockStore::GetTreeIdentity(description, variable));
   return SealPages(file.data(), file.size(), "INTVTREE");
 }
 
@@ -159,16 +164,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (isSealed)
   {
     directory = SealDirectory(std::move(directory), blocks, segments);
-    tree = SealTree(std::move(tree), blocks);
     SealRecords(records, directory, grid, segments);
   }
   const std::size_t pageBytes = directory.size() + tree.size();
-  const StoreDescription description = { blocks, records.size(), 0 };
+  const StoreDescription description = { blocks, records.size(), Checksum };
   MemoryDisk disk;
   PutFile(disk, BlockStore::GetDirectoryPath(Folder), std::move(directory));
   const std::size_t last = variables.GetCount() - 1;
-  PutFile(disk, BlockStore::GetTreePath(Folder, variables, last), SealedBytes(tree));
-  PutFile(disk, BlockStore::GetTreePath(Folder, variables, 0), std::move(tree));
+  for (const std::size_t variable : { last, std::size_t{ 0 } })
+  {
+    PutFile(disk, BlockStore::GetTreePath(Folder, variables, variable),
+      isSealed ? SealTree(tree, description, variable) : tree);
+  }
   PutFile(disk, BlockStore::GetBlocksPath(Folder), std::move(records));
 
   // The page caches, a record's part and its samples, a query's node.

@@ -56,7 +56,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     isSealed ? SealPages(bytes + PrefixSize, size - PrefixSize, "INTVTREE")
              : SealedBytes(bytes + PrefixSize, bytes + size));
 
-  const MemoryLimit limit(QueryBytes + cacheBytes);
+  // A check of the tree has all intervals of a node, several times.
+  const MemoryLimit limit(QueryBytes + cacheBytes + 16 * size);
   const auto tree = ExternalIntervalTree::Open(disk, Path, cacheBytes);
   if (!tree.IsOk())
   {

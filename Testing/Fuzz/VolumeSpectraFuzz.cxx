@@ -6,6 +6,7 @@
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
+#include "Store/BlockedVolumeHeader.h"
 #include "Store/VolumeSpectra.h"
 
 #include <algorithm>
@@ -39,7 +40,10 @@ void ReadAndUse(const SealedBytes& file, std::size_t arrays, std::size_t stores)
   PutFile(disk, Path, file);
   // A section of few bytes may have many equal counts.
   const MemoryLimit limit(64 * file.size() + std::size_t{ 256 } * 1024 * (arrays + 1));
-  const auto spectra = VolumeSpectra::Read(disk, "/data/volume.bvol", "000001", arrays, stores);
+  TimeStepDescription step;
+  step.Folder = "000001";
+  step.Stores.resize(stores);
+  const auto spectra = VolumeSpectra::Read(disk, "/data/volume.bvol", step, arrays);
   if (!spectra.IsOk())
   {
     Require(spectra.GetStatus().GetMessage().find(Path) == 0, "an error names the file");
@@ -62,13 +66,16 @@ void ReadAndUse(const SealedBytes& file, std::size_t arrays, std::size_t stores)
 /// With the checksums of what is there of header and sections.
 SealedBytes SealSections(SealedBytes bytes, std::size_t arrays, std::size_t stores)
 {
-  const std::size_t table = 24 + 32 * arrays;
+  const std::size_t table = 32 + 32 * arrays;
   const std::size_t sections = arrays * (stores + 1);
   const std::size_t header = table + 8 * sections;
   if (bytes.size() < header + 8)
   {
     return bytes;
   }
+  TimeStepDescription step;
+  step.Stores.resize(stores);
+  StoreLittleEndian(bytes.data() + 24, VolumeSpectra::GetIdentity(step));
   StoreLittleEndian(bytes.data() + header, ComputeChecksum(bytes.data(), header));
   std::uint64_t begin = header + 8;
   for (std::size_t section = 0; section < sections; ++section)

@@ -245,6 +245,33 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
     }
   }
   GetRanks()->Barrier();
+  {
+    // No file name on one rank alone.
+    const int last = GetNumberOfRanks() - 1;
+    writer->SetFileName(GetRank() == last ? "" : path.c_str());
+    const ErrorCounter errors(writer);
+    EXPECT_EQ(writer->Write(), 0);
+    ASSERT_EQ(errors.Messages.size(), 1u);
+    EXPECT_NE(errors.Messages[0].find("No file name is set"), std::string::npos);
+  }
+  if (GetNumberOfRanks() > 1)
+  {
+    // Ranks that see different files under one path.
+    const std::string other = folder.GetPath("other.eix");
+    source->SetLayout(PieceSource::SUB_EXTENTS);
+    contour->SetValue(0, contour->GetValue(0) + 1);
+    writer->SetFileName(other.c_str());
+    ExpectSuccess(writer);
+    vtkNew<vtkEdgeIndexReader> reader;
+    const ErrorCounter errors(reader);
+    reader->SetFileName((GetRank() == 1 ? other : path).c_str());
+    reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    ASSERT_EQ(errors.Messages.size(), 1u);
+    EXPECT_NE(errors.Messages[0].find("different files under this path"), std::string::npos);
+    EXPECT_NE(errors.Messages[0].find("(rank 1 differs"), std::string::npos) << errors.Messages[0];
+    EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
+  }
+  GetRanks()->Barrier();
   if (GetRank() == 0)
   {
     FlipBit(path, 1200);

@@ -4,7 +4,10 @@
 #include "ParallelVolumes.h"
 
 #include "vtkCommand.h"
+#include "vtkDistributeIsosurface.h"
+#include "vtkEdgeIndexWriter.h"
 #include "vtkMultiProcessController.h"
+#include "vtkStabbingContour.h"
 
 #include "Store/BlockedVolumeHeader.h"
 
@@ -28,15 +31,17 @@ vtkSmartPointer<vtkImageData> MakeNewImage()
 
 const VolumeSettings Settings = { 16, 5, 0 };
 
-/// The folder that both programs know; not removed in between.
-std::string GetFolder()
+/// The folder that both programs know; not removed in between. Programs of other names may run at
+/// the same time.
+std::string GetFolder(const std::string& name = "")
 {
-  return std::filesystem::absolute("rank-death-" + std::to_string(GetNumberOfRanks())).string();
+  const std::string ranks = std::to_string(GetNumberOfRanks());
+  return std::filesystem::absolute("rank-death-" + name + ranks).string();
 }
 
-std::string GetVolume()
+std::string GetVolume(const std::string& name = "")
 {
-  return GetFolder() + "/volume.bvol";
+  return GetFolder(name) + "/volume.bvol";
 }
 
 std::ptrdiff_t CountFiles(const std::string& folder)
@@ -95,6 +100,70 @@ TEST(RankDeath, DISABLED_WhileAllWrite)
   {
     writer->AddObserver(vtkCommand::ProgressEvent, &death, &Death::Run);
   }
+  writer->Write();
+}
+
+namespace
+{
+
+/// A contour of a volume of its own. The last rank dies as soon as an algorithm tells of progress.
+struct MortalContour
+{
+  explicit MortalContour(const std::string& name)
+    : Pipeline(MakeVolume(name))
+  {
+    this->Pipeline.Contour->SetValue(0, 120.0);
+    this->Kill(this->Pipeline.Contour);
+  }
+
+  static std::string MakeVolume(const std::string& name)
+  {
+    if (GetRank() == 0)
+    {
+      std::filesystem::remove_all(GetFolder(name));
+      std::filesystem::create_directories(GetFolder(name));
+    }
+    GetRanks()->Barrier();
+    WriteFromPieces(MakeOldImage(), PieceSource::SUB_EXTENTS, GetVolume(name), Settings);
+    return GetVolume(name);
+  }
+
+  void Kill(vtkObject* algorithm)
+  {
+    if (GetRank() == GetNumberOfRanks() - 1)
+    {
+      algorithm->AddObserver(vtkCommand::ProgressEvent, &this->Now, &Death::Run);
+    }
+  }
+
+  Death Now{ 0.0 };
+  ContourPipeline Pipeline;
+};
+
+} // namespace
+
+TEST(RankDeath, DISABLED_WhileAllContour)
+{
+  MortalContour mortal("contour");
+  mortal.Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+}
+
+TEST(RankDeath, DISABLED_WhileAllDistribute)
+{
+  MortalContour mortal("distribute");
+  vtkNew<vtkDistributeIsosurface> distribute;
+  distribute->SetInputConnection(mortal.Pipeline.Contour->GetOutputPort());
+  mortal.Kill(distribute);
+  distribute->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+}
+
+TEST(RankDeath, DISABLED_WhileAllWriteAnEdgeIndexFile)
+{
+  MortalContour mortal("edge-index");
+  vtkNew<vtkEdgeIndexWriter> writer;
+  writer->SetInputConnection(mortal.Pipeline.Contour->GetOutputPort());
+  writer->SetFileName((GetFolder("edge-index") + "/surface.eix").c_str());
+  mortal.Kill(writer);
   writer->Write();
 }
 

@@ -5,6 +5,7 @@
 #include "VolumeDamage.h"
 
 #include "vtkBlockedVolumeReader.h"
+#include "vtkContourSpectrum.h"
 #include "vtkExecutive.h"
 #include "vtkMultiProcessController.h"
 #include "vtkPartitionedDataSet.h"
@@ -124,6 +125,93 @@ TEST(ReadErrorsOfOneRank, AreToldOnceByEveryRank)
       << testing::PrintToString(messages);
 
     listened.Pipeline.Reader->SetFileName(path.c_str());
+    listened.Pipeline.Reader->Modified();
+    EXPECT_EQ(listened.Update(), std::vector<std::string>());
+    EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);
+  }
+}
+
+// An empty folder on one rank in place of the dataset: the user changes the isovalue, and again.
+TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
+{
+  const SharedFolder folder("FurtherIsovalues");
+  const std::string path = folder.GetPath("volume.bvol");
+  const auto image = MakeNoisyImage();
+  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
+  {
+    ListenedPipeline listened(path);
+    const std::string wrong = folder.GetPath("empty/volume.bvol");
+    listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : path).c_str());
+    for (const double isovalue : { Isovalue, 90.0, 60.0 })
+    {
+      listened.Pipeline.Contour->SetValue(0, isovalue);
+      const std::vector<std::string> messages = listened.Update();
+      EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "empty/volume.bvol", "No such file" }))
+        << "at " << isovalue << ": " << testing::PrintToString(messages);
+      EXPECT_EQ(listened.GetNumberOfPolys(), 0);
+    }
+    listened.Pipeline.Reader->SetFileName(path.c_str());
+    listened.Pipeline.Reader->Modified(); // on all ranks, as a reload does
+    listened.Pipeline.Contour->SetValue(0, Isovalue);
+    EXPECT_EQ(listened.Update(), std::vector<std::string>());
+    EXPECT_EQ(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())),
+      SumOverRanks(CountTriangles(image)));
+  }
+}
+
+TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherSpectrum)
+{
+  const SharedFolder folder("FurtherSpectra");
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  const int last = GetNumberOfRanks() - 1;
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName((GetRank() == last ? folder.GetPath("wrong.bvol") : path).c_str());
+  vtkNew<vtkContourSpectrum> spectrum;
+  spectrum->SetInputConnection(reader->GetOutputPort());
+  const ErrorCounter readerErrors(reader);
+  const ErrorCounter executiveErrors(reader->GetExecutive());
+  const ErrorCounter spectrumErrors(spectrum);
+  const ErrorCounter spectrumExecutiveErrors(spectrum->GetExecutive());
+  spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(readerErrors.Messages.size(), 1u);
+  spectrum->SetStoreQuantity(0);
+  spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_TRUE(IsOneMessageAbout(spectrumErrors.Messages, { "", {}, "wrong.bvol", "No such file" }))
+    << testing::PrintToString(spectrumErrors.Messages);
+}
+
+// The ranks of one job may see different disks under one path.
+TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
+{
+  if (GetNumberOfRanks() == 1)
+  {
+    GTEST_SKIP() << "one rank agrees with itself";
+  }
+  const SharedFolder folder("DifferentVolumes");
+  const std::string mine = folder.GetPath("mine.bvol");
+  const std::string other = folder.GetPath("other.bvol");
+  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, mine, { 16, 3, 1 });
+  WriteFromPieces(MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 4)),
+    PieceSource::SUB_EXTENTS, other, { 16, 3, 1 });
+  for (int odd = 1; odd < GetNumberOfRanks(); ++odd)
+  {
+    ListenedPipeline listened(odd == GetRank() ? other : mine);
+    const std::string reason =
+      "different volumes under this path, or the same before and after it was written; reload it "
+      "(rank " +
+      std::to_string(odd) + " differs";
+    for (const double isovalue : { Isovalue, 90.0 })
+    {
+      listened.Pipeline.Contour->SetValue(0, isovalue);
+      const std::vector<std::string> messages = listened.Update();
+      EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, ".bvol", reason }))
+        << testing::PrintToString(messages);
+      EXPECT_EQ(listened.GetNumberOfPolys(), 0);
+    }
+    // Reloaded, all of them see the same one.
+    listened.Pipeline.Reader->SetFileName(mine.c_str());
     listened.Pipeline.Reader->Modified();
     EXPECT_EQ(listened.Update(), std::vector<std::string>());
     EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);

@@ -104,14 +104,18 @@ class Store:
         self.checksum = description["checksum"]
         self.directory = PagedFile(os.path.join(folder, "directory"), b"BLOCKDIR")
         self.segments = len(volume.components) * volume.levels
-        self.count, segments = struct.unpack_from("<QI", self.directory.client_area)
+        area = self.directory.client_area
+        self.count, segments, zero, identity = struct.unpack_from("<QIIQ", area)
         self.per_page = (self.directory.page_size - 8) // (16 + 4 * self.segments)
         check(self.count == description["blocks"] and segments == self.segments
-              and not any(self.directory.client_area[12:])
+              and zero == 0 and identity == int(self.checksum, 16) and not any(area[24:])
               and self.directory.page_count == 1 + -(-self.count // self.per_page),
               f"{self.directory.path}: does not fit the header")
         self.trees = [IntervalTree(os.path.join(folder, name)) for _, name in volume.variables]
         check(all(tree.count == self.count for tree in self.trees), f"{folder}: a tree's count")
+        sum_of_store = struct.pack("<Q", int(self.checksum, 16))
+        check(all(tree.identity == hash64(sum_of_store, variable)
+                  for variable, tree in enumerate(self.trees)), f"{folder}: another store's tree")
 
     def find_block(self, ordinal):
         """Index, offset, and the segments' lengths of a block."""
@@ -199,7 +203,9 @@ class Spectra:
 
     def __init__(self, folder, arrays, stores):
         self.path = os.path.join(folder, "spectra")
-        self.read(arrays, stores)
+        self.read(arrays, len(stores))
+        sums = b"".join(struct.pack("<Q", int(store["checksum"], 16)) for store in stores)
+        check(self.identity == hash64(sums), f"{self.path}: is that of another time step")
         for array in range(arrays):
             for name, total in self.totals[array].items():
                 sums = [sum(of) for of in zip(*(store[name] for store in self.stores[array]))]
@@ -210,7 +216,8 @@ class Spectra:
         check(content[:8] == b"ISOSPECT", f"{self.path}: is no file of spectra")
         check(struct.unpack_from("<IIQ", content, 8) == (1, arrays, stores),
               f"{self.path}: another version, or does not fit the header")
-        where = 24 + 32 * arrays
+        self.identity, = struct.unpack_from("<Q", content, 24)
+        where = 32 + 32 * arrays
         count = arrays * (stores + 1)
         header = content[:where + 8 * count]
         ends = [len(header) + 8, *struct.unpack_from(f"<{count}Q", header, where)]
@@ -218,7 +225,7 @@ class Spectra:
               f"{self.path}: wrong checksum")
         check(ends == sorted(ends) and ends[-1] == len(content), f"{self.path}: wrong size")
         # (first, exponent, count) and units by array.
-        fields = [struct.unpack_from("<qiIdd", header, 24 + 32 * array) for array in range(arrays)]
+        fields = [struct.unpack_from("<qiIdd", header, 32 + 32 * array) for array in range(arrays)]
         check(all(-1100 <= e <= 1100 and n <= 2048 and area >= 0 and volume >= 0
                   for _, e, n, area, volume in fields), f"{self.path}: impossible bins")
         self.bins = [of_array[:3] for of_array in fields]
@@ -310,7 +317,7 @@ class BlockedVolume:
               f"{path}: numbers of stores or blocks")
         self.stores = [Store(self, os.path.join(folder, f"store-{index:05d}"), store)
                        for index, store in enumerate(step["stores"])]
-        self.spectra = Spectra(folder, len(self.variables), len(step["stores"]))
+        self.spectra = Spectra(folder, len(self.variables), step["stores"])
         self.overviews = [BlockedVolume(path, time_step, 1 + index)
                           for index in range(len(overviews))] if number == 0 else []
 

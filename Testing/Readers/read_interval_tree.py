@@ -68,7 +68,9 @@ class IntervalTree:
         version, zero, self.count, self.least, self.greatest = struct.unpack_from("<IIQQQ", area)
         check(version == 1, f"{path}: interval tree version {version}")
         self.root = struct.unpack_from("<IHIH", area, 32)
-        check(zero == 0 and not any(area[44:]), f"{path}: the client area does not end with zeros")
+        self.identity, = struct.unpack_from("<Q", area, 48)
+        check(zero == 0 and not any(area[44:48]) and not any(area[56:]),
+              f"{path}: the client area does not end with zeros")
         check(self.count == self.root[2] and self.root[3] < 32, f"{path}: impossible root")
         self.capacity = (self.file.page_size - 16) // 20
         self.lists_read = {"leaf": 0, "left": 0, "right": 0, "multislab": 0, "window": 0}

@@ -385,6 +385,55 @@ class ErrorsAreOneLine(Case):
             self.check(f"{name}: ", "--info", name)
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
 
+    def test_fifos_and_devices_in_place_of_files(self):
+        def pipe(name):
+            path = os.path.join(SCRATCH, name)
+            if os.path.lexists(path):
+                os.remove(path)
+            os.mkfifo(path)
+            return path
+        source = os.path.join(INPUTS, "a.mhd")
+        for name in ("pipe.mhd", "pipe.vti", "pipe.vtk", "pipe.nii", "pipe.tif", "pipe.nrrd"):
+            self.check("it is a FIFO", pipe(name), "o.bvol")
+        self.check("it is a FIFO", pipe("pipe.raw"), "o.bvol", "--dimensions", "3,3,3")
+        self.check("it is a FIFO", pipe("pipe.mhd"), "o.bvol", ranks=2)
+        with open(source, encoding="ascii") as file:
+            header = [line for line in file if not line.startswith("ElementDataFile")]
+        with open(os.path.join(SCRATCH, "element.mhd"), "w", encoding="ascii") as file:
+            file.writelines(header + ["ElementDataFile = pipe.raw\n"])
+        self.check("pipe.raw: cannot open: it is a FIFO", "element.mhd", "o.bvol")
+        self.check("pipe.bvol: cannot write: it is a FIFO", source, pipe("pipe.bvol"))
+        self.check("pipe.bvol: cannot open: it is a FIFO", "--info", "pipe.bvol")
+        self.check("it is a device", "/dev/zero", "o.bvol", "--dimensions", "3,3,3")
+        os.remove(os.path.join(SCRATCH, "pipe.bvol"))
+        path = self.write(source, "o.bvol")
+        for name in ("blocks", "directory", "array-0.tree"):
+            kept = os.path.join(path + ".stores/000001/store-00000", name)
+            os.rename(kept, kept + ".kept")
+            os.mkfifo(kept)
+            code, _, err = run("--verify", path, "--quiet")
+            self.assertEqual(code, 1)
+            self.assertIn(f"{name}: cannot open: it is a FIFO", err)
+            os.rename(kept + ".kept", kept)
+        os.remove(path)
+
+    def test_work_that_no_volume_is_worth(self):
+        self.check("is not from 1 to 4096", os.path.join(INPUTS, "a.mhd"), "few.bvol",
+                   "--stores", "65535")
+        self.assertFalse(os.path.exists(os.path.join(SCRATCH, "few.bvol.stores")))
+        with open(os.path.join(SCRATCH, "huge.vti"), "w", encoding="ascii") as file:
+            extent = "0 2000000 0 2000000 0 2000000"
+            file.write('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">'
+                       f'<ImageData WholeExtent="{extent}" Origin="0 0 0" Spacing="1 1 1">'
+                       f'<Piece Extent="{extent}"><PointData Scalars="a"><DataArray type="UInt8" '
+                       'Name="a" format="ascii">1 2 3</DataArray></PointData></Piece>'
+                       "</ImageData></VTKFile>")
+        self.check("huge.vti: cannot be read: a slice has", "huge.vti", "o.bvol")
+
+    def test_grids_without_volume(self):
+        for spacing in ("0,1,1", "1,nan,1", "1,1,inf"):
+            self.check("pacing", os.path.join(INPUTS, "a.mhd"), "o.bvol", "--spacing", spacing)
+
     def test_an_older_volume_survives(self):
         path = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
         self.check("truncated", os.path.join(INPUTS, "a.raw"), "o.bvol", "--dimensions", "70,67,1500")

@@ -5,6 +5,7 @@
 
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "EdgeIndex/EdgeIndexFileWriter.h"
+#include "EdgeIndex/EdgeIndexWriteJob.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,8 @@
 #include <set>
 #include <string>
 #include <vector>
+
+#include <unistd.h>
 
 using namespace isosurface;
 
@@ -409,6 +412,55 @@ TEST(EdgeIndexFile, AFailedWriteLeavesTheOldFile)
     }
     EXPECT_EQ(disk.GetFile(Path).size(), 3u) << write;
   }
+}
+
+TEST(EdgeIndexFile, ASecondWriterIsRefusedUntilTheFirstOneIsGone)
+{
+  FileSystem& disk = GetLocalFileSystem();
+  const std::string folder =
+    testing::TempDir() + "isosurface-two-writers-" + std::to_string(::getpid());
+  ASSERT_TRUE(disk.MakeDirectories(folder).IsOk());
+  const std::string path = folder + "/surface.eix";
+  const auto volume = MakeWaves<std::uint8_t>({ 40, 36, 33 }, 0.2);
+  const EdgeIndexHeader header = MakeFileHeader(volume, { 120.5 });
+  const auto write = [&](const std::string& to)
+  {
+    TestBlockSource<std::uint8_t> source(volume, 16);
+    return WriteEdgeIndexFile(disk, to, header, source, 1);
+  };
+  ASSERT_TRUE(write(path).IsOk());
+  const auto size = [&] { return (*disk.OpenForReading(path))->GetSize(); };
+  const std::uint64_t whole = size();
+  for (const bool isFinished : { false, true })
+  {
+    auto first = EdgeIndexFileWriter::Create(disk, path, header);
+    ASSERT_TRUE(first.IsOk()) << first.GetStatus().GetMessage();
+
+    // A single writer and a job of ranks, while the first one is at work.
+    SerialCommunicator alone;
+    TestBlockSource<std::uint8_t> source(volume, 16);
+    const std::vector<std::int64_t> numbers;
+    EdgeIndexWriteJob job(alone, disk, path, header, source, numbers, {});
+    for (const Status& status : { write(path), job.Run().GetStatus() })
+    {
+      EXPECT_EQ(status.GetCode(), StatusCode::IoError);
+      EXPECT_EQ(status.GetMessage().find(path), 0u) << status.GetMessage();
+      EXPECT_NE(status.GetMessage().find("another program is writing there"), std::string::npos)
+        << status.GetMessage();
+    }
+    EXPECT_EQ(size(), whole) << "the old file was touched";
+    EXPECT_TRUE(disk.Exists(EdgeIndexFileWriter::GetPartialPath(path)))
+      << "the first writer's file is gone";
+    if (isFinished)
+    {
+      EXPECT_TRUE((*first)->Finish().IsOk());
+      EXPECT_TRUE((*EdgeIndexFile::Open(disk, path))->IsComplete());
+      EXPECT_LT(size(), whole) << "a file without blocks";
+    }
+  }
+  EXPECT_TRUE(write(path).IsOk()) << "the lock outlived its holder";
+  EXPECT_EQ(size(), whole);
+  ASSERT_TRUE(disk.RemoveAll(folder).IsOk());
 }
 
 TEST(EdgeIndexFile, SelectionsThatTheFileDoesNotHaveAreRefused)

@@ -260,6 +260,111 @@ TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyListsAreTheSameRecords)
     << status.GetMessage();
 }
 
+TEST(ExternalIntervalTreeCorruption, VerifyFindsEveryForgedBound)
+{
+  // Bounds leave out whole lists: one that is too tight makes intervals vanish from answers.
+  constexpr std::size_t minimumOffset = 32 + 16, maximumOffset = 32 + 24, slabSize = 50;
+  MemoryDisk disk;
+  PageStatistics statistics;
+  for (const auto& set : MakeIntervalSets())
+  {
+    const Bytes good = MakeTreeBytes(set.MakeAll(3000));
+    const auto whole = OpenBytes(disk, good);
+    ASSERT_TRUE(whole.IsOk());
+    const Status status = (*whole)->Verify(statistics);
+    ASSERT_TRUE(status.IsOk()) << status.GetMessage();
+    std::vector<std::size_t> bounds = { minimumOffset, maximumOffset };
+    for (std::size_t page = 1; page < good.size() / PageSize; ++page)
+    {
+      const std::uint8_t* node = good.data() + page * PageSize;
+      if (std::memcmp(node, "NODE", 4) != 0)
+      {
+        continue;
+      }
+      const auto slabs = LoadLittleEndian<std::uint16_t>(node + 6);
+      for (std::size_t slab = 0; slab < slabs; ++slab)
+      {
+        const std::size_t offset = 8 + 8u * slabs + slab * slabSize;
+        for (const std::size_t list : { offset, offset + 18 })
+        {
+          if (LoadLittleEndian<std::uint32_t>(node + list + 6) > 0)
+          {
+            bounds.push_back(page * PageSize + list + 10);
+          }
+        }
+      }
+    }
+    for (const std::size_t bound : bounds)
+    {
+      for (const int change : { -1, 1 })
+      {
+        Bytes bad = good;
+        StoreLittleEndian(bad.data() + bound,
+          LoadLittleEndian<std::uint64_t>(bad.data() + bound) + static_cast<std::uint64_t>(change));
+        Reseal(bad);
+        const auto tree = OpenBytes(disk, std::move(bad));
+        ASSERT_TRUE(tree.IsOk());
+        ASSERT_EQ((*tree)->Verify(statistics).GetCode(), StatusCode::Corrupt) << "at " << bound;
+      }
+    }
+  }
+}
+
+TEST(ExternalIntervalTreeCorruption, WhatVerifiesAnswersRightly)
+{
+  std::mt19937_64 random(17);
+  MemoryDisk disk;
+  int sound = 0;
+  int damaged = 0;
+  for (const auto& set : MakeIntervalSets())
+  {
+    const IntervalVector intervals = set.MakeAll(1500);
+    const Bytes good = MakeTreeBytes(intervals);
+    for (int turn = 0; turn < 60; ++turn)
+    {
+      Bytes bad = good;
+      const std::size_t pages = bad.size() / PageSize;
+      const std::size_t page =
+        random() % 3 ? pages - 1 - random() % std::min<std::size_t>(2, pages) : random() % pages;
+      const std::size_t offset = page * PageSize + random() % (PageSize - 8);
+      bad[offset] ^= static_cast<std::uint8_t>(1u << random() % 8);
+      Reseal(bad);
+      const auto tree = OpenBytes(disk, std::move(bad));
+      PageStatistics statistics;
+      if (!tree.IsOk() || !(*tree)->Verify(statistics).IsOk())
+      {
+        ++damaged;
+        continue;
+      }
+      ++sound;
+      // What the tree holds by now: an interval in a leaf may have become another one.
+      IntervalVector held;
+      ASSERT_TRUE(
+        (*tree)
+          ->FindOverlapping(
+            0, MaximumKey, [&](const KeyInterval& one) { held.push_back(one); }, statistics)
+          .IsOk());
+      for (int query = 0; query < 100; ++query)
+      {
+        std::uint64_t found = 0;
+        const ValueKey low = MakeQueryKey(intervals, random);
+        const ValueKey high = query % 2 ? low : std::max(low, MakeQueryKey(intervals, random));
+        std::uint64_t expected = 0;
+        for (const KeyInterval& interval : held)
+        {
+          expected += interval.Overlaps(low, high) ? 1 : 0;
+        }
+        const Status status = (*tree)->FindOverlapping(
+          low, high, [&](const KeyInterval&) { ++found; }, statistics);
+        ASSERT_TRUE(status.IsOk()) << status.GetMessage();
+        ASSERT_EQ(found, expected) << "byte " << offset;
+      }
+    }
+  }
+  EXPECT_GT(damaged, 100);
+  EXPECT_GT(sound, 20) << "zeros at the ends of pages have no meaning";
+}
+
 TEST(ExternalIntervalTreeCorruption, VerifyFindsIntervalsThatNoReferenceLeadsTo)
 {
   Bytes bytes = MakeTreeBytes(MakeIntervalSets()[4].MakeAll(1000));

@@ -211,8 +211,8 @@ TEST(BlockDirectoryCorruption, WrongNumbersOfEntriesAreDetected)
 {
   constexpr std::size_t pageSize = 4096, countOffset = 32;
   MemoryDisk disk;
-  ASSERT_TRUE(BlockDirectory::Write(disk, "/data/directory", 5, {}).IsOk());
-  EXPECT_TRUE(BlockDirectory::Open(disk, "/data/directory", 0, 5, 0).IsOk());
+  ASSERT_TRUE(BlockDirectory::Write(disk, "/data/directory", 5, 77, {}).IsOk());
+  EXPECT_TRUE(BlockDirectory::Open(disk, "/data/directory", 0, 5, 77, 0).IsOk());
   std::uint8_t* page = disk.GetFile("/data/directory").data();
   // So many that a sum of them and anything begins at 0 again.
   for (const std::uint64_t below : { 0, 1, 50, 112, 113 })
@@ -220,7 +220,7 @@ TEST(BlockDirectoryCorruption, WrongNumbersOfEntriesAreDetected)
     const std::uint64_t count = MemoryDisk::Never - below;
     StoreLittleEndian(page + countOffset, count);
     StoreLittleEndian(page + pageSize - 8, ComputeChecksum(page, pageSize - 8, 0));
-    EXPECT_EQ(BlockDirectory::Open(disk, "/data/directory", count, 5, 0).GetStatus().GetCode(),
+    EXPECT_EQ(BlockDirectory::Open(disk, "/data/directory", count, 5, 77, 0).GetStatus().GetCode(),
       StatusCode::Corrupt)
       << below;
   }

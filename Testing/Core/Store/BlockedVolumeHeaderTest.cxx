@@ -131,14 +131,51 @@ TEST(BlockedVolumeHeader, HoldsManyStores)
   // So many that looking at all of them after each one would be felt.
   BlockedVolumeHeader header = MakeHeader();
   header.NumberOfStores = 1u << 16;
+  header.Grid.Extent = { 0, 16 << 16, 0, 9, 7, 7 };
   header.TimeSteps.pop_back();
-  for (std::uint64_t store = 2; store < header.NumberOfStores; ++store)
+  header.TimeSteps[0].Stores.clear();
+  for (std::uint64_t store = 0; store < header.NumberOfStores; ++store)
   {
-    header.TimeSteps[0].Stores.push_back({ 0, 0, store });
+    header.TimeSteps[0].Stores.push_back({ 1, 4096, store });
   }
   const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
   ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
   EXPECT_EQ(parsed->TimeSteps[0].Stores.back().Checksum, header.NumberOfStores - 1);
+}
+
+TEST(BlockedVolumeHeader, RefusesMoreStoresThanTheVolumeCanUse)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  header.TimeSteps.pop_back();
+  for (const std::uint32_t stores : { 4096u, 4097u })
+  {
+    header.NumberOfStores = stores;
+    header.TimeSteps[0].Stores.resize(2);
+    header.TimeSteps[0].Stores.resize(stores, { 0, 0, 1 });
+    const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
+    EXPECT_EQ(parsed.IsOk(), stores == 4096u);
+    EXPECT_NE(parsed.GetStatus().GetMessage().find(stores == 4096u ? "" : "member stores"),
+      std::string::npos)
+      << parsed.GetStatus().GetMessage();
+  }
+}
+
+TEST(BlockedVolumeHeader, RefusesWhatItsChecksumDoesNotCover)
+{
+  const std::string text = MakeHeader().Format();
+  const std::string end = "\n}\n";
+  ASSERT_EQ(text.substr(text.size() - 3), end);
+  const std::string covered = text.substr(0, text.size() - 3);
+  for (const std::string& other : { std::string("\n}"), std::string(" }"), std::string("}\r\n") })
+  {
+    EXPECT_TRUE(BlockedVolumeHeader::Parse(covered + other, Path).IsOk()) << other;
+  }
+  for (const std::string& other : { std::string(",\"stores\":2}\n"), std::string("\n}\n\n"),
+         std::string("\n}\n "), std::string("\n}\n") + '\0' + "x", std::string("\n}\n{}") })
+  {
+    const auto parsed = BlockedVolumeHeader::Parse(covered + other, Path);
+    EXPECT_EQ(parsed.GetStatus().GetCode(), StatusCode::Corrupt) << other;
+  }
 }
 
 TEST(BlockedVolumeHeader, StatesTheCompression)
@@ -198,6 +235,16 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
       } },
     { "grid.origin", [](Json& d) { d["grid"]["origin"][2] = "x"; } },
     { "grid.spacing", [](Json& d) { d["grid"]["spacing"] = nullptr; } },
+    { "grid has a spacing of 0", [](Json& d) { d["grid"]["spacing"][1] = 0; } },
+    { "grid has a spacing of 0", [](Json& d) { d["grid"]["spacing"][2] = -0.0; } },
+    { "grid has directions that lie in a plane",
+      [](Json& d) {
+        d["grid"]["direction"] = { 1, 0, 1, 0, 1, 1, 0, 0, 0 };
+      } },
+    { "grid has directions that lie in a plane",
+      [](Json& d) {
+        d["grid"]["direction"] = { 1, 2, 3, 4, 5, 6, 7, 8, 9 };
+      } },
     { "grid.", [](Json& d) { d["grid"] = 5; } },
     { "blockSize", [](Json& d) { d["blockSize"] = 48; } },
     { "blockSize", [](Json& d) { d["blockSize"] = -16; } },

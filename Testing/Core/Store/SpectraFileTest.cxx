@@ -14,6 +14,7 @@ namespace
 {
 
 const std::string Path = "/data/spectra";
+constexpr std::uint64_t Identity = 0x123456789abcdef0;
 
 /// Counts of every kind: flat, falling, alternating between the ends of the range.
 WorkloadSpectrum MakeSpectrum(std::int64_t first, std::uint32_t count, std::uint64_t seed)
@@ -62,15 +63,15 @@ protected:
         sections.push_back(SpectraFile::Pack(this->Spectra.back()));
       }
     }
-    const Status status =
-      SpectraFile::Write(this->Disk, Path, { this->Spectra[0], this->Spectra[1] }, sections);
+    const Status status = SpectraFile::Write(
+      this->Disk, Path, Identity, { this->Spectra[0], this->Spectra[1] }, sections);
     ASSERT_TRUE(status.IsOk()) << status.GetMessage();
   }
 
   /// The first error of opening the file and reading all of it.
   Status ReadAll()
   {
-    const auto file = SpectraFile::Open(this->Disk, Path, 2, 3);
+    const auto file = SpectraFile::Open(this->Disk, Path, Identity, 2, 3);
     if (!file.IsOk())
     {
       return file.GetStatus();
@@ -126,7 +127,7 @@ TEST(PackedCounts, RefuseNumbersThatDoNotFit)
 
 TEST_F(SpectraFileOnDisk, HasTheSpectraThatWereWritten)
 {
-  const auto file = SpectraFile::Open(this->Disk, Path, 2, 3);
+  const auto file = SpectraFile::Open(this->Disk, Path, Identity, 2, 3);
   ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
   for (std::size_t array = 0; array < 2; ++array)
   {
@@ -181,9 +182,16 @@ TEST_F(SpectraFileOnDisk, MustFitTheHeader)
   for (const auto& [arrays, stores] :
     { std::pair<std::size_t, std::size_t>{ 1, 3 }, { 2, 2 }, { 3, 2 }, { 2, 1 << 20 } })
   {
-    const auto file = SpectraFile::Open(this->Disk, Path, arrays, stores);
+    const auto file = SpectraFile::Open(this->Disk, Path, Identity, arrays, stores);
     EXPECT_EQ(file.GetStatus().GetCode(), StatusCode::Corrupt) << arrays << ' ' << stores;
   }
-  EXPECT_EQ(
-    SpectraFile::Open(this->Disk, "/data/none", 2, 3).GetStatus().GetCode(), StatusCode::NotFound);
+  EXPECT_EQ(SpectraFile::Open(this->Disk, "/data/none", Identity, 2, 3).GetStatus().GetCode(),
+    StatusCode::NotFound);
+}
+
+TEST_F(SpectraFileOnDisk, MustBelongToTheTimeStep)
+{
+  const Status status = SpectraFile::Open(this->Disk, Path, Identity + 1, 2, 3).GetStatus();
+  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
+  EXPECT_EQ(status.GetMessage(), Path + ": has the spectra of another time step or volume");
 }

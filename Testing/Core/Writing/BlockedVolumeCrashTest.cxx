@@ -3,10 +3,12 @@
 // system, or takes more memory than it may. Writers run in processes of their own.
 #include "Fixtures/VolumeOnDisk.h"
 #include "Source/RawVolume.h"
+#include "Store/VolumeVerification.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <random>
@@ -247,6 +249,28 @@ TEST_F(BlockedVolumeCrash, LeavesRoomForTheNextRunAfterAKilledOne)
   EXPECT_EQ(atBegin, 2u) << "the killed run's folder stood beside the old one and the new one";
   EXPECT_EQ(this->CountGenerations(), 1u);
   EXPECT_TRUE(this->Holds(after));
+}
+
+TEST_F(BlockedVolumeCrash, HasMoreStoresThanThereAreDescriptors)
+{
+  const Index3 size = { 150, 130, 110 };
+  const auto volume = MakeVolume<std::uint8_t>(size, 1);
+  const int outcome = Wait(Start(
+    [&]
+    {
+      const rlimit few = { 40, 40 };
+      ::setrlimit(RLIMIT_NOFILE, &few);
+      BlockedVolumeSettings settings = MakeSettings(16, 300);
+      settings.Threads = 3;
+      if (const Status status = this->Write(volume, settings); !status.IsOk())
+      {
+        std::fprintf(stderr, "%s\n", status.GetMessage().c_str());
+        return 1;
+      }
+      const auto found = VerifyBlockedVolume(this->Path, this->Files, 3);
+      return found.IsOk() && found->Faults.empty() && this->Holds(volume) ? 0 : 2;
+    }));
+  EXPECT_EQ(outcome, 0);
 }
 
 TEST_F(BlockedVolumeCrash, RefusesASecondWriterUntilTheFirstOneIsGone)

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ReaderCrash.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstddef>
+
+#include <unistd.h>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr int Signals[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT };
+constexpr std::size_t NumberOfSignals = sizeof(Signals) / sizeof(Signals[0]);
+
+// Nothing may be allocated in a handler.
+char Message[1024];
+std::size_t MessageSize = 0;
+struct sigaction Before[NumberOfSignals];
+
+void TellOfCrash(int signal)
+{
+  static_cast<void>(::write(STDERR_FILENO, Message, MessageSize) > 0);
+  // The handler is reset: this ends the process.
+  static_cast<void>(::raise(signal));
+}
+
+} // namespace
+
+ReaderCrash::ReaderCrash(const std::string& message)
+{
+  MessageSize = std::min(message.size(), sizeof(Message) - 1);
+  std::copy_n(message.begin(), MessageSize, Message);
+  Message[MessageSize++] = '\n';
+  struct sigaction action = {};
+  action.sa_handler = TellOfCrash;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+  for (std::size_t number = 0; number < NumberOfSignals; ++number)
+  {
+    ::sigaction(Signals[number], &action, &Before[number]);
+  }
+}
+
+ReaderCrash::~ReaderCrash()
+{
+  for (std::size_t number = 0; number < NumberOfSignals; ++number)
+  {
+    ::sigaction(Signals[number], &Before[number], nullptr);
+  }
+}
+
+} // namespace isosurface
