@@ -80,7 +80,8 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
 {
   this->NumberPoints();
   double done = 0;
-  if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
+  if ((this->Request.DropDegenerateTriangles && !this->Request.Polygons) ||
+    this->Scan.HasHiddenCells())
   {
     constexpr double mergeEnd = 0.4; // of the progress, as measured
     this->Merge = std::make_unique<VertexMerge>(this->Lattice, this->Scan);
@@ -314,7 +315,7 @@ void SurfaceAssembler::WriteCells(
   Id* next = connectivity + part.FirstIndex;
   Id* nextOffset = offsets ? offsets + part.FirstCell : nullptr;
   std::int64_t index = part.FirstIndex;
-  if (this->Merge)
+  if (this->Merge && !this->Request.Polygons)
   {
     this->WriteKeptTriangles(number, next, corners);
   }
@@ -331,6 +332,10 @@ void SurfaceAssembler::WriteCells(
       {
         WritePolygons(GetBrickKernels(), builder.Build(k), next, nextOffset, index);
       }
+    }
+    for (Id* corner = connectivity + part.FirstIndex; this->Merge && corner != next; ++corner)
+    {
+      *corner = static_cast<Id>(this->Merge->GetNumber(*corner));
     }
   }
   if (nextOffset && !this->Request.Polygons)
