@@ -2,6 +2,7 @@
 #ifndef isosurface_ContourWork_h
 #define isosurface_ContourWork_h
 
+#include "CellArrays.h"
 #include "ControllerCommunicator.h"
 #include "ImageContour.h"
 #include "ImagePieces.h"
@@ -101,6 +102,7 @@ private:
   Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);
 
   vtkStabbingContour& Contour;
+  CellAverages Averages;
   ImageContour OfImages;
   VolumeContour OfVolumes;
   Pass LastPass;

@@ -59,6 +59,7 @@ Result<Surface> ImageContour::ExtractPiece(const GridGeometry& grid, const Image
   GridBlockSource source(
     samples, entry.Ranges, request.Isovalues, { request.ClosedSides, settings.Region }, grid);
   source.SetAttributes(attributes.Views);
+  source.SetBlanking(piece.Samples.Hidden);
   return ExtractSurface(grid, source, request, settings.Threads, progress);
 }
 
@@ -73,7 +74,8 @@ Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
   for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
   {
     const ImagePiece& piece = pieces.Pieces[number];
-    const auto attributes = FindAttributes(piece, settings.Arrays);
+    const auto attributes =
+      FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
     ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
     if (number == 0)
     {

@@ -38,6 +38,7 @@ public:
     std::vector<std::string> Arrays; ///< to interpolate
     isosurface::Region Region;
     int Threads = 1;
+    CellAverages* Averages = nullptr; ///< of the arrays to interpolate; must be there
   };
 
   struct Outcome

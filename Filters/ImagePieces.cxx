@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ImagePieces.h"
 
+#include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
@@ -137,17 +138,25 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   return pieces;
 }
 
-Result<PieceAttributes> FindAttributes(
-  const ImagePiece& piece, const std::vector<std::string>& names)
+Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
+  const std::vector<std::string>& names, CellAverages& averages, int threads)
 {
   PieceAttributes attributes;
   for (const std::string& name : names)
   {
     vtkDataArray* array = piece.Image->GetPointData()->GetArray(name.c_str());
+    vtkDataArray* cells = piece.Image->GetCellData()->GetArray(name.c_str());
+    if (!array && cells)
+    {
+      const auto average = averages.Find(piece.Image, cells, threads);
+      ISOSURFACE_RETURN_IF_ERROR(average.GetStatus());
+      array = *average;
+    }
     if (!array || array->GetNumberOfTuples() != piece.Image->GetNumberOfPoints())
     {
       return Status(StatusCode::NotFound,
-        "the input has no numeric point array \"" + name + "\" to interpolate everywhere");
+        "the input has no numeric point array or cell array \"" + name +
+          "\" to interpolate everywhere");
     }
     const Result<ValueType> type = GetValueTypeOf(array);
     ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());

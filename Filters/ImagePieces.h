@@ -6,6 +6,7 @@
 
 #include "Base/Communicator.h"
 #include "Base/Status.h"
+#include "CellArrays.h"
 #include "ImageSamples.h"
 #include "SurfacePolyData.h"
 #include "Volume/BlockSource.h"
@@ -60,10 +61,11 @@ struct PieceAttributes
   std::vector<vtkSmartPointer<vtkDataArray>> Owners; ///< keep the samples alive
 };
 
-/// Errors: NotFound for an image without one of the arrays; Unsupported for a type that is not one
-/// of numbers.
-Result<PieceAttributes> FindAttributes(
-  const ImagePiece& piece, const std::vector<std::string>& names);
+/// Point arrays, and averages of cell arrays where there is no point array of the name. Errors:
+/// NotFound for an image without one of the arrays; Unsupported for a type that is not one of
+/// numbers.
+Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
+  const std::vector<std::string>& names, CellAverages& averages, int threads);
 
 } // namespace isosurface
 
