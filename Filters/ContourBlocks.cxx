@@ -68,8 +68,16 @@ Status CheckVisible(const std::vector<ImagePiece>& pieces)
                : Status::Ok();
 }
 
-Status CheckGrids(const std::vector<GridGeometry>& grids)
+Status CheckGrids(const ImagePieces& pieces)
 {
+  const std::vector<GridGeometry>& grids = pieces.Grids;
+  if (std::any_of(pieces.Lines.begin(), pieces.Lines.end(),
+        [](const std::optional<GridLines>& lines) { return lines.has_value(); }))
+  {
+    return { StatusCode::InvalidArgument,
+      "the input has rectilinear grids, whose coordinates edge-index records cannot tell: save or "
+      "draw the surface of Stabbing Contour itself" };
+  }
   if (grids.size() > 1)
   {
     return { StatusCode::InvalidArgument,
@@ -141,7 +149,7 @@ Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
   kept->Pieces = std::move(pieces);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(kept->FindArrays(settings)));
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(CheckVisible(kept->Pieces.Pieces)));
-  ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces.Grids));
+  ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces));
   PieceBlockSelection selection;
   selection.Isovalues = blocks.Isovalues;
   selection.Region = settings.Region;

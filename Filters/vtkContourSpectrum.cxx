@@ -111,8 +111,8 @@ struct vtkContourSpectrum::Steps
   Result<isosurface::ImagePieces> CollectPieces(
     vtkInformation* inInfo, isosurface::CellAverages& averages, int threads) const;
   /// The spectra of the grids, in equal bins. Collective.
-  Result<std::vector<WorkloadSpectrum>> Count(
-    ValueType type, std::vector<GridSpectrum> grids) const;
+  Result<std::vector<WorkloadSpectrum>> Count(ValueType type, std::vector<GridSpectrum> grids,
+    const std::vector<std::optional<isosurface::GridLines>>& lines) const;
 };
 
 //------------------------------------------------------------------------------
@@ -136,7 +136,7 @@ vtkContourSpectrum::~vtkContourSpectrum()
 //------------------------------------------------------------------------------
 int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
 }
@@ -275,7 +275,8 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
   {
     return type.GetStatus();
   }
-  const auto spectra = this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads));
+  const auto spectra =
+    this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads), pieces->Lines);
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   if (this->Ranks.GetRank() == 0)
   {
@@ -285,8 +286,9 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 }
 
 //------------------------------------------------------------------------------
-Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
-  ValueType type, std::vector<GridSpectrum> grids) const
+Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(ValueType type,
+  std::vector<GridSpectrum> grids,
+  const std::vector<std::optional<isosurface::GridLines>>& lines) const
 {
   // Ranges, then counts, of each grid.
   std::size_t done = 0;
@@ -312,6 +314,15 @@ Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(std::move(*spectrum));
     ++done;
+  }
+  for (std::size_t grid = 0; grid < spectra.size(); ++grid)
+  {
+    if (lines[grid])
+    {
+      // They were counted in structured coordinates.
+      spectra[grid].Area.clear();
+      spectra[grid].Volume.clear();
+    }
   }
   return spectra;
 }

@@ -5,8 +5,9 @@
  * @brief   isosurfaces of blocked volumes and image data
  *
  * Input: the output of a vtkBlockedVolumeReader (filters that hand samples on unchanged may stand
- * between, such as vtkPassThrough and vtkPassArrays), a vtkImageData, or a composite of them.
- * Output: one vtkPolyData a rank, with the triangles, points and normals of vtkFlyingEdges3D. Cell
+ * between, such as vtkPassThrough and vtkPassArrays), a vtkImageData, a vtkRectilinearGrid, or a
+ * composite of these. Output: one vtkPolyData a rank, with the triangles, points and normals of
+ * vtkFlyingEdges3D, or of vtkRectilinearSynchronizedTemplates (but with degenerate triangles). Cell
  * arrays are averaged to points first, as vtkCellDataToPointData does. Hidden cells and points of a
  * vtkUniformGrid, such as coarse cells under finer grids of a vtkOverlappingAMR, have no surface, as
  * in vtkContourFilter, and no influence on normals.

@@ -4,6 +4,7 @@
 #include "Base/ParallelFor.h"
 #include "Contour/AttributeInterpolator.h"
 #include "Contour/BorderBrick.h"
+#include "Contour/LinePlacement.h"
 #include "Volume/ValueKey.h"
 
 #include <algorithm>
@@ -366,7 +367,7 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
   const Brick& brick = this->Lattice.GetBricks()[number];
   const std::uint32_t count = part.Counts.Points;
   double* parameters = nullptr;
-  if (this->Request.Normals || !samples.Attributes.empty())
+  if (this->Request.Normals || !samples.Attributes.empty() || this->Request.Lines)
   {
     worker.Parameters.resize(std::max<std::size_t>(worker.Parameters.size(), count));
     parameters = worker.Parameters.data();
@@ -401,14 +402,18 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
       FindVertexPoints(view, part.Codes, part.Coordinates, parameters, count, part.VertexPoints);
     worker.Memory.Keep<VertexPoint>(part.NumberOfVertexPoints);
   }
+  if (this->Request.Lines)
+  {
+    this->PlacePointsOnLines(isovalue, brick, samples, unknown, part, worker);
+  }
   if (this->Request.Normals)
   {
-    if (!brick.IsBeyond())
+    if (!brick.IsBeyond() && !this->Request.Lines)
     {
       this->Kernels.ComputeNormals(
         samples.Scalars.Type, view, part.Codes, parameters, count, part.Normals);
     }
-    if (unknown)
+    if (unknown && !this->Request.Lines)
     {
       CorrectNormals(*unknown, samples.Scalars, this->KnownSamples, brick.Vertices.Low, part.Codes,
         parameters, count, part.Normals);
@@ -417,6 +422,27 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
       part.VertexPoints, part.NumberOfVertexPoints, part.Normals);
   }
   this->InterpolateAttributes(brick.Vertices.Low, samples, part, worker);
+}
+
+void BrickScan::PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
+  const CellVisibility* unknown, BrickPart& part, Worker& worker) const
+{
+  const LinedBrick lined{ *this->Request.Lines, brick.Vertices.Low, part.Codes,
+    part.Counts.Points };
+  double* parameters = worker.Parameters.data();
+  if (brick.IsBeyond() || samples.Crossings)
+  {
+    PlaceOnLines(lined, parameters, part.Coordinates);
+  }
+  else
+  {
+    LocateOnLines(lined, samples.Scalars, isovalue, part.Coordinates, parameters);
+  }
+  if (this->Request.Normals && !brick.IsBeyond())
+  {
+    ComputeNormalsOnLines(
+      lined, samples.Scalars, this->KnownSamples, unknown, parameters, part.Normals);
+  }
 }
 
 // Allocates all attributes, and copies tuples on edges. Before any points are moved to vertices.

@@ -94,6 +94,8 @@ private:
   void MakePoints(double isovalue, std::size_t brick, const BrickSamples& view,
     const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part,
     Worker& worker) const;
+  void PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
+    const CellVisibility* unknown, BrickPart& part, Worker& worker) const;
   BrickVisibility FindVisibility(
     const CellVisibility& ofBlock, const Brick& brick, Worker& worker) const;
   void CopyAttributes(

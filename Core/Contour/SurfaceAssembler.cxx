@@ -3,6 +3,7 @@
 
 #include "Base/HugePages.h"
 #include "Base/ParallelFor.h"
+#include "Contour/LinePlacement.h"
 #include "Contour/MarchingCubesCases.h"
 #include "Contour/SlabBuilder.h"
 #include "Contour/WorldTransform.h"
@@ -273,6 +274,12 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
     output.FirstGlobalId = isovalue * idsPerIsovalue;
   }
   GetBrickKernels().WritePoints(position, this->Transform, output);
+  if (this->Request.Lines)
+  {
+    const Index3& low = this->Lattice.GetBricks()[number % bricks].Vertices.Low;
+    WritePointsOnLines(
+      { *this->Request.Lines, low, part.Codes, part.Kept.Points }, part.Coordinates, output.Points);
+  }
   if (!this->Merge || !this->Request.GlobalIds)
   {
     return;
