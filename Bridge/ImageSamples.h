@@ -8,6 +8,7 @@
 #include "vtkType.h"
 
 #include "Base/Status.h"
+#include "Volume/Blanking.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/SampleView.h"
 
@@ -46,11 +47,19 @@ ISOSURFACEBRIDGE_EXPORT VertexBox MakeVertexBox(const GridGeometry& grid, const 
  */
 ISOSURFACEBRIDGE_EXPORT VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image);
 
+/**
+ * What is hidden of an image: the cells that vtkGhostType marks as hidden or refined, and the points
+ * that it marks as hidden. Only a vtkUniformGrid hides something; vtkContourFilter ignores the marks
+ * of any other vtkImageData. The view must not outlive the image.
+ */
+ISOSURFACEBRIDGE_EXPORT Blanking FindBlanking(const GridGeometry& grid, vtkImageData* image);
+
 /// The samples of an array of an image, and who owns them.
 struct ImageSamples
 {
   /// A view a component; Box is the image's own vertices, Available all of them.
   std::vector<SampleView> Components;
+  Blanking Hidden;                     ///< see FindBlanking
   vtkSmartPointer<vtkDataArray> Array; ///< keeps the samples alive
   vtkMTimeType Time = 0;               ///< when the image or the array was last modified
 };

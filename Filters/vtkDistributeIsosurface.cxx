@@ -104,6 +104,11 @@ Status CheckContour(vtkStabbingContour* contour)
     return refuse("The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
                   "Stabbing Contour off.");
   }
+  if (contour->GetSkipNotANumber())
+  {
+    return refuse("The holes that SkipNotANumber leaves cannot be distributed: turn SkipNotANumber "
+                  "of Stabbing Contour off.");
+  }
   if (contour->GetDropDegenerateTriangles())
   {
     return refuse("A surface is always distributed with all its triangles: turn "
