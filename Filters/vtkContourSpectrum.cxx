@@ -24,6 +24,7 @@
 
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Partition/GridSpectrum.h"
 #include "Store/BlockedVolume.h"
 
@@ -187,7 +188,7 @@ int vtkContourSpectrum::RequestData(
   }
   if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
   {
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
   return 1;

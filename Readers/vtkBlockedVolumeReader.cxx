@@ -19,6 +19,7 @@
 
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Query/BlockAssembly.h"
 #include "Store/BlockedVolume.h"
 
@@ -266,6 +267,7 @@ int vtkBlockedVolumeReader::RequestData(
       this->Handle->EndTaking();
       vtkErrorMacro(<< status.GetMessage());
     }
+    isosurface::SilenceFailure(output);
     return 0;
   }
   using Pipeline = vtkStreamingDemandDrivenPipeline;
@@ -304,7 +306,7 @@ int vtkBlockedVolumeReader::RequestData(
   {
     partitions->Initialize();
     this->Handle->EndTaking();
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
   return 1;
