@@ -25,6 +25,7 @@
 
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Partition/GridSpectrum.h"
 #include "Store/BlockedVolume.h"
 
@@ -198,7 +199,7 @@ int vtkContourSpectrum::RequestData(
   }
   if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
   {
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
   return 1;

@@ -23,6 +23,7 @@
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
 
@@ -213,7 +214,7 @@ int vtkDistributeIsosurface::RequestData(
   {
     return 1;
   }
-  vtkErrorMacro(<< status.GetMessage());
+  isosurface::ReportError(this, output, status);
   return 0;
 }
 

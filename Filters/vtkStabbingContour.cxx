@@ -5,6 +5,7 @@
 #include "ArrayRanges.h"
 #include "ContourWork.h"
 #include "CostFieldData.h"
+#include "ErrorReport.h"
 #include "PassingFilters.h"
 #include "SurfacePolyData.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -21,6 +22,8 @@
 #include "vtkPlanes.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <string>
@@ -163,6 +166,20 @@ void vtkStabbingContour::Refine()
 }
 
 //------------------------------------------------------------------------------
+int* vtkStabbingContour::GetLevelRange()
+{
+  vtkAlgorithmOutput* input =
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr;
+  vtkInformation* info =
+    input ? input->GetProducer()->GetOutputInformation(input->GetIndex()) : nullptr;
+  const vtkBlockedVolumeHandle* handle =
+    info ? vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(info) : nullptr;
+  this->LevelRange[1] =
+    handle && handle->GetVolume() ? handle->GetVolume()->GetNumberOfLevels() - 1 : 0;
+  return this->LevelRange;
+}
+
+//------------------------------------------------------------------------------
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
@@ -242,7 +259,7 @@ int vtkStabbingContour::RequestData(
   }
   if (!status.IsOk())
   {
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
 

@@ -113,6 +113,12 @@ public:
   vtkGetMacro(Level, int);
   ///@}
 
+  /**
+   * 0, and the coarsest level of the input, as far as its pipeline information is up to date; 0 for
+   * image data.
+   */
+  int* GetLevelRange() VTK_SIZEHINT(2);
+
   ///@{
   /**
    * Seconds that the surface of a blocked volume may take; 0, the default: no limit. Chooses the
@@ -290,6 +296,7 @@ private:
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
   int Level;
+  int LevelRange[2] = { 0, 0 };
   double TimeBudget;
   vtkIdType MaximumTriangles;
   vtkTypeBool Progressive;

@@ -17,6 +17,7 @@
 #include "Contour/TriangleNormals.h"
 #include "ControllerCommunicator.h"
 #include "EdgeIndex/EdgeIndexFile.h"
+#include "ErrorReport.h"
 #include "SurfacePolyData.h"
 
 #include <algorithm>
@@ -223,7 +224,7 @@ int vtkEdgeIndexReader::RequestData(
   }
   // The file may be whole the next time.
   this->Internal->OpenTime = 0;
-  vtkErrorMacro(<< status.GetMessage());
+  isosurface::ReportError(this, output, status);
   return 0;
 }
 

@@ -19,7 +19,7 @@
 #ifndef pqIsovalueChart_h
 #define pqIsovalueChart_h
 
-#include "SpectrumCurve.h"
+#include "SpectrumPlot.h"
 #include "ValueAxis.h"
 
 #include <QColor>
@@ -53,7 +53,7 @@ public:
   /// The spectrum that is drawn; none: an empty chart with a message in it.
   void SetSpectrum(const isosurface::SpectrumCurve& spectrum);
   void SetMessage(const QString& message);
-  const isosurface::SpectrumCurve& GetSpectrum() const { return this->Spectrum; }
+  const isosurface::SpectrumCurve& GetSpectrum() const { return this->Plot.GetSpectrum(); }
   ///@}
 
   /// The values of the axis where there is no spectrum.
@@ -116,27 +116,18 @@ private:
   Q_DISABLE_COPY(pqIsovalueChart)
 
   QRect GetPlot() const;
-  void LayOut();
   void MoveTo(int handle, double isovalue);
   void Remove(int handle);
   QColor GetColor(int handle) const;
-  double GetHeight(double value) const; ///< of a drawn quantity: 0 bottom, 1 top
   QStringList DescribeIsovalue(double isovalue) const;
   /// Whose readout is shown; false: nothing's.
   bool FindReadoutIsovalue(double& isovalue) const;
 
-  void PaintAxes(QPainter& painter) const;
-  void PaintSpectrum(QPainter& painter) const;
   void PaintHandle(QPainter& painter, int handle) const;
   void PaintReadout(QPainter& painter) const;
 
-  isosurface::SpectrumCurve Spectrum;
+  isosurface::SpectrumPlot Plot;
   QString Message;
-  Quantity Drawn = Quantity::Triangles;
-  bool Logarithmic = false;
-  double Least = 1;   ///< of the quantity's positive values
-  double Largest = 1; ///< of the quantity
-  std::vector<double> Histogram;
   isosurface::ValueAxis Axis;
   DurationWords Words;
   bool Stored = false;
