@@ -79,8 +79,8 @@ public:
   isosurface::FramePlanner Planner;
   std::vector<int> Divisors;
   bool UsedViewports = false;
-  bool ToldOfStock = false;
-  double LastSeconds = 0; ///< of the last frame
+  bool ToldOfStock = false; ///< whether it was logged that the superclass renders
+  double LastSeconds = 0;   ///< of the last frame
   double ReadSeconds = 0;
   vtkTypeInt64 DrawnPixels = 0;
   vtkTypeInt64 BytesSent = 0;
@@ -93,7 +93,7 @@ private:
 
   isosurface::ViewportCompositor DirectSend;
   isosurface::IceTCompositor IceT;
-  isosurface::ImageBuffer Smooth;
+  isosurface::ImageBuffer Smooth; ///< this rank's image, upsampled
 };
 
 void vtkMetabufferPass::Internals::PlanFrame(
