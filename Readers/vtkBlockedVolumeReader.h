@@ -127,10 +127,10 @@ private:
   int Level;
   vtkMultiProcessController* Controller;
   vtkSmartPointer<vtkDataArraySelection> PointDataArraySelection;
-  vtkSmartPointer<vtkBlockedVolumeHandle> Handle; ///< null if the file could not be opened
+  vtkSmartPointer<vtkBlockedVolumeHandle> Handle; ///< of the file that OpenTime tells of
   vtkMTimeType OpenTime;                          ///< our MTime when Handle was opened
   std::string ShownText;
-  std::string ReportedError; ///< of the last OpenVolume, which has reported it; else empty
+  std::string ReportedError; ///< what OpenVolume said last, said once
 };
 
 #endif

@@ -22,11 +22,12 @@ namespace isosurface
  * Writes an edge-index file (.eix): the header, records in the order of appending, and the directory
  * (EdgeIndexDirectory). Until Finish the file has the name GetPartialPath, from which readers get the
  * complete blocks; then it is renamed. A writer that is destroyed before removes the partial file and
- * leaves an older file as it was. Filters write by EdgeIndexWriteJob; this writer of a single rank is
- * for tests and benchmarks.
+ * leaves an older file as it was.
  *
  * Records of the preview are kept in memory until there is 1 MB of them, so that they are adjacent in
  * the file. Memory: these, and about 100 bytes for each record.
+ *
+ * For tests and benchmarks, on one rank; the VTK writer has EdgeIndexWriteJob.
  */
 class EdgeIndexFileWriter
 {

@@ -33,7 +33,7 @@ public:
   struct Outcome
   {
     Surface Extracted;
-    QueryCost Cost; ///< Reading is added to what it was, the others are set
+    QueryCost Cost; ///< added to
   };
 
   /// This rank's part of the surface at `choice.Level`; not collective. Errors: those of reading

@@ -18,7 +18,7 @@ namespace
 constexpr char Magic[] = "ISOSPECT";
 constexpr std::uint32_t FormatVersion = 1;
 constexpr std::size_t FixedSize = 24;
-constexpr std::size_t ArraySize = 32; ///< of the bins and units of a variable
+constexpr std::size_t ArraySize = 32;
 constexpr std::size_t ChecksumSize = 8;
 constexpr std::int32_t MaximumExponent = 1100;
 
