@@ -20,7 +20,7 @@ class vtkImageData;
 namespace isosurface
 {
 
-/// The Core type of a VTK data type (VTK_SHORT, ...); Unsupported for VTK_BIT and strings.
+/// The Core type of an array's values; Unsupported for VTK_BIT.
 ISOSURFACEBRIDGE_EXPORT Result<ValueType> GetValueTypeOf(vtkDataArray* array);
 
 /// The VTK data type of a Core type.
@@ -37,7 +37,8 @@ ISOSURFACEBRIDGE_EXPORT GridGeometry MakeGridGeometry(
 ISOSURFACEBRIDGE_EXPORT void StoreWholeExtent(vtkImageData* image, const int wholeExtent[6]);
 ISOSURFACEBRIDGE_EXPORT bool FindWholeExtent(vtkImageData* image, int wholeExtent[6]);
 
-/// The vertices of an extent, counted from the grid's first vertex.
+/// The vertices of an extent, counted from the grid's first vertex. Unlike an extent, a box does
+/// not include its High.
 ISOSURFACEBRIDGE_EXPORT VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6]);
 
 /**

@@ -144,7 +144,7 @@ struct vtkDistributeIsosurface::Steps
   isosurface::Communicator& Ranks;
   vtkStabbingContour* Contour;
 
-  /// This rank's part of the surface. Collective.
+  /// This rank's piece of the surface. Collective.
   Status Distribute(vtkInformation* outInfo, vtkPolyData* output) const;
   /// What the blocks of all ranks are encoded with. Collective.
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks) const;

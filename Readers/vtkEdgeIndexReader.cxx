@@ -83,7 +83,7 @@ VertexBox FindVertices(const GridGeometry& grid, const double position[3], const
 struct vtkEdgeIndexReader::Internals
 {
   vtkEdgeIndexReader& Reader;
-  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< that OpenTime tells of
+  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< null if it could not be opened
   vtkMTimeType OpenTime = 0;                       ///< the reader's MTime when File was opened
   std::string OpenError;                           ///< what kept it from being opened
 

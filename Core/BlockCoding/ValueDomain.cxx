@@ -142,7 +142,8 @@ BinaryNumber DecomposeDouble(double value)
   return Decompose(bits, 52, 11);
 }
 
-// By how many bits fixed numbers are finer than heights: 8, or less if the isovalue is too large.
+// By how many bits fixed-point numbers are finer than heights: 8; less, even below 0, where the
+// isovalue would not fit otherwise.
 int FindFineBits(double isovalue, int scale)
 {
   const BinaryNumber number = DecomposeDouble(isovalue);

@@ -201,6 +201,7 @@ private:
 ValueDomain MakeDomain(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
   const std::optional<Quantizer>& quantizer)
 {
+  // Encoders write no other scales for offsets. Those of a corrupt record would shift too far.
   const int shortScale = std::clamp(record.Scale, -30, 10);
   if (quantizer)
   {

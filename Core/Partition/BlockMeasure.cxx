@@ -13,13 +13,14 @@ namespace isosurface
 namespace
 {
 
-/// The spectrum has so many bits less than the sums. The rounding error is below a thousandth of a
+/// The spectrum has so many bits fewer than the sums. The rounding error is below a thousandth of a
 /// cell's face, and the numbers take fewer bytes on disk.
 constexpr int DroppedBits = 12;
 
 /// The minimum width of a cell's values, in bins, so that there is no division by 0.
 constexpr float MinimumWidth = 1e-6f;
-/// The maximum area of a cell, in its maximum face. Only rounding errors of tiny widths exceed it.
+/// The maximum area in a cell, relative to its largest face. Only rounding errors of tiny widths
+/// exceed it.
 constexpr float MaximumDensity = 8;
 
 constexpr float OverFortyEight = 1.0f / 48;

@@ -32,7 +32,7 @@
 class pqIsovalueChart : public QWidget
 {
   Q_OBJECT
-  /// What pqScalarValueListPropertyWidget calls so: doubles.
+  /// The isovalues, by the name that pqScalarValueListPropertyWidget has for its own.
   Q_PROPERTY(QVariantList scalars READ GetIsovalues WRITE SetIsovalues NOTIFY isovaluesChanged)
   /// The same in one line, for tests.
   Q_PROPERTY(QString isovalueText READ GetIsovalueText)
@@ -43,7 +43,7 @@ class pqIsovalueChart : public QWidget
 
 public:
   using Quantity = isosurface::SpectrumCurve::Quantity;
-  /// Predicted seconds; how long, as words. Empty: not known.
+  /// The predicted duration of an extraction in words; empty if it is not known.
   using DurationWords = std::function<QString(const isosurface::IsosurfaceForecast&)>;
 
   explicit pqIsovalueChart(QWidget* parent = nullptr);
@@ -67,7 +67,7 @@ public:
   /// Whether blocks and bytes are read from files; else they lie in memory.
   void SetStored(bool stored);
 
-  /// One for each isovalue; without: a colour of the style's.
+  /// One color for each isovalue; none: a color of the style.
   void SetColors(const QVector<QColor>& colors);
 
   QVariantList GetIsovalues() const;
@@ -120,7 +120,7 @@ private:
   void Remove(int handle);
   QColor GetColor(int handle) const;
   QStringList DescribeIsovalue(double isovalue) const;
-  /// Whose readout is shown; false: nothing's.
+  /// Finds the isovalue whose readout is shown; false if there is none.
   bool FindReadoutIsovalue(double& isovalue) const;
 
   void PaintHandle(QPainter& painter, int handle) const;
