@@ -651,7 +651,7 @@ void pqIsovalueChart::PaintHandle(QPainter& painter, int handle) const
 {
   const QRect plot = this->GetPlot();
   const double exact = this->Axis.ToPixel(this->Isovalues[handle]);
-  // A handle outside the shown range has its grip at the border that is nearer to it.
+  // One that is out of sight leaves its grip at the side where it is.
   const bool visible = exact >= plot.left() - 0.5 && exact <= plot.right() + 0.5;
   const double x = std::clamp(exact, 1.0 * plot.left(), 1.0 * plot.right());
   const QColor color = this->GetColor(handle);
