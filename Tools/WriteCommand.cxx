@@ -16,10 +16,10 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
 {
   auto volume = InputVolume::Open(options);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(volume.GetStatus()));
-  double samples = 0;
+  double sampleBytes = 0;
   for (const ArrayDescription& array : volume->Arrays)
   {
-    samples += static_cast<double>(volume->Grid.GetNumberOfVertices()) *
+    sampleBytes += static_cast<double>(volume->Grid.GetNumberOfVertices()) *
       static_cast<double>(GetValueSize(array.Type)) * array.Components;
   }
   BlockedVolumeSettings settings = options.Settings;
@@ -36,7 +36,7 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
   double seconds = 0;
   const auto written = [&]
   {
-    ProgressDisplay display(options.Output, samples, isTold);
+    ProgressDisplay display(options.Output, sampleBytes, isTold);
     auto result = BlockedVolumeWriter(ranks).Write(options.Output, volume->Grid, volume->Arrays,
       *volume->Source, settings, display.GetProgress());
     seconds = display.GetSeconds();
@@ -49,8 +49,8 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
     std::printf("%s: %llu blocks of %d cells a side in %zu stores, %s (%s of samples), %.1f s, "
                 "%.0f MB/s\n",
       options.Output.c_str(), static_cast<unsigned long long>(written->Blocks), settings.BlockSize,
-      written->Stores.size(), FormatBytes(bytes).c_str(), FormatBytes(samples).c_str(), seconds,
-      samples / 1e6 / std::max(seconds, 1e-9));
+      written->Stores.size(), FormatBytes(bytes).c_str(), FormatBytes(sampleBytes).c_str(), seconds,
+      sampleBytes / 1e6 / std::max(seconds, 1e-9));
   }
   return Status::Ok();
 }

@@ -72,8 +72,8 @@ struct EdgeIndexRecord
   void Append(std::vector<std::uint8_t>& bytes) const;
 
   /**
-   * Reads the record at the start of `bytes`, which its Code then points into; `used` becomes its size.
-   * Errors: Corrupt.
+   * Reads the record at the start of `bytes`, which its Code then points into; `used` becomes its
+   * size. Errors: Corrupt.
    */
   static Result<EdgeIndexRecord> Parse(
     const EdgeIndexHeader& header, const std::uint8_t* bytes, std::size_t size, std::size_t& used);

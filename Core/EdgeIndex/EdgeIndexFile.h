@@ -24,8 +24,8 @@ struct EdgeIndexSelection
 {
   /// The coarse preview instead of the surface.
   bool Preview = false;
-  /// Only blocks that have cells in this box of vertices of the (fine) grid; if the box is flat, one
-  /// vertex thick, blocks that it touches.
+  /// Only blocks that have cells in this box of vertices of the (fine) grid; if the box is flat,
+  /// one vertex thick, blocks that it touches.
   std::optional<VertexBox> Box;
   /// Indices of EdgeIndexHeader::Isovalues; empty for all of them.
   std::vector<std::size_t> Isovalues;

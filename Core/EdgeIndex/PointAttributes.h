@@ -17,8 +17,8 @@
 namespace isosurface
 {
 
-/// Owns the tuples of point arrays at the edges of a block: for each attribute of the header and each
-/// axis one tuple for each vertex (AttributeEdges), also where the edge is not crossed.
+/// Owns the tuples of point arrays at the edges of a block: for each attribute of the header and
+/// each axis one tuple for each vertex (AttributeEdges), also where the edge is not crossed.
 class PointAttributes
 {
 public:

@@ -74,7 +74,6 @@ public:
   static Result<std::unique_ptr<PagedFileWriter>> Create(FileSystem& fileSystem,
     const std::string& path, std::uint32_t pageSize, const PagedFile::Kind& kind);
 
-  std::uint32_t GetPageSize() const { return this->PageSize; }
   std::size_t GetPayloadSize() const { return this->PageSize - PagedFile::ChecksumSize; }
   std::uint64_t GetPageCount() const { return this->PageCount; }
 

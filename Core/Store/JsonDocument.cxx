@@ -107,6 +107,7 @@ std::string FormatChecksum(std::uint64_t checksum)
 
 bool IsUtf8(const std::string& text)
 {
+  // Formatting leaves out the bytes that are not UTF-8, so only UTF-8 is read back unchanged.
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::ignore)) == Json(text);
 }
 

@@ -43,7 +43,7 @@ Result<Json> ParseDocument(const std::string& text, const std::string& path,
 class JsonMembers
 {
 public:
-  /// `status` must outlive this; `where` is the object's own name, "" for the document.
+  /// `object` and `status` must outlive this; `where` is the object's name, as in "grid.", or "".
   JsonMembers(const Json& object, std::string path, std::string where, Status& status);
 
   bool IsOk() const { return this->Error.IsOk(); }
