@@ -2,7 +2,7 @@
 #include "InfoCommand.h"
 
 #include "ProgressDisplay.h"
-#include "SpectrumTable.h"
+#include "PrintedSpectrum.h"
 
 #include "Store/BlockedVolume.h"
 
@@ -84,6 +84,7 @@ Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::s
       continue;
     }
     std::vector<std::uint64_t> triangles;
+    triangles.reserve(spectra.size());
     for (const auto& spectrum : spectra)
     {
       triangles.push_back(spectrum->Triangles[bin]);
@@ -266,8 +267,8 @@ Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(**spectrum);
     const std::string table = isWhole
-      ? FormatSpectrumTable(columns)
-      : FormatSpectrumTable(columns, PickBins(**spectrum, PrintedIsovalues));
+      ? FormatSpectrum(columns)
+      : FormatSpectrum(columns, PickBins(**spectrum, PrintedIsovalues));
     std::printf(
       "  spectrum    %s\n%s", Json(FormatVariable(volume, variable)).dump().c_str(), table.c_str());
   }

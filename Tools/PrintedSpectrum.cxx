@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SpectrumTable.h"
+#include "PrintedSpectrum.h"
 
 #include <algorithm>
 #include <array>
@@ -76,14 +76,14 @@ std::vector<std::size_t> PickBins(const WorkloadSpectrum& spectrum, std::size_t 
   return bins;
 }
 
-std::string FormatSpectrumTable(const std::vector<SpectrumColumn>& columns)
+std::string FormatSpectrum(const std::vector<SpectrumColumn>& columns)
 {
   std::vector<std::size_t> bins(columns.empty() ? 0 : columns.front().Values.size());
   std::iota(bins.begin(), bins.end(), std::size_t{ 0 });
-  return FormatSpectrumTable(columns, bins);
+  return FormatSpectrum(columns, bins);
 }
 
-std::string FormatSpectrumTable(
+std::string FormatSpectrum(
   const std::vector<SpectrumColumn>& columns, const std::vector<std::size_t>& bins)
 {
   std::vector<std::string> lines(bins.size() + 1);

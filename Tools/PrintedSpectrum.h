@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_SpectrumTable_h
-#define isosurface_SpectrumTable_h
+#ifndef isosurface_PrintedSpectrum_h
+#define isosurface_PrintedSpectrum_h
 
 #include "Partition/WorkloadSpectrum.h"
 
@@ -29,8 +29,8 @@ std::vector<std::size_t> PickBins(const WorkloadSpectrum& spectrum, std::size_t 
 
 /// The columns as text, with their names and one line for each isovalue: of all bins, or of the
 /// given ones.
-std::string FormatSpectrumTable(const std::vector<SpectrumColumn>& columns);
-std::string FormatSpectrumTable(
+std::string FormatSpectrum(const std::vector<SpectrumColumn>& columns);
+std::string FormatSpectrum(
   const std::vector<SpectrumColumn>& columns, const std::vector<std::size_t>& bins);
 
 } // namespace isosurface
