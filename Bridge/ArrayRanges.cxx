@@ -80,7 +80,8 @@ void StoreRangesOfArray(vtkDataArray* array, int threads)
   }
 }
 
-/// Reaches the bounds that vtkPoints keeps, which it does not take from its array; never made.
+/// Access to the protected bounds of vtkPoints, which it computes even if its array knows its
+/// ranges. There are no objects of this class.
 class KeptBounds : public vtkPoints
 {
 public:

@@ -12,12 +12,13 @@ namespace isosurface
 /**
  * Stores the ranges of a surface's points and point arrays, of each component and of the norm, in
  * the arrays, where VTK keeps those that it has computed (vtkDataArray::COMPONENT_RANGE,
- * L2_NORM_RANGE and their finite counterparts), and the bounds in vtkPoints. ParaView asks for all of them after each update,
- * and VTK computes each alone, value by value: five times as long as the extraction takes.
+ * L2_NORM_RANGE and their finite counterparts), and the bounds in vtkPoints. ParaView asks for all
+ * of them after each update, and VTK computes each alone, value by value, which takes five times as
+ * long as the extraction.
  *
- * Arrays of other types than float, double and vtkIdType, and such with values that are not finite,
- * are left to VTK. Call it last: an array that is modified forgets its ranges. Cost: one pass over
- * the arrays, on `threads` threads.
+ * Arrays of other types than float, double and vtkIdType, and arrays with values that are not
+ * finite, are left to VTK. Call it last: an array that is modified forgets its ranges. Cost: one
+ * pass over the arrays, on `threads` threads.
  */
 ISOSURFACEBRIDGE_EXPORT void StoreRanges(vtkPolyData* surface, int threads);
 

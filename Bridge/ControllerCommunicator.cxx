@@ -25,7 +25,7 @@ constexpr int ExchangeTag = 48211;
 // VTK's messages count in vtkIdType but MPI counts in int: larger messages go in parts.
 constexpr std::size_t LargestPart = std::size_t{ 1 } << 30;
 
-// Calls send(pointer, length) for parts of a message that fit one MPI call each.
+// Calls function(pointer, length) for parts of a message that fit one MPI call each.
 template <typename Pointer, typename Function>
 void ForEachPart(Pointer data, std::size_t size, const Function& function)
 {
@@ -51,7 +51,8 @@ public:
   }
   int GetLeft() const { return this->Left; }
 
-  // Calls done(rank) for all that are done now. Whether there are any.
+  // Calls done(rank) for each rank whose message is complete since the last call. Returns whether
+  // there was any.
   bool Test(const std::function<void(int rank)>& done)
   {
     const int before = this->Left;

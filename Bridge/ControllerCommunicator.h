@@ -40,7 +40,7 @@ private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);
   void Send(const Message& message, int rank);
   void Receive(Message& message, int rank);
-  /// Gives the messages of all other ranks their sizes.
+  /// Resizes the messages that other ranks will send. Collective.
   void PrepareIncoming(const std::vector<Message>& outgoing, std::vector<Message>& incoming);
   /// False if the controller is no vtkMPIController: then nothing is sent.
   bool ExchangeWithoutBlocking(

@@ -9,6 +9,7 @@
 #include "vtkIntArray.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
+#include "vtkUniformGrid.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -191,6 +192,31 @@ VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image)
   return own;
 }
 
+Blanking FindBlanking(const GridGeometry& grid, vtkImageData* image)
+{
+  Blanking hidden;
+  hidden.Box = MakeVertexBox(grid, image->GetExtent());
+  if (!vtkUniformGrid::SafeDownCast(image) || hidden.Box.IsEmpty())
+  {
+    return hidden;
+  }
+  // Flags of another length than the image are not its flags.
+  const auto find = [](vtkUnsignedCharArray* flags, vtkIdType count, std::uint8_t bits)
+  {
+    const unsigned char* first =
+      flags && flags->GetNumberOfValues() == count ? flags->GetPointer(0) : nullptr;
+    const bool hides = first &&
+      std::any_of(first, first + count, [bits](unsigned char flag) { return (flag & bits) != 0; });
+    return hides ? first : nullptr;
+  };
+  hidden.HidesCell = vtkDataSetAttributes::HIDDENCELL | vtkDataSetAttributes::REFINEDCELL;
+  hidden.HidesVertex = vtkDataSetAttributes::HIDDENPOINT;
+  hidden.Cells = find(image->GetCellGhostArray(), image->GetNumberOfCells(), hidden.HidesCell);
+  hidden.Vertices =
+    find(image->GetPointGhostArray(), image->GetNumberOfPoints(), hidden.HidesVertex);
+  return hidden;
+}
+
 Result<ImageSamples> MakeImageSamples(
   const GridGeometry& grid, vtkImageData* image, vtkDataArray* array)
 {
@@ -212,6 +238,7 @@ Result<ImageSamples> MakeImageSamples(
     samples.Array->DeepCopy(array);
   }
   samples.Time = std::max(image->GetMTime(), samples.Array->GetMTime());
+  samples.Hidden = FindBlanking(grid, image);
   const VertexBox all = MakeVertexBox(grid, image->GetExtent());
   const Index3 size = all.GetSize();
   const VertexBox own = FindOwnVertices(grid, image);

@@ -8,6 +8,7 @@
 #include "vtkType.h"
 
 #include "Base/Status.h"
+#include "Volume/Blanking.h"
 #include "Volume/GridGeometry.h"
 #include "Volume/SampleView.h"
 
@@ -19,7 +20,7 @@ class vtkImageData;
 namespace isosurface
 {
 
-/// The Core type of a VTK data type (VTK_SHORT, ...); Unsupported for VTK_BIT and strings.
+/// The Core type of an array's values; Unsupported for VTK_BIT.
 ISOSURFACEBRIDGE_EXPORT Result<ValueType> GetValueTypeOf(vtkDataArray* array);
 
 /// The VTK data type of a Core type.
@@ -36,7 +37,8 @@ ISOSURFACEBRIDGE_EXPORT GridGeometry MakeGridGeometry(
 ISOSURFACEBRIDGE_EXPORT void StoreWholeExtent(vtkImageData* image, const int wholeExtent[6]);
 ISOSURFACEBRIDGE_EXPORT bool FindWholeExtent(vtkImageData* image, int wholeExtent[6]);
 
-/// The vertices of an extent, counted from the grid's first vertex.
+/// The vertices of an extent, counted from the grid's first vertex. Unlike an extent, a box does
+/// not include its High.
 ISOSURFACEBRIDGE_EXPORT VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6]);
 
 /**
@@ -46,11 +48,19 @@ ISOSURFACEBRIDGE_EXPORT VertexBox MakeVertexBox(const GridGeometry& grid, const 
  */
 ISOSURFACEBRIDGE_EXPORT VertexBox FindOwnVertices(const GridGeometry& grid, vtkImageData* image);
 
+/**
+ * What is hidden of an image: the cells that vtkGhostType marks as hidden or refined, and the points
+ * that it marks as hidden. Only a vtkUniformGrid hides something; vtkContourFilter ignores the marks
+ * of any other vtkImageData. The view must not outlive the image.
+ */
+ISOSURFACEBRIDGE_EXPORT Blanking FindBlanking(const GridGeometry& grid, vtkImageData* image);
+
 /// The samples of an array of an image, and who owns them.
 struct ImageSamples
 {
   /// A view a component; Box is the image's own vertices, Available all of them.
   std::vector<SampleView> Components;
+  Blanking Hidden;                     ///< see FindBlanking
   vtkSmartPointer<vtkDataArray> Array; ///< keeps the samples alive
   vtkMTimeType Time = 0;               ///< when the image or the array was last modified
 };

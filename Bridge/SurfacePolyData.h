@@ -21,14 +21,15 @@ struct InterpolatedArray
   std::vector<std::string> ComponentNames; ///< of all components, or none
   AttributeLayout Layout;
 
+  /// Names of components may differ.
   ISOSURFACEBRIDGE_EXPORT bool operator==(const InterpolatedArray& other) const;
 };
 
 /**
  * Hands a surface over to a vtkPolyData, without copying: points, polygons, GlobalIds, Normals, the
  * attributes as the arrays that describe them, and, if a name is given, the isovalues as active
- * scalars of that name (float where all isovalues are floats, else double). Of arrays of one name
- * those that were computed are kept.
+ * scalars of that name (float where all isovalues are floats, else double). An attribute with the
+ * name of one of these is left out. The surface gives up the memory of its arrays.
  */
 ISOSURFACEBRIDGE_EXPORT void MoveToPolyData(Surface& surface,
   const std::vector<InterpolatedArray>& arrays, const std::string& scalarsName,

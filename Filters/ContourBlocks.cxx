@@ -36,7 +36,7 @@ Status KeptPieces::FindArrays(const ImageContour::Settings& settings)
 {
   for (const ImagePiece& piece : this->Pieces.Pieces)
   {
-    auto attributes = FindAttributes(piece, settings.Arrays);
+    auto attributes = FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
     ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
     this->Attributes.push_back(std::move(*attributes));
     const auto components = static_cast<int>(piece.Samples.Components.size());
@@ -57,8 +57,27 @@ std::vector<GridPiece> KeptPieces::GetGridPieces() const
   return pieces;
 }
 
-Status CheckGrids(const std::vector<GridGeometry>& grids)
+// What a consumer of blocks could not tell from the samples.
+Status CheckVisible(const std::vector<ImagePiece>& pieces)
 {
+  const bool hides = std::any_of(pieces.begin(), pieces.end(),
+    [](const ImagePiece& piece) { return !piece.Samples.Hidden.IsEmpty(); });
+  return hides ? Status(StatusCode::InvalidArgument,
+                   "the input hides cells or points (vtkGhostType), which edge-index records "
+                   "cannot tell: save or draw the surface of Stabbing Contour itself")
+               : Status::Ok();
+}
+
+Status CheckGrids(const ImagePieces& pieces)
+{
+  const std::vector<GridGeometry>& grids = pieces.Grids;
+  if (std::any_of(pieces.Lines.begin(), pieces.Lines.end(),
+        [](const std::optional<GridLines>& lines) { return lines.has_value(); }))
+  {
+    return { StatusCode::InvalidArgument,
+      "the input has rectilinear grids, whose coordinates edge-index records cannot tell: save or "
+      "draw the surface of Stabbing Contour itself" };
+  }
   if (grids.size() > 1)
   {
     return { StatusCode::InvalidArgument,
@@ -129,7 +148,8 @@ Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
   auto kept = std::make_shared<KeptPieces>();
   kept->Pieces = std::move(pieces);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(kept->FindArrays(settings)));
-  ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces.Grids));
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(CheckVisible(kept->Pieces.Pieces)));
+  ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces));
   PieceBlockSelection selection;
   selection.Isovalues = blocks.Isovalues;
   selection.Region = settings.Region;

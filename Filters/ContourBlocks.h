@@ -46,11 +46,11 @@ struct ContourBlocks
   std::optional<double> Time; ///< of the samples
   KeyRange FiniteRange;       ///< of the contoured values, of blocks that are not active too
 
-  /// Set before: whether Source is to give samples that gradients can be made of, and those of the
+  /// Set by the caller: whether Source is to give samples for gradients, and samples of the
   /// arrays to interpolate.
   bool Normals = false;
   bool Attributes = false;
-  std::vector<InterpolatedArray> Arrays; ///< that are interpolated; what Source gives beside
+  std::vector<InterpolatedArray> Arrays; ///< to interpolate, in the order of Source's attributes
 
   /// This rank's active blocks. What it refers to is in Owner.
   std::unique_ptr<BlockSource> Source;

@@ -2,6 +2,7 @@
 #include "ContourWork.h"
 
 #include "ContourBlocks.h"
+#include "ContouredArray.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkStabbingContour.h"
 
@@ -81,6 +82,7 @@ ContourRequest ContourWork::MakeRequest()
   request.GlobalIds = true;
   request.Polygons = this->Contour.GetGenerateTriangles() == 0;
   request.Offsets = true;
+  request.SkipNotANumber = this->Contour.GetSkipNotANumber() != 0;
   request.DropDegenerateTriangles = this->Contour.GetDropDegenerateTriangles() != 0;
   if (this->Contour.GetCloseBoundary())
   {
@@ -265,9 +267,10 @@ Status ContourWork::ExtractFromImages(vtkInformation* inInfo, Outcome& outcome)
   ContourRequest request = this->MakeRequest();
   auto extracted = this->OfImages.Extract(*pieces,
     { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
-      this->MakeRegion(), threads },
+      this->MakeRegion(), threads, &this->Averages },
     request, [this](double share) { return this->TellProgress(share); });
   ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
+  this->Averages.DropUnused();
   outcome.Extracted = std::move(extracted->Extracted);
   outcome.Arrays = std::move(extracted->Arrays);
   outcome.Cost.Reading.ActiveBlocks = extracted->ActiveBlocks;
@@ -277,32 +280,22 @@ Status ContourWork::ExtractFromImages(vtkInformation* inInfo, Outcome& outcome)
 Result<ImagePieces> ContourWork::CollectPieces(
   Communicator& ranks, vtkInformation* inInfo, std::string& arrayName)
 {
+  const int threads = this->ChooseThreads();
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
     vtkDataArray* array = this->Contour.GetInputArrayToProcess(0, image, association);
-    if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
-    {
-      return Status(StatusCode::InvalidArgument,
-        std::string("array \"") + (array->GetName() ? array->GetName() : "") +
-          "\" is not a point array; convert it to point data first");
-    }
     if (array && array->GetName())
     {
       arrayName = array->GetName();
     }
-    const int component = this->Contour.GetComponent();
-    if (array && !FindChosenComponent(array->GetNumberOfComponents(), component))
-    {
-      return MakeComponentError(arrayName, array->GetNumberOfComponents(), component);
-    }
-    return array;
+    return TakeContouredArray(
+      image, array, association, this->Contour.GetComponent(), this->Averages, threads);
   };
   auto pieces = CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
   if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
   {
-    return Status(StatusCode::NotFound,
-      "the input has no point array \"" + this->GetArrayToContour() + "\" to contour");
+    return MakeMissingArrayError(vtkDataObject::GetData(inInfo), this->GetArrayToContour());
   }
   return pieces;
 }
@@ -437,6 +430,7 @@ Status ContourWork::CollectBlocksOfImages(
   settings.Component = this->Contour.GetComponent();
   settings.Region = this->MakeRegion();
   settings.Threads = threads;
+  settings.Averages = &this->Averages;
   if (blocks.Attributes)
   {
     settings.Arrays = this->ChooseInterpolatedArrays(blocks.ArrayName);

@@ -2,6 +2,7 @@
 #ifndef isosurface_ContourWork_h
 #define isosurface_ContourWork_h
 
+#include "CellArrays.h"
 #include "ControllerCommunicator.h"
 #include "ImageContour.h"
 #include "ImagePieces.h"
@@ -108,6 +109,7 @@ private:
   Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);
 
   vtkStabbingContour& Contour;
+  CellAverages Averages;
   ImageContour OfImages;
   VolumeContour OfVolumes;
   Pass LastPass;

@@ -50,15 +50,19 @@ Result<ImageContour::Entry> ImageContour::TakeEntry(
   return entry;
 }
 
-Result<Surface> ImageContour::ExtractPiece(const GridGeometry& grid, const ImagePiece& piece,
+Result<Surface> ImageContour::ExtractPiece(const ImagePieces& pieces, const ImagePiece& piece,
   const PieceAttributes& attributes, const Entry& entry, const Settings& settings,
   ContourRequest request, const Progress& progress)
 {
   const SampleView samples = entry.Scalars.GetView(piece.Samples);
+  const GridGeometry& grid = pieces.Grids[piece.Grid];
+  const std::optional<GridLines>& lines = pieces.Lines[piece.Grid];
   request.KnownSamples = samples.Available;
-  GridBlockSource source(
-    samples, entry.Ranges, request.Isovalues, { request.ClosedSides, settings.Region }, grid);
+  request.Lines = lines ? &*lines : nullptr;
+  GridBlockSource source(samples, entry.Ranges, request.Isovalues,
+    { request.ClosedSides, settings.Region, request.Lines }, grid);
   source.SetAttributes(attributes.Views);
+  source.SetBlanking(piece.Samples.Hidden);
   return ExtractSurface(grid, source, request, settings.Threads, progress);
 }
 
@@ -73,7 +77,8 @@ Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
   for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
   {
     const ImagePiece& piece = pieces.Pieces[number];
-    const auto attributes = FindAttributes(piece, settings.Arrays);
+    const auto attributes =
+      FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
     ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
     if (number == 0)
     {
@@ -98,8 +103,8 @@ Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
       return !progress ||
         progress((static_cast<double>(number) + share) / static_cast<double>(pieces.Pieces.size()));
     };
-    auto extracted = ExtractPiece(
-      pieces.Grids[piece.Grid], piece, *attributes, used.back(), settings, request, advance);
+    auto extracted =
+      ExtractPiece(pieces, piece, *attributes, used.back(), settings, request, advance);
     ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
     outcome.ActiveBlocks += extracted->NumberOfBlocks;
     ShiftGlobalIds(firstIds[piece.Grid], *extracted);

@@ -38,6 +38,7 @@ public:
     std::vector<std::string> Arrays; ///< to interpolate
     isosurface::Region Region;
     int Threads = 1;
+    CellAverages* Averages = nullptr; ///< of the arrays to interpolate; must be there
   };
 
   struct Outcome
@@ -73,7 +74,7 @@ private:
 
   /// Of one piece. Where its samples end before its grid does, normals are made of one-sided
   /// differences: they are not those of the neighbouring piece there.
-  static Result<Surface> ExtractPiece(const GridGeometry& grid, const ImagePiece& piece,
+  static Result<Surface> ExtractPiece(const ImagePieces& pieces, const ImagePiece& piece,
     const PieceAttributes& attributes, const Entry& entry, const Settings& settings,
     ContourRequest request, const Progress& progress);
 

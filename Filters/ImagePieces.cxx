@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ImagePieces.h"
 
+#include "RectilinearGrids.h"
+
+#include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -23,26 +27,41 @@ namespace
 struct Leaf
 {
   vtkImageData* Image;
+  vtkSmartPointer<vtkImageData> Owner; ///< if the image stands for a rectilinear grid
   vtkDataArray* Array;
   GridGeometry Grid; ///< with the extent of this leaf alone
+  std::optional<GridLines> Lines;
 };
 
-Result<std::vector<vtkImageData*>> FindImages(vtkDataObject* input)
+Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
 {
-  std::vector<vtkImageData*> images;
+  std::vector<Leaf> images;
   auto add = [&images](vtkDataObject* data)
   {
+    auto* set = vtkDataSet::SafeDownCast(data);
+    auto* lined = vtkRectilinearGrid::SafeDownCast(data);
     auto* image = vtkImageData::SafeDownCast(data);
-    if (data && !image)
+    if (data && !image && !lined)
     {
       return Status(StatusCode::InvalidArgument,
         std::string("the input has a ") + data->GetClassName() +
-          "; only vtkImageData can be contoured");
+          ", but only image data and rectilinear grids can be contoured here: take Contour, or put "
+          "Resample To Image in front");
     }
-    if (image && image->GetNumberOfPoints() > 0)
+    if (!set || set->GetNumberOfPoints() == 0)
     {
-      images.push_back(image);
+      return Status::Ok();
     }
+    Leaf leaf{ image, nullptr, nullptr, {}, {} };
+    if (lined)
+    {
+      leaf.Owner = MakeStructuredImage(lined);
+      leaf.Image = leaf.Owner;
+      leaf.Lines = MakeGridLines(lined);
+      ISOSURFACE_RETURN_IF_ERROR(
+        leaf.Lines->Check(MakeGridGeometry(leaf.Image, leaf.Image->GetExtent()).GetDimensions()));
+    }
+    images.push_back(std::move(leaf));
     return Status::Ok();
   };
   if (auto* composite = vtkCompositeDataSet::SafeDownCast(input))
@@ -65,11 +84,12 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
   const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray, std::vector<Leaf>& leaves,
   std::size_t& numberOfImages)
 {
-  const Result<std::vector<vtkImageData*>> images = FindImages(input);
+  Result<std::vector<Leaf>> images = FindImages(input);
   ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
   numberOfImages = images->size();
-  for (vtkImageData* image : *images)
+  for (Leaf& leaf : *images)
   {
+    vtkImageData* image = leaf.Image;
     const Result<vtkDataArray*> array = findArray(image);
     ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
     if (!*array)
@@ -85,7 +105,8 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
       inputInfo->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
       hasWhole = true;
     }
-    if (hasWhole)
+    // What lines there are beyond the pieces is not known.
+    if (hasWhole && !leaf.Lines)
     {
       for (int axis = 0; axis < 3; ++axis)
       {
@@ -93,9 +114,47 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
         extent[2 * axis + 1] = std::max(extent[2 * axis + 1], whole[2 * axis + 1]);
       }
     }
-    leaves.push_back({ image, *array, MakeGridGeometry(image, extent) });
+    leaf.Array = *array;
+    leaf.Grid = MakeGridGeometry(image, extent);
+    leaves.push_back(std::move(leaf));
   }
   return Status::Ok();
+}
+
+// The grids of all leaves, and the number of each leaf's: images first. Collective.
+std::vector<std::size_t> UniteLeaves(
+  Communicator& ranks, const std::vector<Leaf>& leaves, ImagePieces& pieces)
+{
+  std::vector<GridGeometry> grids;
+  std::vector<LinedGrid> lined;
+  for (const Leaf& leaf : leaves)
+  {
+    if (leaf.Lines)
+    {
+      lined.push_back({ leaf.Grid, *leaf.Lines });
+    }
+    else
+    {
+      grids.push_back(leaf.Grid);
+    }
+  }
+  pieces.Grids = UniteGrids(ranks, grids);
+  pieces.Lines.resize(pieces.Grids.size());
+  const std::size_t images = pieces.Grids.size();
+  std::vector<std::size_t> linedNumbers;
+  for (LinedGrid& grid : UniteLinedGrids(ranks, lined, linedNumbers))
+  {
+    pieces.Grids.push_back(grid.Grid);
+    pieces.Lines.emplace_back(std::move(grid.Lines));
+  }
+  std::vector<std::size_t> numbers;
+  std::size_t next = 0;
+  for (const Leaf& leaf : leaves)
+  {
+    numbers.push_back(
+      leaf.Lines ? images + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid));
+  }
+  return numbers;
 }
 
 } // namespace
@@ -115,39 +174,43 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   }
 
   ImagePieces pieces;
-  std::vector<GridGeometry> grids;
-  for (const Leaf& leaf : leaves)
-  {
-    grids.push_back(leaf.Grid);
-  }
-  pieces.Grids = UniteGrids(ranks, grids);
+  const std::vector<std::size_t> numbers = UniteLeaves(ranks, leaves, pieces);
   Status status;
-  for (const Leaf& leaf : leaves)
+  for (std::size_t n = 0; n < leaves.size(); ++n)
   {
-    const std::size_t grid = FindGrid(pieces.Grids, leaf.Grid);
+    const Leaf& leaf = leaves[n];
+    const std::size_t grid = numbers[n];
     Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
     if (!samples.IsOk())
     {
       status = samples.GetStatus();
       break;
     }
-    pieces.Pieces.push_back({ leaf.Image, std::move(*samples), grid });
+    pieces.Pieces.push_back({ leaf.Image, leaf.Owner, std::move(*samples), grid });
   }
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
   return pieces;
 }
 
-Result<PieceAttributes> FindAttributes(
-  const ImagePiece& piece, const std::vector<std::string>& names)
+Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
+  const std::vector<std::string>& names, CellAverages& averages, int threads)
 {
   PieceAttributes attributes;
   for (const std::string& name : names)
   {
     vtkDataArray* array = piece.Image->GetPointData()->GetArray(name.c_str());
+    vtkDataArray* cells = piece.Image->GetCellData()->GetArray(name.c_str());
+    if (!array && cells)
+    {
+      const auto average = averages.Find(piece.Image, cells, threads);
+      ISOSURFACE_RETURN_IF_ERROR(average.GetStatus());
+      array = *average;
+    }
     if (!array || array->GetNumberOfTuples() != piece.Image->GetNumberOfPoints())
     {
       return Status(StatusCode::NotFound,
-        "the input has no numeric point array \"" + name + "\" to interpolate everywhere");
+        "the input has no numeric point array or cell array \"" + name +
+          "\" to interpolate everywhere");
     }
     const Result<ValueType> type = GetValueTypeOf(array);
     ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());

@@ -6,13 +6,16 @@
 
 #include "Base/Communicator.h"
 #include "Base/Status.h"
+#include "CellArrays.h"
 #include "ImageSamples.h"
 #include "SurfacePolyData.h"
 #include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,26 +31,31 @@ namespace isosurface
 struct ImagePiece
 {
   vtkImageData* Image = nullptr;
+  vtkSmartPointer<vtkImageData> Owner; ///< of an image that stands for a rectilinear grid
   ImageSamples Samples;
   std::size_t Grid = 0; ///< into ImagePieces::Grids
 };
 
 /**
- * The images of all ranks as pieces of grids (UniteGrids). The extent of a grid also covers the
+ * The images of all ranks as pieces of grids (UniteGrids), then their rectilinear grids
+ * (UniteLinedGrids), as images in structured coordinates. The extent of a grid also covers the
  * volume that the images are blocks of (FindWholeExtent).
  */
 struct ImagePieces
 {
   std::vector<GridGeometry> Grids; ///< equal on all ranks
-  std::vector<ImagePiece> Pieces;  ///< this rank's
+  /// Of the grids, one for each; empty for images.
+  std::vector<std::optional<GridLines>> Lines;
+  std::vector<ImagePiece> Pieces; ///< this rank's
 };
 
 /**
- * Collects the array of a vtkImageData, or of all images in a composite, over all ranks. Images
- * without points, or within a composite without the array, are left out. Collective.
+ * Collects the array of a vtkImageData or a vtkRectilinearGrid, or of all of these in a composite,
+ * over all ranks. Those without points, or within a composite without the array, are left out.
+ * Collective.
  *
- * `findArray` gives an image's point array to contour, or null. Errors: a dataset that is no
- * vtkImageData, an array that no rank has or that cannot be contoured.
+ * `findArray` gives an image's point array to contour, or null. Errors: a dataset of another kind, an
+ * array that no rank has or that cannot be contoured, lines that do not ascend.
  */
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray);
@@ -60,10 +68,11 @@ struct PieceAttributes
   std::vector<vtkSmartPointer<vtkDataArray>> Owners; ///< keep the samples alive
 };
 
-/// Errors: NotFound for an image without one of the arrays; Unsupported for a type that is not one
-/// of numbers.
-Result<PieceAttributes> FindAttributes(
-  const ImagePiece& piece, const std::vector<std::string>& names);
+/// Point arrays, and averages of cell arrays where there is no point array of the name. Errors:
+/// NotFound for an image without one of the arrays; Unsupported for a type that is not one of
+/// numbers.
+Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
+  const std::vector<std::string>& names, CellAverages& averages, int threads);
 
 } // namespace isosurface
 

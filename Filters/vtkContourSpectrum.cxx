@@ -3,6 +3,7 @@
 #include "vtkContourSpectrum.h"
 
 #include "ChosenScalars.h"
+#include "ContouredArray.h"
 #include "ImagePieces.h"
 #include "SpectrumTable.h"
 #include "VolumeInput.h"
@@ -24,6 +25,7 @@
 
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Partition/GridSpectrum.h"
 #include "Store/BlockedVolume.h"
 
@@ -107,10 +109,11 @@ struct vtkContourSpectrum::Steps
   Status ReadFromVolume(const isosurface::VolumeInput& input) const;
   /// Fills it with the spectra of images that all ranks have pieces of. Collective.
   Status CountInImages(vtkInformation* inInfo) const;
-  Result<isosurface::ImagePieces> CollectPieces(vtkInformation* inInfo) const;
+  Result<isosurface::ImagePieces> CollectPieces(
+    vtkInformation* inInfo, isosurface::CellAverages& averages, int threads) const;
   /// The spectra of the grids, in equal bins. Collective.
-  Result<std::vector<WorkloadSpectrum>> Count(
-    ValueType type, std::vector<GridSpectrum> grids) const;
+  Result<std::vector<WorkloadSpectrum>> Count(ValueType type, std::vector<GridSpectrum> grids,
+    const std::vector<std::optional<isosurface::GridLines>>& lines) const;
 };
 
 //------------------------------------------------------------------------------
@@ -122,7 +125,7 @@ vtkContourSpectrum::vtkContourSpectrum()
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
-    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, vtkDataSetAttributes::SCALARS);
+    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS, vtkDataSetAttributes::SCALARS);
 }
 
 //------------------------------------------------------------------------------
@@ -134,7 +137,7 @@ vtkContourSpectrum::~vtkContourSpectrum()
 //------------------------------------------------------------------------------
 int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
 }
@@ -156,7 +159,11 @@ int vtkContourSpectrum::RequestUpdateExtent(
   inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()));
   inInfo->Set(
     Pipeline::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  // Averages of cells at the border of a piece need one cell beyond it.
+  const bool ofPoints =
+    this->GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION()) ==
+    vtkDataObject::FIELD_ASSOCIATION_POINTS;
+  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), ofPoints ? 0 : 1);
   if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
   {
     // The spectrum is stored: no samples are needed.
@@ -192,7 +199,7 @@ int vtkContourSpectrum::RequestData(
   }
   if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
   {
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
   return 1;
@@ -233,31 +240,20 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
 
 //------------------------------------------------------------------------------
 Result<isosurface::ImagePieces> vtkContourSpectrum::Steps::CollectPieces(
-  vtkInformation* inInfo) const
+  vtkInformation* inInfo, isosurface::CellAverages& averages, int threads) const
 {
   auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
     vtkDataArray* array = this->Filter.GetInputArrayToProcess(0, image, association);
-    if (array && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
-    {
-      return Status(StatusCode::InvalidArgument,
-        "the array is not a point array; convert it to point data first");
-    }
-    const int component = this->Filter.Component;
-    if (array && !isosurface::FindChosenComponent(array->GetNumberOfComponents(), component))
-    {
-      return isosurface::MakeComponentError(
-        this->GetArrayName(), array->GetNumberOfComponents(), component);
-    }
-    return array;
+    return isosurface::TakeContouredArray(
+      image, array, association, this->Filter.Component, averages, threads);
   };
   auto pieces =
     isosurface::CollectImagePieces(this->Ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
   if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
   {
-    return Status(StatusCode::NotFound,
-      "the input has no point array \"" + this->GetArrayName() + "\" to contour");
+    return isosurface::MakeMissingArrayError(vtkDataObject::GetData(inInfo), this->GetArrayName());
   }
   return pieces;
 }
@@ -265,11 +261,12 @@ Result<isosurface::ImagePieces> vtkContourSpectrum::Steps::CollectPieces(
 //------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
-  const auto pieces = this->CollectPieces(inInfo);
+  const int threads = this->Filter.NumberOfThreads > 0
+    ? this->Filter.NumberOfThreads
+    : isosurface::ChooseThreadCount(this->Ranks.GetRanksOnNode());
+  isosurface::CellAverages averages;
+  const auto pieces = this->CollectPieces(inInfo, averages, threads);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
-  const int ranksOnNode = this->Ranks.GetRanksOnNode();
-  const int threads = this->Filter.NumberOfThreads > 0 ? this->Filter.NumberOfThreads
-                                                       : isosurface::ChooseThreadCount(ranksOnNode);
   std::vector<isosurface::ChosenScalars> chosen;
   std::vector<isosurface::SampleView> scalars;
   for (const isosurface::ImagePiece& piece : pieces->Pieces)
@@ -284,7 +281,8 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
   {
     return type.GetStatus();
   }
-  const auto spectra = this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads));
+  const auto spectra =
+    this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads), pieces->Lines);
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   if (this->Ranks.GetRank() == 0)
   {
@@ -294,8 +292,9 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 }
 
 //------------------------------------------------------------------------------
-Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
-  ValueType type, std::vector<GridSpectrum> grids) const
+Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(ValueType type,
+  std::vector<GridSpectrum> grids,
+  const std::vector<std::optional<isosurface::GridLines>>& lines) const
 {
   // Ranges, then counts, of each grid.
   std::size_t done = 0;
@@ -321,6 +320,15 @@ Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(std::move(*spectrum));
     ++done;
+  }
+  for (std::size_t grid = 0; grid < spectra.size(); ++grid)
+  {
+    if (lines[grid])
+    {
+      // They were counted in structured coordinates.
+      spectra[grid].Area.clear();
+      spectra[grid].Volume.clear();
+    }
   }
   return spectra;
 }

@@ -23,6 +23,7 @@
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
 
@@ -104,6 +105,11 @@ Status CheckContour(vtkStabbingContour* contour)
     return refuse("The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
                   "Stabbing Contour off.");
   }
+  if (contour->GetSkipNotANumber())
+  {
+    return refuse("The holes that SkipNotANumber leaves cannot be distributed: turn SkipNotANumber "
+                  "of Stabbing Contour off.");
+  }
   if (contour->GetDropDegenerateTriangles())
   {
     return refuse("A surface is always distributed with all its triangles: turn "
@@ -138,7 +144,7 @@ struct vtkDistributeIsosurface::Steps
   isosurface::Communicator& Ranks;
   vtkStabbingContour* Contour;
 
-  /// This rank's part of the surface. Collective.
+  /// This rank's piece of the surface. Collective.
   Status Distribute(vtkInformation* outInfo, vtkPolyData* output) const;
   /// What the blocks of all ranks are encoded with. Collective.
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks) const;
@@ -208,7 +214,7 @@ int vtkDistributeIsosurface::RequestData(
   {
     return 1;
   }
-  vtkErrorMacro(<< status.GetMessage());
+  isosurface::ReportError(this, output, status);
   return 0;
 }
 

@@ -92,7 +92,8 @@ public:
 
   ///@{
   /**
-   * The ranks that get a part: the first ones. 0, the default, or more than there are: all.
+   * The number of ranks that get a piece, the first ones. 0, the default, or more than there are:
+   * all.
    */
   vtkSetClampMacro(DrawingRanks, int, 0, VTK_INT_MAX);
   vtkGetMacro(DrawingRanks, int);
@@ -101,7 +102,7 @@ public:
   ///@{
   /**
    * Bytes that a rank sends at a time, but for the last block's: what is under way takes as much
-   * memory, beside the encoded blocks that a rank had and gets. Default 4 MiB.
+   * memory, besides the encoded blocks that a rank had and gets. Default 4 MiB.
    */
   vtkSetClampMacro(RoundBytes, vtkIdType, 1, VTK_ID_MAX);
   vtkGetMacro(RoundBytes, vtkIdType);

@@ -5,6 +5,7 @@
 #include "ArrayRanges.h"
 #include "ContourWork.h"
 #include "CostFieldData.h"
+#include "ErrorReport.h"
 #include "PassingFilters.h"
 #include "SurfacePolyData.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -21,6 +22,8 @@
 #include "vtkPlanes.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <string>
@@ -66,6 +69,7 @@ vtkStabbingContour::vtkStabbingContour()
   , Final(1)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
+  , SkipNotANumber(0)
   , UseRegion(0)
   , RegionPosition{ 0, 0, 0 }
   , RegionLength{ 1, 1, 1 }
@@ -76,7 +80,7 @@ vtkStabbingContour::vtkStabbingContour()
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
-    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, vtkDataSetAttributes::SCALARS);
+    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS, vtkDataSetAttributes::SCALARS);
 }
 
 //------------------------------------------------------------------------------
@@ -162,9 +166,23 @@ void vtkStabbingContour::Refine()
 }
 
 //------------------------------------------------------------------------------
+int* vtkStabbingContour::GetLevelRange()
+{
+  vtkAlgorithmOutput* input =
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr;
+  vtkInformation* info =
+    input ? input->GetProducer()->GetOutputInformation(input->GetIndex()) : nullptr;
+  const vtkBlockedVolumeHandle* handle =
+    info ? vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(info) : nullptr;
+  this->LevelRange[1] =
+    handle && handle->GetVolume() ? handle->GetVolume()->GetNumberOfLevels() - 1 : 0;
+  return this->LevelRange;
+}
+
+//------------------------------------------------------------------------------
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
 }
@@ -186,16 +204,26 @@ void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), piece);
   inInfo->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), pieces);
-  // Gradients at the border of a piece need one sample beyond it. Ghost levels that consumers ask
-  // of the surface are not needed: its pieces fit by GlobalIds.
-  inInfo->Set(
-    Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), this->ComputeNormals && pieces > 1 ? 1 : 0);
+  // Gradients at the border of a piece need one sample beyond it, and samples that are averages of
+  // cells need one cell more. Ghost levels that consumers ask of the surface are not needed: its
+  // pieces fit by GlobalIds.
+  const int levels = (this->ComputeNormals ? 1 : 0) + (this->MayContourCells() ? 1 : 0);
+  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), pieces > 1 ? levels : 0);
 
   // Blocks are taken from the volume, not from the reader's output.
   if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
   {
     handle->BeginTaking(this);
   }
+}
+
+//------------------------------------------------------------------------------
+bool vtkStabbingContour::MayContourCells()
+{
+  vtkInformation* array = this->GetInputArrayInformation(0);
+  return array->Get(vtkDataObject::FIELD_ASSOCIATION()) !=
+    vtkDataObject::FIELD_ASSOCIATION_POINTS ||
+    !this->InterpolatedArrays.empty();
 }
 
 //------------------------------------------------------------------------------
@@ -231,7 +259,7 @@ int vtkStabbingContour::RequestData(
   }
   if (!status.IsOk())
   {
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
 
@@ -278,6 +306,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << "\n";
   os << indent << "DropDegenerateTriangles: " << this->DropDegenerateTriangles << "\n";
   os << indent << "CloseBoundary: " << this->CloseBoundary << "\n";
+  os << indent << "SkipNotANumber: " << this->SkipNotANumber << "\n";
   os << indent << "UseRegion: " << this->UseRegion << "\n";
   os << indent << "RegionPosition: " << this->RegionPosition[0] << " " << this->RegionPosition[1]
      << " " << this->RegionPosition[2] << "\n";

@@ -5,12 +5,16 @@
  * @brief   isosurfaces of blocked volumes and image data
  *
  * Input: the output of a vtkBlockedVolumeReader (filters that hand samples on unchanged may stand
- * between, such as vtkPassThrough and vtkPassArrays), a vtkImageData, or a composite of them.
- * Output: one vtkPolyData a rank, with the triangles, points and normals of vtkFlyingEdges3D.
+ * between, such as vtkPassThrough and vtkPassArrays), a vtkImageData, a vtkRectilinearGrid, or a
+ * composite of these. Output: one vtkPolyData a rank, with the triangles, points and normals of
+ * vtkFlyingEdges3D, or of vtkRectilinearSynchronizedTemplates (but with degenerate triangles). Cell
+ * arrays are averaged to points first, as vtkCellDataToPointData does. Hidden cells and points of a
+ * vtkUniformGrid, such as coarse cells under finer grids of a vtkOverlappingAMR, have no surface, as
+ * in vtkContourFilter, and no influence on normals.
  *
  * Of a blocked volume only the active blocks are read, through the block cache of the process. For
- * image data the value ranges of blocks, and magnitudes (8 bytes a vertex), are kept between
- * isovalues. Where images meet without a ghost layer, normals are those of one side.
+ * image data the value ranges of blocks, magnitudes (8 bytes a vertex) and averages of cell arrays
+ * are kept between isovalues. Where images meet without a ghost layer, normals are those of one side.
  *
  * Point data: GlobalIds, by which the pieces of all ranks fit together, Normals, the isovalue under
  * the name of the contoured array, interpolated arrays. Field data: the cost of the query on this
@@ -109,6 +113,12 @@ public:
   vtkGetMacro(Level, int);
   ///@}
 
+  /**
+   * 0, and the coarsest level of the input, as far as its pipeline information is up to date; 0 for
+   * image data.
+   */
+  int* GetLevelRange() VTK_SIZEHINT(2);
+
   ///@{
   /**
    * Seconds that the surface of a blocked volume may take; 0, the default: no limit. Chooses the
@@ -156,7 +166,7 @@ public:
 
   ///@{
   /**
-   * Other point arrays to interpolate linearly along the grid edges, to arrays of the same name,
+   * Other point arrays, or cell arrays as averages, to interpolate linearly along the grid edges, to arrays of the same name,
    * of float for integers, as in vtkFlyingEdges3D. Default: none. Of a blocked volume the active
    * blocks of each are read. An array that the input does not have is an error. With
    * ComputeScalars, the contoured array is not interpolated: the isovalue has its name.
@@ -189,6 +199,17 @@ public:
   vtkSetMacro(CloseBoundary, vtkTypeBool);
   vtkGetMacro(CloseBoundary, vtkTypeBool);
   vtkBooleanMacro(CloseBoundary, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether cells of the grid with a corner that is NaN are left out, which leaves holes. If off, NaN
+   * counts as below the isovalue, so that there is a wall, whose points are NaN. Default off, as in
+   * vtkFlyingEdges3D.
+   */
+  vtkSetMacro(SkipNotANumber, vtkTypeBool);
+  vtkGetMacro(SkipNotANumber, vtkTypeBool);
+  vtkBooleanMacro(SkipNotANumber, vtkTypeBool);
   ///@}
 
   ///@{
@@ -266,6 +287,8 @@ private:
   /// the input is up to date.
   void AskInput(vtkInformation* inInfo, int piece, int pieces);
   void ReleaseInput(vtkInformation* inInfo);
+  /// Whether an array to contour or to interpolate may be one of cells.
+  bool MayContourCells();
 
   vtkNew<vtkContourValues> ContourValues;
   int Component;
@@ -273,6 +296,7 @@ private:
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
   int Level;
+  int LevelRange[2] = { 0, 0 };
   double TimeBudget;
   vtkIdType MaximumTriangles;
   vtkTypeBool Progressive;
@@ -280,6 +304,7 @@ private:
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
+  vtkTypeBool SkipNotANumber;
   vtkTypeBool UseRegion;
   double RegionPosition[3];
   double RegionLength[3];

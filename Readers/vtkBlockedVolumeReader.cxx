@@ -20,6 +20,7 @@
 #include "Base/FileSystem.h"
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Query/BlockAssembly.h"
 #include "Store/BlockedVolume.h"
 
@@ -264,6 +265,7 @@ int vtkBlockedVolumeReader::RequestData(
     {
       vtkErrorMacro(<< status.GetMessage());
     }
+    isosurface::SilenceFailure(output);
     return 0;
   }
   using Pipeline = vtkStreamingDemandDrivenPipeline;
@@ -302,7 +304,7 @@ int vtkBlockedVolumeReader::RequestData(
   {
     partitions->Initialize();
     this->Handle->EndTaking();
-    vtkErrorMacro(<< status.GetMessage());
+    isosurface::ReportError(this, output, status);
     return 0;
   }
   return 1;

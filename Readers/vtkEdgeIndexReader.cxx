@@ -17,6 +17,7 @@
 #include "Contour/TriangleNormals.h"
 #include "ControllerCommunicator.h"
 #include "EdgeIndex/EdgeIndexFile.h"
+#include "ErrorReport.h"
 #include "SurfacePolyData.h"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ VertexBox FindVertices(const GridGeometry& grid, const double position[3], const
 struct vtkEdgeIndexReader::Internals
 {
   vtkEdgeIndexReader& Reader;
-  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< that OpenTime tells of
+  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< null if it could not be opened
   vtkMTimeType OpenTime = 0;                       ///< the reader's MTime when File was opened
   std::string OpenError;                           ///< what kept it from being opened
 
@@ -223,7 +224,7 @@ int vtkEdgeIndexReader::RequestData(
   }
   // The file may be whole the next time.
   this->Internal->OpenTime = 0;
-  vtkErrorMacro(<< status.GetMessage());
+  isosurface::ReportError(this, output, status);
   return 0;
 }
 

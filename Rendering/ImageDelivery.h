@@ -32,7 +32,7 @@ public:
     const PixelRectangle& covered);
 
 private:
-  std::vector<std::uint32_t> Band; ///< rows over the background
+  std::vector<std::uint32_t> Band; ///< some rows, put over the background
 };
 
 } // namespace isosurface

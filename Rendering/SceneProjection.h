@@ -21,8 +21,8 @@ vtkSmartPointer<vtkMatrix4x4> MakeProjection(vtkCamera* camera, const PixelRecta
 
 /**
  * What this rank would draw of a render state: a viewport for each of the divisors, and what they
- * all have in common, triangles and distances from the camera. Times and wishes are left as they are
- * by default.
+ * all have in common, triangles and distances from the camera. LastSeconds, Budget and WantsDepths
+ * keep their defaults.
  *
  * A viewport covers the bounds of the visible props, lines and points in their full width included.
  * If the bounds of a prop do not tell where it draws, the viewport is the whole display.

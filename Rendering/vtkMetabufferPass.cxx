@@ -83,8 +83,8 @@ public:
   isosurface::FramePlanner Planner;
   std::vector<int> Divisors;
   bool UsedViewports = false;
-  bool ToldOfStock = false;
-  double LastSeconds = 0; ///< of the last frame
+  bool ToldOfStock = false; ///< whether it was logged that the superclass renders
+  double LastSeconds = 0;   ///< of the last frame
   double ReadSeconds = 0;
   vtkTypeInt64 DrawnPixels = 0;
   vtkTypeInt64 BytesSent = 0;
@@ -97,7 +97,7 @@ private:
 
   isosurface::ViewportCompositor DirectSend;
   isosurface::IceTCompositor IceT;
-  isosurface::ImageBuffer Smooth;
+  isosurface::ImageBuffer Smooth; ///< this rank's image, upsampled
 };
 
 bool vtkMetabufferPass::Internals::IsPossibleOnAll(const vtkMetabufferPass& pass, bool isPossible)

@@ -74,7 +74,7 @@ public:
 
   ///@{
   /**
-   * The seconds that a frame may take; 0, the default, for any time. With a budget the divisors, from
+   * The seconds that a frame may take; 0, the default: no limit. With a budget the divisors, from
    * 1 to 16, are chosen for each frame: the background, what is far from the display's center, and
    * large viewports lose resolution first. The pass learns from all frames what frames take.
    */

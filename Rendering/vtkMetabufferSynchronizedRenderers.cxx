@@ -21,11 +21,11 @@ class vtkMetabufferSynchronizedRenderers::Internals
 public:
   isosurface::ImageDelivery Delivery;
   vtkNew<vtkOpenGLFXAAFilter> Antialiasing;
-  bool WantsFXAA = false;
-  bool DoesErase = false;
-  bool IsFrameHidden = false;
-  unsigned long EndOfFrameObserver = 0;
-  double BeginOfFrame = 0;
+  bool WantsFXAA = false;               ///< the renderer's UseFXAA before the frame
+  bool DoesErase = false;               ///< the pass erases; the renderer's Erase is off meanwhile
+  bool IsFrameHidden = false;           ///< SwapBuffers is off until the frame ends
+  unsigned long EndOfFrameObserver = 0; ///< of the window; 0 if there is none
+  double BeginOfFrame = 0;              ///< universal time in seconds
 };
 
 vtkStandardNewMacro(vtkMetabufferSynchronizedRenderers);

@@ -20,9 +20,9 @@ namespace isosurface
 namespace
 {
 
-constexpr auto MostIndices = static_cast<vtkIdType>(std::numeric_limits<std::uint32_t>::max());
+constexpr auto MaximumIndices = static_cast<vtkIdType>(std::numeric_limits<std::uint32_t>::max());
 
-/// The cells of a surface that has float points, and no other cells than these polygons.
+/// The polygons of a surface that has float points and no other cells; null for other surfaces.
 vtkCellArray* GetPolygonsAlone(vtkPolyData* surface)
 {
   vtkCellArray* polygons = surface->GetPolys();
@@ -64,7 +64,7 @@ TriangleSurface View(vtkDataArray* points, vtkCellArray* triangles)
   return view;
 }
 
-/// Reaches the bounds that a vtkPolyData keeps; never made.
+/// Access to the protected bounds of a vtkPolyData. There are no objects of this class.
 class PolyDataBounds : public vtkPolyData
 {
 public:
@@ -97,8 +97,8 @@ bool MeasuredTriangles::Measure(vtkPolyData* surface, int threads)
   {
     this->Measured = key;
     this->IsCovered = polygons->GetNumberOfConnectivityIds() == 3 * polygons->GetNumberOfCells() &&
-      polygons->GetNumberOfConnectivityIds() <= MostIndices &&
-      points->GetNumberOfTuples() <= MostIndices && AreTriangles(polygons, threads);
+      polygons->GetNumberOfConnectivityIds() <= MaximumIndices &&
+      points->GetNumberOfTuples() <= MaximumIndices && AreTriangles(polygons, threads);
   }
   if (!this->IsCovered)
   {

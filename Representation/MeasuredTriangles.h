@@ -20,9 +20,9 @@ class MeasuredTriangles
 {
 public:
   /**
-   * Whether the surface has triangles alone, float points, and fewer indices than 32 bits count:
-   * then Surface and Measure are its own, until the next call. Measures it unless it did so before,
-   * by `threads` threads.
+   * Whether the surface has triangles alone, float points, and numbers of points and indices that
+   * fit 32 bits: then GetSurface() and GetMeasure() are its, until the next call. Measures it, by
+   * `threads` threads, unless it did so before. The surface must outlive the use of GetSurface().
    */
   bool Measure(vtkPolyData* surface, int threads);
 
@@ -30,7 +30,7 @@ public:
   const TriangleMeasure& GetMeasure() const { return this->Found; }
 
 private:
-  /// Of which arrays the measure is. Times are never the same for two arrays.
+  /// Tells the arrays that were measured by their modification times, which VTK gives out once.
   struct Key
   {
     vtkMTimeType Points = 0;
@@ -50,10 +50,11 @@ private:
   TriangleMeasure Found;
 };
 
-/// Stores the bounds that vtkPolyData::GetCellsBounds would count, unless it knows them.
+/// Stores the bounds that vtkPolyData::GetCellsBounds would compute, unless it knows them.
 void StoreCellsBounds(vtkPolyData* surface, const TriangleMeasure& measure);
 
-/// The number of threads of a process among `vtkMultiProcessController`'s, taken to be on one node.
+/// This rank's share of the node's cores, as if all ranks of the global controller were on one
+/// node.
 int ChooseDrawingThreads();
 
 } // namespace isosurface

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkIsosurfaceCompositeRepresentation
- * @brief   a vtkPVCompositeRepresentation whose types can be taken over
+ * @brief   a vtkPVCompositeRepresentation whose representation types can be replaced
  *
  * Of representations that are added under one name the last one counts. So a proxy that is derived
  * from ParaView's Geometry Representation keeps its types' names (Surface, Wireframe ...), which

@@ -26,7 +26,7 @@ vtkStandardNewMacro(vtkIsosurfaceGeometryFilter);
 namespace
 {
 
-// Polygons alone, as many points a polygon as triangles have, and no ghosts to be left out.
+// Polygons alone, three points for each on average, and no ghosts, which would have to be left out.
 bool LooksLikeTriangles(vtkPolyData* surface)
 {
   const vtkIdType cells = surface->GetNumberOfPolys();
@@ -35,7 +35,7 @@ bool LooksLikeTriangles(vtkPolyData* surface)
     !surface->GetCellGhostArray() && !surface->GetPointGhostArray();
 }
 
-// Calls body(first, last) for runs of `count` things, by threads.
+// Calls body(first, last) for runs of [0, count), by several threads at once.
 template <typename BodyT>
 void ForRuns(vtkIdType count, BodyT&& body)
 {

@@ -5,8 +5,8 @@
  * @brief   a vtkPVGeometryFilter that passes surfaces of triangles on as they are
  *
  * On one rank such a surface goes to the view without arrays of original ids, since all numbers are
- * the original ones. On several ranks it has those of the superclass, made by threads. With other
- * settings and for other data it is vtkPVGeometryFilter.
+ * the original ones. On several ranks it has those of the superclass, made by threads. Other
+ * settings and other data are left to the superclass.
  */
 
 #ifndef vtkIsosurfaceGeometryFilter_h

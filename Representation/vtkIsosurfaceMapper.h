@@ -8,8 +8,8 @@
  * threads, without asking for one cell after the other: shifted points, indices without degenerate
  * triangles, texture coordinates of scalars. The buffers hold what the superclass's hold.
  *
- * For everything else it is the superclass: several blocks, other cells, wireframe, points, edges,
- * textures, points that are picked, coordinates that follow the camera.
+ * Everything else is left to the superclass: several blocks, other cells, wireframe, points, edges,
+ * textures, selections of points, coordinates that follow the camera.
  */
 
 #ifndef vtkIsosurfaceMapper_h
@@ -32,7 +32,7 @@ public:
   vtkTypeMacro(vtkIsosurfaceMapper, vtkCompositePolyDataMapper2);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// What measures the surface. Whoever knows the surface as well may share it, then it is measured once.
+  /// What measures the surface. Others that need the measure use this, so that it is made once.
   const std::shared_ptr<isosurface::MeasuredTriangles>& GetTriangles() const
   {
     return this->Triangles;

@@ -38,7 +38,7 @@ private:
   vtkIsosurfaceMapperHelper(const vtkIsosurfaceMapperHelper&) = delete;
   void operator=(const vtkIsosurfaceMapperHelper&) = delete;
 
-  /// Whether the buffers can be made here; if so, its triangles are measured.
+  /// Whether the buffers can be made here; if so, Triangles has measured the surface.
   bool Covers(vtkRenderer* renderer, vtkActor* actor);
   /// Sets Colors, or ColorCoordinates and the texture, as MapScalars does.
   void MapColors(vtkPolyData* surface);

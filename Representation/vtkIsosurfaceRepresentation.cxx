@@ -27,7 +27,7 @@ vtkStandardNewMacro(vtkIsosurfaceRepresentation);
 namespace
 {
 
-// The surface of a piece that has no other block.
+// The surface of a piece that has no other block; null for other pieces.
 vtkPolyData* GetSurfaceAlone(vtkDataObject* piece)
 {
   auto* blocks = vtkMultiBlockDataSet::SafeDownCast(piece);
@@ -35,7 +35,7 @@ vtkPolyData* GetSurfaceAlone(vtkDataObject* piece)
                                                     : nullptr;
 }
 
-// Spares the count of bounds cell by cell, where a piece is one surface of triangles.
+// Where a piece is one surface of triangles, VTK need not compute its bounds cell by cell.
 void StoreBounds(vtkDataObject* piece, vtkIsosurfaceMapper* mapper)
 {
   vtkPolyData* surface = GetSurfaceAlone(piece);
@@ -80,7 +80,7 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
 {
   if (this->GetVisibility() && request == vtkPVView::REQUEST_UPDATE())
   {
-    // The superclass counts bounds as soon as it has updated; then they are to be there.
+    // The superclass asks for bounds as soon as it has updated; they have to be stored before.
     // NOLINTNEXTLINE(bugprone-parent-virtual-call): this updates; the superclass finds that done.
     this->vtkPVDataRepresentation::ProcessViewRequest(request, input, output);
     StoreBounds(this->MultiBlockMaker->GetOutputDataObject(0), this->SurfaceMapper);

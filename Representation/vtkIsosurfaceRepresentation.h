@@ -9,7 +9,7 @@
  * of cell by cell, and drawn by vtkIsosurfaceMapper. While the camera moves, points of the surface
  * itself are shown (isosurface::ThinSurface) instead of those of quadric clustering.
  *
- * For everything else it is the superclass.
+ * Everything else is left to the superclass.
  */
 
 #ifndef vtkIsosurfaceRepresentation_h
@@ -42,8 +42,8 @@ private:
   /// Gives the view a thinned surface; false if the superclass has to.
   bool ProvideLevelOfDetail(vtkInformation* input);
 
-  vtkIsosurfaceMapper* SurfaceMapper; ///< Mapper
-  vtkIsosurfaceMapper* ThinnedMapper; ///< LODMapper
+  vtkIsosurfaceMapper* SurfaceMapper; ///< the superclass's Mapper, which it owns
+  vtkIsosurfaceMapper* ThinnedMapper; ///< the superclass's LODMapper, which it owns
 };
 
 #endif

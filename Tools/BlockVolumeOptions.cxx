@@ -278,8 +278,8 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
       return MakeError("--arrays", "\"" + texts.Arrays + "\" has an empty name, or one twice");
     }
   }
-  using Place = std::optional<std::array<double, 3>>;
-  for (const auto& [option, text, to] : { std::tuple<const char*, const std::string*, Place*>{
+  using Triple = std::optional<std::array<double, 3>>;
+  for (const auto& [option, text, to] : { std::tuple<const char*, const std::string*, Triple*>{
                                             "--spacing", &texts.Spacing, &options.Spacing },
          { "--origin", &texts.Origin, &options.Origin } })
   {
@@ -309,7 +309,7 @@ Status CheckNames(const CLI::App& app, BlockVolumeOptions& options)
   }
   if (!isWriting && !options.Output.empty())
   {
-    return MakeError(options.Output, "one file at a time is looked at");
+    return MakeError(options.Output, "only one file at a time can be inspected");
   }
   const std::string end = ".bvol";
   if (isWriting &&

@@ -38,7 +38,7 @@ struct BlockVolumeOptions
   std::optional<std::array<double, 3>> Spacing;
   std::optional<std::array<double, 3>> Origin;
 
-  // Telling
+  // Info
   bool IsJson = false;
   bool WithSpectrum = false;
 

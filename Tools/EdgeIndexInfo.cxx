@@ -163,7 +163,7 @@ void Print(const Json& told)
   std::printf("mode          %s", settings["mode"].get<std::string>().c_str());
   if (settings.contains("maximumError"))
   {
-    std::printf(", to within %s voxels", settings["maximumError"].dump().c_str());
+    std::printf(", to within %s of an edge", settings["maximumError"].dump().c_str());
   }
   if (settings.contains("quantizationBits"))
   {

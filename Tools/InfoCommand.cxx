@@ -19,9 +19,9 @@ namespace
 using Json = nlohmann::ordered_json;
 
 /// Isovalues with fewer triangles a store do not count for the balance.
-constexpr std::uint64_t LeastTriangles = 1000;
-/// Isovalues that are printed, unless all are asked for.
-constexpr std::size_t IsovaluesToTell = 16;
+constexpr std::uint64_t MinimumTriangles = 1000;
+/// How many isovalues of a spectrum are printed, unless all are asked for.
+constexpr std::size_t PrintedIsovalues = 16;
 
 /// The maximum share of a store, divided by the mean share; null if there is nothing to share.
 template <typename T>
@@ -76,10 +76,10 @@ Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::s
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(*spectrum);
   }
-  std::vector<std::pair<double, double>> balances; // and the isovalue
+  std::vector<std::pair<double, double>> balances; // each with its isovalue
   for (std::size_t bin = 0; bin < (*total)->Bins.Count; ++bin)
   {
-    if ((*total)->Triangles[bin] < LeastTriangles * stores)
+    if ((*total)->Triangles[bin] < MinimumTriangles * stores)
     {
       continue;
     }
@@ -237,7 +237,7 @@ void PrintTimeStep(const Json& volume, const Json& step)
       FormatBytes(step["stores"][store]["bytes"].get<double>()).c_str());
   }
   const Json& balance = step["balance"];
-  std::printf("  balance     (most over mean) blocks %s, bytes %s\n",
+  std::printf("  balance     (maximum over mean) blocks %s, bytes %s\n",
     FormatRatio(balance["blocks"]).c_str(), FormatRatio(balance["bytes"]).c_str());
   for (std::size_t variable = 0; variable < volume["variables"].size(); ++variable)
   {
@@ -246,7 +246,7 @@ void PrintTimeStep(const Json& volume, const Json& step)
     if (triangles.is_null())
     {
       std::printf("              triangles of %s: no isovalue has %llu a store\n", name.c_str(),
-        static_cast<unsigned long long>(LeastTriangles));
+        static_cast<unsigned long long>(MinimumTriangles));
       continue;
     }
     std::printf(
@@ -257,7 +257,7 @@ void PrintTimeStep(const Json& volume, const Json& step)
   }
 }
 
-/// At all isovalues, or at some.
+/// Prints the spectra of all variables, at all isovalues or at some.
 Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
 {
   for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
@@ -267,7 +267,7 @@ Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
     const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(**spectrum);
     const std::string table = isWhole
       ? FormatSpectrumTable(columns)
-      : FormatSpectrumTable(columns, PickBins(**spectrum, IsovaluesToTell));
+      : FormatSpectrumTable(columns, PickBins(**spectrum, PrintedIsovalues));
     std::printf(
       "  spectrum    %s\n%s", Json(FormatVariable(volume, variable)).dump().c_str(), table.c_str());
   }

@@ -20,14 +20,15 @@ std::string FormatBytes(double bytes);
 class ProgressDisplay
 {
 public:
-  /// Work on `bytes` bytes in all, for the pace; shows nothing if not `isShown`.
+  /// `bytes`: of the whole work, to show bytes a second. Shows nothing if not `isShown`.
   ProgressDisplay(std::string name, double bytes, bool isShown);
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
-  /// Wipes the bar away.
+  /// Erases the bar.
   ~ProgressDisplay();
 
-  /// What shows the share that it is told, and answers whether nobody asked to stop.
+  /// A function that shows the share that is done, and returns false once a signal asked to stop
+  /// (StopSignal.h). It must not outlive this object.
   Progress GetProgress();
 
   double GetSeconds() const;

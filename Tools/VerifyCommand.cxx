@@ -16,7 +16,7 @@ namespace isosurface
 namespace
 {
 
-/// Of all records, for the pace; 0 if the header cannot be read.
+/// The bytes of all records, to show bytes a second; 0 if the header cannot be read.
 double CountBytes(const std::string& path)
 {
   const auto volume = BlockedVolume::Open(path);

@@ -35,12 +35,12 @@ struct ISOSURFACEWRITERS_EXPORT LocalVolume
   /// Which arrays to take, by name.
   using Selection = std::function<bool(const std::string& name)>;
 
-  /// Takes the numeric point arrays of an image that is a part of the grid; the active scalars come
-  /// first.
+  /// Takes the numeric point arrays of an image that is a piece of the grid; the active scalars
+  /// come first.
   Status CollectArrays(vtkImageData* image, const Selection& isSelected);
 
   /**
-   * Makes all ranks speak of the same volume: a rank without any part of it learns grid and arrays
+   * Makes all ranks speak of the same volume: a rank without a piece of it learns grid and arrays
    * from the others; ranks that have different ideas of them get an error.
    */
   Status Agree(Communicator& ranks);

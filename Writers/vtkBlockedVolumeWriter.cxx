@@ -194,6 +194,13 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
   }
   local.Grid = isosurface::MakeGridGeometry(image, whole);
   local.Piece.Box = isosurface::MakeVertexBox(local.Grid, image->GetExtent());
+  if (!isosurface::FindBlanking(local.Grid, image).IsEmpty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "the input hides cells or points (vtkGhostType), which a blocked volume cannot tell; write "
+      "NaN "
+      "where there is nothing, and contour with SkipNotANumber");
+  }
   if (!this->Owner.TimeSteps.empty())
   {
     local.Time = { 1, this->Owner.TimeSteps[this->Owner.TimeIndex] };

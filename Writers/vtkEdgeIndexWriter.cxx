@@ -77,6 +77,11 @@ Status CheckContour(vtkStabbingContour* contour)
     return refuse("An edge-index file always holds all triangles: turn DropDegenerateTriangles of "
                   "Stabbing Contour off.");
   }
+  if (contour->GetSkipNotANumber())
+  {
+    return refuse("An edge-index file cannot hold the holes that SkipNotANumber leaves: turn "
+                  "SkipNotANumber of Stabbing Contour off.");
+  }
   if (!contour->GetGenerateTriangles())
   {
     return refuse("An edge-index file holds triangles, not polygons: turn GenerateTriangles of "

@@ -113,7 +113,8 @@ public:
       {
         break;
       }
-      const std::uint64_t byte = *this->Next++;
+      // The analyzer takes the bytes of a vector that is not empty for a null pointer.
+      const std::uint64_t byte = *this->Next++; // NOLINT(clang-analyzer-core.NullDereference)
       if (shift == 63 && byte > 1)
       {
         break;

@@ -96,7 +96,7 @@ private:
       std::make_unique<Plane>() };
     /// The level of the magnitude that was coded last at each place of a slice.
     std::array<std::array<std::uint16_t, PlaneSize>, 3> Levels{};
-    std::int64_t Last = 0;
+    std::int64_t Last = 0; ///< the code that was coded last; predicts where no neighbour is known
   };
 
   void CodeTuple(int axis, int x, int y, std::ptrdiff_t tuple)

@@ -24,7 +24,7 @@ public:
     std::array<std::int32_t, 5> Weights{};
   };
 
-  /// The only one; made once.
+  /// The table for all blocks, made by the first call.
   static const AttributeNeighbors& Get();
 
   const std::vector<Row>& GetRows(int axis) const

@@ -29,24 +29,25 @@ public:
   /// Called when the signs of slice z are known.
   virtual void FinishSigns(int z) = 0;
 
-  /// The codes of the values at `vertices` of a row, by x. Called before they are encoded, to set
-  /// them, or after they were decoded.
+  /// The codes (ValueDomain) of the values at `vertices` of a row: codes[x]. Called before they are
+  /// encoded, to set them, or after they were decoded, to take them.
   virtual void ExchangeCodes(int y, int z, const SignRow& vertices, std::int64_t* codes) = 0;
 
-  /// The intervals of the crossed edges along an axis that begin in a row, likewise.
+  /// The numbers of the intervals (CrossingIntervals) of the crossed edges along an axis that begin
+  /// in a row: bins[x], set or taken likewise.
   virtual void ExchangeBins(int axis, int y, int z, const SignRow& edges, std::uint32_t* bins) = 0;
 
-  /// Called after each slice. Returns whether to continue.
+  /// Called after each slice. Returns whether to continue; if not, CodeBlock returns at once.
   virtual bool FinishSlice(int z) = 0;
 };
 
-/// What of a block is coded.
+/// What is coded of a block besides its signs: either values or crossings, and attributes.
 struct BlockContent
 {
-  std::array<int, 3> Size{};           ///< vertices
-  const ValueDomain* Domain = nullptr; ///< of the values; null to code crossings
-  CrossingIntervals Intervals;         ///< of crossings
-  bool HasMissing = false;             ///< some crossings are not numbers
+  std::array<int, 3> Size{};           ///< vertices, at most MaximumCodedVertices on each axis
+  const ValueDomain* Domain = nullptr; ///< of the values, not owned; null to code crossings
+  CrossingIntervals Intervals;         ///< of crossings; not used with values
+  bool HasMissing = false;             ///< some crossings are NaN
   std::vector<CodedAttribute> Attributes;
 };
 
@@ -61,7 +62,7 @@ enum class CoderInstructions
  * Encodes or decodes a block with a model after BlockModel::Reset. For each slice the signs of the
  * next one come first, since they tell which vertices are relevant and which edges are crossed;
  * then the values or crossings of the slice; then its attributes. Both instruction sets give the
- * same result.
+ * same result. Decoding ends whatever the bytes; whether they were whole, RangeDecoder tells.
  */
 void CodeBlock(RangeEncoder& coder, BlockModel& model, const BlockContent& content,
   BlockValues& values, CoderInstructions instructions = CoderInstructions::Newest);

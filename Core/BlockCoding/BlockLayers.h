@@ -31,7 +31,8 @@ public:
     int z, const SignSlice& slice, const SignSlice* below, const SignSlice* above) = 0;
 };
 
-// All references must outlive the layer. Coder is RangeEncoder or RangeDecoder.
+// All references but `content` and `attribute` must outlive the layer, and so must the domain and
+// the tuples that these point to. Coder is RangeEncoder or RangeDecoder.
 
 template <typename Coder>
 std::unique_ptr<SignLayer> MakeSignLayer(

@@ -23,8 +23,8 @@ struct BlockModel
   {
   }
 
-  /// Forgets what was learnt, as at the start of each block: of signs, and either of values or of
-  /// crossings.
+  /// Makes the model ready for another block: forgets what was learnt about signs, and about values
+  /// if `forValues`, else about crossings.
   void Reset(bool forValues);
 
   EdgeIndexProfile Profile;

@@ -111,7 +111,9 @@ private:
   static constexpr bool Curved = Profile == EdgeIndexProfile::Compact;
   static constexpr std::ptrdiff_t RowStride = CrossingFit::RowStride;
 
-  // The weight of the quadratic fit: its logarithm, in units of 1/256, for each difference of levels.
+  // The share of the quadratic fit is a logistic function (Squash) of the sum of: a constant, the
+  // difference of the fits' expected levels, and their mean difference in the block; factors of
+  // these.
   static constexpr int BlendBegin = 30;
   static constexpr int BlendAround = 40;
   static constexpr int BlendMean = 90;
@@ -123,7 +125,7 @@ private:
     std::int32_t Position = 0; ///< 0 to CrossingFit::FineUnit, as the other positions
     int Steepness = 0;         ///< see CrossingFit::Result
     int Number = 0;            ///< likewise
-    int Level = 0;             ///< of the expected error
+    int Level = 0;             ///< MeasureMagnitude of the expected error in eighths of an interval
     // Only if curved:
     bool IsClosed = false;      ///< cycles lead to the edge
     std::int32_t Fitted = 0;    ///< Position before cycles changed it

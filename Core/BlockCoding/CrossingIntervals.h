@@ -10,7 +10,7 @@ namespace isosurface
 
 /// The intervals of an edge; which of them has the crossing is coded, and the point is placed in its
 /// middle. Intervals either are equal parts of the edge, or have a given width, the last one ending
-/// with the edge.
+/// with the edge. A parameter is a place on the edge: 0 at its first vertex, 1 at its second.
 class CrossingIntervals
 {
 public:
@@ -53,7 +53,7 @@ public:
                                 : static_cast<std::uint32_t>(position);
   }
 
-  /// The parameter of the middle of an interval.
+  /// The parameter in the middle of an interval.
   double GetMiddle(std::uint32_t interval) const
   {
     return this->Width == 0
@@ -61,7 +61,7 @@ public:
       : static_cast<double>(this->AddEnds(interval)) / static_cast<double>(2ull << UnitBits);
   }
 
-  /// The same in units of 2^-10.
+  /// The same in units of 2^-10 (CrossingFit::Unit), rounded down.
   std::int16_t GetPosition(std::uint32_t interval) const
   {
     return static_cast<std::int16_t>(this->Width == 0
@@ -69,7 +69,8 @@ public:
         : this->AddEnds(interval) >> (UnitBits + 1 - 10));
   }
 
-  /// A parameter, given in units of 2^-16, in units of 2^-16 intervals.
+  /// Where a parameter, in units of 2^-16, lies among the intervals: the number of the interval and
+  /// the place in it, in units of 2^-16 of an interval.
   std::int64_t Locate(std::int32_t parameter) const
   {
     return this->Width == 0

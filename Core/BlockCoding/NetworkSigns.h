@@ -39,7 +39,7 @@ struct NetworkSignModel
   /// it begins with.
   std::array<std::vector<AdaptiveBit>, NumberOfContexts> Contexts;
   std::array<std::vector<WideMixer>, NumberOfKinds> Mixers;
-  /// The mean error of recent probabilities, in units of 2^-16, times 128.
+  /// The mean error of recent probabilities, in units of 2^-23. It begins with 1/8.
   std::uint32_t MeanError = 128 * 8192;
 };
 
@@ -79,14 +79,14 @@ public:
     const SignNetworkInputs seen = this->Around.Find(flipped, row, rows, x);
     alignas(32) WideMixer::Values inputs{};
     const int predicted = this->PredictByNetwork(seen, inputs);
-    const Places places = this->FindPlaces(seen, predicted);
+    const Indices indices = this->FindIndices(seen, predicted);
     Contexts contexts;
     for (std::size_t n = 0; n < contexts.size(); ++n)
     {
-      contexts[n] = &this->Known.Contexts[n][places.Contexts[n]];
+      contexts[n] = &this->Known.Contexts[n][indices.Contexts[n]];
       inputs[SignNetwork::Depth + n] = Compare(*contexts[n], predicted);
     }
-    return this->CodeMixed(bit != flipped, inputs, contexts, places) != flipped;
+    return this->CodeMixed(bit != flipped, inputs, contexts, indices) != flipped;
   }
 
 private:
@@ -94,8 +94,8 @@ private:
 
   using Contexts = std::array<AdaptiveBit*, NetworkSignModel::NumberOfContexts>;
 
-  // Indices of the probabilities and mixers of a vertex.
-  struct Places
+  // Of the probabilities and mixers of a vertex in their tables.
+  struct Indices
   {
     std::array<std::uint32_t, NetworkSignModel::NumberOfContexts> Contexts;
     std::array<std::uint32_t, NetworkSignModel::NumberOfKinds> Mixers;
@@ -118,14 +118,14 @@ private:
 
   // Codes a bit with the mean of four mixers; mixers and contexts learn it.
   bool CodeMixed(
-    bool bit, const WideMixer::Values& inputs, const Contexts& contexts, const Places& places)
+    bool bit, const WideMixer::Values& inputs, const Contexts& contexts, const Indices& indices)
   {
     std::array<WideMixer*, NetworkSignModel::NumberOfKinds> mixers;
     std::array<int, NetworkSignModel::NumberOfKinds> mixed;
     int sum = 0;
     for (std::size_t n = 0; n < mixers.size(); ++n)
     {
-      mixers[n] = &this->Known.Mixers[n][places.Mixers[n]];
+      mixers[n] = &this->Known.Mixers[n][indices.Mixers[n]];
       mixed[n] = mixers[n]->Mix(inputs);
       sum += mixed[n];
     }
@@ -150,7 +150,7 @@ private:
     return (key ^ key >> 15) >> 3 & ((1u << 14) - 1);
   }
 
-  Places FindPlaces(const SignNetworkInputs& seen, int predicted) const
+  Indices FindIndices(const SignNetworkInputs& seen, int predicted) const
   {
     using Inputs = SignNetworkInputs;
     const auto get = [&seen](Inputs::Pattern pattern, int first, int bits)

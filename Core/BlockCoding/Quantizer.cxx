@@ -34,9 +34,9 @@ Quantizer::Quantizer(double minimum, double maximum, int bits, double isovalue)
   this->FirstInside = low;
 }
 
-float Quantizer::Restore(std::int64_t step) const
+float Quantizer::Restore(std::int64_t level) const
 {
-  const double value = this->Minimum + static_cast<double>(step) * this->Step;
+  const double value = this->Minimum + static_cast<double>(level) * this->Step;
   constexpr auto maximum = static_cast<double>(std::numeric_limits<float>::max());
   return static_cast<float>(std::clamp(value, -maximum, maximum));
 }
@@ -49,10 +49,10 @@ ValueDomain Quantizer::MakeDomain(int scale) const
 
 std::int64_t Quantizer::ToCode(double value, bool inside) const
 {
-  const double steps = std::floor((value - this->Minimum) / this->Step + 0.5);
+  const double level = std::floor((value - this->Minimum) / this->Step + 0.5);
   const auto last = static_cast<double>(this->Last);
-  const std::int64_t nearest = steps >= last ? this->Last
-    : steps > 0                              ? static_cast<std::int64_t>(steps)
+  const std::int64_t nearest = level >= last ? this->Last
+    : level > 0                              ? static_cast<std::int64_t>(level)
                                              : 0; // NaN, too
   const std::int64_t code = nearest - this->FirstInside;
   return inside ? std::max<std::int64_t>(code, 0) : std::min<std::int64_t>(code, -1);

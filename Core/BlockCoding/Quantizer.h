@@ -10,26 +10,29 @@ namespace isosurface
 {
 
 /**
- * Rounds values to 2^bits equal steps from a minimum to a maximum, as the paper does. A value that
- * rounding would bring to the other side of the isovalue is moved to the nearest step on its own
- * side. Codes count steps from the first one inside.
+ * Rounds values to 2^bits levels at equal steps, from a minimum to a maximum above it. A value that
+ * rounding would bring to the other side of the isovalue is moved to the nearest level on its own
+ * side. Codes count levels from the first one inside.
  */
 class Quantizer
 {
 public:
   Quantizer(double minimum, double maximum, int bits, double isovalue);
 
+  /// The domain of the codes. scale: see ValueDomain::ToHeight.
   ValueDomain MakeDomain(int scale) const;
+  /// `inside` is the value's sign. NaN becomes the minimum.
   std::int64_t ToCode(double value, bool inside) const;
   float ToValue(std::int64_t code) const;
+  /// The difference of two levels.
   double GetStep() const { return this->Step; }
 
 private:
-  float Restore(std::int64_t step) const;
+  float Restore(std::int64_t level) const;
 
   double Minimum;
   double Step;
-  std::int64_t Last;
+  std::int64_t Last; ///< the last level; the first one is 0
   std::int64_t FirstInside = 0;
   float Threshold = 0; ///< the minimum float that is inside
   float Below = 0;     ///< the maximum float that is outside

@@ -19,8 +19,9 @@ struct RelevantSlice
 
 /**
  * Finds the relevant vertices of a slice. below, above: the slices beside it, null at the ends of
- * the block. RelevantSlice::Near is set only if `near`: all vertices within one vertex, in x and y,
- * of those that are relevant in this slice or by edges within the slice above.
+ * the block. RelevantSlice::Near is set only if `near`. It has the vertices at most one away, in x
+ * and in y, from the relevant ones of this slice and from those places (x, y) where an edge within
+ * the slice above is crossed.
  */
 void FindRelevant(const SignSlice& slice, const SignSlice* below, const SignSlice* above, int sizeX,
   int sizeY, bool near, RelevantSlice& relevant);

@@ -14,7 +14,8 @@
 namespace isosurface
 {
 
-/// The binary logarithm of a magnitude + 1 in eighths: 0 for 0, at most 503.
+/// The level of a magnitude: the binary logarithm of (magnitude + 1), in eighths; 0 for 0, at most
+/// 503. In this room levels are always such logarithms, never levels of detail.
 inline int MeasureMagnitude(std::uint64_t magnitude)
 {
   constexpr std::uint64_t maximum = (std::uint64_t(1) << 62) - 1;
@@ -29,11 +30,11 @@ inline int MeasureMagnitude(std::uint64_t magnitude)
 struct ResidualContext
 {
   int Level = 0; ///< the expected magnitude, as MeasureMagnitude gives it
-  /// Further contexts, below 128 each. The profile fast uses the first one only.
+  /// Side information: further contexts, below 128 each. The profile fast uses the first one only.
   std::array<std::uint32_t, 5> Sides{};
 };
 
-/// The expected magnitude from those coded around (x, y): levels[0] is the one that was coded last at
+/// The expected level from those coded around (x, y): levels[0] is the one that was coded last at
 /// the place itself, in the slice before.
 inline int FindExpectedLevel(const std::uint16_t* levels, std::ptrdiff_t rowStride)
 {
@@ -185,7 +186,8 @@ private:
     return symbol;
   }
 
-  // Half octaves if there are no low bits; else quarters of an octave, for one to five low bits.
+  // The table for a level: one for each quarter of an octave, apart for each number of low bits
+  // from 0 to 5. More low bits are as 5.
   static int FindLevelClass(int level, int low)
   {
     return low == 0 ? std::min(level / 2, 11) : 12 + (level & 7) / 2 + 4 * std::min(low - 1, 4);

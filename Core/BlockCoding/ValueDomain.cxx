@@ -142,7 +142,8 @@ BinaryNumber DecomposeDouble(double value)
   return Decompose(bits, 52, 11);
 }
 
-// By how many bits fixed numbers are finer than heights: 8, or less if the isovalue is too large.
+// By how many bits fixed-point numbers are finer than heights: 8; less, even below 0, where the
+// isovalue would not fit otherwise.
 int FindFineBits(double isovalue, int scale)
 {
   const BinaryNumber number = DecomposeDouble(isovalue);
@@ -166,7 +167,8 @@ ValueDomain::ValueDomain(ValueType type, double isovalue, int scale)
       {
         this->Codes = Kind::Offsets;
         const auto threshold = FindThreshold<T>(isovalue);
-        this->Threshold = static_cast<std::int64_t>(threshold.value_or(0));
+        // The plus makes a number of a char.
+        this->Threshold = static_cast<std::int64_t>(+threshold.value_or(T{ 0 }));
         this->Minimum = static_cast<std::int64_t>(std::numeric_limits<T>::min()) - this->Threshold;
         this->Maximum = static_cast<std::int64_t>(std::numeric_limits<T>::max()) - this->Threshold;
       }

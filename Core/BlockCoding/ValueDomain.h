@@ -21,7 +21,7 @@ namespace isosurface
  * - Bits: all other types. The code is the value's bits in the order of values (floats: the bits made
  *   monotonic), modulo 2^32 or 2^64. Signs do not bound it: NaN, above infinity, is outside.
  *
- * In integers, so that encoders and decoders on every machine have the same heights.
+ * Heights are integers, so that encoders and decoders on every machine make the same predictions.
  */
 class ValueDomain
 {
@@ -34,7 +34,7 @@ public:
 
   static constexpr std::int32_t MaximumHeight = 4095;
 
-  /// For lossless values of a type. scale: a binary exponent, see ToHeight.
+  /// For lossless values of a type. scale: heights are in units of 2^-scale, see ToHeight.
   ValueDomain(ValueType type, double isovalue, int scale);
 
   /// For quantized values: codes from `minimum` to `maximum`.
@@ -103,7 +103,8 @@ public:
     return this->BitsToHeight(code);
   }
 
-  /// The code of a height. `quarter` becomes the quarter of the code's interval, 0 to 3.
+  /// The code of a height. `quarter` becomes the quarter of [code, code + 1) that the height lies
+  /// in, 0 to 3; 0 for bits, and where a height stands for several codes.
   std::int64_t FromHeight(std::int32_t height, int& quarter) const
   {
     quarter = 0;
@@ -138,8 +139,8 @@ private:
   ValueType Type = ValueType::UInt8;
   bool IsNarrow = false; ///< codes have 32 bits
   int Scale = 0;
-  int FineBits = 0;          ///< of fixed numbers, below heights
-  std::int64_t Isovalue = 0; ///< as a fixed number
+  int FineBits = 0;          ///< fixed-point numbers are in units of 2^-(Scale + FineBits)
+  std::int64_t Isovalue = 0; ///< as a fixed-point number
   std::int64_t Threshold = 0;
   std::int64_t Minimum = 0;
   std::int64_t Maximum = 0;

@@ -30,12 +30,13 @@ public:
   {
     const std::int64_t mean = std::max(this->Model.MeanHeight >> 6, 8);
     const std::int64_t power = mean * mean * 3 / 2;
+    // 16777: a learning rate of 0.0005 in the unit of weights, 2^-25.
     this->Rate = static_cast<std::int32_t>((std::int64_t(16777) << 16) / power);
   }
 
   void BeginRow()
   {
-    // Within a row they cannot overflow from there.
+    // What they learn in one row is too little to overflow from these bounds.
     constexpr std::int32_t maximum = 1 << 27;
     for (std::int32_t& weight : this->Model.Weights)
     {
@@ -150,7 +151,7 @@ private:
   }
 
   ValueModel& Model;
-  std::int32_t Rate = 0;
+  std::int32_t Rate = 0; ///< of learning, over the mean square of inputs; in units of 2^-41
   alignas(32) std::array<std::int16_t, Taps> Inputs{};
   alignas(32) std::array<std::int16_t, Taps> ShortWeights{}; ///< those that predict
 };

@@ -34,6 +34,8 @@ public:
     const std::int16_t* z = around.Rows[1] + x;
     constexpr std::ptrdiff_t row = ValueSurroundings::RowStride;
     const std::int32_t side = around.GetSide();
+    // Typical heights of vertices that are not decoded yet, from their signs: at a given vertex,
+    // and at the next one along an axis.
     const auto at = [&around](const SignRow& signs, int place)
     { return static_cast<std::int16_t>(signs.Get(place) ? around.Typical : -around.Typical); };
     const auto other = [&around, side](unsigned axis)

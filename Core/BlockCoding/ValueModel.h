@@ -25,8 +25,8 @@ struct ValueModel
 
   ResidualModel Residuals;
   alignas(64) std::array<std::int32_t, NumberOfTaps> Weights; ///< in units of 2^-25, by InputOrder
-  std::int32_t MeanHeight = 700 << 6; ///< of magnitudes of heights at relevant vertices, times 64
-  int MeanLevel = 24 * 16;            ///< of coded magnitudes, times 16
+  std::int32_t MeanHeight = 700 << 6; ///< the mean magnitude of heights that were coded, times 64
+  int MeanLevel = 24 * 16;            ///< of coded magnitudes (MeasureMagnitude), times 16
 };
 
 /// What is known around the vertex whose value is predicted.
@@ -46,7 +46,8 @@ struct ValueSurroundings
 
   /// A typical height on the side of the vertex.
   std::int32_t GetSide() const { return this->Inside ? this->Typical : -this->Typical; }
-  /// The height that the crossed edges suggest.
+  /// An input of predictions: the more crossed edges begin at the vertex, the further on the other
+  /// side.
   std::int32_t GetLeading() const
   {
     return -__builtin_popcount(this->Crossed) * this->GetSide() * 3 / 10;

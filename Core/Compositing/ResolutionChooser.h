@@ -64,7 +64,7 @@ public:
   void Learn(const std::vector<RankWork>& work, const std::vector<int>& divisors, double seconds);
 
 private:
-  static constexpr int PatientFrames = 2;
+  static constexpr int PatientFrames = 2; ///< that allow more samples before resolutions are raised
 
   static FrameWork Sum(
     const std::vector<RankWork>& work, const std::vector<std::size_t>& resolutions);

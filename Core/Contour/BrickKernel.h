@@ -126,6 +126,7 @@ struct NumberedRows
 struct RowSlab
 {
   const std::uint64_t* Inside[2];
+  const std::uint64_t* Visible; ///< the cells to visit in each row; null for all
   const EdgeRow* X[2];
   const EdgeRow* Y[2];
   const EdgeRow* Z;

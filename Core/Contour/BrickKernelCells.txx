@@ -91,8 +91,9 @@ inline void VisitCells(const RowSlab& slab, const Functor& forCell)
     const Word row10 = slab.Inside[0][j + 1];
     const Word row01 = slab.Inside[1][j];
     const Word row11 = slab.Inside[1][j + 1];
+    const Word visible = slab.Visible ? cells & slab.Visible[j] : cells;
     Id numbers[12];
-    for (Word active = ActiveCells(row00, row10, row01, row11, cells); active != 0;
+    for (Word active = ActiveCells(row00, row10, row01, row11, visible); active != 0;
          active &= active - 1)
     {
       const int i = FindFirstBit(active);

@@ -4,6 +4,7 @@
 #include "Base/ParallelFor.h"
 #include "Contour/AttributeInterpolator.h"
 #include "Contour/BorderBrick.h"
+#include "Contour/LinePlacement.h"
 #include "Volume/ValueKey.h"
 
 #include <algorithm>
@@ -205,6 +206,12 @@ double BrickScan::GetAcquireSeconds() const
   return seconds;
 }
 
+bool BrickScan::HasHiddenCells() const
+{
+  return std::any_of(this->Parts.begin(), this->Parts.end(),
+    [](const BrickPart& part) { return part.Visible != nullptr; });
+}
+
 Status BrickScan::ScanBlock(std::size_t block, Worker& worker)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -243,6 +250,10 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   {
     return MakeError(block, "have crossings that do not cover it");
   }
+  if (samples.Hidden && !Contains(samples.Hidden->Box, scalars.Available))
+  {
+    return MakeError(block, "are not covered by the flags that hide some");
+  }
   if (samples.Attributes.size() != this->Request.Attributes.size())
   {
     return MakeError(block, "do not have the requested number of attributes");
@@ -277,18 +288,44 @@ void BrickScan::ScanBrick(std::size_t number, const BlockSamples& samples, Worke
   std::copy(this->KnownSamples.Low.begin(), this->KnownSamples.Low.end(), view.KnownLow);
   std::copy(this->KnownSamples.High.begin(), this->KnownSamples.High.end(), view.KnownHigh);
   this->Ownerships[number] = this->Lattice.FindNeighborhood(number).ComputeOwnership(view.Size);
+  const CellVisibility ofBlock(samples, this->Request.SkipNotANumber);
+  const BrickVisibility visibility = this->FindVisibility(ofBlock, brick, worker);
   for (std::size_t isovalue = 0; isovalue < this->Thresholds.size(); ++isovalue)
   {
     if (this->Thresholds[isovalue].Exists)
     {
       this->Parts[isovalue * bricks + number] =
-        this->ScanIsovalue(isovalue, number, view, own, worker);
+        this->ScanIsovalue(isovalue, number, view, own, visibility, worker);
     }
   }
 }
 
+BrickScan::BrickVisibility BrickScan::FindVisibility(
+  const CellVisibility& ofBlock, const Brick& brick, Worker& worker) const
+{
+  BrickVisibility visibility;
+  if (!ofBlock.IsLimited())
+  {
+    return visibility;
+  }
+  const Index3 size = brick.Vertices.GetSize();
+  const auto rows = static_cast<std::size_t>(size[1] * size[2]);
+  auto* cells = worker.Memory.Reserve<std::uint64_t>(rows);
+  if (ofBlock.FindVisibleCells(brick, cells))
+  {
+    worker.Memory.Keep<std::uint64_t>(rows);
+    visibility.Cells = cells;
+  }
+  if (this->Request.Normals && !brick.IsBeyond() &&
+    ofBlock.HasUnknownSamples(brick, this->KnownSamples))
+  {
+    visibility.Samples = &ofBlock;
+  }
+  return visibility;
+}
+
 BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
-  const BlockSamples& samples, Worker& worker)
+  const BlockSamples& samples, const BrickVisibility& visibility, Worker& worker)
 {
   BrickPart part;
   const auto rows = static_cast<std::size_t>(view.Size[1]) * static_cast<std::size_t>(view.Size[2]);
@@ -312,17 +349,25 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const
   part.Counts =
     this->Kernels.NumberRows(view.Size, inside, this->Ownerships[brick], offsets, part.Codes);
   worker.Memory.Keep<EdgeCode>(part.Counts.Points);
-  this->MakePoints(this->Request.Isovalues[isovalue], brick, view, samples, part, worker);
+  if (visibility.Cells)
+  {
+    part.Visible = visibility.Cells;
+    const BrickCounts visible = CountVisible(view.Size, inside, part.Visible);
+    part.Counts.Triangles = visible.Triangles;
+    part.Counts.Polygons = visible.Polygons;
+  }
+  this->MakePoints(
+    this->Request.Isovalues[isovalue], brick, view, samples, visibility.Samples, part, worker);
   return part;
 }
 
 void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSamples& view,
-  const BlockSamples& samples, BrickPart& part, Worker& worker) const
+  const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part, Worker& worker) const
 {
   const Brick& brick = this->Lattice.GetBricks()[number];
   const std::uint32_t count = part.Counts.Points;
   double* parameters = nullptr;
-  if (this->Request.Normals || !samples.Attributes.empty())
+  if (this->Request.Normals || !samples.Attributes.empty() || this->Request.Lines)
   {
     worker.Parameters.resize(std::max<std::size_t>(worker.Parameters.size(), count));
     parameters = worker.Parameters.data();
@@ -357,17 +402,47 @@ void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSampl
       FindVertexPoints(view, part.Codes, part.Coordinates, parameters, count, part.VertexPoints);
     worker.Memory.Keep<VertexPoint>(part.NumberOfVertexPoints);
   }
+  if (this->Request.Lines)
+  {
+    this->PlacePointsOnLines(isovalue, brick, samples, unknown, part, worker);
+  }
   if (this->Request.Normals)
   {
-    if (!brick.IsBeyond())
+    if (!brick.IsBeyond() && !this->Request.Lines)
     {
       this->Kernels.ComputeNormals(
         samples.Scalars.Type, view, part.Codes, parameters, count, part.Normals);
+    }
+    if (unknown && !this->Request.Lines)
+    {
+      CorrectNormals(*unknown, samples.Scalars, this->KnownSamples, brick.Vertices.Low, part.Codes,
+        parameters, count, part.Normals);
     }
     SetNormalsOnSides(this->Request.ClosedSides, this->Geometry.GetDimensions(), brick.Vertices.Low,
       part.VertexPoints, part.NumberOfVertexPoints, part.Normals);
   }
   this->InterpolateAttributes(brick.Vertices.Low, samples, part, worker);
+}
+
+void BrickScan::PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
+  const CellVisibility* unknown, BrickPart& part, Worker& worker) const
+{
+  const LinedBrick lined{ *this->Request.Lines, brick.Vertices.Low, part.Codes,
+    part.Counts.Points };
+  double* parameters = worker.Parameters.data();
+  if (brick.IsBeyond() || samples.Crossings)
+  {
+    PlaceOnLines(lined, parameters, part.Coordinates);
+  }
+  else
+  {
+    LocateOnLines(lined, samples.Scalars, isovalue, part.Coordinates, parameters);
+  }
+  if (this->Request.Normals && !brick.IsBeyond())
+  {
+    ComputeNormalsOnLines(
+      lined, samples.Scalars, this->KnownSamples, unknown, parameters, part.Normals);
+  }
 }
 
 // Allocates all attributes, and copies tuples on edges. Before any points are moved to vertices.

@@ -7,6 +7,7 @@
 #include "Contour/Arena.h"
 #include "Contour/BrickKernel.h"
 #include "Contour/BrickLattice.h"
+#include "Contour/CellVisibility.h"
 #include "Contour/SurfaceExtractor.h"
 #include "Contour/VertexPoints.h"
 #include "Volume/BlockSource.h"
@@ -22,7 +23,9 @@ namespace isosurface
 /// The results of the first phase for a brick and an isovalue. All null if there is no surface.
 struct BrickPart
 {
-  const std::uint64_t* Inside = nullptr;  ///< a word for each row of vertices, y fastest
+  const std::uint64_t* Inside = nullptr; ///< a word for each row of vertices, y fastest
+  /// A word for each row of vertices: the visible cells from there on; null if all are.
+  const std::uint64_t* Visible = nullptr;
   const std::uint32_t* Offsets = nullptr; ///< the first point of each row, counted in the brick
   EdgeCode* Codes = nullptr;              ///< the owned points' edges, or vertices
   float* Coordinates = nullptr;           ///< the structured coordinate along each edge
@@ -59,6 +62,8 @@ public:
   const std::vector<BrickPart>& GetParts() const { return this->Parts; }
   const std::vector<BrickOwnership>& GetOwnerships() const { return this->Ownerships; }
   double GetAcquireSeconds() const;
+  /// Whether a part has cells that are not visible: then some points may have no triangles.
+  bool HasHiddenCells() const;
 
 private:
   struct Worker
@@ -74,13 +79,25 @@ private:
     alignas(8) std::array<std::uint8_t, 8> Value{};
   };
 
+  /// What is not visible of a brick; void for most.
+  struct BrickVisibility
+  {
+    const std::uint64_t* Cells = nullptr;    ///< see BrickPart::Visible
+    const CellVisibility* Samples = nullptr; ///< if some samples in it or around it are not known
+  };
+
   Status ScanBlock(std::size_t block, Worker& worker);
   Status CheckSamples(std::size_t block, const BlockSamples& samples) const;
   void ScanBrick(std::size_t brick, const BlockSamples& samples, Worker& worker);
   BrickPart ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
-    const BlockSamples& samples, Worker& worker);
+    const BlockSamples& samples, const BrickVisibility& visibility, Worker& worker);
   void MakePoints(double isovalue, std::size_t brick, const BrickSamples& view,
-    const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+    const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part,
+    Worker& worker) const;
+  void PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
+    const CellVisibility* unknown, BrickPart& part, Worker& worker) const;
+  BrickVisibility FindVisibility(
+    const CellVisibility& ofBlock, const Brick& brick, Worker& worker) const;
   void CopyAttributes(
     const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
   void InterpolateAttributes(

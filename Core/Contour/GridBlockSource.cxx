@@ -76,6 +76,7 @@ Result<BlockSamples> GridBlockSource::Acquire(std::size_t block)
   samples.Scalars = this->Samples;
   samples.Scalars.Box = this->GetVertices(block);
   samples.Attributes = this->Attributes;
+  samples.Hidden = this->Hidden.IsEmpty() ? nullptr : &this->Hidden;
   return samples;
 }
 

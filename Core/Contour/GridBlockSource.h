@@ -30,6 +30,9 @@ public:
   /// Sets the arrays to interpolate. Their Available must cover the samples' Box.
   void SetAttributes(std::vector<AttributeView> attributes);
 
+  /// Sets what is hidden of the samples. Its Box must cover the samples' Available.
+  void SetBlanking(const Blanking& hidden) { this->Hidden = hidden; }
+
   std::size_t GetNumberOfBlocks() const override { return this->Active.size(); }
   Index3 GetLatticeCoordinates(std::size_t block) const override;
   VertexBox GetVertices(std::size_t block) const override;
@@ -42,6 +45,7 @@ private:
 
   SampleView Samples;
   std::vector<AttributeView> Attributes;
+  Blanking Hidden;
   BlockGrid Grid;
   std::vector<std::int64_t> Active;
 };

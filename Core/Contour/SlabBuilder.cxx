@@ -41,6 +41,7 @@ SlabBuilder::SlabBuilder(
   , Scan(scan)
   , FirstPart(firstPart)
   , Kernels(GetBrickKernels())
+  , Visible(scan.GetParts()[firstPart + brick].Visible)
   , Neighborhood(lattice.FindNeighborhood(brick))
 {
   this->Self = this->GetRows({});
@@ -120,6 +121,7 @@ const RowSlab& SlabBuilder::Build(int k)
     }
   }
   this->Slab.Z = this->Z[static_cast<std::size_t>(k % 2)].data();
+  this->Slab.Visible = this->Visible ? this->Visible + k * this->Self.Size[1] : nullptr;
   return this->Slab;
 }
 

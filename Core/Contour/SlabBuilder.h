@@ -52,6 +52,7 @@ private:
   const BrickScan& Scan;
   std::size_t FirstPart;
   const BrickKernels& Kernels;
+  const std::uint64_t* Visible; ///< see BrickPart
   NumberedRows Self{};
   BrickNeighborhood Neighborhood;
   std::array<NumberedRows, 27> Neighbors{}; ///< rows of the neighbours, filled on first use

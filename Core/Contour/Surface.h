@@ -4,6 +4,7 @@
 
 #include "Base/Buffer.h"
 #include "Volume/BlockGrid.h"
+#include "Volume/GridLines.h"
 #include "Volume/GridSides.h"
 #include "Volume/ValueType.h"
 
@@ -67,6 +68,13 @@ struct ContourRequest
   /// The vertices of the grid whose samples are known, if these are not all: at the faces of this
   /// box gradients are one-sided differences, as they are at the faces of the grid.
   std::optional<VertexBox> KnownSamples;
+  /// Leave out the cells with a corner that is NaN. If not, NaN is outside, and the surface has a
+  /// wall there, whose points are NaN. Hidden cells (BlockSamples::Hidden) are always left out. Such
+  /// samples have no influence on normals: differences are one-sided beside them.
+  bool SkipNotANumber = false;
+  /// If given, the vertices of the grid lie at these lines, whatever its origin, spacing and
+  /// direction, which must be those of structured coordinates. Must outlive the extraction.
+  const GridLines* Lines = nullptr;
   /// Use indices of 64 bits even if 32 suffice.
   bool WideIndices = false;
   /// The arrays to interpolate, in the order of BlockSamples::Attributes.

@@ -3,6 +3,7 @@
 
 #include "Base/HugePages.h"
 #include "Base/ParallelFor.h"
+#include "Contour/LinePlacement.h"
 #include "Contour/MarchingCubesCases.h"
 #include "Contour/SlabBuilder.h"
 #include "Contour/WorldTransform.h"
@@ -80,7 +81,8 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
 {
   this->NumberPoints();
   double done = 0;
-  if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
+  if ((this->Request.DropDegenerateTriangles && !this->Request.Polygons) ||
+    this->Scan.HasHiddenCells())
   {
     constexpr double mergeEnd = 0.4; // of the progress, as measured
     this->Merge = std::make_unique<VertexMerge>(this->Lattice, this->Scan);
@@ -272,6 +274,12 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
     output.FirstGlobalId = isovalue * idsPerIsovalue;
   }
   GetBrickKernels().WritePoints(position, this->Transform, output);
+  if (this->Request.Lines)
+  {
+    const Index3& low = this->Lattice.GetBricks()[number % bricks].Vertices.Low;
+    WritePointsOnLines(
+      { *this->Request.Lines, low, part.Codes, part.Kept.Points }, part.Coordinates, output.Points);
+  }
   if (!this->Merge || !this->Request.GlobalIds)
   {
     return;
@@ -314,7 +322,7 @@ void SurfaceAssembler::WriteCells(
   Id* next = connectivity + part.FirstIndex;
   Id* nextOffset = offsets ? offsets + part.FirstCell : nullptr;
   std::int64_t index = part.FirstIndex;
-  if (this->Merge)
+  if (this->Merge && !this->Request.Polygons)
   {
     this->WriteKeptTriangles(number, next, corners);
   }
@@ -331,6 +339,10 @@ void SurfaceAssembler::WriteCells(
       {
         WritePolygons(GetBrickKernels(), builder.Build(k), next, nextOffset, index);
       }
+    }
+    for (Id* corner = connectivity + part.FirstIndex; this->Merge && corner != next; ++corner)
+    {
+      *corner = static_cast<Id>(this->Merge->GetNumber(*corner));
     }
   }
   if (nextOffset && !this->Request.Polygons)

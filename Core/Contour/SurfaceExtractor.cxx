@@ -33,6 +33,10 @@ Status CheckRequest(const GridGeometry& geometry, const ContourRequest& request)
       return { StatusCode::InvalidArgument, "The grid has no vertices." };
     }
   }
+  if (request.Lines)
+  {
+    return request.Lines->Check(geometry.GetDimensions());
+  }
   return Status::Ok();
 }
 

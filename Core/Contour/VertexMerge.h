@@ -17,9 +17,10 @@ namespace isosurface
 {
 
 /**
- * Merges points on the same vertex of the grid, between the two phases of an extraction: finds the
- * triangles that keep three different corners, and numbers the points of these triangles in their
- * old order. The first point of a vertex stands for all.
+ * Merges points on the same vertex of the grid, if these were found, between the two phases of an
+ * extraction: finds the triangles that keep three different corners, and numbers the points of these
+ * triangles in their old order. The first point of a vertex stands for all. So points that only
+ * hidden cells use are dropped, too.
  *
  * Cost: the triangles are made once more, but not kept. Memory: 9 bytes a point, and a hash table
  * entry for each vertex with points on a face of a brick.

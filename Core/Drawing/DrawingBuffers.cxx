@@ -16,6 +16,7 @@ namespace
 
 constexpr std::size_t TuplesOfRun = std::size_t{ 1 } << 16;
 
+/// Calls body(first, last) for runs of [0, count), by several threads at once.
 template <typename BodyT>
 void ForRuns(std::size_t count, int threads, BodyT&& body)
 {

@@ -25,7 +25,8 @@ void CopyProperTriangles(const TriangleSurface& surface, const TriangleMeasure& 
 void ShiftAndScale(const float* points, std::size_t count, const double shift[3],
   const double scale[3], float* result, int threads);
 
-/// A texture of `Colors` colors over a range of values, with one more at each end for what is beyond.
+/// A texture of `Colors` colors over a range of values, with one more texel at each end for what is
+/// beyond it.
 struct TextureRange
 {
   double Minimum = 0;
@@ -36,7 +37,8 @@ struct TextureRange
 /**
  * Writes the texture coordinates of `count` tuples, two each, as vtkMapper defines them: the first
  * is where the value is in the texture, clamped to [-1000, 1000], or 0.5 for NaN; the second one is
- * 0.49, or 1 for NaN. `component` -1 stands for the magnitude. For all arithmetic types of VTK.
+ * 0.49, or 1 for NaN. `component` -1, or beyond the last one, stands for the magnitude. For all
+ * arithmetic types of VTK.
  */
 template <typename T>
 void FindTextureCoordinates(const T* values, std::size_t count, int components, int component,

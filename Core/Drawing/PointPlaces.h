@@ -12,11 +12,11 @@ namespace isosurface
 /// Whether two points, given by their coordinates, are in one place. A NaN is in no place.
 [[gnu::always_inline]] inline bool AreInOnePlace(const float* a, const float* b)
 {
-  // Without branches: which coordinates are the same is not to be foretold.
+  // Without branches: the processor could not predict which coordinates are equal.
   return ((a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2])) != 0;
 }
 
-/// Whether a triangle has three points in different places, as VTK's mappers want them.
+/// Whether a triangle has three points in different places. VTK's mappers draw only such triangles.
 template <typename T>
 [[gnu::always_inline]] inline bool IsProperTriangle(const float* points, const T* triangle)
 {
@@ -26,7 +26,7 @@ template <typename T>
   return !(AreInOnePlace(a, b) | AreInOnePlace(b, c) | AreInOnePlace(a, c));
 }
 
-/// Calls body with the connectivity as an array of its own type.
+/// Calls body(point numbers) with those of the two arrays that is there.
 template <typename BodyT>
 void WithConnectivity(const TriangleConnectivity& connectivity, BodyT&& body)
 {

@@ -17,16 +17,17 @@ namespace isosurface
 namespace
 {
 
-constexpr std::size_t ThingsOfRun = std::size_t{ 1 } << 16;
+constexpr std::size_t ItemsOfRun = std::size_t{ 1 } << 16;
 constexpr std::uint64_t NoPoint = std::numeric_limits<std::uint64_t>::max();
-constexpr int MostCells = 512;
+constexpr int MaximumCells = 512;
 
+/// Calls body(run, first, last) for runs of [0, count), by several threads at once.
 template <typename BodyT>
 void ForRuns(std::size_t count, int threads, BodyT&& body)
 {
-  ParallelFor((count + ThingsOfRun - 1) / ThingsOfRun, threads,
+  ParallelFor((count + ItemsOfRun - 1) / ItemsOfRun, threads,
     [&](std::size_t run, int)
-    { body(run, run * ThingsOfRun, std::min(count, (run + 1) * ThingsOfRun)); });
+    { body(run, run * ItemsOfRun, std::min(count, (run + 1) * ItemsOfRun)); });
 }
 
 /// The grid of cells over a surface's bounds.
@@ -85,10 +86,10 @@ std::uint64_t MakePreference(float distance, std::size_t point)
   return (std::uint64_t{ bits } << 32) | static_cast<std::uint32_t>(point);
 }
 
-void KeepMinimum(std::atomic<std::uint64_t>& least, std::uint64_t value)
+void KeepMinimum(std::atomic<std::uint64_t>& minimum, std::uint64_t value)
 {
-  std::uint64_t known = least.load(std::memory_order_relaxed);
-  while (value < known && !least.compare_exchange_weak(known, value, std::memory_order_relaxed))
+  std::uint64_t known = minimum.load(std::memory_order_relaxed);
+  while (value < known && !minimum.compare_exchange_weak(known, value, std::memory_order_relaxed))
   {
   }
 }
@@ -115,7 +116,7 @@ public:
     ForRuns(surface.NumberOfPoints, threads,
       [&](std::size_t, std::size_t first, std::size_t last)
       {
-        // Points that follow each other are often in one cell, which then is asked once.
+        // Points that follow each other are often in one cell, which is then updated once.
         std::uint32_t lastCell = 0;
         std::uint64_t best = NoPoint;
         for (std::size_t point = first; point < last; ++point)
@@ -161,7 +162,7 @@ public:
   std::vector<std::uint32_t> CollectTriangles() const
   {
     const std::size_t triangles = this->Surface.NumberOfTriangles;
-    std::vector<std::vector<std::uint32_t>> runs((triangles + ThingsOfRun - 1) / ThingsOfRun);
+    std::vector<std::vector<std::uint32_t>> runs((triangles + ItemsOfRun - 1) / ItemsOfRun);
     WithConnectivity(this->Surface.Connectivity,
       [&](const auto* connectivity)
       {
@@ -200,7 +201,7 @@ private:
   /// How many cells with points are before each run of cells, and at the end how many in all.
   std::vector<std::size_t> CountPointsOfRuns() const
   {
-    std::vector<std::size_t> counts((this->CountOfCells + ThingsOfRun - 1) / ThingsOfRun + 1);
+    std::vector<std::size_t> counts((this->CountOfCells + ItemsOfRun - 1) / ItemsOfRun + 1);
     ForRuns(this->CountOfCells, this->Threads,
       [&](std::size_t run, std::size_t first, std::size_t last)
       {
@@ -226,14 +227,15 @@ private:
   const TriangleSurface& Surface;
   int Threads;
   std::size_t CountOfCells;
-  std::unique_ptr<std::atomic<std::uint64_t>[]> PointOfCell; ///< a preference, then a number
+  /// The cell's preferred point (MakePreference); after NumberPoints its number.
+  std::unique_ptr<std::atomic<std::uint64_t>[]> PointOfCell;
   std::unique_ptr<std::uint32_t[]> CellOfPoint;
 };
 
-/// Every so many points are looked at to choose the cells.
-constexpr std::size_t PointsOfLook = 8;
+/// One point of so many is looked at to choose the cells.
+constexpr std::size_t PointStride = 8;
 
-/// How many cells have a point, as the points that are looked at tell: at most as many as there are.
+/// How many cells have one of the points that are looked at: a lower bound of the points to keep.
 std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid, int threads)
 {
   std::vector<std::atomic<unsigned char>> taken(grid.CountCells());
@@ -242,7 +244,7 @@ std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid,
     [&](std::size_t, std::size_t first, std::size_t last)
     {
       std::size_t mine = 0;
-      for (std::size_t point = first; point < last; point += PointsOfLook)
+      for (std::size_t point = first; point < last; point += PointStride)
       {
         float distance = 0;
         const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
@@ -260,7 +262,7 @@ std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid,
 int ChooseCells(const TriangleSurface& surface, const TriangleMeasure& measure,
   const ThinningLimits& limits, int threads)
 {
-  int cells = std::clamp(limits.Cells, 1, MostCells);
+  int cells = std::clamp(limits.Cells, 1, MaximumCells);
   while (cells > 1)
   {
     const std::size_t points = EstimatePoints(surface, CellGrid(measure.Bounds, cells), threads);
@@ -271,9 +273,9 @@ int ChooseCells(const TriangleSurface& surface, const TriangleMeasure& measure,
     // A smooth surface has points in as many cells as the square of their number along a side.
     const double ratio = static_cast<double>(limits.Points) / static_cast<double>(points);
     cells = std::clamp(static_cast<int>(cells * std::sqrt(ratio)), 1, cells - 1);
-    if (points < surface.NumberOfPoints / PointsOfLook / 4)
+    if (points < surface.NumberOfPoints / PointStride / 4)
     {
-      break; // several looks found each cell, so no cells were missed
+      break; // each cell was found by several points, so hardly any cell was missed
     }
   }
   return cells;

@@ -20,12 +20,13 @@ constexpr std::size_t PointsOfRun = std::size_t{ 1 } << 16;
 
 using PointMarks = std::unique_ptr<std::atomic<unsigned char>[]>;
 
-std::size_t CountRuns(std::size_t things, std::size_t thingsOfRun)
+std::size_t CountRuns(std::size_t count, std::size_t length)
 {
-  return (things + thingsOfRun - 1) / thingsOfRun;
+  return (count + length - 1) / length;
 }
 
-/// Marks the points of a run of triangles, counts the proper ones; false: a point number is none.
+/// Marks the points of a run of triangles and counts the proper ones. Returns false if a point
+/// number is not one of the surface's points.
 template <typename T>
 bool MeasureRun(const TriangleSurface& surface, const T* connectivity, std::size_t first,
   std::size_t last, std::atomic<unsigned char>* marks, std::uint32_t& proper)

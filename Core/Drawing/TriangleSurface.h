@@ -8,13 +8,13 @@
 namespace isosurface
 {
 
-/// The connectivity of triangles, in one of two integer types. The arrays are somebody else's.
+/// The connectivity of triangles, in one of two integer types. The arrays are not owned.
 struct TriangleConnectivity
 {
   const std::int32_t* Values32 = nullptr; ///< three point numbers a triangle
   const std::int64_t* Values64 = nullptr; ///< the same; used where Values32 is null
 
-  /// The point number at a place.
+  /// The point number of triangle place / 3 at its corner place % 3.
   std::int64_t operator[](std::size_t place) const
   {
     return this->Values32 ? this->Values32[place] : this->Values64[place];

@@ -15,7 +15,7 @@ namespace isosurface
 
 class ByteReader;
 
-/// What the code of a block holds beside the signs.
+/// What the code of a block holds besides the signs.
 enum class CodedGeometry : std::uint8_t
 {
   Values = 0,    ///< values at the ends of crossed edges
@@ -42,7 +42,7 @@ struct EdgeIndexBlock
   Index3 Lattice{};
   std::uint64_t NumberOfPoints = 0;
   CodedGeometry Coding = CodedGeometry::Values;
-  bool HasMissing = false; ///< some crossings are not numbers
+  bool HasMissing = false; ///< some crossings are NaN; only if crossings are coded
   bool IsPreview = false;  ///< at the level EdgeIndexHeader::PreviewLevel
 
   void Append(std::vector<std::uint8_t>& bytes) const;
@@ -65,14 +65,14 @@ struct EdgeIndexBlock
 struct EdgeIndexRecord
 {
   EdgeIndexBlock Block;
-  int Scale = 0;
-  const std::uint8_t* Code = nullptr;
+  int Scale = 0;                      ///< of heights, see ValueDomain::ToHeight
+  const std::uint8_t* Code = nullptr; ///< not owned
   std::size_t CodeSize = 0;
 
   void Append(std::vector<std::uint8_t>& bytes) const;
 
   /**
-   * Reads the record at the start of `bytes`, without copying its code; `used` becomes its size.
+   * Reads the record at the start of `bytes`, which its Code then points into; `used` becomes its size.
    * Errors: Corrupt.
    */
   static Result<EdgeIndexRecord> Parse(

@@ -201,6 +201,7 @@ private:
 ValueDomain MakeDomain(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
   const std::optional<Quantizer>& quantizer)
 {
+  // Encoders write no other scales for offsets. Those of a corrupt record would shift too far.
   const int shortScale = std::clamp(record.Scale, -30, 10);
   if (quantizer)
   {
@@ -332,6 +333,7 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
     }
   }
   std::vector<std::unique_ptr<BlockSource>> sources;
+  sources.reserve(records.size());
   for (std::vector<EdgeIndexRecord>& blocks : records)
   {
     sources.push_back(std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)));

@@ -271,7 +271,7 @@ private:
   Status EncodeBatch(std::size_t first, std::size_t size, const Progress& progress)
   {
     this->Blocks.assign(size, {});
-    Status failure;
+    Status error;
     std::atomic<bool> failed{ false };
     std::mutex mutex;
     const bool finished = ParallelFor(
@@ -289,16 +289,16 @@ private:
           const std::lock_guard<std::mutex> lock(mutex);
           if (!failed.exchange(true))
           {
-            failure = std::move(status);
+            error = std::move(status);
           }
         }
       },
       progress);
-    if (failure.IsOk() && !finished)
+    if (error.IsOk() && !finished)
     {
       return { StatusCode::Aborted, "The encoding was aborted." };
     }
-    return failure;
+    return error;
   }
 
   Status Encode(

@@ -47,7 +47,7 @@ public:
     std::vector<std::uint8_t>& bytes);
 
 private:
-  class Work;
+  class Work; ///< the header and the models
   std::unique_ptr<Work> Worker;
 };
 

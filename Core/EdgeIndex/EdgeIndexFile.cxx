@@ -369,7 +369,7 @@ Result<Surface> EdgeIndexFile::Read(const EdgeIndexSelection& selection,
 
 Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
 {
-  Status failure;
+  Status error;
   std::atomic<bool> failed{ false };
   std::mutex mutex;
   EdgeIndexBlockDecoder fine(this->Header);
@@ -395,7 +395,7 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
         if (!status.IsOk())
         {
           const std::lock_guard<std::mutex> lock(mutex);
-          failure = failed.exchange(true) ? failure : std::move(status);
+          error = failed.exchange(true) ? error : std::move(status);
         }
       },
       progress);
@@ -405,7 +405,7 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
     return { StatusCode::OutOfMemory,
       this->GetPath() + ": there is not enough memory to verify it." };
   }
-  ISOSURFACE_RETURN_IF_ERROR(failure);
+  ISOSURFACE_RETURN_IF_ERROR(error);
   if (!finished)
   {
     return { StatusCode::Aborted, this->GetPath() + ": the verification was aborted." };

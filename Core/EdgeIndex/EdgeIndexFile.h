@@ -24,8 +24,8 @@ struct EdgeIndexSelection
 {
   /// The coarse preview instead of the surface.
   bool Preview = false;
-  /// Only blocks that have cells in this box of vertices of the (fine) grid, or that the box cuts if
-  /// it is flat.
+  /// Only blocks that have cells in this box of vertices of the (fine) grid; if the box is flat, one
+  /// vertex thick, blocks that it touches.
   std::optional<VertexBox> Box;
   /// Indices of EdgeIndexHeader::Isovalues; empty for all of them.
   std::vector<std::size_t> Isovalues;
@@ -74,7 +74,7 @@ public:
    * (for the preview, of its own grid), so that pieces can be joined.
    *
    * Errors: InvalidArgument, Corrupt, IoError, OutOfMemory, Aborted; they name the file. Memory
-   * beside the surface: one block for each thread.
+   * besides the surface: one block for each thread.
    */
   Result<Surface> Read(const EdgeIndexSelection& selection, const ContourRequest& request,
     int threads, const Progress& progress = {}) const;

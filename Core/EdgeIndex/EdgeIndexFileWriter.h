@@ -27,6 +27,8 @@ namespace isosurface
  *
  * Records of the preview are kept in memory until there is 1 MB of them, so that they are adjacent in
  * the file. Memory: these, and about 100 bytes for each record.
+ *
+ * For tests and benchmarks, on one rank; the VTK writer has EdgeIndexWriteJob.
  */
 class EdgeIndexFileWriter
 {

@@ -14,7 +14,7 @@ namespace isosurface
 namespace
 {
 
-// So that global ids (3 * vertex + axis, for every isovalue) fit 63 bits.
+// So that GlobalIds (3 * vertex + axis, for every isovalue) fit 63 bits.
 constexpr double MaximumGlobalIds = 9.0e18;
 
 Status MakeInvalid(const char* reason)
@@ -100,7 +100,7 @@ Status CheckPreview(const EdgeIndexHeader& header)
       header.MakePreview().GetIntervals().GetCount() == 0))
   {
     return MakeInvalid("The maximum error of the preview must lie above 0 and not above 0.5 of its "
-                       "voxels, and must not be finer than float coordinates.");
+                       "grid's edges, and must not be finer than float coordinates.");
   }
   return Status::Ok();
 }
@@ -112,7 +112,7 @@ Status CheckSettings(const EdgeIndexHeader& header)
   {
     if (!(settings.MaximumError > 0 && settings.MaximumError <= 0.5))
     {
-      return MakeInvalid("The maximum error must lie above 0 and not above 0.5 voxels.");
+      return MakeInvalid("The maximum error must lie above 0 and not above 0.5 of an edge.");
     }
     if (header.GetIntervals().GetCount() == 0)
     {

@@ -37,7 +37,7 @@ struct EdgeIndexSettings
   /// including the rounding of its structured coordinate to float. Above 0, at most 0.5.
   double MaximumError = 0.01;
 
-  /// Quantized: values are rounded to 2^bits (2 to 24) equal steps from minimum to maximum.
+  /// Quantized: values are rounded to 2^bits (2 to 24) levels from minimum to maximum, see Quantizer.
   int QuantizationBits = 12;
   double QuantizationMinimum = 0;
   double QuantizationMaximum = 255;

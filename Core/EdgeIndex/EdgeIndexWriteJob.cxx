@@ -174,7 +174,7 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
     }
     return Status::Ok();
   };
-  Status failure;
+  Status error;
   std::atomic<bool> failed{ false };
   std::mutex mutex;
   const bool finished = ParallelFor(
@@ -186,11 +186,11 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
       if (!status.IsOk())
       {
         const std::lock_guard<std::mutex> lock(mutex);
-        failure = failed.exchange(true) ? failure : std::move(status);
+        error = failed.exchange(true) ? error : std::move(status);
       }
     },
     progress);
-  ISOSURFACE_RETURN_IF_ERROR(failure);
+  ISOSURFACE_RETURN_IF_ERROR(error);
   if (!finished)
   {
     return { StatusCode::Aborted, this->Path + ": writing was aborted." };

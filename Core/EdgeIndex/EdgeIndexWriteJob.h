@@ -72,7 +72,7 @@ private:
     std::vector<std::uint8_t> Bytes;
   };
 
-  struct RoundBlock; ///< the records of a block of any rank, as it described them
+  struct RoundBlock; ///< the records of a block of any rank, as that rank described them
 
   Status Begin();
   Status WriteRounds(const Progress& progress);

@@ -32,12 +32,12 @@ bool HasAllPoints(const Surface& surface)
 {
   const auto areBelow = [points = surface.NumberOfPoints](const auto& values)
   {
-    std::size_t strange = 0; // counted, so that the compiler vectorises the loop
+    std::size_t beyond = 0; // counted, so that the compiler vectorises the loop
     for (const auto value : values)
     {
-      strange += static_cast<std::uint64_t>(value) >= points ? 1 : 0;
+      beyond += static_cast<std::uint64_t>(value) >= points ? 1 : 0;
     }
-    return strange == 0;
+    return beyond == 0;
   };
   return surface.Connectivity.Is64Bit ? areBelow(surface.Connectivity.Values64)
                                       : areBelow(surface.Connectivity.Values32);
@@ -48,13 +48,13 @@ void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, s
 {
   const std::size_t kept = to.GetSize() - std::min(drop, to.GetSize());
   const std::size_t size = kept + from.GetSize();
-  std::int64_t largest = raise;
+  std::int64_t maximum = raise;
   for (std::size_t n = 0; n < from.GetSize(); ++n)
   {
-    largest = std::max(largest, from[n] + raise);
+    maximum = std::max(maximum, from[n] + raise);
   }
   IndexArray joined;
-  joined.Is64Bit = to.Is64Bit || from.Is64Bit || largest > std::numeric_limits<std::int32_t>::max();
+  joined.Is64Bit = to.Is64Bit || from.Is64Bit || maximum > std::numeric_limits<std::int32_t>::max();
   const auto fill = [&](auto& values)
   {
     using Id = std::decay_t<decltype(values[0])>;
@@ -148,12 +148,13 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
   if (request.Normals && !hasNormals)
   {
     return Status(StatusCode::InvalidArgument,
-      "The edge-index stream has no normals; they can be computed of the triangles.");
+      "The edge-index stream has no normals; they can be computed from the triangles.");
   }
   if (!header.Attributes.empty() && !request.ClosedSides.IsEmpty())
   {
     return Status(StatusCode::InvalidArgument,
-      "The edge-index stream has arrays of points, which sides of the grid to close do not have.");
+      "The edge-index stream has point arrays, which caps on closed sides of the grid cannot "
+      "have.");
   }
   Surface surface;
   const auto isovalues = static_cast<double>(sources.size());

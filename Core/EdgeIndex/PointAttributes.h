@@ -17,14 +17,14 @@
 namespace isosurface
 {
 
-/// The tuples of point arrays at the edges of a block, and their memory: for each attribute of the
-/// header and each axis one tuple for each vertex (AttributeEdges).
+/// Owns the tuples of point arrays at the edges of a block: for each attribute of the header and each
+/// axis one tuple for each vertex (AttributeEdges), also where the edge is not crossed.
 class PointAttributes
 {
 public:
   PointAttributes(const EdgeIndexHeader& header, const VertexBox& vertices);
 
-  /// The attributes as the coder takes them.
+  /// The attributes as the coder takes them; they point into this object, as views do.
   std::vector<CodedAttribute> GetCoded() const { return this->Coded; }
 
   /// The attributes as an extraction takes them, for a block with this box of vertices.

@@ -25,6 +25,7 @@ public:
   const CrossingIntervals& GetIntervals() const { return this->Intervals; }
   bool IsCrossed() const { return this->Crossed; }
   std::uint64_t CountPoints() const;
+  /// Codes are those of the quantizer, or without one those of the domain.
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
   void SetQuantizer(const Quantizer* quantizer) { this->Quantization = quantizer; }
 
@@ -72,6 +73,7 @@ private:
   template <typename Functor>
   void VisitCrossings(const Functor& functor) const;
 
+  // Computes the signs; in 32 columns from x = begin on. threshold: a number of the samples' type.
   void Classify();
   void ClassifyColumns(int begin, const void* threshold);
 

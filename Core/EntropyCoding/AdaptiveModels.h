@@ -17,10 +17,11 @@ namespace isosurface
 // Probabilities that learn. All arithmetic is of integers, so that encoders and decoders on every
 // machine have the same probabilities.
 
-/// The logistic function: 65536 / (1 + exp(-x / 256)), with x brought into -2047 .. 2047.
+/// The logistic function: 65536 / (1 + exp(-x / 256)), with x brought into -2047 .. 2047. The x of
+/// a probability is called stretched: its logit, in units of 1/256.
 std::uint32_t Squash(int x);
 
-/// Functions that are looked up.
+/// Tables of functions.
 struct ModelTables
 {
   std::array<std::uint16_t, 4096> Squash; ///< at x + 2048

@@ -48,9 +48,9 @@ inline int FindSymbol(const std::int16_t* cumulative, std::int16_t share)
 
 /**
  * Encodes decisions of known probabilities: G. N. N. Martin, "Range encoding: an algorithm for
- * removing redundancy from a digitised message", 1979. The interval has 64 bits and is renewed 32
- * bits at a time, so that the branch for it is rarely taken. A carry is added to the bytes that are
- * already written.
+ * removing redundancy from a digitised message", 1979. The interval has 64 bits and is renormalized
+ * 32 bits at a time, so that the branch for it is rarely taken. A carry is added to the bytes that
+ * are already written.
  *
  * Encoder and decoder have the same functions, so that a model is written once for both. Each
  * function returns what was coded; the decoder ignores its first argument. All arithmetic is of

@@ -11,7 +11,8 @@
 namespace isosurface
 {
 
-/// Squash of a number within -2047 .. 2047, without a call.
+/// Squash for a number that is known to be within -2047 .. 2047: without a call and without
+/// clamping.
 inline std::uint32_t GetSquashed(int x)
 {
   return Tables.Squash[static_cast<std::size_t>(x + 2048)];

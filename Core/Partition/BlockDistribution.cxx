@@ -18,7 +18,7 @@ namespace
 
 constexpr std::array<const char*, 4> Names = { "greedy", "random", "slab", "balanced" };
 
-/// The range of a block.
+/// What Greedy looks at: the element of the matrix and the size of a block's range.
 struct Span
 {
   std::uint32_t Element; ///< of the matrix, row by row; after the last one for a constant block

@@ -13,13 +13,14 @@ namespace isosurface
 namespace
 {
 
-/// The spectrum has so many bits less than the sums. The rounding error is below a thousandth of a
+/// The spectrum has so many bits fewer than the sums. The rounding error is below a thousandth of a
 /// cell's face, and the numbers take fewer bytes on disk.
 constexpr int DroppedBits = 12;
 
 /// The minimum width of a cell's values, in bins, so that there is no division by 0.
 constexpr float MinimumWidth = 1e-6f;
-/// The maximum area of a cell, in its maximum face. Only rounding errors of tiny widths exceed it.
+/// The maximum area in a cell, relative to its largest face. Only rounding errors of tiny widths
+/// exceed it.
 constexpr float MaximumDensity = 8;
 
 constexpr float OverFortyEight = 1.0f / 48;
@@ -170,10 +171,13 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
     const float density = std::sqrt(isFinite ? gradient : 0) * steepness;
     from[i] = isFinite ? beginBin : 0;
     to[i] = isFinite ? endBin : 0;
+    // Rounds numbers that are not negative; std::lround would keep the loop from being vectorised.
+    // NOLINTBEGIN(bugprone-incorrect-roundings)
     area[i] = static_cast<std::int32_t>(Minimum(density, MaximumDensity) * one + 0.5f);
     first[i] = static_cast<std::int32_t>(Minimum(Maximum(rest, 0), 1) * one + 0.5f);
     // The volume of steeper cells is 0 at the next bin.
     slope[i] = static_cast<std::int32_t>(Minimum(steepness, 1) * one + 0.5f);
+    // NOLINTEND(bugprone-incorrect-roundings)
   }
 }
 

@@ -211,7 +211,7 @@ void BlockWorkload::AddChanges(std::size_t begin, std::size_t end)
   const auto add = [&](std::size_t vertex)
   {
     // The triangles fill less than half a unit.
-    constexpr int unit = VertexChanges::ActiveCellUnit;
+    constexpr int unit = VertexChanges::ActiveCellUnit; // 2^8
     const int change = changes[vertex];
     const int cells = (change + unit / 2) >> 8;
     const int triangles = change - cells * unit;

@@ -146,6 +146,7 @@ Result<WorkloadSpectrum> GridSpectrum::Count(
   Communicator& ranks, const SpectrumBins& bins, const Progress& progress) const
 {
   std::vector<Counted> counted;
+  counted.reserve(static_cast<std::size_t>(this->Threads));
   for (int thread = 0; thread < this->Threads; ++thread)
   {
     counted.push_back(this->MakeCounted(bins));

@@ -43,6 +43,7 @@ ISOSURFACE_CLONES void PassOnMinima(Input low, Input high, Input cells, Input fa
   Input facesYZ, Output lowFace, Output lowEdgeX, Output lowEdgeY, Output highFace,
   Output highEdgeX, Output highEdgeY, std::ptrdiff_t row, std::ptrdiff_t count)
 {
+  // At its minimum a cell becomes active, and A falls to 0. At that of a face, - 2 F rises by 2.
   constexpr std::int16_t unit = VertexChanges::ActiveCellUnit - 4;
   for (std::ptrdiff_t i = 0; i < count; ++i)
   {
@@ -63,7 +64,7 @@ ISOSURFACE_CLONES void PassOnMinima(Input low, Input high, Input cells, Input fa
   }
 }
 
-/// Passes on the weights for maxima of the cells.
+/// Passes on the weights for maxima of the cells: there they are no longer active.
 ISOSURFACE_CLONES void PassOnMaxima(Input low, Input high, Input cells, Output lowFace,
   Output highFace, std::ptrdiff_t row, std::ptrdiff_t count)
 {

@@ -13,7 +13,8 @@ namespace isosurface
 
 /**
  * Computes how the numbers of triangles and of active cells in a lattice change at each vertex,
- * when the vertices go outside in the order of increasing values. With this case table, a cell has
+ * when the vertices go outside in the order of increasing values. With the case table of
+ * MarchingCubesCases.h, a cell has
  *
  *     V - 2 F + 4 A - 4 D    triangles,
  *
@@ -63,6 +64,7 @@ private:
     std::vector<std::int16_t> HighFace; ///< for the maxima of its faces
   };
 
+  // Sets what depends on the size of a slice alone: Cells, FacesXZ, FacesYZ and Corners.
   void FillUnits(std::size_t rows);
   void VisitCells(std::size_t slice);
   void FinishSlice(std::size_t slice);

@@ -32,7 +32,7 @@ public:
     std::int64_t Weight = 0;   ///< 2^24 / variance; 0 if there is no cycle
   };
 
-  /// The only one; made once.
+  /// The table for all blocks, made by the first call.
   static const CrossingCycles& Get();
 
   /// at: the index of the edge's first vertex (x, y) in a plane.
@@ -50,6 +50,7 @@ private:
   using Path = std::vector<Step>;
 
   CrossingCycles();
+  // vertices: from the first to the second vertex of the predicted edge, relative to the first.
   void AddPath(int axis, const std::vector<std::array<int, 3>>& vertices);
 
   // t (1 - t), in units of 2^-10.

@@ -10,9 +10,9 @@ namespace
 
 // q below is four times the squared distance of the middles of two edges, an integer.
 constexpr std::int32_t WeightUnit = CrossingFit::WeightUnit;
-constexpr std::int32_t Ridge = 4;
-constexpr std::int32_t SignTarget = 717; ///< 0.7 Units
-constexpr int MostSquaredQuarters = 11;  ///< a squared distance of 2.75
+constexpr std::int32_t Ridge = 4;          ///< a weight; keeps the equations solvable
+constexpr std::int32_t SignTarget = 717;   ///< 0.7 Units
+constexpr int MaximumSquaredQuarters = 11; ///< a squared distance of 2.75
 
 // About 1 / (0.05 + d^4), d^2 being q / 4.
 std::int32_t WeighCrossing(int q)
@@ -73,7 +73,7 @@ void CrossingFit::MakeNeighbors(int axis)
             const int halves = 2 * step[n] - (n == axis ? 1 : 0) + (n == other ? 1 : 0);
             quarters += halves * halves;
           }
-          if (quarters > 0 && quarters <= MostSquaredQuarters)
+          if (quarters > 0 && quarters <= MaximumSquaredQuarters)
           {
             neighbor.Weight = WeighCrossing(quarters);
             neighbor.WeightLater = WeighLater(quarters);

@@ -13,6 +13,7 @@
 namespace isosurface
 {
 
+/// Rows of CrossingFit::RowStride, two more than vertices on either side.
 constexpr std::size_t CrossingPlaneSize = (MaximumCodedVertices + 4) * std::size_t(80);
 
 /// The crossings of the edges along one axis that begin in a slice: their positions, in units of
@@ -31,8 +32,8 @@ using CrossingPlanes = std::array<std::array<CrossingPlane, 3>*, 3>;
  * at vertices outside and inside. Crossed edges that are not decoded yet count a little, with their
  * middles.
  *
- * In integers, so that encoders and decoders on every machine agree: sums of products are exact, the
- * mean is subtracted, and the remaining three equations are solved by Cramer's rule.
+ * All is integers, so that encoders and decoders on every machine agree: sums of products are
+ * exact, the mean is subtracted, and the remaining three equations are solved by Cramer's rule.
  */
 class CrossingFit
 {
@@ -52,7 +53,7 @@ public:
     int Number = 0;                       ///< decoded crossings that were used
   };
 
-  /// The only one; made once.
+  /// The table for all blocks, made by the first call.
   static const CrossingFit& Get();
 
   /// at: the index of the edge's first vertex (x, y) in a plane; inside: its sign; slices: the signs

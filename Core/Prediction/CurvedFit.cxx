@@ -6,6 +6,7 @@ namespace isosurface
 namespace
 {
 
+// Weights times Unit^2 that keep the equations solvable: of 1, x, y, z, and of the quadratic terms.
 constexpr std::int64_t Ridge = std::int64_t{ 4 } << 20;
 constexpr std::int64_t RidgeOfSquares = std::int64_t{ 41 } << 20;
 

@@ -17,20 +17,21 @@ namespace isosurface
 /**
  * Predicts the crossing of an edge from the same crossings and signs as CrossingFit, with the same
  * weights, by a linear and by a quadratic function. The first is better where crossings are noisy,
- * the second where surfaces are curved. In integers, see LeastSquares.
+ * the second where surfaces are curved. All is integers, see LeastSquares.
  */
 class CurvedFit
 {
 public:
   struct Result
   {
-    std::int32_t Linear = CrossingFit::FineUnit / 2;    ///< of the linear function, 0 to FineUnit
-    std::int32_t Quadratic = CrossingFit::FineUnit / 2; ///< of the quadratic function
+    /// The crossing by the linear and by the quadratic function, 0 to FineUnit.
+    std::int32_t Linear = CrossingFit::FineUnit / 2;
+    std::int32_t Quadratic = CrossingFit::FineUnit / 2;
     int Steepness = 0; ///< as in CrossingFit::Result, of the quadratic function
     int Number = 0;    ///< decoded crossings that were used
   };
 
-  /// The only one; made once.
+  /// The table for all blocks, made by the first call.
   static const CurvedFit& Get();
 
   /// Arguments: see CrossingFit::Predict.
@@ -40,10 +41,12 @@ public:
 private:
   static constexpr int NumberOfTerms = 10; ///< 1 x y z, xx yy zz, xy xz yz
   static constexpr std::int32_t Unit = CrossingFit::Unit;
-  static constexpr std::int32_t SignTarget = 2868; ///< 2.8 Units
-  static constexpr std::int32_t LeastSlope = 5243; ///< 0.08, as a weight
-  static constexpr std::int32_t LeastNewtonSlope = 13107;
-  static constexpr int NumberOfSteps = 3; ///< of Newton's method
+  /// 2.8 Units. Four times that of CrossingFit: zeros are the same, coefficients have two more
+  /// bits.
+  static constexpr std::int32_t SignTarget = 2868;
+  static constexpr std::int32_t MinimumSlope = 5243;        ///< 0.08 in units of coefficients
+  static constexpr std::int32_t MinimumNewtonSlope = 13107; ///< 0.2
+  static constexpr int NumberOfSteps = 3;                   ///< of Newton's method
 
   using Solver = LeastSquares<NumberOfTerms>;
   using Terms = std::array<std::int32_t, NumberOfTerms>;
@@ -83,7 +86,7 @@ private:
 
   std::array<std::vector<SignRowSums>, 3> Signs;
   std::array<Solver::Equations, 3> SignEquations{}; ///< of the vertices around an edge
-  std::array<std::int64_t, 3> TargetSquares{};
+  std::array<std::int64_t, 3> TargetSquares{};      ///< their weighted squared targets, added up
 };
 
 // Functions that are called for each edge are inline, so that they are compiled for the instruction
@@ -130,19 +133,19 @@ inline void CurvedFit::FindRoots(
   const auto place = static_cast<std::size_t>(axis);
   const auto step = [=](std::int64_t from, std::int64_t height, std::int64_t slope)
   { return std::clamp(from - height * unit / slope, -half, half); };
-  result.Linear = static_cast<std::int32_t>(
-    half + step(0, sign * linear[0], std::max<std::int64_t>(sign * linear[1 + place], LeastSlope)));
+  result.Linear = static_cast<std::int32_t>(half +
+    step(0, sign * linear[0], std::max<std::int64_t>(sign * linear[1 + place], MinimumSlope)));
 
   const std::int64_t constant = sign * quadratic[0];
   const std::int64_t slope = sign * quadratic[1 + place];
   const std::int64_t bend = sign * quadratic[4 + place];
-  const std::int64_t steep = std::max<std::int64_t>(slope, LeastSlope);
+  const std::int64_t steep = std::max<std::int64_t>(slope, MinimumSlope);
   std::int64_t root = step(0, constant, steep);
   for (int n = 0; n < NumberOfSteps; ++n)
   {
     const std::int64_t height = constant + (root * (slope + (bend * root >> 16)) >> 16);
     const std::int64_t now = slope + (2 * bend * root >> 16);
-    root = step(root, height, std::max<std::int64_t>(now, LeastNewtonSlope));
+    root = step(root, height, std::max<std::int64_t>(now, MinimumNewtonSlope));
   }
   result.Quadratic = static_cast<std::int32_t>(half + root);
 

@@ -13,7 +13,7 @@ namespace isosurface
 {
 
 /// A linear function of `Size` inputs that is fitted by least squares to pairs of inputs and a
-/// target. Older pairs count less and less. In integers, see LeastSquares.
+/// target. Older pairs count less and less. All is integers, see LeastSquares.
 template <int Size>
 class LinearFit
 {
@@ -66,7 +66,7 @@ public:
     this->TargetSquare += sums[target][target] - (this->TargetSquare >> decay);
   }
 
-  /// Computes the weights from all that was added.
+  /// Computes the weights from all that was added; they stay as they are if that cannot be solved.
   void Solve()
   {
     LeastSquares<Size> equations;
@@ -85,9 +85,9 @@ private:
 /**
  * Predicts heights from heights around by two linear functions: one of all inputs that forgets
  * slowly (half in 700 vertices), one of the first ten that forgets quickly (half in 40). They are
- * mixed by the squares of their recent errors. After: X. Wu, E. U. Barthel and W. Zhang, "Piecewise
- * 2D autoregression for predictive image coding", ICIP 1998; B. Meyer and P. Tischer, "TMW: a new
- * method for lossless image compression", PCS 1997 (mixing of predictions).
+ * weighed by the inverse squares of their recent mean squared errors. After: X. Wu, E. U. Barthel
+ * and W. Zhang, "Piecewise 2D autoregression for predictive image coding", ICIP 1998; B. Meyer and
+ * P. Tischer, "TMW: a new method for lossless image compression", PCS 1997 (mixing of predictions).
  */
 class HeightFit
 {
@@ -117,8 +117,8 @@ public:
     const std::int64_t share = (second * second << 16) / (first * first + second * second);
     const std::int64_t sum =
       this->Predictions[0] * share + this->Predictions[1] * ((1 << 16) - share);
-    constexpr int down2 = 16 + LinearFit<1>::FineBits;
-    return static_cast<std::int32_t>((sum + (1 << (down2 - 1))) >> down2);
+    constexpr int shift = 16 + LinearFit<1>::FineBits;
+    return static_cast<std::int32_t>((sum + (1 << (shift - 1))) >> shift);
   }
 
   /// Learns the height that belongs to the last inputs.
@@ -182,7 +182,7 @@ private:
   /// Inputs to learn from, by input; the last row has the heights.
   alignas(32) std::array<std::array<std::int16_t, BatchSize>, NumberOfInputs + 1> Batch{};
   std::size_t InBatch = 0;
-  bool Odd = false; ///< the number of batches
+  bool Odd = false; ///< the number of batches; after every second one Slow is solved, which is dear
 };
 
 } // namespace isosurface

@@ -65,6 +65,7 @@ public:
   }
 
   /// Computes the weights of a fit to the first `count` inputs alone, in units of 2^-WeightBits.
+  /// Only after Factor returned true.
   void Substitute(std::size_t count, Weights& weights) const
   {
     for (std::size_t i = count; i-- > 0;)

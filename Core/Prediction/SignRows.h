@@ -2,6 +2,7 @@
 #ifndef isosurface_SignRows_h
 #define isosurface_SignRows_h
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -13,8 +14,9 @@ namespace isosurface
 constexpr int MaximumCodedCells = 64;
 constexpr int MaximumCodedVertices = MaximumCodedCells + 1;
 
-/// One bit for each vertex of a row: vertex x at bit x + 16, with margins so that vertices beside the
-/// row can be read, too. Bit n is bit n % 64 of word n / 64.
+/// The signs of a row of vertices, or marks of some of them: vertex x at bit x + 16, with margins
+/// so that vertices beside the row can be read, too. Bit n is bit n % 64 of word n / 64. The sign
+/// of a vertex is 1 inside, where value >= isovalue, and 0 outside.
 struct SignRow
 {
   static constexpr int Margin = 16;
@@ -53,13 +55,12 @@ struct SignRow
   }
   bool IsZero() const { return (this->Words[0] | this->Words[1]) == 0; }
 
-  /// Ones at the vertices 0 .. size - 1.
+  /// Ones at the vertices 0 .. size - 1. size: 0 to 111.
   static SignRow MakeMask(int size)
   {
     SignRow mask;
-    const int low = size < 48 ? size : 48;
-    mask.Words[0] = ((std::uint64_t(1) << low) - 1) << Margin;
-    mask.Words[1] = (std::uint64_t(1) << (size - low)) - 1;
+    mask.Words[0] = ((std::uint64_t(1) << std::clamp(size, 0, 48)) - 1) << Margin;
+    mask.Words[1] = (std::uint64_t(1) << std::clamp(size - 48, 0, 63)) - 1;
     return mask;
   }
   /// Sets the margins to the bit of the vertex next to them.
@@ -122,8 +123,8 @@ inline void VisitBits(const SignRow& row, const Functor& functor)
   }
 }
 
-/// The bits (value >= isovalue) of the vertices of a slice, with two more rows on either side: row y is
-/// stored at y + 2.
+/// The signs of the vertices of a slice, with two more rows on either side: row y is stored at y +
+/// 2.
 struct SignSlice
 {
   std::array<SignRow, MaximumCodedVertices + 4> Rows;
@@ -132,8 +133,8 @@ struct SignSlice
   const SignRow& At(int y) const { return this->Rows[static_cast<std::size_t>(y + 2)]; }
 };
 
-/// The crossed edges along an axis that begin at the vertices of row y of a slice. `above` is the
-/// next slice, null for the last one.
+/// Marks the crossed edges along an axis (0 to 2) that begin at the vertices of row y of a slice,
+/// at their first vertices. `above` is the next slice, null for the last one.
 inline SignRow FindCrossedEdges(
   int axis, int y, const SignSlice& slice, const SignSlice* above, int sizeX, int sizeY)
 {

@@ -79,7 +79,7 @@ Result<double> EstimateTriangles(BlockedVolume& volume, const SurfaceQuery& quer
   double triangles = 0;
   for (const double isovalue : query.Isovalues)
   {
-    const auto estimate = volume.EstimateTriangles(query.TimeStep, query.Variable, isovalue, level);
+    auto estimate = volume.EstimateTriangles(query.TimeStep, query.Variable, isovalue, level);
     if (!estimate.IsOk())
     {
       return estimate;

@@ -16,7 +16,7 @@
 namespace isosurface
 {
 
-/// What an isosurface may cost; equal on all ranks.
+/// What an isosurface may cost; equal on all ranks. Without either number, every level fits.
 struct ExtractionBudget
 {
   double Seconds = 0;          ///< 0: no limit

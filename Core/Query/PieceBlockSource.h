@@ -43,7 +43,7 @@ struct PieceBlockSelection
  * share belongs to the first rank that has some of it, which is sent the rest, each vertex from the
  * first piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
  *
- * Memory beside the pieces, which must outlive the source: the samples of the shared active blocks
+ * Memory besides the pieces, which must outlive the source: the samples of the shared active blocks
  * of this rank.
  */
 class PieceBlockSource : public BlockSource

@@ -81,12 +81,14 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,
   ValueType type, const std::vector<const std::uint8_t*>& segments);
 
-/// Computes the magnitudes of an array's tuples from all of its components at one level.
+/// Computes the magnitudes of an array's tuples from all of its components (at least one) at one
+/// level.
 std::shared_ptr<DecodedBlock> MakeMagnitudeBlock(const DecodedBlocks& components);
 
 /// Where the segments of a record are. A new layout is that of uncompressed segments.
 struct BlockRecordLayout
 {
+  /// `types`: of the components, in the order of the record.
   BlockRecordLayout(const BlockGrid& grid, std::int64_t block, const std::vector<ValueType>& types);
 
   /// Per segment, in the order of the record: bytes from the record's start to the header.

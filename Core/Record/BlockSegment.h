@@ -97,7 +97,7 @@ private:
 void CopySamples(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
   std::int64_t count, std::size_t size);
 
-/// The vertices of a level within a box, in the level's coordinates.
+/// The vertices of a level within a box of level 0, in the level's coordinates; it may be empty.
 VertexBox CoarsenBox(const VertexBox& box, int level);
 
 } // namespace isosurface

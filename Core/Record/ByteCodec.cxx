@@ -30,6 +30,7 @@ struct ZstdDeleter
 template <typename Context>
 using ZstdContext = std::unique_ptr<Context, ZstdDeleter>;
 
+/// A context, or std::bad_alloc if the library could not make it.
 template <typename Context>
 Context* Demand(const ZstdContext<Context>& context)
 {

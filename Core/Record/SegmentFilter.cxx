@@ -12,8 +12,8 @@ namespace isosurface
 namespace
 {
 
-/// Samples are filtered in pieces that stay in the first cache.
-constexpr std::size_t PieceSize = 1024;
+/// Samples are filtered in runs that stay in the processor's first cache.
+constexpr std::size_t RunSize = 1024;
 
 template <typename U>
 U Zigzag(U residual)
@@ -30,8 +30,8 @@ U Unzigzag(U code)
     static_cast<U>(code >> 1) ^ static_cast<U>(0 - static_cast<U>(code & U{ 1 })));
 }
 
-/// A piece of a segment: samples [First, First + Count) of Total.
-struct Piece
+/// Samples [First, First + Count) of a segment of Total samples.
+struct SampleRun
 {
   std::size_t First;
   std::size_t Count;
@@ -39,12 +39,12 @@ struct Piece
 };
 
 template <typename U>
-void StoreBytePlanes(const U* codes, const Piece& piece, std::uint8_t* to)
+void StoreBytePlanes(const U* codes, const SampleRun& run, std::uint8_t* to)
 {
   for (std::size_t byte = 0; byte < sizeof(U); ++byte)
   {
-    std::uint8_t* plane = to + byte * piece.Total + piece.First;
-    for (std::size_t index = 0; index < piece.Count; ++index)
+    std::uint8_t* plane = to + byte * run.Total + run.First;
+    for (std::size_t index = 0; index < run.Count; ++index)
     {
       plane[index] = static_cast<std::uint8_t>(codes[index] >> (8 * byte));
     }
@@ -52,28 +52,28 @@ void StoreBytePlanes(const U* codes, const Piece& piece, std::uint8_t* to)
 }
 
 template <typename U>
-void LoadBytePlanes(const std::uint8_t* from, const Piece& piece, U* __restrict codes)
+void LoadBytePlanes(const std::uint8_t* from, const SampleRun& run, U* __restrict codes)
 {
-  const std::uint8_t* __restrict plane = from + piece.First;
-  const std::size_t pitch = piece.Total;
-  // One loop a plane, which compilers vectorise, on codes that stay in the first cache.
-  for (std::size_t index = 0; index < piece.Count; ++index)
+  const std::uint8_t* __restrict plane = from + run.First;
+  const std::size_t pitch = run.Total;
+  // One loop for each plane, which compilers vectorise, on codes that stay in the first cache.
+  for (std::size_t index = 0; index < run.Count; ++index)
   {
     codes[index] = plane[index];
   }
   for (std::size_t byte = 1; byte < sizeof(U); ++byte)
   {
     const std::uint8_t* __restrict next = plane + byte * pitch;
-    for (std::size_t index = 0; index < piece.Count; ++index)
+    for (std::size_t index = 0; index < run.Count; ++index)
     {
       codes[index] = static_cast<U>(codes[index] | static_cast<U>(U{ next[index] } << (8 * byte)));
     }
   }
 }
 
-/// Replaces the samples of a piece by their codes z; `previous` is carried from piece to piece.
+/// Replaces the samples of a run by their codes z; `previous` is carried from run to run.
 template <typename T, typename U>
-void EncodePiece(
+void EncodeRun(
   SamplePredictor predictor, U* values, std::size_t count, const U* predictions, U& previous)
 {
   switch (predictor)
@@ -98,7 +98,7 @@ void EncodePiece(
 }
 
 template <typename T, typename U>
-void DecodePiece(
+void DecodeRun(
   SamplePredictor predictor, U* values, std::size_t count, const U* predictions, U& previous)
 {
   switch (predictor)
@@ -139,14 +139,14 @@ void ApplyFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* 
       const U* predicted =
         predictor == SamplePredictor::Coarser ? static_cast<const U*>(predictions) : nullptr;
       U previous = OrderedSample<T>::Sign;
-      U values[PieceSize];
-      for (Piece piece{ 0, 0, count }; piece.First < count; piece.First += piece.Count)
+      U values[RunSize];
+      for (SampleRun run{ 0, 0, count }; run.First < count; run.First += run.Count)
       {
-        piece.Count = std::min(PieceSize, count - piece.First);
-        std::memcpy(values, samples + sizeof(U) * piece.First, sizeof(U) * piece.Count);
-        EncodePiece<T>(
-          predictor, values, piece.Count, predicted ? predicted + piece.First : nullptr, previous);
-        StoreBytePlanes(values, piece, to);
+        run.Count = std::min(RunSize, count - run.First);
+        std::memcpy(values, samples + sizeof(U) * run.First, sizeof(U) * run.Count);
+        EncodeRun<T>(
+          predictor, values, run.Count, predicted ? predicted + run.First : nullptr, previous);
+        StoreBytePlanes(values, run, to);
       }
     });
 }
@@ -162,14 +162,14 @@ void RevertFilter(SamplePredictor predictor, ValueType type, const std::uint8_t*
       const U* predicted =
         predictor == SamplePredictor::Coarser ? static_cast<const U*>(predictions) : nullptr;
       U previous = OrderedSample<T>::Sign;
-      U values[PieceSize];
-      for (Piece piece{ 0, 0, count }; piece.First < count; piece.First += piece.Count)
+      U values[RunSize];
+      for (SampleRun run{ 0, 0, count }; run.First < count; run.First += run.Count)
       {
-        piece.Count = std::min(PieceSize, count - piece.First);
-        LoadBytePlanes(from, piece, values);
-        DecodePiece<T>(
-          predictor, values, piece.Count, predicted ? predicted + piece.First : nullptr, previous);
-        std::memcpy(samples + sizeof(U) * piece.First, values, sizeof(U) * piece.Count);
+        run.Count = std::min(RunSize, count - run.First);
+        LoadBytePlanes(from, run, values);
+        DecodeRun<T>(
+          predictor, values, run.Count, predicted ? predicted + run.First : nullptr, previous);
+        std::memcpy(samples + sizeof(U) * run.First, values, sizeof(U) * run.Count);
       }
     });
 }

@@ -13,8 +13,8 @@
 namespace isosurface
 {
 
-/// The blocks that a rank receives, by place. One thread reports each block that has arrived; others
-/// wait for the block that they need next.
+/// The blocks that a rank receives, in the order of ExchangePlan::Incoming. One thread reports each
+/// block that has arrived; others wait for the block that they need next.
 class ArrivingBlocks
 {
 public:

@@ -14,7 +14,7 @@ namespace isosurface
 namespace
 {
 
-// The blocks that one isovalue crosses.
+// The arriving blocks that one isovalue crosses, as the source of an extraction.
 class ArrivingRecords : public BlockSource
 {
 public:

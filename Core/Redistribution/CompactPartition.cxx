@@ -12,6 +12,7 @@ namespace isosurface
 namespace
 {
 
+// See MakeCompactPartition. Order is sorted in place, range by range; a range of it is what is cut.
 class Bisection
 {
 public:
@@ -19,34 +20,34 @@ public:
     : Blocks(blocks)
     , Spacing(spacing)
     , Order(blocks.size())
-    , Parts(blocks.size())
+    , Pieces(blocks.size())
   {
     std::iota(this->Order.begin(), this->Order.end(), std::size_t{ 0 });
   }
 
-  std::vector<std::uint32_t> Run(std::uint32_t parts)
+  std::vector<std::uint32_t> Run(std::uint32_t pieces)
   {
-    this->Divide(0, this->Order.size(), 0, parts);
-    return std::move(this->Parts);
+    this->Divide(0, this->Order.size(), 0, pieces);
+    return std::move(this->Pieces);
   }
 
 private:
-  // Assigns the blocks [begin, end) of Order to `parts` pieces from `first` on.
-  void Divide(std::size_t begin, std::size_t end, std::uint32_t first, std::uint32_t parts)
+  // Assigns the blocks [begin, end) of Order to `pieces` pieces from `first` on.
+  void Divide(std::size_t begin, std::size_t end, std::uint32_t first, std::uint32_t pieces)
   {
-    if (parts == 1)
+    if (pieces == 1)
     {
       for (std::size_t n = begin; n < end; ++n)
       {
-        this->Parts[this->Order[n]] = first;
+        this->Pieces[this->Order[n]] = first;
       }
       return;
     }
     this->Sort(begin, end);
-    const std::uint32_t lower = parts / 2;
-    const std::size_t cut = this->FindCut(begin, end, lower, parts - lower);
+    const std::uint32_t lower = pieces / 2;
+    const std::size_t cut = this->FindCut(begin, end, lower, pieces - lower);
     this->Divide(begin, cut, first, lower);
-    this->Divide(cut, end, first + lower, parts - lower);
+    this->Divide(cut, end, first + lower, pieces - lower);
   }
 
   void Sort(std::size_t begin, std::size_t end)
@@ -73,7 +74,7 @@ private:
   std::size_t FindLongestAxis(std::size_t begin, std::size_t end) const
   {
     std::size_t longest = 0;
-    double greatest = -1;
+    double maximum = -1;
     for (std::size_t axis = 0; axis < 3 && begin < end; ++axis)
     {
       const VertexBox& box = this->Blocks[this->Order[begin]].Vertices;
@@ -86,9 +87,9 @@ private:
         high = std::max(high, other.High[axis]);
       }
       const double length = static_cast<double>(high - 1 - low) * std::abs(this->Spacing[axis]);
-      if (length > greatest)
+      if (length > maximum)
       {
-        greatest = length;
+        maximum = length;
         longest = axis;
       }
     }
@@ -107,16 +108,16 @@ private:
       behind += this->Blocks[this->Order[n]].Workload;
     }
     std::size_t cut = begin;
-    double least = static_cast<double>(behind) / upper;
+    double minimum = static_cast<double>(behind) / upper;
     for (std::size_t n = begin; n < end; ++n)
     {
       before += this->Blocks[this->Order[n]].Workload;
       behind -= this->Blocks[this->Order[n]].Workload;
       const double mean =
         std::max(static_cast<double>(before) / lower, static_cast<double>(behind) / upper);
-      if (mean < least)
+      if (mean < minimum)
       {
-        least = mean;
+        minimum = mean;
         cut = n + 1;
       }
     }
@@ -126,15 +127,15 @@ private:
   const std::vector<WeighedBlock>& Blocks;
   const std::array<double, 3>& Spacing;
   std::vector<std::size_t> Order;
-  std::vector<std::uint32_t> Parts;
+  std::vector<std::uint32_t> Pieces;
 };
 
 } // namespace
 
 std::vector<std::uint32_t> MakeCompactPartition(const std::vector<WeighedBlock>& blocks,
-  std::uint32_t parts, const std::array<double, 3>& spacing)
+  std::uint32_t pieces, const std::array<double, 3>& spacing)
 {
-  return Bisection(blocks, spacing).Run(parts);
+  return Bisection(blocks, spacing).Run(pieces);
 }
 
 } // namespace isosurface

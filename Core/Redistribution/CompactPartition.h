@@ -19,10 +19,10 @@ struct WeighedBlock
 };
 
 /**
- * Assigns blocks to `parts` pieces (at least 1) of about equal work, each compact in space: bounding
- * boxes of different pieces overlap by at most about a layer of blocks. Returns the piece of each
- * block; with fewer blocks than pieces some pieces are empty. No two blocks have the same low vertex;
- * spacing: that of the grid.
+ * Assigns blocks to `pieces` pieces (at least 1) of about equal work, each compact in space:
+ * bounding boxes of different pieces overlap by at most about a layer of blocks. Returns the piece
+ * of each block; with fewer blocks than pieces some pieces are empty. No two blocks have the same
+ * low vertex; spacing: that of the grid.
  *
  * Recursive coordinate bisection: M. Berger and S. Bokhari, "A partitioning strategy for nonuniform
  * problems on multiprocessors", 1987. Deviation: cuts balance work, not numbers, and may lie within a
@@ -32,7 +32,7 @@ struct WeighedBlock
  * doubling of the pieces; 12 bytes for each block.
  */
 std::vector<std::uint32_t> MakeCompactPartition(const std::vector<WeighedBlock>& blocks,
-  std::uint32_t parts, const std::array<double, 3>& spacing);
+  std::uint32_t pieces, const std::array<double, 3>& spacing);
 
 } // namespace isosurface
 

@@ -97,7 +97,7 @@ Message ExchangePlan::Describe(const std::vector<BlockDescription>& blocks)
 }
 
 Result<ExchangePlan> ExchangePlan::Make(const std::vector<Message>& messages, std::size_t rank,
-  const GridGeometry& geometry, std::size_t isovalues, std::uint32_t parts,
+  const GridGeometry& geometry, std::size_t isovalues, std::uint32_t pieces,
   std::uint64_t roundBytes)
 {
   std::vector<IncomingBlock> blocks;
@@ -114,7 +114,7 @@ Result<ExchangePlan> ExchangePlan::Make(const std::vector<Message>& messages, st
     weighed.push_back({ block.Description.Vertices, block.Description.CountPoints() });
   }
   const std::vector<std::uint32_t> destinations =
-    MakeCompactPartition(weighed, parts, geometry.Spacing);
+    MakeCompactPartition(weighed, pieces, geometry.Spacing);
 
   ExchangePlan plan;
   std::vector<std::size_t> places; // of those that come here, in all blocks

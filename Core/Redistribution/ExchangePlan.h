@@ -36,9 +36,9 @@ struct ExchangePlan
   };
 
   std::vector<OwnBlock> Own;           ///< in the order of their descriptions
-  std::vector<IncomingBlock> Incoming; ///< by place: z, y, x
+  std::vector<IncomingBlock> Incoming; ///< in the order of their low vertices: by z, then y, then x
   std::vector<std::vector<std::size_t>>
-    BySource;             ///< for each rank, indices in Incoming in the order of sending
+    BySource;             ///< for each rank that sends, indices in Incoming in the order of sending
   std::size_t Rounds = 0; ///< the maximum of all ranks
 
   /// Packs the descriptions of a rank's blocks. For each block: for each axis low vertex, number of
@@ -46,12 +46,13 @@ struct ExchangePlan
   static Message Describe(const std::vector<BlockDescription>& blocks);
 
   /**
-   * messages: of all ranks; blocks go to the ranks 0 to parts - 1, see MakeCompactPartition. Errors:
+   * messages: by rank, what Describe made there; the same on all ranks. Blocks go to the ranks 0 to
+   * pieces - 1, see MakeCompactPartition. isovalues: their number. Errors:
    * Corrupt. Memory: about 120 bytes for each block of all ranks, kept only for the blocks that `rank`
    * sends and receives.
    */
   static Result<ExchangePlan> Make(const std::vector<Message>& messages, std::size_t rank,
-    const GridGeometry& geometry, std::size_t isovalues, std::uint32_t parts,
+    const GridGeometry& geometry, std::size_t isovalues, std::uint32_t pieces,
     std::uint64_t roundBytes);
 };
 

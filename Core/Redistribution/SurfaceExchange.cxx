@@ -55,6 +55,7 @@ bool IsSameOnAllRanks(Communicator& ranks, const std::vector<Message>& messages)
   {
     sum = ComputeChecksum(message.data(), message.size(), sum);
   }
+  // The complement of the maximum of complements is the minimum: one reduction for both.
   std::vector<std::uint64_t> extremes = { sum, ~sum };
   ranks.ReduceMaximum(extremes);
   return extremes[0] == ~extremes[1];

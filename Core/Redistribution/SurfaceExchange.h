@@ -101,7 +101,8 @@ private:
 };
 
 /// The bytes of a surface's points, GlobalIds, normals, attributes and cells: what sending it
-/// without compression would cost. Triangles count three corners, polygons their sizes as well.
+/// without compression would cost. Of a cell its point numbers are sent; if not all cells are
+/// triangles, its size as well.
 std::uint64_t GetSurfaceBytes(const Surface& surface);
 
 } // namespace isosurface

@@ -21,7 +21,7 @@ struct BlockDirectoryEntry
 {
   std::int64_t Block = 0;
   std::uint64_t Offset = 0;
-  /// Bytes stored in each segment, without its header, in the order of the record (array by array,
+  /// Bytes stored in each segment, without its header, in the order of the record (components,
   /// coarsest level first).
   std::vector<std::uint32_t> Lengths;
 

@@ -347,7 +347,7 @@ Result<double> BlockedVolume::EstimateTriangles(
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const StoredLevel stored = this->FindLevel(level);
   const std::vector<VolumePart>& parts = this->Stores->GetParts();
-  const auto finer = count(level);
+  auto finer = count(level);
   if (!finer.IsOk() || stored.Level == 0)
   {
     return finer;

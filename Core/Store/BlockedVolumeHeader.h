@@ -129,7 +129,7 @@ struct BlockedVolumeHeader
 std::string GetStoresFolder(const std::string& path);
 /// The folder of an overview (from 0) in a time step's folder: 000001/overview-1.
 std::string GetOverviewFolder(const std::string& generation, std::size_t overview);
-/// The folder of one store: NAME.bvol.stores/000001/store-00000.
+/// The folder of one store: NAME.bvol.stores/000001/store-00000; generation: that of the time step.
 std::string GetStoreFolder(
   const std::string& path, const std::string& generation, std::uint32_t store);
 

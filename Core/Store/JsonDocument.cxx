@@ -134,7 +134,7 @@ Result<Json> ParseDocument(
   Json document = IsTooDeep(text) ? Json() : Json::parse(text, nullptr, false);
   if (document.is_discarded() || !document.is_object())
   {
-    return Status(StatusCode::Corrupt, path + ": is not a complete JSON object");
+    return Status(StatusCode::Corrupt, path + ": was cut off, or is not a " + format);
   }
   Status status;
   JsonMembers members(document, path, "", status);

@@ -15,7 +15,7 @@ struct QueryStatistics
   std::uint64_t IntervalsReported = 0;  ///< by the trees, before exact filtering
   std::uint64_t ActiveBlocks = 0;       ///< blocks that an isosurface crosses, in this rank's share
   std::uint64_t DirectoryPagesRead = 0; ///< pages of block directories read from disk
-  std::uint64_t BlocksRead = 0;         ///< reads of blocks from disk, each of adjacent arrays
+  std::uint64_t BlocksRead = 0;         ///< reads of blocks from disk, each of adjacent components
   std::uint64_t BytesRead = 0;          ///< bytes of blocks read from disk
   std::uint64_t BlockCacheHits = 0;     ///< blocks found in the block cache
   double QuerySeconds = 0;              ///< in trees and directories

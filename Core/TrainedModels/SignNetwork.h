@@ -11,7 +11,7 @@ namespace isosurface
 
 /// The signs around a vertex, from which the network predicts its sign. A bit is 1 where the sign
 /// differs from that of the vertex to the left. Windows of a row have x - n in the lowest bit; rows
-/// are named as in SignRowsAround.
+/// are named as in SignRowsAround (BlockCoding/SignCoder.h).
 struct SignNetworkInputs
 {
   /// The patterns in the order of the format.
@@ -82,8 +82,8 @@ public:
   /// The part of the sums that a row shares.
   Sums MakeRow(const SignNetworkRow& row) const;
 
-  /// The stretched probability (-2047 .. 2047, see Squash) that the sign of the vertex differs from
-  /// that of the vertex to its left. `hidden` becomes the second hidden layer.
+  /// The stretched probability (-2047 .. 2047, see isosurface::Squash) that the vertex's sign
+  /// differs from that of the vertex to its left. `hidden` becomes the second hidden layer.
   int Predict(
     const Sums& row, const SignNetworkInputs& inputs, std::array<std::int16_t, Depth>& hidden) const
   {
@@ -109,18 +109,17 @@ public:
 private:
   void AddPatterns(const Sums& row, const SignNetworkInputs& inputs, Sums& first) const
   {
-    const Sums* looked[SignNetworkInputs::NumberOfPatterns];
+    const Sums* found[SignNetworkInputs::NumberOfPatterns];
     for (std::size_t n = 0; n < SignNetworkInputs::NumberOfPatterns; ++n)
     {
-      looked[n] = &this->Table[this->Begins[n] + inputs.Patterns[n]];
+      found[n] = &this->Table[this->Begins[n] + inputs.Patterns[n]];
     }
     static_assert(SignNetworkInputs::NumberOfPatterns == 14, "all patterns are added");
     for (std::size_t i = 0; i < Width; ++i)
     {
-      const int sum = row[i] + (*looked[0])[i] + (*looked[1])[i] + (*looked[2])[i] +
-        (*looked[3])[i] + (*looked[4])[i] + (*looked[5])[i] + (*looked[6])[i] + (*looked[7])[i] +
-        (*looked[8])[i] + (*looked[9])[i] + (*looked[10])[i] + (*looked[11])[i] + (*looked[12])[i] +
-        (*looked[13])[i];
+      const int sum = row[i] + (*found[0])[i] + (*found[1])[i] + (*found[2])[i] + (*found[3])[i] +
+        (*found[4])[i] + (*found[5])[i] + (*found[6])[i] + (*found[7])[i] + (*found[8])[i] +
+        (*found[9])[i] + (*found[10])[i] + (*found[11])[i] + (*found[12])[i] + (*found[13])[i];
       const auto narrow = static_cast<std::int16_t>(sum);
       first[i] = narrow < 0 ? std::int16_t{ 0 }
         : narrow > Maximum  ? std::int16_t{ Maximum }

@@ -4,6 +4,7 @@
 
 #include "Volume/BlockGrid.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 #include "Volume/GridSides.h"
 #include "Volume/Region.h"
 
@@ -19,20 +20,23 @@ struct BlockSelection
 {
   GridSides ClosedSides;
   isosurface::Region Region;
+  const GridLines* Lines = nullptr; ///< of a rectilinear grid
 
   /// Whether exactly the active blocks are needed.
   bool IsPlain() const { return this->ClosedSides.IsEmpty() && this->Region.IsEverything(); }
 
   bool operator==(const BlockSelection& other) const
   {
-    return this->ClosedSides == other.ClosedSides && this->Region == other.Region;
+    return this->ClosedSides == other.ClosedSides && this->Region == other.Region &&
+      this->Lines == other.Lines;
   }
 
   /// Whether a block is needed. The block is active, or it is entirely inside.
   bool Selects(const GridGeometry& grid, const VertexBox& vertices, bool isActive) const
   {
     return (isActive || this->ClosedSides.Touch(vertices, grid.GetDimensions())) &&
-      this->Region.Intersects(grid, vertices);
+      this->Region.Intersects(
+        this->Lines ? this->Lines->MakeFrame(grid, vertices) : grid, vertices);
   }
 };
 

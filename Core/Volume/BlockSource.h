@@ -3,6 +3,7 @@
 #define isosurface_BlockSource_h
 
 #include "Base/Status.h"
+#include "Volume/Blanking.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/SampleView.h"
 
@@ -54,6 +55,8 @@ struct BlockSamples
   std::vector<AttributeView> Attributes;
   /// If given, the points lie there, and the scalars only tell which vertices are inside.
   const CrossingView* Crossings = nullptr;
+  /// If given, what is hidden. Its Box contains the block.
+  const Blanking* Hidden = nullptr;
   std::shared_ptr<const void> Owner; ///< may be empty if the memory outlives the extraction
 };
 

@@ -123,9 +123,13 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
       [&source, box = slabs[slab]] { return source.Read(box); });
   };
   std::future<Result<SampleSlab>> next;
+  if (!slabs.empty())
+  {
+    next = read(0);
+  }
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
-    const auto samples = (slab == 0 ? read(0) : std::move(next)).get();
+    const auto samples = next.get();
     if (!samples.IsOk())
     {
       return samples.GetStatus();

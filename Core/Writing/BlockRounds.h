@@ -95,7 +95,7 @@ private:
   std::uint64_t MemoryBytes;
   std::uint64_t RecordBytes; ///< of the largest block
   RecordBuffers Records;
-  std::int64_t BlocksAtOnce; ///< a rank
+  std::int64_t BlocksAtOnce; ///< of each rank in a round
   std::uint64_t Rounds = 0;
   std::uint64_t LargestBytes = 0;
 };

@@ -70,7 +70,7 @@ std::vector<Message> BlockShipment::Pack(
 Status BlockShipment::Unpack(
   std::vector<Message>& messages, std::vector<PendingBlock>& blocks, RecordBuffers& buffers) const
 {
-  const Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
+  Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
   for (std::size_t rank = 0; rank < messages.size(); ++rank)
   {
     const Message message = std::exchange(messages[rank], {});

@@ -42,7 +42,11 @@ public:
   {
     return this->Stores[static_cast<std::size_t>(block)];
   }
-  std::size_t FindWriter(std::int64_t block) const { return this->FindStore(block) % this->Ranks; }
+  std::size_t FindWriter(std::int64_t block) const
+  {
+    return this->FindStore(block) %
+      this->Ranks; // NOLINT(clang-analyzer-core.DivideZero): Ranks > 0
+  }
 
   /// The blocks of a round that this rank sends to others, receives from them, and keeps. Rank r
   /// makes the records of runs[r].

@@ -12,8 +12,9 @@ namespace isosurface
 {
 
 /**
- * Replaces a blocked volume, or appends a time step, in one step. Each write fills a folder of its
- * own beside those of earlier writes; the header names those that are part of the volume:
+ * Replaces a blocked volume, or appends a time step, at once. Each write fills a generation, a
+ * folder of its own beside those of earlier writes; the header names those that are part of the
+ * volume:
  *
  *     NAME.bvol                           the header; replaced by a rename, last of all
  *     NAME.bvol.partial                   the next header, while it is being written

@@ -257,6 +257,7 @@ Status GridWriter::WriteBlocks()
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
+      counters.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
       for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
       {
         counters.push_back(this->Spectra->MakeCounters());

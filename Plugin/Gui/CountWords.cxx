@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CountWords.h"
 
-#include <QStringList>
+#include "SpectrumCurve.h"
+
+#include <QCoreApplication>
 
 #include <cmath>
 
@@ -43,6 +45,11 @@ QString FormatBytes(double bytes)
   return FormatScaled(std::round(bytes), 1024, { "B", "KiB", "MiB", "GiB", "TiB" });
 }
 
+QString FormatValue(double value)
+{
+  return QString::number(value, 'g', 7);
+}
+
 QString FormatSeconds(double seconds)
 {
   if (seconds < 0.0995)
@@ -55,6 +62,26 @@ QString FormatSeconds(double seconds)
   }
   return seconds < 119.5 ? QString::number(std::round(seconds)) + " s"
                          : QString::number(std::round(seconds / 60)) + " min";
+}
+
+QStringList DescribeIsosurface(const SpectrumCurve& spectrum, double isovalue, bool stored)
+{
+  const auto translate = [](const char* text)
+  { return QCoreApplication::translate("pqIsovalueChart", text); };
+  QStringList lines = { FormatValue(isovalue) };
+  if (spectrum.IsEmpty())
+  {
+    return lines;
+  }
+  const IsosurfaceForecast forecast = spectrum.Forecast(isovalue);
+  lines.push_back(translate("%1 triangles").arg(FormatCount(forecast.Triangles)));
+  if (spectrum.Knows(SpectrumCurve::Quantity::ActiveBlocks))
+  {
+    lines.push_back(translate(stored ? "%1 blocks, %2 to read" : "%1 blocks, %2")
+                      .arg(FormatCount(forecast.Blocks))
+                      .arg(FormatBytes(forecast.Bytes)));
+  }
+  return lines;
 }
 
 } // namespace isosurface

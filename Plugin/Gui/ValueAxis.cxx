@@ -12,7 +12,7 @@ namespace
 /// Doubles of the full range's size are told apart down to about this share of it.
 constexpr double FinestShare = 1e-9;
 
-/// The least of 1, 2 and 5 times a power of ten that is at least `least` > 0.
+/// The minimum number that is 1, 2 or 5 times a power of ten and at least `least` > 0.
 double RoundUp(double least)
 {
   const double power = std::pow(10.0, std::floor(std::log10(least)));

@@ -4,15 +4,15 @@
  * @brief   predicts how long surfaces take, from how long earlier ones of a server took
  *
  * One a server, so that a new contour knows what others learned. What is learned comes from the
- * field data of surfaces, which the window has anyway.
+ * field data of surfaces, which the window has anyway; time that load has added is left out
+ * (UnloadedRate).
  */
 
 #ifndef pqExtractionForecast_h
 #define pqExtractionForecast_h
 
 #include "SpectrumCurve.h"
-
-#include "Query/ExtractionRate.h"
+#include "UnloadedRate.h"
 
 #include <QObject>
 
@@ -40,7 +40,7 @@ private:
   explicit pqExtractionForecast(pqServer* server);
 
   double Ranks;
-  isosurface::ExtractionRate Rate;
+  isosurface::UnloadedRate Rate;
   double LastSeconds = -1; ///< of what was learned from last
 };
 

@@ -29,8 +29,8 @@ constexpr std::size_t Triangles = 1; ///< in a row
 constexpr double Decades = 100;      ///< more than this between the ends: a logarithmic axis
 constexpr double Headroom = 1.3;     ///< of the axis above the maximum
 
-/// The triangles that the first and last positive isovalues have, least and most of them; 0, 0 if
-/// there are none.
+/// The minimum (above 0) and the maximum number of triangles over all isovalues; 0, 0 if no
+/// isovalue has any.
 std::pair<double, double> FindTriangleRange(vtkSMSourceProxy* spectrum)
 {
   spectrum->UpdatePropertyInformation(spectrum->GetProperty("Spectrum"));
@@ -53,7 +53,7 @@ bool IsOfSpectrum(const pqDataRepresentation* representation)
     std::strcmp(representation->getProxy()->GetXMLName(), "ContourSpectrumRepresentation") == 0;
 }
 
-/// Gives the left axis a range without zero, from which on an axis cannot be logarithmic.
+/// Gives the left axis a range without 0, which no logarithmic axis can have.
 void SetRange(vtkSMProxy* view, const std::pair<double, double>& triangles)
 {
   vtkSMPropertyHelper(view, "LeftAxisUseCustomRange").Set(1);

@@ -19,7 +19,7 @@
 #ifndef pqIsovalueChart_h
 #define pqIsovalueChart_h
 
-#include "SpectrumCurve.h"
+#include "SpectrumPlot.h"
 #include "ValueAxis.h"
 
 #include <QColor>
@@ -32,7 +32,7 @@
 class pqIsovalueChart : public QWidget
 {
   Q_OBJECT
-  /// What pqScalarValueListPropertyWidget calls so: doubles.
+  /// The isovalues, by the name that pqScalarValueListPropertyWidget has for its own.
   Q_PROPERTY(QVariantList scalars READ GetIsovalues WRITE SetIsovalues NOTIFY isovaluesChanged)
   /// The same in one line, for tests.
   Q_PROPERTY(QString isovalueText READ GetIsovalueText)
@@ -43,7 +43,7 @@ class pqIsovalueChart : public QWidget
 
 public:
   using Quantity = isosurface::SpectrumCurve::Quantity;
-  /// Predicted seconds; how long, as words. Empty: not known.
+  /// The predicted duration of an extraction in words; empty if it is not known.
   using DurationWords = std::function<QString(const isosurface::IsosurfaceForecast&)>;
 
   explicit pqIsovalueChart(QWidget* parent = nullptr);
@@ -53,7 +53,7 @@ public:
   /// The spectrum that is drawn; none: an empty chart with a message in it.
   void SetSpectrum(const isosurface::SpectrumCurve& spectrum);
   void SetMessage(const QString& message);
-  const isosurface::SpectrumCurve& GetSpectrum() const { return this->Spectrum; }
+  const isosurface::SpectrumCurve& GetSpectrum() const { return this->Plot.GetSpectrum(); }
   ///@}
 
   /// The values of the axis where there is no spectrum.
@@ -67,7 +67,7 @@ public:
   /// Whether blocks and bytes are read from files; else they lie in memory.
   void SetStored(bool stored);
 
-  /// One for each isovalue; without: a colour of the style's.
+  /// One color for each isovalue; none: a color of the style.
   void SetColors(const QVector<QColor>& colors);
 
   QVariantList GetIsovalues() const;
@@ -116,27 +116,18 @@ private:
   Q_DISABLE_COPY(pqIsovalueChart)
 
   QRect GetPlot() const;
-  void LayOut();
   void MoveTo(int handle, double isovalue);
   void Remove(int handle);
   QColor GetColor(int handle) const;
-  double GetHeight(double value) const; ///< of a drawn quantity: 0 bottom, 1 top
   QStringList DescribeIsovalue(double isovalue) const;
-  /// Whose readout is shown; false: nothing's.
+  /// Finds the isovalue whose readout is shown; false if there is none.
   bool FindReadoutIsovalue(double& isovalue) const;
 
-  void PaintAxes(QPainter& painter) const;
-  void PaintSpectrum(QPainter& painter) const;
   void PaintHandle(QPainter& painter, int handle) const;
   void PaintReadout(QPainter& painter) const;
 
-  isosurface::SpectrumCurve Spectrum;
+  isosurface::SpectrumPlot Plot;
   QString Message;
-  Quantity Drawn = Quantity::Triangles;
-  bool Logarithmic = false;
-  double Least = 1;   ///< of the quantity's positive values
-  double Largest = 1; ///< of the quantity
-  std::vector<double> Histogram;
   isosurface::ValueAxis Axis;
   DurationWords Words;
   bool Stored = false;

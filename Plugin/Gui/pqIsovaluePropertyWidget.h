@@ -70,14 +70,14 @@ private:
   pqIsovalueChart* Chart;
   QComboBox* Quantities;
   QCheckBox* Live;
-  QToolButton* Compute; ///< shown where the spectrum would cost a while
+  QToolButton* Compute; ///< shown where computing the spectrum would take long
   pqTimer* FetchTimer;
   pqTimer* LiveTimer;
   vtkNew<vtkEventQtSlotConnect> Connections;
   vtkNew<vtkEventQtSlotConnect> InputConnections;
   vtkSMProxy* ObservedInput = nullptr;
   bool Stale = true;  ///< the spectrum is not that of what the panel shows
-  bool Asked = false; ///< to compute a spectrum that costs a while
+  bool Asked = false; ///< to compute a spectrum that takes long
   bool InUndoSet = false;
 };
 

@@ -37,11 +37,13 @@ public:
   /// The spectrum at a time; empty if there is none. Waits for the server.
   isosurface::SpectrumCurve Fetch(double time);
 
+  /// Whether the samples of the chosen array and component are whole numbers.
+  bool HasIntegers() const;
+
 private:
   Q_DISABLE_COPY(pqSpectrumSource)
 
   vtkSMSourceProxy* GetInput(unsigned int& port) const;
-  bool HasIntegers() const;
 
   vtkSmartPointer<vtkSMProxy> Contour;
   vtkSmartPointer<vtkSMSourceProxy> Spectrum;

@@ -4,6 +4,7 @@
 #include "vtkContourSpectrum.h"
 
 #include "vtkCellData.h"
+#include "vtkCellDataToPointData.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
 #include "vtkFloatArray.h"
@@ -228,10 +229,32 @@ TEST(ContourSpectrum, TellsWhatItCannotCount)
   ofCells->SetName("cells");
   ofCells->SetNumberOfValues(image->GetNumberOfCells());
   image->GetCellData()->AddArray(ofCells);
-  expectError(image, vtkDataObject::FIELD_ASSOCIATION_CELLS, "cells", "not a point array");
+  expectError(image, vtkDataObject::FIELD_ASSOCIATION_POINTS, "cells", "cell arrays \"cells\"");
   vtkNew<vtkPartitionedDataSet> mixed;
   mixed->SetPartition(0, image);
   const auto bytes = MakeImage({ 0, 5, 0, 5, 5, 9 }, VTK_UNSIGNED_CHAR, MakeNoise(9, 1));
   mixed->SetPartition(1, bytes);
   expectError(mixed, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density", "several types");
+}
+
+TEST(ContourSpectrum, CellArrayIsMeasuredAsBehindCellDataToPointData)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(21, 20, 19);
+  const auto samples = MakeImage({ 0, 19, 0, 18, 0, 17 }, VTK_SHORT, MakeWaves(90));
+  image->GetCellData()->SetScalars(samples->GetPointData()->GetScalars());
+  vtkNew<vtkCellDataToPointData> convert;
+  convert->SetInputData(image);
+  convert->Update();
+  const auto expected = MakeTable(convert->GetOutput());
+  const auto table = MakeTable(image);
+  ASSERT_EQ(table->GetNumberOfRows(), expected->GetNumberOfRows());
+  EXPECT_GT(table->GetNumberOfRows(), 0);
+  for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
+  {
+    for (const char* quantity : { "Isovalue", "Triangles", "ActiveCells", "Area", "Volume" })
+    {
+      ASSERT_EQ(GetValue(table, row, quantity), GetValue(expected, row, quantity)) << quantity;
+    }
+  }
 }

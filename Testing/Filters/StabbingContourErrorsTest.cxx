@@ -166,19 +166,41 @@ TEST(StabbingContourErrors, ArrayOfTheWrongLengthIsNamed)
   ExpectGoodSurface(contour);
 }
 
-TEST(StabbingContourErrors, CellArrayIsNamed)
+TEST(StabbingContourErrors, CellArrayInPlaceOfAPointArrayIsNamed)
 {
   const auto image = MakeGoodImage();
   AddArray(image->GetCellData(), "material", 1, image->GetNumberOfCells());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputData(image);
   contour->SetValue(0, 0.1);
-  Select(contour, "material", vtkDataObject::FIELD_ASSOCIATION_CELLS);
-  ExpectError(contour, { "material", "point" });
-  Select(contour, "material", vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS);
-  ExpectError(contour, { "material", "point" });
+  Select(contour, "material");
+  ExpectError(contour, { "no point array \"material\"", "cell arrays \"material\"" });
   Select(contour, "density");
   ExpectGoodSurface(contour);
+}
+
+TEST(StabbingContourErrors, InputWithCellArraysAloneTellsThem)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(5, 5, 5);
+  AddArray(image->GetCellData(), "material", 1, image->GetNumberOfCells());
+  AddArray(image->GetCellData(), "pressure", 1, image->GetNumberOfCells());
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(image);
+  contour->SetValue(0, 0.1);
+  ExpectError(
+    contour, { "no point array that is active", "cell arrays \"material\", \"pressure\"" });
+}
+
+TEST(StabbingContourErrors, CellArrayOfTheWrongLengthIsNamed)
+{
+  const auto image = MakeGoodImage();
+  AddArray(image->GetCellData(), "short", 1, 17);
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(image);
+  contour->SetValue(0, 0.1);
+  Select(contour, "short", vtkDataObject::FIELD_ASSOCIATION_CELLS);
+  ExpectError(contour, { "short", "17" });
 }
 
 TEST(StabbingContourErrors, DataSetThatIsNoImageIsNamed)

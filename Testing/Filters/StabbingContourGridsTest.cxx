@@ -5,7 +5,6 @@
 #include "vtkImageData.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
-#include "vtkUniformGrid.h"
 
 #include <cmath>
 #include <string>
@@ -169,26 +168,4 @@ TEST(StabbingContourGrids, LeftHandedDirectionsEqualFlyingEdges)
   ExpectEqualInFrame({ "mirrored", { 0, 0, 0 }, { 1, 1, 1 }, MirrorFirstAxis(Identity) });
   ExpectEqualInFrame({ "rotated and mirrored", { 12.3, -0.7, 55 }, { 0.9, 1.7, 0.31 },
     MirrorFirstAxis(MakeRotation()) });
-}
-
-// As the stock filter: what is hidden is not drawn as cells, but has values.
-TEST(StabbingContourGrids, HiddenCellsAndPointsAreContouredLikeAnyOthers)
-{
-  const auto image = MakeImage({ 0, 40, 0, 35, 0, 36 }, VTK_FLOAT, MakeRoughWaves());
-  const EdgeSurface expected = ContourByFlyingEdges(image, 8.0);
-  ASSERT_FALSE(expected.Triangles.empty());
-  vtkNew<vtkUniformGrid> grid;
-  grid->ShallowCopy(image);
-  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); cell += 3)
-  {
-    grid->BlankCell(cell);
-  }
-  EXPECT_TRUE(AreEqual(ContourToEdges(grid, 8.0), expected));
-  EXPECT_TRUE(AreEqual(ContourByFlyingEdges(grid, 8.0), expected));
-  for (vtkIdType point = 0; point < grid->GetNumberOfPoints(); point += 5)
-  {
-    grid->BlankPoint(point);
-  }
-  EXPECT_TRUE(AreEqual(ContourToEdges(grid, 8.0), expected));
-  EXPECT_TRUE(AreEqual(ContourByFlyingEdges(grid, 8.0), expected));
 }

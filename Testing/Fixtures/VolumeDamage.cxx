@@ -58,7 +58,7 @@ std::vector<VolumeDamage> MakeDamages()
 {
   const std::string bvol = ".bvol";
   const std::string store = "store-00000";
-  const std::string incomplete = "complete JSON";
+  const std::string incomplete = "was cut off, or is not a";
   const std::string checksum = "checksum";
   return {
     { "HeaderMissing", Remove, bvol, "No such file" },

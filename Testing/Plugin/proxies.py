@@ -59,9 +59,24 @@ class Proxies(unittest.TestCase):
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         source.UpdatePipeline()
         stock = simple.Contour(Input=source)
+        self.assertEqual(ours.Level, 0)
         for name in names:
             with self.subTest(name=name):
                 self.assertEqual(str(getattr(ours, name)), str(getattr(stock, name)))
+
+    def test_levels_end_with_the_coarsest_of_the_volume(self):
+        def get_maximum(contour):
+            return contour.GetProperty("Level").SMProperty.GetDomain("range").GetMaximum(0)
+
+        contour = testing.contour(testing.open_volume("wave.bvol"))
+        coarsest = get_maximum(contour)
+        contour.Level = 64  # beyond the coarsest it is that
+        contour.UpdatePipeline()
+        self.assertEqual(contour.FieldData["Level"].GetRange(), (coarsest, coarsest))
+        self.assertGreaterEqual(coarsest, 4, "blocks of 16 cells have levels of 16 to 1 cells")
+        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+        source.UpdatePipeline()
+        self.assertEqual(get_maximum(simple.StabbingContour(Input=source)), 0)
 
     def test_writer_has_its_properties_in_save_data(self):
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])

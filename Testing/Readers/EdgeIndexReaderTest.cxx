@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pieces, regions and previews of edge-index files, and files that are damaged.
 #include "ScratchFolder.h"
+#include "SeenText.h"
 #include "TestVolumes.h"
 
 #include "vtkCallbackCommand.h"
@@ -236,6 +237,15 @@ TEST_F(EdgeIndexReader, AFileThatWasCutOffGivesItsCompleteBlocksAndAWarning)
   EXPECT_GT(part.Triangles.size(), this->Whole.Triangles.size() / 10);
   EXPECT_TRUE(std::includes(this->Whole.Triangles.begin(), this->Whole.Triangles.end(),
     part.Triangles.begin(), part.Triangles.end()));
+}
+
+TEST_F(EdgeIndexReader, ErrorsHaveNoWordOfThePipeline)
+{
+  FlipBit(this->Path, 100);
+  SeenText seen;
+  this->Reader->Update();
+  EXPECT_NE(seen.Get().find("surface.eix: "), std::string::npos) << seen.Get();
+  EXPECT_EQ(seen.Get().find("returned failure"), std::string::npos) << seen.Get();
 }
 
 TEST_F(EdgeIndexReader, DamageIsAnErrorThatNamesTheFile)

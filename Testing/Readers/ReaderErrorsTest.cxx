@@ -3,6 +3,7 @@
 // once the cause is mended.
 #include "BlockChecks.h"
 #include "ScratchFolder.h"
+#include "SeenText.h"
 #include "TestVolumes.h"
 #include "VolumeDamage.h"
 
@@ -10,6 +11,8 @@
 
 #include "vtkExecutive.h"
 #include "vtkPartitionedDataSet.h"
+#include "vtkPolyData.h"
+#include "vtkStabbingContour.h"
 
 #include <filesystem>
 
@@ -85,6 +88,44 @@ TEST(ReaderErrorsOfName, AreToldOnce)
   reader->Update();
   EXPECT_TRUE(IsOneMessageAbout(errors.Messages, { "", {}, "folder.bvol", "" }))
     << testing::PrintToString(errors.Messages);
+}
+
+TEST(ReaderErrorText, HasNoWordOfThePipeline)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteVolume(
+    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), path, { 16, 2 });
+  Truncate(path, 500);
+  SeenText seen;
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  EXPECT_NE(seen.Get().find("volume.bvol: was cut off, or is not a"), std::string::npos)
+    << seen.Get();
+  EXPECT_EQ(seen.Get().find("returned failure"), std::string::npos) << seen.Get();
+  EXPECT_EQ(seen.Get().find("vtkInformation"), std::string::npos) << seen.Get();
+}
+
+TEST(ReaderErrorText, OfAContourHasNoWordOfThePipeline)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteVolume(
+    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), path, { 16, 2 });
+  FlipBit(GetFirstStore(path) + "/blocks", 2000);
+  SeenText seen;
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(path.c_str());
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetValue(0, 120.0);
+  contour->Update();
+  EXPECT_NE(seen.Get().find("checksum"), std::string::npos) << seen.Get();
+  EXPECT_EQ(seen.Get().find("returned failure"), std::string::npos) << seen.Get();
+  // What else the pipeline has to say is told.
+  vtkErrorWithObjectMacro(contour->GetExecutive(), "another error");
+  EXPECT_NE(seen.Get().find("another error"), std::string::npos) << seen.Get();
 }
 
 TEST(ReaderMemoryLimit, LimitIsAtLeastAMebibyte)

@@ -13,6 +13,7 @@
 #include "vtkPolyData.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace isosurface
 {
@@ -110,6 +111,46 @@ TEST_P(StabbingContourLevels, AreThoseOfTheVolumeBehindAFilterThatPassesSamples)
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, StabbingContourLevels, testing::ValuesIn(Volumes));
+
+// The image's own surface without cells at NaN is checked against the stock filter elsewhere.
+TEST(StabbingContourLevel, OfAVolumeWithNotANumberHasTheHolesOfItsImage)
+{
+  const ScratchFolder folder;
+  const auto image = MakeImage({ 0, 70, 0, 40, 0, 35 }, VTK_FLOAT,
+    [waves = MakeWaves(100.0), noise = MakeNoise(50, 4)](int i, int j, int k) mutable
+    { return noise(i, j, k) == 0 ? std::nan("") : waves(i, j, k); });
+  WriteVolume(image, folder.GetPath("volume.bvol"), { 16, 3 });
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(folder.GetPath("volume.bvol").c_str());
+  for (int level = 0; level < 3; ++level)
+  {
+    vtkNew<vtkStabbingContour> ofImage;
+    ofImage->SetInputData(SubsampleImage(image, level));
+    vtkNew<vtkStabbingContour> ofVolume;
+    ofVolume->SetInputConnection(reader->GetOutputPort());
+    ofVolume->SetLevel(level);
+    for (vtkStabbingContour* contour : { ofImage.Get(), ofVolume.Get() })
+    {
+      contour->SetValue(0, 8.5);
+      contour->SkipNotANumberOn();
+    }
+    ofImage->Update();
+    EdgeSurface expected;
+    expected.Add(ofImage->GetOutput());
+    EXPECT_FALSE(expected.Triangles.empty());
+    for (const int pieces : { 1, 3, 5 })
+    {
+      EdgeSurface all;
+      for (int piece = 0; piece < pieces; ++piece)
+      {
+        ofVolume->UpdatePiece(piece, pieces, 0);
+        all.Add(ofVolume->GetOutput());
+      }
+      all.MergeEqualPoints();
+      EXPECT_TRUE(AreEqual(all, expected)) << "level " << level << ", " << pieces << " pieces";
+    }
+  }
+}
 
 TEST(StabbingContourLevel, IsFullResolutionForImageData)
 {

@@ -14,6 +14,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStringArray.h"
+#include "vtkUniformGrid.h"
 
 #include <filesystem>
 #include <limits>
@@ -65,6 +66,20 @@ TEST_F(BlockedVolumeWriter, KeepsInfinities)
   samples->SetComponent(78, 0, -std::numeric_limits<double>::infinity());
   WriteVolume(image, this->GetPath());
   this->ExpectRead(image, "density");
+}
+
+TEST_F(BlockedVolumeWriter, RefusesWhatIsHidden)
+{
+  vtkNew<vtkUniformGrid> grid;
+  grid->ShallowCopy(MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1)));
+  grid->BlankPoint(17);
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  const ErrorCounter errors(writer);
+  writer->SetInputData(grid);
+  writer->SetFileName(this->GetPath().c_str());
+  writer->Write();
+  ASSERT_EQ(errors.Messages.size(), 1u);
+  EXPECT_NE(errors.Messages.front().find("hides cells or points"), std::string::npos);
 }
 
 TEST_F(BlockedVolumeWriter, WritesAllNumericArraysActiveScalarsFirst)

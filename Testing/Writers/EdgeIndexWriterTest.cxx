@@ -18,6 +18,7 @@
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUniformGrid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -428,6 +429,9 @@ TEST_F(EdgeIndexWriter, OptionsThatTheFileCannotHoldAreNamed)
   this->Contour->SetDropDegenerateTriangles(true);
   expectRefusal("DropDegenerateTriangles");
   this->Contour->SetDropDegenerateTriangles(false);
+  this->Contour->SetSkipNotANumber(true);
+  expectRefusal("SkipNotANumber");
+  this->Contour->SetSkipNotANumber(false);
   this->Contour->SetGenerateTriangles(false);
   expectRefusal("GenerateTriangles");
   this->Contour->SetGenerateTriangles(true);
@@ -436,6 +440,16 @@ TEST_F(EdgeIndexWriter, OptionsThatTheFileCannotHoldAreNamed)
   expectRefusal("error");
   this->Writer->SetMaximumError(1e-9);
   expectRefusal("lossless");
+}
+
+TEST_F(EdgeIndexWriter, HiddenCellsAreRefused)
+{
+  vtkNew<vtkUniformGrid> grid;
+  grid->ShallowCopy(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  grid->BlankCell(17);
+  this->Contour->SetInputData(grid);
+  const std::string message = this->WriteInVain();
+  EXPECT_NE(message.find("hides cells"), std::string::npos) << message;
 }
 
 TEST_F(EdgeIndexWriter, ErrorsOfTheInputAreTold)

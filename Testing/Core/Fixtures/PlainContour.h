@@ -11,8 +11,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -57,8 +59,14 @@ template <typename T>
 class PlainContour
 {
 public:
-  explicit PlainContour(const SampleVolume<T>& volume)
+  /// Says of a cell or a vertex whether it is there.
+  using Predicate = std::function<bool(const Index3&)>;
+
+  explicit PlainContour(
+    const SampleVolume<T>& volume, Predicate isVisible = {}, Predicate isKnown = {})
     : Volume(volume)
+    , IsVisible(std::move(isVisible))
+    , IsKnown(std::move(isKnown))
   {
   }
 
@@ -71,7 +79,10 @@ public:
       {
         for (std::int64_t i = 0; i + 1 < size[0]; ++i)
         {
-          this->ContourCell({ i, j, k }, isovalue, firstId, surface);
+          if (!this->IsVisible || this->IsVisible({ i, j, k }))
+          {
+            this->ContourCell({ i, j, k }, isovalue, firstId, surface);
+          }
         }
       }
     }
@@ -133,6 +144,8 @@ private:
       Index3 after = vertex;
       before[axis] = std::max<std::int64_t>(0, vertex[axis] - 1);
       after[axis] = std::min(size[axis] - 1, vertex[axis] + 1);
+      before = !this->IsKnown || this->IsKnown(before) ? before : vertex;
+      after = !this->IsKnown || this->IsKnown(after) ? after : vertex;
       const double difference = Subtract(this->Volume.At(after[0], after[1], after[2]),
         this->Volume.At(before[0], before[1], before[2]));
       gradient[axis] =
@@ -198,6 +211,8 @@ private:
   }
 
   const SampleVolume<T>& Volume;
+  Predicate IsVisible; ///< of cells; all, if empty
+  Predicate IsKnown;   ///< of vertices whose samples gradients are made of; all, if empty
 };
 
 template <typename T>

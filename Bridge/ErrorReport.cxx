@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ErrorReport.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkCommand.h"
+#include "vtkExecutive.h"
+#include "vtkInformation.h"
+#include "vtkInformationExecutivePortKey.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkOutputWindow.h"
+
+#include <string>
+
+namespace isosurface
+{
+namespace
+{
+
+/// What vtkExecutive::CallAlgorithm says of an algorithm that has failed.
+constexpr const char* FailureWords = "returned failure for request";
+
+/// Takes the next error of an executive in place of the output window, and passes it on to that
+/// unless it is a failure that was reported.
+class FailureSilencer : public vtkCommand
+{
+public:
+  static FailureSilencer* New() { return new FailureSilencer; }
+  vtkTypeMacro(FailureSilencer, vtkCommand);
+
+  void Execute(vtkObject* executive, unsigned long, void* text) override
+  {
+    executive->RemoveObserver(this);
+    const char* message = static_cast<const char*>(text);
+    if (std::string(message).find(FailureWords) == std::string::npos)
+    {
+      vtkOutputWindow::GetInstance()->DisplayErrorText(message);
+    }
+  }
+};
+
+} // namespace
+
+void SilenceFailure(vtkInformationVector* output)
+{
+  vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(output->GetInformationObject(0));
+  if (executive && vtkObject::GetGlobalWarningDisplay())
+  {
+    vtkNew<FailureSilencer> silencer;
+    executive->AddObserver(vtkCommand::ErrorEvent, silencer);
+  }
+}
+
+void ReportError(vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error)
+{
+  vtkErrorWithObjectMacro(algorithm, << error.GetMessage());
+  SilenceFailure(output);
+}
+
+} // namespace isosurface

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ErrorReport_h
+#define isosurface_ErrorReport_h
+
+#include "IsosurfaceBridgeModule.h"
+
+#include "Base/Status.h"
+
+class vtkAlgorithm;
+class vtkInformationVector;
+
+namespace isosurface
+{
+
+/**
+ * Keeps an executive from reporting a failure that its algorithm has reported: it would do so in
+ * words of its own, with the whole request. Call it just before RequestData returns 0. output: what
+ * RequestData was given, also through vtkFileSeriesReader.
+ */
+ISOSURFACEBRIDGE_EXPORT void SilenceFailure(vtkInformationVector* output);
+
+/// Reports an error of an algorithm in the words of its message, once: vtkErrorMacro and
+/// SilenceFailure.
+ISOSURFACEBRIDGE_EXPORT void ReportError(
+  vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,61 @@
+# What `cmake --install` puts where, for projects that use the libraries: find_package(ScalableIsosurface).
+#   include/scalable-isosurface        headers of the VTK classes
+#   include/scalable-isosurface/core   public headers of Core
+#   lib/cmake/ScalableIsosurface       the package: targets ScalableIsosurface::Core, ::Filters, ...
+set(ISOSURFACE_HEADERS "${CMAKE_INSTALL_INCLUDEDIR}/scalable-isosurface")
+set(ISOSURFACE_PACKAGE "${CMAKE_INSTALL_LIBDIR}/cmake/ScalableIsosurface")
+
+# The headers of Core in `result` that the given ones include, themselves included. Paths are
+# relative to Core/.
+function(isosurface_find_included result)
+  set(open ${ARGN})
+  set(found)
+  while(open)
+    list(POP_FRONT open header)
+    if(header IN_LIST found)
+      continue()
+    endif()
+    list(APPEND found "${header}")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/Core/${header}")
+    file(STRINGS "${PROJECT_SOURCE_DIR}/Core/${header}" lines REGEX "^#include \"[A-Za-z]+/")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
+      list(APPEND open "${included}")
+    endforeach()
+  endwhile()
+  set(${result} "${found}" PARENT_SCOPE)
+endfunction()
+
+isosurface_find_included(headers ${ISOSURFACE_PUBLIC_CORE_HEADERS})
+foreach(header IN LISTS headers)
+  get_filename_component(room "${header}" DIRECTORY)
+  install(FILES "${PROJECT_SOURCE_DIR}/Core/${header}"
+    DESTINATION "${ISOSURFACE_HEADERS}/core/${room}" COMPONENT development)
+endforeach()
+
+set_target_properties(IsosurfaceCore PROPERTIES EXPORT_NAME Core VERSION "${PROJECT_VERSION}")
+target_compile_features(IsosurfaceCore PUBLIC cxx_std_17)
+target_include_directories(IsosurfaceCore INTERFACE "$<INSTALL_INTERFACE:${ISOSURFACE_HEADERS}/core>")
+install(TARGETS IsosurfaceCore EXPORT ScalableIsosurfaceCore LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+export(EXPORT ScalableIsosurfaceCore
+  NAMESPACE ScalableIsosurface::
+  FILE "${PROJECT_BINARY_DIR}/${ISOSURFACE_PACKAGE}/ScalableIsosurfaceCore-targets.cmake")
+install(EXPORT ScalableIsosurfaceCore
+  NAMESPACE ScalableIsosurface::
+  FILE ScalableIsosurfaceCore-targets.cmake
+  DESTINATION "${ISOSURFACE_PACKAGE}"
+  COMPONENT development)
+
+include(CMakePackageConfigHelpers)
+configure_package_config_file(
+  CMake/ScalableIsosurfaceConfig.cmake.in "${PROJECT_BINARY_DIR}/CMake/ScalableIsosurfaceConfig.cmake"
+  INSTALL_DESTINATION "${ISOSURFACE_PACKAGE}"
+  NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/CMake/ScalableIsosurfaceConfigVersion.cmake"
+  COMPATIBILITY SameMajorVersion)
+install(
+  FILES
+    "${PROJECT_BINARY_DIR}/CMake/ScalableIsosurfaceConfig.cmake"
+    "${PROJECT_BINARY_DIR}/CMake/ScalableIsosurfaceConfigVersion.cmake"
+  DESTINATION "${ISOSURFACE_PACKAGE}"
+  COMPONENT development)

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ContouredArray.h"
+
+#include "ChosenScalars.h"
+
+#include "vtkCellData.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataArray.h"
+#include "vtkDataSet.h"
+#include "vtkImageData.h"
+
+#include "Volume/ArrayVariables.h"
+
+namespace isosurface
+{
+
+Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* array, int association,
+  int component, CellAverages& averages, int threads)
+{
+  if (!array)
+  {
+    return array;
+  }
+  const std::string name = array->GetName() ? array->GetName() : "";
+  if (!FindChosenComponent(array->GetNumberOfComponents(), component))
+  {
+    return MakeComponentError(name, array->GetNumberOfComponents(), component);
+  }
+  if (association == vtkDataObject::FIELD_ASSOCIATION_CELLS)
+  {
+    return averages.Find(image, array, threads);
+  }
+  return association == vtkDataObject::FIELD_ASSOCIATION_POINTS
+    ? Result<vtkDataArray*>(array)
+    : Status(StatusCode::InvalidArgument,
+        "array \"" + name + "\" is neither a point array nor a cell array");
+}
+
+Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)
+{
+  std::string text = "the input has no point array " +
+    (name.empty() ? "that is active" : "\"" + name + "\"") + " to contour";
+  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
+  {
+    const std::string cells = ListArrays(data->GetCellData());
+    if (!cells.empty())
+    {
+      text += "; it has the cell arrays " + cells + ", which can be chosen as such";
+      break;
+    }
+  }
+  return { StatusCode::NotFound, text };
+}
+
+} // namespace isosurface

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqOtherArraysDecorator.h"
+
+#include "pqCoreUtilities.h"
+#include "pqPropertyWidget.h"
+#include "vtkCommand.h"
+#include "vtkSMProperty.h"
+#include "vtkSMProxy.h"
+#include "vtkSMUncheckedPropertyHelper.h"
+
+#include <QTimer>
+#include <QTreeWidget>
+
+namespace
+{
+/// Of SelectInputScalars: three numbers, the association, the array's name.
+constexpr int ArrayNameElement = 4;
+} // namespace
+
+//------------------------------------------------------------------------------
+pqOtherArraysDecorator::pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
+  : Superclass(xml, parent)
+{
+  for (const char* name : { "SelectInputScalars", "ComputeScalars" })
+  {
+    pqCoreUtilities::connect(parent->proxy()->GetProperty(name),
+      vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(ExpectChange()));
+  }
+  pqCoreUtilities::connect(
+    parent->property(), vtkCommand::DomainModifiedEvent, this, SLOT(ExpectChange()));
+  this->ExpectChange();
+}
+
+//------------------------------------------------------------------------------
+pqOtherArraysDecorator::~pqOtherArraysDecorator() = default;
+
+//------------------------------------------------------------------------------
+void pqOtherArraysDecorator::ExpectChange()
+{
+  // The list itself is filled by another observer of the same event.
+  QTimer::singleShot(0, this, &pqOtherArraysDecorator::HideContoured);
+}
+
+//------------------------------------------------------------------------------
+void pqOtherArraysDecorator::HideContoured()
+{
+  vtkSMProxy* proxy = this->parentWidget()->proxy();
+  vtkSMUncheckedPropertyHelper choice(proxy, "SelectInputScalars");
+  const char* contoured = choice.GetNumberOfElements() > ArrayNameElement
+    ? choice.GetAsString(ArrayNameElement)
+    : nullptr;
+  const bool taken = vtkSMUncheckedPropertyHelper(proxy, "ComputeScalars").GetAsInt() != 0;
+  for (QTreeWidget* list : this->parentWidget()->findChildren<QTreeWidget*>())
+  {
+    for (int row = 0; row < list->topLevelItemCount(); ++row)
+    {
+      QTreeWidgetItem* item = list->topLevelItem(row);
+      item->setHidden(taken && item->text(0) == contoured);
+    }
+  }
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   pqOtherArraysDecorator
+ * @brief   leaves the contoured array out of a list of arrays to interpolate
+ *
+ * The surface carries the isovalue under the name of the contoured array, so that array is offered
+ * only if Compute Scalars is off. In a panel: PropertyWidgetDecorator type="OtherArrays" at a
+ * property that is a list of arrays, of a proxy with SelectInputScalars and ComputeScalars.
+ */
+
+#ifndef pqOtherArraysDecorator_h
+#define pqOtherArraysDecorator_h
+
+#include "pqPropertyWidgetDecorator.h"
+
+class pqOtherArraysDecorator : public pqPropertyWidgetDecorator
+{
+  Q_OBJECT
+  typedef pqPropertyWidgetDecorator Superclass;
+
+public:
+  pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
+  ~pqOtherArraysDecorator() override;
+
+private Q_SLOTS:
+  void ExpectChange();
+  void HideContoured();
+
+private:
+  Q_DISABLE_COPY(pqOtherArraysDecorator)
+};
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   pqOverviewNoteBehavior
+ * @brief   tells which level of a blocked volume a stock filter has got
+ *
+ * Filters other than the plugin's own get the finest level that fits the reader's memory limit. If
+ * that is not the volume itself, the window's status line says so when such a filter is first
+ * applied, and names the filter that is not limited.
+ *
+ * ParaView makes the one object when the plugin is loaded into its window.
+ */
+
+#ifndef pqOverviewNoteBehavior_h
+#define pqOverviewNoteBehavior_h
+
+#include <QObject>
+
+class pqPipelineSource;
+
+class pqOverviewNoteBehavior : public QObject
+{
+  Q_OBJECT
+
+public:
+  explicit pqOverviewNoteBehavior(QObject* parent = nullptr);
+  ~pqOverviewNoteBehavior() override;
+
+  void OnStartup();
+  void OnShutdown() {}
+
+private Q_SLOTS:
+  void Observe(pqPipelineSource* reader, pqPipelineSource* filter);
+  void Tell(pqPipelineSource* filter);
+
+private:
+  Q_DISABLE_COPY(pqOverviewNoteBehavior)
+};
+
+#endif

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TestImages.h"
+
+#include "vtkCellData.h"
+#include "vtkContourFilter.h"
+#include "vtkContourSpectrum.h"
+#include "vtkDoubleArray.h"
+#include "vtkIdList.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkStructuredGrid.h"
+#include "vtkTable.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr Extent Grid{ 0, 70, 0, 35, 0, 37 };
+
+// Lines at uneven distances on each axis.
+vtkSmartPointer<vtkRectilinearGrid> MakeLinedGrid(vtkImageData* image, unsigned int seed = 1)
+{
+  auto grid = vtkSmartPointer<vtkRectilinearGrid>::New();
+  grid->SetExtent(image->GetExtent());
+  grid->GetPointData()->ShallowCopy(image->GetPointData());
+  std::mt19937 random(seed);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    vtkNew<vtkDoubleArray> lines;
+    double at = -3.0;
+    for (int n = 0; n < image->GetDimensions()[axis]; ++n)
+    {
+      lines->InsertNextValue(at);
+      at += 0.1 + static_cast<double>(random() % 1000) / 300.0;
+    }
+    axis == 0     ? grid->SetXCoordinates(lines)
+      : axis == 1 ? grid->SetYCoordinates(lines)
+                  : grid->SetZCoordinates(lines);
+  }
+  return grid;
+}
+
+// A part of a grid, with its lines.
+vtkSmartPointer<vtkRectilinearGrid> Cut(vtkRectilinearGrid* grid, const Extent& extent)
+{
+  auto part = vtkSmartPointer<vtkRectilinearGrid>::New();
+  part->ShallowCopy(grid);
+  part->Crop(extent.data());
+  return part;
+}
+
+// Corner by corner: position and normal.
+using Corner = std::array<float, 6>;
+using Corners = std::multiset<std::array<Corner, 3>>;
+
+Corners TakeTriangles(vtkPolyData* surface)
+{
+  Corners triangles;
+  vtkNew<vtkIdList> points;
+  for (vtkIdType cell = 0; cell < surface->GetNumberOfCells(); ++cell)
+  {
+    surface->GetCellPoints(cell, points);
+    std::array<Corner, 3> triangle;
+    for (vtkIdType n = 0; n < 3; ++n)
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        Corner& corner = triangle[static_cast<std::size_t>(n)];
+        corner[axis] = static_cast<float>(surface->GetPoint(points->GetId(n))[axis]);
+        corner[3 + axis] = static_cast<float>(
+          surface->GetPointData()->GetNormals()->GetTuple(points->GetId(n))[axis]);
+      }
+    }
+    std::rotate(
+      triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+    triangles.insert(triangle);
+  }
+  return triangles;
+}
+
+vtkSmartPointer<vtkPolyData> ContourByStockFilter(vtkRectilinearGrid* grid, double isovalue)
+{
+  vtkNew<vtkContourFilter> contour;
+  contour->SetInputData(grid);
+  contour->SetValue(0, isovalue);
+  contour->ComputeNormalsOn();
+  contour->Update();
+  return contour->GetOutput();
+}
+
+std::string ContourInVain(vtkDataObject* input)
+{
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter errors(contour);
+  const ErrorCounter pipelineErrors(contour->GetExecutive());
+  contour->SetInputDataObject(input);
+  contour->SetValue(0, 8.0);
+  contour->Update();
+  EXPECT_EQ(errors.Messages.size(), 1u);
+  return errors.Messages.empty() ? "" : errors.Messages.front();
+}
+
+} // namespace
+
+TEST(StabbingContourLines, RectilinearGridEqualsTheStockFilterToTheLastBit)
+{
+  for (const int type : { VTK_FLOAT, VTK_DOUBLE, VTK_UNSIGNED_SHORT, VTK_INT })
+  {
+    const auto grid = MakeLinedGrid(MakeImage(Grid, type, MakeNoise(50000, 2)));
+    const auto expected = ContourByStockFilter(grid, 20000.5);
+    const auto surface = Contour(grid, { 20000.5 });
+    EXPECT_GT(expected->GetNumberOfCells(), 1000);
+    EXPECT_EQ(surface->GetNumberOfPoints(), expected->GetNumberOfPoints());
+    EXPECT_TRUE(TakeTriangles(surface) == TakeTriangles(expected)) << type;
+  }
+}
+
+TEST(StabbingContourLines, ExtentThatDoesNotBeginAtZeroEqualsTheStockFilter)
+{
+  const auto image = MakeImage({ -9, 40, 100, 120, 31, 66 }, VTK_FLOAT, MakeNoise(50000, 3));
+  const auto grid = MakeLinedGrid(image);
+  EXPECT_TRUE(TakeTriangles(Contour(grid, { 20000.5 })) ==
+    TakeTriangles(ContourByStockFilter(grid, 20000.5)));
+}
+
+TEST(StabbingContourLines, PiecesWithGhostLayersHaveTheSurfaceOfTheWhole)
+{
+  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
+  EdgeSurface expected;
+  expected.Add(Contour(grid, { 8.0 }));
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  const Extent extents[2] = { { 0, 41, 0, 35, 0, 37 }, { 39, 70, 0, 35, 0, 37 } };
+  int own[2][6] = { { 0, 40, 0, 35, 0, 37 }, { 40, 70, 0, 35, 0, 37 } };
+  for (unsigned int n = 0; n < 2; ++n)
+  {
+    const auto part = Cut(grid, extents[n]);
+    part->GenerateGhostArray(own[n], true);
+    blocks->SetBlock(n, part);
+  }
+  EdgeSurface pieces;
+  pieces.Add(Contour(blocks, { 8.0 }));
+  EXPECT_TRUE(AreEqual(pieces, expected));
+}
+
+// At even distances a rectilinear grid is an image.
+TEST(StabbingContourLines, OptionsDoToARectilinearGridWhatTheyDoToAnImage)
+{
+  const auto image = MakeImage({ 0, 40, 0, 35, 0, 37 }, VTK_SHORT, MakeNoise(7, 5));
+  const auto lined = MakeLinedGrid(image);
+  for (vtkDataArray* lines :
+    { lined->GetXCoordinates(), lined->GetYCoordinates(), lined->GetZCoordinates() })
+  {
+    for (vtkIdType n = 0; n < lines->GetNumberOfTuples(); ++n)
+    {
+      lines->SetComponent(n, 0, static_cast<double>(n));
+    }
+  }
+  for (const int option : { 0, 1, 2, 3, 4 })
+  {
+    EdgeSurface surfaces[2];
+    for (const int n : { 0, 1 })
+    {
+      vtkNew<vtkStabbingContour> contour;
+      contour->SetInputDataObject(n == 0 ? static_cast<vtkDataObject*>(image) : lined);
+      contour->SetValue(0, 3.0);
+      contour->SetDropDegenerateTriangles(option == 1 || option == 3);
+      contour->SetCloseBoundary(option == 2 || option == 3);
+      contour->SetUseRegion(option == 4);
+      contour->SetRegionPosition(33, 1, 1);
+      contour->SetRegionLength(4, 4, 4);
+      contour->Update();
+      surfaces[n].Add(contour->GetOutput());
+      surfaces[n].DropNormals();
+    }
+    EXPECT_FALSE(surfaces[0].Triangles.empty());
+    EXPECT_TRUE(AreEqual(surfaces[1], surfaces[0])) << option;
+  }
+}
+
+TEST(StabbingContourLines, RegionIsOneOfTheWorld)
+{
+  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(grid);
+  contour->SetValue(0, 8.0);
+  contour->UseRegionOn();
+  const double x = grid->GetXCoordinates()->GetComponent(65, 0);
+  contour->SetRegionPosition(x, -100, -100);
+  contour->SetRegionLength(1, 1000, 1000);
+  contour->Update();
+  ASSERT_GT(contour->GetOutput()->GetNumberOfPoints(), 0);
+  // Blocks of 32 cells: the last one begins at line 64.
+  EXPECT_GE(contour->GetOutput()->GetBounds()[0],
+    static_cast<float>(grid->GetXCoordinates()->GetComponent(64, 0)));
+}
+
+TEST(StabbingContourLines, SkippedNotANumberLeavesGoodNormals)
+{
+  const auto image = MakeImage(Grid, VTK_DOUBLE, [](int, int, int) { return 0.0; });
+  const auto grid = MakeLinedGrid(image);
+  vtkDataArray* samples = grid->GetPointData()->GetScalars();
+  for (vtkIdType point = 0; point < grid->GetNumberOfPoints(); ++point)
+  {
+    const double* x = grid->GetPoint(point);
+    samples->SetComponent(point, 0, point % 50 == 0 ? std::nan("") : x[0] - 2 * x[1] + 2 * x[2]);
+  }
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(grid);
+  contour->SetValue(0, 5.0);
+  contour->SkipNotANumberOn();
+  contour->Update();
+  vtkDataArray* normals = contour->GetOutput()->GetPointData()->GetNormals();
+  ASSERT_GT(normals->GetNumberOfTuples(), 1000);
+  for (vtkIdType point = 0; point < normals->GetNumberOfTuples(); ++point)
+  {
+    // A vertex between two unknown ones has no difference along that axis.
+    const double* normal = normals->GetTuple(point);
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      ASSERT_FALSE(std::isnan(normal[axis]));
+    }
+  }
+}
+
+TEST(StabbingContourLines, ANewIsovalueFollowsChangedSamplesAndLines)
+{
+  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeNoise(50000, 6)));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(grid);
+  contour->SetValue(0, 20000.5);
+  contour->Update();
+  vtkDataArray* samples = grid->GetPointData()->GetScalars();
+  for (vtkIdType n = 0; n < samples->GetNumberOfTuples(); ++n)
+  {
+    samples->SetComponent(n, 0, 50000 - samples->GetComponent(n, 0));
+  }
+  samples->Modified();
+  grid->GetXCoordinates()->SetComponent(0, 0, -100.0);
+  grid->Modified();
+  contour->Update();
+  EXPECT_TRUE(
+    TakeTriangles(contour->GetOutput()) == TakeTriangles(ContourByStockFilter(grid, 20000.5)));
+}
+
+TEST(StabbingContourLines, LinesThatDoNotAscendAreRefused)
+{
+  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
+  grid->GetYCoordinates()->SetComponent(3, 0, -50.0);
+  EXPECT_NE(ContourInVain(grid).find("do not ascend on axis y"), std::string::npos);
+}
+
+TEST(StabbingContourLines, OtherDataSetsAreRefusedWithWhatToTakeInstead)
+{
+  vtkNew<vtkStructuredGrid> curvilinear;
+  curvilinear->SetDimensions(2, 2, 2);
+  vtkNew<vtkUnstructuredGrid> unstructured;
+  for (vtkDataSet* input :
+    { static_cast<vtkDataSet*>(curvilinear), static_cast<vtkDataSet*>(unstructured) })
+  {
+    const std::string message = ContourInVain(input);
+    EXPECT_NE(message.find(input->GetClassName()), std::string::npos) << message;
+    EXPECT_NE(message.find("take Contour, or put Resample To Image"), std::string::npos) << message;
+  }
+}
+
+TEST(StabbingContourLines, SpectrumTellsTrianglesButNoAreaOfThem)
+{
+  const auto image = MakeImage(Grid, VTK_SHORT, MakeWaves(90));
+  vtkNew<vtkContourSpectrum> spectrum;
+  spectrum->SetInputData(MakeLinedGrid(image));
+  spectrum->Update();
+  vtkTable* table = spectrum->GetOutput();
+  EXPECT_EQ(table->GetColumnByName("Area"), nullptr);
+  EXPECT_EQ(table->GetColumnByName("Volume"), nullptr);
+  ASSERT_NE(table->GetColumnByName("Triangles"), nullptr);
+  EXPECT_EQ(table->GetColumnByName("Triangles")->GetVariantValue(table->GetNumberOfRows() / 2),
+    vtkVariant(Contour(image,
+      { table->GetColumnByName("Isovalue")
+          ->GetVariantValue(table->GetNumberOfRows() / 2)
+          .ToDouble() })
+                 ->GetNumberOfCells()));
+}
