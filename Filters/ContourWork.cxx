@@ -196,6 +196,7 @@ std::uint64_t ContourWork::ComputeFingerprint(const SurfaceQuery& query)
   addNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
   addNumber(this->Contour.GetProgressive() ? 1 : 0);
   addNumber(this->Contour.GetCloseBoundary() ? 1 : 0);
+  addNumber(this->Contour.GetSkipNotANumber() ? 1 : 0);
   addNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
   AppendLittleEndian(bytes, static_cast<double>(this->Contour.GetTimeBudget()));
   return ComputeChecksum(bytes.data(), bytes.size());

@@ -261,9 +261,10 @@ Result<isosurface::ImagePieces> vtkContourSpectrum::Steps::CollectPieces(
 //------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
-  const int threads = this->Filter.NumberOfThreads > 0
-    ? this->Filter.NumberOfThreads
-    : isosurface::ChooseThreadCount(this->Ranks.GetRanksOnNode());
+  // Collective, so that no property of one rank may leave it out.
+  const int ranksOnNode = this->Ranks.GetRanksOnNode();
+  const int threads = this->Filter.NumberOfThreads > 0 ? this->Filter.NumberOfThreads
+                                                       : isosurface::ChooseThreadCount(ranksOnNode);
   isosurface::CellAverages averages;
   const auto pieces = this->CollectPieces(inInfo, averages, threads);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());

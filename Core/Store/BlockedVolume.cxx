@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <utility>
 
 namespace isosurface
@@ -35,6 +36,21 @@ private:
   double& Sum;
   std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
 };
+
+/// Runs a step. That there is not enough memory for it is an error like others, so that all ranks can
+/// be told.
+template <typename Step>
+auto RunWithinMemory(const std::string& path, const Step& step) -> decltype(step())
+{
+  try
+  {
+    return step();
+  }
+  catch (const std::bad_alloc&)
+  {
+    return Status(StatusCode::OutOfMemory, path + ": there is not enough memory to read it");
+  }
+}
 
 } // namespace
 
@@ -66,18 +82,16 @@ BlockedVolume::~BlockedVolume()
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
   const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)
 {
-  auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
-  if (!text.IsOk())
-  {
-    return text.GetStatus();
-  }
-  const auto header = BlockedVolumeHeader::Parse(*text, path);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
-  auto stores = std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header);
-  return std::shared_ptr<BlockedVolume>(new BlockedVolume(std::move(stores), std::move(cache)));
+  return RunWithinMemory(path,
+    [&]() -> Result<std::shared_ptr<BlockedVolume>>
+    {
+      auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
+      ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
+      const auto header = BlockedVolumeHeader::Parse(*text, path);
+      ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+      auto stores = std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header);
+      return std::shared_ptr<BlockedVolume>(new BlockedVolume(std::move(stores), std::move(cache)));
+    });
 }
 
 const std::string& BlockedVolume::GetPath() const
@@ -152,7 +166,8 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
   BlockSearch search(*this->Stores, timeStep, level, rank, ranks, statistics);
-  return search.FindActive(variable, isovalues, selection);
+  return RunWithinMemory(
+    this->GetPath(), [&] { return search.FindActive(variable, isovalues, selection); });
 }
 
 Result<std::vector<BlockReference>> BlockedVolume::GetShare(
@@ -161,7 +176,8 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  return BlockSearch(*this->Stores, timeStep, level, rank, ranks, statistics).FindAll();
+  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, statistics);
+  return RunWithinMemory(this->GetPath(), [&] { return search.FindAll(); });
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
@@ -243,19 +259,20 @@ Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& referen
       this->GetPath() + ": has no block " + std::to_string(reference.Block) + " in store " +
         std::to_string(reference.Store) + " at level " + std::to_string(level));
   }
-  BlockReading reading(*this->Stores, *this->Cache, reference, timeStep, stored, statistics);
-  reading.Announce(variables);
-  DecodedBlocks blocks;
-  for (const std::size_t variable : variables)
-  {
-    auto block = reading.Get(variable);
-    if (!block.IsOk())
+  return RunWithinMemory(this->GetPath(),
+    [&]() -> Result<DecodedBlocks>
     {
-      return block.GetStatus();
-    }
-    blocks.push_back(std::move(*block));
-  }
-  return blocks;
+      BlockReading reading(*this->Stores, *this->Cache, reference, timeStep, stored, statistics);
+      reading.Announce(variables);
+      DecodedBlocks blocks;
+      for (const std::size_t variable : variables)
+      {
+        auto block = reading.Get(variable);
+        ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
+        blocks.push_back(std::move(*block));
+      }
+      return blocks;
+    });
 }
 
 std::uint64_t BlockedVolume::EstimateBytes(std::size_t variable, int level) const
@@ -286,11 +303,9 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   std::size_t timeStep, std::size_t variable, int level)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
-  const auto spectra = this->Stores->GetSpectra(timeStep, this->FindLevel(level).Part);
-  if (!spectra.IsOk())
-  {
-    return spectra.GetStatus();
-  }
+  const auto spectra = RunWithinMemory(this->GetPath(),
+    [&] { return this->Stores->GetSpectra(timeStep, this->FindLevel(level).Part); });
+  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   return (*spectra)->GetTotal(variable);
 }
 

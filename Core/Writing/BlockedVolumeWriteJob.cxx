@@ -76,16 +76,23 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
   {
     this->Context.Settings.Threads = ChooseThreadCount(ranksOnNode);
   }
-  const auto existing =
-    FindVolumeToAppendTo(this->Context.Files, this->Context.Path, this->Context.Settings, pending);
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(existing.GetStatus()));
-  const auto header = PlanVolume(
-    this->Context.Path, grid, arrays, this->Context.Settings, *existing, this->Context.Size);
-  ISOSURFACE_RETURN_IF_ERROR(
-    this->Context.AgreeOn(header.IsOk() ? this->CheckBox(grid) : header.GetStatus()));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments(*header));
-  this->Volume = std::make_unique<GridWriter>(this->Context, this->Source, *header,
-    !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
+  std::uint64_t fingerprint = 0;
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&]() -> Status
+    {
+      const auto existing = FindVolumeToAppendTo(
+        this->Context.Files, this->Context.Path, this->Context.Settings, pending);
+      ISOSURFACE_RETURN_IF_ERROR(existing.GetStatus());
+      const auto header = PlanVolume(
+        this->Context.Path, grid, arrays, this->Context.Settings, *existing, this->Context.Size);
+      ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+      ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
+      fingerprint = this->ComputeFingerprint(*header);
+      this->Volume = std::make_unique<GridWriter>(this->Context, this->Source, *header,
+        !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
+      return Status::Ok();
+    })));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments(fingerprint));
   return this->Volume->Prepare();
 }
 
@@ -98,15 +105,19 @@ Status BlockedVolumeWriteJob::CheckBox(const GridGeometry& grid) const
     : this->Context.MakeRefusal("a rank's piece does not fit the grid");
 }
 
-Status BlockedVolumeWriteJob::CheckEqualArguments(const BlockedVolumeHeader& header) const
+std::uint64_t BlockedVolumeWriteJob::ComputeFingerprint(const BlockedVolumeHeader& header) const
 {
   // The header has everything else that matters.
   const BlockedVolumeSettings& settings = this->Context.Settings;
   const std::string text = this->Context.Path + "\n" + header.Format() + "\n" +
     std::to_string(settings.MemoryLimit) + (settings.Publish ? "" : "\n");
-  const std::uint64_t hash = ComputeChecksum(text.data(), text.size());
-  std::vector<std::uint64_t> minimum = { hash };
-  std::vector<std::uint64_t> maximum = { hash };
+  return ComputeChecksum(text.data(), text.size());
+}
+
+Status BlockedVolumeWriteJob::CheckEqualArguments(std::uint64_t fingerprint) const
+{
+  std::vector<std::uint64_t> minimum = { fingerprint };
+  std::vector<std::uint64_t> maximum = { fingerprint };
   this->Context.Ranks.ReduceMinimum(minimum);
   this->Context.Ranks.ReduceMaximum(maximum);
   return minimum == maximum

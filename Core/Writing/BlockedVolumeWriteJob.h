@@ -13,6 +13,7 @@
 #include "Writing/WriteContext.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,7 +54,9 @@ private:
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
     const std::optional<BlockedVolumeHeader>& pending);
   Status CheckBox(const GridGeometry& grid) const;
-  Status CheckEqualArguments(const BlockedVolumeHeader& header) const;
+  /// A checksum of all that has to be the same on all ranks.
+  std::uint64_t ComputeFingerprint(const BlockedVolumeHeader& header) const;
+  Status CheckEqualArguments(std::uint64_t fingerprint) const;
   Status MakeGeneration();
   Status WriteOverviews();
   Result<std::unique_ptr<GridWriter>> WriteOverview(std::size_t overview, GridWriter& finer);

@@ -253,19 +253,24 @@ Status GridWriter::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
   std::vector<std::vector<BlockCounters>> counters;
-  counters.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(left.GetStatus()));
+  std::optional<BlockShipment> shipment;
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&]
+    {
+      counters.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
+      for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
+      {
+        counters.push_back(this->Spectra->MakeCounters());
+      }
+      shipment.emplace(
+        this->Grid, this->Types, this->BlockStores, this->Context.Rank, this->Context.Size);
+      return left.GetStatus();
+    })));
   // All ranks plan the same rounds, so the minimum counts.
   std::vector<std::uint64_t> memory = { *left };
   this->Context.Ranks.ReduceMinimum(memory);
-  for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
-  {
-    counters.push_back(this->Spectra->MakeCounters());
-  }
-  const BlockShipment shipment(
-    this->Grid, this->Types, this->BlockStores, this->Context.Rank, this->Context.Size);
   BlockRounds rounds(this->Context.Ranks, this->Source, this->Grid, this->Types, *this->Exchange,
-    shipment, *this->Plan, this->Context.Settings.Threads, memory[0]);
+    *shipment, *this->Plan, this->Context.Settings.Threads, memory[0]);
   BlockRoundsSteps steps;
   steps.Agree = [&](const Status& mine) { return this->Context.AgreeOn(mine); };
   steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
@@ -417,14 +422,16 @@ void GridWriter::ShareDescriptions()
 Status GridWriter::ShareSpectra()
 {
   std::vector<Message> outgoing(this->Context.Size);
+  std::vector<WorkloadSpectrum> totals;
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
       outgoing[0] = this->Spectra->Pack();
+      totals = this->Spectra->GetTotals();
       return Status::Ok();
     })));
   const std::vector<Message> incoming = this->Context.Ranks.Exchange(std::move(outgoing));
-  const std::vector<WorkloadSpectrum> totals = this->Spectra->ReduceTotals(this->Context.Ranks);
+  StoreSpectra::ReduceTotals(this->Context.Ranks, totals);
   return this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {

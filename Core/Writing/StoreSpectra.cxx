@@ -96,9 +96,8 @@ void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirec
   }
 }
 
-std::vector<WorkloadSpectrum> StoreSpectra::ReduceTotals(Communicator& communicator) const
+void StoreSpectra::ReduceTotals(Communicator& communicator, std::vector<WorkloadSpectrum>& totals)
 {
-  std::vector<WorkloadSpectrum> totals = this->Totals;
   for (WorkloadSpectrum& total : totals)
   {
     for (WorkloadSpectrum::Counts* counts : total.GetQuantities())
@@ -106,7 +105,6 @@ std::vector<WorkloadSpectrum> StoreSpectra::ReduceTotals(Communicator& communica
       communicator.ReduceSum(*counts);
     }
   }
-  return totals;
 }
 
 Message StoreSpectra::Pack() const

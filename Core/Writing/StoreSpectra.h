@@ -60,8 +60,10 @@ public:
   void FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
     const std::vector<std::vector<KeyRange>>& ranges);
 
-  /// Collective, when all stores are finished: the spectra of the whole volume, per variable.
-  std::vector<WorkloadSpectrum> ReduceTotals(Communicator& communicator) const;
+  /// When all stores are finished: the sum of those of this rank, per variable.
+  const std::vector<WorkloadSpectrum>& GetTotals() const { return this->Totals; }
+  /// Makes the totals of one rank those of the whole volume. Collective.
+  static void ReduceTotals(Communicator& communicator, std::vector<WorkloadSpectrum>& totals);
 
   /// The packed spectra of this rank's stores: to be sent to rank 0.
   Message Pack() const;

@@ -6,6 +6,7 @@
 
 #include "vtkActor.h"
 #include "vtkBoundingBox.h"
+#include "vtkCommand.h"
 #include "vtkIceTCompositePass.h"
 #include "vtkLogger.h"
 #include "vtkNew.h"
@@ -190,6 +191,43 @@ TEST(MetabufferPass, WhereViewportsCannotBeUsedTheImageIsTheStockOne)
   ours.GetPass()->SetRenderEmptyImages(false);
   ExpectSame(ours.Render(), stock.Render(), "viewports again");
   EXPECT_TRUE(ours.GetPass()->GetUsedViewports());
+}
+
+TEST(MetabufferPass, RanksThatDifferEndTheFrameWithAnErrorAndTheNextOneWorks)
+{
+  if (GetNumberOfRanks() == 1)
+  {
+    GTEST_SKIP() << "one rank agrees with itself";
+  }
+  struct Listener
+  {
+    void Run(vtkObject*, unsigned long, void* text)
+    {
+      this->Messages += static_cast<const char*>(text);
+    }
+    std::string Messages;
+  } listener;
+  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  ours.SetScene(GetScenes()[0]);
+  ours.SetCamera(GetCameraPlaces()[0]);
+  const Image expected = ours.Render();
+  vtkMetabufferPass* pass = ours.GetPass();
+  pass->AddObserver(vtkCommand::ErrorEvent, &listener, &Listener::Run);
+  const bool isOdd = GetRank() == GetNumberOfRanks() - 1;
+
+  pass->SetCompositeMode(isOdd ? vtkMetabufferPass::ICET : vtkMetabufferPass::DIRECT_SEND);
+  ours.Render();
+  EXPECT_NE(listener.Messages.find("different composite modes (rank"), std::string::npos)
+    << listener.Messages;
+  pass->SetCompositeMode(vtkMetabufferPass::DIRECT_SEND);
+  ExpectSame(ours.Render(), expected, "the same mode on all ranks again");
+
+  // Viewports are used by all ranks or by none.
+  pass->SetRenderEmptyImages(isOdd);
+  ours.Render();
+  EXPECT_FALSE(pass->GetUsedViewports());
+  pass->SetRenderEmptyImages(false);
+  ExpectSame(ours.Render(), expected, "viewports again");
 }
 
 TEST(MetabufferPass, OrderedCompositingOfTranslucentPropsIsTheStockOne)

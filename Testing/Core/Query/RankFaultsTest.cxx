@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One rank of several whose disk fails at any operation, between any two collectives: all ranks end
 // with an error, none waits, and what was there before is there still.
-#include "Fixtures/TestBlockSource.h"
-#include "Fixtures/VolumeOnDisk.h"
+#include "RankDeeds.h"
 
 #include "EdgeIndex/EdgeIndexFile.h"
-#include "EdgeIndex/EdgeIndexWriteJob.h"
-#include "Query/ProgressiveLevels.h"
-#include "Query/StoredBlockSource.h"
-#include "Query/VolumeContour.h"
-#include "Redistribution/SurfaceExchange.h"
 #include "Store/VolumeVerification.h"
 
 #include <atomic>
@@ -22,10 +16,6 @@ using namespace isosurface;
 
 namespace
 {
-
-const Index3 Size = { 50, 36, 34 };
-constexpr double Isovalue = 30;
-const std::string SurfacePath = "/data/surface.eix";
 
 /// A disk as one rank sees it: the operation with a number fails, counted from 0. The disk behind it
 /// is that of all ranks.
@@ -150,7 +140,7 @@ class RankFaults : public testing::TestWithParam<int>
 protected:
   void SetUp() override
   {
-    WriteVolumeOk(this->Disk, this->Samples, MakeSettings(16, 3), 1);
+    WriteVolumeOk(this->Disk, RankDeeds::GetSamples(), MakeSettings(16, 3), 1);
     ASSERT_TRUE(this->Disk.MakeDirectories("/data").IsOk());
   }
 
@@ -197,47 +187,14 @@ protected:
     }
   }
 
-  static SurfaceQuery MakeQuery(const Communicator& ranks)
-  {
-    SurfaceQuery query;
-    query.Isovalues = { Isovalue };
-    query.Rank = ranks.GetRank();
-    query.Ranks = ranks.GetSize();
-    return query;
-  }
-
-  static Result<std::shared_ptr<BlockedVolume>> Open(Communicator& ranks, FileSystem& disk)
-  {
-    auto volume =
-      BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(std::uint64_t{ 1 } << 24));
-    // As the reader does.
-    const std::uint64_t fingerprint = volume.IsOk() ? (*volume)->GetFingerprint() : 0;
-    ISOSURFACE_RETURN_IF_ERROR(
-      ranks.Agree(volume.GetStatus(), { { fingerprint, "/data/ differs" } }));
-    return volume;
-  }
-
   MemoryDisk Disk;
-  const SampleVolume<std::uint8_t> Samples = MakeVolume<std::uint8_t>(Size, 1);
 };
 
 } // namespace
 
 TEST_P(RankFaults, OfWritingAVolumeAreThoseOfAll)
 {
-  const auto other = MakeVolume<std::uint8_t>(Size, 2);
   const auto before = this->Disk.Copy();
-  const auto write = [&](Communicator& ranks, FileSystem& disk)
-  {
-    const VertexBox box = SlabOfEach(ranks.GetRank(), ranks.GetSize(), Size);
-    const PieceOfVolume<std::uint8_t> part(other, box);
-    BlockedVolumeSettings settings = MakeSettings(16, 3);
-    settings.Threads = 1;
-    return BlockedVolumeWriter(ranks, disk)
-      .Write(VolumePath, MakeGeometry(Size), { { "density", ValueType::UInt8 } },
-        VolumePiece{ box, { part.View } }, settings)
-      .GetStatus();
-  };
   const auto look = [&](bool isDone)
   {
     const auto found = VerifyBlockedVolume(VolumePath, this->Disk, 1);
@@ -255,88 +212,32 @@ TEST_P(RankFaults, OfWritingAVolumeAreThoseOfAll)
       this->Disk.SetFile(file.first, file.second);
     }
   };
-  this->ForEachOperation(write, look);
+  this->ForEachOperation(RankDeeds::WriteVolume, look);
 }
 
 TEST_P(RankFaults, OfWritingAnEdgeIndexFileAreThoseOfAll)
 {
-  this->Disk.SetFile(SurfacePath, { 1, 2, 3 });
-  const auto write = [&](Communicator& ranks, FileSystem& disk)
-  {
-    TestBlockSource<std::uint8_t> whole(this->Samples, 16);
-    TestBlockSource<std::uint8_t> source(this->Samples, 16);
-    source.Blocks.clear();
-    std::vector<std::int64_t> numbers;
-    for (const std::int64_t block : whole.Blocks)
-    {
-      if (block % ranks.GetSize() == ranks.GetRank())
-      {
-        source.Blocks.push_back(block);
-        numbers.push_back(block);
-      }
-    }
-    EdgeIndexHeader header;
-    header.Geometry = this->Samples.Geometry;
-    header.Type = ValueType::UInt8;
-    header.Isovalues = { Isovalue };
-    return EdgeIndexWriteJob(ranks, disk, SurfacePath, header, source, numbers, { 1, 200 })
-      .Run()
-      .GetStatus();
-  };
+  const std::string& path = RankDeeds::SurfacePath;
+  this->Disk.SetFile(path, { 1, 2, 3 });
   const auto look = [&](bool isDone)
   {
-    const MemoryDisk::Bytes bytes = this->Disk.GetFile(SurfacePath);
-    EXPECT_TRUE(isDone ? bytes.size() > 3 : true);
-    EXPECT_TRUE(bytes.size() == 3 || (*EdgeIndexFile::Open(this->Disk, SurfacePath))->IsComplete());
-    EXPECT_FALSE(this->Disk.Exists(SurfacePath + ".part"));
-    this->Disk.SetFile(SurfacePath, { 1, 2, 3 });
+    const MemoryDisk::Bytes bytes = this->Disk.GetFile(path);
+    EXPECT_TRUE(!isDone || bytes.size() > 3);
+    EXPECT_TRUE(bytes.size() == 3 || (*EdgeIndexFile::Open(this->Disk, path))->IsComplete());
+    EXPECT_FALSE(this->Disk.Exists(path + ".part"));
+    this->Disk.SetFile(path, { 1, 2, 3 });
   };
-  this->ForEachOperation(write, look);
+  this->ForEachOperation(RankDeeds::WriteEdgeIndexFile, look);
 }
 
 TEST_P(RankFaults, OfSurfacesWithinABudgetAreThoseOfAll)
 {
-  const auto extract = [](Communicator& ranks, FileSystem& disk) -> Status
-  {
-    const auto volume = Open(ranks, disk);
-    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-    const SurfaceQuery query = MakeQuery(ranks);
-    ContourRequest request;
-    request.Isovalues = query.Isovalues;
-    const auto first = ChooseFirstLevel(**volume, query, 0, ranks);
-    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
-    VolumeContour contour;
-    VolumeContour::Outcome outcome;
-    return contour.ExtractWithinBudget(
-      ranks, { 100, 1000000 }, { **volume, query, request, 1, {} }, 0, outcome);
-  };
-  this->ForEachOperation(extract, [](bool) {});
+  this->ForEachOperation(RankDeeds::ExtractWithinBudget, [](bool) {});
 }
 
 TEST_P(RankFaults, OfSurfacesThatAreDistributedAreThoseOfAll)
 {
-  const auto distribute = [&](Communicator& ranks, FileSystem& disk) -> Status
-  {
-    const auto volume = Open(ranks, disk);
-    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-    const SurfaceQuery query = MakeQuery(ranks);
-    QueryStatistics statistics;
-    auto active =
-      (*volume)->FindActiveBlocks(0, 0, query.Isovalues, query.Rank, query.Ranks, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(active.GetStatus()));
-    StoredBlockSource source(**volume, 0, 0, 0, std::move(*active));
-    EdgeIndexHeader header;
-    header.Geometry = (*volume)->GetHeader().Grid;
-    header.Type = ValueType::UInt8;
-    header.Isovalues = query.Isovalues;
-    ContourRequest request;
-    request.Isovalues = query.Isovalues;
-    SurfaceExchange::Settings settings;
-    settings.Threads = 1;
-    settings.RoundBytes = 500;
-    return SurfaceExchange(ranks, header, request, settings).Run(source).GetStatus();
-  };
-  this->ForEachOperation(distribute, [](bool) {});
+  this->ForEachOperation(RankDeeds::Distribute, [](bool) {});
 }
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RankFaults, testing::Values(2, 3, 4, 7));

@@ -39,7 +39,7 @@ struct Fault
   int Ranks = 1;
 };
 
-const std::vector<Fault> Faults = {
+const std::vector<Fault> Disturbances = {
   { Kind::Fail, EIO, true, 1 },
   { Kind::Fail, EIO, true, 2 },
   { Kind::FailFromNow, ENOSPC, true, 1 },
@@ -69,6 +69,7 @@ protected:
   }
   void TearDown() override
   {
+    RecordProperty("faults", std::to_string(this->Faults));
     DiskFaults::Disarm();
     DiskFaults::Watch("");
     ASSERT_TRUE(this->Files.RemoveAll(this->Folder).IsOk());
@@ -209,6 +210,7 @@ protected:
         }
       }
       EXPECT_GT(operation, 5u) << "the test watches nothing";
+      this->Faults += operation - 1;
     }
   }
 
@@ -233,6 +235,7 @@ protected:
         ASSERT_EQ(::waitpid(child, &state, 0), child);
         ASSERT_TRUE(WIFEXITED(state) && WEXITSTATUS(state) != 1) << state;
         isDone = WEXITSTATUS(state) == 0;
+        this->Faults += isDone ? 0 : 1;
         SCOPED_TRACE("dead before operation " + std::to_string(operation));
         look(isDone);
         if (HasFailure())
@@ -247,6 +250,7 @@ protected:
   std::string Folder;
   std::string Volume;
   std::string Surface;
+  std::uint64_t Faults = 0; ///< that have happened
   const Samples Old = MakeVolume<std::uint8_t>(Size, 1);
   const Samples New = MakeVolume<std::uint8_t>(Size, 2);
 };
@@ -289,7 +293,7 @@ protected:
 TEST_F(DiskFaultsOfWriting, LeaveTheOldVolumeOrTheNewOne)
 {
   this->ForEachOperation(
-    Faults, [&](int ranks) { return this->Write(this->New, ranks); },
+    Disturbances, [&](int ranks) { return this->Write(this->New, ranks); },
     [&](bool isDone) { this->Look(isDone); });
 }
 
@@ -324,7 +328,7 @@ TEST_F(DiskFaultsAtEveryOperation, OfAppendingLeaveAllTimeStepsBefore)
   };
   const auto append = [&](int ranks)
   { return this->Write(this->New, ranks, static_cast<double>(steps)); };
-  this->ForEachOperation(Faults, append, look);
+  this->ForEachOperation(Disturbances, append, look);
   this->ForEachDeath([&] { return append(1); }, look);
   ASSERT_TRUE(append(2).front().IsOk());
   EXPECT_EQ(this->CountSteps(), steps + 1);
@@ -354,7 +358,7 @@ TEST_F(DiskFaultsAtEveryOperation, OfWritingAnEdgeIndexFileLeaveTheOldOneOrTheNe
     EXPECT_EQ(this->Files.List(this->Folder)->size(), 1u) << "something is left over";
   };
   this->ForEachOperation(
-    Faults, [&](int ranks) { return this->WriteSurface(this->New, ranks); }, look);
+    Disturbances, [&](int ranks) { return this->WriteSurface(this->New, ranks); }, look);
   this->ForEachDeath([&] { return this->WriteSurface(this->New, 1); }, look);
 }
 
@@ -364,7 +368,7 @@ TEST_F(DiskFaultsAtEveryOperation, OfQueriesAreToldAndPass)
   const std::size_t triangles = *this->CountTriangles();
   std::size_t found = 0;
   this->ForEachOperation(
-    Faults,
+    Disturbances,
     [&](int)
     {
       const auto count = this->CountTriangles();

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One rank of several that runs out of memory, at each of its larger allocations: all ranks end with
+// an error, none waits. In a process for each, since whatever was begun then is left.
+#include "RankDeeds.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace
+{
+
+/// Of the thread that is the rank without memory: the allocations until one fails; below 0: none.
+thread_local long AllocationsLeft = -1;
+thread_local bool HasFailed = false;
+
+/// Smaller ones are so many that only large ones matter in practice.
+constexpr std::size_t LargeBytes = 1024;
+
+void* Allocate(std::size_t size)
+{
+  if (AllocationsLeft >= 0 && size >= LargeBytes && AllocationsLeft-- == 0)
+  {
+    HasFailed = true;
+    throw std::bad_alloc();
+  }
+  void* memory = std::malloc(size == 0 ? 1 : size);
+  if (!memory)
+  {
+    throw std::bad_alloc();
+  }
+  return memory;
+}
+
+} // namespace
+
+void* operator new(std::size_t size)
+{
+  return Allocate(size);
+}
+void* operator new[](std::size_t size)
+{
+  return Allocate(size);
+}
+void operator delete(void* memory) noexcept
+{
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept
+{
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept
+{
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept
+{
+  std::free(memory);
+}
+
+using namespace isosurface;
+
+namespace
+{
+
+using Deed = std::function<Status(Communicator& ranks, FileSystem& disk)>;
+
+enum Outcome : int
+{
+  AllFailed,
+  AllSucceeded,
+  RanksDiffer,
+  NothingFailed ///< there are not so many allocations
+};
+
+class RankWithoutMemory : public testing::TestWithParam<int>
+{
+protected:
+  void SetUp() override
+  {
+    WriteVolumeOk(this->Disk, RankDeeds::GetSamples(), MakeSettings(16, 3), 1);
+    ASSERT_TRUE(this->Disk.MakeDirectories("/data").IsOk());
+    RankDeeds::GetOther();
+  }
+
+  Outcome Run(const Deed& deed, int odd, long allocation)
+  {
+    const int ranks = GetParam();
+    std::atomic<int> successes{ 0 };
+    std::atomic<bool> hasFailed{ false };
+    ThreadCommunicator::Run(ranks,
+      [&](Communicator& communicator)
+      {
+        const bool isOdd = communicator.GetRank() == odd;
+        AllocationsLeft = isOdd ? allocation : -1;
+        const Status status = deed(communicator, this->Disk);
+        AllocationsLeft = -1;
+        hasFailed = hasFailed || (isOdd && HasFailed);
+        successes += status.IsOk() ? 1 : 0;
+      });
+    return !hasFailed      ? NothingFailed
+      : successes == 0     ? AllFailed
+      : successes == ranks ? AllSucceeded
+                           : RanksDiffer;
+  }
+
+  /// The outcome in a process of its own; below 0 if that was killed by a signal.
+  int RunAlone(const Deed& deed, int odd, long allocation)
+  {
+    const pid_t child = ::fork();
+    if (child == 0)
+    {
+      ::alarm(30); // ranks that wait for each other
+      ::_exit(this->Run(deed, odd, allocation));
+    }
+    int state = 0;
+    EXPECT_EQ(::waitpid(child, &state, 0), child);
+    return WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
+  }
+
+  /// `own`: the allocations of the deed itself, before Core's.
+  void ForEachAllocation(const Deed& deed, long own)
+  {
+    for (const int odd : { 0, GetParam() - 1 })
+    {
+      int outcome = AllFailed;
+      long allocation = own;
+      for (; outcome != NothingFailed && allocation < 2000; ++allocation)
+      {
+        outcome = this->RunAlone(deed, odd, allocation);
+        ASSERT_TRUE(outcome == AllFailed || outcome == AllSucceeded || outcome == NothingFailed)
+          << outcome << " at allocation " << allocation << " of rank " << odd;
+      }
+      EXPECT_GT(allocation, own + 5) << "the test watches nothing";
+    }
+  }
+
+  MemoryDisk Disk;
+};
+
+} // namespace
+
+TEST_P(RankWithoutMemory, FailsWithAllWhenWritingAVolume)
+{
+  this->ForEachAllocation(RankDeeds::WriteVolume, 1);
+}
+
+TEST_P(RankWithoutMemory, FailsWithAllWhenWritingAnEdgeIndexFile)
+{
+  this->ForEachAllocation(RankDeeds::WriteEdgeIndexFile, 0);
+}
+
+TEST_P(RankWithoutMemory, FailsWithAllWithinABudget)
+{
+  this->ForEachAllocation(RankDeeds::ExtractWithinBudget, 0);
+}
+
+TEST_P(RankWithoutMemory, FailsWithAllWhenDistributing)
+{
+  this->ForEachAllocation(RankDeeds::Distribute, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ranks, RankWithoutMemory, testing::Values(2, 3, 4, 7));
