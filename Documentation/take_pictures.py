@@ -4,19 +4,23 @@
 
     take_pictures.py --plugin .../ScalableIsosurface.so --volume head.bvol [NAME...]
 
-Each picture is a list of events of ParaView's test player, and is taken of the whole screen when
-nothing on it has changed for a while. Without names all are taken, into Documentation/images. Needs
-Xvfb and ImageMagick's import.
+Each picture is a list of events of ParaView's test player, and is taken when nothing on the screen
+has changed for a while. Without names all are taken, into Documentation/images. Needs Xvfb,
+ImageMagick's import, libX11 and libXtst.
 """
 import argparse
+import ctypes
 import os
 import subprocess
 import tempfile
+import threading
 import time
 import zlib
 
-WIDTH, HEIGHT = 1280, 800
+WIDTH, HEIGHT = 1280, 900
+PANEL_WIDTH = 480
 REST_SECONDS = 3.0
+DIALOG_SECONDS = 20.0  # the script of an open dialog does not end
 PLAYED = " is finished."  # what ParaView says of a script
 LONGEST_SECONDS = 120.0
 
@@ -83,6 +87,83 @@ def make_pictures(volume, folder):
     }
 
 
+class Screen:
+    """An X server without a screen, whose framebuffer is a file."""
+
+    def __init__(self, folder):
+        self.name = f":{100 + os.getpid() % 1000}"
+        self.file = os.path.join(folder, "Xvfb_screen0")
+        size = f"{WIDTH}x{HEIGHT}x24"
+        self.server = subprocess.Popen(
+            ["Xvfb", self.name, "-screen", "0", size, "-fbdir", folder, "-noreset"],
+            stderr=subprocess.DEVNULL,
+        )
+        while not os.path.exists(self.file):
+            time.sleep(0.1)
+        time.sleep(0.5)
+        self.x11, self.xtst = ctypes.CDLL("libX11.so.6"), ctypes.CDLL("libXtst.so.6")
+        self.x11.XOpenDisplay.restype = ctypes.c_void_p
+        self.x11.XDefaultRootWindow.restype = ctypes.c_ulong
+        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(self.name.encode()))
+        # Windows come and go while they are looked at: without this the program would end.
+        handler = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+        self.ignore = handler(lambda display, error: 0)
+        self.x11.XSetErrorHandler(self.ignore)
+
+    def find_windows(self):
+        """Those on the screen and their sizes."""
+        root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
+        children = ctypes.POINTER(ctypes.c_ulong)()
+        self.x11.XQueryTree(
+            self.display,
+            ctypes.c_ulong(self.x11.XDefaultRootWindow(self.display)),
+            ctypes.byref(root),
+            ctypes.byref(parent),
+            ctypes.byref(children),
+            ctypes.byref(count),
+        )
+        sizes = []
+        for index in range(count.value):
+            place = [ctypes.c_int(), ctypes.c_int()]
+            size = [ctypes.c_uint() for _ in range(4)]
+            self.x11.XGetGeometry(
+                self.display,
+                ctypes.c_ulong(children[index]),
+                ctypes.byref(root),
+                *(ctypes.byref(number) for number in place + size),
+            )
+            sizes.append((children[index], size[0].value, size[1].value))
+        return sizes
+
+    def enlarge_window(self):
+        """Gives the main window the whole screen, when it is there."""
+        found = []
+        while not found:
+            time.sleep(0.2)
+            found = [window for window, width, height in self.find_windows() if width > 900 and height > 500]
+        for window in found:
+            self.x11.XMoveResizeWindow(self.display, ctypes.c_ulong(window), 0, 0, WIDTH, HEIGHT)
+        self.x11.XFlush(self.display)
+
+    def drag(self, start, end):
+        for x, y, down in (*((*start, down) for down in (None, True)), (*end, None), (*end, False)):
+            self.xtst.XTestFakeMotionEvent(self.display, -1, x, y, ctypes.c_ulong(0))
+            self.x11.XFlush(self.display)
+            time.sleep(0.2)
+            if down is not None:
+                self.xtst.XTestFakeButtonEvent(self.display, 1, int(down), ctypes.c_ulong(0))
+                self.x11.XFlush(self.display)
+                time.sleep(0.2)
+
+    def read(self):
+        with open(self.file, "rb") as file:
+            return zlib.crc32(file.read())
+
+    def stop(self):
+        self.server.terminate()
+        self.server.wait()
+
+
 def write_script(events, path):
     with open(path, "w", encoding="utf-8") as file:
         file.write('<?xml version="1.0" ?>\n<pqevents>\n')
@@ -91,37 +172,37 @@ def write_script(events, path):
         file.write("</pqevents>\n")
 
 
-def wait_for_rest(window, screen):
-    """Until the script was played and nothing on the screen, a file, has changed for a while."""
-    for line in window.stdout:
-        if PLAYED in line:
-            assert "true" in line, "the script was not played to its end"
-            break
-    start = time.monotonic()
-    last, since = None, start
-    while time.monotonic() - since < REST_SECONDS:
+def keep_lines(window):
+    """What the window says, as it says it."""
+    lines = []
+    threading.Thread(target=lambda: lines.extend(window.stdout), daemon=True).start()
+    return lines
+
+
+def wait_for_rest(lines, screen):
+    """Until the script was played and nothing on the screen has changed for a while; false if a
+    dialog is open, where scripts do not end."""
+    start = since = time.monotonic()
+    last = None
+    played = False
+    while time.monotonic() - since < (REST_SECONDS if played else DIALOG_SECONDS):
         assert time.monotonic() - start < LONGEST_SECONDS, "the window does not come to rest"
         time.sleep(0.1)
-        with open(screen, "rb") as file:
-            now = zlib.crc32(file.read())
+        now = screen.read()
         if now != last:
             last, since = now, time.monotonic()
+        ends = [line for line in list(lines) if PLAYED in line]
+        assert all("true" in line for line in ends), "".join(lines)
+        played = bool(ends)
+    return played
 
 
 def take_picture(arguments, events, path):
     with tempfile.TemporaryDirectory() as folder:
         script = os.path.join(folder, "script.xml")
         write_script(events, script)
-        display = f":{100 + os.getpid() % 1000}"
-        size = f"{WIDTH}x{HEIGHT}x24"
-        server = subprocess.Popen(
-            ["Xvfb", display, "-screen", "0", size, "-fbdir", folder, "-noreset"],
-            stderr=subprocess.DEVNULL,
-        )
-        screen = os.path.join(folder, "Xvfb_screen0")
-        while not os.path.exists(screen):
-            time.sleep(0.1)
-        environment = {**os.environ, "DISPLAY": display}
+        screen = Screen(folder)
+        environment = {**os.environ, "DISPLAY": screen.name}
         window = subprocess.Popen(
             [
                 "paraview",
@@ -137,13 +218,18 @@ def take_picture(arguments, events, path):
             text=True,
         )
         try:
-            wait_for_rest(window, screen)
+            screen.enlarge_window()
+            lines = keep_lines(window)
+            if wait_for_rest(lines, screen):
+                # Room for the panel: the borders between the docks.
+                screen.drag((296, 600), (PANEL_WIDTH, 600))
+                screen.drag((120, 401), (120, 401 - 130))
+                wait_for_rest(lines, screen)
             subprocess.run(["import", "-window", "root", path], env=environment, check=True)
         finally:
             window.kill()
             window.wait()
-            server.terminate()
-            server.wait()
+            screen.stop()
 
 
 def main():

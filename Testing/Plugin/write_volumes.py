@@ -3,6 +3,7 @@
 
     wave.vti    82 x 76 x 67 samples of ParaView's Wavelet, float, at a negative extent
     wave.bvol   the same as a blocked volume of 4 stores and blocks of 16 cells
+    wave.eix    its isosurface of 150
     vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
 """
 import os
@@ -12,7 +13,7 @@ from paraview import simple
 
 plugin, folder = sys.argv[1:3]
 os.makedirs(folder, exist_ok=True)
-simple.LoadPlugin(plugin, ns=globals())
+simple.LoadPlugin(plugin, ns=vars(simple))
 wave = simple.Wavelet(WholeExtent=[-40, 41, -35, 40, -30, 36])
 simple.SaveData(os.path.join(folder, "wave.vti"), proxy=wave, DataMode="Binary")
 vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
@@ -20,3 +21,7 @@ simple.SaveData(os.path.join(folder, "vectors.vti"), proxy=vectors, DataMode="Bi
 simple.SaveData(
     os.path.join(folder, "wave.bvol"), proxy=wave, BlockSize=16, NumberOfStores=4
 )
+wave = simple.OpenDataFile(os.path.join(folder, "wave.bvol"))
+contour = simple.StabbingContour(Input=wave, Isosurfaces=[150])
+contour.UpdatePipeline()
+simple.SaveData(os.path.join(folder, "wave.eix"), proxy=contour)
