@@ -33,6 +33,20 @@ CHART = f"{PROPERTIES}/ContourValues/IsovalueChart"
 APPLY = (f"{PANEL}/Accept", "activate", "")
 ALL_PROPERTIES = (f"{PANEL}/SearchBox/AdvancedButton", "set_boolean", "true")
 SOLID = (f"{DISPLAY}/ColorEditor/DisplayColorWidget/Variables", "activated", "Solid Color")
+BROWSER = f"{WINDOW}/pipelineBrowserDock/pipelineBrowser"
+VIEWS = (
+    f"{WINDOW}/centralwidget/MultiViewWidget/CoreWidget/qt_tabwidget_stackedwidget"
+    "/MultiViewWidget1/Container"
+)
+SPECTRUM = f"{VIEWS}/Frame.2/CentralWidgetFrame/Viewport"
+CHOICE_OF_VIEWS = (
+    f"{VIEWS}/Frame.0/CentralWidgetFrame/EmptyView/scrollArea/qt_scrollarea_viewport"
+    "/widgetFoo/ConvertActionsFrame"
+)
+METABUFFER_VIEW = [
+    (f"{VIEWS}/Frame.0/Close", "activate", ""),
+    (f"{CHOICE_OF_VIEWS}/MetabufferRenderView", "activate", ""),
+]
 REST = (WINDOW, "pause", "1500")
 
 
@@ -50,6 +64,11 @@ def open_file(path):
 
 def save_data(path):
     return [menu("menu_File", "actionFileSaveData"), (f"{WINDOW}/FileSaveDialog", "filesSelected", path)]
+
+
+def scroll_to_end():
+    bar = f"{PANEL}/scrollArea/qt_scrollarea_vcontainer/1QScrollBar0"
+    return [(bar, "set_int", "600")]
 
 
 def double_click(x, y):
@@ -74,16 +93,35 @@ def make_pictures(volume, folder):
     opened = [*open_file(volume), APPLY]
     proposed = [*opened, choose_filter("StabbingContour"), REST]
     contoured = [*proposed, APPLY, SOLID, REST]
-    spectrum = [*opened, choose_filter("ContourSpectrum"), APPLY, REST]
+    added = [*contoured, *double_click(120, 60), APPLY, REST]
+    live = (f"{PROPERTIES}/ContourValues/Live", "set_boolean", "true")
+    reader = (BROWSER, "mousePress", "1,1,0,40,8,/0:0/0:0")
+    released = (BROWSER, "mouseRelease", "1,0,0,40,8,/0:0/0:0")
+    charted = [*contoured, reader, released, choose_filter("ContourSpectrum"), APPLY, REST]
+    picked = [
+        *charted,
+        (SPECTRUM, "mouseDblClick", "(0.35,0.5,1,1,0)"),
+        (SPECTRUM, "mouseRelease", "(0.35,0.5,1,0,0)"),
+    ]
     distributed = [*contoured, choose_filter("DistributeIsosurface"), APPLY, REST]
     surface = os.path.join(folder, "surface.eix")
+    ok = (f"{WINDOW}/WriterSettingsDialog/widget/OKButton", "activate", "")
+    reopened = [*contoured, *save_data(surface), ok, *open_file(surface), APPLY]
+    image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],
         "panels/isosurface": [*contoured, ALL_PROPERTIES],
-        "panels/spectrum": [*spectrum, ALL_PROPERTIES],
+        "panels/isosurface-more": [*contoured, ALL_PROPERTIES, *scroll_to_end()],
+        "panels/spectrum": [*charted, ALL_PROPERTIES],
         "panels/distribute": [*distributed, ALL_PROPERTIES],
-        "panels/save-volume": [*opened, *save_data(os.path.join(folder, "copy.bvol"))],
+        "panels/edge-index": [*reopened, ALL_PROPERTIES],
+        "panels/metabuffer": [*METABUFFER_VIEW, ALL_PROPERTIES, *scroll_to_end()],
+        "panels/save-volume": [*image, *save_data(os.path.join(folder, "copy.bvol"))],
         "panels/save-surface": [*contoured, *save_data(surface)],
+        "tour/7": [*added, live, *drag(120, 170, 60), REST],
+        "tour/8": picked,
+        "tour/9": [*contoured, *save_data(surface)],
+        "tour/10": reopened,
     }
 
 
