@@ -6,7 +6,7 @@
 
 Each picture is a list of events of ParaView's test player, and is taken when nothing on the screen
 has changed for a while. Without names all are taken, into Documentation/images. Needs Xvfb,
-ImageMagick's import, libX11 and libXtst.
+ImageMagick, libX11 and libXtst.
 """
 import argparse
 import ctypes
@@ -20,7 +20,7 @@ import zlib
 WIDTH, HEIGHT = 1280, 900
 PANEL_WIDTH = 480
 REST_SECONDS = 3.0
-DIALOG_SECONDS = 20.0  # the script of an open dialog does not end
+DIALOG_SECONDS = 40.0  # the script of an open dialog does not end, and its cursor blinks
 PLAYED = " is finished."  # what ParaView says of a script
 LONGEST_SECONDS = 120.0
 
@@ -223,7 +223,9 @@ def wait_for_rest(lines, screen):
     start = since = time.monotonic()
     last = None
     played = False
-    while time.monotonic() - since < (REST_SECONDS if played else DIALOG_SECONDS):
+    while not played or time.monotonic() - since < REST_SECONDS:
+        if not played and time.monotonic() - start > DIALOG_SECONDS:
+            break
         assert time.monotonic() - start < LONGEST_SECONDS, "the window does not come to rest"
         time.sleep(0.1)
         now = screen.read()
@@ -264,6 +266,10 @@ def take_picture(arguments, events, path):
                 screen.drag((120, 401), (120, 401 - 130))
                 wait_for_rest(lines, screen)
             subprocess.run(["import", "-window", "root", path], env=environment, check=True)
+            shape = ["-resize", "900x"]
+            if "/panels/" in path and "/save-" not in path:
+                shape = ["-crop", f"{PANEL_WIDTH}x{HEIGHT}+0+0", "+repage"]
+            subprocess.run(["convert", path, *shape, "-colors", "64", f"PNG8:{path}"], check=True)
         finally:
             window.kill()
             window.wait()
