@@ -120,7 +120,6 @@ def make_pictures(volume, folder):
         "panels/save-surface": [*contoured, *save_data(surface)],
         "tour/7": [*added, live, *drag(120, 170, 60), REST],
         "tour/8": picked,
-        "tour/9": [*contoured, *save_data(surface)],
         "tour/10": reopened,
     }
 
@@ -269,7 +268,7 @@ def take_picture(arguments, events, path):
             shape = ["-resize", "900x"]
             if "/panels/" in path and "/save-" not in path:
                 shape = ["-crop", f"{PANEL_WIDTH}x{HEIGHT}+0+0", "+repage"]
-            subprocess.run(["convert", path, *shape, "-colors", "64", f"PNG8:{path}"], check=True)
+            subprocess.run(["convert", path, *shape, "+dither", "-colors", "96", f"PNG8:{path}"], check=True)
         finally:
             window.kill()
             window.wait()
