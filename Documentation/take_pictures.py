@@ -20,7 +20,7 @@ import zlib
 WIDTH, HEIGHT = 1280, 900
 PANEL_WIDTH = 480
 REST_SECONDS = 3.0
-DIALOG_SECONDS = 40.0  # the script of an open dialog does not end, and its cursor blinks
+DIALOG_SECONDS = 70.0  # the script of an open dialog does not end, and its cursor blinks
 PLAYED = " is finished."  # what ParaView says of a script
 LONGEST_SECONDS = 120.0
 
