@@ -4,19 +4,23 @@
 
     take_pictures.py --plugin .../ScalableIsosurface.so --volume head.bvol [NAME...]
 
-Each picture is a list of events of ParaView's test player, and is taken of the whole screen when
-nothing on it has changed for a while. Without names all are taken, into Documentation/images. Needs
-Xvfb and ImageMagick's import.
+Each picture is a list of events of ParaView's test player, and is taken when nothing on the screen
+has changed for a while. Without names all are taken, into Documentation/images. Needs Xvfb,
+ImageMagick, libX11 and libXtst.
 """
 import argparse
+import ctypes
 import os
 import subprocess
 import tempfile
+import threading
 import time
 import zlib
 
-WIDTH, HEIGHT = 1280, 800
+WIDTH, HEIGHT = 1280, 900
+PANEL_WIDTH = 480
 REST_SECONDS = 3.0
+DIALOG_SECONDS = 70.0  # the script of an open dialog does not end, and its cursor blinks
 PLAYED = " is finished."  # what ParaView says of a script
 LONGEST_SECONDS = 120.0
 
@@ -29,6 +33,20 @@ CHART = f"{PROPERTIES}/ContourValues/IsovalueChart"
 APPLY = (f"{PANEL}/Accept", "activate", "")
 ALL_PROPERTIES = (f"{PANEL}/SearchBox/AdvancedButton", "set_boolean", "true")
 SOLID = (f"{DISPLAY}/ColorEditor/DisplayColorWidget/Variables", "activated", "Solid Color")
+BROWSER = f"{WINDOW}/pipelineBrowserDock/pipelineBrowser"
+VIEWS = (
+    f"{WINDOW}/centralwidget/MultiViewWidget/CoreWidget/qt_tabwidget_stackedwidget"
+    "/MultiViewWidget1/Container"
+)
+SPECTRUM = f"{VIEWS}/Frame.2/CentralWidgetFrame/Viewport"
+CHOICE_OF_VIEWS = (
+    f"{VIEWS}/Frame.0/CentralWidgetFrame/EmptyView/scrollArea/qt_scrollarea_viewport"
+    "/widgetFoo/ConvertActionsFrame"
+)
+METABUFFER_VIEW = [
+    (f"{VIEWS}/Frame.0/Close", "activate", ""),
+    (f"{CHOICE_OF_VIEWS}/MetabufferRenderView", "activate", ""),
+]
 REST = (WINDOW, "pause", "1500")
 
 
@@ -46,6 +64,11 @@ def open_file(path):
 
 def save_data(path):
     return [menu("menu_File", "actionFileSaveData"), (f"{WINDOW}/FileSaveDialog", "filesSelected", path)]
+
+
+def scroll_to_end():
+    bar = f"{PANEL}/scrollArea/qt_scrollarea_vcontainer/1QScrollBar0"
+    return [(bar, "set_int", "600")]
 
 
 def double_click(x, y):
@@ -70,17 +93,112 @@ def make_pictures(volume, folder):
     opened = [*open_file(volume), APPLY]
     proposed = [*opened, choose_filter("StabbingContour"), REST]
     contoured = [*proposed, APPLY, SOLID, REST]
-    spectrum = [*opened, choose_filter("ContourSpectrum"), APPLY, REST]
+    added = [*contoured, *double_click(120, 60), APPLY, REST]
+    live = (f"{PROPERTIES}/ContourValues/Live", "set_boolean", "true")
+    reader = (BROWSER, "mousePress", "1,1,0,40,8,/0:0/0:0")
+    released = (BROWSER, "mouseRelease", "1,0,0,40,8,/0:0/0:0")
+    charted = [*contoured, reader, released, choose_filter("ContourSpectrum"), APPLY, REST]
+    picked = [
+        *charted,
+        (SPECTRUM, "mouseDblClick", "(0.35,0.5,1,1,0)"),
+        (SPECTRUM, "mouseRelease", "(0.35,0.5,1,0,0)"),
+    ]
     distributed = [*contoured, choose_filter("DistributeIsosurface"), APPLY, REST]
     surface = os.path.join(folder, "surface.eix")
+    ok = (f"{WINDOW}/WriterSettingsDialog/widget/OKButton", "activate", "")
+    reopened = [*contoured, *save_data(surface), ok, *open_file(surface), APPLY]
+    image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],
         "panels/isosurface": [*contoured, ALL_PROPERTIES],
-        "panels/spectrum": [*spectrum, ALL_PROPERTIES],
+        "panels/isosurface-more": [*contoured, ALL_PROPERTIES, *scroll_to_end()],
+        "panels/spectrum": [*charted, ALL_PROPERTIES],
         "panels/distribute": [*distributed, ALL_PROPERTIES],
-        "panels/save-volume": [*opened, *save_data(os.path.join(folder, "copy.bvol"))],
+        "panels/edge-index": [*reopened, ALL_PROPERTIES],
+        "panels/metabuffer": [*METABUFFER_VIEW, ALL_PROPERTIES, *scroll_to_end()],
+        "panels/save-volume": [*image, *save_data(os.path.join(folder, "copy.bvol"))],
         "panels/save-surface": [*contoured, *save_data(surface)],
+        "tour/7": [*added, live, *drag(120, 170, 60), REST],
+        "tour/8": picked,
+        "tour/10": reopened,
     }
+
+
+class Screen:
+    """An X server without a screen, whose framebuffer is a file."""
+
+    def __init__(self, folder):
+        self.name = f":{100 + os.getpid() % 1000}"
+        self.file = os.path.join(folder, "Xvfb_screen0")
+        size = f"{WIDTH}x{HEIGHT}x24"
+        self.server = subprocess.Popen(
+            ["Xvfb", self.name, "-screen", "0", size, "-fbdir", folder, "-noreset"],
+            stderr=subprocess.DEVNULL,
+        )
+        while not os.path.exists(self.file):
+            time.sleep(0.1)
+        time.sleep(0.5)
+        self.x11, self.xtst = ctypes.CDLL("libX11.so.6"), ctypes.CDLL("libXtst.so.6")
+        self.x11.XOpenDisplay.restype = ctypes.c_void_p
+        self.x11.XDefaultRootWindow.restype = ctypes.c_ulong
+        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(self.name.encode()))
+        # Windows come and go while they are looked at: without this the program would end.
+        handler = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+        self.ignore = handler(lambda display, error: 0)
+        self.x11.XSetErrorHandler(self.ignore)
+
+    def find_windows(self):
+        """Those on the screen and their sizes."""
+        root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
+        children = ctypes.POINTER(ctypes.c_ulong)()
+        self.x11.XQueryTree(
+            self.display,
+            ctypes.c_ulong(self.x11.XDefaultRootWindow(self.display)),
+            ctypes.byref(root),
+            ctypes.byref(parent),
+            ctypes.byref(children),
+            ctypes.byref(count),
+        )
+        sizes = []
+        for index in range(count.value):
+            place = [ctypes.c_int(), ctypes.c_int()]
+            size = [ctypes.c_uint() for _ in range(4)]
+            self.x11.XGetGeometry(
+                self.display,
+                ctypes.c_ulong(children[index]),
+                ctypes.byref(root),
+                *(ctypes.byref(number) for number in place + size),
+            )
+            sizes.append((children[index], size[0].value, size[1].value))
+        return sizes
+
+    def enlarge_window(self):
+        """Gives the main window the whole screen, when it is there."""
+        found = []
+        while not found:
+            time.sleep(0.2)
+            found = [window for window, width, height in self.find_windows() if width > 900 and height > 500]
+        for window in found:
+            self.x11.XMoveResizeWindow(self.display, ctypes.c_ulong(window), 0, 0, WIDTH, HEIGHT)
+        self.x11.XFlush(self.display)
+
+    def drag(self, start, end):
+        for x, y, down in (*((*start, down) for down in (None, True)), (*end, None), (*end, False)):
+            self.xtst.XTestFakeMotionEvent(self.display, -1, x, y, ctypes.c_ulong(0))
+            self.x11.XFlush(self.display)
+            time.sleep(0.2)
+            if down is not None:
+                self.xtst.XTestFakeButtonEvent(self.display, 1, int(down), ctypes.c_ulong(0))
+                self.x11.XFlush(self.display)
+                time.sleep(0.2)
+
+    def read(self):
+        with open(self.file, "rb") as file:
+            return zlib.crc32(file.read())
+
+    def stop(self):
+        self.server.terminate()
+        self.server.wait()
 
 
 def write_script(events, path):
@@ -91,37 +209,39 @@ def write_script(events, path):
         file.write("</pqevents>\n")
 
 
-def wait_for_rest(window, screen):
-    """Until the script was played and nothing on the screen, a file, has changed for a while."""
-    for line in window.stdout:
-        if PLAYED in line:
-            assert "true" in line, "the script was not played to its end"
+def keep_lines(window):
+    """What the window says, as it says it."""
+    lines = []
+    threading.Thread(target=lambda: lines.extend(window.stdout), daemon=True).start()
+    return lines
+
+
+def wait_for_rest(lines, screen):
+    """Until the script was played and nothing on the screen has changed for a while; false if a
+    dialog is open, where scripts do not end."""
+    start = since = time.monotonic()
+    last = None
+    played = False
+    while not played or time.monotonic() - since < REST_SECONDS:
+        if not played and time.monotonic() - start > DIALOG_SECONDS:
             break
-    start = time.monotonic()
-    last, since = None, start
-    while time.monotonic() - since < REST_SECONDS:
         assert time.monotonic() - start < LONGEST_SECONDS, "the window does not come to rest"
         time.sleep(0.1)
-        with open(screen, "rb") as file:
-            now = zlib.crc32(file.read())
+        now = screen.read()
         if now != last:
             last, since = now, time.monotonic()
+        ends = [line for line in list(lines) if PLAYED in line]
+        assert all("true" in line for line in ends), "".join(lines)
+        played = bool(ends)
+    return played
 
 
 def take_picture(arguments, events, path):
     with tempfile.TemporaryDirectory() as folder:
         script = os.path.join(folder, "script.xml")
         write_script(events, script)
-        display = f":{100 + os.getpid() % 1000}"
-        size = f"{WIDTH}x{HEIGHT}x24"
-        server = subprocess.Popen(
-            ["Xvfb", display, "-screen", "0", size, "-fbdir", folder, "-noreset"],
-            stderr=subprocess.DEVNULL,
-        )
-        screen = os.path.join(folder, "Xvfb_screen0")
-        while not os.path.exists(screen):
-            time.sleep(0.1)
-        environment = {**os.environ, "DISPLAY": display}
+        screen = Screen(folder)
+        environment = {**os.environ, "DISPLAY": screen.name}
         window = subprocess.Popen(
             [
                 "paraview",
@@ -137,13 +257,22 @@ def take_picture(arguments, events, path):
             text=True,
         )
         try:
-            wait_for_rest(window, screen)
+            screen.enlarge_window()
+            lines = keep_lines(window)
+            if wait_for_rest(lines, screen):
+                # Room for the panel: the borders between the docks.
+                screen.drag((296, 600), (PANEL_WIDTH, 600))
+                screen.drag((120, 401), (120, 401 - 130))
+                wait_for_rest(lines, screen)
             subprocess.run(["import", "-window", "root", path], env=environment, check=True)
+            shape = ["-resize", "900x"]
+            if "/panels/" in path and "/save-" not in path:
+                shape = ["-crop", f"{PANEL_WIDTH}x{HEIGHT}+0+0", "+repage"]
+            subprocess.run(["convert", path, *shape, "+dither", "-colors", "96", f"PNG8:{path}"], check=True)
         finally:
             window.kill()
             window.wait()
-            server.terminate()
-            server.wait()
+            screen.stop()
 
 
 def main():

@@ -402,12 +402,10 @@ void pqIsovalueChart::leaveEvent(QEvent* event)
 QStringList pqIsovalueChart::DescribeIsovalue(double isovalue) const
 {
   QStringList lines = isosurface::DescribeIsosurface(this->GetSpectrum(), isovalue, this->Stored);
-  const QString duration = this->Words && !this->GetSpectrum().IsEmpty()
-    ? this->Words(this->GetSpectrum().Forecast(isovalue))
-    : QString();
-  if (!duration.isEmpty())
+  if (this->Words && !this->GetSpectrum().IsEmpty())
   {
-    lines.push_back(duration);
+    lines += this->Words(this->GetSpectrum().Forecast(isovalue)); // empty: nothing is known
+    lines.removeAll(QString());
   }
   return lines;
 }

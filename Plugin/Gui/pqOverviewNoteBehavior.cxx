@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqOverviewNoteBehavior.h"
 
+#include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
 #include "pqPipelineFilter.h"
+#include "pqPropertiesPanel.h"
 #include "pqServerManagerModel.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMProxy.h"
 
-#include <QMainWindow>
-#include <QStatusBar>
+#include <QBoxLayout>
+#include <QLabel>
 
 #include <algorithm>
 #include <cstring>
@@ -18,14 +20,30 @@
 namespace
 {
 
-constexpr int NoteMilliseconds = 20000;
-
 /// Those that take the volume's blocks, not the reader's output.
 const char* const OwnFilters[] = { "StabbingContour", "ContourSpectrum" };
 
 bool IsNamed(const pqPipelineSource* source, const char* name)
 {
   return std::strcmp(source->getProxy()->GetXMLName(), name) == 0;
+}
+
+/// What a filter has got of a blocked volume, if that is a coarse level; else nothing.
+QString FindShown(pqPipelineSource* source)
+{
+  const auto* filter = qobject_cast<pqPipelineFilter*>(source);
+  const pqPipelineSource* reader =
+    filter && filter->getInputCount() > 0 ? filter->getInput(0) : nullptr;
+  if (!reader || !IsNamed(reader, "BlockedVolumeReader") ||
+    std::any_of(std::begin(OwnFilters), std::end(OwnFilters),
+      [filter](const char* name) { return IsNamed(filter, name); }))
+  {
+    return QString();
+  }
+  vtkSMProxy* proxy = reader->getProxy();
+  proxy->UpdatePropertyInformation(proxy->GetProperty("Shown"));
+  const QString shown = vtkSMPropertyHelper(proxy, "Shown").GetAsString();
+  return shown.startsWith("level") ? shown : QString();
 }
 
 } // namespace
@@ -42,46 +60,37 @@ pqOverviewNoteBehavior::~pqOverviewNoteBehavior() = default;
 //------------------------------------------------------------------------------
 void pqOverviewNoteBehavior::OnStartup()
 {
+  QObject::connect(
+    &pqActiveObjects::instance(), SIGNAL(sourceChanged(pqPipelineSource*)), this, SLOT(Update()));
   QObject::connect(pqApplicationCore::instance()->getServerManagerModel(),
-    QOverload<pqPipelineSource*, pqPipelineSource*, int>::of(
-      &pqServerManagerModel::connectionAdded),
-    this, &pqOverviewNoteBehavior::Observe);
+    SIGNAL(dataUpdated(pqPipelineSource*)), this, SLOT(Update()));
 }
 
 //------------------------------------------------------------------------------
-void pqOverviewNoteBehavior::Observe(pqPipelineSource* reader, pqPipelineSource* filter)
+QLabel* pqOverviewNoteBehavior::FindLine()
 {
-  if (!IsNamed(reader, "BlockedVolumeReader") ||
-    std::any_of(std::begin(OwnFilters), std::end(OwnFilters),
-      [filter](const char* name) { return IsNamed(filter, name); }))
+  const QWidget* window = pqCoreUtilities::mainWidget();
+  auto* panel = window ? window->findChild<pqPropertiesPanel*>() : nullptr;
+  auto* column = panel ? qobject_cast<QBoxLayout*>(panel->layout()) : nullptr;
+  if (!this->Line && column)
   {
-    return;
+    this->Line = new QLabel(panel);
+    this->Line->setObjectName("OverviewNote");
+    this->Line->setWordWrap(true);
+    column->insertWidget(column->count() - 1, this->Line);
   }
-  QObject::connect(filter,
-    static_cast<void (pqPipelineSource::*)(pqPipelineSource*)>(&pqPipelineSource::dataUpdated),
-    this, &pqOverviewNoteBehavior::Tell, Qt::UniqueConnection);
+  return this->Line;
 }
 
 //------------------------------------------------------------------------------
-void pqOverviewNoteBehavior::Tell(pqPipelineSource* source)
+void pqOverviewNoteBehavior::Update()
 {
-  // Once: what the reader shows hardly changes.
-  QObject::disconnect(source, nullptr, this, nullptr);
-  const auto* filter = qobject_cast<pqPipelineFilter*>(source);
-  pqPipelineSource* reader = filter && filter->getInputCount() > 0 ? filter->getInput(0) : nullptr;
-  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
-  if (!reader || !IsNamed(reader, "BlockedVolumeReader") || !window)
+  if (QLabel* line = this->FindLine())
   {
-    return;
-  }
-  vtkSMProxy* proxy = reader->getProxy();
-  proxy->UpdatePropertyInformation(proxy->GetProperty("Shown"));
-  const QString shown = vtkSMPropertyHelper(proxy, "Shown").GetAsString();
-  if (shown.startsWith("level"))
-  {
-    window->statusBar()->showMessage(
-      tr("%1 has got %2 samples. Isosurface (Stabbing Contour) takes the volume itself.")
-        .arg(source->getSMName(), shown),
-      NoteMilliseconds);
+    const QString shown = FindShown(pqActiveObjects::instance().activeSource());
+    line->setVisible(!shown.isEmpty());
+    line->setText(shown.isEmpty()
+        ? QString()
+        : tr("The input is %1. Isosurface (Stabbing Contour) takes the volume itself.").arg(shown));
   }
 }

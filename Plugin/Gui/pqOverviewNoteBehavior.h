@@ -4,8 +4,8 @@
  * @brief   tells which level of a blocked volume a stock filter has got
  *
  * Filters other than the plugin's own get the finest level that fits the reader's memory limit. If
- * that is not the volume itself, the window's status line says so when such a filter is first
- * applied, and names the filter that is not limited.
+ * that is not the volume itself, a line above the properties of such a filter says so, and names the
+ * filter that is not limited.
  *
  * ParaView makes the one object when the plugin is loaded into its window.
  */
@@ -14,8 +14,9 @@
 #define pqOverviewNoteBehavior_h
 
 #include <QObject>
+#include <QPointer>
 
-class pqPipelineSource;
+class QLabel;
 
 class pqOverviewNoteBehavior : public QObject
 {
@@ -29,11 +30,14 @@ public:
   void OnShutdown() {}
 
 private Q_SLOTS:
-  void Observe(pqPipelineSource* reader, pqPipelineSource* filter);
-  void Tell(pqPipelineSource* filter);
+  void Update();
 
 private:
   Q_DISABLE_COPY(pqOverviewNoteBehavior)
+
+  QLabel* FindLine();
+
+  QPointer<QLabel> Line; ///< the panel's
 };
 
 #endif

@@ -1,29 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqSpinBoxWidget.h"
 
-#include "pqSpinBox.h"
 #include "vtkSMIntRangeDomain.h"
 #include "vtkSMProperty.h"
 
+#include <QDoubleSpinBox>
 #include <QHBoxLayout>
 
-#include <limits>
+namespace
+{
+/// Whole numbers up to here are exact as doubles.
+constexpr double LargestNumber = 9007199254740992.0;
+} // namespace
 
 //------------------------------------------------------------------------------
 pqSpinBoxWidget::pqSpinBoxWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent)
   : Superclass(proxy, parent)
 {
-  auto* box = new pqSpinBox(this);
+  auto* box = new QDoubleSpinBox(this); // of 64-bit numbers, too
+  box->setDecimals(0);
+  box->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
   box->setObjectName("SpinBox");
   box->setFocusPolicy(Qt::StrongFocus); // the wheel scrolls the panel
   auto* range = property->FindDomain<vtkSMIntRangeDomain>();
   const bool hasMaximum = range && range->GetMaximumExists(0);
   box->setMinimum(range && range->GetMinimumExists(0) ? range->GetMinimum(0) : 0);
-  box->setMaximum(hasMaximum ? range->GetMaximum(0) : std::numeric_limits<int>::max());
+  box->setMaximum(hasMaximum ? range->GetMaximum(0) : LargestNumber);
   auto* row = new QHBoxLayout(this);
   row->setMargin(0);
   row->addWidget(box, 1);
-  this->addPropertyLink(box, "value", SIGNAL(valueChanged(int)), property);
+  this->addPropertyLink(box, "value", SIGNAL(valueChanged(double)), property);
   QObject::connect(box, SIGNAL(editingFinished()), this, SIGNAL(changeFinished()));
   this->setChangeAvailableAsChangeFinished(false);
 }

@@ -4,8 +4,8 @@
  * @brief   a whole number in a panel as a spin box
  *
  * ParaView gives a property with a minimum and a maximum a slider, on which no hand finds one value
- * of tens of thousands. In a panel: panel_widget="spin_box" at a property of one integer with an
- * IntRangeDomain.
+ * of tens of thousands, and an IdTypeVectorProperty nothing at all. In a panel:
+ * panel_widget="spin_box" at a property of one integer with an IntRangeDomain.
  */
 
 #ifndef pqSpinBoxWidget_h

@@ -3,16 +3,22 @@
 
     wave.vti    82 x 76 x 67 samples of ParaView's Wavelet, float, at a negative extent
     wave.bvol   the same as a blocked volume of 4 stores and blocks of 16 cells
+    wave.eix    its isosurface of 150
+    series.bvol four time steps: RTData + 10 t
+    pair.vtm    two images, of RTData and of RTData + 100
     vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
 """
+import argparse
 import os
 import sys
 
 from paraview import simple
 
+import plugin_testing as testing
+
 plugin, folder = sys.argv[1:3]
 os.makedirs(folder, exist_ok=True)
-simple.LoadPlugin(plugin, ns=globals())
+simple.LoadPlugin(plugin, ns=vars(simple))
 wave = simple.Wavelet(WholeExtent=[-40, 41, -35, 40, -30, 36])
 simple.SaveData(os.path.join(folder, "wave.vti"), proxy=wave, DataMode="Binary")
 vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
@@ -20,3 +26,15 @@ simple.SaveData(os.path.join(folder, "vectors.vti"), proxy=vectors, DataMode="Bi
 simple.SaveData(
     os.path.join(folder, "wave.bvol"), proxy=wave, BlockSize=16, NumberOfStores=4
 )
+wave = simple.OpenDataFile(os.path.join(folder, "wave.bvol"))
+contour = simple.StabbingContour(Input=wave, Isosurfaces=[150])
+contour.UpdatePipeline()
+simple.SaveData(os.path.join(folder, "wave.eix"), proxy=contour)
+testing.arguments = argparse.Namespace(volumes=folder)
+series = testing.make_series()
+simple.SaveData(os.path.join(folder, "series.bvol"), proxy=series, WriteAllTimeSteps=1)
+image = simple.XMLImageDataReader(FileName=[os.path.join(folder, "wave.vti")])
+raised = simple.Calculator(Input=image, ResultArrayName="RTData", Function="RTData + 100")
+raised.ResultArrayType = "Float"
+pair = simple.GroupDatasets(Input=[image, raised])
+simple.SaveData(os.path.join(folder, "pair.vtm"), proxy=pair, DataMode="Binary")

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The isovalue is animated and the frames are saved: each shows the exact surface of its isovalue."""
+import unittest
+
+from paraview import simple
+
+import plugin_testing as testing
+
+FIRST, LAST, FRAMES = 120.0, 180.0, 4
+
+
+class Animation(unittest.TestCase):
+    def test_each_frame_is_the_picture_of_its_isovalue(self):
+        contour = testing.contour(testing.open_volume("wave.bvol"), FIRST)
+        view = testing.make_view()
+        testing.show_surface(contour, view)
+        track = simple.GetAnimationTrack("ContourValues", index=0, proxy=contour)
+        start, end = simple.CompositeKeyFrame(), simple.CompositeKeyFrame()
+        start.KeyTime, start.KeyValues, start.Interpolation = 0.0, [FIRST], "Ramp"
+        end.KeyTime, end.KeyValues = 1.0, [LAST]
+        track.KeyFrames = [start, end]
+        scene = simple.GetAnimationScene()
+        scene.PlayMode = "Sequence"
+        scene.NumberOfFrames = FRAMES
+        size = testing.PICTURE_SIZE
+        simple.SaveAnimation(testing.output("frame.png"), view, ImageResolution=size)
+        track.Enabled = 0
+        for frame in range(FRAMES):
+            isovalue = FIRST + frame * (LAST - FIRST) / (FRAMES - 1)
+            with self.subTest(isovalue=isovalue):
+                contour.Isosurfaces = [isovalue]
+                self.assertEqual(
+                    testing.count_cells(contour), testing.count_expected_triangles(isovalue)
+                )
+                still = testing.output(f"still-{frame}.png")
+                simple.SaveScreenshot(still, view, ImageResolution=size)
+                still = testing.read_picture(still)
+                shown = testing.read_picture(testing.output(f"frame.{frame:04}.png"))
+                self.assertLess((shown != still).any(axis=2).mean(), 1e-3)
+                self.assertGreater((still != still[0, 0]).any(axis=2).mean(), 0.05)
+
+
+if __name__ == "__main__":
+    testing.parse_arguments(lambda parser: parser.add_argument("--ranks"))
+    testing.load_plugin()
+    testing.run()
