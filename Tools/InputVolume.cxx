@@ -45,9 +45,9 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options)
 Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options)
 {
   const bool isFile = options.Raw || VolumeFile::IsKnown(GetLocalFileSystem(), options.Input);
-  auto volume = isFile
-    ? OpenFile(options)
-    : OpenPipelineInput(options.Input, options.Arrays, options.Settings.MemoryLimit / 4);
+  auto volume = isFile ? OpenFile(options)
+                       : OpenPipelineInput(options.Input, options.Arrays, options.WithCells,
+                           options.Settings.MemoryLimit / 4);
   if (volume.IsOk())
   {
     volume->Grid.Spacing = options.Spacing.value_or(volume->Grid.Spacing);
