@@ -146,7 +146,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, statistics);
+  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, this->AreBlocksDealt, statistics);
   return search.FindActive(variable, isovalues, selection);
 }
 
@@ -156,7 +156,7 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  return BlockSearch(*this->Stores, timeStep, level, rank, ranks, statistics).FindAll();
+  return BlockSearch(*this->Stores, timeStep, level, rank, ranks, false, statistics).FindAll();
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
