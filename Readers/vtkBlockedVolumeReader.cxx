@@ -114,7 +114,7 @@ void vtkBlockedVolumeReader::SetLocalStores(bool local)
   if (this->LocalStores != local)
   {
     this->LocalStores = local;
-    if (this->Handle->GetVolume())
+    if (this->Handle && this->Handle->GetVolume())
     {
       this->Handle->GetVolume()->DealBlocks(!local);
     }
