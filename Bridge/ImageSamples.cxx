@@ -6,6 +6,7 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
 #include "vtkIntArray.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
@@ -123,6 +124,18 @@ bool FindWholeExtent(vtkImageData* image, int wholeExtent[6])
     }
   }
   return true;
+}
+
+std::optional<double> FindTime(vtkDataObject* data)
+{
+  vtkInformation* information = data->GetInformation();
+  if (information->Has(vtkDataObject::DATA_TIME_STEP()))
+  {
+    return information->Get(vtkDataObject::DATA_TIME_STEP());
+  }
+  vtkDataArray* value = data->GetFieldData()->GetArray("TimeValue");
+  return value && value->GetNumberOfValues() == 1 ? std::optional<double>(value->GetTuple1(0))
+                                                  : std::nullopt;
 }
 
 VertexBox MakeVertexBox(const GridGeometry& grid, const int extent[6])

@@ -12,9 +12,11 @@
 #include "Volume/GridGeometry.h"
 #include "Volume/SampleView.h"
 
+#include <optional>
 #include <vector>
 
 class vtkDataArray;
+class vtkDataObject;
 class vtkImageData;
 
 namespace isosurface
@@ -36,6 +38,9 @@ ISOSURFACEBRIDGE_EXPORT GridGeometry MakeGridGeometry(
  */
 ISOSURFACEBRIDGE_EXPORT void StoreWholeExtent(vtkImageData* image, const int wholeExtent[6]);
 ISOSURFACEBRIDGE_EXPORT bool FindWholeExtent(vtkImageData* image, int wholeExtent[6]);
+
+/// The time of a dataset: that of the pipeline, else the field TimeValue, which files carry.
+ISOSURFACEBRIDGE_EXPORT std::optional<double> FindTime(vtkDataObject* data);
 
 /// The vertices of an extent, counted from the grid's first vertex. Unlike an extent, a box does
 /// not include its High.

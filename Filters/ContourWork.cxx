@@ -266,7 +266,7 @@ Status ContourWork::ExtractFromImages(vtkInformation* inInfo, Outcome& outcome)
   const auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
   ContourRequest request = this->MakeRequest();
-  auto extracted = this->OfImages.Extract(*pieces,
+  auto extracted = this->OfImages.Extract(ranks, *pieces,
     { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
       this->MakeRegion(), threads, &this->Averages },
     request, [this](double share) { return this->TellProgress(share); });

@@ -7,7 +7,9 @@
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
 
 #include "Volume/ArrayVariables.h"
 
@@ -34,6 +36,20 @@ Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* arra
     ? Result<vtkDataArray*>(array)
     : Status(StatusCode::InvalidArgument,
         "array \"" + name + "\" is neither a point array nor a cell array");
+}
+
+bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
+{
+  const int association = array->Get(vtkDataObject::FIELD_ASSOCIATION());
+  const auto hasScalars = [inInfo](int ofWhat)
+  {
+    return vtkDataObject::GetActiveFieldInformation(
+             inInfo, ofWhat, vtkDataSetAttributes::SCALARS) != nullptr;
+  };
+  return association == vtkDataObject::FIELD_ASSOCIATION_CELLS ||
+    (association == vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS &&
+      !hasScalars(vtkDataObject::FIELD_ASSOCIATION_POINTS) &&
+      hasScalars(vtkDataObject::FIELD_ASSOCIATION_CELLS));
 }
 
 Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)

@@ -10,6 +10,7 @@
 class vtkDataArray;
 class vtkDataObject;
 class vtkImageData;
+class vtkInformation;
 
 namespace isosurface
 {
@@ -22,6 +23,10 @@ namespace isosurface
  */
 Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* array, int association,
   int component, CellAverages& averages, int threads);
+
+/// Whether the array that is to be contoured is one of cells, as far as this can be told before
+/// there is data. `array` is the filter's GetInputArrayInformation().
+bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo);
 
 /// NotFound: no image of the input has the point array `name`, or any if it is empty. Tells which
 /// cell arrays there are instead.

@@ -50,45 +50,41 @@ Result<ImageContour::Entry> ImageContour::TakeEntry(
   return entry;
 }
 
-Result<Surface> ImageContour::ExtractPiece(const ImagePieces& pieces, const ImagePiece& piece,
-  const PieceAttributes& attributes, const Entry& entry, const Settings& settings,
-  ContourRequest request, const Progress& progress)
+Result<Surface> ImageContour::ExtractPiece(const ImagePieces& pieces, std::size_t number,
+  const Prepared& prepared, const Settings& settings, ContourRequest request,
+  const Progress& progress)
 {
-  const SampleView samples = entry.Scalars.GetView(piece.Samples);
+  const LayeredPiece& piece = prepared.Pieces[number];
   const GridGeometry& grid = pieces.Grids[piece.Grid];
   const std::optional<GridLines>& lines = pieces.Lines[piece.Grid];
-  request.KnownSamples = samples.Available;
+  request.KnownSamples = piece.Scalars.Available;
   request.Lines = lines ? &*lines : nullptr;
-  GridBlockSource source(samples, entry.Ranges, request.Isovalues,
+  GridBlockSource source(piece.Scalars, prepared.Entries[number].Ranges, request.Isovalues,
     { request.ClosedSides, settings.Region, request.Lines }, grid);
-  source.SetAttributes(attributes.Views);
-  source.SetBlanking(piece.Samples.Hidden);
-  return ExtractSurface(grid, source, request, settings.Threads, progress);
+  source.SetAttributes(prepared.Attributes[number].Views);
+  source.SetBlanking(piece.Hidden);
+  const std::vector<PieceLayers::Part>& layer = prepared.Layers.GetParts(number);
+  if (layer.empty())
+  {
+    return ExtractSurface(grid, source, request, settings.Threads, progress);
+  }
+  LayeredBlockSource layered(source, piece, layer);
+  request.KnownSamples = layered.GetKnownSamples();
+  return ExtractSurface(grid, layered, request, settings.Threads, progress);
 }
 
-Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
-  const Settings& settings, ContourRequest& request, const Progress& progress)
+Status ImageContour::Prepare(const ImagePieces& pieces, const Settings& settings,
+  Prepared& prepared, std::vector<InterpolatedArray>& arrays)
 {
-  const std::vector<std::int64_t> firstIds = FindFirstIds(pieces, request);
-  Outcome outcome;
-  std::vector<Surface> surfaces;
-  std::vector<Entry> used;
-  request.Attributes.clear();
-  for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
+  for (const ImagePiece& piece : pieces.Pieces)
   {
-    const ImagePiece& piece = pieces.Pieces[number];
-    const auto attributes =
-      FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
+    auto attributes = FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
     ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
-    if (number == 0)
+    if (prepared.Pieces.empty())
     {
-      outcome.Arrays = attributes->Arrays;
-      for (const InterpolatedArray& array : outcome.Arrays)
-      {
-        request.Attributes.push_back(array.Layout);
-      }
+      arrays = attributes->Arrays;
     }
-    else if (attributes->Arrays != outcome.Arrays)
+    else if (attributes->Arrays != arrays)
     {
       return Status(StatusCode::InvalidArgument,
         "the arrays to interpolate are not of the same types in all images of the input");
@@ -97,20 +93,47 @@ Result<ImageContour::Outcome> ImageContour::Extract(const ImagePieces& pieces,
       *FindChosenComponent(static_cast<int>(piece.Samples.Components.size()), settings.Component);
     auto entry = this->TakeEntry(piece.Samples, component, settings.Threads);
     ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-    used.push_back(std::move(*entry));
+    prepared.Entries.push_back(std::move(*entry));
+    prepared.Attributes.push_back(std::move(*attributes));
+    prepared.Pieces.push_back({ piece.Grid, pieces.Grids[piece.Grid].GetDimensions(),
+      prepared.Entries.back().Scalars.GetView(piece.Samples), piece.Samples.Hidden });
+  }
+  return Status::Ok();
+}
+
+Result<ImageContour::Outcome> ImageContour::Extract(Communicator& ranks, const ImagePieces& pieces,
+  const Settings& settings, ContourRequest& request, const Progress& progress)
+{
+  Outcome outcome;
+  Prepared prepared;
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(this->Prepare(pieces, settings, prepared, outcome.Arrays)));
+  prepared.Layers.Resize(pieces.Pieces.size());
+  if (request.Normals)
+  {
+    prepared.Layers = PieceLayers::Collect(ranks, prepared.Pieces);
+  }
+  request.Attributes.clear();
+  for (const InterpolatedArray& array : outcome.Arrays)
+  {
+    request.Attributes.push_back(array.Layout);
+  }
+  const std::vector<std::int64_t> firstIds = FindFirstIds(pieces, request);
+  std::vector<Surface> surfaces;
+  for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
+  {
     const auto advance = [&](double share)
     {
       return !progress ||
         progress((static_cast<double>(number) + share) / static_cast<double>(pieces.Pieces.size()));
     };
-    auto extracted =
-      ExtractPiece(pieces, piece, *attributes, used.back(), settings, request, advance);
+    auto extracted = ExtractPiece(pieces, number, prepared, settings, request, advance);
     ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
     outcome.ActiveBlocks += extracted->NumberOfBlocks;
-    ShiftGlobalIds(firstIds[piece.Grid], *extracted);
+    ShiftGlobalIds(firstIds[pieces.Pieces[number].Grid], *extracted);
     surfaces.push_back(std::move(*extracted));
   }
-  this->Entries = std::move(used);
+  this->Entries = std::move(prepared.Entries);
   outcome.Extracted = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
   return outcome;
 }

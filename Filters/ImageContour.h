@@ -7,10 +7,12 @@
 
 #include "vtkType.h"
 
+#include "Base/Communicator.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/BlockRanges.h"
 #include "Contour/SurfaceExtractor.h"
+#include "Query/PieceLayers.h"
 #include "SurfacePolyData.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/Region.h"
@@ -50,12 +52,13 @@ public:
 
   /**
    * The surface of this rank's pieces. The request's attributes are set to what the arrays are; the
-   * ids of several grids follow each other.
+   * ids of several grids follow each other. Normals where pieces of a grid meet are those of the
+   * whole grid. Collective.
    *
    * Errors: those of FindAttributes and BlockRanges::Compute; InvalidArgument for arrays that are
    * not of the same types in all images; Aborted when `progress` says so.
    */
-  Result<Outcome> Extract(const ImagePieces& pieces, const Settings& settings,
+  Result<Outcome> Extract(Communicator& ranks, const ImagePieces& pieces, const Settings& settings,
     ContourRequest& request, const Progress& progress);
 
 private:
@@ -72,11 +75,22 @@ private:
   /// That of the last extraction, which is taken out, or one that is computed.
   Result<Entry> TakeEntry(const ImageSamples& samples, int component, int threads);
 
-  /// Of one piece. Where its samples end before its grid does, normals are made of one-sided
-  /// differences: they are not those of the neighbouring piece there.
-  static Result<Surface> ExtractPiece(const ImagePieces& pieces, const ImagePiece& piece,
-    const PieceAttributes& attributes, const Entry& entry, const Settings& settings,
-    ContourRequest request, const Progress& progress);
+  /// What the pieces are contoured with.
+  struct Prepared
+  {
+    std::vector<PieceAttributes> Attributes;
+    std::vector<Entry> Entries;
+    std::vector<LayeredPiece> Pieces;
+    PieceLayers Layers;
+  };
+
+  /// Not collective.
+  Status Prepare(const ImagePieces& pieces, const Settings& settings, Prepared& prepared,
+    std::vector<InterpolatedArray>& arrays);
+
+  static Result<Surface> ExtractPiece(const ImagePieces& pieces, std::size_t number,
+    const Prepared& prepared, const Settings& settings, ContourRequest request,
+    const Progress& progress);
 
   std::vector<Entry> Entries; ///< of the last extraction
 };

@@ -160,10 +160,8 @@ int vtkContourSpectrum::RequestUpdateExtent(
   inInfo->Set(
     Pipeline::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   // Averages of cells at the border of a piece need one cell beyond it.
-  const bool ofPoints =
-    this->GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION()) ==
-    vtkDataObject::FIELD_ASSOCIATION_POINTS;
-  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), ofPoints ? 0 : 1);
+  const bool ofCells = isosurface::IsCellArrayChosen(this->GetInputArrayInformation(0), inInfo);
+  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), ofCells ? 1 : 0);
   if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
   {
     // The spectrum is stored: no samples are needed.

@@ -4,6 +4,7 @@
 
 #include "ArrayRanges.h"
 #include "ContourWork.h"
+#include "ContouredArray.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
 #include "PassingFilters.h"
@@ -207,7 +208,7 @@ void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
   // Gradients at the border of a piece need one sample beyond it, and samples that are averages of
   // cells need one cell more. Ghost levels that consumers ask of the surface are not needed: its
   // pieces fit by GlobalIds.
-  const int levels = (this->ComputeNormals ? 1 : 0) + (this->MayContourCells() ? 1 : 0);
+  const int levels = (this->ComputeNormals ? 1 : 0) + (this->TakesCells(inInfo) ? 1 : 0);
   inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), pieces > 1 ? levels : 0);
 
   // Blocks are taken from the volume, not from the reader's output.
@@ -218,12 +219,15 @@ void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
 }
 
 //------------------------------------------------------------------------------
-bool vtkStabbingContour::MayContourCells()
+bool vtkStabbingContour::TakesCells(vtkInformation* inInfo)
 {
-  vtkInformation* array = this->GetInputArrayInformation(0);
-  return array->Get(vtkDataObject::FIELD_ASSOCIATION()) !=
-    vtkDataObject::FIELD_ASSOCIATION_POINTS ||
-    !this->InterpolatedArrays.empty();
+  return isosurface::IsCellArrayChosen(this->GetInputArrayInformation(0), inInfo) ||
+    std::any_of(this->InterpolatedArrays.begin(), this->InterpolatedArrays.end(),
+      [inInfo](const std::string& name)
+      {
+        return vtkDataObject::GetNamedFieldInformation(
+                 inInfo, vtkDataObject::FIELD_ASSOCIATION_CELLS, name.c_str()) != nullptr;
+      });
 }
 
 //------------------------------------------------------------------------------

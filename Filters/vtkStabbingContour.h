@@ -14,7 +14,8 @@
  *
  * Of a blocked volume only the active blocks are read, through the block cache of the process. For
  * image data the value ranges of blocks, magnitudes (8 bytes a vertex) and averages of cell arrays
- * are kept between isovalues. Where images meet without a ghost layer, normals are those of one side.
+ * are kept between isovalues. Normals have no seams where pieces of a grid meet, with or without
+ * ghost layers.
  *
  * Point data: GlobalIds, by which the pieces of all ranks fit together, Normals, the isovalue under
  * the name of the contoured array, interpolated arrays. Field data: the cost of the query on this
@@ -287,8 +288,8 @@ private:
   /// the input is up to date.
   void AskInput(vtkInformation* inInfo, int piece, int pieces);
   void ReleaseInput(vtkInformation* inInfo);
-  /// Whether an array to contour or to interpolate may be one of cells.
-  bool MayContourCells();
+  /// Whether an array to contour or to interpolate is one of cells, as far as the input tells.
+  bool TakesCells(vtkInformation* inInfo);
 
   vtkNew<vtkContourValues> ContourValues;
   int Component;

@@ -77,6 +77,7 @@ struct vtkBlockedVolumeReader::Reading
 //------------------------------------------------------------------------------
 vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   : FileName(nullptr)
+  , LocalStores(false)
   , MemoryLimit(256)
   , Level(0)
   , Controller(nullptr)
@@ -113,6 +114,20 @@ int vtkBlockedVolumeReader::CanReadFile(const char* fileName)
     (head.find("ScalableIsosurface blocked volume") != std::string::npos ||
       (head.find("\"arrays\"") != std::string::npos &&
         head.find("\"blockSize\"") != std::string::npos));
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::SetLocalStores(bool local)
+{
+  if (this->LocalStores != local)
+  {
+    this->LocalStores = local;
+    if (this->Handle && this->Handle->GetVolume())
+    {
+      this->Handle->GetVolume()->DealBlocks(!local);
+    }
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -188,6 +203,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
     vtkErrorMacro(<< volume.GetStatus().GetMessage());
     return false;
   }
+  (*volume)->DealBlocks(!this->LocalStores);
   this->Handle->SetVolume(*volume);
   return true;
 }
@@ -388,6 +404,7 @@ void vtkBlockedVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n";
   os << indent << "MemoryLimit: " << this->MemoryLimit << " MiB\n";
+  os << indent << "LocalStores: " << this->LocalStores << "\n";
   os << indent << "CacheSize: " << this->GetCacheSize() << " MiB\n";
   os << indent << "Level: " << this->Level << "\n";
   os << indent << "Controller: " << this->Controller << "\n";

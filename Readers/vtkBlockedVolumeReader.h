@@ -68,6 +68,17 @@ public:
 
   ///@{
   /**
+   * Whether stores may be on disks that only one rank reaches. Then ranks share whole stores, which
+   * is uneven unless the number of ranks divides that of the stores; else they share the active
+   * blocks of all stores. No output of the reader itself depends on it. Default off.
+   */
+  void SetLocalStores(bool local);
+  vtkGetMacro(LocalStores, bool);
+  vtkBooleanMacro(LocalStores, bool);
+  ///@}
+
+  ///@{
+  /**
    * The point arrays that the output carries.
    */
   vtkDataArraySelection* GetPointDataArraySelection();
@@ -123,6 +134,7 @@ private:
   bool TellProgress(double share);
 
   char* FileName;
+  bool LocalStores;
   int MemoryLimit;
   int Level;
   vtkMultiProcessController* Controller;

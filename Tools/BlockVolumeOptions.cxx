@@ -155,6 +155,8 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
       "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
       "Default: all numeric point arrays, with any number of components")
     ->group(group);
+  app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points")
+    ->group(group);
   app
     .add_flag("--append", settings.Append,
       "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options")

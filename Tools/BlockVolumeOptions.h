@@ -34,6 +34,7 @@ struct BlockVolumeOptions
   // Writing
   BlockedVolumeSettings Settings;
   std::vector<std::string> Arrays; ///< none: all
+  bool WithCells = false;          ///< whether cell arrays are averaged to points
   std::optional<RawVolume> Raw;    ///< of a file without header
   std::optional<std::array<double, 3>> Spacing;
   std::optional<std::array<double, 3>> Origin;

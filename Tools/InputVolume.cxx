@@ -52,9 +52,9 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options)
     ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(options.Input, "read"));
   }
   const bool isFile = options.Raw || VolumeFile::IsKnown(GetLocalFileSystem(), options.Input);
-  auto volume = isFile
-    ? OpenFile(options)
-    : OpenPipelineInput(options.Input, options.Arrays, options.Settings.MemoryLimit / 4);
+  auto volume = isFile ? OpenFile(options)
+                       : OpenPipelineInput(options.Input, options.Arrays, options.WithCells,
+                           options.Settings.MemoryLimit / 4);
   if (volume.IsOk())
   {
     volume->Grid.Spacing = options.Spacing.value_or(volume->Grid.Spacing);

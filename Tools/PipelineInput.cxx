@@ -204,8 +204,9 @@ class ReaderSource : public PipelineSource
 {
 public:
   ReaderSource(vtkAlgorithm* reader, std::string path, const GridGeometry& grid,
-    const std::vector<ArrayDescription>& arrays)
-    : PipelineSource(reader->GetOutputPort(), reader->GetOutputInformation(0), grid, arrays)
+    const std::vector<ArrayDescription>& arrays, bool withCells)
+    : PipelineSource(
+        reader->GetOutputPort(), reader->GetOutputInformation(0), grid, arrays, withCells)
     , Path(std::move(path))
     , Reader(reader)
   {
@@ -233,13 +234,13 @@ private:
 
 /// Image data of the whole extent, or of its first slice.
 Result<vtkImageData*> Read(
-  vtkAlgorithm* reader, const std::string& path, const int whole[6], bool isWhole)
+  vtkAlgorithm* reader, const std::string& path, const int whole[6], bool isWhole, bool withCells)
 {
   vtkNew<vtkInformationVector> requests;
   requests->SetNumberOfInformationObjects(1);
   vtkInformation* request = requests->GetInformationObject(0);
   request->Set(Pipeline::WHOLE_EXTENT(), whole, 6);
-  PipelineSource::AskForFirstSlice(request);
+  PipelineSource::AskForFirstSlice(request, withCells);
   request->Remove(Pipeline::WHOLE_EXTENT());
   if (isWhole)
   {
@@ -256,10 +257,11 @@ Result<vtkImageData*> Read(
 }
 
 /// Keeps the samples of the chosen arrays in memory, and releases all others.
-Status TakeWhole(
-  vtkImageData* image, const std::string& path, const int whole[6], InputVolume& volume)
+Status TakeWhole(vtkImageData* image, const std::string& path, const int whole[6], bool withCells,
+  InputVolume& volume)
 {
   auto local = std::make_shared<LocalVolume>();
+  local->WithCells = withCells;
   local->Grid = MakeGridGeometry(image, whole);
   const auto isWanted = [&volume](const std::string& name)
   {
@@ -302,11 +304,12 @@ Status TakeWhole(
 
 // Fills in the grid, the arrays and the time that a slice of the input has.
 Status DescribeInput(const std::string& path, vtkImageData* slice, int whole[6],
-  const std::vector<std::string>& arrays, InputVolume& volume)
+  const std::vector<std::string>& arrays, bool withCells, InputVolume& volume)
 {
   LocalVolume local;
+  local.WithCells = withCells;
   local.Grid = MakeGridGeometry(slice, whole);
-  const auto choice = ArrayChoice::Make(slice, nullptr);
+  const auto choice = ArrayChoice::Make(slice, nullptr, withCells);
   const Status status = choice.IsOk()
     ? local.CollectArrays(slice, [&](const std::string& name) { return choice->Has(name); })
     : choice.GetStatus();
@@ -319,17 +322,14 @@ Status DescribeInput(const std::string& path, vtkImageData* slice, int whole[6],
   volume.Grid = local.Grid;
   volume.Arrays = *chosen;
   volume.LeftOut = arrays.empty() ? choice->LeftOut : "";
-  if (slice->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
-  {
-    volume.Time = slice->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP());
-  }
+  volume.Time = FindTime(slice);
   return Status::Ok();
 }
 
 } // namespace
 
-Result<InputVolume> OpenPipelineInput(
-  const std::string& path, const std::vector<std::string>& arrays, std::uint64_t wholeBytes)
+Result<InputVolume> OpenPipelineInput(const std::string& path,
+  const std::vector<std::string>& arrays, bool withCells, std::uint64_t wholeBytes)
 {
   GetErrorKeeper();
   if (!GetLocalFileSystem().Exists(path))
@@ -351,11 +351,11 @@ Result<InputVolume> OpenPipelineInput(
   int whole[6];
   information->Get(Pipeline::WHOLE_EXTENT(), whole);
   ISOSURFACE_RETURN_IF_ERROR(CheckSlice(path, whole, 4 * wholeBytes));
-  const auto slice = Read(reader, path, whole, false);
+  const auto slice = Read(reader, path, whole, false, withCells);
   ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
   InputVolume volume;
-  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, *slice, whole, arrays, volume));
-  auto source = std::make_unique<ReaderSource>(reader, path, volume.Grid, volume.Arrays);
+  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, *slice, whole, arrays, withCells, volume));
+  auto source = std::make_unique<ReaderSource>(reader, path, volume.Grid, volume.Arrays, withCells);
   const std::uint64_t bytes = source->GetReadBytes(source->GetBox());
   if (bytes > wholeBytes)
   {
@@ -363,9 +363,9 @@ Result<InputVolume> OpenPipelineInput(
     volume.Owner = std::make_shared<vtkSmartPointer<vtkAlgorithm>>(reader);
     return volume;
   }
-  const auto image = Read(reader, path, whole, true);
+  const auto image = Read(reader, path, whole, true, withCells);
   ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(*image, path, whole, volume));
+  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(*image, path, whole, withCells, volume));
   volume.HeldBytes = bytes;
   return volume;
 }

@@ -16,8 +16,8 @@ namespace isosurface
  * at once, because many readers always read their whole file. Of a larger one, boxes of its extent
  * are read; the reader may read more than that. Errors name the file, with VTK's message.
  */
-Result<InputVolume> OpenPipelineInput(
-  const std::string& path, const std::vector<std::string>& arrays, std::uint64_t wholeBytes);
+Result<InputVolume> OpenPipelineInput(const std::string& path,
+  const std::vector<std::string>& arrays, bool withCells, std::uint64_t wholeBytes);
 
 } // namespace isosurface
 

@@ -18,8 +18,9 @@ namespace isosurface
 namespace
 {
 
-constexpr const char* Advice =
-  "blocked volumes store point arrays; Cell Data to Point Data converts them";
+constexpr const char* Advice = "blocked volumes store point arrays; WriteCellArrays (--cells) "
+                               "averages them, as does Cell Data to "
+                               "Point Data";
 
 std::map<std::string, vtkDataArray*> FindArrays(vtkDataSetAttributes* attributes)
 {
@@ -60,10 +61,17 @@ std::string GetNameOf(vtkDataArray* array)
   return array->GetName() && *array->GetName() ? array->GetName() : "scalars";
 }
 
-Result<ArrayChoice> ArrayChoice::Make(vtkImageData* image, vtkDataArraySelection* chosen)
+Result<ArrayChoice> ArrayChoice::Make(
+  vtkImageData* image, vtkDataArraySelection* chosen, bool withCells)
 {
-  const auto points = FindArrays(image->GetPointData());
-  const auto cells = FindArrays(image->GetCellData());
+  auto points = FindArrays(image->GetPointData());
+  auto cells = FindArrays(image->GetCellData());
+  if (withCells)
+  {
+    // They become point arrays.
+    points.merge(cells);
+    cells.clear();
+  }
   ArrayChoice choice;
   if (chosen)
   {

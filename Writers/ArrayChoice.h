@@ -25,11 +25,13 @@ struct ISOSURFACEWRITERS_EXPORT ArrayChoice
   bool Has(const std::string& name) const { return this->Names.count(name) != 0; }
 
   /**
-   * All numeric point arrays but vtkGhostType; with `chosen`, those that it enables. Errors
+   * All numeric point arrays but vtkGhostType, and with `withCells` all such cell arrays; with
+   * `chosen`, those that it enables. Errors
    * (InvalidArgument, Unsupported) name the array that is chosen but cannot be written, or tell
    * what to do with an input that has cell arrays alone.
    */
-  static Result<ArrayChoice> Make(vtkImageData* image, vtkDataArraySelection* chosen);
+  static Result<ArrayChoice> Make(
+    vtkImageData* image, vtkDataArraySelection* chosen, bool withCells);
 };
 
 /// The name of an array, or "scalars" if it has none.

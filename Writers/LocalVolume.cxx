@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LocalVolume.h"
 
+#include "vtkCellData.h"
 #include "vtkImageData.h"
 #include "vtkPointData.h"
 #include "vtkUnsignedCharArray.h"
 
 #include "ArrayChoice.h"
+#include "Base/ParallelFor.h"
+#include "CellArrays.h"
 #include "ImageSamples.h"
 
 #include <algorithm>
@@ -53,6 +56,9 @@ Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelect
       arrays.push_back(array);
     }
   }
+  std::vector<vtkSmartPointer<vtkDataArray>> averages;
+  ISOSURFACE_RETURN_IF_ERROR(this->AverageCellArrays(image, isSelected, averages));
+  arrays.insert(arrays.end(), averages.begin(), averages.end());
   for (vtkDataArray* array : arrays)
   {
     const std::string name = GetNameOf(array);
@@ -72,6 +78,24 @@ Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelect
       this->Piece.Arrays.push_back(view);
     }
     this->Owners.push_back(samples->Array);
+  }
+  return Status::Ok();
+}
+
+Status LocalVolume::AverageCellArrays(vtkImageData* image, const Selection& isSelected,
+  std::vector<vtkSmartPointer<vtkDataArray>>& averages) const
+{
+  vtkCellData* cells = image->GetCellData();
+  for (int index = 0; this->WithCells && index < cells->GetNumberOfArrays(); ++index)
+  {
+    vtkDataArray* array = cells->GetArray(index);
+    if (array && array != image->GetCellGhostArray() && isSelected(GetNameOf(array)) &&
+      !image->GetPointData()->HasArray(GetNameOf(array).c_str()))
+    {
+      const auto average = AverageToPoints(image, array, ChooseThreadCount(1));
+      ISOSURFACE_RETURN_IF_ERROR(average.GetStatus());
+      averages.push_back(*average);
+    }
   }
   return Status::Ok();
 }

@@ -31,12 +31,13 @@ struct ISOSURFACEWRITERS_EXPORT LocalVolume
   std::vector<ArrayDescription> Arrays;
   VolumePiece Piece;
   std::vector<vtkSmartPointer<vtkDataArray>> Owners;
+  bool WithCells = false; ///< whether CollectArrays takes cell arrays, too
 
   /// Which arrays to take, by name.
   using Selection = std::function<bool(const std::string& name)>;
 
   /// Takes the numeric point arrays of an image that is a piece of the grid; the active scalars
-  /// come first.
+  /// come first. Then, if wanted, averages at points of the cell arrays of other names.
   Status CollectArrays(vtkImageData* image, const Selection& isSelected);
 
   /**
@@ -44,6 +45,10 @@ struct ISOSURFACEWRITERS_EXPORT LocalVolume
    * from the others; ranks that have different ideas of them get an error.
    */
   Status Agree(Communicator& ranks);
+
+private:
+  Status AverageCellArrays(vtkImageData* image, const Selection& isSelected,
+    std::vector<vtkSmartPointer<vtkDataArray>>& averages) const;
 };
 
 } // namespace isosurface

@@ -37,22 +37,24 @@ void AskForExtent(vtkInformation* information, const int extent[6])
 } // namespace
 
 PipelineSource::PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information,
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays, bool withCells)
   : Input(input)
   , Information(information)
   , Grid(grid)
   , Arrays(arrays)
   , Box{ { 0, 0, 0 }, grid.GetDimensions() }
+  , WithCells(withCells)
 {
 }
 
-void PipelineSource::AskForFirstSlice(vtkInformation* information)
+void PipelineSource::AskForFirstSlice(vtkInformation* information, bool withCells)
 {
   if (information->Has(Pipeline::WHOLE_EXTENT()))
   {
     int extent[6];
     information->Get(Pipeline::WHOLE_EXTENT(), extent);
-    extent[5] = extent[4];
+    // A slice of cells has two of vertices.
+    extent[5] = std::min(extent[5], extent[4] + (withCells ? 1 : 0));
     AskForExtent(information, extent);
   }
 }
@@ -70,12 +72,15 @@ std::uint64_t PipelineSource::GetReadBytes(const VertexBox& box) const
 vtkImageData* PipelineSource::UpdateInput(const VertexBox& box)
 {
   int extent[6];
+  const std::int64_t layers = this->WithCells ? 1 : 0;
   for (int axis = 0; axis < 3; ++axis)
   {
     const auto index = static_cast<std::size_t>(axis);
     const std::int64_t first = this->Grid.Extent[2 * index];
-    extent[2 * axis] = static_cast<int>(first + box.Low[index]);
-    extent[2 * axis + 1] = static_cast<int>(first + box.High[index] - 1);
+    const std::int64_t low = std::max<std::int64_t>(0, box.Low[index] - layers);
+    const std::int64_t high = std::min(this->Box.High[index], box.High[index] + layers);
+    extent[2 * axis] = static_cast<int>(first + low);
+    extent[2 * axis + 1] = static_cast<int>(first + high - 1);
   }
   vtkNew<vtkInformationVector> requests;
   requests->SetNumberOfInformationObjects(this->Input->GetIndex() + 1);
@@ -131,6 +136,7 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
   }
   auto local = std::make_shared<LocalVolume>();
   local->Grid = this->Grid;
+  local->WithCells = this->WithCells;
   ISOSURFACE_RETURN_IF_ERROR(local->CollectArrays(image,
     [this](const std::string& name)
     {

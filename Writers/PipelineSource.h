@@ -30,11 +30,12 @@ class ISOSURFACEWRITERS_EXPORT PipelineSource : public SlabSource
 public:
   /// `input` is asked for what `information` (of the input) has for the time; both outlive this.
   /// Of the input's arrays those that `arrays` names are taken, in that order.
+  /// `withCells`: some of them may be averages of cell arrays, for which a layer more is asked for.
   PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information, const GridGeometry& grid,
-    const std::vector<ArrayDescription>& arrays);
+    const std::vector<ArrayDescription>& arrays, bool withCells = false);
 
   /// Asks for the smallest piece that tells which arrays there are.
-  static void AskForFirstSlice(vtkInformation* information);
+  static void AskForFirstSlice(vtkInformation* information, bool withCells = false);
 
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
@@ -51,6 +52,7 @@ private:
   GridGeometry Grid;
   std::vector<ArrayDescription> Arrays;
   VertexBox Box;
+  bool WithCells;
 };
 
 } // namespace isosurface

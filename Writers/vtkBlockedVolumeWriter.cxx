@@ -66,6 +66,7 @@ vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
   , CompressionLevel(0)
   , MemoryLimit(0)
   , ChooseArraysToWrite(false)
+  , WriteCellArrays(false)
   , AppendTimeStep(false)
   , WriteAllTimeSteps(false)
   , Controller(nullptr)
@@ -144,14 +145,15 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
     if (this->MemoryLimit > 0)
     {
       // Enough to learn of the arrays; WriteData() asks for the rest.
-      isosurface::PipelineSource::AskForFirstSlice(inInfo);
+      isosurface::PipelineSource::AskForFirstSlice(inInfo, this->WriteCellArrays);
       return 1;
     }
     if (this->Controller)
     {
       inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), this->Controller->GetLocalProcessId());
       inInfo->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), this->Controller->GetNumberOfProcesses());
-      inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+      // Averages at the border of a piece need one cell beyond it.
+      inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), this->WriteCellArrays ? 1 : 0);
       return 1;
     }
   }
@@ -193,7 +195,9 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
     inInfo->Get(Pipeline::WHOLE_EXTENT(), whole);
   }
   local.Grid = isosurface::MakeGridGeometry(image, whole);
-  local.Piece.Box = isosurface::MakeVertexBox(local.Grid, image->GetExtent());
+  local.WithCells = this->Owner.WriteCellArrays;
+  local.Piece.Box = local.WithCells ? isosurface::FindOwnVertices(local.Grid, image)
+                                    : isosurface::MakeVertexBox(local.Grid, image->GetExtent());
   if (!isosurface::FindBlanking(local.Grid, image).IsEmpty())
   {
     return Status(StatusCode::InvalidArgument,
@@ -205,16 +209,17 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
   {
     local.Time = { 1, this->Owner.TimeSteps[this->Owner.TimeIndex] };
   }
-  else if (image->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()))
+  else if (const auto time = isosurface::FindTime(image))
   {
-    local.Time = { 1, image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) };
+    local.Time = { 1, *time };
   }
   else if (this->Owner.AppendTimeStep && inInfo->Has(Pipeline::UPDATE_TIME_STEP()))
   {
     local.Time = { 1, inInfo->Get(Pipeline::UPDATE_TIME_STEP()) };
   }
-  const auto choice = isosurface::ArrayChoice::Make(
-    image, this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr);
+  const auto choice = isosurface::ArrayChoice::Make(image,
+    this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr,
+    this->Owner.WriteCellArrays);
   ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
   const bool isFirst = this->Owner.TimeIndex == 0 &&
     (!this->Owner.Controller || this->Owner.Controller->GetLocalProcessId() == 0);
@@ -256,7 +261,7 @@ Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume&
   if (this->Owner.MemoryLimit > 0)
   {
     source = std::make_unique<isosurface::PipelineSource>(this->Owner.GetInputConnection(0, 0),
-      this->Owner.GetInputInformation(), local.Grid, local.Arrays);
+      this->Owner.GetInputInformation(), local.Grid, local.Arrays, local.WithCells);
   }
   else
   {
@@ -333,6 +338,7 @@ void vtkBlockedVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "CompressionLevel: " << this->CompressionLevel << "\n";
   os << indent << "MemoryLimit: " << this->MemoryLimit << "\n";
   os << indent << "ChooseArraysToWrite: " << this->ChooseArraysToWrite << "\n";
+  os << indent << "WriteCellArrays: " << this->WriteCellArrays << "\n";
   os << indent << "PointDataArraySelection:\n";
   this->PointDataArraySelection->PrintSelf(os, indent.GetNextIndent());
   os << indent << "AppendTimeStep: " << this->AppendTimeStep << "\n";

@@ -138,6 +138,16 @@ public:
 
   ///@{
   /**
+   * Whether cell arrays are written, too, averaged to points as vtkCellDataToPointData does, unless
+   * there is a point array of the name. ChooseArraysToWrite chooses among them as well. Default off.
+   */
+  vtkSetMacro(WriteCellArrays, bool);
+  vtkGetMacro(WriteCellArrays, bool);
+  vtkBooleanMacro(WriteCellArrays, bool);
+  ///@}
+
+  ///@{
+  /**
    * Whether the input is added to an existing file, as another time step; a new file gets it as
    * its first time step. Default off: a file is replaced. The time is that of the input
    * (DATA_TIME_STEP, else UPDATE_TIME_STEP) and must be greater than that of the file's last time
@@ -203,6 +213,7 @@ private:
   int CompressionLevel;
   int MemoryLimit;
   bool ChooseArraysToWrite;
+  bool WriteCellArrays;
   bool AppendTimeStep;
   bool WriteAllTimeSteps;
   vtkMultiProcessController* Controller;

@@ -84,7 +84,9 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
       return Status::Ok();
     }
     // The estimate was too low.
-    ++choice->Level;
+    choice = ChooseLevel(
+      task.Volume, task.Query, choice->Level + 1, budget, this->Rate, ranks, reading);
+    ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
     choice->Limit = LevelLimit::Triangles;
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Store/BlockSearch.h"
 
+#include "Store/BlockDealing.h"
+
 #include <algorithm>
 #include <iterator>
 
@@ -9,7 +11,7 @@ namespace isosurface
 
 std::vector<BlockSearch::Share> BlockSearch::ListShares() const
 {
-  const std::uint32_t stores = this->Stores.GetParts()[this->Stored.Part].Header.NumberOfStores;
+  const std::uint32_t stores = this->GetNumberOfStores();
   std::vector<Share> shares;
   if (this->Ranks > stores)
   {
@@ -38,6 +40,13 @@ Result<BlockReference> BlockSearch::MakeReference(
 Result<std::vector<BlockReference>> BlockSearch::FindActive(
   std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
 {
+  // Each rank would query the trees of all stores.
+  constexpr std::uint32_t maximumStores = 64;
+  const std::uint32_t stores = this->GetNumberOfStores();
+  if (this->DealsBlocks && this->Ranks > 1 && (stores <= maximumStores || stores < this->Ranks))
+  {
+    return this->FindDealt(variable, isovalues, selection);
+  }
   std::vector<BlockReference> references;
   for (const Share& share : this->ListShares())
   {
@@ -47,6 +56,29 @@ Result<std::vector<BlockReference>> BlockSearch::FindActive(
       ISOSURFACE_RETURN_IF_ERROR(this->Stores.CheckNotRewritten(this->TimeStep));
       return status;
     }
+  }
+  this->Statistics.ActiveBlocks += references.size();
+  return references;
+}
+
+Result<std::vector<BlockReference>> BlockSearch::FindDealt(
+  std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
+{
+  const BlockDealing dealing(this->Ranks);
+  std::vector<BlockReference> references;
+  for (std::uint32_t store = 0; store < this->GetNumberOfStores(); ++store)
+  {
+    std::vector<BlockReference> found;
+    const Status status = this->AddActive({ store, 0, 1 }, variable, isovalues, selection, found);
+    if (!status.IsOk())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->Stores.CheckNotRewritten(this->TimeStep));
+      return status;
+    }
+    std::copy_if(found.begin(), found.end(), std::back_inserter(references),
+      [&](const BlockReference& block) {
+        return dealing.FindRank(this->Stored.Grid->GetBlockCoordinates(block.Block)) == this->Rank;
+      });
   }
   this->Statistics.ActiveBlocks += references.size();
   return references;

@@ -20,14 +20,16 @@ namespace isosurface
 class BlockSearch
 {
 public:
+  /// `dealsBlocks`: see BlockedVolume::DealBlocks.
   BlockSearch(VolumeStores& stores, std::size_t timeStep, int level, int rank, int ranks,
-    QueryStatistics& statistics)
+    bool dealsBlocks, QueryStatistics& statistics)
     : Stores(stores)
     , TimeStep(timeStep)
     , Level(level)
     , Stored(stores.FindLevel(level))
     , Rank(static_cast<std::uint32_t>(rank))
     , Ranks(static_cast<std::uint32_t>(ranks))
+    , DealsBlocks(dealsBlocks)
     , Statistics(statistics)
   {
   }
@@ -55,6 +57,13 @@ private:
   };
 
   std::vector<Share> ListShares() const;
+  std::uint32_t GetNumberOfStores() const
+  {
+    return this->Stores.GetParts()[this->Stored.Part].Header.NumberOfStores;
+  }
+  /// This rank's blocks among those of all stores that FindActive would find.
+  Result<std::vector<BlockReference>> FindDealt(
+    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
   Status AddActive(const Share& share, std::size_t variable, const std::vector<double>& isovalues,
     const BlockSelection& selection, std::vector<BlockReference>& references);
   /// All blocks of a store that are active or inside, as far as the selection has them.
@@ -69,6 +78,7 @@ private:
   StoredLevel Stored;
   std::uint32_t Rank;
   std::uint32_t Ranks;
+  bool DealsBlocks;
   QueryStatistics& Statistics;
 };
 

@@ -165,7 +165,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, statistics);
+  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, this->AreBlocksDealt, statistics);
   return RunWithinMemory(
     this->GetPath(), [&] { return search.FindActive(variable, isovalues, selection); });
 }
@@ -176,7 +176,7 @@ Result<std::vector<BlockReference>> BlockedVolume::GetShare(
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0, level));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, statistics);
+  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, false, statistics);
   return RunWithinMemory(this->GetPath(), [&] { return search.FindAll(); });
 }
 

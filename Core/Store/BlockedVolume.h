@@ -12,6 +12,7 @@
 #include "Volume/BlockGrid.h"
 #include "Volume/BlockSelection.h"
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -29,7 +30,8 @@ class VolumeStores;
  *
  * P ranks share D stores: with P <= D, rank r takes the stores d with d mod P == r; with P > D, the
  * ranks r with r mod D == d share store d, and each takes a contiguous run of the blocks in the
- * order of their ordinals. No rank needs another one to know its share.
+ * order of their ordinals. With DealBlocks they share the active blocks instead. No rank needs
+ * another one to know its share.
  *
  * Errors name file and reason: Corrupt, NotFound (a store is missing, or the volume was rewritten
  * since it was opened and must be opened anew), IoError.
@@ -59,6 +61,15 @@ public:
   int GetNumberOfLevels() const;
   /// `level` must be one of the volume's.
   StoredLevel FindLevel(int level) const;
+
+  /**
+   * Whether ranks share the active blocks of all stores (BlockDealing), for which every rank must
+   * reach every store: then each has about as many triangles as any other, whatever the numbers of
+   * ranks and stores. Cost: each rank queries the trees of all stores, and reads the directory pages
+   * of all active blocks. If there are more than 64 stores, and at least as many as ranks, ranks
+   * share whole stores nevertheless. Off at first. Must be the same on all ranks.
+   */
+  void DealBlocks(bool dealt) { this->AreBlocksDealt = dealt; }
 
   /**
    * Finds the blocks of this rank's share that an isosurface of one of the isovalues crosses (some
@@ -138,6 +149,7 @@ private:
 
   std::unique_ptr<VolumeStores> Stores;
   std::shared_ptr<BlockCache> Cache;
+  std::atomic<bool> AreBlocksDealt{ false };
 };
 
 } // namespace isosurface

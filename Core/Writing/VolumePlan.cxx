@@ -111,8 +111,10 @@ Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(FileSystem& file
   }
   if (!settings.Time)
   {
-    return Status(
-      StatusCode::InvalidArgument, path + ": cannot be appended to: the time step has no time");
+    return Status(StatusCode::InvalidArgument,
+      path +
+        ": cannot be appended to: the time step has no time: give it one (--time), or write a "
+        "series with WriteAllTimeSteps");
   }
   if (pending || !files.Exists(path))
   {

@@ -280,6 +280,43 @@ TEST(StabbingContourPieces, MultiBlockDataSetEqualsTheWholeImage)
   ExpectWholeSurface(blocks, whole);
 }
 
+// Normals, too: each image needs the samples of its neighbours, which it does not have.
+TEST(StabbingContourPieces, ImagesThatMeetWithoutGhostLayersEqualTheWholeImage)
+{
+  const auto whole = MakeWhole();
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  for (const Extent& part : CutExtent(Whole))
+  {
+    blocks->SetBlock(blocks->GetNumberOfBlocks(), CutImage(whole, part));
+  }
+  ExpectWholeSurface(blocks, whole);
+}
+
+// The images on one side of the seam are smaller, and one of them is not there.
+TEST(StabbingContourPieces, NormalsAreOneSidedWhereNoImageMeets)
+{
+  const auto whole = MakeImage(
+    { 0, 40, 0, 40, 0, 33 }, VTK_FLOAT, [](int i, int j, int k) { return 2.0 * i - j + 2.0 * k; });
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  const Extent parts[] = { { 0, 20, 0, 40, 0, 33 }, { 20, 40, 0, 13, 0, 33 },
+    { 20, 40, 13, 40, 0, 11 } };
+  for (unsigned int n = 0; n < 3; ++n)
+  {
+    blocks->SetBlock(n, CutImage(whole, parts[n]));
+  }
+  const auto surface = Contour(blocks, { 30.25 });
+  ASSERT_GT(surface->GetNumberOfPoints(), 1000);
+  const double expected[3] = { -2.0 / 3, 1.0 / 3, -2.0 / 3 };
+  for (vtkIdType point = 0; point < surface->GetNumberOfPoints(); ++point)
+  {
+    const double* normal = surface->GetPointData()->GetNormals()->GetTuple(point);
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      ASSERT_NEAR(normal[axis], expected[axis], 1e-5);
+    }
+  }
+}
+
 TEST(StabbingContourPieces, NestedCompositesEqualTheWholeImage)
 {
   const auto whole = MakeWhole();

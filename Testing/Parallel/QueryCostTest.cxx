@@ -95,11 +95,16 @@ TEST_P(QueryCost, TreePagesAreFew)
 {
   ContourPipeline pipeline(this->Path);
   const Cost cost = SumCost(pipeline.Update({ 60.5 }));
-  // A tree of so few blocks is one leaf below its header. A rank opens its own stores; where there
-  // are more ranks than stores, each of them opens one.
-  const int opened = std::max(GetParam(), GetNumberOfRanks());
+  // A tree of so few blocks is one leaf below its header. Every rank queries all stores.
   EXPECT_GT(cost.TreePagesRead, 0u);
-  EXPECT_LE(cost.TreePagesRead, 2u * static_cast<unsigned int>(opened));
+  EXPECT_LE(cost.TreePagesRead, 2u * static_cast<unsigned int>(GetParam() * GetNumberOfRanks()));
+  // A rank with stores of its own opens these; where there are more ranks than stores, one.
+  ContourPipeline ofLocalStores(this->Path);
+  ofLocalStores.Reader->LocalStoresOn();
+  const Cost local = SumCost(ofLocalStores.Update({ 60.5 }));
+  const int opened = std::max(GetParam(), GetNumberOfRanks());
+  EXPECT_LE(local.TreePagesRead, 2u * static_cast<unsigned int>(opened));
+  EXPECT_EQ(local.ActiveBlocks, cost.ActiveBlocks);
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, QueryCost, testing::Values(1, 4, 7));

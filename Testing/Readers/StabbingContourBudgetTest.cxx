@@ -79,6 +79,45 @@ TEST_F(StabbingContourBudget, OfTrianglesIsNeverExceeded)
   EXPECT_EQ(this->GetLevel(), 0) << "exact counts stand in the contour spectrum";
 }
 
+// Every other vertex is noise, all others are low: level 1 has more triangles than a fourth of level
+// 0's, so an estimate of it is too low.
+TEST_F(StabbingContourBudget, EstimateIsThatOfTheLevelThatIsShown)
+{
+  const auto image = MakeImage({ 0, 90, 0, 80, 0, 70 }, VTK_SHORT,
+    [noise = MakeNoise(200, 5)](int i, int j, int k) mutable
+    { return i % 2 == 0 && j % 2 == 0 && k % 2 == 0 ? noise(i, j, k) : 0.0; });
+  WriteVolume(image, this->Path, { 16, 3, vtkBlockedVolumeWriter::RANDOM });
+  this->Reader->Modified();
+  const auto getEstimate = [this]
+  {
+    vtkDataArray* estimate =
+      this->Contour->GetOutput()->GetFieldData()->GetArray("EstimatedTriangles");
+    return estimate ? estimate->GetTuple1(0) : -1.0;
+  };
+  bool wasEstimateTooLow = false;
+  for (const double share : { 0.9, 0.5, 0.3, 0.2, 0.1 })
+  {
+    const auto most = static_cast<vtkIdType>(share * static_cast<double>(this->CountTriangles(0)));
+    this->Contour->SetMaximumTriangles(most);
+    this->Contour->Update();
+    const int level = this->GetLevel();
+    const double estimate = getEstimate();
+    for (int finer = 1; finer < level; ++finer)
+    {
+      this->Contour->SetLevel(finer);
+      this->Contour->SetMaximumTriangles(1 << 30);
+      this->Contour->Update();
+      wasEstimateTooLow = wasEstimateTooLow || getEstimate() <= static_cast<double>(most);
+    }
+    this->Contour->SetLevel(level);
+    this->Contour->SetMaximumTriangles(1 << 30);
+    this->Contour->Update();
+    ASSERT_EQ(this->GetLevel(), level);
+    EXPECT_EQ(estimate, getEstimate()) << share;
+  }
+  EXPECT_TRUE(wasEstimateTooLow);
+}
+
 TEST_F(StabbingContourBudget, OfTimeGoesFromTheCoarsestLevelToTheFinest)
 {
   this->Contour->SetTimeBudget(1e-9);

@@ -199,6 +199,17 @@ class WritesVectorsAndTimeSteps(Case):
         self.assertEqual(code, 1)
         self.assertIn('has only cell arrays ("cells")', err)
 
+    def test_cells_are_averaged_on_request(self):
+        for memory in ("7", "500"):
+            path = self.write(os.path.join(INPUTS, "flow_and_cells.vti"), "c.bvol", "--cells",
+                              "--memory", memory)
+            self.assertEqual([a["name"] for a in BlockedVolume(path).arrays][-1], "cells")
+            path = self.write(os.path.join(INPUTS, "cells.vti"), "c.bvol", "--cells",
+                              "--memory", memory)
+            volume = BlockedVolume(path)
+            self.assertEqual([a["name"] for a in volume.arrays], ["cells"])
+            self.assertEqual(volume.header["timeSteps"][0]["ranges"][0], [1, 1])
+
     def test_time_steps_are_appended(self):
         source = os.path.join(INPUTS, "a.mhd")
         path = self.write(source, "t.bvol", "--stores", "2", "--time", "0.5")

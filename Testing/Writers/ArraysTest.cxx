@@ -7,6 +7,7 @@
 #include "vtkStabbingContour.h"
 
 #include "vtkCellData.h"
+#include "vtkCellDataToPointData.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkDataArraySelection.h"
@@ -22,6 +23,7 @@
 #include "vtkTrivialProducer.h"
 
 #include <array>
+#include <cmath>
 #include <map>
 
 namespace isosurface
@@ -327,6 +329,43 @@ TEST_F(Arrays, OfCellsBesideThoseOfPointsAreWarnedOf)
   EXPECT_EQ(warnings, "");
   EXPECT_TRUE(this->Write(CutImage(image, Grid, { -3, 30, 2, 22, -35, -15 }), errors, warnings));
   EXPECT_EQ(warnings, "");
+}
+
+TEST_F(Arrays, OfCellsAreAveragedOnRequest)
+{
+  const auto image = MakeImage(Grid, VTK_SHORT, MakeWaves(100));
+  vtkNew<vtkFloatArray> pressure;
+  pressure->SetName("pressure");
+  for (vtkIdType cell = 0; cell < image->GetNumberOfCells(); ++cell)
+  {
+    pressure->InsertNextValue(static_cast<float>(std::sin(0.3 * static_cast<double>(cell))));
+  }
+  image->GetCellData()->AddArray(pressure);
+  vtkNew<vtkCellDataToPointData> convert;
+  convert->SetInputData(image);
+  convert->Update();
+  auto* expected = vtkImageData::SafeDownCast(convert->GetOutput());
+
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  const ErrorCounter errors(writer);
+  writer->SetInputData(image);
+  writer->SetFileName(this->Path.c_str());
+  writer->WriteCellArraysOn();
+  EXPECT_EQ(writer->Write(), 1);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_EQ(this->ListArrays(), (std::vector<std::string>{ "density", "pressure" }));
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(this->Path.c_str());
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "pressure");
+  contour->SetValue(0, 0.25);
+  contour->Update();
+  EdgeSurface surface;
+  surface.Add(contour->GetOutput());
+  expected->GetPointData()->SetActiveScalars("pressure");
+  EXPECT_FALSE(surface.Triangles.empty());
+  EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(expected, 0.25)));
 }
 
 TEST_F(Arrays, AreChosenByName)

@@ -6,6 +6,7 @@
 
 #include "vtkBlockedVolumeWriter.h"
 
+#include "vtkCellDataToPointData.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
 #include "vtkImageAlgorithm.h"
@@ -14,6 +15,7 @@
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkPointDataToCellData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <gtest/gtest.h>
@@ -106,7 +108,7 @@ std::map<std::string, std::string> ReadFiles(const std::string& path)
 class BlockedVolumeStreaming : public testing::Test
 {
 protected:
-  bool Write(vtkAlgorithm* input, const char* name, int memoryLimit)
+  bool Write(vtkAlgorithm* input, const char* name, int memoryLimit, bool withCells = false)
   {
     vtkNew<vtkBlockedVolumeWriter> writer;
     writer->SetInputConnection(input->GetOutputPort());
@@ -115,6 +117,7 @@ protected:
     writer->SetBlockSize(16);
     writer->SetNumberOfStores(3);
     writer->SetMemoryLimit(memoryLimit);
+    writer->SetWriteCellArrays(withCells);
     return writer->Write() == 1 && writer->GetErrorCode() == 0;
   }
   std::map<std::string, std::string> Read(const char* name) const
@@ -126,6 +129,22 @@ protected:
 };
 
 } // namespace
+
+TEST_F(BlockedVolumeStreaming, AveragesOfCellsAreThoseOfTheWhole)
+{
+  vtkNew<SlabMaker> points;
+  vtkNew<vtkPointDataToCellData> cells;
+  cells->SetInputConnection(points->GetOutputPort());
+  ASSERT_TRUE(this->Write(cells, "slabs.bvol", 8, true));
+  EXPECT_GT(points->Requests, 3);
+  ASSERT_TRUE(this->Write(cells, "whole.bvol", 0, true));
+  vtkNew<vtkCellDataToPointData> convert;
+  convert->SetInputConnection(cells->GetOutputPort());
+  convert->Update();
+  ASSERT_TRUE(this->Write(convert, "points.bvol", 0));
+  EXPECT_TRUE(this->Read("slabs.bvol") == this->Read("points.bvol"));
+  EXPECT_TRUE(this->Read("whole.bvol") == this->Read("points.bvol"));
+}
 
 TEST_F(BlockedVolumeStreaming, AsksForSlabsWithinTheMemoryLimit)
 {

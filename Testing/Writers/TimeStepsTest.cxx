@@ -8,6 +8,8 @@
 #include "vtkBlockedVolumeReader.h"
 #include "vtkStabbingContour.h"
 
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkPartitionedDataSet.h"
@@ -175,6 +177,25 @@ TEST_F(TimeSteps, WithoutATimeCannotBeAppended)
   EXPECT_EQ(this->Writer->Write(), 0);
   ASSERT_EQ(errors.Messages.size(), 1u);
   EXPECT_NE(errors.Messages[0].find("has no time"), std::string::npos);
+  EXPECT_NE(errors.Messages[0].find("--time"), std::string::npos);
+  EXPECT_NE(errors.Messages[0].find("WriteAllTimeSteps"), std::string::npos);
+}
+
+// As readers of single files give it.
+TEST_F(TimeSteps, OfAFieldTimeValueAreAppended)
+{
+  for (const double time : { 0.5, 2.0 })
+  {
+    const auto image = TimeSource::MakeImageAt(0);
+    vtkNew<vtkDoubleArray> value;
+    value->SetName("TimeValue");
+    value->InsertNextValue(time);
+    image->GetFieldData()->AddArray(value);
+    this->Writer->SetInputData(image);
+    this->Writer->SetAppendTimeStep(true);
+    EXPECT_EQ(this->Writer->Write(), 1);
+  }
+  EXPECT_EQ(this->ListTimes(), (std::vector<double>{ 0.5, 2.0 }));
 }
 
 TEST_F(TimeSteps, StoppedOnTheWayLeaveTheOldFile)

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Query/PieceLayers.h"
+
+#include "Contour/CellVisibility.h"
+#include "Volume/PieceOwnership.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+// What all ranks know of a piece.
+struct PlacedPiece
+{
+  std::int64_t Grid = 0;
+  std::int64_t Type = 0;
+  VertexBox Needed; ///< with the layer
+  VertexBox Available;
+};
+static_assert(std::is_trivially_copyable_v<PlacedPiece>, "pieces travel as bytes");
+
+// A part of a piece's layer, and who has it.
+struct Supply
+{
+  VertexBox Box;
+  int Rank = 0;
+  std::size_t Piece = 0; ///< of that rank
+};
+
+VertexBox AddLayer(const VertexBox& box, const Index3& dimensions)
+{
+  VertexBox grown = box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    grown.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
+    grown.High[axis] = std::min(dimensions[axis], box.High[axis] + 1);
+  }
+  return grown;
+}
+
+// Calls functor(vertex) for each vertex of a box, x fastest.
+template <typename Functor>
+void VisitVertices(const VertexBox& box, const Functor& functor)
+{
+  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+  {
+    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+    {
+      for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+      {
+        functor(Index3{ i, j, k });
+      }
+    }
+  }
+}
+
+std::size_t FindIndex(const VertexBox& box, const Index3& vertex)
+{
+  const Index3 size = box.GetSize();
+  return static_cast<std::size_t>(vertex[0] - box.Low[0] +
+    size[0] * (vertex[1] - box.Low[1] + size[1] * (vertex[2] - box.Low[2])));
+}
+
+// By rank, then by number.
+std::vector<std::vector<PlacedPiece>> GatherPieces(
+  Communicator& ranks, const std::vector<LayeredPiece>& pieces)
+{
+  Message mine(pieces.size() * sizeof(PlacedPiece));
+  for (std::size_t n = 0; n < pieces.size(); ++n)
+  {
+    const SampleView& scalars = pieces[n].Scalars;
+    PlacedPiece placed;
+    placed.Grid = static_cast<std::int64_t>(pieces[n].Grid);
+    placed.Type = static_cast<std::int64_t>(scalars.Type);
+    placed.Needed =
+      scalars.Box.IsEmpty() ? scalars.Box : AddLayer(scalars.Box, pieces[n].Dimensions);
+    placed.Available = scalars.Available;
+    std::memcpy(&mine[n * sizeof(placed)], &placed, sizeof(placed));
+  }
+  std::vector<std::vector<PlacedPiece>> all;
+  for (const Message& message : ranks.AllGather(mine))
+  {
+    all.emplace_back(message.size() / sizeof(PlacedPiece));
+    if (!message.empty())
+    {
+      std::memcpy(all.back().data(), message.data(), message.size());
+    }
+  }
+  return all;
+}
+
+// The parts of the layer that a piece needs, each from the first piece that has it.
+std::vector<Supply> FindSupplies(
+  const std::vector<std::vector<PlacedPiece>>& all, const PlacedPiece& piece)
+{
+  std::vector<Supply> supplies;
+  if (piece.Needed.IsEmpty())
+  {
+    return supplies;
+  }
+  std::vector<VertexBox> missing = SubtractBox(piece.Needed, piece.Available);
+  for (std::size_t rank = 0; rank < all.size() && !missing.empty(); ++rank)
+  {
+    for (std::size_t n = 0; n < all[rank].size() && !missing.empty(); ++n)
+    {
+      const PlacedPiece& other = all[rank][n];
+      if (other.Grid != piece.Grid || other.Type != piece.Type)
+      {
+        continue;
+      }
+      for (const VertexBox& rest : missing)
+      {
+        const VertexBox part = rest.Intersect(other.Available);
+        if (!part.IsEmpty())
+        {
+          supplies.push_back({ part, static_cast<int>(rank), n });
+        }
+      }
+      missing = SubtractBox(missing, other.Available);
+    }
+  }
+  return supplies;
+}
+
+// Appends the samples of a box, then a byte for each that says whether it is known.
+void AppendPart(const LayeredPiece& piece, const VertexBox& box, Message& message)
+{
+  BlockSamples samples;
+  samples.Scalars = piece.Scalars;
+  samples.Hidden = &piece.Hidden;
+  const CellVisibility visibility(samples, false);
+  const std::size_t valueSize = GetValueSize(piece.Scalars.Type);
+  const std::size_t first = message.size();
+  const auto count = static_cast<std::size_t>(box.GetNumberOfVertices());
+  message.resize(first + count * (valueSize + 1));
+  std::uint8_t* to = &message[first];
+  std::uint8_t* known = to + count * valueSize;
+  DispatchValueType(piece.Scalars.Type,
+    [&](auto zero)
+    {
+      VisitVertices(box,
+        [&](const Index3& vertex)
+        {
+          std::memcpy(to, piece.Scalars.At<decltype(zero)>(vertex), valueSize);
+          to += valueSize;
+          *known++ = visibility.IsKnown(vertex) ? 1 : 0;
+        });
+    });
+}
+
+} // namespace
+
+PieceLayers PieceLayers::Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces)
+{
+  const std::vector<std::vector<PlacedPiece>> all = GatherPieces(ranks, pieces);
+  std::vector<Message> outgoing(all.size());
+  bool isAnyNeeded = false;
+  std::vector<std::vector<Supply>> mine;
+  for (std::size_t rank = 0; rank < all.size(); ++rank)
+  {
+    for (const PlacedPiece& piece : all[rank])
+    {
+      const std::vector<Supply> supplies = FindSupplies(all, piece);
+      isAnyNeeded = isAnyNeeded || !supplies.empty();
+      for (const Supply& supply : supplies)
+      {
+        if (supply.Rank == ranks.GetRank())
+        {
+          AppendPart(pieces[supply.Piece], supply.Box, outgoing[rank]);
+        }
+      }
+      if (rank == static_cast<std::size_t>(ranks.GetRank()))
+      {
+        mine.push_back(supplies);
+      }
+    }
+  }
+  PieceLayers layers;
+  layers.Parts.resize(pieces.size());
+  if (!isAnyNeeded)
+  {
+    return layers; // on all ranks
+  }
+  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
+  std::vector<std::size_t> used(incoming.size(), 0);
+  for (std::size_t piece = 0; piece < pieces.size(); ++piece)
+  {
+    for (const Supply& supply : mine[piece])
+    {
+      const auto count = static_cast<std::size_t>(supply.Box.GetNumberOfVertices());
+      const std::size_t bytes = count * GetValueSize(pieces[piece].Scalars.Type);
+      const auto rank = static_cast<std::size_t>(supply.Rank);
+      const std::uint8_t* from = &incoming[rank][used[rank]];
+      Part& part = layers.Parts[piece].emplace_back();
+      part.Box = supply.Box;
+      part.Samples = Buffer<std::uint8_t>(bytes);
+      std::memcpy(part.Samples.GetData(), from, bytes);
+      part.Known.assign(from + bytes, from + bytes + count);
+      used[rank] += bytes + count;
+    }
+  }
+  return layers;
+}
+
+//------------------------------------------------------------------------------
+// Blocks
+
+/// A block's samples with the layer around it, and what is not known of them.
+struct LayeredBlockSource::Copy
+{
+  VertexBox Box;
+  std::size_t ValueSize = 0;
+  Buffer<std::uint8_t> Samples;
+  std::vector<std::uint8_t> HiddenVertices;
+  std::vector<std::uint8_t> HiddenCells;
+  Blanking Hidden;
+};
+
+LayeredBlockSource::LayeredBlockSource(
+  BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::Part>& layer)
+  : Inner(inner)
+  , Piece(piece)
+  , Layer(layer)
+{
+}
+
+VertexBox LayeredBlockSource::GetKnownSamples() const
+{
+  return AddLayer(this->Piece.Scalars.Box, this->Piece.Dimensions);
+}
+
+Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
+{
+  auto samples = this->Inner.Acquire(block);
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  SampleView& scalars = samples->Scalars;
+  const auto copy = std::make_shared<Copy>();
+  copy->Box = AddLayer(scalars.Box, this->Piece.Dimensions).Intersect(this->GetKnownSamples());
+  if (scalars.Available.Intersect(copy->Box) == copy->Box)
+  {
+    return samples;
+  }
+  const auto count = static_cast<std::size_t>(copy->Box.GetNumberOfVertices());
+  copy->ValueSize = GetValueSize(scalars.Type);
+  copy->Samples = Buffer<std::uint8_t>(count * copy->ValueSize);
+  std::memset(copy->Samples.GetData(), 0, count * copy->ValueSize);
+  copy->HiddenVertices.assign(count, 1);
+  this->CopyPiece(scalars, *copy);
+  this->CopyParts(*copy);
+  this->CopyHiddenCells(*copy);
+  const Index3 size = copy->Box.GetSize();
+  scalars.First = copy->Samples.GetData();
+  scalars.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
+    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
+  scalars.Available = copy->Box;
+  copy->Hidden.Box = copy->Box;
+  copy->Hidden.HidesCell = 1;
+  copy->Hidden.HidesVertex = 1;
+  const auto& flags = copy->HiddenVertices;
+  if (std::find(flags.begin(), flags.end(), 1) != flags.end())
+  {
+    copy->Hidden.Vertices = flags.data();
+  }
+  samples->Hidden = &copy->Hidden;
+  // Attributes are still those of the inner source.
+  samples->Owner = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<Copy>>>(
+    samples->Owner, copy);
+  return samples;
+}
+
+void LayeredBlockSource::CopyPiece(const SampleView& scalars, Copy& copy) const
+{
+  const Blanking& hidden = this->Piece.Hidden;
+  DispatchValueType(scalars.Type,
+    [&](auto zero)
+    {
+      VisitVertices(copy.Box.Intersect(scalars.Available),
+        [&](const Index3& vertex)
+        {
+          const std::size_t to = FindIndex(copy.Box, vertex);
+          std::memcpy(copy.Samples.GetData() + to * copy.ValueSize,
+            scalars.At<decltype(zero)>(vertex), copy.ValueSize);
+          const bool isHidden =
+            hidden.Vertices && (*hidden.AtVertex(vertex) & hidden.HidesVertex) != 0;
+          copy.HiddenVertices[to] = isHidden ? 1 : 0;
+        });
+    });
+}
+
+void LayeredBlockSource::CopyParts(Copy& copy) const
+{
+  for (const PieceLayers::Part& part : this->Layer)
+  {
+    VisitVertices(copy.Box.Intersect(part.Box),
+      [&](const Index3& vertex)
+      {
+        const std::size_t to = FindIndex(copy.Box, vertex);
+        const std::size_t from = FindIndex(part.Box, vertex);
+        std::memcpy(copy.Samples.GetData() + to * copy.ValueSize,
+          part.Samples.GetData() + from * copy.ValueSize, copy.ValueSize);
+        copy.HiddenVertices[to] = part.Known[from] != 0 ? 0 : 1;
+      });
+  }
+}
+
+void LayeredBlockSource::CopyHiddenCells(Copy& copy) const
+{
+  const Blanking& hidden = this->Piece.Hidden;
+  if (!hidden.Cells)
+  {
+    return;
+  }
+  VertexBox cells = copy.Box;
+  for (std::int64_t& high : cells.High)
+  {
+    --high;
+  }
+  copy.HiddenCells.assign(static_cast<std::size_t>(cells.GetNumberOfVertices()), 0);
+  VisitVertices(cells,
+    [&](const Index3& cell)
+    {
+      if (hidden.HasCell(cell) && (*hidden.AtCell(cell) & hidden.HidesCell) != 0)
+      {
+        copy.HiddenCells[FindIndex(cells, cell)] = 1;
+      }
+    });
+  copy.Hidden.Cells = copy.HiddenCells.data();
+}
+
+} // namespace isosurface

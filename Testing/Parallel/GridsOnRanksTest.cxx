@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Images in memory that ranks have parts of, without ghost layers, rectilinear and with cell arrays.
+#include "ParallelVolumes.h"
+
+#include "vtkStabbingContour.h"
+
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr Extent Whole{ -9, 60, 3, 47, 0, 38 };
+
+vtkSmartPointer<vtkImageData> MakeRough()
+{
+  return MakeImage(Whole, VTK_FLOAT,
+    [waves = MakeWaves(100.0), noise = MakeNoise(20, 7)](int i, int j, int k) mutable
+    { return waves(i, j, k) + noise(i, j, k); });
+}
+
+// This rank's slab of cells of the whole, with `layers` more on both sides.
+Extent CutSlab(int layers)
+{
+  Extent slab = Whole;
+  const int cells = Whole[1] - Whole[0];
+  slab[0] = std::max(Whole[0], Whole[0] + cells * GetRank() / GetNumberOfRanks() - layers);
+  slab[1] = std::min(Whole[1], Whole[0] + cells * (GetRank() + 1) / GetNumberOfRanks() + layers);
+  return slab;
+}
+
+vtkSmartPointer<vtkPolyData> ContourPiece(
+  vtkDataObject* input, int association = vtkDataObject::FIELD_ASSOCIATION_POINTS)
+{
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter errors(contour);
+  contour->SetController(GetRanks());
+  contour->SetInputDataObject(input);
+  contour->SetInputArrayToProcess(0, 0, 0, association, "density");
+  contour->SetValue(0, 8.0);
+  contour->Update();
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  return contour->GetOutput();
+}
+
+EdgeSurface Gather(vtkPolyData* mine)
+{
+  EdgeSurface surface;
+  surface.Add(mine);
+  EdgeSurface all = GatherSurfaces(surface);
+  all.MergeEqualPoints();
+  return all;
+}
+
+// A composite is contoured by all ranks together, whatever its whole extent.
+vtkSmartPointer<vtkMultiBlockDataSet> MakeBlocks(vtkDataSet* piece)
+{
+  auto blocks = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  blocks->SetBlock(0, piece);
+  return blocks;
+}
+
+} // namespace
+
+TEST(GridsOnRanks, ImagesThatMeetWithoutGhostLayersHaveTheSurfaceOfTheWhole)
+{
+  const auto whole = MakeRough();
+  const EdgeSurface all = Gather(ContourPiece(MakeBlocks(CutImage(whole, CutSlab(0)))));
+  if (GetRank() == 0)
+  {
+    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(whole, 8.0)));
+  }
+}
+
+TEST(GridsOnRanks, RectilinearGridsThatMeetHaveTheSurfaceOfTheWhole)
+{
+  const auto whole = MakeRough();
+  const auto makeLined = [](vtkImageData* image)
+  {
+    auto grid = vtkSmartPointer<vtkRectilinearGrid>::New();
+    grid->SetExtent(image->GetExtent());
+    grid->GetPointData()->ShallowCopy(image->GetPointData());
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      vtkNew<vtkDoubleArray> lines;
+      for (int n = image->GetExtent()[2 * axis]; n <= image->GetExtent()[2 * axis + 1]; ++n)
+      {
+        lines->InsertNextValue(n + 0.3 * std::sin(n));
+      }
+      axis == 0     ? grid->SetXCoordinates(lines)
+        : axis == 1 ? grid->SetYCoordinates(lines)
+                    : grid->SetZCoordinates(lines);
+    }
+    return grid;
+  };
+  const EdgeSurface all = Gather(ContourPiece(MakeBlocks(makeLined(CutImage(whole, CutSlab(0))))));
+  if (GetRank() == 0)
+  {
+    vtkNew<vtkStabbingContour> alone;
+    alone->SetController(nullptr);
+    alone->SetInputData(makeLined(whole));
+    alone->SetValue(0, 8.0);
+    alone->Update();
+    EdgeSurface expected;
+    expected.Add(alone->GetOutput());
+    EXPECT_FALSE(expected.Triangles.empty());
+    EXPECT_TRUE(AreEqual(all, expected));
+  }
+}
+
+TEST(GridsOnRanks, CellArraysWithGhostLayersHaveTheSurfaceOfTheWhole)
+{
+  const auto samples = MakeRough();
+  vtkNew<vtkImageData> whole;
+  whole->SetExtent(Whole[0], Whole[1] + 1, Whole[2], Whole[3] + 1, Whole[4], Whole[5] + 1);
+  whole->GetCellData()->SetScalars(samples->GetPointData()->GetScalars());
+  vtkNew<vtkImageData> piece;
+  piece->DeepCopy(whole);
+  Extent own = CutSlab(0);
+  Extent grown = CutSlab(2);
+  for (Extent* extent : { &own, &grown })
+  {
+    (*extent)[1] += (*extent)[1] == Whole[1] ? 1 : 0;
+    (*extent)[3] += 1;
+    (*extent)[5] += 1;
+  }
+  piece->Crop(grown.data());
+  piece->GenerateGhostArray(own.data(), true);
+  const EdgeSurface all =
+    Gather(ContourPiece(MakeBlocks(piece), vtkDataObject::FIELD_ASSOCIATION_CELLS));
+  if (GetRank() == 0)
+  {
+    vtkNew<vtkStabbingContour> alone;
+    alone->SetController(nullptr);
+    alone->SetInputData(whole);
+    alone->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "density");
+    alone->SetValue(0, 8.0);
+    alone->Update();
+    EdgeSurface expected;
+    expected.Add(alone->GetOutput());
+    EXPECT_FALSE(expected.Triangles.empty());
+    EXPECT_TRUE(AreEqual(all, expected));
+  }
+}
+
+TEST(GridsOnRanks, UnstructuredDataOnOneRankIsAnErrorOfAll)
+{
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter errors(contour);
+  const ErrorCounter pipelineErrors(contour->GetExecutive());
+  contour->SetController(GetRanks());
+  const bool isLast = GetRank() == GetNumberOfRanks() - 1;
+  vtkNew<vtkUnstructuredGrid> other;
+  contour->SetInputDataObject(
+    MakeBlocks(isLast ? static_cast<vtkDataSet*>(other) : MakeRough().Get()));
+  contour->SetValue(0, 8.0);
+  contour->Update();
+  EXPECT_EQ(errors.Messages.size(), 1u);
+  EXPECT_TRUE(!errors.Messages.empty() &&
+    errors.Messages.front().find("vtkUnstructuredGrid") != std::string::npos);
+}
+
+} // namespace isosurface
