@@ -28,7 +28,7 @@ Result<int> ChooseOnThisRank(BlockedVolume& volume, const SurfaceQuery& query, i
     chosen = level;
     if (level == finest)
     {
-      most = FirstSurfaceShare * *triangles;
+      most = std::min(FirstSurfaceTriangles, FirstSurfaceShare * *triangles);
     }
     else if (*triangles <= most)
     {

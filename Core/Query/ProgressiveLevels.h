@@ -14,9 +14,14 @@ namespace isosurface
 /// the final one.
 constexpr double FirstSurfaceShare = 1.0 / 20;
 
+/// The maximum number of triangles of the first surface: two cores extract and draw so many in
+/// about a tenth of a second.
+constexpr double FirstSurfaceTriangles = 400'000;
+
 /**
  * Chooses the level that a progressive extraction begins with: the finest one coarser than `finest`
- * whose surface has at most FirstSurfaceShare of the triangles at `finest`, by EstimateTriangles.
+ * whose surface has at most FirstSurfaceShare of the triangles at `finest`, and at most
+ * FirstSurfaceTriangles, by EstimateTriangles.
  * If no level is as coarse, or the surface is estimated to vanish there, it is the coarsest level
  * with triangles; `finest` itself if there is none coarser, or if it has no triangles.
  *
