@@ -15,6 +15,7 @@
 #include "pqTimer.h"
 #include "pqUndoStack.h"
 #include "pqView.h"
+#include "vtkPVLogger.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkSMViewProxy.h"
@@ -293,7 +294,13 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       this->AskAboutSize(watched.Source, report);
       return false;
     default:
-      this->Status->ShowEnd(isosurface::ReadLevel(contour), false);
+      if (isosurface::IsFinal(contour))
+      {
+        vtkVLogF(PARAVIEW_LOG_APPLICATION_VERBOSITY(), "%s: the surface is final",
+          contour->GetLogNameOrDefault());
+        this->Status->ShowEnd(isosurface::ReadLevel(contour), false);
+      }
+      // Else it was changed since, and is watched again when it has been updated.
       return false;
   }
 }
