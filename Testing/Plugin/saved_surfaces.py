@@ -14,7 +14,7 @@ def find(name):
 
 class SavedSurfaces(unittest.TestCase):
     def test_data_are_those_of_the_full_surface(self):
-        surface = simple.XMLPolyDataReader(FileName=[find("saved.vtp")])
+        surface = simple.PLYReader(FileNames=[find("saved.ply")])
         self.assertEqual(
             testing.count_cells(surface), testing.count_expected_triangles(testing.OTHER_ISOVALUE)
         )
