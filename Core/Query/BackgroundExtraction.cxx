@@ -39,7 +39,7 @@ BackgroundExtraction::BackgroundExtraction(Job job)
 
 BackgroundExtraction::~BackgroundExtraction()
 {
-  this->Stopped = true;
+  this->Stop();
   this->Thread.join();
 }
 

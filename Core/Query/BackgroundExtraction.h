@@ -42,6 +42,8 @@ public:
 
   const Job& GetJob() const { return this->Work; }
 
+  /// Asks it to stop, without waiting for that.
+  void Stop() { this->Stopped = true; }
   /// Sleeps until the extraction has ended, but not longer than this; whether it has.
   bool Wait(double seconds);
   /// The finished fraction, 0 to 1.

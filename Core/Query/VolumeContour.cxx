@@ -33,8 +33,18 @@ Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice
 
 void VolumeContour::Prepare(BackgroundExtraction::Job job)
 {
-  this->Prepared.reset();
+  this->DropPrepared();
+  this->Dropped.reset();
   this->Prepared = std::make_unique<BackgroundExtraction>(std::move(job));
+}
+
+void VolumeContour::DropPrepared()
+{
+  if (this->Prepared)
+  {
+    this->Prepared->Stop();
+    this->Dropped = std::move(this->Prepared);
+  }
 }
 
 Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget,

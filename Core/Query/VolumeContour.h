@@ -35,9 +35,9 @@ public:
 
   /// Begins to extract a surface beside the calling thread, in place of an earlier one.
   void Prepare(BackgroundExtraction::Job job);
-  /// Forgets the prepared surface. To be called when another volume or query is extracted next: that
-  /// of a prepared surface is not compared.
-  void DropPrepared() { this->Prepared.reset(); }
+  /// Forgets the prepared surface, whose threads end soon afterwards. To be called when another
+  /// volume or query is extracted next: that of a prepared surface is not compared.
+  void DropPrepared();
   /// The prepared surface, finished or not; null if there is none.
   BackgroundExtraction* GetPrepared() { return this->Prepared.get(); }
 
@@ -46,6 +46,7 @@ public:
 private:
   ExtractionRate Rate;
   std::unique_ptr<BackgroundExtraction> Prepared;
+  std::unique_ptr<BackgroundExtraction> Dropped; ///< so that nobody waits for its end
 };
 
 } // namespace isosurface

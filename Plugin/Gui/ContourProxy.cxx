@@ -55,20 +55,20 @@ int ReadLevel(vtkSMProxy* contour)
   return level ? static_cast<int>(level->GetComponentRange(0)[1]) : 0;
 }
 
-void CallOnServer(vtkSMProxy* contour, const char* method)
+void CallOnServer(vtkSMProxy* proxy, const char* method)
 {
   vtkClientServerStream stream;
-  stream << vtkClientServerStream::Invoke << VTKOBJECT(contour) << method
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(proxy) << method
          << vtkClientServerStream::End;
-  contour->GetSession()->ExecuteStream(contour->GetLocation(), stream);
+  proxy->GetSession()->ExecuteStream(proxy->GetLocation(), stream);
 }
 
-void CallOnServer(vtkSMProxy* contour, const char* method, int argument)
+void CallOnServer(vtkSMProxy* proxy, const char* method, int argument)
 {
   vtkClientServerStream stream;
-  stream << vtkClientServerStream::Invoke << VTKOBJECT(contour) << method << argument
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(proxy) << method << argument
          << vtkClientServerStream::End;
-  contour->GetSession()->ExecuteStream(contour->GetLocation(), stream);
+  proxy->GetSession()->ExecuteStream(proxy->GetLocation(), stream);
 }
 
 } // namespace isosurface

@@ -37,10 +37,10 @@ RefinementReport ReadRefinement(vtkSMProxy* contour);
 /// The level of its last surface, as the window knows it.
 int ReadLevel(vtkSMProxy* contour);
 
-/// Calls a method on all ranks of the server, without waiting for the end. Unlike
-/// vtkSMProxy::InvokeCommand this does not tell representations that the data has changed.
-void CallOnServer(vtkSMProxy* contour, const char* method);
-void CallOnServer(vtkSMProxy* contour, const char* method, int argument);
+/// Calls a method of a proxy's object wherever it is, on all ranks, without waiting for the end.
+/// Unlike vtkSMProxy::InvokeCommand this does not tell representations that data has changed.
+void CallOnServer(vtkSMProxy* proxy, const char* method);
+void CallOnServer(vtkSMProxy* proxy, const char* method, int argument);
 
 } // namespace isosurface
 

@@ -16,6 +16,7 @@
 #include "pqUndoStack.h"
 #include "pqView.h"
 #include "vtkPVLogger.h"
+#include "vtkPVRenderView.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkSMViewProxy.h"
@@ -71,6 +72,20 @@ void UpdateBehind(pqPipelineSource* contour)
     view->getViewProxy()->Update();
   }
   contour->getSourceProxy()->UpdatePipeline(contour->getServer()->getTimeKeeper()->getTime());
+}
+
+/// Makes what views show of a surface while the camera moves, which would delay the first frame.
+void PrepareDrag(pqPipelineSource* contour)
+{
+  for (pqView* view : contour->getViews())
+  {
+    vtkSMProxy* proxy = view->getProxy();
+    auto* shown = vtkPVRenderView::SafeDownCast(proxy->GetClientSideObject());
+    if (shown && shown->GetUseLODForInteractiveRender())
+    {
+      isosurface::CallOnServer(proxy, "UpdateLOD");
+    }
+  }
 }
 
 /// Whether a dialog asks where to save what depends on surfaces.
@@ -299,6 +314,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
         vtkVLogF(PARAVIEW_LOG_APPLICATION_VERBOSITY(), "%s: the surface is final",
           contour->GetLogNameOrDefault());
         this->Status->ShowEnd(isosurface::ReadLevel(contour), false);
+        PrepareDrag(watched.Source);
       }
       // Else it was changed since, and is watched again when it has been updated.
       return false;
