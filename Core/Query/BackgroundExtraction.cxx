@@ -23,9 +23,11 @@ constexpr double PollSeconds = 0.02;
 void LowerPriority()
 {
 #ifdef __linux__
-  constexpr int Nice = 5; // a third of the share of a usual thread
+  constexpr int lower = 5; // a third of the share of processor time
   // Linux has a nice value for each thread. Without it the work is done as well.
-  static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), Nice));
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  const int priority = getpriority(PRIO_PROCESS, thread);
+  static_cast<void>(setpriority(PRIO_PROCESS, thread, priority + lower));
 #endif
 }
 
