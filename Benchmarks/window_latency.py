@@ -348,7 +348,6 @@ def start_window(arguments, screen, folder):
         "DISPLAY": screen.name,
         "XDG_CONFIG_HOME": folder,
         "PARAVIEW_LOG_RENDERING_VERBOSITY": "1",
-        "PARAVIEW_LOG_APPLICATION_VERBOSITY": "1",
     }
     with open(log_path, "wb") as log:
         window = subprocess.Popen(

@@ -15,7 +15,7 @@
 #include "pqTimer.h"
 #include "pqUndoStack.h"
 #include "pqView.h"
-#include "vtkPVLogger.h"
+#include "vtkLogger.h"
 #include "vtkPVRenderView.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
@@ -286,6 +286,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
   if (!watched.Asked)
   {
     CallOnServer(contour, "PrepareRefinement", slice);
+    this->Status->ShowBegin();
     watched.Asked = true;
     keep = true;
     return false;
@@ -311,8 +312,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
     default:
       if (isosurface::IsFinal(contour))
       {
-        vtkVLogF(PARAVIEW_LOG_APPLICATION_VERBOSITY(), "%s: the surface is final",
-          contour->GetLogNameOrDefault());
+        vtkLogF(1, "%s: the surface is final", contour->GetLogNameOrDefault());
         this->Status->ShowEnd(isosurface::ReadLevel(contour), false);
         PrepareDrag(watched.Source);
       }
@@ -338,7 +338,7 @@ void pqProgressiveContourBehavior::Stop()
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Finish()
 {
-  const QSignalBlocker quiet(this->Timer);
+  vtkLogF(1, "Surfaces are finished before they are saved");
   this->Finishing = true;
   QGuiApplication::setOverrideCursor(Qt::WaitCursor);
   for (pqPipelineSource* source : FindContours())

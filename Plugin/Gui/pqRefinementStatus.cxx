@@ -57,15 +57,21 @@ bool pqRefinementStatus::IsCoarseFirst() const
 }
 
 //------------------------------------------------------------------------------
-void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
+void pqRefinementStatus::ShowBegin()
 {
   this->Stop->setEnabled(true);
+  this->show();
+}
+
+//------------------------------------------------------------------------------
+void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
+{
   this->setText(tr("Level %1 of %2 shown, refining: %3 % of about %4 triangles")
                   .arg(report.ShownLevel)
                   .arg(report.FinalLevel)
                   .arg(std::floor(100 * report.Share))
                   .arg(isosurface::FormatCount(report.Triangles)));
-  this->show();
+  this->ShowBegin();
 }
 
 //------------------------------------------------------------------------------

@@ -28,6 +28,8 @@ public:
   bool IsCoarseFirst() const;
 
 public Q_SLOTS:
+  /// That a surface may get finer.
+  void ShowBegin();
   void ShowRefinement(const isosurface::RefinementReport& report);
   /// That a surface is as it is: final or not.
   void ShowEnd(int level, bool stopped);

@@ -24,6 +24,10 @@ class SavedSurfaces(unittest.TestCase):
         self.assertTrue((soon == testing.read_picture(find("later.png"))).all())
         self.assertGreater(soon.std(), 1)
 
+    def test_surfaces_are_finished_by_each_dialog_that_saves(self):
+        with open(find("window.log"), encoding="utf-8", errors="replace") as file:
+            self.assertEqual(file.read().count("Surfaces are finished before they are saved"), 3)
+
 
 if __name__ == "__main__":
     testing.parse_arguments(lambda parser: parser.add_argument("--states"))
