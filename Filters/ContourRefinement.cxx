@@ -69,6 +69,13 @@ Result<int> ContourWork::ChoosePassLevel(
   {
     const auto first = ChooseFirstLevel(*volume, query, pass.Level, ranks);
     ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
+    // Scripts ask for the levels one by one; a window shows no more than a user can see.
+    if (!this->Contour.GetProgressive() && *first > pass.Level)
+    {
+      const auto direct = IsDirectSurface(*volume, query, pass.Level, ranks);
+      ISOSURFACE_RETURN_IF_ERROR(direct.GetStatus());
+      pass.Direct = *direct;
+    }
     pass.Level = *first;
   }
   pass.Time = time;
@@ -84,6 +91,13 @@ void ContourWork::SetShown(bool shown, std::size_t triangles)
 }
 
 //------------------------------------------------------------------------------
+int ContourWork::GetLevelAfterPass(const BlockedVolume& volume)
+{
+  const int finest = std::min(this->Contour.GetLevel(), volume.GetNumberOfLevels() - 1);
+  return this->LastPass.Direct ? finest : GetNextLevel(volume, this->LastPass.Level, finest);
+}
+
+//------------------------------------------------------------------------------
 bool ContourWork::Refine()
 {
   Pass& pass = this->LastPass;
@@ -92,7 +106,7 @@ bool ContourWork::Refine()
   {
     return false;
   }
-  pass.Level = GetNextLevel(*volume, pass.Level, this->Contour.GetLevel());
+  pass.Level = this->GetLevelAfterPass(*volume);
   pass.Shown = false;
   return true;
 }
@@ -151,7 +165,7 @@ Status ContourWork::BeginRefinement(Communicator& ranks, Refinement& refinement)
   const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
   const int finest = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
   LevelChoice choice;
-  choice.Level = GetNextLevel(*volume, pass.Level, finest);
+  choice.Level = this->GetLevelAfterPass(*volume);
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
   if (budget.IsLimited())

@@ -89,6 +89,7 @@ private:
     ContourRequest Request;
     std::size_t Triangles = 0; ///< of the surface that was extracted, on this rank
     bool SizeAccepted = false;
+    bool Direct = false; ///< whether the final level follows the first one
   };
 
   ContourRequest MakeRequest();
@@ -104,6 +105,8 @@ private:
   /// The finest level that this execution may extract. Collective.
   Result<int> ChoosePassLevel(
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
+  /// The level that follows the last one.
+  int GetLevelAfterPass(const BlockedVolume& volume);
   /// Whether the last surface can be refined; the same on all ranks. Collective.
   bool MayRefine(Communicator& ranks);
   /// Begins to extract a finer surface, unless it is too large. Collective.

@@ -51,6 +51,16 @@ Result<int> ChooseFirstLevel(
   return static_cast<int>(level.front());
 }
 
+Result<bool> IsDirectSurface(
+  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks)
+{
+  const auto triangles = EstimateTriangles(volume, query, finest);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(triangles.GetStatus()));
+  std::vector<std::uint64_t> direct = { *triangles <= DirectSurfaceTriangles ? 1U : 0U };
+  ranks.ReduceMinimum(direct);
+  return direct.front() != 0;
+}
+
 int GetNextLevel(const BlockedVolume& volume, int level, int finest)
 {
   return std::max(finest, volume.GetSpectrumLevel(level - 1));

@@ -38,7 +38,7 @@ public:
   ~pqProgressiveContourBehavior() override;
 
   /// Between two questions how far a surface is.
-  static constexpr int PollMilliseconds = 20;
+  static constexpr int PollMilliseconds = 10;
   /// That the ranks of a server sleep while they extract, so that their waiting for messages does
   /// not take the cores.
   static constexpr int SliceMilliseconds = 60;
