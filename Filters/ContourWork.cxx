@@ -20,7 +20,6 @@
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
 #include "Base/ParallelFor.h"
-#include "Query/ProgressiveLevels.h"
 #include "Store/BlockedVolume.h"
 #include "Volume/BlockSelection.h"
 
@@ -243,6 +242,8 @@ Status ContourWork::ExtractFromVolume(
   const auto finest = this->ChoosePassLevel(volume, query);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
   outcome.Final = *finest <= this->Contour.GetLevel();
+  this->LastPass.Query = query;
+  this->LastPass.Request = request;
   const VolumeContour::Task task = { *volume, query, request, threads,
     [this](double share) { return this->TellProgress(share); } };
   if (budget.IsLimited())
@@ -299,50 +300,6 @@ Result<ImagePieces> ContourWork::CollectPieces(
     return MakeMissingArrayError(vtkDataObject::GetData(inInfo), this->GetArrayToContour());
   }
   return pieces;
-}
-
-//------------------------------------------------------------------------------
-// Progressive surfaces
-
-Result<int> ContourWork::ChoosePassLevel(
-  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
-{
-  const int finest = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
-  if (!this->Contour.GetProgressive())
-  {
-    return finest;
-  }
-  ControllerCommunicator ranks = this->GetRanks();
-  Pass& pass = this->LastPass;
-  const vtkMTimeType time = this->Contour.GetMTime();
-  const bool isSame =
-    pass.Time == time && pass.Volume.lock() == volume && pass.TimeStep == query.TimeStep;
-  std::vector<std::uint64_t> isNew = { isSame ? 0U : 1U };
-  ranks.ReduceMaximum(isNew);
-  if (isNew.front() != 0)
-  {
-    const auto first = ChooseFirstLevel(*volume, query, finest, ranks);
-    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
-    pass.Level = *first;
-    pass.Time = time;
-    pass.Volume = volume;
-    pass.TimeStep = query.TimeStep;
-  }
-  return pass.Level;
-}
-
-bool ContourWork::Refine()
-{
-  Pass& pass = this->LastPass;
-  const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
-  if (!this->Contour.GetProgressive() || this->Contour.GetFinal() || !pass.Shown ||
-    pass.Time != this->Contour.GetMTime() || !volume)
-  {
-    return false;
-  }
-  pass.Level = GetNextLevel(*volume, pass.Level, this->Contour.GetLevel());
-  pass.Shown = false;
-  return true;
 }
 
 //------------------------------------------------------------------------------

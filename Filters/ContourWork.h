@@ -3,6 +3,7 @@
 #define isosurface_ContourWork_h
 
 #include "CellArrays.h"
+#include "ContourRefinement.h"
 #include "ControllerCommunicator.h"
 #include "ImageContour.h"
 #include "ImagePieces.h"
@@ -61,8 +62,18 @@ public:
   bool Refine();
   /// Tells that the filter was modified by Refine alone.
   void KeepPass(vtkMTimeType time) { this->LastPass.Time = time; }
-  /// Tells whether the surface of the level was extracted.
-  void SetShown(bool shown) { this->LastPass.Shown = shown; }
+  /// Tells whether the surface of the level was extracted, and the triangles of this rank's part.
+  void SetShown(bool shown, std::size_t triangles);
+  /// Whether surfaces after a change may be coarse though the filter is not progressive.
+  void AllowCoarse(bool allowed) { this->CoarseAllowed = allowed; }
+
+  /// Extracts the next finer surface beside the calling thread, which sleeps for at most so many
+  /// seconds meanwhile. Returns how far it is. Collective.
+  Refinement PrepareRefinement(double seconds);
+  /// Forgets what was prepared.
+  void DropRefinement() { this->OfVolumes.DropPrepared(); }
+  /// Lets surfaces of the current volume and isovalues be larger than the memory.
+  void AcceptSize() { this->LastPass.SizeAccepted = true; }
 
   ControllerCommunicator GetRanks();
   int ChooseThreads(); ///< collective at the first call
@@ -76,7 +87,11 @@ private:
     bool Shown = false;    ///< whether the surface of this level was extracted
     vtkMTimeType Time = 0; ///< of the filter
     std::weak_ptr<BlockedVolume> Volume;
-    std::size_t TimeStep = 0;
+    SurfaceQuery Query;
+    ContourRequest Request;
+    std::size_t Triangles = 0; ///< of the surface that was extracted, on this rank
+    bool SizeAccepted = false;
+    bool Direct = false; ///< whether the final level follows the first one
   };
 
   ContourRequest MakeRequest();
@@ -95,9 +110,17 @@ private:
   std::uint64_t ComputeFingerprint(const SurfaceQuery& query);
   Status ExtractFromVolume(
     const VolumeInput& input, const SurfaceQuery& query, vtkInformation* outInfo, Outcome& outcome);
-  /// The finest level that this execution may extract. Collective if the surface is progressive.
+  /// The finest level that this execution may extract. Collective.
   Result<int> ChoosePassLevel(
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
+  /// The level that follows the last one.
+  int GetLevelAfterPass(const BlockedVolume& volume);
+  /// Whether the last surface can be refined; the same on all ranks. Collective.
+  bool MayRefine(Communicator& ranks);
+  /// Begins to extract a finer surface, unless it is too large. Collective.
+  Status BeginRefinement(Communicator& ranks, Refinement& refinement);
+  /// What the next level takes, and the finest level that fits into memory. Collective.
+  Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, Outcome& outcome);
   /// The images of all ranks that are to be contoured. Collective.
   Result<ImagePieces> CollectPieces(
@@ -113,6 +136,8 @@ private:
   ImageContour OfImages;
   VolumeContour OfVolumes;
   Pass LastPass;
+  Refinement LastRefinement; ///< of LastPass
+  bool CoarseAllowed = false;
   int RanksOnNode = 0; ///< 0: not known yet
 };
 

@@ -68,6 +68,8 @@ vtkStabbingContour::vtkStabbingContour()
   , MaximumTriangles(0)
   , Progressive(0)
   , Final(1)
+  , Refinement{}
+  , RefinementMemory(0)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , SkipNotANumber(0)
@@ -181,6 +183,43 @@ int* vtkStabbingContour::GetLevelRange()
 }
 
 //------------------------------------------------------------------------------
+void vtkStabbingContour::AllowCoarse(vtkTypeBool allowed)
+{
+  this->Work->AllowCoarse(allowed != 0);
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::PrepareRefinement(int milliseconds)
+{
+  const isosurface::Refinement refinement =
+    this->Work->PrepareRefinement(std::max(0, milliseconds) / 1000.0);
+  const double values[9] = { static_cast<double>(refinement.Stage),
+    static_cast<double>(refinement.ShownLevel), static_cast<double>(refinement.NextLevel),
+    static_cast<double>(refinement.FinalLevel), static_cast<double>(refinement.FittingLevel),
+    refinement.Share, refinement.Triangles, refinement.Bytes, refinement.FreeBytes };
+  std::copy(values, values + 9, this->Refinement);
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::DropRefinement()
+{
+  this->Work->DropRefinement();
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::AcceptSize()
+{
+  this->Work->AcceptSize();
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::SetRefinementMemory(double mebibytes)
+{
+  // The surface does not depend on it, so it does not modify the filter.
+  this->RefinementMemory = mebibytes;
+}
+
+//------------------------------------------------------------------------------
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
@@ -256,7 +295,7 @@ int vtkStabbingContour::RequestData(
   }
   status = ranks.Agree(status);
   this->Final = !status.IsOk() || made.Final;
-  this->Work->SetShown(status.IsOk());
+  this->Work->SetShown(status.IsOk(), made.Extracted.NumberOfTriangles);
   if (status.GetCode() == StatusCode::Aborted)
   {
     return 1;
@@ -302,6 +341,9 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Level: " << this->Level << "\n";
   os << indent << "TimeBudget: " << this->TimeBudget << "\n";
   os << indent << "MaximumTriangles: " << this->MaximumTriangles << "\n";
+  os << indent << "Progressive: " << this->Progressive << "\n";
+  os << indent << "Final: " << this->Final << "\n";
+  os << indent << "RefinementMemory: " << this->RefinementMemory << "\n";
   os << indent << "InterpolatedArrays:";
   for (const std::string& name : this->InterpolatedArrays)
   {

@@ -165,6 +165,38 @@ public:
   void Refine();
   ///@}
 
+  /**
+   * While on, the first execution after a change is as if the filter were progressive. Not a
+   * property: it neither modifies the filter nor is it saved. ParaView's window switches it on while
+   * it applies what the user has changed by hand, so scripts and animations never see it.
+   */
+  void AllowCoarse(vtkTypeBool allowed);
+
+  ///@{
+  /**
+   * Extraction beside the calling thread, for a window that must not wait: PrepareRefinement begins
+   * to extract the surface that Refine asks for, or goes on with it, waits for it, but not longer
+   * than so many milliseconds, and returns. The output stays as it is. When all ranks have the
+   * surface, the execution after Refine takes it instead of extracting. A change drops it, at the
+   * latest when the filter executes; DropRefinement at once. All ranks call it together.
+   *
+   * Refinement has what the last call found: a stage (0: nothing to refine, 1: at work, 2: ready, 3:
+   * not begun, since the surface would not fit into memory), the level that is shown, the next one,
+   * the final one, the finest one that fits into memory, how much of the next one is extracted (0
+   * to 1), its triangles (estimated, of all ranks), the bytes of memory that these need on a rank,
+   * and the free ones (0: unknown).
+   *
+   * AcceptSize allows surfaces that do not fit, until the next change. RefinementMemory: MiB that a
+   * rank has; 0, the default: what is free.
+   */
+  void PrepareRefinement(int milliseconds);
+  void DropRefinement();
+  void AcceptSize();
+  vtkGetVectorMacro(Refinement, double, 9);
+  void SetRefinementMemory(double mebibytes);
+  vtkGetMacro(RefinementMemory, double);
+  ///@}
+
   ///@{
   /**
    * Other point arrays, or cell arrays as averages, to interpolate linearly along the grid edges, to arrays of the same name,
@@ -302,6 +334,8 @@ private:
   vtkIdType MaximumTriangles;
   vtkTypeBool Progressive;
   vtkTypeBool Final;
+  double Refinement[9];
+  double RefinementMemory;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;

@@ -59,6 +59,8 @@ void Replace(BaseT*& place, T* object)
 vtkIsosurfaceRepresentation::vtkIsosurfaceRepresentation()
   : SurfaceMapper(vtkIsosurfaceMapper::New())
   , ThinnedMapper(vtkIsosurfaceMapper::New())
+  , ThinnedTime(0)
+  , ThinnedResolution(0)
 {
   Replace(this->GeometryFilter, vtkIsosurfaceGeometryFilter::New());
   this->GeometryFilter->AddObserver(vtkCommand::ProgressEvent, this,
@@ -117,14 +119,21 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
   const double resolution = input->Has(vtkPVRenderView::LOD_RESOLUTION())
     ? input->Get(vtkPVRenderView::LOD_RESOLUTION())
     : 0.5;
-  vtkNew<vtkPolyData> thinned;
-  isosurface::ThinPolyData(
-    surface, *this->SurfaceMapper->GetTriangles(), resolution, threads, thinned);
-  vtkNew<vtkMultiBlockDataSet> blocks;
-  blocks->SetBlock(0, thinned);
-  // The superclass knows by the field data that the block is not one of the user's.
-  blocks->GetFieldData()->ShallowCopy(piece->GetFieldData());
-  vtkPVView::SetPieceLOD(input, this, blocks);
+  if (this->ThinnedSurface != surface || this->ThinnedTime != surface->GetMTime() ||
+    this->ThinnedResolution != resolution)
+  {
+    vtkNew<vtkPolyData> thinned;
+    isosurface::ThinPolyData(
+      surface, *this->SurfaceMapper->GetTriangles(), resolution, threads, thinned);
+    this->Thinned = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+    this->Thinned->SetBlock(0, thinned);
+    // The superclass knows by the field data that the block is not one of the user's.
+    this->Thinned->GetFieldData()->ShallowCopy(piece->GetFieldData());
+    this->ThinnedSurface = surface;
+    this->ThinnedTime = surface->GetMTime();
+    this->ThinnedResolution = resolution;
+  }
+  vtkPVView::SetPieceLOD(input, this, this->Thinned);
   return true;
 }
 

@@ -17,8 +17,12 @@
 
 #include "IsosurfaceRepresentationModule.h" // For export macro
 #include "vtkGeometryRepresentationWithFaces.h"
+#include "vtkSmartPointer.h" // For the thinned surface
+#include "vtkWeakPointer.h"  // For what it was made of
 
 class vtkIsosurfaceMapper;
+class vtkMultiBlockDataSet;
+class vtkPolyData;
 
 class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceRepresentation
   : public vtkGeometryRepresentationWithFaces
@@ -39,11 +43,18 @@ private:
   vtkIsosurfaceRepresentation(const vtkIsosurfaceRepresentation&) = delete;
   void operator=(const vtkIsosurfaceRepresentation&) = delete;
 
-  /// Gives the view a thinned surface; false if the superclass has to.
+  /// Gives the view a thinned surface, that of the last time if it is still the one; false if the
+  /// superclass has to.
   bool ProvideLevelOfDetail(vtkInformation* input);
 
   vtkIsosurfaceMapper* SurfaceMapper; ///< the superclass's Mapper, which it owns
   vtkIsosurfaceMapper* ThinnedMapper; ///< the superclass's LODMapper, which it owns
+
+  /// The last thinned surface, and what it was made of.
+  vtkSmartPointer<vtkMultiBlockDataSet> Thinned;
+  vtkWeakPointer<vtkPolyData> ThinnedSurface;
+  vtkMTimeType ThinnedTime;
+  double ThinnedResolution;
 };
 
 #endif

@@ -68,16 +68,22 @@ public:
   }
 
 private:
-  // Only the calling thread reports progress: at every hundredth part, and ten times a second, since
-  // it is also the way to stop.
+  static constexpr std::chrono::milliseconds MaximumPause{ 20 }; ///< between two reports
+
+  // Only the calling thread reports progress: a hundred times, and often enough to be stopped soon.
   void ReportProgress(std::size_t index)
   {
-    if (!this->Report || (index < this->NextReport && Clock::now() < this->NextTime))
+    if (!this->Report)
+    {
+      return;
+    }
+    const auto now = Clock::now();
+    if (index < this->NextReport && now < this->NextTime)
     {
       return;
     }
     this->NextReport = index + this->Step;
-    this->NextTime = Clock::now() + std::chrono::milliseconds(100);
+    this->NextTime = now + MaximumPause;
     this->Fraction = static_cast<double>(index + 1) / static_cast<double>(this->Count);
     if (!this->Report(this->Fraction))
     {
@@ -90,7 +96,7 @@ private:
   const Progress& Report;
   const std::size_t Step; ///< indices from one report to the next
   std::size_t NextReport = 0;
-  Clock::time_point NextTime = Clock::now() + std::chrono::milliseconds(100);
+  Clock::time_point NextTime = Clock::now() + MaximumPause;
   double Fraction = 0; ///< that was last reported
   std::atomic<std::size_t> Next{ 0 };
   std::atomic<bool> Stopped{ false };

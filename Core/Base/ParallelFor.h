@@ -16,7 +16,8 @@ int ChooseThreadCount(int processesOnNode);
 /**
  * Calls body(index, thread) once for every index in [0, count), on `threads` threads, the calling
  * one included; `thread` is in [0, threads). A free thread takes the next index. Returns false if
- * `progress`, which is called with 1 at the end, asked to stop: then some indices may be missing.
+ * `progress` asked to stop: then some indices may be missing. It is called a hundred times, or every
+ * 20 ms if that is more often, and with 1 at the end.
  * Rethrows an exception of `body` after all threads have stopped.
  */
 bool ParallelFor(std::size_t count, int threads,

@@ -28,7 +28,7 @@ Result<int> ChooseOnThisRank(BlockedVolume& volume, const SurfaceQuery& query, i
     chosen = level;
     if (level == finest)
     {
-      most = FirstSurfaceShare * *triangles;
+      most = std::min(FirstSurfaceTriangles, FirstSurfaceShare * *triangles);
     }
     else if (*triangles <= most)
     {
@@ -49,6 +49,16 @@ Result<int> ChooseFirstLevel(
   std::vector<std::uint64_t> level = { static_cast<std::uint64_t>(*mine) };
   ranks.ReduceMaximum(level);
   return static_cast<int>(level.front());
+}
+
+Result<bool> IsDirectSurface(
+  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks)
+{
+  const auto triangles = EstimateTriangles(volume, query, finest);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(triangles.GetStatus()));
+  std::vector<std::uint64_t> direct = { *triangles <= DirectSurfaceTriangles ? 1U : 0U };
+  ranks.ReduceMinimum(direct);
+  return direct.front() != 0;
 }
 
 int GetNextLevel(const BlockedVolume& volume, int level, int finest)

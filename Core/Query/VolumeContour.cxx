@@ -1,55 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Query/VolumeContour.h"
 
-#include "Query/StoredBlockSource.h"
-
-#include <chrono>
 #include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 
 namespace isosurface
 {
-namespace
-{
-
-/// An error of the extraction itself does not know what file its blocks are from.
-Status NameVolume(const BlockedVolume& volume, const Status& status)
-{
-  const bool isNamed = status.IsOk() || status.GetCode() == StatusCode::Aborted ||
-    status.GetMessage().find(volume.GetPath()) != std::string::npos;
-  return isNamed ? status : Status(status.GetCode(), volume.GetPath() + ": " + status.GetMessage());
-}
-
-} // namespace
 
 Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome)
 {
-  const auto start = std::chrono::steady_clock::now();
-  const SurfaceQuery& query = task.Query;
-  outcome.Cost.Level = choice.Level;
-  QueryStatistics& reading = outcome.Cost.Reading;
-  reading.ActiveBlocks = 0;
-  auto active = task.Volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues,
-    query.Rank, query.Ranks, reading, choice.Level, query.Selection);
-  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
-  StoredBlockSource source(
-    task.Volume, query.TimeStep, query.Variable, choice.Level, std::move(*active));
-  source.SetAttributes(query.Attributes);
-  auto extracted = ExtractSurface(task.Volume.GetHeader().Grid.Coarsen(choice.Level), source,
-    task.Request, task.Threads, task.Advance);
-  reading.Add(source.GetStatistics());
-  ISOSURFACE_RETURN_IF_ERROR(NameVolume(task.Volume, extracted.GetStatus()));
-  outcome.Extracted = std::move(*extracted);
+  const BackgroundExtraction::Job* prepared = this->Prepared ? &this->Prepared->GetJob() : nullptr;
+  if (prepared && prepared->Choice.Level == choice.Level &&
+    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks)
+  {
+    const Status status = this->Prepared->Take(task.Advance, outcome);
+    this->Prepared.reset();
+    ISOSURFACE_RETURN_IF_ERROR(status);
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ExtractLevel(task, choice.Level, outcome));
+  }
   if (choice.Work.Blocks > 0)
   {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     ExtractionWork work = choice.Work;
     work.Triangles = static_cast<double>(outcome.Extracted.NumberOfTriangles);
-    this->Rate.Observe(work, seconds.count());
+    this->Rate.Observe(work, outcome.Seconds);
   }
   return Status::Ok();
+}
+
+void VolumeContour::Prepare(BackgroundExtraction::Job job)
+{
+  this->DropPrepared();
+  this->Dropped.reset();
+  this->Prepared = std::make_unique<BackgroundExtraction>(std::move(job));
+}
+
+void VolumeContour::DropPrepared()
+{
+  if (this->Prepared)
+  {
+    this->Prepared->Stop();
+    this->Dropped = std::move(this->Prepared);
+  }
 }
 
 Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget,

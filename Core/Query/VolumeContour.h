@@ -2,42 +2,30 @@
 #ifndef isosurface_VolumeContour_h
 #define isosurface_VolumeContour_h
 
-#include "Query/QueryCost.h"
-
 #include "Base/Communicator.h"
-#include "Base/Progress.h"
 #include "Base/Status.h"
-#include "Contour/SurfaceExtractor.h"
+#include "Query/BackgroundExtraction.h"
 #include "Query/ExtractionRate.h"
 #include "Query/LevelChoice.h"
-#include "Store/BlockedVolume.h"
+#include "Query/LevelExtraction.h"
+
+#include <memory>
 
 namespace isosurface
 {
 
 /// Extracts isosurfaces of blocked volumes, at a given level or at the finest one that a budget
-/// allows. It learns this machine's speed from every extraction.
+/// allows. It learns this machine's speed from every extraction. One surface may be prepared beside
+/// the calling thread.
 class VolumeContour
 {
 public:
-  /// What to extract, and how. The references must outlive the extraction.
-  struct Task
-  {
-    BlockedVolume& Volume;
-    const SurfaceQuery& Query;
-    const ContourRequest& Request;
-    int Threads = 1;
-    Progress Advance;
-  };
+  using Task = ExtractionTask;
+  using Outcome = ExtractionOutcome;
 
-  struct Outcome
-  {
-    Surface Extracted;
-    QueryCost Cost; ///< added to
-  };
-
-  /// This rank's part of the surface at `choice.Level`; not collective. Errors: those of reading
-  /// the volume; Aborted when the progress says so.
+  /// This rank's part of the surface at `choice.Level`, the prepared one if it is of that level and
+  /// of the same share; not collective. Errors: those of reading the volume; Aborted when the
+  /// progress says so.
   Status ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome);
 
   /// The same at the finest level, `finest` or coarser, that is expected to keep the budget. One
@@ -45,11 +33,21 @@ public:
   Status ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget, const Task& task,
     int finest, Outcome& outcome);
 
+  /// Begins to extract a surface beside the calling thread, in place of an earlier one.
+  void Prepare(BackgroundExtraction::Job job);
+  /// Forgets the prepared surface, whose threads end soon afterwards. To be called when another
+  /// volume or query is extracted next: that of a prepared surface is not compared.
+  void DropPrepared();
+  /// The prepared surface, finished or not; null if there is none.
+  BackgroundExtraction* GetPrepared() { return this->Prepared.get(); }
+
   const ExtractionRate& GetRate() const { return this->Rate; }
 
 private:
   ExtractionRate Rate;
   bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
+  std::unique_ptr<BackgroundExtraction> Prepared;
+  std::unique_ptr<BackgroundExtraction> Dropped; ///< so that nobody waits for its end
 };
 
 } // namespace isosurface

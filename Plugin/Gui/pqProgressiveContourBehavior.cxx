@@ -1,40 +1,99 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqProgressiveContourBehavior.h"
 
+#include "CountWords.h"
+#include "pqRefinementStatus.h"
+
 #include "pqApplicationCore.h"
+#include "pqCoreUtilities.h"
+#include "pqObjectBuilder.h"
 #include "pqPipelineSource.h"
+#include "pqPropertiesPanel.h"
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
+#include "pqTimeKeeper.h"
 #include "pqTimer.h"
+#include "pqUndoStack.h"
+#include "pqView.h"
+#include "vtkLogger.h"
+#include "vtkPVRenderView.h"
 #include "vtkSMPropertyHelper.h"
-#include "vtkSMProxy.h"
+#include "vtkSMSourceProxy.h"
+#include "vtkSMViewProxy.h"
 
+#include <QDialog>
+#include <QEvent>
 #include <QGuiApplication>
+#include <QMainWindow>
+#include <QMessageBox>
+#include <QPushButton>
+#include <QStatusBar>
+#include <QTimer>
 
 #include <algorithm>
-#include <cstring>
+#include <utility>
+
+using isosurface::CallOnServer;
+using isosurface::RefinementReport;
 
 namespace
 {
 
-bool IsProgressive(const pqPipelineSource* source)
+const pqServerManagerModel* GetModel()
 {
-  vtkSMProxy* proxy = source->getProxy();
-  return std::strcmp(proxy->GetXMLName(), "StabbingContour") == 0 &&
-    vtkSMPropertyHelper(proxy, "Progressive").GetAsInt() != 0;
+  return pqApplicationCore::instance()->getServerManagerModel();
 }
 
-bool IsFinal(vtkSMProxy* proxy)
+QList<pqPipelineSource*> FindContours()
 {
-  proxy->UpdatePropertyInformation(proxy->GetProperty("Final"));
-  return vtkSMPropertyHelper(proxy, "Final").GetAsInt() != 0;
+  QList<pqPipelineSource*> contours;
+  for (pqPipelineSource* source : GetModel()->findItems<pqPipelineSource*>())
+  {
+    if (isosurface::IsStabbingContour(source->getProxy()))
+    {
+      contours.push_back(source);
+    }
+  }
+  return contours;
 }
 
-bool IsAnyServerWorking(const pqServerManagerModel* model)
+bool IsAnyServerWorking()
 {
-  const QList<pqServer*> servers = model->findItems<pqServer*>();
+  const QList<pqServer*> servers = GetModel()->findItems<pqServer*>();
   return std::any_of(servers.begin(), servers.end(),
     [](const pqServer* server) { return server->isProgressPending(); });
+}
+
+/// Brings the views that show a contour up to date, and then the contour, if none shows it.
+void UpdateBehind(pqPipelineSource* contour)
+{
+  for (pqView* view : contour->getViews())
+  {
+    view->getViewProxy()->Update();
+  }
+  contour->getSourceProxy()->UpdatePipeline(contour->getServer()->getTimeKeeper()->getTime());
+}
+
+/// Makes what views show of a surface while the camera moves, which would delay the first frame.
+void PrepareDrag(pqPipelineSource* contour)
+{
+  for (pqView* view : contour->getViews())
+  {
+    vtkSMProxy* proxy = view->getProxy();
+    auto* shown = vtkPVRenderView::SafeDownCast(proxy->GetClientSideObject());
+    if (shown && shown->GetUseLODForInteractiveRender())
+    {
+      isosurface::CallOnServer(proxy, "UpdateLOD");
+    }
+  }
+}
+
+/// Whether a dialog asks where to save what depends on surfaces.
+bool IsSavingDialog(const QObject* object)
+{
+  const QString name = object->objectName();
+  return name.endsWith("Dialog") && name.contains("File") && !name.contains("State") &&
+    (name.contains("Save") || name.contains("Export"));
 }
 
 } // namespace
@@ -45,8 +104,7 @@ pqProgressiveContourBehavior::pqProgressiveContourBehavior(QObject* parent)
   , Timer(new pqTimer(this))
 {
   this->Timer->setSingleShot(true);
-  this->Timer->setInterval(RestMilliseconds);
-  QObject::connect(this->Timer, &QTimer::timeout, this, &pqProgressiveContourBehavior::Refine);
+  QObject::connect(this->Timer, &QTimer::timeout, this, &pqProgressiveContourBehavior::Advance);
 }
 
 //------------------------------------------------------------------------------
@@ -55,59 +113,311 @@ pqProgressiveContourBehavior::~pqProgressiveContourBehavior() = default;
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::OnStartup()
 {
-  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  pqApplicationCore* application = pqApplicationCore::instance();
   QObject::connect(
-    model, &pqServerManagerModel::sourceAdded, this, &pqProgressiveContourBehavior::Observe);
-  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
+    GetModel(), &pqServerManagerModel::sourceAdded, this, &pqProgressiveContourBehavior::Observe);
+  for (pqPipelineSource* source : GetModel()->findItems<pqPipelineSource*>())
   {
     this->Observe(source);
   }
+  // The first Apply of a contour executes it before it tells that it applies.
+  QObject::connect(application->getObjectBuilder(), &pqObjectBuilder::filterCreated, this,
+    &pqProgressiveContourBehavior::BeginByHand);
+  if (pqUndoStack* stack = application->getUndoStack())
+  {
+    QObject::connect(
+      stack, &pqUndoStack::undone, this, &pqProgressiveContourBehavior::RenderByHand);
+    QObject::connect(
+      stack, &pqUndoStack::redone, this, &pqProgressiveContourBehavior::RenderByHand);
+  }
+  // With --plugins, the window is made after this.
+  QTimer::singleShot(0, this, &pqProgressiveContourBehavior::ObserveWindow);
+  QCoreApplication::instance()->installEventFilter(this);
 }
 
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::OnShutdown()
 {
   this->Timer->stop();
+  this->All.clear();
+  QCoreApplication::instance()->removeEventFilter(this);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::ObserveWindow()
+{
+  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
+  if (!window)
+  {
+    return;
+  }
+  this->Status = new pqRefinementStatus(window);
+  window->statusBar()->insertPermanentWidget(0, this->Status);
+  QObject::connect(
+    this->Status, &pqRefinementStatus::stopped, this, &pqProgressiveContourBehavior::Stop);
+  // ParaView's own slots are connected already: views are up to date when the last signal comes.
+  for (pqPropertiesPanel* panel : window->findChildren<pqPropertiesPanel*>())
+  {
+    QObject::connect(panel, QOverload<pqProxy*>::of(&pqPropertiesPanel::applied), this,
+      &pqProgressiveContourBehavior::BeginByHand);
+    QObject::connect(panel, QOverload<>::of(&pqPropertiesPanel::applied), this,
+      &pqProgressiveContourBehavior::EndByHand);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool pqProgressiveContourBehavior::eventFilter(QObject* object, QEvent* event)
+{
+  if (event->type() == QEvent::Show)
+  {
+    auto* dialog = qobject_cast<QDialog*>(object);
+    if (dialog && IsSavingDialog(dialog))
+    {
+      QObject::connect(dialog, &QDialog::accepted, this, &pqProgressiveContourBehavior::Finish,
+        Qt::UniqueConnection);
+    }
+  }
+  return QObject::eventFilter(object, event);
 }
 
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Observe(pqPipelineSource* source)
 {
-  QObject::connect(source,
-    static_cast<void (pqPipelineSource::*)(pqPipelineSource*)>(&pqPipelineSource::dataUpdated),
-    this, &pqProgressiveContourBehavior::WaitForRest);
-}
-
-//------------------------------------------------------------------------------
-void pqProgressiveContourBehavior::WaitForRest(pqPipelineSource* source)
-{
-  if (IsProgressive(source))
+  if (isosurface::IsStabbingContour(source->getProxy()))
   {
-    this->Timer->start();
+    QObject::connect(source,
+      static_cast<void (pqPipelineSource::*)(pqPipelineSource*)>(&pqPipelineSource::dataUpdated),
+      this, &pqProgressiveContourBehavior::Watch);
   }
 }
 
 //------------------------------------------------------------------------------
-void pqProgressiveContourBehavior::Refine()
+// Changes by hand
+
+void pqProgressiveContourBehavior::AllowCoarse(bool allowed)
 {
-  pqApplicationCore* application = pqApplicationCore::instance();
-  const pqServerManagerModel* model = application->getServerManagerModel();
-  if (QGuiApplication::mouseButtons() != Qt::NoButton || IsAnyServerWorking(model))
+  const bool coarse = allowed && this->Status && this->Status->IsCoarseFirst();
+  for (pqPipelineSource* contour : FindContours())
   {
-    this->Timer->start();
+    CallOnServer(contour->getProxy(), "AllowCoarse", coarse ? 1 : 0);
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::BeginByHand()
+{
+  this->AllowCoarse(true);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::EndByHand()
+{
+  this->AllowCoarse(false);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::RenderByHand()
+{
+  this->AllowCoarse(true);
+  for (pqView* view : GetModel()->findItems<pqView*>())
+  {
+    if (view->getViewProxy()->GetNeedsUpdate())
+    {
+      view->getViewProxy()->Update();
+    }
+  }
+  this->AllowCoarse(false);
+}
+
+//------------------------------------------------------------------------------
+// Refinement
+
+void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
+{
+  const auto known = std::find_if(this->All.begin(), this->All.end(),
+    [source](const Watched& watched) { return watched.Source == source; });
+  if (known == this->All.end())
+  {
+    this->All.push_back({ source });
+  }
+  else
+  {
+    known->Asked = false; // a new surface
+  }
+  this->Timer->start(0);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::Advance()
+{
+  if (IsAnyServerWorking() || this->Finishing)
+  {
+    this->Timer->start(PollMilliseconds);
     return;
   }
   bool refined = false;
-  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
+  std::vector<Watched> all;
+  std::swap(all, this->All);
+  for (Watched& watched : all)
   {
-    if (IsProgressive(source) && !IsFinal(source->getProxy()))
+    bool keep = false;
+    refined = (watched.Source && this->AdvanceOne(watched, keep)) || refined;
+    if (keep)
     {
-      source->getProxy()->InvokeCommand("Refine");
-      refined = true;
+      this->All.push_back(watched);
     }
   }
   if (refined)
   {
-    application->render();
+    pqApplicationCore::instance()->render();
   }
+  if (!this->All.empty())
+  {
+    this->Timer->start(PollMilliseconds);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
+{
+  vtkSMProxy* contour = watched.Source->getProxy();
+  const int ranks = watched.Source->getServer()->getNumberOfPartitions();
+  const int slice = ranks > 1 ? SliceMilliseconds : 0;
+  if (!watched.Asked)
+  {
+    CallOnServer(contour, "PrepareRefinement", slice);
+    this->Status->ShowBegin();
+    watched.Asked = true;
+    keep = true;
+    return false;
+  }
+  const RefinementReport report = isosurface::ReadRefinement(contour);
+  switch (report.Stage)
+  {
+    case RefinementReport::Working:
+      this->Status->ShowRefinement(report);
+      CallOnServer(contour, "PrepareRefinement", slice);
+      keep = true;
+      return false;
+    case RefinementReport::Ready:
+      keep = QGuiApplication::mouseButtons() != Qt::NoButton;
+      if (!keep)
+      {
+        contour->InvokeCommand("Refine");
+      }
+      return !keep;
+    case RefinementReport::TooLarge:
+      this->AskAboutSize(watched.Source, report);
+      return false;
+    default:
+      if (isosurface::IsFinal(contour))
+      {
+        vtkLogF(1, "%s: the surface is final", contour->GetLogNameOrDefault());
+        this->Status->ShowEnd(isosurface::ReadLevel(contour), false);
+        PrepareDrag(watched.Source);
+      }
+      // Else it was changed since, and is watched again when it has been updated.
+      return false;
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::Stop()
+{
+  for (const Watched& watched : std::exchange(this->All, {}))
+  {
+    if (watched.Source)
+    {
+      vtkSMProxy* contour = watched.Source->getProxy();
+      CallOnServer(contour, "DropRefinement");
+      this->Status->ShowEnd(isosurface::ReadLevel(contour), true);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::Finish()
+{
+  vtkLogF(1, "Surfaces are finished before they are saved");
+  this->Finishing = true;
+  QGuiApplication::setOverrideCursor(Qt::WaitCursor);
+  for (pqPipelineSource* source : FindContours())
+  {
+    vtkSMProxy* contour = source->getProxy();
+    while (!isosurface::IsFinal(contour))
+    {
+      CallOnServer(contour, "PrepareRefinement", SliceMilliseconds);
+      const RefinementReport report = isosurface::ReadRefinement(contour);
+      if (report.Stage == RefinementReport::Ready)
+      {
+        contour->InvokeCommand("Refine");
+        UpdateBehind(source);
+      }
+      else if (report.Stage != RefinementReport::Working)
+      {
+        break; // too large, or changed and not applied
+      }
+    }
+  }
+  QGuiApplication::restoreOverrideCursor();
+  this->Finishing = false;
+  pqApplicationCore::instance()->render();
+}
+
+//------------------------------------------------------------------------------
+// Surfaces that are too large
+
+void pqProgressiveContourBehavior::AskAboutSize(
+  pqPipelineSource* source, const RefinementReport& report)
+{
+  this->Status->ShowEnd(report.ShownLevel, true);
+  auto* box = new QMessageBox(pqCoreUtilities::mainWidget());
+  box->setObjectName("SurfaceSizeDialog");
+  box->setAttribute(Qt::WA_DeleteOnClose);
+  box->setWindowTitle(source->getSMName());
+  box->setText(tr("The surface at level %1 has about %2 triangles. They need about %3 of memory, "
+                  "and %4 are free.")
+                 .arg(report.NextLevel)
+                 .arg(isosurface::FormatCount(report.Triangles))
+                 .arg(isosurface::FormatBytes(report.Bytes))
+                 .arg(isosurface::FormatBytes(report.FreeBytes)));
+  QPushButton* fitting =
+    box->addButton(tr("Use Level %1").arg(report.FittingLevel), QMessageBox::AcceptRole);
+  QPushButton* anyway = box->addButton(tr("Extract Anyway"), QMessageBox::DestructiveRole);
+  box->addButton(tr("Keep Level %1").arg(report.ShownLevel), QMessageBox::RejectRole);
+  fitting->setObjectName("UseLevel");
+  anyway->setObjectName("ExtractAnyway");
+  box->setDefaultButton(fitting);
+  const QPointer<pqPipelineSource> contour = source;
+  QObject::connect(fitting, &QPushButton::clicked, this,
+    [this, contour, level = report.FittingLevel]
+    {
+      if (contour)
+      {
+        this->UseLevel(contour, level);
+      }
+    });
+  QObject::connect(anyway, &QPushButton::clicked, this,
+    [this, contour]
+    {
+      if (contour)
+      {
+        CallOnServer(contour->getProxy(), "AcceptSize");
+        this->Watch(contour);
+      }
+    });
+  // Not exec: the window goes on.
+  box->setModal(false);
+  box->show();
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::UseLevel(pqPipelineSource* source, int level)
+{
+  BEGIN_UNDO_SET(tr("Use Level %1").arg(level));
+  vtkSMPropertyHelper(source->getProxy(), "Level").Set(level);
+  source->getProxy()->UpdateVTKObjects();
+  END_UNDO_SET();
+  this->RenderByHand();
+  pqApplicationCore::instance()->render();
 }

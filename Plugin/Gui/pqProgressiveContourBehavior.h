@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   pqProgressiveContourBehavior
- * @brief   refines progressive contours while the user is idle
+ * @brief   surfaces that the user asks for by hand are coarse at once, and exact soon
  *
- * Calls Refine of every Stabbing Contour with Progressive on whose surface is not final, then renders
- * all views. Does so when nothing was updated for RestMilliseconds, no mouse button is down and no
- * server is working. Refines one level at a time, so that the user can act between them.
+ * While ParaView applies what was changed in a Properties panel, or undoes it, every Stabbing Contour
+ * may give a coarse surface (AllowCoarse). Scripts, state files and animations get exact ones.
+ * Afterwards each contour whose surface is not final extracts the next level beside the window
+ * (PrepareRefinement); a timer asks how far it is. When it is there on all ranks, and no mouse button is
+ * down, Refine and a rendering show it. Until then the view keeps the surface that it has.
+ *
+ * Before the window saves data, a screenshot or an animation, all surfaces are finished. One that would
+ * not fit into the server's memory is not extracted without asking.
  *
  * ParaView makes one object when its window loads the plugin.
  */
@@ -13,9 +18,15 @@
 #ifndef pqProgressiveContourBehavior_h
 #define pqProgressiveContourBehavior_h
 
+#include "ContourProxy.h"
+
 #include <QObject>
+#include <QPointer>
+
+#include <vector>
 
 class pqPipelineSource;
+class pqRefinementStatus;
 class pqTimer;
 
 class pqProgressiveContourBehavior : public QObject
@@ -26,20 +37,50 @@ public:
   explicit pqProgressiveContourBehavior(QObject* parent = nullptr);
   ~pqProgressiveContourBehavior() override;
 
-  static constexpr int RestMilliseconds = 300;
+  /// Between two questions how far a surface is.
+  static constexpr int PollMilliseconds = 10;
+  /// That the ranks of a server sleep while they extract, so that their waiting for messages does
+  /// not take the cores.
+  static constexpr int SliceMilliseconds = 60;
 
   void OnStartup();
   void OnShutdown();
 
+protected:
+  /// Waits for dialogs that save.
+  bool eventFilter(QObject* object, QEvent* event) override;
+
 private Q_SLOTS:
+  void ObserveWindow();
   void Observe(pqPipelineSource* source);
-  void WaitForRest(pqPipelineSource* source);
-  void Refine();
+  void BeginByHand();
+  void EndByHand();
+  void RenderByHand();
+  void Watch(pqPipelineSource* source);
+  void Advance();
+  void Stop();
+  void Finish();
 
 private:
   Q_DISABLE_COPY(pqProgressiveContourBehavior)
 
+  /// A contour whose surface may not be final.
+  struct Watched
+  {
+    QPointer<pqPipelineSource> Source;
+    bool Asked = false; ///< whether the server has been told to prepare
+  };
+
+  void AllowCoarse(bool allowed);
+  /// True if a finer surface is to be shown; `keep`: whether the contour is to be watched further.
+  bool AdvanceOne(Watched& watched, bool& keep);
+  void AskAboutSize(pqPipelineSource* source, const isosurface::RefinementReport& report);
+  void UseLevel(pqPipelineSource* source, int level);
+
   pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
+  QPointer<pqRefinementStatus> Status;
+  std::vector<Watched> All;
+  bool Finishing = false;
 };
 
 #endif

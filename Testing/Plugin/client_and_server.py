@@ -99,7 +99,7 @@ class ClientAndServer(unittest.TestCase):
                     "--exit",
                 ],
                 env=testing.make_mpi_environment(),
-                timeout=90,
+                timeout=180,
                 check=False,
             )
             self.assertEqual(gui.returncode, 0)
@@ -113,6 +113,25 @@ class ClientAndServer(unittest.TestCase):
         self.assertEqual(
             len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 1
         )
+
+    def test_gui_is_coarse_first(self):
+        self.run_gui("GuiProgressive.xml")
+        triangles = [
+            [
+                int(count)
+                for count in re.findall(
+                    rf"Stabbing Contour: rank {rank}: .* (\d+) triangles", self.read_log()
+                )
+            ]
+            for rank in range(testing.arguments.ranks)
+        ]
+        # Of all ranks; nobody extracts what another one does not.
+        surfaces = [sum(counts) for counts in zip(*triangles)]
+        self.assertEqual({len(counts) for counts in triangles}, {len(surfaces)})
+        full = testing.count_expected_triangles()
+        self.assertEqual(surfaces[-1], full)
+        self.assertEqual(surfaces.count(full), 2, "applied and redone")
+        self.assertLess(20 * surfaces[0], full)
 
     def test_gui_chooses_isovalues_on_the_spectrum(self):
         self.run_gui("GuiIsovalues.xml")

@@ -55,6 +55,7 @@ class Proxies(unittest.TestCase):
         options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "UseRegion"]
         options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
         options += ["Level", "TimeBudget", "MaximumTriangles", "Progressive", "Refine", "Final"]
+        options += ["RefinementMemory"]
         self.check_properties(ours, options)
         source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
         source.UpdatePipeline()

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A coarse surface first, finer ones on request, the full one last.
+#include "EventCounter.h"
 #include "ScratchFolder.h"
 #include "TestVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"
 #include "vtkStabbingContour.h"
 
+#include "vtkCellArray.h"
+#include "vtkDataArray.h"
 #include "vtkPassThrough.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,6 +25,15 @@ namespace isosurface
 {
 namespace
 {
+
+/// Stages of a refinement, as vtkStabbingContour documents them.
+enum
+{
+  Nothing,
+  Working,
+  Ready,
+  TooLarge
+};
 
 class StabbingContourProgressive : public testing::Test
 {
@@ -35,6 +50,17 @@ protected:
     this->Contour->SetValue(0, 0.3);
     this->Contour->ProgressiveOn();
   }
+
+  /// Works beside this thread until the stage is another one than that of work.
+  int PrepareToTheEnd()
+  {
+    do
+    {
+      this->Contour->PrepareRefinement(5);
+    } while (this->GetStage() == Working);
+    return this->GetStage();
+  }
+  int GetStage() { return static_cast<int>(this->Contour->GetRefinement()[0]); }
 
   int GetLevel() { return static_cast<int>(GetCost(this->Contour->GetOutput(), "Level")); }
 
@@ -60,6 +86,27 @@ protected:
     EXPECT_TRUE(AreEqual(
       surface, ContourByFlyingEdges(SubsampleImage(this->Image, this->GetLevel()), isovalue)))
       << "level " << this->GetLevel();
+  }
+
+  static testing::AssertionResult AreBitwiseEqual(vtkPolyData* surface, vtkPolyData* expected)
+  {
+    const auto same = [](vtkDataArray* a, vtkDataArray* b)
+    {
+      return a && b && a->GetDataType() == b->GetDataType() &&
+        a->GetNumberOfValues() == b->GetNumberOfValues() &&
+        std::memcmp(a->GetVoidPointer(0), b->GetVoidPointer(0),
+          static_cast<std::size_t>(a->GetNumberOfValues() * a->GetDataTypeSize())) == 0;
+    };
+    vtkPointData* arrays = surface->GetPointData();
+    vtkPointData* others = expected->GetPointData();
+    const bool equal = same(surface->GetPoints()->GetData(), expected->GetPoints()->GetData()) &&
+      same(arrays->GetNormals(), others->GetNormals()) &&
+      same(arrays->GetGlobalIds(), others->GetGlobalIds()) &&
+      same(arrays->GetScalars(), others->GetScalars()) &&
+      same(surface->GetPolys()->GetConnectivityArray(),
+        expected->GetPolys()->GetConnectivityArray()) &&
+      same(surface->GetPolys()->GetOffsetsArray(), expected->GetPolys()->GetOffsetsArray());
+    return equal ? testing::AssertionSuccess() : testing::AssertionFailure() << "bits differ";
   }
 
   void ExpectNoErrors()
@@ -198,6 +245,149 @@ TEST_F(StabbingContourProgressive, IsFinalAtOnceWhereItCannotBeProgressive)
   this->Contour->Update();
   EXPECT_FALSE(this->Contour->GetFinal()) << "a filter that passes samples on";
   this->ExpectNoErrors();
+}
+
+TEST_F(StabbingContourProgressive, ExtractsBesideAndThenTakesTheSameSurface)
+{
+  vtkNew<vtkStabbingContour> atOnce;
+  atOnce->SetInputConnection(this->Reader->GetOutputPort());
+  atOnce->SetValue(0, 0.3);
+  const ProgressKeeper extraction(atOnce);
+  atOnce->Update();
+  ASSERT_GT(extraction.Shares.size(), 10u);
+  int passes = 0;
+  for (this->Contour->Update(); !this->Contour->GetFinal(); ++passes)
+  {
+    const vtkMTimeType filter = this->Contour->GetMTime();
+    const vtkMTimeType output = this->Contour->GetOutput()->GetMTime();
+    ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+    EXPECT_EQ(this->Contour->GetRefinement()[5], 1);
+    const int next = static_cast<int>(this->Contour->GetRefinement()[2]);
+    this->Contour->Update();
+    EXPECT_EQ(this->Contour->GetMTime(), filter) << "what is shown has not changed";
+    EXPECT_EQ(this->Contour->GetOutput()->GetMTime(), output);
+
+    this->Contour->Refine();
+    const ProgressKeeper progress(this->Contour);
+    this->Contour->Update();
+    EXPECT_EQ(this->GetLevel(), next);
+    for (const double share : progress.Shares)
+    {
+      EXPECT_TRUE(share == 0 || share == 1) << "something was extracted anew";
+    }
+  }
+  EXPECT_GT(passes, 0);
+  EXPECT_TRUE(AreBitwiseEqual(this->Contour->GetOutput(), atOnce->GetOutput()));
+  this->ExpectSurfaceOfItsLevel(0.3);
+  EXPECT_EQ(this->PrepareToTheEnd(), Nothing);
+  this->ExpectNoErrors();
+}
+
+TEST_F(StabbingContourProgressive, DropsWhatAChangeHasMadeUseless)
+{
+  this->Contour->Update();
+  this->Contour->PrepareRefinement(0);
+  EXPECT_NE(this->GetStage(), Nothing);
+  this->Contour->SetValue(0, 0.25);
+  this->Contour->PrepareRefinement(0);
+  EXPECT_EQ(this->GetStage(), Nothing) << "changed, and not executed yet";
+  this->Contour->Update();
+  EXPECT_FALSE(this->Contour->GetFinal());
+  this->ExpectSurfaceOfItsLevel(0.25);
+
+  // A change while a finished surface waits to be taken.
+  ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+  this->Contour->Refine();
+  this->Contour->SetValue(0, 0.3);
+  this->Contour->Update();
+  this->ExpectSurfaceOfItsLevel(0.3);
+
+  ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+  this->Contour->DropRefinement();
+  EXPECT_EQ(this->FinishLevels().back(), 0) << "Refine extracts what is not prepared";
+  this->ExpectSurfaceOfItsLevel(0.3);
+  this->ExpectNoErrors();
+}
+
+TEST_F(StabbingContourProgressive, AllowsCoarseSurfacesForAWhile)
+{
+  this->Contour->ProgressiveOff();
+  this->Contour->Update();
+  EXPECT_TRUE(this->Contour->GetFinal());
+  const vtkMTimeType time = this->Contour->GetMTime();
+  this->Contour->AllowCoarse(1);
+  EXPECT_EQ(this->Contour->GetMTime(), time);
+  this->Contour->UpdatePiece(0, 2, 0);
+  EXPECT_EQ(this->GetLevel(), 0) << "nothing has changed";
+
+  this->Contour->SetValue(0, 0.25);
+  this->Contour->Update();
+  this->Contour->AllowCoarse(0);
+  EXPECT_FALSE(this->Contour->GetFinal());
+  const int first = this->GetLevel();
+  EXPECT_GT(first, 0);
+  this->Contour->UpdatePiece(0, 2, 0);
+  EXPECT_EQ(this->GetLevel(), first) << "all consumers get the same level";
+  this->Contour->UpdatePiece(0, 1, 0);
+  EXPECT_EQ(this->FinishLevels().back(), 0);
+  this->ExpectSurfaceOfItsLevel(0.25);
+
+  this->Contour->SetValue(0, 0.3);
+  this->Contour->Update();
+  EXPECT_TRUE(this->Contour->GetFinal()) << "no longer allowed";
+  this->ExpectSurfaceOfItsLevel(0.3);
+  this->ExpectNoErrors();
+}
+
+TEST_F(StabbingContourProgressive, AsksBeforeASurfaceThatDoesNotFitIntoMemory)
+{
+  this->Contour->Update();
+  const vtkMTimeType time = this->Contour->GetMTime();
+  this->Contour->SetRefinementMemory(0.01);
+  EXPECT_EQ(this->Contour->GetMTime(), time);
+  this->Contour->PrepareRefinement(0);
+  const double* refinement = this->Contour->GetRefinement();
+  EXPECT_EQ(refinement[0], TooLarge);
+  EXPECT_EQ(refinement[1], this->GetLevel());
+  EXPECT_LT(refinement[2], refinement[1]);
+  EXPECT_EQ(refinement[4], refinement[1]) << "the level that fits is the one that is there";
+  EXPECT_GT(refinement[7], 0.8 * refinement[8]);
+  this->Contour->AcceptSize();
+  EXPECT_EQ(this->PrepareToTheEnd(), Ready);
+  EXPECT_EQ(this->FinishLevels().back(), 0);
+  const auto triangles = static_cast<double>(this->Contour->GetOutput()->GetNumberOfPolys());
+
+  this->Contour->SetValue(0, 0.3001);
+  this->Contour->Update();
+  EXPECT_EQ(this->PrepareToTheEnd(), TooLarge) << "consent is for one surface";
+  this->Contour->SetRefinementMemory(0);
+  for (; this->PrepareToTheEnd() == Ready; this->Contour->Update())
+  {
+    this->Contour->Refine();
+  }
+  EXPECT_NEAR(this->Contour->GetOutput()->GetNumberOfPolys(), triangles, 0.01 * triangles);
+  this->ExpectNoErrors();
+}
+
+TEST_F(StabbingContourProgressive, TellsOfErrorsOfWhatWasExtractedBeside)
+{
+  this->Contour->Update();
+  this->Reader->SetCacheSize(0);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(this->Path + ".stores"))
+  {
+    if (entry.is_regular_file() && entry.path().filename() == "blocks")
+    {
+      Truncate(entry.path().string(), 100);
+    }
+  }
+  ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+  EXPECT_TRUE(this->Errors.Messages.empty());
+  this->Contour->Refine();
+  this->Contour->Update();
+  this->Reader->SetCacheSize(256);
+  ASSERT_EQ(this->Errors.Messages.size(), 1u);
+  EXPECT_NE(this->Errors.Messages[0].find("blocks"), std::string::npos);
+  EXPECT_TRUE(this->Contour->GetFinal());
 }
 
 TEST_F(StabbingContourProgressive, TellsOfADamagedSpectrumAndGoesOnAfterItsRepair)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -66,6 +67,20 @@ TEST(ParallelFor, StopsWhenAskedTo)
   EXPECT_TRUE(ParallelFor(
     0, 2, [&](std::size_t, int) { ++done; }, [](double) { return false; }));
   EXPECT_EQ(done, 1);
+}
+
+TEST(ParallelFor, StopsSoonWhereIndicesTakeLong)
+{
+  std::atomic<int> done{ 0 };
+  EXPECT_FALSE(ParallelFor(
+    100'000, 1,
+    [&](std::size_t, int)
+    {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ++done;
+    },
+    [&](double fraction) { return fraction < 0; }));
+  EXPECT_LT(done, 100) << "a hundredth of the indices would be 1000";
 }
 
 TEST(ParallelFor, RethrowsAnExceptionOfTheBody)

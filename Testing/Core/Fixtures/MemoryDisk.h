@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -59,6 +60,8 @@ public:
     this->Reads = 0;
     this->FirstFailingRead = read;
   }
+  /// Calls a function before each read, by the thread that reads.
+  void SetBeforeRead(std::function<void()> call) { this->BeforeRead = std::move(call); }
   std::uint64_t GetWrites() const { return this->Writes; }
   std::uint64_t GetCreatedFiles() const { return this->CreatedFiles; }
   std::uint64_t GetBytesRead(const std::string& nameEnd) const
@@ -221,6 +224,10 @@ private:
     }
     Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
     {
+      if (this->Disk.BeforeRead)
+      {
+        this->Disk.BeforeRead();
+      }
       const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
       if (this->Disk.Reads++ >= this->Disk.FirstFailingRead)
       {
@@ -290,6 +297,7 @@ private:
     std::shared_ptr<Bytes> Content;
   };
 
+  std::function<void()> BeforeRead;
   std::mutex Mutex;
   std::map<std::string, std::shared_ptr<Bytes>> Files;
   std::set<std::string> Folders{ "/data" };

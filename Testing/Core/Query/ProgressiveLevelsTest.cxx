@@ -103,6 +103,21 @@ TEST(ProgressiveLevels, EndWithTheFinestOneAndSkipThoseInItsBlocks)
   }
 }
 
+TEST(ProgressiveLevels, BetweenTheFirstAndTheLastAreForLargeSurfacesAlone)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  SerialCommunicator alone;
+  EXPECT_TRUE(*IsDirectSurface(*opened, MakeQuery({ 100 }), 0, alone));
+  const double triangles = *opened->EstimateTriangles(0, 0, 100, 0);
+  const auto many = static_cast<std::size_t>(DirectSurfaceTriangles / triangles) + 1;
+  const SurfaceQuery query = MakeQuery(std::vector<double>(many, 100.0));
+  EXPECT_FALSE(*IsDirectSurface(*opened, query, 0, alone));
+  EXPECT_TRUE(*IsDirectSurface(*opened, query, 3, alone)) << "it is smaller at that level";
+}
+
 TEST(ProgressiveLevels, AreEqualOnAllRanksAndSoAreErrors)
 {
   MemoryDisk disk;

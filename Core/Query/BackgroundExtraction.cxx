@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Query/BackgroundExtraction.h"
+
+#include <chrono>
+#include <exception>
+#include <new>
+#include <utility>
+
+#ifdef __linux__
+#  include <sys/resource.h>
+#  include <sys/syscall.h>
+#  include <unistd.h>
+#endif
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr double PollSeconds = 0.02;
+
+/// Of the calling thread, and of those that it starts.
+void LowerPriority()
+{
+#ifdef __linux__
+  constexpr int lower = 5; // a third of the share of processor time
+  // Linux has a nice value for each thread. Without it the work is done as well.
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  const int priority = getpriority(PRIO_PROCESS, thread);
+  static_cast<void>(setpriority(PRIO_PROCESS, thread, priority + lower));
+#endif
+}
+
+} // namespace
+
+BackgroundExtraction::BackgroundExtraction(Job job)
+  : Work(std::move(job))
+  , Thread([this] { this->Run(); })
+{
+}
+
+BackgroundExtraction::~BackgroundExtraction()
+{
+  this->Stop();
+  this->Thread.join();
+}
+
+void BackgroundExtraction::Run()
+{
+  LowerPriority();
+  const ExtractionTask task = { *this->Work.Volume, this->Work.Query, this->Work.Request,
+    this->Work.Threads,
+    [this](double fraction)
+    {
+      this->Done = fraction;
+      return !this->Stopped;
+    } };
+  try
+  {
+    this->EndStatus = ExtractLevel(task, this->Work.Choice.Level, this->Outcome);
+  }
+  catch (const std::bad_alloc&)
+  {
+    this->EndStatus =
+      Status(StatusCode::OutOfMemory, "There is not enough memory for the isosurface.");
+  }
+  catch (const std::exception& error)
+  {
+    this->EndStatus = Status(StatusCode::IoError, error.what());
+  }
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->HasEnded = true;
+  this->Ended.notify_all();
+}
+
+bool BackgroundExtraction::Wait(double seconds)
+{
+  std::unique_lock<std::mutex> lock(this->Mutex);
+  return this->Ended.wait_for(
+    lock, std::chrono::duration<double>(seconds), [this] { return this->HasEnded; });
+}
+
+Status BackgroundExtraction::Take(const Progress& advance, ExtractionOutcome& outcome)
+{
+  while (!this->Wait(PollSeconds))
+  {
+    if (advance && !advance(this->Done))
+    {
+      return { StatusCode::Aborted, "The extraction was aborted." };
+    }
+  }
+  QueryStatistics reading = outcome.Cost.Reading;
+  reading.ActiveBlocks = 0;
+  reading.Add(this->Outcome.Cost.Reading);
+  ISOSURFACE_RETURN_IF_ERROR(this->EndStatus);
+  outcome = std::move(this->Outcome);
+  outcome.Cost.Reading = reading;
+  return Status::Ok();
+}
+
+} // namespace isosurface

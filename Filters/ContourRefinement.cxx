@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of ContourWork that goes from coarse surfaces to finer ones.
+#include "ContourRefinement.h"
+
+#include "ContourWork.h"
+#include "vtkStabbingContour.h"
+
+#include "Base/AvailableMemory.h"
+#include "Query/ProgressiveLevels.h"
+#include "Store/BlockedVolume.h"
+#include "Volume/ValueType.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr double Millionths = 1e6;
+constexpr double MebiByte = 1 << 20;
+constexpr double UsableShare = 0.8; ///< of free memory
+
+/// Of memory for a triangle: its arrays, what extraction needs meanwhile, and a copy for drawing.
+double CountBytesOfTriangle(const ContourRequest& request)
+{
+  constexpr double pointsOfTriangle = 0.5;
+  constexpr double cell = (3 + 1) * sizeof(std::int32_t);
+  constexpr double drawn = 3 * sizeof(std::int32_t) + pointsOfTriangle * 6 * sizeof(float);
+  double point = 3 * sizeof(float) + sizeof(std::int64_t) + sizeof(float) + sizeof(std::uint32_t);
+  if (request.Normals)
+  {
+    point += 2 * 3 * sizeof(float);
+  }
+  for (const AttributeLayout& layout : request.Attributes)
+  {
+    point += 2.0 * layout.NumberOfComponents *
+      static_cast<double>(GetValueSize(GetInterpolatedType(layout.Type)));
+  }
+  return cell + drawn + pointsOfTriangle * point;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+Result<int> ContourWork::ChoosePassLevel(
+  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
+{
+  ControllerCommunicator ranks = this->GetRanks();
+  Pass& pass = this->LastPass;
+  const vtkMTimeType time = this->Contour.GetMTime();
+  const bool isSame =
+    pass.Time == time && pass.Volume.lock() == volume && pass.Query.TimeStep == query.TimeStep;
+  std::vector<std::uint64_t> isNew = { isSame ? 0U : 1U };
+  ranks.ReduceMaximum(isNew);
+  if (isNew.front() == 0)
+  {
+    return pass.Level;
+  }
+  this->OfVolumes.DropPrepared();
+  this->LastPass = {};
+  this->LastRefinement = {};
+  pass.Level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
+  if (this->Contour.GetProgressive() || this->CoarseAllowed)
+  {
+    const auto first = ChooseFirstLevel(*volume, query, pass.Level, ranks);
+    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
+    // Scripts ask for the levels one by one; a window shows no more than a user can see.
+    if (!this->Contour.GetProgressive() && *first > pass.Level)
+    {
+      const auto direct = IsDirectSurface(*volume, query, pass.Level, ranks);
+      ISOSURFACE_RETURN_IF_ERROR(direct.GetStatus());
+      pass.Direct = *direct;
+    }
+    pass.Level = *first;
+  }
+  pass.Time = time;
+  pass.Volume = volume;
+  return pass.Level;
+}
+
+//------------------------------------------------------------------------------
+void ContourWork::SetShown(bool shown, std::size_t triangles)
+{
+  this->LastPass.Shown = shown;
+  this->LastPass.Triangles = triangles;
+}
+
+//------------------------------------------------------------------------------
+int ContourWork::GetLevelAfterPass(const BlockedVolume& volume)
+{
+  const int finest = std::min(this->Contour.GetLevel(), volume.GetNumberOfLevels() - 1);
+  return this->LastPass.Direct ? finest : GetNextLevel(volume, this->LastPass.Level, finest);
+}
+
+//------------------------------------------------------------------------------
+bool ContourWork::Refine()
+{
+  Pass& pass = this->LastPass;
+  const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
+  if (this->Contour.GetFinal() || !pass.Shown || pass.Time != this->Contour.GetMTime() || !volume)
+  {
+    return false;
+  }
+  pass.Level = this->GetLevelAfterPass(*volume);
+  pass.Shown = false;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool ContourWork::MayRefine(Communicator& ranks)
+{
+  const Pass& pass = this->LastPass;
+  const bool may = !this->Contour.GetFinal() && pass.Shown &&
+    pass.Time == this->Contour.GetMTime() && !pass.Volume.expired();
+  std::vector<std::uint64_t> all = { may ? 1U : 0U };
+  ranks.ReduceMinimum(all);
+  return all.front() != 0;
+}
+
+//------------------------------------------------------------------------------
+Refinement ContourWork::PrepareRefinement(double seconds)
+{
+  ControllerCommunicator ranks = this->GetRanks();
+  if (!this->MayRefine(ranks))
+  {
+    this->DropRefinement();
+    this->LastRefinement = {};
+    return {};
+  }
+  Refinement& refinement = this->LastRefinement;
+  std::vector<std::uint64_t> prepared = { this->OfVolumes.GetPrepared() ? 1U : 0U };
+  ranks.ReduceMinimum(prepared);
+  if (prepared.front() == 0)
+  {
+    if (!ranks.Agree(this->BeginRefinement(ranks, refinement)).IsOk())
+    {
+      // Refine extracts without preparation, and tells of the error.
+      this->DropRefinement();
+      refinement.Stage = RefinementStage::Ready;
+    }
+    if (refinement.Stage != RefinementStage::Working)
+    {
+      return refinement;
+    }
+  }
+  BackgroundExtraction& extraction = *this->OfVolumes.GetPrepared();
+  const bool ready = extraction.Wait(seconds);
+  std::vector<std::uint64_t> slowest = { ready ? 1U : 0U,
+    static_cast<std::uint64_t>(extraction.GetProgress() * Millionths) };
+  ranks.ReduceMinimum(slowest);
+  refinement.Stage = slowest[0] != 0 ? RefinementStage::Ready : RefinementStage::Working;
+  refinement.Share = static_cast<double>(slowest[1]) / Millionths;
+  return refinement;
+}
+
+//------------------------------------------------------------------------------
+Status ContourWork::BeginRefinement(Communicator& ranks, Refinement& refinement)
+{
+  const Pass& pass = this->LastPass;
+  const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
+  const int finest = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
+  LevelChoice choice;
+  choice.Level = this->GetLevelAfterPass(*volume);
+  const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
+    static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
+  if (budget.IsLimited())
+  {
+    QueryStatistics statistics;
+    const auto within = ChooseLevel(
+      *volume, pass.Query, choice.Level, budget, this->OfVolumes.GetRate(), ranks, statistics);
+    ISOSURFACE_RETURN_IF_ERROR(within.GetStatus());
+    choice = *within;
+  }
+  refinement.ShownLevel = pass.Level;
+  refinement.NextLevel = choice.Level;
+  refinement.FinalLevel = finest;
+  ISOSURFACE_RETURN_IF_ERROR(this->FindFittingLevel(ranks, *volume, refinement));
+  const bool fitsMemory = refinement.FittingLevel <= choice.Level;
+  refinement.Stage =
+    fitsMemory || pass.SizeAccepted ? RefinementStage::Working : RefinementStage::TooLarge;
+  if (refinement.Stage == RefinementStage::Working)
+  {
+    this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, choice, this->ChooseThreads() });
+  }
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Status ContourWork::FindFittingLevel(
+  Communicator& ranks, BlockedVolume& volume, Refinement& refinement)
+{
+  const Pass& pass = this->LastPass;
+  const double limit = this->Contour.GetRefinementMemory() * MebiByte;
+  std::vector<std::uint64_t> free = { limit > 0
+      ? static_cast<std::uint64_t>(limit)
+      : GetAvailableMemory() / static_cast<std::uint64_t>(std::max(1, this->RanksOnNode)) };
+  std::vector<std::uint64_t> shown = { pass.Triangles };
+  ranks.ReduceMinimum(free);
+  ranks.ReduceSum(shown);
+  std::vector<double> estimates; ///< from the next level to the one that is shown
+  Status status;
+  for (int level = refinement.NextLevel; level <= pass.Level && status.IsOk(); ++level)
+  {
+    const auto triangles = EstimateTriangles(volume, pass.Query, level);
+    status = triangles.GetStatus();
+    estimates.push_back(triangles.IsOk() ? *triangles : 0);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  // A region has a part of the triangles that spectra count: that of the shown surface.
+  const double part =
+    estimates.back() > 0 ? std::min(1.0, static_cast<double>(shown.front()) / estimates.back()) : 1;
+  const double bytes = part * CountBytesOfTriangle(pass.Request) / pass.Query.Ranks;
+  refinement.Triangles = part * estimates.front();
+  refinement.Bytes = bytes * estimates.front();
+  refinement.FreeBytes = static_cast<double>(free.front());
+  refinement.FittingLevel = pass.Level;
+  for (std::size_t n = 0; n < estimates.size(); ++n)
+  {
+    if (free.front() == 0 || bytes * estimates[n] <= UsableShare * refinement.FreeBytes)
+    {
+      refinement.FittingLevel = refinement.NextLevel + static_cast<int>(n);
+      break;
+    }
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

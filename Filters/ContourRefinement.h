@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ContourRefinement_h
+#define isosurface_ContourRefinement_h
+
+namespace isosurface
+{
+
+/// How far the surface that follows a coarse one is.
+enum class RefinementStage
+{
+  None = 0,    ///< the surface is final, or nothing was extracted since the last change
+  Working = 1, ///< it is being extracted
+  Ready = 2,   ///< all ranks have it: Refine costs next to nothing
+  TooLarge = 3 ///< it is not extracted, since it would not fit into memory
+};
+
+/// Of a progressive surface; equal on all ranks.
+struct Refinement
+{
+  RefinementStage Stage = RefinementStage::None;
+  int ShownLevel = 0;
+  int NextLevel = 0;    ///< that is being extracted
+  int FinalLevel = 0;   ///< the level without which the surface is not final
+  int FittingLevel = 0; ///< the finest level that fits into memory
+  double Share = 0;     ///< of the next level that is extracted, 0 to 1
+  double Triangles = 0; ///< of the next level, estimated, of all ranks
+  double Bytes = 0;     ///< of memory that these need on a rank
+  double FreeBytes = 0; ///< of memory that the rank with the minimum has; 0: unknown
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ContourProxy.h"
+
+#include "vtkClientServerStream.h"
+#include "vtkPVArrayInformation.h"
+#include "vtkPVDataInformation.h"
+#include "vtkPVDataSetAttributesInformation.h"
+#include "vtkSMPropertyHelper.h"
+#include "vtkSMProxy.h"
+#include "vtkSMSession.h"
+#include "vtkSMSourceProxy.h"
+
+#include <cstring>
+#include <vector>
+
+namespace isosurface
+{
+
+bool IsStabbingContour(vtkSMProxy* proxy)
+{
+  return proxy && proxy->GetXMLName() && std::strcmp(proxy->GetXMLName(), "StabbingContour") == 0;
+}
+
+bool IsFinal(vtkSMProxy* contour)
+{
+  contour->UpdatePropertyInformation(contour->GetProperty("Final"));
+  return vtkSMPropertyHelper(contour, "Final").GetAsInt() != 0;
+}
+
+RefinementReport ReadRefinement(vtkSMProxy* contour)
+{
+  contour->UpdatePropertyInformation(contour->GetProperty("Refinement"));
+  const std::vector<double> values = vtkSMPropertyHelper(contour, "Refinement").GetDoubleArray();
+  RefinementReport report;
+  if (values.size() == 9)
+  {
+    report.Stage = static_cast<int>(values[0]);
+    report.ShownLevel = static_cast<int>(values[1]);
+    report.NextLevel = static_cast<int>(values[2]);
+    report.FinalLevel = static_cast<int>(values[3]);
+    report.FittingLevel = static_cast<int>(values[4]);
+    report.Share = values[5];
+    report.Triangles = values[6];
+    report.Bytes = values[7];
+    report.FreeBytes = values[8];
+  }
+  return report;
+}
+
+int ReadLevel(vtkSMProxy* contour)
+{
+  auto* source = vtkSMSourceProxy::SafeDownCast(contour);
+  vtkPVArrayInformation* level =
+    source->GetDataInformation(0)->GetFieldDataInformation()->GetArrayInformation("Level");
+  return level ? static_cast<int>(level->GetComponentRange(0)[1]) : 0;
+}
+
+void CallOnServer(vtkSMProxy* proxy, const char* method)
+{
+  vtkClientServerStream stream;
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(proxy) << method
+         << vtkClientServerStream::End;
+  proxy->GetSession()->ExecuteStream(proxy->GetLocation(), stream);
+}
+
+void CallOnServer(vtkSMProxy* proxy, const char* method, int argument)
+{
+  vtkClientServerStream stream;
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(proxy) << method << argument
+         << vtkClientServerStream::End;
+  proxy->GetSession()->ExecuteStream(proxy->GetLocation(), stream);
+}
+
+} // namespace isosurface

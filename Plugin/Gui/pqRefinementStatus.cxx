@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqRefinementStatus.h"
+
+#include "CountWords.h"
+
+#include "pqApplicationCore.h"
+#include "pqSettings.h"
+
+#include <QAction>
+#include <QMenu>
+
+#include <cmath>
+
+using isosurface::RefinementReport;
+
+namespace
+{
+const char* const CoarseFirstSetting = "ScalableIsosurface/CoarseSurfacesFirst";
+} // namespace
+
+//------------------------------------------------------------------------------
+pqRefinementStatus::pqRefinementStatus(QWidget* parent)
+  : Superclass(parent)
+  , CoarseFirst(new QAction(tr("Coarse surfaces first"), this))
+  , Stop(new QAction(tr("Stop refining"), this))
+{
+  this->setObjectName("RefinementStatus");
+  this->setAutoRaise(true);
+  this->setPopupMode(QToolButton::InstantPopup);
+  this->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  this->setToolTip(tr("Isosurfaces of blocked volumes are shown coarse first, then exactly."));
+  pqSettings* settings = pqApplicationCore::instance()->settings();
+  this->CoarseFirst->setObjectName("CoarseFirst");
+  this->CoarseFirst->setCheckable(true);
+  this->CoarseFirst->setChecked(settings->value(CoarseFirstSetting, true).toBool());
+  this->Stop->setObjectName("StopRefining");
+  this->Stop->setEnabled(false);
+  QObject::connect(this->CoarseFirst, &QAction::toggled, this,
+    [](bool coarse)
+    { pqApplicationCore::instance()->settings()->setValue(CoarseFirstSetting, coarse); });
+  QObject::connect(this->Stop, &QAction::triggered, this, &pqRefinementStatus::stopped);
+  auto* menu = new QMenu(this);
+  menu->setObjectName("Menu");
+  menu->addAction(this->Stop);
+  menu->addAction(this->CoarseFirst);
+  this->setMenu(menu);
+  this->hide();
+}
+
+//------------------------------------------------------------------------------
+pqRefinementStatus::~pqRefinementStatus() = default;
+
+//------------------------------------------------------------------------------
+bool pqRefinementStatus::IsCoarseFirst() const
+{
+  return this->CoarseFirst->isChecked();
+}
+
+//------------------------------------------------------------------------------
+void pqRefinementStatus::ShowBegin()
+{
+  this->Stop->setEnabled(true);
+  this->show();
+}
+
+//------------------------------------------------------------------------------
+void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
+{
+  this->setText(tr("Level %1 of %2 shown, refining: %3 % of about %4 triangles")
+                  .arg(report.ShownLevel)
+                  .arg(report.FinalLevel)
+                  .arg(std::floor(100 * report.Share))
+                  .arg(isosurface::FormatCount(report.Triangles)));
+  this->ShowBegin();
+}
+
+//------------------------------------------------------------------------------
+void pqRefinementStatus::ShowEnd(int level, bool stopped)
+{
+  this->Stop->setEnabled(false);
+  this->setText(stopped ? tr("Level %1 shown, refining was stopped").arg(level)
+                        : tr("Level %1 shown").arg(level));
+  this->show();
+}

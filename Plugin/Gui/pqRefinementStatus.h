@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   pqRefinementStatus
+ * @brief   what level of a progressive surface is shown, in the status bar
+ *
+ * A button with a menu: stop refining, and whether surfaces are coarse first.
+ */
+
+#ifndef pqRefinementStatus_h
+#define pqRefinementStatus_h
+
+#include "ContourProxy.h"
+
+#include <QToolButton>
+
+class QAction;
+
+class pqRefinementStatus : public QToolButton
+{
+  Q_OBJECT
+  typedef QToolButton Superclass;
+
+public:
+  explicit pqRefinementStatus(QWidget* parent = nullptr);
+  ~pqRefinementStatus() override;
+
+  /// Whether surfaces are to be coarse first; kept in the user's settings.
+  bool IsCoarseFirst() const;
+
+public Q_SLOTS:
+  /// That a surface may get finer.
+  void ShowBegin();
+  void ShowRefinement(const isosurface::RefinementReport& report);
+  /// That a surface is as it is: final or not.
+  void ShowEnd(int level, bool stopped);
+
+Q_SIGNALS:
+  void stopped();
+
+private:
+  Q_DISABLE_COPY(pqRefinementStatus)
+
+  QAction* CoarseFirst;
+  QAction* Stop;
+};
+
+#endif

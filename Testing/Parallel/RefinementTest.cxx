@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Surfaces that are extracted beside the window are those of all ranks together, taken by all at once.
+#include "ParallelVolumes.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkMultiProcessController.h"
+#include "vtkStabbingContour.h"
+
+#include <filesystem>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr int Ready = 2;
+
+class Refinement : public testing::TestWithParam<int>
+{
+protected:
+  Refinement()
+    : Folder("Refinement-" + std::to_string(GetParam()))
+    , Image(MakeClosedVolume({ -41, 68, -7, 103, -90, 28 }, VTK_SHORT))
+    , Path(this->Folder.GetPath("volume.bvol"))
+  {
+    WriteFromPieces(this->Image, PieceSource::SUB_EXTENTS, this->Path, { 16, GetParam() });
+  }
+
+  /// Collective. Whether all ranks have the same of a number.
+  static bool IsSame(double mine)
+  {
+    double lowest = mine;
+    double highest = mine;
+    GetRanks()->AllReduce(&mine, &lowest, 1, vtkCommunicator::MIN_OP);
+    GetRanks()->AllReduce(&mine, &highest, 1, vtkCommunicator::MAX_OP);
+    return lowest == highest;
+  }
+
+  /// Collective. The stage after work, which is the same on all ranks in each slice.
+  static int Prepare(vtkStabbingContour* contour)
+  {
+    do
+    {
+      contour->PrepareRefinement(2);
+      for (int n = 0; n < 9; ++n)
+      {
+        EXPECT_TRUE(IsSame(contour->GetRefinement()[n])) << "of " << n;
+      }
+    } while (contour->GetRefinement()[0] == 1);
+    return static_cast<int>(contour->GetRefinement()[0]);
+  }
+
+  void ExpectSurface(vtkPolyData* mine, double isovalue)
+  {
+    EdgeSurface part;
+    part.Add(mine);
+    EdgeSurface all = GatherSurfaces(part);
+    if (GetRank() == 0)
+    {
+      all.MergeEqualPoints();
+      EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(this->Image, isovalue)));
+    }
+  }
+
+  const SharedFolder Folder;
+  const vtkSmartPointer<vtkImageData> Image;
+  const std::string Path;
+};
+
+TEST_P(Refinement, EndsWithTheSurfaceOfTheWholeVolume)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Contour->ProgressiveOn();
+  vtkPolyData* mine = pipeline.Update({ 60.5 });
+  EXPECT_FALSE(pipeline.Contour->GetFinal());
+  for (int passes = 0; !pipeline.Contour->GetFinal() && passes < 10; ++passes)
+  {
+    EXPECT_EQ(Prepare(pipeline.Contour), Ready);
+    pipeline.Contour->Refine();
+    mine = pipeline.Update({ 60.5 });
+    EXPECT_TRUE(IsSame(static_cast<double>(GetCost(mine, "Level"))));
+  }
+  EXPECT_TRUE(pipeline.Contour->GetFinal());
+  this->ExpectSurface(mine, 60.5);
+}
+
+TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Contour->ProgressiveOn();
+  pipeline.Update({ 60.5 });
+  pipeline.Contour->PrepareRefinement(0);
+  pipeline.Update({ 100.5 });
+  EXPECT_FALSE(pipeline.Contour->GetFinal());
+  pipeline.Contour->PrepareRefinement(0);
+  pipeline.Contour->DropRefinement();
+  EXPECT_EQ(Prepare(pipeline.Contour), Ready);
+  // One rank's surface is gone: it extracts anew, and all have the same surface.
+  if (GetRank() == 0)
+  {
+    pipeline.Contour->DropRefinement();
+  }
+  vtkPolyData* mine = pipeline.Contour->GetOutput();
+  for (int passes = 0; !pipeline.Contour->GetFinal() && passes < 10; ++passes)
+  {
+    pipeline.Contour->Refine();
+    mine = pipeline.Update({ 100.5 });
+  }
+  this->ExpectSurface(mine, 100.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, Refinement, testing::Values(1, 3));
+
+} // namespace
+} // namespace isosurface
