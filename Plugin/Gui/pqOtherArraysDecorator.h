@@ -16,11 +16,15 @@
 class pqOtherArraysDecorator : public pqPropertyWidgetDecorator
 {
   Q_OBJECT
+  /// The array that is left out of the list; empty: none.
+  Q_PROPERTY(QString hidden READ GetHidden)
   typedef pqPropertyWidgetDecorator Superclass;
 
 public:
   pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
   ~pqOtherArraysDecorator() override;
+
+  QString GetHidden() const { return this->Hidden; }
 
 private Q_SLOTS:
   void ExpectChange();
@@ -28,6 +32,8 @@ private Q_SLOTS:
 
 private:
   Q_DISABLE_COPY(pqOtherArraysDecorator)
+
+  QString Hidden;
 };
 
 #endif
