@@ -51,7 +51,7 @@ void pqOtherArraysDecorator::HideContoured()
     ? choice.GetAsString(ArrayNameElement)
     : nullptr;
   const bool taken = vtkSMUncheckedPropertyHelper(proxy, "ComputeScalars").GetAsInt() != 0;
-  this->Hidden.clear();
+  QString hiddenArray;
   for (QTreeView* list : this->parentWidget()->findChildren<QTreeView*>())
   {
     const QAbstractItemModel* model = list->model();
@@ -60,7 +60,8 @@ void pqOtherArraysDecorator::HideContoured()
       const QString name = model->index(row, 0).data().toString();
       const bool hidden = taken && name == contoured;
       list->setRowHidden(row, QModelIndex(), hidden);
-      this->Hidden = hidden ? name : this->Hidden;
+      hiddenArray = hidden ? name : hiddenArray;
     }
   }
+  this->parentWidget()->setProperty("hiddenArray", hiddenArray);
 }

@@ -4,7 +4,7 @@
  * @brief   leaves the contoured array out of a list of arrays to interpolate
  *
  * The surface carries the isovalue under the name of the contoured array, so that array is offered
- * only if Compute Scalars is off. In a panel: PropertyWidgetDecorator type="OtherArrays" at a
+ * only if Compute Scalars is off. The widget's property hiddenArray names it. In a panel: PropertyWidgetDecorator type="OtherArrays" at a
  * property that is a list of arrays, of a proxy with SelectInputScalars and ComputeScalars.
  */
 
@@ -16,15 +16,11 @@
 class pqOtherArraysDecorator : public pqPropertyWidgetDecorator
 {
   Q_OBJECT
-  /// The array that is left out of the list; empty: none.
-  Q_PROPERTY(QString hidden READ GetHidden)
   typedef pqPropertyWidgetDecorator Superclass;
 
 public:
   pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
   ~pqOtherArraysDecorator() override;
-
-  QString GetHidden() const { return this->Hidden; }
 
 private Q_SLOTS:
   void ExpectChange();
@@ -32,8 +28,6 @@ private Q_SLOTS:
 
 private:
   Q_DISABLE_COPY(pqOtherArraysDecorator)
-
-  QString Hidden;
 };
 
 #endif
