@@ -8,8 +8,9 @@
 #include "vtkSMProxy.h"
 #include "vtkSMUncheckedPropertyHelper.h"
 
+#include <QAbstractItemModel>
 #include <QTimer>
-#include <QTreeWidget>
+#include <QTreeView>
 
 namespace
 {
@@ -50,12 +51,17 @@ void pqOtherArraysDecorator::HideContoured()
     ? choice.GetAsString(ArrayNameElement)
     : nullptr;
   const bool taken = vtkSMUncheckedPropertyHelper(proxy, "ComputeScalars").GetAsInt() != 0;
-  for (QTreeWidget* list : this->parentWidget()->findChildren<QTreeWidget*>())
+  QString hiddenArray;
+  for (QTreeView* list : this->parentWidget()->findChildren<QTreeView*>())
   {
-    for (int row = 0; row < list->topLevelItemCount(); ++row)
+    const QAbstractItemModel* model = list->model();
+    for (int row = 0; model && row < model->rowCount(); ++row)
     {
-      QTreeWidgetItem* item = list->topLevelItem(row);
-      item->setHidden(taken && item->text(0) == contoured);
+      const QString name = model->index(row, 0).data().toString();
+      const bool hidden = taken && name == contoured;
+      list->setRowHidden(row, QModelIndex(), hidden);
+      hiddenArray = hidden ? name : hiddenArray;
     }
   }
+  this->parentWidget()->setProperty("hiddenArray", hiddenArray);
 }

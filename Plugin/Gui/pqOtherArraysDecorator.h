@@ -4,7 +4,7 @@
  * @brief   leaves the contoured array out of a list of arrays to interpolate
  *
  * The surface carries the isovalue under the name of the contoured array, so that array is offered
- * only if Compute Scalars is off. In a panel: PropertyWidgetDecorator type="OtherArrays" at a
+ * only if Compute Scalars is off. The widget's property hiddenArray names it. In a panel: PropertyWidgetDecorator type="OtherArrays" at a
  * property that is a list of arrays, of a proxy with SelectInputScalars and ComputeScalars.
  */
 
