@@ -199,10 +199,10 @@ public:
 
   ///@{
   /**
-   * Other point arrays, or cell arrays as averages, to interpolate linearly along the grid edges, to arrays of the same name,
-   * of float for integers, as in vtkFlyingEdges3D. Default: none. Of a blocked volume the active
-   * blocks of each are read. An array that the input does not have is an error. With
-   * ComputeScalars, the contoured array is not interpolated: the isovalue has its name.
+   * Other point arrays, or cell arrays as averages, to interpolate linearly along the grid edges, to
+   * arrays of the same name, of float for integers, as in vtkFlyingEdges3D. Default: none. Of a
+   * blocked volume the active blocks of each are read. An array that the input does not have is an
+   * error. With ComputeScalars, the contoured array is not interpolated: the isovalue has its name.
    */
   void AddInterpolatedArray(const char* name);
   void RemoveAllInterpolatedArrays();

@@ -23,9 +23,9 @@ std::int64_t CountGlobalIds(const GridGeometry& geometry, const ContourRequest& 
 /**
  * Extracts isosurfaces from blocks of a regular grid by marching cubes: see ContourRequest and
  * Surface. Triangles, points and normals equal those of vtkFlyingEdges3D bit for bit, except where
- * that overflows (see BrickKernel.txx); with Lines those of vtkRectilinearSynchronizedTemplates. The points of all blocks are shared. They are ordered by
- * isovalue, block, row of vertices, axis of the edge, x; so the result does not depend on
- * `threads`.
+ * that overflows (see BrickKernel.txx); with Lines those of vtkRectilinearSynchronizedTemplates. The
+ * points of all blocks are shared. They are ordered by isovalue, block, row of vertices, axis of the
+ * edge, x; so the result does not depend on `threads`.
  *
  * GlobalIds: 3 * vertex + axis + isovalueNumber * 3 * NumberOfVertices for the edge from `vertex`
  * along `axis`, counted in GetNumberedGrid(). If calls for blocks of the same grid, on different

@@ -200,7 +200,7 @@ class WritesVectorsAndTimeSteps(Case):
         self.assertIn('has only cell arrays ("cells")', err)
 
     def test_cells_are_averaged_on_request(self):
-        for memory in ("7", "500"):
+        for memory in ("14", "500"):
             path = self.write(os.path.join(INPUTS, "flow_and_cells.vti"), "c.bvol", "--cells",
                               "--memory", memory)
             self.assertEqual([a["name"] for a in BlockedVolume(path).arrays][-1], "cells")
