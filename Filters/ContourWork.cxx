@@ -128,6 +128,7 @@ std::string ContourWork::GetArrayToContour()
 std::vector<std::string> ContourWork::ChooseInterpolatedArrays(const std::string& contoured)
 {
   std::vector<std::string> names;
+  names.reserve(static_cast<std::size_t>(this->Contour.GetNumberOfInterpolatedArrays()));
   for (int n = 0; n < this->Contour.GetNumberOfInterpolatedArrays(); ++n)
   {
     names.emplace_back(this->Contour.GetInterpolatedArray(n));

@@ -200,7 +200,7 @@ int vtkDistributeIsosurface::RequestData(
     polyData->ShallowCopy(vtkPolyData::GetData(input[0], 0));
     return 1;
   }
-  if (status.IsOk())
+  if (contour && status.IsOk())
   {
     const Steps steps = { *this, ranks, contour };
     status = steps.Distribute(output->GetInformationObject(0), polyData);
@@ -229,7 +229,7 @@ Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
                                                      : isosurface::EdgeIndexMode::Smallest;
   mine.Settings.MaximumError = this->Filter.MaximumError;
   mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
-  const auto header = isosurface::ShareHeader(this->Ranks, mine, blocks.HasSamples);
+  auto header = isosurface::ShareHeader(this->Ranks, mine, blocks.HasSamples);
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(header.GetStatus()));
   return header;
 }

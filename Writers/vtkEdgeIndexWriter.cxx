@@ -265,7 +265,7 @@ Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(const ContourBlock
   {
     --header.PreviewLevel;
   }
-  const auto shared = isosurface::ShareHeader(this->Ranks, header, blocks.HasSamples);
+  auto shared = isosurface::ShareHeader(this->Ranks, header, blocks.HasSamples);
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(shared.GetStatus()));
   return shared;
 }

@@ -89,6 +89,50 @@ void Unite(const LinedGrid& piece, LinedGrid& whole)
   }
 }
 
+/// For each piece the number of the first piece of its grid: pieces that meet are of one grid.
+std::vector<std::size_t> FindOwners(const std::vector<LinedGrid>& pieces)
+{
+  std::vector<std::size_t> owners(pieces.size());
+  std::iota(owners.begin(), owners.end(), std::size_t{ 0 });
+  for (std::size_t piece = 1; piece < pieces.size(); ++piece)
+  {
+    for (std::size_t other = 0; other < piece; ++other)
+    {
+      if (owners[other] != owners[piece] && DoMeet(pieces[piece], pieces[other]))
+      {
+        const std::size_t from = std::max(owners[piece], owners[other]);
+        const std::size_t to = std::min(owners[piece], owners[other]);
+        std::replace(owners.begin(), owners.end(), from, to);
+      }
+    }
+  }
+  return owners;
+}
+
+/// The grid of all pieces that have the owner `first`.
+LinedGrid UnitePieces(
+  const std::vector<LinedGrid>& pieces, const std::vector<std::size_t>& owners, std::size_t first)
+{
+  LinedGrid whole = pieces[first];
+  // A piece extends what it meets; others follow in a later round.
+  for (std::size_t round = 0; round < pieces.size(); ++round)
+  {
+    const auto before = whole.Grid.Extent;
+    for (std::size_t piece = first; piece < pieces.size(); ++piece)
+    {
+      if (owners[piece] == first && DoMeet(pieces[piece], whole))
+      {
+        Unite(pieces[piece], whole);
+      }
+    }
+    if (whole.Grid.Extent == before)
+    {
+      break;
+    }
+  }
+  return whole;
+}
+
 } // namespace
 
 Status GridLines::Check(const Index3& dimensions) const
@@ -154,21 +198,7 @@ std::vector<LinedGrid> UniteLinedGrids(
     const std::vector<LinedGrid> read = ReadPieces(messages[rank]);
     all.insert(all.end(), read.begin(), read.end());
   }
-  // Each piece joins the grids that it meets; a grid has the number of its first piece.
-  std::vector<std::size_t> owners(all.size());
-  std::iota(owners.begin(), owners.end(), std::size_t{ 0 });
-  for (std::size_t piece = 1; piece < all.size(); ++piece)
-  {
-    for (std::size_t other = 0; other < piece; ++other)
-    {
-      if (owners[other] != owners[piece] && DoMeet(all[piece], all[other]))
-      {
-        const std::size_t from = std::max(owners[piece], owners[other]);
-        const std::size_t to = std::min(owners[piece], owners[other]);
-        std::replace(owners.begin(), owners.end(), from, to);
-      }
-    }
-  }
+  const std::vector<std::size_t> owners = FindOwners(all);
   std::vector<LinedGrid> united;
   std::vector<std::size_t> places(all.size());
   for (std::size_t first = 0; first < all.size(); ++first)
@@ -178,24 +208,7 @@ std::vector<LinedGrid> UniteLinedGrids(
       continue;
     }
     places[first] = united.size();
-    LinedGrid whole = all[first];
-    // A piece extends what it meets; others follow in a later round.
-    for (std::size_t round = 0; round < all.size(); ++round)
-    {
-      const auto before = whole.Grid.Extent;
-      for (std::size_t piece = first; piece < all.size(); ++piece)
-      {
-        if (owners[piece] == first && DoMeet(all[piece], whole))
-        {
-          Unite(all[piece], whole);
-        }
-      }
-      if (whole.Grid.Extent == before)
-      {
-        break;
-      }
-    }
-    united.push_back(std::move(whole));
+    united.push_back(UnitePieces(all, owners, first));
   }
   numbers.clear();
   for (std::size_t piece = 0; piece < pieces.size(); ++piece)

@@ -213,10 +213,11 @@ void SpectrumPlot::PaintScale(QPainter& painter, const QRect& plot, const QPalet
   label(this->Maximum);
   if (this->Logarithmic)
   {
-    for (double decade = std::pow(10.0, std::floor(std::log10(this->Maximum)));
-         decade >= this->Minimum; decade /= 10)
+    const int lowest = static_cast<int>(std::ceil(std::log10(this->Minimum)));
+    for (int exponent = static_cast<int>(std::floor(std::log10(this->Maximum))); exponent >= lowest;
+         --exponent)
     {
-      label(decade);
+      label(std::pow(10.0, exponent));
     }
   }
 }
