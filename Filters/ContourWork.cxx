@@ -187,7 +187,8 @@ std::uint64_t ContourWork::ComputeFingerprint(const SurfaceQuery& query)
     addNumber(attribute);
   }
   addValues(request.Isovalues);
-  for (const HalfSpace& halfSpace : this->MakeRegion().GetHalfSpaces())
+  const Region region = this->MakeRegion();
+  for (const HalfSpace& halfSpace : region.GetHalfSpaces())
   {
     addValues(halfSpace.Normal);
     AppendLittleEndian(bytes, halfSpace.Offset);

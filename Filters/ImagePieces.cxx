@@ -148,6 +148,7 @@ std::vector<std::size_t> UniteLeaves(
     pieces.Lines.emplace_back(std::move(grid.Lines));
   }
   std::vector<std::size_t> numbers;
+  numbers.reserve(leaves.size());
   std::size_t next = 0;
   for (const Leaf& leaf : leaves)
   {

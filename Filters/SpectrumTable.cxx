@@ -89,6 +89,7 @@ void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* 
   }
   table->AddColumn(isovalues);
   std::vector<const WorkloadSpectrum*> all;
+  all.reserve(spectra.size());
   for (const WorkloadSpectrum& spectrum : spectra)
   {
     all.push_back(&spectrum);

@@ -320,7 +320,7 @@ int vtkStabbingContour::RequestData(
 vtkStabbingContour* vtkStabbingContour::FindBehind(vtkAlgorithmOutput* connection)
 {
   vtkAlgorithm* producer = connection ? connection->GetProducer() : nullptr;
-  while (isosurface::FindPassedArrays(producer) == isosurface::PassedArrays::All &&
+  while (producer && isosurface::FindPassedArrays(producer) == isosurface::PassedArrays::All &&
     producer->GetNumberOfInputConnections(0) > 0)
   {
     producer = producer->GetInputAlgorithm(0, 0);

@@ -80,7 +80,7 @@ Result<std::vector<ArrayDescription>> ChooseArrays(const std::string& path,
       std::string known;
       for (const ArrayDescription& array : arrays)
       {
-        known += (known.empty() ? "\"" : ", \"") + array.Name + "\"";
+        known.append(known.empty() ? "\"" : ", \"").append(array.Name).append("\"");
       }
       return Status(
         StatusCode::NotFound, path + ": has no numeric point array \"" + name + "\", but " + known);

@@ -77,21 +77,21 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     this->Context.Settings.Threads = ChooseThreadCount(ranksOnNode);
   }
   std::uint64_t fingerprint = 0;
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
-    [&]() -> Status
-    {
-      const auto existing = FindVolumeToAppendTo(
-        this->Context.Files, this->Context.Path, this->Context.Settings, pending);
-      ISOSURFACE_RETURN_IF_ERROR(existing.GetStatus());
-      const auto header = PlanVolume(
-        this->Context.Path, grid, arrays, this->Context.Settings, *existing, this->Context.Size);
-      ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-      ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
-      fingerprint = this->ComputeFingerprint(*header);
-      this->Volume = std::make_unique<GridWriter>(this->Context, this->Source, *header,
-        !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
-      return Status::Ok();
-    })));
+  const auto plan = [&]() -> Status
+  {
+    const auto existing = FindVolumeToAppendTo(
+      this->Context.Files, this->Context.Path, this->Context.Settings, pending);
+    ISOSURFACE_RETURN_IF_ERROR(existing.GetStatus());
+    const auto header = PlanVolume(
+      this->Context.Path, grid, arrays, this->Context.Settings, *existing, this->Context.Size);
+    ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
+    fingerprint = this->ComputeFingerprint(*header);
+    this->Volume = std::make_unique<GridWriter>(this->Context, this->Source, *header,
+      !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(plan)));
   ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments(fingerprint));
   return this->Volume->Prepare();
 }
