@@ -15,6 +15,7 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
+#include "vtkDataObject.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
@@ -168,6 +169,16 @@ int vtkContourSpectrum::RequestUpdateExtent(
     handle->BeginTaking(this);
   }
   return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkContourSpectrum::SetInputArrayToProcess(
+  int index, int port, int connection, int association, const char* name)
+{
+  if (association != vtkDataObject::FIELD_ASSOCIATION_ROWS)
+  {
+    this->Superclass::SetInputArrayToProcess(index, port, connection, association, name);
+  }
 }
 
 //------------------------------------------------------------------------------

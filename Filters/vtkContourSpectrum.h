@@ -45,6 +45,14 @@ public:
     VOLUME
   };
 
+  /**
+   * Chooses the array, as for any algorithm; but rows of tables are passed over, and the choice made
+   * before stays. ParaView's Python proposes them while a table is the active source.
+   */
+  using Superclass::SetInputArrayToProcess;
+  void SetInputArrayToProcess(
+    int index, int port, int connection, int association, const char* name) override;
+
   ///@{
   /**
    * The component of an array that is measured, or, if it is the number of components, the

@@ -15,6 +15,7 @@
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkDataObject.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
@@ -275,6 +276,16 @@ void vtkStabbingContour::ReleaseInput(vtkInformation* inInfo)
   if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
   {
     handle->EndTaking(this);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::SetInputArrayToProcess(
+  int index, int port, int connection, int association, const char* name)
+{
+  if (association != vtkDataObject::FIELD_ASSOCIATION_ROWS)
+  {
+    this->Superclass::SetInputArrayToProcess(index, port, connection, association, name);
   }
 }
 

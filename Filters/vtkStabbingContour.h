@@ -51,6 +51,14 @@ public:
   vtkTypeMacro(vtkStabbingContour, vtkPolyDataAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /**
+   * Chooses the array, as for any algorithm; but rows of tables are passed over, and the choice made
+   * before stays. ParaView's Python proposes them while a table is the active source.
+   */
+  using Superclass::SetInputArrayToProcess;
+  void SetInputArrayToProcess(
+    int index, int port, int connection, int association, const char* name) override;
+
   ///@{
   /**
    * The isovalues, as in vtkContourFilter.
