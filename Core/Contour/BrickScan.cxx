@@ -19,22 +19,6 @@ namespace isosurface
 namespace
 {
 
-bool Contains(const VertexBox& outer, const VertexBox& inner)
-{
-  return outer.Intersect(inner) == inner;
-}
-
-// Adds a layer on each side of the box, where there are samples.
-VertexBox AddGhostLayer(VertexBox box, const VertexBox& known)
-{
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    --box.Low[axis];
-    ++box.High[axis];
-  }
-  return box.Intersect(known);
-}
-
 // The vertices of the grid whose samples are known.
 VertexBox FindKnownSamples(const GridGeometry& geometry, const ContourRequest& request)
 {
@@ -88,13 +72,13 @@ bool Fits(const AttributeView& view, const AttributeLayout& layout, const Vertex
     const EdgeTupleView& tuples = *view.EdgeTuples;
     return view.Components.empty() && tuples.First[0] && tuples.First[1] && tuples.First[2] &&
       tuples.Type == GetInterpolatedType(layout.Type) &&
-      tuples.NumberOfComponents == layout.NumberOfComponents && Contains(tuples.Box, vertices);
+      tuples.NumberOfComponents == layout.NumberOfComponents && tuples.Box.Contains(vertices);
   }
   bool fits = view.Components.size() == static_cast<std::size_t>(layout.NumberOfComponents);
   for (const SampleView& component : view.Components)
   {
     fits = fits && component.First && component.Type == layout.Type &&
-      Contains(component.Available, vertices);
+      component.Available.Contains(vertices);
   }
   return fits;
 }
@@ -239,18 +223,17 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   {
     return MakeError(block, "are missing or of another type");
   }
-  const VertexBox needed =
-    this->Request.Normals ? AddGhostLayer(vertices, this->KnownSamples) : vertices;
-  if (!Contains(scalars.Available, needed))
+  const VertexBox needed = this->Request.Normals ? vertices.AddLayer(this->KnownSamples) : vertices;
+  if (!scalars.Available.Contains(needed))
   {
     return MakeError(
       block, this->Request.Normals ? "lack the layer around it for normals" : "do not cover it");
   }
-  if (samples.Crossings && !Contains(samples.Crossings->Box, vertices))
+  if (samples.Crossings && !samples.Crossings->Box.Contains(vertices))
   {
     return MakeError(block, "have crossings that do not cover it");
   }
-  if (samples.Hidden && !Contains(samples.Hidden->Box, scalars.Available))
+  if (samples.Hidden && !samples.Hidden->Box.Contains(scalars.Available))
   {
     return MakeError(block, "are not covered by the flags that hide some");
   }

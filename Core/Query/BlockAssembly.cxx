@@ -39,21 +39,20 @@ VertexBox FindContribution(
 void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSize,
   const VertexBox& whole, std::uint8_t* to, std::ptrdiff_t stride)
 {
-  const Index3 size = whole.GetSize();
-  for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
-  {
-    for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
+  VisitRows(part,
+    [&](const Index3& first, std::int64_t count)
     {
-      const std::ptrdiff_t source = (part.Low[0] - from.Available.Low[0]) * from.Stride[0] +
-        (j - from.Available.Low[1]) * from.Stride[1] + (k - from.Available.Low[2]) * from.Stride[2];
-      const std::int64_t target =
-        part.Low[0] - whole.Low[0] + size[0] * (j - whole.Low[1] + size[1] * (k - whole.Low[2]));
-      CopySamples(to + static_cast<std::size_t>(target * stride) * valueSize, stride,
+      std::ptrdiff_t source = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        source += (first[axis] - from.Available.Low[axis]) * from.Stride[axis];
+      }
+      CopySamples(to + whole.FindIndex(first) * static_cast<std::size_t>(stride) * valueSize,
+        stride,
         static_cast<const std::uint8_t*>(from.First) +
           source * static_cast<std::ptrdiff_t>(valueSize),
-        from.Stride[0], part.High[0] - part.Low[0], valueSize);
-    }
-  }
+        from.Stride[0], count, valueSize);
+    });
 }
 
 } // namespace

@@ -24,52 +24,6 @@ namespace
 //     | components of each attribute                 x a |
 //     | box of each piece: low x, y, z, high x, y, z x n |
 //     +--------------------------------------------------+
-void AppendInteger(Message& message, std::int64_t value)
-{
-  AppendLittleEndian(message, value);
-}
-
-void AppendBox(Message& message, const VertexBox& box)
-{
-  for (const Index3* corner : { &box.Low, &box.High })
-  {
-    for (const std::int64_t coordinate : *corner)
-    {
-      AppendInteger(message, coordinate);
-    }
-  }
-}
-
-bool Contains(const VertexBox& box, const VertexBox& part)
-{
-  return box.Intersect(part) == part;
-}
-
-VertexBox AddLayer(const VertexBox& box, const Index3& dimensions)
-{
-  VertexBox grown = box;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    grown.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
-    grown.High[axis] = std::min(dimensions[axis], box.High[axis] + 1);
-  }
-  return grown;
-}
-
-// Calls functor(row, first vertex, vertices of a row) for each row of a box, x fastest.
-template <typename Functor>
-void VisitRows(const VertexBox& box, const Functor& functor)
-{
-  const std::int64_t size = box.High[0] - box.Low[0];
-  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-  {
-    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-    {
-      functor(Index3{ box.Low[0], j, k }, size);
-    }
-  }
-}
-
 // Appends the samples of a box, x fastest.
 void AppendSamples(const SampleView& view, const VertexBox& box, Message& message)
 {
@@ -97,15 +51,12 @@ void AppendSamples(const SampleView& view, const VertexBox& box, Message& messag
 std::size_t PlaceSamples(const std::uint8_t* bytes, std::size_t valueSize, const VertexBox& box,
   const VertexBox& whole, std::uint8_t* array)
 {
-  const Index3 size = whole.GetSize();
   std::size_t used = 0;
   VisitRows(box,
     [&](const Index3& first, std::int64_t count)
     {
-      const std::int64_t place = first[0] - whole.Low[0] +
-        size[0] * (first[1] - whole.Low[1] + size[1] * (first[2] - whole.Low[2]));
       const std::size_t row = static_cast<std::size_t>(count) * valueSize;
-      std::memcpy(array + static_cast<std::size_t>(place) * valueSize, bytes + used, row);
+      std::memcpy(array + whole.FindIndex(first) * valueSize, bytes + used, row);
       used += row;
     });
   return used;
@@ -187,15 +138,15 @@ Status PieceBlockSource::DescribePieces(Message& message) const
   {
     Message arrays;
     const std::vector<SampleView> views = this->GetViews(n);
-    AppendInteger(arrays, static_cast<std::int64_t>(views.size()));
-    AppendInteger(arrays, static_cast<std::int64_t>(this->Pieces[n].Attributes.size()));
+    AppendLittleEndian(arrays, static_cast<std::int64_t>(views.size()));
+    AppendLittleEndian(arrays, static_cast<std::int64_t>(this->Pieces[n].Attributes.size()));
     for (const SampleView& view : views)
     {
-      AppendInteger(arrays, static_cast<std::int64_t>(view.Type));
+      AppendLittleEndian(arrays, static_cast<std::int64_t>(view.Type));
     }
     for (const AttributeView& attribute : this->Pieces[n].Attributes)
     {
-      AppendInteger(arrays, static_cast<std::int64_t>(attribute.Components.size()));
+      AppendLittleEndian(arrays, static_cast<std::int64_t>(attribute.Components.size()));
     }
     if (!message.empty() && arrays != message)
     {
@@ -238,8 +189,7 @@ Status PieceBlockSource::AddPieces(const Message& message, int rank)
     PlacedPiece piece;
     piece.Rank = rank;
     piece.Number = number;
-    reader.ReadAll(piece.Box.Low);
-    reader.ReadAll(piece.Box.High);
+    piece.Box = ReadBox(reader);
     this->AllPieces.push_back(piece);
   }
   return Status::Ok();
@@ -289,12 +239,12 @@ void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int
       continue;
     }
     const VertexBox samples =
-      this->WithLayer ? AddLayer(vertices, this->Grid.GetDimensions()) : vertices;
+      this->WithLayer ? vertices.AddLayer(this->Grid.GetDimensions()) : vertices;
     const PlacedPiece* owner = nullptr;
     const PlacedPiece* first = nullptr;
     for (const PlacedPiece& piece : this->AllPieces)
     {
-      if (Contains(piece.Box, samples))
+      if (piece.Box.Contains(samples))
       {
         owner = &piece;
         break;

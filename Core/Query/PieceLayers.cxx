@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Query/PieceLayers.h"
 
+#include "Base/Coding.h"
 #include "Contour/CellVisibility.h"
 #include "Volume/PieceOwnership.h"
 
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <type_traits>
 #include <utility>
 
 namespace isosurface
@@ -23,7 +23,6 @@ struct PlacedPiece
   VertexBox Needed; ///< with the layer
   VertexBox Available;
 };
-static_assert(std::is_trivially_copyable_v<PlacedPiece>, "pieces travel as bytes");
 
 // A part of a piece's layer, and who has it.
 struct Supply
@@ -33,63 +32,31 @@ struct Supply
   std::size_t Piece = 0; ///< of that rank
 };
 
-VertexBox AddLayer(const VertexBox& box, const Index3& dimensions)
-{
-  VertexBox grown = box;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    grown.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
-    grown.High[axis] = std::min(dimensions[axis], box.High[axis] + 1);
-  }
-  return grown;
-}
-
-// Calls functor(vertex) for each vertex of a box, x fastest.
-template <typename Functor>
-void VisitVertices(const VertexBox& box, const Functor& functor)
-{
-  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-  {
-    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-    {
-      for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-      {
-        functor(Index3{ i, j, k });
-      }
-    }
-  }
-}
-
-std::size_t FindIndex(const VertexBox& box, const Index3& vertex)
-{
-  const Index3 size = box.GetSize();
-  return static_cast<std::size_t>(vertex[0] - box.Low[0] +
-    size[0] * (vertex[1] - box.Low[1] + size[1] * (vertex[2] - box.Low[2])));
-}
-
-// By rank, then by number.
+// By rank, then by number. A message has for each piece: grid and type as int64, both boxes.
 std::vector<std::vector<PlacedPiece>> GatherPieces(
   Communicator& ranks, const std::vector<LayeredPiece>& pieces)
 {
-  Message mine(pieces.size() * sizeof(PlacedPiece));
-  for (std::size_t n = 0; n < pieces.size(); ++n)
+  Message mine;
+  for (const LayeredPiece& piece : pieces)
   {
-    const SampleView& scalars = pieces[n].Scalars;
-    PlacedPiece placed;
-    placed.Grid = static_cast<std::int64_t>(pieces[n].Grid);
-    placed.Type = static_cast<std::int64_t>(scalars.Type);
-    placed.Needed =
-      scalars.Box.IsEmpty() ? scalars.Box : AddLayer(scalars.Box, pieces[n].Dimensions);
-    placed.Available = scalars.Available;
-    std::memcpy(&mine[n * sizeof(placed)], &placed, sizeof(placed));
+    const VertexBox& box = piece.Scalars.Box;
+    AppendLittleEndian(mine, static_cast<std::int64_t>(piece.Grid));
+    AppendLittleEndian(mine, static_cast<std::int64_t>(piece.Scalars.Type));
+    AppendBox(mine, box.IsEmpty() ? box : box.AddLayer(piece.Dimensions));
+    AppendBox(mine, piece.Scalars.Available);
   }
   std::vector<std::vector<PlacedPiece>> all;
   for (const Message& message : ranks.AllGather(mine))
   {
-    all.emplace_back(message.size() / sizeof(PlacedPiece));
-    if (!message.empty())
+    std::vector<PlacedPiece>& placed = all.emplace_back();
+    ByteReader reader(message);
+    while (reader.GetRemaining() > 0)
     {
-      std::memcpy(all.back().data(), message.data(), message.size());
+      PlacedPiece& piece = placed.emplace_back();
+      piece.Grid = reader.Read<std::int64_t>();
+      piece.Type = reader.Read<std::int64_t>();
+      piece.Needed = ReadBox(reader);
+      piece.Available = ReadBox(reader);
     }
   }
   return all;
@@ -232,7 +199,7 @@ LayeredBlockSource::LayeredBlockSource(
 
 VertexBox LayeredBlockSource::GetKnownSamples() const
 {
-  return AddLayer(this->Piece.Scalars.Box, this->Piece.Dimensions);
+  return this->Piece.Scalars.Box.AddLayer(this->Piece.Dimensions);
 }
 
 Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
@@ -241,8 +208,8 @@ Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   SampleView& scalars = samples->Scalars;
   const auto copy = std::make_shared<Copy>();
-  copy->Box = AddLayer(scalars.Box, this->Piece.Dimensions).Intersect(this->GetKnownSamples());
-  if (scalars.Available.Intersect(copy->Box) == copy->Box)
+  copy->Box = scalars.Box.AddLayer(this->Piece.Dimensions).Intersect(this->GetKnownSamples());
+  if (scalars.Available.Contains(copy->Box))
   {
     return samples;
   }
@@ -283,7 +250,7 @@ void LayeredBlockSource::CopyPiece(const SampleView& scalars, Copy& copy) const
       VisitVertices(copy.Box.Intersect(scalars.Available),
         [&](const Index3& vertex)
         {
-          const std::size_t to = FindIndex(copy.Box, vertex);
+          const std::size_t to = copy.Box.FindIndex(vertex);
           std::memcpy(copy.Samples.GetData() + to * copy.ValueSize,
             scalars.At<decltype(zero)>(vertex), copy.ValueSize);
           const bool isHidden =
@@ -300,8 +267,8 @@ void LayeredBlockSource::CopyParts(Copy& copy) const
     VisitVertices(copy.Box.Intersect(part.Box),
       [&](const Index3& vertex)
       {
-        const std::size_t to = FindIndex(copy.Box, vertex);
-        const std::size_t from = FindIndex(part.Box, vertex);
+        const std::size_t to = copy.Box.FindIndex(vertex);
+        const std::size_t from = part.Box.FindIndex(vertex);
         std::memcpy(copy.Samples.GetData() + to * copy.ValueSize,
           part.Samples.GetData() + from * copy.ValueSize, copy.ValueSize);
         copy.HiddenVertices[to] = part.Known[from] != 0 ? 0 : 1;
@@ -327,7 +294,7 @@ void LayeredBlockSource::CopyHiddenCells(Copy& copy) const
     {
       if (hidden.HasCell(cell) && (*hidden.AtCell(cell) & hidden.HidesCell) != 0)
       {
-        copy.HiddenCells[FindIndex(cells, cell)] = 1;
+        copy.HiddenCells[cells.FindIndex(cell)] = 1;
       }
     });
   copy.Hidden.Cells = copy.HiddenCells.data();

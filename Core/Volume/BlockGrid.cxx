@@ -6,17 +6,6 @@
 namespace isosurface
 {
 
-VertexBox VertexBox::Intersect(const VertexBox& other) const
-{
-  VertexBox box;
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    box.Low[axis] = std::max(this->Low[axis], other.Low[axis]);
-    box.High[axis] = std::max(box.Low[axis], std::min(this->High[axis], other.High[axis]));
-  }
-  return box;
-}
-
 BlockGrid::BlockGrid(const Index3& dimensions, int blockSize, int levels)
   : Dimensions(dimensions)
   , BlockSize(blockSize)
@@ -64,14 +53,12 @@ VertexBox BlockGrid::GetVertices(std::int64_t block, int level) const
 
 VertexBox BlockGrid::GetGhostedVertices(std::int64_t block, int level) const
 {
-  VertexBox box = this->GetVertices(block, level);
-  for (int axis = 0; axis < 3; ++axis)
+  Index3 dimensions;
+  for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const std::int64_t last = (this->Dimensions[axis] - 1) >> level;
-    box.Low[axis] = std::max<std::int64_t>(0, box.Low[axis] - 1);
-    box.High[axis] = std::min(last + 1, box.High[axis] + 1);
+    dimensions[axis] = ((this->Dimensions[axis] - 1) >> level) + 1;
   }
-  return box;
+  return this->GetVertices(block, level).AddLayer(dimensions);
 }
 
 bool IsBlockSize(int blockSize)

@@ -3,39 +3,12 @@
 #define isosurface_BlockGrid_h
 
 #include "Volume/GridGeometry.h"
+#include "Volume/VertexBox.h"
 
 #include <cstdint>
 
 namespace isosurface
 {
-
-/// A box of vertices [Low, High), counted from 0 at the grid's first vertex.
-struct VertexBox
-{
-  Index3 Low{ 0, 0, 0 };
-  Index3 High{ 0, 0, 0 };
-
-  Index3 GetSize() const
-  {
-    return { this->High[0] - this->Low[0], this->High[1] - this->Low[1],
-      this->High[2] - this->Low[2] };
-  }
-  std::int64_t GetNumberOfVertices() const
-  {
-    const Index3 size = this->GetSize();
-    return this->IsEmpty() ? 0 : size[0] * size[1] * size[2];
-  }
-  bool IsEmpty() const
-  {
-    return this->Low[0] >= this->High[0] || this->Low[1] >= this->High[1] ||
-      this->Low[2] >= this->High[2];
-  }
-  VertexBox Intersect(const VertexBox& other) const;
-  bool operator==(const VertexBox& other) const
-  {
-    return this->Low == other.Low && this->High == other.High;
-  }
-};
 
 /**
  * Cuts a grid into cubic blocks of `BlockSize` cells a side: 16, 32 or 64, but the last block on an

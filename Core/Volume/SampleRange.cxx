@@ -85,14 +85,9 @@ template <typename T, bool OnlyFinite>
 RangeOf<T, OnlyFinite> FindRange(const SampleView& samples, const VertexBox& box)
 {
   RangeOf<T, OnlyFinite> range;
-  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-  {
-    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-    {
-      range.AddRow(
-        samples.At<T>({ box.Low[0], j, k }), box.High[0] - box.Low[0], samples.Stride[0]);
-    }
-  }
+  VisitRows(box,
+    [&](const Index3& first, std::int64_t count)
+    { range.AddRow(samples.At<T>(first), count, samples.Stride[0]); });
   return range;
 }
 
