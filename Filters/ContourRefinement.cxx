@@ -7,8 +7,8 @@
 
 #include "Base/AvailableMemory.h"
 #include "Query/ProgressiveLevels.h"
+#include "Query/SurfaceMemory.h"
 #include "Store/BlockedVolume.h"
-#include "Volume/ValueType.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,26 +23,6 @@ namespace
 
 constexpr double Millionths = 1e6;
 constexpr double MebiByte = 1 << 20;
-constexpr double UsableShare = 0.8; ///< of free memory
-
-/// Of memory for a triangle: its arrays, what extraction needs meanwhile, and a copy for drawing.
-double CountBytesOfTriangle(const ContourRequest& request)
-{
-  constexpr double pointsOfTriangle = 0.5;
-  constexpr double cell = (3 + 1) * sizeof(std::int32_t);
-  constexpr double drawn = 3 * sizeof(std::int32_t) + pointsOfTriangle * 6 * sizeof(float);
-  double point = 3 * sizeof(float) + sizeof(std::int64_t) + sizeof(float) + sizeof(std::uint32_t);
-  if (request.Normals)
-  {
-    point += 2 * 3 * sizeof(float);
-  }
-  for (const AttributeLayout& layout : request.Attributes)
-  {
-    point += 2.0 * layout.NumberOfComponents *
-      static_cast<double>(GetValueSize(GetInterpolatedType(layout.Type)));
-  }
-  return cell + drawn + pointsOfTriangle * point;
-}
 
 } // namespace
 
@@ -214,19 +194,21 @@ Status ContourWork::FindFittingLevel(
   // A region has a part of the triangles that spectra count: that of the shown surface.
   const double part =
     estimates.back() > 0 ? std::min(1.0, static_cast<double>(shown.front()) / estimates.back()) : 1;
-  const double bytes = part * CountBytesOfTriangle(pass.Request) / pass.Query.Ranks;
-  refinement.Triangles = part * estimates.front();
-  refinement.Bytes = bytes * estimates.front();
-  refinement.FreeBytes = static_cast<double>(free.front());
-  refinement.FittingLevel = pass.Level;
-  for (std::size_t n = 0; n < estimates.size(); ++n)
+  for (double& estimate : estimates)
   {
-    if (free.front() == 0 || bytes * estimates[n] <= UsableShare * refinement.FreeBytes)
-    {
-      refinement.FittingLevel = refinement.NextLevel + static_cast<int>(n);
-      break;
-    }
+    estimate *= part;
   }
+  const double bytesPerTriangle = EstimateBytesPerTriangle(pass.Request) / pass.Query.Ranks;
+  std::vector<double> bytes;
+  for (const double triangles : estimates)
+  {
+    bytes.push_back(bytesPerTriangle * triangles);
+  }
+  refinement.Triangles = estimates.front();
+  refinement.Bytes = bytes.front();
+  refinement.FreeBytes = static_cast<double>(free.front());
+  refinement.FittingLevel =
+    refinement.NextLevel + static_cast<int>(FindFittingSurface(bytes, refinement.FreeBytes));
   return Status::Ok();
 }
 
