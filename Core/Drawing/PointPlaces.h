@@ -9,11 +9,11 @@
 namespace isosurface
 {
 
-/// Whether two points, given by their coordinates, are in one place. A NaN is in no place.
-[[gnu::always_inline]] inline bool AreInOnePlace(const float* a, const float* b)
+/// 1 if two points, given by their coordinates, are in one place, else 0. A NaN is in no place.
+[[gnu::always_inline]] inline int AreInOnePlace(const float* a, const float* b)
 {
-  // Without branches: the processor could not predict which coordinates are equal.
-  return ((a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2])) != 0;
+  // An int, and no branches: the processor could not predict which coordinates are equal.
+  return (a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2]);
 }
 
 /// Whether a triangle has three points in different places. VTK's mappers draw only such triangles.
@@ -23,7 +23,7 @@ template <typename T>
   const float* a = points + 3 * static_cast<std::size_t>(triangle[0]);
   const float* b = points + 3 * static_cast<std::size_t>(triangle[1]);
   const float* c = points + 3 * static_cast<std::size_t>(triangle[2]);
-  return !(AreInOnePlace(a, b) | AreInOnePlace(b, c) | AreInOnePlace(a, c));
+  return (AreInOnePlace(a, b) | AreInOnePlace(b, c) | AreInOnePlace(a, c)) == 0;
 }
 
 /// Calls body(point numbers) with those of the two arrays that is there.
