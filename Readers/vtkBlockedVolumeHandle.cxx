@@ -41,14 +41,9 @@ void vtkBlockedVolumeHandle::SetError(const isosurface::Status& error)
 //------------------------------------------------------------------------------
 isosurface::CommonValue vtkBlockedVolumeHandle::MakeCommonValue() const
 {
-  if (!this->Volume)
-  {
-    return { 0, "" };
-  }
-  return { this->Volume->GetFingerprint(),
-    this->Volume->GetPath() +
-      ": the ranks see different volumes under this path, or the same before and after it was "
-      "written; reload it" };
+  return this->Volume
+    ? isosurface::MakeCommonFile(this->Volume->GetPath(), this->Volume->GetFingerprint())
+    : isosurface::CommonValue{ 0, "" };
 }
 
 //------------------------------------------------------------------------------

@@ -154,14 +154,9 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
 //------------------------------------------------------------------------------
 isosurface::CommonValue vtkEdgeIndexReader::Internals::MakeCommonValue() const
 {
-  if (!this->File)
-  {
-    return { 0, "" };
-  }
-  return { this->File->GetFingerprint(),
-    this->File->GetPath() +
-      ": the ranks see different files under this path, or the same before and after it was "
-      "written; reload it" };
+  return this->File
+    ? isosurface::MakeCommonFile(this->File->GetPath(), this->File->GetFingerprint())
+    : isosurface::CommonValue{ 0, "" };
 }
 
 //------------------------------------------------------------------------------

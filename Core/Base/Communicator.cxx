@@ -23,6 +23,14 @@ void Communicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& 
   }
 }
 
+CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint)
+{
+  return { fingerprint,
+    path +
+      ": the ranks see different files under this path, or the same one before and after it was "
+      "written; reload it" };
+}
+
 Status Communicator::Agree(const Status& mine)
 {
   if (this->GetSize() == 1)

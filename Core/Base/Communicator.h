@@ -22,6 +22,9 @@ struct CommonValue
   std::string Difference; ///< what to tell the user if it is not the same
 };
 
+/// The content of a file, told by its fingerprint, which ranks may see differently under its path.
+CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint);
+
 /**
  * The communication that the parallel algorithms of Core need. Every function is collective: all
  * ranks call it, in the same order. The VTK classes implement it with a vtkMultiProcessController;

@@ -17,7 +17,6 @@ namespace
 {
 
 constexpr std::int64_t MaximumCoordinate = BlockedVolumeHeader::MaximumCoordinate;
-constexpr std::int64_t MaximumStores = BlockedVolumeHeader::MaximumStores;
 /// So that three numbers a vertex (its grid edges) fit 63 bits.
 constexpr double MaximumVertices = 1152921504606846976.0; // 2^60
 

@@ -117,6 +117,20 @@ vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<dou
   return contour->GetOutput();
 }
 
+void ExpectNormal(vtkPolyData* surface, const std::array<double, 3>& normal)
+{
+  ASSERT_GT(surface->GetNumberOfPoints(), 1000);
+  ASSERT_NE(surface->GetPointData()->GetNormals(), nullptr);
+  for (vtkIdType point = 0; point < surface->GetNumberOfPoints(); ++point)
+  {
+    const double* found = surface->GetPointData()->GetNormals()->GetTuple(point);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      ASSERT_NEAR(found[axis], normal[axis], 1e-5) << "of point " << point;
+    }
+  }
+}
+
 EdgeSurface ContourToEdges(vtkDataObject* input, double isovalue)
 {
   EdgeSurface surface;

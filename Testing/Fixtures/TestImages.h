@@ -54,7 +54,10 @@ private:
 /// The output of a vtkStabbingContour with default options; a test fails if it reports an error.
 vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<double>& isovalues);
 
-/// The same as an EdgeSurface.
+/// Expects this normal, up to 1e-5, at every point of a surface, and more than 1000 points.
+void ExpectNormal(vtkPolyData* surface, const std::array<double, 3>& normal);
+
+/// The output of Contour() as an EdgeSurface.
 EdgeSurface ContourToEdges(vtkDataObject* input, double isovalue);
 
 } // namespace isosurface

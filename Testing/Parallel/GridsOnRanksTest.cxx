@@ -56,6 +56,20 @@ vtkSmartPointer<vtkPolyData> ContourPiece(
   return contour->GetOutput();
 }
 
+void ExpectSurfaceOfOneRank(const EdgeSurface& surface, vtkDataObject* whole, int association)
+{
+  vtkNew<vtkStabbingContour> alone;
+  alone->SetController(nullptr);
+  alone->SetInputDataObject(whole);
+  alone->SetInputArrayToProcess(0, 0, 0, association, "density");
+  alone->SetValue(0, 8.0);
+  alone->Update();
+  EdgeSurface expected;
+  expected.Add(alone->GetOutput());
+  EXPECT_FALSE(expected.Triangles.empty());
+  EXPECT_TRUE(AreEqual(surface, expected));
+}
+
 EdgeSurface Gather(vtkPolyData* mine)
 {
   EdgeSurface surface;
@@ -109,15 +123,7 @@ TEST(GridsOnRanks, RectilinearGridsThatMeetHaveTheSurfaceOfTheWhole)
   const EdgeSurface all = Gather(ContourPiece(MakeBlocks(makeLined(CutImage(whole, CutSlab(0))))));
   if (GetRank() == 0)
   {
-    vtkNew<vtkStabbingContour> alone;
-    alone->SetController(nullptr);
-    alone->SetInputData(makeLined(whole));
-    alone->SetValue(0, 8.0);
-    alone->Update();
-    EdgeSurface expected;
-    expected.Add(alone->GetOutput());
-    EXPECT_FALSE(expected.Triangles.empty());
-    EXPECT_TRUE(AreEqual(all, expected));
+    ExpectSurfaceOfOneRank(all, makeLined(whole), vtkDataObject::FIELD_ASSOCIATION_POINTS);
   }
 }
 
@@ -143,16 +149,7 @@ TEST(GridsOnRanks, CellArraysWithGhostLayersHaveTheSurfaceOfTheWhole)
     Gather(ContourPiece(MakeBlocks(piece), vtkDataObject::FIELD_ASSOCIATION_CELLS));
   if (GetRank() == 0)
   {
-    vtkNew<vtkStabbingContour> alone;
-    alone->SetController(nullptr);
-    alone->SetInputData(whole);
-    alone->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "density");
-    alone->SetValue(0, 8.0);
-    alone->Update();
-    EdgeSurface expected;
-    expected.Add(alone->GetOutput());
-    EXPECT_FALSE(expected.Triangles.empty());
-    EXPECT_TRUE(AreEqual(all, expected));
+    ExpectSurfaceOfOneRank(all, whole, vtkDataObject::FIELD_ASSOCIATION_CELLS);
   }
 }
 
