@@ -3,6 +3,7 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkCommand.h"
+#include "vtkErrorCode.h"
 #include "vtkExecutive.h"
 #include "vtkInformation.h"
 #include "vtkInformationExecutivePortKey.h"
@@ -55,6 +56,12 @@ void ReportError(vtkAlgorithm* algorithm, vtkInformationVector* output, const St
 {
   vtkErrorWithObjectMacro(algorithm, << error.GetMessage());
   SilenceFailure(output);
+}
+
+unsigned long FindErrorCode(const Status& error)
+{
+  return error.GetCode() == StatusCode::DiskFull ? vtkErrorCode::OutOfDiskSpaceError
+                                                 : vtkErrorCode::UnknownError;
 }
 
 } // namespace isosurface

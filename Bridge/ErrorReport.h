@@ -24,6 +24,9 @@ ISOSURFACEBRIDGE_EXPORT void SilenceFailure(vtkInformationVector* output);
 ISOSURFACEBRIDGE_EXPORT void ReportError(
   vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error);
 
+/// The vtkErrorCode of an error: OutOfDiskSpaceError, or UnknownError.
+ISOSURFACEBRIDGE_EXPORT unsigned long FindErrorCode(const Status& error);
+
 } // namespace isosurface
 
 #endif

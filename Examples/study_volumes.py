@@ -108,6 +108,6 @@ def save(figure, path):
     """Saves a figure as a small PNG (a palette of 48 colours)."""
     figure.savefig(path, dpi=80)
     pyplot.close(figure)
-    with Image.open(path) as picture:
-        small = picture.convert("RGB").quantize(48)
+    with Image.open(path) as image:
+        small = image.convert("RGB").quantize(48)
     small.save(path, optimize=True)

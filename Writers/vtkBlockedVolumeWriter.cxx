@@ -15,6 +15,7 @@
 #include "ArrayChoice.h"
 #include "Base/Checksum.h"
 #include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
@@ -316,8 +317,7 @@ void vtkBlockedVolumeWriter::WriteData()
   {
     // Steps that were not published go with it.
     this->Writing.reset();
-    this->SetErrorCode(status.GetCode() == StatusCode::IoError ? vtkErrorCode::OutOfDiskSpaceError
-                                                               : vtkErrorCode::UnknownError);
+    this->SetErrorCode(FindErrorCode(status));
     if (status.GetCode() != StatusCode::Aborted)
     {
       vtkErrorMacro(<< status.GetMessage());

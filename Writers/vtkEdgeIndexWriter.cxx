@@ -19,6 +19,7 @@
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
 #include "EdgeIndex/EdgeIndexWriteJob.h"
+#include "ErrorReport.h"
 
 #include <algorithm>
 #include <cmath>
@@ -181,8 +182,7 @@ void vtkEdgeIndexWriter::WriteData()
   const Status status = steps.WriteSurface();
   if (!status.IsOk())
   {
-    this->SetErrorCode(status.GetCode() == StatusCode::IoError ? vtkErrorCode::OutOfDiskSpaceError
-                                                               : vtkErrorCode::UnknownError);
+    this->SetErrorCode(FindErrorCode(status));
     if (status.GetCode() != StatusCode::Aborted)
     {
       vtkErrorMacro(<< status.GetMessage());

@@ -47,6 +47,7 @@ Status MakeSystemError(const std::string& path, const char* action, int error)
 {
   const StatusCode code = error == ENOENT || error == ENOTDIR ? StatusCode::NotFound
     : error == ENOMEM                                         ? StatusCode::OutOfMemory
+    : error == ENOSPC || error == EDQUOT || error == EFBIG    ? StatusCode::DiskFull
                                                               : StatusCode::IoError;
   return Status(code, path + ": cannot " + action + ": " + std::strerror(error));
 }

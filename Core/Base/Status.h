@@ -4,6 +4,8 @@
 
 #include <cassert>
 #include <cstdint>
+#include <exception>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +19,8 @@ enum class StatusCode : std::uint8_t
   Ok,
   InvalidArgument, ///< an argument that makes no sense
   NotFound,        ///< a file, store or array does not exist
-  IoError,         ///< the operating system refused (disk full, permission, ...)
+  IoError,         ///< the operating system refused (permission, too many threads, ...)
+  DiskFull,        ///< the disk, a quota or a limit of file sizes has no room
   Corrupt,         ///< the bytes are not those that were written: truncated, altered, inconsistent
   Unsupported,     ///< a newer format version, an unknown codec or value type
   OutOfMemory,     ///< there is not enough memory
@@ -48,6 +51,15 @@ private:
   StatusCode Code = StatusCode::Ok;
   std::string Message;
 };
+
+/// What a C++ exception says, behind `context`: OutOfMemory for a std::bad_alloc, else IoError (the
+/// system has no more threads or locks).
+inline Status MakeExceptionError(const std::string& context, const std::exception& exception)
+{
+  return dynamic_cast<const std::bad_alloc*>(&exception)
+    ? Status(StatusCode::OutOfMemory, context + ": there is not enough memory")
+    : Status(StatusCode::IoError, context + ": " + exception.what());
+}
 
 /**
  * A value, or the error that prevented it. Only access the value if IsOk().

@@ -59,14 +59,9 @@ void BackgroundExtraction::Run()
   {
     this->EndStatus = ExtractLevel(task, this->Work.Choice.Level, this->Outcome);
   }
-  catch (const std::bad_alloc&)
-  {
-    this->EndStatus =
-      Status(StatusCode::OutOfMemory, "There is not enough memory for the isosurface.");
-  }
   catch (const std::exception& error)
   {
-    this->EndStatus = Status(StatusCode::IoError, error.what());
+    this->EndStatus = MakeExceptionError("the isosurface cannot be extracted", error);
   }
   const std::lock_guard<std::mutex> lock(this->Mutex);
   this->HasEnded = true;

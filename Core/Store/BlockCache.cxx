@@ -85,7 +85,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockCache::Load(
     {
       lock.lock();
     }
-    loading.Error = Status(StatusCode::IoError, "loading a block failed for want of memory");
+    loading.Error = Status(StatusCode::OutOfMemory, "there is not enough memory to load a block");
     finish();
     throw;
   }

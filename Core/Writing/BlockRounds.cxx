@@ -26,8 +26,7 @@ Status Attempt(Step&& step)
   }
   catch (const std::exception& exception)
   {
-    return Status(
-      StatusCode::IoError, std::string("a round cannot be worked on: ") + exception.what());
+    return MakeExceptionError("a round of blocks cannot be worked on", exception);
   }
 }
 

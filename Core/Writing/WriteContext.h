@@ -53,8 +53,7 @@ public:
     }
     catch (const std::exception& exception)
     {
-      return Status(
-        StatusCode::IoError, this->Path + ": cannot be written here: " + exception.what());
+      return MakeExceptionError(this->Path + ": cannot be written here", exception);
     }
   }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks what the main job wrote: check_main_job.py FOLDER BASELINE_PNG EXAMPLES_FOLDER
 
-The picture equals the README's; the table has a row a rank and surface, whose triangles add up to
+The image equals the README's; the table has a row a rank and surface, whose triangles add up to
 those of vtkFlyingEdges3D on the whole scans, and every active block was read once or found in the
 cache.
 """
@@ -32,18 +32,18 @@ def read_png(path):
     return reader.GetOutput()
 
 
-picture = read_png(os.path.join(folder, "main_job.png"))
+image = read_png(os.path.join(folder, "main_job.png"))
 expected = read_png(baseline)
-expect(picture.GetDimensions() == expected.GetDimensions(), "the picture has another size")
+expect(image.GetDimensions() == expected.GetDimensions(), "the image has another size")
 if not failures:
     difference = vtkImageDifference()
-    difference.SetInputData(picture)
+    difference.SetInputData(image)
     difference.SetImageData(expected)
     difference.Update()
     # In units of whole pixels that differ: room for another version of the software renderer.
     expect(
         difference.GetThresholdedError() < 200,
-        f"the picture differs from the README's by {difference.GetThresholdedError():.0f} pixels",
+        f"the image differs from the README's by {difference.GetThresholdedError():.0f} pixels",
     )
 
 with open(os.path.join(folder, "main_job.csv"), newline="") as file:

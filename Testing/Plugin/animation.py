@@ -10,7 +10,7 @@ FIRST, LAST, FRAMES = 120.0, 180.0, 4
 
 
 class Animation(unittest.TestCase):
-    def test_each_frame_is_the_picture_of_its_isovalue(self):
+    def test_each_frame_is_the_image_of_its_isovalue(self):
         contour = testing.contour(testing.open_volume("wave.bvol"), FIRST)
         view = testing.make_view()
         testing.show_surface(contour, view)
@@ -22,7 +22,7 @@ class Animation(unittest.TestCase):
         scene = simple.GetAnimationScene()
         scene.PlayMode = "Sequence"
         scene.NumberOfFrames = FRAMES
-        size = testing.PICTURE_SIZE
+        size = testing.IMAGE_SIZE
         simple.SaveAnimation(testing.output("frame.png"), view, ImageResolution=size)
         track.Enabled = 0
         for frame in range(FRAMES):
@@ -34,8 +34,8 @@ class Animation(unittest.TestCase):
                 )
                 still = testing.output(f"still-{frame}.png")
                 simple.SaveScreenshot(still, view, ImageResolution=size)
-                still = testing.read_picture(still)
-                shown = testing.read_picture(testing.output(f"frame.{frame:04}.png"))
+                still = testing.read_image(still)
+                shown = testing.read_image(testing.output(f"frame.{frame:04}.png"))
                 self.assertLess((shown != still).any(axis=2).mean(), 1e-3)
                 self.assertGreater((still != still[0, 0]).any(axis=2).mean(), 0.05)
 

@@ -156,19 +156,19 @@ class ClientAndServer(unittest.TestCase):
         self.run_client_and_server(
             "wall_image.py", [f"--tdx={ranks}", "--tdy=1"], "tiles", ["--wall"]
         )
-        image = testing.read_picture(testing.output("image/wall.png"))[:, :, :3]
+        image = testing.read_image(testing.output("image/wall.png"))[:, :, :3]
         tiles = [numpy.load(testing.output(f"tiles/tile-{rank}.npy")) for rank in range(ranks)]
         self.assertTrue((numpy.hstack(tiles) == image).all())
         self.assertGreater(int((image != image[0, 0]).any(axis=2).sum()), 10000)
 
-    def test_distributed_surface_has_the_picture_of_the_contour(self):
+    def test_distributed_surface_has_the_image_of_the_contour(self):
         self.run_client_and_server("distribute.py")
         self.assertEqual(
             len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 2
         )
 
     def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
-        self.run_client_and_server("surface_pictures.py")
+        self.run_client_and_server("surface_images.py")
         log = self.read_log()
         for rank in range(testing.arguments.ranks):
             lines = re.findall(rf"Stabbing Contour: rank {rank}: .*", log)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Distribute Isosurface in ParaView: the contour's surface and picture, in compact parts. On any
+"""Distribute Isosurface in ParaView: the contour's surface and image, in compact parts. On any
 number of ranks, and through a server (--port)."""
 import csv
 import unittest
@@ -19,7 +19,7 @@ class DistributeIsosurface(unittest.TestCase):
         cls.triangles = testing.count_expected_triangles()
 
     def setUp(self):
-        if testing.arguments.port and "picture" not in self.id():
+        if testing.arguments.port and "image" not in self.id():
             self.skipTest("seen without a server")
         self.contour.Isosurfaces = [testing.ISOVALUE]
 
@@ -92,12 +92,12 @@ class DistributeIsosurface(unittest.TestCase):
         self.assertGreater(testing.count_cells(clip), 0)
         self.assertLess(testing.count_cells(clip), self.triangles)
 
-    def test_metabuffer_picture_is_that_of_the_contour(self):
+    def test_metabuffer_image_is_that_of_the_contour(self):
         view = simple.CreateView("MetabufferRenderView")
         view.ViewSize = [301, 233]
         view.OrientationAxesVisibility = 0
         view.RemoteRenderThreshold = 0
-        pictures = {}
+        images = {}
         surfaces = {
             "contour": self.contour,
             "exact": self.distribute(NormalError=0),
@@ -109,16 +109,16 @@ class DistributeIsosurface(unittest.TestCase):
                 simple.ResetCamera(view)
             path = testing.output(name + ".png")
             simple.SaveScreenshot(path, view, ImageResolution=view.ViewSize)
-            pictures[name] = testing.read_picture(path)
+            images[name] = testing.read_image(path)
             simple.Hide(surface, view)
         simple.Delete(view)
-        contour = pictures["contour"]
+        contour = images["contour"]
         self.assertGreater(int((contour != contour[0, 0]).any(axis=2).sum()), 10000)
         # The same triangles in another order: who of equally near ones is seen, is by chance.
-        difference = abs(pictures["exact"] - contour).max(axis=2)
+        difference = abs(images["exact"] - contour).max(axis=2)
         self.assertLessEqual(int(difference.max()), 1)
         self.assertLessEqual(int((difference > 0).sum()), 20)
-        difference = abs(pictures["lossless"] - contour).max(axis=2)
+        difference = abs(images["lossless"] - contour).max(axis=2)
         self.assertLess((difference > 1).mean(), 0.02)
 
 

@@ -59,7 +59,7 @@ class MetabufferView(unittest.TestCase):
     def save(self, view, name, size=None):
         path = testing.output(name + ".png")
         simple.SaveScreenshot(path, view, ImageResolution=size or view.ViewSize)
-        return testing.read_picture(path)
+        return testing.read_image(path)
 
     def check_same(self, image, expected):
         self.assertEqual(image.shape, expected.shape)
@@ -246,7 +246,7 @@ class MetabufferView(unittest.TestCase):
             )
             simple.Delete(track)
             paths = sorted(glob.glob(testing.output(kind + ".*.png")))
-            frames[kind] = [testing.read_picture(path) for path in paths]
+            frames[kind] = [testing.read_image(path) for path in paths]
         self.assertEqual(len(frames["RenderView"]), 3)
         for ours, stock in zip(frames["MetabufferRenderView"], frames["RenderView"]):
             self.check_same(ours, stock)

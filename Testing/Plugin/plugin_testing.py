@@ -16,7 +16,7 @@ import unittest
 from paraview import simple
 
 ISOVALUE = 150.0
-PICTURE_SIZE = [300, 300]
+IMAGE_SIZE = [300, 300]
 # vtkImageDifference's thresholded error, which is also that of ParaView's GUI tests. It is 0 on one
 # machine; 3 leaves room for another software renderer. The other isovalue makes a surface that
 # anybody sees to be another one.
@@ -61,7 +61,7 @@ def load_plugin():
         simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
 
 
-def read_picture(path):
+def read_image(path):
     """Rows of tuples of a PNG file. (In pvbatch scripts run on the first rank alone.)"""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOImage import vtkPNGReader
@@ -182,7 +182,7 @@ def read_costs(surface):
 
 def make_view():
     """A view like the GUI's first one, as large as the baselines."""
-    return simple.CreateRenderView(ViewSize=PICTURE_SIZE)
+    return simple.CreateRenderView(ViewSize=IMAGE_SIZE)
 
 
 def show_surface(surface, view):
@@ -196,21 +196,21 @@ def show_surface(surface, view):
     return display
 
 
-def compare_picture(view, baseline_name, picture_name):
-    """Saves the view's picture; its difference from the baseline as vtkImageDifference has it."""
-    # Here, because pvbatch loads them with the first picture, after MPI is up.
+def compare_image(view, baseline_name, image_name):
+    """Saves the view's image; its difference from the baseline as vtkImageDifference has it."""
+    # Here, because pvbatch loads them with the first image, after MPI is up.
     from vtkmodules.vtkImagingCore import vtkImageDifference
     from vtkmodules.vtkIOImage import vtkPNGReader
 
-    simple.SaveScreenshot(output(picture_name), view, ImageResolution=PICTURE_SIZE)
-    pictures = []
-    for path in (output(picture_name), baseline(baseline_name)):
+    simple.SaveScreenshot(output(image_name), view, ImageResolution=IMAGE_SIZE)
+    images = []
+    for path in (output(image_name), baseline(baseline_name)):
         reader = vtkPNGReader()
         reader.SetFileName(path)
         reader.Update()
-        pictures.append(reader.GetOutput())
+        images.append(reader.GetOutput())
     difference = vtkImageDifference()
-    difference.SetInputData(pictures[0])
-    difference.SetImageData(pictures[1])
+    difference.SetInputData(images[0])
+    difference.SetImageData(images[1])
     difference.Update()
     return difference.GetThresholdedError()

@@ -61,15 +61,15 @@ class Progressive(unittest.TestCase):
         self.assertEqual(self.read_levels(surface), 1)
         self.assertTrue(self.is_final(surface))
 
-    def test_pictures_end_with_that_of_the_full_surface(self):
+    def test_images_end_with_that_of_the_full_surface(self):
         view = testing.make_view()
         surface = self.make_surface()
         testing.show_surface(surface, view)
         differences = []
         while True:
-            picture = f"pass{len(differences)}.png"
+            image = f"pass{len(differences)}.png"
             differences.append(
-                testing.compare_picture(view, "StabbingContour.png", picture)
+                testing.compare_image(view, "StabbingContour.png", image)
             )
             if self.is_final(surface):
                 break

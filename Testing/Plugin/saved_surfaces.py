@@ -20,8 +20,8 @@ class SavedSurfaces(unittest.TestCase):
         )
 
     def test_a_screenshot_taken_soon_is_that_taken_later(self):
-        soon = testing.read_picture(find("soon.png"))
-        self.assertTrue((soon == testing.read_picture(find("later.png"))).all())
+        soon = testing.read_image(find("soon.png"))
+        self.assertTrue((soon == testing.read_image(find("later.png"))).all())
         self.assertGreater(soon.std(), 1)
 
     def test_surfaces_are_finished_by_each_dialog_that_saves(self):

@@ -21,14 +21,14 @@ class SurfaceQuality(unittest.TestCase):
         surface.DropDegenerateTriangles = 1
         self.assertGreater(testing.count_cells(surface), opened)
         self.assertLess(
-            testing.compare_picture(view, "ClosedSurface.png", "closed.png"),
+            testing.compare_image(view, "ClosedSurface.png", "closed.png"),
             testing.LARGEST_DIFFERENCE,
         )
 
         # The comparison would see an open surface.
         surface.CloseBoundary = 0
         self.assertGreater(
-            testing.compare_picture(view, "ClosedSurface.png", "open.png"),
+            testing.compare_image(view, "ClosedSurface.png", "open.png"),
             10 * testing.LARGEST_DIFFERENCE,
         )
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The surface as a picture and as a table, on N ranks of pvbatch, or of the server at a port:
+"""The surface as an image and as a table, on N ranks of pvbatch, or of the server at a port:
 
-    surface_pictures.py ... --ranks N [--port PORT]
+    surface_images.py ... --ranks N [--port PORT]
 """
 import unittest
 
@@ -10,13 +10,13 @@ from paraview import simple
 import plugin_testing as testing
 
 
-class SurfacePictures(unittest.TestCase):
+class SurfaceImages(unittest.TestCase):
     def test_surface_looks_as_in_the_gui_and_costs_a_row_a_rank(self):
         view = testing.make_view()
         surface = testing.contour(testing.open_volume("wave.bvol"))
         testing.show_surface(surface, view)
         self.assertLess(
-            testing.compare_picture(view, "StabbingContour.png", "surface.png"),
+            testing.compare_image(view, "StabbingContour.png", "surface.png"),
             testing.LARGEST_DIFFERENCE,
         )
         self.check_costs(surface, testing.ISOVALUE)
@@ -24,7 +24,7 @@ class SurfacePictures(unittest.TestCase):
         # The comparison would see another surface.
         surface.Isosurfaces = [testing.OTHER_ISOVALUE]
         self.assertGreater(
-            testing.compare_picture(view, "StabbingContour.png", "another.png"),
+            testing.compare_image(view, "StabbingContour.png", "another.png"),
             10 * testing.LARGEST_DIFFERENCE,
         )
         self.check_costs(surface, testing.OTHER_ISOVALUE)
