@@ -167,6 +167,9 @@ class ClientAndServer(unittest.TestCase):
             len(re.findall(r"Distribute Isosurface: rank 0: [1-9]", self.read_log())), 2
         )
 
+    def test_server_stays_usable_after_errors(self):
+        self.run_client_and_server("errors_on_server.py")
+
     def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
         self.run_client_and_server("surface_images.py")
         log = self.read_log()

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A server that has told of errors goes on: every kind of damage behind every filter that reads it, then
+the good volume, on the server at a port.
+
+    errors_on_server.py ... --ranks N --port PORT
+"""
+import os
+import shutil
+import unittest
+
+from paraview import simple
+
+import plugin_testing as testing
+from volume_damage import FAULTS
+
+CONSUMERS = {
+    "contour": lambda reader: testing.contour(reader),
+    "distributed": lambda reader: simple.DistributeIsosurface(Input=testing.contour(reader)),
+    "slice": lambda reader: simple.Slice(Input=reader),
+}
+
+
+class ErrorsOnServer(unittest.TestCase):
+    def delete_all(self):
+        for proxy in reversed(list(simple.GetSources().values())):
+            simple.Delete(proxy)
+
+    def check_good_surface(self, name):
+        surface = testing.contour(testing.open_volume("wave.bvol"))
+        view = testing.make_view()
+        testing.show_surface(surface, view)
+        self.assertLess(
+            testing.compare_image(view, "StabbingContour.png", name), testing.LARGEST_DIFFERENCE
+        )
+        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
+        simple.Delete(view)
+
+    def test_good_volumes_have_their_surface_after_every_damage_behind_every_filter(self):
+        for damage, _ in FAULTS:
+            path = damage()
+            for name, make in CONSUMERS.items():
+                with self.subTest(damage=damage.__name__, consumer=name):
+                    try:
+                        consumer = make(simple.BlockedVolumeReader(FileName=path))
+                        consumer.UpdatePipeline()
+                        self.assertEqual(testing.count_cells(consumer), 0)
+                    except RuntimeError:
+                        pass  # the reader of no volume has no arrays to choose from
+            self.check_good_surface(f"{damage.__name__}.png")
+            self.delete_all()
+
+    def test_a_volume_that_was_mended_is_read_by_the_reader_that_could_not(self):
+        path = testing.output("mended.bvol")
+        reader = simple.BlockedVolumeReader(FileName=path)
+        try:
+            reader.UpdatePipeline()
+        except RuntimeError:
+            pass
+        shutil.copytree(testing.volume("wave.bvol.stores"), path + ".stores")
+        shutil.copy(testing.volume("wave.bvol"), path)
+        simple.ReloadFiles(reader)
+        surface = testing.contour(reader)
+        surface.UpdatePipeline()
+        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
+
+    def test_edge_index_files_that_are_damaged_leave_the_server_usable(self):
+        surface = testing.contour(testing.open_volume("wave.bvol"))
+        good = testing.output("surface.eix")
+        simple.SaveData(good, proxy=surface)
+        # What is complete of a file that was cut off is shown, with a warning.
+        for share, has_blocks in ((0, False), (0.001, False), (0.3, True), (0.9, True)):
+            path = testing.output(f"cut{share}.eix")
+            shutil.copy(good, path)
+            os.truncate(path, int(share * os.path.getsize(good)))
+            reader = simple.EdgeIndexReader(FileName=path)
+            reader.UpdatePipeline()
+            triangles = reader.GetDataInformation().GetNumberOfCells()
+            self.assertEqual(triangles > 0, has_blocks)
+            self.assertLess(triangles, testing.count_expected_triangles())
+        reader = simple.EdgeIndexReader(FileName=good)
+        reader.UpdatePipeline()
+        self.assertEqual(
+            reader.GetDataInformation().GetNumberOfCells(), testing.count_expected_triangles()
+        )
+        self.check_good_surface("after_edge_indices.png")
+
+
+def add_arguments(parser):
+    parser.add_argument("--ranks", type=int, required=True)
+    parser.add_argument("--port", type=int, required=True, help="of a pvserver on this machine")
+
+
+testing.parse_arguments(add_arguments)
+simple.Connect("localhost", testing.arguments.port)
+testing.load_plugin()
+testing.run()
