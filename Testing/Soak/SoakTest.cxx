@@ -79,6 +79,7 @@ protected:
     for (int query = 0; goes(query) && !this->HasFailure(); ++query)
     {
       this->AskAny();
+      ++this->Asked;
       const ProcessUse use = MeasureUse(this->Folder.GetPath(""));
       maximum.Files = std::max(maximum.Files, use.Files);
       maximum.Threads = std::max(maximum.Threads, use.Threads);
@@ -89,6 +90,7 @@ protected:
 
   const ScratchFolder Folder;
   std::mt19937 Random{ 20261122 };
+  int Asked = 0;
   std::vector<std::unique_ptr<SoakVolume>> Volumes;
 };
 
@@ -105,7 +107,9 @@ TEST_F(Soak, ManyQueriesGiveTheRightSurfacesWithinWhatTheFirstOnesUsed)
   EXPECT_GT(first.Files, 0u);
   EXPECT_LE(std::max(first.Files, later.Files), PooledFiles + workers);
   EXPECT_LE(later.Threads, first.Threads + workers);
-  EXPECT_LE(later.Mebibytes, first.Mebibytes + first.Mebibytes / 10 + 16);
+  // The allocator keeps some of what threads that have ended gave back.
+  EXPECT_LE(later.Mebibytes, first.Mebibytes + first.Mebibytes / 10 + 32);
+  RecordProperty("Queries", this->Asked);
   RecordProperty("Files", static_cast<int>(std::max(first.Files, later.Files)));
   RecordProperty("Threads", static_cast<int>(std::max(first.Threads, later.Threads)));
   RecordProperty("FirstMebibytes", static_cast<int>(first.Mebibytes));
