@@ -139,7 +139,7 @@ void pqIsovalueChart::SetIsovalues(const QVariantList& isovalues)
     return;
   }
   this->Isovalues = values;
-  this->Selected = std::min(this->Selected, this->Isovalues.size() - 1);
+  this->Selected = std::min(this->Selected, static_cast<int>(this->Isovalues.size()) - 1);
   if (this->Dragged >= this->Isovalues.size())
   {
     this->EndDrag();
