@@ -59,7 +59,7 @@ case "${1:-}" in
     say "Done"
     echo "The image:  $PWD/build/main_job/main_job.png"
     echo "The table:  $PWD/build/main_job/main_job.csv"
-    echo "The plugin: $PWD/build/release/lib/ScalableIsosurface/ScalableIsosurface.so"
+    echo "The plugin: $(echo "$PWD"/build/release/lib/*/paraview-*/plugins/ScalableIsosurface/ScalableIsosurface.so)"
     ;;
   test)
     install_packages
