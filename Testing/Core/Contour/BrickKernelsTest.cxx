@@ -195,7 +195,8 @@ TYPED_TEST(BrickKernelsOfType, BothKernelsAreBitwiseEqual)
       samples.KnownHigh[axis] = size[axis];
       samples.ExtentLow[axis] = -7 * axis;
     }
-    const auto transform = MakeTransform(static_cast<WorldTransform::Kind>(trial % 3), trial % 6 >= 3);
+    const auto transform =
+      MakeTransform(static_cast<WorldTransform::Kind>(trial % 3), trial % 6 >= 3);
     const auto threshold = static_cast<TypeParam>(trial % 2 == 0 ? 1 : 40);
     const Products<TypeParam> one(GetBaselineBrickKernels(), samples, threshold, transform);
     const Products<TypeParam> other(*newer, samples, threshold, transform);
