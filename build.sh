@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the project on Debian 12 and runs it. Usage:
+# Builds the project on Debian 12 or 13 and runs it. Usage:
 #   ./build.sh example   build what the main job needs, run it on two real scans, say where the image is
 #   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
 #   ./build.sh packages  only install what is needed, for development too
@@ -12,8 +12,10 @@ say() { # step
 }
 
 install_packages() { # "all", or nothing to leave out those that only development needs
-  packages=$(awk -v all="${1:-}" \
-    '/^# For development alone/ && !all { exit } !/^#/ { print }' CMake/debian-packages.txt)
+  release=$(. /etc/os-release && echo "${VERSION_ID:-13}")
+  packages=$(awk -v all="${1:-}" -v release="$release" \
+    '/^# For development alone/ && !all { exit } !/^#/ && (NF == 1 || $2 == release) { print $1 }' \
+    CMake/debian-packages.txt)
   missing=
   for package in $packages; do
     dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' ||
@@ -59,7 +61,7 @@ case "${1:-}" in
     say "Done"
     echo "The image:  $PWD/build/main_job/main_job.png"
     echo "The table:  $PWD/build/main_job/main_job.csv"
-    echo "The plugin: $PWD/build/release/lib/ScalableIsosurface/ScalableIsosurface.so"
+    echo "The plugin: $(echo "$PWD"/build/release/lib/*/paraview-*/plugins/ScalableIsosurface/ScalableIsosurface.so)"
     ;;
   test)
     install_packages

@@ -36,7 +36,8 @@ endforeach()
 set_target_properties(IsosurfaceCore PROPERTIES EXPORT_NAME Core VERSION "${PROJECT_VERSION}")
 target_compile_features(IsosurfaceCore PUBLIC cxx_std_17)
 target_include_directories(IsosurfaceCore INTERFACE "$<INSTALL_INTERFACE:${ISOSURFACE_HEADERS}/core>")
-install(TARGETS IsosurfaceCore EXPORT ScalableIsosurfaceCore LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+install(TARGETS IsosurfaceCore EXPORT ScalableIsosurfaceCore
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT plugin NAMELINK_COMPONENT development)
 export(EXPORT ScalableIsosurfaceCore
   NAMESPACE ScalableIsosurface::
   FILE "${PROJECT_BINARY_DIR}/${ISOSURFACE_PACKAGE}/ScalableIsosurfaceCore-targets.cmake")
@@ -55,7 +56,20 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/CMake/ScalableIsosurface
   COMPATIBILITY SameMajorVersion)
 install(
   FILES
+    CMake/DebianParaView.cmake
     "${PROJECT_BINARY_DIR}/CMake/ScalableIsosurfaceConfig.cmake"
     "${PROJECT_BINARY_DIR}/CMake/ScalableIsosurfaceConfigVersion.cmake"
   DESTINATION "${ISOSURFACE_PACKAGE}"
   COMPONENT development)
+
+# ParaView's functions install the archives of which the plugin is linked, without a way to say no.
+function(isosurface_leave_out_client_server_archives)
+  if(BUILD_SHARED_LIBS)
+    install(
+      CODE "file(GLOB archives \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/libIsosurface*CS.a\")
+  if(archives)
+    file(REMOVE \${archives})
+  endif()"
+      COMPONENT development)
+  endif()
+endfunction()

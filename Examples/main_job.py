@@ -65,7 +65,10 @@ def extract(folder, view):
         simple.ColorBy(display, None)
         display.DiffuseColor = color
         display.AmbientColor = color
-        display.Position = position
+        if hasattr(display, "Translation"):
+            display.Translation = position
+        else:  # before ParaView 5.13
+            display.Position = position
         for row in read_costs(contour, folder):
             table.append({"Surface": name, "Volume": file_name, "Isovalue": isovalue, **row})
     return table

@@ -3,6 +3,7 @@
 
 #include "ContourBlocks.h"
 #include "ContouredArray.h"
+#include "NormalRounding.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkStabbingContour.h"
 
@@ -78,6 +79,7 @@ ContourRequest ContourWork::MakeRequest()
     request.Isovalues.push_back(this->Contour.GetValue(static_cast<int>(n)));
   }
   request.Normals = this->Contour.GetComputeNormals() != 0;
+  request.NormalsRoundedOnce = isosurface::RoundsNormalsOnce();
   request.GlobalIds = true;
   request.Polygons = this->Contour.GetGenerateTriangles() == 0;
   request.Offsets = true;

@@ -24,6 +24,7 @@
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "NormalRounding.h"
 #include "Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
 
@@ -126,6 +127,7 @@ isosurface::ContourRequest MakeRequest(
   isosurface::ContourRequest request;
   request.Isovalues = header.Isovalues;
   request.Normals = blocks.Normals;
+  request.NormalsRoundedOnce = isosurface::RoundsNormalsOnce();
   request.GlobalIds = true;
   request.Offsets = true;
   request.Polygons = polygons;

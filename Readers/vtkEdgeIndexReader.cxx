@@ -18,6 +18,7 @@
 #include "ControllerCommunicator.h"
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "ErrorReport.h"
+#include "NormalRounding.h"
 #include "SurfacePolyData.h"
 
 #include <algorithm>
@@ -248,6 +249,7 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
   isosurface::ContourRequest request;
   request.GlobalIds = true;
   request.Offsets = true;
+  request.NormalsRoundedOnce = isosurface::RoundsNormalsOnce();
   std::vector<isosurface::InterpolatedArray> arrays;
   for (const isosurface::EdgeIndexAttribute& attribute : header.Attributes)
   {

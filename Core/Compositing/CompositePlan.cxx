@@ -152,14 +152,14 @@ void AppendStrips(const CompositeCell& cell, double maximumCost, std::vector<Com
 // Cuts the cells of several ranks into strips of at most `maximumCost`, each of which goes to the
 // rank of the cell that has the least to do so far. `loads` are the ranks' costs before.
 std::vector<CompositeCell> AssignOwners(
-  const std::vector<CompositeCell>& cells, double maximumCost, std::vector<double> loads)
+  std::vector<CompositeCell> cells, double maximumCost, std::vector<double> loads)
 {
   std::vector<CompositeCell> strips;
-  for (const CompositeCell& cell : cells)
+  for (CompositeCell& cell : cells)
   {
     if (cell.Ranks.size() == 1)
     {
-      strips.push_back(cell);
+      strips.push_back(std::move(cell));
       continue;
     }
     const std::size_t first = strips.size();
@@ -195,7 +195,8 @@ std::vector<CompositeCell> PlanCompositing(
       cells.push_back(std::move(cell));
     }
   }
-  return AssignOwners(cells, total / static_cast<double>(StripsPerRank * viewports.size()), loads);
+  const double maximumCost = total / static_cast<double>(StripsPerRank * viewports.size());
+  return AssignOwners(std::move(cells), maximumCost, std::move(loads));
 }
 
 } // namespace isosurface

@@ -77,7 +77,8 @@ struct WorldTransform
   double Points[12]; ///< 3 rows of 4: direction * spacing, origin
   double Normals[9]; ///< 3 rows of 3: the transposed inverse of the direction
   double Spacing[3] = { 1, 1, 1 };
-  double Determinant = 1; ///< of the direction; -1 flips normals along with the triangles
+  double Determinant = 1;          ///< of the direction; -1 flips normals along with the triangles
+  bool NormalsRoundedOnce = false; ///< as in ContourRequest
 };
 
 /// The input and output of WritePoints for a brick.

@@ -212,6 +212,36 @@ void WritePositions(
   }
 }
 
+// As vtkImageTransform since VTK 9.4. A zero gradient stays (0, 0, 0).
+void WriteNormalsRoundedOnce(const WorldTransform& transform, const PointOutput& output)
+{
+  // Scaled before and not after: this decides about the sign of zeros.
+  double m[9];
+  for (int element = 0; element < 9; ++element)
+  {
+    m[element] = transform.Normals[element] * transform.Determinant;
+  }
+  const float* from = output.Normals;
+  float* to = output.WorldNormals;
+  for (std::uint32_t n = 0; n < output.NumberOfPoints; ++n, from += 3, to += 3)
+  {
+    const double x = from[0] / transform.Spacing[0];
+    const double y = from[1] / transform.Spacing[1];
+    const double z = from[2] / transform.Spacing[2];
+    double normal[3];
+    for (int row = 0; row < 3; ++row)
+    {
+      normal[row] = m[3 * row] * x + m[3 * row + 1] * y + m[3 * row + 2] * z;
+    }
+    const double length =
+      sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    for (int row = 0; row < 3; ++row)
+    {
+      to[row] = static_cast<float>(length != 0.0 ? normal[row] / length : 0.0);
+    }
+  }
+}
+
 void WriteNormals(const WorldTransform& transform, const PointOutput& output)
 {
   const double* m = transform.Normals;
@@ -222,7 +252,12 @@ void WriteNormals(const WorldTransform& transform, const PointOutput& output)
     __builtin_memcpy(to, from, sizeof(float) * 3 * output.NumberOfPoints);
     return;
   }
-  // Rounded to float after each step, as vtkImageTransform does.
+  if (transform.NormalsRoundedOnce)
+  {
+    WriteNormalsRoundedOnce(transform, output);
+    return;
+  }
+  // Rounded to float after each step, as vtkImageTransform did before VTK 9.4.
   const double* spacing = transform.Spacing;
   for (std::uint32_t n = 0; n < output.NumberOfPoints; ++n, from += 3, to += 3)
   {

@@ -35,7 +35,10 @@ struct ContourRequest
 {
   /// In the order of the output. There is no surface for NaN, or above all values of the type.
   std::vector<double> Isovalues;
-  bool Normals = false;   ///< fill Surface::Normals: unit vectors from high to low values
+  bool Normals = false; ///< fill Surface::Normals: unit vectors from high to low values
+  /// Round normals to float once, at the end, as vtkImageTransform does since VTK 9.4. Otherwise
+  /// after each step of their transformation, as it did before.
+  bool NormalsRoundedOnce = false;
   bool GlobalIds = false; ///< fill Surface::GlobalIds
   /// Make one polygon for each loop of the surface in a cell, instead of triangles.
   bool Polygons = false;

@@ -75,6 +75,7 @@ SurfaceAssembler::SurfaceAssembler(const GridGeometry& geometry, const BrickLatt
   , Request(request)
   , Transform(MakeWorldTransform(geometry))
 {
+  this->Transform.NormalsRoundedOnce = request.NormalsRoundedOnce;
 }
 
 bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surface)

@@ -165,7 +165,7 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
       continue;
     }
     ContourRequest one = request;
-    one.Isovalues = { header.Isovalues[isovalue] };
+    one.Isovalues.assign(1, header.Isovalues[isovalue]);
     one.Normals = false;
     one.Attributes = GetAttributeLayouts(header);
     Progress part;

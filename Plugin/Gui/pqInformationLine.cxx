@@ -19,7 +19,7 @@ pqInformationLine::pqInformationLine(vtkSMProxy* proxy, vtkSMProperty* property,
   this->Label->setObjectName("Text");
   this->Label->setWordWrap(true);
   auto* layout = new QHBoxLayout(this);
-  layout->setMargin(0);
+  layout->setContentsMargins(0, 0, 0, 0);
   layout->addWidget(this->Label);
   pqCoreUtilities::connect(proxy, vtkCommand::UpdateDataEvent, this, SLOT(Read()));
   this->Read();

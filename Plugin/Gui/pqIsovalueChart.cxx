@@ -139,7 +139,7 @@ void pqIsovalueChart::SetIsovalues(const QVariantList& isovalues)
     return;
   }
   this->Isovalues = values;
-  this->Selected = std::min(this->Selected, this->Isovalues.size() - 1);
+  this->Selected = std::min(this->Selected, static_cast<int>(this->Isovalues.size()) - 1);
   if (this->Dragged >= this->Isovalues.size())
   {
     this->EndDrag();
@@ -168,7 +168,7 @@ QString pqIsovalueChart::GetRangeText() const
 //------------------------------------------------------------------------------
 void pqIsovalueChart::Select(int handle)
 {
-  this->Selected = std::clamp(handle, -1, this->Isovalues.size() - 1);
+  this->Selected = std::clamp(handle, -1, static_cast<int>(this->Isovalues.size()) - 1);
   if (this->Selected >= 0)
   {
     this->Axis.Show(this->Isovalues[this->Selected]);
@@ -224,7 +224,7 @@ void pqIsovalueChart::Remove(int handle)
 {
   this->EndDrag();
   this->Isovalues.remove(handle);
-  this->Selected = std::min(handle, this->Isovalues.size() - 1);
+  this->Selected = std::min(handle, static_cast<int>(this->Isovalues.size()) - 1);
   this->update();
   Q_EMIT this->isovaluesChanged();
 }
@@ -275,7 +275,7 @@ void pqIsovalueChart::mousePressEvent(QMouseEvent* event)
   if (event->button() == Qt::MiddleButton)
   {
     this->Panning = true;
-    this->PanFrom = event->x();
+    this->PanFrom = event->pos().x();
     return;
   }
   if (event->button() != Qt::LeftButton)
@@ -288,7 +288,7 @@ void pqIsovalueChart::mousePressEvent(QMouseEvent* event)
   if (this->Selected >= 0)
   {
     this->Dragged = this->Selected;
-    this->GrabOffset = this->Axis.ToPixel(this->Isovalues[this->Dragged]) - event->x();
+    this->GrabOffset = this->Axis.ToPixel(this->Isovalues[this->Dragged]) - event->pos().x();
     Q_EMIT this->dragStarted();
   }
   this->update();
@@ -301,8 +301,8 @@ void pqIsovalueChart::mouseMoveEvent(QMouseEvent* event)
   this->Hovering = true;
   if (this->Panning)
   {
-    this->Axis.Pan(this->PanFrom, event->x());
-    this->PanFrom = event->x();
+    this->Axis.Pan(this->PanFrom, event->pos().x());
+    this->PanFrom = event->pos().x();
   }
   // While a server is at work ParaView swallows mouse events, the release of the button too.
   if (this->Dragged >= 0 && !(event->buttons() & Qt::LeftButton))
@@ -311,7 +311,7 @@ void pqIsovalueChart::mouseMoveEvent(QMouseEvent* event)
   }
   if (this->Dragged >= 0)
   {
-    const double value = this->Axis.ToValue(event->x() + this->GrabOffset);
+    const double value = this->Axis.ToValue(event->pos().x() + this->GrabOffset);
     this->MoveTo(this->Dragged, this->Axis.Snap(value));
   }
   this->setCursor(this->FindHandle(event->pos()) >= 0 ? Qt::SizeHorCursor : Qt::ArrowCursor);
@@ -335,8 +335,8 @@ void pqIsovalueChart::mouseDoubleClickEvent(QMouseEvent* event)
   {
     return;
   }
-  this->Isovalues.push_back(this->Axis.Snap(this->Axis.ToValue(event->x())));
-  this->Selected = this->Isovalues.size() - 1;
+  this->Isovalues.push_back(this->Axis.Snap(this->Axis.ToValue(event->pos().x())));
+  this->Selected = static_cast<int>(this->Isovalues.size()) - 1;
   this->update();
   Q_EMIT this->isovaluesChanged();
 }
@@ -361,7 +361,7 @@ void pqIsovalueChart::wheelEvent(QWheelEvent* event)
 //------------------------------------------------------------------------------
 void pqIsovalueChart::keyPressEvent(QKeyEvent* event)
 {
-  const int handles = this->Isovalues.size();
+  const auto handles = static_cast<int>(this->Isovalues.size());
   const double step = this->Axis.GetStep() * (event->modifiers() & Qt::ShiftModifier ? 10 : 1);
   const bool selected = this->Selected >= 0;
   const int key = event->key();

@@ -136,7 +136,7 @@ void pqIsovaluePropertyWidget::LayOut()
   choices->addWidget(this->Quantities, 1);
   choices->addWidget(this->Compute);
   auto* column = new QVBoxLayout(this);
-  column->setMargin(0);
+  column->setContentsMargins(0, 0, 0, 0);
   column->setSpacing(row->spacing());
   column->addWidget(this->Chart);
   column->addLayout(choices);
@@ -337,7 +337,8 @@ void pqIsovaluePropertyWidget::UpdateColors()
     return;
   }
   vtkScalarsToColors* map = nullptr;
-  if (vtkSMPVRepresentationProxy::GetUsingScalarColoring(display))
+  auto* representation = vtkSMPVRepresentationProxy::SafeDownCast(display);
+  if (representation && representation->GetUsingScalarColoring())
   {
     // The surface carries its isovalues under the name of the contoured array.
     const char* coloured =

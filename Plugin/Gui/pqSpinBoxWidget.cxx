@@ -27,7 +27,7 @@ pqSpinBoxWidget::pqSpinBoxWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWi
   box->setMinimum(range && range->GetMinimumExists(0) ? range->GetMinimum(0) : 0);
   box->setMaximum(hasMaximum ? range->GetMaximum(0) : LargestNumber);
   auto* row = new QHBoxLayout(this);
-  row->setMargin(0);
+  row->setContentsMargins(0, 0, 0, 0);
   row->addWidget(box, 1);
   this->addPropertyLink(box, "value", SIGNAL(valueChanged(double)), property);
   QObject::connect(box, SIGNAL(editingFinished()), this, SIGNAL(changeFinished()));

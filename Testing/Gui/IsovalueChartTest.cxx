@@ -56,7 +56,8 @@ protected:
 
   void MoveMouse(const QPoint& place, Qt::MouseButtons buttons)
   {
-    QMouseEvent move(QEvent::MouseMove, place, Qt::NoButton, buttons, Qt::NoModifier);
+    QMouseEvent move(QEvent::MouseMove, place, this->Chart.mapToGlobal(place), Qt::NoButton,
+      buttons, Qt::NoModifier);
     QApplication::sendEvent(&this->Chart, &move);
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Uses a class of each module that another project built in its own tree.
+// Uses the VTK classes as another project does, which built the modules in its own tree or found them
+// installed: a surface of eight triangles around a vertex.
 #include "vtkBlockedVolumeReader.h"
 #include "vtkBlockedVolumeWriter.h"
 #include "vtkImageData.h"
@@ -20,13 +21,13 @@ int main()
   }
   vtkNew<vtkBlockedVolumeWriter> writer;
   writer->SetInputData(image);
-  writer->SetFileName("in-tree.bvol");
+  writer->SetFileName("eight.bvol");
   if (!writer->Write())
   {
     return 1;
   }
   vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName("in-tree.bvol");
+  reader->SetFileName("eight.bvol");
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(reader->GetOutputPort());
   contour->SetValue(0, 0.5);

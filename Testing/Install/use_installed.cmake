@@ -50,9 +50,14 @@ if(PYTHON_DESTINATION)
   endif()
 endif()
 
-# Headers that are not public stay here.
+# Headers that are not public stay here, and so does what only the plugin was linked of.
 foreach(internal IN ITEMS ControllerCommunicator.h PipelineSource.h core/Store/JsonDocument.h)
   if(EXISTS "${FOLDER}/prefix/include/scalable-isosurface/${internal}")
     message(FATAL_ERROR "${internal} was installed")
   endif()
 endforeach()
+file(GLOB_RECURSE archives "${FOLDER}/prefix/*.a")
+file(GLOB headers LIST_DIRECTORIES OFF "${FOLDER}/prefix/include/*")
+if(archives OR headers)
+  message(FATAL_ERROR "What nobody needs was installed: ${archives} ${headers}")
+endif()

@@ -2,6 +2,7 @@
 # plugins, as ParaView does: there is one, and CMake can add it.
 cmake_minimum_required(VERSION 3.18)
 project(PluginFolder LANGUAGES C CXX)
+include(Plugins/ScalableIsosurface/CMake/DebianParaView.cmake)
 find_package(ParaView 5.11 REQUIRED)
 include(GNUInstallDirs)
 

@@ -5,7 +5,7 @@ import unittest
 
 from paraview import simple
 
-import plugin_testing as testing
+import plugin_testing
 
 
 def read_header(path):
@@ -14,7 +14,7 @@ def read_header(path):
 
 
 def make_vectors():
-    vectors = simple.XMLImageDataReader(FileName=[testing.volume("vectors.vti")])
+    vectors = simple.XMLImageDataReader(FileName=[plugin_testing.volume("vectors.vti")])
     vectors.UpdatePipeline()
     return vectors
 
@@ -22,12 +22,12 @@ def make_vectors():
 class Arrays(unittest.TestCase):
     def test_vectors_are_contoured_by_component_and_by_magnitude(self):
         vectors = make_vectors()
-        path = testing.output("vectors.bvol")
+        path = plugin_testing.output("vectors.bvol")
         simple.SaveData(path, proxy=vectors, BlockSize=16, NumberOfStores=3)
         header = read_header(path)
         components = {array["name"]: array["components"] for array in header["arrays"]}
         self.assertEqual(components, {"RTData": 1, "Gradient": 3})
-        reader = testing.open_volume(path)
+        reader = plugin_testing.open_volume(path)
         surface = simple.StabbingContour(
             Input=reader, ContourBy=["POINTS", "Gradient"], Isosurfaces=[5.0]
         )
@@ -37,13 +37,13 @@ class Arrays(unittest.TestCase):
             with self.subTest(function=function):
                 surface.Component = component
                 self.assertEqual(
-                    testing.count_cells(surface), testing.count_expected_triangles(5.0, function)
+                    plugin_testing.count_cells(surface), plugin_testing.count_expected_triangles(5.0, function)
                 )
 
     def test_vectors_are_interpolated_with_all_components(self):
-        path = testing.output("interpolated.bvol")
+        path = plugin_testing.output("interpolated.bvol")
         simple.SaveData(path, proxy=make_vectors(), BlockSize=16)
-        surface = testing.contour(testing.open_volume(path))
+        surface = plugin_testing.contour(plugin_testing.open_volume(path))
         surface.InterpolatedArrays = ["Gradient"]
         surface.UpdatePipeline()
         array = surface.PointData["Gradient"]
@@ -59,9 +59,9 @@ class Arrays(unittest.TestCase):
         self.assertLess(check.PointData["Cosine"].GetRange()[1], -0.9)
 
     def test_range_of_isovalues_is_that_of_the_component(self):
-        path = testing.output("ranges.bvol")
+        path = plugin_testing.output("ranges.bvol")
         simple.SaveData(path, proxy=make_vectors())
-        reader = testing.open_volume(path)
+        reader = plugin_testing.open_volume(path)
         surface = simple.StabbingContour(Input=reader, ContourBy=["POINTS", "Gradient"])
         domain = surface.GetProperty("Isosurfaces").SMProperty.FindDomain("vtkSMArrayRangeDomain")
         for component in range(4):
@@ -71,7 +71,7 @@ class Arrays(unittest.TestCase):
             self.assertAlmostEqual(domain.GetMaximum(0), high, places=5)
 
     def test_arrays_are_chosen_in_save_data(self):
-        path = testing.output("chosen.bvol")
+        path = plugin_testing.output("chosen.bvol")
         simple.SaveData(
             path, proxy=make_vectors(), ChooseArraysToWrite=1, PointDataArrays=["Gradient"]
         )
@@ -82,8 +82,8 @@ class TimeSteps(unittest.TestCase):
     def check_steps(self, reader, times):
         """In an animation, each step shows its own surface."""
         self.assertEqual(list(reader.TimestepValues), times)
-        surface = testing.contour(reader)
-        view = testing.make_view()
+        surface = plugin_testing.contour(reader)
+        view = plugin_testing.make_view()
         simple.Show(surface, view)
         scene = simple.GetAnimationScene()
         scene.UpdateAnimationUsingDataTimeSteps()
@@ -94,15 +94,15 @@ class TimeSteps(unittest.TestCase):
             simple.Render(view)
             # What the view shows, without an update of our own.
             cells = surface.GetDataInformation().GetNumberOfCells()
-            expected = testing.count_expected_triangles(testing.ISOVALUE - 10 * time)
+            expected = plugin_testing.count_expected_triangles(plugin_testing.ISOVALUE - 10 * time)
             self.assertEqual(cells, expected, f"time {time}")
         simple.Delete(view)
         simple.Delete(surface)
 
     def test_all_are_saved_into_one_file_and_animated(self):
-        path = testing.output("series.bvol")
+        path = plugin_testing.output("series.bvol")
         simple.SaveData(
-            path, proxy=testing.make_series(), WriteAllTimeSteps=1, BlockSize=16, NumberOfStores=2
+            path, proxy=plugin_testing.make_series(), WriteAllTimeSteps=1, BlockSize=16, NumberOfStores=2
         )
         self.assertEqual(
             [step["time"] for step in read_header(path)["timeSteps"]], [0.0, 1.0, 2.0, 3.0]
@@ -113,8 +113,8 @@ class TimeSteps(unittest.TestCase):
         simple.Delete(reader)
 
     def test_appended_ones_are_seen_after_reload(self):
-        path = testing.output("appended.bvol")
-        series = testing.make_series()
+        path = plugin_testing.output("appended.bvol")
+        series = plugin_testing.make_series()
         reader = None
         for time in range(3):
             series.UpdatePipeline(time)
@@ -131,6 +131,6 @@ class TimeSteps(unittest.TestCase):
         simple.Delete(reader)
 
 
-testing.parse_arguments()
-testing.load_plugin()
-testing.run()
+plugin_testing.parse_arguments()
+plugin_testing.load_plugin()
+plugin_testing.run()

@@ -6,22 +6,22 @@ import unittest
 
 from paraview import simple
 
-import plugin_testing as testing
+import plugin_testing
 
 
 class DistributeIsosurface(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.volume = testing.open_volume("wave.bvol")
+        cls.volume = plugin_testing.open_volume("wave.bvol")
         cls.contour = simple.StabbingContour(
-            Input=cls.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[testing.ISOVALUE]
+            Input=cls.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[plugin_testing.ISOVALUE]
         )
-        cls.triangles = testing.count_expected_triangles()
+        cls.triangles = plugin_testing.count_expected_triangles()
 
     def setUp(self):
-        if testing.arguments.port and "image" not in self.id():
+        if plugin_testing.arguments.port and "image" not in self.id():
             self.skipTest("seen without a server")
-        self.contour.Isosurfaces = [testing.ISOVALUE]
+        self.contour.Isosurfaces = [plugin_testing.ISOVALUE]
 
     def distribute(self, **properties):
         surface = simple.DistributeIsosurface(Input=self.contour, **properties)
@@ -29,7 +29,7 @@ class DistributeIsosurface(unittest.TestCase):
         return surface
 
     def read_costs(self, surface):
-        path = testing.output("costs.csv")
+        path = plugin_testing.output("costs.csv")
         simple.SaveData(path, proxy=surface, FieldAssociation="Field Data")
         with open(path, newline="") as table:
             return list(csv.DictReader(table))
@@ -38,26 +38,26 @@ class DistributeIsosurface(unittest.TestCase):
         for mode in ("Lossless", "Bounded", "Smallest"):
             with self.subTest(mode=mode):
                 surface = self.distribute(Mode=mode)
-                self.assertEqual(testing.count_cells(surface), self.triangles)
+                self.assertEqual(plugin_testing.count_cells(surface), self.triangles)
                 self.assertIsNotNone(surface.PointData["GlobalIds"])
                 self.assertIsNotNone(surface.PointData["Normals"])
                 self.assertEqual(surface.PointData["RTData"].GetRange(), (150.0, 150.0))
 
     def test_contour_makes_no_surface_on_several_ranks(self):
         contour = simple.StabbingContour(
-            Input=self.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[testing.ISOVALUE]
+            Input=self.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[plugin_testing.ISOVALUE]
         )
         surface = simple.DistributeIsosurface(Input=contour)
-        self.assertEqual(testing.count_cells(surface), self.triangles)
+        self.assertEqual(plugin_testing.count_cells(surface), self.triangles)
         own = contour.GetDataInformation().GetNumberOfCells()
-        self.assertEqual(own, self.triangles if testing.arguments.ranks == 1 else 0)
+        self.assertEqual(own, self.triangles if plugin_testing.arguments.ranks == 1 else 0)
 
     def test_every_rank_tells_its_cost(self):
-        ranks = testing.arguments.ranks
+        ranks = plugin_testing.arguments.ranks
         if ranks == 1:
             self.skipTest("nothing travels")
         surface = self.distribute(DrawingRanks=2)
-        self.assertEqual(testing.count_cells(surface), self.triangles)
+        self.assertEqual(plugin_testing.count_cells(surface), self.triangles)
         costs = self.read_costs(surface)
         self.assertEqual(len(costs), ranks)
         triangles = [int(row["Triangles"]) for row in costs]
@@ -69,28 +69,28 @@ class DistributeIsosurface(unittest.TestCase):
 
     def test_surface_follows_the_contour(self):
         surface = self.distribute()
-        self.assertEqual(testing.count_cells(surface), self.triangles)
-        self.contour.Isosurfaces = [testing.OTHER_ISOVALUE]
-        expected = testing.count_expected_triangles(testing.OTHER_ISOVALUE)
-        self.assertEqual(testing.count_cells(surface), expected)
+        self.assertEqual(plugin_testing.count_cells(surface), self.triangles)
+        self.contour.Isosurfaces = [plugin_testing.OTHER_ISOVALUE]
+        expected = plugin_testing.count_expected_triangles(plugin_testing.OTHER_ISOVALUE)
+        self.assertEqual(plugin_testing.count_cells(surface), expected)
 
     def test_surface_follows_the_time(self):
-        path = testing.output("series.bvol")
-        simple.SaveData(path, proxy=testing.make_series(), WriteAllTimeSteps=1)
+        path = plugin_testing.output("series.bvol")
+        simple.SaveData(path, proxy=plugin_testing.make_series(), WriteAllTimeSteps=1)
         contour = simple.StabbingContour(
             Input=simple.OpenDataFile(path), ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0]
         )
         surface = simple.DistributeIsosurface(Input=contour)
         for time in (0, 3, 1):
             surface.UpdatePipeline(time)
-            expected = testing.count_expected_triangles(150.0 - 10 * time)
+            expected = plugin_testing.count_expected_triangles(150.0 - 10 * time)
             self.assertEqual(surface.GetDataInformation().GetNumberOfCells(), expected)
 
     def test_other_filters_follow(self):
         surface = self.distribute()
         clip = simple.Clip(Input=surface, ClipType="Plane")
-        self.assertGreater(testing.count_cells(clip), 0)
-        self.assertLess(testing.count_cells(clip), self.triangles)
+        self.assertGreater(plugin_testing.count_cells(clip), 0)
+        self.assertLess(plugin_testing.count_cells(clip), self.triangles)
 
     def test_metabuffer_image_is_that_of_the_contour(self):
         view = simple.CreateView("MetabufferRenderView")
@@ -107,9 +107,9 @@ class DistributeIsosurface(unittest.TestCase):
             simple.ColorBy(simple.Show(surface, view), None)
             if name == "contour":
                 simple.ResetCamera(view)
-            path = testing.output(name + ".png")
+            path = plugin_testing.output(name + ".png")
             simple.SaveScreenshot(path, view, ImageResolution=view.ViewSize)
-            images[name] = testing.read_image(path)
+            images[name] = plugin_testing.read_image(path)
             simple.Hide(surface, view)
         simple.Delete(view)
         contour = images["contour"]
@@ -127,8 +127,8 @@ def add_arguments(parser):
     parser.add_argument("--port", type=int, help="of a pvserver to be its client")
 
 
-testing.parse_arguments(add_arguments)
-if testing.arguments.port:
-    simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
-testing.run()
+plugin_testing.parse_arguments(add_arguments)
+if plugin_testing.arguments.port:
+    simple.Connect("localhost", plugin_testing.arguments.port)
+plugin_testing.load_plugin()
+plugin_testing.run()

@@ -236,7 +236,9 @@ class MetabufferView(unittest.TestCase):
             scene.NumberOfFrames = 3
             # An object that moves.
             display = simple.GetRepresentation(self.surface, view)
-            track = simple.GetAnimationTrack("Position", index=0, proxy=display)
+            # "Position" before ParaView 5.13.
+            place = "Translation" if hasattr(display, "Translation") else "Position"
+            track = simple.GetAnimationTrack(place, index=0, proxy=display)
             first, last = simple.CompositeKeyFrame(), simple.CompositeKeyFrame()
             first.KeyTime, first.KeyValues = 0.0, [0.0]
             last.KeyTime, last.KeyValues = 1.0, [6.0]

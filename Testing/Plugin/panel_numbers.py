@@ -3,9 +3,11 @@
 pages that "?" opens."""
 import glob
 import os
+import re
 import sqlite3
 import unittest
 import xml.etree.ElementTree as ElementTree
+import zlib
 
 import plugin_testing as testing
 
@@ -30,9 +32,27 @@ class Panels(unittest.TestCase):
         self.assertEqual(read(path, "EdgeIndexReader", "RegionPosition"), [-40, -35, -30])
         self.assertEqual(read(path, "EdgeIndexReader", "RegionLength"), [30, 75, 66])
 
-    def test_every_filter_and_reader_has_a_page_that_help_finds(self):
+    def read_help(self):
+        """The names and the contents of all pages and images."""
+        if not os.path.exists(testing.arguments.help):
+            self.skipTest("this ParaView makes no help for plugins")
         pages = sqlite3.connect(testing.arguments.help)
-        names = {row[0] for row in pages.execute("SELECT Name FROM FileNameTable")}
+        contents = "SELECT Name, Data FROM FileNameTable JOIN FileDataTable ON FileId = Id"
+        return {name: zlib.decompress(data[4:]) for name, data in pages.execute(contents) if name}
+
+    def test_the_guide_is_in_the_help_with_its_images(self):
+        pages = self.read_help()
+        for page in ("tour", "window", "user-guide"):
+            text = pages[f"{page}.html"].decode()
+            for target in re.findall(r'(?:href|src)="([^"#]+)', text):
+                if not target.startswith("http"):
+                    self.assertIn(target, set(pages), page)
+            for target in re.findall(r'href="#([^"]+)', text):
+                self.assertTrue(f'id="{target}"' in text, target)
+        self.assertTrue(b'src="images/tour/1.png"' in pages["tour.html"])
+
+    def test_every_filter_and_reader_has_a_page_that_help_finds(self):
+        names = self.read_help()
         for path in glob.glob(os.path.join(testing.arguments.xml, "*.xml")):
             for group in ElementTree.parse(path).getroot().findall("ProxyGroup"):
                 if group.get("name") in ("filters", "sources", "writers"):

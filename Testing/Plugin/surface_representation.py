@@ -48,6 +48,8 @@ def color_by_categories(display, view):
 def set_properties(**values):
     def change(display, view):
         for name, value in values.items():
+            if name == "Translation" and not hasattr(display, name):
+                name = "Position"  # before ParaView 5.13
             setattr(display, name, value)
 
     return change
@@ -71,7 +73,7 @@ SCENES = {
     "flat": set_properties(Interpolation="Flat"),
     "shiny": set_properties(Specular=0.8, Ambient=0.2, DiffuseColor=[0.2, 0.9, 0.4]),
     "moved": set_properties(
-        Position=[3, 1, 0], Scale=[1, 0.5, 1.2], Orientation=[10, 30, 0], Origin=[1, 2, 3]
+        Translation=[3, 1, 0], Scale=[1, 0.5, 1.2], Orientation=[10, 30, 0], Origin=[1, 2, 3]
     ),
     "triangulated": set_properties(Triangulate=1),
     "back in another color": set_properties(

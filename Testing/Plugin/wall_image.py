@@ -6,7 +6,7 @@ its tile of the wall as tile-RANK.npy.
 """
 from paraview import simple
 
-import plugin_testing as testing
+import plugin_testing
 
 # In the server's ranks. A wall's window has the size of all of it, and the tile in a corner.
 SAVE_TILE = """
@@ -34,7 +34,7 @@ def make_view(size):
     surface = simple.Contour(
         Input=wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[120.0, 200.0]
     )
-    view = simple.CreateView("MetabufferRenderView" if testing.arguments.wall else "RenderView")
+    view = simple.CreateView("MetabufferRenderView" if plugin_testing.arguments.wall else "RenderView")
     view.ViewSize = size
     view.RemoteRenderThreshold = 0
     # Tiles have their own, and their edges show.
@@ -55,20 +55,20 @@ def add_arguments(parser):
     parser.add_argument("--wall", action="store_true")
 
 
-testing.parse_arguments(add_arguments)
-simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
-SIZE = [TILE * testing.arguments.ranks, TILE]
+plugin_testing.parse_arguments(add_arguments)
+simple.Connect("localhost", plugin_testing.arguments.port)
+plugin_testing.load_plugin()
+SIZE = [TILE * plugin_testing.arguments.ranks, TILE]
 VIEW, WAVE = make_view(SIZE)
 simple.Render(VIEW)
-if testing.arguments.wall:
+if plugin_testing.arguments.wall:
     script = simple.ProgrammableFilter(Input=WAVE)
     script.Script = SAVE_TILE.format(
         view=VIEW.SMProxy.GetGlobalID(),
         columns=TILE,
         rows=TILE,
-        folder=testing.arguments.output,
+        folder=plugin_testing.arguments.output,
     )
     script.UpdatePipeline()
 else:
-    simple.SaveScreenshot(testing.output("wall.png"), VIEW, ImageResolution=SIZE)
+    simple.SaveScreenshot(plugin_testing.output("wall.png"), VIEW, ImageResolution=SIZE)

@@ -146,7 +146,7 @@ void Products<T>::MakeCells(
   EXPECT_EQ(offset, offsets.data() + offsets.size());
 }
 
-WorldTransform MakeTransform(WorldTransform::Kind steps)
+WorldTransform MakeTransform(WorldTransform::Kind steps, bool roundedOnce)
 {
   WorldTransform transform{ steps, { 0.1, -2, 1e3 }, {}, {} };
   for (int n = 0; n < 12; ++n)
@@ -157,6 +157,7 @@ WorldTransform MakeTransform(WorldTransform::Kind steps)
   {
     transform.Normals[n] = 1.1 - 0.37 * n;
   }
+  transform.NormalsRoundedOnce = roundedOnce;
   return transform;
 }
 
@@ -194,7 +195,8 @@ TYPED_TEST(BrickKernelsOfType, BothKernelsAreBitwiseEqual)
       samples.KnownHigh[axis] = size[axis];
       samples.ExtentLow[axis] = -7 * axis;
     }
-    const auto transform = MakeTransform(static_cast<WorldTransform::Kind>(trial % 3));
+    const auto transform =
+      MakeTransform(static_cast<WorldTransform::Kind>(trial % 3), trial % 6 >= 3);
     const auto threshold = static_cast<TypeParam>(trial % 2 == 0 ? 1 : 40);
     const Products<TypeParam> one(GetBaselineBrickKernels(), samples, threshold, transform);
     const Products<TypeParam> other(*newer, samples, threshold, transform);
