@@ -354,6 +354,12 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumTriangles: " << this->MaximumTriangles << "\n";
   os << indent << "Progressive: " << this->Progressive << "\n";
   os << indent << "Final: " << this->Final << "\n";
+  os << indent << "Refinement:";
+  for (const double number : this->Refinement)
+  {
+    os << " " << number;
+  }
+  os << "\n";
   os << indent << "RefinementMemory: " << this->RefinementMemory << "\n";
   os << indent << "InterpolatedArrays:";
   for (const std::string& name : this->InterpolatedArrays)

@@ -2,33 +2,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBlockedVolumeWriter.h"
 
+#include "vtkBlockedVolumeHandle.h"
+#include "vtkBlockedVolumeReader.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArraySelection.h"
 #include "vtkErrorCode.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationBlockedVolumeKey.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayChoice.h"
 #include "Base/Checksum.h"
+#include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
+#include "Query/StoredSlabSource.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
 vtkStandardNewMacro(vtkBlockedVolumeWriter);
 vtkCxxSetObjectMacro(vtkBlockedVolumeWriter, Controller, vtkMultiProcessController);
 
 namespace
 {
+using isosurface::Result;
 using isosurface::Status;
 using isosurface::StatusCode;
 using Pipeline = vtkStreamingDemandDrivenPipeline;
@@ -46,7 +58,18 @@ struct vtkBlockedVolumeWriter::Session
   {
   }
 
+  /// The image of this rank; null if it has none.
+  Result<vtkImageData*> FindImage() const;
+  /// Of the blocked volume whose samples arrive at the input unchanged; null if there is none.
+  vtkBlockedVolumeHandle* FindHandle() const;
   Status CollectInput(isosurface::LocalVolume& local);
+  /// The grid at full resolution, and those chosen arrays of which the input has a level.
+  void DescribeVolume(const vtkBlockedVolumeHandle& handle, const isosurface::ArrayChoice& choice,
+    isosurface::LocalVolume& local) const;
+  Status CollectImage(vtkImageData* image, const isosurface::ArrayChoice& choice,
+    isosurface::LocalVolume& local) const;
+  void SetTime(const std::optional<double>& time, isosurface::LocalVolume& local) const;
+  Result<std::unique_ptr<isosurface::SlabSource>> OpenSource(const isosurface::LocalVolume& local);
   isosurface::BlockedVolumeSettings MakeSettings(const isosurface::LocalVolume& local) const;
   /// Collective.
   Status WriteStep(const isosurface::LocalVolume& local);
@@ -100,6 +123,7 @@ vtkImageData* vtkBlockedVolumeWriter::GetInput(int port)
 int vtkBlockedVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
 }
 
@@ -143,7 +167,7 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
     {
       inInfo->Set(Pipeline::UPDATE_TIME_STEP(), this->TimeSteps[this->TimeIndex]);
     }
-    if (this->MemoryLimit > 0)
+    if (this->MemoryLimit > 0 && !vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
     {
       // Enough to learn of the arrays; WriteData() asks for the rest.
       isosurface::PipelineSource::AskForFirstSlice(inInfo, this->WriteCellArrays);
@@ -177,26 +201,122 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
 }
 
 //------------------------------------------------------------------------------
+Result<vtkImageData*> vtkBlockedVolumeWriter::Session::FindImage() const
+{
+  vtkDataObject* input = this->Owner.Superclass::GetInput();
+  auto* composite = vtkCompositeDataSet::SafeDownCast(input);
+  if (!composite)
+  {
+    return vtkImageData::SafeDownCast(input);
+  }
+  // Ranks have partitions of their own; of all other composites they have the same parts, some of
+  // which are on other ranks.
+  vtkSmartPointer<vtkCompositeDataIterator> part;
+  part.TakeReference(composite->NewIterator());
+  part->SetSkipEmptyNodes(vtkPartitionedDataSet::SafeDownCast(input) != nullptr);
+  int count = 0;
+  vtkImageData* image = nullptr;
+  for (part->InitTraversal(); !part->IsDoneWithTraversal(); part->GoToNextItem(), ++count)
+  {
+    image = vtkImageData::SafeDownCast(part->GetCurrentDataObject());
+  }
+  if (count > 1)
+  {
+    return Status(StatusCode::Unsupported,
+      "the input has " + std::to_string(count) +
+        " parts, but a blocked volume is one image; extract one of them");
+  }
+  return image;
+}
+
+//------------------------------------------------------------------------------
+vtkBlockedVolumeHandle* vtkBlockedVolumeWriter::Session::FindHandle() const
+{
+  return vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(this->Owner.GetInputInformation());
+}
+
+//------------------------------------------------------------------------------
 Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& local)
 {
-  vtkImageData* image = this->Owner.GetInput();
   if (!this->Owner.FileName || !*this->Owner.FileName)
   {
     return Status(StatusCode::InvalidArgument, "No file name is set.");
   }
-  if (!image || image->GetNumberOfPoints() == 0)
+  vtkBlockedVolumeHandle* handle = this->FindHandle();
+  if (handle)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(handle->GetStatus());
+  }
+  const auto image = this->FindImage();
+  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
+  if (!*image || (*image)->GetNumberOfPoints() == 0)
   {
     return Status::Ok();
   }
+  const bool withCells = this->Owner.WriteCellArrays && !handle;
+  const auto choice = isosurface::ArrayChoice::Make(*image,
+    this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr,
+    withCells);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  const bool isFirst = this->Owner.TimeIndex == 0 &&
+    (!this->Owner.Controller || this->Owner.Controller->GetLocalProcessId() == 0);
+  if (isFirst && !choice->LeftOut.empty())
+  {
+    vtkWarningWithObjectMacro(&this->Owner, << choice->LeftOut);
+  }
+  local.WithCells = withCells;
+  if (handle)
+  {
+    this->DescribeVolume(*handle, *choice, local);
+    return Status::Ok();
+  }
+  return this->CollectImage(*image, *choice, local);
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeWriter::Session::DescribeVolume(const vtkBlockedVolumeHandle& handle,
+  const isosurface::ArrayChoice& choice, isosurface::LocalVolume& local) const
+{
+  const isosurface::BlockedVolumeHeader& header = handle.GetVolume()->GetHeader();
+  local.Grid = header.Grid;
+  local.Piece.Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
+  for (const isosurface::ArrayDescription& array : header.Arrays)
+  {
+    if (choice.Has(array.Name))
+    {
+      local.Arrays.push_back(array);
+    }
+  }
+  this->SetTime(
+    header.TimeSteps[handle.FindTimeStep(this->Owner.GetInputInformation())].Time, local);
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeWriter::Session::CollectImage(
+  vtkImageData* image, const isosurface::ArrayChoice& choice, isosurface::LocalVolume& local) const
+{
+  vtkInformation* inInfo = this->Owner.GetInputInformation();
   int whole[6];
   image->GetExtent(whole);
-  vtkInformation* inInfo = this->Owner.GetInputInformation();
-  if (inInfo->Has(Pipeline::WHOLE_EXTENT()))
+  if (this->Owner.GetInput() == image)
   {
-    inInfo->Get(Pipeline::WHOLE_EXTENT(), whole);
+    if (inInfo->Has(Pipeline::WHOLE_EXTENT()))
+    {
+      inInfo->Get(Pipeline::WHOLE_EXTENT(), whole);
+    }
+  }
+  else if (this->Owner.MemoryLimit > 0)
+  {
+    return Status(StatusCode::Unsupported,
+      "the input is composite, and cannot be asked for any part of itself: a memory limit needs "
+      "image "
+      "data or a blocked volume");
+  }
+  else
+  {
+    isosurface::FindWholeExtent(image, whole);
   }
   local.Grid = isosurface::MakeGridGeometry(image, whole);
-  local.WithCells = this->Owner.WriteCellArrays;
   local.Piece.Box = local.WithCells ? isosurface::FindOwnVertices(local.Grid, image)
                                     : isosurface::MakeVertexBox(local.Grid, image->GetExtent());
   if (!isosurface::FindBlanking(local.Grid, image).IsEmpty())
@@ -206,11 +326,20 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
       "NaN "
       "where there is nothing, and contour with SkipNotANumber");
   }
+  this->SetTime(isosurface::FindTime(this->Owner.Superclass::GetInput()), local);
+  return local.CollectArrays(image, [&](const std::string& name) { return choice.Has(name); });
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeWriter::Session::SetTime(
+  const std::optional<double>& time, isosurface::LocalVolume& local) const
+{
+  vtkInformation* inInfo = this->Owner.GetInputInformation();
   if (!this->Owner.TimeSteps.empty())
   {
     local.Time = { 1, this->Owner.TimeSteps[this->Owner.TimeIndex] };
   }
-  else if (const auto time = isosurface::FindTime(image))
+  else if (time)
   {
     local.Time = { 1, *time };
   }
@@ -218,17 +347,6 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
   {
     local.Time = { 1, inInfo->Get(Pipeline::UPDATE_TIME_STEP()) };
   }
-  const auto choice = isosurface::ArrayChoice::Make(image,
-    this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr,
-    this->Owner.WriteCellArrays);
-  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
-  const bool isFirst = this->Owner.TimeIndex == 0 &&
-    (!this->Owner.Controller || this->Owner.Controller->GetLocalProcessId() == 0);
-  if (isFirst && !choice->LeftOut.empty())
-  {
-    vtkWarningWithObjectMacro(&this->Owner, << choice->LeftOut);
-  }
-  return local.CollectArrays(image, [&](const std::string& name) { return choice->Has(name); });
 }
 
 //------------------------------------------------------------------------------
@@ -256,20 +374,40 @@ isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
 }
 
 //------------------------------------------------------------------------------
-Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume& local)
+Result<std::unique_ptr<isosurface::SlabSource>> vtkBlockedVolumeWriter::Session::OpenSource(
+  const isosurface::LocalVolume& local)
 {
-  std::unique_ptr<isosurface::SlabSource> source;
+  vtkInformation* inInfo = this->Owner.GetInputInformation();
+  if (const vtkBlockedVolumeHandle* handle = this->FindHandle())
+  {
+    std::vector<std::size_t> arrays;
+    for (const isosurface::ArrayDescription& array : local.Arrays)
+    {
+      arrays.push_back(*handle->GetVolume()->GetHeader().FindArray(array.Name));
+    }
+    auto source =
+      isosurface::StoredSlabSource::Make(handle->GetVolume(), handle->FindTimeStep(inInfo), arrays,
+        isosurface::ChooseThreadCount(this->Ranks.GetRanksOnNode()));
+    ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+    return std::unique_ptr<isosurface::SlabSource>(std::move(*source));
+  }
   if (this->Owner.MemoryLimit > 0)
   {
-    source = std::make_unique<isosurface::PipelineSource>(this->Owner.GetInputConnection(0, 0),
-      this->Owner.GetInputInformation(), local.Grid, local.Arrays, local.WithCells);
+    return std::unique_ptr<isosurface::SlabSource>(std::make_unique<isosurface::PipelineSource>(
+      this->Owner.GetInputConnection(0, 0), inInfo, local.Grid, local.Arrays, local.WithCells));
   }
-  else
-  {
-    source = std::make_unique<isosurface::MemorySource>(local.Piece);
-  }
+  return std::unique_ptr<isosurface::SlabSource>(
+    std::make_unique<isosurface::MemorySource>(local.Piece));
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume& local)
+{
+  const auto opened = this->OpenSource(local);
+  const Status status = this->Ranks.Agree(opened.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(status);
   const double steps = static_cast<double>(std::max<std::size_t>(1, this->Owner.TimeSteps.size()));
-  const auto written = this->Writer.Write(this->Owner.FileName, local.Grid, local.Arrays, *source,
+  const auto written = this->Writer.Write(this->Owner.FileName, local.Grid, local.Arrays, **opened,
     this->MakeSettings(local),
     [this, steps](double share)
     {
@@ -296,10 +434,14 @@ void vtkBlockedVolumeWriter::WriteData()
   isosurface::LocalVolume local;
   // So often all ranks come here; and they ask for a slice, or for all of their pieces.
   const std::vector<double>& times = this->TimeSteps;
+  const vtkBlockedVolumeHandle* handle = this->Writing->FindHandle();
   Status status = ranks.Agree(this->Writing->CollectInput(local),
     { { isosurface::ComputeChecksum(times.data(), times.size() * sizeof(double)),
         "the time steps to write are not the same on all ranks" },
-      { this->MemoryLimit > 0 ? 1U : 0U, "some ranks have a memory limit, some have none" } });
+      { this->MemoryLimit > 0 ? 1U : 0U, "some ranks have a memory limit, some have none" },
+      { handle ? 1U : 0U,
+        "some ranks have a blocked volume at the input of the writer, and some have images" },
+      handle ? handle->MakeCommonValue() : isosurface::CommonValue{ 0, "" } });
   if (status.IsOk())
   {
     status = local.Agree(ranks);

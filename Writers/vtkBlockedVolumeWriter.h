@@ -9,6 +9,10 @@
  * components, or only the chosen ones. Cell arrays give a warning; an input with only cell arrays
  * is an error.
  *
+ * Behind a blocked volume whose samples arrive unchanged, the whole volume is written, at full
+ * resolution, whatever level the reader gives: of each store all blocks are read, in slabs. So a
+ * volume can be written anew with other settings, over its own file, too.
+ *
  * A volume may have several time steps: AppendTimeStep adds one to a file, WriteAllTimeSteps writes
  * all that the input has. The file appears in one step at the end. If there is an error on any
  * rank, all ranks report it, and an older file stays unchanged. The file does not depend on the

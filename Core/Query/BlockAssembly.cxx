@@ -55,6 +55,63 @@ void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSiz
     });
 }
 
+// The memory that the vertices of a box of blocks, or some of them, are copied to.
+struct Target
+{
+  BlockBox Box;
+  VertexBox Vertices;
+  std::uint8_t* Samples;
+  std::ptrdiff_t Stride;
+};
+
+Status FillTarget(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+  const std::vector<BlockReference>& blocks, int threads, const Target& target,
+  QueryStatistics& statistics, const Progress& progress)
+{
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
+
+  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
+  std::vector<Status> failures(static_cast<std::size_t>(threads));
+  const bool finished = ParallelFor(
+    blocks.size(), threads,
+    [&](std::size_t index, int thread)
+    {
+      const auto own = static_cast<std::size_t>(thread);
+      if (!failures[own].IsOk())
+      {
+        return;
+      }
+      const auto decoded = volume.ReadBlock(blocks[index], timeStep, variable, level, costs[own]);
+      if (!decoded.IsOk())
+      {
+        failures[own] = decoded.GetStatus();
+        return;
+      }
+      const VertexBox part = FindContribution(grid, target.Box, blocks[index].Block, stored.Level)
+                               .Intersect(target.Vertices);
+      if (!part.IsEmpty())
+      {
+        CopyBox((*decoded)->View, part, valueSize, target.Vertices, target.Samples, target.Stride);
+      }
+    },
+    progress);
+  for (const QueryStatistics& cost : costs)
+  {
+    statistics.Add(cost);
+  }
+  for (const Status& failure : failures)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(failure);
+  }
+  if (!finished)
+  {
+    return Status(StatusCode::Aborted, "Reading was aborted.");
+  }
+  return Status::Ok();
+}
+
 } // namespace
 
 bool BlockBox::IsEmpty() const
@@ -130,49 +187,37 @@ std::optional<int> FindLevelWithin(const BlockedVolume& volume,
   return std::nullopt;
 }
 
+BlockBox FindCover(const BlockGrid& grid, const VertexBox& vertices)
+{
+  BlockBox cover;
+  for (std::size_t axis = 0; axis < 3 && !vertices.IsEmpty(); ++axis)
+  {
+    // The vertices on the volume's high faces belong to the last blocks.
+    const std::int64_t last = grid.GetNumberOfBlocksPerAxis()[axis] - 1;
+    cover.Low[axis] = std::min(last, vertices.Low[axis] / grid.GetBlockSize());
+    cover.High[axis] = std::min(last, (vertices.High[axis] - 1) / grid.GetBlockSize()) + 1;
+  }
+  return cover;
+}
+
 Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)
 {
   const StoredLevel stored = volume.FindLevel(level);
-  const BlockGrid& grid = *stored.Grid;
-  const VertexBox whole = box.GetGhostedVertices(grid, stored.Level);
-  const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
+  const VertexBox whole = box.GetGhostedVertices(*stored.Grid, stored.Level);
+  const Target target = { box, whole, static_cast<std::uint8_t*>(samples), stride };
+  return FillTarget(
+    volume, timeStep, variable, level, blocks, threads, target, statistics, progress);
+}
 
-  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
-  std::vector<Status> failures(static_cast<std::size_t>(threads));
-  const bool finished = ParallelFor(
-    blocks.size(), threads,
-    [&](std::size_t index, int thread)
-    {
-      const auto own = static_cast<std::size_t>(thread);
-      if (!failures[own].IsOk())
-      {
-        return;
-      }
-      const auto decoded = volume.ReadBlock(blocks[index], timeStep, variable, level, costs[own]);
-      if (!decoded.IsOk())
-      {
-        failures[own] = decoded.GetStatus();
-        return;
-      }
-      CopyBox((*decoded)->View, FindContribution(grid, box, blocks[index].Block, stored.Level),
-        valueSize, whole, static_cast<std::uint8_t*>(samples), stride);
-    },
-    progress);
-  for (const QueryStatistics& cost : costs)
-  {
-    statistics.Add(cost);
-  }
-  for (const Status& failure : failures)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(failure);
-  }
-  if (!finished)
-  {
-    return Status(StatusCode::Aborted, "Reading was aborted.");
-  }
-  return Status::Ok();
+Status AssembleVertices(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
+  const VertexBox& vertices, const std::vector<BlockReference>& blocks, int threads, void* samples,
+  QueryStatistics& statistics, const Progress& progress)
+{
+  const BlockBox cover = FindCover(volume.GetBlockGrid(), vertices);
+  const Target target = { cover, vertices, static_cast<std::uint8_t*>(samples), 1 };
+  return FillTarget(volume, timeStep, variable, 0, blocks, threads, target, statistics, progress);
 }
 
 } // namespace isosurface

@@ -54,6 +54,15 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t v
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress = {});
 
+/// The blocks that have the vertices of a box at full resolution, of the volume's own grid.
+BlockBox FindCover(const BlockGrid& grid, const VertexBox& vertices);
+
+/// The same as AssembleBlocks for the vertices of a box at full resolution, x fastest; `blocks` are
+/// those of FindCover.
+Status AssembleVertices(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
+  const VertexBox& vertices, const std::vector<BlockReference>& blocks, int threads, void* samples,
+  QueryStatistics& statistics, const Progress& progress = {});
+
 } // namespace isosurface
 
 #endif

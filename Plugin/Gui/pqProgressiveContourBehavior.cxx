@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqProgressiveContourBehavior.h"
 
-#include "CountWords.h"
+#include "SurfaceSizeQuestion.h"
 #include "pqRefinementStatus.h"
 
 #include "pqApplicationCore.h"
@@ -9,6 +9,7 @@
 #include "pqObjectBuilder.h"
 #include "pqPipelineSource.h"
 #include "pqPropertiesPanel.h"
+#include "pqProxyWidget.h"
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "pqTimeKeeper.h"
@@ -16,8 +17,10 @@
 #include "pqUndoStack.h"
 #include "pqView.h"
 #include "vtkLogger.h"
+#include "vtkPVGeneralSettings.h"
 #include "vtkPVRenderView.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkSMViewProxy.h"
 
@@ -25,12 +28,13 @@
 #include <QEvent>
 #include <QGuiApplication>
 #include <QMainWindow>
-#include <QMessageBox>
-#include <QPushButton>
 #include <QStatusBar>
 #include <QTimer>
+#include <QToolBar>
+#include <QToolButton>
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 using isosurface::CallOnServer;
@@ -88,12 +92,25 @@ void PrepareDrag(pqPipelineSource* contour)
   }
 }
 
-/// Whether a dialog asks where to save what depends on surfaces.
-bool IsSavingDialog(const QObject* object)
+/// Whether a dialog asks where, or how, to save what depends on surfaces.
+bool IsSavingDialog(const QDialog* dialog)
 {
-  const QString name = object->objectName();
-  return name.endsWith("Dialog") && name.contains("File") && !name.contains("State") &&
-    (name.contains("Save") || name.contains("Export"));
+  const QString name = dialog->objectName();
+  if (name.endsWith("Dialog") && name.contains("File") && !name.contains("State") &&
+    (name.contains("Save") || name.contains("Export")))
+  {
+    return true;
+  }
+  // Extracts have folders of their own, so nobody is asked for a file; their dialog has no name.
+  const auto* panel = dialog->findChild<pqProxyWidget*>();
+  const char* proxy = panel && panel->proxy() ? panel->proxy()->GetXMLName() : nullptr;
+  return proxy && std::strcmp(proxy, "SaveAnimationExtracts") == 0;
+}
+
+/// Whether the server of a contour still answers.
+bool IsServerAlive(vtkSMProxy* contour)
+{
+  return contour->GetSession() && contour->GetSession()->GetIsAlive();
 }
 
 } // namespace
@@ -120,9 +137,8 @@ void pqProgressiveContourBehavior::OnStartup()
   {
     this->Observe(source);
   }
-  // The first Apply of a contour executes it before it tells that it applies.
   QObject::connect(application->getObjectBuilder(), &pqObjectBuilder::filterCreated, this,
-    &pqProgressiveContourBehavior::BeginByHand);
+    &pqProgressiveContourBehavior::ObserveFirst);
   if (pqUndoStack* stack = application->getUndoStack())
   {
     QObject::connect(
@@ -163,6 +179,23 @@ void pqProgressiveContourBehavior::ObserveWindow()
     QObject::connect(panel, QOverload<>::of(&pqPropertiesPanel::applied), this,
       &pqProgressiveContourBehavior::EndByHand);
   }
+  this->ObserveTimeButtons(window);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::ObserveTimeButtons(QMainWindow* window)
+{
+  // A button's action, which goes to the time and updates the views, or plays until the end, is
+  // triggered between these two signals.
+  if (const auto* toolbar = window->findChild<QToolBar*>("VCRToolbar"))
+  {
+    for (QToolButton* button : toolbar->findChildren<QToolButton*>())
+    {
+      QObject::connect(
+        button, &QToolButton::pressed, this, &pqProgressiveContourBehavior::BeginTime);
+      QObject::connect(button, &QToolButton::clicked, this, &pqProgressiveContourBehavior::EndTime);
+    }
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -194,12 +227,28 @@ void pqProgressiveContourBehavior::Observe(pqPipelineSource* source)
 //------------------------------------------------------------------------------
 // Changes by hand
 
+bool pqProgressiveContourBehavior::IsCoarseFirst() const
+{
+  return this->Status && this->Status->IsCoarseFirst();
+}
+
+//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::AllowCoarse(bool allowed)
 {
-  const bool coarse = allowed && this->Status && this->Status->IsCoarseFirst();
+  const bool coarse = allowed && this->IsCoarseFirst();
   for (pqPipelineSource* contour : FindContours())
   {
     CallOnServer(contour->getProxy(), "AllowCoarse", coarse ? 1 : 0);
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::ObserveFirst(pqPipelineSource* source)
+{
+  // No other contour: until Apply scripts may ask them for their surfaces.
+  if (isosurface::IsStabbingContour(source->getProxy()) && this->IsCoarseFirst())
+  {
+    CallOnServer(source->getProxy(), "AllowCoarse", 1);
   }
 }
 
@@ -212,6 +261,21 @@ void pqProgressiveContourBehavior::BeginByHand()
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::EndByHand()
 {
+  this->AllowCoarse(false);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::BeginTime()
+{
+  this->ChangingTime = true;
+  // Cached surfaces would be saved with an animation.
+  this->AllowCoarse(!vtkPVGeneralSettings::GetInstance()->GetCacheGeometryForAnimation());
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::EndTime()
+{
+  this->ChangingTime = false;
   this->AllowCoarse(false);
 }
 
@@ -250,7 +314,12 @@ void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Advance()
 {
-  if (IsAnyServerWorking() || this->Finishing)
+  if (!this->Status)
+  {
+    this->All.clear(); // the window is closed
+    return;
+  }
+  if (IsAnyServerWorking() || this->Finishing || this->ChangingTime)
   {
     this->Timer->start(PollMilliseconds);
     return;
@@ -341,27 +410,43 @@ void pqProgressiveContourBehavior::Finish()
   vtkLogF(1, "Surfaces are finished before they are saved");
   this->Finishing = true;
   QGuiApplication::setOverrideCursor(Qt::WaitCursor);
+  // An update may process events.
+  QList<QPointer<pqPipelineSource>> contours;
   for (pqPipelineSource* source : FindContours())
   {
-    vtkSMProxy* contour = source->getProxy();
-    while (!isosurface::IsFinal(contour))
+    contours.push_back(source);
+  }
+  for (const QPointer<pqPipelineSource>& source : contours)
+  {
+    if (source)
     {
-      CallOnServer(contour, "PrepareRefinement", SliceMilliseconds);
-      const RefinementReport report = isosurface::ReadRefinement(contour);
-      if (report.Stage == RefinementReport::Ready)
-      {
-        contour->InvokeCommand("Refine");
-        UpdateBehind(source);
-      }
-      else if (report.Stage != RefinementReport::Working)
-      {
-        break; // too large, or changed and not applied
-      }
+      this->FinishOne(source);
     }
   }
   QGuiApplication::restoreOverrideCursor();
   this->Finishing = false;
   pqApplicationCore::instance()->render();
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::FinishOne(pqPipelineSource* source)
+{
+  const QPointer<pqPipelineSource> kept = source;
+  vtkSMProxy* contour = source->getProxy();
+  while (kept && IsServerAlive(contour) && !isosurface::IsFinal(contour))
+  {
+    CallOnServer(contour, "PrepareRefinement", SliceMilliseconds);
+    const RefinementReport report = isosurface::ReadRefinement(contour);
+    if (report.Stage == RefinementReport::Ready)
+    {
+      contour->InvokeCommand("Refine");
+      UpdateBehind(source);
+    }
+    else if (report.Stage != RefinementReport::Working)
+    {
+      return; // too large, or changed and not applied
+    }
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -371,33 +456,18 @@ void pqProgressiveContourBehavior::AskAboutSize(
   pqPipelineSource* source, const RefinementReport& report)
 {
   this->Status->ShowEnd(report.ShownLevel, true);
-  auto* box = new QMessageBox(pqCoreUtilities::mainWidget());
-  box->setObjectName("SurfaceSizeDialog");
-  box->setAttribute(Qt::WA_DeleteOnClose);
-  box->setWindowTitle(source->getSMName());
-  box->setText(tr("The surface at level %1 has about %2 triangles. They need about %3 of memory, "
-                  "and %4 are free.")
-                 .arg(report.NextLevel)
-                 .arg(isosurface::FormatCount(report.Triangles))
-                 .arg(isosurface::FormatBytes(report.Bytes))
-                 .arg(isosurface::FormatBytes(report.FreeBytes)));
-  QPushButton* fitting =
-    box->addButton(tr("Use Level %1").arg(report.FittingLevel), QMessageBox::AcceptRole);
-  QPushButton* anyway = box->addButton(tr("Extract Anyway"), QMessageBox::DestructiveRole);
-  box->addButton(tr("Keep Level %1").arg(report.ShownLevel), QMessageBox::RejectRole);
-  fitting->setObjectName("UseLevel");
-  anyway->setObjectName("ExtractAnyway");
-  box->setDefaultButton(fitting);
+  // One question at a time, about a contour that is there.
+  delete this->Question.data();
   const QPointer<pqPipelineSource> contour = source;
-  QObject::connect(fitting, &QPushButton::clicked, this,
+  this->Question = isosurface::AskAboutSurfaceSize(
+    source->getSMName(), report,
     [this, contour, level = report.FittingLevel]
     {
       if (contour)
       {
         this->UseLevel(contour, level);
       }
-    });
-  QObject::connect(anyway, &QPushButton::clicked, this,
+    },
     [this, contour]
     {
       if (contour)
@@ -406,9 +476,7 @@ void pqProgressiveContourBehavior::AskAboutSize(
         this->Watch(contour);
       }
     });
-  // Not exec: the window goes on.
-  box->setModal(false);
-  box->show();
+  QObject::connect(source, &QObject::destroyed, this->Question.data(), &QDialog::close);
 }
 
 //------------------------------------------------------------------------------

@@ -3,8 +3,9 @@
  * @class   pqProgressiveContourBehavior
  * @brief   surfaces that the user asks for by hand are coarse at once, and exact soon
  *
- * While ParaView applies what was changed in a Properties panel, or undoes it, every Stabbing Contour
- * may give a coarse surface (AllowCoarse). Scripts, state files and animations get exact ones.
+ * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time by
+ * the buttons of the toolbar, every Stabbing Contour may give a coarse surface (AllowCoarse). Scripts,
+ * state files and saved animations get exact ones.
  * Afterwards each contour whose surface is not final extracts the next level beside the window
  * (PrepareRefinement); a timer asks how far it is. When it is there on all ranks, and no mouse button is
  * down, Refine and a rendering show it. Until then the view keeps the surface that it has.
@@ -25,6 +26,8 @@
 
 #include <vector>
 
+class QDialog;
+class QMainWindow;
 class pqPipelineSource;
 class pqRefinementStatus;
 class pqTimer;
@@ -53,8 +56,13 @@ protected:
 private Q_SLOTS:
   void ObserveWindow();
   void Observe(pqPipelineSource* source);
+  /// A contour that the user has chosen executes before it tells that it is applied.
+  void ObserveFirst(pqPipelineSource* source);
   void BeginByHand();
   void EndByHand();
+  /// A button that goes to another time; until EndTime nothing is refined.
+  void BeginTime();
+  void EndTime();
   void RenderByHand();
   void Watch(pqPipelineSource* source);
   void Advance();
@@ -71,16 +79,24 @@ private:
     bool Asked = false; ///< whether the server has been told to prepare
   };
 
+  void ObserveTimeButtons(QMainWindow* window);
+  /// Whether changes by hand may give coarse surfaces: there is a window, and its user has not
+  /// switched it off.
+  bool IsCoarseFirst() const;
   void AllowCoarse(bool allowed);
+  /// Until a surface is exact, too large, or cannot be made.
+  void FinishOne(pqPipelineSource* source);
   /// True if a finer surface is to be shown; `keep`: whether the contour is to be watched further.
   bool AdvanceOne(Watched& watched, bool& keep);
   void AskAboutSize(pqPipelineSource* source, const isosurface::RefinementReport& report);
   void UseLevel(pqPipelineSource* source, int level);
 
   pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
-  QPointer<pqRefinementStatus> Status;
+  QPointer<pqRefinementStatus> Status; ///< belongs to the window; null without one
+  QPointer<QDialog> Question;          ///< about a surface that is too large
   std::vector<Watched> All;
   bool Finishing = false;
+  bool ChangingTime = false;
 };
 
 #endif

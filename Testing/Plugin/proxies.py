@@ -30,6 +30,21 @@ class Proxies(unittest.TestCase):
                     with self.subTest(proxy=proxy.get("name"), property=element.get("name")):
                         self.assertTrue((element.findtext("Documentation") or "").strip())
 
+    def test_nobody_can_edit_what_a_proxy_tells(self):
+        # In a panel such a property is a field like any other. ParaView leaves out lists alone.
+        for path in glob.glob(os.path.join(testing.arguments.xml, "*.xml")):
+            root = xml.etree.ElementTree.parse(path).getroot()
+            for element in root.iter():
+                if element.get("information_only") != "1" or not element.get("number_of_elements"):
+                    continue
+                with self.subTest(file=os.path.basename(path), property=element.get("name")):
+                    decorator = element.find("Hints/PropertyWidgetDecorator")
+                    self.assertTrue(
+                        element.get("panel_widget") == "information_line"
+                        or element.get("panel_visibility") == "never"
+                        or (decorator is not None and decorator.get("value") == "-1")
+                    )
+
     def check_properties(self, proxy, names):
         for name in names:
             with self.subTest(name=name):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Save Data: its properties arrive in the file; a file can be saved over. On any number of ranks."""
 import json
+import os
 import unittest
 
 from paraview import simple
@@ -81,6 +82,61 @@ class SaveData(unittest.TestCase):
         old_low, old_high = self.wave.PointData["RTData"].GetRange()
         self.assertAlmostEqual(low, old_low + 20, places=3)
         self.assertAlmostEqual(high, old_high + 20, places=3)
+
+    def test_a_blocked_volume_is_saved_anew_at_full_resolution(self):
+        path = self.save("source.bvol", NumberOfStores=2)
+        for name in ("copy.bvol", "source.bvol"):  # over its own file, too
+            with self.subTest(name=name):
+                reader = simple.OpenDataFile(path)
+                reader.MemoryLimit = 1
+                reader.UpdatePipeline()
+                copy = self.save(
+                    name, source=reader, BlockSize=16, NumberOfStores=3, Compression="Zstd"
+                )
+                header = read_header(copy)
+                self.assertEqual((header["blockSize"], header["stores"]), (16, 3))
+                self.assertEqual(header["grid"], read_header(path)["grid"])
+                simple.Delete(reader)
+                surface = testing.contour(testing.open_volume(copy))
+                self.assertEqual(testing.count_cells(surface), self.triangles)
+
+    def test_a_blocked_volume_can_be_saved_as_one_alone(self):
+        factory = simple.servermanager.vtkSMProxyManager.GetProxyManager().GetWriterFactory()
+
+        def get_types(proxy):
+            proxy.UpdatePipeline()
+            return factory.GetSupportedFileTypes(proxy.SMProxy, 0)
+
+        reader = testing.open_volume(self.save("offered.bvol"))
+        self.assertIn("Blocked Volume(*.bvol )", get_types(reader))
+        mesh = simple.Tetrahedralize(Input=reader)
+        self.assertNotIn("bvol", get_types(mesh))
+
+    def test_time_steps_of_a_blocked_volume_are_saved_anew_within_a_memory_limit(self):
+        series = testing.open_volume("series.bvol")
+        copy = self.save("series.bvol", source=series, WriteAllTimeSteps=1, MemoryLimit=64)
+        old, new = read_header(testing.volume("series.bvol")), read_header(copy)
+        self.assertEqual(
+            [step["time"] for step in new["timeSteps"]], [step["time"] for step in old["timeSteps"]]
+        )
+        last = old["timeSteps"][-1]["time"]
+        counts = []
+        for source in (series, testing.open_volume(copy)):
+            surface = testing.contour(source)
+            surface.UpdatePipeline(last)
+            counts.append(surface.GetDataInformation().GetNumberOfCells())
+        self.assertEqual(counts[0], counts[1])
+
+    def test_several_images_are_no_blocked_volume(self):
+        pair = simple.OpenDataFile(testing.volume("pair.vtm"))
+        self.assertFalse(os.path.exists(self.save("pair.bvol", source=pair)))
+
+    def test_what_a_filter_makes_of_a_blocked_volume_is_saved_as_it_is(self):
+        reader = testing.open_volume(self.save("plain.bvol"))
+        shifted = simple.Calculator(Input=reader, ResultArrayName="RTData", Function="RTData+20")
+        path = self.save("shifted.bvol", source=shifted)
+        surface = testing.contour(testing.open_volume(path), testing.ISOVALUE + 20)
+        self.assertEqual(testing.count_cells(surface), self.triangles)
 
 
 def add_arguments(parser):

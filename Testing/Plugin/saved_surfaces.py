@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What GuiSaving.xml saved right after changes is the full surface."""
+import csv
 import os
 import unittest
 
@@ -19,6 +20,15 @@ class SavedSurfaces(unittest.TestCase):
             testing.count_cells(surface), testing.count_expected_triangles(testing.OTHER_ISOVALUE)
         )
 
+    def test_data_behind_a_surface_that_was_stopped_are_of_the_full_one(self):
+        with open(find("area.csv"), newline="") as table:
+            (saved,) = csv.DictReader(table)
+        surface = testing.contour(testing.open_volume("noise.bvol"), 127.5, "Noise")
+        integral = simple.IntegrateVariables(Input=surface)
+        integral.UpdatePipeline()
+        full = integral.PointData["Noise"].GetRange()[0]
+        self.assertAlmostEqual(float(saved["Noise"]) / full, 1, places=4)
+
     def test_a_screenshot_taken_soon_is_that_taken_later(self):
         soon = testing.read_image(find("soon.png"))
         self.assertTrue((soon == testing.read_image(find("later.png"))).all())
@@ -26,7 +36,7 @@ class SavedSurfaces(unittest.TestCase):
 
     def test_surfaces_are_finished_by_each_dialog_that_saves(self):
         with open(find("window.log"), encoding="utf-8", errors="replace") as file:
-            self.assertEqual(file.read().count("Surfaces are finished before they are saved"), 3)
+            self.assertEqual(file.read().count("Surfaces are finished before they are saved"), 4)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
     wave.eix    its isosurface of 150
     series.bvol four time steps: RTData + 10 t
     pair.vtm    two images, of RTData and of RTData + 100
+    noise.bvol  129^3 samples without order: an isosurface of six million triangles
     vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
 """
 import argparse
@@ -38,3 +39,12 @@ raised = simple.Calculator(Input=image, ResultArrayName="RTData", Function="RTDa
 raised.ResultArrayType = "Float"
 pair = simple.GroupDatasets(Input=[image, raised])
 simple.SaveData(os.path.join(folder, "pair.vtm"), proxy=pair, DataMode="Binary")
+noise = simple.ProgrammableFilter(Input=simple.Wavelet(WholeExtent=[0, 128, 0, 128, 0, 128]))
+noise.CopyArrays = 0
+noise.Script = """
+import numpy
+samples = numpy.random.default_rng(1).integers(0, 256, 129**3)
+output.PointData.append(samples.astype(numpy.uint8), "Noise")
+output.VTKObject.GetPointData().SetActiveScalars("Noise")
+"""
+simple.SaveData(os.path.join(folder, "noise.bvol"), proxy=noise)
