@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Source/VolumeFormat.h"
+
+#include "Source/HeaderText.h"
+#include "Source/RawVolume.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <initializer_list>
+#include <string_view>
+
+namespace isosurface
+{
+namespace
+{
+
+bool IsOneOf(const std::string& text, std::initializer_list<const char*> names)
+{
+  return std::any_of(
+    names.begin(), names.end(), [&text](const char* name) { return text == name; });
+}
+
+/// The first bytes of a file; fewer, or none, if it does not have them.
+std::string ReadStart(FileSystem& files, const std::string& path)
+{
+  const auto file = files.OpenForReading(path);
+  if (!file.IsOk())
+  {
+    return {};
+  }
+  constexpr std::uint64_t most = 512;
+  std::string start(static_cast<std::size_t>(std::min((*file)->GetSize(), most)), '\0');
+  return (*file)->Read(0, start.size(), start.data()).IsOk() ? start : std::string();
+}
+
+bool Begins(const std::string& start, std::string_view magic, std::size_t at = 0)
+{
+  return start.size() >= at + magic.size() && start.compare(at, magic.size(), magic) == 0;
+}
+
+VolumeFormat FindByContent(FileSystem& files, const std::string& path)
+{
+  using namespace std::string_view_literals;
+  const std::string start = ReadStart(files, path);
+  if (Begins(start, "\x89HDF\r\n\x1a\n"sv))
+  {
+    return VolumeFormat::Hdf5;
+  }
+  return VolumeFormat::None;
+}
+
+VolumeFormat FindByExtension(const std::string& extension)
+{
+  if (IsOneOf(extension, { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims" }))
+  {
+    return VolumeFormat::Hdf5;
+  }
+  return VolumeFormat::None;
+}
+
+} // namespace
+
+bool IsTiffName(const std::string& path)
+{
+  return IsOneOf(
+    HeaderText::Lower(std::filesystem::path(path).extension().string()), { ".tif", ".tiff" });
+}
+
+bool IsNamePattern(const std::string& path)
+{
+  return std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos;
+}
+
+bool HasFiles(FileSystem& files, const std::string& path)
+{
+  const auto names = files.List(path);
+  return names.IsOk() && !names->empty();
+}
+
+VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
+{
+  if (RawVolume::HasHeader(name.Path))
+  {
+    return VolumeFormat::Header;
+  }
+  if (IsTiffName(name.Path) || IsNamePattern(name.Path) || HasFiles(files, name.Path))
+  {
+    return VolumeFormat::Tiff;
+  }
+  const VolumeFormat byExtension = FindByExtension(name.GetExtension());
+  return byExtension != VolumeFormat::None ? byExtension : FindByContent(files, name.Path);
+}
+
+bool HasSeveralVolumes(VolumeFormat format)
+{
+  return format == VolumeFormat::Hdf5;
+}
+
+} // namespace isosurface
