@@ -26,9 +26,10 @@ constexpr const char* Footer = R"(IN is one of:
   .tif .tiff                TIFF or BigTIFF, one slice a page: read page by page
   a folder, 'scan*.tif'     a TIFF stack: all .tif files of the folder, or those that match the
                             pattern, ordered by the numbers in their names
+  .nii .nii.gz .mrc .map    NIfTI and MRC: read slab by slab
   .h5 .vtkhdf FILE:/path    HDF5: VTKHDF image data, or a dataset of 3 to 5 axes; read slab by slab
   any file --dimensions     samples without a header: read slab by slab
-  .vti .pvti .vtk .nii ...  formats of VTK's readers; some always read the whole file (user guide)
+  .vti .pvti .vtk .png ...  formats of VTK's readers; some always read the whole file (user guide)
 
 Examples:
   blockvolume head.mhd head.bvol

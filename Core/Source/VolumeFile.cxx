@@ -3,6 +3,8 @@
 
 #include "Source/Hdf5Volume.h"
 #include "Source/HeaderText.h"
+#include "Source/MrcVolume.h"
+#include "Source/NiftiVolume.h"
 #include "Source/RawVolume.h"
 #include "Source/TiffSource.h"
 #include "Source/VolumeFormat.h"
@@ -213,6 +215,10 @@ Result<VolumeFile> OpenFormat(
       return OpenRaw(files, name.Path);
     case VolumeFormat::Tiff:
       return OpenTiff(files, name.Path);
+    case VolumeFormat::Nifti:
+      return OpenNiftiVolume(files, name.Path, choice);
+    case VolumeFormat::Mrc:
+      return OpenMrcVolume(files, name.Path, choice);
     case VolumeFormat::Hdf5:
 #if ISOSURFACE_HDF5
       return OpenHdf5Volume(name, choice);

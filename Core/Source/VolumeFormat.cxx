@@ -47,6 +47,10 @@ VolumeFormat FindByContent(FileSystem& files, const std::string& path)
   {
     return VolumeFormat::Hdf5;
   }
+  if (Begins(start, "MAP"sv, 208))
+  {
+    return VolumeFormat::Mrc;
+  }
   return VolumeFormat::None;
 }
 
@@ -55,6 +59,15 @@ VolumeFormat FindByExtension(const std::string& extension)
   if (IsOneOf(extension, { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims" }))
   {
     return VolumeFormat::Hdf5;
+  }
+  if (IsOneOf(extension, { ".nii", ".nii.gz" }))
+  {
+    return VolumeFormat::Nifti;
+  }
+  if (IsOneOf(extension,
+        { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" }))
+  {
+    return VolumeFormat::Mrc;
   }
   return VolumeFormat::None;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Input: a letter (M: MetaImage, N: NRRD, T: TIFF), then the file, with or without samples behind
+// Input: a letter (M: MetaImage, N: NRRD, T: TIFF, I: NIfTI, R: MRC), then the file, with or without samples behind
 // its header. What it names is the file itself or is missing. Samples are read if they are few.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
@@ -25,6 +25,23 @@ std::vector<ValueType> FindTypes(const VolumeFile& volume)
     types.insert(types.end(), static_cast<std::size_t>(array.Components), array.Type);
   }
   return types;
+}
+
+const char* FindExtension(char letter)
+{
+  switch (letter)
+  {
+    case 'M':
+      return ".mha";
+    case 'N':
+      return ".nrrd";
+    case 'I':
+      return ".nii";
+    case 'R':
+      return ".mrc";
+    default:
+      return ".tif";
+  }
 }
 
 void OpenAndRead(MemoryDisk& disk, const std::string& path)
@@ -58,10 +75,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   {
     return 0;
   }
-  const std::string path = std::string("/data/a") +
-    (bytes[0] == 'M'      ? ".mha"
-        : bytes[0] == 'N' ? ".nrrd"
-                          : ".tif");
+  const std::string path = std::string("/data/a") + FindExtension(static_cast<char>(bytes[0]));
   MemoryDisk disk;
   PutFile(disk, path, SealedBytes(bytes + 1, bytes + size));
   // Series of as many names as a header may make, and the tables of libtiff's codecs.
