@@ -32,6 +32,7 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step
   VolumeChoice choice;
   choice.Step = step;
   choice.Axes = options.Axes;
+  choice.IgnoresPlaces = options.Spacing.has_value();
   choice.Arrays = options.Arrays;
   choice.CacheBytes = options.Settings.MemoryLimit / 4;
   auto file = options.Raw ? OpenRaw(*options.Raw)

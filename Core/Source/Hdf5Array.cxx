@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Source/ChunkCache.h"
 #include "Source/Hdf5File.h"
 #include "Source/Hdf5Handle.h"
 
@@ -68,24 +69,10 @@ public:
     {
       return Status::Ok();
     }
-    double chunkBytes = static_cast<double>(GetValueSize(this->Type));
-    double slabChunks = 1;
-    for (std::size_t axis = 0; axis < chunk.size(); ++axis)
-    {
-      const auto size = static_cast<double>(chunk[axis]);
-      chunkBytes *= size;
-      const bool isInSlab = axis + 2 >= chunk.size() || axis + 3 < chunk.size();
-      slabChunks *= isInSlab && axis + 3 >= chunk.size()
-        ? (static_cast<double>(this->Shape[axis]) + size - 1) / size
-        : 1;
-    }
-    const double wanted = std::min(static_cast<double>(cacheBytes), chunkBytes * (slabChunks + 1));
-    const auto bytes = static_cast<std::size_t>(wanted);
-    // A slot for each chunk, and ten times as many, as the library's documentation advises.
-    const auto slots =
-      static_cast<std::size_t>(std::min(10 * (wanted / chunkBytes + 1) + 1, 1048573.0));
+    const ChunkCacheSize cache =
+      FindChunkCacheSize(this->Shape, chunk, GetValueSize(this->Type), cacheBytes);
     const Hdf5Handle access(::H5Pcreate(H5P_DATASET_ACCESS), ::H5Pclose);
-    ::H5Pset_chunk_cache(access.Get(), slots, bytes, 1.0);
+    ::H5Pset_chunk_cache(access.Get(), cache.Slots, cache.Bytes, 1.0);
     Hdf5Handle dataset(
       ::H5Dopen2(this->File.File->Get(), this->ObjectPath.c_str(), access.Get()), ::H5Dclose);
     if (!dataset.IsOpen())
@@ -93,8 +80,7 @@ public:
       return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
     }
     this->Dataset = std::move(dataset);
-    // The cache, and a chunk with its encoded bytes when it does not fit the cache.
-    this->HeldBytes = bytes + static_cast<std::uint64_t>(std::min(2 * chunkBytes, 1e15));
+    this->HeldBytes += cache.HeldBytes;
     return Status::Ok();
   }
 

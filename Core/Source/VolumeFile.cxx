@@ -4,6 +4,7 @@
 #include "Source/Hdf5Volume.h"
 #include "Source/HeaderText.h"
 #include "Source/MrcVolume.h"
+#include "Source/NetcdfVolume.h"
 #include "Source/NiftiVolume.h"
 #include "Source/RawVolume.h"
 #include "Source/TiffSource.h"
@@ -225,6 +226,12 @@ Result<VolumeFile> OpenFormat(
 #else
       return MakeMissing(name, "HDF5", "libhdf5");
 #endif
+    case VolumeFormat::Netcdf:
+#if ISOSURFACE_NETCDF
+      return OpenNetcdfVolume(name, choice);
+#else
+      return MakeMissing(name, "NetCDF", "libnetcdf");
+#endif
     case VolumeFormat::None:
       break;
   }
@@ -312,6 +319,12 @@ Result<std::vector<VolumeListing>> VolumeFile::List(FileSystem& files, const std
       return ListHdf5(name);
 #else
       return MakeMissing(name, "HDF5", "libhdf5");
+#endif
+    case VolumeFormat::Netcdf:
+#if ISOSURFACE_NETCDF
+      return ListNetcdf(name);
+#else
+      return MakeMissing(name, "NetCDF", "libnetcdf");
 #endif
     default:
       return Status(StatusCode::Unsupported,

@@ -21,8 +21,9 @@ namespace isosurface
 /// What to read of a file that has more than one volume.
 struct VolumeChoice
 {
-  std::size_t Step = 0; ///< number of the time step
-  std::string Axes;     ///< of a dataset, a letter each (ArrayAxes::Parse); empty: as it says
+  std::size_t Step = 0;       ///< number of the time step
+  std::string Axes;           ///< of a dataset, a letter each (ArrayAxes::Parse); empty: as it says
+  bool IgnoresPlaces = false; ///< whether the caller places the samples, on a regular grid
   std::vector<std::string> Arrays; ///< names; empty: all. Unknown names choose nothing
   /// What decoded chunks may take between reads.
   std::uint64_t CacheBytes = std::uint64_t{ 256 } << 20;

@@ -47,6 +47,10 @@ VolumeFormat FindByContent(FileSystem& files, const std::string& path)
   {
     return VolumeFormat::Hdf5;
   }
+  if (Begins(start, "CDF\1"sv) || Begins(start, "CDF\2"sv) || Begins(start, "CDF\5"sv))
+  {
+    return VolumeFormat::Netcdf;
+  }
   if (Begins(start, "MAP"sv, 208))
   {
     return VolumeFormat::Mrc;
@@ -59,6 +63,10 @@ VolumeFormat FindByExtension(const std::string& extension)
   if (IsOneOf(extension, { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims" }))
   {
     return VolumeFormat::Hdf5;
+  }
+  if (IsOneOf(extension, { ".nc", ".nc4", ".cdf" }))
+  {
+    return VolumeFormat::Netcdf;
   }
   if (IsOneOf(extension, { ".nii", ".nii.gz" }))
   {
@@ -107,7 +115,7 @@ VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
 
 bool HasSeveralVolumes(VolumeFormat format)
 {
-  return format == VolumeFormat::Hdf5;
+  return format == VolumeFormat::Hdf5 || format == VolumeFormat::Netcdf;
 }
 
 } // namespace isosurface
