@@ -10,6 +10,7 @@
 #include "Source/TiffSource.h"
 #include "Source/VolumeFormat.h"
 #include "Source/VolumeName.h"
+#include "Source/ZarrVolume.h"
 
 #include <algorithm>
 #include <cctype>
@@ -232,6 +233,8 @@ Result<VolumeFile> OpenFormat(
 #else
       return MakeMissing(name, "NetCDF", "libnetcdf");
 #endif
+    case VolumeFormat::Zarr:
+      return OpenZarrVolume(files, name, choice);
     case VolumeFormat::None:
       break;
   }
@@ -326,6 +329,8 @@ Result<std::vector<VolumeListing>> VolumeFile::List(FileSystem& files, const std
 #else
       return MakeMissing(name, "NetCDF", "libnetcdf");
 #endif
+    case VolumeFormat::Zarr:
+      return ListZarr(files, name);
     default:
       return Status(StatusCode::Unsupported,
         text + ": cannot be listed: it is a file of one volume, or of an unknown format");

@@ -3,6 +3,7 @@
 
 #include "Source/HeaderText.h"
 #include "Source/RawVolume.h"
+#include "Source/ZarrVolume.h"
 
 #include <algorithm>
 #include <array>
@@ -105,6 +106,10 @@ VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
   {
     return VolumeFormat::Header;
   }
+  if (IsZarrFolder(files, name.Path))
+  {
+    return VolumeFormat::Zarr;
+  }
   if (IsTiffName(name.Path) || IsNamePattern(name.Path) || HasFiles(files, name.Path))
   {
     return VolumeFormat::Tiff;
@@ -115,7 +120,8 @@ VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
 
 bool HasSeveralVolumes(VolumeFormat format)
 {
-  return format == VolumeFormat::Hdf5 || format == VolumeFormat::Netcdf;
+  return format == VolumeFormat::Hdf5 || format == VolumeFormat::Netcdf ||
+    format == VolumeFormat::Zarr;
 }
 
 } // namespace isosurface
