@@ -30,6 +30,7 @@ constexpr const char* Footer = R"(IN is one of:
   .h5 .vtkhdf FILE:/path    HDF5: VTKHDF image data, or a dataset of 3 to 5 axes; read slab by slab
   .nc FILE:variable         NetCDF on a regular grid, time steps included: read slab by slab
   a folder[:path]           Zarr, OME-Zarr (the finest level), N5: read chunk by chunk
+  a folder or .dcm          a DICOM series, slice by slice; folder:UID chooses one
   any file --dimensions     samples without a header: read slab by slab
   .vti .pvti .vtk .png ...  formats of VTK's readers; some always read the whole file (user guide)
 

@@ -30,22 +30,13 @@ To CutToRange(double value)
   }
 }
 
-/// Converts the view's box, row by row, to samples without gaps.
-template <typename From, typename Convert, typename To>
-void ConvertBox(const SampleView& view, Convert&& convert, To* to)
+const std::uint8_t* FindSample(const SampleView& view, const Index3& vertex)
 {
-  const VertexBox& box = view.Box;
-  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-  {
-    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-    {
-      const From* from = view.At<From>({ box.Low[0], j, k });
-      for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i, from += view.Stride[0])
-      {
-        *to++ = convert(*from);
-      }
-    }
-  }
+  const std::ptrdiff_t sample = (vertex[0] - view.Available.Low[0]) * view.Stride[0] +
+    (vertex[1] - view.Available.Low[1]) * view.Stride[1] +
+    (vertex[2] - view.Available.Low[2]) * view.Stride[2];
+  return static_cast<const std::uint8_t*>(view.First) +
+    sample * static_cast<std::ptrdiff_t>(GetValueSize(view.Type));
 }
 
 } // namespace
@@ -54,6 +45,25 @@ ValueType FindScaledType(ValueType stored)
 {
   return stored == ValueType::Float32 || GetValueSize(stored) <= 2 ? ValueType::Float32
                                                                    : ValueType::Float64;
+}
+
+void ScaleSamples(ValueType stored, const void* from, std::size_t count, SampleScale scale,
+  ValueType type, void* to)
+{
+  DispatchValueType(stored,
+    [&](auto some)
+    {
+      DispatchValueType(type,
+        [&](auto zero)
+        {
+          using From = decltype(some);
+          using To = decltype(zero);
+          const auto* begin = static_cast<const From*>(from);
+          std::transform(begin, begin + count, static_cast<To*>(to),
+            [scale](From value)
+            { return CutToRange<To>(scale.Slope * static_cast<double>(value) + scale.Intercept); });
+        });
+    });
 }
 
 float WidenHalf(std::uint16_t bits)
@@ -108,26 +118,31 @@ Result<SampleSlab> ConvertedSource::Read(const VertexBox& box)
   {
     return samples.GetStatus();
   }
+  // Rows without gaps are converted at once.
   const SampleView& view = stored->Arrays.front();
-  void* const to = (*samples)->GetData();
-  if (this->IsHalf)
+  std::uint8_t* to = (*samples)->GetData();
+  const std::int64_t run = view.Stride[0] == 1 ? box.GetSize()[0] : 1;
+  const auto count = static_cast<std::size_t>(run);
+  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
   {
-    ConvertBox<std::uint16_t>(view, WidenHalf, static_cast<float*>(to));
-    return MakeSlab(this->Type, box, std::move(*samples));
-  }
-  DispatchValueType(this->Stored,
-    [&](auto from)
+    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
     {
-      DispatchValueType(this->Type,
-        [&](auto zero)
+      for (std::int64_t i = box.Low[0]; i < box.High[0]; i += run)
+      {
+        const std::uint8_t* from = FindSample(view, { i, j, k });
+        if (this->IsHalf)
         {
-          using To = decltype(zero);
-          const SampleScale scale = this->Scale;
-          const auto convert = [scale](auto value)
-          { return CutToRange<To>(scale.Slope * static_cast<double>(value) + scale.Intercept); };
-          ConvertBox<decltype(from)>(view, convert, static_cast<To*>(to));
-        });
-    });
+          const auto* halves = reinterpret_cast<const std::uint16_t*>(from);
+          std::transform(halves, halves + count, reinterpret_cast<float*>(to), WidenHalf);
+        }
+        else
+        {
+          ScaleSamples(this->Stored, from, count, this->Scale, this->Type, to);
+        }
+        to += count * GetValueSize(this->Type);
+      }
+    }
+  }
   return MakeSlab(this->Type, box, std::move(*samples));
 }
 

@@ -5,6 +5,7 @@
 #include "Source/PageBuffer.h"
 #include "Source/SlabSource.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -24,6 +25,11 @@ struct SampleScale
 /// float64.
 ValueType FindScaledType(ValueType stored);
 
+/// Scales samples of type `stored` without gaps to `type`, in double precision. Values beyond an
+/// integer type are cut to its ends.
+void ScaleSamples(ValueType stored, const void* from, std::size_t count, SampleScale scale,
+  ValueType type, void* to);
+
 /// The value of an IEEE float of 16 bits.
 float WidenHalf(std::uint16_t bits);
 
@@ -31,7 +37,7 @@ float WidenHalf(std::uint16_t bits);
 class ConvertedSource : public SlabSource
 {
 public:
-  /// Scales samples of type `stored` to `type`. Samples beyond an integer type are cut to its ends.
+  /// Scales samples of type `stored` to `type`.
   ConvertedSource(
     std::unique_ptr<SlabSource> source, ValueType stored, SampleScale scale, ValueType type);
   /// Widens floats of 16 bits, which the source has as uint16, to float32.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Source/VolumeFile.h"
 
+#include "Source/DicomVolume.h"
 #include "Source/Hdf5Volume.h"
 #include "Source/HeaderText.h"
 #include "Source/MrcVolume.h"
@@ -235,6 +236,12 @@ Result<VolumeFile> OpenFormat(
 #endif
     case VolumeFormat::Zarr:
       return OpenZarrVolume(files, name, choice);
+    case VolumeFormat::Dicom:
+#if ISOSURFACE_DICOM
+      return OpenDicomVolume(name, choice);
+#else
+      return MakeMissing(name, "DICOM", "libgdcm");
+#endif
     case VolumeFormat::None:
       break;
   }
@@ -331,6 +338,12 @@ Result<std::vector<VolumeListing>> VolumeFile::List(FileSystem& files, const std
 #endif
     case VolumeFormat::Zarr:
       return ListZarr(files, name);
+    case VolumeFormat::Dicom:
+#if ISOSURFACE_DICOM
+      return ListDicom(name);
+#else
+      return MakeMissing(name, "DICOM", "libgdcm");
+#endif
     default:
       return Status(StatusCode::Unsupported,
         text + ": cannot be listed: it is a file of one volume, or of an unknown format");

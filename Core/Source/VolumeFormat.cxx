@@ -52,6 +52,10 @@ VolumeFormat FindByContent(FileSystem& files, const std::string& path)
   {
     return VolumeFormat::Netcdf;
   }
+  if (Begins(start, "DICM"sv, 128))
+  {
+    return VolumeFormat::Dicom;
+  }
   if (Begins(start, "MAP"sv, 208))
   {
     return VolumeFormat::Mrc;
@@ -69,6 +73,10 @@ VolumeFormat FindByExtension(const std::string& extension)
   {
     return VolumeFormat::Netcdf;
   }
+  if (extension == ".dcm")
+  {
+    return VolumeFormat::Dicom;
+  }
   if (IsOneOf(extension, { ".nii", ".nii.gz" }))
   {
     return VolumeFormat::Nifti;
@@ -79,6 +87,26 @@ VolumeFormat FindByExtension(const std::string& extension)
     return VolumeFormat::Mrc;
   }
   return VolumeFormat::None;
+}
+
+/// The format of a folder that is none of Zarr: TIFF, if nothing tells.
+VolumeFormat FindOfFolder(FileSystem& files, const std::string& path)
+{
+  constexpr std::size_t most = 64;
+  const auto names = files.List(path);
+  if (!names.IsOk() || std::any_of(names->begin(), names->end(), IsTiffName))
+  {
+    return VolumeFormat::Tiff;
+  }
+  for (std::size_t name = 0; name < std::min(most, names->size()); ++name)
+  {
+    const std::string file = (std::filesystem::path(path) / (*names)[name]).string();
+    if (FindByContent(files, file) == VolumeFormat::Dicom)
+    {
+      return VolumeFormat::Dicom;
+    }
+  }
+  return VolumeFormat::Tiff;
 }
 
 } // namespace
@@ -110,9 +138,13 @@ VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
   {
     return VolumeFormat::Zarr;
   }
-  if (IsTiffName(name.Path) || IsNamePattern(name.Path) || HasFiles(files, name.Path))
+  if (IsTiffName(name.Path) || IsNamePattern(name.Path))
   {
     return VolumeFormat::Tiff;
+  }
+  if (HasFiles(files, name.Path))
+  {
+    return FindOfFolder(files, name.Path);
   }
   const VolumeFormat byExtension = FindByExtension(name.GetExtension());
   return byExtension != VolumeFormat::None ? byExtension : FindByContent(files, name.Path);
@@ -121,7 +153,7 @@ VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
 bool HasSeveralVolumes(VolumeFormat format)
 {
   return format == VolumeFormat::Hdf5 || format == VolumeFormat::Netcdf ||
-    format == VolumeFormat::Zarr;
+    format == VolumeFormat::Zarr || format == VolumeFormat::Dicom;
 }
 
 } // namespace isosurface

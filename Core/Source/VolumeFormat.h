@@ -21,6 +21,7 @@ enum class VolumeFormat : std::uint8_t
   Mrc,    ///< by "MAP" in its header, .mrc .map .ccp4 .rec .ali .st .mrcs, also .gz (MrcVolume.h)
   Netcdf, ///< by the first bytes of the classic formats, .nc .nc4 .cdf (NetcdfVolume.h)
   Zarr,   ///< a folder with metadata of Zarr or N5 (ZarrVolume.h)
+  Dicom,  ///< by "DICM" in a file, or in one of the first files of a folder; .dcm (DicomVolume.h)
   Hdf5    ///< by its first bytes, under any name (Hdf5Volume.h)
 };
 
