@@ -2,6 +2,7 @@
 // blockvolume: writes, prints and checks blocked volumes. Alone or under mpirun.
 #include "BlockVolumeOptions.h"
 #include "InfoCommand.h"
+#include "ListCommand.h"
 #include "StopSignal.h"
 #include "VerifyCommand.h"
 #include "WriteCommand.h"
@@ -41,6 +42,8 @@ Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
   {
     case Command::Info:
       return RunInfoCommand(*options);
+    case Command::List:
+      return RunListCommand(*options);
     case Command::Verify:
       return RunVerifyCommand(*options);
     default:

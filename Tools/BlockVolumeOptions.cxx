@@ -26,14 +26,21 @@ constexpr const char* Footer = R"(IN is one of:
   .tif .tiff                TIFF or BigTIFF, one slice a page: read page by page
   a folder, 'scan*.tif'     a TIFF stack: all .tif files of the folder, or those that match the
                             pattern, ordered by the numbers in their names
+  .nii .nii.gz .mrc .map    NIfTI and MRC: read slab by slab
+  .h5 .vtkhdf FILE:/path    HDF5: VTKHDF image data, or a dataset of 3 to 5 axes; read slab by slab
+  .nc FILE:variable         NetCDF on a regular grid, time steps included: read slab by slab
+  a folder[:path]           Zarr, OME-Zarr (the finest level), N5: read chunk by chunk
+  a folder or .dcm          a DICOM series, slice by slice; folder:UID chooses one
   any file --dimensions     samples without a header: read slab by slab
-  .vti .pvti .vtk .nii ...  formats of VTK's readers; some always read the whole file (user guide)
+  .vti .pvti .vtk .png ...  formats of VTK's readers; some always read the whole file (user guide)
 
 Examples:
   blockvolume head.mhd head.bvol
   mpirun -n 8 blockvolume 'slices/*.tif' scan.bvol --stores 32 --compression zstd:3
   blockvolume ct.raw ct.bvol --dimensions 2048,2048,2048 --type uint16 --memory 4096
   blockvolume step7.vti run.bvol --append --time 0.35 --arrays density,velocity
+  blockvolume --list run.h5
+  blockvolume run.h5:/entry/data run.bvol --axes tzyx --step 3
   blockvolume --info scan.bvol --json
   blockvolume --verify scan.bvol
 
@@ -115,6 +122,7 @@ struct RawTexts
   std::uint64_t MemoryMebibytes = 1024;
   bool IsInfo = false;
   bool IsVerify = false;
+  bool IsList = false;
 };
 
 void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
@@ -171,6 +179,21 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->capture_default_str();
   app.add_flag("--quiet", options.IsQuiet, "No progress and no summary, only errors")
     ->group("General");
+}
+
+void AddDatasetOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
+{
+  const char* group = "Files of several volumes (HDF5, NetCDF, Zarr, DICOM)";
+  app.add_flag("--list", texts.IsList, "Print what is in IN: names, samples on each axis, types")
+    ->group(group);
+  app
+    .add_option("--axes", options.Axes,
+      "What the axes of a dataset are, the slowest first, of the letters x y z t c.\n"
+      "Default: as the file says; otherwise zyx, tzyx or tczyx. Channels (c) are components if\n"
+      "they come last, otherwise arrays")
+    ->group(group);
+  app.add_option("--step", options.Step, "Write this time step of IN, counted from 0, not all")
+    ->group(group);
 }
 
 void AddInputOptions(CLI::App& app, RawTexts& texts)
@@ -307,7 +330,9 @@ Status CheckNames(const CLI::App& app, BlockVolumeOptions& options)
   if (options.Input.empty() || (isWriting && options.Output.empty()))
   {
     return Status(StatusCode::InvalidArgument,
-      isWriting ? "IN and OUT.bvol are needed (--help tells more)" : "IN.bvol is needed");
+      isWriting ? "IN and OUT.bvol are needed (--help tells more)"
+        : options.What == BlockVolumeOptions::Command::List ? "IN is needed"
+                                                            : "IN.bvol is needed");
   }
   if (!isWriting && !options.Output.empty())
   {
@@ -344,6 +369,7 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   app.add_option("IN", options.Input, "The volume to read; with --info and --verify: IN.bvol");
   app.add_option("OUT", options.Output, "The blocked volume to write, OUT.bvol");
   AddWritingOptions(app, texts, options);
+  AddDatasetOptions(app, texts, options);
   AddInputOptions(app, texts);
   AddInspectingOptions(app, texts, options);
   try
@@ -366,7 +392,10 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   {
     return Status(StatusCode::InvalidArgument, error.what());
   }
-  options.What = texts.IsInfo ? Command::Info : texts.IsVerify ? Command::Verify : Command::Write;
+  options.What = texts.IsInfo ? Command::Info
+    : texts.IsVerify          ? Command::Verify
+    : texts.IsList            ? Command::List
+                              : Command::Write;
   ISOSURFACE_RETURN_IF_ERROR(CheckNames(app, options));
   ISOSURFACE_RETURN_IF_ERROR(TakeTexts(texts, options));
   return options;

@@ -7,6 +7,7 @@
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct BlockVolumeOptions
     Write,
     Info,
     Verify,
+    List,
     Print ///< Text, and nothing else: help, version
   };
 
@@ -35,6 +37,8 @@ struct BlockVolumeOptions
   BlockedVolumeSettings Settings;
   std::vector<std::string> Arrays; ///< none: all
   bool WithCells = false;          ///< whether cell arrays are averaged to points
+  std::string Axes;                ///< of a dataset, a letter each; empty: as the file says
+  std::optional<std::size_t> Step; ///< of the input; none: all
   std::optional<RawVolume> Raw;    ///< of a file without header
   std::optional<std::array<double, 3>> Spacing;
   std::optional<std::array<double, 3>> Origin;

@@ -4,6 +4,7 @@
 #include "PipelineInput.h"
 
 #include "Source/VolumeFile.h"
+#include "Source/VolumeName.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -21,38 +22,54 @@ Result<VolumeFile> OpenRaw(const RawVolume& raw)
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   VolumeFile file;
   file.Grid = raw.Grid;
-  file.ArrayName = raw.ArrayName;
-  file.Type = raw.Type;
+  file.Arrays = { { raw.ArrayName, raw.Type, 1 } };
   file.Source = std::move(*source);
   return file;
 }
 
-Result<InputVolume> OpenFile(const BlockVolumeOptions& options)
+Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step)
 {
-  auto file =
-    options.Raw ? OpenRaw(*options.Raw) : VolumeFile::Open(GetLocalFileSystem(), options.Input);
+  VolumeChoice choice;
+  choice.Step = step;
+  choice.Axes = options.Axes;
+  choice.IgnoresPlaces = options.Spacing.has_value();
+  choice.Arrays = options.Arrays;
+  choice.CacheBytes = options.Settings.MemoryLimit / 4;
+  auto file = options.Raw ? OpenRaw(*options.Raw)
+                          : VolumeFile::Open(GetLocalFileSystem(), options.Input, choice);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const auto arrays =
-    ChooseArrays(options.Input, { { file->ArrayName, file->Type } }, options.Arrays);
+  const auto arrays = ChooseArrays(options.Input, file->Arrays, options.Arrays);
   ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
   InputVolume volume;
   volume.Grid = file->Grid;
   volume.Arrays = *arrays;
+  volume.LeftOut = file->LeftOut;
+  volume.Times = file->Times;
+  if (step < file->Times.size())
+  {
+    volume.Time = file->Times[step];
+  }
   volume.Source = std::move(file->Source);
   return volume;
 }
 
 } // namespace
 
-Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options)
+Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::size_t step)
 {
+  const std::string path = VolumeName::Parse(GetLocalFileSystem(), options.Input).Path;
   std::error_code error;
-  if (!std::filesystem::is_directory(options.Input, error))
+  if (!std::filesystem::is_directory(path, error))
   {
-    ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(options.Input, "read"));
+    ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   }
   const bool isFile = options.Raw || VolumeFile::IsKnown(GetLocalFileSystem(), options.Input);
-  auto volume = isFile ? OpenFile(options)
+  if (!isFile && !options.Axes.empty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "--axes: " + options.Input + " is no file of HDF5, NetCDF or Zarr");
+  }
+  auto volume = isFile ? OpenFile(options, step)
                        : OpenPipelineInput(options.Input, options.Arrays, options.WithCells,
                            options.Settings.MemoryLimit / 4);
   if (volume.IsOk())

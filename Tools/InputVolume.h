@@ -9,6 +9,7 @@
 #include "Store/BlockedVolumeHeader.h"
 #include "Volume/GridGeometry.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -24,14 +25,15 @@ struct InputVolume
   GridGeometry Grid;
   std::vector<ArrayDescription> Arrays;
   std::optional<double> Time;
+  std::vector<double> Times;   ///< of all time steps that the input has; may be empty
   std::string LeftOut;         ///< says what cannot be written; empty if everything can
   std::uint64_t HeldBytes = 0; ///< of samples in memory
   std::shared_ptr<void> Owner; ///< of what the source reads from; destroyed after it
   std::unique_ptr<SlabSource> Source;
 
   /// Opens what the options name: samples without a header, a format that Core reads part by part,
-  /// or one of VTK's.
-  static Result<InputVolume> Open(const BlockVolumeOptions& options);
+  /// or one of VTK's. `step`: of the time steps of the input.
+  static Result<InputVolume> Open(const BlockVolumeOptions& options, std::size_t step);
 };
 
 /// The arrays of a file with these names, in this order; all if there are no names. Error: NotFound,

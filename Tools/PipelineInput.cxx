@@ -10,7 +10,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
-#include "vtkMRCReader.h"
 #include "vtkNIFTIImageReader.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -121,11 +120,7 @@ vtkSmartPointer<vtkAlgorithm> MakeReader(const std::string& path)
 vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
 {
   const std::filesystem::path name(path);
-  std::string extension = HeaderText::Lower(name.extension().string());
-  if (extension == ".gz")
-  {
-    extension = HeaderText::Lower(name.stem().extension().string()) + ".gz";
-  }
+  const std::string extension = HeaderText::Lower(name.extension().string());
   if (extension == ".vti")
   {
     return MakeReader<vtkXMLImageDataReader>(path);
@@ -138,13 +133,9 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   {
     return MakeReader<vtkStructuredPointsReader>(path);
   }
-  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" || extension == ".img")
+  if (extension == ".hdr" || extension == ".img")
   {
     return MakeReader<vtkNIFTIImageReader>(path);
-  }
-  if (extension == ".mrc" || extension == ".rec" || extension == ".ali" || extension == ".st")
-  {
-    return MakeReader<vtkMRCReader>(path);
   }
   auto reader = vtkSmartPointer<vtkImageReader2>::Take(
     vtkImageReader2Factory::CreateImageReader2(path.c_str()));

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Source/VolumeFile.h"
 
+#include "Source/DicomVolume.h"
+#include "Source/Hdf5Volume.h"
 #include "Source/HeaderText.h"
+#include "Source/MrcVolume.h"
+#include "Source/NetcdfVolume.h"
+#include "Source/NiftiVolume.h"
 #include "Source/RawVolume.h"
 #include "Source/TiffSource.h"
+#include "Source/VolumeFormat.h"
+#include "Source/VolumeName.h"
+#include "Source/ZarrVolume.h"
 
 #include <algorithm>
 #include <cctype>
@@ -15,23 +23,6 @@ namespace isosurface
 {
 namespace
 {
-
-bool IsTiffName(const std::string& path)
-{
-  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
-  return extension == ".tif" || extension == ".tiff";
-}
-
-bool IsPattern(const std::string& path)
-{
-  return std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos;
-}
-
-bool HasFiles(FileSystem& files, const std::string& path)
-{
-  const auto names = files.List(path);
-  return names.IsOk() && !names->empty();
-}
 
 /// "*" stands for any characters, "?" for one.
 bool FitsPattern(const std::string& name, const std::string& pattern)
@@ -186,22 +177,83 @@ Result<VolumeFile> OpenTiff(FileSystem& files, const std::string& path)
   VolumeFile volume;
   const Index3 size = (*source)->GetBox().GetSize();
   volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
-  volume.ArrayName = "Tiff Scalars";
-  volume.Type = (*source)->GetType();
+  volume.Arrays = { { "Tiff Scalars", (*source)->GetType(), 1 } };
   volume.Source = std::move(*source);
   return volume;
 }
 
-} // namespace
-
-bool VolumeFile::IsKnown(FileSystem& files, const std::string& path)
+/// A raw file with a header, of MetaImage or NRRD.
+Result<VolumeFile> OpenRaw(FileSystem& files, const std::string& path)
 {
-  return RawVolume::HasHeader(path) || IsTiffName(path) || IsPattern(path) || HasFiles(files, path);
+  const auto raw = RawVolume::ReadHeader(files, path);
+  if (!raw.IsOk())
+  {
+    return raw.GetStatus();
+  }
+  auto source = raw->Open(files);
+  if (!source.IsOk())
+  {
+    return source.GetStatus();
+  }
+  VolumeFile volume;
+  volume.Grid = raw->Grid;
+  volume.Arrays = { { raw->ArrayName, raw->Type, 1 } };
+  volume.Source = std::move(*source);
+  return volume;
 }
+
+[[maybe_unused]] Status MakeMissing(const VolumeName& name, const char* format, const char* package)
+{
+  return Status(StatusCode::Unsupported,
+    name.Path + ": cannot be read: this build has no " + format + " (it lacked the library " +
+      package + ")");
+}
+
+Result<VolumeFile> OpenFormat(
+  FileSystem& files, VolumeFormat format, const VolumeName& name, const VolumeChoice& choice)
+{
+  switch (format)
+  {
+    case VolumeFormat::Header:
+      return OpenRaw(files, name.Path);
+    case VolumeFormat::Tiff:
+      return OpenTiff(files, name.Path);
+    case VolumeFormat::Nifti:
+      return OpenNiftiVolume(files, name.Path, choice);
+    case VolumeFormat::Mrc:
+      return OpenMrcVolume(files, name.Path, choice);
+    case VolumeFormat::Hdf5:
+#if ISOSURFACE_HDF5
+      return OpenHdf5Volume(name, choice);
+#else
+      return MakeMissing(name, "HDF5", "libhdf5");
+#endif
+    case VolumeFormat::Netcdf:
+#if ISOSURFACE_NETCDF
+      return OpenNetcdfVolume(name, choice);
+#else
+      return MakeMissing(name, "NetCDF", "libnetcdf");
+#endif
+    case VolumeFormat::Zarr:
+      return OpenZarrVolume(files, name, choice);
+    case VolumeFormat::Dicom:
+#if ISOSURFACE_DICOM
+      return OpenDicomVolume(name, choice);
+#else
+      return MakeMissing(name, "DICOM", "libgdcm");
+#endif
+    case VolumeFormat::None:
+      break;
+  }
+  return Status(StatusCode::Unsupported,
+    name.Path + ": cannot be read: its name and its first bytes are of no known format");
+}
+
+} // namespace
 
 Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const std::string& path)
 {
-  const bool isPattern = IsPattern(path);
+  const bool isPattern = IsNamePattern(path);
   if (!isPattern && !HasFiles(files, path))
   {
     return std::vector<std::string>{ path };
@@ -241,33 +293,61 @@ Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const 
   return paths;
 }
 
-Result<VolumeFile> VolumeFile::Open(FileSystem& files, const std::string& path)
+bool VolumeFile::IsKnown(FileSystem& files, const std::string& name)
 {
-  if (!IsKnown(files, path))
+  return FindVolumeFormat(files, VolumeName::Parse(files, name)) != VolumeFormat::None;
+}
+
+Result<VolumeFile> VolumeFile::Open(
+  FileSystem& files, const std::string& text, const VolumeChoice& choice)
+{
+  const VolumeName name = VolumeName::Parse(files, text);
+  const VolumeFormat format = FindVolumeFormat(files, name);
+  if (!name.Within.empty() && !HasSeveralVolumes(format))
   {
-    return Status(StatusCode::Unsupported,
-      path + ": cannot be read: it is neither MetaImage, NRRD, nor a TIFF stack");
+    return Status(StatusCode::InvalidArgument,
+      text + ": cannot be read: a file of this format has one volume, and no \"" + name.Within +
+        "\"");
   }
-  if (!RawVolume::HasHeader(path))
+  auto volume = OpenFormat(files, format, name, choice);
+  if (volume.IsOk() && choice.Step >= std::max<std::size_t>(1, volume->Times.size()))
   {
-    return OpenTiff(files, path);
+    return Status(StatusCode::InvalidArgument,
+      text + ": has " + std::to_string(std::max<std::size_t>(1, volume->Times.size())) +
+        " time steps, and none of number " + std::to_string(choice.Step));
   }
-  const auto raw = RawVolume::ReadHeader(files, path);
-  if (!raw.IsOk())
-  {
-    return raw.GetStatus();
-  }
-  auto source = raw->Open(files);
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
-  VolumeFile volume;
-  volume.Grid = raw->Grid;
-  volume.ArrayName = raw->ArrayName;
-  volume.Type = raw->Type;
-  volume.Source = std::move(*source);
   return volume;
+}
+
+Result<std::vector<VolumeListing>> VolumeFile::List(FileSystem& files, const std::string& text)
+{
+  const VolumeName name = VolumeName::Parse(files, text);
+  switch (FindVolumeFormat(files, name))
+  {
+    case VolumeFormat::Hdf5:
+#if ISOSURFACE_HDF5
+      return ListHdf5(name);
+#else
+      return MakeMissing(name, "HDF5", "libhdf5");
+#endif
+    case VolumeFormat::Netcdf:
+#if ISOSURFACE_NETCDF
+      return ListNetcdf(name);
+#else
+      return MakeMissing(name, "NetCDF", "libnetcdf");
+#endif
+    case VolumeFormat::Zarr:
+      return ListZarr(files, name);
+    case VolumeFormat::Dicom:
+#if ISOSURFACE_DICOM
+      return ListDicom(name);
+#else
+      return MakeMissing(name, "DICOM", "libgdcm");
+#endif
+    default:
+      return Status(StatusCode::Unsupported,
+        text + ": cannot be listed: it is a file of one volume, or of an unknown format");
+  }
 }
 
 } // namespace isosurface

@@ -127,7 +127,7 @@ void ExpectStack(const std::string& path, const SampleVolume<T>& volume)
   auto file = VolumeFile::Open(GetLocalFileSystem(), path);
   ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
   EXPECT_EQ(file->Grid.GetDimensions(), volume.GetDimensions());
-  EXPECT_EQ(file->Type, ValueTypeOf<T>::Value);
+  EXPECT_EQ(file->Arrays[0].Type, ValueTypeOf<T>::Value);
   ExpectSamples(*file->Source, volume);
 }
 

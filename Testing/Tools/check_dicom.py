@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Series of pydicom, read by blockvolume: check_dicom.py TOOL MPIEXEC SCRATCH CLAIM"""
+import json
+import os
+import shutil
+import sys
+
+import numpy
+from pydicom import dcmread
+from pydicom.data import get_testdata_file
+from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
+from pydicom.encaps import encapsulate
+from pydicom.pixel_data_handlers.rle_handler import rle_encode_frame
+from pydicom.uid import ExplicitVRBigEndian, ExplicitVRLittleEndian, ImplicitVRLittleEndian, \
+    RLELossless
+
+from sample_volumes import SourceCase, make_samples, run_claim
+
+SHAPE = (9, 37, 70)
+
+
+class Files(SourceCase):
+    def save(self, folder, samples, series="1.2.3", syntax=ExplicitVRLittleEndian, origin=(0, 0, 0),
+             spacing=(1, 1, 1), row=(1, 0, 0), column=(0, 1, 0), step=None, slope=1, intercept=0,
+             bits=None):
+        """A file a slice, with names in an order that is not that of the places."""
+        os.makedirs(self.path(folder), exist_ok=True)
+        step = numpy.cross(row, column) if step is None else numpy.asarray(step)
+        for number, slice_samples in enumerate(samples):
+            meta = FileMetaDataset()
+            meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2"
+            meta.MediaStorageSOPInstanceUID = f"{series}.{number + 1}"
+            meta.TransferSyntaxUID = syntax
+            name = self.path(f"{folder}/{series}-{(7 * number) % len(samples)}")
+            file = FileDataset(name, Dataset(), file_meta=meta, preamble=b"\0" * 128)
+            file.is_little_endian = syntax != ExplicitVRBigEndian
+            file.is_implicit_VR = syntax == ImplicitVRLittleEndian
+            file.SOPClassUID = meta.MediaStorageSOPClassUID
+            file.SOPInstanceUID = meta.MediaStorageSOPInstanceUID
+            file.SeriesInstanceUID = series
+            file.SeriesDescription = "head " + series
+            file.Modality = "CT"
+            file.ImagePositionPatient = [float(value) for value in
+                                         numpy.array(origin) + number * spacing[2] * step]
+            file.ImageOrientationPatient = [*map(float, row), *map(float, column)]
+            file.PixelSpacing = [spacing[1], spacing[0]]
+            file.Rows, file.Columns = slice_samples.shape
+            file.SamplesPerPixel = 1
+            file.PhotometricInterpretation = "MONOCHROME2"
+            file.BitsAllocated = 8 * samples.dtype.itemsize
+            file.BitsStored = bits or file.BitsAllocated
+            file.HighBit = file.BitsStored - 1
+            file.PixelRepresentation = int(samples.dtype.kind == "i")
+            file.RescaleSlope, file.RescaleIntercept = slope, intercept
+            if syntax == RLELossless:
+                file.PixelData = encapsulate([rle_encode_frame(slice_samples)])
+            else:
+                order = ">" if syntax == ExplicitVRBigEndian else "<"
+                pixels = slice_samples.astype(slice_samples.dtype.newbyteorder(order))
+                file.PixelData = pixels.tobytes().ljust((pixels.nbytes + 1) // 2 * 2, b"\0")
+            file["PixelData"].VR = "OB" if samples.dtype.itemsize == 1 else "OW"
+            file.save_as(name, write_like_original=False)
+        return name
+
+
+class Series(Files):
+    def test_types_and_transfer_syntaxes(self):
+        cases = [("uint8", ExplicitVRLittleEndian), ("int16", ImplicitVRLittleEndian),
+                 ("uint16", ExplicitVRBigEndian), ("int16", RLELossless)]
+        for number, (dtype, syntax) in enumerate(cases):
+            with self.subTest(type=dtype, syntax=syntax.name):
+                samples = make_samples(dtype, SHAPE)
+                self.save(f"s{number}", samples, syntax=syntax, origin=(-3, 7, 1.5),
+                          spacing=(0.5, 0.25, 2))
+                path = self.write(f"s{number}", "o.bvol", ranks=2 if number == 3 else 1)
+                self.assert_equal_volumes(path, self.write_raw(
+                    samples, "DICOM", spacing=(0.5, 0.25, 2), origin=(-3, 7, 1.5)))
+
+    def test_lossless_compressions(self):
+        # One image of pydicom, in four transfer syntaxes, as a series of three slices.
+        plain = dcmread(get_testdata_file("MR_small.dcm"))
+        samples = numpy.stack([plain.pixel_array] * 3)
+        spacing = (float(plain.PixelSpacing[1]), float(plain.PixelSpacing[0]), 2)
+        for name in ("MR_small_bigendian", "MR_small_RLE", "MR_small_jp2klossless",
+                     "MR_small_jpeg_ls_lossless"):
+            with self.subTest(name=name):
+                file = dcmread(get_testdata_file(name + ".dcm"))
+                os.makedirs(self.path(name))
+                for number in range(3):
+                    file.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+                    file.ImagePositionPatient = [4, -7, 1.5 + 2 * number]
+                    file.save_as(self.path(f"{name}/{number}.dcm"))
+                self.assert_equal_volumes(
+                    self.write(name, "o.bvol"),
+                    self.write_raw(samples, "DICOM", spacing=spacing, origin=(4, -7, 1.5)))
+
+    def test_slope_and_intercept(self):
+        samples = make_samples("uint16", SHAPE)
+        for slope, intercept, bits, dtype in ((1, -1024, 12, "int16"), (1, -1024, 16, "int32"),
+                                              (0.5, 0.25, 16, "float32")):
+            with self.subTest(slope=slope, bits=bits):
+                shutil.rmtree(self.path("r"), ignore_errors=True)
+                self.save("r", samples, slope=slope, intercept=intercept, bits=bits)
+                values = (samples * float(slope) + intercept).astype(dtype)
+                self.assert_equal_volumes(self.write("r", "o.bvol"),
+                                          self.write_raw(values, "DICOM"))
+
+    def test_choice_of_series(self):
+        head, other = make_samples("int16", SHAPE), make_samples("int16", SHAPE, phase=1)
+        last = self.save("two", head, series="1.2.3")
+        self.save("two", other, series="1.2.45")
+        with open(self.path("two/notes.txt"), "w") as file:
+            file.write("no image")
+        self.assert_error("two", "1.2.3 (9 slices, \"head 1.2.3\"), 1.2.45 (9 slices")
+        expected = self.write_raw(other, "DICOM")
+        for name in ("two:1.2.45", "two:.45"):
+            self.assert_equal_volumes(self.write(name, "o.bvol"), expected)
+        self.assert_equal_volumes(self.write(last, "o.bvol"), self.write_raw(head, "DICOM"))
+        code, out, _ = self.run_tool("--list", "two")
+        self.assertEqual((code, len(out.splitlines())), (0, 2))
+        self.assertRegex(out, r"1\.2\.3  +9 x 37 x 70 +int16 +\"head 1.2.3\", transfer syntax 1.2.84")
+
+
+class PlacesAndErrors(Files):
+    def test_orientation_and_tilted_gantry(self):
+        samples = make_samples("int16", SHAPE)
+        row, column = numpy.array((0, 0.6, 0.8)), numpy.array((1.0, 0, 0))
+        self.save("o", samples, row=row, column=column, spacing=(0.5, 0.25, 2), origin=(1, 2, 3))
+        self.write("o", "o.bvol")
+        grid = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["grid"]
+        expected = numpy.stack([row, column, numpy.cross(row, column)], axis=1)
+        numpy.testing.assert_allclose(numpy.reshape(grid["direction"], (3, 3)), expected, atol=1e-9)
+        self.assertEqual((grid["origin"], grid["spacing"]), ([1, 2, 3], [0.5, 0.25, 2]))
+        tilted = numpy.array((0, 0.28, 0.96))
+        self.save("g", samples, step=tilted, spacing=(1, 1, 2))
+        err = self.run_tool("g", "o.bvol")[2]
+        self.assertIn("the gantry is tilted by 16.3 degrees", err)
+        grid = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["grid"]
+        numpy.testing.assert_allclose(grid["direction"], (1, 0, 0, 0, 1, 0.28, 0, 0, 0.96),
+                                      atol=1e-9)
+
+    def test_errors_name_file_and_reason(self):
+        samples = make_samples("int16", SHAPE)
+        self.save("m", samples)
+        missing = self.path("m/1.2.3-1")  # slice 4: 7 * 4 % 9
+        moved = self.path("kept")
+        os.rename(missing, moved)
+        self.assert_error("m", "m/1.2.3-", "a slice is missing", ranks=2)
+        shutil.copy(self.path("m/1.2.3-3"), self.path("m/copy"))
+        self.assert_error("m", "m/copy: cannot be read: it lies where m/1.2.3-3 does")
+        os.remove(self.path("m/copy"))
+        with open(moved, "rb") as file:
+            whole = file.read()
+        for part in (140, 300, len(whole) - samples[0].nbytes // 2, len(whole) - 1):
+            with open(missing, "wb") as file:
+                file.write(whole[:part])
+            self.assert_error("m", "m/1.2.3-1: cannot be read", "truncated")
+        self.save("w", samples[:, :20], series="1.2.3")
+        shutil.copy(self.path("w/1.2.3-1"), missing)
+        self.assert_error("m", "m/1.2.3-", "its size or type differs")
+
+
+if __name__ == "__main__":
+    sys.exit(run_claim(sys.argv, globals()))

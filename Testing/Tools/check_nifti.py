@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files of nibabel, read by blockvolume: check_nifti.py TOOL MPIEXEC SCRATCH CLAIM"""
+import gzip
+import json
+import sys
+
+import nibabel
+import numpy
+
+from sample_volumes import TYPES, SourceCase, make_samples, run_claim
+
+
+class Files(SourceCase):
+    def save(self, name, samples, affine=None, kind=nibabel.Nifti1Image, endianness="<", **scale):
+        """Writes samples of (z, y, x), or (t, z, y, x), as nibabel does: x first."""
+        header = kind.header_class(endianness=endianness)
+        image = kind(samples.T, numpy.eye(4) if affine is None else affine, header,
+                     dtype=samples.dtype)
+        image.header.set_slope_inter(scale.get("slope", 1), scale.get("inter", 0))
+        nibabel.save(image, self.path(name))
+
+    def grid_of(self, path):
+        code, out, err = self.run_tool("--info", path, "--json")
+        self.assertEqual(code, 0, err)
+        return json.loads(out)["grid"]
+
+
+class Samples(Files):
+    def test_types_versions_byte_orders_and_gzip(self):
+        for number, dtype in enumerate(TYPES):
+            kind = nibabel.Nifti2Image if number % 3 else nibabel.Nifti1Image
+            name = "a.nii.gz" if number % 4 == 3 else "a.nii"
+            with self.subTest(type=dtype, kind=kind, name=name):
+                samples = make_samples(dtype)
+                self.save(name, samples, kind=kind, endianness="<>"[number % 2])
+                self.assert_equal_volumes(self.write(name, "o.bvol", ranks=2 if number == 3 else 1),
+                                          self.write_raw(samples, "NIFTI"))
+
+    def test_slope_and_intercept(self):
+        samples = make_samples("int16")
+        data = samples.T.copy()
+        image = nibabel.Nifti1Image(data, numpy.eye(4))
+        nibabel.save(image, self.path("s.nii"))
+        with open(self.path("s.nii"), "r+b") as file:
+            file.seek(112)
+            file.write(numpy.array([0.37, -12.5], "<f4").tobytes())
+        values = nibabel.load(self.path("s.nii")).get_fdata().T.astype("float32")
+        self.assertEqual(values.min(), values.flat[samples.argmin()])
+        self.assert_equal_volumes(self.write("s.nii", "o.bvol", "--memory", "8"),
+                                  self.write_raw(values, "NIFTI"))
+
+    def test_time_steps(self):
+        steps = numpy.stack([make_samples("uint8", phase=step) for step in range(2)])
+        for name in ("t.nii", "t.nii.gz"):
+            image = nibabel.Nifti1Image(steps.T, numpy.eye(4))
+            image.header["pixdim"][4] = 2.5
+            nibabel.save(image, self.path(name))
+            self.assert_equal_volumes(self.write(name, "o.bvol", "--step", "1"),
+                                      self.write_raw(steps[1], "NIFTI", "--time", "2.5"))
+        self.write("t.nii", "o.bvol")
+        code, out, _ = self.run_tool("--info", "o.bvol", "--json")
+        self.assertEqual([step["time"] for step in json.loads(out)["timeSteps"]], [0, 2.5])
+
+
+class GridsAndErrors(Files):
+    def test_sform_and_qform(self):
+        turn = nibabel.eulerangles.euler2mat(0.3, -0.8, 2.1)
+        affine = numpy.eye(4)
+        affine[:3, :3] = turn * (0.5, 2, 1.25) * (1, 1, -1)
+        affine[:3, 3] = (-90, 12.5, 7)
+        samples = make_samples("uint8", (9, 8, 7))
+        for form in ("sform", "qform"):
+            image = nibabel.Nifti1Image(samples.T, affine)
+            image.set_sform(affine, 1 if form == "sform" else 0)
+            image.set_qform(numpy.eye(4) if form == "sform" else affine, 1)
+            nibabel.save(image, self.path("g.nii"))
+            expected = nibabel.load(self.path("g.nii")).affine
+            grid = self.grid_of(self.write("g.nii", "o.bvol"))
+            found = numpy.reshape(grid["direction"], (3, 3)) * grid["spacing"]
+            numpy.testing.assert_allclose(found, expected[:3, :3], atol=1e-6)
+            numpy.testing.assert_allclose(grid["origin"], expected[:3, 3], rtol=1e-6)
+
+    def test_errors_name_file_and_reason(self):
+        samples = make_samples("complex64", (9, 8, 7))
+        self.save("c.nii", samples)
+        self.assert_error("c.nii", "c.nii: cannot be read: its data type 32")
+        self.save("v.nii", make_samples("int16", (9, 8, 7))[None].repeat(2, 0))
+        self.assert_error("v.nii", "v.nii: has 2 time steps", arguments=["--step", "2"])
+        self.assert_error("v.nii:more", "v.nii:more", "one volume")
+        self.save("t.nii", make_samples("int16"))
+        with open(self.path("t.nii"), "rb") as file:
+            whole = file.read()
+        for size in (0, 100, 352, len(whole) // 2, len(whole) - 1):
+            with open(self.path("u.nii"), "wb") as file:
+                file.write(whole[:size])
+            self.assert_error("u.nii", "u.nii", "truncated", ranks=2 if size == 352 else 1)
+        packed = gzip.compress(whole)
+        with open(self.path("u.nii.gz"), "wb") as file:
+            file.write(packed[:len(packed) // 2])
+        self.assert_error("u.nii.gz", "u.nii.gz", "truncated")
+
+
+if __name__ == "__main__":
+    sys.exit(run_claim(sys.argv, globals()))

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Folders of zarr (versions 2 and N5) and of write_zarr3.py, read by blockvolume:
+check_zarr.py TOOL MPIEXEC SCRATCH CLAIM"""
+import json
+import os
+import shutil
+import sys
+import warnings
+
+import numcodecs
+import numpy
+import zarr
+
+from sample_volumes import SHAPE, TYPES, SourceCase, make_samples, run_claim
+from write_zarr3 import write_array
+
+LITTLE = {"name": "bytes", "configuration": {"endian": "little"}}
+BIG = {"name": "bytes", "configuration": {"endian": "big"}}
+
+
+class VersionTwoAndN5(SourceCase):
+    def test_types_codecs_keys_and_byte_orders(self):
+        codecs = [None, numcodecs.Zlib(3), numcodecs.GZip(3), numcodecs.Zstd(3), numcodecs.LZ4(),
+                  *(numcodecs.Blosc(name, 5, shuffle) for name, shuffle in (
+                      ("lz4", 1), ("zstd", 2), ("blosclz", 0), ("lz4hc", 1), ("zlib", 1)))]
+        for number, (dtype, codec) in enumerate(zip(TYPES, codecs)):
+            with self.subTest(type=dtype, codec=codec):
+                samples = make_samples(dtype)
+                name = f"a{number}.zarr"
+                array = zarr.open(self.path(name), mode="w", shape=SHAPE, compressor=codec,
+                                  dtype=numpy.dtype(dtype).newbyteorder("<>"[number % 2]),
+                                  chunks=((16, 16, 16), (7, 37, 31), SHAPE)[number % 3],
+                                  dimension_separator="./"[number % 2], order="CCF"[number % 3])
+                array[:] = samples
+                path = self.write(name, "o.bvol", *(["--memory", "8"] if number == 3 else []),
+                                  ranks=3 if number == 1 else 1)
+                self.assert_equal_volumes(path, self.write_raw(samples, f"a{number}"))
+
+    def test_missing_chunks_have_the_fill_value(self):
+        for fill in (-7.5, numpy.inf):
+            samples = numpy.full(SHAPE, fill, "float32")
+            array = zarr.open(self.path("f.zarr"), mode="w", shape=SHAPE, chunks=(10, 10, 10),
+                              dtype="float32", fill_value=fill)
+            array[10:20, 5:30, :15] = samples[10:20, 5:30, :15] = \
+                make_samples("float32")[10:20, 5:30, :15]
+            self.assert_equal_volumes(self.write("f.zarr", "o.bvol"), self.write_raw(samples, "f"))
+
+    def test_n5(self):
+        samples = make_samples("uint16")
+        for codec in (None, numcodecs.GZip(3), numcodecs.Zstd(3)):
+            with self.subTest(codec=codec), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                shutil.rmtree(self.path("a.n5"), ignore_errors=True)
+                group = zarr.group(zarr.N5Store(self.path("a.n5")))
+                group.create_dataset("volume", data=samples, chunks=(16, 20, 33), compressor=codec)
+                with open(self.path("a.n5/volume/attributes.json")) as file:
+                    self.assertEqual(json.load(file)["dimensions"], [70, 37, 41])
+                path = self.write("a.n5:volume", "o.bvol")
+                self.assert_equal_volumes(path, self.write_raw(samples, "volume"))
+
+    def test_partial_blocks_of_n5(self):
+        # As the library of N5 itself writes them: without samples beyond the end.
+        samples = make_samples("int16")
+        os.makedirs(self.path("p.n5/s0"))
+        with open(self.path("p.n5/s0/attributes.json"), "w") as file:
+            json.dump({"dimensions": [70, 37, 41], "blockSize": [32, 32, 32], "dataType": "int16",
+                       "compression": {"type": "raw"}}, file)
+        for z in range(2):
+            for y in range(2):
+                for x in range(3):
+                    block = samples[32 * z:32 * z + 32, 32 * y:32 * y + 32, 32 * x:32 * x + 32]
+                    os.makedirs(self.path(f"p.n5/s0/{x}/{y}"), exist_ok=True)
+                    with open(self.path(f"p.n5/s0/{x}/{y}/{z}"), "wb") as file:
+                        file.write(numpy.array([0, 3], ">u2").tobytes() +
+                                   numpy.array(block.shape[::-1], ">u4").tobytes() +
+                                   block.astype(">i2").tobytes())
+        self.assert_equal_volumes(self.write("p.n5/s0", "o.bvol"), self.write_raw(samples, "s0"))
+
+
+class VersionThree(SourceCase):
+    def test_codecs_keys_and_shards(self):
+        crc = {"name": "crc32c"}
+        forms = [dict(codecs=[LITTLE]), dict(codecs=[BIG, {"name": "gzip"}], keys="v2"),
+                 dict(codecs=[LITTLE, crc, {"name": "zstd"}, crc]),
+                 dict(codecs=[{"name": "transpose", "configuration": {"order": [1, 2, 0]}}, LITTLE,
+                              {"name": "blosc"}]),
+                 dict(codecs=[LITTLE, {"name": "zstd"}], shard=(16, 24, 32)),
+                 dict(codecs=[BIG, crc], shard=(48, 48, 96), at_start=True)]
+        samples = make_samples("int16")
+        samples[:16] = 3
+        expected = self.write_raw(samples, "a")
+        for number, form in enumerate(forms):
+            with self.subTest(**form):
+                shutil.rmtree(self.path("a.zarr"), ignore_errors=True)
+                write_array(self.path("a.zarr"), samples, (8, 12, 16), fill=3, **form)
+                path = self.write("a.zarr", "o.bvol", ranks=2 if number == 4 else 1)
+                self.assert_equal_volumes(path, expected)
+
+    def test_half_floats_and_bits_of_the_fill_value(self):
+        samples = make_samples("float16")
+        samples[:16] = numpy.nan
+        write_array(self.path("h.zarr"), samples[16:], (8, 12, 16), [LITTLE], fill=-2.5)
+        self.assert_equal_volumes(self.write("h.zarr", "o.bvol"),
+                                  self.write_raw(samples[16:].astype("float32"), "h"))
+        for bits, number in (("0x42280000", 42), ("0xc0200000", -2.5)):
+            shutil.rmtree(self.path("b.zarr"), ignore_errors=True)
+            write_array(self.path("b.zarr"), numpy.full(SHAPE, number, "float32"), (8, 37, 70),
+                        [LITTLE], fill=number)
+            with open(self.path("b.zarr/zarr.json")) as file:
+                metadata = json.load(file)
+            metadata["fill_value"] = bits
+            with open(self.path("b.zarr/zarr.json"), "w") as file:
+                json.dump(metadata, file)
+            self.assert_equal_volumes(self.write("b.zarr", "o.bvol"),
+                                      self.write_raw(numpy.full(SHAPE, number, "float32"), "b"))
+
+
+class ImagesAndErrors(SourceCase):
+    def write_image(self, name, version, samples, axes, transformations, **more):
+        image = {"version": "0.4", "axes": axes, "datasets": [
+            {"path": "0", "coordinateTransformations": transformations}]}
+        if version == 2:
+            group = zarr.open_group(self.path(name), mode="w")
+            group.create_dataset("0", data=samples, chunks=(1,) * (samples.ndim - 3) + (16, 16, 16),
+                                 dimension_separator="/")
+            group.attrs["multiscales"] = [image]
+            group.attrs.update(more)
+            return
+        del image["version"]
+        write_array(self.path(name + "/0"), samples,
+                    (1,) * (samples.ndim - 3) + (16, 16, 16), [LITTLE])
+        with open(self.path(name + "/zarr.json"), "w") as file:
+            json.dump({"zarr_format": 3, "node_type": "group", "attributes": {
+                "ome": {"version": "0.5", "multiscales": [image], **more}}}, file)
+
+    def test_multiscales(self):
+        space = [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
+        axes = [{"name": "t", "type": "time"}, {"name": "c", "type": "channel"}, *space]
+        moves = [{"type": "scale", "scale": [0.5, 1, 2, 0.25, 0.125]},
+                 {"type": "translation", "translation": [1, 0, -8, 4, 16]}]
+        samples = numpy.stack([numpy.stack([make_samples("uint16", phase=t + 2 * c)
+                                            for c in range(2)]) for t in range(2)])
+        omero = {"channels": [{"label": "membrane"}, {"label": "nuclei"}]}
+        expected = self.write_raw(samples[1, 1], "nuclei", "--time", "1.5",
+                                  spacing=(0.125, 0.25, 2), origin=(16, 4, -8))
+        for version in (2, 3):
+            with self.subTest(version=version):
+                self.write_image(f"i{version}.zarr", version, samples, axes, moves, omero=omero)
+                path = self.write(f"i{version}.zarr", "o.bvol", "--step", "1", "--arrays", "nuclei")
+                self.assert_equal_volumes(path, expected)
+        err = self.run_tool("i2.zarr", "o.bvol")[2]
+        self.assertIn("units of the axes are not kept: micrometer", err)
+        info = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])
+        self.assertEqual([array["name"] for array in info["arrays"]], ["membrane", "nuclei"])
+        self.assertEqual([step["time"] for step in info["timeSteps"]], [1, 1.5])
+
+    def test_errors_name_folder_and_reason(self):
+        group = zarr.open_group(self.path("g.zarr"), mode="w")
+        group.create_dataset("one", data=make_samples("int16"), chunks=(16, 16, 16))
+        group.create_dataset("two", data=make_samples("int16"), chunks=(16, 16, 16),
+                             filters=[numcodecs.Delta("int16")])
+        group.create_dataset("three", data=make_samples("complex64"))
+        self.write("g.zarr", "o.bvol")
+        self.assert_error("g.zarr:two", "g.zarr/two: cannot be read", "filter, delta")
+        self.assert_error("g.zarr/three", "g.zarr/three: cannot be read", "<c8")
+        group.create_dataset("four", data=make_samples("int8"), compressor=numcodecs.BZ2())
+        self.assert_error("g.zarr:four", "g.zarr/four: cannot be read", "codec, bz2")
+        group.create_dataset("five", data=make_samples("int8"))
+        self.assert_error("g.zarr", "five (41 x 37 x 70 int8), one")
+        out = self.run_tool("--list", "g.zarr")[1]
+        self.assertRegex(out, r"one +41 x 37 x 70 +int16 +chunks of 16 x 16 x 16, blosc\n")
+        chunk = self.path("g.zarr/one/1.1.1")
+        size = os.path.getsize(chunk)
+        for part in (0, 10, size // 2, size - 1):
+            os.truncate(chunk, part)
+            self.assert_error("g.zarr:one", "one/1.1.1: cannot be read", "truncated",
+                              ranks=2 if part == 10 else 1)
+        with open(self.path("g.zarr/five/.zarray"), "r+") as file:
+            file.truncate(40)
+        self.assert_error("g.zarr:five", "five/.zarray: cannot be read", "truncated")
+
+    def test_damaged_shards(self):
+        write_array(self.path("s.zarr"), make_samples("int16"), (8, 12, 16), [LITTLE],
+                    shard=(48, 48, 96))
+        shard = self.path("s.zarr/c/0/0/0")
+        with open(shard, "r+b") as file:
+            file.seek(-100, 2)
+            file.write(b"\x55")
+        self.assert_error("s.zarr", "s.zarr/c/0/0/0: cannot be read", "index")
+        os.truncate(shard, 50)
+        self.assert_error("s.zarr", "s.zarr/c/0/0/0: cannot be read", "truncated")
+
+
+if __name__ == "__main__":
+    sys.exit(run_claim(sys.argv, globals()))

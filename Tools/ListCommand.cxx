@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ListCommand.h"
+
+#include "Base/FileSystem.h"
+#include "Source/VolumeFile.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+
+namespace isosurface
+{
+
+Status RunListCommand(const BlockVolumeOptions& options)
+{
+  const auto list = VolumeFile::List(GetLocalFileSystem(), options.Input);
+  if (!list.IsOk())
+  {
+    return list.GetStatus();
+  }
+  std::size_t widths[3] = {};
+  for (const VolumeListing& entry : *list)
+  {
+    widths[0] = std::max(widths[0], entry.Name.size());
+    widths[1] = std::max(widths[1], entry.Shape.size());
+    widths[2] = std::max(widths[2], entry.Type.size());
+  }
+  for (const VolumeListing& entry : *list)
+  {
+    std::printf("%-*s  %-*s  %-*s  %s\n", static_cast<int>(widths[0]), entry.Name.c_str(),
+      static_cast<int>(widths[1]), entry.Shape.c_str(), static_cast<int>(widths[2]),
+      entry.Type.c_str(), entry.Storage.c_str());
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface
