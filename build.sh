@@ -2,8 +2,9 @@
 # Builds the project on Debian 12 or 13 and runs it. Usage:
 #   ./build.sh example   build what the main job needs, run it on two real scans, say where the image is
 #   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
+#   ./build.sh package   make Debian packages in build/release: the plugin, the commands, Python, C++
 #   ./build.sh packages  only install what is needed, for development too
-# The first two install what is missing of CMake/debian-packages.txt.
+# The first three install what is missing of CMake/debian-packages.txt.
 set -eu
 cd "$(dirname "$0")"
 
@@ -63,6 +64,14 @@ case "${1:-}" in
     echo "The table:  $PWD/build/main_job/main_job.csv"
     echo "The plugin: $(echo "$PWD"/build/release/lib/*/paraview-*/plugins/ScalableIsosurface/ScalableIsosurface.so)"
     ;;
+  package)
+    install_packages
+    configure release
+    compile release ScalableIsosurface blockvolume edgeindex IsosurfacePythonHints IsosurfaceManualPages
+    say "Making packages"
+    (cd build/release && cpack -G DEB)
+    echo "Install them: sudo apt install $PWD/build/release/*.deb"
+    ;;
   test)
     install_packages
     configure asan
@@ -74,7 +83,7 @@ case "${1:-}" in
     say "All tests passed"
     ;;
   *)
-    sed -n '2,6s/^# \{0,1\}//p' "$0"
+    sed -n '2,7s/^# \{0,1\}//p' "$0"
     exit 2
     ;;
 esac

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a scan to an isosurface with VTK's classes alone, without ParaView's window or server manager.
 
-    PYTHONPATH=build/release/lib/python3.11/site-packages python3 Examples/contour_in_python.py [--isovalue VALUE]
+    PYTHONPATH=build/release/lib/python3/dist-packages python3 Examples/contour_in_python.py [--isovalue VALUE]
 
 Writes the head MRI of Debian's mricron-data as a blocked volume, finds out what isosurfaces cost, and extracts one
 into a .vtp file. The folder of the output is --output, by default the current one.

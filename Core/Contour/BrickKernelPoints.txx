@@ -215,19 +215,20 @@ void WritePositions(
 // As vtkImageTransform since VTK 9.4. A zero gradient stays (0, 0, 0).
 void WriteNormalsRoundedOnce(const WorldTransform& transform, const PointOutput& output)
 {
-  // Scaled before and not after: this decides about the sign of zeros.
+  // Scaled before and not after, as there: this decides about last bits and the sign of zeros.
   double m[9];
   for (int element = 0; element < 9; ++element)
   {
-    m[element] = transform.Normals[element] * transform.Determinant;
+    m[element] =
+      transform.Normals[element] / transform.Spacing[element % 3] * transform.Determinant;
   }
   const float* from = output.Normals;
   float* to = output.WorldNormals;
   for (std::uint32_t n = 0; n < output.NumberOfPoints; ++n, from += 3, to += 3)
   {
-    const double x = from[0] / transform.Spacing[0];
-    const double y = from[1] / transform.Spacing[1];
-    const double z = from[2] / transform.Spacing[2];
+    const double x = from[0];
+    const double y = from[1];
+    const double z = from[2];
     double normal[3];
     for (int row = 0; row < 3; ++row)
     {

@@ -21,8 +21,8 @@ namespace isosurface
  * The bytes depend on the set of intervals only, not on their order or the memory limit.
  *
  * Memory: at most `memoryLimit` bytes for any number of intervals. Up to memoryLimit / 240
- * intervals are sorted in memory; more need temporary files beside the target (<path>.<n>.tmp, at
- * most about 200 bytes an interval, usually 70). The tree is written to <path>.tmp and then
+ * intervals are sorted in memory; more need temporary files beside the target (PATH.N.tmp, at
+ * most about 200 bytes an interval, usually 70). The tree is written to PATH.tmp and then
  * renamed. An error, or a builder that is not finished, leaves no new file and does not change an
  * existing one.
  *

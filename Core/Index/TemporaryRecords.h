@@ -25,7 +25,7 @@ struct IntervalRecord
 };
 static_assert(sizeof(IntervalRecord) == 24, "the records of temporary files have no padding");
 
-/// Makes names of temporary files beside the target: <target>.<number>.tmp.
+/// Makes names of temporary files beside the target: TARGET.NUMBER.tmp.
 struct TemporaryNames
 {
   FileSystem& Files;

@@ -56,10 +56,21 @@ std::map<vtkIdType, int> CountTriangles(vtkPolyData* surface, vtkImageData* imag
   return counts;
 }
 
+// Hidden points are given to it as hidden cells: that of VTK 9.3.20240617, in ParaView 5.13, contours cells
+// at hidden points, although vtkUniformGrid calls them invisible there, too.
 vtkSmartPointer<vtkPolyData> ContourByStockFilter(vtkUniformGrid* grid, double isovalue)
 {
+  vtkNew<vtkUniformGrid> cells;
+  cells->DeepCopy(grid);
+  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
+  {
+    if (!grid->IsCellVisible(cell))
+    {
+      cells->BlankCell(cell);
+    }
+  }
   vtkNew<vtkContourFilter> contour;
-  contour->SetInputData(grid);
+  contour->SetInputData(cells);
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
   contour->SetValue(0, isovalue);
   contour->ComputeNormalsOff();
