@@ -308,8 +308,7 @@ Status vtkBlockedVolumeWriter::Session::CollectImage(
   else if (this->Owner.MemoryLimit > 0)
   {
     return Status(StatusCode::Unsupported,
-      "the input is composite, and cannot be asked for any part of itself: a memory limit needs "
-      "image "
+      "the input is composite, so parts of it cannot be asked for; a memory limit needs image "
       "data or a blocked volume");
   }
   else

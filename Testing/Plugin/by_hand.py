@@ -65,6 +65,13 @@ class ByHand(unittest.TestCase):
     def test_the_point_that_was_found_is_the_last(self):
         self.assertEqual(read_ids("found.csv"), [max(self.ids)])
 
+    def test_a_script_gets_the_exact_surface_while_a_filter_waits_for_apply(self):
+        surfaces = count_triangles(read_log())
+        exact = [testing.count_expected_triangles(isovalue) for isovalue in (140, testing.ISOVALUE)]
+        at = surfaces.index(exact[0])
+        self.assertEqual(surfaces[at : at + 2], exact)
+        self.assertEqual(surfaces[at - 1], testing.count_expected_triangles())
+
     def test_frames_are_of_exact_surfaces(self):
         log = read_log().split("Surfaces are finished before they are saved")[-1]
         expected = [
