@@ -2,6 +2,7 @@
 #include "Source/ArraySource.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -175,6 +176,34 @@ std::uint64_t ArraySource::GetHeldBytes() const
     bytes += counted.insert(part.Array.get()).second ? part.Array->GetHeldBytes() : 0;
   }
   return bytes;
+}
+
+std::int64_t ArraySource::GetRowsAtOnce() const
+{
+  std::int64_t least = SlabSource::GetRowsAtOnce();
+  for (const ArrayPart& part : this->Parts)
+  {
+    const StoredArray::Numbers chunk = part.Array->GetChunk();
+    const auto of = [&chunk](int axis)
+    { return axis < 0 ? 1.0 : static_cast<double>(chunk[static_cast<std::size_t>(axis)]); };
+    if (chunk.empty() || of(part.Axes.Z) <= 1)
+    {
+      continue;
+    }
+    // The chunks of a row of them, with the other steps and channels that they have.
+    const double across = std::ceil(static_cast<double>(this->Box.High[0]) / of(part.Axes.X));
+    const double bytes = across * of(part.Axes.X) * of(part.Axes.Y) * of(part.Axes.Z) *
+      of(part.Axes.Time) * std::max(of(part.Axes.Channel), static_cast<double>(part.Channels)) *
+      static_cast<double>(GetValueSize(part.Array->GetType()));
+    const double kept = std::floor(static_cast<double>(part.Array->GetCacheBytes()) / bytes);
+    const double layer = std::ceil(static_cast<double>(this->Box.High[1]) / of(part.Axes.Y));
+    if (kept < layer)
+    {
+      const double rows = of(part.Axes.Y) * std::max(1.0, kept);
+      least = std::min(least, static_cast<std::int64_t>(std::min(rows, 1e15)));
+    }
+  }
+  return least;
 }
 
 Result<SampleSlab> ArraySource::Read(const VertexBox& box)

@@ -54,6 +54,7 @@ public:
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override;
+  std::int64_t GetRowsAtOnce() const override;
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:

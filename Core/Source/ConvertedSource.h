@@ -46,6 +46,7 @@ public:
   const VertexBox& GetBox() const override { return this->Source->GetBox(); }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override { return this->Source->GetHeldBytes(); }
+  std::int64_t GetRowsAtOnce() const override { return this->Source->GetRowsAtOnce(); }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
   Result<SampleSlab> Read(const VertexBox& box) override;
 

@@ -58,19 +58,21 @@ public:
   const std::string& GetName() const override { return this->Name; }
   const Numbers& GetShape() const override { return this->Shape; }
   ValueType GetType() const override { return this->Type; }
+  Numbers GetChunk() const override { return this->Chunk; }
+  std::uint64_t GetCacheBytes() const override { return this->CacheBytes; }
   std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
 
   /// Opens the dataset again, with a cache for a slab of chunks.
   Status SetCache(std::uint64_t cacheBytes)
   {
     const Hdf5Handle plist(::H5Dget_create_plist(this->Dataset.Get()), ::H5Pclose);
-    const Numbers chunk = FindHdf5Chunk(plist, this->Shape.size());
-    if (chunk.empty())
+    this->Chunk = FindHdf5Chunk(plist, this->Shape.size());
+    if (this->Chunk.empty())
     {
       return Status::Ok();
     }
     const ChunkCacheSize cache =
-      FindChunkCacheSize(this->Shape, chunk, GetValueSize(this->Type), cacheBytes);
+      FindChunkCacheSize(this->Shape, this->Chunk, GetValueSize(this->Type), cacheBytes);
     const Hdf5Handle access(::H5Pcreate(H5P_DATASET_ACCESS), ::H5Pclose);
     ::H5Pset_chunk_cache(access.Get(), cache.Slots, cache.Bytes, 1.0);
     Hdf5Handle dataset(
@@ -80,6 +82,7 @@ public:
       return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
     }
     this->Dataset = std::move(dataset);
+    this->CacheBytes = cache.Bytes;
     this->HeldBytes += cache.HeldBytes;
     return Status::Ok();
   }
@@ -110,6 +113,8 @@ private:
   Hdf5Handle Dataset;
   Numbers Shape;
   ValueType Type;
+  Numbers Chunk;
+  std::uint64_t CacheBytes = 0;
   std::uint64_t HeldBytes = std::uint64_t{ 2 } << 20; // buffers of the conversion
 };
 

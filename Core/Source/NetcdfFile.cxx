@@ -170,10 +170,13 @@ struct NetcdfFile::Handle
 class NetcdfFile::Array : public StoredArray
 {
 public:
-  Array(const NetcdfFile& file, NetcdfVariable variable, std::uint64_t heldBytes)
+  Array(const NetcdfFile& file, NetcdfVariable variable, Numbers chunk, std::uint64_t cacheBytes,
+    std::uint64_t heldBytes)
     : File(file)
     , Variable(std::move(variable))
     , Name(file.Path + ":" + this->Variable.Path)
+    , Chunk(std::move(chunk))
+    , CacheBytes(cacheBytes)
     , HeldBytes(heldBytes)
   {
   }
@@ -181,6 +184,8 @@ public:
   const std::string& GetName() const override { return this->Name; }
   const Numbers& GetShape() const override { return this->Variable.Shape; }
   ValueType GetType() const override { return *this->Variable.Type; }
+  Numbers GetChunk() const override { return this->Chunk; }
+  std::uint64_t GetCacheBytes() const override { return this->CacheBytes; }
   std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
 
   Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override
@@ -197,6 +202,8 @@ private:
   NetcdfFile File;
   NetcdfVariable Variable;
   std::string Name;
+  Numbers Chunk;
+  std::uint64_t CacheBytes;
   std::uint64_t HeldBytes;
 };
 
@@ -333,6 +340,8 @@ Result<std::shared_ptr<StoredArray>> NetcdfFile::OpenArray(
   int storage = NC_CONTIGUOUS;
   std::vector<std::size_t> sizes(std::max<std::size_t>(1, variable.Shape.size()));
   std::uint64_t held = std::uint64_t{ 4 } << 20; // the library's buffers
+  StoredArray::Numbers chunk;
+  std::uint64_t kept = 0;
   if (::nc_inq_var_chunking(variable.Group, variable.Variable, &storage, sizes.data()) ==
       NC_NOERR &&
     storage == NC_CHUNKED)
@@ -341,8 +350,11 @@ Result<std::shared_ptr<StoredArray>> NetcdfFile::OpenArray(
       variable.Shape, { sizes.begin(), sizes.end() }, GetValueSize(*variable.Type), cacheBytes);
     ::nc_set_var_chunk_cache(variable.Group, variable.Variable, cache.Bytes, cache.Slots, 1.0F);
     held += cache.HeldBytes;
+    kept = cache.Bytes;
+    chunk.assign(sizes.begin(), sizes.end());
   }
-  return std::shared_ptr<StoredArray>(std::make_shared<Array>(*this, variable, held));
+  return std::shared_ptr<StoredArray>(
+    std::make_shared<Array>(*this, variable, std::move(chunk), kept, held));
 }
 
 } // namespace isosurface

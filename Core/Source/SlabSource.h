@@ -6,6 +6,7 @@
 #include "Volume/SampleView.h"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -45,6 +46,11 @@ public:
 
   /// The maximum memory of the source between reads.
   virtual std::uint64_t GetHeldBytes() const { return 0; }
+
+  /// The rows of a slice, counted from a multiple of this number on, that are best read from all
+  /// slices before the next rows: those of the chunks that the source can keep. More than any slice
+  /// has if that does not matter.
+  virtual std::int64_t GetRowsAtOnce() const { return std::numeric_limits<std::int64_t>::max(); }
 
   /// Whether another thread than the one that made the source may call Read(). Two threads never
   /// call it at the same time.

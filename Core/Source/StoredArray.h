@@ -27,6 +27,10 @@ public:
   virtual const Numbers& GetShape() const = 0;
   /// The type that Read() gives; the file may have another one (floats of 16 bits).
   virtual ValueType GetType() const = 0;
+  /// Samples on each axis that are decoded together; empty if any sample can be read alone.
+  virtual Numbers GetChunk() const { return {}; }
+  /// What decoded chunks may take between reads.
+  virtual std::uint64_t GetCacheBytes() const { return 0; }
   /// The maximum memory for reading, besides the samples: decoded chunks, a conversion buffer.
   virtual std::uint64_t GetHeldBytes() const = 0;
 

@@ -246,7 +246,9 @@ Result<VolumeFile> OpenFormat(
       break;
   }
   return Status(StatusCode::Unsupported,
-    name.Path + ": cannot be read: its name and its first bytes are of no known format");
+    name.Path +
+      ": cannot be read: it is neither MetaImage, NRRD, TIFF, nor of another format by "
+      "its name or first bytes");
 }
 
 } // namespace

@@ -83,6 +83,7 @@ ZarrArray::ZarrArray(
   , Folder(std::move(folder))
   , Metadata(std::move(metadata))
   , StoredSize(this->Metadata.IsHalf ? 2 : GetValueSize(this->Metadata.Type))
+  , Pool(std::make_shared<PageBufferPool>())
 {
   const ChunkCacheSize cache =
     FindChunkCacheSize(this->Metadata.Shape, this->Metadata.Chunk, this->StoredSize, cacheBytes);
@@ -117,7 +118,23 @@ Status ZarrArray::MakeError(const std::string& path, const std::string& reason) 
   return Status(StatusCode::Corrupt, path + ": cannot be read: " + reason);
 }
 
-Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::Decode(
+Result<ZarrArray::Samples> ZarrArray::Allocate(std::size_t bytes)
+{
+  constexpr std::size_t large = std::size_t{ 1 } << 18;
+  if (bytes < large)
+  {
+    return Samples(new std::uint8_t[bytes], std::default_delete<std::uint8_t[]>());
+  }
+  const auto buffer = this->Pool->Take(bytes);
+  if (!buffer.IsOk())
+  {
+    return Status(buffer.GetStatus().GetCode(),
+      this->Folder + ": cannot be read: " + buffer.GetStatus().GetMessage());
+  }
+  return Samples(*buffer, (*buffer)->GetData());
+}
+
+Result<ZarrArray::Samples> ZarrArray::Decode(
   const RandomAccessFile& file, std::uint64_t offset, std::uint64_t size, std::size_t decoded)
 {
   if (size > FindMaximumEncoded(decoded))
@@ -126,7 +143,12 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::Decode(
       "a chunk has " + std::to_string(size) + " bytes for " + std::to_string(decoded) +
         " of samples");
   }
-  auto samples = std::make_shared<Bytes>(decoded);
+  const auto allocated = this->Allocate(decoded);
+  if (!allocated.IsOk())
+  {
+    return allocated;
+  }
+  std::uint8_t* const samples = allocated->get();
   if (this->Metadata.Encoding.Codecs.empty())
   {
     if (size != decoded)
@@ -135,17 +157,17 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::Decode(
         std::string(size < decoded ? "truncated" : "damaged") + ": a chunk has " +
           std::to_string(size) + " bytes instead of " + std::to_string(decoded));
     }
-    ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, decoded, samples->data()));
-    return std::shared_ptr<const Bytes>(std::move(samples));
+    ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, decoded, samples));
+    return allocated;
   }
-  Bytes encoded(static_cast<std::size_t>(size));
-  ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, encoded.size(), encoded.data()));
-  if (!DecodeZarr(this->Metadata.Encoding.Codecs, encoded.data(), encoded.size(), samples->data(),
-        samples->size()))
+  this->Encoded.resize(static_cast<std::size_t>(size));
+  ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, this->Encoded.size(), this->Encoded.data()));
+  if (!DecodeZarr(this->Metadata.Encoding.Codecs, this->Encoded.data(), this->Encoded.size(),
+        samples, decoded))
   {
     return this->MakeError(file.GetPath(), "a chunk is damaged or truncated: it cannot be decoded");
   }
-  return std::shared_ptr<const Bytes>(std::move(samples));
+  return allocated;
 }
 
 Status ZarrArray::FindInShard(const RandomAccessFile& file, const Numbers& shard,
@@ -199,7 +221,7 @@ Status ZarrArray::FindInShard(const RandomAccessFile& file, const Numbers& shard
     : this->MakeError(file.GetPath(), "the shard's index is damaged");
 }
 
-Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::LoadFromN5(const RandomAccessFile& file)
+Result<ZarrArray::Samples> ZarrArray::LoadFromN5(const RandomAccessFile& file)
 {
   // Big-endian: the mode, the number of axes, the samples on each axis, the fastest one first.
   const std::size_t rank = this->Metadata.Shape.size();
@@ -234,14 +256,19 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::LoadFromN5(const Rand
     return block;
   }
   // Blocks at the end of the array may be smaller: each row goes where a whole block has it.
-  auto whole = std::make_shared<Bytes>(this->ChunkBytes);
+  auto whole = this->Allocate(this->ChunkBytes);
+  if (!whole.IsOk())
+  {
+    return whole;
+  }
+  std::fill_n(whole->get(), this->ChunkBytes, std::uint8_t{ 0 });
   const Numbers first(rank, 0);
   Numbers rows = size;
   rows.back() = 1;
   Numbers at = first;
   const auto rowBytes =
     static_cast<std::ptrdiff_t>(size.back()) * static_cast<std::ptrdiff_t>(this->StoredSize);
-  auto from = (*block)->begin();
+  const std::uint8_t* from = block->get();
   do
   {
     std::ptrdiff_t row = 0;
@@ -250,14 +277,13 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::LoadFromN5(const Rand
       row = row * static_cast<std::ptrdiff_t>(this->Metadata.Chunk[axis]) +
         static_cast<std::ptrdiff_t>(at[axis]);
     }
-    std::copy_n(
-      from, rowBytes, whole->begin() + row * static_cast<std::ptrdiff_t>(this->StoredSize));
+    std::copy_n(from, rowBytes, whole->get() + row * static_cast<std::ptrdiff_t>(this->StoredSize));
     from += rowBytes;
   } while (Advance(at, first, rows));
-  return std::shared_ptr<const Bytes>(std::move(whole));
+  return whole;
 }
 
-Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::LoadChunk(const Numbers& chunk)
+Result<ZarrArray::Samples> ZarrArray::LoadChunk(const Numbers& chunk)
 {
   Numbers shard = chunk;
   for (std::size_t axis = 0; axis < chunk.size(); ++axis)
@@ -267,7 +293,7 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::LoadChunk(const Numbe
   const std::string path = this->MakeKey(shard);
   if (!this->Files.Exists(path))
   {
-    return std::shared_ptr<const Bytes>();
+    return Samples();
   }
   const auto file = this->Files.OpenForReading(path);
   if (!file.IsOk())
@@ -285,20 +311,19 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::LoadChunk(const Numbe
     ISOSURFACE_RETURN_IF_ERROR(this->FindInShard(**file, shard, chunk, offset, size));
     if (size == 0)
     {
-      return std::shared_ptr<const Bytes>();
+      return Samples();
     }
   }
   return this->Decode(**file, offset, size, this->ChunkBytes);
 }
 
-Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::GetChunk(
-  const Numbers& chunk, bool isKept)
+Result<ZarrArray::Samples> ZarrArray::GetChunk(const Numbers& chunk, bool isKept)
 {
   const auto found = this->Cached.find(chunk);
   if (found != this->Cached.end())
   {
     this->Cache.splice(this->Cache.begin(), this->Cache, found->second);
-    return this->Cache.front().Samples;
+    return this->Cache.front().Decoded;
   }
   auto samples = this->LoadChunk(chunk);
   if (samples.IsOk() && *samples && isKept && this->ChunkBytes <= this->CacheBytes)
@@ -314,7 +339,7 @@ Result<std::shared_ptr<const ZarrArray::Bytes>> ZarrArray::GetChunk(
   return samples;
 }
 
-void ZarrArray::CopyChunk(const Bytes* samples, const Numbers& chunk, const Numbers& low,
+void ZarrArray::CopyChunk(const std::uint8_t* samples, const Numbers& chunk, const Numbers& low,
   const Numbers& size, std::uint8_t* to) const
 {
   const std::size_t rank = chunk.size();
@@ -353,7 +378,7 @@ void ZarrArray::CopyChunk(const Bytes* samples, const Numbers& chunk, const Numb
       from += (at[axis] - chunk[axis] * this->Metadata.Chunk[axis]) * fromStride[axis];
       row += (at[axis] - low[axis]) * toStride[axis];
     }
-    const std::uint8_t* source = samples ? samples->data() + from : this->Metadata.Fill.data();
+    const std::uint8_t* source = samples ? samples + from : this->Metadata.Fill.data();
     const std::int64_t stride = samples ? fromStride.back() : 0;
     const bool isSwapped = samples && this->Metadata.Encoding.IsBigEndian;
     if (this->Metadata.IsHalf && samples)

@@ -3,6 +3,7 @@
 #define isosurface_ZarrArray_h
 
 #include "Base/FileSystem.h"
+#include "Source/PageBuffer.h"
 #include "Source/ZarrMetadata.h"
 
 #include <cstdint>
@@ -30,30 +31,36 @@ public:
   const std::string& GetName() const override { return this->Folder; }
   const Numbers& GetShape() const override { return this->Metadata.Shape; }
   ValueType GetType() const override { return this->Metadata.Type; }
+  Numbers GetChunk() const override { return this->Metadata.Chunk; }
+  std::uint64_t GetCacheBytes() const override { return this->CacheBytes; }
   std::uint64_t GetHeldBytes() const override;
   Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override;
 
 private:
   using Bytes = std::vector<std::uint8_t>;
+  /// The decoded samples of a chunk; null if the chunk does not exist.
+  using Samples = std::shared_ptr<std::uint8_t>;
   struct Entry
   {
     Numbers Chunk;
-    std::shared_ptr<const Bytes> Samples;
+    Samples Decoded;
   };
 
   std::string MakeKey(const Numbers& file) const;
   Status MakeError(const std::string& path, const std::string& reason) const;
-  /// The decoded samples of a chunk, as they are stored; null if the chunk does not exist.
-  Result<std::shared_ptr<const Bytes>> GetChunk(const Numbers& chunk, bool isKept);
-  Result<std::shared_ptr<const Bytes>> LoadChunk(const Numbers& chunk);
-  Result<std::shared_ptr<const Bytes>> LoadFromN5(const RandomAccessFile& file);
+  /// Memory for decoded samples. Large chunks are not of the heap, which would not give them back.
+  Result<Samples> Allocate(std::size_t bytes);
+  /// A chunk as it is stored.
+  Result<Samples> GetChunk(const Numbers& chunk, bool isKept);
+  Result<Samples> LoadChunk(const Numbers& chunk);
+  Result<Samples> LoadFromN5(const RandomAccessFile& file);
   /// Finds the bytes of a chunk in a shard; an empty range if the chunk does not exist.
   Status FindInShard(const RandomAccessFile& file, const Numbers& shard, const Numbers& chunk,
     std::uint64_t& offset, std::uint64_t& size);
-  Result<std::shared_ptr<const Bytes>> Decode(
+  Result<Samples> Decode(
     const RandomAccessFile& file, std::uint64_t offset, std::uint64_t size, std::size_t decoded);
   /// Copies what a chunk and a box have in common.
-  void CopyChunk(const Bytes* samples, const Numbers& chunk, const Numbers& low,
+  void CopyChunk(const std::uint8_t* samples, const Numbers& chunk, const Numbers& low,
     const Numbers& size, std::uint8_t* to) const;
 
   FileSystem& Files;
@@ -62,6 +69,8 @@ private:
   std::size_t StoredSize; ///< bytes of a sample in a chunk
   std::size_t ChunkBytes;
   std::size_t CacheBytes;
+  std::shared_ptr<PageBufferPool> Pool;
+  Bytes Encoded;
   std::list<Entry> Cache; ///< the last one used first
   std::map<Numbers, std::list<Entry>::iterator> Cached;
   Numbers IndexShard;                                         ///< whose index is Index

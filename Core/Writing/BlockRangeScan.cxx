@@ -48,9 +48,9 @@ std::int64_t FindThickness(
   return thickness;
 }
 
-/// Cuts a box into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
+/// Cuts a box, or a part of its rows, into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
 /// rows of a slice. Most have equal sizes, so that memory is reused.
-void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
+void CutRowsIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
   std::uint64_t bytes, std::vector<VertexBox>& slabs)
 {
   for (std::int64_t layer = box.Low[2]; layer < box.High[2];)
@@ -67,6 +67,20 @@ void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t b
       }
     }
     layer = end;
+  }
+}
+
+/// Cuts a box into slabs. Those of the rows that the source reads best together come first.
+void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
+  std::uint64_t bytes, std::vector<VertexBox>& slabs)
+{
+  const std::int64_t rows = std::max<std::int64_t>(1, source.GetRowsAtOnce());
+  for (std::int64_t row = box.Low[1]; row < box.High[1];)
+  {
+    const std::int64_t left = rows - row % rows;
+    const std::int64_t end = left < box.High[1] - row ? row + left : box.High[1];
+    CutRowsIntoSlabs(source, Cut(box, 1, row, end), blockSize, bytes, slabs);
+    row = end;
   }
 }
 

@@ -37,6 +37,14 @@ class VersionTwoAndN5(SourceCase):
                                   ranks=3 if number == 1 else 1)
                 self.assert_equal_volumes(path, self.write_raw(samples, f"a{number}"))
 
+    def test_a_cache_of_a_few_rows_of_chunks(self):
+        # A layer of chunks has 16 MiB, a row of them 4 MiB: what a quarter of the memory has room for.
+        samples = make_samples("int32", (70, 200, 200))
+        zarr.open(self.path("r.zarr"), mode="w", shape=samples.shape, chunks=(64, 64, 64),
+                  dtype="int32")[:] = samples
+        path = self.write("r.zarr", "o.bvol", "--memory", "24", "--distribution", "balanced")
+        self.assert_equal_volumes(path, self.write_raw(samples, "r", "--distribution", "balanced"))
+
     def test_missing_chunks_have_the_fill_value(self):
         for fill in (-7.5, numpy.inf):
             samples = numpy.full(SHAPE, fill, "float32")
