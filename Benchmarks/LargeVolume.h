@@ -6,7 +6,7 @@
 
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
-#include "Source/RawVolume.h"
+#include "VolumeFile/RawVolume.h"
 
 #include <cstdint>
 #include <string>

@@ -3,9 +3,9 @@
 
 #include "Base/ParallelFor.h"
 #include "Partition/BlockWorkload.h"
-#include "Source/RawVolume.h"
 #include "Store/BlockedVolume.h"
 #include "Volume/SampleRange.h"
+#include "VolumeFile/RawVolume.h"
 #include "Writing/BlockProfileScan.h"
 #include "Writing/BlockedVolumeWriter.h"
 

@@ -8,7 +8,7 @@
 #include "Base/FileSystem.h"
 #include "Base/ParallelFor.h"
 #include "Fixtures/ThreadCommunicator.h"
-#include "Source/RawVolume.h"
+#include "VolumeFile/RawVolume.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>

@@ -3,7 +3,7 @@
 #define isosurface_BlockVolumeOptions_h
 
 #include "Base/Status.h"
-#include "Source/RawVolume.h"
+#include "VolumeFile/RawVolume.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <array>

@@ -3,8 +3,8 @@
 
 #include "PipelineInput.h"
 
-#include "Source/VolumeFile.h"
-#include "Source/VolumeName.h"
+#include "VolumeFile/VolumeFile.h"
+#include "VolumeFile/VolumeName.h"
 
 #include <algorithm>
 #include <filesystem>

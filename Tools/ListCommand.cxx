@@ -2,7 +2,7 @@
 #include "ListCommand.h"
 
 #include "Base/FileSystem.h"
-#include "Source/VolumeFile.h"
+#include "VolumeFile/VolumeFile.h"
 
 #include <algorithm>
 #include <cstddef>

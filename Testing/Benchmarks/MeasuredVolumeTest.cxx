@@ -2,8 +2,8 @@
 #include "MeasuredVolume.h"
 #include "LargeVolume.h"
 
-#include "Source/RawVolume.h"
 #include "Store/BlockedVolume.h"
+#include "VolumeFile/RawVolume.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>

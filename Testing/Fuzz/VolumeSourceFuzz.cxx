@@ -5,7 +5,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Source/VolumeFile.h"
+#include "VolumeFile/VolumeFile.h"
 
 #include <algorithm>
 #include <string>

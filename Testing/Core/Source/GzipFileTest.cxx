@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SampleFiles.h"
+#include "Fixtures/SampleFiles.h"
 
 #include "Source/GzipFile.h"
 

@@ -2,8 +2,8 @@
 // The state of a volume on disk after the process that writes it was killed, or refused by the
 // system, or takes more memory than it may. Writers run in processes of their own.
 #include "Fixtures/VolumeOnDisk.h"
-#include "Source/RawVolume.h"
 #include "Store/VolumeVerification.h"
+#include "VolumeFile/RawVolume.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>

@@ -1,0 +1,69 @@
+# Libraries of formats that a build may lack: VolumeFile then says which one it is.
+find_package(PkgConfig REQUIRED)
+
+#   isosurface_set_format(<name> [targets or files of the library]): ISOSURFACE_READS_<name>, and
+#   ISOSURFACE_<name>_TARGETS
+function(isosurface_set_format name)
+  set(found no)
+  if(ARGN)
+    set(found yes)
+  endif()
+  set(ISOSURFACE_READS_${name} ${found} CACHE INTERNAL "Whether volumes of ${name} are read")
+  set(ISOSURFACE_${name}_TARGETS ${ARGN} PARENT_SCOPE)
+  message(STATUS "Volumes of ${name} are read: ${found}")
+endfunction()
+
+#   isosurface_add_format(<room> <name> [SOURCES <files>]): links the library, if there is one, and
+#   compiles the files that need it; ISOSURFACE_<name> is 1 or 0 in the room's sources
+function(isosurface_add_format room name)
+  cmake_parse_arguments(format "" "" "SOURCES" ${ARGN})
+  if(ISOSURFACE_READS_${name})
+    target_sources(${room} PRIVATE ${format_SOURCES})
+    target_link_libraries(${room} PRIVATE ${ISOSURFACE_${name}_TARGETS})
+    target_link_libraries(IsosurfaceCore PRIVATE ${ISOSURFACE_${name}_TARGETS})
+    target_compile_definitions(${room} PRIVATE ISOSURFACE_${name}=1)
+  else()
+    target_compile_definitions(${room} PRIVATE ISOSURFACE_${name}=0)
+  endif()
+endfunction()
+
+# The serial library first: NetCDF has it, too, and both builds of Debian have symbols with versions
+# of their own, so that they bear each other in one process.
+set(ISOSURFACE_HDF5_MODULES hdf5-serial hdf5-openmpi hdf5 CACHE STRING
+  "Names of HDF5 in pkg-config; the first one that is there is taken")
+pkg_search_module(ISOSURFACE_HDF5_LIBRARY IMPORTED_TARGET GLOBAL ${ISOSURFACE_HDF5_MODULES})
+set(targets)
+if(ISOSURFACE_HDF5_LIBRARY_FOUND)
+  set(targets PkgConfig::ISOSURFACE_HDF5_LIBRARY)
+  if(ISOSURFACE_HDF5_LIBRARY_MODULE_NAME MATCHES "mpi")
+    find_package(MPI REQUIRED COMPONENTS C)
+    list(APPEND targets MPI::MPI_C)
+  endif()
+endif()
+isosurface_set_format(HDF5 ${targets})
+
+pkg_check_modules(ISOSURFACE_NETCDF_LIBRARY IMPORTED_TARGET GLOBAL netcdf)
+set(targets)
+if(ISOSURFACE_NETCDF_LIBRARY_FOUND)
+  set(targets PkgConfig::ISOSURFACE_NETCDF_LIBRARY)
+endif()
+isosurface_set_format(NETCDF ${targets})
+
+# A codec of Zarr.
+pkg_check_modules(ISOSURFACE_BLOSC_LIBRARY IMPORTED_TARGET GLOBAL blosc)
+set(targets)
+if(ISOSURFACE_BLOSC_LIBRARY_FOUND)
+  set(targets PkgConfig::ISOSURFACE_BLOSC_LIBRARY)
+endif()
+isosurface_set_format(BLOSC ${targets})
+
+# Debian's GDCMConfig.cmake wants packages that this project does not.
+find_path(GDCM_INCLUDE_DIR gdcmImageReader.h PATH_SUFFIXES gdcm-3.0)
+set(targets)
+foreach(part IN ITEMS MSFF DSED DICT Common)
+  find_library(GDCM_${part}_LIBRARY gdcm${part})
+  if(GDCM_INCLUDE_DIR AND GDCM_${part}_LIBRARY)
+    list(APPEND targets "${GDCM_${part}_LIBRARY}")
+  endif()
+endforeach()
+isosurface_set_format(DICOM ${targets})

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ArrayFile/Hdf5File.h"
+
+#include "ArrayFile/Hdf5Handle.h"
+#include "Base/FileSystem.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+std::string DescribeFilters(hid_t plist)
+{
+  std::string text;
+  const int count = ::H5Pget_nfilters(plist);
+  for (int number = 0; number < count; ++number)
+  {
+    char name[64] = {};
+    unsigned flags = 0;
+    unsigned config = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter = ::H5Pget_filter2(
+      plist, static_cast<unsigned>(number), &flags, &values, nullptr, sizeof(name), name, &config);
+    text += std::string(", ") + (name[0] ? name : "filter " + std::to_string(filter));
+    if (::H5Zfilter_avail(filter) <= 0)
+    {
+      text += " (which this library lacks)";
+    }
+  }
+  return text;
+}
+
+} // namespace
+
+Result<Hdf5File> Hdf5File::Open(const std::string& path)
+{
+  ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
+  // The system's own words for what cannot be opened at all.
+  const auto bytes = GetLocalFileSystem().OpenForReading(path);
+  if (!bytes.IsOk())
+  {
+    return bytes.GetStatus();
+  }
+  const Hdf5Scope scope;
+  Hdf5Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), ::H5Fclose);
+  if (!file.IsOpen())
+  {
+    return Status(StatusCode::Corrupt, path + ": cannot be read as HDF5: " + FindHdf5Reason());
+  }
+  Hdf5File opened;
+  opened.Path = path;
+  opened.File = std::make_shared<Hdf5Handle>(std::move(file));
+  return opened;
+}
+
+Status Hdf5File::MakeError(
+  StatusCode code, const std::string& object, const std::string& reason) const
+{
+  return Status(code, this->Path + ":" + object + ": cannot be read: " + reason);
+}
+
+Result<std::vector<Hdf5Dataset>> Hdf5File::FindDatasets() const
+{
+  const Hdf5Scope scope;
+  std::vector<std::string> paths;
+  const auto note = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t
+  {
+    if (info->type == H5O_TYPE_DATASET)
+    {
+      static_cast<std::vector<std::string>*>(to)->push_back(std::string("/") + name);
+    }
+    return 0;
+  };
+  if (::H5Ovisit(this->File->Get(), H5_INDEX_NAME, H5_ITER_INC, note, &paths) < 0)
+  {
+    return this->MakeError(StatusCode::Corrupt, "/", FindHdf5Reason());
+  }
+  std::vector<Hdf5Dataset> datasets;
+  for (const std::string& path : paths)
+  {
+    const Hdf5Handle dataset(::H5Dopen2(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Dclose);
+    if (!dataset.IsOpen())
+    {
+      return this->MakeError(StatusCode::Corrupt, path, FindHdf5Reason());
+    }
+    const Hdf5Handle type(::H5Dget_type(dataset.Get()), ::H5Tclose);
+    const Hdf5Handle plist(::H5Dget_create_plist(dataset.Get()), ::H5Pclose);
+    Hdf5Dataset entry;
+    entry.Path = path;
+    entry.Shape = FindHdf5Shape(dataset);
+    entry.Type = DescribeHdf5Type(type.Get());
+    entry.IsNumeric = FindHdf5ValueType(type.Get()).has_value();
+    const StoredArray::Numbers chunk = FindHdf5Chunk(plist, entry.Shape.size());
+    entry.Storage = chunk.empty() ? "contiguous" : "chunks of " + JoinNumbers(chunk);
+    entry.Storage += DescribeFilters(plist.Get());
+    datasets.push_back(std::move(entry));
+  }
+  return datasets;
+}
+
+bool Hdf5File::Has(const std::string& path) const
+{
+  const Hdf5Scope scope;
+  const Hdf5Handle object(::H5Oopen(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Oclose);
+  return object.IsOpen();
+}
+
+bool Hdf5File::IsDataset(const std::string& path) const
+{
+  const Hdf5Scope scope;
+  const Hdf5Handle object(::H5Oopen(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Oclose);
+  return object.IsOpen() && ::H5Iget_type(object.Get()) == H5I_DATASET;
+}
+
+std::optional<std::string> Hdf5File::ReadText(
+  const std::string& object, const std::string& name) const
+{
+  const Hdf5Scope scope;
+  const Hdf5Handle attribute(
+    ::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+    ::H5Aclose);
+  const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
+  const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
+  if (!type.IsOpen() || !space.IsOpen() || ::H5Tget_class(type.Get()) != H5T_STRING ||
+    ::H5Sget_simple_extent_npoints(space.Get()) != 1)
+  {
+    return std::nullopt;
+  }
+  if (::H5Tis_variable_str(type.Get()) > 0)
+  {
+    char* text = nullptr;
+    if (::H5Aread(attribute.Get(), type.Get(), &text) < 0 || !text)
+    {
+      return std::nullopt;
+    }
+    std::string result(text);
+    ::H5free_memory(text);
+    return result;
+  }
+  constexpr std::size_t longest = 4096;
+  std::string text(std::min(::H5Tget_size(type.Get()), longest), '\0');
+  if (::H5Tget_size(type.Get()) > longest ||
+    ::H5Aread(attribute.Get(), type.Get(), text.data()) < 0)
+  {
+    return std::nullopt;
+  }
+  return text.substr(0, text.find('\0'));
+}
+
+std::optional<std::vector<double>> Hdf5File::ReadNumbers(
+  const std::string& object, const std::string& name, std::size_t count) const
+{
+  const Hdf5Scope scope;
+  const Hdf5Handle attribute(
+    ::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+    ::H5Aclose);
+  const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
+  const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
+  if (!type.IsOpen() || !space.IsOpen() || !FindHdf5ValueType(type.Get()) ||
+    ::H5Sget_simple_extent_npoints(space.Get()) != static_cast<hssize_t>(count))
+  {
+    return std::nullopt;
+  }
+  std::vector<double> numbers(count);
+  if (::H5Aread(attribute.Get(), H5T_NATIVE_DOUBLE, numbers.data()) < 0)
+  {
+    return std::nullopt;
+  }
+  return numbers;
+}
+
+std::vector<std::string> Hdf5File::FindAttributes(const std::string& object) const
+{
+  const Hdf5Scope scope;
+  std::vector<std::string> names;
+  const auto note = [](hid_t, const char* name, const H5A_info_t*, void* to) -> herr_t
+  {
+    static_cast<std::vector<std::string>*>(to)->push_back(name);
+    return 0;
+  };
+  hsize_t at = 0;
+  ::H5Aiterate_by_name(
+    this->File->Get(), object.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note, &names, H5P_DEFAULT);
+  return names;
+}
+
+std::vector<std::string> Hdf5File::FindNames(const std::string& group) const
+{
+  const Hdf5Scope scope;
+  std::vector<std::string> names;
+  const auto note = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t
+  {
+    static_cast<std::vector<std::string>*>(to)->push_back(name);
+    return 0;
+  };
+  hsize_t at = 0;
+  ::H5Literate_by_name(
+    this->File->Get(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note, &names, H5P_DEFAULT);
+  return names;
+}
+
+} // namespace isosurface

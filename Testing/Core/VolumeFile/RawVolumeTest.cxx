@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/SampleFiles.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+RawVolume DescribeRaw(const Index3& size, ValueType type)
+{
+  RawVolume raw;
+  raw.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
+  raw.Type = type;
+  raw.Paths = { "/data/a.raw" };
+  return raw;
+}
+
+template <typename T>
+void ExpectRoundTrip(bool isBigEndian)
+{
+  const auto volume = MakeRamp<T>({ 9, 7, 5 });
+  MemoryDisk disk;
+  Bytes bytes(13, 0xee);
+  const Bytes samples = MakeBytes(volume, isBigEndian);
+  bytes.insert(bytes.end(), samples.begin(), samples.end());
+  WriteFile(disk, "/data/a.raw", bytes);
+  RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueTypeOf<T>::Value);
+  raw.Offset = 13;
+  raw.IsBigEndian = isBigEndian;
+  const auto source = raw.Open(disk);
+  ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
+  ExpectSamples(**source, volume);
+  EXPECT_EQ((*source)->GetReadBytes({ { 0, 0, 1 }, { 9, 7, 3 } }), 126 * sizeof(T));
+}
+
+} // namespace
+
+TEST(RawVolume, ReadsEveryTypeInBothByteOrders)
+{
+  for (const bool isBigEndian : { false, true })
+  {
+    ExpectRoundTrip<std::int8_t>(isBigEndian);
+    ExpectRoundTrip<std::uint16_t>(isBigEndian);
+    ExpectRoundTrip<std::int32_t>(isBigEndian);
+    ExpectRoundTrip<std::uint64_t>(isBigEndian);
+    ExpectRoundTrip<float>(isBigEndian);
+    ExpectRoundTrip<double>(isBigEndian);
+  }
+}
+
+TEST(RawVolume, ReadsAFileForEachSliceOrSlab)
+{
+  const auto volume = MakeRamp<std::uint16_t>({ 9, 7, 12 });
+  const Bytes samples = MakeBytes(volume);
+  for (const std::size_t count : { 12u, 4u })
+  {
+    MemoryDisk disk;
+    RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueType::UInt16);
+    raw.Paths.clear();
+    raw.EndsWithSamples = count == 4;
+    const std::size_t size = samples.size() / count;
+    for (std::size_t file = 0; file < count; ++file)
+    {
+      const auto from = samples.begin() + static_cast<std::ptrdiff_t>(file * size);
+      const std::size_t header = count == 4 ? 100 : 0;
+      Bytes bytes(header + size, 0xee);
+      std::copy_n(from, size, bytes.begin() + static_cast<std::ptrdiff_t>(header));
+      raw.Paths.push_back("/data/" + std::to_string(file) + ".raw");
+      WriteFile(disk, raw.Paths.back(), bytes);
+    }
+    const auto source = raw.Open(disk);
+    ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
+    ExpectSamples(**source, volume);
+    ASSERT_TRUE(disk.RemoveAll(raw.Paths[2]).IsOk());
+    const auto missing = (*source)->Read((*source)->GetBox());
+    ASSERT_FALSE(missing.IsOk());
+    EXPECT_NE(missing.GetStatus().GetMessage().find(raw.Paths[2]), std::string::npos);
+    raw.Paths.pop_back();
+    EXPECT_FALSE(raw.Open(disk).IsOk());
+  }
+}
+
+TEST(RawVolume, MissingAndTruncatedFilesAreErrors)
+{
+  MemoryDisk disk;
+  RawVolume raw = DescribeRaw({ 9, 7, 5 }, ValueType::Float32);
+  EXPECT_EQ(raw.Open(disk).GetStatus().GetCode(), StatusCode::NotFound);
+  WriteFile(disk, "/data/a.raw", Bytes(9 * 7 * 5 * 4 - 1));
+  const auto source = raw.Open(disk);
+  ASSERT_FALSE(source.IsOk());
+  EXPECT_EQ(source.GetStatus().GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(source.GetStatus().GetMessage().find("/data/a.raw: truncated"), std::string::npos);
+  const std::int64_t huge = std::int64_t{ 1 } << 40;
+  EXPECT_FALSE(DescribeRaw({ huge, huge, 1 }, ValueType::UInt8).Open(disk).IsOk());
+  EXPECT_FALSE(DescribeRaw({ 0, 7, 5 }, ValueType::UInt8).Open(disk).IsOk());
+  raw.Paths.clear();
+  EXPECT_FALSE(raw.Open(disk).IsOk());
+}
