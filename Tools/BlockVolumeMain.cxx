@@ -13,6 +13,7 @@
 
 #include "ControllerCommunicator.h"
 
+#include <malloc.h>
 #include <mpi.h>
 
 #include <cstdio>
@@ -76,10 +77,21 @@ int FailAtOnce(const char* reason, int ranks)
   return 1;
 }
 
+/// Libraries decode chunks in memory of the heap, in one thread after another. Freed chunks would stay
+/// in the heaps of the threads, beyond the limit of memory.
+void ReturnLargeMemory()
+{
+#ifdef __GLIBC__
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 18);
+  ::mallopt(M_ARENA_MAX, 2);
+#endif
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
+  ReturnLargeMemory();
   vtkNew<vtkMPIController> controller;
   controller->Initialize(&argc, &argv);
   vtkMultiProcessController::SetGlobalController(controller);

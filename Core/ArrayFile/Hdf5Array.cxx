@@ -74,7 +74,10 @@ public:
     const ChunkCacheSize cache =
       FindChunkCacheSize(this->Shape, this->Chunk, GetValueSize(this->Type), cacheBytes);
     const Hdf5Handle access(::H5Pcreate(H5P_DATASET_ACCESS), ::H5Pclose);
-    ::H5Pset_chunk_cache(access.Get(), cache.Slots, cache.Bytes, 1.0);
+    // With a weight of 1, the library evicts no chunk of which a part was read, whatever their bytes.
+    ::H5Pset_chunk_cache(access.Get(), cache.Slots, cache.Bytes, 0.75);
+    // An open dataset would keep the cache that it has.
+    this->Dataset = Hdf5Handle();
     Hdf5Handle dataset(
       ::H5Dopen2(this->File.File->Get(), this->ObjectPath.c_str(), access.Get()), ::H5Dclose);
     if (!dataset.IsOpen())

@@ -348,7 +348,7 @@ Result<std::shared_ptr<StoredArray>> NetcdfFile::OpenArray(
   {
     const ChunkCacheSize cache = FindChunkCacheSize(
       variable.Shape, { sizes.begin(), sizes.end() }, GetValueSize(*variable.Type), cacheBytes);
-    ::nc_set_var_chunk_cache(variable.Group, variable.Variable, cache.Bytes, cache.Slots, 1.0F);
+    ::nc_set_var_chunk_cache(variable.Group, variable.Variable, cache.Bytes, cache.Slots, 0.75F);
     held += cache.HeldBytes;
     kept = cache.Bytes;
     chunk.assign(sizes.begin(), sizes.end());
