@@ -136,7 +136,7 @@ std::optional<std::vector<std::string>> HeaderText::ExpandPattern(
   if (begin == std::string::npos || end == std::string::npos ||
     std::string("diu").find(pattern[end]) == std::string::npos || end - begin > 3 ||
     pattern.find('%', end) != std::string::npos || step == 0 || first < 0 || last < 0 ||
-    (last - first) / step < 0 || (last - first) / step >= MaximumSeriesSize)
+    (step > 0 ? last < first : last > first) || (last - first) / step >= MaximumSeriesSize)
   {
     return std::nullopt;
   }

@@ -137,6 +137,8 @@ TEST(MetaImageHeader, ErrorsNameWhatIsNotSupported)
   ExpectRefused("a.mhd", MetaStart + "ElementType = MET_STRING\nElementDataFile = a\n", "string");
   ExpectRefused(
     "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile = %s 1 2 3\n", "pattern");
+  ExpectRefused(
+    "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile = %d 2 1 2\n", "pattern");
   ExpectRefused("a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile =\n", "no file");
   ExpectRefused("a.tif", "", "the supported headers are .mhd");
 }
