@@ -61,7 +61,10 @@ Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
       blocks.push_back(block);
     }
   }
-  auto samples = std::make_shared<std::vector<std::uint8_t>>(this->GetReadBytes(box));
+  // Each array begins where values of any type may.
+  constexpr std::size_t alignment = sizeof(double);
+  auto samples = std::make_shared<std::vector<std::uint8_t>>(
+    this->GetReadBytes(box) + alignment * this->Variables.size());
   const Index3 size = box.GetSize();
   SampleSlab slab;
   std::uint8_t* first = samples->data();
@@ -76,7 +79,9 @@ Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
     view.Box = box;
     ISOSURFACE_RETURN_IF_ERROR(AssembleVertices(
       *this->Volume, this->TimeStep, variable, box, blocks, this->Threads, first, statistics));
-    first += GetValueSize(view.Type) * static_cast<std::size_t>(box.GetNumberOfVertices());
+    const std::size_t bytes =
+      GetValueSize(view.Type) * static_cast<std::size_t>(box.GetNumberOfVertices());
+    first += (bytes + alignment - 1) / alignment * alignment;
     slab.Arrays.push_back(view);
   }
   slab.Owner = std::move(samples);
