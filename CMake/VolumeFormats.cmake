@@ -1,4 +1,5 @@
 # Libraries of formats that a build may lack: VolumeFile then says which one it is.
+cmake_policy(VERSION 3.18)
 find_package(PkgConfig REQUIRED)
 
 #   isosurface_set_format(<name> [targets or files of the library]): ISOSURFACE_READS_<name>, and

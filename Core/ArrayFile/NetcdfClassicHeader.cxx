@@ -2,6 +2,7 @@
 #include "ArrayFile/NetcdfClassicHeader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -12,9 +13,10 @@ namespace
 
 constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 64 } << 20;
 
+/// To a multiple of 4.
 double RoundUp(double bytes)
 {
-  return 4 * static_cast<double>(static_cast<std::uint64_t>(bytes + 3) / 4);
+  return 4 * std::ceil(bytes / 4);
 }
 
 /// Reads the header from front to back. After its end, everything is 0 and IsComplete() is false.

@@ -143,7 +143,7 @@ Result<ZarrArray::Samples> ZarrArray::Decode(
       "a chunk has " + std::to_string(size) + " bytes for " + std::to_string(decoded) +
         " of samples");
   }
-  const auto allocated = this->Allocate(decoded);
+  auto allocated = this->Allocate(decoded);
   if (!allocated.IsOk())
   {
     return allocated;

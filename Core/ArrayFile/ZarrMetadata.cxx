@@ -10,6 +10,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace isosurface
@@ -94,7 +95,8 @@ private:
         return this->Corrupt("have an impossible chunk");
       }
       bytes *= static_cast<double>(data.Chunk[axis]);
-      inShard *= static_cast<double>(data.Shard[axis] / data.Chunk[axis]);
+      const std::int64_t chunks = data.Shard[axis] / data.Chunk[axis];
+      inShard *= static_cast<double>(chunks);
     }
     if (bytes > MaximumChunkBytes || inShard > MaximumShardChunks)
     {
@@ -143,6 +145,24 @@ private:
     return this->StoreFill(fill, isHex ? text : std::string(), number);
   }
 
+  /// An integer of JSON that T has; nothing for others.
+  template <typename T>
+  static std::optional<T> FindWhole(const Json& number)
+  {
+    if (!std::is_integral_v<T> || !number.is_number_integer())
+    {
+      return std::nullopt;
+    }
+    // Less than 0, or up to the maximum of 64 bits.
+    const bool isUnsigned = number.is_number_unsigned();
+    const T value = isUnsigned ? static_cast<T>(number.get<std::uint64_t>())
+                               : static_cast<T>(number.get<std::int64_t>());
+    const bool isNegative = value < static_cast<T>(0);
+    // JSON numbers of 64 bits are compared modulo 2^64.
+    const Json back = value;
+    return back == number && isNegative != isUnsigned ? std::optional<T>(value) : std::nullopt;
+  }
+
   Status StoreFill(const Json& fill, const std::string& hex, double number)
   {
     const bool isFloat =
@@ -155,21 +175,18 @@ private:
       [&](auto zero)
       {
         using T = decltype(zero);
-        T value{};
+        using Limits = std::numeric_limits<T>;
+        T value = static_cast<T>(0);
         if (isFloat)
         {
           value = static_cast<T>(number);
         }
-        else if (fill.is_number_unsigned())
+        else if (const auto whole = FindWhole<T>(fill))
         {
-          value = static_cast<T>(fill.get<std::uint64_t>());
+          value = *whole;
         }
-        else if (fill.is_number_integer())
-        {
-          value = static_cast<T>(fill.get<std::int64_t>());
-        }
-        else if (number >= static_cast<double>(std::numeric_limits<T>::min()) &&
-          number < static_cast<double>(std::numeric_limits<T>::max()))
+        else if (!fill.is_number_integer() && number >= static_cast<double>(Limits::min()) &&
+          number < static_cast<double>(Limits::max()))
         {
           value = static_cast<T>(number);
         }

@@ -48,6 +48,7 @@ struct ZarrMetadata
 };
 
 /// A folder in a hierarchy of Zarr or N5.
+// NOLINTNEXTLINE(bugprone-exception-escape): what JSON values may throw when moved are assertions.
 struct ZarrNode
 {
   bool IsArray = false;

@@ -190,12 +190,13 @@ private:
   {
     std::vector<ArrayPart> parts;
     const std::string group = this->Group + "/PointData";
+    const std::string prefix = group + "/";
     const bool hasSteps = !this->Volume.Times.empty();
     const std::vector<std::string> names =
       this->File.Has(group) ? this->File.FindNames(group) : std::vector<std::string>();
     for (const std::string& array : names)
     {
-      const std::string path = group + "/" + array;
+      const std::string path = prefix + array;
       auto stored = this->File.OpenArray(path, choice.CacheBytes / names.size());
       ISOSURFACE_RETURN_IF_ERROR(stored.GetStatus());
       const std::size_t spatial = 3 + (hasSteps ? 1 : 0);

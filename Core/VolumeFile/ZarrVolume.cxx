@@ -53,13 +53,14 @@ Status FindArrays(FileSystem& files, const std::string& folder, const std::strin
   {
     return Status::Ok();
   }
+  const std::string prefix = path.empty() ? path : path + "/";
+  const std::string wholePrefix = whole + "/";
   for (const std::string& name : *names)
   {
-    const auto inner = files.List(whole + "/" + name);
+    const auto inner = files.List(wholePrefix + name);
     if (name[0] != '.' && inner.IsOk() && !inner->empty() && arrays.size() < MaximumArrays)
     {
-      ISOSURFACE_RETURN_IF_ERROR(
-        FindArrays(files, folder, path.empty() ? name : path + "/" + name, depth + 1, arrays));
+      ISOSURFACE_RETURN_IF_ERROR(FindArrays(files, folder, prefix + name, depth + 1, arrays));
     }
   }
   return Status::Ok();

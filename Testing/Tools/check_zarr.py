@@ -184,6 +184,13 @@ class ImagesAndErrors(SourceCase):
             os.truncate(chunk, part)
             self.assert_error("g.zarr:one", "one/1.1.1: cannot be read", "truncated",
                               ranks=2 if part == 10 else 1)
+        for fill in (128, -129, 2**64 - 1):
+            with open(self.path("g.zarr/five/.zarray")) as file:
+                metadata = json.load(file)
+            metadata["fill_value"] = fill
+            with open(self.path("g.zarr/five/.zarray"), "w") as file:
+                json.dump(metadata, file)
+            self.assert_error("g.zarr:five", "five", "fill value beyond the data type")
         with open(self.path("g.zarr/five/.zarray"), "r+") as file:
             file.truncate(40)
         self.assert_error("g.zarr:five", "five/.zarray: cannot be read", "truncated")
