@@ -200,6 +200,7 @@ Status ContourWork::FindFittingLevel(
   }
   const double bytesPerTriangle = EstimateBytesPerTriangle(pass.Request) / pass.Query.Ranks;
   std::vector<double> bytes;
+  bytes.reserve(estimates.size());
   for (const double triangles : estimates)
   {
     bytes.push_back(bytesPerTriangle * triangles);
