@@ -94,13 +94,14 @@ Result<std::vector<ArrayDescription>> ChooseArrays(const std::string& path,
       [&name](const ArrayDescription& array) { return array.Name == name; });
     if (found == arrays.end())
     {
-      std::string known;
+      std::string reason = ": has no numeric point array \"" + name + "\", but ";
+      const char* separator = "\"";
       for (const ArrayDescription& array : arrays)
       {
-        known.append(known.empty() ? "\"" : ", \"").append(array.Name).append("\"");
+        reason.append(separator).append(array.Name).append("\"");
+        separator = ", \"";
       }
-      return Status(
-        StatusCode::NotFound, path + ": has no numeric point array \"" + name + "\", but " + known);
+      return Status(StatusCode::NotFound, path + reason);
     }
     chosen.push_back(*found);
   }

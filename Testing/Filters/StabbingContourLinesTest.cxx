@@ -5,6 +5,7 @@
 #include "vtkContourFilter.h"
 #include "vtkContourSpectrum.h"
 #include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
 #include "vtkIdList.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
