@@ -104,8 +104,9 @@ PeerOutcome MeasureXz(const Bytes& ply)
   outcome.EncodeSeconds = Time(
     [&]
     {
-      lzma_easy_buffer_encode(6, LZMA_CHECK_CRC64, nullptr, ply.data(), ply.size(), packed.data(),
-        &outcome.Bytes, packed.size());
+      const lzma_ret result = lzma_easy_buffer_encode(6, LZMA_CHECK_CRC64, nullptr, ply.data(),
+        ply.size(), packed.data(), &outcome.Bytes, packed.size());
+      Require(result == LZMA_OK, "xz");
     });
   Bytes unpacked(ply.size());
   outcome.DecodeSeconds = Time(
@@ -114,8 +115,9 @@ PeerOutcome MeasureXz(const Bytes& ply)
       std::uint64_t memory = UINT64_MAX;
       std::size_t from = 0;
       std::size_t to = 0;
-      lzma_stream_buffer_decode(&memory, 0, nullptr, packed.data(), &from, outcome.Bytes,
-        unpacked.data(), &to, unpacked.size());
+      const lzma_ret result = lzma_stream_buffer_decode(&memory, 0, nullptr, packed.data(), &from,
+        outcome.Bytes, unpacked.data(), &to, unpacked.size());
+      Require(result == LZMA_OK, "xz");
     });
   Require(unpacked == ply, "xz");
   return outcome;
