@@ -177,18 +177,15 @@ private:
         using T = decltype(zero);
         using Limits = std::numeric_limits<T>;
         T value = static_cast<T>(0);
-        if (isFloat)
+        const bool isInRange = number >= static_cast<double>(Limits::min()) &&
+          number < static_cast<double>(Limits::max());
+        if (isFloat || (isInRange && !fill.is_number_integer()))
         {
           value = static_cast<T>(number);
         }
         else if (const auto whole = FindWhole<T>(fill))
         {
           value = *whole;
-        }
-        else if (!fill.is_number_integer() && number >= static_cast<double>(Limits::min()) &&
-          number < static_cast<double>(Limits::max()))
-        {
-          value = static_cast<T>(number);
         }
         else
         {
