@@ -315,7 +315,7 @@ TEST_F(BlockedVolumeCrash, RefusesASecondWriterUntilTheFirstOneIsGone)
   ::close(ready[1]);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) // it takes memory of its own
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // it takes memory of its own
 namespace
 {
 
