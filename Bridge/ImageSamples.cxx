@@ -39,24 +39,14 @@ Result<ValueType> GetValueTypeOf(vtkDataArray* array)
   {
     return ValueType::Float64;
   }
-  const int size = array->GetDataTypeSize();
-  if (type == VTK_BIT || size <= 0)
+  const auto integer = FindIntegerType(
+    static_cast<std::size_t>(array->GetDataTypeSize()), array->GetDataTypeMin() < 0);
+  if (type == VTK_BIT || !integer)
   {
     return Status(StatusCode::Unsupported,
       NameOf(array) + " is of type " + array->GetDataTypeAsString() + ", which has no isosurfaces");
   }
-  const bool isSigned = array->GetDataTypeMin() < 0;
-  switch (size)
-  {
-    case 1:
-      return isSigned ? ValueType::Int8 : ValueType::UInt8;
-    case 2:
-      return isSigned ? ValueType::Int16 : ValueType::UInt16;
-    case 4:
-      return isSigned ? ValueType::Int32 : ValueType::UInt32;
-    default:
-      return isSigned ? ValueType::Int64 : ValueType::UInt64;
-  }
+  return *integer;
 }
 
 int GetVTKType(ValueType type)

@@ -16,23 +16,6 @@ std::recursive_mutex& GetLibraryMutex()
   return mutex;
 }
 
-std::optional<ValueType> FindIntegerType(std::size_t size, bool isSigned)
-{
-  switch (size)
-  {
-    case 1:
-      return isSigned ? ValueType::Int8 : ValueType::UInt8;
-    case 2:
-      return isSigned ? ValueType::Int16 : ValueType::UInt16;
-    case 4:
-      return isSigned ? ValueType::Int32 : ValueType::UInt32;
-    case 8:
-      return isSigned ? ValueType::Int64 : ValueType::UInt64;
-    default:
-      return std::nullopt;
-  }
-}
-
 } // namespace
 
 Hdf5Scope::Hdf5Scope()

@@ -32,6 +32,8 @@ std::size_t GetValueSize(ValueType type);
 const char* GetValueTypeName(ValueType type);
 /// The type of that name; nothing if there is none.
 std::optional<ValueType> FindValueType(const std::string& name);
+/// The type of integers of `size` bytes (1, 2, 4 or 8); nothing for other sizes.
+std::optional<ValueType> FindIntegerType(std::size_t size, bool isSigned);
 
 template <typename T>
 struct ValueTypeOf;

@@ -60,21 +60,6 @@ Status MakeError(const std::string& path, const std::string& reason)
   return Status(StatusCode::Corrupt, path + ": cannot be read: " + reason);
 }
 
-std::optional<ValueType> FindType(int bits, bool isSigned)
-{
-  switch (bits)
-  {
-    case 8:
-      return isSigned ? ValueType::Int8 : ValueType::UInt8;
-    case 16:
-      return isSigned ? ValueType::Int16 : ValueType::UInt16;
-    case 32:
-      return isSigned ? ValueType::Int32 : ValueType::UInt32;
-    default:
-      return std::nullopt;
-  }
-}
-
 void TakePlace(TagReader& tags, DicomSlice& slice)
 {
   const auto position = tags.GetNumbers(0x0020, 0x0032, 3);
@@ -113,7 +98,10 @@ Status TakeHeader(const gdcm::File& file, DicomSlice& slice)
   slice.Frames = static_cast<std::int64_t>(frames);
   slice.Channels = static_cast<int>(std::clamp(tags.GetNumber(0x0028, 0x0002, 1), 0.0, 100.0));
   const auto bits = static_cast<int>(std::clamp(tags.GetNumber(0x0028, 0x0100, 0), 0.0, 100.0));
-  const auto type = FindType(bits, tags.GetNumber(0x0028, 0x0103, 0) != 0);
+  const bool isSigned = tags.GetNumber(0x0028, 0x0103, 0) != 0;
+  const auto type = bits == 8 || bits == 16 || bits == 32
+    ? FindIntegerType(static_cast<std::size_t>(bits) / 8, isSigned)
+    : std::nullopt;
   if (!type)
   {
     return Status(StatusCode::Unsupported,

@@ -36,19 +36,7 @@ std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits
   {
     return std::nullopt;
   }
-  switch (bits)
-  {
-    case 8:
-      return isSigned ? ValueType::Int8 : ValueType::UInt8;
-    case 16:
-      return isSigned ? ValueType::Int16 : ValueType::UInt16;
-    case 32:
-      return isSigned ? ValueType::Int32 : ValueType::UInt32;
-    case 64:
-      return isSigned ? ValueType::Int64 : ValueType::UInt64;
-    default:
-      return std::nullopt;
-  }
+  return bits % 8 == 0 ? FindIntegerType(bits / 8, isSigned) : std::nullopt;
 }
 
 /// An integer in ImageJ's description, such as "images=2048".
