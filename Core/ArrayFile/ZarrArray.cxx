@@ -291,14 +291,11 @@ Result<ZarrArray::Samples> ZarrArray::LoadChunk(const Numbers& chunk)
     shard[axis] = chunk[axis] / (this->Metadata.Shard[axis] / this->Metadata.Chunk[axis]);
   }
   const std::string path = this->MakeKey(shard);
-  if (!this->Files.Exists(path))
-  {
-    return Samples();
-  }
   const auto file = this->Files.OpenForReading(path);
   if (!file.IsOk())
   {
-    return file.GetStatus();
+    return file.GetStatus().GetCode() == StatusCode::NotFound ? Result<Samples>(Samples())
+                                                              : Result<Samples>(file.GetStatus());
   }
   if (this->Metadata.IsN5)
   {
@@ -317,7 +314,7 @@ Result<ZarrArray::Samples> ZarrArray::LoadChunk(const Numbers& chunk)
   return this->Decode(**file, offset, size, this->ChunkBytes);
 }
 
-Result<ZarrArray::Samples> ZarrArray::GetChunk(const Numbers& chunk, bool isKept)
+Result<ZarrArray::Samples> ZarrArray::TakeChunk(const Numbers& chunk, bool isKept)
 {
   const auto found = this->Cached.find(chunk);
   if (found != this->Cached.end())
@@ -426,7 +423,7 @@ Status ZarrArray::Read(const Numbers& low, const Numbers& size, std::uint8_t* to
         std::min(begin + this->Metadata.Chunk[axis], this->Metadata.Shape[axis]);
       isPart = isPart || begin < low[axis] || stop > low[axis] + size[axis];
     }
-    const auto samples = this->GetChunk(chunk, isPart);
+    const auto samples = this->TakeChunk(chunk, isPart);
     if (!samples.IsOk())
     {
       return samples.GetStatus();

@@ -50,8 +50,8 @@ private:
   Status MakeError(const std::string& path, const std::string& reason) const;
   /// Memory for decoded samples. Large chunks are not of the heap, which would not give them back.
   Result<Samples> Allocate(std::size_t bytes);
-  /// A chunk as it is stored.
-  Result<Samples> GetChunk(const Numbers& chunk, bool isKept);
+  /// A chunk as it is stored, of the cache if it is there.
+  Result<Samples> TakeChunk(const Numbers& chunk, bool isKept);
   Result<Samples> LoadChunk(const Numbers& chunk);
   Result<Samples> LoadFromN5(const RandomAccessFile& file);
   /// Finds the bytes of a chunk in a shard; an empty range if the chunk does not exist.

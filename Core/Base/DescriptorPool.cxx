@@ -26,6 +26,14 @@ const char* FindStrangeKind(mode_t mode)
                        : "it is a device, not a file";
 }
 
+/// What is missing may be missing by design, what a link names may not.
+bool IsLinkToNothing(const std::string& path)
+{
+  struct stat information = {};
+  return ::stat(path.c_str(), &information) != 0 && errno == ENOENT &&
+    ::lstat(path.c_str(), &information) == 0;
+}
+
 Status MakeKindError(const std::string& path, const char* action, const char* kind)
 {
   return Status(StatusCode::IoError, path + ": cannot " + action + ": " + kind);
@@ -116,6 +124,10 @@ Result<std::unique_ptr<PooledFile>> PooledFile::Open(
   DescriptorPool& pool, const std::string& path, int flags, const char* action)
 {
   ISOSURFACE_RETURN_IF_ERROR(CheckRegularFile(path, action));
+  if ((flags & O_CREAT) == 0 && IsLinkToNothing(path))
+  {
+    return MakeKindError(path, action, "it is a link to a file that does not exist");
+  }
   std::unique_ptr<PooledFile> file(new PooledFile(pool, path, flags & ~(O_CREAT | O_TRUNC)));
   auto descriptor = file->OpenPath(flags, action);
   ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());

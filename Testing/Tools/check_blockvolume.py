@@ -16,6 +16,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Readers"))
 from read_blocked_volume import BlockedVolume  # noqa: E402  (found beside this script)
+from sample_volumes import VolumeCase, list_files, remove_volume, run_command  # noqa: E402
 
 TOOL, MPIEXEC, INPUTS, SCRATCH, CLAIM = sys.argv[1:6]
 HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
@@ -24,38 +25,17 @@ SIZE = (70, 67, 150)
 
 def run(*arguments, ranks=1):
     """Return code, standard output and standard error of a run."""
-    command = [TOOL, *arguments]
-    if ranks > 1:
-        command = [MPIEXEC, "--oversubscribe", "-n", str(ranks)] + command
-    result = subprocess.run(command, capture_output=True, text=True, cwd=SCRATCH, timeout=100)
-    return result.returncode, result.stdout, result.stderr
+    return run_command([TOOL, *arguments], MPIEXEC, SCRATCH, ranks)
 
 
-def list_files(volume):
-    """Names within a blocked volume, with the paths."""
-    files = {"header": volume}
-    for path in glob.glob(volume + ".stores/**", recursive=True):
-        if os.path.isfile(path):
-            files[os.path.relpath(path, volume + ".stores")] = path
-    return files
-
-
-class Case(unittest.TestCase):
+class Case(VolumeCase):
     def write(self, source, name, *arguments, ranks=1):
         """Writes a volume anew; its path."""
         path = os.path.join(SCRATCH, name)
-        for old in (path, path + ".stores"):
-            if os.path.exists(old):
-                os.remove(old) if os.path.isfile(old) else shutil.rmtree(old)
+        remove_volume(path)
         code, out, err = run(source, path, *arguments, ranks=ranks)
         self.assertEqual(code, 0, err)
         return path
-
-    def assert_equal_volumes(self, path, expected):
-        mine, others = list_files(path), list_files(expected)
-        self.assertEqual(sorted(mine), sorted(others))
-        for name in mine:
-            self.assertTrue(filecmp.cmp(mine[name], others[name], shallow=False), name)
 
 
 class WritesWhatTheWriterWrites(Case):

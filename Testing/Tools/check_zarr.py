@@ -54,6 +54,16 @@ class VersionTwoAndN5(SourceCase):
                 make_samples("float32")[10:20, 5:30, :15]
             self.assert_equal_volumes(self.write("f.zarr", "o.bvol"), self.write_raw(samples, "f"))
 
+    def test_an_unreadable_chunk_is_no_missing_one(self):
+        # As annexed files are that were not fetched, and as a loop of links.
+        zarr.open(self.path("l.zarr"), mode="w", shape=SHAPE, chunks=(20, 20, 20),
+                  dtype="int16")[:] = make_samples("int16")
+        chunk = self.path("l.zarr/0.1.1")
+        for target in ("annex/objects/none", "0.1.1"):
+            os.remove(chunk)
+            os.symlink(target, chunk)
+            self.assert_error("l.zarr", "l.zarr/0.1.1", "link")
+
     def test_n5(self):
         samples = make_samples("uint16")
         for codec in (None, numcodecs.GZip(3), numcodecs.Zstd(3)):

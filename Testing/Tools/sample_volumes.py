@@ -30,18 +30,38 @@ def list_files(volume):
     return files
 
 
-class SourceCase(unittest.TestCase):
+def run_command(command, mpiexec, folder, ranks=1):
+    """Return code, standard output and standard error of a run in a folder."""
+    if ranks > 1:
+        command = [mpiexec, "--oversubscribe", "-n", str(ranks)] + command
+    result = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=100)
+    return result.returncode, result.stdout, result.stderr
+
+
+def remove_volume(path):
+    """Removes a blocked volume that may be there."""
+    for old in (path, path + ".stores"):
+        if os.path.exists(old):
+            os.remove(old) if os.path.isfile(old) else shutil.rmtree(old)
+
+
+class VolumeCase(unittest.TestCase):
+    """A test that compares blocked volumes."""
+
+    def assert_equal_volumes(self, path, expected):
+        mine, others = list_files(path), list_files(expected)
+        self.assertEqual(sorted(mine), sorted(others))
+        for name in mine:
+            self.assertTrue(filecmp.cmp(mine[name], others[name], shallow=False), name)
+
+
+class SourceCase(VolumeCase):
     """A test of the command; the tool, mpiexec and an empty folder are set by run_claim()."""
     tool = mpiexec = scratch = None
 
     def run_tool(self, *arguments, ranks=1):
         """Return code, standard output and standard error."""
-        command = [self.tool, *arguments]
-        if ranks > 1:
-            command = [self.mpiexec, "--oversubscribe", "-n", str(ranks)] + command
-        result = subprocess.run(command, capture_output=True, text=True, cwd=self.scratch,
-                                timeout=100)
-        return result.returncode, result.stdout, result.stderr
+        return run_command([self.tool, *arguments], self.mpiexec, self.scratch, ranks)
 
     def path(self, name):
         return os.path.join(self.scratch, name)
@@ -49,9 +69,7 @@ class SourceCase(unittest.TestCase):
     def write(self, source, name, *arguments, ranks=1):
         """Writes a volume anew; its path."""
         path = self.path(name)
-        for old in (path, path + ".stores"):
-            if os.path.exists(old):
-                os.remove(old) if os.path.isfile(old) else shutil.rmtree(old)
+        remove_volume(path)
         code, _, err = self.run_tool(source, path, "--stores", "3", *arguments, ranks=ranks)
         self.assertEqual(code, 0, err)
         return path
@@ -64,12 +82,6 @@ class SourceCase(unittest.TestCase):
                  "--spacing", ",".join(repr(float(value)) for value in spacing),
                  "--origin", ",".join(repr(float(value)) for value in origin)]
         return self.write(name + ".raw", name + ".bvol", *place, *arguments)
-
-    def assert_equal_volumes(self, path, expected):
-        mine, others = list_files(path), list_files(expected)
-        self.assertEqual(sorted(mine), sorted(others))
-        for name in mine:
-            self.assertTrue(filecmp.cmp(mine[name], others[name], shallow=False), name)
 
     def assert_error(self, source, *words, arguments=(), ranks=1):
         """The command fails with one line that has all words, and writes nothing."""
