@@ -12,6 +12,7 @@
 #include "vtkOverlappingAMR.h"
 #include "vtkPointData.h"
 #include "vtkUniformGrid.h"
+#include "vtkVersion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,12 +57,13 @@ std::map<vtkIdType, int> CountTriangles(vtkPolyData* surface, vtkImageData* imag
   return counts;
 }
 
-// Hidden points are given to it as hidden cells: that of VTK 9.3.20240617, in ParaView 5.13, contours cells
-// at hidden points, although vtkUniformGrid calls them invisible there, too.
+// The stock filter of VTK 9.3.20240617, in ParaView 5.13, contours cells at hidden points, although
+// vtkUniformGrid calls them invisible there, too: from 9.3 on, it is given hidden cells instead.
 vtkSmartPointer<vtkPolyData> ContourByStockFilter(vtkUniformGrid* grid, double isovalue)
 {
   vtkNew<vtkUniformGrid> cells;
   cells->DeepCopy(grid);
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
   for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
   {
     if (!grid->IsCellVisible(cell))
@@ -69,6 +71,7 @@ vtkSmartPointer<vtkPolyData> ContourByStockFilter(vtkUniformGrid* grid, double i
       cells->BlankCell(cell);
     }
   }
+#endif
   vtkNew<vtkContourFilter> contour;
   contour->SetInputData(cells);
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
