@@ -63,6 +63,41 @@ TEST(StoredSlabSource, BoxesHaveTheSamplesThatWereWritten)
   }
 }
 
+TEST(StoredSlabSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
+{
+  const Index3 size{ 37, 21, 19 };
+  const auto bytes = MakeVolume<std::uint8_t>(size);
+  const auto doubles = MakeVolume<double>(size);
+  const auto shorts = MakeVolume<std::int16_t>(size);
+  MemoryDisk disk;
+  SerialCommunicator serial;
+  const VolumePiece piece{ { { 0, 0, 0 }, size },
+    { bytes.GetView(), doubles.GetView(), shorts.GetView() } };
+  const auto written = BlockedVolumeWriter(serial, disk)
+                         .Write(VolumePath, MakeGeometry(size),
+                           { { "bytes", ValueType::UInt8 }, { "doubles", ValueType::Float64 },
+                             { "shorts", ValueType::Int16 } },
+                           piece, MakeSettings(16, 2));
+  ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+  const auto source = StoredSlabSource::Make(OpenVolume(disk), 0, { 2, 0, 1 }, 2);
+  ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
+  // Boxes of an odd number of vertices: what follows the bytes would not be aligned by itself.
+  const VertexBox odd{ { 1, 2, 3 }, { 4, 7, 18 } };
+  for (const VertexBox& box : { (*source)->GetBox(), odd })
+  {
+    const auto slab = (*source)->Read(box);
+    ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
+    ASSERT_TRUE(slab->Fits({ ValueType::Int16, ValueType::UInt8, ValueType::Float64 }, box));
+    for (const SampleView& view : slab->Arrays)
+    {
+      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(view.First) % GetValueSize(view.Type), 0u);
+    }
+    ExpectSamples(slab->Arrays[0], shorts);
+    ExpectSamples(slab->Arrays[1], bytes);
+    ExpectSamples(slab->Arrays[2], doubles);
+  }
+}
+
 TEST(StoredSlabSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
 {
   const auto written = MakeVolume<std::int16_t>({ 70, 33, 50 });
