@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndexCommands.h"
+#include "MeshFile.h"
+#include "MeshWriteJob.h"
 #include "ProgressDisplay.h"
 
 #include "vtkErrorCode.h"
 #include "vtkNew.h"
 #include "vtkOBJWriter.h"
-#include "vtkPLYWriter.h"
 #include "vtkPolyData.h"
-#include "vtkSTLWriter.h"
 #include "vtkXMLPolyDataWriter.h"
 
 #include "Base/ParallelFor.h"
 #include "EdgeIndex/EdgeIndexFile.h"
 #include "SurfacePolyData.h"
 
-#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,20 +45,9 @@ Status RunWriter(Writer* writer, vtkPolyData* surface, const std::string& path)
   return Status::Ok();
 }
 
-Status WriteTriangles(vtkPolyData* surface, const std::string& ending, const std::string& path)
+Status WritePolyData(vtkPolyData* surface, const std::string& path)
 {
-  if (ending == ".ply")
-  {
-    vtkNew<vtkPLYWriter> writer;
-    return RunWriter(writer.Get(), surface, path);
-  }
-  if (ending == ".stl")
-  {
-    vtkNew<vtkSTLWriter> writer;
-    writer->SetFileTypeToBinary();
-    return RunWriter(writer.Get(), surface, path);
-  }
-  if (ending == ".obj")
+  if (FindEnding(path) == ".obj")
   {
     vtkNew<vtkOBJWriter> writer;
     return RunWriter(writer.Get(), surface, path);
@@ -67,7 +57,8 @@ Status WriteTriangles(vtkPolyData* surface, const std::string& ending, const std
 }
 
 /// Writes to a temporary name first, so that an incomplete file is never taken for a complete one.
-Status WriteInOneStep(vtkPolyData* surface, const std::string& path)
+Status WriteInOneStep(
+  const std::string& path, const std::function<Status(const std::string&)>& write)
 {
   // VTK's writers need the extension of the format.
   const std::string ending = FindEnding(path);
@@ -75,7 +66,7 @@ Status WriteInOneStep(vtkPolyData* surface, const std::string& path)
   FileSystem& files = GetLocalFileSystem();
   ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
   ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(partial, "write"));
-  Status status = WriteTriangles(surface, ending, partial);
+  Status status = write(partial);
   if (status.IsOk())
   {
     status = files.Rename(partial, path);
@@ -87,14 +78,40 @@ Status WriteInOneStep(vtkPolyData* surface, const std::string& path)
   return status;
 }
 
-Status CheckOutput(const std::string& path)
+Status CheckOutput(const EdgeIndexOptions& options)
 {
-  const std::vector<std::string> endings = { ".ply", ".stl", ".vtp", ".obj" };
-  const bool isKnown =
-    path.empty() || std::find(endings.begin(), endings.end(), FindEnding(path)) != endings.end();
-  return isKnown ? Status::Ok()
-                 : Status(StatusCode::InvalidArgument,
-                     path + ": its name does not end in .ply, .stl, .vtp or .obj");
+  const std::string& path = options.Output;
+  const std::string ending = FindEnding(path);
+  const bool isMesh = MeshFile::Knows(path);
+  if (!path.empty() && !isMesh && ending != ".vtp" && ending != ".obj")
+  {
+    return { StatusCode::InvalidArgument,
+      path + ": its name does not end in .ply, .stl, .glb, .vtp or .obj" };
+  }
+  if (options.NumberOfTriangles > 0 && !isMesh)
+  {
+    return { StatusCode::InvalidArgument, "--triangles needs OUT.ply, .stl or .glb" };
+  }
+  if (options.IsCompressed && ending != ".glb")
+  {
+    return { StatusCode::InvalidArgument, "--compress needs OUT.glb" };
+  }
+  return Status::Ok();
+}
+
+void PrintCounts(
+  const EdgeIndexOptions& options, std::uint64_t points, std::uint64_t triangles, double seconds)
+{
+  if (!options.IsQuiet)
+  {
+    std::printf("%s: %llu points, %llu triangles, %.2f s\n", options.Input.c_str(),
+      static_cast<unsigned long long>(points), static_cast<unsigned long long>(triangles), seconds);
+  }
+}
+
+Status MakeEmptyError(const EdgeIndexOptions& options)
+{
+  return { StatusCode::InvalidArgument, options.Input + ": has no triangles to write" };
 }
 
 Result<Surface> ReadSurface(const EdgeIndexFile& file, const EdgeIndexOptions& options, int threads)
@@ -125,6 +142,48 @@ std::vector<InterpolatedArray> ListArrays(const EdgeIndexHeader& header, bool is
   return arrays;
 }
 
+/// Decodes the surface as a whole, and writes it with VTK if there is a file to write.
+Status DecodeAtOnce(const EdgeIndexFile& file, const EdgeIndexOptions& options, int threads)
+{
+  auto surface = ReadSurface(file, options, threads);
+  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  PrintCounts(options, surface->NumberOfPoints, surface->NumberOfTriangles, surface->TotalSeconds);
+  if (options.Output.empty())
+  {
+    return Status::Ok();
+  }
+  if (surface->NumberOfTriangles == 0)
+  {
+    return MakeEmptyError(options);
+  }
+  vtkNew<vtkPolyData> polyData;
+  MoveToPolyData(
+    *surface, ListArrays(file.GetHeader(), options.IsPreview), file.GetHeader().Array, polyData);
+  return WriteInOneStep(
+    options.Output, [&](const std::string& path) { return WritePolyData(polyData, path); });
+}
+
+/// Decodes and writes the surface piece by piece.
+Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options, int threads)
+{
+  MeshWriteJob::Settings settings;
+  settings.NumberOfTriangles = options.NumberOfTriangles;
+  settings.MemoryMebibytes = options.MemoryMebibytes;
+  settings.Threads = threads;
+  settings.IsPreview = options.IsPreview;
+  settings.IsCompressed = options.IsCompressed;
+  MeshWriteJob job(file, settings);
+  ProgressDisplay display(file.GetPath(), static_cast<double>(file.GetSize()), !options.IsQuiet);
+  const auto write = [&](const std::string& path)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(job.Write(path, display.GetProgress()));
+    return job.GetNumberOfTriangles() == 0 ? MakeEmptyError(options) : Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(WriteInOneStep(options.Output, write));
+  PrintCounts(options, job.GetNumberOfPoints(), job.GetNumberOfTriangles(), display.GetSeconds());
+  return Status::Ok();
+}
+
 } // namespace
 
 Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
@@ -147,7 +206,7 @@ Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
 
 Status RunEdgeIndexDecode(const EdgeIndexOptions& options)
 {
-  ISOSURFACE_RETURN_IF_ERROR(CheckOutput(options.Output));
+  ISOSURFACE_RETURN_IF_ERROR(CheckOutput(options));
   const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   if (!(*file)->IsComplete())
@@ -155,25 +214,8 @@ Status RunEdgeIndexDecode(const EdgeIndexOptions& options)
     std::fprintf(stderr, "edgeindex: warning: %s\n", (*file)->GetMissing().c_str());
   }
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
-  auto surface = ReadSurface(**file, options, threads);
-  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
-  if (!options.IsQuiet)
-  {
-    std::printf("%s: %zu points, %zu triangles, %.2f s\n", options.Input.c_str(),
-      surface->NumberOfPoints, surface->NumberOfTriangles, surface->TotalSeconds);
-  }
-  if (options.Output.empty())
-  {
-    return Status::Ok();
-  }
-  if (surface->NumberOfTriangles == 0)
-  {
-    return { StatusCode::InvalidArgument, options.Input + ": has no triangles to write" };
-  }
-  vtkNew<vtkPolyData> polyData;
-  MoveToPolyData(*surface, ListArrays((*file)->GetHeader(), options.IsPreview),
-    (*file)->GetHeader().Array, polyData);
-  return WriteInOneStep(polyData, options.Output);
+  return MeshFile::Knows(options.Output) ? WriteMeshFile(**file, options, threads)
+                                         : DecodeAtOnce(**file, options, threads);
 }
 
 } // namespace isosurface

@@ -13,6 +13,7 @@ constexpr const char* Description =
 
 constexpr const char* Footer = R"(Formats of OUT, by its file extension:
   .ply .stl           binary
+  .glb                binary glTF 2.0, a mesh for each isovalue
   .vtp                with GlobalIds, isovalues, arrays and normals
   .obj                text
 
@@ -21,8 +22,11 @@ Examples:
   edgeindex verify skull.eix
   edgeindex decode skull.eix skull.ply
   edgeindex decode skull.eix coarse.stl --preview
+  edgeindex decode skull.eix skull.glb --triangles 2e6 --compress
 
-The triangles of all blocks share their points, so the surface is watertight. Of a truncated file the
+The triangles of all blocks share their points, so the surface is watertight. (In .stl and .glb, points in
+one place have equal coordinates.) .ply, .stl and .glb are written piece by piece within --memory, however
+large the surface; .vtp and .obj need memory for all of it. Of a truncated file the
 complete blocks are decoded, with a warning. Exit status: 0 for success, 1 for an error or a fault
 found, 130 if the command was interrupted. OUT appears in one step at the end.)";
 
@@ -41,12 +45,24 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
     command->add_option("FILE", options.Input, "The edge-index file, FILE.eix")->required();
     return command;
   };
+  double triangles = 0;
   CLI::App* info = addCommand("info", "Print the contents of a file");
   info->add_flag("--json", options.IsJson, "As one JSON object");
   CLI::App* verify = addCommand("verify", "Decode the whole file, to find any fault");
   CLI::App* decode = addCommand("decode", "Write the triangles to OUT, or only count them");
-  decode->add_option("OUT", options.Output, "OUT.ply, .stl, .vtp or .obj");
+  decode->add_option("OUT", options.Output, "OUT.ply, .stl, .glb, .vtp or .obj");
   decode->add_flag("--preview", options.IsPreview, "Only the coarse surface of the file");
+  decode
+    ->add_option("--triangles", triangles,
+      "Simplify to about this number of triangles, in pieces whose borders are kept; 0: keep all")
+    ->check(CLI::Range(0.0, 1e15));
+  decode->add_flag(
+    "--compress", options.IsCompressed, "Of a .glb: by meshoptimizer, with normals of 8 bits");
+  decode
+    ->add_option("--memory", options.MemoryMebibytes,
+      "MiB to use for .ply, .stl and .glb; a row of blocks must fit")
+    ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
+    ->capture_default_str();
   for (CLI::App* command : { verify, decode })
   {
     command->add_option("--threads", options.Threads, "Threads; 0: all cores")
@@ -71,6 +87,7 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
   {
     return Status(StatusCode::InvalidArgument, std::string(error.what()) + " (--help tells more)");
   }
+  options.NumberOfTriangles = static_cast<std::uint64_t>(triangles);
   options.What = info->parsed() ? Command::Info
     : verify->parsed()          ? Command::Verify
                                 : Command::Decode;

@@ -4,6 +4,7 @@
 
 #include "Base/Status.h"
 
+#include <cstdint>
 #include <string>
 
 namespace isosurface
@@ -27,6 +28,9 @@ struct EdgeIndexOptions
   bool IsQuiet = false;
   bool IsJson = false;
   bool IsPreview = false;
+  bool IsCompressed = false;           ///< .glb
+  std::uint64_t NumberOfTriangles = 0; ///< about so many; 0: all
+  std::uint64_t MemoryMebibytes = 1024;
   int Threads = 0; ///< 0: all cores
 
   /// Error: InvalidArgument, which names the option.

@@ -5,7 +5,10 @@
 FILES are the golden files of the format; what they hold is told in Testing/Data/README.md.
 """
 import collections
+import ctypes
+import ctypes.util
 import json
+import math
 import os
 import shutil
 import struct
@@ -67,6 +70,110 @@ def read_obj(path):
             if words[:1] == ["f"]:
                 cells.append(tuple(int(word.split("/")[0]) - 1 for word in words[1:]))
     return points, cells
+
+
+def read_ply_points(path):
+    """Coordinates of the points, and triangles."""
+    points, cells = read_ply(path)
+    with open(path, "rb") as file:
+        header, body = file.read().split(b"end_header\n", 1)
+    values = header.count(b"property float ")
+    return [struct.unpack_from("<3f", body, 4 * values * n) for n in range(points)], cells
+
+
+def read_stl_points(path):
+    """The corners of each triangle, as coordinates."""
+    with open(path, "rb") as file:
+        data = file.read()
+    count = struct.unpack_from("<I", data, 80)[0]
+    assert len(data) == 84 + 50 * count
+    values = [struct.unpack_from("<9f", data, 84 + 50 * n + 12) for n in range(count)]
+    return [(one[:3], one[3:6], one[6:]) for one in values]
+
+
+class Glb:
+    """A binary glTF file; what is compressed is decoded by libmeshoptimizer."""
+
+    def __init__(self, path):
+        with open(path, "rb") as file:
+            data = file.read()
+        magic, version, size, length, kind = struct.unpack_from("<4sIII4s", data)
+        assert (magic, version, size, kind) == (b"glTF", 2, len(data), b"JSON")
+        self.json = json.loads(data[20 : 20 + length])
+        size, kind = struct.unpack_from("<I4s", data, 20 + length)
+        assert kind == b"BIN\0" and len(data) == 28 + length + size
+        self.binary = data[28 + length :]
+        assert self.json["buffers"][0]["byteLength"] == size
+
+    def read_view(self, number):
+        view = self.json["bufferViews"][number]
+        code = view.get("extensions", {}).get("EXT_meshopt_compression")
+        if not code:
+            return self.binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
+        library = ctypes.CDLL(ctypes.util.find_library("meshoptimizer"))
+        source = self.binary[code["byteOffset"] : code["byteOffset"] + code["byteLength"]]
+        count, stride = ctypes.c_size_t(code["count"]), ctypes.c_size_t(code["byteStride"])
+        result = ctypes.create_string_buffer(view["byteLength"])
+        decode = {"TRIANGLES": library.meshopt_decodeIndexBuffer,
+                  "ATTRIBUTES": library.meshopt_decodeVertexBuffer}[code["mode"]]
+        assert decode(result, count, stride, source, ctypes.c_size_t(len(source))) == 0
+        if code.get("filter") == "OCTAHEDRAL":
+            library.meshopt_decodeFilterOct(result, count, stride)
+        return result.raw
+
+    def read(self, number):
+        accessor = self.json["accessors"][number]
+        view = self.json["bufferViews"][accessor["bufferView"]]
+        kind = {5120: "b", 5125: "I", 5126: "f"}[accessor["componentType"]]
+        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+        stride = view.get("byteStride", width * struct.calcsize(kind))
+        data = self.read_view(accessor["bufferView"])
+        assert len(data) == accessor["count"] * stride
+        values = [struct.unpack_from(f"<{width}{kind}", data, stride * n)
+                  for n in range(accessor["count"])]
+        if "min" in accessor:
+            for axis in range(width):
+                assert min(value[axis] for value in values) == accessor["min"][axis]
+                assert max(value[axis] for value in values) == accessor["max"][axis]
+        return values
+
+    def triangles(self):
+        """The corners of each triangle, as coordinates, of all meshes."""
+        found = []
+        for node in self.json["scenes"][0]["nodes"]:
+            for part in self.json["meshes"][self.json["nodes"][node]["mesh"]]["primitives"]:
+                points = self.read(part["attributes"]["POSITION"])
+                corners = [value for (value,) in self.read(part["indices"])]
+                found += [tuple(points[corner] for corner in corners[n : n + 3])
+                          for n in range(0, len(corners), 3)]
+        return found
+
+    def count_normals(self):
+        """Points with a normal, all of which must have unit length, or nearly, or be 0."""
+        count = 0
+        for mesh in self.json["meshes"]:
+            for part in mesh["primitives"]:
+                if "NORMAL" in part["attributes"]:
+                    accessor = self.json["accessors"][part["attributes"]["NORMAL"]]
+                    unit = 127 if accessor["componentType"] == 5120 else 1
+                    for normal in self.read(part["attributes"]["NORMAL"]):
+                        length = sum(value * value for value in normal) ** 0.5 / unit
+                        assert length == 0 or 0.97 < length < 1.03, normal
+                        count += 1
+        return count
+
+
+def turn(triangle):
+    """The same triangle, whichever corner comes first."""
+    return min(triangle[n:] + triangle[:n] for n in range(3))
+
+
+def count_triangles(triangles):
+    return collections.Counter(turn(tuple(one)) for one in triangles)
+
+
+def are_numbers(triangle):
+    return all(math.isfinite(value) for point in triangle for value in point)
 
 
 def count_open_sides(cells):
@@ -175,6 +282,90 @@ class DecodeWritesTriangles(unittest.TestCase):
         self.assertGreater(len(read_ply(scratch("cut.ply"))[1]), 0)
 
 
+class PiecesAreOneSurface(unittest.TestCase):
+    """--memory 1 is less than any file needs: each row of blocks is a piece."""
+
+    def test_any_memory_gives_the_same_points_and_triangles(self):
+        for name in NAMES:
+            with self.subTest(name=name):
+                for memory in ("1", "1024"):
+                    code, _, err = run("decode", golden(name), memory + ".ply", "--memory", memory,
+                                       "--quiet")
+                    self.assertEqual((code, err), (0, ""))
+                some, cells = read_ply_points(scratch("1.ply"))
+                points, all_cells = read_ply_points(scratch("1024.ply"))
+                self.assertEqual(len(cells), len(all_cells))
+                # What is not a number is not equal to itself; its text is.
+                some, points = ([tuple(map(str, one)) for one in found] for found in (some, points))
+                self.assertEqual(collections.Counter(some), collections.Counter(points))
+                self.assertEqual(count_triangles(tuple(some[n] for n in cell) for cell in cells),
+                                 count_triangles(tuple(points[n] for n in cell) for cell in all_cells))
+                self.assertEqual(count_open_sides(cells), count_open_sides(all_cells))
+
+    def test_stl_and_glb_have_the_triangles_of_ply(self):
+        normals = 0
+        for name in NAMES:
+            for memory in ("1", "1024"):
+                with self.subTest(name=name, memory=memory):
+                    for output in (["o.ply"], ["o.stl"], ["o.glb"], ["c.glb", "--compress"]):
+                        code, _, err = run("decode", golden(name), *output, "--memory", memory,
+                                           "--quiet")
+                        self.assertEqual((code, err), (0, ""))
+                    points, cells = read_ply_points(scratch("o.ply"))
+                    expected = [tuple(points[n] for n in cell) for cell in cells]
+                    expected = count_triangles(filter(are_numbers, expected))
+                    stl = filter(are_numbers, read_stl_points(scratch("o.stl")))
+                    self.assertEqual(count_triangles(stl), expected)
+                    plain = Glb(scratch("o.glb"))
+                    self.assertEqual(count_triangles(plain.triangles()), expected)
+                    compressed = Glb(scratch("c.glb"))
+                    self.assertEqual(count_triangles(compressed.triangles()), expected)
+                    self.assertLessEqual(compressed.count_normals(), plain.count_normals())
+                    normals += compressed.count_normals()
+        self.assertGreater(normals, 0)
+
+    def test_another_reader_of_gltf(self):
+        from vtkmodules.vtkIOGeometry import vtkGLTFReader
+        run("decode", golden("lossless-int16.eix"), "o.glb", "--memory", "1")
+        reader = vtkGLTFReader()
+        reader.SetFileName(scratch("o.glb"))
+        reader.Update()
+        blocks = reader.GetOutput().NewIterator()
+        cells = 0
+        while not blocks.IsDoneWithTraversal():
+            cells += blocks.GetCurrentDataObject().GetNumberOfCells()
+            blocks.GoToNextItem()
+        self.assertEqual(cells, len(Glb(scratch("o.glb")).triangles()))
+
+    def test_fewer_triangles_with_the_same_borders(self):
+        for memory in ("1", "1024"):
+            for ending in ("ply", "stl", "glb"):
+                with self.subTest(memory=memory, ending=ending):
+                    code, _, err = run("decode", golden("lossless-int16.eix"), "all." + ending)
+                    self.assertEqual(code, 0, err)
+                    code, _, err = run("decode", golden("lossless-int16.eix"), "few." + ending,
+                                       "--memory", memory, "--triangles", "1000", "--quiet")
+                    self.assertEqual((code, err), (0, ""))
+                    every, few = (self.read(scratch(name + "." + ending)) for name in ("all", "few"))
+                    # Borders of pieces stay, so small pieces have more.
+                    self.assertLess(len(few), len(every) / 2 if memory == "1024" else len(every))
+                    self.assertLess({p for one in few for p in one}, {p for one in every for p in one})
+                    self.assertEqual(self.count_border_points(few), self.count_border_points(every))
+
+    def read(self, path):
+        if path.endswith(".ply"):
+            points, cells = read_ply_points(path)
+            return [tuple(points[n] for n in cell) for cell in cells]
+        return read_stl_points(path) if path.endswith(".stl") else Glb(path).triangles()
+
+    def count_border_points(self, triangles):
+        sides = collections.Counter()
+        for one in triangles:
+            for n in range(3):
+                sides[one[n], one[(n + 1) % 3]] += 1
+        return len({p for a, b in sides if a != b and (b, a) not in sides for p in (a, b)})
+
+
 class ErrorsAreOneLine(unittest.TestCase):
     def check(self, *arguments):
         code, out, err = run(*arguments)
@@ -187,6 +378,9 @@ class ErrorsAreOneLine(unittest.TestCase):
         self.assertIn("none.eix", self.check("info", "none.eix"))
         self.assertIn("none.eix", self.check("decode", "none.eix", "out.ply"))
         self.assertIn(".vtp", self.check("decode", golden("bounded.eix"), "out.xyz"))
+        self.assertIn("--triangles", self.check(
+            "decode", golden("bounded.eix"), "out.obj", "--triangles", "9"))
+        self.assertIn("--compress", self.check("decode", golden("bounded.eix"), "out.ply", "--compress"))
         self.assertIn("nowhere", self.check("decode", golden("bounded.eix"), "nowhere/out.ply", "--quiet"))
         self.check()
         self.check("paint", golden("bounded.eix"))

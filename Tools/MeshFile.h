@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_MeshFile_h
+#define isosurface_MeshFile_h
+
+#include "Base/FileSystem.h"
+#include "Base/Status.h"
+#include "EdgeIndex/EdgeIndexHeader.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The triangles of one isovalue in a piece of a surface. The arrays are the caller's.
+struct Mesh
+{
+  const float* Points = nullptr;           ///< x, y, z in the world
+  const float* Normals = nullptr;          ///< x, y, z; null for none
+  const std::int64_t* GlobalIds = nullptr; ///< of the grid's edges on which the points are
+  std::size_t NumberOfPoints = 0;
+  const std::uint32_t* Corners = nullptr; ///< three numbers of points a triangle
+  std::size_t NumberOfTriangles = 0;
+  std::size_t Isovalue = 0; ///< its number in the header of the edge-index file
+};
+
+/// The numbers in the whole surface of a mesh's points. Those from First on are new, and follow each
+/// other in the order of the mesh.
+struct PointNumbers
+{
+  std::vector<std::uint64_t> Values;
+  std::uint64_t First = 0;
+};
+
+/// A file of triangles that is written piece by piece, in little more memory than a piece has.
+class MeshFile
+{
+public:
+  struct Settings
+  {
+    std::string Path;
+    std::size_t MostMeshes = 0; ///< that will be appended
+    bool HasNormals = false;    ///< every mesh has them
+    bool IsCompressed = false;  ///< only of .glb
+  };
+
+  /// The file of the format that the end of the path names: .stl, .ply or .glb. `header` must
+  /// outlive it.
+  static Result<std::unique_ptr<MeshFile>> Create(
+    FileSystem& files, const EdgeIndexHeader& header, const Settings& settings);
+  /// Whether Create() knows the format.
+  static bool Knows(const std::string& path);
+
+  virtual ~MeshFile() = default;
+  /// Whether points may be infinite, or not a number.
+  virtual bool HoldsAnyValue() const { return true; }
+  /// Errors: IoError, DiskFull; Unsupported if the format cannot hold as much.
+  virtual Status Append(const Mesh& mesh, const PointNumbers& numbers) = 0;
+  /// Writes what is known only at the end, then closes.
+  virtual Status Finish() = 0;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MeshWriteJob.h"
+
+#include "SimplifiedMesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isosurface
+{
+namespace
+{
+
+// What a process has before it decodes anything.
+constexpr std::uint64_t ProcessBytes = std::uint64_t{ 80 } << 20;
+// For each point: its arrays, two triangles, and what making, simplifying and compressing them takes.
+constexpr std::uint64_t PointBytes = 100;
+constexpr std::uint64_t SimplifiedPointBytes = 420;
+constexpr std::uint64_t CompressedPointBytes = 220;
+// Of so many, the corners of all triangles have numbers of 32 bits.
+constexpr std::uint64_t MostPoints = 100'000'000;
+
+bool HasNormalsOf(const EdgeIndexHeader& header)
+{
+  return std::any_of(header.Attributes.begin(), header.Attributes.end(),
+    [](const EdgeIndexAttribute& attribute) { return attribute.IsNormals; });
+}
+
+bool AreNumbers(const Mesh& mesh)
+{
+  return std::all_of(mesh.Points, mesh.Points + 3 * mesh.NumberOfPoints,
+    [](float value) { return std::isfinite(value); });
+}
+
+} // namespace
+
+MeshWriteJob::MeshWriteJob(const EdgeIndexFile& file, const Settings& settings)
+  : File(file)
+  , Chosen(settings)
+  , HasNormals(HasNormalsOf(file.GetHeader()) && !settings.IsPreview)
+  , Shared(file.GetHeader().Geometry.GetDimensions())
+{
+}
+
+std::vector<SurfacePiece> MeshWriteJob::FindPieces() const
+{
+  if (this->Chosen.IsPreview)
+  {
+    return { { { { 0, 0, 0 }, this->File.GetHeader().Geometry.GetDimensions() }, 1, true } };
+  }
+  const std::uint64_t bytes = this->Chosen.MemoryMebibytes << 20;
+  const std::uint64_t point = this->Chosen.NumberOfTriangles > 0 ? SimplifiedPointBytes
+    : this->Chosen.IsCompressed                                  ? CompressedPointBytes
+                                                                 : PointBytes;
+  return CutSurface(
+    this->File, std::min(MostPoints, (bytes > ProcessBytes ? bytes - ProcessBytes : 1) / point));
+}
+
+Status MeshWriteJob::Write(const std::string& path, const Progress& progress)
+{
+  const std::vector<SurfacePiece> pieces = this->FindPieces();
+  this->PointsInAll = 0;
+  for (const SurfacePiece& piece : pieces)
+  {
+    this->PointsInAll += piece.NumberOfPoints;
+  }
+  const EdgeIndexHeader& header = this->File.GetHeader();
+  MeshFile::Settings settings;
+  settings.Path = path;
+  settings.MostMeshes = pieces.size() * header.Isovalues.size();
+  settings.HasNormals = this->HasNormals;
+  settings.IsCompressed = this->Chosen.IsCompressed;
+  const auto output = MeshFile::Create(GetLocalFileSystem(), header, settings);
+  ISOSURFACE_RETURN_IF_ERROR(output.GetStatus());
+  std::uint64_t done = 0;
+  for (const SurfacePiece& piece : pieces)
+  {
+    const auto all = static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
+    const auto ofPiece = [&](double share)
+    {
+      return progress(
+        (static_cast<double>(done) + share * static_cast<double>(piece.NumberOfPoints)) / all);
+    };
+    ISOSURFACE_RETURN_IF_ERROR(this->WritePiece(piece, **output, ofPiece));
+    done += piece.NumberOfPoints;
+  }
+  return (*output)->Finish();
+}
+
+Status MeshWriteJob::WritePiece(
+  const SurfacePiece& piece, MeshFile& output, const Progress& progress)
+{
+  EdgeIndexSelection selection;
+  selection.Preview = this->Chosen.IsPreview;
+  if (!this->Chosen.IsPreview)
+  {
+    selection.Box = piece.Box;
+  }
+  ContourRequest request;
+  request.GlobalIds = true;
+  request.Normals = this->HasNormals;
+  const auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
+  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  // A piece has the share of the triangles that it has of the points.
+  const bool isSimplified = this->Chosen.NumberOfTriangles > 0;
+  const double aimOfPiece = static_cast<double>(this->Chosen.NumberOfTriangles) *
+    static_cast<double>(piece.NumberOfPoints) /
+    static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
+  std::vector<std::uint32_t> corners;
+  for (std::size_t isovalue = 0; isovalue < surface->Parts.size(); ++isovalue)
+  {
+    const SurfacePart& part = surface->Parts[isovalue];
+    corners.resize(3 * part.NumberOfCells);
+    for (std::size_t corner = 0; corner < corners.size(); ++corner)
+    {
+      corners[corner] =
+        static_cast<std::uint32_t>(surface->Connectivity[3 * part.FirstCell + corner] -
+          static_cast<std::int64_t>(part.FirstPoint));
+    }
+    Mesh mesh;
+    mesh.Points = surface->Points.GetData() + 3 * part.FirstPoint;
+    mesh.Normals = this->HasNormals ? surface->Normals.GetData() + 3 * part.FirstPoint : nullptr;
+    mesh.GlobalIds = surface->GlobalIds.GetData() + part.FirstPoint;
+    mesh.NumberOfPoints = part.NumberOfPoints;
+    mesh.Corners = corners.data();
+    mesh.NumberOfTriangles = part.NumberOfCells;
+    mesh.Isovalue = isovalue;
+    if (part.NumberOfCells > 0)
+    {
+      const auto aim = static_cast<std::size_t>(aimOfPiece *
+        static_cast<double>(part.NumberOfCells) / static_cast<double>(surface->NumberOfTriangles));
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->WritePart(piece, mesh, isSimplified ? aim : mesh.NumberOfTriangles, output));
+    }
+  }
+  return Status::Ok();
+}
+
+Status MeshWriteJob::WritePart(
+  const SurfacePiece& piece, const Mesh& mesh, std::size_t triangles, MeshFile& output)
+{
+  const bool isSimplified = triangles < mesh.NumberOfTriangles;
+  if (!isSimplified && (output.HoldsAnyValue() || AreNumbers(mesh)))
+  {
+    this->NumberOfTriangles += mesh.NumberOfTriangles;
+    return output.Append(mesh, this->Shared.Number(mesh, piece));
+  }
+  const SimplifiedMesh simplified(mesh, triangles);
+  const Mesh kept = simplified.Get();
+  this->NumberOfTriangles += kept.NumberOfTriangles;
+  return kept.NumberOfTriangles == 0 ? Status::Ok()
+                                     : output.Append(kept, this->Shared.Number(kept, piece));
+}
+
+} // namespace isosurface

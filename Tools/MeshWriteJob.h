@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_MeshWriteJob_h
+#define isosurface_MeshWriteJob_h
+
+#include "Base/Progress.h"
+#include "EdgeIndex/EdgeIndexFile.h"
+#include "MeshFile.h"
+#include "SharedPoints.h"
+
+#include <cstdint>
+#include <string>
+
+namespace isosurface
+{
+
+/// Decodes an edge-index file piece by piece into a file of triangles.
+class MeshWriteJob
+{
+public:
+  struct Settings
+  {
+    std::uint64_t NumberOfTriangles = 0; ///< simplify to about so many; 0: keep all
+    std::uint64_t MemoryMebibytes = 1024;
+    int Threads = 1;
+    bool IsPreview = false;
+    bool IsCompressed = false;
+  };
+
+  /// `file` must outlive the job.
+  MeshWriteJob(const EdgeIndexFile& file, const Settings& settings);
+
+  /// Writes the file at `path`. Errors: those of EdgeIndexFile::Read() and MeshFile.
+  Status Write(const std::string& path, const Progress& progress);
+
+  std::uint64_t GetNumberOfPoints() const { return this->Shared.GetNumberOfPoints(); }
+  std::uint64_t GetNumberOfTriangles() const { return this->NumberOfTriangles; }
+
+private:
+  std::vector<SurfacePiece> FindPieces() const;
+  Status WritePiece(const SurfacePiece& piece, MeshFile& output, const Progress& progress);
+  /// Simplifies a mesh to about so many triangles, if it has more, and writes it.
+  Status WritePart(
+    const SurfacePiece& piece, const Mesh& mesh, std::size_t triangles, MeshFile& output);
+
+  const EdgeIndexFile& File;
+  Settings Chosen;
+  bool HasNormals;
+  std::uint64_t PointsInAll = 0; ///< as the directory counts them
+  SharedPoints Shared;
+  std::uint64_t NumberOfTriangles = 0;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SharedPoints.h"
+
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// Which edge of the grid a global id names; see ExtractSurface.
+struct GridEdge
+{
+  Index3 Vertex;
+  std::size_t Axis;
+
+  GridEdge(std::int64_t id, const Index3& size)
+    : Axis(static_cast<std::size_t>(id % 3))
+  {
+    const std::int64_t vertex = id / 3 % (size[0] * size[1] * size[2]);
+    this->Vertex = { vertex % size[0], vertex / size[0] % size[1], vertex / (size[0] * size[1]) };
+  }
+
+  bool IsInPlane(std::size_t axis, std::int64_t place) const
+  {
+    return this->Axis != axis && this->Vertex[axis] == place;
+  }
+};
+
+} // namespace
+
+void SharedPoints::Begin(const SurfacePiece& piece)
+{
+  if (piece.Box == this->Box)
+  {
+    return; // another isovalue
+  }
+  this->Box = piece.Box;
+  this->Row = std::exchange(this->NextRow, {});
+  if (piece.BeginsLayer)
+  {
+    this->Layer = std::exchange(this->NextLayer, {});
+    this->Row.clear();
+  }
+}
+
+PointNumbers SharedPoints::Number(const Mesh& mesh, const SurfacePiece& piece)
+{
+  this->Begin(piece);
+  PointNumbers numbers{ std::vector<std::uint64_t>(mesh.NumberOfPoints), this->NumberOfPoints };
+  for (std::size_t point = 0; point < mesh.NumberOfPoints; ++point)
+  {
+    const std::int64_t id = mesh.GlobalIds[point];
+    const GridEdge edge(id, this->Dimensions);
+    std::uint64_t number = this->NumberOfPoints;
+    const auto find = [&](const Numbers& known)
+    {
+      const auto found = known.find(id);
+      number = found == known.end() ? number : found->second;
+    };
+    if (edge.IsInPlane(2, piece.Box.Low[2]))
+    {
+      find(this->Layer);
+    }
+    if (edge.IsInPlane(1, piece.Box.Low[1]))
+    {
+      find(this->Row);
+    }
+    this->NumberOfPoints += number == this->NumberOfPoints ? 1 : 0;
+    numbers.Values[point] = number;
+    if (edge.IsInPlane(2, piece.Box.High[2] - 1))
+    {
+      this->NextLayer[id] = number;
+    }
+    if (edge.IsInPlane(1, piece.Box.High[1] - 1))
+    {
+      this->NextRow[id] = number;
+    }
+  }
+  return numbers;
+}
+
+} // namespace isosurface

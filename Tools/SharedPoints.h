@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SharedPoints_h
+#define isosurface_SharedPoints_h
+
+#include "MeshFile.h"
+#include "SurfacePieces.h"
+#include "Volume/VertexBox.h"
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Numbers the points of a surface that comes in pieces (CutSurface), each point once. Of the points
+ * that were numbered it keeps only those in the plane at the end of a layer and at the end of a piece.
+ */
+class SharedPoints
+{
+public:
+  /// `dimensions`: vertices of the grid, which global ids count.
+  explicit SharedPoints(const Index3& dimensions)
+    : Dimensions(dimensions)
+  {
+  }
+
+  std::uint64_t GetNumberOfPoints() const { return this->NumberOfPoints; }
+
+  PointNumbers Number(const Mesh& mesh, const SurfacePiece& piece);
+
+private:
+  using Numbers = std::unordered_map<std::int64_t, std::uint64_t>;
+
+  void Begin(const SurfacePiece& piece);
+
+  Index3 Dimensions;
+  std::uint64_t NumberOfPoints = 0;
+  VertexBox Box; ///< of the last piece
+  Numbers Layer; ///< points at the end of the layer before
+  Numbers NextLayer;
+  Numbers Row; ///< points at the end of the piece before, in this layer
+  Numbers NextRow;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StlFile_h
+#define isosurface_StlFile_h
+
+#include "MeshFile.h"
+
+namespace isosurface
+{
+
+/// Binary STL: a text of 80 bytes, the number of triangles, and 50 bytes for each, with its normal.
+class StlFile : public MeshFile
+{
+public:
+  static Result<std::unique_ptr<MeshFile>> Create(std::unique_ptr<WritableFile> file);
+
+  Status Append(const Mesh& mesh, const PointNumbers& numbers) override;
+  Status Finish() override;
+
+private:
+  explicit StlFile(std::unique_ptr<WritableFile> file)
+    : File(std::move(file))
+  {
+  }
+
+  std::unique_ptr<WritableFile> File;
+  std::uint64_t NumberOfTriangles = 0;
+};
+
+} // namespace isosurface
+
+#endif
