@@ -133,6 +133,8 @@ Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::
       std::back_inserter(candidates));
   }
   const GridGeometry geometry = this->Stores.GetHeader().Grid.Coarsen(this->Level);
+  BlockSelection placed = selection;
+  placed.Lines = this->Stores.GetLines(this->Level);
   std::vector<BlockReference> references;
   for (const std::uint32_t ordinal : candidates)
   {
@@ -143,7 +145,7 @@ Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::
     }
     const VertexBox vertices = this->Stored.Grid->GetVertices(reference->Block, this->Stored.Level);
     const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
-    if (selection.Selects(geometry, vertices, isCrossed))
+    if (placed.Selects(geometry, vertices, isCrossed))
     {
       references.push_back(*reference);
     }

@@ -106,7 +106,10 @@ def check_spectrum(volume, number):
     if isovalues and volume.arrays[number]["type"][0] != "f":  # there is no NaN or infinity
         counts, rounding = spectra.totals[number]["volume"], len(volume.stores)
         whole = (math.prod(n - 1 for n in volume.dimensions) * 8**volume.first_level
-                 * abs(math.prod(volume.header["grid"]["spacing"])) / spectra.units[number][1])
+                 * abs(math.prod(volume.header["grid"]["spacing"])))
+        if volume.coordinates:
+            whole = math.prod(of_axis[-1] - of_axis[0] for of_axis in volume.coordinates)
+        whole /= spectra.units[number][1]
         check(counts[0] <= whole + rounding
               and all(after <= before + rounding for before, after in zip(counts, counts[1:])),
               f"{spectra.path}: array {number}: volume")
