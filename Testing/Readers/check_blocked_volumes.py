@@ -171,6 +171,10 @@ def check_volume(path):
         source.frombytes(read_file(f"{path[:-5]}.array-{number}.raw"))
         sources.append(source)
     check_ranges(volume, sources)
+    check(bool(volume.coordinates) == ("rectilinear" in path), f"{path}: coordinates")
+    for size, of_axis in zip(volume.dimensions, volume.coordinates or []):
+        check(all(math.isclose(x, 0.3 * n + math.sin(0.2 * n) - 1e-9, abs_tol=1e-14)
+                  for n, x in enumerate(of_axis)) and len(of_axis) == size, f"{path}: coordinates")
     ranges = check_samples(volume, sources)
     for number, source in enumerate(sources):
         check_queries(volume, ranges, number)
@@ -191,7 +195,7 @@ def check_volume(path):
 def main(folder):
     random.seed(1)
     paths = sorted(glob.glob(os.path.join(folder, "*.bvol")))
-    check(len(paths) == 6, f"{folder}: not the volumes that were written")
+    check(len(paths) == 7, f"{folder}: not the volumes that were written")
     kinds = [check_volume(path) for path in paths]
     unused = [kind for kind in kinds[0] if not any(lists[kind] for lists in kinds)]
     check(not unused, f"no tree has lists of the kinds {unused}")
