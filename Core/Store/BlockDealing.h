@@ -37,7 +37,8 @@ public:
   /**
    * The ranks of all active blocks, in the order of these; `blocks` are their numbers in the grid.
    * Nearly all have that of FindRank; which others depends on the set of blocks alone, not on their
-   * order. Integers only, so every machine finds the same. Cost: about 30 ns a block.
+   * order. Integers only, so every machine finds the same. Cost: sorting the blocks, and that of
+   * PredictActiveBlockWork.
    */
   std::vector<std::uint32_t> Deal(
     const BlockGrid& grid, const std::vector<std::int64_t>& blocks) const;
