@@ -3,7 +3,10 @@
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
@@ -37,6 +40,7 @@ vtkSmartPointer<vtkImageData> MakeStructuredImage(vtkRectilinearGrid* grid)
   image->SetExtent(grid->GetExtent());
   image->GetPointData()->ShallowCopy(grid->GetPointData());
   image->GetCellData()->ShallowCopy(grid->GetCellData());
+  image->GetFieldData()->ShallowCopy(grid->GetFieldData());
   image->Grid = grid;
   return image;
 }
@@ -54,6 +58,27 @@ GridLines MakeGridLines(vtkRectilinearGrid* grid)
     }
   }
   return lines;
+}
+
+vtkSmartPointer<vtkRectilinearGrid> MakeRectilinearGrid(vtkImageData* image, const GridLines& lines)
+{
+  auto grid = vtkSmartPointer<vtkRectilinearGrid>::New();
+  grid->SetExtent(image->GetExtent());
+  vtkNew<vtkDoubleArray> axes[3];
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    for (const double line : lines.Coordinates[axis])
+    {
+      axes[axis]->InsertNextValue(line);
+    }
+  }
+  grid->SetXCoordinates(axes[0]);
+  grid->SetYCoordinates(axes[1]);
+  grid->SetZCoordinates(axes[2]);
+  grid->GetPointData()->ShallowCopy(image->GetPointData());
+  grid->GetCellData()->ShallowCopy(image->GetCellData());
+  grid->GetFieldData()->ShallowCopy(image->GetFieldData());
+  return grid;
 }
 
 } // namespace isosurface

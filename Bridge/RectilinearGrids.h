@@ -21,6 +21,11 @@ ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkImageData> MakeStructuredImage(vtkRec
 /// The coordinates of a grid.
 ISOSURFACEBRIDGE_EXPORT GridLines MakeGridLines(vtkRectilinearGrid* grid);
 
+/// A grid with the arrays and the extent of an image, the vertices of which lie at the given lines:
+/// one for each vertex on each axis.
+ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkRectilinearGrid> MakeRectilinearGrid(
+  vtkImageData* image, const GridLines& lines);
+
 } // namespace isosurface
 
 #endif

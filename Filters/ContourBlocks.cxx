@@ -68,15 +68,21 @@ Status CheckVisible(const std::vector<ImagePiece>& pieces)
                : Status::Ok();
 }
 
+Status MakeLinesError(const std::string& what)
+{
+  return { StatusCode::InvalidArgument,
+    what +
+      ", whose coordinates edge-index records cannot tell: save or draw the surface of Stabbing "
+      "Contour itself" };
+}
+
 Status CheckGrids(const ImagePieces& pieces)
 {
   const std::vector<GridGeometry>& grids = pieces.Grids;
   if (std::any_of(pieces.Lines.begin(), pieces.Lines.end(),
         [](const std::optional<GridLines>& lines) { return lines.has_value(); }))
   {
-    return { StatusCode::InvalidArgument,
-      "the input has rectilinear grids, whose coordinates edge-index records cannot tell: save or "
-      "draw the surface of Stabbing Contour itself" };
+    return MakeLinesError("the input has rectilinear grids");
   }
   if (grids.size() > 1)
   {
@@ -110,6 +116,10 @@ Status CollectContourBlocks(vtkStabbingContour* contour, int piece, int pieces,
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
   int level, ContourBlocks& blocks)
 {
+  if (volume->GetLines(level))
+  {
+    return MakeLinesError(volume->GetPath() + " has a rectilinear grid");
+  }
   QueryStatistics statistics;
   auto active = volume->FindActiveBlocks(query.TimeStep, query.Variable, blocks.Isovalues,
     query.Rank, query.Ranks, statistics, level, { {}, query.Selection.Region });

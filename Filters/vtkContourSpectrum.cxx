@@ -12,10 +12,10 @@
 #include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkDataArray.h"
+#include "vtkDataObject.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
-#include "vtkDataObject.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
@@ -92,7 +92,14 @@ std::vector<GridSpectrum> MakeGridSpectra(const isosurface::ImagePieces& pieces,
         views.push_back(scalars[piece]);
       }
     }
-    spectra.emplace_back(pieces.Grids[grid], type, std::move(views), threads);
+    isosurface::MeasuredGrid measured{ pieces.Grids[grid] };
+    if (const auto& lines = pieces.Lines[grid])
+    {
+      measured.Lines = &*lines;
+      measured.Geometry =
+        lines->MakeFrame(measured.Geometry, { { 0, 0, 0 }, measured.Geometry.GetDimensions() });
+    }
+    spectra.emplace_back(measured, type, std::move(views), threads);
   }
   return spectra;
 }
@@ -113,8 +120,8 @@ struct vtkContourSpectrum::Steps
   Result<isosurface::ImagePieces> CollectPieces(
     vtkInformation* inInfo, isosurface::CellAverages& averages, int threads) const;
   /// The spectra of the grids, in equal bins. Collective.
-  Result<std::vector<WorkloadSpectrum>> Count(ValueType type, std::vector<GridSpectrum> grids,
-    const std::vector<std::optional<isosurface::GridLines>>& lines) const;
+  Result<std::vector<WorkloadSpectrum>> Count(
+    ValueType type, std::vector<GridSpectrum> grids) const;
 };
 
 //------------------------------------------------------------------------------
@@ -291,8 +298,7 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
   {
     return type.GetStatus();
   }
-  const auto spectra =
-    this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads), pieces->Lines);
+  const auto spectra = this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads));
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   if (this->Ranks.GetRank() == 0)
   {
@@ -302,9 +308,8 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 }
 
 //------------------------------------------------------------------------------
-Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(ValueType type,
-  std::vector<GridSpectrum> grids,
-  const std::vector<std::optional<isosurface::GridLines>>& lines) const
+Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
+  ValueType type, std::vector<GridSpectrum> grids) const
 {
   // Ranges, then counts, of each grid.
   std::size_t done = 0;
@@ -330,15 +335,6 @@ Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(ValueType
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(std::move(*spectrum));
     ++done;
-  }
-  for (std::size_t grid = 0; grid < spectra.size(); ++grid)
-  {
-    if (lines[grid])
-    {
-      // They were counted in structured coordinates.
-      spectra[grid].Area.clear();
-      spectra[grid].Volume.clear();
-    }
   }
   return spectra;
 }

@@ -2,6 +2,7 @@
 #include "BlockImage.h"
 
 #include "ImageSamples.h"
+#include "RectilinearGrids.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -13,6 +14,7 @@
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -191,9 +193,20 @@ void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox&
     MakeGhosts(available, own, 1, vtkDataSetAttributes::DUPLICATECELL));
 }
 
+// What the reader gives: the image, or the rectilinear grid of these lines with its arrays.
+vtkSmartPointer<vtkDataSet> FinishGrid(
+  const vtkSmartPointer<vtkImageData>& image, const GridLines* lines, const VertexBox& vertices)
+{
+  if (!lines)
+  {
+    return image;
+  }
+  return MakeRectilinearGrid(image, lines->Cut(vertices));
+}
+
 } // namespace
 
-Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
+Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress)
 {
@@ -232,10 +245,10 @@ Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const
   {
     AddGhosts(image, available, own);
   }
-  return image;
+  return FinishGrid(image, volume.GetLines(level), available);
 }
 
-vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::size_t timeStep)
+vtkSmartPointer<vtkDataSet> MakeBox(const BlockedVolume& volume, std::size_t timeStep)
 {
   const BlockedVolumeHeader& header = volume.GetHeader();
   // The grid whose one cell is the whole volume.
@@ -273,7 +286,21 @@ vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::siz
   {
     image->GetPointData()->SetActiveScalars(header.Arrays[0].Name.c_str());
   }
-  return image;
+  if (!header.Lines)
+  {
+    return image;
+  }
+  GridLines ends;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::vector<double>& lines = header.Lines->Coordinates[axis];
+    ends.Coordinates[axis].push_back(lines.front());
+    if (lines.size() > 1)
+    {
+      ends.Coordinates[axis].push_back(lines.back());
+    }
+  }
+  return MakeRectilinearGrid(image, ends);
 }
 
 } // namespace isosurface

@@ -12,29 +12,29 @@
 #include <cstddef>
 #include <vector>
 
-class vtkImageData;
+class vtkDataSet;
 
 namespace isosurface
 {
 
 /**
- * A box of the blocks that have a level (BlockedVolume::FindLevel) as one vtkImageData, whatever
- * stores the blocks are in: the given arrays at that level, with the ghost layer of vertices and
+ * A box of the blocks that have a level (BlockedVolume::FindLevel) as one vtkImageData, or as one
+ * vtkRectilinearGrid if the volume has such a grid, whatever stores the blocks are in: the given arrays at that level, with the ghost layer of vertices and
  * cells marked in vtkGhostType, if there is one. Extent, origin, spacing and direction are those
  * of the level's grid (GridGeometry::Coarsen), so that pieces fit together; its whole extent is in
  * the field data (StoreWholeExtent). Reads the directories of all stores and every block of the box
  * once, on `threads` threads.
  */
-Result<vtkSmartPointer<vtkImageData>> ReadSlabImage(BlockedVolume& volume, const BlockBox& box,
+Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress);
 
 /**
- * The box of the whole volume as an image of 2 vertices an axis (1 where the volume has 1), with
+ * The box of the whole volume as an image, or as a rectilinear grid, of 2 vertices an axis (1 where the volume has 1), with
  * every component at its minimum in the first vertex and at its maximum in the last. Stands for a
  * volume of which nothing was read: bounds, arrays and the components' ranges are right.
  */
-vtkSmartPointer<vtkImageData> MakeBoxImage(const BlockedVolume& volume, std::size_t timeStep);
+vtkSmartPointer<vtkDataSet> MakeBox(const BlockedVolume& volume, std::size_t timeStep);
 
 } // namespace isosurface
 

@@ -349,7 +349,7 @@ void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions)
   if (this->Piece == 0)
   {
     partitions->SetNumberOfPartitions(1);
-    partitions->SetPartition(0, isosurface::MakeBoxImage(this->Volume, this->Step));
+    partitions->SetPartition(0, isosurface::MakeBox(this->Volume, this->Step));
   }
 }
 
@@ -383,11 +383,11 @@ Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitio
     return Status::Ok();
   }
   isosurface::QueryStatistics statistics;
-  const auto image = isosurface::ReadSlabImage(this->Volume, slab, this->Step, arrays, *level,
+  const auto part = isosurface::ReadSlab(this->Volume, slab, this->Step, arrays, *level,
     this->Threads, statistics, [reader](double share) { return reader->TellProgress(share); });
-  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(part.GetStatus());
   partitions->SetNumberOfPartitions(1);
-  partitions->SetPartition(0, *image);
+  partitions->SetPartition(0, *part);
   vtkLogF(1,
     "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
     "%.4f s",

@@ -5,7 +5,8 @@
  * @brief   reads blocked volumes (.bvol)
  *
  * The output is a vtkPartitionedDataSet of vtkImageData: the whole volume, at the finest level of
- * detail that fits MemoryLimit. Each piece gets one image, a slab of blocks from whatever stores
+ * detail that fits MemoryLimit. Each piece gets one image, or one rectilinear grid if the volume is
+ * on such a grid: a slab of blocks from whatever stores
  * they are in, with a layer of ghost vertices and cells marked by vtkGhostType.
  *
  * Filters of this project, such as vtkStabbingContour, take blocks straight from the stores

@@ -32,7 +32,7 @@ constexpr const char* Footer = R"(IN is one of:
   a folder[:path]           Zarr, OME-Zarr (the finest level), N5: read chunk by chunk
   a folder or .dcm          a DICOM series, slice by slice; folder:UID chooses one
   any file --dimensions     samples without a header: read slab by slab
-  .vti .pvti .vtk .png ...  formats of VTK's readers; some always read the whole file (user guide)
+  .vti .vtr .vtk .png ...   formats of VTK's readers; some always read the whole file (user guide)
 
 Examples:
   blockvolume head.mhd head.bvol

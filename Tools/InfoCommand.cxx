@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InfoCommand.h"
 
-#include "ProgressDisplay.h"
 #include "PrintedSpectrum.h"
+#include "ProgressDisplay.h"
 
 #include "Store/BlockedVolume.h"
 
@@ -49,8 +49,16 @@ Json MakeValue(ValueType type, ValueKey key)
 Json MakeGrid(const BlockedVolume& volume)
 {
   const GridGeometry& grid = volume.GetHeader().Grid;
-  return { { "dimensions", grid.GetDimensions() }, { "extent", grid.Extent },
-    { "origin", grid.Origin }, { "spacing", grid.Spacing }, { "direction", grid.Direction } };
+  Json told = { { "dimensions", grid.GetDimensions() }, { "extent", grid.Extent } };
+  if (const GridLines* lines = volume.GetLines(0))
+  {
+    told["coordinates"] = lines->Coordinates;
+    return told;
+  }
+  told["origin"] = grid.Origin;
+  told["spacing"] = grid.Spacing;
+  told["direction"] = grid.Direction;
+  return told;
 }
 
 /// "density", "velocity, component 1", "velocity, magnitude": the names of variables.
@@ -281,9 +289,21 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
   std::printf("%s\n", volume.GetPath().c_str());
   std::printf("dimensions    %s\n", Join(grid["dimensions"], " x ").c_str());
   std::printf("extent        %s\n", Join(grid["extent"], " ").c_str());
-  std::printf("spacing       %s\n", Join(grid["spacing"], " ").c_str());
-  std::printf("origin        %s\n", Join(grid["origin"], " ").c_str());
-  std::printf("direction     %s\n", Join(grid["direction"], " ").c_str());
+  if (grid.contains("coordinates"))
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const Json& lines = grid["coordinates"][axis];
+      std::printf("coordinates   %c: %s to %s\n", "xyz"[axis], lines.front().dump().c_str(),
+        lines.back().dump().c_str());
+    }
+  }
+  else
+  {
+    std::printf("spacing       %s\n", Join(grid["spacing"], " ").c_str());
+    std::printf("origin        %s\n", Join(grid["origin"], " ").c_str());
+    std::printf("direction     %s\n", Join(grid["direction"], " ").c_str());
+  }
   std::printf("blocks        %s cells a side, %s levels\n", told["blockSize"].dump().c_str(),
     told["levels"].dump().c_str());
   const auto codec = told["compression"]["codec"].get<std::string>();

@@ -42,6 +42,7 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step
   ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
   InputVolume volume;
   volume.Grid = file->Grid;
+  volume.Lines = std::move(file->Lines);
   volume.Arrays = *arrays;
   volume.LeftOut = file->LeftOut;
   volume.Times = file->Times;
@@ -74,6 +75,17 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
                            options.Settings.MemoryLimit / 4);
   if (volume.IsOk())
   {
+    if (volume->Lines && options.Origin && !options.Spacing)
+    {
+      return Status(StatusCode::InvalidArgument,
+        "--origin: " + options.Input +
+          " is a rectilinear grid, whose coordinates place it; with --spacing it becomes a regular "
+          "one");
+    }
+    if (options.Spacing)
+    {
+      volume->Lines.reset();
+    }
     volume->Grid.Spacing = options.Spacing.value_or(volume->Grid.Spacing);
     volume->Grid.Origin = options.Origin.value_or(volume->Grid.Origin);
   }

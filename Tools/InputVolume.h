@@ -23,6 +23,7 @@ namespace isosurface
 struct InputVolume
 {
   GridGeometry Grid;
+  std::optional<GridLines> Lines; ///< of a rectilinear grid
   std::vector<ArrayDescription> Arrays;
   std::optional<double> Time;
   std::vector<double> Times;   ///< of all time steps that the input has; may be empty

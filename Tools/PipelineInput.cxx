@@ -14,11 +14,14 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOutputWindow.h"
+#include "vtkRectilinearGridReader.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStructuredPointsReader.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPImageDataReader.h"
+#include "vtkXMLPRectilinearGridReader.h"
+#include "vtkXMLRectilinearGridReader.h"
 
 #include "ArrayChoice.h"
 #include "ImageSamples.h"
@@ -26,6 +29,7 @@
 #include "PipelineSource.h"
 #include "Source/HeaderText.h"
 #include "Source/MemorySource.h"
+#include "WriterInput.h"
 
 #include <algorithm>
 #include <exception>
@@ -129,9 +133,20 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   {
     return MakeReader<vtkXMLPImageDataReader>(path);
   }
+  if (extension == ".vtr")
+  {
+    return MakeReader<vtkXMLRectilinearGridReader>(path);
+  }
+  if (extension == ".pvtr")
+  {
+    return MakeReader<vtkXMLPRectilinearGridReader>(path);
+  }
   if (extension == ".vtk")
   {
-    return MakeReader<vtkStructuredPointsReader>(path);
+    vtkNew<vtkRectilinearGridReader> reader;
+    reader->SetFileName(path.c_str());
+    return reader->IsFileRectilinearGrid() != 0 ? MakeReader<vtkRectilinearGridReader>(path)
+                                                : MakeReader<vtkStructuredPointsReader>(path);
   }
   if (extension == ".hdr" || extension == ".img")
   {
@@ -223,8 +238,8 @@ private:
   vtkAlgorithm* Reader;
 };
 
-/// Image data of the whole extent, or of its first slice.
-Result<vtkImageData*> Read(
+/// The volume of the whole extent, or its first slice.
+Result<WriterInput> Read(
   vtkAlgorithm* reader, const std::string& path, const int whole[6], bool isWhole, bool withCells)
 {
   vtkNew<vtkInformationVector> requests;
@@ -238,13 +253,48 @@ Result<vtkImageData*> Read(
     request->Set(Pipeline::UPDATE_EXTENT(), whole, 6);
   }
   ISOSURFACE_RETURN_IF_ERROR(RunReader(path, reader, [&] { reader->Update(0, requests); }));
-  auto* image = vtkImageData::SafeDownCast(reader->GetOutputDataObject(0));
+  auto input = WriterInput::Take(reader->GetOutputDataObject(0));
   const std::string error = GetErrorKeeper()->TakeError();
-  if (!image || image->GetNumberOfPoints() == 0 || !error.empty())
+  if (!error.empty())
   {
-    return MakeError(path, error.empty() ? "it has no image data" : error);
+    return MakeError(path, error);
   }
-  return image;
+  if (!input.IsOk())
+  {
+    return Status(
+      StatusCode::Corrupt, path + ": cannot be read: " + input.GetStatus().GetMessage());
+  }
+  if (!input->Image || input->Image->GetNumberOfPoints() == 0)
+  {
+    return MakeError(path, "it has no image data");
+  }
+  return input;
+}
+
+/// The coordinates of a rectilinear grid of which a slice was read.
+Status TakeLines(vtkAlgorithm* reader, const std::string& path, const WriterInput& slice,
+  const int whole[6], InputVolume& volume)
+{
+  if (!slice.Lines)
+  {
+    return Status::Ok();
+  }
+  Result<GridLines> lines = GridLines();
+  ISOSURFACE_RETURN_IF_ERROR(RunReader(path, reader,
+    [&]
+    {
+      lines = slice.FindWholeLines(reader->GetOutputPort(), reader->GetOutputInformation(0), whole);
+    }));
+  const std::string error = GetErrorKeeper()->TakeError();
+  const Status status =
+    lines.IsOk() ? lines->Check(volume.Grid.GetDimensions()) : lines.GetStatus();
+  if (!error.empty() || !status.IsOk())
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": cannot be read: " + (error.empty() ? status.GetMessage() : error));
+  }
+  volume.Lines = std::move(*lines);
+  return Status::Ok();
 }
 
 /// Keeps the samples of the chosen arrays in memory, and releases all others.
@@ -345,7 +395,8 @@ Result<InputVolume> OpenPipelineInput(const std::string& path,
   const auto slice = Read(reader, path, whole, false, withCells);
   ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
   InputVolume volume;
-  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, *slice, whole, arrays, withCells, volume));
+  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, slice->Image, whole, arrays, withCells, volume));
+  ISOSURFACE_RETURN_IF_ERROR(TakeLines(reader, path, *slice, whole, volume));
   auto source = std::make_unique<ReaderSource>(reader, path, volume.Grid, volume.Arrays, withCells);
   const std::uint64_t bytes = source->GetReadBytes(source->GetBox());
   if (bytes > wholeBytes)
@@ -354,9 +405,9 @@ Result<InputVolume> OpenPipelineInput(const std::string& path,
     volume.Owner = std::make_shared<vtkSmartPointer<vtkAlgorithm>>(reader);
     return volume;
   }
-  const auto image = Read(reader, path, whole, true, withCells);
-  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(*image, path, whole, withCells, volume));
+  const auto all = Read(reader, path, whole, true, withCells);
+  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(all->Image, path, whole, withCells, volume));
   volume.HeldBytes = bytes;
   return volume;
 }

@@ -27,6 +27,7 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, Communic
       static_cast<double>(GetValueSize(array.Type)) * array.Components;
   }
   BlockedVolumeSettings settings = options.Settings;
+  settings.Lines = volume.Lines;
   if (!settings.Time)
   {
     settings.Time = volume.Time;

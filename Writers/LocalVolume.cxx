@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace isosurface
 {
@@ -100,8 +101,39 @@ Status LocalVolume::AverageCellArrays(vtkImageData* image, const Selection& isSe
   return Status::Ok();
 }
 
+Status LocalVolume::UniteLines(Communicator& ranks)
+{
+  std::vector<LinedGrid> mine;
+  if (this->Lines && !this->Piece.Box.IsEmpty())
+  {
+    mine.push_back(*this->Lines);
+  }
+  std::vector<std::size_t> numbers;
+  std::vector<LinedGrid> grids = UniteLinedGrids(ranks, mine, numbers);
+  Status status;
+  if (grids.size() > 1)
+  {
+    status = { StatusCode::InvalidArgument,
+      "the ranks' pieces are of several rectilinear grids, or do not meet" };
+  }
+  else if (!grids.empty() && !this->Piece.Box.IsEmpty() &&
+    (!this->Lines || grids.front().Grid.Extent != this->Grid.Extent))
+  {
+    status = { StatusCode::InvalidArgument,
+      this->Lines ? "the ranks' pieces do not have all coordinates of the rectilinear grid"
+                  : "some ranks have a rectilinear grid, and some have image data" };
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  if (!grids.empty())
+  {
+    this->Lines = std::move(grids.front());
+  }
+  return Status::Ok();
+}
+
 Status LocalVolume::Agree(Communicator& ranks)
 {
+  ISOSURFACE_RETURN_IF_ERROR(this->UniteLines(ranks));
   const bool hasPart = !this->Piece.Box.IsEmpty();
   const std::vector<Message> all = ranks.AllGather(hasPart ? Describe(*this) : Message());
   const auto first =

@@ -12,9 +12,11 @@
 #include "Source/MemorySource.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,8 @@ namespace isosurface
 struct ISOSURFACEWRITERS_EXPORT LocalVolume
 {
   GridGeometry Grid;
+  /// Of a rectilinear grid: the lines of the extent that is given with them, Grid's after Agree.
+  std::optional<LinedGrid> Lines;
   std::array<double, 2> Time{ 0, 0 }; ///< 1 and the time; or 0 and 0 without a time
   std::vector<ArrayDescription> Arrays;
   VolumePiece Piece;
@@ -42,11 +46,13 @@ struct ISOSURFACEWRITERS_EXPORT LocalVolume
 
   /**
    * Makes all ranks speak of the same volume: a rank without a piece of it learns grid and arrays
-   * from the others; ranks that have different ideas of them get an error.
+   * from the others, and all ranks the lines of the whole grid; ranks that have different ideas
+   * of them get an error.
    */
   Status Agree(Communicator& ranks);
 
 private:
+  Status UniteLines(Communicator& ranks);
   Status AverageCellArrays(vtkImageData* image, const Selection& isSelected,
     std::vector<vtkSmartPointer<vtkDataArray>>& averages) const;
 };

@@ -11,6 +11,7 @@
 
 #include "ImageSamples.h"
 #include "LocalVolume.h"
+#include "WriterInput.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -69,7 +70,7 @@ std::uint64_t PipelineSource::GetReadBytes(const VertexBox& box) const
   return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
 
-vtkImageData* PipelineSource::UpdateInput(const VertexBox& box)
+vtkDataObject* PipelineSource::UpdateInput(const VertexBox& box)
 {
   int extent[6];
   const std::int64_t layers = this->WithCells ? 1 : 0;
@@ -82,18 +83,23 @@ vtkImageData* PipelineSource::UpdateInput(const VertexBox& box)
     extent[2 * axis] = static_cast<int>(first + low);
     extent[2 * axis + 1] = static_cast<int>(first + high - 1);
   }
+  return Update(this->Input, this->Information, extent);
+}
+
+vtkDataObject* PipelineSource::Update(
+  vtkAlgorithmOutput* input, vtkInformation* information, const int extent[6])
+{
   vtkNew<vtkInformationVector> requests;
-  requests->SetNumberOfInformationObjects(this->Input->GetIndex() + 1);
-  vtkInformation* request = requests->GetInformationObject(this->Input->GetIndex());
+  requests->SetNumberOfInformationObjects(input->GetIndex() + 1);
+  vtkInformation* request = requests->GetInformationObject(input->GetIndex());
   AskForExtent(request, extent);
-  if (this->Information->Has(Pipeline::UPDATE_TIME_STEP()))
+  if (information->Has(Pipeline::UPDATE_TIME_STEP()))
   {
-    request->Set(
-      Pipeline::UPDATE_TIME_STEP(), this->Information->Get(Pipeline::UPDATE_TIME_STEP()));
+    request->Set(Pipeline::UPDATE_TIME_STEP(), information->Get(Pipeline::UPDATE_TIME_STEP()));
   }
-  vtkAlgorithm* producer = this->Input->GetProducer();
-  producer->Update(this->Input->GetIndex(), requests);
-  return vtkImageData::SafeDownCast(producer->GetOutputDataObject(this->Input->GetIndex()));
+  vtkAlgorithm* producer = input->GetProducer();
+  producer->Update(input->GetIndex(), requests);
+  return producer->GetOutputDataObject(input->GetIndex());
 }
 
 bool PipelineSource::TakeArrays(
@@ -129,15 +135,16 @@ bool PipelineSource::TakeArrays(
 
 Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
 {
-  vtkImageData* image = this->UpdateInput(box);
-  if (!image)
+  const auto input = WriterInput::Take(this->UpdateInput(box));
+  ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
+  if (!input->Image)
   {
     return Status(StatusCode::InvalidArgument, "the input is no image data any more");
   }
   auto local = std::make_shared<LocalVolume>();
   local->Grid = this->Grid;
   local->WithCells = this->WithCells;
-  ISOSURFACE_RETURN_IF_ERROR(local->CollectArrays(image,
+  ISOSURFACE_RETURN_IF_ERROR(local->CollectArrays(input->Image,
     [this](const std::string& name)
     {
       return std::any_of(this->Arrays.begin(), this->Arrays.end(),

@@ -11,7 +11,7 @@
 #include <vector>
 
 class vtkAlgorithmOutput;
-class vtkImageData;
+class vtkDataObject;
 class vtkInformation;
 
 namespace isosurface
@@ -20,7 +20,7 @@ namespace isosurface
 struct LocalVolume;
 
 /**
- * The samples of a pipeline's image data, of which Read() asks for a box: it updates the
+ * The samples of a pipeline's image data or rectilinear grid, of which Read() asks for a box: it updates the
  * pipeline with an extent of its own. Every rank's source has the whole grid.
  *
  * An input that delivers more than what it is asked for is not asked again for what it has.
@@ -34,6 +34,10 @@ public:
   PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, bool withCells = false);
 
+  /// Updates the pipeline with an extent, at the time of `information`; what it gives.
+  static vtkDataObject* Update(
+    vtkAlgorithmOutput* input, vtkInformation* information, const int extent[6]);
+
   /// Asks for the smallest piece that tells which arrays there are.
   static void AskForFirstSlice(vtkInformation* information, bool withCells = false);
 
@@ -43,7 +47,7 @@ public:
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:
-  vtkImageData* UpdateInput(const VertexBox& box);
+  vtkDataObject* UpdateInput(const VertexBox& box);
   /// Takes the wanted arrays of a box; false if one is missing or does not cover the box.
   bool TakeArrays(const LocalVolume& local, const VertexBox& box, SampleSlab& slab) const;
 

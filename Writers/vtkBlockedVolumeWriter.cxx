@@ -4,7 +4,6 @@
 
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
-#include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArraySelection.h"
 #include "vtkErrorCode.h"
@@ -15,8 +14,6 @@
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
-#include "vtkPartitionedDataSet.h"
-#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayChoice.h"
@@ -28,6 +25,7 @@
 #include "LocalVolume.h"
 #include "PipelineSource.h"
 #include "Query/StoredSlabSource.h"
+#include "WriterInput.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
@@ -58,16 +56,17 @@ struct vtkBlockedVolumeWriter::Session
   {
   }
 
-  /// The image of this rank; null if it has none.
-  Result<vtkImageData*> FindImage() const;
   /// Of the blocked volume whose samples arrive at the input unchanged; null if there is none.
   vtkBlockedVolumeHandle* FindHandle() const;
   Status CollectInput(isosurface::LocalVolume& local);
   /// The grid at full resolution, and those chosen arrays of which the input has a level.
   void DescribeVolume(const vtkBlockedVolumeHandle& handle, const isosurface::ArrayChoice& choice,
     isosurface::LocalVolume& local) const;
-  Status CollectImage(vtkImageData* image, const isosurface::ArrayChoice& choice,
+  Status CollectImage(const isosurface::WriterInput& input, const isosurface::ArrayChoice& choice,
     isosurface::LocalVolume& local) const;
+  /// The lines of a rectilinear grid: those of a piece, or of the whole extent behind a slice.
+  Status CollectLines(
+    const isosurface::WriterInput& input, const int whole[6], isosurface::LocalVolume& local) const;
   void SetTime(const std::optional<double>& time, isosurface::LocalVolume& local) const;
   Result<std::unique_ptr<isosurface::SlabSource>> OpenSource(const isosurface::LocalVolume& local);
   isosurface::BlockedVolumeSettings MakeSettings(const isosurface::LocalVolume& local) const;
@@ -123,6 +122,7 @@ vtkImageData* vtkBlockedVolumeWriter::GetInput(int port)
 int vtkBlockedVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkRectilinearGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
 }
@@ -201,35 +201,6 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
 }
 
 //------------------------------------------------------------------------------
-Result<vtkImageData*> vtkBlockedVolumeWriter::Session::FindImage() const
-{
-  vtkDataObject* input = this->Owner.Superclass::GetInput();
-  auto* composite = vtkCompositeDataSet::SafeDownCast(input);
-  if (!composite)
-  {
-    return vtkImageData::SafeDownCast(input);
-  }
-  // Ranks have partitions of their own; of all other composites they have the same parts, some of
-  // which are on other ranks.
-  vtkSmartPointer<vtkCompositeDataIterator> part;
-  part.TakeReference(composite->NewIterator());
-  part->SetSkipEmptyNodes(vtkPartitionedDataSet::SafeDownCast(input) != nullptr);
-  int count = 0;
-  vtkImageData* image = nullptr;
-  for (part->InitTraversal(); !part->IsDoneWithTraversal(); part->GoToNextItem(), ++count)
-  {
-    image = vtkImageData::SafeDownCast(part->GetCurrentDataObject());
-  }
-  if (count > 1)
-  {
-    return Status(StatusCode::Unsupported,
-      "the input has " + std::to_string(count) +
-        " parts, but a blocked volume is one image; extract one of them");
-  }
-  return image;
-}
-
-//------------------------------------------------------------------------------
 vtkBlockedVolumeHandle* vtkBlockedVolumeWriter::Session::FindHandle() const
 {
   return vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(this->Owner.GetInputInformation());
@@ -247,14 +218,15 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
   {
     ISOSURFACE_RETURN_IF_ERROR(handle->GetStatus());
   }
-  const auto image = this->FindImage();
-  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
-  if (!*image || (*image)->GetNumberOfPoints() == 0)
+  const auto input = isosurface::WriterInput::Find(this->Owner.Superclass::GetInput());
+  ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
+  vtkImageData* image = input->Image;
+  if (!image || image->GetNumberOfPoints() == 0)
   {
     return Status::Ok();
   }
   const bool withCells = this->Owner.WriteCellArrays && !handle;
-  const auto choice = isosurface::ArrayChoice::Make(*image,
+  const auto choice = isosurface::ArrayChoice::Make(image,
     this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr,
     withCells);
   ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
@@ -270,7 +242,7 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
     this->DescribeVolume(*handle, *choice, local);
     return Status::Ok();
   }
-  return this->CollectImage(*image, *choice, local);
+  return this->CollectImage(*input, *choice, local);
 }
 
 //------------------------------------------------------------------------------
@@ -279,6 +251,10 @@ void vtkBlockedVolumeWriter::Session::DescribeVolume(const vtkBlockedVolumeHandl
 {
   const isosurface::BlockedVolumeHeader& header = handle.GetVolume()->GetHeader();
   local.Grid = header.Grid;
+  if (header.Lines)
+  {
+    local.Lines = { header.Grid, *header.Lines };
+  }
   local.Piece.Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
   for (const isosurface::ArrayDescription& array : header.Arrays)
   {
@@ -292,13 +268,14 @@ void vtkBlockedVolumeWriter::Session::DescribeVolume(const vtkBlockedVolumeHandl
 }
 
 //------------------------------------------------------------------------------
-Status vtkBlockedVolumeWriter::Session::CollectImage(
-  vtkImageData* image, const isosurface::ArrayChoice& choice, isosurface::LocalVolume& local) const
+Status vtkBlockedVolumeWriter::Session::CollectImage(const isosurface::WriterInput& input,
+  const isosurface::ArrayChoice& choice, isosurface::LocalVolume& local) const
 {
+  vtkImageData* image = input.Image;
   vtkInformation* inInfo = this->Owner.GetInputInformation();
   int whole[6];
   image->GetExtent(whole);
-  if (this->Owner.GetInput() == image)
+  if (!vtkCompositeDataSet::SafeDownCast(this->Owner.Superclass::GetInput()))
   {
     if (inInfo->Has(Pipeline::WHOLE_EXTENT()))
     {
@@ -326,7 +303,30 @@ Status vtkBlockedVolumeWriter::Session::CollectImage(
       "where there is nothing, and contour with SkipNotANumber");
   }
   this->SetTime(isosurface::FindTime(this->Owner.Superclass::GetInput()), local);
-  return local.CollectArrays(image, [&](const std::string& name) { return choice.Has(name); });
+  ISOSURFACE_RETURN_IF_ERROR(
+    local.CollectArrays(image, [&](const std::string& name) { return choice.Has(name); }));
+  return this->CollectLines(input, whole, local);
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeWriter::Session::CollectLines(
+  const isosurface::WriterInput& input, const int whole[6], isosurface::LocalVolume& local) const
+{
+  if (!input.Lines)
+  {
+    return Status::Ok();
+  }
+  local.Lines = { isosurface::MakeGridGeometry(input.Image, input.Image->GetExtent()),
+    *input.Lines };
+  if (this->Owner.MemoryLimit > 0)
+  {
+    auto lines = input.FindWholeLines(
+      this->Owner.GetInputConnection(0, 0), this->Owner.GetInputInformation(), whole);
+    ISOSURFACE_RETURN_IF_ERROR(lines.GetStatus());
+    local.Lines = { local.Grid, std::move(*lines) };
+    return local.Lines->Lines.Check(local.Grid.GetDimensions());
+  }
+  return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
@@ -359,6 +359,10 @@ isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
   settings.RandomSeed = static_cast<std::uint64_t>(this->Owner.RandomSeed);
   settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Owner.Compression);
   settings.Compression.Level = this->Owner.CompressionLevel;
+  if (local.Lines)
+  {
+    settings.Lines = local.Lines->Lines;
+  }
   if (local.Time[0] != 0)
   {
     settings.Time = local.Time[1];

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkBlockedVolumeWriter
- * @brief   writes image data as a blocked volume (.bvol)
+ * @brief   writes image data or a rectilinear grid as a blocked volume (.bvol)
  *
- * The image data may be distributed over the ranks of the controller in any pieces, overlapping
+ * The grid may be distributed over the ranks of the controller in any pieces, overlapping
  * ones included; every rank calls Write(). All numeric point arrays are written, with any number of
  * components, or only the chosen ones. Cell arrays give a warning; an input with only cell arrays
  * is an error.

@@ -10,7 +10,7 @@
 namespace isosurface
 {
 
-Quantizer::Quantizer(double minimum, double maximum, int bits, double isovalue)
+Quantizer::Quantizer(double minimum, double maximum, int bits, double isovalue, bool withNotANumber)
   : Minimum(minimum)
   , Last((std::int64_t(1) << bits) - 1)
 {
@@ -32,6 +32,7 @@ Quantizer::Quantizer(double minimum, double maximum, int bits, double isovalue)
     }
   }
   this->FirstInside = low;
+  this->NotANumber = withNotANumber ? std::min<std::int64_t>(-1, -this->FirstInside) - 1 : 0;
 }
 
 float Quantizer::Restore(std::int64_t level) const
@@ -43,12 +44,17 @@ float Quantizer::Restore(std::int64_t level) const
 
 ValueDomain Quantizer::MakeDomain(int scale) const
 {
-  return ValueDomain::MakeQuantized(std::min<std::int64_t>(-1, -this->FirstInside),
+  const std::int64_t least = std::min<std::int64_t>(-1, -this->FirstInside);
+  return ValueDomain::MakeQuantized(std::min(least, this->NotANumber),
     std::max<std::int64_t>(0, this->Last - this->FirstInside), scale);
 }
 
 std::int64_t Quantizer::ToCode(double value, bool inside) const
 {
+  if (std::isnan(value) && this->NotANumber != 0)
+  {
+    return this->NotANumber;
+  }
   const double level = std::floor((value - this->Minimum) / this->Step + 0.5);
   const auto last = static_cast<double>(this->Last);
   const std::int64_t nearest = level >= last ? this->Last
@@ -60,6 +66,10 @@ std::int64_t Quantizer::ToCode(double value, bool inside) const
 
 float Quantizer::ToValue(std::int64_t code) const
 {
+  if (code <= this->NotANumber && this->NotANumber != 0)
+  {
+    return std::numeric_limits<float>::quiet_NaN();
+  }
   const float value = this->Restore(code + this->FirstInside);
   return code >= 0 ? std::max(value, this->Threshold) : std::min(value, this->Below);
 }

@@ -73,7 +73,8 @@ SurfaceAssembler::SurfaceAssembler(const GridGeometry& geometry, const BrickLatt
   , Lattice(lattice)
   , Scan(scan)
   , Request(request)
-  , Transform(MakeWorldTransform(geometry))
+  // On lines, points and normals are those of the world already.
+  , Transform(MakeWorldTransform(request.Lines ? GridGeometry() : geometry))
 {
   this->Transform.NormalsRoundedOnce = request.NormalsRoundedOnce;
 }

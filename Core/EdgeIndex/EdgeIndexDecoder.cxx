@@ -231,7 +231,8 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
   {
     if (header.Settings.Mode == EdgeIndexMode::Quantized)
     {
-      quantizer.emplace(header.Settings.MakeQuantizer(header.Isovalues[record.Block.Isovalue]));
+      quantizer.emplace(
+        header.Settings.MakeQuantizer(header.Type, header.Isovalues[record.Block.Isovalue]));
       block.SetQuantizer(&*quantizer);
     }
     domain.emplace(MakeDomain(header, record, quantizer));

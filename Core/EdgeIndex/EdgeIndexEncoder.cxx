@@ -34,7 +34,7 @@ public:
     std::optional<Quantizer> quantizer;
     if (this->Header.Settings.Mode == EdgeIndexMode::Quantized)
     {
-      quantizer.emplace(this->Header.Settings.MakeQuantizer(isovalue));
+      quantizer.emplace(this->Header.Settings.MakeQuantizer(this->Header.Type, isovalue));
       record.Scale =
         std::clamp(ChooseScale(block.MeasureDistance() / quantizer->GetStep()), -30, 10);
     }

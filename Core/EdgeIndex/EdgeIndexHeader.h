@@ -42,10 +42,11 @@ struct EdgeIndexSettings
   double QuantizationMinimum = 0;
   double QuantizationMaximum = 255;
 
-  Quantizer MakeQuantizer(double isovalue) const
+  /// For values of a type.
+  Quantizer MakeQuantizer(ValueType type, double isovalue) const
   {
-    return { this->QuantizationMinimum, this->QuantizationMaximum, this->QuantizationBits,
-      isovalue };
+    return { this->QuantizationMinimum, this->QuantizationMaximum, this->QuantizationBits, isovalue,
+      type == ValueType::Float32 || type == ValueType::Float64 };
   }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/BlockMeasure.h"
 
-#include "Partition/ProcessorClones.h"
+#include "Partition/CellMeasure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,14 +16,6 @@ namespace
 /// The spectrum has so many bits fewer than the sums. The rounding error is below a thousandth of a
 /// cell's face, and the numbers take fewer bytes on disk.
 constexpr int DroppedBits = 12;
-
-/// The minimum width of a cell's values, in bins, so that there is no division by 0.
-constexpr float MinimumWidth = 1e-6f;
-/// The maximum area in a cell, relative to its largest face. Only rounding errors of tiny widths
-/// exceed it.
-constexpr float MaximumDensity = 8;
-
-constexpr float OverFortyEight = 1.0f / 48;
 
 /// Converts a value to bins from the first edge. NaN and infinities stay as they are.
 template <typename T>
@@ -89,108 +81,34 @@ void LoadCells(const BinCoordinate<T>& coordinate, const T* from, std::ptrdiff_t
   }
 }
 
-/// What the kernel takes and gives, row by row.
-struct RowPointers
-{
-  const float* Values[4]; ///< rows of vertices: (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1)
-  std::int32_t* From;
-  std::int32_t* To;
-  std::int32_t* Area;
-  std::int32_t* First;
-  std::int32_t* Slope;
-};
-
-float Square(float value)
-{
-  return value * value;
-}
-
-/// As std::min and std::max. If an argument is NaN, the result is one of both.
-float Minimum(float a, float b)
-{
-  return a < b ? a : b;
-}
-float Maximum(float a, float b)
-{
-  return a > b ? a : b;
-}
-
-/**
- * Measures a row of cells. From and To are 0 for a cell with a sample that is not finite.
- *
- * With u, v, w from -1/2 to 1/2, the trilinear interpolant of a cell is
- *   mean + gx u + gy v + gz w + hxy uv + hxz uw + hyz vw + k uvw,
- * its variance (gx^2 + gy^2 + gz^2) / 12 + (hxy^2 + hxz^2 + hyz^2) / 144 + k^2 / 1728, and the mean
- * square of its derivative by u gx^2 + (hxy^2 + hxz^2) / 12 + k^2 / 144.
- */
-ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t cells,
-  const MeasureWeights& weights, float bins, float one)
-{
-  const float *a = pointers.Values[0], *b = pointers.Values[1], *c = pointers.Values[2],
-              *d = pointers.Values[3];
-  std::int32_t *from = pointers.From, *to = pointers.To, *area = pointers.Area,
-               *first = pointers.First, *slope = pointers.Slope;
-  const MeasureWeights weight = weights;
-#if !defined(__clang__)
-#  pragma GCC ivdep
-#endif
-  for (std::int64_t i = 0; i < cells; ++i)
-  {
-    const float a0 = a[i], a1 = a[i + 1], b0 = b[i], b1 = b[i + 1];
-    const float c0 = c[i], c1 = c[i + 1], d0 = d[i], d1 = d[i + 1];
-    const float sum0 = (a0 + b0) + (c0 + d0), sum1 = (a1 + b1) + (c1 + d1);
-    const float y0 = (b0 - a0) + (d0 - c0), y1 = (b1 - a1) + (d1 - c1);
-    const float z0 = (c0 - a0) + (d0 - b0), z1 = (c1 - a1) + (d1 - b1);
-    const float yz0 = (d0 - c0) - (b0 - a0), yz1 = (d1 - c1) - (b1 - a1);
-    const float mean = (sum0 + sum1) / 8;
-    const float gx = Square(sum1 - sum0) / 16;
-    const float gy = Square(y0 + y1) / 16;
-    const float gz = Square(z0 + z1) / 16;
-    const float hxy = Square(y1 - y0) * OverFortyEight; // a twelfth of the square, as below
-    const float hxz = Square(z1 - z0) * OverFortyEight;
-    const float hyz = Square(yz0 + yz1) * OverFortyEight;
-    const float k = Square(yz1 - yz0) * (OverFortyEight / 3);
-    const float variance = gx + gy + gz + hxy + hxz + hyz + k; // times 12
-    const float gradient = weight.X * gx + weight.Y * gy + weight.Z * gz + weight.XY * hxy +
-      weight.XZ * hxz + weight.YZ * hyz + weight.XYZ * k;
-
-    const float low =
-      Minimum(Minimum(Minimum(a0, a1), Minimum(b0, b1)), Minimum(Minimum(c0, c1), Minimum(d0, d1)));
-    const float high =
-      Maximum(Maximum(Maximum(a0, a1), Maximum(b0, b1)), Maximum(Maximum(c0, c1), Maximum(d0, d1)));
-    const bool isFinite = variance <= std::numeric_limits<float>::max(); // neither is NaN
-    const float middle = isFinite ? mean : 0;
-    const float widest = isFinite ? Minimum(middle - low, high - middle) : 0;
-    const float radius = Minimum(std::sqrt(isFinite ? variance : 0) / 2, widest);
-    const float begin = Minimum(Maximum(middle - radius, 0), bins);
-    const float end = Minimum(Maximum(middle + radius, 0), bins);
-    const float steepness = 1 / Maximum(end - begin, MinimumWidth);
-    const std::int32_t beginBin = static_cast<std::int32_t>(begin) + 1;
-    const std::int32_t endBin = static_cast<std::int32_t>(end) + 1;
-    const float rest = (end - static_cast<float>(beginBin)) * steepness;
-    const float density = std::sqrt(isFinite ? gradient : 0) * steepness;
-    from[i] = isFinite ? beginBin : 0;
-    to[i] = isFinite ? endBin : 0;
-    // Rounds numbers that are not negative; std::lround would keep the loop from being vectorised.
-    // NOLINTBEGIN(bugprone-incorrect-roundings)
-    area[i] = static_cast<std::int32_t>(Minimum(density, MaximumDensity) * one + 0.5f);
-    first[i] = static_cast<std::int32_t>(Minimum(Maximum(rest, 0), 1) * one + 0.5f);
-    // The volume of steeper cells is 0 at the next bin.
-    slope[i] = static_cast<std::int32_t>(Minimum(steepness, 1) * one + 0.5f);
-    // NOLINTEND(bugprone-incorrect-roundings)
-  }
-}
-
 std::array<double, 3> GetAbsoluteSpacing(const GridGeometry& grid)
 {
   return { std::abs(grid.Spacing[0]), std::abs(grid.Spacing[1]), std::abs(grid.Spacing[2]) };
 }
 
-/// The areas of a cell's faces, by the axis normal to the face.
-std::array<double, 3> GetFaces(const GridGeometry& grid)
+/// The areas of a cell's faces, by the axis normal to the face, from its lengths.
+std::array<double, 3> GetFaces(const std::array<double, 3>& h)
 {
-  const std::array<double, 3> h = GetAbsoluteSpacing(grid);
   return { h[1] * h[2], h[2] * h[0], h[0] * h[1] };
+}
+
+/// |gradient| * volume is, for each term of the interpolant, the norm of the vector of differences
+/// along the axes, each times the area of the face normal to its axis.
+MeasureWeights MakeWeights(const std::array<double, 3>& faces, double largest)
+{
+  std::array<float, 3> squares;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double face = largest > 0 ? faces[axis] / largest : 0;
+    squares[axis] = static_cast<float>(face * face);
+  }
+  return { squares[0], squares[1], squares[2], squares[0] + squares[1], squares[0] + squares[2],
+    squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
+}
+
+std::uint64_t Scale(std::int64_t number, double factor)
+{
+  return static_cast<std::uint64_t>(std::llround(static_cast<double>(number) * factor));
 }
 
 } // namespace
@@ -230,7 +148,7 @@ void MeasureSums::SetMeasures(WorkloadSpectrum& spectrum) const
 
 double BlockMeasure::GetAreaUnit(const GridGeometry& grid)
 {
-  const std::array<double, 3> faces = GetFaces(grid);
+  const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid));
   return std::ldexp(
     *std::max_element(faces.begin(), faces.end()), DroppedBits - MeasureSums::FractionBits);
 }
@@ -255,26 +173,23 @@ std::int64_t BlockMeasure::ChooseRowStride(const GridGeometry& grid)
 }
 
 BlockMeasure::BlockMeasure(
-  const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride)
+  const SpectrumBins& bins, const MeasuredGrid& grid, std::int64_t rowStride)
   : Bins(bins)
-  , RowsOfCells(grid.GetDimensions()[1] - 1)
+  , Grid(grid)
+  , RowsOfCells(grid.Geometry.GetDimensions()[1] - 1)
   , RowStride(rowStride)
   , Sums(bins)
   , MinimumBin(bins.Count)
   , MaximumBin(0)
 {
-  // |gradient| * volume is, for each term of the interpolant, the norm of the vector of differences
-  // along the axes, each times the area of the face normal to its axis.
-  const std::array<double, 3> faces = GetFaces(grid);
-  const double maximum = *std::max_element(faces.begin(), faces.end());
-  std::array<float, 3> squares;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    const double face = maximum > 0 ? faces[axis] / maximum : 0;
-    squares[axis] = static_cast<float>(face * face);
-  }
-  this->Weights = { squares[0], squares[1], squares[2], squares[0] + squares[1],
-    squares[0] + squares[2], squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
+  const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid.Geometry));
+  this->Weights = MakeWeights(faces, *std::max_element(faces.begin(), faces.end()));
+}
+
+double BlockMeasure::GetLength(std::size_t axis, std::int64_t cell, std::int64_t cells) const
+{
+  const GridLines& lines = *this->Grid.Lines;
+  return (lines.At(axis, cell + cells) - lines.At(axis, cell)) / this->Grid.Geometry.Spacing[axis];
 }
 
 /// Chooses the row that is measured for a group of RowStride rows and a run of cells along x.
@@ -303,21 +218,7 @@ void BlockMeasure::Count(const SampleView& samples)
 template <typename T>
 void BlockMeasure::CountCells(const SampleView& samples)
 {
-  const BinCoordinate<T> coordinate(this->Bins);
   const VertexBox& box = samples.Box;
-  const auto countRun =
-    [&](std::int64_t begin, std::int64_t cells, std::int64_t j, std::int64_t k, std::int64_t weight)
-  {
-    std::array<CellRow, 4> rows;
-    for (std::size_t row = 0; row < rows.size(); ++row)
-    {
-      const auto up = static_cast<std::int64_t>(row);
-      LoadCells(coordinate, samples.At<T>({ begin, j + up % 2, k + up / 2 }), samples.Stride[0],
-        cells, rows[row]);
-    }
-    this->CountRun(rows, cells, weight);
-  };
-
   const std::int64_t last = box.High[1] - 1;
   // If the grid's last group is incomplete, all of its rows are measured.
   const std::int64_t grouped = this->RowsOfCells - this->RowsOfCells % this->RowStride;
@@ -333,14 +234,49 @@ void BlockMeasure::CountCells(const SampleView& samples)
         const std::int64_t j = this->ChooseRow(run, group, k);
         if (j >= box.Low[1] && j < last)
         {
-          countRun(begin, end - begin, j, k, this->RowStride);
+          const std::int64_t first = group * this->RowStride;
+          this->CountRow<T>(samples, begin, end, { j, k, first, this->RowStride });
         }
       }
       for (std::int64_t j = std::max(box.Low[1], grouped); j < last; ++j)
       {
-        countRun(begin, end - begin, j, k, 1);
+        this->CountRow<T>(samples, begin, end, { j, k, j, 1 });
       }
     }
+  }
+}
+
+/// Counts the cells [begin, end) of a row, at most CellsAtOnce.
+template <typename T>
+void BlockMeasure::CountRow(
+  const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& place)
+{
+  const BinCoordinate<T> coordinate(this->Bins);
+  std::array<CellRow, 4> rows;
+  const auto load = [&](std::int64_t first, std::int64_t cells)
+  {
+    for (std::size_t row = 0; row < rows.size(); ++row)
+    {
+      const auto up = static_cast<std::int64_t>(row);
+      LoadCells(coordinate, samples.At<T>({ first, place.J + up % 2, place.K + up / 2 }),
+        samples.Stride[0], cells, rows[row]);
+    }
+  };
+  if (!this->Grid.Lines)
+  {
+    load(begin, end - begin);
+    this->CountRun(rows, end - begin, place.Rows);
+    return;
+  }
+  for (std::int64_t next = begin; begin < end; begin = next)
+  {
+    const double length = this->GetLength(0, begin);
+    while (next < end && this->GetLength(0, next) == length)
+    {
+      ++next;
+    }
+    load(begin, next - begin);
+    this->CountLinedRun(rows, begin, next - begin, place);
   }
 }
 
@@ -354,6 +290,68 @@ void BlockMeasure::CountRun(
   MeasureCells(
     pointers, cells, this->Weights, static_cast<float>(this->Bins.Count), static_cast<float>(one));
   this->AddRun(run, cells, one);
+}
+
+void BlockMeasure::CountLinedRun(
+  const std::array<CellRow, 4>& rows, std::int64_t begin, std::int64_t cells, const RowPlace& place)
+{
+  const std::array<double, 3> spacing = GetAbsoluteSpacing(this->Grid.Geometry);
+  const std::array<double, 3> lengths = { this->GetLength(0, begin), this->GetLength(1, place.J),
+    this->GetLength(2, place.K) };
+  const std::array<double, 3> faces =
+    GetFaces({ lengths[0] * spacing[0], lengths[1] * spacing[1], lengths[2] * spacing[2] });
+  const std::array<double, 3> meanFaces = GetFaces(spacing);
+  const double face = *std::max_element(faces.begin(), faces.end());
+  const double meanFace = *std::max_element(meanFaces.begin(), meanFaces.end());
+  // The row stands for the height of all rows of its group.
+  const double height = this->GetLength(1, place.FirstRow, place.Rows) / lengths[1];
+  const double areaScale = face / meanFace * height;
+  const double volumeScale = lengths[0] * lengths[1] * lengths[2] * height;
+  constexpr std::int64_t one = std::int64_t{ 1 } << MeasureSums::FractionBits;
+
+  CellRun run;
+  const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },
+    run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
+  MeasureCells(pointers, cells, MakeWeights(faces, face), static_cast<float>(this->Bins.Count),
+    static_cast<float>(one));
+  const std::uint64_t volume = Scale(one, volumeScale);
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)
+  {
+    if (run.To[cell] == 0)
+    {
+      continue;
+    }
+    this->AddCell(run.From[cell], run.To[cell],
+      { Scale(run.Area[cell], areaScale), Scale(run.First[cell], volumeScale),
+        Scale(run.Slope[cell], volumeScale) },
+      volume);
+    this->Sums.Changes[0].Constant += volume;
+  }
+}
+
+/// Adds what a cell has in its bins [from, to): its area, and its volume, which is change.Constant at
+/// `from` and falls by change.Slope from bin to bin; below them the volume is `one`.
+void BlockMeasure::AddCell(
+  std::int32_t from, std::int32_t to, const MeasureSums::Change& change, std::uint64_t one)
+{
+  MeasureSums::Change* changes = this->Sums.Changes.data();
+  const auto bins = static_cast<std::int32_t>(this->Bins.Count);
+  from = std::min(from, bins);
+  to = std::min(to, bins);
+  this->MinimumBin = std::min(this->MinimumBin, static_cast<std::size_t>(from));
+  this->MaximumBin = std::max(this->MaximumBin, static_cast<std::size_t>(to));
+  if (from == to)
+  {
+    changes[from].Constant -= one;
+    return;
+  }
+  const std::uint64_t constant = change.Constant + change.Slope * static_cast<std::uint64_t>(from);
+  changes[from].Area += change.Area;
+  changes[from].Constant += constant - one;
+  changes[from].Slope += change.Slope;
+  changes[to].Area -= change.Area;
+  changes[to].Constant -= constant;
+  changes[to].Slope -= change.Slope;
 }
 
 void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one)
@@ -414,11 +412,36 @@ void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& b
   const auto count = static_cast<float>(this->Bins.Count);
   const auto last = static_cast<std::size_t>(std::clamp(coordinate, 0.0f, count));
   const std::size_t bin = std::min<std::size_t>(last + 1, this->Bins.Count);
-  const auto cells = static_cast<std::uint64_t>((size[0] - 1) * (size[1] - 1) * (size[2] - 1));
-  this->Sums.Changes[0].Constant += cells << MeasureSums::FractionBits;
-  this->Sums.Changes[bin].Constant -= cells << MeasureSums::FractionBits;
+  const std::uint64_t volume = this->GetVolume(box);
+  this->Sums.Changes[0].Constant += volume;
+  this->Sums.Changes[bin].Constant -= volume;
   this->MinimumBin = std::min(this->MinimumBin, bin);
   this->MaximumBin = std::max(this->MaximumBin, bin);
+}
+
+/// The volume of the cells of a box, each rounded by itself, so that it does not depend on how the
+/// grid is cut.
+std::uint64_t BlockMeasure::GetVolume(const VertexBox& box) const
+{
+  const Index3 size = box.GetSize();
+  constexpr std::int64_t one = std::int64_t{ 1 } << MeasureSums::FractionBits;
+  if (!this->Grid.Lines)
+  {
+    return static_cast<std::uint64_t>((size[0] - 1) * (size[1] - 1) * (size[2] - 1) * one);
+  }
+  std::uint64_t volume = 0;
+  for (std::int64_t k = box.Low[2]; k + 1 < box.High[2]; ++k)
+  {
+    for (std::int64_t j = box.Low[1]; j + 1 < box.High[1]; ++j)
+    {
+      const double face = this->GetLength(1, j) * this->GetLength(2, k);
+      for (std::int64_t i = box.Low[0]; i + 1 < box.High[0]; ++i)
+      {
+        volume += Scale(one, this->GetLength(0, i) * face);
+      }
+    }
+  }
+  return volume;
 }
 
 void BlockMeasure::MoveTo(MeasureSums& sums)

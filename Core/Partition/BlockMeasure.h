@@ -3,8 +3,10 @@
 #define isosurface_BlockMeasure_h
 
 #include "Base/Communicator.h"
+#include "Partition/CellMeasure.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 #include "Volume/SampleView.h"
 #include "Volume/ValueKey.h"
 
@@ -49,11 +51,12 @@ struct MeasureSums
   std::vector<Change> Changes; ///< by bin, and one after the last
 };
 
-/// The weights of a cell's squared differences along the axes in its squared gradient: squared
-/// areas of the faces normal to these axes, relative to the largest face.
-struct MeasureWeights
+/// The grid of the cells that are measured.
+struct MeasuredGrid
 {
-  float X, Y, Z, XY, XZ, YZ, XYZ;
+  /// Of a rectilinear grid, one of cells of the mean size (GridLines::MakeFrame).
+  GridGeometry Geometry;
+  const GridLines* Lines = nullptr; ///< of a rectilinear grid; they must outlive the measure
 };
 
 /**
@@ -65,7 +68,8 @@ struct MeasureWeights
  *
  * Large grids are sampled: of `rowStride` neighbouring rows of cells one is measured; which one
  * changes pseudorandomly every CellsAtOnce cells. That depends on the place in the grid only, so
- * the sums do not depend on how the grid is cut into blocks.
+ * the sums do not depend on how the grid is cut into blocks. In a rectilinear grid the measured row
+ * stands for the height of all rows, and runs of cells of one length are measured at once.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997; the
  * coarea formula as in C. Scheidegger et al., "Revisiting histograms and isosurface statistics",
@@ -75,12 +79,20 @@ struct MeasureWeights
 class BlockMeasure
 {
 public:
+  BlockMeasure(const SpectrumBins& bins, const MeasuredGrid& grid)
+    : BlockMeasure(bins, grid, ChooseRowStride(grid.Geometry))
+  {
+  }
   BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid)
-    : BlockMeasure(bins, grid, ChooseRowStride(grid))
+    : BlockMeasure(bins, MeasuredGrid{ grid })
   {
   }
   /// rowStride: 1, 2, 4 or 8.
-  BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride);
+  BlockMeasure(const SpectrumBins& bins, const MeasuredGrid& grid, std::int64_t rowStride);
+  BlockMeasure(const SpectrumBins& bins, const GridGeometry& grid, std::int64_t rowStride)
+    : BlockMeasure(bins, MeasuredGrid{ grid }, rowStride)
+  {
+  }
 
   /// One row in so many is measured; the number grows with the grid. Errors grow with the stride
   /// and fall with the side of the grid: the error of a surface across the grid is about 3 %, that
@@ -116,13 +128,34 @@ private:
     std::array<std::int32_t, CellsAtOnce> Slope;
   };
 
+  /// One row of cells along x, and the rows that it stands for.
+  struct RowPlace
+  {
+    std::int64_t J;
+    std::int64_t K;
+    std::int64_t FirstRow;
+    std::int64_t Rows;
+  };
+
   template <typename T>
   void CountCells(const SampleView& samples);
+  template <typename T>
+  void CountRow(
+    const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& place);
   std::int64_t ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const;
   void CountRun(const std::array<CellRow, 4>& rows, std::int64_t cells, std::int64_t weight);
+  /// The same in a rectilinear grid, for cells of one length.
+  void CountLinedRun(const std::array<CellRow, 4>& rows, std::int64_t begin, std::int64_t cells,
+    const RowPlace& place);
   void AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one);
+  void AddCell(
+    std::int32_t from, std::int32_t to, const MeasureSums::Change& change, std::uint64_t one);
+  std::uint64_t GetVolume(const VertexBox& box) const;
+  /// The length of cells of a rectilinear grid on an axis, relative to the mean.
+  double GetLength(std::size_t axis, std::int64_t cell, std::int64_t cells = 1) const;
 
   SpectrumBins Bins;
+  MeasuredGrid Grid;
   std::int64_t RowsOfCells; ///< of the grid, in y
   std::int64_t RowStride;
   MeasureWeights Weights;

@@ -56,10 +56,10 @@ struct GridSpectrum::Counted
 };
 
 GridSpectrum::GridSpectrum(
-  const GridGeometry& grid, ValueType type, std::vector<SampleView> pieces, int threads)
+  const MeasuredGrid& grid, ValueType type, std::vector<SampleView> pieces, int threads)
   : Grid(grid)
   , Type(type)
-  , Blocks(grid.GetDimensions(), BlockSize)
+  , Blocks(grid.Geometry.GetDimensions(), BlockSize)
   , Pieces(std::move(pieces))
   , Threads(std::max(1, threads))
   , Ranges(static_cast<std::size_t>(this->Blocks.GetNumberOfBlocks()))
@@ -176,8 +176,8 @@ Result<WorkloadSpectrum> GridSpectrum::Count(
       static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type));
   }
   activity.SetActivity(sum.Spectrum);
-  sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid);
-  sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid);
+  sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
+  sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
   return std::move(sum.Spectrum);
 }
 

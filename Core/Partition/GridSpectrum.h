@@ -5,6 +5,7 @@
 #include "Base/Communicator.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
+#include "Partition/BlockMeasure.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/GridGeometry.h"
@@ -13,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -33,7 +35,12 @@ public:
 
   /// The pieces are in coordinates of the grid. Their samples must outlive this object.
   GridSpectrum(
-    const GridGeometry& grid, ValueType type, std::vector<SampleView> pieces, int threads);
+    const GridGeometry& grid, ValueType type, std::vector<SampleView> pieces, int threads)
+    : GridSpectrum(MeasuredGrid{ grid }, type, std::move(pieces), threads)
+  {
+  }
+  GridSpectrum(
+    const MeasuredGrid& grid, ValueType type, std::vector<SampleView> pieces, int threads);
 
   /// Collective. Finds the value range of every block. Errors: Aborted.
   Status FindRanges(Communicator& ranks, const Progress& progress = {});
@@ -59,7 +66,7 @@ private:
   Counted MakeCounted(const SpectrumBins& bins) const;
   void CountPart(const Part& part, Counted& counted) const;
 
-  GridGeometry Grid;
+  MeasuredGrid Grid;
   ValueType Type;
   BlockGrid Blocks;
   std::vector<SampleView> Pieces;

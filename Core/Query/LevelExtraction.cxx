@@ -35,8 +35,10 @@ Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& ou
   ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
   StoredBlockSource source(task.Volume, query.TimeStep, query.Variable, level, std::move(*active));
   source.SetAttributes(query.Attributes);
+  ContourRequest request = task.Request;
+  request.Lines = task.Volume.GetLines(level);
   auto extracted = ExtractSurface(
-    task.Volume.GetHeader().Grid.Coarsen(level), source, task.Request, task.Threads, task.Advance);
+    task.Volume.GetHeader().Grid.Coarsen(level), source, request, task.Threads, task.Advance);
   reading.Add(source.GetStatistics());
   ISOSURFACE_RETURN_IF_ERROR(NameVolume(task.Volume, extracted.GetStatus()));
   outcome.Extracted = std::move(*extracted);

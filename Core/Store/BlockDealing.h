@@ -2,9 +2,11 @@
 #ifndef isosurface_BlockDealing_h
 #define isosurface_BlockDealing_h
 
+#include "Volume/BlockGrid.h"
 #include "Volume/GridGeometry.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace isosurface
 {
@@ -15,6 +17,9 @@ namespace isosurface
  * So the active blocks of any isovalue, and their triangles, fall to all ranks evenly. A block has
  * the same rank at all isovalues and wherever it is stored, so block caches stay warm, and no rank
  * needs a message from another one.
+ *
+ * What is uneven in the active blocks of an isovalue nevertheless is evened out: of ranks with too
+ * much predicted work a few blocks go to others (ActiveBlockWork).
  */
 class BlockDealing
 {
@@ -28,6 +33,15 @@ public:
     return static_cast<std::uint32_t>(
       (block[0] + this->StepY * block[1] + this->StepZ * block[2]) % this->Ranks);
   }
+
+  /**
+   * The ranks of all active blocks, in the order of these; `blocks` are their numbers in the grid.
+   * Nearly all have that of FindRank; which others depends on the set of blocks alone, not on their
+   * order. Integers only, so every machine finds the same. Cost: sorting the blocks, and that of
+   * PredictActiveBlockWork.
+   */
+  std::vector<std::uint32_t> Deal(
+    const BlockGrid& grid, const std::vector<std::int64_t>& blocks) const;
 
 private:
   std::int64_t Ranks;

@@ -64,21 +64,31 @@ Result<std::vector<BlockReference>> BlockSearch::FindActive(
 Result<std::vector<BlockReference>> BlockSearch::FindDealt(
   std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
 {
-  const BlockDealing dealing(this->Ranks);
-  std::vector<BlockReference> references;
+  std::vector<BlockReference> found;
   for (std::uint32_t store = 0; store < this->GetNumberOfStores(); ++store)
   {
-    std::vector<BlockReference> found;
     const Status status = this->AddActive({ store, 0, 1 }, variable, isovalues, selection, found);
     if (!status.IsOk())
     {
       ISOSURFACE_RETURN_IF_ERROR(this->Stores.CheckNotRewritten(this->TimeStep));
       return status;
     }
-    std::copy_if(found.begin(), found.end(), std::back_inserter(references),
-      [&](const BlockReference& block) {
-        return dealing.FindRank(this->Stored.Grid->GetBlockCoordinates(block.Block)) == this->Rank;
-      });
+  }
+  std::vector<std::int64_t> blocks;
+  blocks.reserve(found.size());
+  for (const BlockReference& block : found)
+  {
+    blocks.push_back(block.Block);
+  }
+  const std::vector<std::uint32_t> owners =
+    BlockDealing(this->Ranks).Deal(*this->Stored.Grid, blocks);
+  std::vector<BlockReference> references;
+  for (std::size_t n = 0; n < found.size(); ++n)
+  {
+    if (owners[n] == this->Rank)
+    {
+      references.push_back(found[n]);
+    }
   }
   this->Statistics.ActiveBlocks += references.size();
   return references;
@@ -133,6 +143,8 @@ Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::
       std::back_inserter(candidates));
   }
   const GridGeometry geometry = this->Stores.GetHeader().Grid.Coarsen(this->Level);
+  BlockSelection placed = selection;
+  placed.Lines = this->Stores.GetLines(this->Level);
   std::vector<BlockReference> references;
   for (const std::uint32_t ordinal : candidates)
   {
@@ -143,7 +155,7 @@ Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::
     }
     const VertexBox vertices = this->Stored.Grid->GetVertices(reference->Block, this->Stored.Level);
     const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
-    if (selection.Selects(geometry, vertices, isCrossed))
+    if (placed.Selects(geometry, vertices, isCrossed))
     {
       references.push_back(*reference);
     }

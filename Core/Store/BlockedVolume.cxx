@@ -129,6 +129,11 @@ StoredLevel BlockedVolume::FindLevel(int level) const
   return this->Stores->FindLevel(level);
 }
 
+const GridLines* BlockedVolume::GetLines(int level) const
+{
+  return this->Stores->GetLines(level);
+}
+
 int BlockedVolume::GetSpectrumLevel(int level) const
 {
   return level - this->FindLevel(level).Level;

@@ -61,6 +61,8 @@ public:
   int GetNumberOfLevels() const;
   /// `level` must be one of the volume's.
   StoredLevel FindLevel(int level) const;
+  /// The lines of a level of a rectilinear grid, valid as long as this object; null of other grids.
+  const GridLines* GetLines(int level) const;
 
   /**
    * Whether ranks share the active blocks of all stores (BlockDealing), for which every rank must
@@ -78,7 +80,7 @@ public:
    * GetSpectrumLevel(); at a coarser one some may be empty. Cost: one tree query a store and
    * isovalue, and the directory pages of the reported blocks.
    *
-   * A selection, of the grid of `level`, adds blocks and leaves blocks out before ranks share them.
+   * A selection, of the grid of `level`, whose lines it need not have, adds blocks and leaves blocks out before ranks share them.
    * Cost: the directory pages of all candidate blocks of the rank's stores; if sides are closed,
    * also a range query of the trees for all blocks with samples inside.
    */

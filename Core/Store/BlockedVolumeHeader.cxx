@@ -46,6 +46,18 @@ Status ValidateGrid(const GridGeometry& grid)
   return fault ? MakeMemberError("grid", fault) : Status::Ok();
 }
 
+Status ValidateLines(const GridGeometry& grid, const GridLines& lines)
+{
+  const Status status = lines.Check(grid.GetDimensions());
+  if (!status.IsOk())
+  {
+    return MakeMemberError("grid.coordinates", "is wrong: " + status.GetMessage());
+  }
+  return grid.Direction == GridGeometry().Direction
+    ? Status::Ok()
+    : MakeMemberError("grid.direction", "turns a rectilinear grid");
+}
+
 Status ValidateStores(
   const char* member, const std::vector<StoreDescription>& stores, std::uint64_t expected)
 {
@@ -143,6 +155,10 @@ bool BlockedVolumeHeader::HasFolder(const std::string& folder) const
 Status BlockedVolumeHeader::ValidateVolume() const
 {
   ISOSURFACE_RETURN_IF_ERROR(ValidateGrid(this->Grid));
+  if (this->Lines)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ValidateLines(this->Grid, *this->Lines));
+  }
   if (!IsBlockSize(this->BlockSize))
   {
     return MakeMemberError("blockSize", "is not 16, 32 or 64");
@@ -223,6 +239,15 @@ std::int64_t BlockedVolumeHeader::GetStoreLimit(const GridGeometry& grid, int bl
   return std::min(MaximumStores, std::max(StoresOfAnyVolume, blocks));
 }
 
+void BlockedVolumeHeader::FrameGrid()
+{
+  if (this->Lines && this->Lines->Check(this->Grid.GetDimensions()).IsOk())
+  {
+    this->Grid.Direction = GridGeometry().Direction;
+    this->Grid = this->Lines->MakeFrame(this->Grid, { { 0, 0, 0 }, this->Grid.GetDimensions() });
+  }
+}
+
 BlockGrid BlockedVolumeHeader::GetBlockGrid() const
 {
   return BlockGrid(this->Grid.GetDimensions(), this->BlockSize, this->NumberOfLevels);
@@ -237,6 +262,10 @@ BlockedVolumeHeader BlockedVolumeHeader::MakeOverview(std::size_t overview) cons
   }
   BlockedVolumeHeader header = *this;
   header.Grid = this->Grid.Coarsen(level);
+  if (this->Lines)
+  {
+    header.Lines = this->Lines->Coarsen(level);
+  }
   header.NumberOfLevels = this->Overviews[overview].NumberOfLevels;
   header.NumberOfStores = this->Overviews[overview].NumberOfStores;
   header.Overviews.clear();

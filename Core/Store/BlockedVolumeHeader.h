@@ -9,6 +9,7 @@
 #include "Volume/ArrayVariables.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 #include "Volume/ValueKey.h"
 #include "Volume/ValueType.h"
 
@@ -55,7 +56,8 @@ struct TimeStepDescription
  * indices. Documentation/formats/blocked-volume.md defines each member.
  *
  *   { "format": "ScalableIsosurface blocked volume", "formatVersion": 1,
- *     "grid": { "extent": [6], "origin": [3], "spacing": [3], "direction": [9] },
+ *     "grid": { "extent": [6], "origin": [3], "spacing": [3], "direction": [9],
+ *               "coordinates": [ [x, ...], [y, ...], [z, ...] ], of a rectilinear grid alone },
  *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": L, "stores": D,
  *     "overviews": [ { "numberOfLevels": L, "stores": D }, ... ],
  *     "distribution": { "method": string, "seed": integer },
@@ -77,7 +79,9 @@ struct BlockedVolumeHeader
   static constexpr std::int64_t StoresOfAnyVolume = 4096;
   static constexpr std::int64_t MaximumCoordinate = std::int64_t{ 1 } << 40;
 
+  /// Of a rectilinear grid the regular one of the same extent in the same box (FrameGrid).
   GridGeometry Grid;
+  std::optional<GridLines> Lines; ///< of a rectilinear grid
   int BlockSize = 32;
   int NumberOfLevels = 0; ///< in the records; 0: as many as a block can have
   std::uint32_t NumberOfStores = 1;
@@ -96,6 +100,9 @@ struct BlockedVolumeHeader
 
   /// The components and magnitudes that can be contoured.
   ArrayVariables GetVariables() const { return ArrayVariables(this->Arrays); }
+
+  /// Makes the grid that of the box of the lines. Lines that have a fault are left to Validate().
+  void FrameGrid();
 
   /// The blocks of the volume, with the levels that their records hold.
   BlockGrid GetBlockGrid() const;

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -57,6 +58,31 @@ GridGeometry ReadGrid(JsonMembers& document, const std::string& path, Status& st
   ReadNumbers(members, "spacing", grid.Spacing);
   ReadNumbers(members, "direction", grid.Direction);
   return grid;
+}
+
+/// The coordinates of a rectilinear grid, which has three lists of numbers; nothing of another grid.
+std::optional<GridLines> ReadLines(JsonMembers& document, const std::string& path, Status& status)
+{
+  const Json& grid = document.GetAny("grid");
+  if (!grid.is_object() || !grid.contains("coordinates"))
+  {
+    return std::nullopt;
+  }
+  JsonMembers members(grid, path, "grid.", status);
+  const Json& axes = members.GetArray("coordinates", 3);
+  GridLines lines;
+  for (std::size_t axis = 0; axis < axes.size(); ++axis)
+  {
+    const Json& list = axes[axis];
+    if (!list.is_array() ||
+      !std::all_of(list.begin(), list.end(), [](const Json& line) { return line.is_number(); }))
+    {
+      members.Fail("coordinates", "is not three arrays of numbers");
+      return std::nullopt;
+    }
+    lines.Coordinates[axis] = list.get<std::vector<double>>();
+  }
+  return lines;
 }
 
 void ReadBlocks(JsonMembers& members, BlockedVolumeHeader& header)
@@ -280,6 +306,10 @@ std::string BlockedVolumeHeader::Format() const
   document["formatVersion"] = FormatVersion;
   document["grid"] = { { "extent", this->Grid.Extent }, { "origin", this->Grid.Origin },
     { "spacing", this->Grid.Spacing }, { "direction", this->Grid.Direction } };
+  if (this->Lines)
+  {
+    document["grid"]["coordinates"] = this->Lines->Coordinates;
+  }
   document["blockSize"] = this->BlockSize;
   document["ghostLayers"] = 1;
   document["numberOfLevels"] = this->GetBlockGrid().GetNumberOfLevels();
@@ -324,6 +354,7 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   JsonMembers members(*document, path, "", status);
   BlockedVolumeHeader header;
   header.Grid = ReadGrid(members, path, status);
+  header.Lines = ReadLines(members, path, status);
   ReadBlocks(members, header);
   ReadDistribution(members, path, status, header);
   const std::string compression = members.GetString("compression");

@@ -56,6 +56,10 @@ VolumeStores::VolumeStores(
   {
     this->AddPart(header.MakeOverview(overview));
   }
+  for (int level = 0; header.Lines && level < this->GetNumberOfLevels(); ++level)
+  {
+    this->Lines.push_back(header.Lines->Coarsen(level));
+  }
 }
 
 void VolumeStores::AddPart(const BlockedVolumeHeader& header)

@@ -56,6 +56,11 @@ public:
   int GetNumberOfLevels() const;
   /// `level` must be one of the volume's.
   StoredLevel FindLevel(int level) const;
+  /// The lines of a level of a rectilinear grid; null of other grids. They stay where they are.
+  const GridLines* GetLines(int level) const
+  {
+    return this->Lines.empty() ? nullptr : &this->Lines[static_cast<std::size_t>(level)];
+  }
   BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
     const StoredLevel& stored) const;
 
@@ -83,6 +88,7 @@ private:
   std::uint64_t Fingerprint;
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;
+  std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
 
   std::mutex Mutex;
   std::list<OpenStore> OpenStores; ///< the most recently used one first

@@ -2,6 +2,7 @@
 #include "Volume/GridLines.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <string>
@@ -147,9 +148,14 @@ Status GridLines::Check(const Index3& dimensions) const
         "the rectilinear grid has " + std::to_string(lines.size()) + " coordinates on axis " +
           name + " for " + std::to_string(dimensions[axis]) + " vertices" };
     }
-    for (std::size_t n = 1; n < lines.size(); ++n)
+    for (std::size_t n = 0; n < lines.size(); ++n)
     {
-      if (!(lines[n - 1] < lines[n]))
+      if (!std::isfinite(lines[n]))
+      {
+        return { StatusCode::InvalidArgument,
+          "the rectilinear grid has a coordinate on axis " + name + " that is not finite" };
+      }
+      if (n > 0 && !(lines[n - 1] < lines[n]))
       {
         return { StatusCode::InvalidArgument,
           "the coordinates of the rectilinear grid do not ascend on axis " + name };
@@ -157,6 +163,31 @@ Status GridLines::Check(const Index3& dimensions) const
     }
   }
   return Status::Ok();
+}
+
+GridLines GridLines::Coarsen(int level) const
+{
+  GridLines coarse;
+  const std::size_t step = std::size_t{ 1 } << level;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    for (std::size_t n = 0; n < this->Coordinates[axis].size(); n += step)
+    {
+      coarse.Coordinates[axis].push_back(this->Coordinates[axis][n]);
+    }
+  }
+  return coarse;
+}
+
+GridLines GridLines::Cut(const VertexBox& box) const
+{
+  GridLines part;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const auto first = this->Coordinates[axis].begin();
+    part.Coordinates[axis].assign(first + box.Low[axis], first + box.High[axis]);
+  }
+  return part;
 }
 
 double GridLines::At(std::size_t axis, std::int64_t vertex) const

@@ -18,15 +18,24 @@ struct GridLines
 {
   std::array<std::vector<double>, 3> Coordinates;
 
-  /// Errors (InvalidArgument): lines that do not ascend; another number of them than the grid has
-  /// vertices on the axis.
+  /// Errors (InvalidArgument): lines that do not ascend or are not finite; another number of them
+  /// than the grid has vertices on the axis.
   Status Check(const Index3& dimensions) const;
+
+  /// The lines of GridGeometry::Coarsen(level): every 2^level-th, from the first one on.
+  GridLines Coarsen(int level) const;
+
+  /// The lines of a box of vertices, counted from the grid's first one.
+  GridLines Cut(const VertexBox& box) const;
 
   /// The coordinate of a vertex; of the nearest one for a vertex beyond the grid.
   double At(std::size_t axis, std::int64_t vertex) const;
 
   /// A grid of the same dimensions in which a box of vertices takes the same place in the world.
   GridGeometry MakeFrame(const GridGeometry& grid, const VertexBox& box) const;
+
+  bool operator==(const GridLines& other) const { return this->Coordinates == other.Coordinates; }
+  bool operator!=(const GridLines& other) const { return !(*this == other); }
 };
 
 /// A rectilinear grid, or a piece of one. Origin, spacing and direction have no meaning.

@@ -11,7 +11,9 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace isosurface
 {
@@ -51,6 +53,7 @@ public:
       std::move(*array), this->Axes, this->Choice.Step);
     ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeLines());
     ISOSURFACE_RETURN_IF_ERROR(this->TakeScale());
     this->NoteLeftOut();
     return std::move(this->Volume);
@@ -167,7 +170,8 @@ private:
     return Status::Ok();
   }
 
-  /// Sets origin, spacing and direction from the coordinates of an axis of the grid.
+  /// Sets origin, spacing and direction from the coordinates of an axis of the grid, if these have
+  /// equal steps, and keeps them.
   Status TakePlace(std::size_t gridAxis, int axis)
   {
     const NetcdfVariable* coordinate =
@@ -176,7 +180,7 @@ private:
     {
       return Status::Ok();
     }
-    const auto numbers = this->File.ReadNumbers(*coordinate);
+    auto numbers = this->File.ReadNumbers(*coordinate);
     ISOSURFACE_RETURN_IF_ERROR(numbers.GetStatus());
     const std::size_t count = numbers->size();
     const double first = count == 0 ? 0 : numbers->front();
@@ -188,11 +192,10 @@ private:
       const double expected = first + step * static_cast<double>(index);
       if (!(std::abs((*numbers)[index] - expected) <= most) || step == 0)
       {
-        return this->File.MakeError(StatusCode::Unsupported, *coordinate,
-          "the coordinates of " + this->Variable->Path +
-            " have no equal steps; --spacing places the samples in spite of them");
+        this->Uneven = coordinate;
       }
     }
+    this->Coordinates[gridAxis] = std::move(*numbers);
     GridGeometry& grid = this->Volume.Grid;
     grid.Origin[gridAxis] = first;
     grid.Spacing[gridAxis] = std::abs(step);
@@ -206,6 +209,37 @@ private:
     ISOSURFACE_RETURN_IF_ERROR(this->TakePlace(0, this->Axes.X));
     ISOSURFACE_RETURN_IF_ERROR(this->TakePlace(1, this->Axes.Y));
     return this->TakePlace(2, this->Axes.Z);
+  }
+
+  /// With uneven steps on some axis, the grid is a rectilinear one.
+  Status TakeLines()
+  {
+    if (!this->Uneven)
+    {
+      return Status::Ok();
+    }
+    const Index3 dimensions = this->Volume.Grid.GetDimensions();
+    GridLines lines;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      std::vector<double>& line = lines.Coordinates[axis];
+      line = std::move(this->Coordinates[axis]);
+      if (line.empty())
+      {
+        line.resize(static_cast<std::size_t>(dimensions[axis]));
+        std::iota(line.begin(), line.end(), 0.0);
+      }
+    }
+    const Status status = lines.Check(dimensions);
+    if (!status.IsOk())
+    {
+      return this->File.MakeError(StatusCode::Unsupported, *this->Uneven,
+        "the coordinates of " + this->Variable->Path + " have no equal steps, and " +
+          status.GetMessage() + "; --spacing places the samples in spite of them");
+    }
+    this->Volume.Grid.Direction = GridGeometry().Direction;
+    this->Volume.Lines = std::move(lines);
+    return Status::Ok();
   }
 
   Status TakeTimes()
@@ -275,6 +309,8 @@ private:
   const VolumeChoice& Choice;
   const NetcdfVariable* Variable = nullptr;
   ArrayAxes Axes;
+  std::array<std::vector<double>, 3> Coordinates; ///< of the grid's axes, as far as there are any
+  const NetcdfVariable* Uneven = nullptr;         ///< one of them, without equal steps
   VolumeFile Volume;
 };
 

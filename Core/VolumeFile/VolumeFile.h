@@ -7,11 +7,13 @@
 #include "Source/SlabSource.h"
 #include "Volume/ArrayVariables.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 #include "Volume/ValueType.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,7 @@ struct VolumeListing
 struct VolumeFile
 {
   GridGeometry Grid;
+  std::optional<GridLines> Lines;       ///< of a rectilinear grid; then Grid tells its extent alone
   std::vector<ArrayDescription> Arrays; ///< the components of each have views of their own
   std::unique_ptr<SlabSource> Source;
   std::vector<double> Times; ///< of all time steps of the file; empty if it has none

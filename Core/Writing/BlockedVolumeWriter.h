@@ -12,6 +12,7 @@
 #include "Source/SlabSource.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Volume/GridGeometry.h"
+#include "Volume/GridLines.h"
 
 #include <cstdint>
 #include <memory>
@@ -31,6 +32,9 @@ struct BlockedVolumeSettings
   std::uint64_t RandomSeed = 0;
   BlockCompression Compression;
   std::optional<double> Time; ///< the time of the time step
+  /// Where the vertices of a rectilinear grid are; then origin, spacing and direction of the grid
+  /// have no meaning.
+  std::optional<GridLines> Lines;
   /// Appends the time step to the volume at the path; without one, makes a new volume. The volume
   /// must have the same grid, arrays, block size, stores (0: as many as it has), distribution and
   /// compression, and earlier times; else this is an InvalidArgument.

@@ -195,8 +195,10 @@ void GridWriter::CreateSpectra()
     bins.push_back(
       SpectrumBins::Choose(this->Variables[variable].Type, this->GetStep().Ranges[variable]));
   }
-  this->Spectra.emplace(this->Header.Grid, this->Variables, std::move(bins),
-    this->Header.NumberOfStores, this->Context.Rank, this->Context.Size);
+  this->Spectra.emplace(
+    MeasuredGrid{ this->Header.Grid, this->Header.Lines ? &*this->Header.Lines : nullptr },
+    this->Variables, std::move(bins), this->Header.NumberOfStores, this->Context.Rank,
+    this->Context.Size);
 }
 
 Status GridWriter::CreateStores()

@@ -9,7 +9,7 @@
 namespace isosurface
 {
 
-StoreSpectra::StoreSpectra(const GridGeometry& grid, ArrayVariables variables,
+StoreSpectra::StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables,
   std::vector<SpectrumBins> bins, std::uint32_t stores, std::size_t rank, std::size_t ranks)
   : Grid(grid)
   , Variables(std::move(variables))
@@ -40,8 +40,8 @@ StoreSpectra::StoreSpectra(const GridGeometry& grid, ArrayVariables variables,
 WorkloadSpectrum StoreSpectra::MakeSpectrum(std::size_t variable) const
 {
   WorkloadSpectrum spectrum(this->Bins[variable]);
-  spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid);
-  spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid);
+  spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
+  spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
   return spectrum;
 }
 

@@ -9,7 +9,6 @@
 #include "Store/BlockDirectory.h"
 #include "Store/SpectraFile.h"
 #include "Volume/ArrayVariables.h"
-#include "Volume/GridGeometry.h"
 #include "Volume/ValueKey.h"
 
 #include <cstddef>
@@ -24,7 +23,7 @@ namespace isosurface
 /// Counts one variable in the blocks that one thread finishes.
 struct BlockCounters
 {
-  BlockCounters(const SpectrumBins& bins, const GridGeometry& grid)
+  BlockCounters(const SpectrumBins& bins, const MeasuredGrid& grid)
     : Workload(bins)
     , Measure(bins, grid)
   {
@@ -44,8 +43,8 @@ struct BlockCounters
 class StoreSpectra
 {
 public:
-  /// bins[variable].
-  StoreSpectra(const GridGeometry& grid, ArrayVariables variables, std::vector<SpectrumBins> bins,
+  /// bins[variable]. The grid's lines must outlive this object.
+  StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables, std::vector<SpectrumBins> bins,
     std::uint32_t stores, std::size_t rank, std::size_t ranks);
 
   /// Counters of all variables, for one thread.
@@ -90,7 +89,7 @@ private:
 
   WorkloadSpectrum MakeSpectrum(std::size_t variable) const;
 
-  GridGeometry Grid;
+  MeasuredGrid Grid;
   ArrayVariables Variables;
   std::vector<SpectrumBins> Bins;
   std::uint32_t Stores;

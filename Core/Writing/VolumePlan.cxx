@@ -40,7 +40,11 @@ std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolum
   const auto isSameArray = [](const ArrayDescription& a, const ArrayDescription& b)
   { return a.Name == b.Name && a.Type == b.Type && a.Components == b.Components; };
   std::string reason;
-  if (existing.Grid != header.Grid)
+  if (existing.Grid.Extent == header.Grid.Extent && existing.Lines != header.Lines)
+  {
+    reason = "its grid lines are at other coordinates";
+  }
+  else if (existing.Grid != header.Grid)
   {
     reason = "it has another extent, origin, spacing or direction";
   }
@@ -147,6 +151,14 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
 {
   BlockedVolumeHeader header;
   header.Grid = grid;
+  header.Lines = settings.Lines;
+  header.FrameGrid();
+  if (existing && existing->Lines && existing->Lines == header.Lines &&
+    existing->Grid.Extent == header.Grid.Extent)
+  {
+    // Lines alone say where a rectilinear grid is.
+    header.Grid = existing->Grid;
+  }
   header.BlockSize = settings.BlockSize;
   header.NumberOfStores = settings.NumberOfStores != 0 ? settings.NumberOfStores
     : existing                                         ? existing->NumberOfStores

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "RectilinearFixtures.h"
 #include "TestImages.h"
 
-#include "vtkCellData.h"
-#include "vtkContourFilter.h"
 #include "vtkContourSpectrum.h"
-#include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
-#include "vtkIdList.h"
+#include "vtkMassProperties.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -15,11 +13,7 @@
 #include "vtkTable.h"
 #include "vtkUnstructuredGrid.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <random>
-#include <set>
 
 using namespace isosurface;
 
@@ -27,77 +21,6 @@ namespace
 {
 
 constexpr Extent Grid{ 0, 70, 0, 35, 0, 37 };
-
-// Lines at uneven distances on each axis.
-vtkSmartPointer<vtkRectilinearGrid> MakeLinedGrid(vtkImageData* image, unsigned int seed = 1)
-{
-  auto grid = vtkSmartPointer<vtkRectilinearGrid>::New();
-  grid->SetExtent(image->GetExtent());
-  grid->GetPointData()->ShallowCopy(image->GetPointData());
-  std::mt19937 random(seed);
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    vtkNew<vtkDoubleArray> lines;
-    double at = -3.0;
-    for (int n = 0; n < image->GetDimensions()[axis]; ++n)
-    {
-      lines->InsertNextValue(at);
-      at += 0.1 + static_cast<double>(random() % 1000) / 300.0;
-    }
-    axis == 0     ? grid->SetXCoordinates(lines)
-      : axis == 1 ? grid->SetYCoordinates(lines)
-                  : grid->SetZCoordinates(lines);
-  }
-  return grid;
-}
-
-// A part of a grid, with its lines.
-vtkSmartPointer<vtkRectilinearGrid> Cut(vtkRectilinearGrid* grid, const Extent& extent)
-{
-  auto part = vtkSmartPointer<vtkRectilinearGrid>::New();
-  part->ShallowCopy(grid);
-  part->Crop(extent.data());
-  return part;
-}
-
-// Corner by corner: position and normal.
-using Corner = std::array<float, 6>;
-using Corners = std::multiset<std::array<Corner, 3>>;
-
-Corners TakeTriangles(vtkPolyData* surface)
-{
-  Corners triangles;
-  vtkNew<vtkIdList> points;
-  for (vtkIdType cell = 0; cell < surface->GetNumberOfCells(); ++cell)
-  {
-    surface->GetCellPoints(cell, points);
-    std::array<Corner, 3> triangle;
-    for (vtkIdType n = 0; n < 3; ++n)
-    {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        Corner& corner = triangle[static_cast<std::size_t>(n)];
-        corner[axis] = static_cast<float>(surface->GetPoint(points->GetId(n))[axis]);
-        corner[3 + axis] = static_cast<float>(
-          surface->GetPointData()->GetNormals()->GetTuple(points->GetId(n))[axis]);
-      }
-    }
-    std::rotate(
-      triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
-    triangles.insert(triangle);
-  }
-  return triangles;
-}
-
-vtkSmartPointer<vtkPolyData> ContourByStockFilter(vtkRectilinearGrid* grid, double isovalue)
-{
-  vtkNew<vtkContourFilter> contour;
-  contour->SetInputData(grid);
-  contour->SetValue(0, isovalue);
-  contour->ComputeNormalsOn();
-  contour->Update();
-  return contour->GetOutput();
-}
 
 std::string ContourInVain(vtkDataObject* input)
 {
@@ -144,7 +67,7 @@ TEST(StabbingContourLines, PiecesWithGhostLayersHaveTheSurfaceOfTheWhole)
   int own[2][6] = { { 0, 40, 0, 35, 0, 37 }, { 40, 70, 0, 35, 0, 37 } };
   for (unsigned int n = 0; n < 2; ++n)
   {
-    const auto part = Cut(grid, extents[n]);
+    const auto part = CutLinedGrid(grid, extents[n]);
     part->GenerateGhostArray(own[n], true);
     blocks->SetBlock(n, part);
   }
@@ -274,20 +197,55 @@ TEST(StabbingContourLines, OtherDataSetsAreRefusedWithWhatToTakeInstead)
   }
 }
 
-TEST(StabbingContourLines, SpectrumTellsTrianglesButNoAreaOfThem)
+// Samples that are a linear function of the place in the world: of them areas and volumes are exact.
+TEST(StabbingContourLines, SpectrumTellsAreaAndVolumeInTheWorld)
 {
-  const auto image = MakeImage(Grid, VTK_SHORT, MakeWaves(90));
+  const auto image = MakeImage(Grid, VTK_FLOAT, [](int, int, int) { return 0.0; });
+  const auto grid = MakeLinedGrid(image);
+  vtkDataArray* samples = grid->GetPointData()->GetScalars();
+  for (vtkIdType point = 0; point < grid->GetNumberOfPoints(); ++point)
+  {
+    samples->SetComponent(point, 0, grid->GetPoint(point)[0]);
+  }
   vtkNew<vtkContourSpectrum> spectrum;
-  spectrum->SetInputData(MakeLinedGrid(image));
+  spectrum->SetInputData(grid);
   spectrum->Update();
   vtkTable* table = spectrum->GetOutput();
-  EXPECT_EQ(table->GetColumnByName("Area"), nullptr);
-  EXPECT_EQ(table->GetColumnByName("Volume"), nullptr);
-  ASSERT_NE(table->GetColumnByName("Triangles"), nullptr);
-  EXPECT_EQ(table->GetColumnByName("Triangles")->GetVariantValue(table->GetNumberOfRows() / 2),
-    vtkVariant(Contour(image,
-      { table->GetColumnByName("Isovalue")
-          ->GetVariantValue(table->GetNumberOfRows() / 2)
-          .ToDouble() })
-                 ->GetNumberOfCells()));
+  const double* bounds = grid->GetBounds();
+  const double face = (bounds[3] - bounds[2]) * (bounds[5] - bounds[4]);
+  const vtkIdType rows = table->GetNumberOfRows();
+  ASSERT_GT(rows, 1000);
+  const auto get = [table](const char* column, vtkIdType row)
+  { return table->GetValueByName(row, column).ToDouble(); };
+  for (vtkIdType row = 5; row + 5 < rows; ++row)
+  {
+    ASSERT_NEAR(get("Area", row), face, 1e-3 * face) << row;
+    const double volume = (bounds[1] - get("Isovalue", row)) * face;
+    ASSERT_NEAR(get("Volume", row), volume, 1e-4 * face * (bounds[1] - bounds[0])) << row;
+  }
+}
+
+// The area of the triangles is the oracle.
+TEST(StabbingContourLines, SpectrumOfACurvedSurfaceHasTheAreaOfItsTriangles)
+{
+  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_SHORT, MakeWaves(90)));
+  vtkNew<vtkContourSpectrum> spectrum;
+  spectrum->SetInputData(grid);
+  spectrum->Update();
+  vtkTable* table = spectrum->GetOutput();
+  for (vtkIdType row = 40; row < table->GetNumberOfRows(); row += 25)
+  {
+    const double isovalue = table->GetValueByName(row, "Isovalue").ToDouble();
+    const auto surface = Contour(grid, { isovalue });
+    vtkNew<vtkMassProperties> measured;
+    measured->SetInputData(surface);
+    measured->Update();
+    EXPECT_EQ(table->GetValueByName(row, "Triangles").ToDouble(),
+      static_cast<double>(surface->GetNumberOfCells()));
+    if (surface->GetNumberOfCells() > 5000)
+    {
+      EXPECT_NEAR(table->GetValueByName(row, "Area").ToDouble(), measured->GetSurfaceArea(),
+        0.05 * measured->GetSurfaceArea());
+    }
+  }
 }

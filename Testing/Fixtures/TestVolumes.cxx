@@ -88,12 +88,12 @@ void TurnObliquely(vtkImageData* image)
     -4 * ninth, 7 * ninth, 4 * ninth);
 }
 
-void WriteVolume(vtkImageData* image, const std::string& path, const VolumeSettings& settings)
+void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSettings& settings)
 {
   vtkNew<vtkBlockedVolumeWriter> writer;
   const ErrorCounter errors(writer);
   writer->SetController(nullptr);
-  writer->SetInputDataObject(image);
+  writer->SetInputDataObject(input);
   writer->SetFileName(path.c_str());
   writer->SetBlockSize(settings.BlockSize);
   writer->SetNumberOfStores(settings.NumberOfStores);

@@ -31,8 +31,9 @@ struct VolumeSettings
   int Compression = vtkBlockedVolumeWriter::LZ4;
 };
 
-/// Writes an image, on this process alone; a test fails if that reports an error.
-void WriteVolume(vtkImageData* image, const std::string& path, const VolumeSettings& settings = {});
+/// Writes an image or a rectilinear grid, on this process alone; a test fails if that reports an error.
+void WriteVolume(
+  vtkDataObject* input, const std::string& path, const VolumeSettings& settings = {});
 
 /// Every 2^level-th vertex of an image, by vtkExtractVOI; as a level of a blocked volume of it.
 vtkSmartPointer<vtkImageData> SubsampleImage(vtkImageData* image, int level);

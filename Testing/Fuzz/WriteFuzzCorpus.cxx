@@ -69,6 +69,24 @@ void Append(Bytes& bytes, const Bytes& others)
   bytes.insert(bytes.end(), others.begin(), others.end());
 }
 
+/// The header of a volume on a rectilinear grid, of 5 x 2 x 1 vertices.
+void AddRectilinearHeader(Corpus& corpus)
+{
+  BlockedVolumeHeader header;
+  header.Grid.Extent = { -2, 2, 0, 1, 7, 7 };
+  header.Lines = GridLines{ { { { -1.5, 0, 1e-3, 2, 1e6 }, { 0.25, 0.75 }, { 3 } } } };
+  header.FrameGrid();
+  header.BlockSize = 16;
+  header.Arrays = { { "density", ValueType::UInt8 } };
+  TimeStepDescription step;
+  step.Folder = "000001";
+  step.Ranges = { {} };
+  step.Stores = { { 1, 4096, 7 } };
+  header.TimeSteps = { step };
+  const std::string text = header.Format();
+  corpus.Add("BlockedVolumeHeader", "rectilinear", Bytes(text.begin(), text.end()));
+}
+
 /// One volume's files, for the four targets that read them: an array of one component or more, in
 /// one time step or more.
 template <typename T>
@@ -260,6 +278,7 @@ int main(int argc, char* argv[])
     return 2;
   }
   Corpus corpus(argv[1]);
+  AddRectilinearHeader(corpus);
   AddVolume<std::uint8_t>(corpus, "uint8", { 20, 3, 2 }, 1);
   AddVolume<std::int16_t>(corpus, "int16", { 5, 4, 3 }, 1);
   AddVolume<float>(corpus, "float32", { 3, 18, 2 }, 1);

@@ -2,6 +2,10 @@
 // Images in memory that ranks have parts of, without ghost layers, rectilinear and with cell arrays.
 #include "ParallelVolumes.h"
 
+#include "RectilinearFixtures.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkBlockedVolumeWriter.h"
 #include "vtkStabbingContour.h"
 
 #include "vtkCellData.h"
@@ -14,6 +18,8 @@
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkUnstructuredGrid.h"
+
+#include "Store/BlockedVolumeHeader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -124,6 +130,69 @@ TEST(GridsOnRanks, RectilinearGridsThatMeetHaveTheSurfaceOfTheWhole)
   if (GetRank() == 0)
   {
     ExpectSurfaceOfOneRank(all, makeLined(whole), vtkDataObject::FIELD_ASSOCIATION_POINTS);
+  }
+}
+
+TEST(GridsOnRanks, RectilinearGridInPiecesIsWrittenAsAWholeAndContouredByAll)
+{
+  const SharedFolder folder("rectilinear");
+  const auto whole = MakeLinedGrid(MakeRough());
+  const std::string alone = folder.GetPath("alone.bvol");
+  const std::string path = folder.GetPath("volume.bvol");
+  if (GetRank() == 0)
+  {
+    WriteVolume(whole, alone, { 16, 5 });
+  }
+  vtkNew<LinedGridSource> source;
+  source->Grid = whole;
+  for (const int memoryLimit : { 64, 0 })
+  {
+    vtkNew<vtkBlockedVolumeWriter> writer;
+    const ErrorCounter errors(writer);
+    writer->SetController(GetRanks());
+    writer->SetInputConnection(source->GetOutputPort());
+    writer->SetFileName(path.c_str());
+    writer->SetBlockSize(16);
+    writer->SetNumberOfStores(5);
+    writer->SetMemoryLimit(memoryLimit);
+    writer->Write();
+    EXPECT_EQ(errors.Messages, std::vector<std::string>());
+    if (GetRank() == 0)
+    {
+      // The header has the checksums of all stores. Folders are numbered.
+      const auto read = [](const std::string& name)
+      { return BlockedVolumeHeader::Read(GetLocalFileSystem(), name); };
+      auto expected = read(alone);
+      const auto written = read(path);
+      ASSERT_TRUE(expected.IsOk() && written.IsOk());
+      expected->TimeSteps[0].Folder = written->TimeSteps[0].Folder;
+      EXPECT_EQ(written->Format(), expected->Format());
+    }
+  }
+  ContourPipeline pipeline(path);
+  const EdgeSurface all = Gather(pipeline.Update({ 8.0 }));
+  if (GetRank() == 0)
+  {
+    ExpectSurfaceOfOneRank(all, whole, vtkDataObject::FIELD_ASSOCIATION_POINTS);
+  }
+}
+
+TEST(GridsOnRanks, PiecesAtOtherCoordinatesAreAnErrorOfAll)
+{
+  const SharedFolder folder("other-coordinates");
+  vtkNew<LinedGridSource> source;
+  const bool isLast = GetRank() == GetNumberOfRanks() - 1;
+  source->Grid = MakeLinedGrid(MakeRough(), isLast ? 2 : 1);
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  const ErrorCounter errors(writer);
+  writer->SetController(GetRanks());
+  writer->SetInputConnection(source->GetOutputPort());
+  writer->SetFileName(folder.GetPath("volume.bvol").c_str());
+  writer->Write();
+  EXPECT_EQ(errors.Messages.size(), GetNumberOfRanks() > 1 ? 1u : 0u);
+  for (const std::string& message : errors.Messages)
+  {
+    EXPECT_NE(message.find("several rectilinear grids"), std::string::npos) << message;
   }
 }
 

@@ -14,7 +14,9 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkRectilinearGrid.h"
 
+#include "RectilinearGrids.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/VolumeVerification.h"
 
@@ -44,6 +46,21 @@ vtkSmartPointer<vtkImageData> MakeGoldenImage()
   image->SetSpacing(0.5, 1, 2);
   image->SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1);
   return image;
+}
+
+// The same samples, at places that are exact in binary.
+vtkSmartPointer<vtkRectilinearGrid> MakeGoldenRectilinearGrid()
+{
+  const auto image = MakeGoldenImage();
+  GridLines lines;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    for (int n = 0; n < image->GetDimensions()[axis]; ++n)
+    {
+      lines.Coordinates[static_cast<std::size_t>(axis)].push_back(n * (n + 4) / 8.0 - axis);
+    }
+  }
+  return MakeRectilinearGrid(image, lines);
 }
 
 constexpr vtkIdType DensityTriangles = 13488;
@@ -155,18 +172,39 @@ TEST(GoldenVolume, TakesAnotherTimeStep)
   EXPECT_EQ(verified->FaultCount, 0u);
 }
 
-TEST(GoldenVolume, IsWrittenByteForByteToday)
+void ExpectFilesOf(vtkDataObject* input, const std::string& volume)
 {
   const ScratchFolder folder;
-  const std::string path = folder.GetPath("golden.bvol");
-  WriteVolume(MakeGoldenImage(), path, GoldenSettings);
-  const std::vector<std::string> names = ListVolumeFiles(GoldenPath);
+  const std::string path = folder.GetPath(volume);
+  WriteVolume(input, path, GoldenSettings);
+  const std::vector<std::string> names = ListVolumeFiles(GetDataPath("blocked-volume/" + volume));
   for (const std::string& name : names)
   {
     EXPECT_TRUE(ReadBytes(folder.GetPath(name)) == ReadBytes(GetDataPath("blocked-volume/" + name)))
       << name << " differs: a change of format needs a new version, specification and golden file";
   }
   EXPECT_EQ(ListVolumeFiles(path), names);
+}
+
+TEST(GoldenVolume, IsWrittenByteForByteToday)
+{
+  ExpectFilesOf(MakeGoldenImage(), "golden.bvol");
+}
+
+TEST(GoldenVolume, OfARectilinearGridIsWrittenByteForByteToday)
+{
+  ExpectFilesOf(MakeGoldenRectilinearGrid(), "rectilinear.bvol");
+}
+
+TEST(GoldenVolume, OfARectilinearGridHasTheSurfaceItWasWrittenWith)
+{
+  const auto surface = ContourFile(GetDataPath("blocked-volume/rectilinear.bvol"), "density", 15.5);
+  EXPECT_EQ(surface->GetNumberOfPolys(), DensityTriangles);
+  EXPECT_EQ(surface->GetNumberOfPoints(), DensityPoints);
+  EdgeSurface surfaces[2];
+  surfaces[0].Add(surface);
+  surfaces[1].Add(Contour(MakeGoldenRectilinearGrid(), { 15.5 }));
+  EXPECT_TRUE(AreEqual(surfaces[0], surfaces[1]));
 }
 
 TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)

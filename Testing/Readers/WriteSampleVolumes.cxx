@@ -124,6 +124,21 @@ double MakePatches(std::int64_t, std::int64_t j, std::int64_t k)
   return std::clamp(centre + (noise - 0.5) * width, 0.0, 1.0);
 }
 
+/// Lines at uneven distances.
+GridLines MakeLines(const Index3& size)
+{
+  GridLines lines;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    for (std::int64_t n = 0; n < size[axis]; ++n)
+    {
+      const auto at = static_cast<double>(n);
+      lines.Coordinates[axis].push_back(0.3 * at + std::sin(0.2 * at) - 1e-9);
+    }
+  }
+  return lines;
+}
+
 /// Types of every kind and size, by all codecs and predictors.
 bool WriteCompressed(const std::string& folder)
 {
@@ -190,7 +205,14 @@ bool WriteAll(const std::string& folder)
   size = { 1, 1300, 1300 };
   const bool highTree = WriteVolume(folder + "/high-tree", MakeGrid({ 0, 0, 0 }, size),
     { MakeArray<std::uint16_t>("patches", size, MakePatches) }, settings);
-  return everyType && manyLevels && emptyStores && highTree && WriteCompressed(folder);
+
+  size = { 41, 33, 35 };
+  settings.NumberOfStores = 2;
+  settings.Lines = MakeLines(size);
+  const bool rectilinear = WriteVolume(folder + "/rectilinear", MakeGrid({ -7, 0, 100 }, size),
+    { MakeArray<std::int16_t>("density", size, MakeWaves) }, settings);
+  return everyType && manyLevels && emptyStores && highTree && rectilinear &&
+    WriteCompressed(folder);
 }
 
 } // namespace

@@ -106,7 +106,10 @@ def check_spectrum(volume, number):
     if isovalues and volume.arrays[number]["type"][0] != "f":  # there is no NaN or infinity
         counts, rounding = spectra.totals[number]["volume"], len(volume.stores)
         whole = (math.prod(n - 1 for n in volume.dimensions) * 8**volume.first_level
-                 * abs(math.prod(volume.header["grid"]["spacing"])) / spectra.units[number][1])
+                 * abs(math.prod(volume.header["grid"]["spacing"])))
+        if volume.coordinates:
+            whole = math.prod(of_axis[-1] - of_axis[0] for of_axis in volume.coordinates)
+        whole /= spectra.units[number][1]
         check(counts[0] <= whole + rounding
               and all(after <= before + rounding for before, after in zip(counts, counts[1:])),
               f"{spectra.path}: array {number}: volume")
@@ -168,6 +171,10 @@ def check_volume(path):
         source.frombytes(read_file(f"{path[:-5]}.array-{number}.raw"))
         sources.append(source)
     check_ranges(volume, sources)
+    check(bool(volume.coordinates) == ("rectilinear" in path), f"{path}: coordinates")
+    for size, of_axis in zip(volume.dimensions, volume.coordinates or []):
+        check(all(math.isclose(x, 0.3 * n + math.sin(0.2 * n) - 1e-9, abs_tol=1e-14)
+                  for n, x in enumerate(of_axis)) and len(of_axis) == size, f"{path}: coordinates")
     ranges = check_samples(volume, sources)
     for number, source in enumerate(sources):
         check_queries(volume, ranges, number)
@@ -188,7 +195,7 @@ def check_volume(path):
 def main(folder):
     random.seed(1)
     paths = sorted(glob.glob(os.path.join(folder, "*.bvol")))
-    check(len(paths) == 6, f"{folder}: not the volumes that were written")
+    check(len(paths) == 7, f"{folder}: not the volumes that were written")
     kinds = [check_volume(path) for path in paths]
     unused = [kind for kind in kinds[0] if not any(lists[kind] for lists in kinds)]
     check(not unused, f"no tree has lists of the kinds {unused}")

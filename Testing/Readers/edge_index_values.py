@@ -97,13 +97,17 @@ class QuantizedOffsets(Offsets):
         steps = 2**header.quantization_bits - 1
         self.step = (header.quantization_maximum - self.minimum) / steps
         self.first = bisect.bisect_left(range(steps + 1), self.threshold, key=self.find_level)
-        self.set_bounds(min(-1, -self.first), max(0, steps - self.first), scale)
+        least = min(-1, -self.first)
+        self.nan = least - 1 if TYPES[header.type_name][1] is None else None
+        self.set_bounds(least if self.nan is None else self.nan, max(0, steps - self.first), scale)
 
     def find_level(self, q):
         value = self.minimum + q * self.step
         return round_to_float32(clamp(value, -GREATEST_FLOAT32, GREATEST_FLOAT32))
 
     def find_value(self, code):
+        if code == self.nan:
+            return math.nan
         value = self.find_level(self.first + code)
         if code >= 0:
             return max(value, self.threshold)

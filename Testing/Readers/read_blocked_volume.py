@@ -298,6 +298,7 @@ class BlockedVolume:
                            if "magnitude" not in name]
         extent = self.header["grid"]["extent"]
         self.first_level = sum(levels[:number])
+        self.coordinates = self.read_coordinates(path)
         self.levels = levels[number]
         self.dimensions = [(extent[2 * axis + 1] - extent[2 * axis] >> self.first_level) + 1
                            for axis in range(3)]
@@ -320,6 +321,20 @@ class BlockedVolume:
         self.spectra = Spectra(folder, len(self.variables), step["stores"])
         self.overviews = [BlockedVolume(path, time_step, 1 + index)
                           for index in range(len(overviews))] if number == 0 else []
+
+    def read_coordinates(self, path):
+        """Of level 0 of this volume or overview, by axis; none of a regular grid."""
+        grid = self.header["grid"]
+        if "coordinates" not in grid:
+            return None
+        lists, extent = grid["coordinates"], grid["extent"]
+        check(len(lists) == 3 and all(
+            len(lists[axis]) == extent[2 * axis + 1] - extent[2 * axis] + 1
+            and all(isinstance(x, (int, float)) and math.isfinite(x) for x in lists[axis])
+            and all(a < b for a, b in zip(lists[axis], lists[axis][1:])) for axis in range(3)),
+              f"{path}: coordinates")
+        check(grid["direction"] == [1, 0, 0, 0, 1, 0, 0, 0, 1], f"{path}: turns coordinates")
+        return [of_axis[::1 << self.first_level] for of_axis in lists]
 
     def find_box(self, block, level, ghosted):
         """Per axis [low, high) in the level's coordinates."""

@@ -4,6 +4,7 @@
 #include "vtkBlockedVolumeWriter.h"
 
 #include "vtkCellData.h"
+#include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkMetaImageReader.h"
@@ -12,6 +13,9 @@
 #include "vtkNIFTIImageWriter.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkRectilinearGridReader.h"
+#include "vtkRectilinearGridWriter.h"
 #include "vtkShortArray.h"
 #include "vtkStructuredPointsReader.h"
 #include "vtkStructuredPointsWriter.h"
@@ -20,6 +24,8 @@
 #include "vtkUnsignedShortArray.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLImageDataWriter.h"
+#include "vtkXMLRectilinearGridReader.h"
+#include "vtkXMLRectilinearGridWriter.h"
 
 #include <cmath>
 #include <cstdio>
@@ -88,6 +94,37 @@ bool WriteBlocked(const std::string& path)
   return writer->Write() == 1;
 }
 
+/// A rectilinear grid with the arrays of an image, in files of two formats.
+bool WriteRectilinear(vtkImageData* image, const std::string& folder)
+{
+  vtkNew<vtkRectilinearGrid> grid;
+  grid->SetExtent(image->GetExtent());
+  grid->GetPointData()->ShallowCopy(image->GetPointData());
+  vtkNew<vtkDoubleArray> lines[3];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    for (int n = 0; n < image->GetDimensions()[axis]; ++n)
+    {
+      lines[axis]->InsertNextValue(0.1 * n * n - axis);
+    }
+  }
+  grid->SetXCoordinates(lines[0]);
+  grid->SetYCoordinates(lines[1]);
+  grid->SetZCoordinates(lines[2]);
+  vtkNew<vtkXMLRectilinearGridWriter> xml;
+  xml->SetDataModeToBinary();
+  xml->SetInputData(grid);
+  xml->SetFileName((folder + "/a.vtr").c_str());
+  xml->Write();
+  vtkNew<vtkRectilinearGridWriter> legacy;
+  legacy->SetInputData(grid);
+  legacy->SetFileTypeToBinary();
+  legacy->SetFileName((folder + "/lines.vtk").c_str());
+  legacy->Write();
+  return WriteBlocked<vtkXMLRectilinearGridReader>(folder + "/a.vtr") &&
+    WriteBlocked<vtkRectilinearGridReader>(folder + "/lines.vtk");
+}
+
 bool WriteAll(const std::string& folder)
 {
   vtkNew<vtkImageData> image;
@@ -145,12 +182,13 @@ bool WriteAll(const std::string& folder)
   xml->SetFileName((folder + "/cells.vti").c_str());
   xml->Write();
   xml->SetInputData(image);
+  const bool isRectilinearWritten = WriteRectilinear(image, folder);
   // One array, for the choice of arrays.
   image->GetPointData()->RemoveArray("density");
   image->GetPointData()->SetActiveScalars("height");
   xml->SetFileName((folder + "/height.vti").c_str());
   xml->Write();
-  return WriteBlocked<vtkMetaImageReader>(folder + "/a.mhd") &&
+  return isRectilinearWritten && WriteBlocked<vtkMetaImageReader>(folder + "/a.mhd") &&
     WriteBlocked<vtkNIFTIImageReader>(folder + "/a.nii.gz") &&
     WriteBlocked<vtkTIFFReader>(folder + "/a.tif") &&
     WriteBlocked<vtkStructuredPointsReader>(folder + "/a.vtk") &&

@@ -40,7 +40,7 @@ class Case(VolumeCase):
 
 class WritesWhatTheWriterWrites(Case):
     def test_every_format_on_any_ranks(self):
-        for name in ("a.mhd", "a.nii.gz", "a.tif", "a.vtk", "a.vti"):
+        for name in ("a.mhd", "a.nii.gz", "a.tif", "a.vtk", "a.vti", "a.vtr", "lines.vtk"):
             source = os.path.join(INPUTS, name)
             # vtkTIFFReader takes the resolution of printing for spacing, blockvolume does not;
             # vtkNIFTIImageReader ignores the origin of the qform, blockvolume does not.
@@ -52,10 +52,10 @@ class WritesWhatTheWriterWrites(Case):
                     self.assert_equal_volumes(path, source + ".bvol")
 
     def test_parts_and_all_at_once_and_any_threads(self):
-        source = os.path.join(INPUTS, "a.vti")
-        for arguments in (["--memory", "7"], ["--threads", "3"]):
-            path = self.write(source, "o.bvol", "--stores", "3", *arguments)
-            self.assert_equal_volumes(path, source + ".bvol")
+        for source in (os.path.join(INPUTS, name) for name in ("a.vti", "a.vtr")):
+            for arguments in (["--memory", "7"], ["--threads", "3"]):
+                path = self.write(source, "o.bvol", "--stores", "3", *arguments)
+                self.assert_equal_volumes(path, source + ".bvol")
 
     def test_chosen_array(self):
         for memory in ("7", "500"):

@@ -98,12 +98,27 @@ class CoordinatesAndErrors(Files):
         path = self.write("d.nc", "o.bvol", "--spacing", "1,1,1", "--origin", "0,0,0")
         self.assert_equal_volumes(path, self.write_raw(samples, "data"))
 
+    def test_uneven_coordinates_are_those_of_a_rectilinear_grid(self):
+        samples, steps = make_samples("int16"), numpy.arange(41.0) ** 2
+        with self.create("u.nc") as file:
+            self.add_coordinates(file, z=(steps, {}), y=(0.5 * numpy.arange(37), {}))
+            file.createVariable("data", "int16", ("z", "y", "x"))[:] = samples
+        path = self.write("u.nc", "o.bvol", ranks=2)
+        grid = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["grid"]
+        expected = [list(range(70)), list(0.5 * numpy.arange(37)), list(steps)]
+        self.assertEqual(grid["coordinates"], expected)
+        self.assertIn("z: 0.0 to 1600.0", self.run_tool("--info", "o.bvol")[1])
+        self.assert_error("u.nc", "--origin: u.nc is a rectilinear grid",
+                          arguments=("--origin", "0,0,0"))
+        path = self.write("u.nc", "o.bvol", "--spacing", "1,1,1", "--origin", "0,0,0")
+        self.assert_equal_volumes(path, self.write_raw(samples, "data"))
+
     def test_errors_name_file_variable_and_reason(self):
         with self.create("e.nc") as file:
-            self.add_coordinates(file, z=(numpy.arange(41.0) ** 2, {}))
+            self.add_coordinates(file, z=(-numpy.arange(41.0) ** 2, {}))
             file.createVariable("data", "int16", ("z", "y", "x"))[:] = make_samples("int16")
             file.createVariable("names", str, ("z", "y", "x"))
-        self.assert_error("e.nc", "e.nc:z: cannot be read", "no equal steps", ranks=2)
+        self.assert_error("e.nc", "e.nc:z: cannot be read", "no equal steps", "ascend", ranks=2)
         self.assert_error("e.nc:names", "e.nc:names: cannot be read", "string")
         self.assert_error("e.nc:other", "e.nc:other", "no such variable")
         with self.create("g.nc") as file:

@@ -237,6 +237,42 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
   }
 }
 
+// A point is NaN exactly where it is one of the samples, whatever the isovalue is to the levels.
+TEST(EdgeIndex, QuantizedNotANumberStaysSo)
+{
+  auto volume = MakeWaves<float>({ 40, 33, 30 }, 0.1);
+  for (std::size_t n = 0; n < volume.Samples.size(); n += 37)
+  {
+    volume.Samples[n] = std::numeric_limits<float>::quiet_NaN();
+  }
+  TestBlockSource<float> source(volume, 16);
+  const double isovalues[] = { 0.05, -0.9, -3, 3 };
+  for (const double isovalue : isovalues)
+  {
+    const ContourRequest request = MakeRequest({ isovalue });
+    const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+    for (const EdgeIndexProfile profile : Profiles)
+    {
+      EdgeIndexHeader header = MakeHeader(volume, { isovalue }, EdgeIndexMode::Quantized, profile);
+      header.Settings.QuantizationBits = 10;
+      header.Settings.QuantizationMinimum = -1;
+      header.Settings.QuantizationMaximum = 1;
+      const auto bytes = EncodeSurface(header, source, 1);
+      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
+      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+      ExpectSameTopology(*expected, *decoded);
+      std::size_t count = 0;
+      for (std::size_t n = 0; n < expected->Points.GetSize(); ++n)
+      {
+        EXPECT_EQ(std::isnan(expected->Points[n]), std::isnan(decoded->Points[n])) << n;
+        count += std::isnan(expected->Points[n]) ? 1 : 0;
+      }
+      EXPECT_EQ(count > 100, isovalue < 1);
+    }
+  }
+}
+
 TEST(EdgeIndex, InvalidBlocksAreRefused)
 {
   const auto volume = MakeWaves<float>({ 20, 20, 20 }, 0);

@@ -2,6 +2,7 @@
 #include "Store/BlockDealing.h"
 
 #include "Fixtures/VolumeOnDisk.h"
+#include "Store/ActiveBlockWork.h"
 #include "Store/BlockedVolume.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +58,7 @@ std::uint64_t CountCrossedCells(
 
 } // namespace
 
-TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAtEveryIsovalue)
+TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAndOfNearlyAlwaysTheSame)
 {
   const auto volume = MakeSheets({ 100, 81, 70 });
   for (const std::uint32_t stores : { 1u, 4u, 7u })
@@ -71,6 +72,8 @@ TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAtEveryIsovalue)
     {
       std::vector<int> owners(
         static_cast<std::size_t>(opened->GetBlockGrid().GetNumberOfBlocks()), -1);
+      std::size_t moved = 0;
+      std::size_t sum = 0;
       for (const double isovalue : { 90.0, 128.0, 129.5 })
       {
         QueryStatistics statistics;
@@ -84,14 +87,17 @@ TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAtEveryIsovalue)
           for (const BlockReference& block : *mine)
           {
             int& owner = owners[static_cast<std::size_t>(block.Block)];
-            EXPECT_TRUE(owner == -1 || owner == rank);
+            moved += owner != -1 && owner != rank ? 1 : 0;
             owner = rank;
             EXPECT_NE(std::find(all->begin(), all->end(), block), all->end());
           }
         }
         EXPECT_EQ(found, all->size());
         EXPECT_GT(found, 50u);
+        sum += found;
       }
+      // Of 20 ranks each has about five of these blocks: few to be even with.
+      EXPECT_LE(moved, ranks > 5 ? sum / 5 : sum / 10) << ranks << " ranks, " << stores;
     }
   }
 }
@@ -135,14 +141,99 @@ TEST(BlockDealing, RanksHaveEqualPartsOfASurfaceWhateverTheStores)
           }
           most = std::max(most, mine);
         }
-        // These sheets are as regular as the lattice, which real surfaces are not.
-        const double bound = all->size() >= 300 * static_cast<std::size_t>(ranks) ? 1.10 : 1.20;
+        // These sheets are as regular as the lattice, which real surfaces are not: with the lattice
+        // alone, one rank has 1.17 of the mean.
+        const double bound = all->size() >= 300 * static_cast<std::size_t>(ranks) ? 1.10 : 1.12;
         EXPECT_LE(static_cast<double>(most) * ranks / static_cast<double>(sum), bound)
           << ranks << " ranks, " << stores << " stores, " << all->size() << " blocks";
       }
       EXPECT_GE(all->size(), 1000u);
     }
   }
+}
+
+namespace
+{
+
+/// The blocks of a grid that a ball's surface is in, which is cut at odd places.
+std::vector<std::int64_t> ListBallBlocks(const BlockGrid& grid)
+{
+  std::vector<std::int64_t> blocks;
+  for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
+  {
+    const Index3 at = grid.GetBlockCoordinates(block);
+    double nearest = 0;
+    double farthest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const double low = std::abs(static_cast<double>(at[axis]) - 7.3);
+      const double high = std::abs(static_cast<double>(at[axis]) - 6.3);
+      const bool isAcross = at[axis] == 6 || at[axis] == 7;
+      nearest += isAcross ? 0 : std::min(low, high) * std::min(low, high);
+      farthest += std::max(low, high) * std::max(low, high);
+    }
+    if (nearest < 36.5 && farthest >= 36.5)
+    {
+      blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
+
+} // namespace
+
+TEST(BlockDealing, DependsOnTheSetOfBlocksAlone)
+{
+  const BlockGrid grid({ 209, 220, 215 }, BlockSize);
+  const std::vector<std::int64_t> blocks = ListBallBlocks(grid);
+  ASSERT_GT(blocks.size(), 400u);
+  const BlockDealing dealing(5);
+  const std::vector<std::uint32_t> owners = dealing.Deal(grid, blocks);
+  const std::vector<std::int64_t> reversed(blocks.rbegin(), blocks.rend());
+  const std::vector<std::uint32_t> others = dealing.Deal(grid, reversed);
+  EXPECT_TRUE(std::equal(owners.begin(), owners.end(), others.rbegin()));
+  EXPECT_TRUE(dealing.Deal(grid, {}).empty());
+  EXPECT_EQ(BlockDealing(300).Deal(grid, { 3 }).size(), 1u);
+}
+
+TEST(BlockDealing, PredictedWorkIsEvenAndFewBlocksAreMoved)
+{
+  const BlockGrid grid({ 209, 220, 215 }, BlockSize);
+  const std::vector<std::int64_t> blocks = ListBallBlocks(grid);
+  const std::vector<std::int64_t> work = PredictActiveBlockWork(grid, blocks);
+  for (std::uint32_t ranks = 2; ranks <= 16; ++ranks)
+  {
+    const BlockDealing dealing(ranks);
+    const std::vector<std::uint32_t> owners = dealing.Deal(grid, blocks);
+    std::vector<std::int64_t> loads(ranks);
+    std::size_t moved = 0;
+    for (std::size_t n = 0; n < blocks.size(); ++n)
+    {
+      EXPECT_GT(work[n], 0);
+      loads[owners[n]] += work[n];
+      moved += owners[n] != dealing.FindRank(grid.GetBlockCoordinates(blocks[n])) ? 1 : 0;
+    }
+    const auto ends = std::minmax_element(loads.begin(), loads.end());
+    EXPECT_LE(static_cast<double>(*ends.second), 1.03 * static_cast<double>(*ends.first)) << ranks;
+    EXPECT_LE(moved, blocks.size() / 20) << ranks;
+  }
+}
+
+TEST(BlockDealing, BlockWithASheetThroughItsMiddleHasMoreWorkThanACorner)
+{
+  const BlockGrid grid({ 81, 81, 81 }, BlockSize);
+  std::vector<std::int64_t> sheet;
+  for (std::int64_t n = 0; n < 25; ++n)
+  {
+    sheet.push_back(25 * 2 + n);
+  }
+  const std::vector<std::int64_t> work = PredictActiveBlockWork(grid, sheet);
+  EXPECT_GT(work[12], 3 * work[0]);
+  // The last block of 9 x 9 x 9 cells among blocks of 16.
+  const BlockGrid odd({ 90, 90, 90 }, BlockSize);
+  const std::int64_t last = odd.GetNumberOfBlocks() - 1;
+  const std::vector<std::int64_t> two = PredictActiveBlockWork(odd, { 0, last });
+  EXPECT_NEAR(static_cast<double>(two[1]) / static_cast<double>(two[0]), 0.178, 0.01);
 }
 
 TEST(BlockDealing, NeighboursOnAnyAxisAreOfDifferentRanks)
