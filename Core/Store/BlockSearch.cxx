@@ -61,10 +61,37 @@ Result<std::vector<BlockReference>> BlockSearch::FindActive(
   return references;
 }
 
+Index3 BlockSearch::FindDealtSize() const
+{
+  const BlockGrid& grid = *this->Stored.Grid;
+  const std::int64_t side = grid.GetBlockSize();
+  Index3 size = { side, side, side };
+  if (!this->Stores.IsInSource(this->Stored))
+  {
+    return size;
+  }
+  // With fewer chunks a rank, shares would differ too much.
+  constexpr std::int64_t chunksOfRank = 16;
+  Index3 chunk = this->Stores.GetHeader().TimeSteps[this->TimeStep].Source->Chunk;
+  std::int64_t chunks = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    chunk[axis] = std::max(chunk[axis], side);
+    chunks *= (grid.GetDimensions()[axis] - 1) / chunk[axis] + 1;
+  }
+  return chunks / chunksOfRank >= this->Ranks ? chunk : size;
+}
+
 Result<std::vector<BlockReference>> BlockSearch::FindDealt(
   std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
 {
   const BlockDealing dealing(this->Ranks);
+  const Index3 size = this->FindDealtSize();
+  const auto find = [&](const BlockReference& block)
+  {
+    const Index3 first = this->Stored.Grid->GetVertices(block.Block).Low;
+    return dealing.FindRank({ first[0] / size[0], first[1] / size[1], first[2] / size[2] });
+  };
   std::vector<BlockReference> references;
   for (std::uint32_t store = 0; store < this->GetNumberOfStores(); ++store)
   {
@@ -76,9 +103,7 @@ Result<std::vector<BlockReference>> BlockSearch::FindDealt(
       return status;
     }
     std::copy_if(found.begin(), found.end(), std::back_inserter(references),
-      [&](const BlockReference& block) {
-        return dealing.FindRank(this->Stored.Grid->GetBlockCoordinates(block.Block)) == this->Rank;
-      });
+      [&](const BlockReference& block) { return find(block) == this->Rank; });
   }
   this->Statistics.ActiveBlocks += references.size();
   return references;
