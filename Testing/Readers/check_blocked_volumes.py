@@ -12,7 +12,7 @@ import random
 import shutil
 import sys
 
-from read_blocked_volume import TYPES, BlockedVolume, make_key
+from read_blocked_volume import TYPES, BlockedVolume, make_key, read_document
 from read_interval_tree import FormatError, check, read_file
 
 
@@ -160,13 +160,15 @@ def check_overview(overview, finest, sources):
 
 
 def check_volume(path):
-    volume = BlockedVolume(path)
-    volume.verify()
     sources = []
-    for number, description in enumerate(volume.arrays):
+    header = read_document(path, "ScalableIsosurface blocked volume")
+    for number, description in enumerate(header["arrays"]):
         source = array.array(TYPES[description["type"]][0])
         source.frombytes(read_file(f"{path[:-5]}.array-{number}.raw"))
         sources.append(source)
+    volume = BlockedVolume(path, sources=sources)
+    check(volume.is_in_place == os.path.basename(path).startswith("in-place"), f"{path}: in place")
+    volume.verify()
     check_ranges(volume, sources)
     ranges = check_samples(volume, sources)
     for number, source in enumerate(sources):
@@ -188,7 +190,7 @@ def check_volume(path):
 def main(folder):
     random.seed(1)
     paths = sorted(glob.glob(os.path.join(folder, "*.bvol")))
-    check(len(paths) == 6, f"{folder}: not the volumes that were written")
+    check(len(paths) == 7, f"{folder}: not the volumes that were written")
     kinds = [check_volume(path) for path in paths]
     unused = [kind for kind in kinds[0] if not any(lists[kind] for lists in kinds)]
     check(not unused, f"no tree has lists of the kinds {unused}")
