@@ -25,7 +25,7 @@ struct BlockVolumeOptions
     Verify,
     List,
     Relocate, ///< the source of a volume in place
-    Print ///< Text, and nothing else: help, version
+    Print     ///< Text, and nothing else: help, version
   };
 
   Command What = Command::Write;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InfoCommand.h"
 
-#include "ProgressDisplay.h"
 #include "PrintedSpectrum.h"
+#include "ProgressDisplay.h"
 
 #include "Store/BlockedVolume.h"
 

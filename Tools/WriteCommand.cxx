@@ -39,8 +39,8 @@ Result<std::optional<SourceRecord>> DescribeInput(
     {
       wanted.Arrays.push_back(array.Name);
     }
-    auto record = DescribeSource(GetLocalFileSystem(), options.Output, options.Input, wanted,
-      volume.Grid, volume.Arrays);
+    auto record = DescribeSource(
+      GetLocalFileSystem(), options.Output, options.Input, wanted, volume.Grid, volume.Arrays);
     ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     described = std::move(*record);
   }
@@ -91,8 +91,8 @@ Status WriteStep(
     std::printf("%s: %llu blocks of %d cells a side in %zu stores, %s (%s of samples), %.1f s, "
                 "%.0f MB/s\n",
       options.Output.c_str(), static_cast<unsigned long long>(written->Blocks), settings.BlockSize,
-      written->Stores.size(), FormatWritten(*written, options.IsInPlace).c_str(), FormatBytes(sampleBytes).c_str(), seconds,
-      sampleBytes / 1e6 / std::max(seconds, 1e-9));
+      written->Stores.size(), FormatWritten(*written, options.IsInPlace).c_str(),
+      FormatBytes(sampleBytes).c_str(), seconds, sampleBytes / 1e6 / std::max(seconds, 1e-9));
   }
   return Status::Ok();
 }

@@ -81,9 +81,8 @@ Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, st
   return writer.Finish(area);
 }
 
-BlockDirectory::BlockDirectory(
-  std::unique_ptr<PagedFileReader> file, std::uint64_t count, std::size_t segments,
-  SamplePlace place)
+BlockDirectory::BlockDirectory(std::unique_ptr<PagedFileReader> file, std::uint64_t count,
+  std::size_t segments, SamplePlace place)
   : File(std::move(file))
   , Count(count)
   , Segments(segments)
@@ -122,7 +121,8 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
   {
     return pages.MakeCorrupt(0, "its number of pages does not fit its number of blocks");
   }
-  return std::unique_ptr<BlockDirectory>(new BlockDirectory(std::move(*reader), entries, segments, place));
+  return std::unique_ptr<BlockDirectory>(
+    new BlockDirectory(std::move(*reader), entries, segments, place));
 }
 
 Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int64_t blocks,
@@ -153,10 +153,9 @@ Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int
     entry.Lengths[segment] = LoadLittleEndian<std::uint32_t>(from + 16 + 4 * segment);
   }
   const bool isWhole = this->Place == SamplePlace::Store;
-  const std::uint64_t alignment =
-    isWhole ? BlockRecord::Alignment : BlockRecord::SegmentHeaderSize;
-  const std::uint64_t size = isWhole ? entry.FindSegment(this->Segments)
-                                     : this->Segments * BlockRecord::SegmentHeaderSize;
+  const std::uint64_t alignment = isWhole ? BlockRecord::Alignment : BlockRecord::SegmentHeaderSize;
+  const std::uint64_t size =
+    isWhole ? entry.FindSegment(this->Segments) : this->Segments * BlockRecord::SegmentHeaderSize;
   if (block >= static_cast<std::uint64_t>(blocks) || entry.Offset % alignment != 0 ||
     entry.Offset > fileSize || size > fileSize - entry.Offset)
   {

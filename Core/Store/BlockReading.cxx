@@ -33,8 +33,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::Get(std::size_t variab
   if (this->Stores.IsInSource(this->Stored))
   {
     // The cache has the chunks, of which a block is soon gathered again.
-    return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array)
-                                : this->ReadComponent(variable);
+    return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array) : this->ReadComponent(variable);
   }
   bool hit = false;
   auto block = this->Cache.Get(

@@ -291,8 +291,9 @@ Status BlockStore::GatherSegments(const BlockDirectoryEntry& entry, std::size_t 
     this->Blocks->Read(entry.Offset + first * headerSize, headers.size(), headers.data()));
   for (std::size_t component = first; component < first + count; ++component)
   {
-    ISOSURFACE_RETURN_IF_ERROR(GatherSegment(*this->Source, this->Grid, entry,
-      this->Blocks->GetPath(), component, headers.data() + (component - first) * headerSize, segments, statistics));
+    ISOSURFACE_RETURN_IF_ERROR(
+      GatherSegment(*this->Source, this->Grid, entry, this->Blocks->GetPath(), component,
+        headers.data() + (component - first) * headerSize, segments, statistics));
     segments += headerSize + entry.Lengths[component];
   }
   return Status::Ok();

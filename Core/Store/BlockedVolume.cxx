@@ -89,7 +89,8 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
       ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
       const auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-      auto stores = std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header, cache);
+      auto stores =
+        std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header, cache);
       return std::shared_ptr<BlockedVolume>(new BlockedVolume(std::move(stores), std::move(cache)));
     });
 }

@@ -43,7 +43,8 @@ std::uint64_t ComputeMetadata(const VolumeFile& volume, const Index3& chunk)
   }
   for (const ArrayDescription& array : volume.Arrays)
   {
-    text += "\n" + std::string(GetValueTypeName(array.Type)) + "\n" + std::to_string(array.Components);
+    text +=
+      "\n" + std::string(GetValueTypeName(array.Type)) + "\n" + std::to_string(array.Components);
   }
   return ComputeChecksum(text.data(), text.size());
 }
@@ -63,16 +64,17 @@ Result<FileState> FindState(FileSystem& files, const std::vector<std::string>& p
 }
 
 /// How the arrays of a source differ from those that are wanted, or "".
-std::string FindDifference(const VolumeFile& volume, const GridGeometry& grid,
-  const std::vector<ArrayDescription>& arrays)
+std::string FindDifference(
+  const VolumeFile& volume, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
 {
   if (volume.Grid.GetDimensions() != grid.GetDimensions())
   {
     return "it has another number of samples";
   }
-  const bool areSame = std::equal(volume.Arrays.begin(), volume.Arrays.end(), arrays.begin(),
-    arrays.end(), [](const ArrayDescription& a, const ArrayDescription& b)
-    { return a.Type == b.Type && a.Components == b.Components; });
+  const bool areSame =
+    std::equal(volume.Arrays.begin(), volume.Arrays.end(), arrays.begin(), arrays.end(),
+      [](const ArrayDescription& a, const ArrayDescription& b)
+      { return a.Type == b.Type && a.Components == b.Components; });
   return areSame ? "" : "it has other arrays";
 }
 
@@ -102,12 +104,12 @@ std::string SourceRecord::FindPath(FileSystem& files, const std::string& header)
 
 Status SourceRecord::Validate() const
 {
-  const bool isText = IsUtf8(this->Path) && IsUtf8(this->AbsolutePath) && IsUtf8(this->Within) &&
-    IsUtf8(this->Axes);
+  const bool isText =
+    IsUtf8(this->Path) && IsUtf8(this->AbsolutePath) && IsUtf8(this->Within) && IsUtf8(this->Axes);
   const bool isChunk = std::all_of(this->Chunk.begin(), this->Chunk.end(),
     [](std::int64_t size) { return size >= 1 && size <= MaximumChunk; });
-  const bool areNames = !this->Arrays.empty() &&
-    std::all_of(this->Arrays.begin(), this->Arrays.end(), IsUtf8);
+  const bool areNames =
+    !this->Arrays.empty() && std::all_of(this->Arrays.begin(), this->Arrays.end(), IsUtf8);
   return isText && isChunk && areNames && !this->Path.empty()
     ? Status::Ok()
     : Status(StatusCode::InvalidArgument,
@@ -160,8 +162,10 @@ Status CheckSource(FileSystem& files, const std::string& header, const SourceRec
   if (!files.Exists(path))
   {
     return Status(StatusCode::NotFound,
-      path + ": has the samples of " + header + ", but is missing; name its new place: "
-        "blockvolume --source PATH " + header);
+      path + ": has the samples of " + header +
+        ", but is missing; name its new place: "
+        "blockvolume --source PATH " +
+        header);
   }
   const auto inside = files.List(path);
   if (!inside.IsOk() || inside->empty())
@@ -169,8 +173,7 @@ Status CheckSource(FileSystem& files, const std::string& header, const SourceRec
     ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "read"));
   }
   const VolumeName name = { path, record.Within };
-  const auto volume =
-    VolumeFile::Open(files, name.GetText(), record.MakeChoice(record.Arrays));
+  const auto volume = VolumeFile::Open(files, name.GetText(), record.MakeChoice(record.Arrays));
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const auto chunk = volume->Source->GetChunk();
   std::string difference = FindDifference(*volume, grid, arrays);
@@ -180,8 +183,7 @@ Status CheckSource(FileSystem& files, const std::string& header, const SourceRec
       ? ""
       : "it has no array \"" + record.Arrays[array] + "\"";
   }
-  if (difference.empty() &&
-    (!chunk || ComputeMetadata(*volume, *chunk) != record.Metadata))
+  if (difference.empty() && (!chunk || ComputeMetadata(*volume, *chunk) != record.Metadata))
   {
     difference = "its samples are stored otherwise";
   }
@@ -194,11 +196,10 @@ Status CheckSource(FileSystem& files, const std::string& header, const SourceRec
       : state->Modified != record.State.Modified    ? "it was modified at another time"
                                                     : "";
   }
-  return difference.empty()
-    ? Status::Ok()
-    : Status(StatusCode::Corrupt,
-        name.GetText() + ": was changed since " + header + " was made of it: " + difference +
-          MakeAdvice(header));
+  return difference.empty() ? Status::Ok()
+                            : Status(StatusCode::Corrupt,
+                                name.GetText() + ": was changed since " + header +
+                                  " was made of it: " + difference + MakeAdvice(header));
 }
 
 std::string MakeRelativePath(const std::string& header, const std::string& path)

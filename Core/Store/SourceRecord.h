@@ -31,15 +31,15 @@ struct SourceRecord
   static constexpr std::uint64_t MaximumFilesToCheck = 4096;
   static constexpr std::int64_t MaximumChunk = std::int64_t{ 1 } << 31; ///< on an axis
 
-  std::string Path;         ///< seen from the folder of the header
-  std::string AbsolutePath; ///< where it was when it was indexed
-  std::string Within;       ///< VolumeName::Within
-  std::string Axes;         ///< VolumeChoice::Axes
-  std::size_t Step = 0;     ///< number of the time step in the source
+  std::string Path;                ///< seen from the folder of the header
+  std::string AbsolutePath;        ///< where it was when it was indexed
+  std::string Within;              ///< VolumeName::Within
+  std::string Axes;                ///< VolumeChoice::Axes
+  std::size_t Step = 0;            ///< number of the time step in the source
   std::vector<std::string> Arrays; ///< the source's own names of the volume's arrays
-  Index3 Chunk = { 1, 1, 1 }; ///< SlabSource::GetChunk() of the first array
-  FileState State;            ///< of all files that have the samples
-  std::uint64_t Metadata = 0; ///< checksum of shape, types, chunks and storage
+  Index3 Chunk = { 1, 1, 1 };      ///< SlabSource::GetChunk() of the first array
+  FileState State;                 ///< of all files that have the samples
+  std::uint64_t Metadata = 0;      ///< checksum of shape, types, chunks and storage
 
   /// What to open in the source for some of its arrays.
   VolumeChoice MakeChoice(const std::vector<std::string>& arrays) const;

@@ -18,8 +18,9 @@ Json FormatSource(const SourceRecord& record)
 {
   return { { "path", record.Path }, { "absolutePath", record.AbsolutePath },
     { "within", record.Within }, { "axes", record.Axes }, { "step", record.Step },
-    { "arrays", record.Arrays }, { "chunk", record.Chunk }, { "files", record.State.Files }, { "bytes", record.State.Bytes },
-    { "modified", record.State.Modified }, { "metadata", FormatChecksum(record.Metadata) } };
+    { "arrays", record.Arrays }, { "chunk", record.Chunk }, { "files", record.State.Files },
+    { "bytes", record.State.Bytes }, { "modified", record.State.Modified },
+    { "metadata", FormatChecksum(record.Metadata) } };
 }
 
 SourceRecord ReadSource(JsonMembers& members)

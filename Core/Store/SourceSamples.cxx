@@ -48,8 +48,7 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files,
 {
   const SourceRecord& record = *header.TimeSteps[timeStep].Source;
   ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, path, record, header.Grid, header.Arrays));
-  std::shared_ptr<SourceSamples> samples(
-    new SourceSamples(files, path, dataset, std::move(cache)));
+  std::shared_ptr<SourceSamples> samples(new SourceSamples(files, path, dataset, std::move(cache)));
   samples->Name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
   samples->Choice = record.MakeChoice({});
   samples->Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
@@ -68,8 +67,7 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files,
       array.Chunks[axis] = (samples->Box.High[axis] - 1) / array.Chunk[axis] + 1;
     }
     array.Idle.push_back(std::move(*source));
-    samples->ArrayOf.resize(
-      samples->ArrayOf.size() + array.Components, samples->Arrays.size());
+    samples->ArrayOf.resize(samples->ArrayOf.size() + array.Components, samples->Arrays.size());
     samples->Arrays.push_back(std::move(array));
   }
   return samples;
@@ -157,8 +155,8 @@ Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox
         const std::ptrdiff_t row = (box.Low[0] - view.Available.Low[0]) * view.Stride[0] +
           (j - view.Available.Low[1]) * view.Stride[1] +
           (k - view.Available.Low[2]) * view.Stride[2];
-        CopySamples(to, 1, first + row * static_cast<std::ptrdiff_t>(size), view.Stride[0],
-          extent[0], size);
+        CopySamples(
+          to, 1, first + row * static_cast<std::ptrdiff_t>(size), view.Stride[0], extent[0], size);
         to += static_cast<std::size_t>(extent[0]) * size;
       }
     }
@@ -170,8 +168,7 @@ Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox
 Result<SourceSamples::Chunk> SourceSamples::GetChunk(
   Array& array, const Index3& chunk, QueryStatistics& statistics)
 {
-  const std::int64_t number =
-    chunk[0] + array.Chunks[0] * (chunk[1] + array.Chunks[1] * chunk[2]);
+  const std::int64_t number = chunk[0] + array.Chunks[0] * (chunk[1] + array.Chunks[1] * chunk[2]);
   bool hit = false;
   auto decoded = this->Cache->Get(
     { this->Dataset, number, static_cast<std::uint32_t>(array.FirstComponent), ChunkLevel },

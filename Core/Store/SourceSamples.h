@@ -49,8 +49,8 @@ public:
   /// Writes the samples of a component in a box within the grid to `to`: x fastest, without gaps.
   /// Cost: decoding the chunks that the box touches and that are not in the cache; the bytes that
   /// were decoded count as read.
-  Status Read(std::size_t component, const VertexBox& box, std::uint8_t* to,
-    QueryStatistics& statistics);
+  Status Read(
+    std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics);
 
   ValueType GetType(std::size_t component) const
   {
@@ -76,8 +76,8 @@ private:
   };
   using Chunk = std::shared_ptr<const DecodedBlock>;
 
-  SourceSamples(FileSystem& files, std::string volume, std::uint64_t dataset,
-    std::shared_ptr<BlockCache> cache)
+  SourceSamples(
+    FileSystem& files, std::string volume, std::uint64_t dataset, std::shared_ptr<BlockCache> cache)
     : Files(files)
     , Volume(std::move(volume))
     , Dataset(dataset)

@@ -22,8 +22,8 @@ namespace isosurface
  * are not those that were indexed; the error names the source.
  */
 Status GatherSegment(SourceSamples& source, const BlockGrid& grid, const BlockDirectoryEntry& entry,
-  const std::string& path, std::size_t component, const std::uint8_t* header,
-  std::uint8_t* segment, QueryStatistics& statistics);
+  const std::string& path, std::size_t component, const std::uint8_t* header, std::uint8_t* segment,
+  QueryStatistics& statistics);
 
 } // namespace isosurface
 

@@ -44,9 +44,8 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
 
 } // namespace
 
-VolumeStores::VolumeStores(
-  std::string path, FileSystem& files, std::string text, const BlockedVolumeHeader& header,
-  std::shared_ptr<BlockCache> cache)
+VolumeStores::VolumeStores(std::string path, FileSystem& files, std::string text,
+  const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache)
   : Path(std::move(path))
   , Files(files)
   , HeaderText(std::move(text))
@@ -170,8 +169,8 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   if (!kept)
   {
     const VolumePart& part = this->Parts.front();
-    auto opened = SourceSamples::Open(this->Files, this->Path, part.Header, timeStep,
-      part.Identities[timeStep], this->Cache);
+    auto opened = SourceSamples::Open(
+      this->Files, this->Path, part.Header, timeStep, part.Identities[timeStep], this->Cache);
     ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
     kept = *opened;
   }

@@ -96,7 +96,7 @@ private:
   std::vector<VolumePart> Parts;
 
   std::mutex Mutex;
-  std::list<OpenStore> OpenStores; ///< the most recently used one first
+  std::list<OpenStore> OpenStores;                     ///< the most recently used one first
   std::vector<std::shared_ptr<SourceSamples>> Sources; ///< per time step
   /// Per part and time step.
   std::vector<std::vector<std::shared_ptr<const VolumeSpectra>>> Spectra;

@@ -22,12 +22,11 @@ std::string GetLastName(const std::string& path)
 }
 
 /// The record of a source in a new place; `isSame` tells whether its files are as they were.
-Result<SourceRecord> MoveRecord(FileSystem& files, const std::string& path,
-  const VolumeName& name, const BlockedVolumeHeader& header, const SourceRecord& old, bool& isSame)
+Result<SourceRecord> MoveRecord(FileSystem& files, const std::string& path, const VolumeName& name,
+  const BlockedVolumeHeader& header, const SourceRecord& old, bool& isSame)
 {
   const VolumeName place = { name.Path, name.Within.empty() ? old.Within : name.Within };
-  auto record =
-    DescribeSource(files, path, place.GetText(), old, header.Grid, header.Arrays);
+  auto record = DescribeSource(files, path, place.GetText(), old, header.Grid, header.Arrays);
   ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
   if (record->Metadata != old.Metadata)
   {

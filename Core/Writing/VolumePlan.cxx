@@ -70,8 +70,9 @@ std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolum
   }
   else if (existing.IsInPlace() != isInPlace)
   {
-    reason = isInPlace ? "it has copies of its samples, and this time step is to be indexed in place"
-                       : "it is indexed in place, and this time step is not (--in-place)";
+    reason = isInPlace
+      ? "it has copies of its samples, and this time step is to be indexed in place"
+      : "it is indexed in place, and this time step is not (--in-place)";
   }
   else if (!existing.TimeSteps.back().Time)
   {
@@ -178,7 +179,8 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   }
   if (existing)
   {
-    const std::string obstacle = FindObstacle(*existing, header, settings.Time, settings.InPlace.has_value());
+    const std::string obstacle =
+      FindObstacle(*existing, header, settings.Time, settings.InPlace.has_value());
     if (!obstacle.empty())
     {
       return Status(StatusCode::InvalidArgument, path + ": cannot be appended to: " + obstacle);

@@ -103,7 +103,8 @@ TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
     pipeline.Reader->SetFileName((failing == GetRank() ? blind : path).c_str());
     pipeline.Reader->Modified();
     pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-    EXPECT_TRUE(IsOneMessageAbout(contourErrors.Messages, { "", {}, "blind/scan.mhd", "is missing" }))
+    EXPECT_TRUE(
+      IsOneMessageAbout(contourErrors.Messages, { "", {}, "blind/scan.mhd", "is missing" }))
       << testing::PrintToString(contourErrors.Messages);
     EXPECT_EQ(pipeline.Contour->GetOutput()->GetNumberOfPolys(), 0);
     contourErrors.Messages.clear();

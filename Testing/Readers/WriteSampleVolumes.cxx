@@ -2,8 +2,8 @@
 // Writes blocked volumes into a folder, each beside the samples that it was made from: NAME.bvol,
 // and NAME.array-N.raw with the samples of array N as they lie in memory, x fastest.
 #include "Base/Communicator.h"
-#include "Volume/ValueType.h"
 #include "Store/SourceRecord.h"
+#include "Volume/ValueType.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
