@@ -4,6 +4,7 @@
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Query/StoredBlockSource.h"
+#include "Query/StoredSlabSource.h"
 #include "Store/VolumeVerification.h"
 #include "Writing/SourceRelocation.h"
 
@@ -348,6 +349,25 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   settings.InPlace = *record;
   EXPECT_EQ(
     WriteVolume(other, volume, settings)[0].GetStatus().GetCode(), StatusCode::InvalidArgument);
+}
+
+TEST(VolumeInPlace, IsWrittenAnewAsACopy)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  auto source = StoredSlabSource::Make(OpenVolume(made.Disk), 0, { 0 }, 2);
+  ASSERT_TRUE(source.IsOk());
+  MemoryDisk anew;
+  ThreadCommunicator::Run(1,
+    [&](Communicator& ranks)
+    {
+      const auto written = BlockedVolumeWriter(ranks, anew)
+                             .Write(VolumePath, MakeGeometry(Size),
+                               { { "density", ValueType::Int16 } }, **source, MakeSettings(16, 2));
+      EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+    });
+  MemoryDisk copied;
+  WriteVolumeOk(copied, made.Volume, MakeSettings(16, 2));
+  EXPECT_EQ(anew.Copy(), copied.Copy());
 }
 
 TEST(VolumeInPlace, SourcesThatCanOnlyBeReadInOrderAreRefused)
