@@ -168,10 +168,9 @@ Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox
 Result<SourceSamples::Chunk> SourceSamples::GetChunk(
   Array& array, const Index3& chunk, QueryStatistics& statistics)
 {
-  const std::int64_t number = chunk[0] + array.Chunks[0] * (chunk[1] + array.Chunks[1] * chunk[2]);
   bool hit = false;
   auto decoded = this->Cache->Get(
-    { this->Dataset, number, static_cast<std::uint32_t>(array.FirstComponent), ChunkLevel },
+    this->MakeKey(array, chunk),
     [&] { return this->Decode(array, this->FindChunkBox(array, chunk)); }, hit);
   if (decoded.IsOk())
   {
@@ -182,11 +181,29 @@ Result<SourceSamples::Chunk> SourceSamples::GetChunk(
   return decoded;
 }
 
+BlockCacheKey SourceSamples::MakeKey(const Array& array, const Index3& chunk) const
+{
+  const std::int64_t number = chunk[0] + array.Chunks[0] * (chunk[1] + array.Chunks[1] * chunk[2]);
+  return { this->Dataset, number, static_cast<std::uint32_t>(array.FirstComponent), ChunkLevel };
+}
+
+Status SourceSamples::CopyChunk(Array& array, const Index3& chunk, std::size_t component,
+  const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
+{
+  const auto decoded = this->GetChunk(array, chunk, statistics);
+  ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
+  const std::size_t size = GetValueSize(array.Type);
+  const VertexBox whole = this->FindChunkBox(array, chunk);
+  const auto plane = static_cast<std::size_t>(whole.GetNumberOfVertices()) * size;
+  CopyPart(
+    (*decoded)->Bytes.GetData() + (component - array.FirstComponent) * plane, whole, box, size, to);
+  return Status::Ok();
+}
+
 Status SourceSamples::Read(
   std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
 {
   Array& array = this->Arrays[this->ArrayOf[component]];
-  const std::size_t size = GetValueSize(array.Type);
   Index3 first;
   Index3 last;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -194,20 +211,34 @@ Status SourceSamples::Read(
     first[axis] = box.Low[axis] / array.Chunk[axis];
     last[axis] = (box.High[axis] - 1) / array.Chunk[axis];
   }
+  std::vector<Index3> chunks;
   for (Index3 at = first; at[2] <= last[2]; ++at[2])
   {
     for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
     {
       for (at[0] = first[0]; at[0] <= last[0]; ++at[0])
       {
-        const auto chunk = this->GetChunk(array, at, statistics);
-        ISOSURFACE_RETURN_IF_ERROR(chunk.GetStatus());
-        const VertexBox whole = this->FindChunkBox(array, at);
-        const auto plane = static_cast<std::size_t>(whole.GetNumberOfVertices()) * size;
-        CopyPart((*chunk)->Bytes.GetData() + (component - array.FirstComponent) * plane, whole, box,
-          size, to);
+        chunks.push_back(at);
       }
     }
+  }
+  // First those that nobody has, nor decodes at the moment: threads that need the same chunks share
+  // the work, instead of waiting for each other at each.
+  const auto rest = std::stable_partition(chunks.begin(), chunks.end(),
+    [&](const Index3& chunk) { return !this->Cache->Contains(this->MakeKey(array, chunk)); });
+  std::vector<Index3> waiting(rest, chunks.end());
+  for (auto chunk = chunks.begin(); chunk != rest; ++chunk)
+  {
+    if (this->Cache->Contains(this->MakeKey(array, *chunk)))
+    {
+      waiting.push_back(*chunk);
+      continue;
+    }
+    ISOSURFACE_RETURN_IF_ERROR(this->CopyChunk(array, *chunk, component, box, to, statistics));
+  }
+  for (const Index3& chunk : waiting)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CopyChunk(array, chunk, component, box, to, statistics));
   }
   return Status::Ok();
 }

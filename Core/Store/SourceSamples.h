@@ -92,6 +92,10 @@ private:
   /// All components of an array in a chunk, one after another, each x fastest.
   Result<Chunk> Decode(Array& array, const VertexBox& box);
   Result<Chunk> GetChunk(Array& array, const Index3& chunk, QueryStatistics& statistics);
+  BlockCacheKey MakeKey(const Array& array, const Index3& chunk) const;
+  /// Copies what a chunk has of a component in a box.
+  Status CopyChunk(Array& array, const Index3& chunk, std::size_t component, const VertexBox& box,
+    std::uint8_t* to, QueryStatistics& statistics);
 
   FileSystem& Files;
   std::string Volume; ///< path of the .bvol
