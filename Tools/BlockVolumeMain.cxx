@@ -3,6 +3,7 @@
 #include "BlockVolumeOptions.h"
 #include "InfoCommand.h"
 #include "ListCommand.h"
+#include "SourceCommand.h"
 #include "StopSignal.h"
 #include "VerifyCommand.h"
 #include "WriteCommand.h"
@@ -45,6 +46,8 @@ Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
       return RunInfoCommand(*options);
     case Command::List:
       return RunListCommand(*options);
+    case Command::Relocate:
+      return RunSourceCommand(*options);
     case Command::Verify:
       return RunVerifyCommand(*options);
     default:

@@ -41,6 +41,8 @@ Examples:
   blockvolume step7.vti run.bvol --append --time 0.35 --arrays density,velocity
   blockvolume --list run.h5
   blockvolume run.h5:/entry/data run.bvol --axes tzyx --step 3
+  blockvolume --in-place scan.zarr scan.bvol
+  blockvolume --source /archive/scan.zarr scan.bvol
   blockvolume --info scan.bvol --json
   blockvolume --verify scan.bvol
 
@@ -141,7 +143,8 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
   app
     .add_option("--distribution", texts.Distribution,
       "How blocks are distributed: greedy (similar blocks in turn), balanced (equal shares of\n"
-      "the estimated triangles), random (by a seeded hash), slab (neighbours together)")
+      "the estimated triangles), random (by a seeded hash), slab (neighbours together; the\n"
+      "default with --in-place, because neighbours share chunks)")
     ->group(group)
     ->capture_default_str();
   app.add_option("--seed", settings.RandomSeed, "Seed of the random distribution")
@@ -162,6 +165,11 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     .add_option("--arrays", texts.Arrays,
       "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
       "Default: all numeric point arrays, with any number of components")
+    ->group(group);
+  app
+    .add_flag("--in-place", options.IsInPlace,
+      "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
+      "HDF5, NetCDF, Zarr, N5 and uncompressed raw samples with a header")
     ->group(group);
   app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points")
     ->group(group);
@@ -218,6 +226,14 @@ void AddInputOptions(CLI::App& app, RawTexts& texts)
       "--gzip", texts.IsGzip, "The samples after the header bytes are a gzip or zlib stream")
     ->group(group);
   app.add_option("--name", texts.Name, "Name of the array")->group(group)->capture_default_str();
+}
+
+void AddSourceOptions(CLI::App& app, BlockVolumeOptions& options)
+{
+  app
+    .add_option("--source", options.Source,
+      "Write nothing, but tell IN.bvol, which was written in place, where its IN is now")
+    ->group("Volumes in place");
 }
 
 void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
@@ -345,6 +361,11 @@ Status CheckNames(const CLI::App& app, BlockVolumeOptions& options)
   {
     return MakeError(options.Output, "the name of a blocked volume ends in .bvol");
   }
+  if (options.IsInPlace && app.count("--dimensions") > 0)
+  {
+    return MakeError("--in-place",
+      "needs a file that says what its samples are; a MetaImage header (.mhd) does for raw ones");
+  }
   for (const char* option : { "--type", "--header-bytes", "--big-endian", "--gzip", "--name" })
   {
     if (app.count(option) > 0 && app.count("--dimensions") == 0)
@@ -371,6 +392,7 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   AddWritingOptions(app, texts, options);
   AddDatasetOptions(app, texts, options);
   AddInputOptions(app, texts);
+  AddSourceOptions(app, options);
   AddInspectingOptions(app, texts, options);
   try
   {
@@ -395,7 +417,12 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   options.What = texts.IsInfo ? Command::Info
     : texts.IsVerify          ? Command::Verify
     : texts.IsList            ? Command::List
+    : !options.Source.empty() ? Command::Relocate
                               : Command::Write;
+  if (options.IsInPlace && app.count("--distribution") == 0)
+  {
+    texts.Distribution = "slab";
+  }
   ISOSURFACE_RETURN_IF_ERROR(CheckNames(app, options));
   ISOSURFACE_RETURN_IF_ERROR(TakeTexts(texts, options));
   return options;

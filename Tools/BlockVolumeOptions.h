@@ -24,7 +24,8 @@ struct BlockVolumeOptions
     Info,
     Verify,
     List,
-    Print ///< Text, and nothing else: help, version
+    Relocate, ///< the source of a volume in place
+    Print     ///< Text, and nothing else: help, version
   };
 
   Command What = Command::Write;
@@ -39,9 +40,12 @@ struct BlockVolumeOptions
   bool WithCells = false;          ///< whether cell arrays are averaged to points
   std::string Axes;                ///< of a dataset, a letter each; empty: as the file says
   std::optional<std::size_t> Step; ///< of the input; none: all
+  bool IsInPlace = false;          ///< whether the samples stay in the input
   std::optional<RawVolume> Raw;    ///< of a file without header
   std::optional<std::array<double, 3>> Spacing;
   std::optional<std::array<double, 3>> Origin;
+
+  std::string Source; ///< the new place of the input of a volume in place
 
   // Info
   bool IsJson = false;

@@ -140,6 +140,14 @@ Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
         ? Json()
         : Json::array({ MakeValue(type, range.Minimum), MakeValue(type, range.Maximum) }));
   }
+  if (step.Source)
+  {
+    const std::string path = step.Source->FindPath(GetLocalFileSystem(), volume.GetPath());
+    result["source"] = { { "path", path }, { "within", step.Source->Within },
+      { "step", step.Source->Step }, { "arrays", step.Source->Arrays },
+      { "chunk", step.Source->Chunk }, { "files", step.Source->State.Files },
+      { "bytes", step.Source->State.Bytes } };
+  }
   std::vector<std::uint64_t> blocks;
   std::vector<std::uint64_t> bytes;
   result["blocks"] = 0;
@@ -239,6 +247,14 @@ void PrintTimeStep(const Json& volume, const Json& step)
   const auto bytes = step["bytes"].get<double>();
   std::printf("  blocks      %s, %s (%s of samples)\n", step["blocks"].dump().c_str(),
     FormatBytes(bytes).c_str(), FormatBytes(volume["sampleBytes"].get<double>()).c_str());
+  if (step.contains("source"))
+  {
+    const Json& source = step["source"];
+    const auto within = source["within"].get<std::string>();
+    std::printf("  in place    the samples are in %s%s, chunks of %s\n",
+      source["path"].get<std::string>().c_str(), within.empty() ? "" : (":" + within).c_str(),
+      Join(source["chunk"], " x ").c_str());
+  }
   for (std::size_t store = 0; store < step["stores"].size(); ++store)
   {
     std::printf("  store %05zu %s blocks, %s\n", store,

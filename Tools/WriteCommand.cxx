@@ -4,10 +4,13 @@
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
 
+#include "Store/SourceRecord.h"
+#include "VolumeFile/VolumeFile.h"
 #include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,8 +20,45 @@ namespace isosurface
 namespace
 {
 
+/// What a volume in place has to know of its input; nothing if it is to have the samples itself.
+Result<std::optional<SourceRecord>> DescribeInput(
+  const BlockVolumeOptions& options, const InputVolume& volume, std::size_t step)
+{
+  std::optional<SourceRecord> described;
+  if (options.IsInPlace && !VolumeFile::IsKnown(GetLocalFileSystem(), options.Input))
+  {
+    return Status(StatusCode::Unsupported,
+      options.Input + ": cannot be indexed in place: VTK reads it, and as a whole");
+  }
+  if (options.IsInPlace)
+  {
+    SourceRecord wanted;
+    wanted.Axes = options.Axes;
+    wanted.Step = step;
+    for (const ArrayDescription& array : volume.Arrays)
+    {
+      wanted.Arrays.push_back(array.Name);
+    }
+    auto record = DescribeSource(
+      GetLocalFileSystem(), options.Output, options.Input, wanted, volume.Grid, volume.Arrays);
+    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
+    described = std::move(*record);
+  }
+  return described;
+}
+
+/// What was written of a volume.
+std::string FormatWritten(const WriteStatistics& written, bool isInPlace)
+{
+  const auto bytes = static_cast<double>(written.Bytes);
+  const auto overviewBytes = static_cast<double>(written.OverviewBytes);
+  return isInPlace ? "in place, " + FormatBytes(overviewBytes) + " of coarser levels"
+                   : FormatBytes(bytes);
+}
+
 /// Writes one time step of the input.
-Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, Communicator& ranks)
+Status WriteStep(
+  const BlockVolumeOptions& options, InputVolume volume, std::size_t step, Communicator& ranks)
 {
   double sampleBytes = 0;
   for (const ArrayDescription& array : volume.Arrays)
@@ -33,6 +73,9 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, Communic
     settings.Time = volume.Time;
   }
   settings.MemoryLimit -= volume.HeldBytes;
+  auto source = DescribeInput(options, volume, step);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(source.GetStatus()));
+  settings.InPlace = std::move(*source);
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   double seconds = 0;
   const auto written = [&]
@@ -46,12 +89,11 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, Communic
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   if (isTold)
   {
-    const auto bytes = static_cast<double>(written->Bytes);
     std::printf("%s: %llu blocks of %d cells a side in %zu stores, %s (%s of samples), %.1f s, "
                 "%.0f MB/s\n",
       options.Output.c_str(), static_cast<unsigned long long>(written->Blocks), settings.BlockSize,
-      written->Stores.size(), FormatBytes(bytes).c_str(), FormatBytes(sampleBytes).c_str(), seconds,
-      sampleBytes / 1e6 / std::max(seconds, 1e-9));
+      written->Stores.size(), FormatWritten(*written, options.IsInPlace).c_str(),
+      FormatBytes(sampleBytes).c_str(), seconds, sampleBytes / 1e6 / std::max(seconds, 1e-9));
   }
   return Status::Ok();
 }
@@ -74,14 +116,14 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
       "--time: " + options.Input + " has " + std::to_string(steps) +
         " time steps; --step chooses one");
   }
-  ISOSURFACE_RETURN_IF_ERROR(WriteStep(options, std::move(*volume), ranks));
+  ISOSURFACE_RETURN_IF_ERROR(WriteStep(options, std::move(*volume), first, ranks));
   BlockVolumeOptions next = options;
   next.Settings.Append = true;
   for (std::size_t step = first + 1; step < first + steps; ++step)
   {
     auto more = InputVolume::Open(next, step);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(more.GetStatus()));
-    ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), ranks));
+    ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), step, ranks));
   }
   return Status::Ok();
 }

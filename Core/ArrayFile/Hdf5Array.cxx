@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ArrayFile/Hdf5ChunkCoding.h"
 #include "ArrayFile/Hdf5File.h"
 #include "ArrayFile/Hdf5Handle.h"
 #include "Source/ChunkCache.h"
@@ -41,7 +42,8 @@ hid_t GetNativeType(ValueType type)
 
 } // namespace
 
-/// A dataset that is read by hyperslabs.
+/// A dataset that is read by hyperslabs. Whole chunks of common codings are decoded beside the
+/// library's lock, so that several open ones of several threads decode at the same time.
 class Hdf5File::Array : public StoredArray
 {
 public:
@@ -85,6 +87,12 @@ public:
       return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
     }
     this->Dataset = std::move(dataset);
+    if (cacheBytes == 0) // somebody else keeps chunks, and reads whole ones
+    {
+      this->Coding =
+        Hdf5ChunkCoding::Find(this->Dataset, plist, GetNativeType(this->Type), this->Chunk);
+      this->HeldBytes += this->Coding ? 3 * this->Coding->GetChunkBytes() : 0;
+    }
     this->CacheBytes = cache.Bytes;
     this->HeldBytes += cache.HeldBytes;
     return Status::Ok();
@@ -92,6 +100,11 @@ public:
 
   Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override
   {
+    if (this->Coding && this->Coding->IsChunk(low, size, this->Shape) && this->LoadChunk(low) &&
+      this->Coding->Decode(this->Stored, size, to))
+    {
+      return Status::Ok();
+    }
     const Hdf5Scope scope;
     const std::vector<hsize_t> first(low.begin(), low.end());
     const std::vector<hsize_t> count(size.begin(), size.end());
@@ -110,6 +123,26 @@ public:
   }
 
 private:
+  /// Reads a chunk as it is stored. False if there is none, or if the library has to decode it, or
+  /// to say what is wrong with it.
+  bool LoadChunk(const Numbers& low)
+  {
+    const Hdf5Scope scope;
+    const std::vector<hsize_t> offset(low.begin(), low.end());
+    hsize_t bytes = 0;
+    const std::size_t decoded = this->Coding->GetChunkBytes();
+    if (::H5Dget_chunk_storage_size(this->Dataset.Get(), offset.data(), &bytes) < 0 || bytes == 0 ||
+      bytes > decoded + decoded / 8 + 65536)
+    {
+      return false;
+    }
+    this->Stored.resize(static_cast<std::size_t>(bytes));
+    std::uint32_t skippedFilters = 0;
+    return ::H5Dread_chunk(this->Dataset.Get(), H5P_DEFAULT, offset.data(), &skippedFilters,
+             this->Stored.data()) >= 0 &&
+      skippedFilters == 0;
+  }
+
   Hdf5File File;
   std::string Name;
   std::string ObjectPath;
@@ -117,6 +150,8 @@ private:
   Numbers Shape;
   ValueType Type;
   Numbers Chunk;
+  std::optional<Hdf5ChunkCoding> Coding;
+  std::vector<std::uint8_t> Stored; ///< a chunk, encoded
   std::uint64_t CacheBytes = 0;
   std::uint64_t HeldBytes = std::uint64_t{ 2 } << 20; // buffers of the conversion
 };

@@ -184,6 +184,39 @@ private:
   int Descriptor;
 };
 
+/// Adds the state of a file, or of all files in a folder. Returns the system's error, or 0.
+int AddState(const std::string& path, FileState& state)
+{
+  struct stat there = {};
+  if (::stat(path.c_str(), &there) != 0)
+  {
+    return errno;
+  }
+  if (!S_ISDIR(there.st_mode))
+  {
+    constexpr std::int64_t nanoseconds = 1000000000;
+    const auto modified = static_cast<std::int64_t>(there.st_mtim.tv_sec) * nanoseconds +
+      static_cast<std::int64_t>(there.st_mtim.tv_nsec);
+    state.Modified = state.Files == 0 ? modified : std::max(state.Modified, modified);
+    state.Bytes += static_cast<std::uint64_t>(there.st_size);
+    ++state.Files;
+    return 0;
+  }
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error))
+  {
+    // Links to folders could lead in circles.
+    const bool isLinkedFolder = entry->is_symlink(error) && entry->is_directory(error);
+    const int inside = isLinkedFolder ? 0 : AddState(entry->path().string(), state);
+    if (inside != 0 && inside != ENOENT)
+    {
+      return inside;
+    }
+  }
+  return error.value();
+}
+
 class LocalFileSystem : public FileSystem
 {
 public:
@@ -254,6 +287,13 @@ public:
     }
     std::sort(names.begin(), names.end());
     return names;
+  }
+
+  Result<FileState> FindState(const std::string& path) override
+  {
+    FileState state;
+    const int error = AddState(path, state);
+    return error != 0 ? Result<FileState>(MakeSystemError(path, "look at", error)) : state;
   }
 
   Result<std::unique_ptr<PathLock>> LockFolder(const std::string& path) override

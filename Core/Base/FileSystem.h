@@ -50,6 +50,20 @@ public:
   virtual bool IsExclusive() const { return false; }
 };
 
+/// What tells whether files were changed, without reading them.
+struct FileState
+{
+  std::uint64_t Files = 0;
+  std::uint64_t Bytes = 0;   ///< of all of them
+  std::int64_t Modified = 0; ///< the last of their times of modification, in ns since 1970
+
+  bool operator==(const FileState& other) const
+  {
+    return this->Files == other.Files && this->Bytes == other.Bytes &&
+      this->Modified == other.Modified;
+  }
+};
+
 /**
  * All reading and writing in Core goes through this interface, so that tests can replace it by a
  * disk that fails. Errors name the path and the system's reason.
@@ -87,6 +101,11 @@ public:
   virtual Result<std::unique_ptr<PathLock>> LockFile(const std::string&)
   {
     return std::make_unique<PathLock>();
+  }
+  /// The state of a file, or of all files in a folder and the folders in it. Cost: a look at each.
+  virtual Result<FileState> FindState(const std::string& path)
+  {
+    return Status(StatusCode::Unsupported, path + ": has no state");
   }
   /// Ok if there is nothing at the path, or a regular file: a FIFO or a device is neither read nor
   /// replaced. `action` is what cannot be done with it, for the message.

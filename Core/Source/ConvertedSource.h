@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace isosurface
 {
@@ -47,6 +48,7 @@ public:
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override { return this->Source->GetHeldBytes(); }
   std::int64_t GetRowsAtOnce() const override { return this->Source->GetRowsAtOnce(); }
+  std::optional<Index3> GetChunk() const override { return this->Source->GetChunk(); }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
   Result<SampleSlab> Read(const VertexBox& box) override;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace isosurface
@@ -31,6 +32,11 @@ public:
     return this->Source->GetReadBytes(this->Restore(box));
   }
   std::uint64_t GetHeldBytes() const override { return this->Source->GetHeldBytes(); }
+  std::optional<Index3> GetChunk() const override
+  {
+    const auto chunk = this->Source->GetChunk();
+    return chunk ? std::optional<Index3>(this->Permute({ { 0, 0, 0 }, *chunk }).High) : chunk;
+  }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
 
   Result<SampleSlab> Read(const VertexBox& box) override

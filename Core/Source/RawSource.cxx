@@ -36,6 +36,18 @@ std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
   return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
 }
 
+std::optional<Index3> RawSource::GetChunk() const
+{
+  if (this->HeldBytes > 0)
+  {
+    return std::nullopt; // a stream
+  }
+  // Whole rows, which follow each other in the file.
+  constexpr std::int64_t rows = 32;
+  const Index3 size = this->Box.GetSize();
+  return Index3{ size[0], std::min(rows, size[1]), std::min(rows, size[2]) };
+}
+
 Result<SampleSlab> RawSource::Read(const VertexBox& box)
 {
   auto samples = this->Pool->Take(this->GetReadBytes(box));

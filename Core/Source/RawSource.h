@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace isosurface
 {
@@ -26,6 +27,7 @@ public:
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
+  std::optional<Index3> GetChunk() const override;
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -51,6 +52,11 @@ public:
   /// slices before the next rows: those of the chunks that the source can keep. More than any slice
   /// has if that does not matter.
   virtual std::int64_t GetRowsAtOnce() const { return std::numeric_limits<std::int64_t>::max(); }
+
+  /// The vertices on x, y and z that are best read together, in boxes that begin at multiples of
+  /// them: those of a chunk of the file, or as much as costs few reads. Nothing if boxes are best
+  /// read in the order of z: a stream, or slices that are decoded as a whole.
+  virtual std::optional<Index3> GetChunk() const { return std::nullopt; }
 
   /// Whether another thread than the one that made the source may call Read(). Two threads never
   /// call it at the same time.

@@ -81,17 +81,18 @@ Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, st
   return writer.Finish(area);
 }
 
-BlockDirectory::BlockDirectory(
-  std::unique_ptr<PagedFileReader> file, std::uint64_t count, std::size_t segments)
+BlockDirectory::BlockDirectory(std::unique_ptr<PagedFileReader> file, std::uint64_t count,
+  std::size_t segments, SamplePlace place)
   : File(std::move(file))
   , Count(count)
   , Segments(segments)
+  , Place(place)
 {
 }
 
 Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSystem,
   const std::string& path, std::uint64_t entries, std::size_t segments, std::uint64_t identity,
-  std::size_t cacheBytes)
+  std::size_t cacheBytes, SamplePlace place)
 {
   auto file = fileSystem.OpenForReading(path);
   if (!file.IsOk())
@@ -120,7 +121,8 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
   {
     return pages.MakeCorrupt(0, "its number of pages does not fit its number of blocks");
   }
-  return std::unique_ptr<BlockDirectory>(new BlockDirectory(std::move(*reader), entries, segments));
+  return std::unique_ptr<BlockDirectory>(
+    new BlockDirectory(std::move(*reader), entries, segments, place));
 }
 
 Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int64_t blocks,
@@ -150,8 +152,11 @@ Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int
   {
     entry.Lengths[segment] = LoadLittleEndian<std::uint32_t>(from + 16 + 4 * segment);
   }
-  const std::uint64_t size = entry.FindSegment(this->Segments);
-  if (block >= static_cast<std::uint64_t>(blocks) || entry.Offset % BlockRecord::Alignment != 0 ||
+  const bool isWhole = this->Place == SamplePlace::Store;
+  const std::uint64_t alignment = isWhole ? BlockRecord::Alignment : BlockRecord::SegmentHeaderSize;
+  const std::uint64_t size =
+    isWhole ? entry.FindSegment(this->Segments) : this->Segments * BlockRecord::SegmentHeaderSize;
+  if (block >= static_cast<std::uint64_t>(blocks) || entry.Offset % alignment != 0 ||
     entry.Offset > fileSize || size > fileSize - entry.Offset)
   {
     return this->File->MakeCorrupt(

@@ -29,6 +29,13 @@ struct BlockDirectoryEntry
   std::uint64_t FindSegment(std::size_t segment) const;
 };
 
+/// Where the samples of a store's records are.
+enum class SamplePlace : std::uint8_t
+{
+  Store, ///< in the records
+  Source ///< in the volume's source: a record has the headers of its segments alone, without padding
+};
+
 /**
  * The file `directory` of a store: one entry a block, in the order of their ordinals, in a paged
  * file (PagedFile.h) of kind "BLOCKDIR". Page p has the entries (p - 1) * n to p * n - 1, with n
@@ -57,7 +64,7 @@ public:
   /// another store.
   static Result<std::unique_ptr<BlockDirectory>> Open(FileSystem& fileSystem,
     const std::string& path, std::uint64_t entries, std::size_t segments, std::uint64_t identity,
-    std::size_t cacheBytes);
+    std::size_t cacheBytes, SamplePlace place = SamplePlace::Store);
 
   std::uint64_t GetCount() const { return this->Count; }
   const std::string& GetPath() const { return this->File->GetPath(); }
@@ -68,11 +75,13 @@ public:
     std::uint64_t fileSize, QueryStatistics& statistics) const;
 
 private:
-  BlockDirectory(std::unique_ptr<PagedFileReader> file, std::uint64_t count, std::size_t segments);
+  BlockDirectory(std::unique_ptr<PagedFileReader> file, std::uint64_t count, std::size_t segments,
+    SamplePlace place);
 
   std::unique_ptr<PagedFileReader> File;
   std::uint64_t Count;
   std::size_t Segments;
+  SamplePlace Place;
 };
 
 } // namespace isosurface

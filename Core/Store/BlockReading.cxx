@@ -30,6 +30,11 @@ void BlockReading::Announce(const std::vector<std::size_t>& variables)
 Result<std::shared_ptr<const DecodedBlock>> BlockReading::Get(std::size_t variable)
 {
   const Variable& wanted = this->Stores.GetVariables()[variable];
+  if (this->Stores.IsInSource(this->Stored))
+  {
+    // The cache has the chunks, of which a block is soon gathered again.
+    return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array) : this->ReadComponent(variable);
+  }
   bool hit = false;
   auto block = this->Cache.Get(
     this->MakeKey(variable),

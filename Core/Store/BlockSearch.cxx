@@ -61,6 +61,52 @@ Result<std::vector<BlockReference>> BlockSearch::FindActive(
   return references;
 }
 
+Index3 BlockSearch::FindDealtSize() const
+{
+  const BlockGrid& grid = *this->Stored.Grid;
+  const std::int64_t side = grid.GetBlockSize();
+  Index3 size = { side, side, side };
+  if (!this->Stores.IsInSource(this->Stored))
+  {
+    return size;
+  }
+  // With fewer chunks a rank, shares would differ too much.
+  constexpr std::int64_t chunksOfRank = 16;
+  Index3 chunk = this->Stores.GetHeader().TimeSteps[this->TimeStep].Source->Chunk;
+  std::int64_t chunks = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    chunk[axis] = std::max(chunk[axis], side);
+    chunks *= (grid.GetDimensions()[axis] - 1) / chunk[axis] + 1;
+  }
+  return chunks / chunksOfRank >= this->Ranks ? chunk : size;
+}
+
+std::vector<std::uint32_t> BlockSearch::FindOwners(const std::vector<BlockReference>& found) const
+{
+  const BlockDealing dealing(this->Ranks);
+  const BlockGrid& grid = *this->Stored.Grid;
+  const Index3 size = this->FindDealtSize();
+  const std::int64_t side = grid.GetBlockSize();
+  const bool isDealtByChunks = size != Index3{ side, side, side };
+  std::vector<std::int64_t> blocks;
+  std::vector<std::uint32_t> owners;
+  for (const BlockReference& block : found)
+  {
+    if (isDealtByChunks)
+    {
+      const Index3 first = grid.GetVertices(block.Block).Low;
+      owners.push_back(
+        dealing.FindRank({ first[0] / size[0], first[1] / size[1], first[2] / size[2] }));
+    }
+    else
+    {
+      blocks.push_back(block.Block);
+    }
+  }
+  return isDealtByChunks ? owners : dealing.Deal(grid, blocks);
+}
+
 Result<std::vector<BlockReference>> BlockSearch::FindDealt(
   std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
 {
@@ -74,14 +120,7 @@ Result<std::vector<BlockReference>> BlockSearch::FindDealt(
       return status;
     }
   }
-  std::vector<std::int64_t> blocks;
-  blocks.reserve(found.size());
-  for (const BlockReference& block : found)
-  {
-    blocks.push_back(block.Block);
-  }
-  const std::vector<std::uint32_t> owners =
-    BlockDealing(this->Ranks).Deal(*this->Stored.Grid, blocks);
+  const std::vector<std::uint32_t> owners = this->FindOwners(found);
   std::vector<BlockReference> references;
   for (std::size_t n = 0; n < found.size(); ++n)
   {

@@ -64,6 +64,11 @@ private:
   /// This rank's blocks among those of all stores that FindActive would find.
   Result<std::vector<BlockReference>> FindDealt(
     std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
+  /// The vertices whose blocks go to one rank together: a block's, or, if that leaves each rank
+  /// enough to take, those of a chunk of the source, so that no two ranks decode it.
+  Index3 FindDealtSize() const;
+  /// The rank of each of all blocks that FindActive would find.
+  std::vector<std::uint32_t> FindOwners(const std::vector<BlockReference>& found) const;
   Status AddActive(const Share& share, std::size_t variable, const std::vector<double>& isovalues,
     const BlockSelection& selection, std::vector<BlockReference>& references);
   /// All blocks of a store that are active or inside, as far as the selection has them.

@@ -5,6 +5,7 @@
 #include "Base/Coding.h"
 #include "Record/BlockRecord.h"
 #include "Record/RecordCodec.h"
+#include "Store/SourceSegment.h"
 
 #include <algorithm>
 #include <limits>
@@ -71,7 +72,8 @@ BlockStore::BlockStore(FileSystem& files, std::string folder, const BlockedVolum
 }
 
 Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const std::string& folder,
-  const BlockedVolumeHeader& header, const StoreDescription& description)
+  const BlockedVolumeHeader& header, const StoreDescription& description,
+  std::shared_ptr<SourceSamples> source)
 {
   if (!files.Exists(folder))
   {
@@ -93,12 +95,13 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
     store->Variables.GetNumberOfStored() *
       static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
-    description.Checksum, PageCacheBytes);
+    description.Checksum, PageCacheBytes, source ? SamplePlace::Source : SamplePlace::Store);
   if (!directory.IsOk())
   {
     return directory.GetStatus();
   }
   store->Directory = std::move(*directory);
+  store->Source = std::move(source);
   return store;
 }
 
@@ -253,10 +256,18 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   const std::uint64_t size =
     entry->FindSegment(last * levels + levels - static_cast<std::size_t>(level)) - begin;
   Buffer<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  ISOSURFACE_RETURN_IF_ERROR(
-    this->Blocks->Read(entry->Offset + begin, bytes.GetSize(), bytes.GetData()));
-  ++statistics.BlocksRead;
-  statistics.BytesRead += size;
+  if (this->Source)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->GatherSegments(*entry, first, count, bytes.GetData(), statistics));
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Blocks->Read(entry->Offset + begin, bytes.GetSize(), bytes.GetData()));
+    ++statistics.BlocksRead;
+    statistics.BytesRead += size;
+  }
   DecodedBlocks blocks;
   for (std::size_t variable = first; variable <= last; ++variable)
   {
@@ -271,13 +282,30 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   return blocks;
 }
 
+Status BlockStore::GatherSegments(const BlockDirectoryEntry& entry, std::size_t first,
+  std::size_t count, std::uint8_t* segments, QueryStatistics& statistics) const
+{
+  constexpr std::size_t headerSize = BlockRecord::SegmentHeaderSize;
+  std::vector<std::uint8_t> headers(count * headerSize);
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->Blocks->Read(entry.Offset + first * headerSize, headers.size(), headers.data()));
+  for (std::size_t component = first; component < first + count; ++component)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      GatherSegment(*this->Source, this->Grid, entry, this->Blocks->GetPath(), component,
+        headers.data() + (component - first) * headerSize, segments, statistics));
+    segments += headerSize + entry.Lengths[component];
+  }
+  return Status::Ok();
+}
+
 std::optional<BlockStore::ByteRange> BlockStore::FindAdjacent(
   std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const
 {
   QueryStatistics statistics;
   const auto entry = this->Directory->Read(
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
-  if (!entry.IsOk())
+  if (!entry.IsOk() || this->Source)
   {
     return std::nullopt;
   }

@@ -22,6 +22,8 @@
 namespace isosurface
 {
 
+class SourceSamples;
+
 /**
  * One store of one time step, opened for reading: a folder with the files
  *
@@ -53,9 +55,12 @@ public:
     const ExternalIntervalTree& tree, const StoreDescription& description, std::size_t variable);
 
   /// Opens the records and the directory. NotFound if the folder is missing, Corrupt if the files
-  /// do not fit `description`.
+  /// do not fit `description`. `source`: what has the samples of a volume in place, else null.
   static Result<std::shared_ptr<BlockStore>> Open(FileSystem& files, const std::string& folder,
-    const BlockedVolumeHeader& header, const StoreDescription& description);
+    const BlockedVolumeHeader& header, const StoreDescription& description,
+    std::shared_ptr<SourceSamples> source = nullptr);
+
+  bool IsInPlace() const { return this->Source != nullptr; }
 
   std::uint64_t GetNumberOfBlocks() const { return this->Directory->GetCount(); }
 
@@ -102,6 +107,9 @@ private:
   Result<const ExternalIntervalTree*> GetTree(std::size_t variable);
   Status MakeError(StatusCode code, const std::string& reason) const;
   Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
+  /// The segments of the components [first, first + count), which are in the source.
+  Status GatherSegments(const BlockDirectoryEntry& entry, std::size_t first, std::size_t count,
+    std::uint8_t* segments, QueryStatistics& statistics) const;
   /// `segment`: the stored segments of the levels from the coarsest to `level`.
   Result<std::shared_ptr<const DecodedBlock>> Decode(const BlockDirectoryEntry& entry,
     std::size_t variable, int level, const std::uint8_t* segment) const;
@@ -113,6 +121,7 @@ private:
   BlockGrid Grid;
   std::unique_ptr<RandomAccessFile> Blocks;
   std::unique_ptr<BlockDirectory> Directory;
+  std::shared_ptr<SourceSamples> Source;
   std::mutex TreeMutex;
   std::vector<std::unique_ptr<ExternalIntervalTree>> Trees;
 };

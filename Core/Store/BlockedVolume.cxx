@@ -89,7 +89,8 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
       ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
       const auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-      auto stores = std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header);
+      auto stores =
+        std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header, cache);
       return std::shared_ptr<BlockedVolume>(new BlockedVolume(std::move(stores), std::move(cache)));
     });
 }
@@ -202,6 +203,12 @@ void BlockedVolume::Expect(const std::vector<BlockReference>& blocks, std::size_
 {
   const StoredLevel stored = this->FindLevel(level);
   std::vector<BlockCacheKey> keys;
+  if (this->Stores->IsInSource(stored))
+  {
+    // Chunks are in the cache, not blocks; the last ones that were used are needed next.
+    this->Cache->Expect(keys);
+    return;
+  }
   keys.reserve(blocks.size() * variables.size());
   for (const BlockReference& block : blocks)
   {

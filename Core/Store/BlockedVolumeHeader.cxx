@@ -96,6 +96,29 @@ Status ValidateTimeStep(const TimeStepDescription& step, const BlockedVolumeHead
     static_cast<std::uint64_t>(header.GetBlockGrid().GetNumberOfBlocks()));
 }
 
+/// All time steps have their samples in sources, or none has.
+Status ValidateSources(const BlockedVolumeHeader& header)
+{
+  for (const TimeStepDescription& step : header.TimeSteps)
+  {
+    if (step.Source.has_value() != header.IsInPlace())
+    {
+      return MakeMemberError("timeSteps[].source", "is not there for all time steps");
+    }
+    if (step.Source)
+    {
+      if (step.Source->Arrays.size() != header.Arrays.size())
+      {
+        return MakeMemberError("timeSteps[].source.arrays", "does not fit the number of arrays");
+      }
+      ISOSURFACE_RETURN_IF_ERROR(step.Source->Validate());
+    }
+  }
+  return header.IsInPlace() && header.NumberOfLevels != 1
+    ? MakeMemberError("numberOfLevels", "is not 1, as it is where the samples are in sources")
+    : Status::Ok();
+}
+
 /// An overview is made of a volume of several blocks, and it has all blocks in its stores.
 Status ValidateOverviews(const BlockedVolumeHeader& header)
 {
@@ -230,6 +253,7 @@ Status BlockedVolumeHeader::Validate() const
     }
     before = &step;
   }
+  ISOSURFACE_RETURN_IF_ERROR(ValidateSources(*this));
   return ValidateOverviews(*this);
 }
 
@@ -274,6 +298,7 @@ BlockedVolumeHeader BlockedVolumeHeader::MakeOverview(std::size_t overview) cons
     step.Folder = GetOverviewFolder(step.Folder, overview);
     step.Stores = step.Overviews[overview];
     step.Overviews.clear();
+    step.Source.reset();
   }
   return header;
 }

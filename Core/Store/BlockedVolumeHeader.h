@@ -6,6 +6,7 @@
 #include "Base/Status.h"
 #include "Partition/BlockDistribution.h"
 #include "Record/BlockCompression.h"
+#include "Store/SourceRecord.h"
 #include "Volume/ArrayVariables.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/GridGeometry.h"
@@ -48,6 +49,7 @@ struct TimeStepDescription
   std::vector<KeyRange> Ranges; ///< per variable: range of its finite values, or empty
   std::vector<StoreDescription> Stores;
   std::vector<std::vector<StoreDescription>> Overviews; ///< per overview: its stores
+  std::optional<SourceRecord> Source; ///< what has the samples at level 0, if the stores have not
 };
 
 // clang-format off
@@ -66,7 +68,8 @@ struct TimeStepDescription
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
  *                      "ranges": [ [minimum, maximum] | null, ... ],            per variable
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ],
- *                      "overviews": [ { "stores": as above }, ... ] }, ... ],
+ *                      "overviews": [ { "stores": as above }, ... ],
+ *                      "source": { ... } }, ... ],               in place alone (SourceRecord.h)
  *     "checksum": hex }
  */
 // clang-format on
@@ -97,6 +100,10 @@ struct BlockedVolumeHeader
 
   /// Whether a time step has this folder.
   bool HasFolder(const std::string& folder) const;
+
+  /// Whether the samples at level 0 stay in the files that the volume was made of. Then the stores
+  /// have the headers of segments alone, and the volume's own blocks have that level alone.
+  bool IsInPlace() const { return !this->TimeSteps.empty() && this->TimeSteps.back().Source; }
 
   /// The components and magnitudes that can be contoured.
   ArrayVariables GetVariables() const { return ArrayVariables(this->Arrays); }

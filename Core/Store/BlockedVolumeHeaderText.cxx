@@ -4,6 +4,7 @@
 #include "Store/BlockDirectory.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/JsonDocument.h"
+#include "Store/SourceRecordText.h"
 
 #include <nlohmann/json.hpp>
 
@@ -253,6 +254,11 @@ TimeStepDescription ReadTimeStep(
     JsonMembers overview = members.GetElement("overviews", overviews, index);
     step.Overviews.push_back(ReadStores(overview, header.Overviews[index].NumberOfStores, status));
   }
+  if (members.Has("source"))
+  {
+    JsonMembers source = members.GetObject("source");
+    step.Source = ReadSource(source);
+  }
   return step;
 }
 
@@ -293,6 +299,10 @@ Json FormatTimeStep(const TimeStepDescription& step, const ArrayVariables& varia
   for (const std::vector<StoreDescription>& stores : step.Overviews)
   {
     json["overviews"].push_back({ { "stores", FormatStores(stores) } });
+  }
+  if (step.Source)
+  {
+    json["source"] = FormatSource(*step.Source);
   }
   return json;
 }

@@ -201,6 +201,16 @@ const Json& JsonMembers::GetAny(const char* member)
   return *found;
 }
 
+bool JsonMembers::Has(const char* member) const
+{
+  return this->Object.is_object() && this->Object.find(member) != this->Object.end();
+}
+
+JsonMembers JsonMembers::GetObject(const char* member)
+{
+  return JsonMembers(this->GetAny(member), this->Path, this->Where + member + ".", this->Error);
+}
+
 std::int64_t JsonMembers::GetInteger(const char* member, std::int64_t minimum, std::int64_t maximum)
 {
   const Json& value = this->GetAny(member);

@@ -49,6 +49,9 @@ public:
   bool IsOk() const { return this->Error.IsOk(); }
   void Fail(const std::string& member, const std::string& reason);
 
+  bool Has(const char* member) const;
+  /// The members of a member that is an object.
+  JsonMembers GetObject(const char* member);
   std::int64_t GetInteger(const char* member, std::int64_t minimum, std::int64_t maximum);
   std::uint64_t GetUnsigned(const char* member);
   double GetNumber(const char* member);

@@ -9,6 +9,7 @@
 #include "Record/BlockSegment.h"
 #include "Record/RecordCodec.h"
 #include "Store/JsonDocument.h"
+#include "Store/SourceSegment.h"
 #include "Volume/SampleRange.h"
 
 #include <algorithm>
@@ -63,7 +64,7 @@ Status StoreVerification::OpenFiles()
   }
   auto directory = BlockDirectory::Open(this->Files, BlockStore::GetDirectoryPath(this->Folder),
     this->Description.Blocks, this->Segments, this->Description.Checksum,
-    BlockStore::PageCacheBytes);
+    BlockStore::PageCacheBytes, this->Place);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   this->Directory = std::move(*directory);
   return Status::Ok();
@@ -139,8 +140,14 @@ Status StoreVerification::CheckRecord(std::uint64_t ordinal, std::vector<Status>
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
   ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
   const auto index = static_cast<std::size_t>(ordinal);
-  const std::uint64_t size = entry->FindSegment(this->Segments);
   this->Numbers[index] = entry->Block;
+  if (this->Place == SamplePlace::Source)
+  {
+    this->Sizes[index] = this->Segments * BlockRecord::SegmentHeaderSize;
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry));
+    return this->CheckInPlace(*entry, ordinal, faults);
+  }
+  const std::uint64_t size = entry->FindSegment(this->Segments);
   this->Sizes[index] = BlockRecord::AlignUp(size);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry));
   const std::uint64_t padded =
@@ -180,6 +187,52 @@ void StoreVerification::CheckVariables(const BlockDirectoryEntry& entry, std::ui
   {
     components.push_back(this->CheckComponent(entry, ordinal, component, record, faults));
   }
+  this->CheckRanges(components, ordinal, faults);
+}
+
+Status StoreVerification::CheckInPlace(
+  const BlockDirectoryEntry& entry, std::uint64_t ordinal, std::vector<Status>& faults)
+{
+  constexpr std::size_t headerSize = BlockRecord::SegmentHeaderSize;
+  std::vector<std::uint8_t> headers(this->Segments * headerSize);
+  ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Read(entry.Offset, headers.size(), headers.data()));
+  DecodedBlocks components(this->Segments);
+  QueryStatistics statistics;
+  for (std::size_t component = 0; component < this->Segments; ++component)
+  {
+    const std::uint8_t* header = headers.data() + component * headerSize;
+    this->Checksums[static_cast<std::size_t>(ordinal) * this->Segments + component] =
+      LoadLittleEndian<std::uint64_t>(header);
+    if (!this->Source)
+    {
+      continue;
+    }
+    Buffer<std::uint8_t> segment(headerSize + entry.Lengths[component]);
+    const Status status = GatherSegment(*this->Source, this->Grid, entry, this->Blocks->GetPath(),
+      component, header, segment.GetData(), statistics);
+    if (!status.IsOk())
+    {
+      faults.push_back(status);
+      continue;
+    }
+    const auto block = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(component),
+      0, this->Variables[component].Type, { segment.GetData() }, { entry.Lengths[component] });
+    if (block.IsOk())
+    {
+      components[component] = *block;
+    }
+    else
+    {
+      faults.push_back(this->MakeFault(block.GetStatus().GetMessage()));
+    }
+  }
+  this->CheckRanges(components, ordinal, faults);
+  return Status::Ok();
+}
+
+void StoreVerification::CheckRanges(
+  const DecodedBlocks& components, std::uint64_t ordinal, std::vector<Status>& faults) const
+{
   for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
     const std::shared_ptr<const DecodedBlock> block = this->Find(components, variable);
@@ -263,6 +316,13 @@ void StoreVerification::CheckRange(const DecodedBlock& block, std::uint64_t ordi
   }
 }
 
+bool StoreVerification::IsZero(std::uint64_t begin, std::uint64_t end) const
+{
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(end - begin));
+  return this->Blocks->Read(begin, bytes.size(), bytes.data()).IsOk() &&
+    std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
+}
+
 void StoreVerification::Finish(std::vector<std::uint8_t>& seen)
 {
   if (!this->Directory)
@@ -287,6 +347,15 @@ void StoreVerification::Finish(std::vector<std::uint8_t>& seen)
       this->Checksums.begin() + static_cast<std::ptrdiff_t>(ordinal * this->Segments);
     chain.insert(chain.end(), begin, begin + static_cast<std::ptrdiff_t>(this->Segments));
     checksum = ComputeChecksum(chain.data(), chain.size() * sizeof(chain[0]));
+  }
+  const std::uint64_t end = size;
+  if (this->Place == SamplePlace::Source)
+  {
+    size = BlockRecord::AlignUp(size);
+  }
+  if (isComplete && size == this->Blocks->GetSize() && !this->IsZero(end, size))
+  {
+    this->OpenFaults.push_back(this->MakeFault("the bytes after its records are not zero"));
   }
   if (isComplete && size != this->Blocks->GetSize())
   {

@@ -8,6 +8,7 @@
 #include "Store/BlockDirectory.h"
 #include "Store/BlockStore.h"
 #include "Store/BlockedVolumeHeader.h"
+#include "Store/SourceSamples.h"
 #include "Volume/ArrayVariables.h"
 #include "Volume/BlockGrid.h"
 #include "Volume/ValueKey.h"
@@ -30,14 +31,18 @@ namespace isosurface
 class StoreVerification
 {
 public:
-  /// The references must outlive this object.
+  /// The references must outlive this object. `source`: what has the samples if their `place` is one;
+  /// if it is null they are not checked.
   StoreVerification(FileSystem& files, const ArrayVariables& variables, const BlockGrid& grid,
-    const StoreDescription& description, std::string folder)
+    const StoreDescription& description, std::string folder, SamplePlace place,
+    std::shared_ptr<SourceSamples> source)
     : Files(files)
     , Variables(variables)
     , Grid(grid)
     , Description(description)
     , Folder(std::move(folder))
+    , Place(place)
+    , Source(std::move(source))
     , Segments(variables.GetNumberOfStored() * static_cast<std::size_t>(grid.GetNumberOfLevels()))
   {
   }
@@ -66,6 +71,9 @@ private:
   /// Reads a tree's intervals into `ranges`, by ordinal.
   Status ReadTree(std::size_t variable, std::vector<KeyRange>& ranges) const;
   Status CheckRecord(std::uint64_t ordinal, std::vector<Status>& faults);
+  /// The same if the samples are in the source.
+  Status CheckInPlace(
+    const BlockDirectoryEntry& entry, std::uint64_t ordinal, std::vector<Status>& faults);
   Status CheckLengths(const BlockDirectoryEntry& entry) const;
   void CheckVariables(const BlockDirectoryEntry& entry, std::uint64_t ordinal,
     const std::uint8_t* record, std::vector<Status>& faults);
@@ -73,12 +81,17 @@ private:
   std::shared_ptr<const DecodedBlock> CheckComponent(const BlockDirectoryEntry& entry,
     std::uint64_t ordinal, std::size_t component, const std::uint8_t* record,
     std::vector<Status>& faults);
+  /// Whether the trees have the ranges of the components and magnitudes that are there.
+  void CheckRanges(
+    const DecodedBlocks& components, std::uint64_t ordinal, std::vector<Status>& faults) const;
   /// The samples of a variable, those of a magnitude if all components are there; else null.
   std::shared_ptr<const DecodedBlock> Find(
     const DecodedBlocks& components, std::size_t variable) const;
   /// Whether the tree has the range of the block's samples.
   void CheckRange(const DecodedBlock& block, std::uint64_t ordinal, std::size_t variable,
     std::vector<Status>& faults) const;
+  /// Whether bytes of the file of records, fewer than a page, are zero.
+  bool IsZero(std::uint64_t begin, std::uint64_t end) const;
   Status MakeFault(const std::string& reason) const
   {
     return Status(StatusCode::Corrupt, BlockStore::GetBlocksPath(this->Folder) + ": " + reason);
@@ -89,6 +102,8 @@ private:
   const BlockGrid& Grid;
   const StoreDescription& Description;
   std::string Folder;
+  SamplePlace Place;
+  std::shared_ptr<SourceSamples> Source;
   std::size_t Segments;
 
   std::unique_ptr<RandomAccessFile> Blocks;

@@ -3,6 +3,7 @@
 
 #include "Base/Checksum.h"
 #include "Store/JsonDocument.h"
+#include "Store/SourceSamples.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -43,13 +44,15 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
 
 } // namespace
 
-VolumeStores::VolumeStores(
-  std::string path, FileSystem& files, std::string text, const BlockedVolumeHeader& header)
+VolumeStores::VolumeStores(std::string path, FileSystem& files, std::string text,
+  const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache)
   : Path(std::move(path))
   , Files(files)
   , HeaderText(std::move(text))
+  , Cache(std::move(cache))
   , Fingerprint(ComputeChecksum(HeaderText.data(), HeaderText.size()))
   , Variables(header.GetVariables())
+  , Sources(header.TimeSteps.size())
 {
   this->AddPart(header);
   for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
@@ -140,8 +143,15 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(
   }
   const BlockedVolumeHeader& header = this->Parts[part].Header;
   const TimeStepDescription& step = header.TimeSteps[timeStep];
-  auto opened = BlockStore::Open(
-    this->Files, GetStoreFolder(this->Path, step.Folder, store), header, step.Stores[store]);
+  std::shared_ptr<SourceSamples> source;
+  if (step.Source)
+  {
+    const auto samples = this->GetSource(timeStep);
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    source = *samples;
+  }
+  auto opened = BlockStore::Open(this->Files, GetStoreFolder(this->Path, step.Folder, store),
+    header, step.Stores[store], source);
   // If the volume was rewritten, that explains any error; and a new folder of the same name would
   // go unnoticed without this check.
   ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
@@ -155,6 +165,20 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(
   }
   this->OpenStores.push_front({ timeStep, part, store, *opened });
   return *opened;
+}
+
+Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeStep)
+{
+  std::shared_ptr<SourceSamples>& kept = this->Sources[timeStep];
+  if (!kept)
+  {
+    const VolumePart& part = this->Parts.front();
+    auto opened = SourceSamples::Open(
+      this->Files, this->Path, part.Header, timeStep, part.Identities[timeStep], this->Cache);
+    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+    kept = *opened;
+  }
+  return kept;
 }
 
 Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(

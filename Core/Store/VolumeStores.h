@@ -23,6 +23,8 @@
 namespace isosurface
 {
 
+class SourceSamples;
+
 /// The volume itself, or one of its overviews.
 struct VolumePart
 {
@@ -39,9 +41,9 @@ struct VolumePart
 class VolumeStores
 {
 public:
-  /// `text`: that of the header's file.
-  VolumeStores(
-    std::string path, FileSystem& files, std::string text, const BlockedVolumeHeader& header);
+  /// `text`: that of the header's file. `cache`: for the chunks of a volume in place.
+  VolumeStores(std::string path, FileSystem& files, std::string text,
+    const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache);
   VolumeStores(const VolumeStores&) = delete;
   VolumeStores& operator=(const VolumeStores&) = delete;
 
@@ -60,6 +62,11 @@ public:
   const GridLines* GetLines(int level) const
   {
     return this->Lines.empty() ? nullptr : &this->Lines[static_cast<std::size_t>(level)];
+  }
+  /// Whether the samples of a level are in the volume's source.
+  bool IsInSource(const StoredLevel& stored) const
+  {
+    return stored.Part == 0 && this->GetHeader().IsInPlace();
   }
   BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
     const StoredLevel& stored) const;
@@ -81,17 +88,22 @@ private:
   };
 
   void AddPart(const BlockedVolumeHeader& header);
+  /// What has the samples of a time step of a volume in place, opened at the first call. The mutex is
+  /// held.
+  Result<std::shared_ptr<SourceSamples>> GetSource(std::size_t timeStep);
 
   std::string Path;
   FileSystem& Files;
   std::string HeaderText;
+  std::shared_ptr<BlockCache> Cache;
   std::uint64_t Fingerprint;
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;
   std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
 
   std::mutex Mutex;
-  std::list<OpenStore> OpenStores; ///< the most recently used one first
+  std::list<OpenStore> OpenStores;                     ///< the most recently used one first
+  std::vector<std::shared_ptr<SourceSamples>> Sources; ///< per time step
   /// Per part and time step.
   std::vector<std::vector<std::shared_ptr<const VolumeSpectra>>> Spectra;
 };

@@ -3,6 +3,7 @@
 
 #include "Base/ParallelFor.h"
 #include "Store/BlockedVolumeHeader.h"
+#include "Store/SourceSamples.h"
 #include "Store/StoreVerification.h"
 #include "Store/VolumeSpectra.h"
 
@@ -27,18 +28,21 @@ bool HaveEqualCounts(const WorkloadSpectrum& a, const WorkloadSpectrum& b)
 class VolumeCheck
 {
 public:
-  VolumeCheck(const std::string& path, FileSystem& files, int threads, const Progress& progress)
+  VolumeCheck(const std::string& path, FileSystem& files, int threads, const Progress& progress,
+    const BlockedVolumeHeader* header)
     : Path(path)
     , Files(files)
     , Threads(threads)
     , Tell(progress)
+    , Header(header)
   {
   }
 
   Result<VolumeVerification> Run()
   {
     this->Found.Files = 1;
-    const auto header = BlockedVolumeHeader::Read(this->Files, this->Path);
+    const auto header = this->Header ? Result<BlockedVolumeHeader>(*this->Header)
+                                     : BlockedVolumeHeader::Read(this->Files, this->Path);
     if (!header.IsOk())
     {
       this->AddFault(header.GetStatus());
@@ -116,6 +120,27 @@ private:
     return Status::Ok();
   }
 
+  /// What has the samples of a time step in place. That it is missing or was changed is a fault.
+  std::shared_ptr<SourceSamples> OpenSource(
+    const BlockedVolumeHeader& header, const TimeStepDescription& step)
+  {
+    if (!step.Source)
+    {
+      return nullptr;
+    }
+    constexpr std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28;
+    const auto number = static_cast<std::size_t>(&step - header.TimeSteps.data());
+    const auto source = SourceSamples::Open(
+      this->Files, this->Path, header, number, 0, std::make_shared<BlockCache>(cacheBytes));
+    if (!source.IsOk())
+    {
+      this->AddFault(Status(source.GetStatus().GetCode(),
+        source.GetStatus().GetMessage() + " (the samples at full resolution were not checked)"));
+      return nullptr;
+    }
+    return *source;
+  }
+
   /// Checks the volume itself, or an overview. Returns false if `Tell` asked to stop.
   bool CheckTimeStep(const BlockedVolumeHeader& header, const TimeStepDescription& step)
   {
@@ -127,11 +152,13 @@ private:
     {
       this->AddFault(spectra);
     }
+    const auto source = this->OpenSource(header, step);
     std::vector<std::unique_ptr<StoreVerification>> stores;
     for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
     {
       stores.push_back(std::make_unique<StoreVerification>(this->Files, variables, grid,
-        step.Stores[store], GetStoreFolder(this->Path, step.Folder, store)));
+        step.Stores[store], GetStoreFolder(this->Path, step.Folder, store),
+        step.Source ? SamplePlace::Source : SamplePlace::Store, source));
     }
     if (!ParallelFor(
           stores.size(), this->Threads, [&](std::size_t store, int) { stores[store]->Open(); },
@@ -205,6 +232,7 @@ private:
   FileSystem& Files;
   int Threads;
   const Progress& Tell;
+  const BlockedVolumeHeader* Header;
   double PartBegin = 0;
   double PartShare = 1;
   VolumeVerification Found;
@@ -212,10 +240,10 @@ private:
 
 } // namespace
 
-Result<VolumeVerification> VerifyBlockedVolume(
-  const std::string& path, FileSystem& files, int threads, const Progress& progress)
+Result<VolumeVerification> VerifyBlockedVolume(const std::string& path, FileSystem& files,
+  int threads, const Progress& progress, const BlockedVolumeHeader* header)
 {
-  return VolumeCheck(path, files, threads, progress).Run();
+  return VolumeCheck(path, files, threads, progress, header).Run();
 }
 
 } // namespace isosurface

@@ -5,6 +5,7 @@
 #include "Base/FileSystem.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
+#include "Store/BlockedVolumeHeader.h"
 
 #include <cstdint>
 #include <string>
@@ -35,14 +36,19 @@ struct VolumeVerification
  * that the stores together have each block once; that each tree has the range of each block's
  * samples; and that the stores' spectra add up to the volume's.
  *
+ * Of a volume in place the samples at full resolution are read from its source and compared with
+ * those that were indexed. That the source is missing is a fault; the rest is checked all the same.
+ *
+ * `header`: what is checked instead of the header at the path.
+ *
  * After a fault it continues with whatever does not depend on it. The result does not depend on the
  * number of threads. Aborted if `progress` asked to stop.
  *
  * Cost: one pass over the files. Memory: 8 bytes a segment and 24 bytes a block and variable, of
  * one time step, and a record and its samples for each thread.
  */
-Result<VolumeVerification> VerifyBlockedVolume(
-  const std::string& path, FileSystem& files, int threads, const Progress& progress = {});
+Result<VolumeVerification> VerifyBlockedVolume(const std::string& path, FileSystem& files,
+  int threads, const Progress& progress = {}, const BlockedVolumeHeader* header = nullptr);
 
 } // namespace isosurface
 

@@ -2,6 +2,7 @@
 #include "VolumeFile/ArraySource.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -204,6 +205,25 @@ std::int64_t ArraySource::GetRowsAtOnce() const
     }
   }
   return least;
+}
+
+std::optional<Index3> ArraySource::GetChunk() const
+{
+  // Without chunks: whole rows, which follow each other in the file.
+  constexpr std::int64_t rows = 32;
+  const ArrayPart& part = this->Parts.front();
+  const StoredArray::Numbers chunk = part.Array->GetChunk();
+  const std::array<int, 3> axes = { part.Axes.X, part.Axes.Y, part.Axes.Z };
+  const int fastest = std::max({ axes[0], axes[1], axes[2] });
+  Index3 size = this->Box.GetSize();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t wanted = !chunk.empty() ? chunk[static_cast<std::size_t>(axes[axis])]
+      : axes[axis] == fastest                  ? size[axis]
+                                               : rows;
+    size[axis] = std::clamp<std::int64_t>(wanted, 1, size[axis]);
+  }
+  return size;
 }
 
 Result<SampleSlab> ArraySource::Read(const VertexBox& box)

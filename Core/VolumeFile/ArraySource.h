@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ public:
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override;
   std::int64_t GetRowsAtOnce() const override;
+  /// That of the first part.
+  std::optional<Index3> GetChunk() const override;
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:

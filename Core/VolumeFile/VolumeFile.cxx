@@ -199,6 +199,11 @@ Result<VolumeFile> OpenRaw(FileSystem& files, const std::string& path)
   volume.Grid = raw->Grid;
   volume.Arrays = { { raw->ArrayName, raw->Type, 1 } };
   volume.Source = std::move(*source);
+  volume.Files = raw->Paths;
+  if (std::find(volume.Files.begin(), volume.Files.end(), path) == volume.Files.end())
+  {
+    volume.Files.push_back(path);
+  }
   return volume;
 }
 
@@ -317,6 +322,10 @@ Result<VolumeFile> VolumeFile::Open(
     return Status(StatusCode::InvalidArgument,
       text + ": has " + std::to_string(std::max<std::size_t>(1, volume->Times.size())) +
         " time steps, and none of number " + std::to_string(choice.Step));
+  }
+  if (volume.IsOk() && volume->Files.empty())
+  {
+    volume->Files = { name.Path };
   }
   return volume;
 }

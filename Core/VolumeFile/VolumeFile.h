@@ -54,8 +54,10 @@ struct VolumeFile
   std::optional<GridLines> Lines;       ///< of a rectilinear grid; then Grid tells its extent alone
   std::vector<ArrayDescription> Arrays; ///< the components of each have views of their own
   std::unique_ptr<SlabSource> Source;
-  std::vector<double> Times; ///< of all time steps of the file; empty if it has none
-  std::string LeftOut;       ///< says what of the file is not read; empty if everything is
+  std::vector<double> Times;      ///< of all time steps of the file; empty if it has none
+  std::string LeftOut;            ///< says what of the file is not read; empty if everything is
+  std::vector<std::string> Files; ///< that have the samples, or folders of them
+  std::string Storage; ///< the file's own words of how it stores the samples; perhaps empty
 
   /// Whether Open() supports the name. Looks at folders and at the first bytes of files.
   static bool IsKnown(FileSystem& files, const std::string& name);

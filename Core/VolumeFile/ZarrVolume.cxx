@@ -141,6 +141,8 @@ private:
     ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
     this->Axes = *axes;
+    this->Volume.Files = { folder };
+    this->Volume.Storage = node.Array.dump();
     return Status::Ok();
   }
 

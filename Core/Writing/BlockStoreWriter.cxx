@@ -13,17 +13,18 @@ namespace isosurface
 {
 
 BlockStoreWriter::BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
-  std::unique_ptr<WritableFile> blocksFile, std::size_t blocks)
+  std::unique_ptr<WritableFile> blocksFile, std::size_t blocks, SamplePlace place)
   : Files(files)
   , Folder(std::move(folder))
   , Segments(segments)
+  , Place(place)
   , Blocks(std::move(blocksFile))
 {
   this->Entries.reserve(blocks);
 }
 
-Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
-  FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks)
+Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& files,
+  const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
   auto blocksFile = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
@@ -32,7 +33,7 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(
     return blocksFile.GetStatus();
   }
   return std::unique_ptr<BlockStoreWriter>(
-    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks));
+    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
 }
 
 Status BlockStoreWriter::Append(const PendingBlock& block)
@@ -45,13 +46,33 @@ Status BlockStoreWriter::Append(const PendingBlock& block)
     checksums.push_back(LoadLittleEndian<std::uint64_t>(block.Record.GetData() + offset));
   }
   this->Checksum = ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
-  return this->Blocks->Append(
-    block.Record.GetData(), static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
+  return this->Place == SamplePlace::Source
+    ? this->AppendHeaders(block)
+    : this->Blocks->Append(
+        block.Record.GetData(), static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
+}
+
+Status BlockStoreWriter::AppendHeaders(const PendingBlock& block)
+{
+  std::vector<std::uint8_t> headers;
+  for (const std::uint64_t offset : block.Layout.Offsets)
+  {
+    const std::uint8_t* header = block.Record.GetData() + offset;
+    headers.insert(headers.end(), header, header + BlockRecord::SegmentHeaderSize);
+  }
+  return this->Blocks->Append(headers.data(), headers.size());
 }
 
 Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variables,
   const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes)
 {
+  if (this->Place == SamplePlace::Source)
+  {
+    const std::uint64_t size = this->Blocks->GetSize();
+    const std::vector<std::uint8_t> zeros(
+      static_cast<std::size_t>(BlockRecord::AlignUp(size) - size), 0);
+    ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Append(zeros.data(), zeros.size()));
+  }
   const StoreDescription description = { this->Entries.size(), this->Blocks->GetSize(),
     this->Checksum };
   ISOSURFACE_RETURN_IF_ERROR(this->Blocks->SyncAndClose());

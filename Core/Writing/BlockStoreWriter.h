@@ -25,9 +25,10 @@ class BlockStoreWriter
 {
 public:
   /// Creates the folder and the file of records, for `blocks` blocks of `segments` segments
-  /// (components times levels) each.
-  static Result<std::unique_ptr<BlockStoreWriter>> Create(
-    FileSystem& files, const std::string& folder, std::size_t segments, std::size_t blocks);
+  /// (components times levels) each. `place`: if the samples are in the volume's source, records are
+  /// stored without them.
+  static Result<std::unique_ptr<BlockStoreWriter>> Create(FileSystem& files,
+    const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place);
 
   /// Appends a record whose segments are sealed.
   Status Append(const PendingBlock& block);
@@ -48,13 +49,15 @@ public:
 
 private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
-    std::unique_ptr<WritableFile> blocksFile, std::size_t blocks);
+    std::unique_ptr<WritableFile> blocksFile, std::size_t blocks, SamplePlace place);
+  Status AppendHeaders(const PendingBlock& block);
   Status WriteTree(const std::string& path, std::uint64_t identity,
     const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 
   FileSystem& Files;
   std::string Folder;
   std::size_t Segments;
+  SamplePlace Place;
   std::unique_ptr<WritableFile> Blocks;
   std::vector<BlockDirectoryEntry> Entries;
   std::uint64_t Checksum = 0;

@@ -39,6 +39,9 @@ struct BlockedVolumeSettings
   /// must have the same grid, arrays, block size, stores (0: as many as it has), distribution and
   /// compression, and earlier times; else this is an InvalidArgument.
   bool Append = false;
+  /// Writes no samples at level 0: they stay in this source (DescribeSource), which the writer's own
+  /// source has to agree with. All time steps of a volume have one, or none has.
+  std::optional<SourceRecord> InPlace;
   /// Whether the time step is visible at the end. If not, it becomes visible together with the next
   /// one that the same writer appends and publishes.
   bool Publish = true;

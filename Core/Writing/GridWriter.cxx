@@ -218,7 +218,8 @@ Status GridWriter::CreateStores()
       continue;
     }
     auto writer = BlockStoreWriter::Create(this->Context.Files,
-      GetStoreFolder(this->Context.Path, this->GetStep().Folder, store), segments, blocks[store]);
+      GetStoreFolder(this->Context.Path, this->GetStep().Folder, store), segments, blocks[store],
+      this->Header.IsInPlace() ? SamplePlace::Source : SamplePlace::Store);
     if (!writer.IsOk())
     {
       return writer.GetStatus();
@@ -327,8 +328,9 @@ void GridWriter::FinishBlock(
   {
     block.OverviewSamples = PickOverviewSamples(this->Grid, this->Types, block);
   }
-  EncodeRecord(
-    this->Header.Compression, this->Grid, block.Block, this->Types, block.Layout, block.Record);
+  // Samples in place have the checksums of uncompressed ones.
+  EncodeRecord(this->Header.IsInPlace() ? BlockCompression() : this->Header.Compression, this->Grid,
+    block.Block, this->Types, block.Layout, block.Record);
 }
 
 /// The samples of a filled block at full resolution.

@@ -34,7 +34,7 @@ std::string FormatTime(double time)
 
 /// Why a time step does not continue the volume, or "".
 std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolumeHeader& header,
-  const std::optional<double>& time)
+  const std::optional<double>& time, bool isInPlace)
 {
   const BlockCompression& compression = existing.Compression;
   const auto isSameArray = [](const ArrayDescription& a, const ArrayDescription& b)
@@ -72,6 +72,12 @@ std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolum
     reason = std::string("it is compressed otherwise: ") + GetCodecName(compression.Codec) +
       ", level " + std::to_string(compression.GetEffectiveLevel());
   }
+  else if (existing.IsInPlace() != isInPlace)
+  {
+    reason = isInPlace
+      ? "it has copies of its samples, and this time step is to be indexed in place"
+      : "it is indexed in place, and this time step is not (--in-place)";
+  }
   else if (!existing.TimeSteps.back().Time)
   {
     reason = "its time step has no time";
@@ -84,17 +90,20 @@ std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolum
   return reason;
 }
 
-void PlanLevels(BlockedVolumeHeader& header)
+/// In place, level 0 is not stored, so all others are those of overviews.
+void PlanLevels(BlockedVolumeHeader& header, bool isInPlace)
 {
   GridGeometry geometry = header.Grid;
   BlockGrid grid = header.GetBlockGrid();
-  if (grid.GetNumberOfBlocks() > 1)
+  if (isInPlace || grid.GetNumberOfBlocks() > 1)
   {
-    header.NumberOfLevels = LevelsBelowOverview;
+    header.NumberOfLevels = isInPlace ? 1 : LevelsBelowOverview;
   }
+  int levels = header.NumberOfLevels;
   while (grid.GetNumberOfBlocks() > 1)
   {
-    geometry = geometry.Coarsen(LevelsBelowOverview);
+    geometry = geometry.Coarsen(levels);
+    levels = LevelsBelowOverview;
     grid = BlockGrid(geometry.GetDimensions(), header.BlockSize);
     const std::int64_t blocks = grid.GetNumberOfBlocks();
     const auto stores = static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1);
@@ -172,9 +181,18 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   {
     return Status(valid.GetCode(), path + ": cannot be written: " + valid.GetMessage());
   }
+  if (settings.InPlace)
+  {
+    const Status source = settings.InPlace->Validate();
+    if (!source.IsOk())
+    {
+      return Status(source.GetCode(), path + ": cannot be written: " + source.GetMessage());
+    }
+  }
   if (existing)
   {
-    const std::string obstacle = FindObstacle(*existing, header, settings.Time);
+    const std::string obstacle =
+      FindObstacle(*existing, header, settings.Time, settings.InPlace.has_value());
     if (!obstacle.empty())
     {
       return Status(StatusCode::InvalidArgument, path + ": cannot be appended to: " + obstacle);
@@ -185,10 +203,11 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   }
   else
   {
-    PlanLevels(header);
+    PlanLevels(header, settings.InPlace.has_value());
   }
   header.TimeSteps.emplace_back();
   header.TimeSteps.back().Time = settings.Time;
+  header.TimeSteps.back().Source = settings.InPlace;
   header.TimeSteps.back().Overviews.resize(header.Overviews.size());
   return header;
 }

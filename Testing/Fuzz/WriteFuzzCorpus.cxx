@@ -87,6 +87,40 @@ void AddRectilinearHeader(Corpus& corpus)
   corpus.Add("BlockedVolumeHeader", "rectilinear", Bytes(text.begin(), text.end()));
 }
 
+/// The header of a volume in place.
+void AddVolumeInPlace(Corpus& corpus)
+{
+  const Index3 size = { 40, 20, 17 };
+  const SampleVolume<std::int16_t> volume(size, [](auto i, auto j, auto k) { return i + j * k; });
+  GridGeometry grid;
+  grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
+  VolumePiece piece;
+  piece.Box = { { 0, 0, 0 }, size };
+  piece.Arrays = { volume.GetView() };
+  SourceRecord record;
+  record.Path = "../run.h5";
+  record.AbsolutePath = "/data/run.h5";
+  record.Within = "/entry/data";
+  record.Axes = "tzyx";
+  record.Arrays = { "data" };
+  record.Chunk = { 33, 20, 11 };
+  record.State = { 1, 29000, -1 };
+  BlockedVolumeSettings settings;
+  settings.BlockSize = 16;
+  settings.NumberOfStores = 1;
+  settings.Threads = 1;
+  settings.InPlace = record;
+  MemoryDisk disk;
+  SerialCommunicator alone;
+  BlockedVolumeWriter writer(alone, disk);
+  if (!writer.Write(Path, grid, { { "density", ValueType::Int16 } }, piece, settings).IsOk())
+  {
+    corpus.Fail();
+    return;
+  }
+  corpus.Add("BlockedVolumeHeader", "in-place", disk.GetFile(Path));
+}
+
 /// One volume's files, for the four targets that read them: an array of one component or more, in
 /// one time step or more.
 template <typename T>
@@ -279,6 +313,7 @@ int main(int argc, char* argv[])
   }
   Corpus corpus(argv[1]);
   AddRectilinearHeader(corpus);
+  AddVolumeInPlace(corpus);
   AddVolume<std::uint8_t>(corpus, "uint8", { 20, 3, 2 }, 1);
   AddVolume<std::int16_t>(corpus, "int16", { 5, 4, 3 }, 1);
   AddVolume<float>(corpus, "float32", { 3, 18, 2 }, 1);

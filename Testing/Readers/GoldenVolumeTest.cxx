@@ -20,7 +20,11 @@
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/VolumeVerification.h"
 
+#include <array>
 #include <filesystem>
+
+#include <fcntl.h>
+#include <sys/stat.h>
 
 namespace isosurface
 {
@@ -205,6 +209,31 @@ TEST(GoldenVolume, OfARectilinearGridHasTheSurfaceItWasWrittenWith)
   surfaces[0].Add(surface);
   surfaces[1].Add(Contour(MakeGoldenRectilinearGrid(), { 15.5 }));
   EXPECT_TRUE(AreEqual(surfaces[0], surfaces[1]));
+}
+
+// The samples of "density" in a MetaImage of that time.
+TEST(GoldenVolume, IsReadInPlace)
+{
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("in-place.bvol");
+  CopyVolume(GetDataPath("blocked-volume/in-place.bvol"), path);
+  const std::string source = folder.GetPath("in-place.mha");
+  WriteBytes(source, ReadBytes(GetDataPath("blocked-volume/in-place.mha")));
+  const std::array<timespec, 2> times = { timespec{ 1000000000, 0 }, timespec{ 1000000000, 0 } };
+  ASSERT_EQ(::utimensat(AT_FDCWD, source.c_str(), times.data(), 0), 0);
+
+  const auto header = BlockedVolumeHeader::Read(GetLocalFileSystem(), path);
+  ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
+  ASSERT_TRUE(header->IsInPlace());
+  EXPECT_EQ(header->NumberOfLevels, 1);
+  EXPECT_EQ(header->TimeSteps[0].Source->Path, "in-place.mha");
+  const auto verified = VerifyBlockedVolume(path, GetLocalFileSystem(), 2);
+  ASSERT_TRUE(verified.IsOk());
+  EXPECT_EQ(verified->FaultCount, 0u);
+
+  const auto density = ContourFile(path, "MetaImage", 15.5);
+  EXPECT_EQ(density->GetNumberOfPolys(), DensityTriangles);
+  EXPECT_EQ(density->GetNumberOfPoints(), DensityPoints);
 }
 
 TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)

@@ -2,6 +2,7 @@
 // Writes blocked volumes into a folder, each beside the samples that it was made from: NAME.bvol,
 // and NAME.array-N.raw with the samples of array N as they lie in memory, x fastest.
 #include "Base/Communicator.h"
+#include "Store/SourceRecord.h"
 #include "Volume/ValueType.h"
 #include "Writing/BlockedVolumeWriter.h"
 
@@ -67,6 +68,12 @@ SampleArray MakeArray(const std::string& name, const Index3& size, const Shape& 
     std::vector<char>(bytes, bytes + samples.size() * sizeof(T)) };
 }
 
+void WriteBytes(const std::string& path, const std::vector<char>& bytes)
+{
+  std::ofstream(path, std::ios::binary)
+    .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
 bool WriteVolume(const std::string& path, const GridGeometry& grid,
   const std::vector<SampleArray>& arrays, const BlockedVolumeSettings& settings)
 {
@@ -77,8 +84,10 @@ bool WriteVolume(const std::string& path, const GridGeometry& grid,
   for (const SampleArray& array : arrays)
   {
     const std::string raw = path + ".array-" + std::to_string(descriptions.size()) + ".raw";
-    std::ofstream(raw, std::ios::binary)
-      .write(array.Bytes.data(), static_cast<std::streamsize>(array.Bytes.size()));
+    if (!settings.InPlace) // whose source is there
+    {
+      WriteBytes(raw, array.Bytes);
+    }
     descriptions.push_back(array.Description);
     piece.Arrays.push_back({ array.Description.Type, array.Bytes.data(),
       { 1, static_cast<std::ptrdiff_t>(size[0]), static_cast<std::ptrdiff_t>(size[0] * size[1]) },
@@ -164,6 +173,32 @@ bool WriteCompressed(const std::string& folder)
   return isWritten;
 }
 
+/// A volume whose samples stay in a MetaImage.
+bool WriteInPlace(const std::string& folder)
+{
+  const Index3 size = { 50, 33, 19 };
+  const SampleArray array = MakeArray<float>("density", size, MakeWaves);
+  const std::string path = folder + "/in-place";
+  WriteBytes(path + ".array-0.raw", array.Bytes);
+  std::ofstream(path + ".mhd") << "ObjectType = Image\nNDims = 3\nDimSize = 50 33 19\n"
+                               << "ElementType = MET_FLOAT\n"
+                               << "ElementDataFile = in-place.array-0.raw\n";
+  BlockedVolumeSettings settings;
+  settings.BlockSize = 16;
+  settings.NumberOfStores = 2;
+  settings.Compression.Codec = SegmentCodec::Lz4;
+  const GridGeometry grid = MakeGrid({ 0, 0, 0 }, size);
+  const auto record = DescribeSource(
+    GetLocalFileSystem(), path + ".bvol", path + ".mhd", {}, grid, { array.Description });
+  if (!record.IsOk())
+  {
+    std::fprintf(stderr, "%s\n", record.GetStatus().GetMessage().c_str());
+    return false;
+  }
+  settings.InPlace = *record;
+  return WriteVolume(path, grid, { array }, settings);
+}
+
 bool WriteAll(const std::string& folder)
 {
   BlockedVolumeSettings settings;
@@ -212,7 +247,7 @@ bool WriteAll(const std::string& folder)
   const bool rectilinear = WriteVolume(folder + "/rectilinear", MakeGrid({ -7, 0, 100 }, size),
     { MakeArray<std::int16_t>("density", size, MakeWaves) }, settings);
   return everyType && manyLevels && emptyStores && highTree && rectilinear &&
-    WriteCompressed(folder);
+    WriteCompressed(folder) && WriteInPlace(folder);
 }
 
 } // namespace

@@ -12,7 +12,7 @@ import random
 import shutil
 import sys
 
-from read_blocked_volume import TYPES, BlockedVolume, make_key
+from read_blocked_volume import TYPES, BlockedVolume, make_key, read_document
 from read_interval_tree import FormatError, check, read_file
 
 
@@ -163,13 +163,15 @@ def check_overview(overview, finest, sources):
 
 
 def check_volume(path):
-    volume = BlockedVolume(path)
-    volume.verify()
     sources = []
-    for number, description in enumerate(volume.arrays):
+    header = read_document(path, "ScalableIsosurface blocked volume")
+    for number, description in enumerate(header["arrays"]):
         source = array.array(TYPES[description["type"]][0])
         source.frombytes(read_file(f"{path[:-5]}.array-{number}.raw"))
         sources.append(source)
+    volume = BlockedVolume(path, sources=sources)
+    check(volume.is_in_place == os.path.basename(path).startswith("in-place"), f"{path}: in place")
+    volume.verify()
     check_ranges(volume, sources)
     check(bool(volume.coordinates) == ("rectilinear" in path), f"{path}: coordinates")
     for size, of_axis in zip(volume.dimensions, volume.coordinates or []):

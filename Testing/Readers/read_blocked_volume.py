@@ -123,13 +123,33 @@ class Store:
         values = struct.unpack_from(f"<QQ{self.segments}I", self.directory.read(1 + page),
                                     entry * (16 + 4 * self.segments))
         block, offset, lengths = values[0], values[1], values[2:]
-        check(block < self.volume.block_count and offset % 4096 == 0
-              and offset + sum(lengths) + 16 * self.segments <= len(self.records),
+        stored = 16 * self.segments + (0 if self.volume.is_in_place else sum(lengths))
+        check(block < self.volume.block_count
+              and offset % (16 if self.volume.is_in_place else 4096) == 0
+              and offset + stored <= len(self.records),
               f"{self.directory.path}: impossible entry {ordinal}")
         return block, offset, lengths
 
+    def read_source(self, ordinal):
+        """The same as read_segments() if the samples are in the source."""
+        block, offset, lengths = self.find_block(ordinal)
+        samples = {}
+        for where, stored in enumerate(lengths):
+            name = f"{self.path}: block {block}, component {where}"
+            header = self.records[offset + 16 * where:offset + 16 * where + 16]
+            checksum, own, codec, predictor, _ = struct.unpack("<QIBBH", header)
+            check((own, codec, predictor) == (stored, 0, 0), f"{name}: length or codec")
+            samples[where, 0] = self.volume.cut_source(where, block)
+            payload = samples[where, 0].tobytes()
+            seed = hash64(struct.pack("<QII", block, where, 0))
+            check(len(payload) == stored and checksum == hash64(header[8:] + payload, seed),
+                  f"{name}: the source has other samples")
+        return block, samples
+
     def read_segments(self, ordinal):
         """The block's index, and checked samples by component and level."""
+        if self.volume.is_in_place:
+            return self.read_source(ordinal)
         block, offset, lengths = self.find_block(ordinal)
         samples = {}
         for number, stored in enumerate(lengths):
@@ -188,9 +208,13 @@ class Store:
             sums = [checksum]
             for stored in lengths:
                 sums += struct.unpack_from("<Q", self.records, offset)
-                offset += 16 + stored
+                offset += 16 if self.volume.is_in_place else 16 + stored
             checksum = hash64(struct.pack(f"<{len(sums)}Q", *sums))
-            used += -(-(sum(lengths) + 16 * self.segments) // 4096) * 4096
+            used += 16 * self.segments if self.volume.is_in_place else \
+                -(-(sum(lengths) + 16 * self.segments) // 4096) * 4096
+        if self.volume.is_in_place:
+            check(not any(self.records[used:]), f"{self.path}: no zeros behind its records")
+            used = -(-used // 4096) * 4096
         check(f"{checksum:016x}" == self.checksum, f"{self.path}: wrong checksum of the store")
         check(used == len(self.records), f"{self.path}: holds more than its records")
         return blocks
@@ -277,9 +301,12 @@ class Spectra:
 
 
 class BlockedVolume:
-    """A volume, or, with number > 0, one of its overviews, which are blocked volumes like it."""
+    """A volume, or, with number > 0, one of its overviews, which are blocked volumes like it.
 
-    def __init__(self, path, time_step=0, number=0):
+    `sources`: if the volume is in place, the samples of its source, an array a component.
+    """
+
+    def __init__(self, path, time_step=0, number=0, sources=None):
         self.header = read_document(path, "ScalableIsosurface blocked volume")
         self.arrays = self.header["arrays"]
         self.block_size = self.header["blockSize"]
@@ -309,6 +336,13 @@ class BlockedVolume:
         step = self.header["timeSteps"][time_step]
         check(len(step["ranges"]) == len(self.variables), f"{path}: number of ranges")
         check(len(step["overviews"]) == len(overviews), f"{path}: number of overviews")
+        check(all(("source" in one) == ("source" in step) for one in self.header["timeSteps"]),
+              f"{path}: time steps in place, and others")
+        self.is_in_place = "source" in step and number == 0
+        check(not self.is_in_place or self.levels == 1, f"{path}: levels in place")
+        check(not self.is_in_place or sources, f"{path}: the samples are in the source: "
+              f"{step.get('source', {}).get('path')}")
+        self.sources = sources
         folder = os.path.join(path + ".stores", step["folder"])
         if number > 0:
             folder = os.path.join(folder, f"overview-{number}")
@@ -348,6 +382,17 @@ class BlockedVolume:
                 low, high = max(0, low - 1), min((self.dimensions[axis] - 1) >> level, high + 1)
             box.append((low, high + 1))
         return box
+
+    def cut_source(self, component, block):
+        """The samples of the source in a block's ghosted box, x fastest."""
+        source = self.sources[component]
+        (x0, x1), ys, zs = self.find_box(block, 0, True)
+        result = array.array(source.typecode)
+        for k in range(*zs):
+            for j in range(*ys):
+                row = self.dimensions[0] * (j + self.dimensions[1] * k)
+                result += source[row + x0:row + x1]
+        return result
 
     def list_vertices(self, block, level):
         """The vertices of a level's segment, in its order."""

@@ -36,6 +36,8 @@ public:
     this->Files[path] = std::make_shared<Bytes>(std::move(bytes));
   }
   const std::map<std::string, std::shared_ptr<Bytes>>& GetFiles() const { return this->Files; }
+  /// Sets when a file was modified; 1 if nobody does.
+  void SetModified(const std::string& path, std::int64_t time) { this->Times[path] = time; }
   /// The names of all files, each with its contents.
   std::map<std::string, Bytes> Copy() const
   {
@@ -197,6 +199,22 @@ public:
     }
     return std::vector<std::string>(names.begin(), names.end());
   }
+  Result<FileState> FindState(const std::string& path) override
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    FileState state;
+    for (const auto& file : this->Files)
+    {
+      if (file.first == path || file.first.compare(0, path.size() + 1, path + "/") == 0)
+      {
+        const auto time = this->Times.find(file.first);
+        state.Modified = std::max(state.Modified, time == this->Times.end() ? 1 : time->second);
+        state.Bytes += file.second->size();
+        ++state.Files;
+      }
+    }
+    return state;
+  }
   Status SyncDirectory(const std::string& path) override
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
@@ -300,6 +318,7 @@ private:
   std::function<void()> BeforeRead;
   std::mutex Mutex;
   std::map<std::string, std::shared_ptr<Bytes>> Files;
+  std::map<std::string, std::int64_t> Times;
   std::set<std::string> Folders{ "/data" };
   std::map<std::string, std::uint64_t> BytesRead;
   std::vector<Access> Accesses;

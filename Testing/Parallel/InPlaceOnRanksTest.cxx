@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A volume in place on any number of ranks: the surface of the whole volume; and a source that one
+// rank does not see is one error on all.
+#include "ParallelVolumes.h"
+#include "VolumeDamage.h"
+
+#include "vtkBlockedVolumeReader.h"
+#include "vtkDataArray.h"
+#include "vtkExecutive.h"
+#include "vtkMultiProcessController.h"
+#include "vtkPointData.h"
+#include "vtkStabbingContour.h"
+
+#include "ControllerCommunicator.h"
+#include "Store/SourceRecord.h"
+#include "VolumeFile/VolumeFile.h"
+#include "Writing/BlockedVolumeWriter.h"
+
+#include <filesystem>
+#include <fstream>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr double Isovalue = 120.0; // of noise: every block is active
+
+vtkSmartPointer<vtkImageData> MakeNoisyImage()
+{
+  return MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
+}
+
+/// Writes raw samples with a header.
+void WriteSource(vtkImageData* image, const std::string& path)
+{
+  std::ofstream raw(path + ".raw", std::ios::binary);
+  raw.write(static_cast<const char*>(image->GetScalarPointer()),
+    static_cast<std::streamsize>(image->GetNumberOfPoints()));
+  std::ofstream(path) << "ObjectType = Image\nNDims = 3\nDimSize = 41 37 45\n"
+                      << "ElementType = MET_UCHAR\nElementDataFile = "
+                      << std::filesystem::path(path).filename().string() << ".raw\n";
+}
+
+/// Collective: indexes the source by all ranks. Only a path seen from the volume leads to it.
+Status IndexInPlace(const std::string& source, const std::string& path)
+{
+  FileSystem& files = GetLocalFileSystem();
+  ControllerCommunicator ranks(GetRanks());
+  auto volume = VolumeFile::Open(files, source);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  BlockedVolumeSettings settings;
+  settings.BlockSize = 16;
+  settings.NumberOfStores = 3;
+  auto record = DescribeSource(files, path, source, {}, volume->Grid, volume->Arrays);
+  ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
+  record->AbsolutePath = "/nowhere";
+  settings.InPlace = *record;
+  return BlockedVolumeWriter(ranks)
+    .Write(path, volume->Grid, volume->Arrays, *volume->Source, settings)
+    .GetStatus();
+}
+
+TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
+{
+  const SharedFolder folder("InPlaceOnRanks");
+  const std::string path = folder.GetPath("volume.bvol");
+  const auto image = MakeNoisyImage();
+  if (GetRank() == 0)
+  {
+    WriteSource(image, folder.GetPath("scan.mhd"));
+  }
+  GetRanks()->Barrier();
+  const Status written = IndexInPlace(folder.GetPath("scan.mhd"), path);
+  EXPECT_TRUE(written.IsOk()) << written.GetMessage();
+  if (GetRank() == 0)
+  {
+    // The same volume where its source is not beside it.
+    std::filesystem::create_directory(folder.GetPath("blind"));
+    CopyVolume(path, folder.GetPath("blind/volume.bvol"));
+  }
+  GetRanks()->Barrier();
+
+  ContourPipeline pipeline(path);
+  vtkPolyData* const mine = pipeline.Update({ Isovalue });
+  const auto triangles = SumOverRanks(static_cast<std::uint64_t>(mine->GetNumberOfPolys()));
+  EdgeSurface part;
+  part.Add(mine);
+  EdgeSurface all = GatherSurfaces(part);
+  if (GetRank() == 0)
+  {
+    all.MergeEqualPoints();
+    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, Isovalue)));
+  }
+
+  const ErrorCounter readerErrors(pipeline.Reader);
+  const ErrorCounter readerExecutiveErrors(pipeline.Reader->GetExecutive());
+  ErrorCounter contourErrors(pipeline.Contour);
+  const ErrorCounter contourExecutiveErrors(pipeline.Contour->GetExecutive());
+  for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
+  {
+    const std::string blind = folder.GetPath("blind/volume.bvol");
+    pipeline.Reader->SetFileName((failing == GetRank() ? blind : path).c_str());
+    pipeline.Reader->Modified();
+    pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    EXPECT_TRUE(
+      IsOneMessageAbout(contourErrors.Messages, { "", {}, "blind/scan.mhd", "is missing" }))
+      << testing::PrintToString(contourErrors.Messages);
+    EXPECT_EQ(pipeline.Contour->GetOutput()->GetNumberOfPolys(), 0);
+    contourErrors.Messages.clear();
+    GetRanks()->Barrier();
+  }
+  pipeline.Reader->SetFileName(path.c_str());
+  pipeline.Reader->Modified();
+  pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(contourErrors.Messages, std::vector<std::string>());
+  EXPECT_EQ(
+    SumOverRanks(static_cast<std::uint64_t>(pipeline.Contour->GetOutput()->GetNumberOfPolys())),
+    triangles);
+}
+
+} // namespace
+} // namespace isosurface

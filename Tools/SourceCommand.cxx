@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SourceCommand.h"
+
+#include "ProgressDisplay.h"
+
+#include "Base/ParallelFor.h"
+#include "Writing/SourceRelocation.h"
+
+#include <cstdio>
+
+namespace isosurface
+{
+
+Status RunSourceCommand(const BlockVolumeOptions& options)
+{
+  const int threads =
+    options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
+  {
+    ProgressDisplay display(options.Input, 0, !options.IsQuiet);
+    ISOSURFACE_RETURN_IF_ERROR(RelocateSource(
+      GetLocalFileSystem(), options.Input, options.Source, threads, display.GetProgress()));
+  }
+  if (!options.IsQuiet)
+  {
+    std::printf("%s: has its samples in %s\n", options.Input.c_str(), options.Source.c_str());
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface
