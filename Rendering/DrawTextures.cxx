@@ -42,8 +42,8 @@ DrawTextures::DrawTextures()
   glGetIntegerv(GL_DRAW_BUFFER, &target);
   glGetIntegerv(GL_SAMPLES, &samples);
   if (!ISOSURFACE_HAS_OPENGL(ARB_clear_texture) ||
-    !ISOSURFACE_HAS_OPENGL(ARB_direct_state_access) || framebuffer == 0 ||
-    target == GL_NONE || samples != 0 || GetTexture(GL_STENCIL_ATTACHMENT) != 0)
+    !ISOSURFACE_HAS_OPENGL(ARB_direct_state_access) || framebuffer == 0 || target == GL_NONE ||
+    samples != 0 || GetTexture(GL_STENCIL_ATTACHMENT) != 0)
   {
     return;
   }

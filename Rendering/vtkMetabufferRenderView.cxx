@@ -8,10 +8,10 @@
 #include "vtkPVVersion.h"
 #include "vtkRenderer.h"
 
-#define ISOSURFACE_HAS_INDEPENDENT_VIEWERS                                                         \
+#define ISOSURFACE_HAS_INDEPENDENT_VIEWERS \
   (PARAVIEW_VERSION_MAJOR > 6 || (PARAVIEW_VERSION_MAJOR == 6 && PARAVIEW_VERSION_MINOR >= 2))
 #if ISOSURFACE_HAS_INDEPENDENT_VIEWERS
-#include "vtkIndependentViewerCollection.h"
+#  include "vtkIndependentViewerCollection.h"
 #endif
 
 #include <algorithm>

@@ -8,8 +8,8 @@
 #include "vtkObjectFactory.h"
 
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
-#include "vtkOpenGLCompositePolyDataMapperDelegator.h"
-#include "vtkSmartPointer.h"
+#  include "vtkOpenGLCompositePolyDataMapperDelegator.h"
+#  include "vtkSmartPointer.h"
 
 namespace
 {

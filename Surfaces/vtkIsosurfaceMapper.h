@@ -19,11 +19,11 @@
 #include "vtkVersionMacros.h"         // For the superclass
 
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
-#include "vtkCompositePolyDataMapper.h"
-#define vtkIsosurfaceMapperSuperclass vtkCompositePolyDataMapper
+#  include "vtkCompositePolyDataMapper.h"
+#  define vtkIsosurfaceMapperSuperclass vtkCompositePolyDataMapper
 #else
-#include "vtkCompositePolyDataMapper2.h"
-#define vtkIsosurfaceMapperSuperclass vtkCompositePolyDataMapper2
+#  include "vtkCompositePolyDataMapper2.h"
+#  define vtkIsosurfaceMapperSuperclass vtkCompositePolyDataMapper2
 #endif
 
 #include <memory> // For what is shared

@@ -26,9 +26,9 @@
 #include "vtkSmartPointer.h"
 #include "vtkTransform.h"
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
-#include "vtkCompositePolyDataMapper.h"
+#  include "vtkCompositePolyDataMapper.h"
 #else
-#include "vtkCompositePolyDataMapper2.h"
+#  include "vtkCompositePolyDataMapper2.h"
 #endif
 
 #include "Drawing/DrawingBuffers.h"

@@ -12,11 +12,12 @@
 #include "vtkVersionMacros.h"  // For the superclass
 
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
-#include "vtkOpenGLBatchedPolyDataMapper.h"
-#define vtkIsosurfaceMapperHelperSuperclass vtkOpenGLBatchedPolyDataMapper
+#  include "vtkOpenGLBatchedPolyDataMapper.h"
+#  define vtkIsosurfaceMapperHelperSuperclass vtkOpenGLBatchedPolyDataMapper
 #else
-#include "vtkCompositeMapperHelper2.h"
-#define vtkIsosurfaceMapperHelperSuperclass vtkCompositeMapperHelper2
+#  include "OpenGLFunctions.h" // VTK 9.1 forgets it in the next one
+#  include "vtkCompositeMapperHelper2.h"
+#  define vtkIsosurfaceMapperHelperSuperclass vtkCompositeMapperHelper2
 #endif
 
 #include <memory> // For what is shared
