@@ -15,7 +15,10 @@
 #  include "vtkOpenGLBatchedPolyDataMapper.h"
 #  define vtkIsosurfaceMapperHelperSuperclass vtkOpenGLBatchedPolyDataMapper
 #else
-#  include "OpenGLFunctions.h" // VTK 9.1 forgets it in the next one
+#  include "vtkCompositePolyDataMapper2.h" // VTK 9.1: the next one needs its includes
+
+#  include "OpenGLFunctions.h"
+
 #  include "vtkCompositeMapperHelper2.h"
 #  define vtkIsosurfaceMapperHelperSuperclass vtkCompositeMapperHelper2
 #endif

@@ -309,7 +309,7 @@ Status vtkEdgeIndexWriter::Steps::WriteStep(
 bool vtkEdgeIndexWriter::Steps::TellProgress(double share) const
 {
   this->Writer.UpdateProgress(this->FirstShare + share * (this->LastShare - this->FirstShare));
-  return !this->Writer.CheckAbort();
+  return !isosurface::IsAborted(this->Writer);
 }
 
 //------------------------------------------------------------------------------
