@@ -3,8 +3,9 @@
 #   ./build.sh example   build what the main job needs, run it on two real scans, say where the image is
 #   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
 #   ./build.sh package   make Debian packages in build/release: the plugin, the commands, Python, C++
+#   ./build.sh vtk       build and test the VTK classes beside VTK alone, on a system without ParaView
 #   ./build.sh packages  only install what is needed, for development too
-# The first three install what is missing of CMake/debian-packages.txt.
+# The others install what is missing of CMake/debian-packages.txt.
 set -eu
 cd "$(dirname "$0")"
 
@@ -12,10 +13,13 @@ say() { # step
   printf '\n== %s\n' "$1"
 }
 
-install_packages() { # "all", or nothing to leave out those that only development needs
+# "paraview" or "vtk"; "all", or nothing to leave out those that only development needs
+install_packages() {
   release=$(. /etc/os-release && echo "${VERSION_ID:-13}")
-  packages=$(awk -v all="${1:-}" -v release="$release" \
-    '/^# For development alone/ && !all { exit } !/^#/ && (NF == 1 || $2 == release) { print $1 }' \
+  packages=$(awk -v all="${2:-}" -v release="$release" -v beside="$1" \
+    '/^# For development alone/ && !all { exit }
+     /^#/ { next }
+     { for (i = 2; i <= NF; ++i) if ($i != release && $i != beside) next; print $1 }' \
     CMake/debian-packages.txt)
   missing=
   for package in $packages; do
@@ -51,10 +55,10 @@ run_tests() { # preset
 
 case "${1:-}" in
   packages)
-    install_packages all
+    install_packages paraview all
     ;;
   example)
-    install_packages
+    install_packages paraview
     configure release
     compile release ScalableIsosurface blockvolume edgeindex
     say "Running Examples/main_job.py on two ranks: isosurfaces of a head MRI and a head CT"
@@ -65,15 +69,26 @@ case "${1:-}" in
     echo "The plugin: $(echo "$PWD"/build/release/lib/*/paraview-*/plugins/ScalableIsosurface/ScalableIsosurface.so)"
     ;;
   package)
-    install_packages
+    install_packages paraview
     configure release
     compile release ScalableIsosurface blockvolume edgeindex IsosurfacePythonHints IsosurfaceManualPages
     say "Making packages"
     (cd build/release && cpack -G DEB)
     echo "Install them: sudo apt install $PWD/build/release/*.deb"
     ;;
+  vtk)
+    if dpkg-query -W -f '${Status}' python3-paraview 2>/dev/null | grep -q 'ok installed'; then
+      echo "build.sh: libvtk9-dev would remove ParaView from this system; Testing/Systems/on_debian.sh builds in a folder" >&2
+      exit 1
+    fi
+    install_packages vtk
+    configure vtk
+    compile vtk
+    run_tests vtk
+    say "All tests passed"
+    ;;
   test)
-    install_packages
+    install_packages paraview
     configure asan
     compile asan
     run_tests asan
@@ -83,7 +98,7 @@ case "${1:-}" in
     say "All tests passed"
     ;;
   *)
-    sed -n '2,7s/^# \{0,1\}//p' "$0"
+    sed -n '2,8s/^# \{0,1\}//p' "$0"
     exit 2
     ;;
 esac

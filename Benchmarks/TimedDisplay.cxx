@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TimedDisplay.h"
 
+#include "OpenGLFunctions.h"
+
 #include "vtkActor.h"
 #include "vtkActorCollection.h"
 #include "vtkCallbackCommand.h"
@@ -19,7 +21,6 @@
 #include "vtkSynchronizedRenderWindows.h"
 #include "vtkTimerLog.h"
 #include "vtkUnsignedCharArray.h"
-#include "vtk_glew.h"
 
 #include <IceT.h>
 

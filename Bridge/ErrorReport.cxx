@@ -10,6 +10,7 @@
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkOutputWindow.h"
+#include "vtkVersionMacros.h"
 
 #include <string>
 
@@ -62,6 +63,15 @@ unsigned long FindErrorCode(const Status& error)
 {
   return error.GetCode() == StatusCode::DiskFull ? vtkErrorCode::OutOfDiskSpaceError
                                                  : vtkErrorCode::UnknownError;
+}
+
+bool IsAborted(vtkAlgorithm& algorithm)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  return algorithm.CheckAbort();
+#else
+  return algorithm.GetAbortExecute() != 0;
+#endif
 }
 
 } // namespace isosurface

@@ -27,6 +27,9 @@ ISOSURFACEBRIDGE_EXPORT void ReportError(
 /// The vtkErrorCode of an error: OutOfDiskSpaceError, or UnknownError.
 ISOSURFACEBRIDGE_EXPORT unsigned long FindErrorCode(const Status& error);
 
+/// Whether an algorithm, or since VTK 9.2 one before it in the pipeline, has been told to stop.
+ISOSURFACEBRIDGE_EXPORT bool IsAborted(vtkAlgorithm& algorithm);
+
 } // namespace isosurface
 
 #endif

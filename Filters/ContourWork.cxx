@@ -3,6 +3,7 @@
 
 #include "ContourBlocks.h"
 #include "ContouredArray.h"
+#include "ErrorReport.h"
 #include "NormalRounding.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkStabbingContour.h"
@@ -68,7 +69,7 @@ int ContourWork::ChooseThreads()
 bool ContourWork::TellProgress(double share)
 {
   this->Contour.UpdateProgress(share);
-  return !this->Contour.CheckAbort();
+  return !isosurface::IsAborted(this->Contour);
 }
 
 ContourRequest ContourWork::MakeRequest()

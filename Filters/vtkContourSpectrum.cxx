@@ -317,7 +317,7 @@ Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
   {
     this->Filter.UpdateProgress(
       (static_cast<double>(done) + share) / static_cast<double>(2 * grids.size()));
-    return !this->Filter.CheckAbort();
+    return !isosurface::IsAborted(this->Filter);
   };
   KeyRange finite;
   for (GridSpectrum& grid : grids)

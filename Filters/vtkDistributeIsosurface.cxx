@@ -297,7 +297,7 @@ Status vtkDistributeIsosurface::Steps::Distribute(
 bool vtkDistributeIsosurface::TellProgress(double share)
 {
   this->UpdateProgress(share);
-  return !this->CheckAbort();
+  return !isosurface::IsAborted(*this);
 }
 
 //------------------------------------------------------------------------------

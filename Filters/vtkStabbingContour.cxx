@@ -300,7 +300,7 @@ int vtkStabbingContour::RequestData(
   isosurface::ControllerCommunicator ranks(this->Controller);
   ContourWork::Outcome made;
   Status status = this->Work->Extract(inInfo, output->GetInformationObject(0), made);
-  if (status.IsOk() && this->CheckAbort())
+  if (status.IsOk() && isosurface::IsAborted(*this))
   {
     status = Status(StatusCode::Aborted, "The contour was aborted.");
   }

@@ -306,7 +306,7 @@ int vtkBlockedVolumeReader::RequestData(
   }
   this->Handle->FinishOutput(isBox);
   // Progress is told by one of the threads: a stop may have come when others did the last blocks.
-  if (status.IsOk() && this->CheckAbort())
+  if (status.IsOk() && isosurface::IsAborted(*this))
   {
     status = Status(StatusCode::Aborted, "reading was aborted");
   }
@@ -357,7 +357,7 @@ void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions)
 bool vtkBlockedVolumeReader::TellProgress(double share)
 {
   this->UpdateProgress(share);
-  return !this->CheckAbort();
+  return !isosurface::IsAborted(*this);
 }
 
 //------------------------------------------------------------------------------

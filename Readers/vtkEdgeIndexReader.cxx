@@ -203,7 +203,7 @@ int vtkEdgeIndexReader::RequestData(
                       << ": the file has no preview: the surface is read in full.");
     }
     status = this->Internal->ReadSurface(output->GetInformationObject(0), threads, polyData);
-    if (status.IsOk() && this->CheckAbort())
+    if (status.IsOk() && isosurface::IsAborted(*this))
     {
       status = Status(StatusCode::Aborted, "reading was aborted");
     }
@@ -290,7 +290,7 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
 bool vtkEdgeIndexReader::TellProgress(double share)
 {
   this->UpdateProgress(share);
-  return !this->CheckAbort();
+  return !isosurface::IsAborted(*this);
 }
 
 //------------------------------------------------------------------------------

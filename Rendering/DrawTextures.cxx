@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DrawTextures.h"
 
-#include "vtk_glew.h"
+#include "OpenGLFunctions.h"
 
 namespace isosurface
 {
@@ -41,8 +41,9 @@ DrawTextures::DrawTextures()
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   glGetIntegerv(GL_DRAW_BUFFER, &target);
   glGetIntegerv(GL_SAMPLES, &samples);
-  if (!GLEW_ARB_clear_texture || !GLEW_ARB_direct_state_access || framebuffer == 0 ||
-    target == GL_NONE || samples != 0 || GetTexture(GL_STENCIL_ATTACHMENT) != 0)
+  if (!ISOSURFACE_HAS_OPENGL(ARB_clear_texture) ||
+    !ISOSURFACE_HAS_OPENGL(ARB_direct_state_access) || framebuffer == 0 || target == GL_NONE ||
+    samples != 0 || GetTexture(GL_STENCIL_ATTACHMENT) != 0)
   {
     return;
   }

@@ -3,11 +3,11 @@
 
 #include "Compositing/Background.h"
 #include "DrawTextures.h"
+#include "OpenGLFunctions.h"
 
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLRenderer.h"
 #include "vtkOpenGLState.h"
-#include "vtk_glew.h"
 
 #include <algorithm>
 

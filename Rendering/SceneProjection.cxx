@@ -23,11 +23,13 @@ namespace isosurface
 namespace
 {
 
-// The bounds of grid and cube axes are those of what they surround. Their labels are outside, at most
+// The bounds of grid, cube and polar axes are those of what they surround. Their labels are outside, at most
 // as far away as the box is long.
 bool IsAxes(vtkProp* prop)
 {
-  return prop->IsA("vtkGridAxes3DActor") || prop->IsA("vtkCubeAxesActor");
+  return prop->IsA("vtkGridAxes3DActor") || // before ParaView 6.0
+    prop->IsA("vtkGridAxesActor3D") || prop->IsA("vtkCubeAxesActor") ||
+    prop->IsA("vtkPolarAxesActor");
 }
 
 // Whether a prop may draw beyond its bounds: as glyphs, which the mapper makes of points.

@@ -2,6 +2,7 @@
 #include "ViewportDrawing.h"
 
 #include "DrawTextures.h"
+#include "OpenGLFunctions.h"
 #include "SceneProjection.h"
 
 #include "vtkCamera.h"
@@ -12,7 +13,6 @@
 #include "vtkRenderPass.h"
 #include "vtkRenderState.h"
 #include "vtkRenderer.h"
-#include "vtk_glew.h"
 
 #include <array>
 #include <exception>

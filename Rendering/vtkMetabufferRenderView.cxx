@@ -5,7 +5,14 @@
 #include "vtkMetabufferPVSynchronizedRenderer.h"
 #include "vtkMetabufferPass.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVVersion.h"
 #include "vtkRenderer.h"
+
+#define ISOSURFACE_HAS_INDEPENDENT_VIEWERS \
+  (PARAVIEW_VERSION_MAJOR > 6 || (PARAVIEW_VERSION_MAJOR == 6 && PARAVIEW_VERSION_MINOR >= 2))
+#if ISOSURFACE_HAS_INDEPENDENT_VIEWERS
+#  include "vtkIndependentViewerCollection.h"
+#endif
 
 #include <algorithm>
 
@@ -20,6 +27,9 @@ vtkMetabufferRenderView::vtkMetabufferRenderView()
   this->SynchronizedRenderers = renderers;
   renderers->InitializeMetabuffer(this->GetSession());
   renderers->SetRenderer(this->GetRenderer());
+#if ISOSURFACE_HAS_INDEPENDENT_VIEWERS
+  renderers->SetIndependentViewers(this->ViewerCollection.Get());
+#endif
 }
 
 vtkMetabufferRenderView::~vtkMetabufferRenderView() = default;

@@ -20,6 +20,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPVLODActor.h"
 #include "vtkPVRenderView.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
 
 vtkStandardNewMacro(vtkIsosurfaceRepresentation);
@@ -27,22 +28,34 @@ vtkStandardNewMacro(vtkIsosurfaceRepresentation);
 namespace
 {
 
-// The surface of a piece that has no other block; null for other pieces.
-vtkPolyData* GetSurfaceAlone(vtkDataObject* piece)
-{
-  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(piece);
-  return blocks && blocks->GetNumberOfBlocks() == 1 ? vtkPolyData::SafeDownCast(blocks->GetBlock(0))
-                                                    : nullptr;
-}
-
 // Where a piece is one surface of triangles, VTK need not compute its bounds cell by cell.
 void StoreBounds(vtkDataObject* piece, vtkIsosurfaceMapper* mapper)
 {
-  vtkPolyData* surface = GetSurfaceAlone(piece);
+  vtkPolyData* surface = isosurface::GetSurfaceAlone(piece);
   if (mapper->GetTriangles()->Measure(surface, isosurface::ChooseDrawingThreads()))
   {
     isosurface::StoreCellsBounds(surface, mapper->GetTriangles()->GetMeasure());
   }
+}
+
+// A surface alone in data of the same class as another one: what views get of a surface.
+vtkSmartPointer<vtkDataObject> WrapAs(vtkDataObject* other, vtkPolyData* surface)
+{
+  const auto wrapped = vtkSmartPointer<vtkDataObject>::Take(other->NewInstance());
+  if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(wrapped))
+  {
+    blocks->SetBlock(0, surface);
+  }
+  else if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(wrapped))
+  {
+    collection->SetNumberOfPartitionedDataSets(1);
+    collection->SetPartition(0, 0, surface);
+  }
+  else
+  {
+    wrapped->ShallowCopy(surface);
+  }
+  return wrapped;
 }
 
 // Puts another object in the place of one that the superclass made.
@@ -110,7 +123,7 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
     return false;
   }
   vtkDataObject* piece = vtkPVView::GetPiece(input, this);
-  vtkPolyData* surface = GetSurfaceAlone(piece);
+  vtkPolyData* surface = isosurface::GetSurfaceAlone(piece);
   const int threads = isosurface::ChooseDrawingThreads();
   if (!this->SurfaceMapper->GetTriangles()->Measure(surface, threads))
   {
@@ -125,8 +138,7 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
     vtkNew<vtkPolyData> thinned;
     isosurface::ThinPolyData(
       surface, *this->SurfaceMapper->GetTriangles(), resolution, threads, thinned);
-    this->Thinned = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-    this->Thinned->SetBlock(0, thinned);
+    this->Thinned = WrapAs(piece, thinned);
     // The superclass knows by the field data that the block is not one of the user's.
     this->Thinned->GetFieldData()->ShallowCopy(piece->GetFieldData());
     this->ThinnedSurface = surface;

@@ -20,8 +20,8 @@
 #include "vtkSmartPointer.h" // For the thinned surface
 #include "vtkWeakPointer.h"  // For what it was made of
 
+class vtkDataObject;
 class vtkIsosurfaceMapper;
-class vtkMultiBlockDataSet;
 class vtkPolyData;
 
 class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceRepresentation
@@ -51,7 +51,7 @@ private:
   vtkIsosurfaceMapper* ThinnedMapper; ///< the superclass's LODMapper, which it owns
 
   /// The last thinned surface, and what it was made of.
-  vtkSmartPointer<vtkMultiBlockDataSet> Thinned;
+  vtkSmartPointer<vtkDataObject> Thinned;
   vtkWeakPointer<vtkPolyData> ThinnedSurface;
   vtkMTimeType ThinnedTime;
   double ThinnedResolution;

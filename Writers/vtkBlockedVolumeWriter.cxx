@@ -415,7 +415,7 @@ Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume&
     [this, steps](double share)
     {
       this->Owner.UpdateProgress((static_cast<double>(this->Owner.TimeIndex) + share) / steps);
-      return !this->Owner.CheckAbort();
+      return !isosurface::IsAborted(this->Owner);
     });
   if (written.IsOk() && this->Ranks.GetRank() == 0)
   {

@@ -12,6 +12,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkVersionMacros.h"
 
 #include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
@@ -168,7 +169,9 @@ int vtkEdgeIndexWriter::Write()
 {
   this->SetErrorCode(vtkErrorCode::NoError);
   this->SetAbortExecute(0);
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
   this->SetAbortOutput(false);
+#endif
   this->InvokeEvent(vtkCommand::StartEvent);
   this->WriteData();
   this->InvokeEvent(vtkCommand::EndEvent);
@@ -309,7 +312,7 @@ Status vtkEdgeIndexWriter::Steps::WriteStep(
 bool vtkEdgeIndexWriter::Steps::TellProgress(double share) const
 {
   this->Writer.UpdateProgress(this->FirstShare + share * (this->LastShare - this->FirstShare));
-  return !this->Writer.CheckAbort();
+  return !isosurface::IsAborted(this->Writer);
 }
 
 //------------------------------------------------------------------------------

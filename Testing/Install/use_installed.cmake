@@ -1,5 +1,6 @@
 # Installs the build, moves the installed files, and uses them as another project does.
 #   cmake -DBUILD=<build tree> -DFOLDER=<scratch folder> -DPARAVIEW_DIR=<folder of ParaView's package>
+#         -DVTK_DIR=<folder of VTK's package, where there is no ParaView>
 #         -DLAUNCHER=<compiler launcher> -DPYTHON=<python3> -DPYTHON_DESTINATION=<below the prefix>
 #         -P use_installed.cmake
 cmake_minimum_required(VERSION 3.18)
@@ -21,7 +22,7 @@ file(RENAME "${FOLDER}/first" "${FOLDER}/prefix")
 foreach(consumer IN ITEMS Core VTK)
   set(consumer_build "${FOLDER}/${consumer}")
   run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}/${consumer}" -B "${consumer_build}"
-    "-DCMAKE_PREFIX_PATH=${FOLDER}/prefix" "-DParaView_DIR=${PARAVIEW_DIR}"
+    "-DCMAKE_PREFIX_PATH=${FOLDER}/prefix" "-DParaView_DIR=${PARAVIEW_DIR}" "-DVTK_DIR=${VTK_DIR}"
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" -DCMAKE_BUILD_TYPE=Release)
   run("${CMAKE_COMMAND}" --build "${consumer_build}")
   run("${CMAKE_COMMAND}" -E chdir "${consumer_build}" ./Installed${consumer})
@@ -41,7 +42,9 @@ if(result EQUAL 0 OR NOT output MATCHES "requested version \"99\"")
 endif()
 
 # Commands and the Python package find their libraries.
-run("${FOLDER}/prefix/bin/blockvolume" --version)
+if(EXISTS "${FOLDER}/prefix/bin/blockvolume")
+  run("${FOLDER}/prefix/bin/blockvolume" --version)
+endif()
 if(PYTHON_DESTINATION)
   run("${CMAKE_COMMAND}" -E env "PYTHONPATH=${FOLDER}/prefix/${PYTHON_DESTINATION}" "${PYTHON}" -B -c
     "import scalable_isosurface as package\nprint(package.__file__, package.vtkStabbingContour())")

@@ -7,10 +7,14 @@
 #include "Drawing/TriangleMeasure.h"
 #include "Drawing/TriangleSurface.h"
 
+class vtkDataObject;
 class vtkPolyData;
 
 namespace isosurface
 {
+
+/// The surface of data that has no other block, as views and mappers get it; null for other data.
+vtkPolyData* GetSurfaceAlone(vtkDataObject* data);
 
 /**
  * The triangles of a vtkPolyData and their measure, which is kept until one of the arrays changes.

@@ -4,8 +4,8 @@
  * @class   vtkIsosurfaceMapper
  * @brief   draws surfaces of triangles from their arrays as they are
  *
- * A vtkCompositePolyDataMapper2 that makes the buffers of a single vtkPolyData of triangles by
- * threads, without asking for one cell after the other: shifted points, indices without degenerate
+ * A vtkCompositePolyDataMapper (before VTK 9.3: vtkCompositePolyDataMapper2) that makes the buffers of
+ * a single vtkPolyData of triangles by threads, without asking for one cell after the other: shifted points, indices without degenerate
  * triangles, texture coordinates of scalars. The buffers hold what the superclass's hold.
  *
  * Everything else is left to the superclass: several blocks, other cells, wireframe, points, edges,
@@ -15,8 +15,16 @@
 #ifndef vtkIsosurfaceMapper_h
 #define vtkIsosurfaceMapper_h
 
-#include "IsosurfaceRepresentationModule.h" // For export macro
-#include "vtkCompositePolyDataMapper2.h"
+#include "IsosurfaceSurfacesModule.h" // For export macro
+#include "vtkVersionMacros.h"         // For the superclass
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+#  include "vtkCompositePolyDataMapper.h"
+#  define vtkIsosurfaceMapperSuperclass vtkCompositePolyDataMapper
+#else
+#  include "vtkCompositePolyDataMapper2.h"
+#  define vtkIsosurfaceMapperSuperclass vtkCompositePolyDataMapper2
+#endif
 
 #include <memory> // For what is shared
 
@@ -25,11 +33,11 @@ namespace isosurface
 class MeasuredTriangles;
 }
 
-class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceMapper : public vtkCompositePolyDataMapper2
+class ISOSURFACESURFACES_EXPORT vtkIsosurfaceMapper : public vtkIsosurfaceMapperSuperclass
 {
 public:
   static vtkIsosurfaceMapper* New();
-  vtkTypeMacro(vtkIsosurfaceMapper, vtkCompositePolyDataMapper2);
+  vtkTypeMacro(vtkIsosurfaceMapper, vtkIsosurfaceMapperSuperclass);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// What measures the surface. Others that need the measure use this, so that it is made once.
@@ -42,7 +50,11 @@ protected:
   vtkIsosurfaceMapper();
   ~vtkIsosurfaceMapper() override;
 
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+  vtkCompositePolyDataMapperDelegator* CreateADelegator() override;
+#else
   vtkCompositeMapperHelper2* CreateHelper() override;
+#endif
 
 private:
   vtkIsosurfaceMapper(const vtkIsosurfaceMapper&) = delete;

@@ -9,15 +9,27 @@
 #define vtkIsosurfaceMapperHelper_h
 
 #include "MeasuredTriangles.h" // For what is shared
-#include "vtkCompositeMapperHelper2.h"
+#include "vtkVersionMacros.h"  // For the superclass
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+#  include "vtkOpenGLBatchedPolyDataMapper.h"
+#  define vtkIsosurfaceMapperHelperSuperclass vtkOpenGLBatchedPolyDataMapper
+#else
+#  include "vtkCompositePolyDataMapper2.h" // VTK 9.1: the next one needs its includes
+
+#  include "OpenGLFunctions.h"
+
+#  include "vtkCompositeMapperHelper2.h"
+#  define vtkIsosurfaceMapperHelperSuperclass vtkCompositeMapperHelper2
+#endif
 
 #include <memory> // For what is shared
 
-class vtkIsosurfaceMapperHelper : public vtkCompositeMapperHelper2
+class vtkIsosurfaceMapperHelper : public vtkIsosurfaceMapperHelperSuperclass
 {
 public:
   static vtkIsosurfaceMapperHelper* New();
-  vtkTypeMacro(vtkIsosurfaceMapperHelper, vtkCompositeMapperHelper2);
+  vtkTypeMacro(vtkIsosurfaceMapperHelper, vtkIsosurfaceMapperHelperSuperclass);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// What measures the surface, shared with the mapper.
@@ -38,8 +50,17 @@ private:
   vtkIsosurfaceMapperHelper(const vtkIsosurfaceMapperHelper&) = delete;
   void operator=(const vtkIsosurfaceMapperHelper&) = delete;
 
-  /// Whether the buffers can be made here; if so, Triangles has measured the surface.
-  bool Covers(vtkRenderer* renderer, vtkActor* actor);
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+  using Block = GLBatchElement;
+#else
+  using Block = vtkCompositeMapperHelperData;
+#endif
+
+  /// The only block of this helper; null if it has others.
+  Block* GetBlockAlone();
+  /// Whether the buffers can be made here; if so, Triangles has measured the block's surface.
+  bool Covers(vtkRenderer* renderer, vtkActor* actor, const Block& block);
+  void BuildBuffersOfBlock(vtkRenderer* renderer, vtkActor* actor, Block& block);
   /// Sets Colors, or ColorCoordinates and the texture, as MapScalars does.
   void MapColors(vtkPolyData* surface);
   bool MapColorsToTexture(vtkPolyData* surface);

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkIsosurfaceMapperHelper.h"
 
+#include "OpenGLFunctions.h"
+
 #include "vtkActor.h"
 #include "vtkCellData.h"
-#include "vtkCompositePolyDataMapper2.h"
 #include "vtkFloatArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkImageData.h"
 #include "vtkMatrix4x4.h"
-#include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLCellToVTKCellMap.h"
@@ -25,6 +25,11 @@
 #include "vtkScalarsToColors.h"
 #include "vtkSmartPointer.h"
 #include "vtkTransform.h"
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+#  include "vtkCompositePolyDataMapper.h"
+#else
+#  include "vtkCompositePolyDataMapper2.h"
+#endif
 
 #include "Drawing/DrawingBuffers.h"
 
@@ -59,12 +64,45 @@ struct ShiftAndScale
   }
 };
 
-// Whether a mapper has no other block than the one that a helper has.
-bool IsOneBlock(vtkDataObject* input)
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+constexpr const char* ColorCoordinatesOfShader = "colorTCoord";
+
+using Block = vtkOpenGLBatchedPolyDataMapper::GLBatchElement;
+
+vtkPolyData* GetSurface(const Block& block)
 {
-  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(input);
-  return vtkPolyData::SafeDownCast(input) || (blocks && blocks->GetNumberOfBlocks() == 1);
+  return block.Parent.PolyData;
 }
+#else
+constexpr const char* ColorCoordinatesOfShader = "tcoord";
+
+using Block = vtkCompositeMapperHelperData;
+
+vtkPolyData* GetSurface(const Block& block)
+{
+  return block.Data;
+}
+#endif
+
+// Gives a variable another value until the end of the scope.
+template <typename T>
+class ScopedValue
+{
+public:
+  ScopedValue(T& variable, T value)
+    : Variable(variable)
+    , Before(variable)
+  {
+    variable = value;
+  }
+  ~ScopedValue() { this->Variable = this->Before; }
+  ScopedValue(const ScopedValue&) = delete;
+  ScopedValue& operator=(const ScopedValue&) = delete;
+
+private:
+  T& Variable;
+  T Before;
+};
 
 // A mapper's own arrays are held without a smart pointer.
 template <typename ArrayT>
@@ -80,9 +118,22 @@ void Drop(ArrayT*& array, vtkObjectBase* owner)
 } // namespace
 
 //------------------------------------------------------------------------------
-bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor)
+vtkIsosurfaceMapperHelper::Block* vtkIsosurfaceMapperHelper::GetBlockAlone()
 {
-  if (this->Data.size() != 1 || !IsOneBlock(this->Parent->GetInputDataObject(0, 0)))
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+  auto& blocks = this->VTKPolyDataToGLBatchElement;
+  return blocks.size() == 1 ? blocks.begin()->second.get() : nullptr;
+#else
+  return this->Data.size() == 1 ? this->Data.begin()->second : nullptr;
+#endif
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor, const Block& block)
+{
+  vtkPolyData* surface = GetSurface(block);
+  // Other helpers of the mapper may have further blocks.
+  if (!surface || isosurface::GetSurfaceAlone(this->Parent->GetInputDataObject(0, 0)) != surface)
   {
     return false;
   }
@@ -95,7 +146,6 @@ bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor)
     property->GetNumberOfTextures() == 0 && !picksPoints;
   const bool shifts = this->ShiftScaleMethod == VertexBuffer::AUTO_SHIFT_SCALE ||
     this->ShiftScaleMethod == VertexBuffer::ALWAYS_AUTO_SHIFT_SCALE;
-  vtkPolyData* surface = this->Data.begin()->second->Data;
   const bool ofPoints = !surface->GetCellData()->GetNormals() &&
     !surface->GetPointData()->GetTangents() && this->ScalarMode != VTK_SCALAR_MODE_USE_CELL_DATA &&
     this->ScalarMode != VTK_SCALAR_MODE_USE_CELL_FIELD_DATA &&
@@ -108,13 +158,41 @@ bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor)
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor)
 {
-  if (!this->Covers(renderer, actor))
+  if (Block* block = this->GetBlockAlone())
   {
-    this->Superclass::BuildBufferObjects(renderer, actor);
-    return;
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+    // Blocks may have settings of their own, which count instead of the mapper's.
+    BatchElement& settings = block->Parent;
+    const ScopedValue<int> colorMode(this->ColorMode, settings.ColorMode);
+    const ScopedValue<int> scalarMode(this->ScalarMode, settings.ScalarMode);
+    const ScopedValue<int> accessMode(this->ArrayAccessMode, settings.ArrayAccessMode);
+    const ScopedValue<int> component(this->ArrayComponent, settings.ArrayComponent);
+    const ScopedValue<int> arrayId(this->ArrayId, settings.ArrayId);
+    const ScopedValue<char*> arrayName(
+      this->ArrayName, settings.ArrayName.empty() ? nullptr : settings.ArrayName.data());
+    const ScopedValue<vtkIdType> tuple(this->FieldDataTupleId, settings.FieldDataTupleId);
+    const ScopedValue<vtkTypeBool> hasScalars(this->ScalarVisibility, settings.ScalarVisibility);
+    const ScopedValue<vtkTypeBool> usesRange(
+      this->UseLookupTableScalarRange, settings.UseLookupTableScalarRange);
+    const ScopedValue<vtkTypeBool> interpolates(
+      this->InterpolateScalarsBeforeMapping, settings.InterpolateScalarsBeforeMapping);
+    const ScopedValue<double> minimum(this->ScalarRange[0], settings.ScalarRange[0]);
+    const ScopedValue<double> maximum(this->ScalarRange[1], settings.ScalarRange[1]);
+#endif
+    if (this->Covers(renderer, actor, *block))
+    {
+      this->BuildBuffersOfBlock(renderer, actor, *block);
+      return;
+    }
   }
-  vtkCompositeMapperHelperData* data = this->Data.begin()->second;
-  vtkPolyData* surface = data->Data;
+  this->Superclass::BuildBufferObjects(renderer, actor);
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
+  vtkRenderer* renderer, vtkActor* actor, Block& block)
+{
+  vtkPolyData* surface = GetSurface(block);
   this->VBOs->ClearAllVBOs();
   this->EdgeValues.clear();
   this->HaveCellScalars = false;
@@ -122,8 +200,8 @@ void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkAct
 
   vtkCellArray* cells[4] = { surface->GetVerts(), surface->GetLines(), surface->GetPolys(),
     surface->GetStrips() };
-  data->CellCellMap->SetStartOffset(0);
-  data->CellCellMap->BuildPrimitiveOffsetsIfNeeded(cells, VTK_SURFACE, surface->GetPoints());
+  block.CellCellMap->SetStartOffset(0);
+  block.CellCellMap->BuildPrimitiveOffsetsIfNeeded(cells, VTK_SURFACE, surface->GetPoints());
 
   this->MapColors(surface);
   this->UploadVertices(renderer, actor, surface);
@@ -133,11 +211,11 @@ void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkAct
   }
   this->UploadIndices(this->Primitives[PrimitiveTris].IBO);
 
-  data->StartVertex = 0;
-  data->NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
-  std::fill(data->StartIndex, data->StartIndex + PrimitiveEnd, 0U);
-  std::fill(data->NextIndex, data->NextIndex + PrimitiveEnd, 0U);
-  data->NextIndex[PrimitiveTris] =
+  block.StartVertex = 0;
+  block.NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
+  std::fill(block.StartIndex, block.StartIndex + PrimitiveEnd, 0U);
+  std::fill(block.NextIndex, block.NextIndex + PrimitiveEnd, 0U);
+  block.NextIndex[PrimitiveTris] =
     static_cast<unsigned int>(this->Primitives[PrimitiveTris].IBO->IndexCount);
   this->VBOBuildTime.Modified();
 }
@@ -241,7 +319,7 @@ void vtkIsosurfaceMapperHelper::UploadVertices(
   this->VBOs->AppendDataArray("scalarColor", this->Colors, VTK_UNSIGNED_CHAR);
   if (this->ColorTextureMap && this->InterpolateScalarsBeforeMapping && this->ColorCoordinates)
   {
-    this->VBOs->AppendDataArray("tcoord", this->ColorCoordinates, VTK_FLOAT);
+    this->VBOs->AppendDataArray(ColorCoordinatesOfShader, this->ColorCoordinates, VTK_FLOAT);
   }
   this->VBOs->BuildAllVBOs(renderer);
 
@@ -301,8 +379,8 @@ void vtkIsosurfaceMapperHelper::BuildSelectionIBO(
   // A surface that came without original ids has its own numbers for ids.
   const std::string pointIds = this->PointIdArrayName ? this->PointIdArrayName : "";
   const std::string cellIds = this->CellIdArrayName ? this->CellIdArrayName : "";
-  const bool single = this->Data.size() == 1;
-  vtkPolyData* data = single ? this->Data.begin()->second->Data : nullptr;
+  const Block* block = this->GetBlockAlone();
+  vtkPolyData* data = block ? GetSurface(*block) : nullptr;
   const bool noPointIds = data && !data->GetPointData()->HasArray(pointIds.c_str());
   const bool noCellIds = data && !data->GetCellData()->HasArray(cellIds.c_str());
   if (noPointIds)

@@ -3,7 +3,9 @@
 
 #include "vtkCellArray.h"
 #include "vtkFloatArray.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkMultiProcessController.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkTypeInt32Array.h"
@@ -81,6 +83,24 @@ public:
 };
 
 } // namespace
+
+vtkPolyData* GetSurfaceAlone(vtkDataObject* data)
+{
+  if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(data))
+  {
+    return blocks->GetNumberOfBlocks() == 1 ? vtkPolyData::SafeDownCast(blocks->GetBlock(0))
+                                            : nullptr;
+  }
+  // Since ParaView 5.13.
+  if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(data))
+  {
+    return collection->GetNumberOfPartitionedDataSets() == 1 &&
+        collection->GetNumberOfPartitions(0) == 1
+      ? vtkPolyData::SafeDownCast(collection->GetPartitionAsDataObject(0, 0))
+      : nullptr;
+  }
+  return vtkPolyData::SafeDownCast(data);
+}
 
 bool MeasuredTriangles::Measure(vtkPolyData* surface, int threads)
 {

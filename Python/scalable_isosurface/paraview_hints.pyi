@@ -1,0 +1,10 @@
+from .IsosurfaceRendering import (
+    vtkMetabufferPass as vtkMetabufferPass,
+    vtkMetabufferPVSynchronizedRenderer as vtkMetabufferPVSynchronizedRenderer,
+    vtkMetabufferRenderView as vtkMetabufferRenderView,
+    vtkMetabufferSynchronizedRenderers as vtkMetabufferSynchronizedRenderers,
+)
+from .IsosurfaceRepresentation import (
+    vtkIsosurfaceCompositeRepresentation as vtkIsosurfaceCompositeRepresentation,
+    vtkIsosurfaceRepresentation as vtkIsosurfaceRepresentation,
+)

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkIsosurfaceMapper.h"
+
+#include "MeasuredTriangles.h"
+#include "vtkIsosurfaceMapperHelper.h"
+
+#include "vtkObjectFactory.h"
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+#  include "vtkOpenGLCompositePolyDataMapperDelegator.h"
+#  include "vtkSmartPointer.h"
+
+namespace
+{
+
+/// Has a vtkIsosurfaceMapperHelper make the buffers of a batch of surfaces.
+class IsosurfaceDelegator : public vtkOpenGLCompositePolyDataMapperDelegator
+{
+public:
+  static IsosurfaceDelegator* New();
+  vtkTypeMacro(IsosurfaceDelegator, vtkOpenGLCompositePolyDataMapperDelegator);
+
+  void SetTriangles(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles)
+  {
+    this->Helper->SetTriangles(triangles);
+  }
+
+  IsosurfaceDelegator(const IsosurfaceDelegator&) = delete;
+  void operator=(const IsosurfaceDelegator&) = delete;
+
+protected:
+  IsosurfaceDelegator()
+    : Helper(vtkSmartPointer<vtkIsosurfaceMapperHelper>::New())
+  {
+    this->GLDelegate = this->Helper;
+    this->Delegate = this->Helper;
+  }
+  ~IsosurfaceDelegator() override = default;
+
+private:
+  vtkSmartPointer<vtkIsosurfaceMapperHelper> Helper;
+};
+
+vtkStandardNewMacro(IsosurfaceDelegator);
+
+} // namespace
+#endif
+
+vtkStandardNewMacro(vtkIsosurfaceMapper);
+
+//------------------------------------------------------------------------------
+vtkIsosurfaceMapper::vtkIsosurfaceMapper()
+  : Triangles(std::make_shared<isosurface::MeasuredTriangles>())
+{
+}
+
+//------------------------------------------------------------------------------
+vtkIsosurfaceMapper::~vtkIsosurfaceMapper() = default;
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+//------------------------------------------------------------------------------
+vtkCompositePolyDataMapperDelegator* vtkIsosurfaceMapper::CreateADelegator()
+{
+  IsosurfaceDelegator* delegator = IsosurfaceDelegator::New();
+  delegator->SetTriangles(this->Triangles);
+  return delegator;
+}
+#else
+//------------------------------------------------------------------------------
+vtkCompositeMapperHelper2* vtkIsosurfaceMapper::CreateHelper()
+{
+  vtkIsosurfaceMapperHelper* helper = vtkIsosurfaceMapperHelper::New();
+  helper->SetTriangles(this->Triangles);
+  return helper;
+}
+#endif
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+}
