@@ -12,6 +12,11 @@ if(NOT VTK_FOUND)
     "-DISOSURFACE_VTK=OFF builds Core alone. ${VTK_NOT_FOUND_MESSAGE}")
 endif()
 
+if(VTK_VERSION VERSION_LESS 9.2)
+  message(WARNING "VTK ${VTK_VERSION}: the VTK classes can be built beside it, but not all tests pass. "
+    "VTK 9.2 or newer is supported.")
+endif()
+
 set(ISOSURFACE_VTK_ROOMS Bridge Readers Filters Writers)
 message(STATUS "The VTK classes are built beside VTK ${VTK_VERSION}, without ParaView")
 message(STATUS "Left out, for want of ParaView: plugin, Rendering, Representation, Debian packages")

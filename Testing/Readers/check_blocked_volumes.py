@@ -197,7 +197,7 @@ def check_volume(path):
 def main(folder):
     random.seed(1)
     paths = sorted(glob.glob(os.path.join(folder, "*.bvol")))
-    check(len(paths) == 7, f"{folder}: not the volumes that were written")
+    check(len(paths) == 8, f"{folder}: not the volumes that were written")
     kinds = [check_volume(path) for path in paths]
     unused = [kind for kind in kinds[0] if not any(lists[kind] for lists in kinds)]
     check(not unused, f"no tree has lists of the kinds {unused}")

@@ -69,7 +69,6 @@ class TimeStepsAndChannels(SourceCase):
         with h5py.File(self.path("t.h5"), "w") as file:
             file.create_dataset("data", data=steps, chunks=(1, 16, 16, 16))
         for step in range(3):
-            more = ["--append"] if step else []
             expected = self.write_raw(steps[step], "data", "--time", str(step)) if not step else \
                 self.append_raw(steps[step], expected, step)
         path = self.write("t.h5", "o.bvol", ranks=2)

@@ -14,30 +14,11 @@ import numpy
 import zarr
 
 from sample_volumes import SHAPE, TYPES, SourceCase, make_samples, run_claim
+from write_zarr2 import IS_ZARR_2, create_array, create_group, write_array_2
 from write_zarr3 import write_array
 
 LITTLE = {"name": "bytes", "configuration": {"endian": "little"}}
 BIG = {"name": "bytes", "configuration": {"endian": "big"}}
-IS_ZARR_2 = zarr.__version__.startswith("2.")
-
-
-def create_array(folder, shape, dtype, chunks, separator=".", compressor=numcodecs.Blosc(), filters=None, **options):
-    """A new array of version 2 of the format, by version 2 or 3 of the package."""
-    if IS_ZARR_2:
-        return zarr.open(folder, mode="w", shape=shape, dtype=dtype, chunks=chunks, dimension_separator=separator,
-                         compressor=compressor, filters=filters, **options)
-    return zarr.create_array(folder, shape=shape, dtype=dtype, chunks=chunks, compressors=compressor, filters=filters,
-                             chunk_key_encoding={"name": "v2", "separator": separator}, zarr_format=2,
-                             overwrite=True, **options)
-
-
-def write_array_2(folder, samples, chunks, **options):
-    create_array(folder, samples.shape, samples.dtype, chunks, **options)[:] = samples
-
-
-def create_group(folder):
-    """A new group of version 2 of the format."""
-    return zarr.open_group(folder, mode="w", **({} if IS_ZARR_2 else {"zarr_format": 2}))
 
 
 class VersionTwoAndN5(SourceCase):
