@@ -14,8 +14,8 @@
 #include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkAlgorithmOutput.h"
-#include "vtkDataSetAttributes.h"
 #include "vtkDataObject.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
