@@ -6,6 +6,9 @@
 #include "Source/ChunkCache.h"
 
 #include <netcdf.h>
+#if ISOSURFACE_HDF5
+#  include "ArrayFile/Hdf5Handle.h"
+#endif
 
 #include <algorithm>
 #include <mutex>
@@ -16,12 +19,31 @@ namespace isosurface
 namespace
 {
 
-/// The library is not protected against threads.
-std::mutex& GetLibraryMutex()
+/**
+ * Serialises calls of the library, which is not protected against threads. Version 4 of the format is
+ * HDF5: where that is read, too, its library is one for both, with one lock, and must be told on each
+ * thread that its errors are not printed.
+ */
+class NetcdfScope
 {
-  static std::mutex mutex;
-  return mutex;
-}
+#if ISOSURFACE_HDF5
+  Hdf5Scope Scope;
+#else
+public:
+  NetcdfScope()
+    : Lock(GetMutex())
+  {
+  }
+
+private:
+  static std::mutex& GetMutex()
+  {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> Lock;
+#endif
+};
 
 constexpr std::pair<int, ValueType> Types[] = { { NC_BYTE, ValueType::Int8 },
   { NC_UBYTE, ValueType::UInt8 }, { NC_SHORT, ValueType::Int16 }, { NC_USHORT, ValueType::UInt16 },
@@ -159,7 +181,7 @@ struct NetcdfFile::Handle
   Handle& operator=(const Handle&) = delete;
   ~Handle()
   {
-    const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+    const NetcdfScope scope;
     ::nc_close(this->Number);
   }
 
@@ -190,7 +212,7 @@ public:
 
   Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override
   {
-    const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+    const NetcdfScope scope;
     const int code =
       ReadBox(this->Variable, { low.begin(), low.end() }, { size.begin(), size.end() }, to);
     return code == NC_NOERR
@@ -216,7 +238,7 @@ Result<NetcdfFile> NetcdfFile::Open(const std::string& path)
     return bytes.GetStatus();
   }
   ISOSURFACE_RETURN_IF_ERROR(CheckNetcdfClassicSize(GetLocalFileSystem(), path, ""));
-  const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+  const NetcdfScope scope;
   int number = 0;
   const int code = ::nc_open(path.c_str(), NC_NOWRITE, &number);
   if (code != NC_NOERR)
@@ -278,14 +300,14 @@ const NetcdfVariable* NetcdfFile::FindCoordinate(const NetcdfVariable& of, std::
 std::optional<std::string> NetcdfFile::ReadText(
   const NetcdfVariable& variable, const std::string& attribute) const
 {
-  const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+  const NetcdfScope scope;
   return GetText(variable.Group, variable.Variable, attribute.c_str());
 }
 
 std::optional<double> NetcdfFile::ReadNumber(
   const NetcdfVariable& variable, const std::string& attribute, ValueType* type) const
 {
-  const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+  const NetcdfScope scope;
   nc_type stored = NC_NAT;
   std::size_t size = 0;
   double number = 0;
@@ -305,7 +327,7 @@ std::optional<double> NetcdfFile::ReadNumber(
 
 Result<std::vector<double>> NetcdfFile::ReadNumbers(const NetcdfVariable& variable) const
 {
-  const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+  const NetcdfScope scope;
   constexpr std::int64_t most = std::int64_t{ 1 } << 24;
   if (!variable.Type || variable.Shape.size() != 1 || variable.Shape[0] > most)
   {
@@ -336,7 +358,7 @@ Result<std::shared_ptr<StoredArray>> NetcdfFile::OpenArray(
   }
   ISOSURFACE_RETURN_IF_ERROR(
     CheckNetcdfClassicSize(GetLocalFileSystem(), this->Path, variable.Path));
-  const std::lock_guard<std::mutex> lock(GetLibraryMutex());
+  const NetcdfScope scope;
   int storage = NC_CONTIGUOUS;
   std::vector<std::size_t> sizes(std::max<std::size_t>(1, variable.Shape.size()));
   std::uint64_t held = std::uint64_t{ 4 } << 20; // the library's buffers

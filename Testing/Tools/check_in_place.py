@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Volumes that blockvolume indexes in place, of files that h5py, zarr and write_zarr3.py write:
+"""Volumes that blockvolume indexes in place, of files that other libraries and write_zarr3.py write:
 check_in_place.py TOOL MPIEXEC SCRATCH CLAIM"""
 import filecmp
 import json
@@ -10,6 +10,9 @@ import unittest
 import warnings
 
 import h5py
+import mrcfile
+import netCDF4
+import nibabel
 import numcodecs
 import numpy
 import zarr
@@ -87,6 +90,19 @@ class Samples(InPlaceCase):
                              order="CF"[number % 2],
                              compressor=numcodecs.Blosc("zstd", 3, 1))[:] = samples
                 self.check(f"z{number}.zarr", samples)
+
+    def test_netcdf_mrc_and_nifti(self):
+        samples = make_samples("float32")
+        with netCDF4.Dataset(self.path("a.nc"), "w") as file:
+            for name, size in zip("zyx", SHAPE):
+                file.createDimension(name, size)
+            file.createVariable("a", "f4", ("z", "y", "x"), zlib=True, chunksizes=(10, 15, 20))[:] = samples
+        with mrcfile.new(self.path("a.mrc"), overwrite=True) as file:
+            file.set_data(samples)
+        nibabel.Nifti1Image(samples.transpose(2, 1, 0), numpy.eye(4)).to_filename(self.path("a.nii"))
+        for name in ("a.nc", "a.mrc", "a.nii"):
+            with self.subTest(name=name):
+                self.check(name, samples)
 
     @unittest.skipUnless(IS_ZARR_2, "zarr 3 writes no N5")
     def test_n5(self):
