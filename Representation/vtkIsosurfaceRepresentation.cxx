@@ -41,7 +41,7 @@ void StoreBounds(vtkDataObject* piece, vtkIsosurfaceMapper* mapper)
 // A surface alone in data of the same class as another one: what views get of a surface.
 vtkSmartPointer<vtkDataObject> WrapAs(vtkDataObject* other, vtkPolyData* surface)
 {
-  const auto wrapped = vtkSmartPointer<vtkDataObject>::Take(other->NewInstance());
+  auto wrapped = vtkSmartPointer<vtkDataObject>::Take(other->NewInstance());
   if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(wrapped))
   {
     blocks->SetBlock(0, surface);

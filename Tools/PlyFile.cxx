@@ -28,7 +28,7 @@ public:
   Status WriteIfMany() { return this->Bytes.size() < BytesAtOnce ? Status::Ok() : this->Write(); }
   Status Write()
   {
-    const Status status = this->File.Append(this->Bytes.data(), this->Bytes.size());
+    Status status = this->File.Append(this->Bytes.data(), this->Bytes.size());
     this->Bytes.clear();
     return status;
   }
