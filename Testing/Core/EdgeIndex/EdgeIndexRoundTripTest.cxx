@@ -202,6 +202,34 @@ TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
   EXPECT_TRUE(HaveEqualBytes(first->Points, second->Points));
 }
 
+namespace
+{
+
+// What is decoded of a surface whose samples, from -1 to 1, were quantized. Its topology is kept.
+Surface QuantizeSurface(EdgeIndexHeader header, int bits, BlockSource& source,
+  const ContourRequest& request, const Surface& expected)
+{
+  header.Settings.QuantizationBits = bits;
+  header.Settings.QuantizationMinimum = -1;
+  header.Settings.QuantizationMaximum = 1;
+  const auto bytes = EncodeSurface(header, source, 1);
+  if (!bytes.IsOk())
+  {
+    ADD_FAILURE() << bytes.GetStatus().GetMessage();
+    return {};
+  }
+  auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+  if (!decoded.IsOk())
+  {
+    ADD_FAILURE() << decoded.GetStatus().GetMessage();
+    return {};
+  }
+  ExpectSameTopology(expected, *decoded);
+  return std::move(*decoded);
+}
+
+} // namespace
+
 TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
 {
   const auto volume = MakeWaves<float>({ 50, 40, 30 }, 0.1);
@@ -213,19 +241,13 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
   {
     for (const EdgeIndexProfile profile : Profiles)
     {
-      EdgeIndexHeader header = MakeHeader(volume, { 0.05 }, EdgeIndexMode::Quantized, profile);
-      header.Settings.QuantizationBits = bits;
-      header.Settings.QuantizationMinimum = -1;
-      header.Settings.QuantizationMaximum = 1;
-      const auto bytes = EncodeSurface(header, source, 1);
-      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
-      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
-      ExpectSameTopology(*expected, *decoded);
+      const EdgeIndexHeader header =
+        MakeHeader(volume, { 0.05 }, EdgeIndexMode::Quantized, profile);
+      const Surface decoded = QuantizeSurface(header, bits, source, request, *expected);
       double sum = 0;
       for (std::size_t n = 0; n < expected->Points.GetSize(); ++n)
       {
-        sum += std::abs(static_cast<double>(expected->Points[n] - decoded->Points[n]));
+        sum += std::abs(static_cast<double>(expected->Points[n] - decoded.Points[n]));
       }
       sum /= static_cast<double>(expected->NumberOfPoints);
       EXPECT_LT(sum, last) << bits;
@@ -253,19 +275,13 @@ TEST(EdgeIndex, QuantizedNotANumberStaysSo)
     const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
     for (const EdgeIndexProfile profile : Profiles)
     {
-      EdgeIndexHeader header = MakeHeader(volume, { isovalue }, EdgeIndexMode::Quantized, profile);
-      header.Settings.QuantizationBits = 10;
-      header.Settings.QuantizationMinimum = -1;
-      header.Settings.QuantizationMaximum = 1;
-      const auto bytes = EncodeSurface(header, source, 1);
-      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
-      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
-      ExpectSameTopology(*expected, *decoded);
+      const EdgeIndexHeader header =
+        MakeHeader(volume, { isovalue }, EdgeIndexMode::Quantized, profile);
+      const Surface decoded = QuantizeSurface(header, 10, source, request, *expected);
       std::size_t count = 0;
       for (std::size_t n = 0; n < expected->Points.GetSize(); ++n)
       {
-        EXPECT_EQ(std::isnan(expected->Points[n]), std::isnan(decoded->Points[n])) << n;
+        EXPECT_EQ(std::isnan(expected->Points[n]), std::isnan(decoded.Points[n])) << n;
         count += std::isnan(expected->Points[n]) ? 1 : 0;
       }
       EXPECT_EQ(count > 100, isovalue < 1);
