@@ -26,7 +26,7 @@ set(DOXYGEN_PREDEFINED
 isosurface_find_included(core ${ISOSURFACE_PUBLIC_CORE_HEADERS})
 list(TRANSFORM core PREPEND "${PROJECT_SOURCE_DIR}/Core/")
 set(classes)
-foreach(room IN ITEMS Readers Filters Writers Rendering Surfaces Representation)
+foreach(room IN LISTS ISOSURFACE_VTK_ROOMS)
   file(GLOB headers "${PROJECT_SOURCE_DIR}/${room}/vtk*.h")
   list(APPEND classes ${headers})
 endforeach()
