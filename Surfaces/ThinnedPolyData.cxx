@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ThinnedPolyData.h"
 
+#include "vtkAbstractArray.h"
 #include "vtkCellArray.h"
+#include "vtkDataArray.h"
 #include "vtkFieldData.h"
-#include "vtkFloatArray.h"
-#include "vtkIdList.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
 #include "vtkTypeInt32Array.h"
 
 #include "Drawing/SurfaceThinning.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <cstring>
+#include <vector>
 
 namespace isosurface
 {
@@ -30,25 +33,63 @@ ThinningLimits ChooseLimits(double resolution)
   return limits;
 }
 
+/// Some tuples of an array, as an array of the same class.
+vtkSmartPointer<vtkAbstractArray> CopyTuples(
+  vtkAbstractArray* array, const std::vector<std::uint32_t>& tuples)
+{
+  const auto count = static_cast<vtkIdType>(tuples.size());
+  auto copy = vtkSmartPointer<vtkAbstractArray>::Take(array->NewInstance());
+  copy->SetName(array->GetName());
+  copy->SetNumberOfComponents(array->GetNumberOfComponents());
+  copy->CopyComponentNames(array);
+  if (array->HasInformation())
+  {
+    copy->CopyInformation(array->GetInformation(), 1);
+  }
+  copy->SetNumberOfTuples(count);
+  auto* data = vtkDataArray::SafeDownCast(array);
+  if (data && data->HasStandardMemoryLayout() && data->GetDataType() != VTK_BIT)
+  {
+    const std::size_t size = static_cast<std::size_t>(data->GetDataTypeSize()) *
+      static_cast<std::size_t>(data->GetNumberOfComponents());
+    const auto* from = static_cast<const unsigned char*>(data->GetVoidPointer(0));
+    auto* to = static_cast<unsigned char*>(copy->GetVoidPointer(0));
+    for (const std::uint32_t tuple : tuples)
+    {
+      std::memcpy(to, from + tuple * size, size);
+      to += size;
+    }
+    vtkDataArray::SafeDownCast(copy)->SetLookupTable(data->GetLookupTable());
+    return copy;
+  }
+  for (vtkIdType tuple = 0; tuple < count; ++tuple)
+  {
+    copy->SetTuple(tuple, tuples[static_cast<std::size_t>(tuple)], array);
+  }
+  return copy;
+}
+
 void CopyPoints(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* thinned)
 {
-  const auto count = static_cast<vtkIdType>(kept.Points.size());
-  vtkNew<vtkIdList> from;
-  vtkNew<vtkIdList> to;
-  from->SetNumberOfIds(count);
-  to->SetNumberOfIds(count);
-  std::copy(kept.Points.begin(), kept.Points.end(), from->GetPointer(0));
-  std::iota(to->GetPointer(0), to->GetPointer(0) + count, vtkIdType{ 0 });
-
   vtkNew<vtkPoints> points;
-  points->SetNumberOfPoints(count);
-  points->GetData()->InsertTuples(to, from, surface->GetPoints()->GetData());
+  points->SetData(
+    vtkDataArray::SafeDownCast(CopyTuples(surface->GetPoints()->GetData(), kept.Points)));
   thinned->SetPoints(points);
-  vtkPointData* arrays = thinned->GetPointData();
-  arrays->CopyAllOn();
-  arrays->CopyGlobalIdsOff();
-  arrays->CopyAllocate(surface->GetPointData(), count);
-  arrays->CopyData(surface->GetPointData(), from, to);
+  vtkPointData* arrays = surface->GetPointData();
+  for (int index = 0; index < arrays->GetNumberOfArrays(); ++index)
+  {
+    const int attribute = arrays->IsArrayAnAttribute(index);
+    if (attribute == vtkDataSetAttributes::GLOBALIDS)
+    {
+      continue;
+    }
+    const int added =
+      thinned->GetPointData()->AddArray(CopyTuples(arrays->GetAbstractArray(index), kept.Points));
+    if (attribute >= 0)
+    {
+      thinned->GetPointData()->SetActiveAttribute(added, attribute);
+    }
+  }
 }
 
 void CopyTriangles(const ThinnedSurface& kept, vtkPolyData* thinned)

@@ -31,6 +31,7 @@
 #  include "vtkCompositePolyDataMapper2.h"
 #endif
 
+#include "Base/HugePages.h"
 #include "Drawing/DrawingBuffers.h"
 
 #include <algorithm>
@@ -103,6 +104,57 @@ private:
   T& Variable;
   T Before;
 };
+
+// Gives a buffer a size and calls write(memory), which fills it: threads write where the graphics
+// card reads, or into memory that is copied there.
+template <typename T, typename WriteT>
+void FillBuffer(vtkOpenGLBufferObject* buffer, vtkOpenGLBufferObject::ObjectType type,
+  std::size_t count, WriteT&& write)
+{
+  const GLenum target =
+    type == vtkOpenGLBufferObject::ArrayBuffer ? GL_ARRAY_BUFFER : GL_ELEMENT_ARRAY_BUFFER;
+  const auto bytes = static_cast<GLsizeiptr>(count * sizeof(T));
+  void* mapped = nullptr;
+  if (buffer->GenerateBuffer(type) && buffer->Bind())
+  {
+    glBufferData(target, bytes, nullptr, GL_STATIC_DRAW);
+    mapped = glMapBufferRange(target, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+  }
+  bool written = false;
+  if (mapped)
+  {
+    isosurface::AdviseHugePages(mapped, count * sizeof(T));
+    write(static_cast<T*>(mapped));
+    written = glUnmapBuffer(target) == GL_TRUE;
+  }
+  if (!written)
+  {
+    std::vector<T> values(count);
+    write(values.data());
+    buffer->Upload(values, type);
+  }
+}
+
+// Access to the protected number of tuples of a vertex buffer. There are no objects of this class.
+class VertexBufferSize : public VertexBuffer
+{
+public:
+  static void Set(VertexBuffer* buffer, std::size_t tuples)
+  {
+    unsigned int VertexBuffer::*size = &VertexBufferSize::NumberOfTuples;
+    buffer->*size = static_cast<unsigned int>(tuples);
+  }
+};
+
+// A tuple of zeros: tells a group of vertex buffers the layout of one that is filled later.
+vtkSmartPointer<vtkFloatArray> MakeTuple(int components)
+{
+  auto tuple = vtkSmartPointer<vtkFloatArray>::New();
+  tuple->SetNumberOfComponents(components);
+  tuple->SetNumberOfTuples(1);
+  tuple->FillValue(0);
+  return tuple;
+}
 
 // A mapper's own arrays are held without a smart pointer.
 template <typename ArrayT>
@@ -225,6 +277,7 @@ void vtkIsosurfaceMapperHelper::MapColors(vtkPolyData* surface)
 {
   Drop(this->ColorCoordinates, this);
   Drop(this->Colors, this);
+  this->ColorValues = nullptr;
   if (!this->MapColorsToTexture(surface))
   {
     this->MapScalars(surface, 1.0);
@@ -273,6 +326,15 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
     return false;
   }
 
+  // Of the other values they are written where the graphics card reads them.
+  this->ColorValues = scalars;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::WriteColorCoordinates(float* coordinates)
+{
+  vtkDataArray* scalars = this->ColorValues;
   const int components = scalars->GetNumberOfComponents();
   const bool magnitude =
     components > 1 && this->LookupTable->GetVectorMode() == vtkScalarsToColors::MAGNITUDE;
@@ -282,21 +344,25 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
   range.Maximum = this->LookupTable->GetRange()[1];
   range.Colors = static_cast<int>(this->LookupTable->GetNumberOfAvailableColors());
   const auto tuples = static_cast<std::size_t>(scalars->GetNumberOfTuples());
-  Drop(this->ColorCoordinates, this);
-  this->ColorCoordinates = vtkFloatArray::New();
-  this->ColorCoordinates->SetNumberOfComponents(2);
-  this->ColorCoordinates->SetNumberOfTuples(scalars->GetNumberOfTuples());
-  float* coordinates = this->ColorCoordinates->GetPointer(0);
   switch (scalars->GetDataType())
   {
     vtkTemplateMacro(
       isosurface::FindTextureCoordinates(static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)),
         tuples, components, component, range, coordinates, this->Threads));
     default:
-      Drop(this->ColorCoordinates, this);
-      return false;
+      break; // bits are not taken
   }
-  return true;
+}
+
+//------------------------------------------------------------------------------
+template <typename WriteT>
+void vtkIsosurfaceMapperHelper::FillVertices(
+  const char* attribute, int components, std::size_t tuples, WriteT&& write)
+{
+  VertexBuffer* buffer = this->VBOs->GetVBO(attribute);
+  FillBuffer<float>(buffer, vtkOpenGLBufferObject::ArrayBuffer,
+    static_cast<std::size_t>(components) * tuples, write);
+  VertexBufferSize::Set(buffer, tuples);
 }
 
 //------------------------------------------------------------------------------
@@ -304,24 +370,52 @@ void vtkIsosurfaceMapperHelper::UploadVertices(
   vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface)
 {
   const TriangleSurface& triangles = this->Triangles->GetSurface();
+  const std::size_t points = triangles.NumberOfPoints;
   const ShiftAndScale map(this->Triangles->GetMeasure().PointBounds);
-  vtkNew<vtkFloatArray> points;
-  points->SetNumberOfComponents(3);
-  points->SetNumberOfTuples(static_cast<vtkIdType>(triangles.NumberOfPoints));
-  isosurface::ShiftAndScale(triangles.Points, triangles.NumberOfPoints, map.Shift.data(),
-    map.Scale.data(), points->GetPointer(0), this->Threads);
-
   vtkDataArray* normals = actor->GetProperty()->GetInterpolation() != VTK_FLAT
     ? surface->GetPointData()->GetNormals()
     : nullptr;
-  this->VBOs->AppendDataArray("vertexMC", points, VTK_FLOAT);
-  this->VBOs->AppendDataArray("normalMC", normals, VTK_FLOAT);
+  auto* floatNormals = vtkFloatArray::FastDownCast(normals);
+  const bool copiesNormals = floatNormals && floatNormals->GetNumberOfComponents() == 3 &&
+    static_cast<std::size_t>(floatNormals->GetNumberOfTuples()) == points;
+  const bool hasCoordinates =
+    this->ColorTextureMap && this->InterpolateScalarsBeforeMapping && this->ColorCoordinates;
+  const bool writesCoordinates = hasCoordinates && this->ColorValues;
+
+  // Buffers of one tuple, where they are filled afterwards.
+  this->VBOs->AppendDataArray("vertexMC", MakeTuple(3), VTK_FLOAT);
+  if (copiesNormals)
+  {
+    this->VBOs->AppendDataArray("normalMC", MakeTuple(3), VTK_FLOAT);
+  }
+  else
+  {
+    this->VBOs->AppendDataArray("normalMC", normals, VTK_FLOAT);
+  }
   this->VBOs->AppendDataArray("scalarColor", this->Colors, VTK_UNSIGNED_CHAR);
-  if (this->ColorTextureMap && this->InterpolateScalarsBeforeMapping && this->ColorCoordinates)
+  if (hasCoordinates)
   {
     this->VBOs->AppendDataArray(ColorCoordinatesOfShader, this->ColorCoordinates, VTK_FLOAT);
   }
   this->VBOs->BuildAllVBOs(renderer);
+
+  this->FillVertices("vertexMC", 3, points,
+    [&](float* written)
+    {
+      isosurface::ShiftAndScale(
+        triangles.Points, points, map.Shift.data(), map.Scale.data(), written, this->Threads);
+    });
+  if (copiesNormals)
+  {
+    this->FillVertices("normalMC", 3, points,
+      [&](float* written)
+      { isosurface::CopyValues(floatNormals->GetPointer(0), 3 * points, written, this->Threads); });
+  }
+  if (writesCoordinates)
+  {
+    this->FillVertices(ColorCoordinatesOfShader, 2, points,
+      [&](float* written) { this->WriteColorCoordinates(written); });
+  }
 
   // Shaders and matrices learn afterwards that what was uploaded is shifted and scaled.
   VertexBuffer* buffer = this->VBOs->GetVBO("vertexMC");
@@ -347,29 +441,12 @@ void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer
   {
     return;
   }
-  // Threads write where the graphics card reads, or into memory that is copied there.
-  const auto bytes = static_cast<GLsizeiptr>(count * sizeof(std::uint32_t));
-  void* mapped = nullptr;
-  if (buffer->GenerateBuffer(vtkOpenGLBufferObject::ElementArrayBuffer) && buffer->Bind())
-  {
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, bytes, nullptr, GL_STATIC_DRAW);
-    mapped = glMapBufferRange(
-      GL_ELEMENT_ARRAY_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-  }
-  bool written = false;
-  if (mapped)
-  {
-    isosurface::CopyProperTriangles(
-      this->Triangles->GetSurface(), measure, static_cast<std::uint32_t*>(mapped), this->Threads);
-    written = glUnmapBuffer(GL_ELEMENT_ARRAY_BUFFER) == GL_TRUE;
-  }
-  if (!written)
-  {
-    std::vector<unsigned int> indices(count);
-    isosurface::CopyProperTriangles(
-      this->Triangles->GetSurface(), measure, indices.data(), this->Threads);
-    buffer->Upload(indices, vtkOpenGLBufferObject::ElementArrayBuffer);
-  }
+  FillBuffer<unsigned int>(buffer, vtkOpenGLBufferObject::ElementArrayBuffer, count,
+    [&](unsigned int* indices)
+    {
+      isosurface::CopyProperTriangles(
+        this->Triangles->GetSurface(), measure, indices, this->Threads);
+    });
 }
 
 //------------------------------------------------------------------------------

@@ -64,10 +64,18 @@ private:
   /// Sets Colors, or ColorCoordinates and the texture, as MapScalars does.
   void MapColors(vtkPolyData* surface);
   bool MapColorsToTexture(vtkPolyData* surface);
+  /// The coordinates in the texture of ColorValues, two for each.
+  void WriteColorCoordinates(float* coordinates);
+  /// Makes the buffer of an attribute that the group knows as long as the surface, and fills it.
+  template <typename WriteT>
+  void FillVertices(const char* attribute, int components, std::size_t tuples, WriteT&& write);
   void UploadVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
   void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
 
   std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
+  /// The array that colors the surface by a texture, if texture coordinates are written here; used
+  /// only while buffers are made.
+  vtkDataArray* ColorValues = nullptr;
   int Threads = 1;
 };
 

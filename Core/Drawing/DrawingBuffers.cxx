@@ -107,6 +107,13 @@ void ShiftAndScale(const float* points, std::size_t count, const double shift[3]
     });
 }
 
+void CopyValues(const float* values, std::size_t count, float* result, int threads)
+{
+  ForRuns(count, threads,
+    [&](std::size_t first, std::size_t last)
+    { std::copy(values + first, values + last, result + first); });
+}
+
 template <typename T>
 void FindTextureCoordinates(const T* values, std::size_t count, int components, int component,
   const TextureRange& range, float* coordinates, int threads)

@@ -25,6 +25,9 @@ void CopyProperTriangles(const TriangleSurface& surface, const TriangleMeasure& 
 void ShiftAndScale(const float* points, std::size_t count, const double shift[3],
   const double scale[3], float* result, int threads);
 
+/// Copies `count` values.
+void CopyValues(const float* values, std::size_t count, float* result, int threads);
+
 /// A texture of `Colors` colors over a range of values, with one more texel at each end for what is
 /// beyond it.
 struct TextureRange

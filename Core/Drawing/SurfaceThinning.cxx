@@ -20,6 +20,8 @@ namespace
 constexpr std::size_t ItemsOfRun = std::size_t{ 1 } << 16;
 constexpr std::uint64_t NoPoint = std::numeric_limits<std::uint64_t>::max();
 constexpr int MaximumCells = 512;
+/// What fits a processor's first cache.
+constexpr std::size_t PointsAtOnce = 1024;
 
 /// Calls body(run, first, last) for runs of [0, count), by several threads at once.
 template <typename BodyT>
@@ -58,22 +60,37 @@ struct CellGrid
     return std::size_t{ this->Cells[0] } * this->Cells[1] * this->Cells[2];
   }
 
-  /// The number of a point's cell, and the squared distance from its centre, in cells.
-  std::uint32_t FindCell(const float* point, float& distance) const
+  /// The numbers of the cells of some points, and their squared distances from the centres, in
+  /// cells. What is not within the grid, a NaN too, is in its first or last cell.
+  void FindCells(
+    const float* points, std::size_t count, std::uint32_t* cells, float* distances) const
   {
-    std::array<std::uint32_t, 3> cell{};
-    distance = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
+    const std::array<float, 3> last{ static_cast<float>(this->Cells[0] - 1),
+      static_cast<float>(this->Cells[1] - 1), static_cast<float>(this->Cells[2] - 1) };
+    const auto row = static_cast<std::int32_t>(this->Cells[0]);
+    const auto slice = static_cast<std::int32_t>(this->Cells[0] * this->Cells[1]);
+    // Signed integers, no calls and no branches: compilers make vectors of this.
+    for (std::size_t point = 0; point < count; ++point)
     {
-      const float place = (point[axis] - this->Low[axis]) * this->CellsPerLength;
-      // What is not within the grid, a NaN too, is in its first or last cell.
-      const float last = static_cast<float>(this->Cells[axis] - 1);
-      const float inside = place > 0 ? std::min(place, last) : 0.0F;
-      cell[axis] = static_cast<std::uint32_t>(inside);
-      const float offset = place - static_cast<float>(cell[axis]) - 0.5F;
-      distance += offset * offset;
+      const float x = (points[3 * point] - this->Low[0]) * this->CellsPerLength;
+      const float y = (points[3 * point + 1] - this->Low[1]) * this->CellsPerLength;
+      const float z = (points[3 * point + 2] - this->Low[2]) * this->CellsPerLength;
+      const auto i = static_cast<std::int32_t>(Limit(x, last[0]));
+      const auto j = static_cast<std::int32_t>(Limit(y, last[1]));
+      const auto k = static_cast<std::int32_t>(Limit(z, last[2]));
+      const float fromX = x - static_cast<float>(i) - 0.5F;
+      const float fromY = y - static_cast<float>(j) - 0.5F;
+      const float fromZ = z - static_cast<float>(k) - 0.5F;
+      cells[point] = static_cast<std::uint32_t>(k * slice + j * row + i);
+      distances[point] = fromX * fromX + fromY * fromY + fromZ * fromZ;
     }
-    return (cell[2] * this->Cells[1] + cell[1]) * this->Cells[0] + cell[0];
+  }
+
+private:
+  static float Limit(float place, float last)
+  {
+    const float inside = place > 0.0F ? place : 0.0F;
+    return inside < last ? inside : last;
   }
 };
 
@@ -119,18 +136,22 @@ public:
         // Points that follow each other are often in one cell, which is then updated once.
         std::uint32_t lastCell = 0;
         std::uint64_t best = NoPoint;
-        for (std::size_t point = first; point < last; ++point)
+        std::array<float, PointsAtOnce> distances;
+        for (std::size_t begin = first; begin < last; begin += PointsAtOnce)
         {
-          float distance = 0;
-          const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
-          this->CellOfPoint[point] = cell;
-          if (cell != lastCell)
+          const std::size_t count = std::min(PointsAtOnce, last - begin);
+          std::uint32_t* cells = this->CellOfPoint.get() + begin;
+          grid.FindCells(surface.Points + 3 * begin, count, cells, distances.data());
+          for (std::size_t index = 0; index < count; ++index)
           {
-            KeepMinimum(this->PointOfCell[lastCell], best);
-            lastCell = cell;
-            best = NoPoint;
+            if (cells[index] != lastCell)
+            {
+              KeepMinimum(this->PointOfCell[lastCell], best);
+              lastCell = cells[index];
+              best = NoPoint;
+            }
+            best = std::min(best, MakePreference(distances[index], begin + index));
           }
-          best = std::min(best, MakePreference(distance, point));
         }
         KeepMinimum(this->PointOfCell[lastCell], best);
       });
@@ -247,7 +268,8 @@ std::size_t EstimatePoints(const TriangleSurface& surface, const CellGrid& grid,
       for (std::size_t point = first; point < last; point += PointStride)
       {
         float distance = 0;
-        const std::uint32_t cell = grid.FindCell(surface.Points + 3 * point, distance);
+        std::uint32_t cell = 0;
+        grid.FindCells(surface.Points + 3 * point, 1, &cell, &distance);
         if (taken[cell].load(std::memory_order_relaxed) == 0)
         {
           mine += taken[cell].exchange(1, std::memory_order_relaxed) == 0 ? 1 : 0;
