@@ -3,11 +3,11 @@
 
 #include "Base/ParallelFor.h"
 #include "Drawing/PointPlaces.h"
+#include "Drawing/PointVector.h"
 
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <type_traits>
 
@@ -18,105 +18,102 @@ namespace
 
 constexpr std::size_t PointsOfRun = std::size_t{ 1 } << 16;
 
-using PointMarks = std::unique_ptr<std::atomic<unsigned char>[]>;
-
 std::size_t CountRuns(std::size_t count, std::size_t length)
 {
   return (count + length - 1) / length;
 }
 
-/// Marks the points of a run of triangles and counts the proper ones. Returns false if a point
-/// number is not one of the surface's points.
+/// The bounds of points. A NaN counts for nothing.
+struct PointBounds
+{
+  PointVector Low{ std::numeric_limits<float>::max() };
+  PointVector High{ std::numeric_limits<float>::lowest() };
+
+  void Add(PointVector point)
+  {
+    this->Low = Minimum(point, this->Low);
+    this->High = Maximum(point, this->High);
+  }
+  void Add(const PointBounds& other)
+  {
+    this->Low = Minimum(other.Low, this->Low);
+    this->High = Maximum(other.High, this->High);
+  }
+  std::array<double, 6> Widen() const
+  {
+    const std::array<float, 3> low = this->Low.GetCoordinates();
+    const std::array<float, 3> high = this->High.GetCoordinates();
+    return { static_cast<double>(low[0]), static_cast<double>(high[0]), static_cast<double>(low[1]),
+      static_cast<double>(high[1]), static_cast<double>(low[2]), static_cast<double>(high[2]) };
+  }
+};
+
+/// A point by its number; behind the last one there is no fourth float.
+PointVector LoadPoint(const TriangleSurface& surface, std::size_t number)
+{
+  const float* point = surface.Points + 3 * number;
+  return number + 1 < surface.NumberOfPoints ? PointVector::Load(point)
+                                             : PointVector(point[0], point[1], point[2]);
+}
+
+struct MeasureOfRun
+{
+  PointBounds Bounds;
+  std::uint32_t ProperTriangles = 0;
+  bool IsValid = true; ///< whether all point numbers are those of points
+};
+
+/// Measures the triangles [first, last).
 template <typename T>
-bool MeasureRun(const TriangleSurface& surface, const T* connectivity, std::size_t first,
-  std::size_t last, std::atomic<unsigned char>* marks, std::uint32_t& proper)
+MeasureOfRun MeasureRun(
+  const TriangleSurface& surface, const T* connectivity, std::size_t first, std::size_t last)
 {
   using Unsigned = std::make_unsigned_t<T>;
-  proper = 0;
+  MeasureOfRun run;
   for (std::size_t triangle = first; triangle < last; ++triangle)
   {
     const T* points = connectivity + 3 * triangle;
-    for (int corner = 0; corner < 3; ++corner)
+    const auto a = static_cast<std::size_t>(static_cast<Unsigned>(points[0]));
+    const auto b = static_cast<std::size_t>(static_cast<Unsigned>(points[1]));
+    const auto c = static_cast<std::size_t>(static_cast<Unsigned>(points[2]));
+    if (std::max({ a, b, c }) >= surface.NumberOfPoints)
     {
-      const auto point = static_cast<std::size_t>(static_cast<Unsigned>(points[corner]));
-      if (point >= surface.NumberOfPoints)
-      {
-        return false;
-      }
-      marks[point].store(1, std::memory_order_relaxed);
+      run.IsValid = false;
+      return run;
     }
-    proper += IsProperTriangle(surface.Points, points) ? 1U : 0U;
+    const PointVector atA = LoadPoint(surface, a);
+    const PointVector atB = LoadPoint(surface, b);
+    const PointVector atC = LoadPoint(surface, c);
+    run.Bounds.Add(atA);
+    run.Bounds.Add(atB);
+    run.Bounds.Add(atC);
+    run.ProperTriangles +=
+      (AreInOnePlace(atA, atB) | AreInOnePlace(atB, atC) | AreInOnePlace(atA, atC)) == 0 ? 1U : 0U;
   }
-  return true;
+  return run;
 }
 
-struct FloatBounds
+/// The bounds of all points.
+PointBounds FindBounds(const TriangleSurface& surface, int threads)
 {
-  float Low[3] = { std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
-    std::numeric_limits<float>::max() };
-  float High[3] = { std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest(),
-    std::numeric_limits<float>::lowest() };
-
-  void Add(const float* low, const float* high)
-  {
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      this->Low[axis] = low[axis] < this->Low[axis] ? low[axis] : this->Low[axis];
-      this->High[axis] = high[axis] > this->High[axis] ? high[axis] : this->High[axis];
-    }
-  }
-};
-
-/// The bounds of the points that have a mark, and of all points.
-struct MarkedBounds
-{
-  FloatBounds Marked;
-  FloatBounds All;
-};
-
-MarkedBounds FindBounds(
-  const TriangleSurface& surface, const std::atomic<unsigned char>* marks, int threads)
-{
-  std::vector<MarkedBounds> runs(CountRuns(surface.NumberOfPoints, PointsOfRun));
+  std::vector<PointBounds> runs(CountRuns(surface.NumberOfPoints, PointsOfRun));
   ParallelFor(runs.size(), threads,
     [&](std::size_t run, int)
     {
       const std::size_t last = std::min(surface.NumberOfPoints, (run + 1) * PointsOfRun);
-      MarkedBounds bounds;
-      bool allMarked = true;
+      PointBounds bounds;
       for (std::size_t point = run * PointsOfRun; point < last; ++point)
       {
-        bounds.All.Add(surface.Points + 3 * point, surface.Points + 3 * point);
-        allMarked &= marks[point].load(std::memory_order_relaxed) != 0;
-      }
-      bounds.Marked = allMarked ? bounds.All : FloatBounds{};
-      for (std::size_t point = run * PointsOfRun; !allMarked && point < last; ++point)
-      {
-        if (marks[point].load(std::memory_order_relaxed) != 0)
-        {
-          bounds.Marked.Add(surface.Points + 3 * point, surface.Points + 3 * point);
-        }
+        bounds.Add(LoadPoint(surface, point));
       }
       runs[run] = bounds;
     });
-  MarkedBounds all;
-  for (const MarkedBounds& run : runs)
+  PointBounds all;
+  for (const PointBounds& run : runs)
   {
-    all.Marked.Add(run.Marked.Low, run.Marked.High);
-    all.All.Add(run.All.Low, run.All.High);
+    all.Add(run);
   }
   return all;
-}
-
-std::array<double, 6> Widen(const FloatBounds& bounds)
-{
-  std::array<double, 6> widened{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    widened[2 * axis] = static_cast<double>(bounds.Low[axis]);
-    widened[2 * axis + 1] = static_cast<double>(bounds.High[axis]);
-  }
-  return widened;
 }
 
 template <typename T>
@@ -151,31 +148,31 @@ std::size_t TriangleMeasure::CountProperTriangles() const
 
 TriangleMeasure MeasureTriangles(const TriangleSurface& surface, int threads)
 {
-  TriangleMeasure measure;
-  const PointMarks marks(new std::atomic<unsigned char>[surface.NumberOfPoints]());
   constexpr std::size_t length = TriangleMeasure::TrianglesOfRun;
-  measure.ProperTriangles.resize(CountRuns(surface.NumberOfTriangles, length));
-  std::atomic<bool> valid{ true };
+  std::vector<MeasureOfRun> runs(CountRuns(surface.NumberOfTriangles, length));
   WithConnectivity(surface.Connectivity,
     [&](const auto* connectivity)
     {
-      ParallelFor(measure.ProperTriangles.size(), threads,
+      ParallelFor(runs.size(), threads,
         [&](std::size_t run, int)
         {
           const std::size_t last = std::min(surface.NumberOfTriangles, (run + 1) * length);
-          if (!MeasureRun(surface, connectivity, run * length, last, marks.get(),
-                measure.ProperTriangles[run]))
-          {
-            valid = false;
-          }
+          runs[run] = MeasureRun(surface, connectivity, run * length, last);
         });
     });
-  measure.IsValid = valid;
+  TriangleMeasure measure;
+  measure.IsValid = true;
+  PointBounds bounds;
+  for (const MeasureOfRun& run : runs)
+  {
+    measure.IsValid = measure.IsValid && run.IsValid;
+    measure.ProperTriangles.push_back(run.ProperTriangles);
+    bounds.Add(run.Bounds);
+  }
   if (measure.IsValid && surface.NumberOfTriangles > 0)
   {
-    const MarkedBounds bounds = FindBounds(surface, marks.get(), threads);
-    measure.Bounds = Widen(bounds.Marked);
-    measure.PointBounds = Widen(bounds.All);
+    measure.Bounds = bounds.Widen();
+    measure.PointBounds = FindBounds(surface, threads).Widen();
   }
   return measure;
 }
