@@ -15,6 +15,7 @@
 #include "vtkPolyData.h"
 #include "vtkUnsignedIntArray.h"
 
+#include "Base/HugePages.h"
 #include "Base/ParallelFor.h"
 
 #include <algorithm>
@@ -56,6 +57,7 @@ void AddNumbers(vtkDataSetAttributes* attributes, const char* name, vtkIdType co
   numbers->SetName(name);
   numbers->SetNumberOfValues(count);
   vtkIdType* values = numbers->GetPointer(0);
+  isosurface::AdviseHugePages(values, static_cast<std::size_t>(count) * sizeof(vtkIdType));
   ForRuns(count,
     [&](vtkIdType first, vtkIdType last) { std::iota(values + first, values + last, first); });
   attributes->AddArray(numbers);
@@ -67,6 +69,7 @@ void AddRank(vtkDataSetAttributes* attributes, vtkIdType count, int rank)
   ranks->SetName("vtkProcessId");
   ranks->SetNumberOfValues(count);
   unsigned int* values = ranks->GetPointer(0);
+  isosurface::AdviseHugePages(values, static_cast<std::size_t>(count) * sizeof(unsigned int));
   ForRuns(count,
     [&](vtkIdType first, vtkIdType last)
     { std::fill(values + first, values + last, static_cast<unsigned int>(rank)); });

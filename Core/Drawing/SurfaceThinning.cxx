@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Drawing/SurfaceThinning.h"
 
+#include "Base/HugePages.h"
 #include "Base/ParallelFor.h"
 #include "Drawing/PointPlaces.h"
 
@@ -122,6 +123,8 @@ public:
     , PointOfCell(new std::atomic<std::uint64_t>[this->CountOfCells])
     , CellOfPoint(new std::uint32_t[surface.NumberOfPoints])
   {
+    AdviseHugePages(this->PointOfCell.get(), this->CountOfCells * sizeof(std::uint64_t));
+    AdviseHugePages(this->CellOfPoint.get(), surface.NumberOfPoints * sizeof(std::uint32_t));
     ForRuns(this->CountOfCells, threads,
       [&](std::size_t, std::size_t first, std::size_t last)
       {
@@ -133,9 +136,6 @@ public:
     ForRuns(surface.NumberOfPoints, threads,
       [&](std::size_t, std::size_t first, std::size_t last)
       {
-        // Points that follow each other are often in one cell, which is then updated once.
-        std::uint32_t lastCell = 0;
-        std::uint64_t best = NoPoint;
         std::array<float, PointsAtOnce> distances;
         for (std::size_t begin = first; begin < last; begin += PointsAtOnce)
         {
@@ -144,16 +144,10 @@ public:
           grid.FindCells(surface.Points + 3 * begin, count, cells, distances.data());
           for (std::size_t index = 0; index < count; ++index)
           {
-            if (cells[index] != lastCell)
-            {
-              KeepMinimum(this->PointOfCell[lastCell], best);
-              lastCell = cells[index];
-              best = NoPoint;
-            }
-            best = std::min(best, MakePreference(distances[index], begin + index));
+            KeepMinimum(
+              this->PointOfCell[cells[index]], MakePreference(distances[index], begin + index));
           }
         }
-        KeepMinimum(this->PointOfCell[lastCell], best);
       });
   }
 
@@ -196,7 +190,8 @@ public:
               const std::uint32_t a = this->CellOfPoint[points[0]];
               const std::uint32_t b = this->CellOfPoint[points[1]];
               const std::uint32_t c = this->CellOfPoint[points[2]];
-              if (a != b && b != c && a != c)
+              // No branches: which corners share a cell cannot be predicted.
+              if (((a != b) & (b != c) & (a != c)) != 0)
               {
                 runs[run].insert(
                   runs[run].end(), { this->GetNumber(a), this->GetNumber(b), this->GetNumber(c) });
