@@ -15,6 +15,7 @@ framebuffer; what was extracted and drawn from ParaView's log.
     freeze       the longest time between two changes of the chart while the mouse moves over it, 30
                  times a second: while the handle is dragged, and while the surface is refined
     camera       from a move of the camera while the surface is refined to the change of the view
+    reach        the same for a hand that moves from the chart to the view for a second before
 
 --at-once switches coarse surfaces off, for comparison. With --server, a server is expected at the
 URL, cs://host:port; it must be able to load the plugin. Needs libX11 and libXtst.
@@ -36,6 +37,7 @@ CURVE = (52, 120, 190)  # of the spectrum in pqIsovalueChart, red, green, blue
 POLL_SECONDS = 0.002
 REST_SECONDS = 1.0  # without a change: nothing more comes
 DRAG_SECONDS = 6.0
+REACH_SECONDS = 1.0
 
 PANEL = "pqClientMainWindow/propertiesDock/propertiesPanel"
 PROPERTIES = f"{PANEL}/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel"
@@ -234,6 +236,28 @@ class Hand:
                 time.sleep(POLL_SECONDS)
         return max(longest, time.monotonic() - last)
 
+    def reach(self):
+        """Moves from the handle to the middle of the view, as slowly as a hand."""
+        x, y = (self.view[0] + self.view[2]) // 2, (self.view[1] + self.view[3]) // 2
+        moves = round(REACH_SECONDS * 60)
+        begin = time.monotonic()
+        for n in range(moves):
+            self.screen.move(self.x + (x - self.x) * n // moves, self.y + (y - self.y) * n // moves)
+            time.sleep(max(0, begin + (n + 1) / 60 - time.monotonic()))
+
+    def press_view(self):
+        """Seconds from a press and a move in the view to its first change."""
+        x, y = (self.view[0] + self.view[2]) // 2, (self.view[1] + self.view[3]) // 2
+        begin = [0.0]
+        wait = wait_for_change(self.screen, [self.view], lambda: begin[0])
+        begin[0] = time.monotonic()
+        self.screen.press(True)
+        self.screen.move(x + 30, y + 10)
+        (seconds,) = wait()
+        self.screen.press(False)
+        self.screen.move(self.x, self.y)
+        return seconds
+
     def turn_camera(self):
         """Seconds from a move of the camera to the change of the view."""
         x, y = (self.view[0] + self.view[2]) // 2, (self.view[1] + self.view[3]) // 2
@@ -276,7 +300,8 @@ def wait_for_final(hand, log, limit=120):
 
 def measure(hand, log, steps):
     """Prints what the module's documentation says."""
-    answers, pictures, exacts, ratios, freezes, cameras, rows = [], [], [], [], [], [], []
+    answers, pictures, exacts, ratios, freezes, rows = [], [], [], [], [], []
+    cameras, reaches = [], []
     for _ in range(steps):
         log.next()
         begin, answer, picture = hand.drag_once()
@@ -298,6 +323,11 @@ def measure(hand, log, steps):
         hand.drag_once()
         cameras.append(hand.turn_camera())
         log.wait_for_final()
+        log.next()
+        hand.drag_once()
+        hand.reach()
+        reaches.append(hand.press_view())
+        log.wait_for_final()
     hand.screen.move(hand.x, hand.y)
     time.sleep(0.3)
     hand.screen.press(True)
@@ -317,6 +347,7 @@ def measure(hand, log, steps):
     show("freeze while it is refined", freezes)
     show("freeze while the handle is dragged", [freeze])
     show("camera", cameras)
+    show("reach", reaches)
 
 
 def make_setup(arguments):

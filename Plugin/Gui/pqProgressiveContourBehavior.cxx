@@ -107,6 +107,22 @@ bool IsSavingDialog(const QDialog* dialog)
   return proxy && std::strcmp(proxy, "SaveAnimationExtracts") == 0;
 }
 
+/// Whether an event comes from a hand that does something, or is about to.
+bool IsOfHand(const QEvent* event)
+{
+  switch (event->type())
+  {
+    case QEvent::MouseMove:
+    case QEvent::MouseButtonPress:
+    case QEvent::MouseButtonRelease:
+    case QEvent::Wheel:
+    case QEvent::KeyPress:
+      return true;
+    default:
+      return false;
+  }
+}
+
 /// Whether the server of a contour still answers.
 bool IsServerAlive(vtkSMProxy* contour)
 {
@@ -201,7 +217,11 @@ void pqProgressiveContourBehavior::ObserveTimeButtons(QMainWindow* window)
 //------------------------------------------------------------------------------
 bool pqProgressiveContourBehavior::eventFilter(QObject* object, QEvent* event)
 {
-  if (event->type() == QEvent::Show)
+  if (IsOfHand(event))
+  {
+    this->LastInput.start();
+  }
+  else if (event->type() == QEvent::Show)
   {
     auto* dialog = qobject_cast<QDialog*>(object);
     if (dialog && IsSavingDialog(dialog))
@@ -307,6 +327,7 @@ void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
   else
   {
     known->Asked = false; // a new surface
+    known->Ready.invalidate();
   }
   this->Timer->start(0);
 }
@@ -369,7 +390,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       keep = true;
       return false;
     case RefinementReport::Ready:
-      keep = QGuiApplication::mouseButtons() != Qt::NoButton;
+      keep = QGuiApplication::mouseButtons() != Qt::NoButton || this->IsHandMoving(watched, report);
       if (!keep)
       {
         contour->InvokeCommand("Refine");
@@ -388,6 +409,19 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       // Else it was changed since, and is watched again when it has been updated.
       return false;
   }
+}
+
+//------------------------------------------------------------------------------
+bool pqProgressiveContourBehavior::IsHandMoving(
+  Watched& watched, const RefinementReport& report) const
+{
+  if (!watched.Ready.isValid())
+  {
+    watched.Ready.start();
+  }
+  return report.Triangles > LargeSurface && this->LastInput.isValid() &&
+    !this->LastInput.hasExpired(RestMilliseconds) &&
+    !watched.Ready.hasExpired(PatienceMilliseconds);
 }
 
 //------------------------------------------------------------------------------

@@ -21,6 +21,7 @@
 
 #include "ContourProxy.h"
 
+#include <QElapsedTimer>
 #include <QObject>
 #include <QPointer>
 
@@ -45,12 +46,18 @@ public:
   /// That the ranks of a server sleep while they extract, so that their waiting for messages does
   /// not take the cores.
   static constexpr int SliceMilliseconds = 60;
+  /// A surface of so many triangles may take longer to draw than a hand should wait.
+  static constexpr double LargeSurface = 1e6;
+  /// A hand that has not moved for this long rests.
+  static constexpr int RestMilliseconds = 150;
+  /// The longest that a surface waits for a hand to rest.
+  static constexpr int PatienceMilliseconds = 2000;
 
   void OnStartup();
   void OnShutdown();
 
 protected:
-  /// Waits for dialogs that save.
+  /// Waits for dialogs that save, and notices the hand.
   bool eventFilter(QObject* object, QEvent* event) override;
 
 private Q_SLOTS:
@@ -76,7 +83,8 @@ private:
   struct Watched
   {
     QPointer<pqPipelineSource> Source;
-    bool Asked = false; ///< whether the server has been told to prepare
+    bool Asked = false;       ///< whether the server has been told to prepare
+    QElapsedTimer Ready = {}; ///< since the next surface waits to be shown
   };
 
   void ObserveTimeButtons(QMainWindow* window);
@@ -88,6 +96,9 @@ private:
   void FinishOne(pqPipelineSource* source);
   /// True if a finer surface is to be shown; `keep`: whether the contour is to be watched further.
   bool AdvanceOne(Watched& watched, bool& keep);
+  /// Whether to let a surface wait: while it is drawn for the first time, the window does not
+  /// answer, and a hand that moves is about to do something.
+  bool IsHandMoving(Watched& watched, const isosurface::RefinementReport& report) const;
   void AskAboutSize(pqPipelineSource* source, const isosurface::RefinementReport& report);
   void UseLevel(pqPipelineSource* source, int level);
 
@@ -95,6 +106,7 @@ private:
   QPointer<pqRefinementStatus> Status; ///< belongs to the window; null without one
   QPointer<QDialog> Question;          ///< about a surface that is too large
   std::vector<Watched> All;
+  QElapsedTimer LastInput; ///< since the mouse or a key was last used
   bool Finishing = false;
   bool ChangingTime = false;
 };
