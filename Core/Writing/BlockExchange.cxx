@@ -16,6 +16,9 @@ namespace
 
 constexpr std::size_t PartHeaderSize = 64;
 
+/// So few that threads rarely wait for the last one.
+constexpr std::size_t BlocksInTurn = 8;
+
 std::size_t FindSegmentIndex(const BlockGrid& grid, std::size_t array, int level)
 {
   const auto levels = static_cast<std::size_t>(grid.GetNumberOfLevels());
@@ -205,15 +208,20 @@ Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& 
   {
     expected += block.Layout.Samples;
   }
-  ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int thread)
+  // A thread fills neighbours along x, whose rows share lines of the processor's caches.
+  ParallelFor((blocks.size() + BlocksInTurn - 1) / BlocksInTurn, this->Threads,
+    [&](std::size_t turn, int thread)
     {
-      PendingBlock& block = blocks[index];
-      const std::uint64_t filled = this->FillFromSource(block, samples);
-      count += filled;
-      if (filled == block.Layout.Samples)
+      const std::size_t end = std::min(blocks.size(), (turn + 1) * BlocksInTurn);
+      for (std::size_t index = turn * BlocksInTurn; index < end; ++index)
       {
-        whenFilled(block, thread);
+        PendingBlock& block = blocks[index];
+        const std::uint64_t filled = this->FillFromSource(block, samples);
+        count += filled;
+        if (filled == block.Layout.Samples)
+        {
+          whenFilled(block, thread);
+        }
       }
     });
   std::vector<Status> outcomes(messages.size());
