@@ -53,6 +53,8 @@ void PrefetchRow(const SampleView& layer, const SegmentRow& row, std::size_t val
       {
         __builtin_prefetch(first + at);
       }
+      // A row rarely begins where a line of the cache does, so it has one line more.
+      __builtin_prefetch(first + bytes - 1);
     });
 #endif
 }
@@ -199,8 +201,8 @@ void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part,
 }
 
 Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
-  const std::vector<Message>& messages,
-  const std::function<void(PendingBlock&, int thread)>& whenFilled) const
+  const std::vector<Message>& messages, RecordBuffers& buffers,
+  const std::function<void(std::size_t index, int thread)>& whenFilled) const
 {
   std::atomic<std::uint64_t> count{ 0 };
   std::uint64_t expected = 0;
@@ -216,11 +218,12 @@ Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& 
       for (std::size_t index = turn * BlocksInTurn; index < end; ++index)
       {
         PendingBlock& block = blocks[index];
+        block.Record = buffers.Take();
         const std::uint64_t filled = this->FillFromSource(block, samples);
         count += filled;
         if (filled == block.Layout.Samples)
         {
-          whenFilled(block, thread);
+          whenFilled(index, thread);
         }
       }
     });
