@@ -37,24 +37,25 @@ void CopyFromSamples(std::uint8_t* to, const SampleView& from, const SegmentRow&
     });
 }
 
-/// Prefetches the row above the one that is copied: the rows of a block are too far apart for the
-/// processor to predict.
-void PrefetchRow(const SampleView& layer, const SegmentRow& row, std::size_t valueSize)
+/// Prefetches what the next block along x has of a row, since the processor does not predict that it
+/// comes next.
+void PrefetchNextBlock(const SampleView& layer, const SegmentRow& row, std::int64_t blockSize)
 {
 #if defined(__GNUC__)
   DispatchValueType(layer.Type,
     [&](auto zero)
     {
-      const auto* first =
-        reinterpret_cast<const char*>(layer.At<decltype(zero)>({ row.I, row.J, row.K + 1 }));
-      const std::ptrdiff_t bytes = static_cast<std::ptrdiff_t>(valueSize) * layer.Stride[0] *
-        row.Step * static_cast<std::ptrdiff_t>(row.Count);
-      for (std::ptrdiff_t at = 0; at < bytes; at += 64)
+      using T = decltype(zero);
+      constexpr std::ptrdiff_t line = 64;
+      constexpr int secondCache = 2;
+      const auto* last = reinterpret_cast<const char*>(
+        layer.At<T>({ row.I + (row.Count - 1) * row.Step, row.J, row.K }));
+      const std::ptrdiff_t bytes =
+        static_cast<std::ptrdiff_t>(sizeof(T)) * layer.Stride[0] * blockSize;
+      for (std::ptrdiff_t at = line; at < bytes + line; at += line)
       {
-        __builtin_prefetch(first + at);
+        __builtin_prefetch(last + at, 0, secondCache);
       }
-      // A row rarely begins where a line of the cache does, so it has one line more.
-      __builtin_prefetch(first + bytes - 1);
     });
 #endif
 }
@@ -260,11 +261,12 @@ std::uint64_t BlockExchange::FillFromSource(PendingBlock& block, const RunSample
       segment.VisitRows(part,
         [&](const SegmentRow& row)
         {
-          if (level == 0 && row.K + 1 < part.High[2])
+          const SampleView& view = samples.Find(array, row.K << level);
+          if (level == 0)
           {
-            PrefetchRow(samples.Find(array, row.K + 1), row, size);
+            PrefetchNextBlock(view, row, this->Grid.GetBlockSize());
           }
-          CopyFromSamples(to + row.Offset * size, samples.Find(array, row.K << level), row, level);
+          CopyFromSamples(to + row.Offset * size, view, row, level);
           filled += static_cast<std::uint64_t>(row.Count);
         });
     }
