@@ -117,7 +117,7 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
   {
     return IndexState::Missing;
   }
-  const auto volume = BlockedVolume::Open(index.Path);
+  const auto volume = BlockedVolume::Open(index.Path, files);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const BlockedVolumeHeader& header = (*volume)->GetHeader();
   const VolumeName name = VolumeName::Parse(files, index.Source);
