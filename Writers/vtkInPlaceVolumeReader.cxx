@@ -91,8 +91,8 @@ Status vtkInPlaceVolumeReader::Indexing::Update(isosurface::Communicator& ranks)
   }
   if (wanted[1] != 0 && ranks.GetRank() == 0)
   {
-    vtkLogF(INFO, "%s: has changed since it was indexed; it is indexed anew",
-      this->Index.Source.c_str());
+    vtkLogF(
+      INFO, "%s: has changed since it was indexed; it is indexed anew", this->Index.Source.c_str());
   }
   vtkInPlaceVolumeReader& reader = this->Reader;
   constexpr std::uint64_t mebibyte = 1024 * 1024;
@@ -138,8 +138,8 @@ int vtkInPlaceVolumeReader::CanReadFile(const char* fileName)
 {
   isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
   const SourceIndex index = SourceIndex::Find(files, ToText(fileName), "", "", "");
-  return IsIndexed(isosurface::FindVolumeFormat(
-           files, isosurface::VolumeName::Parse(files, index.Source)))
+  return IsIndexed(
+           isosurface::FindVolumeFormat(files, isosurface::VolumeName::Parse(files, index.Source)))
     ? 1
     : 0;
 }
@@ -151,8 +151,8 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
   this->Datasets->InsertNextValue(Automatic);
   isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
   const SourceIndex index = SourceIndex::Find(files, ToText(this->SourceName), "", "", "");
-  const auto listed = isosurface::VolumeFile::List(
-    files, isosurface::VolumeName::Parse(files, index.Source).Path);
+  const auto listed =
+    isosurface::VolumeFile::List(files, isosurface::VolumeName::Parse(files, index.Source).Path);
   for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
   {
     this->Datasets->InsertNextValue((*listed)[entry].Name);
@@ -171,8 +171,8 @@ bool vtkInPlaceVolumeReader::IsPending()
   const auto state = indexing.FindState();
   const bool isCurrent = state.IsOk() && *state == IndexState::Current;
   this->IndexText = indexing.Index.Path +
-    (isCurrent             ? ": up to date"
-        : !state.IsOk()    ? ": " + state.GetStatus().GetMessage()
+    (isCurrent                          ? ": up to date"
+        : !state.IsOk()                 ? ": " + state.GetStatus().GetMessage()
         : *state == IndexState::Changed ? ": out of date, Apply indexes anew"
                                         : ": Apply indexes the file in place");
   if (isCurrent)

@@ -296,8 +296,7 @@ void BlockMeasure::CountPending()
   {
     return;
   }
-  const std::uint64_t one = static_cast<std::uint64_t>(pending.Weight)
-    << MeasureSums::FractionBits;
+  const std::uint64_t one = static_cast<std::uint64_t>(pending.Weight) << MeasureSums::FractionBits;
   const std::array<CellRow, 4>& rows = pending.Rows;
   CellRun run;
   const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },

@@ -90,8 +90,8 @@ std::int64_t ChooseSlicePitch(const VertexBox& box, std::size_t valueSize)
   return slice + (slice * size % page == 0 ? gap / size : 0);
 }
 
-SampleSlab MakeSlab(ValueType type, const VertexBox& box,
-  std::shared_ptr<const PageBuffer> samples, std::int64_t slicePitch)
+SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples,
+  std::int64_t slicePitch)
 {
   SampleView view;
   view.Type = type;

@@ -75,8 +75,7 @@ Result<SampleSlab> RawSource::Read(const VertexBox& box)
     {
       part.High[2] = part.Low[2] + 1;
       const auto first = static_cast<std::size_t>((part.Low[2] - box.Low[2]) * pitch);
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->ReadSamples(part, bytes + first * GetValueSize(this->Type)));
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(part, bytes + first * GetValueSize(this->Type)));
     }
   }
   return MakeSlab(this->Type, box, std::move(*samples), pitch);
@@ -99,8 +98,8 @@ Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const
       ISOSURFACE_RETURN_IF_ERROR(this->File->Read(sample * valueSize, bytes, to));
       if (this->IsBigEndian)
       {
-        DispatchValueType(this->Type,
-          [&](auto zero) { SwapBytes<decltype(zero)>(to, bytes / valueSize); });
+        DispatchValueType(
+          this->Type, [&](auto zero) { SwapBytes<decltype(zero)>(to, bytes / valueSize); });
       }
       to += bytes;
     }

@@ -295,8 +295,8 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
         ? this->WorkOnRound(steps, std::move(round), std::move(samples), writing)
         : this->WorkAlone(steps, std::move(round), std::move(samples), writing));
     const bool goesOn = !steps.Tell || steps.Tell(share);
-    ISOSURFACE_RETURN_IF_ERROR(steps.Agree(
-      goesOn ? Status::Ok() : Status(StatusCode::Aborted, "writing was aborted")));
+    ISOSURFACE_RETURN_IF_ERROR(
+      steps.Agree(goesOn ? Status::Ok() : Status(StatusCode::Aborted, "writing was aborted")));
   }
   return steps.Agree(Attempt([&] { return writing->Wait(); }));
 }

@@ -155,8 +155,7 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
     opened->Settings.Publish = step + 1 == steps;
-    const Progress tell = [&](double share)
-    {
+    const Progress tell = [&](double share) {
       return !progress ||
         progress((static_cast<double>(step) + share) / static_cast<double>(steps));
     };

@@ -19,8 +19,7 @@ std::vector<PendingBlock> MakeBlocks(std::int64_t begin, std::int64_t end, Recor
   std::vector<PendingBlock> blocks;
   for (std::int64_t block = begin; block < end; ++block)
   {
-    blocks.emplace_back(
-      Grid, block, 0, std::vector<ValueType>{ ValueType::UInt8 }, records.Take());
+    blocks.emplace_back(Grid, block, 0, std::vector<ValueType>{ ValueType::UInt8 }, records.Take());
   }
   return blocks;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Indices of sources: their names, when they are out of date, and what they have.
+#include "Writing/SourceIndex.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
-#include "Writing/SourceIndex.h"
 
 using namespace isosurface;
 
@@ -114,8 +114,8 @@ TEST(SourceIndex, StopAndErrorsLeaveNothing)
     [&](Communicator& communicator)
     {
       const bool stops = communicator.GetRank() == 1;
-      const auto stopped = WriteSourceIndex(
-        communicator, disk, index, Memory, [stops](double) { return !stops; });
+      const auto stopped =
+        WriteSourceIndex(communicator, disk, index, Memory, [stops](double) { return !stops; });
       EXPECT_EQ(stopped.GetStatus().GetCode(), StatusCode::Aborted);
     });
   EXPECT_EQ(FindState(disk, index), IndexState::Missing);
