@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The memory that blockvolume takes for a volume of each format, beside its limit.
 
-    source_memory.py BLOCKVOLUME [FOLDER] [--side 1600] [--memory 512] [--only NAME ...]
+    source_memory.py BLOCKVOLUME [FOLDER] [--side 1600] [--memory 512] [--copied-only] [--only NAME ...]
 
 Makes a cube of uint16 in each format, one after the other, in a folder of its own, writes it as a
 blocked volume with lz4 and, where that is possible, indexes it in place, each by one rank of two
@@ -274,6 +274,7 @@ def main():
     parser.add_argument("folder", nargs="?")
     parser.add_argument("--side", type=int, default=1600)
     parser.add_argument("--memory", type=int, default=512)
+    parser.add_argument("--copied-only", action="store_true", help="index nothing in place")
     parser.add_argument("--only", nargs="+", default=list(SOURCES), metavar="NAME")
     arguments = parser.parse_args()
     exceeds = False
@@ -284,7 +285,7 @@ def main():
         row = [title]
         try:
             name = write(folder, arguments.side)
-            for options in [[]] + [["--in-place"]] * goes_in_place:
+            for options in [[]] + [["--in-place"]] * (goes_in_place and not arguments.copied_only):
                 code, peak, seconds = run(arguments.blockvolume, folder, name, arguments.memory, *options)
                 row += [f"{peak:.0f}" if code == 0 else "failed", f"{seconds:.0f}"]
                 exceeds = exceeds or code != 0 or peak > arguments.memory
