@@ -10,6 +10,7 @@ ImageMagick, libX11 and libXtst.
 """
 import argparse
 import ctypes
+import json
 import os
 import subprocess
 import tempfile
@@ -92,6 +93,17 @@ def drag(start, end, y):
     ]
 
 
+def write_zarr(folder, side=64):
+    """A Zarr of one chunk: the squared distance from the middle, in bytes."""
+    os.makedirs(folder)
+    with open(os.path.join(folder, ".zarray"), "w") as file:
+        json.dump({"zarr_format": 2, "shape": [side] * 3, "chunks": [side] * 3, "dtype": "|u1", "order": "C",
+                   "compressor": None, "fill_value": 0, "filters": None}, file)
+    squares = [(2 * place / (side - 1) - 1) ** 2 for place in range(side)]
+    with open(os.path.join(folder, "0.0.0"), "wb") as file:
+        file.write(bytes(int(85 * (x + y + z)) for z in squares for y in squares for x in squares))
+
+
 def make_pictures(volume, folder):
     """Lists of events by the pictures' names."""
     opened = [*open_file(volume), APPLY]
@@ -111,9 +123,12 @@ def make_pictures(volume, folder):
     surface = os.path.join(folder, "surface.eix")
     ok = (f"{WINDOW}/WriterSettingsDialog/widget/OKButton", "activate", "")
     reopened = [*contoured, *save_data(surface), ok, *open_file(surface), APPLY]
+    zarr = os.path.join(folder, "scan.zarr")
+    write_zarr(zarr)
     image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],
+        "panels/in-place": [*open_file(zarr), APPLY, ALL_PROPERTIES, REST],
         "panels/isosurface": [*contoured, ALL_PROPERTIES],
         "panels/isosurface-more": [*contoured, ALL_PROPERTIES, *scroll_to_end()],
         "panels/spectrum": [*charted, ALL_PROPERTIES],

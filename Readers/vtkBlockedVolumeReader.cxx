@@ -85,6 +85,7 @@ vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   , Handle(vtkSmartPointer<vtkBlockedVolumeHandle>::New())
   , OpenTime(0)
   , IsErrorTold(false)
+  , IsToldLate(false)
 {
   this->SetNumberOfInputPorts(0);
   this->SetController(vtkMultiProcessController::GetGlobalController());
@@ -219,11 +220,18 @@ int vtkBlockedVolumeReader::RequestInformation(
   // An error on some ranks must not keep them from RequestData, where all ranks agree on it, nor
   // consumers from knowing that there is a blocked volume.
   this->BLOCKED_VOLUME()->Set(outInfo, this->Handle);
-  if (!this->OpenVolume())
+  this->IsToldLate = this->IsPending();
+  if (this->IsToldLate || !this->OpenVolume())
   {
     return 1;
   }
+  this->TellVolume(outInfo);
+  return 1;
+}
 
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
+{
   const isosurface::BlockedVolumeHeader& header = this->Handle->GetVolume()->GetHeader();
   for (const isosurface::ArrayDescription& array : header.Arrays)
   {
@@ -252,7 +260,6 @@ int vtkBlockedVolumeReader::RequestInformation(
       vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(), static_cast<int>(times.size()));
     outInfo->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
   }
-  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -286,6 +293,10 @@ int vtkBlockedVolumeReader::RequestData(
   }
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   vtkInformation* outInfo = output->GetInformationObject(0);
+  if (std::exchange(this->IsToldLate, false))
+  {
+    this->TellVolume(outInfo);
+  }
   const int ranksOnNode = ranks.GetRanksOnNode();
   const Reading reading = { this, *this->Handle->GetVolume(), this->Handle->FindTimeStep(outInfo),
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),

@@ -125,6 +125,12 @@ protected:
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
+  /**
+   * Whether there is nothing to open before RequestData has been called, of which a subclass makes
+   * the file first. Then consumers learn no more than that there will be a volume.
+   */
+  virtual bool IsPending() { return false; }
+
 private:
   vtkBlockedVolumeReader(const vtkBlockedVolumeReader&) = delete;
   void operator=(const vtkBlockedVolumeReader&) = delete;
@@ -132,6 +138,8 @@ private:
   struct Reading; ///< the steps of RequestData
 
   bool OpenVolume();
+  /// Tells the pipeline about the arrays and times of the open volume.
+  void TellVolume(vtkInformation* outInfo);
   bool TellProgress(double share);
 
   char* FileName;
@@ -145,6 +153,7 @@ private:
   vtkSmartPointer<vtkBlockedVolumeHandle> Handle;
   vtkMTimeType OpenTime; ///< our MTime when the handle's volume was opened
   bool IsErrorTold;      ///< whether OpenVolume has just reported the handle's error
+  bool IsToldLate;       ///< whether RequestData tells what RequestInformation could not
   std::string ShownText;
 };
 

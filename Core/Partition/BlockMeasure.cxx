@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/BlockMeasure.h"
 
+#include "Base/ProcessorClones.h"
 #include "Partition/CellMeasure.h"
 
 #include <algorithm>
@@ -62,14 +63,13 @@ private:
 };
 
 /// Loads the vertices of `cells` cells along x, `stride` samples apart.
-template <typename T, std::size_t N>
-void LoadCells(const BinCoordinate<T>& coordinate, const T* from, std::ptrdiff_t stride,
-  std::int64_t cells, std::array<float, N>& row)
+template <typename T>
+ISOSURFACE_CLONES void LoadCells(const BinCoordinate<T>& coordinate, const T* __restrict from,
+  std::ptrdiff_t stride, std::int64_t cells, float* __restrict row)
 {
-  if (stride == 1 && cells + 1 == static_cast<std::int64_t>(N))
+  if (stride == 1)
   {
-    // The usual case, which the compiler can unroll.
-    for (std::size_t i = 0; i < N; ++i)
+    for (std::int64_t i = 0; i <= cells; ++i)
     {
       row[i] = coordinate(from[i]);
     }
@@ -77,7 +77,7 @@ void LoadCells(const BinCoordinate<T>& coordinate, const T* from, std::ptrdiff_t
   }
   for (std::int64_t i = 0; i <= cells; ++i)
   {
-    row[static_cast<std::size_t>(i)] = coordinate(from[i * stride]);
+    row[i] = coordinate(from[i * stride]);
   }
 }
 
@@ -244,30 +244,39 @@ void BlockMeasure::CountCells(const SampleView& samples)
       }
     }
   }
+  this->CountPending();
 }
 
 /// Counts the cells [begin, end) of a row, at most CellsAtOnce.
 template <typename T>
 void BlockMeasure::CountRow(
-  const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& place)
+  const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& row)
 {
   const BinCoordinate<T> coordinate(this->Bins);
-  std::array<CellRow, 4> rows;
-  const auto load = [&](std::int64_t first, std::int64_t cells)
+  const auto load =
+    [&](std::int64_t first, std::int64_t cells, std::array<CellRow, 4>& rows, std::int64_t place)
   {
-    for (std::size_t row = 0; row < rows.size(); ++row)
+    for (std::size_t line = 0; line < rows.size(); ++line)
     {
-      const auto up = static_cast<std::int64_t>(row);
-      LoadCells(coordinate, samples.At<T>({ first, place.J + up % 2, place.K + up / 2 }),
-        samples.Stride[0], cells, rows[row]);
+      const auto up = static_cast<std::int64_t>(line);
+      LoadCells(coordinate, samples.At<T>({ first, row.J + up % 2, row.K + up / 2 }),
+        samples.Stride[0], cells, rows[line].data() + place);
     }
   };
+  PendingRuns& pending = this->Pending;
   if (!this->Grid.Lines)
   {
-    load(begin, end - begin);
-    this->CountRun(rows, end - begin, place.Rows);
+    if (pending.Count == RunsAtOnce || pending.Weight != row.Rows)
+    {
+      this->CountPending();
+      pending.Weight = row.Rows;
+    }
+    load(begin, end - begin, pending.Rows, pending.Places);
+    pending.Places += end - begin + 1;
+    pending.Ends[static_cast<std::size_t>(pending.Count++)] = pending.Places - 1;
     return;
   }
+  std::array<CellRow, 4>& rows = pending.Rows; // nothing is pending
   for (std::int64_t next = begin; begin < end; begin = next)
   {
     const double length = this->GetLength(0, begin);
@@ -275,21 +284,34 @@ void BlockMeasure::CountRow(
     {
       ++next;
     }
-    load(begin, next - begin);
-    this->CountLinedRun(rows, begin, next - begin, place);
+    load(begin, next - begin, rows, 0);
+    this->CountLinedRun(rows, begin, next - begin, row);
   }
 }
 
-void BlockMeasure::CountRun(
-  const std::array<CellRow, 4>& rows, std::int64_t cells, std::int64_t weight)
+void BlockMeasure::CountPending()
 {
-  const std::uint64_t one = static_cast<std::uint64_t>(weight) << MeasureSums::FractionBits;
+  PendingRuns& pending = this->Pending;
+  if (pending.Count == 0)
+  {
+    return;
+  }
+  const std::uint64_t one = static_cast<std::uint64_t>(pending.Weight) << MeasureSums::FractionBits;
+  const std::array<CellRow, 4>& rows = pending.Rows;
   CellRun run;
   const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },
     run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
+  const std::int64_t cells = pending.Places - 1;
   MeasureCells(
     pointers, cells, this->Weights, static_cast<float>(this->Bins.Count), static_cast<float>(one));
+  for (std::int64_t ended = 0; ended + 1 < pending.Count; ++ended)
+  {
+    // What is between two runs is no cell.
+    run.To[static_cast<std::size_t>(pending.Ends[static_cast<std::size_t>(ended)])] = 0;
+  }
   this->AddRun(run, cells, one);
+  pending.Count = 0;
+  pending.Places = 0;
 }
 
 void BlockMeasure::CountLinedRun(

@@ -113,19 +113,33 @@ public:
   static double GetVolumeUnit(const GridGeometry& grid);
 
 private:
-  static constexpr std::int64_t CellsAtOnce = 16;
-  using CellRow = std::array<float, CellsAtOnce + 1>;
+  static constexpr std::int64_t CellsAtOnce = 16; ///< of a run
+  /// Runs are measured several at once, so that the processor need not wait for roots and quotients.
+  static constexpr std::int64_t RunsAtOnce = 16;
+  /// A run is followed by its last vertex, where no cell of it begins.
+  static constexpr std::int64_t PlacesAtOnce = RunsAtOnce * (CellsAtOnce + 1);
+  using CellRow = std::array<float, PlacesAtOnce>;
 
-  /// The results for a run of cells. Below bin From, the volume is one cell. In the bins From to
+  /// The results for runs of cells. Below bin From, the volume is one cell. In the bins From to
   /// To - 1, the area is Area; the volume is First at From and falls by Slope from bin to bin. From
   /// To on, both are 0.
   struct CellRun
   {
-    std::array<std::int32_t, CellsAtOnce> From;
-    std::array<std::int32_t, CellsAtOnce> To;
-    std::array<std::int32_t, CellsAtOnce> Area;
-    std::array<std::int32_t, CellsAtOnce> First;
-    std::array<std::int32_t, CellsAtOnce> Slope;
+    std::array<std::int32_t, PlacesAtOnce> From;
+    std::array<std::int32_t, PlacesAtOnce> To;
+    std::array<std::int32_t, PlacesAtOnce> Area;
+    std::array<std::int32_t, PlacesAtOnce> First;
+    std::array<std::int32_t, PlacesAtOnce> Slope;
+  };
+
+  /// Runs that wait to be measured, one after another. All weigh the same.
+  struct PendingRuns
+  {
+    std::array<CellRow, 4> Rows;
+    std::array<std::int64_t, RunsAtOnce> Ends; ///< the place of each run's last vertex
+    std::int64_t Count = 0;
+    std::int64_t Places = 0;
+    std::int64_t Weight = 0;
   };
 
   /// One row of cells along x, and the rows that it stands for.
@@ -141,9 +155,10 @@ private:
   void CountCells(const SampleView& samples);
   template <typename T>
   void CountRow(
-    const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& place);
+    const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& row);
   std::int64_t ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const;
-  void CountRun(const std::array<CellRow, 4>& rows, std::int64_t cells, std::int64_t weight);
+  /// Measures the pending runs, and adds them to the sums.
+  void CountPending();
   /// The same in a rectilinear grid, for cells of one length.
   void CountLinedRun(const std::array<CellRow, 4>& rows, std::int64_t begin, std::int64_t cells,
     const RowPlace& place);
@@ -159,6 +174,7 @@ private:
   std::int64_t RowsOfCells; ///< of the grid, in y
   std::int64_t RowStride;
   MeasureWeights Weights;
+  PendingRuns Pending;
   MeasureSums Sums;
   std::size_t MinimumBin; ///< of the changes since the last MoveTo()
   std::size_t MaximumBin;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/BlockWorkload.h"
 
-#include "Partition/ProcessorClones.h"
+#include "Base/ProcessorClones.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,14 +34,48 @@ struct ShortEdgeCounter
   int Exponent;
 };
 
-template <typename T>
-ISOSURFACE_CLONES void CountShortRow(const T* __restrict__ from, ShortEdgeCounter count,
-  std::int64_t size, std::int16_t* __restrict__ to)
+/// The rows of a box of samples along x, whose distances are in samples.
+struct SampleRows
 {
-  for (std::int64_t i = 0; i < size; ++i)
+  std::int64_t Length;
+  std::int64_t Rows;
+  std::int64_t Slices;
+  std::ptrdiff_t RowStride;
+  std::ptrdiff_t SliceStride;
+};
+
+template <typename T>
+ISOSURFACE_CLONES void CountShortRows(const T* __restrict__ from, const SampleRows& rows,
+  ShortEdgeCounter count, std::int16_t* __restrict__ to)
+{
+  const std::int64_t length = rows.Length;
+  for (std::int64_t k = 0; k < rows.Slices; ++k)
   {
-    to[i] = count(from[i]);
+    for (std::int64_t j = 0; j < rows.Rows; ++j)
+    {
+      const T* __restrict__ row = from + k * rows.SliceStride + j * rows.RowStride;
+      for (std::int64_t i = 0; i < length; ++i)
+      {
+        to[i] = count(row[i]);
+      }
+      to += length;
+    }
   }
+}
+
+/// Finds the minimum and the maximum of some numbers.
+ISOSURFACE_CLONES void FindLimits(
+  const std::int16_t* values, std::size_t count, std::int16_t* minimum, std::int16_t* maximum)
+{
+  std::int16_t low = std::numeric_limits<std::int16_t>::max();
+  std::int16_t high = std::numeric_limits<std::int16_t>::min();
+  for (std::size_t index = 0; index < count; ++index)
+  {
+    low = values[index] < low ? values[index] : low;
+    high = values[index] > high ? values[index] : high;
+  }
+  *minimum = low;
+  *maximum = high;
 }
 
 /// Counts the edges <= a value. The edges are First, First + 1, ... First + Count - 1 times the
@@ -90,17 +124,6 @@ public:
   }
 
   /// Counts the edges for each value of a row.
-  void CountRow(const T* from, std::int64_t size, std::int16_t* to) const
-  {
-    if constexpr (sizeof(T) <= sizeof(std::int16_t))
-    {
-      CountShortRow(from, this->Short, size, to);
-    }
-    else
-    {
-      this->CountRow(from, 1, size, to);
-    }
-  }
   void CountRow(const T* from, std::ptrdiff_t stride, std::int64_t size, std::int16_t* to) const
   {
     for (std::int64_t i = 0; i < size; ++i)
@@ -108,6 +131,7 @@ public:
       to[i] = (*this)(from[i * stride]);
     }
   }
+  const ShortEdgeCounter& GetShort() const { return this->Short; }
 
 private:
   std::int16_t CountBelow(double value) const
@@ -146,20 +170,22 @@ void CountEdges(const SpectrumBins& bins, const SampleView& samples, std::int16_
   const EdgeCounter<T> count(bins);
   const Index3 size = samples.Box.GetSize();
   const std::ptrdiff_t stride = samples.Stride[0];
+  if constexpr (sizeof(T) <= sizeof(std::int16_t))
+  {
+    if (stride == 1)
+    {
+      CountShortRows(samples.At<T>(samples.Box.Low),
+        { size[0], size[1], size[2], samples.Stride[1], samples.Stride[2] }, count.GetShort(), to);
+      return;
+    }
+  }
   for (std::int64_t k = 0; k < size[2]; ++k)
   {
     for (std::int64_t j = 0; j < size[1]; ++j)
     {
       const T* from =
         samples.At<T>({ samples.Box.Low[0], samples.Box.Low[1] + j, samples.Box.Low[2] + k });
-      if (stride == 1)
-      {
-        count.CountRow(from, size[0], to);
-      }
-      else
-      {
-        count.CountRow(from, stride, size[0], to);
-      }
+      count.CountRow(from, stride, size[0], to);
       to += size[0];
     }
   }
@@ -171,6 +197,7 @@ BlockWorkload::BlockWorkload(const SpectrumBins& bins)
   : Bins(bins)
   , Changes(bins.Count + 1)
   , PackedChanges(Changes.size() * PackedSums, 0)
+  , MinimumValue(bins.Count)
 {
   static_assert(SpectrumBins::MaximumCount <= 32767, "numbers of edges are compared as int16");
 }
@@ -187,6 +214,11 @@ void BlockWorkload::Count(const SampleView& samples)
     samples.Type, [&](auto zero) { CountEdges<decltype(zero)>(this->Bins, samples, values); });
   this->Vertices.Compute();
   const std::size_t vertices = this->Vertices.GetNumberOfVertices();
+  std::int16_t minimum = 0;
+  std::int16_t maximum = 0;
+  FindLimits(values, vertices, &minimum, &maximum);
+  this->MinimumValue = std::min(this->MinimumValue, static_cast<std::size_t>(minimum));
+  this->MaximumValue = std::max(this->MaximumValue, static_cast<std::size_t>(maximum));
   for (std::size_t begin = 0; begin < vertices; begin += MaximumPackedVertices)
   {
     const std::size_t end = std::min(begin + MaximumPackedVertices, vertices);
@@ -241,7 +273,7 @@ void BlockWorkload::AddChanges(std::size_t begin, std::size_t end)
 
 void BlockWorkload::Unpack()
 {
-  for (std::size_t count = 0; count < this->Changes.size(); ++count)
+  for (std::size_t count = this->MinimumValue; count <= this->MaximumValue; ++count)
   {
     std::int64_t packed = 0;
     for (std::size_t sum = count * PackedSums; sum < (count + 1) * PackedSums; ++sum)
@@ -260,14 +292,20 @@ void BlockWorkload::MoveTo(WorkloadSpectrum& spectrum)
   this->Unpack();
   std::int64_t triangles = 0;
   std::int64_t cells = 0;
-  for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)
+  // The changes of a cell cancel out, so before the minimum and after the maximum all sums are 0.
+  for (std::size_t value = this->MinimumValue; value <= this->MaximumValue; ++value)
   {
-    triangles += this->Changes[bin].Triangles;
-    cells += this->Changes[bin].Cells;
-    spectrum.Triangles[bin] += static_cast<std::uint64_t>(triangles);
-    spectrum.ActiveCells[bin] += static_cast<std::uint64_t>(cells);
+    const Change change = std::exchange(this->Changes[value], {});
+    triangles += change.Triangles;
+    cells += change.Cells;
+    if (value < this->Bins.Count)
+    {
+      spectrum.Triangles[value] += static_cast<std::uint64_t>(triangles);
+      spectrum.ActiveCells[value] += static_cast<std::uint64_t>(cells);
+    }
   }
-  std::fill(this->Changes.begin(), this->Changes.end(), Change{});
+  this->MinimumValue = this->Bins.Count;
+  this->MaximumValue = 0;
 }
 
 } // namespace isosurface

@@ -56,6 +56,8 @@ private:
   static constexpr std::size_t PackedSums = 2;
   std::vector<std::int64_t> PackedChanges;
   std::size_t PackedVertices = 0;
+  std::size_t MinimumValue; ///< of the vertices since the last MoveTo()
+  std::size_t MaximumValue = 0;
 };
 
 } // namespace isosurface

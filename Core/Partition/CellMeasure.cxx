@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Partition/CellMeasure.h"
 
-#include "Partition/ProcessorClones.h"
+#include "Base/ProcessorClones.h"
 
 #include <cmath>
 #include <limits>

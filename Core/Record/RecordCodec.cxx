@@ -140,8 +140,10 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       const SegmentTask task(grid, block, static_cast<int>(levels - 1 - index), types[variable]);
       const std::uint8_t* from =
         record.GetData() + layout.Offsets[segment] + BlockRecord::SegmentHeaderSize;
-      // Finer levels are predicted from these samples, which compressed bytes will overwrite.
-      if (compression.Codec != SegmentCodec::None && index + 1 < levels && task.Size != 0)
+      // Finer levels may be predicted from these samples, which compressed bytes will overwrite.
+      const bool isNeeded = index + 1 < levels &&
+        ChoosePredictor(compression.Codec, types[variable], false) == SamplePredictor::Coarser;
+      if (isNeeded && task.Size != 0)
       {
         std::uint8_t* copy = Grow(workspace.Samples[index], task.Size);
         std::memcpy(copy, from, task.Size);
@@ -150,7 +152,7 @@ void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, st
       samples.push_back(from);
       const EncodedSegment encoded = EncodeSegment(compression, task, samples, workspace);
       std::uint8_t* to = record.GetData() + end;
-      if (encoded.Stored != 0)
+      if (encoded.Stored != 0 && encoded.Bytes != to + BlockRecord::SegmentHeaderSize)
       {
         // Uncompressed samples may move by less than their length.
         std::memmove(to + BlockRecord::SegmentHeaderSize, encoded.Bytes, encoded.Stored);

@@ -2,6 +2,7 @@
 #include "Record/SegmentFilter.h"
 
 #include "Base/Coding.h"
+#include "Base/ProcessorClones.h"
 #include "Record/OrderedSample.h"
 
 #include <algorithm>
@@ -67,6 +68,22 @@ void LoadBytePlanes(const std::uint8_t* from, const SampleRun& run, U* __restric
     for (std::size_t index = 0; index < run.Count; ++index)
     {
       codes[index] = static_cast<U>(codes[index] | static_cast<U>(U{ next[index] } << (8 * byte)));
+    }
+  }
+}
+
+/// Splits a run of samples, which may be unaligned, into byte planes that are `pitch` apart.
+template <typename U>
+ISOSURFACE_CLONES void SplitBytes(const std::uint8_t* __restrict samples, std::size_t count,
+  std::size_t pitch, std::uint8_t* __restrict to)
+{
+  for (std::size_t byte = 0; byte < sizeof(U); ++byte)
+  {
+    for (std::size_t index = 0; index < count; ++index)
+    {
+      U sample;
+      std::memcpy(&sample, samples + sizeof(U) * index, sizeof(U));
+      to[byte * pitch + index] = static_cast<std::uint8_t>(sample >> (8 * byte));
     }
   }
 }
@@ -143,6 +160,11 @@ void ApplyFilter(SamplePredictor predictor, ValueType type, const std::uint8_t* 
       for (SampleRun run{ 0, 0, count }; run.First < count; run.First += run.Count)
       {
         run.Count = std::min(RunSize, count - run.First);
+        if (predictor == SamplePredictor::None)
+        {
+          SplitBytes<U>(samples + sizeof(U) * run.First, run.Count, count, to + run.First);
+          continue;
+        }
         std::memcpy(values, samples + sizeof(U) * run.First, sizeof(U) * run.Count);
         EncodeRun<T>(
           predictor, values, run.Count, predicted ? predicted + run.First : nullptr, previous);

@@ -80,7 +80,18 @@ void PageBufferPool::Return(std::shared_ptr<PageBuffer> buffer)
   }
 }
 
-SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples)
+std::int64_t ChooseSlicePitch(const VertexBox& box, std::size_t valueSize)
+{
+  // An odd number of lines, and not a power of two of them from row to row.
+  constexpr std::int64_t gap = 33 * 64;
+  constexpr std::int64_t page = 4096;
+  const auto size = static_cast<std::int64_t>(valueSize);
+  const std::int64_t slice = box.GetSize()[0] * box.GetSize()[1];
+  return slice + (slice * size % page == 0 ? gap / size : 0);
+}
+
+SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples,
+  std::int64_t slicePitch)
 {
   SampleView view;
   view.Type = type;
@@ -88,7 +99,7 @@ SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const 
   view.Available = box;
   view.Box = box;
   const Index3 size = box.GetSize();
-  view.Stride = { 1, size[0], size[0] * size[1] };
+  view.Stride = { 1, size[0], slicePitch > 0 ? slicePitch : size[0] * size[1] };
   SampleSlab slab;
   slab.Arrays = { view };
   slab.Owner = std::move(samples);

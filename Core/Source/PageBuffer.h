@@ -58,9 +58,15 @@ private:
   std::vector<std::shared_ptr<PageBuffer>> Idle;
 };
 
-/// A slab of one array. The samples of the box are in a buffer without gaps, x fastest.
-SampleSlab MakeSlab(
-  ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples);
+/// A slab of one array. The samples of the box are in a buffer, x fastest; a slice begins
+/// `slicePitch` samples after the one before it, without a gap if this is 0.
+SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples,
+  std::int64_t slicePitch = 0);
+
+/// The distance of the slices of a box in samples, with which the rows of a block that lie above
+/// each other are in different sets of the processor's caches: where slices take a multiple of 4096
+/// bytes, there is a gap between them.
+std::int64_t ChooseSlicePitch(const VertexBox& box, std::size_t valueSize);
 
 } // namespace isosurface
 

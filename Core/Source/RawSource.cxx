@@ -33,7 +33,12 @@ RawSource::RawSource(std::unique_ptr<RandomAccessFile> file, const Index3& size,
 
 std::uint64_t RawSource::GetReadBytes(const VertexBox& box) const
 {
-  return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
+  const std::size_t valueSize = GetValueSize(this->Type);
+  const Index3 size = box.GetSize();
+  const std::int64_t slices = std::max<std::int64_t>(1, size[2]);
+  return static_cast<std::uint64_t>(
+           ChooseSlicePitch(box, valueSize) * (slices - 1) + size[0] * size[1]) *
+    valueSize;
 }
 
 std::optional<Index3> RawSource::GetChunk() const
@@ -57,17 +62,23 @@ Result<SampleSlab> RawSource::Read(const VertexBox& box)
       this->File->GetPath() + ": cannot read: " + samples.GetStatus().GetMessage());
   }
   std::uint8_t* bytes = (*samples)->GetData();
-  ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, bytes));
-  if (this->IsBigEndian)
+  const std::int64_t pitch = ChooseSlicePitch(box, GetValueSize(this->Type));
+  const std::int64_t slice = box.GetSize()[0] * box.GetSize()[1];
+  if (pitch == slice)
   {
-    DispatchValueType(this->Type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        SwapBytes<T>(bytes, static_cast<std::size_t>(box.GetNumberOfVertices()));
-      });
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, bytes));
   }
-  return MakeSlab(this->Type, box, std::move(*samples));
+  else
+  {
+    VertexBox part = box;
+    for (part.Low[2] = box.Low[2]; part.Low[2] < box.High[2]; part.Low[2] = part.High[2])
+    {
+      part.High[2] = part.Low[2] + 1;
+      const auto first = static_cast<std::size_t>((part.Low[2] - box.Low[2]) * pitch);
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(part, bytes + first * GetValueSize(this->Type)));
+    }
+  }
+  return MakeSlab(this->Type, box, std::move(*samples), pitch);
 }
 
 Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const
@@ -85,6 +96,11 @@ Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const
     {
       const auto sample = static_cast<std::uint64_t>(box.Low[0] + whole[0] * (j + whole[1] * k));
       ISOSURFACE_RETURN_IF_ERROR(this->File->Read(sample * valueSize, bytes, to));
+      if (this->IsBigEndian)
+      {
+        DispatchValueType(
+          this->Type, [&](auto zero) { SwapBytes<decltype(zero)>(to, bytes / valueSize); });
+      }
       to += bytes;
     }
   }

@@ -15,7 +15,8 @@ namespace isosurface
 
 /**
  * The samples of one array in a file, x fastest, then y, then z. Cost of a box: one read for whole
- * slices, a read for each slice for whole rows, otherwise a read for each row.
+ * slices, or one for each if their size is a multiple of 4096 bytes (ChooseSlicePitch); a read for
+ * each slice for whole rows, otherwise a read for each row.
  */
 class RawSource : public SlabSource
 {

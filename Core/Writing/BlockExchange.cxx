@@ -16,6 +16,9 @@ namespace
 
 constexpr std::size_t PartHeaderSize = 64;
 
+/// So few that threads rarely wait for the last one.
+constexpr std::size_t BlocksInTurn = 8;
+
 std::size_t FindSegmentIndex(const BlockGrid& grid, std::size_t array, int level)
 {
   const auto levels = static_cast<std::size_t>(grid.GetNumberOfLevels());
@@ -34,21 +37,24 @@ void CopyFromSamples(std::uint8_t* to, const SampleView& from, const SegmentRow&
     });
 }
 
-/// Prefetches the row above the one that is copied: the rows of a block are too far apart for the
-/// processor to predict.
-void PrefetchRow(const SampleView& layer, const SegmentRow& row, std::size_t valueSize)
+/// Prefetches what the next block along x has of a row, since the processor does not predict that it
+/// comes next.
+void PrefetchNextBlock(const SampleView& layer, const SegmentRow& row, std::int64_t blockSize)
 {
 #if defined(__GNUC__)
   DispatchValueType(layer.Type,
     [&](auto zero)
     {
-      const auto* first =
-        reinterpret_cast<const char*>(layer.At<decltype(zero)>({ row.I, row.J, row.K + 1 }));
-      const std::ptrdiff_t bytes = static_cast<std::ptrdiff_t>(valueSize) * layer.Stride[0] *
-        row.Step * static_cast<std::ptrdiff_t>(row.Count);
-      for (std::ptrdiff_t at = 0; at < bytes; at += 64)
+      using T = decltype(zero);
+      constexpr std::ptrdiff_t line = 64;
+      constexpr int secondCache = 2;
+      const auto* last = reinterpret_cast<const char*>(
+        layer.At<T>({ row.I + (row.Count - 1) * row.Step, row.J, row.K }));
+      const std::ptrdiff_t bytes =
+        static_cast<std::ptrdiff_t>(sizeof(T)) * layer.Stride[0] * blockSize;
+      for (std::ptrdiff_t at = line; at < bytes + line; at += line)
       {
-        __builtin_prefetch(first + at);
+        __builtin_prefetch(last + at, 0, secondCache);
       }
     });
 #endif
@@ -196,8 +202,8 @@ void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part,
 }
 
 Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
-  const std::vector<Message>& messages,
-  const std::function<void(PendingBlock&, int thread)>& whenFilled) const
+  const std::vector<Message>& messages, RecordBuffers& buffers,
+  const std::function<void(std::size_t index, int thread)>& whenFilled) const
 {
   std::atomic<std::uint64_t> count{ 0 };
   std::uint64_t expected = 0;
@@ -205,15 +211,21 @@ Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& 
   {
     expected += block.Layout.Samples;
   }
-  ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int thread)
+  // A thread fills neighbours along x, whose rows share lines of the processor's caches.
+  ParallelFor((blocks.size() + BlocksInTurn - 1) / BlocksInTurn, this->Threads,
+    [&](std::size_t turn, int thread)
     {
-      PendingBlock& block = blocks[index];
-      const std::uint64_t filled = this->FillFromSource(block, samples);
-      count += filled;
-      if (filled == block.Layout.Samples)
+      const std::size_t end = std::min(blocks.size(), (turn + 1) * BlocksInTurn);
+      for (std::size_t index = turn * BlocksInTurn; index < end; ++index)
       {
-        whenFilled(block, thread);
+        PendingBlock& block = blocks[index];
+        block.Record = buffers.Take();
+        const std::uint64_t filled = this->FillFromSource(block, samples);
+        count += filled;
+        if (filled == block.Layout.Samples)
+        {
+          whenFilled(index, thread);
+        }
       }
     });
   std::vector<Status> outcomes(messages.size());
@@ -249,11 +261,12 @@ std::uint64_t BlockExchange::FillFromSource(PendingBlock& block, const RunSample
       segment.VisitRows(part,
         [&](const SegmentRow& row)
         {
-          if (level == 0 && row.K + 1 < part.High[2])
+          const SampleView& view = samples.Find(array, row.K << level);
+          if (level == 0)
           {
-            PrefetchRow(samples.Find(array, row.K + 1), row, size);
+            PrefetchNextBlock(view, row, this->Grid.GetBlockSize());
           }
-          CopyFromSamples(to + row.Offset * size, samples.Find(array, row.K << level), row, level);
+          CopyFromSamples(to + row.Offset * size, view, row, level);
           filled += static_cast<std::uint64_t>(row.Count);
         });
     }

@@ -8,6 +8,7 @@
 #include "Record/BlockRecord.h"
 #include "Record/BlockSegment.h"
 #include "Volume/BlockGrid.h"
+#include "Writing/RecordBuffers.h"
 #include "Writing/RunSamples.h"
 
 #include <atomic>
@@ -21,9 +22,9 @@ namespace isosurface
 /// A block whose record is being made.
 struct PendingBlock
 {
-  /// `record`: at least as large as the record will be, padded.
+  /// `record`: at least as large as the record will be, padded; or nothing yet.
   PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
-    const std::vector<ValueType>& types, Buffer<std::uint8_t> record);
+    const std::vector<ValueType>& types, Buffer<std::uint8_t> record = {});
 
   /// The memory of a block whose record has so many bytes.
   static std::uint64_t GetBytes(std::uint64_t record)
@@ -73,11 +74,12 @@ public:
   Message Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const;
 
   /// Fills the records of this rank's run from its own samples and from the messages of all ranks.
-  /// Fails if samples are missing. For each block that needs no messages, `whenFilled` is called,
-  /// by several threads at once, while its samples are in the processor's cache.
+  /// Takes their memory from `buffers`. Fails if samples are missing. For each block that needs no
+  /// messages, `whenFilled` is called with its index in `blocks`, by several threads at once, while
+  /// its samples are in the processor's cache. Then its record may be taken away.
   Status Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
-    const std::vector<Message>& messages,
-    const std::function<void(PendingBlock&, int thread)>& whenFilled) const;
+    const std::vector<Message>& messages, RecordBuffers& buffers,
+    const std::function<void(std::size_t index, int thread)>& whenFilled) const;
 
 private:
   template <typename Visitor>

@@ -154,8 +154,20 @@ Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
     }));
 }
 
+std::vector<PendingBlock> BlockRounds::MakeBlocks(const BlockRun& run) const
+{
+  std::vector<PendingBlock> blocks;
+  blocks.reserve(static_cast<std::size_t>(run.GetCount()));
+  for (std::int64_t block = run.Begin; block < run.End; ++block)
+  {
+    blocks.emplace_back(this->Grid, block, this->Shipment.FindStore(block), this->Types);
+  }
+  return blocks;
+}
+
 Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
-  const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks)
+  const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks,
+  const std::function<void(std::size_t)>& whenFinished)
 {
   std::vector<Message> messages;
   if (this->Exchange.IsNeeded())
@@ -174,21 +186,17 @@ Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples 
   return steps.Agree(Attempt(
     [&]
     {
-      const BlockRun& mine = runs[this->Rank];
-      for (std::int64_t block = mine.Begin; block < mine.End; ++block)
-      {
-        blocks.emplace_back(
-          this->Grid, block, this->Shipment.FindStore(block), this->Types, this->Records.Take());
-      }
       // Blocks that stay here are finished at once, others by the rank that writes them.
-      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages,
-        [&](PendingBlock& block, int thread)
+      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages, this->Records,
+        [&](std::size_t index, int thread)
         {
+          PendingBlock& block = blocks[index];
           if (this->Shipment.FindWriter(block.Block) == this->Rank)
           {
             const VertexBox own = this->Grid.GetVertices(block.Block);
             steps.Finish(block, samples.OfRank[this->Rank].FindViews(own), thread);
             block.IsFinished = true;
+            whenFinished(index);
           }
         });
     }));
@@ -208,38 +216,63 @@ Status BlockRounds::Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock
     Attempt([&] { return this->Shipment.Unpack(messages, blocks, this->Records); }));
 }
 
-Status BlockRounds::FinishBlocks(
-  const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks, std::future<Status>& writing)
+std::shared_ptr<RoundWriting> BlockRounds::StartWriting(const BlockRoundsSteps& steps,
+  std::vector<PendingBlock> blocks, const std::shared_ptr<RoundWriting>& before)
 {
-  ParallelFor(blocks.size(), this->Threads,
-    [&](std::size_t index, int thread)
+  return std::make_shared<RoundWriting>(std::move(blocks), steps.Write, this->Records, before);
+}
+
+Status BlockRounds::WorkAlone(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+  std::shared_ptr<RoundWriting>& writing)
+{
+  const std::shared_ptr<RoundWriting> before = std::exchange(writing, nullptr);
+  ISOSURFACE_RETURN_IF_ERROR(Attempt(
+    [&]
     {
-      if (!blocks[index].IsFinished)
-      {
-        steps.Finish(blocks[index], {}, thread);
-      }
-    });
-  if (writing.valid())
-  {
-    ISOSURFACE_RETURN_IF_ERROR(writing.get());
-  }
-  auto write = [this, &steps, finished = std::move(blocks)]() mutable
-  {
-    for (PendingBlock& block : finished)
+      writing = this->StartWriting(steps, this->MakeBlocks(round.Runs[this->Rank]), before);
+      return Status::Ok();
+    }));
+  ISOSURFACE_RETURN_IF_ERROR(this->MakeRecords(round.Runs, std::move(samples), steps,
+    writing->GetBlocks(), [&](std::size_t index) { writing->MarkFinished(index); }));
+  return before ? before->Wait() : Status::Ok();
+}
+
+Status BlockRounds::WorkOnRound(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+  std::shared_ptr<RoundWriting>& writing)
+{
+  std::vector<PendingBlock> blocks;
+  ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
+    [&]
     {
-      ISOSURFACE_RETURN_IF_ERROR(steps.Write(block));
-      this->Records.Return(std::move(block.Record));
-    }
-    return Status::Ok();
-  };
-  writing = std::async(std::launch::async, std::move(write));
-  return Status::Ok();
+      blocks = this->MakeBlocks(round.Runs[this->Rank]);
+      return Status::Ok();
+    })));
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->MakeRecords(round.Runs, std::move(samples), steps, blocks, [](std::size_t) {}));
+  ISOSURFACE_RETURN_IF_ERROR(this->Ship(steps, blocks));
+  return steps.Agree(Attempt(
+    [&]
+    {
+      const std::shared_ptr<RoundWriting> before = std::exchange(writing, nullptr);
+      writing = this->StartWriting(steps, std::move(blocks), before);
+      std::vector<PendingBlock>& mine = writing->GetBlocks();
+      ParallelFor(mine.size(), this->Threads,
+        [&](std::size_t index, int thread)
+        {
+          if (!mine[index].IsFinished)
+          {
+            steps.Finish(mine[index], {}, thread);
+          }
+          writing->MarkFinished(index);
+        });
+      return before ? before->Wait() : Status::Ok();
+    }));
 }
 
 Status BlockRounds::Run(const BlockRoundsSteps& steps)
 {
   const auto blocks = static_cast<double>(this->Grid.GetNumberOfBlocks());
-  std::future<Status> writing;
+  std::shared_ptr<RoundWriting> writing; // of the last round
   Round next;
   ISOSURFACE_RETURN_IF_ERROR(this->StartRound(steps, next));
   for (bool isLast = false; !isLast;)
@@ -258,20 +291,14 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->StartRound(steps, next));
     }
-    std::vector<PendingBlock> pending;
-    ISOSURFACE_RETURN_IF_ERROR(this->MakeRecords(round.Runs, std::move(samples), steps, pending));
-    if (round.Runs.size() > 1)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->Ship(steps, pending));
-    }
-    Status status = Attempt([&] { return this->FinishBlocks(steps, std::move(pending), writing); });
-    if (status.IsOk() && steps.Tell && !steps.Tell(share))
-    {
-      status = Status(StatusCode::Aborted, "writing was aborted");
-    }
-    ISOSURFACE_RETURN_IF_ERROR(steps.Agree(status));
+    ISOSURFACE_RETURN_IF_ERROR(round.Runs.size() > 1
+        ? this->WorkOnRound(steps, std::move(round), std::move(samples), writing)
+        : this->WorkAlone(steps, std::move(round), std::move(samples), writing));
+    const bool goesOn = !steps.Tell || steps.Tell(share);
+    ISOSURFACE_RETURN_IF_ERROR(
+      steps.Agree(goesOn ? Status::Ok() : Status(StatusCode::Aborted, "writing was aborted")));
   }
-  return steps.Agree(Attempt([&] { return writing.get(); }));
+  return steps.Agree(Attempt([&] { return writing->Wait(); }));
 }
 
 } // namespace isosurface

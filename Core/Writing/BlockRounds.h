@@ -10,6 +10,7 @@
 #include "Writing/BlockShipment.h"
 #include "Writing/RecordBuffers.h"
 #include "Writing/RoundPlan.h"
+#include "Writing/RoundWriting.h"
 #include "Writing/RunSamples.h"
 
 #include <cstddef>
@@ -76,12 +77,21 @@ private:
   Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRun>& runs);
   std::uint64_t GetLoad(const std::vector<BlockRun>& runs) const;
   std::vector<VertexBox> FindBoxes(const std::vector<BlockRun>& runs, std::size_t rank) const;
+  std::vector<PendingBlock> MakeBlocks(const BlockRun& run) const;
+  /// Fills the records of a round's blocks. Those that stay on this rank are finished at once.
+  /// `whenFinished` is called for each by its index, by several threads at once.
   Status MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
-    const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
+    const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks,
+    const std::function<void(std::size_t)>& whenFinished);
   Status Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
-  /// Finishes the blocks and starts writing them, once those before are written.
-  Status FinishBlocks(
-    const BlockRoundsSteps& steps, std::vector<PendingBlock> blocks, std::future<Status>& writing);
+  /// Makes the records of a round and starts writing them; those before are written then. Agrees.
+  Status WorkOnRound(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+    std::shared_ptr<RoundWriting>& writing);
+  /// The same for a rank that works alone: it writes blocks while it makes others.
+  Status WorkAlone(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+    std::shared_ptr<RoundWriting>& writing);
+  std::shared_ptr<RoundWriting> StartWriting(const BlockRoundsSteps& steps,
+    std::vector<PendingBlock> blocks, const std::shared_ptr<RoundWriting>& before);
 
   Communicator& Ranks;
   SlabSource& Source;

@@ -48,6 +48,27 @@ TEST(RawVolume, ReadsEveryTypeInBothByteOrders)
   }
 }
 
+TEST(RawVolume, ReadsSlicesOfAMultipleOf4096BytesIntoASlabWithGaps)
+{
+  for (const bool isBigEndian : { false, true })
+  {
+    const auto volume = MakeRamp<std::uint16_t>({ 64, 32, 5 });
+    MemoryDisk disk;
+    WriteFile(disk, "/data/a.raw", MakeBytes(volume, isBigEndian));
+    RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueType::UInt16);
+    raw.IsBigEndian = isBigEndian;
+    const auto source = raw.Open(disk);
+    ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
+    ExpectSamples(**source, volume);
+    const VertexBox three = { { 0, 0, 1 }, { 64, 32, 4 } };
+    const auto slab = (*source)->Read(three);
+    ASSERT_TRUE(slab.IsOk());
+    const std::int64_t pitch = slab->Arrays[0].Stride[2];
+    EXPECT_NE(pitch * 2 % 4096, 0);
+    EXPECT_EQ((*source)->GetReadBytes(three), static_cast<std::uint64_t>(2 * pitch + 64 * 32) * 2);
+  }
+}
+
 TEST(RawVolume, ReadsAFileForEachSliceOrSlab)
 {
   const auto volume = MakeRamp<std::uint16_t>({ 9, 7, 12 });

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkInPlaceVolumeReader
+ * @brief   reads Zarr, N5 and HDF5 as volumes in place, which it indexes first
+ *
+ * The first update indexes the source: it writes a blocked volume (.bvol) beside it, or into
+ * IndexFolder, without the samples at full resolution, which stay in the source. From then on the
+ * reader is a vtkBlockedVolumeReader of that index, which opens at once. If the source has changed
+ * since, the next update after a modification indexes it anew.
+ *
+ * Indexing is collective: all ranks of the controller update together. It reports progress and stops
+ * when the reader is told to abort; then an older index stays as it was, and the output is empty.
+ * Errors name file and reason, on every rank. A .bvol that is not an index of the source is never
+ * replaced.
+ */
+
+#ifndef vtkInPlaceVolumeReader_h
+#define vtkInPlaceVolumeReader_h
+
+#include "IsosurfaceWritersModule.h" // For export macro
+#include "vtkBlockedVolumeReader.h"
+
+#include <string> // For the paths
+
+class vtkStringArray;
+
+class ISOSURFACEWRITERS_EXPORT vtkInPlaceVolumeReader : public vtkBlockedVolumeReader
+{
+public:
+  static vtkInPlaceVolumeReader* New();
+  vtkTypeMacro(vtkInPlaceVolumeReader, vtkBlockedVolumeReader);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * An HDF5 file, a folder of Zarr or N5, or a file of metadata in such a folder (.zgroup, .zattrs,
+   * .zarray, zarr.json, attributes.json). FileName is that of the index, set by the update.
+   */
+  vtkSetFilePathMacro(SourceName);
+  vtkGetFilePathMacro(SourceName);
+  ///@}
+
+  /**
+   * Whether a file is a source that can be indexed in place.
+   */
+  static int CanReadFile(const char* fileName);
+
+  ///@{
+  /**
+   * The dataset within the source. Empty or "automatic": as the source says, which has to name one
+   * (OME-Zarr, VTKHDF) or have only one.
+   */
+  vtkSetStringMacro(Dataset);
+  vtkGetStringMacro(Dataset);
+  ///@}
+
+  /**
+   * "automatic" and the datasets of the source. Owned by the reader. Cost: reading metadata.
+   */
+  vtkStringArray* GetDatasets();
+
+  ///@{
+  /**
+   * What the axes of the dataset are, the slowest first, of the letters x y z t c. Empty: as the
+   * source says.
+   */
+  vtkSetStringMacro(Axes);
+  vtkGetStringMacro(Axes);
+  ///@}
+
+  ///@{
+  /**
+   * The folder of the index. Empty: that of the source.
+   */
+  vtkSetFilePathMacro(IndexFolder);
+  vtkGetFilePathMacro(IndexFolder);
+  ///@}
+
+  ///@{
+  /**
+   * Mebibytes that indexing may take on each rank. Default 1024.
+   */
+  vtkSetClampMacro(IndexMemory, int, 1, VTK_INT_MAX);
+  vtkGetMacro(IndexMemory, int);
+  ///@}
+
+  /**
+   * Where the index is or will be, and whether it is up to date, in words.
+   */
+  vtkGetCharFromStdStringMacro(IndexText);
+
+protected:
+  vtkInPlaceVolumeReader();
+  ~vtkInPlaceVolumeReader() override;
+
+  bool IsPending() override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+
+private:
+  vtkInPlaceVolumeReader(const vtkInPlaceVolumeReader&) = delete;
+  void operator=(const vtkInPlaceVolumeReader&) = delete;
+
+  struct Indexing; ///< the steps of RequestData
+
+  char* SourceName;
+  char* Dataset;
+  char* Axes;
+  char* IndexFolder;
+  int IndexMemory;
+  std::string IndexText;
+  vtkStringArray* Datasets;
+  vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date
+};
+
+#endif
