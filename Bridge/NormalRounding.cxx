@@ -5,6 +5,9 @@
 #include "vtkImageTransform.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
+#include "vtkVersionMacros.h"
+
+#include "Contour/Surface.h"
 
 #include <cmath>
 
@@ -13,6 +16,7 @@ namespace isosurface
 namespace
 {
 
+/// Whether normals are rounded once, when they are transformed to world coordinates.
 bool AskVTK()
 {
   constexpr int count = 64;
@@ -52,10 +56,11 @@ bool AskVTK()
 
 } // namespace
 
-bool RoundsNormalsOnce()
+void MatchNormalsOfVTK(ContourRequest& request)
 {
   static const bool once = AskVTK();
-  return once;
+  request.NormalsRoundedOnce = once;
+  request.NormalsByDirection = VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0);
 }
 
 } // namespace isosurface

@@ -7,12 +7,14 @@
 namespace isosurface
 {
 
+struct ContourRequest;
+
 /**
- * Whether the VTK of this process rounds the normals of images once, when it transforms them to world
- * coordinates (ContourRequest::NormalsRoundedOnce). VTK itself is asked, the first time that this is
- * called. Thread-safe.
+ * Asks for normals that are those of vtkFlyingEdges3D beside which this process runs, to the last bit:
+ * sets ContourRequest::NormalsRoundedOnce and NormalsByDirection. How it rounds, VTK itself is asked the
+ * first time that this is called. Thread-safe.
  */
-ISOSURFACEBRIDGE_EXPORT bool RoundsNormalsOnce();
+ISOSURFACEBRIDGE_EXPORT void MatchNormalsOfVTK(ContourRequest& request);
 
 } // namespace isosurface
 

@@ -15,6 +15,7 @@
 #include "vtkTypeInt64Array.h"
 
 #include "ImageSamples.h"
+#include "RangedArray.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -58,11 +59,20 @@ void FillCells(Surface& surface, vtkPolyData* output)
   output->SetPolys(cells);
 }
 
+/// An array that StoreRanges can give its ranges.
+template <typename ArrayT>
+vtkSmartPointer<ArrayT> MakeArray(const char* name)
+{
+  const vtkNew<ArrayT> plain; // tells the type: vtkIdType has one of its own
+  const vtkSmartPointer<vtkDataArray> array = MakeRangedArray(plain->GetDataType());
+  array->SetName(name);
+  return ArrayT::FastDownCast(array);
+}
+
 template <typename ArrayT>
 void FillScalars(const Surface& surface, const std::string& name, vtkPolyData* output)
 {
-  vtkNew<ArrayT> scalars;
-  scalars->SetName(name.c_str());
+  const auto scalars = MakeArray<ArrayT>(name.c_str());
   scalars->SetNumberOfTuples(static_cast<vtkIdType>(surface.NumberOfPoints));
   for (const SurfacePart& part : surface.Parts)
   {
@@ -76,8 +86,7 @@ void FillScalars(const Surface& surface, const std::string& name, vtkPolyData* o
 void FillAttribute(
   SurfaceAttribute& attribute, const InterpolatedArray& description, vtkPolyData* output)
 {
-  const auto array = vtkSmartPointer<vtkDataArray>::Take(
-    vtkDataArray::CreateDataArray(GetVTKType(attribute.Layout.Type)));
+  const vtkSmartPointer<vtkDataArray> array = MakeRangedArray(GetVTKType(attribute.Layout.Type));
   array->SetName(description.Name.c_str());
   array->SetNumberOfComponents(attribute.Layout.NumberOfComponents);
   for (std::size_t component = 0; component < description.ComponentNames.size(); ++component)
@@ -119,14 +128,12 @@ void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arra
   }
   if (normals)
   {
-    vtkNew<vtkFloatArray> array;
-    array->SetName("Normals");
+    const auto array = MakeArray<vtkFloatArray>("Normals");
     array->SetNumberOfComponents(3);
     Adopt(array.Get(), surface.Normals);
     output->GetPointData()->SetNormals(array);
   }
-  vtkNew<vtkIdTypeArray> ids;
-  ids->SetName("GlobalIds");
+  const auto ids = MakeArray<vtkIdTypeArray>("GlobalIds");
   Adopt(ids.Get(), surface.GlobalIds);
   output->GetPointData()->SetGlobalIds(ids);
   if (!scalarsName.empty())

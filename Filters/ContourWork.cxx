@@ -80,7 +80,7 @@ ContourRequest ContourWork::MakeRequest()
     request.Isovalues.push_back(this->Contour.GetValue(static_cast<int>(n)));
   }
   request.Normals = this->Contour.GetComputeNormals() != 0;
-  request.NormalsRoundedOnce = isosurface::RoundsNormalsOnce();
+  isosurface::MatchNormalsOfVTK(request);
   request.GlobalIds = true;
   request.Polygons = this->Contour.GetGenerateTriangles() == 0;
   request.Offsets = true;

@@ -127,7 +127,7 @@ isosurface::ContourRequest MakeRequest(
   isosurface::ContourRequest request;
   request.Isovalues = header.Isovalues;
   request.Normals = blocks.Normals;
-  request.NormalsRoundedOnce = isosurface::RoundsNormalsOnce();
+  isosurface::MatchNormalsOfVTK(request);
   request.GlobalIds = true;
   request.Offsets = true;
   request.Polygons = polygons;

@@ -2,6 +2,7 @@
 #include "BlockImage.h"
 
 #include "ImageSamples.h"
+#include "RangedArray.h"
 #include "RectilinearGrids.h"
 
 #include "vtkCellData.h"
@@ -94,8 +95,7 @@ vtkSmartPointer<vtkImageData> MakeLevelImage(
 // An array for the image's vertices, uninitialised.
 vtkSmartPointer<vtkDataArray> MakeArray(vtkImageData* image, const ArrayDescription& description)
 {
-  auto values = vtkSmartPointer<vtkDataArray>::Take(
-    vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
+  vtkSmartPointer<vtkDataArray> values = MakeRangedArray(GetVTKType(description.Type));
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);
   values->SetNumberOfTuples(image->GetNumberOfPoints());

@@ -249,7 +249,7 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
   isosurface::ContourRequest request;
   request.GlobalIds = true;
   request.Offsets = true;
-  request.NormalsRoundedOnce = isosurface::RoundsNormalsOnce();
+  isosurface::MatchNormalsOfVTK(request);
   std::vector<isosurface::InterpolatedArray> arrays;
   for (const isosurface::EdgeIndexAttribute& attribute : header.Attributes)
   {

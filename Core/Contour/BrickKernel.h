@@ -75,7 +75,7 @@ struct WorldTransform
   Kind Steps;
   double Origin[3];
   double Points[12]; ///< 3 rows of 4: direction * spacing, origin
-  double Normals[9]; ///< 3 rows of 3: the transposed inverse of the direction
+  double Normals[9]; ///< 3 rows of 3: the transposed inverse of the direction, or that itself
   double Spacing[3] = { 1, 1, 1 };
   double Determinant = 1;          ///< of the direction; -1 flips normals along with the triangles
   bool NormalsRoundedOnce = false; ///< as in ContourRequest

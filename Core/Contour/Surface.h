@@ -39,6 +39,9 @@ struct ContourRequest
   /// Round normals to float once, at the end, as vtkImageTransform does since VTK 9.4. Otherwise
   /// after each step of their transformation, as it did before.
   bool NormalsRoundedOnce = false;
+  /// Turn normals by the grid's direction, as vtkImageTransform did before VTK 9.2. Otherwise by the
+  /// transposed inverse of it, as it does since: the same but for the last bits and signs of zeros.
+  bool NormalsByDirection = false;
   bool GlobalIds = false; ///< fill Surface::GlobalIds
   /// Make one polygon for each loop of the surface in a cell, instead of triangles.
   bool Polygons = false;

@@ -74,7 +74,8 @@ SurfaceAssembler::SurfaceAssembler(const GridGeometry& geometry, const BrickLatt
   , Scan(scan)
   , Request(request)
   // On lines, points and normals are those of the world already.
-  , Transform(MakeWorldTransform(request.Lines ? GridGeometry() : geometry))
+  , Transform(
+      MakeWorldTransform(request.Lines ? GridGeometry() : geometry, request.NormalsByDirection))
 {
   this->Transform.NormalsRoundedOnce = request.NormalsRoundedOnce;
 }

@@ -37,7 +37,7 @@ Matrix InvertAndTranspose(const Matrix& m, double determinant)
 
 } // namespace
 
-WorldTransform MakeWorldTransform(const GridGeometry& geometry)
+WorldTransform MakeWorldTransform(const GridGeometry& geometry, bool normalsByDirection)
 {
   WorldTransform transform{};
   bool rotates = false;
@@ -60,7 +60,9 @@ WorldTransform MakeWorldTransform(const GridGeometry& geometry)
                             : WorldTransform::Kind::Identity;
 
   transform.Determinant = ComputeDeterminant(geometry.Direction);
-  const Matrix normals = InvertAndTranspose(geometry.Direction, transform.Determinant);
+  const Matrix normals = normalsByDirection
+    ? geometry.Direction
+    : InvertAndTranspose(geometry.Direction, transform.Determinant);
   std::copy(normals.begin(), normals.end(), transform.Normals);
   std::copy(geometry.Spacing.begin(), geometry.Spacing.end(), transform.Spacing);
   return transform;

@@ -12,8 +12,9 @@ namespace isosurface
  * The transformation of points from structured to world coordinates, and of normals, with the
  * matrices and the order of operations of vtkImageData and vtkImageTransform: the results are
  * bitwise equal.
+ * @param normalsByDirection as in ContourRequest
  */
-WorldTransform MakeWorldTransform(const GridGeometry& geometry);
+WorldTransform MakeWorldTransform(const GridGeometry& geometry, bool normalsByDirection = false);
 
 } // namespace isosurface
 

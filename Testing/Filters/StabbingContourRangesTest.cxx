@@ -8,6 +8,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
+#include "vtkVersionMacros.h"
 
 #include <cmath>
 #include <limits>
@@ -96,6 +97,32 @@ TEST(StabbingContourRanges, AreForgottenWhenAnArrayIsModified)
   EXPECT_EQ(points->GetRange(1)[1], 12345);
   ExpectRangesOfVTK(points);
 }
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0) // whose attributes have ranges
+
+TEST(StabbingContourRanges, AreToldByAttributesWithoutALookAtTheValues)
+{
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputData(MakeMixedWaves());
+  contour->SetValue(0, 3);
+  contour->Update();
+  vtkPointData* arrays = contour->GetOutput()->GetPointData();
+  for (int n = 0; n < arrays->GetNumberOfArrays(); ++n)
+  {
+    vtkDataArray* array = arrays->GetArray(n);
+    const int norm = array->GetNumberOfComponents() > 1 ? -1 : 0;
+    double expected[2], told[2];
+    array->GetRange(expected, norm);
+    array->SetComponent(0, 0, expected[1] + 1000); // unseen: the array is not told that it changed
+    arrays->GetRange(n, told, norm);
+    EXPECT_EQ(told[1], expected[1]) << array->GetName();
+    array->Modified();
+    arrays->GetRange(n, told, norm);
+    EXPECT_GT(told[1], expected[1]) << array->GetName();
+  }
+}
+
+#endif
 
 TEST(StabbingContourRanges, OfValuesThatAreNotFiniteAreLeftToVTK)
 {

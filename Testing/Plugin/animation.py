@@ -23,7 +23,10 @@ class Animation(unittest.TestCase):
         scene.PlayMode = "Sequence"
         scene.NumberOfFrames = FRAMES
         size = testing.IMAGE_SIZE
-        simple.SaveAnimation(testing.output("frame.png"), view, ImageResolution=size)
+        # Since 5.13, ParaView's default is one frame where no source has time steps.
+        window = [0, FRAMES - 1]
+        path = testing.output("frame.png")
+        simple.SaveAnimation(path, view, ImageResolution=size, FrameWindow=window)
         track.Enabled = 0
         for frame in range(FRAMES):
             isovalue = FIRST + frame * (LAST - FIRST) / (FRAMES - 1)

@@ -5,6 +5,7 @@ pvpython faulty_volumes.py ... --pvbatch PVBATCH --mpiexec "MPIEXEC -n" --ranks 
 
 damages copies of a volume, has pvbatch open them with open_volumes.py, and judges what it said.
 """
+import glob
 import os
 import re
 import subprocess
@@ -19,10 +20,17 @@ class FaultyVolumes(unittest.TestCase):
     def setUpClass(cls):
         cls.paths = [damage() for damage, _ in FAULTS]
         ranks = testing.arguments.ranks
+        # Each rank's errors go to a file: launchers may tear lines that they forward.
+        errors = testing.output("errors")
         cls.done = subprocess.run(
             [
                 *testing.arguments.mpiexec.split(),
                 str(ranks),
+                "sh",
+                "-c",
+                'errors=$1; shift; exec "$@" 2>"$errors.$$"',
+                "sh",
+                errors,
                 testing.arguments.pvbatch,
                 os.path.join(os.path.dirname(os.path.abspath(__file__)), "open_volumes.py"),
                 testing.arguments.plugin,
@@ -36,7 +44,12 @@ class FaultyVolumes(unittest.TestCase):
             text=True,
             errors="replace",
         )
-        cls.log = re.sub(r"\x1b\[[0-9;]*m", "", cls.done.stderr)  # without colours
+        logs = [cls.done.stderr]
+        for path in sorted(glob.glob(glob.escape(errors) + ".*")):
+            with open(path, encoding="utf-8", errors="replace") as file:
+                logs.append(file.read())
+            os.remove(path)
+        cls.log = re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(logs))  # without colours
         print(cls.done.stdout, cls.log)
 
     def test_pvbatch_goes_on_and_opens_a_good_volume_afterwards(self):

@@ -44,6 +44,8 @@ class IsovalueChooser(unittest.TestCase):
             trace = file.read()
         values = ", ".join(repr(value) for value in read_isovalues("dragged.pvsm"))
         self.assertIn(f"stabbingContour1.Isosurfaces = [{values}]", trace)
+        # ParaView 5.13 records this line for its own sources, too, and fails where it is played.
+        trace = trace.replace("ColorBy(stabbingContour1Display, None)\n", "")
         exec(compile(trace, "trace.py", "exec"), vars(simple).copy())
         contour = simple.FindSource("StabbingContour1")
         self.assertEqual(list(contour.Isosurfaces), [testing.ISOVALUE])

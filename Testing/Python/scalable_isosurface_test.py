@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The package scalable_isosurface, as a script uses it."""
 
-import importlib
+import importlib.util
 import os
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
@@ -181,10 +182,44 @@ class Package(unittest.TestCase):
         line = self.import_beside(
             "class vtkVersion:\n    @staticmethod\n    def GetVTKVersion():\n        return '8.1.0'\n"
         )
-        self.assertRegex(line, "^ImportError: .*built with VTK 9.*this Python has VTK 8.1.0")
+        self.assertRegex(
+            line, "^ImportError: .*built with VTK 9.*this Python has VTK 8.1.0.*use the python3 beside"
+        )
 
     def test_python_without_vtk_gets_one_line_that_names_what_is_missing(self):
         self.assertRegex(self.import_beside(None), "^ImportError: .*needs the Python modules of VTK 9")
+
+    def use_without_extension(self, version=sys.version_info, module=None):
+        """What the package says in a Python of this version, where IsosurfaceFilters is not there or has this source."""
+        with tempfile.TemporaryDirectory() as folder:
+            if module is not None:
+                with open(os.path.join(folder, "IsosurfaceFilters.py"), "w") as source:
+                    source.write(module)
+            specification = importlib.util.spec_from_file_location(
+                "without_extension", scalable_isosurface.__file__, submodule_search_locations=[folder]
+            )
+            package = importlib.util.module_from_spec(specification)
+            with unittest.mock.patch.dict(sys.modules, without_extension=package):
+                specification.loader.exec_module(package)
+                with unittest.mock.patch.object(package._sys, "version_info", version):
+                    with self.assertRaises(ImportError) as raised:
+                        package.vtkStabbingContour
+        return str(raised.exception)
+
+    def test_another_python_gets_one_line_that_says_which_to_use(self):
+        version = ".".join(map(str, sys.version_info[:2]))
+        self.assertRegex(
+            self.use_without_extension((4, 2, 0)),
+            f"built for Python {version}, and this is Python 4.2; use python{version}$",
+        )
+
+    def test_missing_library_gets_one_line_that_names_it(self):
+        error = "libIsosurfaceCore.so.1: cannot open shared object file"
+        self.assertEqual(
+            self.use_without_extension(module=f"raise ImportError('{error}')\n"),
+            f"IsosurfaceFilters of without_extension cannot be loaded: {error}; "
+            "install the package again, with its libraries",
+        )
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import unittest
 import numpy
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 - makes windows
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkLookupTable, vtkUnsignedCharArray, vtkVersion
+from vtkmodules.vtkCommonCore import vtkLookupTable, vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow
 
@@ -21,7 +21,6 @@ except ImportError:
 
 RADIUS = 12.5
 SIZE = (301, 233)  # odd ones
-IS_VTK_92 = vtkVersion.GetVTKMajorVersion() == 9 and vtkVersion.GetVTKMinorVersion() < 3
 
 
 def contour_ball():
@@ -89,13 +88,7 @@ class Surfaces(unittest.TestCase):
                 stock = self.draw(vtkPolyDataMapper(), surface, change)
                 images[name] = self.draw(vtkIsosurfaceMapper(), surface, change)
                 self.assertGreater(int((stock != stock[0, 0]).any(axis=2).sum()), 3000)
-                different = int((stock != images[name]).any(axis=2).sum())
-                if IS_VTK_92:
-                    self.assertEqual(different, 0)
-                else:
-                    # From 9.3 on, the mapper is another class of VTK, and edges differ: why is not known yet.
-                    different = int((abs(stock - images[name]) > 2).any(axis=2).sum())
-                    self.assertLessEqual(different, 20)
+                self.assertEqual(int((stock != images[name]).any(axis=2).sum()), 0)
         self.assertGreater(int((images["one color"] != images["colored"]).any(axis=2).sum()), 3000)
 
     @unittest.skipUnless(pyvista, "there is no PyVista")

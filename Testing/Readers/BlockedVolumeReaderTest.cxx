@@ -11,6 +11,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkVersionMacros.h"
 
 #include <filesystem>
 
@@ -58,6 +59,36 @@ TEST(BlockedVolumeReader, GivesFinestLevelThatFitsMemoryLimit)
   }
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0) // whose attributes have ranges
+
+TEST(BlockedVolumeReader, TellsRangesOfTheVolumeThroughItsAttributesToo)
+{
+  const ScratchFolder folder;
+  const auto image = MakeLargeImage();
+  image->SetScalarComponentFromDouble(-19, 4, 1, 0, 1e6); // of level 0 alone
+  double expected[2];
+  image->GetPointData()->GetScalars()->GetRange(expected);
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteVolume(image, path, { 32, 4 });
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->SetMemoryLimit(1);
+  const auto blocks = ReadPiece(reader, 1, 2); // with ghosts
+  ASSERT_GT(reader->GetLevel(), 0);
+  vtkPointData* arrays = blocks->GetPartition(0)->GetPointData();
+  double range[2];
+  ASSERT_TRUE(arrays->GetRange("density", range, 0));
+  EXPECT_EQ(range[0], expected[0]);
+  EXPECT_EQ(range[1], expected[1]);
+  // A copy that owns its samples knows those alone.
+  vtkNew<vtkPointData> copy;
+  copy->DeepCopy(arrays);
+  ASSERT_TRUE(copy->GetRange("density", range, 0));
+  EXPECT_LT(range[1], expected[1]);
+}
+
+#endif
 
 TEST(BlockedVolumeReader, GivesFinerLevelToPiecesThanToWhole)
 {

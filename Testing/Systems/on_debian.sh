@@ -84,7 +84,7 @@ inside() {
     exec chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
       OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl=self,sm \
       CTEST_PARALLEL_LEVEL=2 \
-      sh -c "cd /project && exec \"\$@\"" sh "$@"' sh "$root" "$@"
+      sh -c "cd /project && \"\$@\"; exit \$?" sh "$@"' sh "$root" "$@" # no exec: xvfb-run hangs as process 1
 }
 
 if [ -n "${CCACHE_DIR:-}" ] && [ ! -e "$root/usr/bin/ccache" ]; then
