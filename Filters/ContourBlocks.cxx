@@ -126,6 +126,7 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
   ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
   std::sort(active->begin(), active->end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
+  blocks.Numbers.clear();
   for (const BlockReference& block : *active)
   {
     blocks.Numbers.push_back(block.Block);
