@@ -144,8 +144,12 @@ TEST_P(ReplicasOnRanks, ATruncatedStoreIsReadElsewhere)
     [](const std::string& store) { std::filesystem::resize_file(store + "/blocks", 4096); });
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, ReplicasOnRanks, testing::Bool(),
-  [](const testing::TestParamInfo<bool>& info) { return info.param ? "Local" : "Shared"; });
+std::string NameOfStores(const testing::TestParamInfo<bool>& info)
+{
+  return info.param ? "Local" : "Shared";
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, ReplicasOnRanks, testing::Bool(), NameOfStores);
 
 } // namespace
 } // namespace isosurface
