@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measures how evenly a query is spread over stores that have each block once, twice, or three times: the
 // maximum number of triangles of a store, relative to the mean, for all isovalues of the spectrum with
-// enough triangles a store; also if a store is lost. It is that of ranks that have a store each, and of
+// enough active blocks a store; also if a store is lost. It is that of ranks that have a store each, and of
 // the stores that ranks read which share the blocks. The volume is read once.
 #include "MeasuredVolume.h"
 
@@ -28,7 +28,7 @@ struct Options
   std::string Volume;
   std::vector<std::uint32_t> Stores = { 8, 32, 96 };
   std::vector<std::string> Methods = { "greedy", "balanced" };
-  std::uint64_t MinimumTriangles = 1000;
+  std::uint64_t MinimumBlocks = 30;
   int Threads = ChooseThreadCount(1);
 };
 
@@ -56,12 +56,13 @@ struct ReplicatedStores
 
   /// The maximum of the hosts' triangles over their mean; nothing of small surfaces.
   std::optional<double> Measure(
-    const BlockSpectra& spectra, std::size_t bin, std::uint64_t minimumTriangles) const
+    const BlockSpectra& spectra, std::size_t bin, std::uint64_t minimumBlocks) const
   {
     std::vector<std::uint64_t> work(this->Stores, 0);
     std::vector<std::vector<std::uint32_t>> active(this->Stores);
     std::vector<std::vector<ReplicaServer>> servers;
     std::uint64_t sum = 0;
+    std::uint64_t activeBlocks = 0;
     for (std::uint32_t store = 0; store < this->Stores; ++store)
     {
       const std::vector<std::size_t>& blocks = this->Blocks[store];
@@ -71,16 +72,18 @@ struct ReplicatedStores
         {
           work[store] += triangles;
           active[store].push_back(ordinal);
+          ++activeBlocks;
         }
       }
       sum += work[store];
       servers.push_back(this->ListServers(store));
     }
-    if (sum < minimumTriangles * this->Stores || sum == 0)
+    if (activeBlocks < minimumBlocks * this->Stores || sum == 0)
     {
       return std::nullopt;
     }
-    const auto shares = BalanceReplicas(work, servers, this->Stores);
+    const auto shares =
+      BalanceReplicas(work, servers, this->Stores, FindTolerance(activeBlocks, this->Stores));
     std::vector<std::uint64_t> loads(this->Stores, 0);
     for (std::uint32_t store = 0; store < this->Stores; ++store)
     {
@@ -108,7 +111,7 @@ void Print(const Options& options, const MeasuredVolume& volume, const std::stri
   std::vector<std::optional<double>> ratios(volume.Spectra.GetBins().Count);
   ParallelFor(ratios.size(), options.Threads,
     [&](std::size_t bin, int)
-    { ratios[bin] = stores.Measure(volume.Spectra, bin, options.MinimumTriangles); });
+    { ratios[bin] = stores.Measure(volume.Spectra, bin, options.MinimumBlocks); });
   std::vector<double> found;
   for (const std::optional<double>& ratio : ratios)
   {
@@ -174,7 +177,8 @@ int main(int argc, char** argv)
   app.add_option("--stores", options.Stores, "numbers of stores")->check(CLI::Range(3, 4096));
   app.add_option("--distributions", options.Methods, "slab, random, greedy, balanced")
     ->check(CLI::IsMember({ "slab", "random", "greedy", "balanced" }));
-  app.add_option("--least", options.MinimumTriangles, "minimum triangles a store of an isosurface");
+  app.add_option(
+    "--least", options.MinimumBlocks, "minimum active blocks a store of an isosurface");
   app.add_option("--threads", options.Threads, "threads")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   const auto volume = MeasuredVolume::Read(options.Volume, options.Threads);

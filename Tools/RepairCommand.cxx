@@ -37,17 +37,17 @@ Status RunRepairCommand(const BlockVolumeOptions& options)
   {
     for (std::size_t index = 0; index + 1 < done->Refused.size(); ++index)
     {
-      std::fprintf(stderr, "blockvolume: cannot be restored: %s\n",
-        done->Refused[index].GetMessage().c_str());
+      std::fprintf(
+        stderr, "blockvolume: cannot be restored: %s\n", done->Refused[index].GetMessage().c_str());
     }
-    return Status(
-      StatusCode::Corrupt, "cannot be restored: " + done->Refused.back().GetMessage());
+    return Status(StatusCode::Corrupt, "cannot be restored: " + done->Refused.back().GetMessage());
   }
   if (!options.IsQuiet)
   {
     std::printf("%s: %s, %.1f s\n", options.Input.c_str(),
-      done->Restored.empty() ? "nothing to restore"
-                             : (FormatBytes(static_cast<double>(done->Bytes)) + " restored").c_str(),
+      done->Restored.empty()
+        ? "nothing to restore"
+        : (FormatBytes(static_cast<double>(done->Bytes)) + " restored").c_str(),
       seconds);
   }
   return Status::Ok();

@@ -85,7 +85,7 @@ std::vector<std::uint32_t> BlockSearch::FindReplicas(std::uint32_t store) const
 }
 
 BlockSearch::StoreShares BlockSearch::ShareAmong(
-  bool ofRanks, const std::vector<std::uint64_t>& work) const
+  bool ofRanks, const VolumeStores::WorkOfStores& work) const
 {
   const std::uint32_t stores = this->GetNumberOfStores();
   StoreShares shares;
@@ -107,22 +107,25 @@ BlockSearch::StoreShares BlockSearch::ShareAmong(
       }
     }
   }
-  shares.Work = BalanceReplicas(work, shares.Servers, ofRanks ? this->Ranks : stores);
+  const std::uint32_t servers = ofRanks ? this->Ranks : stores;
+  shares.Work = BalanceReplicas(
+    work.Triangles, shares.Servers, servers, FindTolerance(work.ActiveBlocks, servers));
   return shares;
 }
 
-std::vector<std::uint64_t> BlockSearch::CountBlocks() const
+VolumeStores::WorkOfStores BlockSearch::CountBlocks() const
 {
   const auto& steps = this->Stores.GetParts()[this->Stored.Part].Header.TimeSteps;
-  std::vector<std::uint64_t> blocks;
+  VolumeStores::WorkOfStores work;
   for (const StoreDescription& store : steps[this->TimeStep].Stores)
   {
-    blocks.push_back(store.Blocks);
+    work.Triangles.push_back(store.Blocks);
+    work.ActiveBlocks += store.Blocks;
   }
-  return blocks;
+  return work;
 }
 
-Result<std::vector<std::uint64_t>> BlockSearch::FindWork(
+Result<VolumeStores::WorkOfStores> BlockSearch::FindWork(
   std::size_t variable, const std::vector<double>& isovalues)
 {
   StoreFaults& faults = this->Stores.GetFaults();
@@ -143,7 +146,7 @@ Result<std::vector<std::uint64_t>> BlockSearch::FindWork(
 
 template <typename List>
 Result<std::vector<BlockReference>> BlockSearch::FindByReplicas(
-  const std::vector<std::uint64_t>& work, const List& list)
+  const VolumeStores::WorkOfStores& work, const List& list)
 {
   const StoreShares shares = this->ShareAmong(true, work);
   std::vector<BlockReference> references;

@@ -71,20 +71,20 @@ private:
   {
     return this->Replicas > 1 && this->Ranks > 1 && !this->DealsBlocks;
   }
-  /// The blocks of each store.
-  std::vector<std::uint64_t> CountBlocks() const;
+  /// The blocks of each store in place of triangles.
+  VolumeStores::WorkOfStores CountBlocks() const;
   /// What decides about the shares of ranks, the same on all: the triangles of each store, or, if the
   /// ranks know that one cannot read these, the blocks.
-  Result<std::vector<std::uint64_t>> FindWork(
+  Result<VolumeStores::WorkOfStores> FindWork(
     std::size_t variable, const std::vector<double>& isovalues);
   /// The replicas of a store that all ranks know to be sound, else the best there are.
   std::vector<std::uint32_t> FindReplicas(std::uint32_t store) const;
   /// The shares of ranks, each with the replicas in the folders of its own stores, or those of hosts.
-  StoreShares ShareAmong(bool ofRanks, const std::vector<std::uint64_t>& work) const;
+  StoreShares ShareAmong(bool ofRanks, const VolumeStores::WorkOfStores& work) const;
   /// This rank's blocks where each reads the stores of its own alone. `list`: the blocks of a store.
   template <typename List>
   Result<std::vector<BlockReference>> FindByReplicas(
-    const std::vector<std::uint64_t>& work, const List& list);
+    const VolumeStores::WorkOfStores& work, const List& list);
   /// Spreads the blocks of all stores over the hosts that have replicas.
   void ChooseReplicas(std::size_t variable, const std::vector<double>& isovalues,
     std::vector<BlockReference>& references);

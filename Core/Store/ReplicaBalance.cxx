@@ -2,6 +2,7 @@
 #include "Store/ReplicaBalance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -18,7 +19,7 @@ class Balance
 {
 public:
   Balance(const std::vector<std::uint64_t>& work,
-    const std::vector<std::vector<ReplicaServer>>& servers, std::size_t count)
+    const std::vector<std::vector<ReplicaServer>>& servers, std::size_t count, double tolerance)
     : Servers(servers)
     , Loads(count, 0)
     , Stores(count)
@@ -35,8 +36,14 @@ public:
         this->Stores[server.Server].push_back(store);
       }
     }
-    constexpr std::uint64_t tolerance = 256;
-    this->Least = std::max<std::uint64_t>(2, sum / count / tolerance);
+    // A server without any store, as after a loss, takes no part in the mean.
+    const auto idle = std::count_if(this->Stores.begin(), this->Stores.end(),
+      [](const std::vector<std::size_t>& stores) { return stores.empty(); });
+    this->Mean = sum / std::max<std::uint64_t>(1, count - static_cast<std::size_t>(idle));
+    this->Enough =
+      this->Mean + static_cast<std::uint64_t>(tolerance * static_cast<double>(this->Mean));
+    constexpr std::uint64_t leastShare = 256;
+    this->Least = std::max<std::uint64_t>(2, this->Mean / leastShare);
   }
 
   std::vector<std::vector<std::uint64_t>> Run()
@@ -46,7 +53,7 @@ public:
     for (std::size_t step = 0; step < stepsOfServer * this->Loads.size(); ++step)
     {
       const std::size_t fullest = this->FindFullest(isSettled);
-      if (fullest == None)
+      if (fullest == None || this->Loads[fullest] <= this->Enough)
       {
         break;
       }
@@ -129,10 +136,11 @@ private:
       [&](std::size_t a, std::size_t b) { return this->Loads[a] < this->Loads[b]; });
   }
 
-  /// Moves half of the difference, or what the way allows.
+  /// Moves half of the difference, or what is above the mean, or what the way allows.
   void Push(std::size_t from, std::size_t to)
   {
     std::uint64_t amount = (this->Loads[from] - this->Loads[to]) / 2;
+    amount = std::min(amount, std::max(this->Least, this->Loads[from] - this->Mean));
     for (std::size_t at = to; at != from; at = this->Steps[at].From)
     {
       const Step& step = this->Steps[at];
@@ -152,17 +160,28 @@ private:
   std::vector<std::uint64_t> Loads;
   std::vector<std::vector<std::size_t>> Stores; ///< per server: those that it has replicas of
   std::vector<std::vector<std::uint64_t>> Shares;
-  std::uint64_t Least = 1; ///< the difference that is not worth a step
-  std::vector<Step> Steps; ///< per server: how work gets there
+  std::uint64_t Mean = 0;
+  std::uint64_t Enough = 0; ///< the maximum that need not be lower
+  std::uint64_t Least = 1;  ///< the difference that is not worth a step
+  std::vector<Step> Steps;  ///< per server: how work gets there
   std::vector<std::size_t> Reached;
 };
 
 } // namespace
 
 std::vector<std::vector<std::uint64_t>> BalanceReplicas(const std::vector<std::uint64_t>& work,
-  const std::vector<std::vector<ReplicaServer>>& servers, std::size_t count)
+  const std::vector<std::vector<ReplicaServer>>& servers, std::size_t count, double tolerance)
 {
-  return Balance(work, servers, count).Run();
+  return Balance(work, servers, count, tolerance).Run();
+}
+
+double FindTolerance(std::uint64_t blocks, std::size_t servers)
+{
+  constexpr double least = 1.0 / 256;
+  // Measured: a lower one makes even stores uneven, a higher one leaves more of a lost store's work.
+  constexpr double spread = 0.5;
+  return std::max(least,
+    spread * std::sqrt(static_cast<double>(servers) / std::max(1.0, static_cast<double>(blocks))));
 }
 
 std::vector<std::uint32_t> ShareBlocks(

@@ -253,7 +253,7 @@ std::string VolumeStores::DescribeNews(const std::vector<StoreFault>& news)
       "); blockvolume --repair restores it";
 }
 
-Result<std::vector<std::uint64_t>> VolumeStores::FindStoreWork(std::size_t timeStep,
+Result<VolumeStores::WorkOfStores> VolumeStores::FindStoreWork(std::size_t timeStep,
   std::uint32_t part, std::size_t variable, const std::vector<double>& isovalues)
 {
   const auto spectra = this->GetSpectra(timeStep, part);
@@ -262,14 +262,17 @@ Result<std::vector<std::uint64_t>> VolumeStores::FindStoreWork(std::size_t timeS
   ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(timeStep, part, variable));
   const WorkloadSpectrum& total = *(*spectra)->GetTotal(variable);
   const std::uint32_t stores = this->Parts[part].Header.NumberOfStores;
-  std::vector<std::uint64_t> work(stores, 0);
-  for (std::uint32_t store = 0; store < stores; ++store)
+  WorkOfStores work;
+  work.Triangles.assign(stores, 0);
+  for (const double isovalue : isovalues)
   {
-    const std::vector<std::uint64_t>& triangles = this->Work.Triangles[store];
-    for (const double isovalue : isovalues)
+    const std::size_t bin = total.FindBin(isovalue);
+    for (std::uint32_t store = 0; store < stores; ++store)
     {
-      work[store] += triangles.empty() ? 0 : triangles[total.FindBin(isovalue)];
+      const std::vector<std::uint64_t>& triangles = this->Work.Triangles[store];
+      work.Triangles[store] += triangles.empty() ? 0 : triangles[bin];
     }
+    work.ActiveBlocks += total.ActiveBlocks.empty() ? 0 : total.ActiveBlocks[bin];
   }
   return work;
 }

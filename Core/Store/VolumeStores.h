@@ -127,10 +127,16 @@ public:
   /// One sentence about the stores that faults are new of, as far as it was not told before; or "".
   std::string DescribeNews(const std::vector<StoreFault>& news);
 
-  /// The triangles of an isosurface for each store of a part, summed over the isovalues. They are kept
+  /// What isosurfaces take of each store.
+  struct WorkOfStores
+  {
+    std::vector<std::uint64_t> Triangles; ///< per store
+    std::uint64_t ActiveBlocks = 0;       ///< of all stores
+  };
+  /// The same summed over isovalues, in a part, at the finest level there. The counts of stores are kept
   /// until another variable is asked for. Errors: those of reading the spectra.
-  Result<std::vector<std::uint64_t>> FindStoreWork(std::size_t timeStep, std::uint32_t part,
-    std::size_t variable, const std::vector<double>& isovalues);
+  Result<WorkOfStores> FindStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable,
+    const std::vector<double>& isovalues);
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
 
   /// Ok if the header on disk still has the time step as it was when the volume was opened.
