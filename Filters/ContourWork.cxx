@@ -380,6 +380,8 @@ Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
   query.Selection.ClosedSides = {};
+  // Before anything can fail, so that all ranks have it.
+  blocks.Volume = volume;
   blocks.ArrayName = outcome.ArrayName;
   if (blocks.Attributes)
   {

@@ -4,7 +4,10 @@
 #include "ParallelVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"
+#include "vtkDistributeIsosurface.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPolyData.h"
 #include "vtkStabbingContour.h"
 
 #include <filesystem>
@@ -84,7 +87,7 @@ protected:
     const bool isLocal = this->GetParam();
     const SharedFolder folder("Replicas" + name + (isLocal ? "Local" : "Shared"));
     const std::string path = folder.GetPath("volume.bvol");
-    const auto image = MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
+    const auto image = MakeImage({ 0, 40, 0, 20, 0, 33 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
     VolumeSettings settings = { 16, 5 };
     settings.NumberOfReplicas = 2;
     WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, settings);
@@ -142,6 +145,34 @@ TEST_P(ReplicasOnRanks, ATruncatedStoreIsReadElsewhere)
 {
   this->Check("Truncated",
     [](const std::string& store) { std::filesystem::resize_file(store + "/blocks", 4096); });
+}
+
+// Consumers that read the blocks themselves learn of a damaged store while they do.
+TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
+{
+  const bool isLocal = this->GetParam();
+  const SharedFolder folder(std::string("ReplicasDistributed") + (isLocal ? "Local" : "Shared"));
+  const std::string path = folder.GetPath("volume.bvol");
+  const auto image = MakeImage({ 0, 40, 0, 20, 0, 33 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
+  VolumeSettings settings = { 16, 5 };
+  settings.NumberOfReplicas = 2;
+  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, settings);
+  ChangeFiles([&] { FlipBytes(path + ".stores/000001/store-00002/blocks"); });
+  ContourPipeline pipeline(path);
+  pipeline.Reader->SetLocalStores(isLocal);
+  pipeline.Contour->SetValue(0, Isovalue);
+  vtkNew<vtkDistributeIsosurface> distribute;
+  distribute->SetInputConnection(pipeline.Contour->GetOutputPort());
+  const WarningKeeper warnings(distribute);
+  // A rank alone takes the contour's surface, and its warning.
+  const WarningKeeper warningsOfContour(pipeline.Contour);
+  distribute->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  const auto triangles =
+    SumOverRanks(static_cast<std::uint64_t>(distribute->GetOutput()->GetNumberOfPolys()));
+  const std::size_t expected = ContourByFlyingEdges(image, Isovalue).Triangles.size();
+  EXPECT_EQ(triangles, expected);
+  EXPECT_EQ(
+    warnings.Messages.size() + warningsOfContour.Messages.size(), GetRank() == 0 ? 1u : 0u);
 }
 
 std::string NameOfStores(const testing::TestParamInfo<bool>& info)
