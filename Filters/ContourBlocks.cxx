@@ -5,6 +5,9 @@
 #include "ContourWork.h"
 #include "ImagePieces.h"
 
+#include "vtkAlgorithm.h"
+#include "vtkSetGet.h"
+
 #include "Contour/BlockRanges.h"
 #include "Query/LevelChoice.h"
 #include "Query/PieceBlockSource.h"
@@ -113,6 +116,25 @@ Status CollectContourBlocks(vtkStabbingContour* contour, int piece, int pieces,
   return ContourWork::Of(*contour).CollectBlocks(piece, pieces, time, blocks);
 }
 
+bool ShareContourFaults(
+  vtkAlgorithm* reader, Communicator& ranks, const ContourBlocks& blocks, const Status& status)
+{
+  if (!blocks.Volume || blocks.Volume->GetHeader().NumberOfReplicas == 1)
+  {
+    return false;
+  }
+  const StoreNews news = blocks.Volume->ShareStoreFaults(ranks);
+  std::vector<std::uint64_t> ends = { status.IsOk() ? 0U : 1U,
+    status.GetCode() == StatusCode::Aborted ? 1U : 0U };
+  ranks.ReduceMaximum(ends);
+  const bool isOnceMore = ends[0] != 0 && ends[1] == 0 && news.IsNew;
+  if (!news.Warning.empty() && (isOnceMore || ends[0] == 0) && ranks.GetRank() == 0)
+  {
+    vtkWarningWithObjectMacro(reader, << news.Warning);
+  }
+  return isOnceMore;
+}
+
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
   int level, ContourBlocks& blocks)
 {
@@ -126,6 +148,7 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
   ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
   std::sort(active->begin(), active->end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
+  blocks.Numbers.clear();
   for (const BlockReference& block : *active)
   {
     blocks.Numbers.push_back(block.Block);

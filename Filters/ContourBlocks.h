@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+class vtkAlgorithm;
 class vtkStabbingContour;
 
 namespace isosurface
@@ -58,6 +59,7 @@ struct ContourBlocks
   /// are the same for any number of ranks.
   std::vector<std::int64_t> Numbers;
   std::shared_ptr<const void> Owner;
+  std::shared_ptr<BlockedVolume> Volume; ///< that has the blocks; null if images have them
 };
 
 /**
@@ -75,6 +77,15 @@ struct ContourBlocks
  */
 ISOSURFACEFILTERS_EXPORT Status CollectContourBlocks(vtkStabbingContour* contour, int piece,
   int pieces, const std::optional<double>& time, ContourBlocks& blocks);
+
+/**
+ * To be called when the blocks have been read, with how that ended: tells all ranks of lost and damaged stores
+ * that were found meanwhile (BlockedVolume::ShareStoreFaults), and rank 0 warns of them. Returns whether
+ * collecting and reading the blocks once more may succeed where it failed on a rank: others have them
+ * in their stores. Collective; the result is the same on all ranks.
+ */
+ISOSURFACEFILTERS_EXPORT bool ShareContourFaults(
+  vtkAlgorithm* reader, Communicator& ranks, const ContourBlocks& blocks, const Status& status);
 
 /// The active blocks of the query's share of a level. Fills in what follows from them; Isovalues,
 /// ArrayName and Arrays are there. Not collective.

@@ -17,11 +17,13 @@
 #include "vtkNew.h"
 #include "vtkPlane.h"
 #include "vtkPlanes.h"
+#include "vtkSetGet.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/Checksum.h"
 #include "Base/Coding.h"
 #include "Base/ParallelFor.h"
+#include "Query/StoreRecovery.h"
 #include "Store/BlockedVolume.h"
 #include "Volume/BlockSelection.h"
 
@@ -242,15 +244,37 @@ Status ContourWork::ExtractFromVolume(
   {
     request.Attributes.push_back(array.Layout);
   }
+  const VolumeContour::Task task = { *volume, query, request, threads,
+    [this](double share) { return this->TellProgress(share); } };
+  ControllerCommunicator ranks = this->GetRanks();
+  std::string warning;
+  const Status status = RunWithReplicas(
+    ranks, *volume, warning, [&] { return this->ExtractOnce(volume, task, outcome); });
+  this->TellWarning(ranks, status, warning);
+  return status;
+}
+
+void ContourWork::TellWarning(
+  const Communicator& ranks, const Status& status, const std::string& warning)
+{
+  // All ranks have the same one. An error says more than it.
+  if (status.IsOk() && !warning.empty() && ranks.GetRank() == 0)
+  {
+    vtkWarningWithObjectMacro(&this->Contour, << warning);
+  }
+}
+
+Status ContourWork::ExtractOnce(
+  const std::shared_ptr<BlockedVolume>& volume, const VolumeContour::Task& task, Outcome& outcome)
+{
+  const SurfaceQuery& query = task.Query;
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
   const auto finest = this->ChoosePassLevel(volume, query);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
   outcome.Final = *finest <= this->Contour.GetLevel();
   this->LastPass.Query = query;
-  this->LastPass.Request = request;
-  const VolumeContour::Task task = { *volume, query, request, threads,
-    [this](double share) { return this->TellProgress(share); } };
+  this->LastPass.Request = task.Request;
   if (budget.IsLimited())
   {
     ControllerCommunicator ranks = this->GetRanks();
@@ -356,6 +380,8 @@ Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
   query.Selection.ClosedSides = {};
+  // Before anything can fail, so that all ranks have it.
+  blocks.Volume = volume;
   blocks.ArrayName = outcome.ArrayName;
   if (blocks.Attributes)
   {
@@ -365,17 +391,24 @@ Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput
   {
     query.Attributes.clear();
   }
-  int level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
-  if (this->Contour.GetMaximumTriangles() > 0)
+  std::string warning;
+  const auto collect = [&]() -> Status
   {
-    QueryStatistics statistics;
-    const auto choice = ChooseLevel(*volume, query, level,
-      { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
-      this->OfVolumes.GetRate(), ranks, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
-    level = choice->Level;
-  }
-  return ranks.Agree(CollectVolumeBlocks(volume, query, level, blocks));
+    int level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
+    if (this->Contour.GetMaximumTriangles() > 0)
+    {
+      QueryStatistics statistics;
+      const auto choice = ChooseLevel(*volume, query, level,
+        { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
+        this->OfVolumes.GetRate(), ranks, statistics);
+      ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+      level = choice->Level;
+    }
+    return ranks.Agree(CollectVolumeBlocks(volume, query, level, blocks));
+  };
+  const Status status = RunWithReplicas(ranks, *volume, warning, collect);
+  this->TellWarning(ranks, status, warning);
+  return status;
 }
 
 Status ContourWork::CollectBlocksOfImages(

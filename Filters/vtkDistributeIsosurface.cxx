@@ -148,6 +148,7 @@ struct vtkDistributeIsosurface::Steps
 
   /// This rank's piece of the surface. Collective.
   Status Distribute(vtkInformation* outInfo, vtkPolyData* output) const;
+  Status DistributeOnce(vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const;
   /// What the blocks of all ranks are encoded with. Collective.
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks) const;
   SurfaceExchange::Settings MakeSettings() const;
@@ -252,9 +253,23 @@ SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
 Status vtkDistributeIsosurface::Steps::Distribute(
   vtkInformation* outInfo, vtkPolyData* output) const
 {
+  while (true)
+  {
+    ContourBlocks blocks;
+    const Status status = this->DistributeOnce(outInfo, output, blocks);
+    if (!isosurface::ShareContourFaults(&this->Filter, this->Ranks, blocks, status))
+    {
+      return status;
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+Status vtkDistributeIsosurface::Steps::DistributeOnce(
+  vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const
+{
   const auto begin = std::chrono::steady_clock::now();
   isosurface::Communicator& ranks = this->Ranks;
-  ContourBlocks blocks;
   blocks.Attributes = true;
   blocks.Normals = this->Contour->GetComputeNormals() != 0;
   std::optional<double> time;

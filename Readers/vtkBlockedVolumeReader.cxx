@@ -321,7 +321,12 @@ int vtkBlockedVolumeReader::RequestData(
   {
     status = Status(StatusCode::Aborted, "reading was aborted");
   }
+  const isosurface::StoreNews news = reading.Volume.ShareStoreFaults(ranks);
   status = ranks.Agree(status);
+  if (status.IsOk() && !news.Warning.empty() && ranks.GetRank() == 0)
+  {
+    vtkWarningMacro(<< news.Warning);
+  }
   if (status.GetCode() == StatusCode::Aborted)
   {
     partitions->Initialize();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// blockvolume: writes, prints and checks blocked volumes. Alone or under mpirun.
+// blockvolume: writes, prints, checks and repairs blocked volumes. Alone or under mpirun.
 #include "BlockVolumeOptions.h"
 #include "InfoCommand.h"
 #include "ListCommand.h"
+#include "RepairCommand.h"
 #include "SourceCommand.h"
 #include "StopSignal.h"
 #include "VerifyCommand.h"
@@ -48,6 +49,8 @@ Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
       return RunListCommand(*options);
     case Command::Relocate:
       return RunSourceCommand(*options);
+    case Command::Repair:
+      return RunRepairCommand(*options);
     case Command::Verify:
       return RunVerifyCommand(*options);
     default:

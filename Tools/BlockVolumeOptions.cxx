@@ -45,6 +45,8 @@ Examples:
   blockvolume --source /archive/scan.zarr scan.bvol
   blockvolume --info scan.bvol --json
   blockvolume --verify scan.bvol
+  blockvolume head.mhd head.bvol --stores 8 --replicas 2
+  blockvolume --repair head.bvol
 
 Exit status: 0 for success, 1 for an error or a fault found, 130 if the command was interrupted. OUT.bvol
 appears in one step at the end; until then, and after an error, an older file stays unchanged.)";
@@ -124,6 +126,7 @@ struct RawTexts
   std::uint64_t MemoryMebibytes = 1024;
   bool IsInfo = false;
   bool IsVerify = false;
+  bool IsRepair = false;
   bool IsList = false;
 };
 
@@ -140,6 +143,12 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->group(group)
     ->check(CLI::Range(0, 65536))
     ->capture_default_str();
+  app
+    .add_option("--replicas", settings.NumberOfReplicas,
+      "Stores that have each block. With 2 or more a lost or damaged store costs nothing but speed,\n"
+      "and --repair restores it. Default: 1, or as many as the volume that is appended to")
+    ->group(group)
+    ->check(CLI::Range(1, 16));
   app
     .add_option("--distribution", texts.Distribution,
       "How blocks are distributed: greedy (similar blocks in turn), balanced (equal shares of\n"
@@ -254,6 +263,13 @@ void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& op
       "Read all of IN.bvol, check every checksum and decode every block; print every fault")
     ->group(group)
     ->excludes(info);
+  app
+    .add_flag("--repair", texts.IsRepair,
+      "Restore lost and damaged stores of IN.bvol from the other stores that have their blocks, if it\n"
+      "was written with --replicas; print what cannot be restored")
+    ->group(group)
+    ->excludes(info)
+    ->excludes("--verify");
 }
 
 Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
@@ -387,7 +403,7 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   app.set_version_flag("--version", std::string("blockvolume " ISOSURFACE_VERSION))
     ->group("General");
   app.get_help_ptr()->group("General");
-  app.add_option("IN", options.Input, "The volume to read; with --info and --verify: IN.bvol");
+  app.add_option("IN", options.Input, "The volume to read; with --info, --verify, --repair: IN.bvol");
   app.add_option("OUT", options.Output, "The blocked volume to write, OUT.bvol");
   AddWritingOptions(app, texts, options);
   AddDatasetOptions(app, texts, options);
@@ -416,6 +432,7 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   }
   options.What = texts.IsInfo ? Command::Info
     : texts.IsVerify          ? Command::Verify
+    : texts.IsRepair          ? Command::Repair
     : texts.IsList            ? Command::List
     : !options.Source.empty() ? Command::Relocate
                               : Command::Write;

@@ -25,6 +25,7 @@ struct BlockVolumeOptions
     Verify,
     List,
     Relocate, ///< the source of a volume in place
+    Repair,   ///< stores that others have replicas of
     Print     ///< Text, and nothing else: help, version
   };
 

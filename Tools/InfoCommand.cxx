@@ -177,7 +177,8 @@ Result<Json> Describe(BlockedVolume& volume, bool withSpectrum)
 {
   const BlockedVolumeHeader& header = volume.GetHeader();
   Json result = { { "file", volume.GetPath() }, { "grid", MakeGrid(volume) },
-    { "blockSize", header.BlockSize }, { "levels", volume.GetNumberOfLevels() } };
+    { "blockSize", header.BlockSize }, { "levels", volume.GetNumberOfLevels() },
+    { "replicas", header.NumberOfReplicas } };
   result["compression"] = { { "codec", GetCodecName(header.Compression.Codec) },
     { "level", header.Compression.GetEffectiveLevel() } };
   result["distribution"] = { { "method", GetDistributionName(header.Distribution) },
@@ -254,6 +255,10 @@ void PrintTimeStep(const Json& volume, const Json& step)
     std::printf("  in place    the samples are in %s%s, chunks of %s\n",
       source["path"].get<std::string>().c_str(), within.empty() ? "" : (":" + within).c_str(),
       Join(source["chunk"], " x ").c_str());
+  }
+  if (volume["replicas"].get<int>() > 1)
+  {
+    std::printf("  replicas    each block is in %s stores\n", volume["replicas"].dump().c_str());
   }
   for (std::size_t store = 0; store < step["stores"].size(); ++store)
   {

@@ -27,7 +27,7 @@ double CountBytes(const std::string& path)
     {
       for (const StoreDescription& store : step.Stores)
       {
-        bytes += static_cast<double>(store.Bytes);
+        bytes += static_cast<double>(store.Bytes) * (*volume)->GetHeader().NumberOfReplicas;
       }
     }
   }
@@ -53,6 +53,10 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
   for (const Status& fault : found->Faults)
   {
     std::fprintf(stderr, "blockvolume: %s\n", fault.GetMessage().c_str());
+  }
+  for (const std::string& repair : found->Repairs)
+  {
+    std::fprintf(stderr, "blockvolume: %s\n", repair.c_str());
   }
   if (found->FaultCount > 0)
   {

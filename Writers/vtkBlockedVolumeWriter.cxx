@@ -83,6 +83,7 @@ vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
   : FileName(nullptr)
   , BlockSize(32)
   , NumberOfStores(0)
+  , NumberOfReplicas(0)
   , Distribution(GREEDY)
   , RandomSeed(0)
   , Compression(LZ4)
@@ -355,6 +356,7 @@ isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
   isosurface::BlockedVolumeSettings settings;
   settings.BlockSize = this->Owner.BlockSize;
   settings.NumberOfStores = static_cast<std::uint32_t>(this->Owner.NumberOfStores);
+  settings.NumberOfReplicas = static_cast<std::uint32_t>(this->Owner.NumberOfReplicas);
   settings.Distribution = static_cast<isosurface::DistributionMethod>(this->Owner.Distribution);
   settings.RandomSeed = static_cast<std::uint64_t>(this->Owner.RandomSeed);
   settings.Compression.Codec = static_cast<isosurface::SegmentCodec>(this->Owner.Compression);
@@ -477,6 +479,7 @@ void vtkBlockedVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n";
   os << indent << "BlockSize: " << this->BlockSize << "\n";
   os << indent << "NumberOfStores: " << this->NumberOfStores << "\n";
+  os << indent << "NumberOfReplicas: " << this->NumberOfReplicas << "\n";
   os << indent << "Distribution: " << this->Distribution << "\n";
   os << indent << "RandomSeed: " << this->RandomSeed << "\n";
   os << indent << "Compression: " << this->Compression << "\n";

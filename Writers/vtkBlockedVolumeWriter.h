@@ -82,6 +82,16 @@ public:
 
   ///@{
   /**
+   * How many stores have each block, at most NumberOfStores. With 2 or more, a lost or damaged store costs
+   * nothing but speed, and `blockvolume --repair` restores it; the files take as many times the space. 0
+   * (the default): 1, or as many as the file that is appended to.
+   */
+  vtkSetClampMacro(NumberOfReplicas, int, 0, 16);
+  vtkGetMacro(NumberOfReplicas, int);
+  ///@}
+
+  ///@{
+  /**
    * How blocks are distributed over stores. Default GREEDY.
    */
   vtkSetClampMacro(Distribution, int, GREEDY, BALANCED);
@@ -155,7 +165,7 @@ public:
    * Whether the input is added to an existing file, as another time step; a new file gets it as
    * its first time step. Default off: a file is replaced. The time is that of the input
    * (DATA_TIME_STEP, else UPDATE_TIME_STEP) and must be greater than that of the file's last time
-   * step; grid, arrays and settings must be those of the file (NumberOfStores 0: those of the
+   * step; grid, arrays and settings must be those of the file (NumberOfStores 0, NumberOfReplicas 0: those of the
    * file). Earlier time steps are not touched: readers see them alone, or the new one as well.
    */
   vtkSetMacro(AppendTimeStep, bool);
@@ -211,6 +221,7 @@ private:
   char* FileName;
   int BlockSize;
   int NumberOfStores;
+  int NumberOfReplicas;
   int Distribution;
   int RandomSeed;
   int Compression;

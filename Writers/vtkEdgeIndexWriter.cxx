@@ -125,6 +125,8 @@ struct vtkEdgeIndexWriter::Steps
   Status FindContour(std::vector<double>& times);
   std::vector<double> FindTimeSteps() const;
   Status WriteStep(const std::optional<double>& time, const std::string& path);
+  Status WriteOnce(
+    const std::optional<double>& time, const std::string& path, ContourBlocks& blocks);
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks);
   isosurface::EdgeIndexWriteJob::Settings MakeSettings();
   bool TellProgress(double share) const;
@@ -288,7 +290,21 @@ isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings(
 Status vtkEdgeIndexWriter::Steps::WriteStep(
   const std::optional<double>& time, const std::string& path)
 {
-  ContourBlocks blocks;
+  while (true)
+  {
+    ContourBlocks blocks;
+    const Status status = this->WriteOnce(time, path, blocks);
+    if (!isosurface::ShareContourFaults(&this->Writer, this->Ranks, blocks, status))
+    {
+      return status;
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+Status vtkEdgeIndexWriter::Steps::WriteOnce(
+  const std::optional<double>& time, const std::string& path, ContourBlocks& blocks)
+{
   blocks.Attributes = this->Writer.WriteArrays;
   blocks.Normals = this->Writer.WriteNormals && this->Contour->GetComputeNormals();
   ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(

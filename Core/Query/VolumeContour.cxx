@@ -12,7 +12,8 @@ Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice
 {
   const BackgroundExtraction::Job* prepared = this->Prepared ? &this->Prepared->GetJob() : nullptr;
   if (prepared && prepared->Choice.Level == choice.Level &&
-    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks)
+    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks &&
+    this->PreparedEpoch == task.Volume.GetFaultEpoch())
   {
     const Status status = this->Prepared->Take(task.Advance, outcome);
     this->Prepared.reset();
@@ -35,6 +36,7 @@ void VolumeContour::Prepare(BackgroundExtraction::Job job)
 {
   this->DropPrepared();
   this->Dropped.reset();
+  this->PreparedEpoch = job.Volume->GetFaultEpoch();
   this->Prepared = std::make_unique<BackgroundExtraction>(std::move(job));
 }
 
@@ -79,8 +81,8 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
       return Status::Ok();
     }
     // The estimate was too low.
-    choice = ChooseLevel(
-      task.Volume, task.Query, choice->Level + 1, budget, this->Rate, ranks, reading);
+    choice =
+      ChooseLevel(task.Volume, task.Query, choice->Level + 1, budget, this->Rate, ranks, reading);
     ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
     choice->Limit = LevelLimit::Triangles;
   }

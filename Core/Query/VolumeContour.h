@@ -9,6 +9,7 @@
 #include "Query/LevelChoice.h"
 #include "Query/LevelExtraction.h"
 
+#include <cstdint>
 #include <memory>
 
 namespace isosurface
@@ -47,6 +48,7 @@ private:
   ExtractionRate Rate;
   bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
   std::unique_ptr<BackgroundExtraction> Prepared;
+  std::uint64_t PreparedEpoch = 0; ///< of the volume: other shares belong to another one
   std::unique_ptr<BackgroundExtraction> Dropped; ///< so that nobody waits for its end
 };
 

@@ -87,15 +87,15 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::ReadComponent(std::siz
   {
     return found->second;
   }
-  const auto store =
-    this->Stores.GetStore(this->TimeStep, this->Stored.Part, this->Reference.Store);
-  if (!store.IsOk())
-  {
-    return store.GetStatus();
-  }
   const std::size_t end = this->FindEndOfRead(component);
-  const auto blocks = (*store)->ReadAdjacent(this->Reference.Ordinal, this->Reference.Block,
-    component, end - component, this->Stored.Level, this->Statistics);
+  const StoreReplica replica = { static_cast<std::uint32_t>(this->TimeStep), this->Stored.Part,
+    this->Reference.Store, this->Reference.Replica };
+  const auto blocks = this->Stores.ReadReplicas(replica, this->Reference.Ordinal,
+    [&](BlockStore& store)
+    {
+      return store.ReadAdjacent(this->Reference.Ordinal, this->Reference.Block, component,
+        end - component, this->Stored.Level, this->Statistics);
+    });
   if (!blocks.IsOk())
   {
     return blocks.GetStatus();

@@ -16,8 +16,10 @@ struct BlockReference
   std::int64_t Block = 0;
   std::uint32_t Store = 0;
   std::uint32_t Ordinal = 0;
-  std::uint32_t Part = 0; ///< StoredLevel::Part
+  std::uint32_t Part = 0;    ///< StoredLevel::Part
+  std::uint32_t Replica = 0; ///< of the store, which is read first; all have the same bytes
 
+  /// Whether it is the same block, whichever replica is read.
   bool operator==(const BlockReference& other) const
   {
     return this->Block == other.Block && this->Store == other.Store &&

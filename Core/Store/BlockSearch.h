@@ -5,6 +5,7 @@
 #include "Base/Status.h"
 #include "Store/BlockReference.h"
 #include "Store/QueryStatistics.h"
+#include "Store/ReplicaBalance.h"
 #include "Store/VolumeStores.h"
 #include "Volume/BlockSelection.h"
 
@@ -30,6 +31,7 @@ public:
     , Rank(static_cast<std::uint32_t>(rank))
     , Ranks(static_cast<std::uint32_t>(ranks))
     , DealsBlocks(dealsBlocks)
+    , Replicas(stores.GetHeader().NumberOfReplicas)
     , Statistics(statistics)
   {
   }
@@ -56,14 +58,58 @@ private:
     }
   };
 
-  std::vector<Share> ListShares() const;
+  /// Who has a part of a store's blocks: which rank, or which host among those that one rank reads, with
+  /// which replica, and how much of the work. The replicas of lost stores have none.
+  struct StoreShares
+  {
+    std::vector<std::vector<ReplicaServer>> Servers; ///< per store
+    std::vector<std::vector<std::uint64_t>> Work;    ///< per store and server
+  };
+
+  /// Whether each rank reads the stores of its own alone, of which others have replicas.
+  bool IsSharedByReplicas() const
+  {
+    return this->Replicas > 1 && this->Ranks > 1 && !this->DealsBlocks;
+  }
+  /// The blocks of each store in place of triangles.
+  VolumeStores::WorkOfStores CountBlocks() const;
+  /// What decides about the shares of ranks, the same on all: the triangles of each store, or, if the
+  /// ranks know that one cannot read these, the blocks.
+  Result<VolumeStores::WorkOfStores> FindWork(
+    std::size_t variable, const std::vector<double>& isovalues);
+  /// The replicas of a store that all ranks know to be sound, else the best there are.
+  std::vector<std::uint32_t> FindReplicas(std::uint32_t store) const;
+  /// The shares of ranks, each with the replicas in the folders of its own stores, or those of hosts.
+  StoreShares ShareAmong(bool ofRanks, const VolumeStores::WorkOfStores& work) const;
+  /// This rank's blocks where each reads the stores of its own alone. `list`: the blocks of a store.
+  template <typename List>
+  Result<std::vector<BlockReference>> FindByReplicas(
+    const VolumeStores::WorkOfStores& work, const List& list);
+  /// Spreads the blocks of all stores over the hosts that have replicas.
+  void ChooseReplicas(std::size_t variable, const std::vector<double>& isovalues,
+    std::vector<BlockReference>& references);
+
+  /// Adds this rank's part of the blocks of a store.
+  void TakeShare(const std::vector<BlockReference>& found,
+    const std::vector<ReplicaServer>& servers, const std::vector<std::uint64_t>& work,
+    std::vector<BlockReference>& references) const;
+
+  std::vector<Share> ListStores() const; ///< whole
+  std::vector<Share> ListShares() const; ///< this rank's
+  /// Calls `read` with a replica of a store that can be read.
+  template <typename Read>
+  auto ReadStore(std::uint32_t store, const Read& read)
+  {
+    const StoreReplica first = { static_cast<std::uint32_t>(this->TimeStep), this->Stored.Part,
+      store, this->FindReplicas(store).front() };
+    return this->Stores.ReadReplicas(first, StoreFault::Whole, read);
+  }
   std::uint32_t GetNumberOfStores() const
   {
     return this->Stores.GetParts()[this->Stored.Part].Header.NumberOfStores;
   }
-  /// This rank's blocks among those of all stores that FindActive would find.
-  Result<std::vector<BlockReference>> FindDealt(
-    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
+  /// This rank's blocks among those of all stores.
+  std::vector<BlockReference> TakeDealt(const std::vector<BlockReference>& found) const;
   /// The vertices whose blocks go to one rank together: a block's, or, if that leaves each rank
   /// enough to take, those of a chunk of the source, so that no two ranks decode it.
   Index3 FindDealtSize() const;
@@ -71,6 +117,11 @@ private:
   std::vector<std::uint32_t> FindOwners(const std::vector<BlockReference>& found) const;
   Status AddActive(const Share& share, std::size_t variable, const std::vector<double>& isovalues,
     const BlockSelection& selection, std::vector<BlockReference>& references);
+  /// The active blocks of a share of a store that the selection has, and those that it adds.
+  Result<std::vector<BlockReference>> ListActive(BlockStore& store, const Share& share,
+    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
+  /// All blocks of a share of a store.
+  Result<std::vector<BlockReference>> ListAll(BlockStore& store, const Share& share);
   /// All blocks of a store that are active or inside, as far as the selection has them.
   Result<std::vector<BlockReference>> Select(BlockStore& store, std::uint32_t number,
     std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
@@ -84,6 +135,7 @@ private:
   std::uint32_t Rank;
   std::uint32_t Ranks;
   bool DealsBlocks;
+  std::uint32_t Replicas;
   QueryStatistics& Statistics;
 };
 

@@ -53,6 +53,17 @@ std::string BlockStore::GetTreePath(
   return name + ".tree";
 }
 
+std::vector<std::string> BlockStore::ListPaths(
+  const std::string& folder, const ArrayVariables& variables)
+{
+  std::vector<std::string> paths = { GetBlocksPath(folder), GetDirectoryPath(folder) };
+  for (std::size_t variable = 0; variable < variables.GetCount(); ++variable)
+  {
+    paths.push_back(GetTreePath(folder, variables, variable));
+  }
+  return paths;
+}
+
 std::uint64_t BlockStore::GetTreeIdentity(const StoreDescription& description, std::size_t variable)
 {
   std::uint8_t bytes[8];

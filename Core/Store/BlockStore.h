@@ -46,6 +46,9 @@ public:
   static std::string GetDirectoryPath(const std::string& folder) { return folder + "/directory"; }
   static std::string GetTreePath(
     const std::string& folder, const ArrayVariables& variables, std::size_t variable);
+  /// The paths of all files.
+  static std::vector<std::string> ListPaths(
+    const std::string& folder, const ArrayVariables& variables);
 
   /// What a tree of a variable has in its header: it belongs to the records of this store of this
   /// time step, whose checksum the description has, and to the variable.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <new>
 #include <utility>
 
@@ -231,26 +232,58 @@ void BlockedVolume::Prefetch(const std::vector<BlockReference>& blocks, std::siz
   std::size_t end, std::size_t timeStep, const std::vector<std::size_t>& variables, int level)
 {
   const StoredLevel stored = this->FindLevel(level);
-  QueryStatistics nothing;
-  while (begin < std::min(end, blocks.size()))
+  end = std::min(end, blocks.size());
+  while (begin < end)
   {
+    // Blocks of one store, each in the replica that it will be read from.
     const std::uint32_t number = blocks[begin].Store;
-    const auto store = this->Stores->GetStore(timeStep, stored.Part, number);
-    std::vector<BlockStore::ByteRange> ranges;
+    std::map<std::uint32_t, std::vector<const BlockReference*>> replicas;
     for (; begin < end && blocks[begin].Store == number; ++begin)
     {
+      const StoreReplica preferred = { static_cast<std::uint32_t>(timeStep), stored.Part, number,
+        blocks[begin].Replica };
+      replicas[this->Stores->FindReplica(preferred, blocks[begin].Ordinal)].push_back(
+        &blocks[begin]);
+    }
+    for (const auto& [replica, ofReplica] : replicas)
+    {
+      const auto store = this->Stores->GetStore(timeStep, stored.Part, number, replica);
       if (store.IsOk())
       {
-        BlockReading reading(*this->Stores, *this->Cache, blocks[begin], timeStep, stored, nothing);
-        reading.Announce(variables);
-        reading.FindRanges(**store, ranges);
+        this->Prefetch(**store, ofReplica, timeStep, variables, stored);
       }
     }
-    if (store.IsOk())
-    {
-      (*store)->Prefetch(ranges);
-    }
   }
+}
+
+void BlockedVolume::Prefetch(const BlockStore& store,
+  const std::vector<const BlockReference*>& blocks, std::size_t timeStep,
+  const std::vector<std::size_t>& variables, const StoredLevel& stored)
+{
+  QueryStatistics nothing;
+  std::vector<BlockStore::ByteRange> ranges;
+  for (const BlockReference* block : blocks)
+  {
+    BlockReading reading(*this->Stores, *this->Cache, *block, timeStep, stored, nothing);
+    reading.Announce(variables);
+    reading.FindRanges(store, ranges);
+  }
+  store.Prefetch(ranges);
+}
+
+StoreNews BlockedVolume::ShareStoreFaults(Communicator& ranks)
+{
+  StoreNews news;
+  if (this->GetHeader().NumberOfReplicas == 1)
+  {
+    return news;
+  }
+  StoreFaults& faults = this->Stores->GetFaults();
+  const std::vector<StoreFault> found = faults.Join(ranks.AllGather(faults.Pack()));
+  news.IsNew = !found.empty();
+  this->FaultEpoch += found.size();
+  news.Warning = this->Stores->DescribeNews(found);
+  return news;
 }
 
 Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& reference,

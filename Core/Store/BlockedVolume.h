@@ -2,6 +2,7 @@
 #ifndef isosurface_BlockedVolume_h
 #define isosurface_BlockedVolume_h
 
+#include "Base/Communicator.h"
 #include "Base/FileSystem.h"
 #include "Base/Status.h"
 #include "Partition/WorkloadSpectrum.h"
@@ -21,7 +22,15 @@
 namespace isosurface
 {
 
+class BlockStore;
 class VolumeStores;
+
+/// What ranks have told each other of lost and damaged stores; the same on all of them.
+struct StoreNews
+{
+  bool IsNew = false;  ///< whether something is known that was not known before
+  std::string Warning; ///< names the stores that no warning has named yet; may be empty
+};
 
 /**
  * A blocked volume on disk, opened for reading. Opening reads the header alone; the files of a
@@ -32,6 +41,11 @@ class VolumeStores;
  * ranks r with r mod D == d share store d, and each takes a contiguous run of the blocks in the
  * order of their ordinals. With DealBlocks they share the active blocks instead. No rank needs
  * another one to know its share.
+ *
+ * Where several stores have each block (BlockedVolumeHeader::NumberOfReplicas), a query spreads the blocks
+ * over them by the triangles of the stores: over the ranks that have the stores, or, where every rank
+ * reaches every store, over the stores. A replica that is lost or damaged is noticed when it is read, and
+ * another one is read instead, if this rank reaches one; results are the same.
  *
  * Errors name file and reason: Corrupt, NotFound (a store is missing, or the volume was rewritten
  * since it was opened and must be opened anew), IoError.
@@ -87,6 +101,16 @@ public:
   Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
     int level = 0, const BlockSelection& selection = {});
+
+  /**
+   * Tells all ranks which replicas of stores were found to be lost or damaged since the last call. From then
+   * on the ranks share the blocks among the others. A query that failed on a rank may succeed now if
+   * something is new: a rank whose stores are lost leaves their blocks to others. Collective, unless
+   * there are no replicas.
+   */
+  StoreNews ShareStoreFaults(Communicator& ranks);
+  /// Differs if ShareStoreFaults has learnt something: shares may be others then.
+  std::uint64_t GetFaultEpoch() const { return this->FaultEpoch; }
 
   /// This rank's share of all blocks that have a level, sorted by store and ordinal. Cost: the
   /// directories of their stores.
@@ -148,10 +172,14 @@ private:
   BlockedVolume(std::unique_ptr<VolumeStores> stores, std::shared_ptr<BlockCache> cache);
   Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
   Status CheckRank(int rank, int ranks) const;
+  /// Of blocks in one replica of a store.
+  void Prefetch(const BlockStore& store, const std::vector<const BlockReference*>& blocks,
+    std::size_t timeStep, const std::vector<std::size_t>& variables, const StoredLevel& stored);
 
   std::unique_ptr<VolumeStores> Stores;
   std::shared_ptr<BlockCache> Cache;
   std::atomic<bool> AreBlocksDealt{ false };
+  std::atomic<std::uint64_t> FaultEpoch{ 0 };
 };
 
 } // namespace isosurface

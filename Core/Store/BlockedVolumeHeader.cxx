@@ -119,6 +119,22 @@ Status ValidateSources(const BlockedVolumeHeader& header)
     : Status::Ok();
 }
 
+/// A store has at most one replica of a block.
+Status ValidateReplicas(std::uint32_t replicas, std::uint32_t stores)
+{
+  if (replicas < 1 || replicas > BlockedVolumeHeader::MaximumReplicas)
+  {
+    return MakeMemberError("replicas",
+      "is not from 1 to " + std::to_string(BlockedVolumeHeader::MaximumReplicas) + ": " +
+        std::to_string(replicas));
+  }
+  return replicas <= stores
+    ? Status::Ok()
+    : MakeMemberError("replicas",
+        "is " + std::to_string(replicas) + ", which takes as many stores; there are " +
+          std::to_string(stores));
+}
+
 /// An overview is made of a volume of several blocks, and it has all blocks in its stores.
 Status ValidateOverviews(const BlockedVolumeHeader& header)
 {
@@ -132,6 +148,7 @@ Status ValidateOverviews(const BlockedVolumeHeader& header)
     {
       return MakeMemberError("overviews", "has impossible numbers of levels or stores");
     }
+    ISOSURFACE_RETURN_IF_ERROR(ValidateReplicas(header.NumberOfReplicas, overview.NumberOfStores));
     if (finer.GetNumberOfBlocks() == 1)
     {
       return MakeMemberError("overviews", "has an overview of a single block");
@@ -202,6 +219,7 @@ Status BlockedVolumeHeader::ValidateVolume() const
       "is not from 1 to " + std::to_string(storeLimit) +
         ", which is the maximum for so few blocks: " + std::to_string(this->NumberOfStores));
   }
+  ISOSURFACE_RETURN_IF_ERROR(ValidateReplicas(this->NumberOfReplicas, this->NumberOfStores));
   if (!this->Compression.IsValid())
   {
     return MakeMemberError("compressionLevel", "is beyond those of the codec");
@@ -319,6 +337,13 @@ std::string GetStoreFolder(
   char name[32];
   std::snprintf(name, sizeof(name), "/store-%05u", store);
   return GetStoresFolder(path) + "/" + generation + name;
+}
+
+std::string GetReplicaFolder(const std::string& path, const std::string& generation,
+  std::uint32_t store, std::uint32_t replica, std::uint32_t stores)
+{
+  const std::string folder = GetStoreFolder(path, generation, FindHost(store, replica, stores));
+  return replica == 0 ? folder : folder + "/replica-" + std::to_string(replica);
 }
 
 } // namespace isosurface

@@ -61,6 +61,7 @@ struct TimeStepDescription
  *     "grid": { "extent": [6], "origin": [3], "spacing": [3], "direction": [9],
  *               "coordinates": [ [x, ...], [y, ...], [z, ...] ], of a rectilinear grid alone },
  *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": L, "stores": D,
+ *     "replicas": R, if it is above 1,
  *     "overviews": [ { "numberOfLevels": L, "stores": D }, ... ],
  *     "distribution": { "method": string, "seed": integer },
  *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, unless "none",
@@ -80,6 +81,7 @@ struct BlockedVolumeHeader
   static constexpr std::int64_t MaximumStores = 1 << 20;
   /// A volume may have so many stores, even if it has fewer blocks.
   static constexpr std::int64_t StoresOfAnyVolume = 4096;
+  static constexpr std::uint32_t MaximumReplicas = 16;
   static constexpr std::int64_t MaximumCoordinate = std::int64_t{ 1 } << 40;
 
   /// Of a rectilinear grid the regular one of the same extent in the same box (FrameGrid).
@@ -88,6 +90,9 @@ struct BlockedVolumeHeader
   int BlockSize = 32;
   int NumberOfLevels = 0; ///< in the records; 0: as many as a block can have
   std::uint32_t NumberOfStores = 1;
+  /// The number of stores that have each block: replica r of store d is in the folder of store
+  /// (d + r) mod NumberOfStores. Replica 0 is the store itself.
+  std::uint32_t NumberOfReplicas = 1;
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
   BlockCompression Compression; ///< the writer's setting; each segment states its own coding
@@ -146,6 +151,15 @@ std::string GetOverviewFolder(const std::string& generation, std::size_t overvie
 /// The folder of one store: NAME.bvol.stores/000001/store-00000; generation: that of the time step.
 std::string GetStoreFolder(
   const std::string& path, const std::string& generation, std::uint32_t store);
+/// The store whose folder has a replica of a store.
+inline std::uint32_t FindHost(std::uint32_t store, std::uint32_t replica, std::uint32_t stores)
+{
+  return static_cast<std::uint32_t>((std::uint64_t{ store } + replica) % stores);
+}
+/// The folder of a replica of a store: that of the store for replica 0, else replica-1 ... in the
+/// folder of FindHost().
+std::string GetReplicaFolder(const std::string& path, const std::string& generation,
+  std::uint32_t store, std::uint32_t replica, std::uint32_t stores);
 
 } // namespace isosurface
 

@@ -98,6 +98,11 @@ void ReadBlocks(JsonMembers& members, BlockedVolumeHeader& header)
     members.GetInteger("numberOfLevels", 1, GetMaximumNumberOfLevels(header.BlockSize)));
   header.NumberOfStores =
     static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
+  if (members.Has("replicas"))
+  {
+    header.NumberOfReplicas = static_cast<std::uint32_t>(
+      members.GetInteger("replicas", 1, BlockedVolumeHeader::MaximumReplicas));
+  }
 }
 
 void ReadDistribution(
@@ -324,6 +329,10 @@ std::string BlockedVolumeHeader::Format() const
   document["ghostLayers"] = 1;
   document["numberOfLevels"] = this->GetBlockGrid().GetNumberOfLevels();
   document["stores"] = this->NumberOfStores;
+  if (this->NumberOfReplicas > 1)
+  {
+    document["replicas"] = this->NumberOfReplicas;
+  }
   document["distribution"] = { { "method", GetDistributionName(this->Distribution) },
     { "seed", this->RandomSeed } };
   document["compression"] = GetCodecName(this->Compression.Codec);

@@ -8,6 +8,7 @@
 #include "Store/BlockReference.h"
 #include "Store/BlockStore.h"
 #include "Store/BlockedVolumeHeader.h"
+#include "Store/StoreFaults.h"
 #include "Store/VolumeSpectra.h"
 #include "Volume/ArrayVariables.h"
 #include "Volume/BlockGrid.h"
@@ -17,7 +18,10 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -72,7 +76,67 @@ public:
     const StoredLevel& stored) const;
 
   Result<std::shared_ptr<BlockStore>> GetStore(
-    std::size_t timeStep, std::uint32_t part, std::uint32_t store);
+    std::size_t timeStep, std::uint32_t part, std::uint32_t store, std::uint32_t replica = 0);
+
+  /**
+   * Calls `read` with a replica of a store: the preferred one, or, if it is known to be lost or turns out
+   * to be, the others, until one succeeds. What is wrong with the preferred replica is kept in
+   * GetFaults(). `ordinal`: the block that is read, if only that is. Errors: that of the first replica,
+   * with those of the others; if memory is short or the volume was rewritten, no other one is tried.
+   */
+  template <typename Read>
+  auto ReadReplicas(const StoreReplica& preferred, std::int64_t ordinal, const Read& read)
+    -> decltype(read(std::declval<BlockStore&>()))
+  {
+    ReplicaErrors errors(*this, preferred);
+    for (const std::uint32_t replica : this->OrderReplicas(preferred, ordinal))
+    {
+      const auto store =
+        this->GetStore(preferred.TimeStep, preferred.Part, preferred.Store, replica);
+      if (store.IsOk())
+      {
+        auto result = read(**store);
+        if (result.IsOk())
+        {
+          errors.Keep();
+          return result;
+        }
+        errors.Add(replica, ordinal, result.GetStatus());
+      }
+      else
+      {
+        errors.Add(replica, StoreFault::Whole, store.GetStatus());
+      }
+      if (errors.AreFinal())
+      {
+        break;
+      }
+    }
+    return errors.Join();
+  }
+
+  /// The replica that ReadReplicas would try first.
+  std::uint32_t FindReplica(const StoreReplica& preferred, std::int64_t ordinal) const
+  {
+    return this->OrderReplicas(preferred, ordinal).front();
+  }
+
+  StoreFaults& GetFaults() { return this->Faults; }
+  const StoreFaults& GetFaults() const { return this->Faults; }
+
+  /// One sentence about the stores that faults are new of, as far as it was not told before; or "".
+  std::string DescribeNews(const std::vector<StoreFault>& news);
+
+  /// What isosurfaces take of each store.
+  struct WorkOfStores
+  {
+    std::vector<std::uint64_t> Triangles; ///< per store
+    std::uint64_t ActiveBlocks = 0;       ///< of all stores
+  };
+  /// The same summed over isovalues, in a part, at the finest level there. The counts of stores are kept
+  /// until another variable is asked for. Errors: those of reading the spectra.
+  Result<WorkOfStores> FindStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable,
+    const std::vector<double>& isovalues);
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
 
   /// Ok if the header on disk still has the time step as it was when the volume was opened.
@@ -84,8 +148,48 @@ private:
     std::size_t TimeStep;
     std::uint32_t Part;
     std::uint32_t Index;
+    std::uint32_t Replica;
     std::shared_ptr<BlockStore> Store;
   };
+
+  /// Why the replicas of a store, or a block in them, could not be read.
+  class ReplicaErrors
+  {
+  public:
+    ReplicaErrors(VolumeStores& stores, const StoreReplica& preferred)
+      : Stores(stores)
+      , Preferred(preferred)
+    {
+    }
+    /// `ordinal`: of the block, if the rest of the replica may be read.
+    void Add(std::uint32_t replica, std::int64_t ordinal, const Status& error);
+    /// Whether other replicas would not help.
+    bool AreFinal() const { return this->IsFinal; }
+    /// Keeps what is known of the preferred replica now that another one could be read.
+    void Keep();
+    Status Join() const;
+
+  private:
+    VolumeStores& Stores;
+    StoreReplica Preferred;
+    std::vector<Status> Errors;
+    std::optional<StoreFault> Fault;
+    bool IsFinal = false;
+  };
+
+  /// The triangles of isosurfaces of one variable, by store and bin.
+  struct StoreWork
+  {
+    std::size_t TimeStep = 0;
+    std::uint32_t Part = 0;
+    std::size_t Variable = 0;
+    std::vector<std::vector<std::uint64_t>> Triangles;
+  };
+
+  /// All replicas: sound ones from the preferred one on, then damaged ones, then lost ones.
+  std::vector<std::uint32_t> OrderReplicas(
+    const StoreReplica& preferred, std::int64_t ordinal) const;
+  Status ReadStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable);
 
   void AddPart(const BlockedVolumeHeader& header);
   /// What has the samples of a time step of a volume in place, opened at the first call. The mutex is
@@ -100,6 +204,11 @@ private:
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;
   std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
+
+  StoreFaults Faults;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> ToldStores; ///< part and number
+  std::mutex WorkMutex;
+  StoreWork Work;
 
   std::mutex Mutex;
   std::list<OpenStore> OpenStores;                     ///< the most recently used one first

@@ -4,6 +4,7 @@
 #include "Base/ParallelFor.h"
 #include "Store/BlockedVolumeHeader.h"
 #include "Store/SourceSamples.h"
+#include "Store/StoreCheck.h"
 #include "Store/StoreVerification.h"
 #include "Store/VolumeSpectra.h"
 
@@ -153,12 +154,17 @@ private:
       this->AddFault(spectra);
     }
     const auto source = this->OpenSource(header, step);
+    // All stores, then the first replicas of all stores, ...
     std::vector<std::unique_ptr<StoreVerification>> stores;
-    for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
+    for (std::uint32_t replica = 0; replica < header.NumberOfReplicas; ++replica)
     {
-      stores.push_back(std::make_unique<StoreVerification>(this->Files, variables, grid,
-        step.Stores[store], GetStoreFolder(this->Path, step.Folder, store),
-        step.Source ? SamplePlace::Source : SamplePlace::Store, source));
+      for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
+      {
+        stores.push_back(std::make_unique<StoreVerification>(this->Files, variables, grid,
+          step.Stores[store],
+          GetReplicaFolder(this->Path, step.Folder, store, replica, header.NumberOfStores),
+          step.Source ? SamplePlace::Source : SamplePlace::Store, replica == 0 ? source : nullptr));
+      }
     }
     if (!ParallelFor(
           stores.size(), this->Threads, [&](std::size_t store, int) { stores[store]->Open(); },
@@ -167,7 +173,7 @@ private:
       return false;
     }
     std::vector<std::pair<std::uint32_t, std::uint64_t>> runs;
-    for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
+    for (std::uint32_t store = 0; store < stores.size(); ++store)
     {
       for (std::uint64_t run = 0; run < stores[store]->GetNumberOfRuns(); ++run)
       {
@@ -181,33 +187,44 @@ private:
     {
       return false;
     }
-    this->Join(grid, step, stores);
+    this->Join(header, step, stores);
     return true;
   }
 
-  void Join(const BlockGrid& grid, const TimeStepDescription& step,
+  void Join(const BlockedVolumeHeader& header, const TimeStepDescription& step,
     const std::vector<std::unique_ptr<StoreVerification>>& stores)
   {
+    const BlockGrid grid = header.GetBlockGrid();
     std::uint64_t promised = 0;
     for (const StoreDescription& store : step.Stores)
     {
       promised += store.Blocks;
     }
     // Memory is only allocated for as many blocks as the stores have.
-    const bool areOpen =
-      std::all_of(stores.begin(), stores.end(), [](const auto& store) { return store->IsOpen(); });
+    const bool areOpen = std::all_of(stores.begin(),
+      stores.begin() + static_cast<std::ptrdiff_t>(header.NumberOfStores),
+      [](const auto& store) { return store->IsOpen(); });
     const std::size_t count = areOpen ? static_cast<std::size_t>(grid.GetNumberOfBlocks()) : 0;
     const std::uint64_t before = this->Found.FaultCount;
     std::vector<std::uint8_t> seen(count, 0);
-    for (const auto& store : stores)
+    std::vector<std::uint8_t> unused;
+    std::vector<bool> areSound;
+    for (std::size_t index = 0; index < stores.size(); ++index)
     {
-      store->Finish(seen);
-      for (const Status& fault : store->TakeFaults())
+      StoreVerification& store = *stores[index];
+      store.Finish(index < header.NumberOfStores ? seen : unused);
+      const std::vector<Status> faults = store.TakeFaults();
+      areSound.push_back(faults.empty());
+      for (const Status& fault : faults)
       {
         this->AddFault(fault);
       }
-      this->Found.Files += store->GetFiles();
-      this->Found.Bytes += store->GetBytes();
+      this->Found.Files += store.GetFiles();
+      this->Found.Bytes += store.GetBytes();
+    }
+    if (header.NumberOfReplicas > 1)
+    {
+      this->FindRepairs(header, step, areSound);
     }
     this->Found.Blocks += promised;
     const bool hasEachOnce =
@@ -216,6 +233,48 @@ private:
     {
       this->AddFault(Status(StatusCode::Corrupt,
         this->Path + ": the stores of time step " + step.Folder + " do not have each block once"));
+    }
+  }
+
+  /// Which stores have damaged replicas, and whether what they had is elsewhere. `areSound`: in the order of
+  /// CheckTimeStep.
+  void FindRepairs(const BlockedVolumeHeader& header, const TimeStepDescription& step,
+    const std::vector<bool>& areSound)
+  {
+    const std::uint32_t stores = header.NumberOfStores;
+    std::vector<bool> isDamaged(stores, false);
+    std::vector<std::string> obstacles(stores);
+    for (std::uint32_t store = 0; store < stores; ++store)
+    {
+      std::vector<std::string> folders;
+      bool isAnySound = false;
+      for (std::uint32_t replica = 0; replica < header.NumberOfReplicas; ++replica)
+      {
+        isAnySound = isAnySound || areSound[replica * stores + store];
+        folders.push_back(GetReplicaFolder(this->Path, step.Folder, store, replica, stores));
+      }
+      const Status whole = isAnySound
+        ? Status::Ok()
+        : CheckReplicas(this->Files, header, step, store, folders, this->Threads);
+      for (std::uint32_t replica = 0; replica < header.NumberOfReplicas; ++replica)
+      {
+        if (!areSound[replica * stores + store])
+        {
+          const std::uint32_t host = FindHost(store, replica, stores);
+          isDamaged[host] = true;
+          obstacles[host] = whole.IsOk() ? obstacles[host] : whole.GetMessage();
+        }
+      }
+    }
+    for (std::uint32_t host = 0; host < stores; ++host)
+    {
+      if (isDamaged[host])
+      {
+        this->Found.Repairs.push_back(GetStoreFolder(this->Path, step.Folder, host) +
+          (obstacles[host].empty()
+              ? ": is damaged; --repair can restore it"
+              : ": is damaged; --repair cannot restore all of it: " + obstacles[host]));
+      }
     }
   }
 

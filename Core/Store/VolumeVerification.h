@@ -24,6 +24,8 @@ struct VolumeVerification
   /// blocks.
   std::vector<Status> Faults;
   std::uint64_t FaultCount = 0;
+  /// Of a volume with replicas: a sentence for each damaged store, whether it can be repaired, and why not.
+  std::vector<std::string> Repairs;
   std::uint64_t Files = 0;  ///< that were checked
   std::uint64_t Blocks = 0; ///< of all time steps, overviews included
   std::uint64_t Bytes = 0;  ///< of records
@@ -38,6 +40,8 @@ struct VolumeVerification
  *
  * Of a volume in place the samples at full resolution are read from its source and compared with
  * those that were indexed. That the source is missing is a fault; the rest is checked all the same.
+ *
+ * Replicas of stores are checked like these.
  *
  * `header`: what is checked instead of the header at the path.
  *

@@ -28,6 +28,9 @@ struct BlockedVolumeSettings
 {
   int BlockSize = 32;               ///< cells a side: 16, 32 or 64
   std::uint32_t NumberOfStores = 0; ///< 0: as many as there are ranks
+  /// The number of stores that have each block, at most as many as there are; 0: those of the volume
+  /// that is appended to, else 1.
+  std::uint32_t NumberOfReplicas = 0;
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
   BlockCompression Compression;
@@ -36,8 +39,8 @@ struct BlockedVolumeSettings
   /// have no meaning.
   std::optional<GridLines> Lines;
   /// Appends the time step to the volume at the path; without one, makes a new volume. The volume
-  /// must have the same grid, arrays, block size, stores (0: as many as it has), distribution and
-  /// compression, and earlier times; else this is an InvalidArgument.
+  /// must have the same grid, arrays, block size, stores and replicas (0: as many as it has),
+  /// distribution and compression, and earlier times; else this is an InvalidArgument.
   bool Append = false;
   /// Writes no samples at level 0: they stay in this source (DescribeSource), which the writer's own
   /// source has to agree with. All time steps of a volume have one, or none has.
@@ -67,6 +70,9 @@ struct WriteStatistics
  * they must cover the grid. The files do not depend on the number of ranks and threads, nor on the
  * memory limit. Rank r of P writes the stores d with d mod P == r, on a file system that all ranks
  * share. Documentation/architecture.md describes writing, Documentation/formats the files.
+ *
+ * The rank that writes a store copies it to the folders of the stores that have replicas of it: so
+ * replicas cost reading the store's files once more, and writing them, for each.
  *
  * On an error of any rank, or if any rank's progress asks to stop, all ranks return an error, and
  * the volume at `path` stays as it was. Another writer to the same path fails at once.

@@ -11,6 +11,7 @@
 #include "Store/VolumeSpectra.h"
 #include "Writing/BlockRounds.h"
 #include "Writing/BlockShipment.h"
+#include "Writing/StoreReplication.h"
 
 #include <algorithm>
 
@@ -389,6 +390,11 @@ Status GridWriter::FinishStores()
         this->GetStep().Stores[mine[index]] = *description;
       }
       writer.reset();
+      if (outcomes[index].IsOk())
+      {
+        outcomes[index] =
+          ReplicateStore(this->Context.Files, this->Context.Path, this->Header, mine[index]);
+      }
     },
     [&](double share) { return this->TellShare(BlocksDone + (1 - BlocksDone) * share); });
   for (const Status& outcome : outcomes)

@@ -61,6 +61,11 @@ std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolum
   {
     reason = "it has " + std::to_string(existing.NumberOfStores) + " stores";
   }
+  else if (existing.NumberOfReplicas != header.NumberOfReplicas)
+  {
+    reason =
+      "it has each block in " + std::to_string(existing.NumberOfReplicas) + " stores (--replicas)";
+  }
   else if (existing.Distribution != header.Distribution || existing.RandomSeed != header.RandomSeed)
   {
     reason = std::string("its blocks are distributed otherwise: ") +
@@ -106,7 +111,10 @@ void PlanLevels(BlockedVolumeHeader& header, bool isInPlace)
     levels = LevelsBelowOverview;
     grid = BlockGrid(geometry.GetDimensions(), header.BlockSize);
     const std::int64_t blocks = grid.GetNumberOfBlocks();
-    const auto stores = static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1);
+    // Each replica of a block is in another store.
+    const std::uint32_t stores =
+      std::max(static_cast<std::uint32_t>((blocks - 1) / BlocksPerOverviewStore + 1),
+        header.NumberOfReplicas);
     header.Overviews.push_back({ blocks > 1 ? LevelsBelowOverview : grid.GetNumberOfLevels(),
       std::min(header.NumberOfStores, stores) });
   }
@@ -172,6 +180,9 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   header.NumberOfStores = settings.NumberOfStores != 0 ? settings.NumberOfStores
     : existing                                         ? existing->NumberOfStores
                                                        : ChooseStores(grid, settings, ranks);
+  header.NumberOfReplicas = settings.NumberOfReplicas != 0 ? settings.NumberOfReplicas
+    : existing                                             ? existing->NumberOfReplicas
+                                                           : 1;
   header.Distribution = settings.Distribution;
   header.RandomSeed = settings.RandomSeed;
   header.Compression = settings.Compression;

@@ -97,6 +97,7 @@ void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSett
   writer->SetFileName(path.c_str());
   writer->SetBlockSize(settings.BlockSize);
   writer->SetNumberOfStores(settings.NumberOfStores);
+  writer->SetNumberOfReplicas(settings.NumberOfReplicas);
   writer->SetDistribution(settings.Distribution);
   writer->SetCompression(settings.Compression);
   EXPECT_EQ(writer->Write(), 1);

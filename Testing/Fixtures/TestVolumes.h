@@ -29,6 +29,7 @@ struct VolumeSettings
   int NumberOfStores = 1;
   int Distribution = vtkBlockedVolumeWriter::GREEDY;
   int Compression = vtkBlockedVolumeWriter::LZ4;
+  int NumberOfReplicas = 0;
 };
 
 /// Writes an image or a rectilinear grid, on this process alone; a test fails if that reports an error.

@@ -85,6 +85,13 @@ void AddRectilinearHeader(Corpus& corpus)
   header.TimeSteps = { step };
   const std::string text = header.Format();
   corpus.Add("BlockedVolumeHeader", "rectilinear", Bytes(text.begin(), text.end()));
+  // Each block in two of three stores.
+  header.Lines.reset();
+  header.NumberOfStores = 3;
+  header.NumberOfReplicas = 2;
+  header.TimeSteps[0].Stores = { { 1, 4096, 7 }, { 0, 0, 8 }, { 0, 0, 9 } };
+  const std::string replicated = header.Format();
+  corpus.Add("BlockedVolumeHeader", "replicas", Bytes(replicated.begin(), replicated.end()));
 }
 
 /// The header of a volume in place.

@@ -41,6 +41,7 @@ void WriteFromPieces(
   writer->SetFileName(path.c_str());
   writer->SetBlockSize(settings.BlockSize);
   writer->SetNumberOfStores(settings.NumberOfStores);
+  writer->SetNumberOfReplicas(settings.NumberOfReplicas);
   writer->SetDistribution(settings.Distribution);
   writer->SetCompression(settings.Compression);
   EXPECT_EQ(writer->Write(), 1);

@@ -330,6 +330,52 @@ class InfoTellsWhatIndependentReadersFind(Case):
                         self.assertAlmostEqual(value, total[name][b] * unit, delta=1e-8 * value)
 
 
+class RepairRestoresStores(Case):
+    def read_all(self, path):
+        return {name: open(file, "rb").read() for name, file in list_files(path).items()}
+
+    def test_lost_truncated_and_damaged_stores(self):
+        source = os.path.join(INPUTS, "a.vti")
+        path = self.write(source, "o.bvol", "--stores", "4", "--replicas", "2", ranks=2)
+        self.assertEqual(json.loads(run("--info", "--json", path)[1])["replicas"], 2)
+        before = self.read_all(path)
+        # A reader that knows nothing of replicas reads the stores.
+        alone = self.read_all(self.write(source, "alone.bvol", "--stores", "4"))
+        self.assertEqual(BlockedVolume(path).dimensions, list(SIZE))
+        stores = [name for name in alone if name.startswith("000001/store-")]
+        self.assertEqual(len(stores), 4 * 4)
+        self.assertEqual([name for name in stores if before[name] != alone[name]], [])
+        step = path + ".stores/000001/"
+        for spoil in (lambda: shutil.rmtree(step + "store-00001"),
+                      lambda: os.truncate(step + "store-00002/blocks", 4096),
+                      lambda: os.remove(step + "store-00003/replica-1/directory")):
+            spoil()
+            code, _, err = run("--verify", path, "--quiet")
+            self.assertEqual(code, 1)
+            self.assertIn("is damaged; --repair can restore it", err)
+            code, out, err = run("--repair", path)
+            self.assertEqual(code, 0, err)
+            self.assertIn(": restored\n", out)
+            self.assertEqual(self.read_all(path), before)
+        self.assertEqual(run("--repair", path, "--quiet"), (0, "", ""))
+        self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
+
+    def test_what_nobody_has_is_refused_by_one_line_with_the_blocks(self):
+        path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "4", "--replicas", "2")
+        step = path + ".stores/000001/"
+        for name in ("store-00001/blocks", "store-00002/replica-1/blocks"):
+            with open(step + name, "r+b") as file:
+                file.seek(100)
+                file.write(b"damage")
+        code, _, err = run("--verify", path, "--quiet")
+        self.assertEqual(code, 1)
+        self.assertIn("--repair cannot restore all of it", err)
+        code, out, err = run("--repair", path, "--quiet")
+        self.assertEqual((code, out), (1, ""))
+        self.assertRegex(err, r"^blockvolume: cannot be restored: .*store-00001: no replica has "
+                              r"block [0-9]+\n$")
+
+
 class ErrorsAreOneLine(Case):
     def check(self, expected, *arguments, ranks=1):
         code, out, err = run(*arguments, ranks=ranks)
@@ -355,6 +401,10 @@ class ErrorsAreOneLine(Case):
         self.check("--type: \"int17\"", source, "o.bvol", "--dimensions", "3,3,3", "--type", "int17")
         self.check("--json", source, "o.bvol", "--json")
         self.check("--verify", "--info", "--verify", "o.bvol")
+        self.check("--repair", "--info", "--repair", "o.bvol")
+        self.check("--replicas", source, "o.bvol", "--stores", "20", "--replicas", "17")
+        self.check("replicas is 3, which takes as many stores; there are 2", source, "o.bvol",
+                   "--stores", "2", "--replicas", "3", ranks=2)
         self.check("--unknown", source, "o.bvol", "--unknown")
         self.check("one file at a time", "--info", "a.bvol", "b.bvol")
         self.check("--arrays", source, "o.bvol", "--arrays", "a,,b")

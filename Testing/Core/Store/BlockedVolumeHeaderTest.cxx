@@ -91,6 +91,20 @@ TEST(BlockedVolumeHeader, RoundTripsExactly)
   }
 }
 
+TEST(BlockedVolumeHeader, NamesReplicasOnlyIfThereAreSome)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  EXPECT_EQ(header.Format().find("replicas"), std::string::npos);
+  header.NumberOfReplicas = 2;
+  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
+  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
+  EXPECT_EQ(parsed->NumberOfReplicas, 2u);
+  EXPECT_EQ(parsed->Format(), header.Format());
+  EXPECT_EQ(GetReplicaFolder("/a.bvol", "000001", 1, 0, 2), "/a.bvol.stores/000001/store-00001");
+  EXPECT_EQ(
+    GetReplicaFolder("/a.bvol", "000001", 1, 1, 2), "/a.bvol.stores/000001/store-00000/replica-1");
+}
+
 TEST(BlockedVolumeHeader, HasARangeOfEachComponentAndOfEachMagnitude)
 {
   BlockedVolumeHeader header = MakeHeader();
@@ -257,6 +271,13 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "stores", [](Json& d) { d["stores"] = 0; } },
     { "stores", [](Json& d) { d["stores"] = 4000000000u; } },
     { "timeSteps[0].stores", [](Json& d) { d["stores"] = 3; } },
+    { "replicas", [](Json& d) { d["replicas"] = 0; } },
+    { "replicas", [](Json& d) { d["replicas"] = -1; } },
+    { "replicas", [](Json& d) { d["replicas"] = 17; } },
+    { "replicas", [](Json& d) { d["replicas"] = "2"; } },
+    { "replicas", [](Json& d) { d["replicas"] = 1.5; } },
+    { "replicas is 3, which takes as many stores; there are 2",
+      [](Json& d) { d["replicas"] = 3; } },
     { "compression", [](Json& d) { d["compression"] = 3; } },
     { "compressionLevel", [](Json& d) { d["compression"] = "lz4"; } },
     { "compressionLevel",
@@ -387,6 +408,8 @@ TEST(BlockedVolumeHeader, NamesTheMemberOfAnOverviewThatIsWrong)
     { "overviews[0].numberOfLevels", [](Json& d) { d["overviews"][0]["numberOfLevels"] = 0; } },
     { "overviews[1].numberOfLevels", [](Json& d) { d["overviews"][1]["numberOfLevels"] = 6; } },
     { "overviews[1].stores", [](Json& d) { d["overviews"][1]["stores"] = 0; } },
+    // An overview has a single store.
+    { "replicas", [](Json& d) { d["replicas"] = 2; } },
     { "numberOfLevels", [](Json& d) { d["numberOfLevels"] = 0; } },
     { "numberOfLevels", [](Json& d) { d["numberOfLevels"] = -1; } },
     // The overviews would be coarser than their blocks say.

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StoreRecovery_h
+#define isosurface_StoreRecovery_h
+
+#include "Base/Communicator.h"
+#include "Base/Status.h"
+#include "Store/BlockedVolume.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Runs a step of a query on all ranks, and once more as long as it fails on a rank and the ranks learn of lost
+ * or damaged stores: their blocks are shared anew among the ranks that have replicas. `step` returns this
+ * rank's status; it may be collective. `warning`: names the stores that were found to be lost or damaged,
+ * the same on all ranks; else unchanged. Collective, unless the volume has no replicas.
+ *
+ * Returns this rank's status, which the ranks have agreed on if there are replicas.
+ */
+template <typename Step>
+Status RunWithReplicas(
+  Communicator& ranks, BlockedVolume& volume, std::string& warning, const Step& step)
+{
+  while (true)
+  {
+    const Status mine = step();
+    if (volume.GetHeader().NumberOfReplicas == 1)
+    {
+      return mine;
+    }
+    const StoreNews news = volume.ShareStoreFaults(ranks);
+    if (!news.Warning.empty())
+    {
+      warning += (warning.empty() ? "" : "; ") + news.Warning;
+    }
+    const Status all = ranks.Agree(mine);
+    const bool isStopped = all.GetCode() == StatusCode::Aborted;
+    std::vector<std::uint64_t> stopped = { isStopped ? 1U : 0U };
+    ranks.ReduceMaximum(stopped);
+    if (all.IsOk() || stopped.front() != 0 || !news.IsNew)
+    {
+      return all;
+    }
+  }
+}
+
+} // namespace isosurface
+
+#endif
