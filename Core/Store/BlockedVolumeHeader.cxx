@@ -128,6 +128,11 @@ Status ValidateReplicas(std::uint32_t replicas, std::uint32_t stores)
       "is not from 1 to " + std::to_string(BlockedVolumeHeader::MaximumReplicas) + ": " +
         std::to_string(replicas));
   }
+  // Each replica costs memory when all are checked.
+  if (replicas > 1 && std::int64_t{ replicas } * stores > BlockedVolumeHeader::MaximumStores)
+  {
+    return MakeMemberError("replicas", "times the number of stores is above 2^20");
+  }
   return replicas <= stores
     ? Status::Ok()
     : MakeMemberError("replicas",

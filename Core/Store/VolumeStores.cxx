@@ -152,14 +152,13 @@ void VolumeStores::ReplicaErrors::Add(
   {
     return;
   }
+  // The source may be to blame, unless another replica can be read.
   const bool isInSource = this->Preferred.Part == 0 && header.IsInPlace();
   this->Fault = { this->Preferred, ordinal, error.GetMessage() };
-  if (ordinal != StoreFault::Whole && isInSource)
+  if (!isInSource)
   {
-    // The source may be to blame, unless another replica can be read.
-    return;
+    this->Keep();
   }
-  this->Keep();
   const std::uint32_t stores = header.NumberOfStores;
   const std::uint32_t host = FindHost(this->Preferred.Store, replica, stores);
   const std::string& folder = header.TimeSteps[this->Preferred.TimeStep].Folder;

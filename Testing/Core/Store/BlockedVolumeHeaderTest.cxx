@@ -91,6 +91,18 @@ TEST(BlockedVolumeHeader, RoundTripsExactly)
   }
 }
 
+TEST(BlockedVolumeHeader, RefusesMoreReplicasThanCanBeChecked)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  header.Grid.Extent = { 0, 16000, 0, 16000, 0, 160 };
+  header.NumberOfStores = 1U << 20;
+  EXPECT_TRUE(header.ValidateVolume().IsOk());
+  header.NumberOfReplicas = 2;
+  EXPECT_NE(header.ValidateVolume().GetMessage().find("above 2^20"), std::string::npos);
+  header.NumberOfStores = 1U << 19;
+  EXPECT_TRUE(header.ValidateVolume().IsOk());
+}
+
 TEST(BlockedVolumeHeader, NamesReplicasOnlyIfThereAreSome)
 {
   BlockedVolumeHeader header = MakeHeader();

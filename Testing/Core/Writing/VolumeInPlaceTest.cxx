@@ -7,6 +7,7 @@
 #include "Query/StoredSlabSource.h"
 #include "Store/VolumeVerification.h"
 #include "Writing/SourceRelocation.h"
+#include "Writing/VolumeRepair.h"
 
 using namespace isosurface;
 
@@ -145,6 +146,50 @@ TEST(VolumeInPlace, SurfacesAreThoseOfTheCopiedVolume)
     EXPECT_EQ(Contour(*OpenVolume(made.Disk, 0), 1, false, statistics), expected)
       << "without a cache";
   }
+}
+
+TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
+{
+  const PlainSurface expected = ContourCopy(MakeVolume<std::int16_t>(Size));
+  InPlaceDisk made({ 33, 20, 11 });
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.NumberOfReplicas = 2;
+  made.Write(settings);
+  const auto files = made.Disk.Copy();
+  const std::string store = VolumePath + ".stores/000002/store-00001";
+  const std::vector<std::function<void()>> damages = {
+    [&] { EXPECT_TRUE(made.Disk.RemoveAll(store).IsOk()); },
+    [&] { made.Disk.GetFile(store + "/blocks")[2] ^= 1; },
+    [&] { made.Disk.GetFile(store + "/directory").resize(4096); },
+  };
+  for (const auto& damage : damages)
+  {
+    damage();
+    for (const bool isDealt : { false, true })
+    {
+      const auto volume = OpenVolume(made.Disk);
+      QueryStatistics statistics;
+      EXPECT_EQ(Contour(*volume, 2, isDealt, statistics), expected);
+      SerialCommunicator alone;
+      EXPECT_NE(volume->ShareStoreFaults(alone).Warning.find("store 1:"), std::string::npos);
+    }
+    EXPECT_FALSE(made.Verify().Faults.empty());
+    const auto repaired = RepairBlockedVolume(VolumePath, made.Disk, 2);
+    ASSERT_TRUE(repaired.IsOk()) << repaired.GetStatus().GetMessage();
+    EXPECT_TRUE(repaired->Refused.empty());
+    EXPECT_TRUE(made.Disk.Copy() == files);
+    EXPECT_TRUE(made.Verify().Faults.empty());
+  }
+  // A source that is missing is no fault of the stores.
+  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  const auto volume = OpenVolume(made.Disk);
+  QueryStatistics statistics;
+  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  ASSERT_FALSE(active.IsOk());
+  EXPECT_EQ(active.GetStatus().GetMessage().find("nor can"), std::string::npos)
+    << active.GetStatus().GetMessage();
+  SerialCommunicator alone;
+  EXPECT_FALSE(volume->ShareStoreFaults(alone).IsNew);
 }
 
 TEST(VolumeInPlace, StoresHaveHeadersOfSegmentsAlone)
