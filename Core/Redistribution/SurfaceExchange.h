@@ -33,7 +33,7 @@ class SurfaceUnpacking;
  * where pieces meet have equal GlobalIds and are bitwise equal. Memory: the encoded blocks that the
  * rank had, freed as they are sent, and those that it receives.
  *
- * Source: X. Zhang, C. Bajaj and W. Blanke, "Scalable isosurface visualization of massive datasets
+ * Source: X. Zhang and C. Bajaj, "Scalable isosurface visualization of massive datasets
  * on commodity off-the-shelf clusters", 2009, sections 2 and 4.2.
  */
 class SurfaceExchange
