@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContourHeader.h"
 
+#include "NormalRounding.h"
+
 #include "Base/Coding.h"
 
 #include <algorithm>
@@ -25,6 +27,18 @@ std::string ReadText(ByteReader& reader)
   const auto size = std::min<std::uint64_t>(reader.ReadVarint(), reader.GetRemaining());
   const std::uint8_t* text = reader.ReadBytes(static_cast<std::size_t>(size));
   return text ? std::string(text, text + size) : std::string();
+}
+
+/// Blocks are encoded with the normals that the contour computes.
+void MatchNormals(EdgeIndexHeader& header)
+{
+  ContourRequest request;
+  MatchNormalsOfVTK(request);
+  for (EdgeIndexAttribute& attribute : header.Attributes)
+  {
+    attribute.NormalsRoundedOnce = request.NormalsRoundedOnce;
+    attribute.NormalsByDirection = request.NormalsByDirection;
+  }
 }
 
 } // namespace
@@ -60,15 +74,21 @@ Result<EdgeIndexHeader> ShareHeader(
   {
     mine.Append(message);
   }
+  Result<EdgeIndexHeader> header = mine;
   for (const Message& other : ranks.AllGather(message))
   {
     if (!other.empty())
     {
       std::size_t used = 0;
-      return EdgeIndexHeader::Parse(other.data(), other.size(), used);
+      header = EdgeIndexHeader::Parse(other.data(), other.size(), used);
+      break;
     }
   }
-  return mine;
+  if (header.IsOk())
+  {
+    MatchNormals(*header); // the bytes do not say it
+  }
+  return header;
 }
 
 std::vector<InterpolatedArray> ShareArrays(Communicator& ranks, const ContourBlocks& blocks)

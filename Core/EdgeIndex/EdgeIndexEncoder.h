@@ -17,7 +17,7 @@ namespace isosurface
 {
 
 /**
- * Encodes isosurfaces as edge indices: X. Zhang, C. Bajaj and W. Blanke, "Scalable isosurface
+ * Encodes isosurfaces as edge indices: X. Zhang and C. Bajaj, "Scalable isosurface
  * visualization of massive datasets on commodity off-the-shelf clusters", J. Parallel Distrib.
  * Comput. 2009, section 4.2. A point of the surface is a crossed edge of the grid and the values at
  * its ends. Deviation: not bitmaps of vertices and cells are coded, but the sign of every vertex,

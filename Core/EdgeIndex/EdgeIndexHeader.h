@@ -61,6 +61,9 @@ struct EdgeIndexAttribute
   double MaximumError = 0;
   /// These are the normals of the surface: three float32.
   bool IsNormals = false;
+  /// How the encoder computes normals, as in ContourRequest; not stored.
+  bool NormalsRoundedOnce = false;
+  bool NormalsByDirection = false;
 };
 
 /// What all blocks of an edge-index stream have in common; the first bytes of a stream or file.

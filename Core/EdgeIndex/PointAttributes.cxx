@@ -105,7 +105,12 @@ Status PointAttributes::Interpolate(
   request.GlobalIds = true;
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {
-    request.Normals = request.Normals || attribute.IsNormals;
+    if (attribute.IsNormals)
+    {
+      request.Normals = true;
+      request.NormalsRoundedOnce = attribute.NormalsRoundedOnce;
+      request.NormalsByDirection = attribute.NormalsByDirection;
+    }
   }
   ISOSURFACE_RETURN_IF_ERROR(FindLayouts(header, samples, request.Attributes));
   SingleBlock source(samples);
