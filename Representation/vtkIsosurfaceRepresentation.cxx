@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkIsosurfaceRepresentation.h"
 
+#include "BackgroundThinning.h"
 #include "MeasuredTriangles.h"
 #include "ThinnedPolyData.h"
 #include "vtkIsosurfaceGeometryFilter.h"
@@ -22,6 +23,8 @@
 #include "vtkPVRenderView.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
+
+#include <optional>
 
 vtkStandardNewMacro(vtkIsosurfaceRepresentation);
 
@@ -74,6 +77,7 @@ vtkIsosurfaceRepresentation::vtkIsosurfaceRepresentation()
   , ThinnedMapper(vtkIsosurfaceMapper::New())
   , ThinnedTime(0)
   , ThinnedResolution(0)
+  , Thinning(new isosurface::BackgroundThinning)
 {
   Replace(this->GeometryFilter, vtkIsosurfaceGeometryFilter::New());
   this->GeometryFilter->AddObserver(vtkCommand::ProgressEvent, this,
@@ -98,7 +102,9 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
     // The superclass asks for bounds as soon as it has updated; they have to be stored before.
     // NOLINTNEXTLINE(bugprone-parent-virtual-call): this updates; the superclass finds that done.
     this->vtkPVDataRepresentation::ProcessViewRequest(request, input, output);
-    StoreBounds(this->MultiBlockMaker->GetOutputDataObject(0), this->SurfaceMapper);
+    vtkDataObject* piece = this->MultiBlockMaker->GetOutputDataObject(0);
+    StoreBounds(piece, this->SurfaceMapper);
+    this->BeginThinning(isosurface::GetSurfaceAlone(piece));
   }
   else if (this->GetVisibility() && request == vtkPVView::REQUEST_UPDATE_LOD())
   {
@@ -113,6 +119,24 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
     StoreBounds(vtkPVView::GetDeliveredPieceLOD(input, this), this->ThinnedMapper);
   }
   return this->Superclass::ProcessViewRequest(request, input, output);
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceRepresentation::BeginThinning(vtkPolyData* surface)
+{
+  // Whoever has turned a surface will turn the next one. Small ones are thinned in no time.
+  constexpr vtkIdType large = 500000;
+  const bool wasTurned = this->Thinned != nullptr;
+  if (wasTurned && !this->SuppressLOD && surface && surface->GetNumberOfPolys() > large &&
+    this->SurfaceMapper->GetTriangles()->Measure(surface, isosurface::ChooseDrawingThreads()))
+  {
+    this->Thinning->Begin(surface, *this->SurfaceMapper->GetTriangles(),
+      isosurface::ChooseThinningLimits(this->ThinnedResolution));
+  }
+  else
+  {
+    this->Thinning->Forget();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -135,9 +159,16 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
   if (this->ThinnedSurface != surface || this->ThinnedTime != surface->GetMTime() ||
     this->ThinnedResolution != resolution)
   {
+    const isosurface::ThinningLimits limits = isosurface::ChooseThinningLimits(resolution);
+    std::optional<isosurface::ThinnedSurface> kept = this->Thinning->Take(surface, limits);
+    if (!kept)
+    {
+      const isosurface::MeasuredTriangles& triangles = *this->SurfaceMapper->GetTriangles();
+      kept =
+        isosurface::ThinSurface(triangles.GetSurface(), triangles.GetMeasure(), limits, threads);
+    }
     vtkNew<vtkPolyData> thinned;
-    isosurface::ThinPolyData(
-      surface, *this->SurfaceMapper->GetTriangles(), resolution, threads, thinned);
+    isosurface::CopyThinned(surface, *kept, thinned);
     this->Thinned = WrapAs(piece, thinned);
     // The superclass knows by the field data that the block is not one of the user's.
     this->Thinned->GetFieldData()->ShallowCopy(piece->GetFieldData());

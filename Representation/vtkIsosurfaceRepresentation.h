@@ -20,9 +20,16 @@
 #include "vtkSmartPointer.h" // For the thinned surface
 #include "vtkWeakPointer.h"  // For what it was made of
 
+#include <memory> // For what thins
+
 class vtkDataObject;
 class vtkIsosurfaceMapper;
 class vtkPolyData;
+
+namespace isosurface
+{
+class BackgroundThinning;
+}
 
 class ISOSURFACEREPRESENTATION_EXPORT vtkIsosurfaceRepresentation
   : public vtkGeometryRepresentationWithFaces
@@ -46,6 +53,8 @@ private:
   /// Gives the view a thinned surface, that of the last time if it is still the one; false if the
   /// superclass has to.
   bool ProvideLevelOfDetail(vtkInformation* input);
+  /// Has a surface thinned while it is drawn, if one was shown thinned before.
+  void BeginThinning(vtkPolyData* surface);
 
   vtkIsosurfaceMapper* SurfaceMapper; ///< the superclass's Mapper, which it owns
   vtkIsosurfaceMapper* ThinnedMapper; ///< the superclass's LODMapper, which it owns
@@ -55,6 +64,7 @@ private:
   vtkWeakPointer<vtkPolyData> ThinnedSurface;
   vtkMTimeType ThinnedTime;
   double ThinnedResolution;
+  std::unique_ptr<isosurface::BackgroundThinning> Thinning;
 };
 
 #endif

@@ -12,8 +12,6 @@
 #include "vtkSmartPointer.h"
 #include "vtkTypeInt32Array.h"
 
-#include "Drawing/SurfaceThinning.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -24,14 +22,6 @@ namespace isosurface
 {
 namespace
 {
-
-/// A third more cells along a side than ParaView's own clustering has.
-ThinningLimits ChooseLimits(double resolution)
-{
-  ThinningLimits limits;
-  limits.Cells = static_cast<int>(10 + 200 * std::clamp(resolution, 0.0, 1.0));
-  return limits;
-}
 
 /// Some tuples of an array, as an array of the same class.
 vtkSmartPointer<vtkAbstractArray> CopyTuples(
@@ -111,11 +101,16 @@ void CopyTriangles(const ThinnedSurface& kept, vtkPolyData* thinned)
 
 } // namespace
 
-void ThinPolyData(vtkPolyData* surface, const MeasuredTriangles& triangles, double resolution,
-  int threads, vtkPolyData* thinned)
+ThinningLimits ChooseThinningLimits(double resolution)
 {
-  const ThinnedSurface kept =
-    ThinSurface(triangles.GetSurface(), triangles.GetMeasure(), ChooseLimits(resolution), threads);
+  // A third more cells along a side than ParaView's own clustering has.
+  ThinningLimits limits;
+  limits.Cells = static_cast<int>(10 + 200 * std::clamp(resolution, 0.0, 1.0));
+  return limits;
+}
+
+void CopyThinned(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* thinned)
+{
   thinned->Initialize();
   CopyPoints(surface, kept, thinned);
   CopyTriangles(kept, thinned);

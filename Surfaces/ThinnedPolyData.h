@@ -2,20 +2,21 @@
 #ifndef isosurface_ThinnedPolyData_h
 #define isosurface_ThinnedPolyData_h
 
-#include "MeasuredTriangles.h"
+#include "Drawing/SurfaceThinning.h"
 
 class vtkPolyData;
 
 namespace isosurface
 {
 
+/// How much of a surface a view wants while the camera moves, by its resolution, 0 to 1.
+ThinningLimits ChooseThinningLimits(double resolution);
+
 /**
- * Fills `thinned` with a part of a surface's points, all their arrays but GlobalIds, and triangles
- * between them: what is shown while the camera moves. `resolution` is a view's, 0 to 1: the higher,
- * the more is kept. `triangles` has measured the surface.
+ * Fills `thinned` with the points of a surface that are kept, all their arrays but GlobalIds, and
+ * the triangles between them.
  */
-void ThinPolyData(vtkPolyData* surface, const MeasuredTriangles& triangles, double resolution,
-  int threads, vtkPolyData* thinned);
+void CopyThinned(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* thinned);
 
 } // namespace isosurface
 

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Query/BackgroundExtraction.h"
 
+#include "Base/ThreadPriority.h"
+
 #include <chrono>
 #include <exception>
 #include <new>
 #include <utility>
-
-#ifdef __linux__
-#  include <sys/resource.h>
-#  include <sys/syscall.h>
-#  include <unistd.h>
-#endif
 
 namespace isosurface
 {
@@ -18,18 +14,6 @@ namespace
 {
 
 constexpr double PollSeconds = 0.02;
-
-/// Of the calling thread, and of those that it starts.
-void LowerPriority()
-{
-#ifdef __linux__
-  constexpr int lower = 5; // a third of the share of processor time
-  // Linux has a nice value for each thread. Without it the work is done as well.
-  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
-  const int priority = getpriority(PRIO_PROCESS, thread);
-  static_cast<void>(setpriority(PRIO_PROCESS, thread, priority + lower));
-#endif
-}
 
 } // namespace
 
@@ -47,7 +31,7 @@ BackgroundExtraction::~BackgroundExtraction()
 
 void BackgroundExtraction::Run()
 {
-  LowerPriority();
+  LowerThreadPriority();
   const ExtractionTask task = { *this->Work.Volume, this->Work.Query, this->Work.Request,
     this->Work.Threads,
     [this](double fraction)

@@ -301,6 +301,35 @@ class SurfaceRepresentation(unittest.TestCase):
             view.UseFXAA, view.OrientationAxesVisibility = 1, 1
             view.LODThreshold, view.LODResolution = 20, 0.5
 
+    def test_a_surface_that_is_thinned_while_it_is_drawn_moves_as_any_other(self):
+        if testing.arguments.ranks > 1 or testing.arguments.port:
+            self.skipTest("what is drawn is the same; one process is enough")
+        noise = simple.Wavelet(WholeExtent=[-80, 80, -80, 80, -80, 80], XFreq=300, YFreq=300)
+        self.addCleanup(simple.Delete, noise)
+        surface = simple.StabbingContour(
+            Input=noise, ContourBy=["POINTS", "RTData"], Isosurfaces=[140.0]
+        )
+        self.addCleanup(simple.Delete, surface)
+        moving = []
+        for isovalues in ([140.0, 150.0], [150.0]):
+            surface.Isosurfaces = isovalues[:1]
+            view = simple.CreateView("RenderView")
+            view.ViewSize, view.UseFXAA, view.OrientationAxesVisibility = SIZE, 0, 0
+            view.LODThreshold = 0
+            self.assertEqual(simple.Show(surface, view).SMProxy.GetXMLName(), OURS)
+            simple.Render(view)
+            view.CameraPosition, view.CameraFocalPoint = (190, 150, 285), (0, 0, 0)
+            view.CameraViewUp, view.CameraViewAngle = (0, 1, 0), 30
+            for isovalue in isovalues:
+                # The second surface of a view that has moved is thinned while it is drawn.
+                surface.Isosurfaces = [isovalue]
+                self.draw(view)
+                view.SMProxy.InteractiveRender()
+            moving.append(self.read_window(view))
+            simple.Delete(view)
+        self.assertGreater(surface.GetDataInformation().GetNumberOfCells(), 600000)
+        self.assertEqual(self.count_different(*moving), 0)
+
 
 def add_arguments(parser):
     parser.add_argument("--ranks", type=int, required=True)
