@@ -59,6 +59,15 @@ void ReportError(vtkAlgorithm* algorithm, vtkInformationVector* output, const St
   SilenceFailure(output);
 }
 
+void ReportWarning(vtkAlgorithm* algorithm, const Communicator& ranks, const Status& status,
+  const std::string& warning)
+{
+  if (status.IsOk() && !warning.empty() && ranks.GetRank() == 0)
+  {
+    vtkWarningWithObjectMacro(algorithm, << warning);
+  }
+}
+
 unsigned long FindErrorCode(const Status& error)
 {
   return error.GetCode() == StatusCode::DiskFull ? vtkErrorCode::OutOfDiskSpaceError

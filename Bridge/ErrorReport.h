@@ -4,7 +4,10 @@
 
 #include "IsosurfaceBridgeModule.h"
 
+#include "Base/Communicator.h"
 #include "Base/Status.h"
+
+#include <string>
 
 class vtkAlgorithm;
 class vtkInformationVector;
@@ -23,6 +26,11 @@ ISOSURFACEBRIDGE_EXPORT void SilenceFailure(vtkInformationVector* output);
 /// SilenceFailure.
 ISOSURFACEBRIDGE_EXPORT void ReportError(
   vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error);
+
+/// Warns on rank 0 of what all ranks know, unless it is empty or there is an error, which says
+/// more.
+ISOSURFACEBRIDGE_EXPORT void ReportWarning(vtkAlgorithm* algorithm, const Communicator& ranks,
+  const Status& status, const std::string& warning);
 
 /// The vtkErrorCode of an error: OutOfDiskSpaceError, or UnknownError.
 ISOSURFACEBRIDGE_EXPORT unsigned long FindErrorCode(const Status& error);

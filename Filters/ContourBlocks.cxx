@@ -3,14 +3,15 @@
 
 #include "ChosenScalars.h"
 #include "ContourWork.h"
+#include "ErrorReport.h"
 #include "ImagePieces.h"
 
 #include "vtkAlgorithm.h"
-#include "vtkSetGet.h"
 
 #include "Contour/BlockRanges.h"
 #include "Query/LevelChoice.h"
 #include "Query/PieceBlockSource.h"
+#include "Query/StoreRecovery.h"
 #include "Query/StoredBlockSource.h"
 #include "Store/BlockedVolume.h"
 #include "Volume/ArrayVariables.h"
@@ -116,23 +117,20 @@ Status CollectContourBlocks(vtkStabbingContour* contour, int piece, int pieces,
   return ContourWork::Of(*contour).CollectBlocks(piece, pieces, time, blocks);
 }
 
-bool ShareContourFaults(
-  vtkAlgorithm* reader, Communicator& ranks, const ContourBlocks& blocks, const Status& status)
+Status RunWithContourBlocks(
+  vtkAlgorithm* reader, Communicator& ranks, const std::function<Status(ContourBlocks&)>& step)
 {
-  if (!blocks.Volume || blocks.Volume->GetHeader().NumberOfReplicas == 1)
-  {
-    return false;
-  }
-  const StoreNews news = blocks.Volume->ShareStoreFaults(ranks);
-  std::vector<std::uint64_t> ends = { status.IsOk() ? 0U : 1U,
-    status.GetCode() == StatusCode::Aborted ? 1U : 0U };
-  ranks.ReduceMaximum(ends);
-  const bool isOnceMore = ends[0] != 0 && ends[1] == 0 && news.IsNew;
-  if (!news.Warning.empty() && (isOnceMore || ends[0] == 0) && ranks.GetRank() == 0)
-  {
-    vtkWarningWithObjectMacro(reader, << news.Warning);
-  }
-  return isOnceMore;
+  ContourBlocks blocks;
+  std::string warning;
+  const Status status = RunWithReplicas(
+    ranks, [&] { return blocks.Volume.get(); }, warning,
+    [&]
+    {
+      blocks = ContourBlocks();
+      return step(blocks);
+    });
+  ReportWarning(reader, ranks, status, warning);
+  return status;
 }
 
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -79,13 +80,12 @@ ISOSURFACEFILTERS_EXPORT Status CollectContourBlocks(vtkStabbingContour* contour
   int pieces, const std::optional<double>& time, ContourBlocks& blocks);
 
 /**
- * To be called when the blocks have been read, with how that ended: tells all ranks of lost and damaged stores
- * that were found meanwhile (BlockedVolume::ShareStoreFaults), and rank 0 warns of them. Returns whether
- * collecting and reading the blocks once more may succeed where it failed on a rank: others have them
- * in their stores. Collective; the result is the same on all ranks.
+ * Runs a step that collects blocks and reads them, and once more where it failed since stores were
+ * lost or damaged meanwhile, as RunWithReplicas does. Rank 0 warns of such stores, as `reader`, if
+ * all ends well. `step(blocks)` gets new blocks each time. Collective if the step is.
  */
-ISOSURFACEFILTERS_EXPORT bool ShareContourFaults(
-  vtkAlgorithm* reader, Communicator& ranks, const ContourBlocks& blocks, const Status& status);
+ISOSURFACEFILTERS_EXPORT Status RunWithContourBlocks(
+  vtkAlgorithm* reader, Communicator& ranks, const std::function<Status(ContourBlocks&)>& step);
 
 /// The active blocks of the query's share of a level. Fills in what follows from them; Isovalues,
 /// ArrayName and Arrays are there. Not collective.

@@ -17,7 +17,6 @@
 #include "vtkNew.h"
 #include "vtkPlane.h"
 #include "vtkPlanes.h"
-#include "vtkSetGet.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/Checksum.h"
@@ -249,19 +248,10 @@ Status ContourWork::ExtractFromVolume(
   ControllerCommunicator ranks = this->GetRanks();
   std::string warning;
   const Status status = RunWithReplicas(
-    ranks, *volume, warning, [&] { return this->ExtractOnce(volume, task, outcome); });
-  this->TellWarning(ranks, status, warning);
+    ranks, [&] { return volume.get(); }, warning,
+    [&] { return this->ExtractOnce(volume, task, outcome); });
+  ReportWarning(&this->Contour, ranks, status, warning);
   return status;
-}
-
-void ContourWork::TellWarning(
-  const Communicator& ranks, const Status& status, const std::string& warning)
-{
-  // All ranks have the same one. An error says more than it.
-  if (status.IsOk() && !warning.empty() && ranks.GetRank() == 0)
-  {
-    vtkWarningWithObjectMacro(&this->Contour, << warning);
-  }
 }
 
 Status ContourWork::ExtractOnce(
@@ -406,8 +396,9 @@ Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput
     }
     return ranks.Agree(CollectVolumeBlocks(volume, query, level, blocks));
   };
-  const Status status = RunWithReplicas(ranks, *volume, warning, collect);
-  this->TellWarning(ranks, status, warning);
+  const Status status = RunWithReplicas(
+    ranks, [&] { return volume.get(); }, warning, collect);
+  ReportWarning(&this->Contour, ranks, status, warning);
   return status;
 }
 

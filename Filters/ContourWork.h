@@ -112,8 +112,6 @@ private:
     const VolumeInput& input, const SurfaceQuery& query, vtkInformation* outInfo, Outcome& outcome);
   Status ExtractOnce(const std::shared_ptr<BlockedVolume>& volume, const VolumeContour::Task& task,
     Outcome& outcome);
-  /// Warns on rank 0, if there is something to warn of and no error.
-  void TellWarning(const Communicator& ranks, const Status& status, const std::string& warning);
   /// The finest level that this execution may extract. Collective.
   Result<int> ChoosePassLevel(
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);

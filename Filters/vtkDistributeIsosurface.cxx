@@ -253,15 +253,8 @@ SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
 Status vtkDistributeIsosurface::Steps::Distribute(
   vtkInformation* outInfo, vtkPolyData* output) const
 {
-  while (true)
-  {
-    ContourBlocks blocks;
-    const Status status = this->DistributeOnce(outInfo, output, blocks);
-    if (!isosurface::ShareContourFaults(&this->Filter, this->Ranks, blocks, status))
-    {
-      return status;
-    }
-  }
+  return isosurface::RunWithContourBlocks(&this->Filter, this->Ranks,
+    [&](ContourBlocks& blocks) { return this->DistributeOnce(outInfo, output, blocks); });
 }
 
 //------------------------------------------------------------------------------

@@ -323,10 +323,7 @@ int vtkBlockedVolumeReader::RequestData(
   }
   const isosurface::StoreNews news = reading.Volume.ShareStoreFaults(ranks);
   status = ranks.Agree(status);
-  if (status.IsOk() && !news.Warning.empty() && ranks.GetRank() == 0)
-  {
-    vtkWarningMacro(<< news.Warning);
-  }
+  isosurface::ReportWarning(this, ranks, status, news.Warning);
   if (status.GetCode() == StatusCode::Aborted)
   {
     partitions->Initialize();

@@ -70,8 +70,9 @@ public:
   ///@{
   /**
    * Whether stores may be on disks that only one rank reaches. Then ranks share whole stores, which
-   * is uneven unless the number of ranks divides that of the stores (if there are replicas, parts of
-   * the stores that they have replicas of); else they share the active blocks of all stores. No output of the reader itself depends on it. Default off.
+   * is uneven unless the number of ranks divides that of the stores (if there are replicas, parts
+   * of the stores that they have replicas of); else they share the active blocks of all stores. No
+   * output of the reader itself depends on it. Default off.
    */
   void SetLocalStores(bool local);
   vtkGetMacro(LocalStores, bool);

@@ -290,15 +290,8 @@ isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings(
 Status vtkEdgeIndexWriter::Steps::WriteStep(
   const std::optional<double>& time, const std::string& path)
 {
-  while (true)
-  {
-    ContourBlocks blocks;
-    const Status status = this->WriteOnce(time, path, blocks);
-    if (!isosurface::ShareContourFaults(&this->Writer, this->Ranks, blocks, status))
-    {
-      return status;
-    }
-  }
+  return isosurface::RunWithContourBlocks(&this->Writer, this->Ranks,
+    [&](ContourBlocks& blocks) { return this->WriteOnce(time, path, blocks); });
 }
 
 //------------------------------------------------------------------------------

@@ -106,7 +106,8 @@ public:
         request.Normals = true;
         request.GlobalIds = true;
         ExtractionOutcome outcome;
-        answer.Statuses[rank] = RunWithReplicas(ranks, volume, answer.Warnings[rank],
+        answer.Statuses[rank] = RunWithReplicas(
+          ranks, [&volume] { return &volume; }, answer.Warnings[rank],
           [&] {
             return ExtractLevel({ volume, query, request, 2, {} }, level, outcome);
           });
@@ -165,7 +166,8 @@ struct Ways
   bool IsLocal;
 };
 
-// Ranks that share blocks, ranks that share stores that all reach, ranks that reach those of their own alone.
+// Ranks that share blocks, ranks that share stores that all reach, ranks that reach those of their
+// own alone.
 const std::vector<Ways>& GetWays()
 {
   static const std::vector<Ways> ways = []
