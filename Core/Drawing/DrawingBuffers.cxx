@@ -38,7 +38,10 @@ void CopyRun(const TriangleSurface& surface, const T* connectivity, std::size_t 
   for (std::size_t triangle = first; triangle < last; ++triangle)
   {
     const T* points = connectivity + 3 * triangle;
-    if (IsProperTriangle(surface.Points, points))
+    const PointVector a = LoadPoint(surface, static_cast<std::size_t>(points[0]));
+    const PointVector b = LoadPoint(surface, static_cast<std::size_t>(points[1]));
+    const PointVector c = LoadPoint(surface, static_cast<std::size_t>(points[2]));
+    if (AreProperCorners(a, b, c))
     {
       *indices++ = static_cast<std::uint32_t>(points[0]);
       *indices++ = static_cast<std::uint32_t>(points[1]);

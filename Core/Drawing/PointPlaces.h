@@ -2,6 +2,7 @@
 #ifndef isosurface_PointPlaces_h
 #define isosurface_PointPlaces_h
 
+#include "Drawing/PointVector.h"
 #include "Drawing/TriangleSurface.h"
 
 #include <cstddef>
@@ -9,20 +10,18 @@
 namespace isosurface
 {
 
-/// 1 if two points, given by their coordinates, are in one place, else 0. A NaN is in no place.
-[[gnu::always_inline]] inline int AreInOnePlace(const float* a, const float* b)
+/// A point by its number; behind the last one there is no fourth float.
+inline PointVector LoadPoint(const TriangleSurface& surface, std::size_t number)
 {
-  // An int, and no branches: the processor could not predict which coordinates are equal.
-  return (a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2]);
+  const float* point = surface.Points + 3 * number;
+  return number + 1 < surface.NumberOfPoints ? PointVector::Load(point)
+                                             : PointVector(point[0], point[1], point[2]);
 }
 
-/// Whether a triangle has three points in different places. VTK's mappers draw only such triangles.
-template <typename T>
-[[gnu::always_inline]] inline bool IsProperTriangle(const float* points, const T* triangle)
+/// Whether the corners of a triangle are in three places. VTK's mappers draw only such triangles.
+[[gnu::always_inline]] inline bool AreProperCorners(PointVector a, PointVector b, PointVector c)
 {
-  const float* a = points + 3 * static_cast<std::size_t>(triangle[0]);
-  const float* b = points + 3 * static_cast<std::size_t>(triangle[1]);
-  const float* c = points + 3 * static_cast<std::size_t>(triangle[2]);
+  // No branches: the processor could not predict which points are in one place.
   return (AreInOnePlace(a, b) | AreInOnePlace(b, c) | AreInOnePlace(a, c)) == 0;
 }
 

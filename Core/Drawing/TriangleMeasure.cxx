@@ -3,7 +3,6 @@
 
 #include "Base/ParallelFor.h"
 #include "Drawing/PointPlaces.h"
-#include "Drawing/PointVector.h"
 
 #include <algorithm>
 #include <atomic>
@@ -48,14 +47,6 @@ struct PointBounds
   }
 };
 
-/// A point by its number; behind the last one there is no fourth float.
-PointVector LoadPoint(const TriangleSurface& surface, std::size_t number)
-{
-  const float* point = surface.Points + 3 * number;
-  return number + 1 < surface.NumberOfPoints ? PointVector::Load(point)
-                                             : PointVector(point[0], point[1], point[2]);
-}
-
 struct MeasureOfRun
 {
   PointBounds Bounds;
@@ -87,8 +78,7 @@ MeasureOfRun MeasureRun(
     run.Bounds.Add(atA);
     run.Bounds.Add(atB);
     run.Bounds.Add(atC);
-    run.ProperTriangles +=
-      (AreInOnePlace(atA, atB) | AreInOnePlace(atB, atC) | AreInOnePlace(atA, atC)) == 0 ? 1U : 0U;
+    run.ProperTriangles += AreProperCorners(atA, atB, atC) ? 1U : 0U;
   }
   return run;
 }

@@ -31,9 +31,9 @@ struct TriangleMeasure
 };
 
 /**
- * Measures a surface: its bounds, and its triangles that are not degenerate. Points that no triangle
- * uses do not count for the bounds. Each triangle and each point is visited once, by `threads`
- * threads.
+ * Measures a surface: its bounds, and its triangles that are not degenerate. Points that no
+ * triangle uses do not count for the bounds. Each triangle and each point is visited once, by
+ * `threads` threads.
  */
 TriangleMeasure MeasureTriangles(const TriangleSurface& surface, int threads);
 
