@@ -257,14 +257,13 @@ bool MergedStore::IsIntact(const RandomAccessFile& file, const BlockDirectoryEnt
     [](std::uint8_t byte) { return byte == 0; });
 }
 
-Result<std::vector<std::int64_t>> MergedStore::FindLostBlocks()
+template <typename Visit>
+Status MergedStore::VisitEntries(const Visit& visit)
 {
   const auto directory = BlockDirectory::Open(*this,
     BlockStore::GetDirectoryPath(this->Folders.front()), this->Description.Blocks, this->Segments,
     this->Description.Checksum, BlockStore::PageCacheBytes, this->Place);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
-  const Files files = this->OpenAll("/blocks");
-  std::vector<std::int64_t> lost;
   QueryStatistics statistics;
   for (std::uint64_t ordinal = 0; ordinal < this->Description.Blocks; ++ordinal)
   {
@@ -272,42 +271,51 @@ Result<std::vector<std::int64_t>> MergedStore::FindLostBlocks()
       (*directory)
         ->Read(ordinal, this->Grid.GetNumberOfBlocks(), this->Description.Bytes, statistics);
     ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-    if (std::none_of(files.begin(), files.end(),
-          [&](const auto& file) { return file && this->IsIntact(*file, *entry); }))
-    {
-      lost.push_back(entry->Block);
-    }
+    visit(*entry);
   }
+  return Status::Ok();
+}
+
+std::size_t MergedStore::FindIntactFile(const Files& files, const BlockDirectoryEntry& entry) const
+{
+  const auto intact = std::find_if(files.begin(), files.end(),
+    [&](const auto& file) { return file && this->IsIntact(*file, entry); });
+  return static_cast<std::size_t>(intact - files.begin());
+}
+
+Result<std::vector<std::int64_t>> MergedStore::FindLostBlocks()
+{
+  const Files files = this->OpenAll("/blocks");
+  std::vector<std::int64_t> lost;
+  ISOSURFACE_RETURN_IF_ERROR(this->VisitEntries(
+    [&](const BlockDirectoryEntry& entry)
+    {
+      if (this->FindIntactFile(files, entry) == files.size())
+      {
+        lost.push_back(entry.Block);
+      }
+    }));
   std::sort(lost.begin(), lost.end());
   return lost;
 }
 
 Result<std::unique_ptr<RandomAccessFile>> MergedStore::OpenRecords()
 {
-  const auto directory = BlockDirectory::Open(*this,
-    BlockStore::GetDirectoryPath(this->Folders.front()), this->Description.Blocks, this->Segments,
-    this->Description.Checksum, BlockStore::PageCacheBytes, this->Place);
-  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   Files files = this->OpenAll("/blocks");
   const std::string path = BlockStore::GetBlocksPath(this->Folders.front());
-  if (FindFirstFile(files) == files.size())
+  const std::size_t first = FindFirstFile(files);
+  if (first == files.size())
   {
     return Status(StatusCode::NotFound, path + ": no replica has the file");
   }
   std::vector<MergedRecords::Record> records;
-  QueryStatistics statistics;
-  for (std::uint64_t ordinal = 0; ordinal < this->Description.Blocks; ++ordinal)
-  {
-    const auto entry =
-      (*directory)
-        ->Read(ordinal, this->Grid.GetNumberOfBlocks(), this->Description.Bytes, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-    const auto intact = std::find_if(files.begin(), files.end(),
-      [&](const auto& file) { return file && this->IsIntact(*file, *entry); });
-    records.push_back({ entry->Offset + this->GetRecordSize(*entry),
-      intact != files.end() ? static_cast<std::size_t>(intact - files.begin())
-                            : FindFirstFile(files) });
-  }
+  ISOSURFACE_RETURN_IF_ERROR(this->VisitEntries(
+    [&](const BlockDirectoryEntry& entry)
+    {
+      const std::size_t intact = this->FindIntactFile(files, entry);
+      records.push_back(
+        { entry.Offset + this->GetRecordSize(entry), intact < files.size() ? intact : first });
+    }));
   std::sort(
     records.begin(), records.end(), [](const auto& a, const auto& b) { return a.End < b.End; });
   return std::unique_ptr<RandomAccessFile>(

@@ -19,26 +19,27 @@ namespace isosurface
 {
 
 /**
- * A store as its replicas have it together: each page of its directory and trees, and each record, is that
- * of the first replica in which its checksum is right. As a file system it has the files of the store's own
- * folder, for reading alone; so StoreVerification tells whether they are sound. Bytes that no replica has
- * read as those of the first one.
+ * A store as its replicas have it together: each page of its directory and trees, and each record,
+ * is that of the first replica in which its checksum is right. As a file system it has the files of
+ * the store's own folder, for reading alone; so StoreVerification tells whether they are sound.
+ * Bytes that no replica has read as those of the first one.
  *
- * The records of a volume in place have no checksums that could be checked without the source: of those
- * only lengths and codings are looked at.
+ * The records of a volume in place have no checksums that could be checked without the source: of
+ * those only lengths and codings are looked at.
  */
 class MergedStore : public FileSystem
 {
 public:
-  /// `header`: of the volume or an overview. `folders`: of the replicas, the most trusted one first; the
-  /// first one names the files. The references must outlive this object.
+  /// `header`: of the volume or an overview. `folders`: of the replicas, the most trusted one
+  /// first; the first one names the files. The references must outlive this object.
   MergedStore(FileSystem& files, const BlockedVolumeHeader& header, const TimeStepDescription& step,
     std::uint32_t store, std::vector<std::string> folders);
 
   /// The files, in the order in which a store is written.
   std::vector<std::string> ListNames() const;
-  /// The blocks that no replica has, by their numbers in the grid, ascending. Cost: reads all records once,
-  /// those of the first replica if they are sound. Errors: if no replica has the directory.
+  /// The blocks that no replica has, by their numbers in the grid, ascending. Cost: reads all
+  /// records once, those of the first replica if they are sound. Errors: if no replica has the
+  /// directory.
   Result<std::vector<std::int64_t>> FindLostBlocks();
 
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override;
@@ -59,6 +60,11 @@ private:
   /// The pages of a directory or tree.
   Result<std::unique_ptr<RandomAccessFile>> OpenPages(const std::string& name) const;
   Result<std::unique_ptr<RandomAccessFile>> OpenRecords();
+  /// Calls visit(entry) for each block of the directory.
+  template <typename Visit>
+  Status VisitEntries(const Visit& visit);
+  /// The first file in which a block's record is as it was written; files.size() if there is none.
+  std::size_t FindIntactFile(const Files& files, const BlockDirectoryEntry& entry) const;
   bool IsIntact(const RandomAccessFile& file, const BlockDirectoryEntry& entry) const;
   std::uint64_t GetRecordSize(const BlockDirectoryEntry& entry) const;
 
