@@ -40,7 +40,8 @@ if [ ! -e "$root/etc/debian_version" ]; then
   mmdebstrap --variant=apt --include=ca-certificates,git "$release" "$root" "${mirror:-http://deb.debian.org/debian}"
 fi
 
-# The sources, beside the build folders of earlier runs. Files that did not change keep their times.
+# The sources, beside the build folders of earlier runs. Files that did not change keep their times; others
+# are newer than what was built of them.
 mkdir -p "$root/project"
 (cd "$repository" && git ls-files -co --exclude-standard -z |
   xargs -0 sh -c 'for file; do [ ! -e "$file" ] || printf "%s\0" "$file"; done' sh |
@@ -55,6 +56,7 @@ done
   cmp -s "$root/new/$file" "$root/project/$file" || {
     mkdir -p "$root/project/$(dirname "$file")"
     cp -p "$root/new/$file" "$root/project/$file"
+    touch "$root/project/$file"
   }
 done
 (cd "$root/new" && find . -type l -exec cp -dp --parents {} "$root/project" \;)
