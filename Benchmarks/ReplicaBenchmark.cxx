@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures how evenly a query is spread over stores that have each block once, twice, or three times: the
-// maximum number of triangles of a store, relative to the mean, for all isovalues of the spectrum with
-// enough active blocks a store; also if a store is lost. It is that of ranks that have a store each, and of
-// the stores that ranks read which share the blocks. The volume is read once.
+// Measures how evenly a query is spread over stores that have each block once, twice, or three
+// times: the maximum number of triangles of a store, relative to the mean, for all isovalues of the
+// spectrum with enough active blocks a store; also if a store is lost. It is that of ranks that
+// have a store each, and of the stores that ranks read which share the blocks. The volume is read
+// once.
 #include "MeasuredVolume.h"
 
 #include "Base/ParallelFor.h"

@@ -10,9 +10,9 @@ namespace isosurface
 struct ContourRequest;
 
 /**
- * Asks for normals that are those of vtkFlyingEdges3D beside which this process runs, to the last bit:
- * sets ContourRequest::NormalsRoundedOnce and NormalsByDirection. How it rounds, VTK itself is asked the
- * first time that this is called. Thread-safe.
+ * Asks for normals that are those of vtkFlyingEdges3D beside which this process runs, to the last
+ * bit: sets ContourRequest::NormalsRoundedOnce and NormalsByDirection. How it rounds, VTK itself is
+ * asked the first time that this is called. Thread-safe.
  */
 ISOSURFACEBRIDGE_EXPORT void MatchNormalsOfVTK(ContourRequest& request);
 

@@ -12,11 +12,12 @@ namespace isosurface
 {
 
 /**
- * An array of one of VTK's numeric types, empty, that believes the ranges that are stored in it where
- * VTK keeps those that it has computed (vtkDataArray::PER_COMPONENT, L2_NORM_RANGE and their finite
- * counterparts), also when it is asked through the attributes that it belongs to
- * (vtkFieldData::GetRange): these compute ranges anew, by all values that are no ghosts, and ParaView
- * asks them since 5.13. Before VTK 9.2, whose attributes have no ranges, it is a plain array.
+ * An array of one of VTK's numeric types, empty, that believes the ranges that are stored in it
+ * where VTK keeps those that it has computed (vtkDataArray::PER_COMPONENT, L2_NORM_RANGE and their
+ * finite counterparts), also when it is asked through the attributes that it belongs to
+ * (vtkFieldData::GetRange): these compute ranges anew, by all values that are no ghosts, and
+ * ParaView asks them since 5.13. Before VTK 9.2, whose attributes have no ranges, it is a plain
+ * array.
  *
  * To VTK it is the array class of its type, and so are its copies; those that own their values know
  * no ranges. A range that is not stored is computed, as it is after the array was modified.

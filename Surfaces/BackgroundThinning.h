@@ -18,8 +18,8 @@ namespace isosurface
 {
 
 /**
- * Thins a surface by a thread of low priority while the surface is drawn, so that the first frame of
- * a drag need not wait for it. Only the points and triangles are read; they must not be changed
+ * Thins a surface by a thread of low priority while the surface is drawn, so that the first frame
+ * of a drag need not wait for it. Only the points and triangles are read; they must not be changed
  * in place meanwhile, as they must not while they are drawn.
  */
 class BackgroundThinning

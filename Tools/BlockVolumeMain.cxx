@@ -83,8 +83,8 @@ int FailAtOnce(const char* reason, int ranks)
   return 1;
 }
 
-/// Libraries decode chunks in memory of the heap, in one thread after another. Freed chunks would stay
-/// in the heaps of the threads, beyond the limit of memory.
+/// Libraries decode chunks in memory of the heap, in one thread after another. Freed chunks would
+/// stay in the heaps of the threads, beyond the limit of memory.
 void ReturnLargeMemory()
 {
 #ifdef __GLIBC__

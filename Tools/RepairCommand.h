@@ -9,8 +9,9 @@
 namespace isosurface
 {
 
-/// Restores the lost and damaged stores of a blocked volume, and prints which. Error: Corrupt if some of
-/// them cannot be restored, with a line for each to standard error; those of RepairBlockedVolume.
+/// Restores the lost and damaged stores of a blocked volume, and prints which. Error: Corrupt if
+/// some of them cannot be restored, with a line for each to standard error; those of
+/// RepairBlockedVolume.
 Status RunRepairCommand(const BlockVolumeOptions& options);
 
 } // namespace isosurface

@@ -82,9 +82,9 @@ public:
 
   ///@{
   /**
-   * How many stores have each block, at most NumberOfStores. With 2 or more, a lost or damaged store costs
-   * nothing but speed, and `blockvolume --repair` restores it; the files take as many times the space. 0
-   * (the default): 1, or as many as the file that is appended to.
+   * How many stores have each block, at most NumberOfStores. With 2 or more, a lost or damaged
+   * store costs nothing but speed, and `blockvolume --repair` restores it; the files take as many
+   * times the space. 0 (the default): 1, or as many as the file that is appended to.
    */
   vtkSetClampMacro(NumberOfReplicas, int, 0, 16);
   vtkGetMacro(NumberOfReplicas, int);
@@ -153,7 +153,8 @@ public:
   ///@{
   /**
    * Whether cell arrays are written, too, averaged to points as vtkCellDataToPointData does, unless
-   * there is a point array of the name. ChooseArraysToWrite chooses among them as well. Default off.
+   * there is a point array of the name. ChooseArraysToWrite chooses among them as well. Default
+   * off.
    */
   vtkSetMacro(WriteCellArrays, bool);
   vtkGetMacro(WriteCellArrays, bool);
@@ -165,8 +166,9 @@ public:
    * Whether the input is added to an existing file, as another time step; a new file gets it as
    * its first time step. Default off: a file is replaced. The time is that of the input
    * (DATA_TIME_STEP, else UPDATE_TIME_STEP) and must be greater than that of the file's last time
-   * step; grid, arrays and settings must be those of the file (NumberOfStores 0, NumberOfReplicas 0: those of the
-   * file). Earlier time steps are not touched: readers see them alone, or the new one as well.
+   * step; grid, arrays and settings must be those of the file (NumberOfStores 0, NumberOfReplicas
+   * 0: those of the file). Earlier time steps are not touched: readers see them alone, or the new
+   * one as well.
    */
   vtkSetMacro(AppendTimeStep, bool);
   vtkGetMacro(AppendTimeStep, bool);

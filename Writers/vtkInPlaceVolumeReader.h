@@ -9,10 +9,10 @@
  * reader is a vtkBlockedVolumeReader of that index, which opens at once. If the source has changed
  * since, the next update after a modification indexes it anew.
  *
- * Indexing is collective: all ranks of the controller update together. It reports progress and stops
- * when the reader is told to abort; then an older index stays as it was, and the output is empty.
- * Errors name file and reason, on every rank. A .bvol that is not an index of the source is never
- * replaced.
+ * Indexing is collective: all ranks of the controller update together. It reports progress and
+ * stops when the reader is told to abort; then an older index stays as it was, and the output is
+ * empty. Errors name file and reason, on every rank. A .bvol that is not an index of the source is
+ * never replaced.
  */
 
 #ifndef vtkInPlaceVolumeReader_h

@@ -39,8 +39,9 @@ struct ContourRequest
   /// Round normals to float once, at the end, as vtkImageTransform does since VTK 9.4. Otherwise
   /// after each step of their transformation, as it did before.
   bool NormalsRoundedOnce = false;
-  /// Turn normals by the grid's direction, as vtkImageTransform did before VTK 9.2. Otherwise by the
-  /// transposed inverse of it, as it does since: the same but for the last bits and signs of zeros.
+  /// Turn normals by the grid's direction, as vtkImageTransform did before VTK 9.2. Otherwise by
+  /// the transposed inverse of it, as it does since: the same but for the last bits and signs of
+  /// zeros.
   bool NormalsByDirection = false;
   bool GlobalIds = false; ///< fill Surface::GlobalIds
   /// Make one polygon for each loop of the surface in a cell, instead of triangles.
@@ -75,8 +76,8 @@ struct ContourRequest
   /// box gradients are one-sided differences, as they are at the faces of the grid.
   std::optional<VertexBox> KnownSamples;
   /// Leave out the cells with a corner that is NaN. If not, NaN is outside, and the surface has a
-  /// wall there, whose points are NaN. Hidden cells (BlockSamples::Hidden) are always left out. Such
-  /// samples have no influence on normals: differences are one-sided beside them.
+  /// wall there, whose points are NaN. Hidden cells (BlockSamples::Hidden) are always left out.
+  /// Such samples have no influence on normals: differences are one-sided beside them.
   bool SkipNotANumber = false;
   /// If given, the vertices of the grid lie at these lines, whatever its origin, spacing and
   /// direction, which must be those of structured coordinates. Must outlive the extraction.

@@ -18,8 +18,8 @@
 namespace isosurface
 {
 
-/// How exactly points are kept. The connectivity is exact in every mode. The numbers are those of the
-/// file format.
+/// How exactly points are kept. The connectivity is exact in every mode. The numbers are those of
+/// the file format.
 enum class EdgeIndexMode : std::uint8_t
 {
   Lossless = 0,  ///< the values at the ends of crossed edges: every point, bit by bit

@@ -351,8 +351,8 @@ void BlockMeasure::CountLinedRun(
   }
 }
 
-/// Adds what a cell has in its bins [from, to): its area, and its volume, which is change.Constant at
-/// `from` and falls by change.Slope from bin to bin; below them the volume is `one`.
+/// Adds what a cell has in its bins [from, to): its area, and its volume, which is change.Constant
+/// at `from` and falls by change.Slope from bin to bin; below them the volume is `one`.
 void BlockMeasure::AddCell(
   std::int32_t from, std::int32_t to, const MeasureSums::Change& change, std::uint64_t one)
 {

@@ -114,7 +114,8 @@ public:
 
 private:
   static constexpr std::int64_t CellsAtOnce = 16; ///< of a run
-  /// Runs are measured several at once, so that the processor need not wait for roots and quotients.
+  /// Runs are measured several at once, so that the processor need not wait for roots and
+  /// quotients.
   static constexpr std::int64_t RunsAtOnce = 16;
   /// A run is followed by its last vertex, where no cell of it begins.
   static constexpr std::int64_t PlacesAtOnce = RunsAtOnce * (CellsAtOnce + 1);

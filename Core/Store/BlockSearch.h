@@ -58,8 +58,8 @@ private:
     }
   };
 
-  /// Who has a part of a store's blocks: which rank, or which host among those that one rank reads, with
-  /// which replica, and how much of the work. The replicas of lost stores have none.
+  /// Who has a part of a store's blocks: which rank, or which host among those that one rank reads,
+  /// with which replica, and how much of the work. The replicas of lost stores have none.
   struct StoreShares
   {
     std::vector<std::vector<ReplicaServer>> Servers; ///< per store
@@ -73,15 +73,17 @@ private:
   }
   /// The blocks of each store in place of triangles.
   VolumeStores::WorkOfStores CountBlocks() const;
-  /// What decides about the shares of ranks, the same on all: the triangles of each store, or, if the
-  /// ranks know that one cannot read these, the blocks.
+  /// What decides about the shares of ranks, the same on all: the triangles of each store, or, if
+  /// the ranks know that one cannot read these, the blocks.
   Result<VolumeStores::WorkOfStores> FindWork(
     std::size_t variable, const std::vector<double>& isovalues);
   /// The replicas of a store that all ranks know to be sound, else the best there are.
   std::vector<std::uint32_t> FindReplicas(std::uint32_t store) const;
-  /// The shares of ranks, each with the replicas in the folders of its own stores, or those of hosts.
+  /// The shares of ranks, each with the replicas in the folders of its own stores, or those of
+  /// hosts.
   StoreShares ShareAmong(bool ofRanks, const VolumeStores::WorkOfStores& work) const;
-  /// This rank's blocks where each reads the stores of its own alone. `list`: the blocks of a store.
+  /// This rank's blocks where each reads the stores of its own alone. `list`: the blocks of a
+  /// store.
   template <typename List>
   Result<std::vector<BlockReference>> FindByReplicas(
     const VolumeStores::WorkOfStores& work, const List& list);

@@ -38,8 +38,8 @@ private:
   std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
 };
 
-/// Runs a step. That there is not enough memory for it is an error like others, so that all ranks can
-/// be told.
+/// Runs a step. That there is not enough memory for it is an error like others, so that all ranks
+/// can be told.
 template <typename Step>
 auto RunWithinMemory(const std::string& path, const Step& step) -> decltype(step())
 {

@@ -42,10 +42,10 @@ struct StoreNews
  * order of their ordinals. With DealBlocks they share the active blocks instead. No rank needs
  * another one to know its share.
  *
- * Where several stores have each block (BlockedVolumeHeader::NumberOfReplicas), a query spreads the blocks
- * over them by the triangles of the stores: over the ranks that have the stores, or, where every rank
- * reaches every store, over the stores. A replica that is lost or damaged is noticed when it is read, and
- * another one is read instead, if this rank reaches one; results are the same.
+ * Where several stores have each block (BlockedVolumeHeader::NumberOfReplicas), a query spreads the
+ * blocks over them by the triangles of the stores: over the ranks that have the stores, or, where
+ * every rank reaches every store, over the stores. A replica that is lost or damaged is noticed
+ * when it is read, and another one is read instead, if this rank reaches one; results are the same.
  *
  * Errors name file and reason: Corrupt, NotFound (a store is missing, or the volume was rewritten
  * since it was opened and must be opened anew), IoError.
@@ -81,9 +81,9 @@ public:
   /**
    * Whether ranks share the active blocks of all stores (BlockDealing), for which every rank must
    * reach every store: then each has about as many triangles as any other, whatever the numbers of
-   * ranks and stores. Cost: each rank queries the trees of all stores, and reads the directory pages
-   * of all active blocks. If there are more than 64 stores, and at least as many as ranks, ranks
-   * share whole stores nevertheless. Off at first. Must be the same on all ranks.
+   * ranks and stores. Cost: each rank queries the trees of all stores, and reads the directory
+   * pages of all active blocks. If there are more than 64 stores, and at least as many as ranks,
+   * ranks share whole stores nevertheless. Off at first. Must be the same on all ranks.
    */
   void DealBlocks(bool dealt) { this->AreBlocksDealt = dealt; }
 
@@ -94,19 +94,20 @@ public:
    * GetSpectrumLevel(); at a coarser one some may be empty. Cost: one tree query a store and
    * isovalue, and the directory pages of the reported blocks.
    *
-   * A selection, of the grid of `level`, whose lines it need not have, adds blocks and leaves blocks out before ranks share them.
-   * Cost: the directory pages of all candidate blocks of the rank's stores; if sides are closed,
-   * also a range query of the trees for all blocks with samples inside.
+   * A selection, of the grid of `level`, whose lines it need not have, adds blocks and leaves
+   * blocks out before ranks share them. Cost: the directory pages of all candidate blocks of the
+   * rank's stores; if sides are closed, also a range query of the trees for all blocks with samples
+   * inside.
    */
   Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
     int level = 0, const BlockSelection& selection = {});
 
   /**
-   * Tells all ranks which replicas of stores were found to be lost or damaged since the last call. From then
-   * on the ranks share the blocks among the others. A query that failed on a rank may succeed now if
-   * something is new: a rank whose stores are lost leaves their blocks to others. Collective, unless
-   * there are no replicas.
+   * Tells all ranks which replicas of stores were found to be lost or damaged since the last call.
+   * From then on the ranks share the blocks among the others. A query that failed on a rank may
+   * succeed now if something is new: a rank whose stores are lost leaves their blocks to others.
+   * Collective, unless there are no replicas.
    */
   StoreNews ShareStoreFaults(Communicator& ranks);
   /// Differs if ShareStoreFaults has learnt something: shares may be others then.

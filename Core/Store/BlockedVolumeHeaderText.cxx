@@ -61,7 +61,8 @@ GridGeometry ReadGrid(JsonMembers& document, const std::string& path, Status& st
   return grid;
 }
 
-/// The coordinates of a rectilinear grid, which has three lists of numbers; nothing of another grid.
+/// The coordinates of a rectilinear grid, which has three lists of numbers; nothing of another
+/// grid.
 std::optional<GridLines> ReadLines(JsonMembers& document, const std::string& path, Status& status)
 {
   const Json& grid = document.GetAny("grid");

@@ -178,7 +178,8 @@ std::vector<std::vector<std::uint64_t>> BalanceReplicas(const std::vector<std::u
 double FindTolerance(std::uint64_t blocks, std::size_t servers)
 {
   constexpr double least = 1.0 / 256;
-  // Measured: a lower one makes even stores uneven, a higher one leaves more of a lost store's work.
+  // Measured: a lower one makes even stores uneven, a higher one leaves more of a lost store's
+  // work.
   constexpr double spread = 0.5;
   return std::max(least,
     spread * std::sqrt(static_cast<double>(servers) / std::max(1.0, static_cast<double>(blocks))));

@@ -73,8 +73,8 @@ public:
 
   /// What this rank has found since the last call.
   Message Pack();
-  /// Makes what the ranks have packed common: the same messages in the same order on all ranks. Returns
-  /// the faults that are new, in their order.
+  /// Makes what the ranks have packed common: the same messages in the same order on all ranks.
+  /// Returns the faults that are new, in their order.
   std::vector<StoreFault> Join(const std::vector<Message>& ofRanks);
 
 private:

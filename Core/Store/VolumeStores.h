@@ -79,10 +79,11 @@ public:
     std::size_t timeStep, std::uint32_t part, std::uint32_t store, std::uint32_t replica = 0);
 
   /**
-   * Calls `read` with a replica of a store: the preferred one, or, if it is known to be lost or turns out
-   * to be, the others, until one succeeds. What is wrong with the preferred replica is kept in
-   * GetFaults(). `ordinal`: the block that is read, if only that is. Errors: that of the first replica,
-   * with those of the others; if memory is short or the volume was rewritten, no other one is tried.
+   * Calls `read` with a replica of a store: the preferred one, or, if it is known to be lost or
+   * turns out to be, the others, until one succeeds. What is wrong with the preferred replica is
+   * kept in GetFaults(). `ordinal`: the block that is read, if only that is. Errors: that of the
+   * first replica, with those of the others; if memory is short or the volume was rewritten, no
+   * other one is tried.
    */
   template <typename Read>
   auto ReadReplicas(const StoreReplica& preferred, std::int64_t ordinal, const Read& read)
@@ -133,8 +134,8 @@ public:
     std::vector<std::uint64_t> Triangles; ///< per store
     std::uint64_t ActiveBlocks = 0;       ///< of all stores
   };
-  /// The same summed over isovalues, in a part, at the finest level there. The counts of stores are kept
-  /// until another variable is asked for. Errors: those of reading the spectra.
+  /// The same summed over isovalues, in a part, at the finest level there. The counts of stores are
+  /// kept until another variable is asked for. Errors: those of reading the spectra.
   Result<WorkOfStores> FindStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable,
     const std::vector<double>& isovalues);
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
@@ -192,8 +193,8 @@ private:
   Status ReadStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable);
 
   void AddPart(const BlockedVolumeHeader& header);
-  /// What has the samples of a time step of a volume in place, opened at the first call. The mutex is
-  /// held.
+  /// What has the samples of a time step of a volume in place, opened at the first call. The mutex
+  /// is held.
   Result<std::shared_ptr<SourceSamples>> GetSource(std::size_t timeStep);
 
   std::string Path;

@@ -236,8 +236,8 @@ private:
     }
   }
 
-  /// Which stores have damaged replicas, and whether what they had is elsewhere. `areSound`: in the order of
-  /// CheckTimeStep.
+  /// Which stores have damaged replicas, and whether what they had is elsewhere. `areSound`: in the
+  /// order of CheckTimeStep.
   void FindRepairs(const BlockedVolumeHeader& header, const TimeStepDescription& step,
     const std::vector<bool>& areSound)
   {

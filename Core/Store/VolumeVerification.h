@@ -24,7 +24,8 @@ struct VolumeVerification
   /// blocks.
   std::vector<Status> Faults;
   std::uint64_t FaultCount = 0;
-  /// Of a volume with replicas: a sentence for each damaged store, whether it can be repaired, and why not.
+  /// Of a volume with replicas: a sentence for each damaged store, whether it can be repaired, and
+  /// why not.
   std::vector<std::string> Repairs;
   std::uint64_t Files = 0;  ///< that were checked
   std::uint64_t Blocks = 0; ///< of all time steps, overviews included

@@ -37,8 +37,8 @@ void CopyFromSamples(std::uint8_t* to, const SampleView& from, const SegmentRow&
     });
 }
 
-/// Prefetches what the next block along x has of a row, since the processor does not predict that it
-/// comes next.
+/// Prefetches what the next block along x has of a row, since the processor does not predict that
+/// it comes next.
 void PrefetchNextBlock(const SampleView& layer, const SegmentRow& row, std::int64_t blockSize)
 {
 #if defined(__GNUC__)

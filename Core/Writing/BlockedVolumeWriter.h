@@ -28,8 +28,8 @@ struct BlockedVolumeSettings
 {
   int BlockSize = 32;               ///< cells a side: 16, 32 or 64
   std::uint32_t NumberOfStores = 0; ///< 0: as many as there are ranks
-  /// The number of stores that have each block, at most as many as there are; 0: those of the volume
-  /// that is appended to, else 1.
+  /// The number of stores that have each block, at most as many as there are; 0: those of the
+  /// volume that is appended to, else 1.
   std::uint32_t NumberOfReplicas = 0;
   DistributionMethod Distribution = DistributionMethod::Greedy;
   std::uint64_t RandomSeed = 0;
@@ -42,8 +42,8 @@ struct BlockedVolumeSettings
   /// must have the same grid, arrays, block size, stores and replicas (0: as many as it has),
   /// distribution and compression, and earlier times; else this is an InvalidArgument.
   bool Append = false;
-  /// Writes no samples at level 0: they stay in this source (DescribeSource), which the writer's own
-  /// source has to agree with. All time steps of a volume have one, or none has.
+  /// Writes no samples at level 0: they stay in this source (DescribeSource), which the writer's
+  /// own source has to agree with. All time steps of a volume have one, or none has.
   std::optional<SourceRecord> InPlace;
   /// Whether the time step is visible at the end. If not, it becomes visible together with the next
   /// one that the same writer appends and publishes.

@@ -38,14 +38,14 @@ enum class IndexState : std::uint8_t
   Changed ///< there is one, but the source is no longer as it was
 };
 
-/// Looks whether there is an index. Error: InvalidArgument if the file at its path is not an index of
-/// this source, so that it must not be replaced.
+/// Looks whether there is an index. Error: InvalidArgument if the file at its path is not an index
+/// of this source, so that it must not be replaced.
 Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
 
 /**
- * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores as
- * there are ranks, and returns what of the source is left out (VolumeFile::LeftOut). On an error or
- * stop, an older index stays as it was. Cost and errors: as BlockedVolumeWriter.
+ * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores
+ * as there are ranks, and returns what of the source is left out (VolumeFile::LeftOut). On an error
+ * or stop, an older index stays as it was. Cost and errors: as BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {});

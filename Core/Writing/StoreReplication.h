@@ -16,9 +16,10 @@ namespace isosurface
 Status CopyStoreFile(
   FileSystem& files, const std::string& from, FileSystem& toFiles, const std::string& to);
 
-/// Copies a finished store of the last time step of `header`, which may be that of an overview, to the
-/// folders of other stores, as many as it has replicas there, and brings the copies to stable storage.
-/// `path`: that of the volume. Cost: one pass over the store's files for each replica. Memory: a MiB.
+/// Copies a finished store of the last time step of `header`, which may be that of an overview, to
+/// the folders of other stores, as many as it has replicas there, and brings the copies to stable
+/// storage. `path`: that of the volume. Cost: one pass over the store's files for each replica.
+/// Memory: a MiB.
 Status ReplicateStore(FileSystem& files, const std::string& path, const BlockedVolumeHeader& header,
   std::uint32_t store);
 

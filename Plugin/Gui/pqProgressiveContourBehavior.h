@@ -3,15 +3,15 @@
  * @class   pqProgressiveContourBehavior
  * @brief   surfaces that the user asks for by hand are coarse at once, and exact soon
  *
- * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time by
- * the buttons of the toolbar, every Stabbing Contour may give a coarse surface (AllowCoarse). Scripts,
- * state files and saved animations get exact ones.
- * Afterwards each contour whose surface is not final extracts the next level beside the window
- * (PrepareRefinement); a timer asks how far it is. When it is there on all ranks, and no mouse button is
- * down, Refine and a rendering show it. Until then the view keeps the surface that it has.
+ * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time
+ * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface (AllowCoarse).
+ * Scripts, state files and saved animations get exact ones. Afterwards each contour whose surface
+ * is not final extracts the next level beside the window (PrepareRefinement); a timer asks how far
+ * it is. When it is there on all ranks, and no mouse button is down, Refine and a rendering show
+ * it. Until then the view keeps the surface that it has.
  *
- * Before the window saves data, a screenshot or an animation, all surfaces are finished. One that would
- * not fit into the server's memory is not extracted without asking.
+ * Before the window saves data, a screenshot or an animation, all surfaces are finished. One that
+ * would not fit into the server's memory is not extracted without asking.
  *
  * ParaView makes one object when its window loads the plugin.
  */

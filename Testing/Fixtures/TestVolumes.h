@@ -32,7 +32,8 @@ struct VolumeSettings
   int NumberOfReplicas = 0;
 };
 
-/// Writes an image or a rectilinear grid, on this process alone; a test fails if that reports an error.
+/// Writes an image or a rectilinear grid, on this process alone; a test fails if that reports an
+/// error.
 void WriteVolume(
   vtkDataObject* input, const std::string& path, const VolumeSettings& settings = {});
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A store that is lost or damaged between two queries: the surface of all ranks is whole, one rank warns.
+// A store that is lost or damaged between two queries: the surface of all ranks is whole, one rank
+// warns.
 #include "EventCounter.h"
 #include "ParallelVolumes.h"
 
@@ -171,8 +172,7 @@ TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
     SumOverRanks(static_cast<std::uint64_t>(distribute->GetOutput()->GetNumberOfPolys()));
   const std::size_t expected = ContourByFlyingEdges(image, Isovalue).Triangles.size();
   EXPECT_EQ(triangles, expected);
-  EXPECT_EQ(
-    warnings.Messages.size() + warningsOfContour.Messages.size(), GetRank() == 0 ? 1u : 0u);
+  EXPECT_EQ(warnings.Messages.size() + warningsOfContour.Messages.size(), GetRank() == 0 ? 1u : 0u);
 }
 
 std::string NameOfStores(const testing::TestParamInfo<bool>& info)
