@@ -18,6 +18,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace isosurface
 {
@@ -25,14 +26,13 @@ namespace
 {
 
 template <typename T>
-void Store(vtkDataArray* array, const TupleRanges<T>& ranges)
+void StoreComponents(vtkDataArray* array, const std::vector<ValueSpan<T>>& spans)
 {
-  vtkInformation* information = array->GetInformation();
   for (vtkInformationInformationVectorKey* key :
     { vtkDataArray::PER_COMPONENT(), vtkDataArray::PER_FINITE_COMPONENT() })
   {
     vtkNew<vtkInformationVector> components;
-    for (const ValueSpan<T>& span : ranges.Components)
+    for (const ValueSpan<T>& span : spans)
     {
       const double range[2] = { static_cast<double>(span.Minimum),
         static_cast<double>(span.Maximum) };
@@ -40,12 +40,19 @@ void Store(vtkDataArray* array, const TupleRanges<T>& ranges)
       component->Set(vtkDataArray::COMPONENT_RANGE(), range, 2);
       components->Append(component);
     }
-    information->Set(key, components);
+    array->GetInformation()->Set(key, components);
   }
+}
+
+template <typename T>
+void Store(vtkDataArray* array, const TupleRanges<T>& ranges)
+{
+  StoreComponents(array, ranges.Components);
   if (ranges.Components.size() > 1)
   {
     const double range[2] = { std::sqrt(ranges.SquaredNorm.Minimum),
       std::sqrt(ranges.SquaredNorm.Maximum) };
+    vtkInformation* information = array->GetInformation();
     information->Set(vtkDataArray::L2_NORM_RANGE(), range, 2);
     information->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), range, 2);
   }
@@ -115,6 +122,12 @@ void StoreRanges(vtkPolyData* surface, int threads)
   {
     StoreRangesOfArray(arrays->GetArray(n), threads);
   }
+}
+
+void StoreRange(vtkDataArray* array, double minimum, double maximum)
+{
+  const std::vector<ValueSpan<double>> spans = { ValueSpan<double>{ minimum, maximum } };
+  StoreComponents(array, spans);
 }
 
 } // namespace isosurface

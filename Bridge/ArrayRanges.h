@@ -4,6 +4,7 @@
 
 #include "IsosurfaceBridgeModule.h"
 
+class vtkDataArray;
 class vtkPolyData;
 
 namespace isosurface
@@ -21,6 +22,12 @@ namespace isosurface
  * pass over the arrays, on `threads` threads.
  */
 ISOSURFACEBRIDGE_EXPORT void StoreRanges(vtkPolyData* surface, int threads);
+
+/**
+ * Stores the range of an array of one component whose maker knows it. Other arrays than those of
+ * MakeRangedArray tell it only where they are asked themselves.
+ */
+ISOSURFACEBRIDGE_EXPORT void StoreRange(vtkDataArray* array, double minimum, double maximum);
 
 } // namespace isosurface
 

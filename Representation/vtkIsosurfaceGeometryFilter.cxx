@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkIsosurfaceGeometryFilter.h"
 
+#include "ArrayRanges.h"
 #include "MeasuredTriangles.h"
+#include "RangedArray.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -19,6 +21,7 @@
 #include "Base/ParallelFor.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <numeric>
 
@@ -50,30 +53,39 @@ void ForRuns(vtkIdType count, BodyT&& body)
     });
 }
 
+// Adds an array of one component. fill(values, first, last) sets values[first] to values[last - 1]. The
+// range of the values is known, so ParaView, which asks for it, needs no pass over them.
+template <typename ArrayT, typename FillT>
+void AddArray(vtkDataSetAttributes* attributes, const char* name, vtkIdType count,
+  const std::array<double, 2>& range, FillT&& fill)
+{
+  const auto array = isosurface::MakeRangedArray(vtkNew<ArrayT>()->GetDataType());
+  array->SetName(name);
+  array->SetNumberOfTuples(count);
+  auto* values = ArrayT::FastDownCast(array)->GetPointer(0);
+  isosurface::AdviseHugePages(values, static_cast<std::size_t>(count) * sizeof(*values));
+  ForRuns(count, [&](vtkIdType first, vtkIdType last) { fill(values, first, last); });
+  if (count > 0)
+  {
+    isosurface::StoreRange(array, range[0], range[1]);
+  }
+  attributes->AddArray(array);
+}
+
 // Numbers 0, 1, 2 ... as an array.
 void AddNumbers(vtkDataSetAttributes* attributes, const char* name, vtkIdType count)
 {
-  vtkNew<vtkIdTypeArray> numbers;
-  numbers->SetName(name);
-  numbers->SetNumberOfValues(count);
-  vtkIdType* values = numbers->GetPointer(0);
-  isosurface::AdviseHugePages(values, static_cast<std::size_t>(count) * sizeof(vtkIdType));
-  ForRuns(count,
-    [&](vtkIdType first, vtkIdType last) { std::iota(values + first, values + last, first); });
-  attributes->AddArray(numbers);
+  AddArray<vtkIdTypeArray>(attributes, name, count, { 0, static_cast<double>(count - 1) },
+    [](vtkIdType* values, vtkIdType first, vtkIdType last)
+    { std::iota(values + first, values + last, first); });
 }
 
-void AddRank(vtkDataSetAttributes* attributes, vtkIdType count, int rank)
+void AddRank(vtkDataSetAttributes* attributes, vtkIdType count, unsigned int rank)
 {
-  vtkNew<vtkUnsignedIntArray> ranks;
-  ranks->SetName("vtkProcessId");
-  ranks->SetNumberOfValues(count);
-  unsigned int* values = ranks->GetPointer(0);
-  isosurface::AdviseHugePages(values, static_cast<std::size_t>(count) * sizeof(unsigned int));
-  ForRuns(count,
-    [&](vtkIdType first, vtkIdType last)
-    { std::fill(values + first, values + last, static_cast<unsigned int>(rank)); });
-  attributes->AddArray(ranks);
+  const auto value = static_cast<double>(rank);
+  AddArray<vtkUnsignedIntArray>(attributes, "vtkProcessId", count, { value, value },
+    [rank](unsigned int* values, vtkIdType first, vtkIdType last)
+    { std::fill(values + first, values + last, rank); });
 }
 
 } // namespace
@@ -94,7 +106,8 @@ int vtkIsosurfaceGeometryFilter::RequestData(
   passed->ShallowCopy(surface);
   if (this->GenerateProcessIds)
   {
-    const int rank = this->Controller ? this->Controller->GetLocalProcessId() : 0;
+    const auto rank =
+      static_cast<unsigned int>(this->Controller ? this->Controller->GetLocalProcessId() : 0);
     AddNumbers(passed->GetCellData(), "vtkOriginalCellIds", surface->GetNumberOfCells());
     AddNumbers(passed->GetPointData(), "vtkOriginalPointIds", surface->GetNumberOfPoints());
     AddRank(passed->GetPointData(), surface->GetNumberOfPoints(), rank);

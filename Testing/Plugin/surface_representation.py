@@ -175,6 +175,30 @@ class SurfaceRepresentation(unittest.TestCase):
             sorted(stock.GetProperty("RepresentationTypesInfo")),
         )
 
+    def test_arrays_and_ranges_are_those_of_the_stock_representation(self):
+        found = []
+        for representation in (STOCK, OURS):
+            view, display = self.show("RenderView", representation)
+            simple.Render(view)
+            information = display.SMProxy.GetRepresentedDataInformation()
+            arrays = {}
+            for kind in ("PointData", "CellData"):
+                attributes = getattr(information, "Get" + kind + "Information")()
+                for index in range(attributes.GetNumberOfArrays()):
+                    array = attributes.GetArrayInformation(index)
+                    arrays[kind, array.GetName()] = (
+                        array.GetDataType(),
+                        [array.GetComponentRange(c) for c in range(array.GetNumberOfComponents())],
+                        [array.GetComponentFiniteRange(c) for c in range(array.GetNumberOfComponents())],
+                    )
+            simple.Delete(display)
+            found.append(arrays)
+        stock, ours = found
+        self.assertEqual(ours, stock)
+        if testing.arguments.ranks > 1:
+            ranks = (0.0, testing.arguments.ranks - 1.0)
+            self.assertEqual(ours["PointData", "vtkProcessId"][1], [ranks])
+
     def test_same_images_of_all_scenes(self):
         for name, change in SCENES.items():
             if testing.arguments.ranks > 1 and name not in ON_SEVERAL_RANKS:
