@@ -16,7 +16,7 @@ constexpr std::size_t EvenCandidates = 1536;
 constexpr std::size_t BlockCandidates = 192;
 
 /// The indices [begin, end) of the isovalues v with Low < v <= High.
-std::array<std::size_t, 2> FindWithin(const std::vector<double>& isovalues, const ValueSpan& span)
+std::array<std::size_t, 2> FindWithin(const std::vector<double>& isovalues, const SampleSpan& span)
 {
   const auto begin = std::upper_bound(isovalues.begin(), isovalues.end(), span.Low);
   const auto end = std::upper_bound(begin, isovalues.end(), span.High);
@@ -46,7 +46,7 @@ BlockBalancer::BlockBalancer(const std::vector<BlockProfile>& profiles, std::uin
 std::vector<double> BlockBalancer::FindCandidates() const
 {
   std::vector<double> middles;
-  ValueSpan span;
+  SampleSpan span;
   for (const BlockProfile& profile : this->Profiles)
   {
     if (!profile.IsEmpty())

@@ -23,10 +23,10 @@ bool IsInteger(ValueType type)
 
 } // namespace
 
-BlockProfile BlockProfile::Make(ValueType type, const std::vector<ValueSpan>& cubes)
+BlockProfile BlockProfile::Make(ValueType type, const std::vector<SampleSpan>& cubes)
 {
   BlockProfile profile;
-  for (const ValueSpan& cube : cubes)
+  for (const SampleSpan& cube : cubes)
   {
     if (cube.Low < cube.High)
     {
@@ -39,7 +39,7 @@ BlockProfile BlockProfile::Make(ValueType type, const std::vector<ValueSpan>& cu
   }
   profile.ChooseBins(type);
   std::array<std::int32_t, MaximumCount + 1> changes{};
-  for (const ValueSpan& cube : cubes)
+  for (const SampleSpan& cube : cubes)
   {
     if (cube.Low < cube.High)
     {

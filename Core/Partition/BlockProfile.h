@@ -14,12 +14,12 @@ namespace isosurface
 {
 
 /// The range of the finite values of samples; empty if Low > High.
-struct ValueSpan
+struct SampleSpan
 {
   double Low = std::numeric_limits<double>::infinity();
   double High = -std::numeric_limits<double>::infinity();
 
-  void Add(const ValueSpan& other)
+  void Add(const SampleSpan& other)
   {
     this->Low = other.Low < this->Low ? other.Low : this->Low;
     this->High = other.High > this->High ? other.High : this->High;
@@ -39,13 +39,13 @@ struct BlockProfile
   static constexpr std::int64_t CubeSize = 4;
   static constexpr std::size_t MaximumCount = 32;
 
-  ValueSpan Span; ///< of all cubes that are not constant
+  SampleSpan Span; ///< of all cubes that are not constant
   std::int32_t Exponent = 0;
   std::int64_t First = 0;                           ///< Counts[n] is at (First + n) * 2^Exponent
   std::array<std::uint16_t, MaximumCount> Counts{}; ///< 0 outside Span
 
   /// The profile of cubes, given by the ranges of their samples.
-  static BlockProfile Make(ValueType type, const std::vector<ValueSpan>& cubes);
+  static BlockProfile Make(ValueType type, const std::vector<SampleSpan>& cubes);
 
   /// Adds the cubes of another part of the block.
   void Add(ValueType type, const BlockProfile& other);

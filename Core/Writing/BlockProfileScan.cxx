@@ -183,7 +183,7 @@ void BlockProfileScan::AddCubeRow(
     const auto end = static_cast<std::ptrdiff_t>(cube.High[0] - row.Low[0]);
     const T least = *std::min_element(low.begin() + begin, low.begin() + end);
     const T most = *std::max_element(high.begin() + begin, high.begin() + end);
-    ValueSpan span;
+    SampleSpan span;
     // Without any number, the minimum is above the maximum.
     if (least <= most)
     {
@@ -195,7 +195,7 @@ void BlockProfileScan::AddCubeRow(
 }
 
 void BlockProfileScan::AddSpan(
-  const VertexBox& part, const ValueSpan& span, ThreadState& state) const
+  const VertexBox& part, const SampleSpan& span, ThreadState& state) const
 {
   const auto cube = static_cast<std::uint64_t>(part.Low[0] / CubeSize +
     this->CubesPerAxis[0] *

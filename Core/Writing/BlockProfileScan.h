@@ -52,11 +52,11 @@ private:
   {
     std::uint64_t Cube = 0;
     std::int64_t Vertices = 0;
-    ValueSpan Span;
+    SampleSpan Span;
   };
   struct ThreadState
   {
-    std::vector<ValueSpan> Cubes; ///< of one block
+    std::vector<SampleSpan> Cubes; ///< of one block
     std::vector<Part> Parts;
   };
 
@@ -66,7 +66,7 @@ private:
     const SampleView& samples, std::int64_t block, const VertexBox& part, ThreadState& state);
   template <typename T>
   void AddCubeRow(const SampleView& samples, const VertexBox& row, ThreadState& state) const;
-  void AddSpan(const VertexBox& part, const ValueSpan& span, ThreadState& state) const;
+  void AddSpan(const VertexBox& part, const SampleSpan& span, ThreadState& state) const;
   void AddPart(const Part& part);
   Message Pack() const;
   void Unpack(const Message& message);

@@ -59,7 +59,7 @@ std::vector<BlockProfile> MakeProfiles(const std::vector<KeyRange>& ranges)
   {
     const double low = MakeValueOfKey<float>(range.Minimum);
     const double size = MakeValueOfKey<float>(range.Maximum) - low;
-    std::vector<ValueSpan> cubes;
+    std::vector<SampleSpan> cubes;
     for (int n = 0; n < 8; ++n)
     {
       const double part = 0.1 * static_cast<double>(random() % 10);
@@ -115,10 +115,10 @@ struct Scene
   BlockProfile MakeProfile(const VertexBox& box) const
   {
     constexpr std::int64_t size = BlockProfile::CubeSize;
-    std::vector<ValueSpan> cubes;
+    std::vector<SampleSpan> cubes;
     for (std::int64_t cube = 0; cube < 4 * 4 * 4; ++cube)
     {
-      ValueSpan span;
+      SampleSpan span;
       for (std::int64_t n = 0; n < size * size * size; ++n)
       {
         const double value = this->Volume.At(box.Low[0] + cube % 4 * size + n % size,

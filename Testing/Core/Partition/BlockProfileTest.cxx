@@ -12,26 +12,26 @@ using namespace isosurface;
 namespace
 {
 
-std::uint32_t CountCubes(const std::vector<ValueSpan>& cubes, double isovalue)
+std::uint32_t CountCubes(const std::vector<SampleSpan>& cubes, double isovalue)
 {
   std::uint32_t count = 0;
-  for (const ValueSpan& cube : cubes)
+  for (const SampleSpan& cube : cubes)
   {
     count += cube.Low < isovalue && isovalue <= cube.High ? 1 : 0;
   }
   return count;
 }
 
-std::vector<ValueSpan> MakeCubes(std::size_t count, double scale, bool isInteger)
+std::vector<SampleSpan> MakeCubes(std::size_t count, double scale, bool isInteger)
 {
   std::mt19937 random(11);
-  std::vector<ValueSpan> cubes(count);
-  for (ValueSpan& cube : cubes)
+  std::vector<SampleSpan> cubes(count);
+  for (SampleSpan& cube : cubes)
   {
     const double low = scale * (static_cast<double>(random() % 1000) - 300);
     const double size = random() % 5 == 0 ? 0 : scale * static_cast<double>(random() % 200);
-    cube = isInteger ? ValueSpan{ std::floor(low), std::floor(low + size) }
-                     : ValueSpan{ low, low + size };
+    cube = isInteger ? SampleSpan{ std::floor(low), std::floor(low + size) }
+                     : SampleSpan{ low, low + size };
   }
   return cubes;
 }
@@ -72,7 +72,7 @@ TEST(BlockProfile, CountsTheCubesThatAnIsosurfaceCrosses)
 
 TEST(BlockProfile, HasABinForEveryValueOfSmallIntegerRanges)
 {
-  const std::vector<ValueSpan> cubes = { { 3, 5 }, { 4, 4 }, { 4, 9 } };
+  const std::vector<SampleSpan> cubes = { { 3, 5 }, { 4, 4 }, { 4, 9 } };
   const BlockProfile profile = BlockProfile::Make(ValueType::UInt8, cubes);
   EXPECT_EQ(profile.Exponent, 0);
   for (int value = 0; value < 20; ++value)
@@ -117,6 +117,6 @@ TEST(BlockProfile, AcceptsExtremeNumbers)
   EXPECT_FALSE(BlockProfile::Make(ValueType::Float64, { { 0, least } }).IsEmpty());
   EXPECT_FALSE(
     BlockProfile::Make(ValueType::Float64, { { 1e18, std::nextafter(1e18, 2e18) } }).IsEmpty());
-  EXPECT_TRUE(BlockProfile::Make(ValueType::Float64, { { 7, 7 }, ValueSpan{} }).IsEmpty());
+  EXPECT_TRUE(BlockProfile::Make(ValueType::Float64, { { 7, 7 }, SampleSpan{} }).IsEmpty());
   EXPECT_TRUE(BlockProfile::Make(ValueType::Float64, {}).IsEmpty());
 }
