@@ -197,6 +197,24 @@ void EdgeSurface::DropNormals()
   std::sort(this->Points.begin(), this->Points.end());
 }
 
+void EdgeSurface::ClearZeroNormals(bool isNan)
+{
+  const auto hasNoDirection = [isNan](std::uint32_t bits)
+  {
+    float value = 0;
+    std::memcpy(&value, &bits, sizeof(value));
+    return value == 0 || (isNan && std::isnan(value));
+  };
+  for (EdgePoint& point : this->Points)
+  {
+    if (std::all_of(point.Normal.begin(), point.Normal.end(), hasNoDirection))
+    {
+      point.Normal = {};
+    }
+  }
+  std::sort(this->Points.begin(), this->Points.end());
+}
+
 EdgeSurface ContourByFlyingEdges(vtkImageData* image, double isovalue)
 {
   vtkDataArray* samples = image->GetPointData()->GetScalars();

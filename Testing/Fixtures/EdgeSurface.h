@@ -47,6 +47,10 @@ struct EdgeSurface
 
   /// Forgets the normals, to compare points and triangles alone.
   void DropNormals();
+
+  /// A zero gradient has no direction: its normal, of zeros with any signs, becomes (0, 0, 0). On a
+  /// grid that is turned, vtkFlyingEdges3D has NaN instead: `isNan` if such normals are zero, too.
+  void ClearZeroNormals(bool isNan);
 };
 
 /**

@@ -153,6 +153,7 @@ std::size_t SoakVolume::GetExpectedHash(const SoakQuery& query, int level)
   {
     surface.DropNormals();
   }
+  surface.ClearZeroNormals(true);
   return this->Hashes[key] = ComputeHash(surface);
 }
 
@@ -162,6 +163,7 @@ void SoakVolume::ExpectSurface(const SoakQuery& query)
   const int level = static_cast<int>(GetCost(output, "Level"));
   EdgeSurface surface;
   surface.Add(output);
+  surface.ClearZeroNormals(false);
   EXPECT_EQ(ComputeHash(surface), this->GetExpectedHash(query, level))
     << "volume " << this->Kind << ", generation " << this->Generation << ", step " << query.Step
     << ", isovalue " << this->GetIsovalue(query.Isovalue) << ", level " << level;
