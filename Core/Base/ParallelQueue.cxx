@@ -133,7 +133,8 @@ private:
       done = this->Taken - this->Waiting.size();
       all = this->IsComplete ? this->Taken : std::max(this->Taken, this->Expected);
     }
-    if (!this->Report(static_cast<double>(done) / static_cast<double>(all)))
+    // Some may be in the hands of other threads, or still to come.
+    if (!this->Report(static_cast<double>(done) / static_cast<double>(all + 1)))
     {
       this->Stop();
     }
