@@ -134,7 +134,9 @@ private:
       all = this->IsComplete ? this->Taken : std::max(this->Taken, this->Expected);
     }
     // Some may be in the hands of other threads, or still to come.
-    if (!this->Report(static_cast<double>(done) / static_cast<double>(all + 1)))
+    const double fraction = static_cast<double>(done) / static_cast<double>(all + 1);
+    this->Fraction = std::max(this->Fraction, fraction);
+    if (!this->Report(this->Fraction))
     {
       this->Stop();
     }
@@ -162,6 +164,7 @@ private:
   const Body& Call;
   const Progress& Report;
   Clock::time_point NextTime = Clock::now() + Pause;
+  double Fraction = 0; ///< that was last reported: there may be more indices than were expected
 
   std::mutex Mutex; ///< guards what follows
   std::condition_variable Changed;
