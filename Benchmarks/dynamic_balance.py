@@ -30,6 +30,7 @@ class ProcessorShare:
         self.folder = os.path.join(CGROUPS, f"isosurface-{os.getppid()}-{rank}")
         os.makedirs(self.folder, exist_ok=True)
         self.write("cpu.cfs_period_us", PERIOD)
+        self.write("cpu.shares", 100 * 1024)  # other work on the machine must not matter
         with open(os.path.join(self.folder, "cgroup.procs"), "w") as file:
             file.write(str(os.getpid()))
 
@@ -82,7 +83,7 @@ def main():
     parser.add_argument("--processor", type=float, default=0.4)
     parser.add_argument("--slowness", type=float, default=4)
     arguments = parser.parse_args()
-    simple.LoadPlugin(arguments.plugin, remote=False, ns=globals())
+    simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
     controller = vtkMultiProcessController.GetGlobalController()
     rank, ranks = controller.GetLocalProcessId(), controller.GetNumberOfProcesses()
     reader = simple.BlockedVolumeReader(FileName=arguments.volume, CacheSize=0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Contour/PointRestriction.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace isosurface
@@ -23,15 +24,18 @@ void MovePoint(const BrickPart& part, const std::vector<AttributeLayout>& attrib
 }
 
 void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,
-  const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickPart& part)
+  const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickPart& part,
+  RestrictionMemory& memory)
 {
   const Index3 box = vertices.GetSize();
   const int size[3] = { static_cast<int>(box[0]), static_cast<int>(box[1]),
     static_cast<int>(box[2]) };
   // A part's own codes do not tell which edge a point was on that has been moved to a vertex.
   const std::size_t maximum = 3 * static_cast<std::size_t>(box[0] * box[1] * box[2]);
-  std::vector<EdgeCode> edges(maximum + EdgeCodeSlack);
-  std::vector<EdgeCode> kept(maximum + EdgeCodeSlack);
+  std::vector<EdgeCode>& edges = memory.Edges;
+  std::vector<EdgeCode>& kept = memory.Kept;
+  edges.resize(std::max(edges.size(), maximum + EdgeCodeSlack));
+  kept.resize(edges.size());
   const BrickKernels& kernels = GetBrickKernels();
   const std::uint32_t points =
     kernels.NumberRows(size, part.Inside, before, part.Offsets, edges.data()).Points;
@@ -54,7 +58,11 @@ void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,
     }
     if (isKept)
     {
-      MovePoint(part, attributes, from, to++);
+      if (from != to)
+      {
+        MovePoint(part, attributes, from, to);
+      }
+      ++to;
     }
   }
   part.Counts.Points = keptPoints;

@@ -108,8 +108,9 @@ void QueuedScan::DropWhatOthersOwn(const BrickLattice& lattice, int threads)
 {
   BrickScan::Parts& all = this->Scan.GetAllParts();
   const std::size_t bricks = lattice.GetBricks().size();
+  std::vector<RestrictionMemory> memories(static_cast<std::size_t>(std::max(1, threads)));
   ParallelFor(bricks, threads,
-    [&](std::size_t number, int)
+    [&](std::size_t number, int thread)
     {
       const Brick& brick = lattice.GetBricks()[number];
       const BrickSamples position = MakeBrickSamples(this->Geometry, brick.Vertices);
@@ -124,8 +125,8 @@ void QueuedScan::DropWhatOthersOwn(const BrickLattice& lattice, int threads)
       {
         if (all.OfBricks[part].Inside)
         {
-          RestrictPoints(
-            brick.Vertices, before, after, this->Request.Attributes, all.OfBricks[part]);
+          RestrictPoints(brick.Vertices, before, after, this->Request.Attributes,
+            all.OfBricks[part], memories[static_cast<std::size_t>(thread)]);
         }
       }
     });
