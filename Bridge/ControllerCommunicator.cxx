@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ControllerCommunicator.h"
 
+#include "WindowCounters.h"
+
 #include <vtkCommunicator.h>
 #include <vtkMultiProcessController.h>
 #include <vtksys/SystemInformation.hxx>
@@ -270,6 +272,11 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
     }
   }
   return incoming;
+}
+
+std::unique_ptr<SharedCounters> ControllerCommunicator::MakeCounters()
+{
+  return MakeWindowCounters(this->Controller);
 }
 
 void ControllerCommunicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,

@@ -35,6 +35,8 @@ public:
   std::vector<Message> Exchange(std::vector<Message> outgoing) override;
   void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
     const std::function<void(int rank)>& arrived) override;
+  /// In an MPI window; null unless the controller is a vtkMPIController.
+  std::unique_ptr<SharedCounters> MakeCounters() override;
 
 private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);

@@ -202,6 +202,7 @@ std::uint64_t ContourWork::ComputeFingerprint(const SurfaceQuery& query)
   addNumber(this->Contour.GetProgressive() ? 1 : 0);
   addNumber(this->Contour.GetCloseBoundary() ? 1 : 0);
   addNumber(this->Contour.GetSkipNotANumber() ? 1 : 0);
+  addNumber(this->Contour.GetDynamicBalance() ? 1 : 0);
   addNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
   AppendLittleEndian(bytes, static_cast<double>(this->Contour.GetTimeBudget()));
   return ComputeChecksum(bytes.data(), bytes.size());
@@ -243,9 +244,10 @@ Status ContourWork::ExtractFromVolume(
   {
     request.Attributes.push_back(array.Layout);
   }
-  const VolumeContour::Task task = { *volume, query, request, threads,
-    [this](double share) { return this->TellProgress(share); } };
   ControllerCommunicator ranks = this->GetRanks();
+  const VolumeContour::Task task = { *volume, query, request, threads,
+    [this](double share) { return this->TellProgress(share); },
+    this->Contour.GetDynamicBalance() ? &ranks : nullptr };
   std::string warning;
   const Status status = RunWithReplicas(
     ranks, [&] { return volume.get(); }, warning,

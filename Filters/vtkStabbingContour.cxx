@@ -74,6 +74,7 @@ vtkStabbingContour::vtkStabbingContour()
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
   , SkipNotANumber(0)
+  , DynamicBalance(0)
   , UseRegion(0)
   , RegionPosition{ 0, 0, 0 }
   , RegionLength{ 1, 1, 1 }
@@ -370,6 +371,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "DropDegenerateTriangles: " << this->DropDegenerateTriangles << "\n";
   os << indent << "CloseBoundary: " << this->CloseBoundary << "\n";
   os << indent << "SkipNotANumber: " << this->SkipNotANumber << "\n";
+  os << indent << "DynamicBalance: " << this->DynamicBalance << "\n";
   os << indent << "UseRegion: " << this->UseRegion << "\n";
   os << indent << "RegionPosition: " << this->RegionPosition[0] << " " << this->RegionPosition[1]
      << " " << this->RegionPosition[2] << "\n";

@@ -255,6 +255,20 @@ public:
 
   ///@{
   /**
+   * Whether ranks that are ready take blocks of a blocked volume from the shares of others within
+   * the query, so that a rank on a busy node or a slow disk does not keep all waiting. The surface of
+   * all ranks is the same; but which rank has which block may differ from one execution to the next,
+   * and with it each rank's piece and what is in its block cache. No effect where the reader's
+   * LocalStores is on, on images in memory, on pieces other than the ranks' own, without MPI, and on
+   * surfaces that are prepared in the background. Must be the same on all ranks. Default off.
+   */
+  vtkSetMacro(DynamicBalance, vtkTypeBool);
+  vtkGetMacro(DynamicBalance, vtkTypeBool);
+  vtkBooleanMacro(DynamicBalance, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
    * With UseRegion, only blocks that reach into a box in world coordinates are read and contoured,
    * as a whole: the surface ends where these blocks end, not at the box (vtkClipPolyData cuts
    * exactly). RegionPosition is the low corner of the box, RegionLength its lengths along the axes;
@@ -348,6 +362,7 @@ private:
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
   vtkTypeBool SkipNotANumber;
+  vtkTypeBool DynamicBalance;
   vtkTypeBool UseRegion;
   double RegionPosition[3];
   double RegionLength[3];

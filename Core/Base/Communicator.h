@@ -2,10 +2,12 @@
 #ifndef isosurface_Communicator_h
 #define isosurface_Communicator_h
 
+#include "Base/SharedCounters.h"
 #include "Base/Status.h"
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,12 @@ public:
    */
   virtual void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
     const std::function<void(int rank)>& arrived);
+
+  /**
+   * A counter for each rank, all 0. Null on all ranks if these cannot reach each other's memory.
+   * All ranks destroy it, at the same place among the collectives.
+   */
+  virtual std::unique_ptr<SharedCounters> MakeCounters() { return nullptr; }
 
   /**
    * Tells all ranks whether one has failed. Returns Ok if all are Ok. Otherwise a rank with an

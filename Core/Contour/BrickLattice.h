@@ -86,6 +86,8 @@ public:
 
   const std::vector<Brick>& GetBricks() const { return this->Bricks; }
 
+  std::size_t GetNumberOfBlocks() const { return this->FirstBricks.size() - 1; }
+
   /// The bricks of block b are GetFirstBrick(b) .. GetFirstBrick(b + 1) - 1.
   std::size_t GetFirstBrick(std::size_t block) const { return this->FirstBricks[block]; }
 

@@ -119,14 +119,14 @@ BrickSamples MakeBrickSamples(
   return view;
 }
 
-BrickScan::BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, BlockSource& source,
-  const ContourRequest& request)
+BrickScan::BrickScan(
+  const GridGeometry& geometry, BlockSource& source, const ContourRequest& request, int threads)
   : Geometry(geometry)
-  , Lattice(lattice)
   , Source(source)
   , Request(request)
   , KnownSamples(FindKnownSamples(geometry, request))
   , Kernels(GetBrickKernels())
+  , Workers(static_cast<std::size_t>(std::max(1, threads)))
 {
   DispatchValueType(source.GetValueType(),
     [&](auto zero)
@@ -144,25 +144,28 @@ BrickScan::BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, 
     });
 }
 
-Status BrickScan::Run(int threads, const Progress& progress)
+void BrickScan::Allocate(const BrickLattice& lattice, Parts& parts) const
 {
-  const std::size_t bricks = this->Lattice.GetBricks().size();
-  this->Parts.resize(bricks * this->Request.Isovalues.size());
-  this->Ownerships.resize(bricks);
-  this->Workers = std::vector<Worker>(static_cast<std::size_t>(std::max(1, threads)));
+  const std::size_t bricks = lattice.GetBricks().size();
+  parts.OfBricks.resize(bricks * this->Request.Isovalues.size());
+  parts.Ownerships.resize(bricks);
+}
 
+Status BrickScan::Run(const BrickLattice& lattice, const Progress& progress)
+{
+  this->Allocate(lattice, this->AllParts);
   Status failure;
   std::atomic<bool> failed{ false };
   std::mutex failureMutex;
   const bool finished = ParallelFor(
-    this->Source.GetNumberOfBlocks(), threads,
+    this->Source.GetNumberOfBlocks(), static_cast<int>(this->Workers.size()),
     [&](std::size_t block, int thread)
     {
       if (failed)
       {
         return;
       }
-      Status status = this->ScanBlock(block, this->Workers[static_cast<std::size_t>(thread)]);
+      Status status = this->ScanBlock(lattice, block, block, this->AllParts, thread);
       if (!status.IsOk())
       {
         const std::lock_guard<std::mutex> lock(failureMutex);
@@ -192,12 +195,14 @@ double BrickScan::GetAcquireSeconds() const
 
 bool BrickScan::HasHiddenCells() const
 {
-  return std::any_of(this->Parts.begin(), this->Parts.end(),
+  return std::any_of(this->GetParts().begin(), this->GetParts().end(),
     [](const BrickPart& part) { return part.Visible != nullptr; });
 }
 
-Status BrickScan::ScanBlock(std::size_t block, Worker& worker)
+Status BrickScan::ScanBlock(const BrickLattice& lattice, std::size_t numberInLattice,
+  std::size_t block, Parts& parts, int thread)
 {
+  Worker& worker = this->Workers[static_cast<std::size_t>(thread)];
   const auto start = std::chrono::steady_clock::now();
   const Result<BlockSamples> samples = this->Source.Acquire(block);
   worker.AcquireSeconds +=
@@ -207,10 +212,10 @@ Status BrickScan::ScanBlock(std::size_t block, Worker& worker)
     return samples.GetStatus();
   }
   ISOSURFACE_RETURN_IF_ERROR(this->CheckSamples(block, *samples));
-  for (std::size_t brick = this->Lattice.GetFirstBrick(block);
-       brick < this->Lattice.GetFirstBrick(block + 1); ++brick)
+  for (std::size_t brick = lattice.GetFirstBrick(numberInLattice);
+       brick < lattice.GetFirstBrick(numberInLattice + 1); ++brick)
   {
-    this->ScanBrick(brick, *samples, worker);
+    this->ScanBrick(lattice, brick, *samples, parts, worker);
   }
   return Status::Ok();
 }
@@ -257,10 +262,11 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   return Status::Ok();
 }
 
-void BrickScan::ScanBrick(std::size_t number, const BlockSamples& samples, Worker& worker)
+void BrickScan::ScanBrick(const BrickLattice& lattice, std::size_t number,
+  const BlockSamples& samples, Parts& parts, Worker& worker)
 {
-  const std::size_t bricks = this->Lattice.GetBricks().size();
-  const Brick& brick = this->Lattice.GetBricks()[number];
+  const std::size_t bricks = lattice.GetBricks().size();
+  const Brick& brick = lattice.GetBricks()[number];
   BlockSamples extended;
   if (brick.IsBeyond())
   {
@@ -270,15 +276,15 @@ void BrickScan::ScanBrick(std::size_t number, const BlockSamples& samples, Worke
   BrickSamples view = MakeBrickSamples(this->Geometry, brick.Vertices, &own.Scalars);
   std::copy(this->KnownSamples.Low.begin(), this->KnownSamples.Low.end(), view.KnownLow);
   std::copy(this->KnownSamples.High.begin(), this->KnownSamples.High.end(), view.KnownHigh);
-  this->Ownerships[number] = this->Lattice.FindNeighborhood(number).ComputeOwnership(view.Size);
+  parts.Ownerships[number] = lattice.FindNeighborhood(number).ComputeOwnership(view.Size);
   const CellVisibility ofBlock(samples, this->Request.SkipNotANumber);
   const BrickVisibility visibility = this->FindVisibility(ofBlock, brick, worker);
   for (std::size_t isovalue = 0; isovalue < this->Thresholds.size(); ++isovalue)
   {
     if (this->Thresholds[isovalue].Exists)
     {
-      this->Parts[isovalue * bricks + number] =
-        this->ScanIsovalue(isovalue, number, view, own, visibility, worker);
+      parts.OfBricks[isovalue * bricks + number] = this->ScanIsovalue(
+        isovalue, brick, parts.Ownerships[number], view, own, visibility, worker);
     }
   }
 }
@@ -307,17 +313,18 @@ BrickScan::BrickVisibility BrickScan::FindVisibility(
   return visibility;
 }
 
-BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
-  const BlockSamples& samples, const BrickVisibility& visibility, Worker& worker)
+BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, const Brick& brick,
+  const BrickOwnership& ownership, const BrickSamples& view, const BlockSamples& samples,
+  const BrickVisibility& visibility, Worker& worker)
 {
   BrickPart part;
   const auto rows = static_cast<std::size_t>(view.Size[1]) * static_cast<std::size_t>(view.Size[2]);
   auto* inside = worker.Memory.Reserve<std::uint64_t>(rows);
   this->Kernels.ClassifyRows(
     samples.Scalars.Type, view, this->Thresholds[isovalue].Value.data(), inside);
-  if (this->Lattice.GetBricks()[brick].IsBeyond())
+  if (brick.IsBeyond())
   {
-    ClearOuterVertices(this->Lattice.GetBricks()[brick], inside);
+    ClearOuterVertices(brick, inside);
   }
   if (!IsCrossed(inside, rows, view.Size[0]))
   {
@@ -329,8 +336,7 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const
   part.Inside = inside;
   part.Offsets = offsets;
   part.Codes = worker.Memory.Reserve<EdgeCode>(maximumPoints + EdgeCodeSlack);
-  part.Counts =
-    this->Kernels.NumberRows(view.Size, inside, this->Ownerships[brick], offsets, part.Codes);
+  part.Counts = this->Kernels.NumberRows(view.Size, inside, ownership, offsets, part.Codes);
   worker.Memory.Keep<EdgeCode>(part.Counts.Points);
   if (visibility.Cells)
   {
@@ -344,10 +350,9 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, std::size_t brick, const
   return part;
 }
 
-void BrickScan::MakePoints(double isovalue, std::size_t number, const BrickSamples& view,
+void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSamples& view,
   const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part, Worker& worker) const
 {
-  const Brick& brick = this->Lattice.GetBricks()[number];
   const std::uint32_t count = part.Counts.Points;
   double* parameters = nullptr;
   if (this->Request.Normals || !samples.Attributes.empty() || this->Request.Lines)
@@ -441,9 +446,7 @@ void BrickScan::CopyAttributes(
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
     const AttributeLayout& layout = this->Request.Attributes[n];
-    part.Attributes[n] = worker.Memory.Allocate<std::uint8_t>(count *
-      static_cast<std::size_t>(layout.NumberOfComponents) *
-      GetValueSize(GetInterpolatedType(layout.Type)));
+    part.Attributes[n] = worker.Memory.Allocate<std::uint8_t>(count * GetTupleSize(layout));
     if (const auto& tuples = samples.Attributes[n].EdgeTuples)
     {
       CopyEdgeTuples(*tuples, low, part.Codes, count, part.Attributes[n]);

@@ -26,9 +26,9 @@ struct BrickPart
   const std::uint64_t* Inside = nullptr; ///< a word for each row of vertices, y fastest
   /// A word for each row of vertices: the visible cells from there on; null if all are.
   const std::uint64_t* Visible = nullptr;
-  const std::uint32_t* Offsets = nullptr; ///< the first point of each row, counted in the brick
-  EdgeCode* Codes = nullptr;              ///< the owned points' edges, or vertices
-  float* Coordinates = nullptr;           ///< the structured coordinate along each edge
+  std::uint32_t* Offsets = nullptr; ///< the first point of each row, counted in the brick
+  EdgeCode* Codes = nullptr;        ///< the owned points' edges, or vertices
+  float* Coordinates = nullptr;     ///< the structured coordinate along each edge
   float* Normals = nullptr;
   std::uint8_t** Attributes = nullptr; ///< tuples of each attribute
   /// With DropDegenerateTriangles, the points on vertices.
@@ -51,16 +51,32 @@ struct BrickPart
 class BrickScan
 {
 public:
-  BrickScan(const GridGeometry& geometry, const BrickLattice& lattice, BlockSource& source,
-    const ContourRequest& request);
+  /// The results for the bricks of a lattice.
+  struct Parts
+  {
+    /// The part of brick b at isovalue n is number n * number of bricks + b.
+    std::vector<BrickPart> OfBricks;
+    std::vector<BrickOwnership> Ownerships; ///< of each brick
+  };
 
-  /// Visits every block. Errors: those of Acquire(); InvalidArgument for invalid samples; Aborted.
-  Status Run(int threads, const Progress& progress);
+  /// For use by `threads` threads.
+  BrickScan(
+    const GridGeometry& geometry, BlockSource& source, const ContourRequest& request, int threads);
 
-  /// The part of brick b at isovalue n is number n * number of bricks + b.
-  std::vector<BrickPart>& GetParts() { return this->Parts; }
-  const std::vector<BrickPart>& GetParts() const { return this->Parts; }
-  const std::vector<BrickOwnership>& GetOwnerships() const { return this->Ownerships; }
+  /// Visits every block; the lattice is that of all. Errors: those of Acquire(); InvalidArgument
+  /// for invalid samples; Aborted.
+  Status Run(const BrickLattice& lattice, const Progress& progress);
+
+  /// Makes room for the results of a lattice.
+  void Allocate(const BrickLattice& lattice, Parts& parts) const;
+  /// Visits one block, number `numberInLattice` of the lattice, and number `block` of the source, as
+  /// one of the threads. Errors as those of Run.
+  Status ScanBlock(const BrickLattice& lattice, std::size_t numberInLattice, std::size_t block,
+    Parts& parts, int thread);
+  Parts& GetAllParts() { return this->AllParts; }
+  std::vector<BrickPart>& GetParts() { return this->AllParts.OfBricks; }
+  const std::vector<BrickPart>& GetParts() const { return this->AllParts.OfBricks; }
+  const std::vector<BrickOwnership>& GetOwnerships() const { return this->AllParts.Ownerships; }
   double GetAcquireSeconds() const;
   /// Whether a part has cells that are not visible: then some points may have no triangles.
   bool HasHiddenCells() const;
@@ -86,12 +102,13 @@ private:
     const CellVisibility* Samples = nullptr; ///< if some samples in it or around it are not known
   };
 
-  Status ScanBlock(std::size_t block, Worker& worker);
   Status CheckSamples(std::size_t block, const BlockSamples& samples) const;
-  void ScanBrick(std::size_t brick, const BlockSamples& samples, Worker& worker);
-  BrickPart ScanIsovalue(std::size_t isovalue, std::size_t brick, const BrickSamples& view,
-    const BlockSamples& samples, const BrickVisibility& visibility, Worker& worker);
-  void MakePoints(double isovalue, std::size_t brick, const BrickSamples& view,
+  void ScanBrick(const BrickLattice& lattice, std::size_t number, const BlockSamples& samples,
+    Parts& parts, Worker& worker);
+  BrickPart ScanIsovalue(std::size_t isovalue, const Brick& brick, const BrickOwnership& ownership,
+    const BrickSamples& view, const BlockSamples& samples, const BrickVisibility& visibility,
+    Worker& worker);
+  void MakePoints(double isovalue, const Brick& brick, const BrickSamples& view,
     const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part,
     Worker& worker) const;
   void PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
@@ -104,15 +121,13 @@ private:
     const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
 
   const GridGeometry& Geometry;
-  const BrickLattice& Lattice;
   BlockSource& Source;
   const ContourRequest& Request;
   const VertexBox KnownSamples;
   const BrickKernels& Kernels;
   std::vector<Threshold> Thresholds;
   std::vector<Worker> Workers;
-  std::vector<BrickPart> Parts;
-  std::vector<BrickOwnership> Ownerships;
+  Parts AllParts;
 };
 
 /// The kernel's description of a brick: its place in the grid and, if `samples` is given, its

@@ -30,6 +30,13 @@ inline ValueType GetInterpolatedType(ValueType type)
   return type == ValueType::Float64 ? type : ValueType::Float32;
 }
 
+/// The bytes of an interpolated tuple.
+inline std::size_t GetTupleSize(const AttributeLayout& layout)
+{
+  return static_cast<std::size_t>(layout.NumberOfComponents) *
+    GetValueSize(GetInterpolatedType(layout.Type));
+}
+
 /// What to extract.
 struct ContourRequest
 {

@@ -5,6 +5,7 @@
 #include "Base/ParallelFor.h"
 #include "Contour/LinePlacement.h"
 #include "Contour/MarchingCubesCases.h"
+#include "Contour/PointRestriction.h"
 #include "Contour/SlabBuilder.h"
 #include "Contour/WorldTransform.h"
 
@@ -38,12 +39,6 @@ IndexArray AllocateIndices(std::size_t size, bool is64Bit)
     indices.Values32 = AllocateHuge<std::int32_t>(size);
   }
   return indices;
-}
-
-std::size_t GetTupleSize(const AttributeLayout& layout)
-{
-  return static_cast<std::size_t>(layout.NumberOfComponents) *
-    GetValueSize(GetInterpolatedType(layout.Type));
 }
 
 std::size_t CountConnectivity(const Surface& surface, bool polygons)
@@ -233,18 +228,7 @@ void SurfaceAssembler::DropPoints(const BrickPart& part) const
     {
       continue;
     }
-    part.Codes[to] = part.Codes[from];
-    part.Coordinates[to] = part.Coordinates[from];
-    if (part.Normals)
-    {
-      std::memmove(part.Normals + 3 * to, part.Normals + 3 * from, 3 * sizeof(float));
-    }
-    for (std::size_t n = 0; n < this->Request.Attributes.size(); ++n)
-    {
-      const std::size_t tuple = GetTupleSize(this->Request.Attributes[n]);
-      std::memmove(part.Attributes[n] + to * tuple, part.Attributes[n] + from * tuple, tuple);
-    }
-    ++to;
+    MovePoint(part, this->Request.Attributes, from, to++);
   }
 }
 

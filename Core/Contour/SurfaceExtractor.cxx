@@ -3,6 +3,7 @@
 
 #include "Contour/BrickLattice.h"
 #include "Contour/BrickScan.h"
+#include "Contour/QueuedScan.h"
 #include "Contour/SurfaceAssembler.h"
 
 #include <chrono>
@@ -40,8 +41,23 @@ Status CheckRequest(const GridGeometry& geometry, const ContourRequest& request)
   return Status::Ok();
 }
 
+/// Scans all blocks of a source, or those of a queue.
+Result<BrickLattice> ScanBlocks(const GridGeometry& geometry, BlockSource& source,
+  const ContourRequest& request, BlockQueue* queue, int threads, const Progress& progress,
+  BrickScan& scan)
+{
+  if (queue)
+  {
+    return QueuedScan(geometry, source, request, scan).Run(*queue, threads, progress);
+  }
+  auto lattice = BrickLattice::Cut(geometry.GetDimensions(), source, request.ClosedSides);
+  ISOSURFACE_RETURN_IF_ERROR(lattice.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(scan.Run(*lattice, progress));
+  return lattice;
+}
+
 Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& source,
-  const ContourRequest& request, int threads, const Progress& progress)
+  const ContourRequest& request, BlockQueue* queue, int threads, const Progress& progress)
 {
   const auto start = std::chrono::steady_clock::now();
   Surface surface;
@@ -53,20 +69,11 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
       return valid;
     }
   }
-  const Result<BrickLattice> lattice =
-    BrickLattice::Cut(geometry.GetDimensions(), source, request.ClosedSides);
-  if (!lattice.IsOk())
-  {
-    return lattice.GetStatus();
-  }
-
-  BrickScan scan(geometry, *lattice, source, request);
-  const Status scanned = scan.Run(threads, MakePartOfProgress(progress, 0.0, ScanEnd));
-  if (!scanned.IsOk())
-  {
-    return scanned;
-  }
-  surface.NumberOfBlocks = source.GetNumberOfBlocks();
+  BrickScan scan(geometry, source, request, threads);
+  const auto lattice = ScanBlocks(
+    geometry, source, request, queue, threads, MakePartOfProgress(progress, 0.0, ScanEnd), scan);
+  ISOSURFACE_RETURN_IF_ERROR(lattice.GetStatus());
+  surface.NumberOfBlocks = lattice->GetNumberOfBlocks();
   surface.AcquireSeconds = scan.GetAcquireSeconds();
 
   SurfaceAssembler assembler(geometry, *lattice, scan, request);
@@ -77,6 +84,20 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
   surface.TotalSeconds =
     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return surface;
+}
+
+/// That there is not enough memory is an error like others.
+Result<Surface> Extract(const GridGeometry& geometry, BlockSource& source,
+  const ContourRequest& request, BlockQueue* queue, int threads, const Progress& progress)
+{
+  try
+  {
+    return ExtractWithinMemory(geometry, source, request, queue, threads, progress);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return Status(StatusCode::OutOfMemory, "There is not enough memory for the isosurface.");
+  }
 }
 
 } // namespace
@@ -101,14 +122,19 @@ std::int64_t CountGlobalIds(const GridGeometry& geometry, const ContourRequest& 
 Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source,
   const ContourRequest& request, int threads, const Progress& progress)
 {
-  try
+  return Extract(geometry, source, request, nullptr, threads, progress);
+}
+
+Result<Surface> ExtractQueuedSurface(const GridGeometry& geometry, BlockSource& source,
+  const ContourRequest& request, BlockQueue& queue, int threads, const Progress& progress)
+{
+  // Also in the second phase others may need this rank's help.
+  const auto advance = [&](double fraction)
   {
-    return ExtractWithinMemory(geometry, source, request, threads, progress);
-  }
-  catch (const std::bad_alloc&)
-  {
-    return Status(StatusCode::OutOfMemory, "There is not enough memory for the isosurface.");
-  }
+    queue.LetOthersIn();
+    return !progress || progress(fraction);
+  };
+  return Extract(geometry, source, request, &queue, threads, advance);
 }
 
 } // namespace isosurface

@@ -5,6 +5,7 @@
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/Surface.h"
+#include "Volume/BlockQueue.h"
 #include "Volume/BlockSource.h"
 #include "Volume/GridGeometry.h"
 
@@ -39,6 +40,12 @@ std::int64_t CountGlobalIds(const GridGeometry& geometry, const ContourRequest& 
  */
 Result<Surface> ExtractSurface(const GridGeometry& geometry, BlockSource& source,
   const ContourRequest& request, int threads, const Progress& progress = {});
+
+/// The same of those blocks alone that a queue hands out during the extraction, in the order of
+/// their numbers in the source: bit for bit the surface of a source that has no others. Errors:
+/// also those of the queue.
+Result<Surface> ExtractQueuedSurface(const GridGeometry& geometry, BlockSource& source,
+  const ContourRequest& request, BlockQueue& queue, int threads, const Progress& progress = {});
 
 } // namespace isosurface
 

@@ -4,6 +4,7 @@
 
 #include "Query/QueryCost.h"
 
+#include "Base/Communicator.h"
 #include "Base/Progress.h"
 #include "Base/Status.h"
 #include "Contour/Surface.h"
@@ -21,6 +22,11 @@ struct ExtractionTask
   const ContourRequest& Request;
   int Threads = 1;
   Progress Advance;
+  /// If given, ranks that are ready take blocks from the shares of others, where every rank reaches
+  /// every store (BlockedVolume::DealBlocks) and the query's ranks are those of the communicator.
+  /// What is extracted is the same in all, but which rank has which block may differ from call to
+  /// call.
+  Communicator* Sharing = nullptr;
 };
 
 struct ExtractionOutcome
@@ -30,8 +36,9 @@ struct ExtractionOutcome
   double Seconds = 0; ///< wall clock of the extraction, the query included
 };
 
-/// This rank's part of the surface at a level; not collective. Errors: those of reading the volume;
-/// Aborted when the progress says so.
+/// This rank's part of the surface at a level. Collective if blocks are shared (`Sharing`), else
+/// not. Errors: those of reading the volume; Aborted when the progress says so. They are this
+/// rank's: if one has failed, the others have extracted what it has left.
 Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& outcome);
 
 } // namespace isosurface

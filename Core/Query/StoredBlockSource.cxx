@@ -16,6 +16,7 @@ StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep
   , Level(level)
   , Stored(volume.FindLevel(level))
   , Blocks(std::move(blocks))
+  , OwnEnd(Blocks.size())
 {
   this->SetAttributes({});
 }
@@ -64,16 +65,42 @@ void StoredBlockSource::SetAttributes(std::vector<std::size_t> arrays)
     static_cast<std::size_t>(ReadAheadBytes / std::max<std::uint64_t>(1, bytes / count));
 }
 
+void StoredBlockSource::SetOwnBlocks(std::size_t begin, std::size_t end)
+{
+  this->OwnBegin = begin;
+  this->OwnEnd = end;
+}
+
+void StoredBlockSource::ReadOthersAhead(std::size_t begin, std::size_t end)
+{
+  this->Volume.Prefetch(this->Blocks, begin, end, this->TimeStep, this->Variables, this->Level);
+}
+
+void StoredBlockSource::ExpectOwnBlocks()
+{
+  const auto first = this->Blocks.begin();
+  const bool areAll = this->OwnEnd - this->OwnBegin == this->Blocks.size();
+  this->Volume.Expect(areAll
+      ? this->Blocks
+      : std::vector<BlockReference>(first + static_cast<std::ptrdiff_t>(this->OwnBegin),
+          first + static_cast<std::ptrdiff_t>(this->OwnEnd)),
+    this->TimeStep, this->Variables, this->Level);
+}
+
 /// Reads half of the blocks that may be ahead at once, so that neighbours are read together.
 void StoredBlockSource::ReadAhead(std::size_t block)
 {
+  if (block < this->OwnBegin || block >= this->OwnEnd)
+  {
+    return;
+  }
   const std::unique_lock<std::mutex> lock(this->ReadAheadMutex, std::try_to_lock);
   if (!lock.owns_lock() || block + this->BlocksAhead / 2 < this->EndOfReadAhead)
   {
     return;
   }
   const std::size_t begin = std::max(this->EndOfReadAhead, block);
-  this->EndOfReadAhead = std::min(this->Blocks.size(), block + this->BlocksAhead);
+  this->EndOfReadAhead = std::min(this->OwnEnd, block + this->BlocksAhead);
   if (begin < this->EndOfReadAhead)
   {
     this->Volume.Prefetch(
@@ -84,8 +111,7 @@ void StoredBlockSource::ReadAhead(std::size_t block)
 Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->AttributesStatus);
-  std::call_once(this->Expected,
-    [this] { this->Volume.Expect(this->Blocks, this->TimeStep, this->Variables, this->Level); });
+  std::call_once(this->Expected, [this] { this->ExpectOwnBlocks(); });
   this->ReadAhead(block);
   QueryStatistics statistics;
   auto blocks = this->Volume.ReadVariables(

@@ -35,6 +35,12 @@ public:
   /// without them.
   void SetAttributes(std::vector<std::size_t> arrays);
 
+  /// Only the blocks [begin, end) will certainly be acquired, in this order: only they are expected
+  /// and read ahead. Otherwise all are.
+  void SetOwnBlocks(std::size_t begin, std::size_t end);
+  /// Starts reading other blocks, which will be acquired soon.
+  void ReadOthersAhead(std::size_t begin, std::size_t end);
+
   std::size_t GetNumberOfBlocks() const override { return this->Blocks.size(); }
   Index3 GetLatticeCoordinates(std::size_t block) const override;
   VertexBox GetVertices(std::size_t block) const override;
@@ -46,6 +52,7 @@ public:
 
 private:
   void ReadAhead(std::size_t block);
+  void ExpectOwnBlocks();
 
   BlockedVolume& Volume;
   std::size_t TimeStep;
@@ -56,6 +63,8 @@ private:
   int Level;
   StoredLevel Stored;
   std::vector<BlockReference> Blocks;
+  std::size_t OwnBegin = 0;
+  std::size_t OwnEnd;
 
   std::once_flag Expected;
   std::mutex ReadAheadMutex;

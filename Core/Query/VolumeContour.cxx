@@ -10,10 +10,7 @@ namespace isosurface
 
 Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome)
 {
-  const BackgroundExtraction::Job* prepared = this->Prepared ? &this->Prepared->GetJob() : nullptr;
-  if (prepared && prepared->Choice.Level == choice.Level &&
-    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks &&
-    this->PreparedEpoch == task.Volume.GetFaultEpoch())
+  if (this->IsPrepared(task, choice.Level))
   {
     const Status status = this->Prepared->Take(task.Advance, outcome);
     this->Prepared.reset();
@@ -26,10 +23,35 @@ Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice
   if (choice.Work.Blocks > 0)
   {
     ExtractionWork work = choice.Work;
+    if (task.Sharing)
+    {
+      // Other blocks than were expected, and other numbers of them.
+      const double part = static_cast<double>(outcome.Extracted.NumberOfBlocks) / work.Blocks;
+      work.Blocks *= part;
+      work.SampleBytes *= part;
+      work.BlocksRead *= part;
+      work.ReadBytes *= part;
+    }
     work.Triangles = static_cast<double>(outcome.Extracted.NumberOfTriangles);
     this->Rate.Observe(work, outcome.Seconds);
   }
   return Status::Ok();
+}
+
+bool VolumeContour::IsPrepared(const Task& task, int level) const
+{
+  const BackgroundExtraction::Job* prepared = this->Prepared ? &this->Prepared->GetJob() : nullptr;
+  const bool isMine = prepared && prepared->Choice.Level == level &&
+    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks &&
+    this->PreparedEpoch == task.Volume.GetFaultEpoch();
+  if (!task.Sharing)
+  {
+    return isMine;
+  }
+  // Prepared surfaces are of the ranks' own shares, so either all are taken or none.
+  std::vector<std::uint64_t> all = { isMine ? 1U : 0U };
+  task.Sharing->ReduceMinimum(all);
+  return all.front() != 0;
 }
 
 void VolumeContour::Prepare(BackgroundExtraction::Job job)

@@ -25,8 +25,8 @@ public:
   using Outcome = ExtractionOutcome;
 
   /// This rank's part of the surface at `choice.Level`, the prepared one if it is of that level and
-  /// of the same share; not collective. Errors: those of reading the volume; Aborted when the
-  /// progress says so.
+  /// of the same share. Collective if the task shares blocks, else not. Errors: those of reading
+  /// the volume; Aborted when the progress says so.
   Status ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome);
 
   /// The same at the finest level, `finest` or coarser, that is expected to keep the budget. One
@@ -45,6 +45,9 @@ public:
   const ExtractionRate& GetRate() const { return this->Rate; }
 
 private:
+  /// Whether the prepared surface is that of the task; the same on all ranks that share blocks.
+  bool IsPrepared(const Task& task, int level) const;
+
   ExtractionRate Rate;
   bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
   std::unique_ptr<BackgroundExtraction> Prepared;

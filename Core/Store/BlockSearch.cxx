@@ -242,8 +242,19 @@ Result<std::vector<BlockReference>> BlockSearch::FindActive(
   const std::uint32_t stores = this->GetNumberOfStores();
   const bool isDealt =
     this->DealsBlocks && this->Ranks > 1 && (stores <= maximumStores || stores < this->Ranks);
+  auto found = this->FindActiveIn(
+    isDealt ? this->ListStores() : this->ListShares(), variable, isovalues, selection);
+  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+  std::vector<BlockReference> references = isDealt ? this->TakeDealt(*found) : std::move(*found);
+  this->Statistics.ActiveBlocks += references.size();
+  return references;
+}
+
+Result<std::vector<BlockReference>> BlockSearch::FindActiveIn(const std::vector<Share>& shares,
+  std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
+{
   std::vector<BlockReference> found;
-  for (const Share& share : isDealt ? this->ListStores() : this->ListShares())
+  for (const Share& share : shares)
   {
     const Status status = this->AddActive(share, variable, isovalues, selection, found);
     if (!status.IsOk())
@@ -256,9 +267,22 @@ Result<std::vector<BlockReference>> BlockSearch::FindActive(
   {
     this->ChooseReplicas(variable, isovalues, found);
   }
-  std::vector<BlockReference> references = isDealt ? this->TakeDealt(found) : std::move(found);
-  this->Statistics.ActiveBlocks += references.size();
-  return references;
+  return found;
+}
+
+Result<std::vector<std::vector<BlockReference>>> BlockSearch::FindActiveShares(
+  std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
+{
+  const auto found = this->FindActiveIn(this->ListStores(), variable, isovalues, selection);
+  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+  const std::vector<std::uint32_t> owners = this->FindOwners(*found);
+  std::vector<std::vector<BlockReference>> shares(this->Ranks);
+  for (std::size_t n = 0; n < found->size(); ++n)
+  {
+    shares[owners[n]].push_back((*found)[n]);
+  }
+  this->Statistics.ActiveBlocks += shares[this->Rank].size();
+  return shares;
 }
 
 Index3 BlockSearch::FindDealtSize() const

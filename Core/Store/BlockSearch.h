@@ -40,6 +40,11 @@ public:
   Result<std::vector<BlockReference>> FindActive(
     std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
 
+  /// The same of all ranks, each rank's share sorted by store and ordinal. The blocks are dealt,
+  /// whatever the number of stores.
+  Result<std::vector<std::vector<BlockReference>>> FindActiveShares(
+    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
+
   /// All blocks, in the same order.
   Result<std::vector<BlockReference>> FindAll();
 
@@ -110,6 +115,9 @@ private:
   {
     return this->Stores.GetParts()[this->Stored.Part].Header.NumberOfStores;
   }
+  /// The active blocks of some stores or parts of them.
+  Result<std::vector<BlockReference>> FindActiveIn(const std::vector<Share>& shares,
+    std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection);
   /// This rank's blocks among those of all stores.
   std::vector<BlockReference> TakeDealt(const std::vector<BlockReference>& found) const;
   /// The vertices whose blocks go to one rank together: a block's, or, if that leaves each rank

@@ -177,6 +177,18 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t 
     this->GetPath(), [&] { return search.FindActive(variable, isovalues, selection); });
 }
 
+Result<std::vector<std::vector<BlockReference>>> BlockedVolume::FindActiveShares(
+  std::size_t timeStep, std::size_t variable, const std::vector<double>& isovalues, int rank,
+  int ranks, QueryStatistics& statistics, int level, const BlockSelection& selection)
+{
+  const Stopwatch stopwatch(statistics.QuerySeconds);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
+  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, true, statistics);
+  return RunWithinMemory(
+    this->GetPath(), [&] { return search.FindActiveShares(variable, isovalues, selection); });
+}
+
 Result<std::vector<BlockReference>> BlockedVolume::GetShare(
   std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level)
 {

@@ -86,6 +86,7 @@ public:
    * ranks share whole stores nevertheless. Off at first. Must be the same on all ranks.
    */
   void DealBlocks(bool dealt) { this->AreBlocksDealt = dealt; }
+  bool DealsBlocks() const { return this->AreBlocksDealt; }
 
   /**
    * Finds the blocks of this rank's share that an isosurface of one of the isovalues crosses (some
@@ -102,6 +103,15 @@ public:
   Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
     const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
     int level = 0, const BlockSelection& selection = {});
+
+  /**
+   * The same of all ranks, for those that take blocks from each other's shares: by rank, the shares
+   * of dealt blocks, however many stores there are. Every rank must reach every store. `rank` is
+   * whose active blocks the statistics count.
+   */
+  Result<std::vector<std::vector<BlockReference>>> FindActiveShares(std::size_t timeStep,
+    std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
+    QueryStatistics& statistics, int level = 0, const BlockSelection& selection = {});
 
   /**
    * Tells all ranks which replicas of stores were found to be lost or damaged since the last call.

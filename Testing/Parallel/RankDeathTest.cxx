@@ -148,6 +148,13 @@ TEST(RankDeath, DISABLED_WhileAllContour)
   mortal.Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
 }
 
+TEST(RankDeath, DISABLED_WhileAllContourInBalance)
+{
+  MortalContour mortal("balance");
+  mortal.Pipeline.Contour->DynamicBalanceOn();
+  mortal.Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+}
+
 TEST(RankDeath, DISABLED_WhileAllDistribute)
 {
   MortalContour mortal("distribute");

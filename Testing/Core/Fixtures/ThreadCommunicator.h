@@ -5,8 +5,10 @@
 #include "Base/Communicator.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -72,6 +74,17 @@ public:
     return incoming;
   }
 
+  std::unique_ptr<SharedCounters> MakeCounters() override
+  {
+    this->Shared.Wait();
+    if (this->Rank == 0)
+    {
+      this->Shared.Counters = std::vector<std::atomic<std::uint64_t>>(this->Shared.Slots.size());
+    }
+    this->Shared.Wait();
+    return std::make_unique<GroupCounters>(this->Shared);
+  }
+
 private:
   struct Group
   {
@@ -99,6 +112,33 @@ private:
     std::uint64_t Round = 0;
     std::vector<std::vector<Message>> Slots;
     std::vector<std::vector<std::uint64_t>> Values;
+    std::vector<std::atomic<std::uint64_t>> Counters;
+  };
+
+  class GroupCounters : public SharedCounters
+  {
+  public:
+    explicit GroupCounters(Group& group)
+      : Shared(group)
+    {
+    }
+    ~GroupCounters() override { this->Shared.Wait(); }
+    Result<std::uint64_t> Add(int rank, std::uint64_t amount) override
+    {
+      return this->Shared.Counters[static_cast<std::size_t>(rank)].fetch_add(amount);
+    }
+    Result<std::vector<std::uint64_t>> Read(const std::vector<int>& ranks) override
+    {
+      std::vector<std::uint64_t> values;
+      for (const int rank : ranks)
+      {
+        values.push_back(this->Shared.Counters[static_cast<std::size_t>(rank)]);
+      }
+      return values;
+    }
+
+  private:
+    Group& Shared;
   };
 
   ThreadCommunicator(Group& group, int rank)

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_WindowCounters_h
+#define isosurface_WindowCounters_h
+
+#include "Base/SharedCounters.h"
+
+#include <memory>
+
+class vtkMultiProcessController;
+
+namespace isosurface
+{
+
+/**
+ * Counters in an MPI window: ranks reach them without the help of their owner on one machine, where
+ * they are in shared memory, and over networks that know remote atomic operations. Over others, such
+ * as TCP, MPI serves them while their owner is in a call of MPI (LetOthersIn). Collective.
+ *
+ * Null on all ranks if the controller is no vtkMPIController, has one rank, or a rank gets no
+ * window. Cost: a window and a communicator for the lifetime; some hundred microseconds.
+ */
+std::unique_ptr<SharedCounters> MakeWindowCounters(vtkMultiProcessController* controller);
+
+} // namespace isosurface
+
+#endif
