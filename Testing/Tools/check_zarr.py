@@ -107,7 +107,7 @@ class VersionTwoAndN5(SourceCase):
 
 
 class VersionThree(SourceCase):
-    def test_codecs_keys_and_shards(self):
+    def test_types_codecs_keys_and_shards(self):
         crc = {"name": "crc32c"}
         forms = [dict(codecs=[LITTLE]), dict(codecs=[BIG, {"name": "gzip"}], keys="v2"),
                  dict(codecs=[LITTLE, crc, {"name": "zstd"}, crc]),
@@ -115,15 +115,15 @@ class VersionThree(SourceCase):
                               {"name": "blosc"}]),
                  dict(codecs=[LITTLE, {"name": "zstd"}], shard=(16, 24, 32)),
                  dict(codecs=[BIG, crc], shard=(48, 48, 96), at_start=True)]
-        samples = make_samples("int16")
-        samples[:16] = 3
-        expected = self.write_raw(samples, "a")
-        for number, form in enumerate(forms):
-            with self.subTest(**form):
+        for number, dtype in enumerate(TYPES):
+            form = forms[number % len(forms)]
+            with self.subTest(type=dtype, **form):
+                samples = make_samples(dtype)
+                samples[:16] = 3
                 shutil.rmtree(self.path("a.zarr"), ignore_errors=True)
                 write_array(self.path("a.zarr"), samples, (8, 12, 16), fill=3, **form)
                 path = self.write("a.zarr", "o.bvol", ranks=2 if number == 4 else 1)
-                self.assert_equal_volumes(path, expected)
+                self.assert_equal_volumes(path, self.write_raw(samples, "a"))
 
     def test_half_floats_and_bits_of_the_fill_value(self):
         samples = make_samples("float16")
