@@ -24,16 +24,14 @@ namespace isosurface
 namespace
 {
 constexpr int ExchangeTag = 48211;
-// VTK's messages count in vtkIdType but MPI counts in int: larger messages go in parts.
-constexpr std::size_t LargestPart = std::size_t{ 1 } << 30;
 
 // Calls function(pointer, length) for parts of a message that fit one MPI call each.
 template <typename Pointer, typename Function>
-void ForEachPart(Pointer data, std::size_t size, const Function& function)
+void ForEachPart(Pointer data, std::size_t size, std::size_t part, const Function& function)
 {
-  for (std::size_t offset = 0; offset < size; offset += LargestPart)
+  for (std::size_t offset = 0; offset < size; offset += part)
   {
-    function(data + offset, static_cast<int>(std::min(LargestPart, size - offset)));
+    function(data + offset, static_cast<int>(std::min(part, size - offset)));
   }
 }
 
@@ -79,8 +77,10 @@ private:
 #endif
 } // namespace
 
-ControllerCommunicator::ControllerCommunicator(vtkMultiProcessController* controller)
+ControllerCommunicator::ControllerCommunicator(
+  vtkMultiProcessController* controller, std::size_t largestPart)
   : Controller(controller)
+  , PartBytes(std::min(std::max<std::size_t>(largestPart, 1), LargestPart))
 {
 }
 
@@ -136,6 +136,30 @@ void ControllerCommunicator::ReduceSum(std::vector<std::uint64_t>& values)
   this->Reduce(values, vtkCommunicator::SUM_OP);
 }
 
+void ControllerCommunicator::GatherPart(const Message& mine, std::size_t offset, std::size_t part,
+  const std::vector<vtkIdType>& lengths, std::vector<Message>& messages)
+{
+  std::vector<vtkIdType> sizes(lengths.size());
+  std::vector<vtkIdType> offsets(lengths.size());
+  vtkIdType total = 0;
+  for (std::size_t rank = 0; rank < lengths.size(); ++rank)
+  {
+    const auto length = static_cast<std::size_t>(lengths[rank]);
+    sizes[rank] = static_cast<vtkIdType>(length > offset ? std::min(part, length - offset) : 0);
+    offsets[rank] = total;
+    total += sizes[rank];
+  }
+  const auto own = static_cast<std::size_t>(this->GetRank());
+  Message all(static_cast<std::size_t>(total));
+  this->Controller->AllGatherV(mine.data() + std::min(offset, mine.size()), all.data(), sizes[own],
+    sizes.data(), offsets.data());
+  for (std::size_t rank = 0; rank < lengths.size(); ++rank)
+  {
+    const auto begin = all.begin() + offsets[rank];
+    messages[rank].insert(messages[rank].end(), begin, begin + sizes[rank]);
+  }
+}
+
 std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
 {
   const int ranks = this->GetSize();
@@ -146,38 +170,32 @@ std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
   const auto length = static_cast<vtkIdType>(mine.size());
   std::vector<vtkIdType> lengths(ranks);
   this->Controller->AllGather(&length, lengths.data(), 1);
-
-  std::vector<vtkIdType> offsets(ranks, 0);
-  vtkIdType total = 0;
-  for (int rank = 0; rank < ranks; ++rank)
-  {
-    offsets[rank] = total;
-    total += lengths[rank];
-  }
   std::vector<Message> messages(ranks);
-  if (total == 0)
-  {
-    return messages;
-  }
-  Message all(total);
-  this->Controller->AllGatherV(mine.data(), all.data(), length, lengths.data(), offsets.data());
   for (int rank = 0; rank < ranks; ++rank)
   {
-    messages[rank].assign(all.begin() + offsets[rank], all.begin() + offsets[rank] + lengths[rank]);
+    messages[rank].reserve(static_cast<std::size_t>(lengths[rank]));
+  }
+  // The parts of all ranks arrive in one array, whose places MPI counts in int, too.
+  const std::size_t part =
+    std::max<std::size_t>(this->PartBytes / static_cast<std::size_t>(ranks), 1);
+  const auto largest = static_cast<std::size_t>(*std::max_element(lengths.begin(), lengths.end()));
+  for (std::size_t offset = 0; offset < largest; offset += part)
+  {
+    this->GatherPart(mine, offset, part, lengths, messages);
   }
   return messages;
 }
 
 void ControllerCommunicator::Send(const Message& message, int rank)
 {
-  ForEachPart(message.data(), message.size(),
+  ForEachPart(message.data(), message.size(), this->PartBytes,
     [&](const std::uint8_t* part, int size)
     { this->Controller->Send(part, size, rank, ExchangeTag); });
 }
 
 void ControllerCommunicator::Receive(Message& message, int rank)
 {
-  ForEachPart(message.data(), message.size(),
+  ForEachPart(message.data(), message.size(), this->PartBytes,
     [&](std::uint8_t* part, int size)
     { this->Controller->Receive(part, size, rank, ExchangeTag); });
 }
@@ -216,7 +234,7 @@ bool ControllerCommunicator::ExchangeWithoutBlocking(
     for (int step = 1; step < ranks; ++step)
     {
       const int rank = (me + step) % ranks;
-      ForEachPart(outgoing[rank].data(), outgoing[rank].size(),
+      ForEachPart(outgoing[rank].data(), outgoing[rank].size(), this->PartBytes,
         [&](const std::uint8_t* part, int size)
         {
           requests.emplace_back();
@@ -293,14 +311,14 @@ void ControllerCommunicator::Deliver(std::vector<Message> outgoing, std::vector<
     for (int step = 1; step < ranks; ++step)
     {
       const int from = (me + ranks - step) % ranks;
-      ForEachPart(incoming[from].data(), incoming[from].size(),
+      ForEachPart(incoming[from].data(), incoming[from].size(), this->PartBytes,
         [&](std::uint8_t* part, int size)
         { mpi->NoBlockReceive(part, size, from, ExchangeTag, receiving.Add(from)); });
     }
     for (int step = 1; step < ranks; ++step)
     {
       const int to = (me + step) % ranks;
-      ForEachPart(outgoing[to].data(), outgoing[to].size(),
+      ForEachPart(outgoing[to].data(), outgoing[to].size(), this->PartBytes,
         [&](const std::uint8_t* part, int size)
         { mpi->NoBlockSend(part, size, to, ExchangeTag, sending.Add(to)); });
     }

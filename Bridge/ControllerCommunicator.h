@@ -6,6 +6,11 @@
 
 #include "Base/Communicator.h"
 
+#include "vtkType.h"
+
+#include <cstddef>
+#include <vector>
+
 class vtkMultiProcessController;
 
 namespace isosurface
@@ -18,11 +23,19 @@ namespace isosurface
  * Exchange() sends without blocking where the controller is a vtkMPIController; with any other
  * controller pairs of ranks take turns, the lower rank sending first. Deliver() polls MPI
  * and sleeps in between, so that other threads of the process can use the core.
+ *
+ * VTK's messages count in vtkIdType, but MPI counts in int: longer messages go in several parts.
  */
 class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
 {
 public:
-  explicit ControllerCommunicator(vtkMultiProcessController* controller);
+  /// As many bytes as any implementation of MPI sends in one call.
+  static constexpr std::size_t LargestPart = std::size_t{ 1 } << 30;
+
+  /// A call of MPI sends, or gathers from all ranks, at most `largestPart` bytes; but at least one
+  /// from each rank. More than LargestPart means LargestPart. The same on all ranks.
+  explicit ControllerCommunicator(
+    vtkMultiProcessController* controller, std::size_t largestPart = LargestPart);
 
   int GetRank() const override;
   int GetSize() const override;
@@ -40,6 +53,9 @@ public:
 
 private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);
+  /// Appends up to `part` bytes of each rank's message, from `offset` on, to `messages`.
+  void GatherPart(const Message& mine, std::size_t offset, std::size_t part,
+    const std::vector<vtkIdType>& lengths, std::vector<Message>& messages);
   void Send(const Message& message, int rank);
   void Receive(Message& message, int rank);
   /// Resizes the messages that other ranks will send. Collective.
@@ -49,6 +65,7 @@ private:
     const std::vector<Message>& outgoing, std::vector<Message>& incoming);
 
   vtkMultiProcessController* Controller;
+  std::size_t PartBytes;
 };
 
 } // namespace isosurface

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -94,6 +95,14 @@ struct ContourRequest
   /// The arrays to interpolate, in the order of BlockSamples::Attributes.
   std::vector<AttributeLayout> Attributes;
 };
+
+/// Whether a surface of so many points, and so many corners of all its cells, needs indices of 64
+/// bits. Connectivity and offsets then both have them, as vtkCellArray wants it.
+constexpr bool NeedsWideIndices(std::size_t points, std::size_t corners)
+{
+  constexpr std::size_t maximum = std::numeric_limits<std::int32_t>::max();
+  return points > maximum || corners > maximum;
+}
 
 /// Integers of 32 bits if these suffice, otherwise of 64 bits. One of the two buffers is used.
 struct IndexArray

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 namespace isosurface
 {
@@ -157,8 +156,7 @@ void SurfaceAssembler::Allocate(Surface& surface) const
 {
   const std::size_t points = surface.NumberOfPoints;
   const std::size_t connectivity = CountConnectivity(surface, this->Request.Polygons);
-  constexpr std::size_t maximum = std::numeric_limits<std::int32_t>::max();
-  const bool wide = this->Request.WideIndices || points > maximum || connectivity > maximum;
+  const bool wide = this->Request.WideIndices || NeedsWideIndices(points, connectivity);
 
   surface.Points = AllocateHuge<float>(3 * points);
   if (this->Request.Normals)

@@ -4,7 +4,6 @@
 #include "Volume/ValueType.h"
 
 #include <cstring>
-#include <limits>
 #include <unordered_map>
 
 namespace isosurface
@@ -152,8 +151,10 @@ Surface MergeSurfaces(const std::vector<Surface>& surfaces)
 
   std::size_t entries = 0;
   bool offsets = true;
+  bool wide = false;
   for (const Surface& surface : surfaces)
   {
+    wide = wide || surface.Connectivity.Is64Bit;
     entries += surface.Connectivity.GetSize();
     offsets = offsets && surface.Offsets.GetSize() > 0;
     merged.NumberOfCells += surface.NumberOfCells;
@@ -162,8 +163,7 @@ Surface MergeSurfaces(const std::vector<Surface>& surfaces)
     merged.AcquireSeconds += surface.AcquireSeconds;
     merged.TotalSeconds += surface.TotalSeconds;
   }
-  constexpr auto limit = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
-  const bool wide = entries > limit || merged.NumberOfPoints > limit;
+  wide = wide || NeedsWideIndices(merged.NumberOfPoints, entries);
   const std::size_t offsetCount = offsets ? merged.NumberOfCells + 1 : 0;
   merged.Connectivity.Is64Bit = merged.Offsets.Is64Bit = wide;
   if (wide)

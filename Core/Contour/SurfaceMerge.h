@@ -13,7 +13,8 @@ namespace isosurface
 /**
  * Merges surfaces that were extracted from parts of a grid with equal requests and GlobalIds.
  * Points with equal global ids are bitwise equal, and become one. The result is ordered by
- * isovalue, then by surface. It has Offsets if all surfaces have them.
+ * isovalue, then by surface. It has Offsets if all surfaces have them, and indices of 64 bits if one
+ * of them has these or the result needs them.
  *
  * Cost: a hash table entry for each point, and a copy of everything. Meant for the pieces of a
  * composite dataset; within one call, ExtractSurface() shares points itself.

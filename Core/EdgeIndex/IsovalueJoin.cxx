@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -44,17 +43,13 @@ bool HasAllPoints(const Surface& surface)
 }
 
 // Appends the entries of `from`, each plus `raise`, to `to` without its last `drop` entries.
-void AppendIndices(IndexArray& to, const IndexArray& from, std::int64_t raise, std::size_t drop)
+void AppendIndices(
+  IndexArray& to, const IndexArray& from, std::int64_t raise, std::size_t drop, bool isWide)
 {
   const std::size_t kept = to.GetSize() - std::min(drop, to.GetSize());
   const std::size_t size = kept + from.GetSize();
-  std::int64_t maximum = raise;
-  for (std::size_t n = 0; n < from.GetSize(); ++n)
-  {
-    maximum = std::max(maximum, from[n] + raise);
-  }
   IndexArray joined;
-  joined.Is64Bit = to.Is64Bit || from.Is64Bit || maximum > std::numeric_limits<std::int32_t>::max();
+  joined.Is64Bit = isWide;
   const auto fill = [&](auto& values)
   {
     using Id = std::decay_t<decltype(values[0])>;
@@ -125,10 +120,13 @@ void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
   {
     AppendBuffer(surface.Attributes[n].Bytes, next.Attributes[n].Bytes);
   }
-  AppendIndices(
-    surface.Offsets, next.Offsets, static_cast<std::int64_t>(surface.Connectivity.GetSize()), 1);
-  AppendIndices(
-    surface.Connectivity, next.Connectivity, static_cast<std::int64_t>(surface.NumberOfPoints), 0);
+  const std::size_t corners = surface.Connectivity.GetSize();
+  const bool isWide = surface.Connectivity.Is64Bit || next.Connectivity.Is64Bit ||
+    NeedsWideIndices(
+      surface.NumberOfPoints + next.NumberOfPoints, corners + next.Connectivity.GetSize());
+  AppendIndices(surface.Offsets, next.Offsets, static_cast<std::int64_t>(corners), 1, isWide);
+  AppendIndices(surface.Connectivity, next.Connectivity,
+    static_cast<std::int64_t>(surface.NumberOfPoints), 0, isWide);
   surface.NumberOfPoints += next.NumberOfPoints;
   surface.NumberOfCells += next.NumberOfCells;
   surface.NumberOfTriangles += next.NumberOfTriangles;

@@ -123,6 +123,40 @@ TEST(ControllerCommunicator, ExchangesMessagesOfAnyLength)
   }
 }
 
+// What MPI cannot count in one call goes in parts, which here are short.
+TEST(ControllerCommunicator, SendsLongMessagesInParts)
+{
+  const int size = GetNumberOfRanks();
+  for (const std::size_t largestPart : { 1000u, 70u })
+  {
+    ControllerCommunicator ranks(GetRanks(), largestPart);
+    const auto make = [](int from, int to)
+    {
+      Message message(static_cast<std::size_t>(3 * from + to) * 100 + 1);
+      for (std::size_t n = 0; n < message.size(); ++n)
+      {
+        message[n] = static_cast<std::uint8_t>(n % 251 + 3 * static_cast<std::size_t>(from + to));
+      }
+      return message;
+    };
+    std::vector<Message> outgoing;
+    std::vector<Message> expected;
+    std::vector<Message> incoming;
+    std::vector<Message> gathered;
+    for (int rank = 0; rank < size; ++rank)
+    {
+      outgoing.push_back(make(GetRank(), rank));
+      expected.push_back(make(rank, GetRank()));
+      incoming.emplace_back(rank == GetRank() ? 0 : expected.back().size());
+      gathered.push_back(make(rank, 1));
+    }
+    EXPECT_TRUE(ranks.AllGather(make(GetRank(), 1)) == gathered) << largestPart;
+    EXPECT_TRUE(ranks.Exchange(outgoing) == expected) << largestPart;
+    ranks.Deliver(outgoing, incoming, [](int) {});
+    EXPECT_TRUE(incoming == expected) << largestPart;
+  }
+}
+
 TEST(ControllerCommunicator, AgreesOnTheFailureOfOneRank)
 {
   ControllerCommunicator ranks(GetRanks());
@@ -137,6 +171,46 @@ TEST(ControllerCommunicator, AgreesOnTheFailureOfOneRank)
     EXPECT_EQ(
       status.GetMessage().find("rank " + std::to_string(failing)) == std::string::npos, isMine);
   }
+}
+
+// Takes 14 GB of memory on two ranks: Testing/Large runs it.
+TEST(ControllerCommunicator, DISABLED_SendsMessagesBeyondTwoGibibytes)
+{
+  constexpr std::size_t length = (std::size_t{ 1 } << 31) + 1234567;
+  // Another byte wherever a count of 31 or 32 bits would read or write.
+  const auto find = [](std::size_t place)
+  { return static_cast<std::uint8_t>(place * 0x9e3779b97f4a7c15u >> 56); };
+  const auto isWhole = [&](const Message& message)
+  {
+    bool isSame = message.size() == length;
+    for (std::size_t place = 0; isSame && place < length; ++place)
+    {
+      isSame = message[place] == find(place);
+    }
+    return isSame;
+  };
+  const auto size = static_cast<std::size_t>(GetNumberOfRanks());
+  ControllerCommunicator ranks(GetRanks());
+  // The last rank has something for the first one.
+  const bool sends = GetRank() + 1 == GetNumberOfRanks();
+  const auto make = [&]
+  {
+    std::vector<Message> outgoing(size);
+    outgoing[0].resize(sends ? length : 0);
+    for (std::size_t place = 0; place < outgoing[0].size(); ++place)
+    {
+      outgoing[0][place] = find(place);
+    }
+    return outgoing;
+  };
+  std::vector<Message> incoming = ranks.Exchange(make());
+  EXPECT_TRUE(GetRank() != 0 || isWhole(incoming[size - 1]));
+  incoming = std::vector<Message>(size);
+  incoming[size - 1].resize(GetRank() == 0 ? length : 0);
+  ranks.Deliver(make(), incoming, [](int) {});
+  EXPECT_TRUE(GetRank() != 0 || isWhole(incoming[size - 1]));
+  incoming = {};
+  EXPECT_TRUE(isWhole(ranks.AllGather(make()[0])[size - 1]));
 }
 
 } // namespace

@@ -34,6 +34,8 @@ class Samples(Files):
                 samples = make_samples(dtype)
                 with self.create("a.nc", format) as file:
                     options = {"zlib": True, "chunksizes": (7, 16, 31)} if number == 8 else {}
+                    if format == "NETCDF4" and number % 4 == 3:
+                        options["endian"] = "big"  # the classic formats have no other
                     file.createVariable("data", dtype, ("z", "y", "x"), **options)[:] = samples
                 path = self.write("a.nc:data", "o.bvol", ranks=2 if number == 8 else 1)
                 self.assert_equal_volumes(path, self.write_raw(samples, "data"))

@@ -38,6 +38,15 @@ class VersionTwoAndN5(SourceCase):
                                   ranks=3 if number == 1 else 1)
                 self.assert_equal_volumes(path, self.write_raw(samples, f"a{number}"))
 
+    def test_bools_and_half_floats(self):
+        for dtype, taken in (("bool", "uint8"), ("float16", "float32"), (">f2", "float32")):
+            with self.subTest(type=dtype):
+                samples = make_samples("int16") % 3 == 0 if dtype == "bool" else make_samples("float16")
+                array = create_array(self.path("h.zarr"), SHAPE, dtype, (16, 16, 16))
+                array[:] = samples
+                self.assert_equal_volumes(self.write("h.zarr", "o.bvol"), self.write_raw(samples.astype(taken), "h"))
+                shutil.rmtree(self.path("h.zarr"))
+
     def test_a_cache_of_a_few_rows_of_chunks(self):
         # A layer of chunks has 16 MiB, a row of them 4 MiB: what a quarter of the memory has room for.
         samples = make_samples("int32", (70, 200, 200))
@@ -65,9 +74,10 @@ class VersionTwoAndN5(SourceCase):
 
     @unittest.skipUnless(IS_ZARR_2, "zarr 3 writes no N5")
     def test_n5(self):
-        samples = make_samples("uint16")
-        for codec in (None, numcodecs.GZip(3), numcodecs.Zstd(3)):
-            with self.subTest(codec=codec), warnings.catch_warnings():
+        codecs = (None, numcodecs.GZip(3), numcodecs.Zstd(3), numcodecs.Zlib(3), numcodecs.Blosc("lz4", 5, 1))
+        for number, dtype in enumerate(TYPES):
+            samples, codec = make_samples(dtype), codecs[number % len(codecs)]
+            with self.subTest(type=dtype, codec=codec), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 shutil.rmtree(self.path("a.n5"), ignore_errors=True)
                 group = zarr.group(zarr.N5Store(self.path("a.n5")))
@@ -97,7 +107,7 @@ class VersionTwoAndN5(SourceCase):
 
 
 class VersionThree(SourceCase):
-    def test_codecs_keys_and_shards(self):
+    def test_types_codecs_keys_and_shards(self):
         crc = {"name": "crc32c"}
         forms = [dict(codecs=[LITTLE]), dict(codecs=[BIG, {"name": "gzip"}], keys="v2"),
                  dict(codecs=[LITTLE, crc, {"name": "zstd"}, crc]),
@@ -105,15 +115,15 @@ class VersionThree(SourceCase):
                               {"name": "blosc"}]),
                  dict(codecs=[LITTLE, {"name": "zstd"}], shard=(16, 24, 32)),
                  dict(codecs=[BIG, crc], shard=(48, 48, 96), at_start=True)]
-        samples = make_samples("int16")
-        samples[:16] = 3
-        expected = self.write_raw(samples, "a")
-        for number, form in enumerate(forms):
-            with self.subTest(**form):
+        for number, dtype in enumerate(TYPES):
+            form = forms[number % len(forms)]
+            with self.subTest(type=dtype, **form):
+                samples = make_samples(dtype)
+                samples[:16] = 3
                 shutil.rmtree(self.path("a.zarr"), ignore_errors=True)
                 write_array(self.path("a.zarr"), samples, (8, 12, 16), fill=3, **form)
                 path = self.write("a.zarr", "o.bvol", ranks=2 if number == 4 else 1)
-                self.assert_equal_volumes(path, expected)
+                self.assert_equal_volumes(path, self.write_raw(samples, "a"))
 
     def test_half_floats_and_bits_of_the_fill_value(self):
         samples = make_samples("float16")

@@ -291,6 +291,14 @@ TEST(SurfaceExtractor, TheResultDoesNotDependOnThreads)
   }
 }
 
+TEST(SurfaceExtractor, IndicesAreWideWhereEitherPointsOrCornersAreBeyond31Bits)
+{
+  constexpr std::size_t maximum = 2147483647;
+  EXPECT_FALSE(NeedsWideIndices(maximum, maximum));
+  EXPECT_TRUE(NeedsWideIndices(maximum + 1, 3));
+  EXPECT_TRUE(NeedsWideIndices(3, maximum + 1)) << "offsets count corners, as connectivity does";
+}
+
 TEST(SurfaceExtractor, WideIndicesEqualNarrowOnes)
 {
   std::mt19937 random(30);

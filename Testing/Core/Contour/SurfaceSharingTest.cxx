@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Contour/SurfaceMerge.h"
 #include "Fixtures/PlainContour.h"
 
 #include <gtest/gtest.h>
@@ -64,6 +65,16 @@ void CheckUnionOfSubsets(
   EXPECT_TRUE(Merge(parts) == ContourPlainly(volume, { isovalue }));
 }
 
+void ExpectSameIndices(const IndexArray& a, const IndexArray& b)
+{
+  ASSERT_GT(a.GetSize(), 0u);
+  ASSERT_EQ(a.GetSize(), b.GetSize());
+  for (std::size_t n = 0; n < a.GetSize(); ++n)
+  {
+    ASSERT_EQ(a[n], b[n]) << n;
+  }
+}
+
 } // namespace
 
 TEST(SurfaceSharing, TheUnionOfSubsetsOfBlocksEqualsTheWhole)
@@ -85,6 +96,37 @@ TEST(SurfaceSharing, TheUnionOfSubsetsOfLargeBlocksEqualsTheWhole)
   {
     const auto volume = MakeRandomVolume<float>(random, { 70, 35, 66 }, 1000);
     CheckUnionOfSubsets(volume, trial == 0 ? 16 : trial == 1 ? 32 : 64, 480.0, 3, random);
+  }
+}
+
+TEST(SurfaceSharing, MergedSurfacesOfWideIndicesEqualNarrowOnes)
+{
+  std::mt19937 random(44);
+  const auto volume = MakeRandomVolume<std::uint8_t>(random, { 30, 20, 25 }, 100);
+  TestBlockSource<std::uint8_t> source(volume, 16);
+  for (const bool polygons : { false, true })
+  {
+    std::vector<Surface> merged;
+    for (const bool isWide : { false, true })
+    {
+      ContourRequest request = MakeRequest(50.5);
+      request.Offsets = true;
+      request.Polygons = polygons;
+      std::vector<Surface> parts;
+      for (std::int64_t part = 0; part < 2; ++part)
+      {
+        source.Blocks = { part, part + 2 };
+        request.WideIndices = isWide && part == 1;
+        Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 1);
+        ASSERT_TRUE(surface.IsOk());
+        parts.push_back(std::move(*surface));
+      }
+      merged.push_back(MergeSurfaces(parts));
+      EXPECT_EQ(merged.back().Connectivity.Is64Bit, isWide);
+      EXPECT_EQ(merged.back().Offsets.Is64Bit, isWide);
+    }
+    ExpectSameIndices(merged[0].Connectivity, merged[1].Connectivity);
+    ExpectSameIndices(merged[0].Offsets, merged[1].Offsets);
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Contour/TriangleNormals.h"
 #include "Fixtures/CodedVolumes.h"
 
 #include "Fixtures/PlainContour.h"
@@ -167,6 +168,37 @@ TEST(EdgeIndex, SeveralIsovaluesBecomeTheExtractorsParts)
 {
   const auto volume = MakeWaves<std::uint16_t>({ 60, 40, 30 }, 0.1);
   ExpectLossless(volume, { 30000.5, 33000.25, 64000, 35000 }, 32, EdgeIndexProfile::Default);
+}
+
+TEST(EdgeIndex, WideIndicesOfSeveralIsovaluesEqualNarrowOnes)
+{
+  const auto volume = MakeWaves<std::uint16_t>({ 40, 30, 20 }, 0.1);
+  const std::vector<double> isovalues = { 30000.5, 33000.25, 35000 };
+  TestBlockSource<std::uint16_t> source(volume, 16);
+  const auto bytes = EncodeSurface(
+    MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast), source, 1);
+  ASSERT_TRUE(bytes.IsOk());
+  ContourRequest request = MakeRequest(isovalues);
+  request.Offsets = true;
+  Result<Surface> narrow = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+  request.WideIndices = true;
+  Result<Surface> wide = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+  ASSERT_TRUE(narrow.IsOk() && wide.IsOk());
+  EXPECT_TRUE(wide->Connectivity.Is64Bit && wide->Offsets.Is64Bit);
+  ASSERT_EQ(wide->Connectivity.GetSize(), narrow->Connectivity.GetSize());
+  ASSERT_EQ(wide->Offsets.GetSize(), narrow->NumberOfCells + 1);
+  for (std::size_t n = 0; n < wide->Connectivity.GetSize(); ++n)
+  {
+    ASSERT_EQ(wide->Connectivity[n], narrow->Connectivity[n]);
+  }
+  for (std::size_t n = 0; n <= wide->NumberOfCells; ++n)
+  {
+    ASSERT_EQ(wide->Offsets[n], 3 * static_cast<std::int64_t>(n));
+    ASSERT_EQ(narrow->Offsets[n], 3 * static_cast<std::int64_t>(n));
+  }
+  ComputeNormalsOfTriangles(*narrow);
+  ComputeNormalsOfTriangles(*wide);
+  EXPECT_TRUE(HaveEqualBytes(wide->Normals, narrow->Normals));
 }
 
 TEST(EdgeIndex, LeavingOutBlocksDoesNotChangeTheOthers)
