@@ -2,6 +2,7 @@
 """A pvserver of N ranks with other tests in pvpython as its clients; the server's log.
 
     client_and_server.py ... --ranks N --pvserver PATH --pvpython PATH --paraview PATH --mpiexec "mpiexec -n"
+        --window-python-path FOLDER
 """
 import os
 import re
@@ -81,6 +82,7 @@ class ClientAndServer(unittest.TestCase):
         here = os.path.dirname(os.path.abspath(__file__))
         folder = os.path.dirname(testing.arguments.plugin)
         plugin = [f"--plugin-search-paths={folder}", "--plugins=ScalableIsosurface"]
+        window_environment = {"PYTHONPATH": testing.arguments.window_python_path}
         os.makedirs(testing.output("gui"), exist_ok=True)
         port = find_free_port()
         server = self.start_server(port, *plugin)
@@ -98,7 +100,7 @@ class ClientAndServer(unittest.TestCase):
                     "--test-threshold=3",
                     "--exit",
                 ],
-                env=testing.make_mpi_environment(),
+                env={**testing.make_mpi_environment(), **window_environment},
                 timeout=180,
                 check=False,
             )
@@ -186,6 +188,7 @@ def add_arguments(parser):
     parser.add_argument("--pvpython", required=True)
     parser.add_argument("--paraview", required=True)
     parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
+    parser.add_argument("--window-python-path", required=True, help="PYTHONPATH of the GUI")
 
 
 testing.parse_arguments(add_arguments)
