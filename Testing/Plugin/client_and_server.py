@@ -62,7 +62,7 @@ class ClientAndServer(unittest.TestCase):
                 *options,
             ],
             env=testing.make_mpi_environment(),
-            timeout=90,
+            timeout=180,  # else it hangs
             check=False,
         )
 
