@@ -3,18 +3,13 @@ find_package(VTK 9.1 QUIET
   COMPONENTS
     CommonCore CommonDataModel CommonExecutionModel CommonMath CommonMisc CommonTransforms FiltersCore
     FiltersGeneral FiltersParallel FiltersSources IOCore IOGeometry IOImage IOLegacy IOPLY IOXML
-    ImagingCore ImagingMath ParallelCore RenderingCore
+    ImagingCore ParallelCore RenderingCore
   OPTIONAL_COMPONENTS
     ParallelMPI RenderingOpenGL2 TestingCore WrappingPythonCore Python opengl glad glew)
 if(NOT VTK_FOUND)
   message(FATAL_ERROR
     "VTK 9.1 or newer is not found (Debian: libvtk9-dev). VTK_DIR may say where it is; "
     "-DISOSURFACE_VTK=OFF builds Core alone. ${VTK_NOT_FOUND_MESSAGE}")
-endif()
-
-if(VTK_VERSION VERSION_LESS 9.2)
-  message(WARNING "VTK ${VTK_VERSION}: the tests of readers and filters pass beside VTK 9.1, but two of writers do "
-    "not (last bits of surfaces of float components), and it has no type hints. VTK 9.2 or newer is supported.")
 endif()
 
 set(ISOSURFACE_VTK_ROOMS Bridge Readers Filters Writers)
@@ -30,4 +25,6 @@ if(NOT TARGET VTK::ParallelMPI)
 endif()
 if(NOT TARGET VTK::WrappingPythonCore)
   message(STATUS "Left out, for want of VTK's wrappers: Python")
+elseif(VTK_VERSION VERSION_LESS 9.2)
+  message(STATUS "Left out, since VTK ${VTK_VERSION} makes none: type hints of Python")
 endif()

@@ -76,11 +76,13 @@ def read_image(path):
 
 def make_mpi_environment():
     """For programs that are started under mpiexec: pvpython, itself a rank, leaves Open MPI's
-    variables in the environment, with which a second mpiexec does nothing."""
+    variables in the environment, with which a second mpiexec does nothing. How ranks reach each other
+    (OMPI_MCA_btl), only the user says."""
+    kept = ("OMPI_ALLOW_", "OMPI_MCA_btl")
     return {
         name: value
         for name, value in os.environ.items()
-        if not name.startswith(("OMPI_", "ORTE_", "PMIX_")) or name.startswith("OMPI_ALLOW_")
+        if not name.startswith(("OMPI_", "ORTE_", "PMIX_")) or name.startswith(kept)
     }
 
 

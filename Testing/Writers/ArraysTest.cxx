@@ -12,9 +12,6 @@
 #include "vtkDataArray.h"
 #include "vtkDataArraySelection.h"
 #include "vtkFloatArray.h"
-#include "vtkImageCast.h"
-#include "vtkImageExtractComponents.h"
-#include "vtkImageMagnitude.h"
 #include "vtkNew.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPassThrough.h"
@@ -25,6 +22,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <vector>
 
 namespace isosurface
 {
@@ -61,27 +60,28 @@ vtkSmartPointer<vtkImageData> MakeVectors(int type, int components)
   return image;
 }
 
-/// A component alone, or, at their number, the magnitude as vtkImageMagnitude has it of doubles.
+/// A component alone, or, at their number, the magnitude in double. (vtkImageMagnitude adds squares in
+/// float before VTK 9.3, so it is no oracle.)
 vtkSmartPointer<vtkImageData> MakeScalar(vtkImageData* image, int component)
 {
-  vtkNew<vtkImageExtractComponents> extract;
-  vtkNew<vtkImageCast> cast;
-  vtkNew<vtkImageMagnitude> magnitude;
-  vtkImageAlgorithm* last = extract;
-  if (component == image->GetPointData()->GetScalars()->GetNumberOfComponents())
+  vtkDataArray* vectors = image->GetPointData()->GetScalars();
+  const int components = vectors->GetNumberOfComponents();
+  const bool isMagnitude = component == components;
+  auto scalars = vtk::TakeSmartPointer(
+    vtkDataArray::CreateDataArray(isMagnitude ? VTK_DOUBLE : vectors->GetDataType()));
+  scalars->SetNumberOfTuples(vectors->GetNumberOfTuples());
+  std::vector<double> tuple(components);
+  for (vtkIdType point = 0; point < vectors->GetNumberOfTuples(); ++point)
   {
-    cast->SetInputData(image);
-    cast->SetOutputScalarTypeToDouble();
-    magnitude->SetInputConnection(cast->GetOutputPort());
-    last = magnitude;
+    vectors->GetTuple(point, tuple.data());
+    scalars->SetTuple1(point,
+      isMagnitude ? std::sqrt(std::inner_product(tuple.begin(), tuple.end(), tuple.begin(), 0.0))
+                  : tuple[component]);
   }
-  else
-  {
-    extract->SetInputData(image);
-    extract->SetComponents(component);
-  }
-  last->Update();
-  return last->GetOutput();
+  auto scalar = vtkSmartPointer<vtkImageData>::New();
+  scalar->CopyStructure(image);
+  scalar->GetPointData()->SetScalars(scalars);
+  return scalar;
 }
 
 /// Surfaces of "velocity" from an input, each compared with vtkFlyingEdges3D on the scalar alone.
