@@ -11,6 +11,8 @@ set(ISOSURFACE_SANITIZERS "" CACHE STRING
   "Sanitizers to build with, as -fsanitize takes them (address,undefined or thread)")
 option(ISOSURFACE_CLANG_TIDY "Run clang-tidy beside the compiler" OFF)
 option(ISOSURFACE_FUZZING "Build Core and the fuzz targets for libFuzzer (clang)" OFF)
+set(ISOSURFACE_FUZZING_ENGINE "" CACHE STRING
+  "What fuzz targets are linked with in place of libFuzzer; sanitizers are those of CMAKE_CXX_FLAGS then")
 
 target_compile_options(IsosurfaceOptions INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
@@ -23,7 +25,9 @@ if(ISOSURFACE_FUZZING)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "ISOSURFACE_FUZZING needs clang, for its libFuzzer")
   endif()
-  set(ISOSURFACE_SANITIZERS "fuzzer-no-link,address,undefined")
+  if(NOT ISOSURFACE_FUZZING_ENGINE)
+    set(ISOSURFACE_SANITIZERS "fuzzer-no-link,address,undefined")
+  endif()
 endif()
 if(ISOSURFACE_SANITIZERS)
   target_compile_options(IsosurfaceOptions INTERFACE
