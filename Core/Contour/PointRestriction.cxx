@@ -30,15 +30,20 @@ void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,
   const Index3 box = vertices.GetSize();
   const int size[3] = { static_cast<int>(box[0]), static_cast<int>(box[1]),
     static_cast<int>(box[2]) };
-  // A part's own codes do not tell which edge a point was on that has been moved to a vertex.
-  const std::size_t maximum = 3 * static_cast<std::size_t>(box[0] * box[1] * box[2]);
-  std::vector<EdgeCode>& edges = memory.Edges;
-  std::vector<EdgeCode>& kept = memory.Kept;
-  edges.resize(std::max(edges.size(), maximum + EdgeCodeSlack));
-  kept.resize(edges.size());
+  const std::size_t maximum =
+    3 * static_cast<std::size_t>(box[0] * box[1] * box[2]) + EdgeCodeSlack;
   const BrickKernels& kernels = GetBrickKernels();
-  const std::uint32_t points =
-    kernels.NumberRows(size, part.Inside, before, part.Offsets, edges.data()).Points;
+  const std::uint32_t points = part.Counts.Points;
+  const EdgeCode* edges = part.Codes;
+  if (part.NumberOfVertexPoints > 0)
+  {
+    // The part's own codes do not tell which edge a point was on that has been moved to a vertex.
+    memory.Edges.resize(std::max(memory.Edges.size(), maximum));
+    kernels.NumberRows(size, part.Inside, before, part.Offsets, memory.Edges.data());
+    edges = memory.Edges.data();
+  }
+  std::vector<EdgeCode>& kept = memory.Kept;
+  kept.resize(std::max(kept.size(), maximum));
   const std::uint32_t keptPoints =
     kernels.NumberRows(size, part.Inside, after, part.Offsets, kept.data()).Points;
   std::uint32_t to = 0;

@@ -26,7 +26,8 @@ struct RestrictionMemory
 /**
  * Drops those points of a brick that it does not own any more, in place: the part is then what it
  * were if it had been made with the ownership `after`, which has no edge that `before` does not
- * have. `vertices` are those of the brick. Cost: the rows are numbered twice.
+ * have. `vertices` are those of the brick. Cost: the rows are numbered once more, twice if points
+ * were moved to vertices.
  */
 void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,
   const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickPart& part,
