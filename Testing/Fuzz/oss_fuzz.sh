@@ -15,9 +15,12 @@ for corpus in "$sources"/Testing/Fuzz/corpus/*/; do
   targets="$targets Fuzz$(basename "$corpus")"
 done
 
+# The old kind of run path holds for the libraries of libraries, too.
 # shellcheck disable=SC2016
 cmake -G Ninja -S "$sources" -B "$build" -DISOSURFACE_PARAVIEW=OFF -DISOSURFACE_VTK=OFF -DISOSURFACE_FUZZING=ON \
-  -DISOSURFACE_FUZZING_ENGINE="$LIB_FUZZING_ENGINE" -DCMAKE_BUILD_RPATH='$ORIGIN/lib' -DCMAKE_BUILD_TYPE=None
+  -DISOSURFACE_FUZZING_ENGINE="$LIB_FUZZING_ENGINE" -DCMAKE_BUILD_RPATH='$ORIGIN/lib' \
+  -DCMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags -DCMAKE_SHARED_LINKER_FLAGS=-Wl,--disable-new-dtags \
+  -DCMAKE_BUILD_TYPE=None
 # shellcheck disable=SC2086
 ninja -C "$build" $targets
 
