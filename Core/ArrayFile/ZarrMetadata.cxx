@@ -386,12 +386,14 @@ private:
     const std::vector<std::size_t> before = to;
     Numbers sorted = numbers;
     std::sort(sorted.begin(), sorted.end());
-    for (std::size_t axis = 0; axis < sorted.size(); ++axis)
+    Numbers axes(before.size());
+    std::iota(axes.begin(), axes.end(), std::int64_t{ 0 });
+    if (sorted != axes)
     {
-      if (sorted.size() != before.size() || sorted[axis] != static_cast<std::int64_t>(axis))
-      {
-        return this->Corrupt("have an impossible order of axes");
-      }
+      return this->Corrupt("have an impossible order of axes");
+    }
+    for (std::size_t axis = 0; axis < numbers.size(); ++axis)
+    {
       to[axis] = before[static_cast<std::size_t>(numbers[axis])];
     }
     return Status::Ok();
