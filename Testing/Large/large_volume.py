@@ -4,8 +4,12 @@ import json
 import os
 import shutil
 import struct
+import sys
 
 import numpy
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "Tools"))
+from write_zarr3 import crc32c
 
 SHAPE = (1104, 1024, 1024)  # z, y, x
 
@@ -37,15 +41,6 @@ def write_hdf5(folder):
         dataset = file.create_dataset("d", SHAPE, "<f4", chunks=(48, 64, 128))
         for begin in range(0, SHAPE[0], 48):
             dataset[begin:begin + 48] = samples[begin:begin + 48]
-
-
-def crc32c(data):
-    value = 0xffffffff
-    for byte in data:
-        value ^= byte
-        for _ in range(8):
-            value = value >> 1 ^ (0x82f63b78 if value & 1 else 0)
-    return struct.pack("<I", value ^ 0xffffffff)
 
 
 def write_shard(folder):

@@ -50,6 +50,13 @@ private:
   std::size_t Taken = 0;
 };
 
+std::vector<std::size_t> ListAll(const BlockSource& source)
+{
+  std::vector<std::size_t> blocks(source.GetNumberOfBlocks());
+  std::iota(blocks.begin(), blocks.end(), std::size_t{ 0 });
+  return blocks;
+}
+
 template <typename T>
 bool AreSame(const Buffer<T>& a, const Buffer<T>& b)
 {
@@ -196,11 +203,7 @@ TEST(QueuedSurface, TellsTheErrorsOfTheQueueAndOfABlock)
   std::mt19937 random(54);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 19, 19, 19 }, 100);
   TestBlockSource<std::uint8_t> source(volume, 4);
-  std::vector<std::size_t> blocks(source.GetNumberOfBlocks());
-  for (std::size_t block = 0; block < blocks.size(); ++block)
-  {
-    blocks[block] = block;
-  }
+  const std::vector<std::size_t> blocks = ListAll(source);
   ContourRequest request;
   request.Isovalues = { 60 };
   for (const int threads : { 1, 3 })
@@ -226,11 +229,7 @@ TEST(QueuedSurface, LetsOthersInAndEndsWhenProgressSaysSo)
   std::mt19937 random(55);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 19, 19, 19 }, 100);
   TestBlockSource<std::uint8_t> source(volume, 4);
-  std::vector<std::size_t> blocks(source.GetNumberOfBlocks());
-  for (std::size_t block = 0; block < blocks.size(); ++block)
-  {
-    blocks[block] = block;
-  }
+  const std::vector<std::size_t> blocks = ListAll(source);
   ContourRequest request;
   request.Isovalues = { 60 };
   TestQueue queue(blocks);

@@ -76,6 +76,20 @@ protected:
     std::function<bool(int rank, double fraction)> Advance;
   };
 
+  /// At each read the rank waits until the gate `next` is open; the first one passes `begin` before.
+  static void StandAtReads(MemoryDisk& disk, bool isFirst, Gate& begin, Gate& next)
+  {
+    disk.SetBeforeRead(
+      [isFirst, &begin, &next]
+      {
+        if (isFirst)
+        {
+          begin.PassBy();
+        }
+        next.WaitUntilOpen();
+      });
+  }
+
   static std::vector<RankResult> Run(
     int ranks, bool shares, const Deed& deed = {}, int threads = 1, int level = 0)
   {
@@ -181,17 +195,7 @@ TEST_F(SharedExtraction, OthersExtractAllButWhatAHeldRankHasClaimed)
     Gate end(ranks - 1);
     Deed deed;
     deed.Begin = [&](int rank, MemoryDisk& disk)
-    {
-      disk.SetBeforeRead(
-        [&, rank]
-        {
-          if (rank == 0)
-          {
-            begin.PassBy();
-          }
-          (rank == 0 ? end : begin).WaitUntilOpen();
-        });
-    };
+    { StandAtReads(disk, rank == 0, begin, rank == 0 ? end : begin); };
     std::vector<int> passes(static_cast<std::size_t>(ranks));
     deed.Advance = [&](int rank, double fraction)
     {
@@ -221,15 +225,7 @@ TEST_F(SharedExtraction, AFailedRankIsAnErrorThatKeepsNobodyWaiting)
     Deed deed;
     deed.Begin = [&](int rank, MemoryDisk& disk)
     {
-      disk.SetBeforeRead(
-        [&, rank]
-        {
-          if (rank == 1)
-          {
-            begin.PassBy();
-          }
-          begin.WaitUntilOpen();
-        });
+      StandAtReads(disk, rank == 1, begin, begin);
       if (rank == 1)
       {
         disk.FailFromRead(0);
