@@ -2,17 +2,21 @@
 """Seconds of a query on ranks of which one is slow, with fixed shares and with dynamic ones.
 
     mpirun -n 4 pvbatch --sym dynamic_balance.py VOLUME.bvol --plugin .../ScalableIsosurface.so
-        [--isovalues V ...] [--repeats N] [--processor SHARE] [--slowness N]
+        [--isovalues V ...] [--repeats N] [--processor SHARE] [--slowness N] [--cache MEBIBYTES] [--stops]
 
 Each rank gets a share of a processor (0.4), by a cgroup of its own (version 1, controller cpu; as root),
-and extracts with one thread, without a block cache. Then the last rank gets one N-th (4) of that. Both ways
-take turns; the figures are medians of the time from one barrier to the next, of all repeats but the first.
+without a block cache (0). Then the last rank gets one N-th (4) of that. With --stops there are no such
+shares: the last rank is stopped and continued, every 10 ms, so that it runs for one N-th of the time; not
+more ranks than processors then. Fixed and dynamic shares take turns; the figures are medians of the time from
+one barrier to the next, of all repeats but the first.
 
 The ideal time with a slow rank: the best time without one, times the ranks, by the sum of speeds, that of a
 whole rank being 1. Prints that, both times beside it, and how many blocks each rank had.
 """
 import argparse
+import multiprocessing
 import os
+import signal
 import statistics
 import time
 
@@ -46,6 +50,34 @@ class ProcessorShare:
         with open(os.path.join(CGROUPS, "cgroup.procs"), "w") as file:
             file.write(str(os.getpid()))
         os.rmdir(self.folder)
+
+
+def interrupt(process, runs):
+    """Lets a process run for a share of each 10 ms, for ever."""
+    while True:
+        os.kill(process, signal.SIGSTOP)
+        time.sleep(0.01 * (1 - runs.value))
+        os.kill(process, signal.SIGCONT)
+        time.sleep(0.01 * runs.value)
+
+
+class Interruptions:
+    """In place of a ProcessorShare: nothing at first, then stops."""
+
+    def __init__(self):
+        self.runs = multiprocessing.Value("d", 1)
+        self.other = multiprocessing.Process(target=interrupt, args=(os.getpid(), self.runs), daemon=True)
+
+    def limit(self, share):
+        self.runs.value = share
+        if share < 1 and not self.other.is_alive():
+            self.other.start()
+
+    def close(self):
+        if self.other.is_alive():
+            self.other.kill()  # ParaView would report a signal that can be caught
+            self.other.join()
+            os.kill(os.getpid(), signal.SIGCONT)
 
 
 def measure(controller, contour, isovalues, is_dynamic):
@@ -82,17 +114,20 @@ def main():
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--processor", type=float, default=0.4)
     parser.add_argument("--slowness", type=float, default=4)
+    parser.add_argument("--cache", type=int, default=0)
+    parser.add_argument("--stops", action="store_true")
     arguments = parser.parse_args()
     simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
     controller = vtkMultiProcessController.GetGlobalController()
     rank, ranks = controller.GetLocalProcessId(), controller.GetNumberOfProcesses()
-    reader = simple.BlockedVolumeReader(FileName=arguments.volume, CacheSize=0)
+    reader = simple.BlockedVolumeReader(FileName=arguments.volume, CacheSize=arguments.cache)
     contour = simple.StabbingContour(Input=reader)
-    share = ProcessorShare(rank)
+    share = Interruptions() if arguments.stops else ProcessorShare(rank)
+    whole = 1 if arguments.stops else arguments.processor
     try:
-        share.limit(arguments.processor)
+        share.limit(whole)
         even, even_blocks = compare(controller, contour, arguments)
-        share.limit(arguments.processor / (arguments.slowness if rank == ranks - 1 else 1))
+        share.limit(whole / (arguments.slowness if rank == ranks - 1 else 1))
         slow, slow_blocks = compare(controller, contour, arguments)
     finally:
         share.close()
