@@ -292,9 +292,9 @@ std::vector<Message> ControllerCommunicator::Exchange(std::vector<Message> outgo
   return incoming;
 }
 
-std::unique_ptr<SharedCounters> ControllerCommunicator::MakeCounters()
+std::unique_ptr<SharedCounters> ControllerCommunicator::MakeCounters(bool wanted)
 {
-  return MakeWindowCounters(this->Controller);
+  return MakeWindowCounters(this->Controller, wanted);
 }
 
 void ControllerCommunicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,

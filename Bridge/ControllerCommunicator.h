@@ -49,7 +49,7 @@ public:
   void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
     const std::function<void(int rank)>& arrived) override;
   /// In an MPI window; null unless the controller is a vtkMPIController.
-  std::unique_ptr<SharedCounters> MakeCounters() override;
+  std::unique_ptr<SharedCounters> MakeCounters(bool wanted) override;
 
 private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);

@@ -9,6 +9,7 @@
 #  define ISOSURFACE_HAS_MPI_CONTROLLER
 #endif
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -31,48 +32,105 @@ Status MakeError(int code)
   return Status(StatusCode::IoError, "the ranks cannot share their work: " + text);
 }
 
-class WindowCounters : public SharedCounters
+/// The window of a communicator, on all of its ranks.
+class CounterWindow
 {
 public:
   /// Collective. Takes over a communicator that returns errors.
-  explicit WindowCounters(MPI_Comm ranks)
+  explicit CounterWindow(MPI_Comm ranks)
     : Ranks(ranks)
   {
     const MPI_Aint size = sizeof(std::uint64_t);
-    const bool isThere = MPI_Win_allocate(size, sizeof(std::uint64_t), MPI_INFO_NULL, this->Ranks,
-                           &this->Counter, &this->Window) == MPI_SUCCESS;
+    const bool isThere = MPI_Win_allocate(Slots * size, sizeof(std::uint64_t), MPI_INFO_NULL,
+                           this->Ranks, &this->Own, &this->Window) == MPI_SUCCESS;
+    if (isThere)
+    {
+      MPI_Win_set_errhandler(this->Window, MPI_ERRORS_RETURN);
+      MPI_Win_lock_all(MPI_MODE_NOCHECK, this->Window);
+      std::fill_n(this->Own, Slots, 0);
+      MPI_Win_sync(this->Window);
+    }
+    // One that not all ranks have is not freed: that would be collective, too.
     int all = isThere ? 1 : 0;
     MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, this->Ranks);
     this->IsUsable = all != 0;
-    if (!this->IsUsable)
-    {
-      return;
-    }
-    MPI_Win_set_errhandler(this->Window, MPI_ERRORS_RETURN);
-    MPI_Win_lock_all(MPI_MODE_NOCHECK, this->Window);
-    *this->Counter = 0;
-    MPI_Win_sync(this->Window);
-    MPI_Barrier(this->Ranks);
-    MPI_Win_sync(this->Window);
   }
 
-  ~WindowCounters() override
+  CounterWindow(const CounterWindow&) = delete;
+  CounterWindow& operator=(const CounterWindow&) = delete;
+
+  ~CounterWindow() { this->Close(); }
+
+  /// Collective. Frees what is MPI's.
+  void Close()
   {
     if (this->IsUsable)
     {
+      this->IsUsable = false;
       MPI_Win_unlock_all(this->Window);
       MPI_Win_free(&this->Window);
     }
-    MPI_Comm_free(&this->Ranks);
+    if (this->Ranks != MPI_COMM_NULL)
+    {
+      MPI_Comm_free(&this->Ranks);
+    }
   }
 
-  /// Whether all ranks have it.
-  bool IsOnAllRanks() const { return this->IsUsable; }
+  /**
+   * Collective: whether all ranks want counters and can have them. Uses take turns with two slots.
+   * When all ranks have met here, none uses the slot of the use before any more, so each clears its
+   * counter there; the next meeting tells all that it is cleared.
+   */
+  bool Begin(bool wanted)
+  {
+    int all = wanted && this->IsUsable && !this->IsUsed ? 1 : 0;
+    if (MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, this->Ranks) != MPI_SUCCESS ||
+      all == 0)
+    {
+      return false;
+    }
+    this->IsUsed = true;
+    this->Slot = (this->Slot + 1) % Slots;
+    this->Own[(this->Slot + 1) % Slots] = 0;
+    MPI_Win_sync(this->Window);
+    return true;
+  }
+
+  void End() { this->IsUsed = false; }
+
+  MPI_Comm GetRanks() const { return this->Ranks; }
+  MPI_Win GetWindow() const { return this->Window; }
+  MPI_Aint GetSlot() const { return this->Slot; }
+
+private:
+  static constexpr int Slots = 2;
+
+  MPI_Comm Ranks;
+  MPI_Win Window = MPI_WIN_NULL;
+  std::uint64_t* Own = nullptr; ///< this rank's part of the window
+  int Slot = 0;                 ///< the one in use, or that was used last
+  bool IsUsable = false;
+  bool IsUsed = false;
+};
+
+/// Counters in a slot of the window.
+class WindowCounters : public SharedCounters
+{
+public:
+  explicit WindowCounters(CounterWindow& window)
+    : Counters(window)
+    , Window(window.GetWindow())
+    , Slot(window.GetSlot())
+  {
+  }
+
+  ~WindowCounters() override { this->Counters.End(); }
 
   Result<std::uint64_t> Add(int rank, std::uint64_t amount) override
   {
     std::uint64_t before = 0;
-    int code = MPI_Fetch_and_op(&amount, &before, MPI_UINT64_T, rank, 0, MPI_SUM, this->Window);
+    int code =
+      MPI_Fetch_and_op(&amount, &before, MPI_UINT64_T, rank, this->Slot, MPI_SUM, this->Window);
     code = code == MPI_SUCCESS ? MPI_Win_flush(rank, this->Window) : code;
     if (code != MPI_SUCCESS)
     {
@@ -88,8 +146,8 @@ public:
     int code = MPI_SUCCESS;
     for (std::size_t n = 0; n < ranks.size() && code == MPI_SUCCESS; ++n)
     {
-      code =
-        MPI_Fetch_and_op(&nothing, &values[n], MPI_UINT64_T, ranks[n], 0, MPI_NO_OP, this->Window);
+      code = MPI_Fetch_and_op(
+        &nothing, &values[n], MPI_UINT64_T, ranks[n], this->Slot, MPI_NO_OP, this->Window);
     }
     const int flushed = MPI_Win_flush_all(this->Window);
     code = code == MPI_SUCCESS ? flushed : code;
@@ -103,20 +161,84 @@ public:
   void LetOthersIn() override
   {
     int isThere = 0;
-    MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, this->Ranks, &isThere, MPI_STATUS_IGNORE);
+    MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, this->Counters.GetRanks(), &isThere, MPI_STATUS_IGNORE);
   }
 
 private:
-  MPI_Comm Ranks;
-  MPI_Win Window = MPI_WIN_NULL;
-  std::uint64_t* Counter = nullptr; ///< this rank's, in the window
-  bool IsUsable = false;
+  CounterWindow& Counters;
+  const MPI_Win Window;
+  const MPI_Aint Slot;
 };
+
+/// All windows of this process.
+std::vector<CounterWindow*>& GetWindows()
+{
+  static std::vector<CounterWindow*> windows;
+  return windows;
+}
+
+/// Called by MPI when a communicator is freed, by all ranks together. That of all ranks is so at
+/// the end of MPI_Finalize, when windows are gone.
+int FreeWindow(MPI_Comm, int, void* window, void*)
+{
+  std::vector<CounterWindow*>& windows = GetWindows();
+  windows.erase(std::remove(windows.begin(), windows.end(), window), windows.end());
+  delete static_cast<CounterWindow*>(window);
+  return MPI_SUCCESS;
+}
+
+/// Called by MPI when MPI_Finalize begins, which frees MPI_COMM_SELF first.
+int CloseWindows(MPI_Comm, int, void*, void*)
+{
+  for (CounterWindow* window : GetWindows())
+  {
+    window->Close();
+  }
+  return MPI_SUCCESS;
+}
+
+/// The attribute of a communicator that is its window.
+int GetKey()
+{
+  static int key = MPI_KEYVAL_INVALID;
+  if (key == MPI_KEYVAL_INVALID)
+  {
+    MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, FreeWindow, &key, nullptr);
+    int ofEnd = MPI_KEYVAL_INVALID;
+    MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, CloseWindows, &ofEnd, nullptr);
+    MPI_Comm_set_attr(MPI_COMM_SELF, ofEnd, nullptr);
+  }
+  return key;
+}
+
+/// The window of a communicator, made at the first call. Collective then. Null if there can be none.
+CounterWindow* GetWindow(MPI_Comm ranks)
+{
+  const int key = GetKey();
+  void* kept = nullptr;
+  int isKept = 0;
+  MPI_Comm_get_attr(ranks, key, &kept, &isKept);
+  if (isKept != 0)
+  {
+    return static_cast<CounterWindow*>(kept);
+  }
+  MPI_Comm own = MPI_COMM_NULL;
+  if (MPI_Comm_dup(ranks, &own) != MPI_SUCCESS)
+  {
+    return nullptr;
+  }
+  MPI_Comm_set_errhandler(own, MPI_ERRORS_RETURN);
+  auto window = std::make_unique<CounterWindow>(own);
+  MPI_Comm_set_attr(ranks, key, window.get());
+  GetWindows().push_back(window.get());
+  return window.release();
+}
 
 } // namespace
 #endif
 
-std::unique_ptr<SharedCounters> MakeWindowCounters(vtkMultiProcessController* controller)
+std::unique_ptr<SharedCounters> MakeWindowCounters(
+  vtkMultiProcessController* controller, bool wanted)
 {
 #ifdef ISOSURFACE_HAS_MPI_CONTROLLER
   auto* mpi = vtkMPIController::SafeDownCast(controller);
@@ -125,20 +247,15 @@ std::unique_ptr<SharedCounters> MakeWindowCounters(vtkMultiProcessController* co
     communicator && communicator->GetMPIComm() ? communicator->GetMPIComm()->GetHandle() : nullptr;
   if (handle && controller->GetNumberOfProcesses() > 1)
   {
-    MPI_Comm own = MPI_COMM_NULL;
-    if (MPI_Comm_dup(*handle, &own) != MPI_SUCCESS)
+    CounterWindow* window = GetWindow(*handle);
+    if (window && window->Begin(wanted))
     {
-      return nullptr;
-    }
-    MPI_Comm_set_errhandler(own, MPI_ERRORS_RETURN);
-    auto counters = std::make_unique<WindowCounters>(own);
-    if (counters->IsOnAllRanks())
-    {
-      return counters;
+      return std::make_unique<WindowCounters>(*window);
     }
   }
 #endif
   static_cast<void>(controller);
+  static_cast<void>(wanted);
   return nullptr;
 }
 

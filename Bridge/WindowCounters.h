@@ -16,10 +16,12 @@ namespace isosurface
  * they are in shared memory, and over networks that know remote atomic operations. Over others, such
  * as TCP, MPI serves them while their owner is in a call of MPI (LetOthersIn). Collective.
  *
- * Null on all ranks if the controller is no vtkMPIController, has one rank, or a rank gets no
- * window. Cost: a window and a communicator for the lifetime; some hundred microseconds.
+ * Null on all ranks if one of them does not want counters, the controller is no vtkMPIController,
+ * has one rank or counters in use, or a rank gets no window. Cost: one reduction; at the first
+ * call for an MPI communicator a window and a communicator, which are kept as long as it lives.
  */
-std::unique_ptr<SharedCounters> MakeWindowCounters(vtkMultiProcessController* controller);
+std::unique_ptr<SharedCounters> MakeWindowCounters(
+  vtkMultiProcessController* controller, bool wanted);
 
 } // namespace isosurface
 

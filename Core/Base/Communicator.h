@@ -63,10 +63,15 @@ public:
     const std::function<void(int rank)>& arrived);
 
   /**
-   * A counter for each rank, all 0. Null on all ranks if these cannot reach each other's memory.
-   * All ranks destroy it, at the same place among the collectives.
+   * A counter for each rank, all 0. Null on all ranks if one of them does not want it, or if they
+   * cannot reach each other's memory. Each rank destroys it when it is ready, before it enters the
+   * next collective, and until then makes no others.
    */
-  virtual std::unique_ptr<SharedCounters> MakeCounters() { return nullptr; }
+  virtual std::unique_ptr<SharedCounters> MakeCounters(bool wanted)
+  {
+    static_cast<void>(wanted);
+    return nullptr;
+  }
 
   /**
    * Tells all ranks whether one has failed. Returns Ok if all are Ok. Otherwise a rank with an

@@ -13,8 +13,8 @@ namespace isosurface
 /**
  * A counter for each rank, 0 at first, that any rank raises and reads at any time while the others
  * work: no rank waits for another one. Made by Communicator::MakeCounters. All functions are for
- * the thread that made it. The destructor is collective, so that every rank can reach the counters
- * as long as one needs them.
+ * the thread that made it. Every rank can reach the counter of a rank that has destroyed this
+ * object, as long as it has its own one; over some networks not before that rank enters a collective.
  */
 class SharedCounters
 {

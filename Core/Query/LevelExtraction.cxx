@@ -86,16 +86,13 @@ std::unique_ptr<SharedCounters> MakeCounters(const ExtractionTask& task)
   }
   const bool canShare = task.Volume.DealsBlocks() && task.Query.Rank == task.Sharing->GetRank() &&
     task.Query.Ranks == task.Sharing->GetSize();
-  std::vector<std::uint64_t> all = { canShare ? 1U : 0U };
-  task.Sharing->ReduceMinimum(all);
-  return all.front() != 0 ? task.Sharing->MakeCounters() : nullptr;
+  return task.Sharing->MakeCounters(canShare);
 }
 
 } // namespace
 
 Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& outcome)
 {
-  // Their end is collective: no rank leaves before all have what they need.
   const std::unique_ptr<SharedCounters> counters = MakeCounters(task);
   const auto start = std::chrono::steady_clock::now();
   outcome.Cost.Level = level;

@@ -214,7 +214,7 @@ TEST(DynamicBalanceCounters, AreRaisedAndReadByAllRanksAtOnce)
   const int size = GetNumberOfRanks();
   for (int turn = 0; turn < 3; ++turn)
   {
-    const auto counters = ranks.MakeCounters();
+    const auto counters = ranks.MakeCounters(true);
     ASSERT_EQ(counters != nullptr, size > 1);
     if (!counters)
     {
@@ -246,6 +246,58 @@ TEST(DynamicBalanceCounters, AreRaisedAndReadByAllRanksAtOnce)
     } while (std::any_of(
       values.begin(), values.end(), [&](std::uint64_t value) { return value >> 32 < all; }));
     EXPECT_EQ(values, std::vector<std::uint64_t>(values.size(), (all << 32) + all));
+  }
+}
+
+// The first rank has no more use for them when the others begin.
+TEST(DynamicBalanceCounters, AreReachedOnARankThatIsReadyAndZeroAtEachUse)
+{
+  ControllerCommunicator ranks(GetRanks());
+  for (int turn = 0; turn < 20; ++turn)
+  {
+    auto counters = ranks.MakeCounters(true);
+    ASSERT_EQ(counters != nullptr, GetNumberOfRanks() > 1);
+    if (!counters)
+    {
+      return;
+    }
+    if (GetRank() == 0)
+    {
+      EXPECT_EQ(*counters->Add(1, 0), 0u);
+      counters.reset();
+    }
+    else
+    {
+      const auto before = counters->Add(0, 1);
+      ASSERT_TRUE(before.IsOk());
+      EXPECT_LT(*before, static_cast<std::uint64_t>(GetNumberOfRanks() - 1)) << "turn " << turn;
+    }
+  }
+}
+
+TEST(DynamicBalanceCounters, AreForAllRanksOrNoneAndOneUseAtATime)
+{
+  ControllerCommunicator ranks(GetRanks());
+  EXPECT_FALSE(ranks.MakeCounters(GetRank() > 0));
+  EXPECT_FALSE(ranks.MakeCounters(false));
+  const auto counters = ranks.MakeCounters(true);
+  EXPECT_EQ(counters != nullptr, GetNumberOfRanks() > 1);
+  EXPECT_FALSE(ranks.MakeCounters(true));
+}
+
+TEST(DynamicBalanceCounters, GoWithTheirCommunicator)
+{
+  for (int turn = 0; turn < 3; ++turn)
+  {
+    const auto part =
+      vtk::TakeSmartPointer(GetRanks()->PartitionController(GetRank() % 2, GetRank()));
+    ControllerCommunicator ranks(part);
+    auto counters = ranks.MakeCounters(true);
+    EXPECT_EQ(counters != nullptr, part->GetNumberOfProcesses() > 1);
+    if (counters)
+    {
+      EXPECT_TRUE(counters->Add(0, 1).IsOk());
+    }
   }
 }
 

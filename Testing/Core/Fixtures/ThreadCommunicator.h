@@ -74,9 +74,14 @@ public:
     return incoming;
   }
 
-  std::unique_ptr<SharedCounters> MakeCounters() override
+  std::unique_ptr<SharedCounters> MakeCounters(bool wanted) override
   {
-    this->Shared.Wait();
+    std::vector<std::uint64_t> all = { wanted ? 1U : 0U };
+    this->ReduceMinimum(all);
+    if (all.front() == 0)
+    {
+      return nullptr;
+    }
     if (this->Rank == 0)
     {
       this->Shared.Counters = std::vector<std::atomic<std::uint64_t>>(this->Shared.Slots.size());
@@ -122,7 +127,6 @@ private:
       : Shared(group)
     {
     }
-    ~GroupCounters() override { this->Shared.Wait(); }
     Result<std::uint64_t> Add(int rank, std::uint64_t amount) override
     {
       return this->Shared.Counters[static_cast<std::size_t>(rank)].fetch_add(amount);
