@@ -24,7 +24,7 @@ from paraview import simple
 from vtkmodules.vtkParallelCore import vtkMultiProcessController
 
 CGROUPS = "/sys/fs/cgroup/cpu"
-PERIOD = 20_000  # microseconds
+PERIOD = 10_000  # microseconds
 
 
 class ProcessorShare:
