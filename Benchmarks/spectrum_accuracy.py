@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How far area and volume of a contour spectrum are from those of the isosurfaces.
 
-    PYTHONPATH=.../site-packages python3 spectrum_accuracy.py FILE.vti[:ARRAY] ...
+    PYTHONPATH=.../dist-packages python3 spectrum_accuracy.py FILE.vti[:ARRAY] ...
 
 For each file: at some isovalues of the spectrum, spread over the rows that enclose from 1 % to 99 % of the
 grid, the surface is extracted and closed at the border of the grid; its area (open) and volume (closed) are

@@ -273,7 +273,7 @@ class Runs:
 
     def __init__(self, build, folder):
         self.build, self.folder, self.failures = build, folder, 0
-        packages = os.path.join(build, "lib", f"python{sys.version_info[0]}.{sys.version_info[1]}", "site-packages")
+        packages = os.path.join(build, "lib/python3/dist-packages")
         self.environment = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                             "PYTHONPATH": packages + ":" + os.environ.get("PYTHONPATH", "")}
 
