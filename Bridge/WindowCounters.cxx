@@ -170,11 +170,11 @@ private:
   const MPI_Aint Slot;
 };
 
-/// All windows of this process.
+/// All windows of this process. Never destroyed: MPI_Finalize may be called when the process exits.
 std::vector<CounterWindow*>& GetWindows()
 {
-  static std::vector<CounterWindow*> windows;
-  return windows;
+  static auto* windows = new std::vector<CounterWindow*>();
+  return *windows;
 }
 
 /// Called by MPI when a communicator is freed, by all ranks together. That of all ranks is so at
