@@ -101,7 +101,8 @@ Status PointAttributes::Interpolate(
   const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue)
 {
   ContourRequest request;
-  request.Isovalues = { header.Isovalues[isovalue] };
+  // Not a list of one, of which GCC 14 says with sanitizers that it is out of its bounds.
+  request.Isovalues.assign(1, header.Isovalues[isovalue]);
   request.GlobalIds = true;
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {

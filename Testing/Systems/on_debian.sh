@@ -37,7 +37,7 @@ name=$release
 root=$folder/$name
 if [ ! -e "$root/etc/debian_version" ]; then
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' | grep '/debian/*$' | head -n 1)
-  mmdebstrap --variant=apt --include=ca-certificates,git "$release" "$root" "${mirror:-http://deb.debian.org/debian}"
+  mmdebstrap --variant=apt --include=ca-certificates,git,mount "$release" "$root" "${mirror:-http://deb.debian.org/debian}"
 fi
 
 # The sources, beside the build folders of earlier runs. Files that did not change keep their times; others
@@ -73,6 +73,7 @@ esac
 inside() {
   CCACHE_DIR=${CCACHE_DIR:-} unshare --mount --pid --fork sh -c 'root=$1
     shift
+    mount --bind "$root" "$root" # a root that is no mount has no mount namespaces
     mount -t proc proc "$root/proc"
     mount --rbind /sys "$root/sys"
     mount --rbind /dev "$root/dev"
