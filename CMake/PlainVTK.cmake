@@ -9,6 +9,8 @@ vtk_module_scan(
   REQUEST_MODULES ${requested}
   PROVIDES_MODULES modules
   REQUIRES_MODULES required)
+# Installed libraries find each other in their folder. VTK sees to that itself only since 9.3.
+list(APPEND CMAKE_INSTALL_RPATH "$ORIGIN")
 vtk_module_build(
   MODULES ${modules}
   PACKAGE ScalableIsosurface
