@@ -161,7 +161,10 @@ protected:
             const int rank = communicator.GetRank();
             OneRanksDisk disk(this->Disk, rank == odd ? operation : MemoryDisk::Never);
             outcomes[static_cast<std::size_t>(rank)] = deed(communicator, disk);
-            isLast = rank == odd ? !disk.HasFailed() : isLast;
+            if (rank == odd) // the others must not touch it
+            {
+              isLast = !disk.HasFailed();
+            }
           });
         SCOPED_TRACE("operation " + std::to_string(operation) + " of rank " + std::to_string(odd));
         this->ExpectAgreed(outcomes, isLast);
