@@ -40,9 +40,9 @@ public:
   explicit CounterWindow(MPI_Comm ranks)
     : Ranks(ranks)
   {
-    const MPI_Aint size = sizeof(std::uint64_t);
-    const bool isThere = MPI_Win_allocate(Slots * size, sizeof(std::uint64_t), MPI_INFO_NULL,
-                           this->Ranks, &this->Own, &this->Window) == MPI_SUCCESS;
+    constexpr int size = sizeof(std::uint64_t);
+    const bool isThere = MPI_Win_allocate(Slots * size, size, MPI_INFO_NULL, this->Ranks,
+                           &this->Own, &this->Window) == MPI_SUCCESS;
     if (isThere)
     {
       MPI_Win_set_errhandler(this->Window, MPI_ERRORS_RETURN);
@@ -119,8 +119,6 @@ class WindowCounters : public SharedCounters
 public:
   explicit WindowCounters(CounterWindow& window)
     : Counters(window)
-    , Window(window.GetWindow())
-    , Slot(window.GetSlot())
   {
   }
 
@@ -128,10 +126,11 @@ public:
 
   Result<std::uint64_t> Add(int rank, std::uint64_t amount) override
   {
+    const MPI_Win window = this->Counters.GetWindow();
     std::uint64_t before = 0;
-    int code =
-      MPI_Fetch_and_op(&amount, &before, MPI_UINT64_T, rank, this->Slot, MPI_SUM, this->Window);
-    code = code == MPI_SUCCESS ? MPI_Win_flush(rank, this->Window) : code;
+    int code = MPI_Fetch_and_op(
+      &amount, &before, MPI_UINT64_T, rank, this->Counters.GetSlot(), MPI_SUM, window);
+    code = code == MPI_SUCCESS ? MPI_Win_flush(rank, window) : code;
     if (code != MPI_SUCCESS)
     {
       return MakeError(code);
@@ -141,15 +140,16 @@ public:
 
   Result<std::vector<std::uint64_t>> Read(const std::vector<int>& ranks) override
   {
+    const MPI_Win window = this->Counters.GetWindow();
     std::vector<std::uint64_t> values(ranks.size());
     const std::uint64_t nothing = 0;
     int code = MPI_SUCCESS;
     for (std::size_t n = 0; n < ranks.size() && code == MPI_SUCCESS; ++n)
     {
       code = MPI_Fetch_and_op(
-        &nothing, &values[n], MPI_UINT64_T, ranks[n], this->Slot, MPI_NO_OP, this->Window);
+        &nothing, &values[n], MPI_UINT64_T, ranks[n], this->Counters.GetSlot(), MPI_NO_OP, window);
     }
-    const int flushed = MPI_Win_flush_all(this->Window);
+    const int flushed = MPI_Win_flush_all(window);
     code = code == MPI_SUCCESS ? flushed : code;
     if (code != MPI_SUCCESS)
     {
@@ -166,8 +166,6 @@ public:
 
 private:
   CounterWindow& Counters;
-  const MPI_Win Window;
-  const MPI_Aint Slot;
 };
 
 /// All windows of this process. Never destroyed: MPI_Finalize may be called when the process exits.
@@ -214,6 +212,16 @@ int GetKey()
 /// The window of a communicator, made at the first call. Collective then. Null if there can be none.
 CounterWindow* GetWindow(MPI_Comm ranks)
 {
+  // Communicators without a rank in common can have the same number, by which Open MPI before 5 names
+  // the shared memory of a window: one of them would get the other's, if they made theirs at once.
+  int size = 0;
+  int all = 0;
+  MPI_Comm_size(ranks, &size);
+  MPI_Comm_size(MPI_COMM_WORLD, &all);
+  if (size != all)
+  {
+    return nullptr;
+  }
   const int key = GetKey();
   void* kept = nullptr;
   int isKept = 0;

@@ -17,7 +17,7 @@ namespace isosurface
  * as TCP, MPI serves them while their owner is in a call of MPI (LetOthersIn). Collective.
  *
  * Null on all ranks if one of them does not want counters, the controller is no vtkMPIController,
- * has one rank or counters in use, or a rank gets no window. Cost: one reduction; at the first
+ * has one rank, not all ranks of the job, or counters in use, or a rank gets no window. Cost: one reduction; at the first
  * call for an MPI communicator a window and a communicator, which are kept as long as it lives.
  */
 std::unique_ptr<SharedCounters> MakeWindowCounters(
