@@ -71,6 +71,11 @@ Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
     }
   }
   const std::int64_t steps = axes.Time < 0 ? 1 : shape[static_cast<std::size_t>(axes.Time)];
+  if (steps > MaximumTimeSteps)
+  {
+    return Status(StatusCode::Unsupported,
+      array->GetName() + ": cannot be read: it has " + std::to_string(steps) + " time steps");
+  }
   if (step >= static_cast<std::uint64_t>(steps))
   {
     return Status(StatusCode::InvalidArgument,

@@ -171,7 +171,7 @@ private:
     const auto values = this->File.OpenArray(path, 0);
     ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
     const StoredArray::Numbers shape = (*values)->GetShape();
-    if (shape.size() != 1 || shape[0] < 1 || shape[0] > (1 << 20) ||
+    if (shape.size() != 1 || shape[0] < 1 || shape[0] > MaximumTimeSteps ||
       ((*values)->GetType() != ValueType::Float64 && (*values)->GetType() != ValueType::Float32))
     {
       return this->MakeError(StatusCode::Corrupt, "its Steps/Values are no list of times");

@@ -196,6 +196,10 @@ private:
           StatusCode::Corrupt, "its sections are no multiple of those of a volume");
       }
       this->Steps = this->Size[2] / sections;
+      if (this->Steps > MaximumTimeSteps)
+      {
+        return this->Header.MakeError(StatusCode::Unsupported, "it has too many time steps");
+      }
       this->Size[2] = sections;
     }
     return Status::Ok();

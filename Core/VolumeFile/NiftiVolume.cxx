@@ -244,7 +244,7 @@ Result<VolumeFile> OpenNiftiVolume(
   VolumeFile volume;
   if (fields.Dimensions[0] >= 4 && fields.Dimensions[4] > 1)
   {
-    if (fields.Dimensions[4] > (1 << 20))
+    if (fields.Dimensions[4] > MaximumTimeSteps)
     {
       return header->MakeError(StatusCode::Unsupported, "it has too many time steps");
     }

@@ -31,6 +31,9 @@ struct VolumeChoice
   std::uint64_t CacheBytes = std::uint64_t{ 256 } << 20;
 };
 
+/// The most time steps that a file may have: the list of their times is made from a header alone.
+constexpr std::int64_t MaximumTimeSteps = std::int64_t{ 1 } << 20;
+
 /// What is in a file: a dataset of HDF5, a variable of NetCDF, an array of Zarr, a series of DICOM.
 struct VolumeListing
 {

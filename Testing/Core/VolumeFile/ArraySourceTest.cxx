@@ -136,6 +136,18 @@ TEST(ArraySource, AxesThatMakeNoVolumeAreErrors)
     parts.GetStatus().GetMessage(), "/data/a:array: has 2 time steps, and none of number 2");
 }
 
+TEST(ArraySource, MoreTimeStepsThanAFileMayHaveAreRefused)
+{
+  const auto axes = ArrayAxes::Parse("tzyx", 4);
+  ASSERT_TRUE(axes.IsOk());
+  for (const std::int64_t more : { 0, 1 })
+  {
+    const auto array =
+      std::make_shared<MemoryArray>(StoredArray::Numbers{ MaximumTimeSteps + more, 2, 2, 2 });
+    EXPECT_EQ(MakeParts("a", array, *axes, 0).IsOk(), more == 0);
+  }
+}
+
 TEST(ArraySource, RowsOfChunksThatTheCacheHoldsAreReadAtOnce)
 {
   class ChunkedArray : public MemoryArray

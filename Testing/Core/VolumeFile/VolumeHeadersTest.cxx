@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/SampleFiles.h"
 
+#include "VolumeFile/VolumeFile.h"
+
 #include <cmath>
 
 using namespace isosurface;
@@ -279,4 +281,26 @@ TEST(NrrdHeader, ErrorsNameWhatIsNotSupported)
   ExpectRefused("a.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 6 5 4\n", "block");
   ExpectRefused(
     "a.nrrd", "NRRD0004\ntype: int\ndimension: 3\nsizes: 6 5 4\nencoding: raw\n", "endian");
+}
+
+TEST(MrcVolume, MoreTimeStepsThanAFileMayHaveAreRefused)
+{
+  for (const std::int32_t more : { 0, 1 })
+  {
+    const auto steps = static_cast<std::int32_t>(MaximumTimeSteps) + more;
+    Bytes file(1024 + static_cast<std::size_t>(steps));
+    const auto put = [&file](std::size_t place, std::int32_t number)
+    { std::memcpy(file.data() + place, &number, sizeof(number)); };
+    put(0, 1);
+    put(4, 1);
+    put(8, steps);
+    put(36, 1);   // section in a volume
+    put(88, 401); // a stack of volumes
+    MemoryDisk disk;
+    WriteFile(disk, "/data/a.mrc", file);
+    const auto volume = VolumeFile::Open(disk, "/data/a.mrc");
+    EXPECT_EQ(volume.IsOk(), more == 0) << volume.GetStatus().GetMessage();
+    EXPECT_EQ(volume.GetStatus().GetMessage(),
+      more == 0 ? "" : "/data/a.mrc: cannot be read: it has too many time steps");
+  }
 }
