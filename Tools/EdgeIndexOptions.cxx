@@ -55,7 +55,10 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
   decode
     ->add_option("--triangles", triangles,
       "Simplify to about this number of triangles, in pieces whose borders are kept; 0: keep all")
-    ->check(CLI::Range(0.0, 1e15));
+    ->check(CLI::Range(0.0, 1e15))
+    // Range takes NaN.
+    ->check([](const std::string& text)
+      { return text.find_first_of("nN") == std::string::npos ? "" : text + " is not a number"; });
   decode->add_flag(
     "--compress", options.IsCompressed, "Of a .glb: by meshoptimizer, with normals of 8 bits");
   decode

@@ -186,12 +186,12 @@ Status ZarrArray::FindInShard(const RandomAccessFile& file, const Numbers& shard
   {
     this->IndexShard.clear();
     const std::size_t checksums = 4 * this->Metadata.IndexCodecs.size();
-    Bytes stored(16 * count + checksums);
-    Bytes index(16 * count);
-    if (file.GetSize() < stored.size())
+    if (file.GetSize() < 16 * count + checksums)
     {
       return this->MakeError(file.GetPath(), "truncated: the shard has no whole index");
     }
+    Bytes stored(16 * count + checksums);
+    Bytes index(16 * count);
     const std::uint64_t begin = this->Metadata.IsIndexAtStart ? 0 : file.GetSize() - stored.size();
     ISOSURFACE_RETURN_IF_ERROR(file.Read(begin, stored.size(), stored.data()));
     if (!DecodeZarr(

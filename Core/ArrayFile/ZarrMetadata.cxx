@@ -23,6 +23,8 @@ using Json = nlohmann::json;
 constexpr std::int64_t MaximumSize = std::int64_t{ 1 } << 40;
 constexpr double MaximumChunkBytes = 0x1p31;
 constexpr double MaximumShardChunks = 0x1p22;
+/// Of a list of codecs. There is one compressor at most; each checksum is a pass over the chunk.
+constexpr std::size_t MaximumCodecs = 4;
 
 class ZarrParser
 {
@@ -229,6 +231,11 @@ private:
         (codec ? ", needs a library that this build lacked (libblosc)" : ", is not known"));
     }
     const auto isCompressor = [](ZarrCodec known) { return known != ZarrCodec::Crc32c; };
+    if (codecs.size() >= MaximumCodecs)
+    {
+      return this->Unsupported(
+        "its chunks have more than " + std::to_string(MaximumCodecs) + " codecs");
+    }
     if (isCompressor(*codec) && std::any_of(codecs.begin(), codecs.end(), isCompressor))
     {
       return this->Unsupported("its chunks are compressed twice");
@@ -288,8 +295,19 @@ private:
       ISOSURFACE_RETURN_IF_ERROR(this->AddCodec(
         FindJsonText(FindJson(json, "compressor"), "id", "?"), this->Metadata.Encoding.Codecs));
     }
-    this->Metadata.Separator = FindJsonText(json, "dimension_separator", ".");
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeSeparator(FindJsonText(json, "dimension_separator", ".")));
     this->TakeNames(FindJson(this->Node.Attributes, "_ARRAY_DIMENSIONS"));
+    return Status::Ok();
+  }
+
+  /// Of the numbers in the name of a chunk; both versions know two.
+  Status TakeSeparator(const std::string& separator)
+  {
+    if (separator != "." && separator != "/")
+    {
+      return this->Corrupt("separate the numbers of chunks by neither \".\" nor \"/\"");
+    }
+    this->Metadata.Separator = separator;
     return Status::Ok();
   }
 
@@ -332,8 +350,8 @@ private:
     {
       return this->Unsupported("its chunk key encoding, " + encoding + ", is not known");
     }
-    this->Metadata.Separator =
-      FindJsonText(FindJson(keys, "configuration"), "separator", encoding == "v2" ? "." : "/");
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeSeparator(
+      FindJsonText(FindJson(keys, "configuration"), "separator", encoding == "v2" ? "." : "/")));
     this->Metadata.KeyPrefix = encoding == "v2" ? "" : "c" + this->Metadata.Separator;
     this->TakeNames(FindJson(json, "dimension_names"));
     this->SetOrder(false);
@@ -418,7 +436,7 @@ private:
         this->Metadata.IsIndexBigEndian =
           FindJsonText(FindJson(codec, "configuration"), "endian") == "big";
       }
-      else if (name == "crc32c")
+      else if (name == "crc32c" && this->Metadata.IndexCodecs.size() < MaximumCodecs)
       {
         this->Metadata.IndexCodecs.push_back(ZarrCodec::Crc32c);
       }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ArrayFile/JsonField.h"
 #include "ArrayFile/ZarrMetadata.h"
+#include "Base/JsonDepth.h"
 
 #include <utility>
 
@@ -12,6 +13,8 @@ namespace
 using Json = nlohmann::json;
 
 constexpr std::uint64_t MaximumJsonSize = std::uint64_t{ 16 } << 20;
+/// Attributes are the user's, and may have any depth that somebody writes by hand.
+constexpr int MaximumDepth = 64;
 
 /// The JSON of a file; null if there is no such file.
 Result<Json> ReadJson(FileSystem& files, const std::string& path)
@@ -28,6 +31,11 @@ Result<Json> ReadJson(FileSystem& files, const std::string& path)
   }
   std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
   ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  if (IsJsonDeeperThan(text, MaximumDepth))
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": cannot be read: it nests more than " + std::to_string(MaximumDepth) + " objects");
+  }
   // NaN and infinity stand between quotation marks in both versions.
   Json json = Json::parse(text, nullptr, false);
   if (!json.is_object())

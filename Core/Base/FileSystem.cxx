@@ -194,9 +194,11 @@ int AddState(const std::string& path, FileState& state)
   }
   if (!S_ISDIR(there.st_mode))
   {
-    constexpr std::int64_t nanoseconds = 1000000000;
-    const auto modified = static_cast<std::int64_t>(there.st_mtim.tv_sec) * nanoseconds +
-      static_cast<std::int64_t>(there.st_mtim.tv_nsec);
+    constexpr std::uint64_t nanoseconds = 1000000000;
+    // Unsigned, since a time beyond the year 2262 wraps.
+    const auto modified =
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(there.st_mtim.tv_sec) * nanoseconds +
+        static_cast<std::uint64_t>(there.st_mtim.tv_nsec));
     state.Modified = state.Files == 0 ? modified : std::max(state.Modified, modified);
     state.Bytes += static_cast<std::uint64_t>(there.st_size);
     ++state.Files;

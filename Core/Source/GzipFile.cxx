@@ -142,10 +142,20 @@ private:
   Status StartNextMember()
   {
     // Without a header, zlib does not expect a trailer either.
-    this->In = this->GetIn() + (this->IsRaw ? GzipTrailerSize : 0);
+    const std::uint64_t trailer = this->IsRaw ? GzipTrailerSize : 0;
+    if (this->Stream.avail_in >= trailer)
+    {
+      // Members may be empty: the input is not read again for each of them.
+      this->Stream.next_in += trailer;
+      this->Stream.avail_in -= static_cast<uInt>(trailer);
+    }
+    else
+    {
+      this->In = this->GetIn() + trailer;
+      this->Stream.avail_in = 0;
+    }
     this->IsRaw = false;
     ++this->Members;
-    this->Stream.avail_in = 0;
     ::inflateReset2(&this->Stream, AnyHeader);
     return Status::Ok();
   }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iomanip>
+#include <limits>
 #include <locale>
 #include <sstream>
 
@@ -16,6 +17,9 @@ namespace
 
 constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 1 } << 20;
 constexpr std::int64_t MaximumSeriesSize = std::int64_t{ 1 } << 20;
+/// All names of a series together, in characters.
+constexpr std::int64_t MaximumSeriesText = std::int64_t{ 64 } << 20;
+constexpr int MaximumDigits = std::numeric_limits<std::int64_t>::digits10 + 1;
 
 } // namespace
 
@@ -140,15 +144,23 @@ std::optional<std::vector<std::string>> HeaderText::ExpandPattern(
   {
     return std::nullopt;
   }
+  const std::int64_t count = (last - first) / step + 1;
   const std::string width = pattern.substr(begin + 1, end - begin - 1);
+  const int minimumDigits = width.empty() ? 0 : std::atoi(width.c_str());
+  const auto length =
+    pattern.size() + static_cast<std::size_t>(std::max(minimumDigits, MaximumDigits));
+  if (static_cast<std::int64_t>(length) > MaximumSeriesText / count)
+  {
+    return std::nullopt;
+  }
   std::vector<std::string> names;
-  for (std::int64_t number = first; step > 0 ? number <= last : number >= last; number += step)
+  names.reserve(static_cast<std::size_t>(count));
+  for (std::int64_t index = 0; index < count; ++index)
   {
     std::ostringstream name;
     name.imbue(std::locale::classic());
     name << pattern.substr(0, begin) << std::setfill(width[0] == '0' ? '0' : ' ')
-         << std::setw(width.empty() ? 0 : std::atoi(width.c_str())) << number
-         << pattern.substr(end + 1);
+         << std::setw(minimumDigits) << first + index * step << pattern.substr(end + 1);
     names.push_back(name.str());
   }
   return names;

@@ -186,6 +186,8 @@ KeyRange ReadRange(JsonMembers& members, const Json& json, ValueType type)
 std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
 {
   std::vector<ArrayDescription> arrays;
+  // All together: what is made of them has an entry for each component.
+  std::int64_t left = BlockDirectory::MaximumSegments;
   const Json& list = document.GetArray("arrays", JsonMembers::AnySize);
   for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
   {
@@ -199,8 +201,8 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
       members.Fail("type", "\"" + typeName + "\" is not known");
     }
     array.Type = type.value_or(ValueType::UInt8);
-    array.Components =
-      static_cast<int>(members.GetInteger("components", 1, BlockDirectory::MaximumSegments));
+    array.Components = static_cast<int>(members.GetInteger("components", 1, left));
+    left -= array.Components;
     arrays.push_back(array);
   }
   return arrays;

@@ -2,6 +2,7 @@
 #include "Store/JsonDocument.h"
 
 #include "Base/Checksum.h"
+#include "Base/JsonDepth.h"
 
 #include <nlohmann/json.hpp>
 
@@ -21,39 +22,6 @@ constexpr const char* ChecksumName = "\"checksum\"";
 
 const Json Nothing;
 const Json EmptyArray = Json::array();
-
-/// Whether objects and arrays are nested deeper than MaximumDepth. The parser's own callback could
-/// tell, too, but takes quadratic time in long arrays.
-bool IsTooDeep(const std::string& text)
-{
-  int depth = 0;
-  bool isInString = false;
-  for (std::size_t n = 0; n < text.size(); ++n)
-  {
-    const char character = text[n];
-    if (isInString && character == '\\')
-    {
-      ++n; // an escaped character does not end the string
-    }
-    else if (character == '"')
-    {
-      isInString = !isInString;
-    }
-    else if (!isInString && (character == '{' || character == '['))
-    {
-      ++depth;
-    }
-    else if (!isInString && (character == '}' || character == ']'))
-    {
-      --depth;
-    }
-    if (depth > MaximumDepth)
-    {
-      return true;
-    }
-  }
-  return false;
-}
 
 /// Whether the last member of the text is the checksum of the bytes before it.
 bool HasChecksum(const std::string& text)
@@ -132,7 +100,7 @@ Result<Json> ParseDocument(
   {
     return Status(StatusCode::Corrupt, path + ": has a wrong checksum");
   }
-  Json document = IsTooDeep(text) ? Json() : Json::parse(text, nullptr, false);
+  Json document = IsJsonDeeperThan(text, MaximumDepth) ? Json() : Json::parse(text, nullptr, false);
   if (document.is_discarded() || !document.is_object())
   {
     return Status(StatusCode::Corrupt, path + ": was cut off, or is not a " + format);

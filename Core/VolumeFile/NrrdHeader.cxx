@@ -90,13 +90,17 @@ private:
          line = this->Header.TakeLine())
     {
       const std::size_t colon = line->find(':');
-      if ((*line)[0] == '#' || line->find(":=") == colon)
+      if ((*line)[0] == '#')
       {
-        continue; // a comment, or a key/value pair
+        continue; // a comment
       }
       if (colon == std::string::npos)
       {
         return this->Corrupt("a line without \":\"");
+      }
+      if (line->compare(colon, 2, ":=") == 0)
+      {
+        continue; // a key/value pair
       }
       const std::string name = HeaderText::Lower(HeaderText::Trim(line->substr(0, colon)));
       const std::string value = HeaderText::Trim(line->substr(colon + 1));

@@ -18,6 +18,9 @@ using Json = nlohmann::json;
 
 constexpr int MaximumDepth = 8;
 constexpr std::size_t MaximumArrays = 10000;
+/// Of an image; each is compared with those before.
+constexpr std::size_t MaximumAxes = 32;
+constexpr std::size_t MaximumChannels = 1024;
 
 std::string GetLastPart(const std::string& path)
 {
@@ -245,6 +248,13 @@ private:
     }
     std::vector<std::string> channels;
     const Json& known = FindJson(omero, "channels");
+    const Json& axes = FindJson(image, "axes");
+    if (axes.size() > MaximumAxes || known.size() > MaximumChannels)
+    {
+      return this->MakeError(StatusCode::Unsupported, this->Folder,
+        "its multiscales have " + std::to_string(axes.size()) + " axes and " +
+          std::to_string(known.size()) + " channels");
+    }
     for (const Json& channel : known.is_array() ? known : Json::array())
     {
       const std::string label = GetJsonText(FindJson(channel, "label"));
@@ -252,7 +262,7 @@ private:
       channels.push_back(
         !label.empty() && isNew ? label : "channel " + std::to_string(channels.size()));
     }
-    const std::string letters = this->FindLetters(FindJson(image, "axes"));
+    const std::string letters = this->FindLetters(axes);
     const std::string folder = this->Folder + "/" + path;
     const auto node = ZarrNode::Read(this->Files, folder);
     ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());

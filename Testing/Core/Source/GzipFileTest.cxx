@@ -95,6 +95,24 @@ TEST(GzipFile, ReadsSeveralMembersAndZlibStreams)
   }
 }
 
+TEST(GzipFile, EmptyMembersAreReadOnce)
+{
+  const Bytes empty = Deflate({});
+  Bytes members;
+  for (int member = 0; member < 20000; ++member)
+  {
+    members.insert(members.end(), empty.begin(), empty.end());
+  }
+  const Bytes last = Deflate({ 7 });
+  members.insert(members.end(), last.begin(), last.end());
+  MemoryDisk disk;
+  const auto file = OpenGzip(disk, members, 1);
+  std::uint8_t byte = 0;
+  ASSERT_TRUE(file->Read(0, 1, &byte).IsOk());
+  EXPECT_EQ(byte, 7);
+  EXPECT_LE(disk.GetBytesRead(".gz"), members.size());
+}
+
 TEST(GzipFile, DamagedAndTruncatedFilesAreErrorsThatNameTheFile)
 {
   const Bytes content = MakeContent(3000000);

@@ -305,6 +305,8 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "arrays[0].components", [](Json& d) { d["arrays"][0]["components"] = 0; } },
     { "arrays[0].components", [](Json& d) { d["arrays"][0]["components"] = 1.5; } },
     { "arrays[0].components", [&](Json& d) { d["arrays"][0]["components"] = huge; } },
+    // Together they are more than a page of the directory takes on one level.
+    { "arrays[1].components", [](Json& d) { d["arrays"][0]["components"] = 4090; } },
     // 815 and three others, of 5 levels each, are as many as a page of the directory takes.
     { "timeSteps[0].ranges", [](Json& d) { d["arrays"][0]["components"] = 815; } },
     { "arrays",

@@ -266,6 +266,7 @@ TEST(NrrdHeader, ErrorsNameWhatIsNotSupported)
 {
   ExpectRefused("a.nrrd", "", "does not begin with NRRD");
   ExpectRefused("a.nrrd", NrrdStart + "encoding: ascii\n", "encoding \"ascii\"");
+  ExpectRefused("a.nrrd", NrrdStart + "encoding raw\n", "a line without \":\"");
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 4\nsizes: 3 6 5 4\n", "dimension");
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5\n", "sizes");
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5 0\n", "sizes");
