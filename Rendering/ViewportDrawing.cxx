@@ -161,6 +161,9 @@ Status ViewportDrawing::Draw(const vtkRenderState* state, vtkRenderPass* pass,
   {
     try
     {
+      const auto pixels = static_cast<std::size_t>(viewport.Blocks.GetArea());
+      this->Colors.resize(pixels);
+      this->Depths.resize(pixels);
       this->DrawRaster(state, pass, display, raster, viewport);
     }
     catch (const std::bad_alloc&)
@@ -212,8 +215,6 @@ ImageView ViewportDrawing::Read(const vtkRenderState* state, const Viewport& vie
   {
     return {};
   }
-  this->Colors.resize(static_cast<std::size_t>(blocks.GetArea()));
-  this->Depths.resize(static_cast<std::size_t>(blocks.GetArea()));
   glReadPixels(blocks.X, blocks.Y, blocks.Width, blocks.Height, GL_RGBA, GL_UNSIGNED_BYTE,
     this->Colors.data());
   glReadPixels(blocks.X, blocks.Y, blocks.Width, blocks.Height, GL_DEPTH_COMPONENT, GL_FLOAT,

@@ -48,7 +48,8 @@ public:
   Status Draw(const vtkRenderState* state, vtkRenderPass* pass, const PixelRectangle& display,
     const Viewport& viewport);
 
-  /// Reads back what was drawn. The image is valid until the next call.
+  /// Reads back what the last Draw() has drawn, into memory that Draw() took. The image is valid
+  /// until the next call.
   ImageView Read(const vtkRenderState* state, const Viewport& viewport);
 
   void ReleaseGraphicsResources(vtkWindow* window);

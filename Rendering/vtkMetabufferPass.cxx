@@ -71,11 +71,14 @@ public:
   static Status AgreeToDraw(const vtkMetabufferPass& pass, bool isReady);
   /// Agrees on the viewports of all ranks.
   void PlanFrame(const vtkMetabufferPass& pass, const vtkRenderState* state);
-  /// Draws this rank's viewport and reads it back. An error of one rank is one of all.
+  /// Draws this rank's viewport, reads it back, and upsamples it if the pass does. An error of one
+  /// rank is one of all.
   Status Draw(const vtkMetabufferPass& pass, const vtkRenderState* state, ImageView& image);
+  /// Brings the image to full resolution if SmoothUpsampling asks for it.
+  Status Upsample(const vtkMetabufferPass& pass, ImageView& image);
   /// Merges the images of all ranks into the pass' last rendered image. An error of one rank is one
   /// of all.
-  Status Merge(vtkMetabufferPass& pass, ImageView image);
+  Status Merge(vtkMetabufferPass& pass, const ImageView& image);
   /// Draws over the image of this rank's tile.
   void DrawOutlines(vtkMetabufferPass& pass) const;
 
@@ -148,33 +151,40 @@ Status vtkMetabufferPass::Internals::Draw(
 {
   const Viewport& viewport = this->GetViewport(pass);
   this->DrawnPixels = viewport.Blocks.GetArea();
-  const Status drawn =
-    this->Drawing.Draw(state, pass.RenderPass, this->Display.GetExtent(), viewport);
+  Status drawn = this->Drawing.Draw(state, pass.RenderPass, this->Display.GetExtent(), viewport);
   if (drawn.IsOk())
   {
     const double begin = vtkTimerLog::GetUniversalTime();
     image = this->Drawing.Read(state, viewport);
     this->ReadSeconds = vtkTimerLog::GetUniversalTime() - begin;
+    drawn = isosurface::Attempt(
+      "an image cannot be upsampled", [&] { return this->Upsample(pass, image); });
   }
   isosurface::ControllerCommunicator communicator(pass.Controller);
   return communicator.Agree(drawn);
 }
 
-Status vtkMetabufferPass::Internals::Merge(vtkMetabufferPass& pass, ImageView image)
+Status vtkMetabufferPass::Internals::Upsample(const vtkMetabufferPass& pass, ImageView& image)
+{
+  const Viewport& drawn = this->GetViewport(pass);
+  if (pass.SmoothUpsampling && drawn.Divisor > 1 && !drawn.Blocks.IsEmpty())
+  {
+    isosurface::UpsampleSmoothly(
+      image, drawn.Divisor, drawn.GetPixels(this->Display.GetExtent()), this->Smooth);
+    image = this->Smooth.GetView();
+  }
+  return Status::Ok();
+}
+
+Status vtkMetabufferPass::Internals::Merge(vtkMetabufferPass& pass, const ImageView& image)
 {
   std::vector<Viewport> viewports = this->Plan.Viewports;
-  const Viewport& drawn = this->GetViewport(pass);
   if (pass.SmoothUpsampling)
   {
     const PixelRectangle extent = this->Display.GetExtent();
     for (Viewport& viewport : viewports)
     {
       viewport = isosurface::MakeViewport(viewport.GetPixels(extent), 1);
-    }
-    if (drawn.Divisor > 1 && !drawn.Blocks.IsEmpty())
-    {
-      isosurface::UpsampleSmoothly(image, drawn.Divisor, drawn.GetPixels(extent), this->Smooth);
-      image = this->Smooth.GetView();
     }
   }
   if (pass.CompositeMode == DIRECT_SEND || this->Display.SamplesPerPixel > 1)

@@ -61,6 +61,21 @@ inline Status MakeExceptionError(const std::string& context, const std::exceptio
     : Status(StatusCode::IoError, context + ": " + exception.what());
 }
 
+/// Runs a step of this rank alone, before the ranks agree: an exception (a shortage of memory or of
+/// threads) is an error like others, MakeExceptionError(context, ...).
+template <typename Step>
+auto Attempt(const std::string& context, Step&& step) -> decltype(step())
+{
+  try
+  {
+    return step();
+  }
+  catch (const std::exception& exception)
+  {
+    return MakeExceptionError(context, exception);
+  }
+}
+
 /**
  * A value, or the error that prevented it. Only access the value if IsOk().
  */

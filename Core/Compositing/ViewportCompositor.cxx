@@ -295,19 +295,29 @@ Status ViewportCompositor::Composite(Communicator& communicator, const DisplayLa
 {
   const int me = communicator.GetRank();
   this->BytesSent = 0;
-  ISOSURFACE_RETURN_IF_ERROR(
-    communicator.Agree(CheckArguments(communicator, display, viewports, mine, tile)));
-  this->Display = display;
-  this->Cells = PlanCompositing(viewports, display.Tiles);
-  this->Delivered = wantsDepths ? PixelContent::ColorsAndDepths : PixelContent::Colors;
-
-  const std::vector<Message> samples =
-    this->Send(communicator, this->EncodeSamples(me, viewports, mine));
-  ISOSURFACE_RETURN_IF_ERROR(
-    communicator.Agree(this->MergeOwnedCells(me, viewports, mine, samples)));
-  const std::vector<Message> merged =
-    this->Send(communicator, this->EncodeMergedCells(me, viewports.size(), mine));
-  return communicator.Agree(this->FillTile(me, mine, merged, tile));
+  const std::string context = "an image cannot be composited";
+  std::vector<Message> outgoing;
+  const auto encode = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckArguments(communicator, display, viewports, mine, tile));
+    this->Display = display;
+    this->Cells = PlanCompositing(viewports, display.Tiles);
+    this->Delivered = wantsDepths ? PixelContent::ColorsAndDepths : PixelContent::Colors;
+    outgoing = this->EncodeSamples(me, viewports, mine);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(communicator.Agree(Attempt(context, encode)));
+  const std::vector<Message> samples = this->Send(communicator, std::move(outgoing));
+  const auto merge = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->MergeOwnedCells(me, viewports, mine, samples));
+    outgoing = this->EncodeMergedCells(me, viewports.size(), mine);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(communicator.Agree(Attempt(context, merge)));
+  const std::vector<Message> merged = this->Send(communicator, std::move(outgoing));
+  return communicator.Agree(
+    Attempt(context, [&] { return this->FillTile(me, mine, merged, tile); }));
 }
 
 } // namespace isosurface

@@ -370,7 +370,8 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
   std::size_t timeStep, std::size_t variable, std::uint32_t store)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, 0));
-  const auto spectra = this->Stores->GetSpectra(timeStep, 0);
+  const auto spectra =
+    RunWithinMemory(this->GetPath(), [&] { return this->Stores->GetSpectra(timeStep, 0); });
   if (!spectra.IsOk())
   {
     return spectra.GetStatus();

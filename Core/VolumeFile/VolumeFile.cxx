@@ -256,6 +256,37 @@ Result<VolumeFile> OpenFormat(
       "its name or first bytes");
 }
 
+Result<std::vector<VolumeListing>> ListFormat(
+  FileSystem& files, const VolumeName& name, const std::string& text)
+{
+  switch (FindVolumeFormat(files, name))
+  {
+    case VolumeFormat::Hdf5:
+#if ISOSURFACE_HDF5
+      return ListHdf5(name);
+#else
+      return MakeMissing(name, "HDF5", "libhdf5");
+#endif
+    case VolumeFormat::Netcdf:
+#if ISOSURFACE_NETCDF
+      return ListNetcdf(name);
+#else
+      return MakeMissing(name, "NetCDF", "libnetcdf");
+#endif
+    case VolumeFormat::Zarr:
+      return ListZarr(files, name);
+    case VolumeFormat::Dicom:
+#if ISOSURFACE_DICOM
+      return ListDicom(name);
+#else
+      return MakeMissing(name, "DICOM", "libgdcm");
+#endif
+    default:
+      return Status(StatusCode::Unsupported,
+        text + ": cannot be listed: it is a file of one volume, or of an unknown format");
+  }
+}
+
 } // namespace
 
 Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const std::string& path)
@@ -316,7 +347,8 @@ Result<VolumeFile> VolumeFile::Open(
       text + ": cannot be read: a file of this format has one volume, and no \"" + name.Within +
         "\"");
   }
-  auto volume = OpenFormat(files, format, name, choice);
+  // What a file asks for may be more than there is, and libraries throw.
+  auto volume = Attempt(text, [&] { return OpenFormat(files, format, name, choice); });
   if (volume.IsOk() && choice.Step >= std::max<std::size_t>(1, volume->Times.size()))
   {
     return Status(StatusCode::InvalidArgument,
@@ -332,33 +364,7 @@ Result<VolumeFile> VolumeFile::Open(
 
 Result<std::vector<VolumeListing>> VolumeFile::List(FileSystem& files, const std::string& text)
 {
-  const VolumeName name = VolumeName::Parse(files, text);
-  switch (FindVolumeFormat(files, name))
-  {
-    case VolumeFormat::Hdf5:
-#if ISOSURFACE_HDF5
-      return ListHdf5(name);
-#else
-      return MakeMissing(name, "HDF5", "libhdf5");
-#endif
-    case VolumeFormat::Netcdf:
-#if ISOSURFACE_NETCDF
-      return ListNetcdf(name);
-#else
-      return MakeMissing(name, "NetCDF", "libnetcdf");
-#endif
-    case VolumeFormat::Zarr:
-      return ListZarr(files, name);
-    case VolumeFormat::Dicom:
-#if ISOSURFACE_DICOM
-      return ListDicom(name);
-#else
-      return MakeMissing(name, "DICOM", "libgdcm");
-#endif
-    default:
-      return Status(StatusCode::Unsupported,
-        text + ": cannot be listed: it is a file of one volume, or of an unknown format");
-  }
+  return Attempt(text, [&] { return ListFormat(files, VolumeName::Parse(files, text), text); });
 }
 
 } // namespace isosurface

@@ -20,14 +20,7 @@ constexpr std::uint64_t EnoughRecordBytes = std::uint64_t{ 32 } << 20;
 template <typename Step>
 Status Attempt(Step&& step)
 {
-  try
-  {
-    return step();
-  }
-  catch (const std::exception& exception)
-  {
-    return MakeExceptionError("a round of blocks cannot be worked on", exception);
-  }
+  return isosurface::Attempt("a round of blocks cannot be worked on", step);
 }
 
 /// The maximum of the bytes of a block's record.

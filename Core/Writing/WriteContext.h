@@ -47,14 +47,7 @@ public:
   template <typename Step>
   Status Attempt(Step&& step) const
   {
-    try
-    {
-      return step();
-    }
-    catch (const std::exception& exception)
-    {
-      return MakeExceptionError(this->Path + ": cannot be written here", exception);
-    }
+    return isosurface::Attempt(this->Path + ": cannot be written here", step);
   }
 
   /// An InvalidArgument that says why the path cannot be written.

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Input: a letter (M: MetaImage, N: NRRD, T: TIFF, I: NIfTI, R: MRC; Z, 3, 5: Zarr 2 and 3 and N5,
-// whose metadata end with a zero byte, before a chunk), then the file, with or without samples behind
-// its header. What it names is the file itself or is missing. Samples are read if they are few.
+// whose metadata end with a zero byte, before a chunk; P, O: OME-Zarr of both versions, whose metadata
+// of the image come first), then the file, with or without samples behind its header. What it names is
+// the file itself or is missing. Samples are read if they are few; a small letter asks for the second
+// time step, without a cache.
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
 #include "VolumeFile/VolumeFile.h"
 
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -45,33 +48,57 @@ const char* FindExtension(char letter)
     case 'Z':
     case '3':
     case '5':
+    case 'P':
+    case 'O':
       return ".zarr";
     default:
       return ".tif";
   }
 }
 
-/// A folder with metadata and the first chunk.
+/// Takes what is before the next zero byte.
+SealedBytes TakeText(const std::uint8_t*& begin, const std::uint8_t* end)
+{
+  const std::uint8_t* const zero = std::find(begin, end, std::uint8_t{ 0 });
+  const SealedBytes text(begin, zero);
+  begin = zero == end ? end : zero + 1;
+  return text;
+}
+
+/// A folder with metadata and the first chunk, of arrays of any number of axes.
 void PutZarr(MemoryDisk& disk, const std::string& folder, char version, const std::uint8_t* begin,
   const std::uint8_t* end)
 {
-  const std::uint8_t* const zero = std::find(begin, end, std::uint8_t{ 0 });
-  const SealedBytes metadata(begin, zero);
-  const SealedBytes chunk(zero == end ? end : zero + 1, end);
-  const bool isSecond = version == 'Z';
-  const bool isThird = version == '3';
+  const bool isSecond = version == 'Z' || version == 'P';
+  const bool isThird = version == '3' || version == 'O';
+  std::string array = folder;
+  if (version == 'P' || version == 'O')
+  {
+    PutFile(disk, folder + (isSecond ? "/.zattrs" : "/zarr.json"), TakeText(begin, end));
+    array += "/0";
+  }
   PutFile(disk,
-    folder +
+    array +
       (isSecond     ? "/.zarray"
           : isThird ? "/zarr.json"
                     : "/attributes.json"),
-    metadata);
-  PutFile(disk, folder + (isSecond ? "/0.0.0" : isThird ? "/c/0/0/0" : "/0/0/0"), chunk);
+    TakeText(begin, end));
+  const SealedBytes chunk(begin, end);
+  const std::string separator = isSecond ? "." : "/";
+  std::string key = isThird ? "/c/0" : "/0";
+  for (int axis = 1; axis < 5; ++axis)
+  {
+    key += separator + "0";
+    if (axis >= 2)
+    {
+      PutFile(disk, array + key, chunk);
+    }
+  }
 }
 
-void OpenAndRead(MemoryDisk& disk, const std::string& path)
+void OpenAndRead(MemoryDisk& disk, const std::string& path, const VolumeChoice& choice)
 {
-  const auto volume = VolumeFile::Open(disk, path);
+  const auto volume = VolumeFile::Open(disk, path, choice);
   if (!volume.IsOk())
   {
     // It may be another file, which the header names.
@@ -105,11 +132,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   {
     return 0;
   }
-  const std::string path = std::string("/data/a") + FindExtension(static_cast<char>(bytes[0]));
+  const char letter = static_cast<char>(std::toupper(bytes[0]));
+  VolumeChoice choice;
+  if (letter != static_cast<char>(bytes[0]))
+  {
+    choice.Step = 1;
+    choice.CacheBytes = 0;
+  }
+  const std::string path = std::string("/data/a") + FindExtension(letter);
   MemoryDisk disk;
   if (path == "/data/a.zarr")
   {
-    PutZarr(disk, path, static_cast<char>(bytes[0]), bytes + 1, bytes + size);
+    PutZarr(disk, path, letter, bytes + 1, bytes + size);
   }
   else
   {
@@ -117,6 +151,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   }
   // Series of as many names as a header may make, and the tables of libtiff's codecs.
   const MemoryLimit limit(std::size_t{ 512 } << 20);
-  OpenAndRead(disk, path);
+  OpenAndRead(disk, path, choice);
   return 0;
 }
