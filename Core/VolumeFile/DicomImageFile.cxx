@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VolumeFile/DicomImageFile.h"
 
+#include "VolumeFile/DicomCompression.h"
+
 #include <gdcmTransferSyntax.h>
 
 namespace isosurface
@@ -125,14 +127,18 @@ Status DicomImageFile::CheckPixels(const DicomDataSet& tags) const
   {
     return Status::Ok();
   }
-  return Status(StatusCode::Corrupt,
-    this->Slice.Path + ": cannot be read: its image is damaged: its pixels are not what its " +
-      "transfer syntax " + this->Slice.Syntax + " says");
+  return this->MakeError(
+    "its pixels are not what its transfer syntax " + this->Slice.Syntax + " says");
 }
 
 /// Sets the length that stands before `begin`: of all bytes from there on.
-void DicomImageFile::PutLength(std::size_t begin)
+Status DicomImageFile::PutLength(std::size_t begin)
 {
+  if (this->Bytes.size() - begin >= UndefinedLength - 1)
+  {
+    return Status(
+      StatusCode::Unsupported, this->Slice.Path + ": cannot be read: its image has 4 GiB or more");
+  }
   this->Bytes.resize(this->Bytes.size() + (this->Bytes.size() - begin) % 2);
   const std::uint64_t length = this->Bytes.size() - begin;
   for (std::size_t byte = 0; byte < 4; ++byte)
@@ -140,35 +146,68 @@ void DicomImageFile::PutLength(std::size_t begin)
     const std::size_t shift = 8 * (this->IsBigEndian ? 3 - byte : byte);
     this->Bytes[begin - 4 + byte] = static_cast<std::uint8_t>(length >> shift);
   }
+  return Status::Ok();
+}
+
+Status DicomImageFile::MakeError(const std::string& reason) const
+{
+  return Status(
+    StatusCode::Corrupt, this->Slice.Path + ": cannot be read: its image is damaged: " + reason);
 }
 
 Status DicomImageFile::TakePixels(DicomDataSet& tags)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckPixels(tags));
-  this->PutHeader(this->FindSyntax(tags));
-  const bool hasFragments = tags.HasFragments();
-  this->PutHead(0x7fe00010, hasFragments ? "OB" : tags.GetPixelKind().c_str(), UndefinedLength);
-  if (hasFragments)
+  if (!tags.HasFragments() || FindType(this->Slice.Syntax) == gdcm::TransferSyntax::RLELossless)
   {
-    this->Put32(ItemBegin); // an empty table, then one fragment
-    this->Put32(0);
-    this->Put32(ItemBegin);
-    this->Put32(0);
+    return this->TakeSamples(tags);
   }
+  this->PutHeader(this->Slice.Syntax);
+  this->PutHead(0x7fe00010, "OB", UndefinedLength);
+  this->Put32(ItemBegin); // an empty table, then one fragment
+  this->Put32(0);
+  this->Put32(ItemBegin);
+  this->Put32(0);
   const std::size_t begin = this->Bytes.size();
   ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
-  if (this->Bytes.size() - begin >= UndefinedLength - 1)
+  const auto size = FindCompressedSize(this->Bytes.data() + begin, this->Bytes.size() - begin);
+  if (size &&
+    *size !=
+      std::array<std::uint64_t, 3>{ static_cast<std::uint64_t>(this->Slice.Columns),
+        static_cast<std::uint64_t>(this->Slice.Rows), 1 })
   {
-    return Status(
-      StatusCode::Unsupported, this->Slice.Path + ": cannot be read: its image has 4 GiB or more");
+    return this->MakeError("it is of another size than its header says");
   }
-  this->PutLength(begin);
-  if (hasFragments)
-  {
-    this->Put32(SequenceEnd);
-    this->Put32(0);
-  }
+  ISOSURFACE_RETURN_IF_ERROR(this->PutLength(begin));
+  this->Put32(SequenceEnd);
+  this->Put32(0);
   return Status::Ok();
+}
+
+/// Samples that are not compressed, or by run lengths, which are decoded here.
+Status DicomImageFile::TakeSamples(DicomDataSet& tags)
+{
+  const bool hasRuns = tags.HasFragments();
+  this->PutHeader(hasRuns
+      ? gdcm::TransferSyntax::GetTSString(gdcm::TransferSyntax::ExplicitVRLittleEndian)
+      : this->FindSyntax(tags));
+  this->PutHead(0x7fe00010, hasRuns ? "OW" : tags.GetPixelKind().c_str(), UndefinedLength);
+  const std::size_t begin = this->Bytes.size();
+  if (hasRuns)
+  {
+    std::vector<std::uint8_t> code;
+    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), code));
+    const std::size_t valueSize = GetValueSize(this->Slice.Type);
+    if (!DecodeRunLengths(code, this->GetSize() / valueSize, valueSize, this->Bytes))
+    {
+      return this->MakeError("its run lengths are damaged or truncated");
+    }
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
+  }
+  return this->PutLength(begin);
 }
 
 } // namespace isosurface

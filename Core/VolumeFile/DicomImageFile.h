@@ -5,6 +5,7 @@
 #include "VolumeFile/DicomDataSet.h"
 #include "VolumeFile/DicomSlice.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,13 +34,15 @@ public:
 
 private:
   Status CheckPixels(const DicomDataSet& tags) const;
+  Status TakeSamples(DicomDataSet& tags);
+  Status MakeError(const std::string& reason) const;
   std::string FindSyntax(const DicomDataSet& tags) const;
   std::uint64_t GetSize() const;
   void PutHead(DicomTag tag, const char* kind, std::uint32_t length);
   void PutText(DicomTag tag, const char* kind, std::string text);
   void PutNumber(DicomTag tag, std::int64_t number);
   void PutHeader(const std::string& syntax);
-  void PutLength(std::size_t begin);
+  Status PutLength(std::size_t begin);
   void Put16(std::uint32_t number);
   void Put32(std::uint32_t number);
 

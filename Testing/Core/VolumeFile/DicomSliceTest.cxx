@@ -150,6 +150,49 @@ TEST(DicomSlice, SamplesWithUnusedBitsAreRead)
   ExpectRefused(make(16, 12, 15), "not in the lowest bits");
 }
 
+TEST(DicomSlice, RunLengthsAreDecodedWithinTheirBounds)
+{
+  const auto make = [](std::uint32_t segments, std::uint32_t second, const Bytes& runs)
+  {
+    DicomBytes bytes;
+    bytes.PutStart("1.2.840.10008.1.2.5").PutImage(3, 2);
+    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0);
+    bytes.PutItem(static_cast<std::uint32_t>(64 + runs.size()));
+    bytes.Put(segments, 4).Put(64, 4).Put(second, 4).PutRaw(std::string(52, '\0'));
+    bytes.PutRaw(std::string(runs.begin(), runs.end())).PutEnd(DicomBytes::SequenceEnd);
+    return bytes;
+  };
+  // Six times 1; 1, 2, 3 and three times 7: the high bytes and the low ones.
+  const Bytes runs = { 251, 1, 128, 2, 1, 2, 3, 254, 7, 0 };
+  ExpectSamples(make(2, 67, runs), { 1, 1, 2, 1, 3, 1, 7, 1, 7, 1, 7, 1 });
+  for (const std::uint32_t second : { 0u, 63u, 66u, 74u, 75u, 0x7fffffffu, 0xffffffffu })
+  {
+    ExpectRefused(make(2, second, runs), second == 66 ? "" : "run lengths");
+  }
+  ExpectRefused(make(1, 0, runs), "run lengths");
+  ExpectRefused(make(2, 67, { 251, 1, 0, 9, 1, 2, 3, 4 }), "run lengths");
+}
+
+TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
+{
+  // The start of JPEG-LS and of JPEG 2000, for 3 x 2 and for other sizes.
+  const auto make = [](const std::string& syntax, const Bytes& code)
+  {
+    DicomBytes bytes;
+    bytes.PutStart(syntax).PutImage(3, 2);
+    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0);
+    bytes.PutItem(static_cast<std::uint32_t>(code.size()));
+    return bytes.PutRaw(std::string(code.begin(), code.end())).PutEnd(DicomBytes::SequenceEnd);
+  };
+  ExpectRefused(make("1.2.840.10008.1.2.4.80",
+                  { 0xff, 0xd8, 0xff, 0xf7, 0, 11, 16, 0, 1, 0, 3, 1, 1, 0x11, 0, 0 }),
+    "another size");
+  Bytes code = { 0xff, 0x4f, 0xff, 0x51, 0, 41, 0, 0, 0, 0, 0xff, 0, 0, 0, 0xff, 0 };
+  code.resize(60);
+  code[41] = 1;
+  ExpectRefused(make("1.2.840.10008.1.2.4.90", code), "another size");
+}
+
 TEST(DicomSlice, APathThatTheSystemRefusesIsAnError)
 {
   const auto volume =
