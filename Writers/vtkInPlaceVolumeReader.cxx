@@ -18,6 +18,7 @@
 #include "Writing/SourceIndex.h"
 
 #include <exception>
+#include <string>
 #include <vector>
 
 vtkStandardNewMacro(vtkInPlaceVolumeReader);
@@ -41,6 +42,21 @@ bool IsIndexed(isosurface::VolumeFormat format)
 {
   return format == isosurface::VolumeFormat::Zarr || format == isosurface::VolumeFormat::Hdf5;
 }
+
+/// The names of the volumes in a file; none if it cannot be read.
+std::vector<std::string> FindNames(const std::string& fileName)
+{
+  std::vector<std::string> names;
+  isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
+  const SourceIndex index = SourceIndex::Find(files, fileName, "", "", "");
+  const auto listed =
+    isosurface::VolumeFile::List(files, isosurface::VolumeName::Parse(files, index.Source).Path);
+  for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
+  {
+    names.push_back((*listed)[entry].Name);
+  }
+  return names;
+}
 } // namespace
 
 /// Finds, checks and writes the index of a reader's source.
@@ -48,15 +64,23 @@ struct vtkInPlaceVolumeReader::Indexing
 {
   explicit Indexing(vtkInPlaceVolumeReader& reader)
     : Reader(reader)
-    , Index(SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
-        ToText(reader.Dataset) == Automatic ? "" : ToText(reader.Dataset), ToText(reader.Axes),
-        ToText(reader.IndexFolder)))
   {
+    try
+    {
+      this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
+        ToText(reader.Dataset) == Automatic ? "" : ToText(reader.Dataset), ToText(reader.Axes),
+        ToText(reader.IndexFolder));
+    }
+    catch (const std::exception& exception)
+    {
+      this->Failure = isosurface::MakeExceptionError(ToText(reader.SourceName), exception);
+    }
   }
 
   /// The state of the index on this rank.
   Result<IndexState> FindState() const
   {
+    ISOSURFACE_RETURN_IF_ERROR(this->Failure);
     try
     {
       if (ToText(this->Reader.SourceName).empty())
@@ -76,6 +100,7 @@ struct vtkInPlaceVolumeReader::Indexing
 
   vtkInPlaceVolumeReader& Reader;
   SourceIndex Index;
+  Status Failure; ///< of finding the index
 };
 
 Status vtkInPlaceVolumeReader::Indexing::Update(isosurface::Communicator& ranks)
@@ -136,12 +161,20 @@ vtkInPlaceVolumeReader::~vtkInPlaceVolumeReader()
 //------------------------------------------------------------------------------
 int vtkInPlaceVolumeReader::CanReadFile(const char* fileName)
 {
-  isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
-  const SourceIndex index = SourceIndex::Find(files, ToText(fileName), "", "", "");
-  return IsIndexed(
-           isosurface::FindVolumeFormat(files, isosurface::VolumeName::Parse(files, index.Source)))
-    ? 1
-    : 0;
+  // The dialog that asks cannot catch what a damaged file may throw.
+  try
+  {
+    isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
+    const SourceIndex index = SourceIndex::Find(files, ToText(fileName), "", "", "");
+    return IsIndexed(isosurface::FindVolumeFormat(
+             files, isosurface::VolumeName::Parse(files, index.Source)))
+      ? 1
+      : 0;
+  }
+  catch (const std::exception&)
+  {
+    return 0;
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -149,13 +182,17 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
 {
   this->Datasets->Initialize();
   this->Datasets->InsertNextValue(Automatic);
-  isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
-  const SourceIndex index = SourceIndex::Find(files, ToText(this->SourceName), "", "", "");
-  const auto listed =
-    isosurface::VolumeFile::List(files, isosurface::VolumeName::Parse(files, index.Source).Path);
-  for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
+  try
   {
-    this->Datasets->InsertNextValue((*listed)[entry].Name);
+    for (const std::string& name : FindNames(ToText(this->SourceName)))
+    {
+      this->Datasets->InsertNextValue(name);
+    }
+  }
+  catch (const std::exception& exception)
+  {
+    vtkLogF(WARNING, "%s: its datasets cannot be listed: %s", ToText(this->SourceName).c_str(),
+      exception.what());
   }
   return this->Datasets;
 }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <new>
+#include <stdexcept>
 #include <utility>
 
 namespace isosurface
@@ -43,13 +44,18 @@ private:
 template <typename Step>
 auto RunWithinMemory(const std::string& path, const Step& step) -> decltype(step())
 {
+  const char* const reason = ": there is not enough memory to read it";
   try
   {
     return step();
   }
   catch (const std::bad_alloc&)
   {
-    return Status(StatusCode::OutOfMemory, path + ": there is not enough memory to read it");
+    return Status(StatusCode::OutOfMemory, path + reason);
+  }
+  catch (const std::length_error&) // more than any memory has
+  {
+    return Status(StatusCode::OutOfMemory, path + reason);
   }
 }
 

@@ -2,20 +2,19 @@
 #include "VolumeFile/DicomSlice.h"
 
 #include "Base/FileSystem.h"
-#include "Source/HeaderText.h"
+#include "VolumeFile/DicomDataSet.h"
+#include "VolumeFile/DicomImageFile.h"
 
 #include <gdcmImageReader.h>
 #include <gdcmMediaStorage.h>
-#include <gdcmReader.h>
-#include <gdcmStringFilter.h>
 #include <gdcmTrace.h>
+#include <gdcmTransferSyntax.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
-#include <fstream>
+#include <istream>
 #include <optional>
-#include <set>
+#include <streambuf>
 
 namespace isosurface
 {
@@ -24,46 +23,15 @@ namespace
 
 constexpr std::int64_t MaximumSide = 65536;
 
-const gdcm::Tag RowsTag(0x0028, 0x0010);
-
-/// Texts of tags.
-class TagReader
-{
-public:
-  explicit TagReader(const gdcm::File& file) { this->Filter.SetFile(file); }
-
-  std::string GetText(std::uint16_t group, std::uint16_t element)
-  {
-    std::string text = this->Filter.ToString(gdcm::Tag(group, element));
-    text.erase(std::remove(text.begin(), text.end(), '\0'), text.end());
-    return HeaderText::Trim(text);
-  }
-  std::optional<std::vector<double>> GetNumbers(
-    std::uint16_t group, std::uint16_t element, std::size_t count)
-  {
-    std::string text = this->GetText(group, element);
-    std::replace(text.begin(), text.end(), '\\', ' ');
-    return HeaderText::ParseDoubles(text, count);
-  }
-  double GetNumber(std::uint16_t group, std::uint16_t element, double otherwise)
-  {
-    const auto number = this->GetNumbers(group, element, 1);
-    return number && std::isfinite((*number)[0]) ? (*number)[0] : otherwise;
-  }
-
-private:
-  gdcm::StringFilter Filter;
-};
-
 Status MakeError(const std::string& path, const std::string& reason)
 {
   return Status(StatusCode::Corrupt, path + ": cannot be read: " + reason);
 }
 
-void TakePlace(TagReader& tags, DicomSlice& slice)
+void TakePlace(const DicomDataSet& tags, DicomSlice& slice)
 {
-  const auto position = tags.GetNumbers(0x0020, 0x0032, 3);
-  const auto orientation = tags.GetNumbers(0x0020, 0x0037, 6);
+  const auto position = tags.GetNumbers(0x00200032, 3);
+  const auto orientation = tags.GetNumbers(0x00200037, 6);
   slice.HasPlace = position && orientation;
   if (slice.HasPlace)
   {
@@ -71,23 +39,40 @@ void TakePlace(TagReader& tags, DicomSlice& slice)
     std::copy_n(orientation->begin(), 3, slice.AlongRow.begin());
     std::copy_n(orientation->begin() + 3, 3, slice.AlongColumn.begin());
   }
-  if (const auto distances = tags.GetNumbers(0x0028, 0x0030, 2))
+  if (const auto distances = tags.GetNumbers(0x00280030, 2))
   {
     slice.RowDistance = (*distances)[0];
     slice.ColumnDistance = (*distances)[1];
   }
 }
 
-Status TakeHeader(const gdcm::File& file, DicomSlice& slice)
+/// Other bits than the lowest are not what GDCM would take.
+Status CheckBits(const DicomDataSet& tags, const DicomSlice& slice)
 {
-  TagReader tags(file);
-  slice.Series = tags.GetText(0x0020, 0x000e);
-  slice.Description = tags.GetText(0x0008, 0x103e);
-  slice.Photometric = tags.GetText(0x0028, 0x0004);
-  slice.Syntax = gdcm::TransferSyntax::GetTSString(file.GetHeader().GetDataSetTransferSyntax());
-  const double rows = tags.GetNumber(0x0028, 0x0010, 0);
-  const double columns = tags.GetNumber(0x0028, 0x0011, 0);
-  const double frames = tags.GetNumber(0x0028, 0x0008, 1);
+  const bool isPart = slice.Type == ValueType::Int16 || slice.Type == ValueType::UInt16;
+  const double highest = tags.GetNumber(0x00280102, slice.BitsStored - 1);
+  if (isPart && slice.BitsStored < 16 && highest != slice.BitsStored - 1)
+  {
+    return Status(StatusCode::Unsupported,
+      slice.Path + ": cannot be read: its samples are not in the lowest bits");
+  }
+  return Status::Ok();
+}
+
+Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
+{
+  slice.Series = tags.GetText(0x0020000e);
+  slice.Description = tags.GetText(0x0008103e);
+  slice.Photometric = tags.GetText(0x00280004);
+  slice.Syntax = tags.GetSyntax();
+  if (gdcm::TransferSyntax::GetTSType(slice.Syntax.c_str()) == gdcm::TransferSyntax::TS_END)
+  {
+    return Status(StatusCode::Unsupported,
+      slice.Path + ": cannot be read: its transfer syntax " + slice.Syntax + " is not supported");
+  }
+  const double rows = tags.GetNumber(0x00280010, 0);
+  const double columns = tags.GetNumber(0x00280011, 0);
+  const double frames = tags.GetNumber(0x00280008, 1);
   if (!(rows >= 1 && rows < MaximumSide && columns >= 1 && columns < MaximumSide && frames >= 1 &&
         frames < 1e9))
   {
@@ -96,9 +81,9 @@ Status TakeHeader(const gdcm::File& file, DicomSlice& slice)
   slice.Rows = static_cast<std::int64_t>(rows);
   slice.Columns = static_cast<std::int64_t>(columns);
   slice.Frames = static_cast<std::int64_t>(frames);
-  slice.Channels = static_cast<int>(std::clamp(tags.GetNumber(0x0028, 0x0002, 1), 0.0, 100.0));
-  const auto bits = static_cast<int>(std::clamp(tags.GetNumber(0x0028, 0x0100, 0), 0.0, 100.0));
-  const bool isSigned = tags.GetNumber(0x0028, 0x0103, 0) != 0;
+  slice.Channels = static_cast<int>(std::clamp(tags.GetNumber(0x00280002, 1), 0.0, 100.0));
+  const auto bits = static_cast<int>(std::clamp(tags.GetNumber(0x00280100, 0), 0.0, 100.0));
+  const bool isSigned = tags.GetNumber(0x00280103, 0) != 0;
   const auto type = bits == 8 || bits == 16 || bits == 32
     ? FindIntegerType(static_cast<std::size_t>(bits) / 8, isSigned)
     : std::nullopt;
@@ -109,26 +94,51 @@ Status TakeHeader(const gdcm::File& file, DicomSlice& slice)
   }
   slice.Type = *type;
   slice.BitsStored =
-    static_cast<int>(std::clamp<double>(tags.GetNumber(0x0028, 0x0101, bits), 1, bits));
-  slice.Scale = { tags.GetNumber(0x0028, 0x1053, 1), tags.GetNumber(0x0028, 0x1052, 0) };
+    static_cast<int>(std::clamp<double>(tags.GetNumber(0x00280101, bits), 1, bits));
+  slice.Scale = { tags.GetNumber(0x00281053, 1), tags.GetNumber(0x00281052, 0) };
   TakePlace(tags, slice);
-  return Status::Ok();
+  return CheckBits(tags, slice);
 }
 
-/// Whether a file has the signature of DICOM.
-bool HasMagic(const RandomAccessFile& file)
+/// Whether what could be read of the file is that of an image, or tells nothing.
+bool IsImage(const DicomDataSet& tags)
 {
-  std::array<char, 4> magic{};
-  return file.GetSize() >= 132 && file.Read(128, magic.size(), magic.data()).IsOk() &&
-    std::string(magic.data(), magic.size()) == "DICM";
+  std::string storage = tags.GetText(0x00020002);
+  storage = storage.empty() ? tags.GetText(0x00080016) : storage;
+  const auto type = gdcm::MediaStorage::GetMSType(storage.c_str());
+  return storage.empty() || gdcm::MediaStorage::IsImage(type);
 }
 
-/// Whether the part of the file that could be read is that of an image, or tells nothing.
-bool IsImage(const gdcm::File& file)
+/// A buffer of bytes that GDCM reads.
+class MemoryBuffer : public std::streambuf
 {
-  gdcm::MediaStorage storage;
-  return !storage.SetFromHeader(file.GetHeader()) || gdcm::MediaStorage::IsImage(storage);
-}
+public:
+  explicit MemoryBuffer(std::vector<std::uint8_t>& bytes)
+  {
+    auto* const begin = reinterpret_cast<char*>(bytes.data());
+    this->setg(begin, begin, begin + bytes.size());
+  }
+
+protected:
+  pos_type seekoff(off_type by, std::ios_base::seekdir from, std::ios_base::openmode) override
+  {
+    const off_type size = this->egptr() - this->eback();
+    const off_type at = by +
+      (from == std::ios_base::cur      ? this->gptr() - this->eback()
+          : from == std::ios_base::end ? size
+                                       : 0);
+    if (at < 0 || at > size)
+    {
+      return pos_type(off_type(-1));
+    }
+    this->setg(this->eback(), this->eback() + at, this->egptr());
+    return pos_type(at);
+  }
+  pos_type seekpos(pos_type at, std::ios_base::openmode mode) override
+  {
+    return this->seekoff(off_type(at), std::ios_base::beg, mode);
+  }
+};
 
 void BeQuiet()
 {
@@ -147,45 +157,45 @@ Result<DicomSlice> DicomSlice::Read(const std::string& path)
   {
     return bytes.GetStatus();
   }
-  BeQuiet();
+  DicomDataSet tags(**bytes);
+  const Status read = tags.ReadHeader();
   DicomSlice slice;
   slice.Path = path;
-  gdcm::Reader reader;
-  try
+  if (read.IsOk() && tags.Has(0x00280010))
   {
-    // Debian's GDCM asserts that a stream is good after it was read: it ends by an exception instead.
-    std::ifstream stream(path, std::ios::binary);
-    stream.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
-    reader.SetStream(stream);
-    // All that stands before the pixels.
-    const bool isRead = reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0010), std::set<gdcm::Tag>());
-    stream.exceptions(std::ios::goodbit);
-    if (isRead && reader.GetFile().GetDataSet().FindDataElement(RowsTag))
-    {
-      ISOSURFACE_RETURN_IF_ERROR(TakeHeader(reader.GetFile(), slice));
-      return slice;
-    }
+    ISOSURFACE_RETURN_IF_ERROR(TakeHeader(tags, slice));
+    return slice;
   }
-  catch (const std::exception&)
+  if (!read.IsOk() && read.GetCode() != StatusCode::Corrupt &&
+    read.GetCode() != StatusCode::NotFound)
   {
-    // As if it were not read.
+    return read;
   }
-  if (HasMagic(**bytes) && IsImage(reader.GetFile()))
+  if (tags.HasMagic() && IsImage(tags))
   {
-    return MakeError(path, "its header is truncated or damaged");
+    return read.IsOk() ? MakeError(path, "its header is damaged: it has no rows") : read;
   }
   return Status(StatusCode::NotFound, path + ": cannot be read: it is no image of DICOM");
 }
 
 Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
 {
+  const auto file = GetLocalFileSystem().OpenForReading(this->Path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  DicomDataSet tags(**file);
+  ISOSURFACE_RETURN_IF_ERROR(tags.ReadHeader());
+  DicomImageFile plain(*this);
+  ISOSURFACE_RETURN_IF_ERROR(plain.TakePixels(tags));
   BeQuiet();
-  const std::size_t bytes =
-    static_cast<std::size_t>(this->Rows * this->Columns) * GetValueSize(this->Type);
   try
   {
+    MemoryBuffer memory(plain.GetBytes());
+    std::istream stream(&memory);
     gdcm::ImageReader reader;
-    reader.SetFileName(this->Path.c_str());
+    reader.SetStream(stream);
     if (!reader.Read())
     {
       return MakeError(this->Path,
@@ -194,9 +204,14 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
     }
     const gdcm::Image& image = reader.GetImage();
     const unsigned int* size = image.GetDimensions();
+    const std::size_t bytes =
+      static_cast<std::size_t>(this->Rows * this->Columns) * GetValueSize(this->Type);
+    if (size[0] != this->Columns || size[1] != this->Rows || image.GetBufferLength() != bytes)
+    {
+      return MakeError(this->Path, "its image is of another size than its header says");
+    }
     to.resize(bytes);
-    if (size[0] != this->Columns || size[1] != this->Rows || image.GetBufferLength() != bytes ||
-      !image.GetBuffer(reinterpret_cast<char*>(to.data())))
+    if (!image.GetBuffer(reinterpret_cast<char*>(to.data())))
     {
       return MakeError(this->Path, "its image cannot be decoded: it is damaged or truncated");
     }

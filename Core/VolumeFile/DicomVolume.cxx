@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 namespace isosurface
@@ -59,10 +60,10 @@ public:
   {
     return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
   }
-  /// The encoded image, the decoded one, and a copy that GDCM makes.
+  /// The encoded image and a copy that GDCM makes, the decoded one and another copy.
   std::uint64_t GetHeldBytes() const override
   {
-    return 4 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
+    return 5 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
       GetValueSize(this->Series[0].Type) +
       this->Series.size() * 1024;
   }
@@ -101,9 +102,16 @@ private:
   std::shared_ptr<PageBufferPool> Pool;
 };
 
+/// Whether there is a folder; not if the system does not tell.
+bool IsFolder(const std::string& path)
+{
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
 std::string FindFolder(const std::string& path)
 {
-  if (std::filesystem::is_directory(path))
+  if (IsFolder(path))
   {
     return path;
   }
@@ -149,7 +157,7 @@ Result<Slices> ChooseSeries(const VolumeName& name)
     return all.GetStatus();
   }
   std::string wanted = name.Within;
-  if (!std::filesystem::is_directory(name.Path))
+  if (!IsFolder(name.Path))
   {
     const auto slice = DicomSlice::Read(name.Path);
     if (!slice.IsOk())

@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -18,10 +19,48 @@ namespace isosurface
 namespace
 {
 
-/// The maximum number of rows, columns, and pages of an ImageJ file.
+/// The maximum number of rows and columns.
 constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 31;
+/// The maximum number of pages of a file: each takes memory, and ImageJ's one byte of the file.
+constexpr std::size_t MaximumPages = std::size_t{ 1 } << 20;
+/// The maximum size of a page. Four times as much is a number, too.
+constexpr std::uint64_t MaximumPageBytes = std::uint64_t{ 1 } << 60;
 /// The maximum size of the tables of libtiff's codecs.
 constexpr std::uint64_t MaximumTableSize = std::uint64_t{ 64 } << 20;
+
+/// A way to compress that libtiff may know.
+struct Compression
+{
+  std::uint16_t Code;
+  const char* Name;
+  bool IsRead;
+};
+// Those that are not read are of other samples than ours (WebP of colours, ThunderScan of 4 bits), or
+// let the file choose other samples than the directory says.
+constexpr Compression Compressions[] = { { COMPRESSION_NONE, "none", true },
+  { COMPRESSION_LZW, "LZW", true }, { COMPRESSION_ADOBE_DEFLATE, "deflate", true },
+  { COMPRESSION_DEFLATE, "deflate", true }, { COMPRESSION_PACKBITS, "PackBits", true },
+  { COMPRESSION_ZSTD, "zstd", true }, { COMPRESSION_LZMA, "LZMA", true },
+  { COMPRESSION_JPEG, "JPEG", true }, { COMPRESSION_OJPEG, "old JPEG", false },
+  { COMPRESSION_THUNDERSCAN, "ThunderScan", false }, { COMPRESSION_PIXARLOG, "PixarLog", false },
+  { COMPRESSION_JBIG, "JBIG", false }, { COMPRESSION_SGILOG, "SGILog", false },
+  { COMPRESSION_SGILOG24, "SGILog", false }, { COMPRESSION_LERC, "LERC", false },
+  { COMPRESSION_WEBP, "WebP", false } };
+
+/// Why a compression is not read; nothing if it is.
+std::optional<std::string> FindFaultOfCompression(std::uint16_t code)
+{
+  const auto* const found = std::find_if(std::begin(Compressions), std::end(Compressions),
+    [code](const Compression& compression) { return compression.Code == code; });
+  const bool isKnown = found != std::end(Compressions);
+  if (isKnown && found->IsRead && ::TIFFIsCODECConfigured(code) != 0)
+  {
+    return std::nullopt;
+  }
+  return "its compression (" + std::to_string(code) +
+    (isKnown ? std::string(", ") + found->Name : std::string()) + ") is not supported" +
+    (isKnown && found->IsRead ? " by this libtiff" : "");
+}
 
 std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits)
 {
@@ -211,10 +250,13 @@ Result<TiffFormat> TiffFile::ReadFormat()
         ") are not supported");
   }
   const auto compression = tiff.Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (::TIFFIsCODECConfigured(compression) == 0)
+  if (const auto fault = FindFaultOfCompression(compression))
   {
-    return this->MakeError(StatusCode::Unsupported,
-      "its compression (" + std::to_string(compression) + ") is not supported by this libtiff");
+    return this->MakeError(StatusCode::Unsupported, *fault);
+  }
+  if (std::uint64_t{ width } * height > MaximumPageBytes / GetValueSize(*type))
+  {
+    return this->MakeError(StatusCode::Corrupt, "its width or height is impossible");
   }
   return TiffFormat{ static_cast<std::int64_t>(width), static_cast<std::int64_t>(height), *type };
 }
@@ -237,6 +279,11 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
         StatusCode::Unsupported, "its size or type differs from that of the pages before");
     }
     this->Format = *format;
+    if (pages.size() == MaximumPages)
+    {
+      return this->MakeError(StatusCode::Unsupported,
+        "at most " + std::to_string(MaximumPages) + " pages are supported");
+    }
     std::uint16_t number = 0;
     std::uint16_t count = 0;
     if (::TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count) == 1)
@@ -297,6 +344,12 @@ Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) cons
     return this->MakeError(StatusCode::Corrupt,
       "truncated: ImageJ's description speaks of " + std::to_string(images) +
         " images, which are not there");
+  }
+  if (static_cast<std::uint64_t>(images) > MaximumPages)
+  {
+    return this->MakeError(StatusCode::Unsupported,
+      "ImageJ wrote " + std::to_string(images) + " images; at most " +
+        std::to_string(MaximumPages) + " pages are supported");
   }
   std::vector<TiffPage> pages;
   for (std::uint64_t image = 0; image < static_cast<std::uint64_t>(images); ++image)
@@ -406,13 +459,14 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
     const std::int64_t end = std::min(first + rowsPerStrip, this->Format.Height);
     const std::size_t stripBytes = static_cast<std::size_t>(end - first) * rowBytes;
     const bool isWhole = row == first && end <= rectangle.HighY && rowBytes == bytes;
-    if (!isWhole)
+    const auto number = static_cast<std::uint32_t>(first / rowsPerStrip);
+    const bool hasCode = this->HasCodeOf(number);
+    if (hasCode && !isWhole)
     {
       this->Scratch.resize(stripBytes);
     }
     std::uint8_t* strip = isWhole ? to : this->Scratch.data();
-    const auto number = static_cast<std::uint32_t>(first / rowsPerStrip);
-    if (!this->HasCodeOf(number) ||
+    if (!hasCode ||
       ::TIFFReadEncodedStrip(tiff, number, strip, static_cast<tmsize_t>(stripBytes)) !=
         static_cast<tmsize_t>(stripBytes))
     {
@@ -447,14 +501,15 @@ Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
   {
     return this->MakeError(StatusCode::Corrupt, "the size of its tiles is impossible");
   }
-  this->Scratch.resize(static_cast<std::size_t>(tileBytes));
   for (std::int64_t y = rectangle.LowY / height * height; y < rectangle.HighY; y += height)
   {
     for (std::int64_t x = rectangle.LowX / width * width; x < rectangle.HighX; x += width)
     {
       const std::uint32_t tile =
         ::TIFFComputeTile(tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, 0);
-      if (!this->HasCodeOf(tile) ||
+      const bool hasCode = this->HasCodeOf(tile);
+      this->Scratch.resize(hasCode ? static_cast<std::size_t>(tileBytes) : this->Scratch.size());
+      if (!hasCode ||
         ::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes)
       {
         return this->MakeError(

@@ -45,10 +45,10 @@ struct TiffRectangle
 
 /**
  * A TIFF or BigTIFF file of one or more pages with one sample a pixel: integers of 8, 16, 32 or 64
- * bits, or floats of 32 or 64 bits; in strips or tiles; in either byte order; with any compression
- * that libtiff supports. Samples are read as they are stored, the first row first, for any
- * photometric interpretation. Also reads the files that ImageJ writes beyond 4 GiB: one directory,
- * followed by the samples of all pages.
+ * bits, or floats of 32 or 64 bits; in strips or tiles; in either byte order; uncompressed or with
+ * LZW, deflate, PackBits, zstd, LZMA or JPEG; up to 2^20 pages. Samples are read as they are
+ * stored, the first row first, for any photometric interpretation. Also reads the files that ImageJ
+ * writes beyond 4 GiB: one directory, followed by the samples of all pages.
  *
  * One thread at a time may use a file. Errors name the file and the page.
  *

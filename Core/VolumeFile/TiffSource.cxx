@@ -8,6 +8,12 @@
 
 namespace isosurface
 {
+namespace
+{
+
+constexpr std::uint64_t MaximumBytes = std::uint64_t{ 1 } << 62;
+
+} // namespace
 
 Result<std::unique_ptr<TiffSource>> TiffSource::Open(
   FileSystem& files, const std::vector<std::string>& paths)
@@ -48,6 +54,15 @@ Status TiffSource::FindSlices()
     }
     this->Opened = std::move(*file);
     this->OpenNumber = number;
+  }
+  // Sizes of boxes are products that must not wrap.
+  const std::uint64_t pageBytes =
+    static_cast<std::uint64_t>(this->Format.Width * this->Format.Height) *
+    GetValueSize(this->Format.Type);
+  if (this->Slices.size() > MaximumBytes / pageBytes)
+  {
+    return Status(
+      StatusCode::Unsupported, this->Paths[0] + ": a stack of 2^62 bytes or more is not supported");
   }
   this->Box.High = { this->Format.Width, this->Format.Height,
     static_cast<std::int64_t>(this->Slices.size()) };

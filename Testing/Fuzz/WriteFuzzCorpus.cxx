@@ -2,6 +2,7 @@
 // Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
 // small volumes and trees, as Core writes them, behind the bytes that each target wants first.
 // The corpus also holds seeds that fuzzing found, which this does not write.
+#include "Fixtures/DicomBytes.h"
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/SampleVolume.h"
 #include "Fixtures/TestBlockSource.h"
@@ -309,6 +310,64 @@ void AddEdgeIndexFiles(Corpus& corpus)
   AddEdgeIndexFile<std::uint16_t>(corpus, "smallest", 1, header);
 }
 
+/// An image of 3 x 2 samples behind other elements.
+void AddDicomImage(Corpus& corpus, const std::string& name, const std::string& syntax,
+  const DicomBytes& others = {}, bool hasFragments = false)
+{
+  const bool isDeflated = syntax == "1.2.840.10008.1.2.1.99";
+  DicomBytes bytes;
+  if (!isDeflated)
+  {
+    bytes.PutStart(syntax);
+  }
+  bytes.PutRaw(std::string(others.Get().begin(), others.Get().end()));
+  bytes.IsImplicit = syntax == "1.2.840.10008.1.2";
+  bytes.IsBigEndian = syntax == "1.2.840.10008.1.2.2";
+  bytes.PutImage(3, 2);
+  if (hasFragments)
+  {
+    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0).PutItem(4).PutRaw("abcd");
+    bytes.PutItem(2).PutRaw("ef").PutEnd(DicomBytes::SequenceEnd);
+  }
+  else
+  {
+    bytes.PutBytes(0x7fe00010, "OW", Bytes(12, 7));
+  }
+  Bytes file = { static_cast<std::uint8_t>(isDeflated ? 'Z' : 'D') };
+  Append(file, bytes.Get());
+  corpus.Add("DicomDataSet", name, file);
+}
+
+void AddDicomImages(Corpus& corpus)
+{
+  const std::string plain = "1.2.840.10008.1.2.1";
+  AddDicomImage(corpus, "explicit", plain);
+  AddDicomImage(corpus, "implicit", "1.2.840.10008.1.2");
+  AddDicomImage(corpus, "explicit-big-endian", "1.2.840.10008.1.2.2");
+  AddDicomImage(corpus, "deflated", "1.2.840.10008.1.2.1.99");
+  AddDicomImage(corpus, "fragments", "1.2.840.10008.1.2.4.70", {}, true);
+  DicomBytes nested;
+  nested.PutHead(0x00081140, "SQ", 18).PutItem(10).PutNumber(0x00280010, 2);
+  nested.PutHead(0x00081140, "SQ", DicomBytes::Undefined).PutItem();
+  nested.PutHead(0x00081150, "SQ", DicomBytes::Undefined).PutItem(0);
+  nested.PutEnd(DicomBytes::SequenceEnd).PutEnd(DicomBytes::ItemEnd);
+  AddDicomImage(corpus, "sequences", plain, nested.PutEnd(DicomBytes::SequenceEnd));
+  DicomBytes unknown;
+  unknown.PutHead(0x00090010, "UN", DicomBytes::Undefined).PutItem().IsImplicit = true;
+  unknown.PutNumber(0x00280010, 2).PutEnd(DicomBytes::ItemEnd).PutEnd(DicomBytes::SequenceEnd);
+  AddDicomImage(corpus, "unknown-sequence", plain, unknown);
+  DicomBytes icon;
+  icon.PutHead(0x00880200, "SQ", DicomBytes::Undefined).PutItem();
+  icon.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0).PutItem(2).PutRaw("ab");
+  icon.PutEnd(DicomBytes::SequenceEnd).PutEnd(DicomBytes::ItemEnd);
+  AddDicomImage(corpus, "icon", plain, icon.PutEnd(DicomBytes::SequenceEnd));
+  DicomBytes bare;
+  bare.PutNumber(0x00080001, 7).PutImage(3, 2).PutBytes(0x7fe00010, "OW", Bytes(12, 7));
+  Bytes file = { 'D' };
+  Append(file, bare.Get());
+  corpus.Add("DicomDataSet", "without-preamble", file);
+}
+
 } // namespace
 
 int main(int argc, char* argv[])
@@ -333,6 +392,7 @@ int main(int argc, char* argv[])
   AddVolume<std::int16_t>(corpus, "int16-steps", { 5, 4, 3 }, 2, {}, 1, 3);
   AddTrees(corpus);
   AddEdgeIndexFiles(corpus);
+  AddDicomImages(corpus);
   if (!corpus.IsOk())
   {
     std::fprintf(stderr, "%s: the corpus cannot be written\n", argv[1]);

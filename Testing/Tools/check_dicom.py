@@ -12,8 +12,8 @@ from pydicom.data import get_testdata_file
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 from pydicom.encaps import encapsulate
 from pydicom.pixel_data_handlers.rle_handler import rle_encode_frame
-from pydicom.uid import ExplicitVRBigEndian, ExplicitVRLittleEndian, ImplicitVRLittleEndian, \
-    RLELossless
+from pydicom.uid import DeflatedExplicitVRLittleEndian, ExplicitVRBigEndian, \
+    ExplicitVRLittleEndian, ImplicitVRLittleEndian, RLELossless
 
 from sample_volumes import SourceCase, make_samples, run_claim
 
@@ -67,7 +67,8 @@ class Files(SourceCase):
 class Series(Files):
     def test_types_and_transfer_syntaxes(self):
         cases = [("uint8", ExplicitVRLittleEndian), ("int16", ImplicitVRLittleEndian),
-                 ("uint16", ExplicitVRBigEndian), ("int16", RLELossless)]
+                 ("uint16", ExplicitVRBigEndian), ("int16", RLELossless),
+                 ("int32", DeflatedExplicitVRLittleEndian)]
         for number, (dtype, syntax) in enumerate(cases):
             with self.subTest(type=dtype, syntax=syntax.name):
                 samples = make_samples(dtype, SHAPE)

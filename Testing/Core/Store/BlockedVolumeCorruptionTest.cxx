@@ -207,6 +207,14 @@ TEST_F(BlockedVolumeCorruption, ExchangedOverviewsAreDetected)
   }
 }
 
+TEST_F(BlockedVolumeCorruption, ALengthThatNoMemoryHasIsAnError)
+{
+  this->Disk.SetBeforeRead([] { std::vector<std::uint64_t>().reserve(~std::size_t{ 0 }); });
+  const Status status = ReadAll(this->Disk);
+  EXPECT_EQ(status.GetCode(), StatusCode::OutOfMemory);
+  EXPECT_EQ(status.GetMessage(), VolumePath + ": there is not enough memory to read it");
+}
+
 TEST(BlockDirectoryCorruption, WrongNumbersOfEntriesAreDetected)
 {
   constexpr std::size_t pageSize = 4096, countOffset = 32;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/SampleFiles.h"
 
+#include "Base/Coding.h"
 #include "VolumeFile/TiffSource.h"
 #include "VolumeFile/VolumeFile.h"
 
@@ -9,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+
+#include <sys/resource.h>
 
 using namespace isosurface;
 
@@ -151,6 +154,59 @@ void ExpectRefused(const std::string& path, const std::string& file, const std::
   const std::string& message = volume.GetStatus().GetMessage();
   EXPECT_EQ(message.find(file + ": "), 0u) << message;
   EXPECT_NE(message.find(reason), std::string::npos) << message;
+}
+
+/// A number in a directory of a TIFF file.
+struct Entry
+{
+  std::uint16_t Tag;
+  std::uint32_t Value;
+};
+
+/// A TIFF file with one page of unsigned integers, whose samples stand at the end.
+Bytes MakeTiff(std::vector<Entry> entries, const std::string& description, const Bytes& samples)
+{
+  const std::string text = description + std::string(8, '\0');
+  const auto count = static_cast<std::uint32_t>(entries.size() + 3);
+  const std::uint32_t begin = 8 + 2 + 12 * count + 4;
+  entries.push_back({ TIFFTAG_IMAGEDESCRIPTION, begin });
+  entries.push_back({ TIFFTAG_STRIPOFFSETS, begin + static_cast<std::uint32_t>(text.size()) });
+  entries.push_back({ TIFFTAG_STRIPBYTECOUNTS, static_cast<std::uint32_t>(samples.size()) });
+  std::sort(
+    entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.Tag < b.Tag; });
+  Bytes bytes = { 'I', 'I', 42, 0, 8, 0, 0, 0 };
+  AppendLittleEndian(bytes, static_cast<std::uint16_t>(count));
+  for (const Entry& entry : entries)
+  {
+    const bool isText = entry.Tag == TIFFTAG_IMAGEDESCRIPTION;
+    AppendLittleEndian(bytes, entry.Tag);
+    AppendLittleEndian(bytes, static_cast<std::uint16_t>(isText ? TIFF_ASCII : TIFF_LONG));
+    AppendLittleEndian(bytes, isText ? static_cast<std::uint32_t>(text.size()) : 1u);
+    AppendLittleEndian(bytes, entry.Value);
+  }
+  AppendLittleEndian(bytes, std::uint32_t{ 0 });
+  bytes.insert(bytes.end(), text.begin(), text.end());
+  bytes.insert(bytes.end(), samples.begin(), samples.end());
+  return bytes;
+}
+
+/// The entries of a page.
+std::vector<Entry> MakeEntries(std::uint32_t width, std::uint32_t height, std::uint32_t bits,
+  std::uint32_t rowsPerStrip, std::uint32_t compression = COMPRESSION_NONE)
+{
+  return { { TIFFTAG_IMAGEWIDTH, width }, { TIFFTAG_IMAGELENGTH, height },
+    { TIFFTAG_BITSPERSAMPLE, bits }, { TIFFTAG_COMPRESSION, compression },
+    { TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK }, { TIFFTAG_ROWSPERSTRIP, rowsPerStrip } };
+}
+
+void ExpectRefused(const Bytes& bytes, StatusCode code, const std::string& reason)
+{
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.tif", bytes);
+  const auto volume = VolumeFile::Open(disk, "/data/a.tif");
+  ASSERT_FALSE(volume.IsOk());
+  EXPECT_EQ(volume.GetStatus().GetCode(), code);
+  EXPECT_EQ(volume.GetStatus().GetMessage(), "/data/a.tif: page 1: " + reason);
 }
 
 Bytes ReadBytes(const std::string& path)
@@ -312,6 +368,88 @@ TEST(TiffSource, ErrorsNameWhatIsNotSupported)
   ExpectRefused(folder / "text.tif", folder / "text.tif", "not a TIFF file");
   ExpectRefused(folder / "none.tif", folder / "none.tif", "cannot open");
   ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
+}
+
+TEST(TiffSource, AFileHasAtMostAMillionPages)
+{
+  const std::size_t most = std::size_t{ 1 } << 20;
+  for (const std::size_t images : { most, most + 1 })
+  {
+    const std::string text = "ImageJ=1.53t\nimages=" + std::to_string(images) + "\n";
+    const Bytes bytes = MakeTiff(MakeEntries(1, 1, 8, 1), text, Bytes(images));
+    MemoryDisk disk;
+    WriteFile(disk, "/data/a.tif", bytes);
+    EXPECT_EQ(VolumeFile::Open(disk, "/data/a.tif").IsOk(), images == most);
+  }
+  ExpectRefused(
+    MakeTiff(MakeEntries(1, 1, 8, 1), "ImageJ=1.53t\nimages=1048577\n", Bytes(most + 1)),
+    StatusCode::Unsupported, "ImageJ wrote 1048577 images; at most 1048576 pages are supported");
+}
+
+TEST(TiffSource, SizesThatWrapAreRefused)
+{
+  ExpectRefused(MakeTiff(MakeEntries(1u << 31, (1u << 30) + 1, 64, 1), "", Bytes(100)),
+    StatusCode::Corrupt, "its width or height is impossible");
+}
+
+TEST(TiffSource, AStripThatIsNotThereTakesNoMemory)
+{
+  const auto findPeak = []
+  {
+    rusage usage = {};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss; // KiB
+  };
+  const std::uint32_t rows = 1u << 28;
+  auto bytes = MakeTiff(MakeEntries(1, rows, 8, rows, COMPRESSION_PACKBITS), "", Bytes(100));
+  bytes.resize(bytes.size() - 50);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.tif", bytes);
+  auto volume = VolumeFile::Open(disk, "/data/a.tif");
+  ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
+  const auto before = findPeak();
+  const auto slab = volume->Source->Read({ { 0, 0, 0 }, { 1, 1, 1 } });
+  EXPECT_EQ(slab.GetStatus().GetCode(), StatusCode::Corrupt);
+  EXPECT_LT(findPeak() - before, 64 << 10);
+}
+
+TEST(TiffSource, OnlyKnownCompressionsAreRead)
+{
+  const Folder folder;
+  const auto volume = MakeRamp<std::uint8_t>({ 37, 29, 2 });
+  for (const int compression :
+    { COMPRESSION_DEFLATE, COMPRESSION_ZSTD, COMPRESSION_LZMA, COMPRESSION_ADOBE_DEFLATE })
+  {
+    if (TIFFIsCODECConfigured(static_cast<std::uint16_t>(compression)) != 0)
+    {
+      WriteStack(folder / "a.tif", volume, { "w", static_cast<std::uint16_t>(compression), 7 });
+      ExpectStack(folder / "a.tif", volume);
+    }
+  }
+  const std::pair<int, const char*> refused[] = { { COMPRESSION_PIXARLOG, "32909, PixarLog" },
+    { COMPRESSION_SGILOG, "34676, SGILog" }, { COMPRESSION_SGILOG24, "34677, SGILog" },
+    { COMPRESSION_THUNDERSCAN, "32809, ThunderScan" }, { COMPRESSION_OJPEG, "6, old JPEG" },
+    { COMPRESSION_JBIG, "34661, JBIG" }, { COMPRESSION_LERC, "34887, LERC" },
+    { COMPRESSION_WEBP, "50001, WebP" }, { COMPRESSION_CCITTFAX4, "4" } };
+  for (const auto& [compression, name] : refused)
+  {
+    ExpectRefused(
+      MakeTiff(MakeEntries(8, 8, 8, 8, static_cast<std::uint32_t>(compression)), "", Bytes(100)),
+      StatusCode::Unsupported, "its compression (" + std::string(name) + ") is not supported");
+  }
+}
+
+TEST(TiffSource, ReadsSamplesThatJpegCompresses)
+{
+  if (TIFFIsCODECConfigured(COMPRESSION_JPEG) == 0)
+  {
+    GTEST_SKIP();
+  }
+  const Folder folder;
+  auto volume = MakeRamp<std::uint8_t>({ 32, 32, 2 });
+  std::fill(volume.Samples.begin(), volume.Samples.end(), std::uint8_t{ 77 }); // without a loss
+  WriteStack(folder / "a.tif", volume, { "w", COMPRESSION_JPEG, 16 });
+  ExpectStack(folder / "a.tif", volume);
 }
 
 TEST(TiffSource, DamagedFilesGiveErrorsOrSamples)
