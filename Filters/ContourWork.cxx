@@ -336,10 +336,7 @@ Status ContourWork::CollectBlocks(
   ISOSURFACE_RETURN_IF_ERROR(
     ranks.Agree(hasInput ? Status::Ok()
                          : Status(StatusCode::InvalidArgument, "the contour filter has no input")));
-  const bool isUpdated = this->UpdateInput(piece, pieces, time);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isUpdated
-      ? Status::Ok()
-      : Status(StatusCode::InvalidArgument, "the input of the contour filter failed")));
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->UpdateInput(piece, pieces, time)));
   vtkInformation* inInfo = this->Contour.GetInputInformation();
   const VolumeInput input(inInfo);
   SurfaceQuery query;
@@ -351,7 +348,7 @@ Status ContourWork::CollectBlocks(
                : this->CollectBlocksOfImages(ranks, inInfo, blocks);
 }
 
-bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
+Status ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
 {
   vtkAlgorithmOutput* connection = this->Contour.GetInputConnection(0, 0);
   this->Contour.UpdateInformation();
@@ -364,7 +361,13 @@ bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>
   const bool isUpdated =
     connection->GetProducer()->GetExecutive()->Update(connection->GetIndex()) != 0;
   this->Contour.ReleaseInput(inInfo);
-  return isUpdated;
+  if (!isUpdated)
+  {
+    return { StatusCode::InvalidArgument, "the input of the contour filter failed" };
+  }
+  return IsInputAborted(inInfo)
+    ? Status(StatusCode::Aborted, "the input of the contour filter was aborted")
+    : Status::Ok();
 }
 
 Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input,

@@ -128,7 +128,8 @@ private:
   Result<ImagePieces> CollectPieces(
     Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
 
-  bool UpdateInput(int piece, int pieces, const std::optional<double>& time);
+  /// This rank alone knows its outcome.
+  Status UpdateInput(int piece, int pieces, const std::optional<double>& time);
   Status CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input, SurfaceQuery query,
     Outcome& outcome, ContourBlocks& blocks);
   Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);

@@ -207,18 +207,24 @@ int vtkContourSpectrum::RequestData(
   if (status.IsOk())
   {
     status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
+    if (status.IsOk() && isosurface::IsAborted(*this))
+    {
+      status = Status(StatusCode::Aborted, "the spectrum was aborted");
+    }
     status = ranks.Agree(status);
   }
-  if (!status.IsOk())
+  if (status.IsOk())
   {
-    table->Initialize();
+    return 1;
   }
-  if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
+  table->Initialize();
+  if (status.GetCode() == StatusCode::Aborted)
   {
-    isosurface::ReportError(this, output, status);
-    return 0;
+    isosurface::MarkAborted(*this);
+    return 1;
   }
-  return 1;
+  isosurface::ReportError(this, output, status);
+  return 0;
 }
 
 //------------------------------------------------------------------------------

@@ -215,6 +215,7 @@ int vtkDistributeIsosurface::RequestData(
   polyData->Initialize();
   if (status.GetCode() == StatusCode::Aborted)
   {
+    isosurface::MarkAborted(*this);
     return 1;
   }
   isosurface::ReportError(this, output, status);

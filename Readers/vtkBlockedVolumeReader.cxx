@@ -327,6 +327,7 @@ int vtkBlockedVolumeReader::RequestData(
   if (status.GetCode() == StatusCode::Aborted)
   {
     partitions->Initialize();
+    isosurface::MarkAborted(*this);
     return 1;
   }
   if (!status.IsOk())

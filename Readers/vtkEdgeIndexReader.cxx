@@ -216,6 +216,7 @@ int vtkEdgeIndexReader::RequestData(
   polyData->Initialize();
   if (status.GetCode() == StatusCode::Aborted)
   {
+    isosurface::MarkAborted(*this);
     return 1;
   }
   // The file may be whole the next time.
