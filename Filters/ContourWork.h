@@ -121,6 +121,8 @@ private:
   bool MayRefine(Communicator& ranks);
   /// Begins to extract a finer surface, unless it is too large. Collective.
   Status BeginRefinement(Communicator& ranks, Refinement& refinement);
+  /// Begins to extract it, which takes memory and a thread; this rank alone.
+  Status Prepare(const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice);
   /// What the next level takes, and the finest level that fits into memory. Collective.
   Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, Outcome& outcome);
