@@ -230,11 +230,14 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
 {
   std::vector<double> times;
   const Status found = this->FindContour(times);
+  const char* path = this->Writer.FileName;
+  const std::string name = path ? path : "";
   // So many files are written, each by all ranks.
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(found,
     { { isosurface::ComputeChecksum(times.data(), times.size() * sizeof(times[0])),
-      "the time steps to write are not the same on all ranks" } }));
-  const char* path = this->Writer.FileName;
+        "the time steps to write are not the same on all ranks" },
+      { isosurface::ComputeChecksum(name.data(), name.size()),
+        name + ": the file name is not the same on all ranks" } }));
   if (times.empty())
   {
     vtkInformation* inInfo = this->Writer.GetInputInformation();
