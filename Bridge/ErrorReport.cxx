@@ -92,6 +92,15 @@ void MarkAborted(vtkAlgorithm& algorithm)
 #endif
 }
 
+void IgnoreAbortedInput(vtkAlgorithm& algorithm)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  algorithm.SetAbortOutput(false);
+#else
+  static_cast<void>(algorithm);
+#endif
+}
+
 bool IsInputAborted(vtkInformation* input)
 {
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)

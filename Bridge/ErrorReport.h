@@ -44,6 +44,9 @@ ISOSURFACEBRIDGE_EXPORT bool IsAborted(vtkAlgorithm& algorithm);
 /// it before RequestData returns 1, on all ranks.
 ISOSURFACEBRIDGE_EXPORT void MarkAborted(vtkAlgorithm& algorithm);
 
+/// Lets an algorithm work though what is before it has stopped once, whose data it does not take.
+ISOSURFACEBRIDGE_EXPORT void IgnoreAbortedInput(vtkAlgorithm& algorithm);
+
 /// Whether what gives an input has stopped. Before VTK 9.2 nobody knows.
 ISOSURFACEBRIDGE_EXPORT bool IsInputAborted(vtkInformation* input);
 

@@ -205,6 +205,7 @@ int vtkDistributeIsosurface::RequestData(
   }
   if (contour && status.IsOk())
   {
+    isosurface::IgnoreAbortedInput(*this);
     const Steps steps = { *this, ranks, contour };
     status = steps.Distribute(output->GetInformationObject(0), polyData);
   }

@@ -12,7 +12,6 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkVersionMacros.h"
 
 #include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
@@ -171,9 +170,7 @@ int vtkEdgeIndexWriter::Write()
 {
   this->SetErrorCode(vtkErrorCode::NoError);
   this->SetAbortExecute(0);
-#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
-  this->SetAbortOutput(false);
-#endif
+  isosurface::IgnoreAbortedInput(*this);
   this->InvokeEvent(vtkCommand::StartEvent);
   this->WriteData();
   this->InvokeEvent(vtkCommand::EndEvent);
