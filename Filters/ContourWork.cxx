@@ -176,8 +176,12 @@ std::uint64_t ContourWork::ComputeFingerprint(
   Fingerprint fingerprint;
   fingerprint.AddNumber(query.Variable);
   fingerprint.AddText(this->GetArrayToContour());
+  fingerprint.AddNumber(static_cast<std::uint64_t>(
+    this->Contour.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION())));
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetComponent()));
-  for (int n = 0; n < this->Contour.GetNumberOfInterpolatedArrays(); ++n)
+  const int arrays = this->Contour.GetNumberOfInterpolatedArrays();
+  fingerprint.AddNumber(static_cast<std::uint64_t>(arrays));
+  for (int n = 0; n < arrays; ++n)
   {
     fingerprint.AddText(this->Contour.GetInterpolatedArray(n));
   }

@@ -236,6 +236,8 @@ std::vector<isosurface::CommonValue> vtkContourSpectrum::Steps::MakeCommonValues
 {
   isosurface::Fingerprint properties;
   properties.AddText(this->GetArrayName());
+  properties.AddNumber(static_cast<std::uint64_t>(
+    this->Filter.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION())));
   properties.AddNumber(static_cast<std::uint64_t>(this->Filter.Component));
   properties.AddNumber(static_cast<std::uint64_t>(this->Filter.StoreQuantity));
   std::vector<isosurface::CommonValue> values = input.MakeCommonValues();
