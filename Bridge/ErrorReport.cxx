@@ -83,4 +83,32 @@ bool IsAborted(vtkAlgorithm& algorithm)
 #endif
 }
 
+void MarkAborted(vtkAlgorithm& algorithm)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  algorithm.SetAbortOutput(true);
+#else
+  static_cast<void>(algorithm);
+#endif
+}
+
+void IgnoreAbortedInput(vtkAlgorithm& algorithm)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  algorithm.SetAbortOutput(false);
+#else
+  static_cast<void>(algorithm);
+#endif
+}
+
+bool IsInputAborted(vtkInformation* input)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  return input->Get(vtkAlgorithm::ABORTED()) != 0;
+#else
+  static_cast<void>(input);
+  return false;
+#endif
+}
+
 } // namespace isosurface

@@ -10,6 +10,7 @@
 #include <string>
 
 class vtkAlgorithm;
+class vtkInformation;
 class vtkInformationVector;
 
 namespace isosurface
@@ -37,6 +38,17 @@ ISOSURFACEBRIDGE_EXPORT unsigned long FindErrorCode(const Status& error);
 
 /// Whether an algorithm, or since VTK 9.2 one before it in the pipeline, has been told to stop.
 ISOSURFACEBRIDGE_EXPORT bool IsAborted(vtkAlgorithm& algorithm);
+
+/// Tells the pipeline that an algorithm has stopped, on ranks that were not told to stop, too: since
+/// VTK 9.2 what has stopped executes at the next update, which all ranks have to do together. Call
+/// it before RequestData returns 1, on all ranks.
+ISOSURFACEBRIDGE_EXPORT void MarkAborted(vtkAlgorithm& algorithm);
+
+/// Lets an algorithm work though what is before it has stopped once, whose data it does not take.
+ISOSURFACEBRIDGE_EXPORT void IgnoreAbortedInput(vtkAlgorithm& algorithm);
+
+/// Whether what gives an input has stopped. Before VTK 9.2 nobody knows.
+ISOSURFACEBRIDGE_EXPORT bool IsInputAborted(vtkInformation* input);
 
 } // namespace isosurface
 

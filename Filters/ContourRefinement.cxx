@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <utility>
 #include <vector>
 
@@ -160,14 +161,30 @@ Status ContourWork::BeginRefinement(Communicator& ranks, Refinement& refinement)
   refinement.NextLevel = choice.Level;
   refinement.FinalLevel = finest;
   ISOSURFACE_RETURN_IF_ERROR(this->FindFittingLevel(ranks, *volume, refinement));
-  const bool fitsMemory = refinement.FittingLevel <= choice.Level;
-  refinement.Stage =
-    fitsMemory || pass.SizeAccepted ? RefinementStage::Working : RefinementStage::TooLarge;
-  if (refinement.Stage == RefinementStage::Working)
+  // The ranks wait together for a surface that each extracts, or none does.
+  std::vector<std::uint64_t> limits = { static_cast<std::uint64_t>(refinement.FittingLevel),
+    pass.SizeAccepted ? 0U : 1U };
+  ranks.ReduceMaximum(limits);
+  refinement.FittingLevel = static_cast<int>(limits[0]);
+  const bool isWanted = refinement.FittingLevel <= choice.Level || limits[1] == 0;
+  refinement.Stage = isWanted ? RefinementStage::Working : RefinementStage::TooLarge;
+  return isWanted ? this->Prepare(volume, choice) : Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Status ContourWork::Prepare(const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice)
+{
+  const Pass& pass = this->LastPass;
+  const int threads = this->ChooseThreads();
+  try
   {
-    this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, choice, this->ChooseThreads() });
+    this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, choice, threads });
+    return Status::Ok();
   }
-  return Status::Ok();
+  catch (const std::exception& exception)
+  {
+    return MakeExceptionError("the next surface cannot be prepared", exception);
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -19,8 +19,7 @@
 #include "vtkPlanes.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Base/Checksum.h"
-#include "Base/Coding.h"
+#include "Base/Fingerprint.h"
 #include "Base/ParallelFor.h"
 #include "Query/StoreRecovery.h"
 #include "Store/BlockedVolume.h"
@@ -28,7 +27,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -152,13 +150,13 @@ Status ContourWork::Extract(vtkInformation* inInfo, vtkInformation* outInfo, Out
   const VolumeInput input(inInfo);
   ControllerCommunicator ranks = this->GetRanks();
   SurfaceQuery query;
-  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome));
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome, nullptr));
   return input ? this->ExtractFromVolume(input, query, outInfo, outcome)
                : this->ExtractFromImages(inInfo, outcome);
 }
 
-Status ContourWork::AgreeOnQuery(
-  const VolumeInput& input, Communicator& ranks, SurfaceQuery& query, Outcome& outcome)
+Status ContourWork::AgreeOnQuery(const VolumeInput& input, Communicator& ranks, SurfaceQuery& query,
+  Outcome& outcome, const ContourBlocks* blocks)
 {
   Status status = input.GetStatus();
   if (status.IsOk() && input)
@@ -166,46 +164,47 @@ Status ContourWork::AgreeOnQuery(
     status = this->MakeQuery(input, query, outcome);
   }
   std::vector<CommonValue> values = input.MakeCommonValues();
-  values.push_back({ this->ComputeFingerprint(query),
-    "the properties of the contour filter are not the same on all ranks" });
+  values.push_back({ this->ComputeFingerprint(query, blocks),
+    "the properties of the contour filter, or of the one that takes its blocks, are not the same "
+    "on all ranks" });
   return ranks.Agree(status, values);
 }
 
-std::uint64_t ContourWork::ComputeFingerprint(const SurfaceQuery& query)
+std::uint64_t ContourWork::ComputeFingerprint(
+  const SurfaceQuery& query, const ContourBlocks* blocks)
 {
-  const ContourRequest request = this->MakeRequest();
-  Message bytes;
-  const auto addNumber = [&bytes](std::uint64_t number) { AppendLittleEndian(bytes, number); };
-  const auto addValues = [&bytes](const auto& values)
+  Fingerprint fingerprint;
+  fingerprint.AddNumber(query.Variable);
+  fingerprint.AddText(this->GetArrayToContour());
+  fingerprint.AddNumber(static_cast<std::uint64_t>(
+    this->Contour.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION())));
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetComponent()));
+  const int arrays = this->Contour.GetNumberOfInterpolatedArrays();
+  fingerprint.AddNumber(static_cast<std::uint64_t>(arrays));
+  for (int n = 0; n < arrays; ++n)
   {
-    AppendLittleEndian(bytes, static_cast<std::uint64_t>(std::size(values)));
-    for (const double value : values)
-    {
-      AppendLittleEndian(bytes, value);
-    }
-  };
-  addNumber(query.Variable);
-  addNumber(query.Attributes.size());
-  for (const std::size_t attribute : query.Attributes)
-  {
-    addNumber(attribute);
+    fingerprint.AddText(this->Contour.GetInterpolatedArray(n));
   }
-  addValues(request.Isovalues);
+  fingerprint.AddReals(this->MakeRequest().Isovalues);
   const Region region = this->MakeRegion();
   for (const HalfSpace& halfSpace : region.GetHalfSpaces())
   {
-    addValues(halfSpace.Normal);
-    AppendLittleEndian(bytes, halfSpace.Offset);
+    fingerprint.AddReals(halfSpace.Normal);
+    fingerprint.AddReal(halfSpace.Offset);
   }
-  addNumber(static_cast<std::uint64_t>(this->Contour.GetComponent()));
-  addNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
-  addNumber(this->Contour.GetProgressive() ? 1 : 0);
-  addNumber(this->Contour.GetCloseBoundary() ? 1 : 0);
-  addNumber(this->Contour.GetSkipNotANumber() ? 1 : 0);
-  addNumber(this->Contour.GetDynamicBalance() ? 1 : 0);
-  addNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
-  AppendLittleEndian(bytes, static_cast<double>(this->Contour.GetTimeBudget()));
-  return ComputeChecksum(bytes.data(), bytes.size());
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
+  fingerprint.AddReal(this->Contour.GetTimeBudget());
+  for (const bool is :
+    { this->Contour.GetComputeNormals() != 0, this->Contour.GetComputeScalars() != 0,
+      this->Contour.GetGenerateTriangles() != 0, this->Contour.GetDropDegenerateTriangles() != 0,
+      this->Contour.GetProgressive() != 0, this->Contour.GetCloseBoundary() != 0,
+      this->Contour.GetSkipNotANumber() != 0, this->Contour.GetDynamicBalance() != 0,
+      this->CoarseAllowed, blocks && blocks->Normals, blocks && blocks->Attributes })
+  {
+    fingerprint.AddNumber(is ? 1 : 0);
+  }
+  return fingerprint.Get();
 }
 
 Status ContourWork::MakeQuery(const VolumeInput& input, SurfaceQuery& query, Outcome& outcome)
@@ -336,22 +335,19 @@ Status ContourWork::CollectBlocks(
   ISOSURFACE_RETURN_IF_ERROR(
     ranks.Agree(hasInput ? Status::Ok()
                          : Status(StatusCode::InvalidArgument, "the contour filter has no input")));
-  const bool isUpdated = this->UpdateInput(piece, pieces, time);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isUpdated
-      ? Status::Ok()
-      : Status(StatusCode::InvalidArgument, "the input of the contour filter failed")));
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->UpdateInput(piece, pieces, time)));
   vtkInformation* inInfo = this->Contour.GetInputInformation();
   const VolumeInput input(inInfo);
   SurfaceQuery query;
   query.Rank = piece;
   query.Ranks = pieces;
   Outcome outcome;
-  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome));
+  ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome, &blocks));
   return input ? this->CollectBlocksOfVolume(ranks, input, std::move(query), outcome, blocks)
                : this->CollectBlocksOfImages(ranks, inInfo, blocks);
 }
 
-bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
+Status ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
 {
   vtkAlgorithmOutput* connection = this->Contour.GetInputConnection(0, 0);
   this->Contour.UpdateInformation();
@@ -364,7 +360,13 @@ bool ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>
   const bool isUpdated =
     connection->GetProducer()->GetExecutive()->Update(connection->GetIndex()) != 0;
   this->Contour.ReleaseInput(inInfo);
-  return isUpdated;
+  if (!isUpdated)
+  {
+    return { StatusCode::InvalidArgument, "the input of the contour filter failed" };
+  }
+  return IsInputAborted(inInfo)
+    ? Status(StatusCode::Aborted, "the input of the contour filter was aborted")
+    : Status::Ok();
 }
 
 Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input,

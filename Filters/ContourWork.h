@@ -101,13 +101,14 @@ private:
   bool TellProgress(double share);
 
   /// Whether the input is a blocked volume, and what is asked of it, are the same on all ranks; so
-  /// all go the same way. `query` is made for a volume alone. Collective.
-  Status AgreeOnQuery(
-    const VolumeInput& input, Communicator& ranks, SurfaceQuery& query, Outcome& outcome);
+  /// all go the same way. `query` is made for a volume alone. `blocks`: those that are asked for, if
+  /// not a surface. Collective.
+  Status AgreeOnQuery(const VolumeInput& input, Communicator& ranks, SurfaceQuery& query,
+    Outcome& outcome, const ContourBlocks* blocks);
   /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
   Status MakeQuery(const VolumeInput& input, SurfaceQuery& query, Outcome& outcome);
   /// A checksum of the properties that decide about the surface of all ranks, or about its blocks.
-  std::uint64_t ComputeFingerprint(const SurfaceQuery& query);
+  std::uint64_t ComputeFingerprint(const SurfaceQuery& query, const ContourBlocks* blocks);
   Status ExtractFromVolume(
     const VolumeInput& input, const SurfaceQuery& query, vtkInformation* outInfo, Outcome& outcome);
   Status ExtractOnce(const std::shared_ptr<BlockedVolume>& volume, const VolumeContour::Task& task,
@@ -121,6 +122,8 @@ private:
   bool MayRefine(Communicator& ranks);
   /// Begins to extract a finer surface, unless it is too large. Collective.
   Status BeginRefinement(Communicator& ranks, Refinement& refinement);
+  /// Begins to extract it, which takes memory and a thread; this rank alone.
+  Status Prepare(const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice);
   /// What the next level takes, and the finest level that fits into memory. Collective.
   Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, Outcome& outcome);
@@ -128,7 +131,8 @@ private:
   Result<ImagePieces> CollectPieces(
     Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
 
-  bool UpdateInput(int piece, int pieces, const std::optional<double>& time);
+  /// This rank alone knows its outcome.
+  Status UpdateInput(int piece, int pieces, const std::optional<double>& time);
   Status CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input, SurfaceQuery query,
     Outcome& outcome, ContourBlocks& blocks);
   Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);

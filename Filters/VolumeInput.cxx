@@ -14,7 +14,9 @@
 #include "vtkInformation.h"
 #include "vtkInformationExecutivePortKey.h"
 #include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Base/Fingerprint.h"
 #include "Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -53,8 +55,24 @@ std::vector<CommonValue> VolumeInput::MakeCommonValues() const
     { this->Handle ? 1U : 0U,
       "some ranks have a blocked volume at the input of the filter, and some have images" },
     this->Handle ? this->Handle->MakeCommonValue() : CommonValue{ 0, "" },
-    { this->Handle ? this->GetTimeStep() : 0U, "the ranks ask for different time steps" },
+    { this->GetRequestedTime(), "the ranks ask for different time steps" },
+    { this->Handle && this->Handle->GetVolume() && this->GetVolume()->DealsBlocks() ? 1U : 0U,
+      "LocalStores of the reader is not the same on all ranks" },
   };
+}
+
+std::uint64_t VolumeInput::GetRequestedTime() const
+{
+  if (this->Handle)
+  {
+    return this->GetTimeStep();
+  }
+  // Images have the time steps of their source.
+  Fingerprint fingerprint;
+  const auto key = vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP();
+  fingerprint.AddNumber(this->Info->Has(key) ? 1 : 0);
+  fingerprint.AddReal(this->Info->Has(key) ? this->Info->Get(key) : 0);
+  return fingerprint.Get();
 }
 
 std::shared_ptr<BlockedVolume> VolumeInput::GetVolume() const

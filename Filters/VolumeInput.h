@@ -6,6 +6,7 @@
 #include "Base/Status.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,8 +30,8 @@ public:
   vtkBlockedVolumeHandle& GetHandle() const { return *this->Handle; }
   /// Ok if there is no blocked volume at the input, or if it is open.
   Status GetStatus() const;
-  /// Whether the input is a volume, which one, and at what time step: what all ranks have to agree
-  /// on before they go the way of volumes or that of images.
+  /// Whether the input is a volume, which one, at what time step, and how ranks share its blocks:
+  /// what all ranks have to agree on before they go the way of volumes or that of images.
   std::vector<CommonValue> MakeCommonValues() const;
   std::shared_ptr<BlockedVolume> GetVolume() const;
   std::size_t GetTimeStep() const; ///< that the filter asks for
@@ -46,6 +47,8 @@ public:
 
 private:
   bool IsLeftOut(const std::string& name) const;
+  /// The same on all ranks that ask for the same time.
+  std::uint64_t GetRequestedTime() const;
 
   vtkInformation* Info;
   vtkBlockedVolumeHandle* Handle;

@@ -24,6 +24,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
+#include "Base/Fingerprint.h"
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
@@ -112,6 +113,8 @@ struct vtkContourSpectrum::Steps
   isosurface::Communicator& Ranks;
   vtkTable* Table;
 
+  /// What decides about the way that all ranks go, and about the spectrum.
+  std::vector<isosurface::CommonValue> MakeCommonValues(const isosurface::VolumeInput& input) const;
   std::string GetArrayName() const;
   /// Fills the table of the first rank with the spectra that the volume has.
   Status ReadFromVolume(const isosurface::VolumeInput& input) const;
@@ -203,22 +206,44 @@ int vtkContourSpectrum::RequestData(
   isosurface::ControllerCommunicator ranks(this->Controller);
   const Steps steps = { *this, ranks, table };
   // All go one way, that of volumes or that of images.
-  Status status = ranks.Agree(volume.GetStatus(), volume.MakeCommonValues());
+  Status status = ranks.Agree(volume.GetStatus(), steps.MakeCommonValues(volume));
   if (status.IsOk())
   {
     status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
+    if (status.IsOk() && isosurface::IsAborted(*this))
+    {
+      status = Status(StatusCode::Aborted, "the spectrum was aborted");
+    }
     status = ranks.Agree(status);
   }
-  if (!status.IsOk())
+  if (status.IsOk())
   {
-    table->Initialize();
+    return 1;
   }
-  if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
+  table->Initialize();
+  if (status.GetCode() == StatusCode::Aborted)
   {
-    isosurface::ReportError(this, output, status);
-    return 0;
+    isosurface::MarkAborted(*this);
+    return 1;
   }
-  return 1;
+  isosurface::ReportError(this, output, status);
+  return 0;
+}
+
+//------------------------------------------------------------------------------
+std::vector<isosurface::CommonValue> vtkContourSpectrum::Steps::MakeCommonValues(
+  const isosurface::VolumeInput& input) const
+{
+  isosurface::Fingerprint properties;
+  properties.AddText(this->GetArrayName());
+  properties.AddNumber(static_cast<std::uint64_t>(
+    this->Filter.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION())));
+  properties.AddNumber(static_cast<std::uint64_t>(this->Filter.Component));
+  properties.AddNumber(static_cast<std::uint64_t>(this->Filter.StoreQuantity));
+  std::vector<isosurface::CommonValue> values = input.MakeCommonValues();
+  values.push_back(
+    { properties.Get(), "the properties of the spectrum filter are not the same on all ranks" });
+  return values;
 }
 
 //------------------------------------------------------------------------------

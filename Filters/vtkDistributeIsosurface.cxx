@@ -205,6 +205,7 @@ int vtkDistributeIsosurface::RequestData(
   }
   if (contour && status.IsOk())
   {
+    isosurface::IgnoreAbortedInput(*this);
     const Steps steps = { *this, ranks, contour };
     status = steps.Distribute(output->GetInformationObject(0), polyData);
   }
@@ -215,6 +216,7 @@ int vtkDistributeIsosurface::RequestData(
   polyData->Initialize();
   if (status.GetCode() == StatusCode::Aborted)
   {
+    isosurface::MarkAborted(*this);
     return 1;
   }
   isosurface::ReportError(this, output, status);

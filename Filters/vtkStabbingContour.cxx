@@ -310,6 +310,7 @@ int vtkStabbingContour::RequestData(
   this->Work->SetShown(status.IsOk(), made.Extracted.NumberOfTriangles);
   if (status.GetCode() == StatusCode::Aborted)
   {
+    isosurface::MarkAborted(*this);
     return 1;
   }
   if (!status.IsOk())

@@ -18,6 +18,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Base/FileSystem.h"
+#include "Base/Fingerprint.h"
 #include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
@@ -67,11 +68,15 @@ struct vtkBlockedVolumeReader::Reading
   int Pieces;
   int Threads;
 
+  /// What decides about the output of all ranks.
+  static std::vector<isosurface::CommonValue> MakeCommonValues(
+    const vtkBlockedVolumeReader& reader, vtkInformation* outInfo);
+
   /// The image of one cell that stands for the volume.
   void MakeBox(vtkPartitionedDataSet* partitions) const;
   /// The slab of the piece at the finest level that fits MemoryLimit.
   Status ReadSlab(vtkPartitionedDataSet* partitions) const;
-  std::vector<std::size_t> FindEnabledArrays() const;
+  static std::vector<std::size_t> FindEnabledArrays(const vtkBlockedVolumeReader& reader);
 };
 
 //------------------------------------------------------------------------------
@@ -278,8 +283,12 @@ int vtkBlockedVolumeReader::RequestData(
   partitions->Initialize();
   isosurface::ControllerCommunicator ranks(this->Controller);
 
-  this->OpenVolume();
-  Status status = ranks.Agree(this->Handle->GetStatus(), { this->Handle->MakeCommonValue() });
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  if (this->OpenVolume() && std::exchange(this->IsToldLate, false))
+  {
+    this->TellVolume(outInfo);
+  }
+  Status status = ranks.Agree(this->Handle->GetStatus(), Reading::MakeCommonValues(*this, outInfo));
   if (!status.IsOk())
   {
     // A consumer that takes blocks is not executed behind an error.
@@ -292,11 +301,6 @@ int vtkBlockedVolumeReader::RequestData(
     return 0;
   }
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  vtkInformation* outInfo = output->GetInformationObject(0);
-  if (std::exchange(this->IsToldLate, false))
-  {
-    this->TellVolume(outInfo);
-  }
   const int ranksOnNode = ranks.GetRanksOnNode();
   const Reading reading = { this, *this->Handle->GetVolume(), this->Handle->FindTimeStep(outInfo),
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
@@ -327,6 +331,7 @@ int vtkBlockedVolumeReader::RequestData(
   if (status.GetCode() == StatusCode::Aborted)
   {
     partitions->Initialize();
+    isosurface::MarkAborted(*this);
     return 1;
   }
   if (!status.IsOk())
@@ -340,13 +345,34 @@ int vtkBlockedVolumeReader::RequestData(
 }
 
 //------------------------------------------------------------------------------
-std::vector<std::size_t> vtkBlockedVolumeReader::Reading::FindEnabledArrays() const
+std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommonValues(
+  const vtkBlockedVolumeReader& reader, vtkInformation* outInfo)
+{
+  isosurface::Fingerprint properties;
+  properties.AddNumber(static_cast<std::uint64_t>(reader.MemoryLimit));
+  if (reader.Handle->GetVolume())
+  {
+    for (const std::size_t array : FindEnabledArrays(reader))
+    {
+      properties.AddNumber(array);
+    }
+  }
+  return {
+    reader.Handle->MakeCommonValue(),
+    { reader.Handle->FindTimeStep(outInfo), "the ranks ask for different time steps" },
+    { properties.Get(), "the properties of the reader are not the same on all ranks" },
+  };
+}
+
+//------------------------------------------------------------------------------
+std::vector<std::size_t> vtkBlockedVolumeReader::Reading::FindEnabledArrays(
+  const vtkBlockedVolumeReader& reader)
 {
   std::vector<std::size_t> enabled;
-  const auto& arrays = this->Volume.GetHeader().Arrays;
+  const auto& arrays = reader.Handle->GetVolume()->GetHeader().Arrays;
   for (std::size_t array = 0; array < arrays.size(); ++array)
   {
-    if (this->Reader->PointDataArraySelection->ArrayIsEnabled(arrays[array].Name.c_str()))
+    if (reader.PointDataArraySelection->ArrayIsEnabled(arrays[array].Name.c_str()))
     {
       enabled.push_back(array);
     }
@@ -377,7 +403,7 @@ bool vtkBlockedVolumeReader::TellProgress(double share)
 Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitions) const
 {
   vtkBlockedVolumeReader* reader = this->Reader;
-  const std::vector<std::size_t> arrays = this->FindEnabledArrays();
+  const std::vector<std::size_t> arrays = FindEnabledArrays(*reader);
   const std::optional<int> level =
     isosurface::FindLevelWithin(this->Volume, arrays, this->Pieces, reader->MemoryLimit * Mebibyte);
   if (!level)

@@ -13,6 +13,7 @@
 
 #include "ArrayRanges.h"
 #include "Base/FileSystem.h"
+#include "Base/Fingerprint.h"
 #include "Base/ParallelFor.h"
 #include "Contour/TriangleNormals.h"
 #include "ControllerCommunicator.h"
@@ -95,8 +96,8 @@ struct vtkEdgeIndexReader::Internals
 
   /// Opens the file anew if the properties changed.
   Status OpenFile();
-  /// What tells ranks that see different files under one path.
-  isosurface::CommonValue MakeCommonValue() const;
+  /// What tells ranks that see different files under one path, or have different properties.
+  std::vector<isosurface::CommonValue> MakeCommonValues() const;
   EdgeIndexSelection MakeSelection(vtkInformation* outInfo) const;
   Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
 };
@@ -153,11 +154,22 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
 }
 
 //------------------------------------------------------------------------------
-isosurface::CommonValue vtkEdgeIndexReader::Internals::MakeCommonValue() const
+std::vector<isosurface::CommonValue> vtkEdgeIndexReader::Internals::MakeCommonValues() const
 {
-  return this->File
-    ? isosurface::MakeCommonFile(this->File->GetPath(), this->File->GetFingerprint())
-    : isosurface::CommonValue{ 0, "" };
+  const vtkEdgeIndexReader& reader = this->Reader;
+  isosurface::Fingerprint properties;
+  for (const vtkTypeBool is :
+    { reader.Preview, reader.UseRegion, reader.ComputeScalars, reader.ComputeNormals })
+  {
+    properties.AddNumber(is ? 1 : 0);
+  }
+  properties.AddReals(reader.RegionPosition);
+  properties.AddReals(reader.RegionLength);
+  return {
+    this->File ? isosurface::MakeCommonFile(this->File->GetPath(), this->File->GetFingerprint())
+               : isosurface::CommonValue{ 0, "" },
+    { properties.Get(), "the properties of the reader are not the same on all ranks" },
+  };
 }
 
 //------------------------------------------------------------------------------
@@ -186,7 +198,7 @@ int vtkEdgeIndexReader::RequestData(
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   isosurface::ControllerCommunicator ranks(this->Controller);
   const Status opened = this->Internal->OpenFile();
-  Status status = ranks.Agree(opened, { this->Internal->MakeCommonValue() });
+  Status status = ranks.Agree(opened, this->Internal->MakeCommonValues());
   if (status.IsOk())
   {
     const int ranksOnNode = ranks.GetRanksOnNode();
@@ -216,6 +228,7 @@ int vtkEdgeIndexReader::RequestData(
   polyData->Initialize();
   if (status.GetCode() == StatusCode::Aborted)
   {
+    isosurface::MarkAborted(*this);
     return 1;
   }
   // The file may be whole the next time.

@@ -104,12 +104,15 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
 {
   const std::size_t first = options.Step.value_or(0);
   auto volume = InputVolume::Open(options, first);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(volume.GetStatus()));
+  const std::size_t steps =
+    options.Step || !volume.IsOk() ? 1 : std::max<std::size_t>(1, volume->Times.size());
+  // So many steps are written, each by all ranks.
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(volume.GetStatus(),
+    { { steps, options.Input + ": the ranks see different numbers of time steps" } }));
   if (ranks.GetRank() == 0 && !options.IsQuiet && !volume->LeftOut.empty())
   {
     std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(), volume->LeftOut.c_str());
   }
-  const std::size_t steps = options.Step ? 1 : std::max<std::size_t>(1, volume->Times.size());
   if (steps > 1 && options.Settings.Time)
   {
     return Status(StatusCode::InvalidArgument,

@@ -446,7 +446,10 @@ void vtkBlockedVolumeWriter::WriteData()
       { this->MemoryLimit > 0 ? 1U : 0U, "some ranks have a memory limit, some have none" },
       { handle ? 1U : 0U,
         "some ranks have a blocked volume at the input of the writer, and some have images" },
-      handle ? handle->MakeCommonValue() : isosurface::CommonValue{ 0, "" } });
+      handle ? handle->MakeCommonValue() : isosurface::CommonValue{ 0, "" },
+      // Ranks without a part of the input read and write blocks, too.
+      { handle ? handle->FindTimeStep(this->GetInputInformation()) : 0U,
+        "the ranks ask for different time steps" } });
   if (status.IsOk())
   {
     status = local.Agree(ranks);

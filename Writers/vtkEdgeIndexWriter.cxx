@@ -12,7 +12,6 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkVersionMacros.h"
 
 #include "Base/Checksum.h"
 #include "Base/ParallelFor.h"
@@ -171,9 +170,7 @@ int vtkEdgeIndexWriter::Write()
 {
   this->SetErrorCode(vtkErrorCode::NoError);
   this->SetAbortExecute(0);
-#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
-  this->SetAbortOutput(false);
-#endif
+  isosurface::IgnoreAbortedInput(*this);
   this->InvokeEvent(vtkCommand::StartEvent);
   this->WriteData();
   this->InvokeEvent(vtkCommand::EndEvent);
@@ -230,11 +227,14 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
 {
   std::vector<double> times;
   const Status found = this->FindContour(times);
+  const char* path = this->Writer.FileName;
+  const std::string name = path ? path : "";
   // So many files are written, each by all ranks.
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(found,
     { { isosurface::ComputeChecksum(times.data(), times.size() * sizeof(times[0])),
-      "the time steps to write are not the same on all ranks" } }));
-  const char* path = this->Writer.FileName;
+        "the time steps to write are not the same on all ranks" },
+      { isosurface::ComputeChecksum(name.data(), name.size()),
+        name + ": the file name is not the same on all ranks" } }));
   if (times.empty())
   {
     vtkInformation* inInfo = this->Writer.GetInputInformation();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkInPlaceVolumeReader.h"
 
+#include "vtkBlockedVolumeHandle.h"
+#include "vtkInformationBlockedVolumeKey.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
@@ -239,6 +241,8 @@ int vtkInPlaceVolumeReader::RequestData(
         this->Modified(); // the next update begins anew
         return 1;
       }
+      // A consumer that takes blocks is not executed behind an error.
+      BLOCKED_VOLUME()->GetHandle(output->GetInformationObject(0))->EndTaking();
       isosurface::ReportError(this, output, status);
       return 0;
     }

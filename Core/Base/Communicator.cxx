@@ -31,6 +31,33 @@ CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint)
       "written; reload it" };
 }
 
+namespace
+{
+
+// What a rank is told of the errors of all: a code and a reason, or nothing, of each.
+Status ChooseError(const Status& mine, const std::vector<Message>& messages)
+{
+  const auto hasCode = [](const Message& message, StatusCode code)
+  { return !message.empty() && static_cast<StatusCode>(message[0]) == code; };
+  const auto readReason = [](const Message& message)
+  { return std::string(message.begin() + 1, message.end()); };
+  // Who stops is not told of errors: if some ranks were, these alone would fail.
+  const auto stopped = std::find_if(messages.begin(), messages.end(),
+    [&](const Message& message) { return hasCode(message, StatusCode::Aborted); });
+  if (stopped != messages.end())
+  {
+    return Status(StatusCode::Aborted, readReason(*stopped));
+  }
+  const auto failed = std::find_if(
+    messages.begin(), messages.end(), [](const Message& message) { return !message.empty(); });
+  return mine.IsOk()
+    ? Status(StatusCode::RemoteFailure,
+        "rank " + std::to_string(failed - messages.begin()) + " failed: " + readReason(*failed))
+    : mine;
+}
+
+} // namespace
+
 Status Communicator::Agree(const Status& mine)
 {
   if (this->GetSize() == 1)
@@ -52,23 +79,7 @@ Status Communicator::Agree(const Status& mine)
     message[0] = static_cast<std::uint8_t>(mine.GetCode());
     std::copy(text.begin(), text.end(), message.begin() + 1);
   }
-  const std::vector<Message> messages = this->AllGather(message);
-  if (!mine.IsOk())
-  {
-    return mine;
-  }
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
-  {
-    if (!messages[rank].empty())
-    {
-      const std::string reason(messages[rank].begin() + 1, messages[rank].end());
-      // If the user aborted one rank, the others have not failed.
-      return static_cast<StatusCode>(messages[rank][0]) == StatusCode::Aborted
-        ? Status(StatusCode::Aborted, reason)
-        : Status(StatusCode::RemoteFailure, "rank " + std::to_string(rank) + " failed: " + reason);
-    }
-  }
-  return mine;
+  return ChooseError(mine, this->AllGather(message));
 }
 
 Status Communicator::Agree(const Status& mine, const std::vector<CommonValue>& values)

@@ -74,10 +74,11 @@ public:
   }
 
   /**
-   * Tells all ranks whether one has failed. Returns Ok if all are Ok. Otherwise a rank with an
-   * error gets its own error back; every other rank gets RemoteFailure with the message of the
-   * first failing rank, or Aborted if that rank was aborted. Call it before a collective that a
-   * failed rank would not enter: otherwise the other ranks would wait forever.
+   * Tells all ranks whether one has failed. Returns Ok if all are Ok. If one of them was Aborted,
+   * all get Aborted, with the message of the first such rank, whatever others failed with: so all
+   * end in the same way. Otherwise a rank with an error gets its own error back; every other rank
+   * gets RemoteFailure with the message of the first failing rank. Call it before a collective that
+   * a failed rank would not enter: otherwise the other ranks would wait forever.
    */
   Status Agree(const Status& mine);
 

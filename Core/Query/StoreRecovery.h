@@ -6,9 +6,7 @@
 #include "Base/Status.h"
 #include "Store/BlockedVolume.h"
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 namespace isosurface
 {
@@ -41,10 +39,7 @@ Status RunWithReplicas(
       warning += (warning.empty() ? "" : "; ") + news.Warning;
     }
     const Status all = ranks.Agree(mine);
-    const bool isStopped = all.GetCode() == StatusCode::Aborted;
-    std::vector<std::uint64_t> stopped = { isStopped ? 1U : 0U };
-    ranks.ReduceMaximum(stopped);
-    if (all.IsOk() || stopped.front() != 0 || !news.IsNew)
+    if (all.IsOk() || all.GetCode() == StatusCode::Aborted || !news.IsNew)
     {
       return all;
     }

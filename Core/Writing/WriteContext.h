@@ -12,7 +12,6 @@
 #include <exception>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace isosurface
 {
@@ -37,10 +36,8 @@ public:
   /// Collective. Returns the same error on all ranks if any rank has one.
   Status AgreeOn(const Status& mine) const
   {
-    std::vector<std::uint64_t> aborted = { mine.GetCode() == StatusCode::Aborted ? 1u : 0u };
-    this->Ranks.ReduceMaximum(aborted);
     const Status all = this->Ranks.Agree(mine);
-    return aborted[0] != 0 ? this->MakeAborted() : all;
+    return all.GetCode() == StatusCode::Aborted ? this->MakeAborted() : all;
   }
 
   /// Runs a step of this rank alone. A shortage of memory or threads is an error like others.

@@ -501,6 +501,17 @@ TEST(DistributeErrors, WhatCannotBeDistributedIsRefusedByEveryRank)
   ExpectWholeSurface(distributed.Update(), VTK_SHORT);
 }
 
+// The contour's own surface is not needed.
+TEST(DistributeErrors, AContourThatWasStoppedIsDistributed)
+{
+  DistributedContour distributed("StoppedContour");
+  distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 3 });
+  distributed.Contour->SetAbortExecute(1);
+  EXPECT_EQ(distributed.UpdateContour()->GetNumberOfPoints(), 0);
+  distributed.Contour->SetAbortExecute(0);
+  ExpectWholeSurface(distributed.Update(), VTK_SHORT);
+}
+
 TEST(DistributeErrors, StoppingOneRankStopsAll)
 {
   DistributedContour distributed("Stop");
@@ -519,6 +530,7 @@ TEST(DistributeErrors, StoppingOneRankStopsAll)
           }
         });
       distributed.Update();
+      distributed.Update(); // again on all ranks, unmodified
     }
     if (GetNumberOfRanks() > 1)
     {

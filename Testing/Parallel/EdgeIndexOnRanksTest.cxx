@@ -210,6 +210,34 @@ TEST_P(EdgeIndexOnRanks, FileIsTheSameAndHoldsTheWholeSurface)
 INSTANTIATE_TEST_SUITE_P(Cases, EdgeIndexOnRanks, testing::ValuesIn(MakeCases()),
   [](const auto& one) { return one.param.GetName(); });
 
+TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
+{
+  const SharedFolder folder("EdgeIndexStopOnRanks");
+  const std::string path = folder.GetPath("surface.eix");
+  vtkNew<PieceSource> source;
+  source->SetImage(GetVolume(VTK_SHORT));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(source->GetOutputPort());
+  SetIsovalues(contour);
+  vtkNew<vtkEdgeIndexWriter> writer;
+  writer->SetInputConnection(contour->GetOutputPort());
+  writer->SetFileName(path.c_str());
+  ExpectSuccess(writer);
+  vtkNew<vtkEdgeIndexReader> reader;
+  const ErrorCounter errors(reader);
+  reader->SetFileName(path.c_str());
+  reader->SetAbortExecute(GetRank() == 0 ? 1 : 0);
+  for (int turn = 0; turn < 2; ++turn) // the second one unmodified
+  {
+    reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
+  }
+  reader->SetAbortExecute(0);
+  reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(reader->GetOutput()->GetNumberOfPoints())), 0u);
+}
+
 TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
 {
   const SharedFolder folder("EdgeIndexErrorsOnRanks");

@@ -7,7 +7,9 @@
 #include "vtkBlockedVolumeReader.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
+#include "vtkInPlaceVolumeReader.h"
 #include "vtkMultiProcessController.h"
+#include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 
@@ -117,6 +119,36 @@ TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
   EXPECT_EQ(
     SumOverRanks(static_cast<std::uint64_t>(pipeline.Contour->GetOutput()->GetNumberOfPolys())),
     triangles);
+}
+
+// A consumer of blocks that was not executed must not keep a later slice from its samples.
+TEST(InPlaceOnRanks, OutputOfAReaderThatFailedBeforeIsWhole)
+{
+  const SharedFolder folder("InPlaceAfterError");
+  const std::string source = folder.GetPath("scan.mhd");
+  const auto image = MakeNoisyImage();
+  vtkNew<vtkInPlaceVolumeReader> reader;
+  reader->SetSourceName(source.c_str());
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetValue(0, Isovalue);
+  {
+    const ErrorCounter errors(reader);
+    const ErrorCounter executiveErrors(reader->GetExecutive());
+    contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    EXPECT_EQ(errors.Messages.size(), 1u);
+  }
+  if (GetRank() == 0)
+  {
+    WriteSource(image, source);
+  }
+  GetRanks()->Barrier();
+  reader->Modified();
+  const ErrorCounter errors(reader);
+  reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_GE(SumOverRanks(static_cast<std::uint64_t>(reader->GetOutput()->GetNumberOfCells())),
+    40u * 36 * 44);
 }
 
 } // namespace

@@ -4,6 +4,8 @@
 #include "ParallelVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"
+#include "vtkContourSpectrum.h"
+#include "vtkDistributeIsosurface.h"
 #include "vtkStabbingContour.h"
 
 #include "vtkArrayCalculator.h"
@@ -12,6 +14,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPassThrough.h"
 #include "vtkPointData.h"
+#include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
 namespace isosurface
@@ -112,6 +115,86 @@ TEST_F(ParallelPipeline, FilterThatChangesValuesSeesAllCells)
   EXPECT_EQ(this->CountCells(), this->CountAllCells());
 }
 
+TEST_F(ParallelPipeline, StopOfOneRankAndErrorOfAnotherStopAll)
+{
+  if (GetNumberOfRanks() == 1)
+  {
+    GTEST_SKIP() << "one rank is not stopped while another one fails";
+  }
+  const std::string path = this->Folder.GetPath("noise.bvol");
+  WriteFromPieces(MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)),
+    PieceSource::SUB_EXTENTS, path, { 16, 1 });
+  if (GetRank() == 0)
+  {
+    FlipBit(GetFirstStore(path) + "/blocks", -8000); // not in the slab of rank 0
+  }
+  GetRanks()->Barrier();
+  vtkBlockedVolumeReader* reader = this->Pipeline.Reader;
+  reader->SetFileName(path.c_str());
+  vtkNew<vtkArrayCalculator> calculator;
+  calculator->AddScalarArrayName("density");
+  calculator->SetFunction("100 - density");
+  calculator->SetResultArrayName("density");
+  calculator->SetInputConnection(reader->GetOutputPort());
+  this->Pipeline.Contour->SetInputConnection(calculator->GetOutputPort());
+  this->Pipeline.Contour->SetValue(0, 39.5);
+  const ErrorCounter errors(reader);
+  const ErrorCounter executiveErrors(reader->GetExecutive());
+  {
+    const ProgressKeeper progress(reader,
+      [=](double)
+      {
+        if (GetRank() == 0)
+        {
+          reader->SetAbortExecute(1);
+        }
+      });
+    this->Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  }
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_EQ(this->CountCells(), 0u);
+  reader->SetAbortExecute(0);
+  this->Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(errors.Messages.size(), 1u) << "the damage is told once nobody stops";
+}
+
+TEST_F(ParallelPipeline, SpectrumBehindAStoppedReaderIsThereAfterwards)
+{
+  vtkBlockedVolumeReader* reader = this->Pipeline.Reader;
+  vtkNew<vtkContourSpectrum> spectrum;
+  spectrum->SetInputConnection(reader->GetOutputPort());
+  reader->SetAbortExecute(GetRank() == 0 ? 1 : 0);
+  spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), 0);
+  spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  reader->SetAbortExecute(0);
+  spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), GetRank() == 0 ? 7 : 0);
+}
+
+TEST_F(ParallelPipeline, DistributionBehindAStoppedSourceStopsOnAllRanks)
+{
+  vtkNew<vtkArrayCalculator> calculator;
+  calculator->AddScalarArrayName("density");
+  calculator->SetFunction("100 - density");
+  calculator->SetResultArrayName("density");
+  calculator->SetInputConnection(this->Pipeline.Reader->GetOutputPort());
+  this->Pipeline.Contour->SetInputConnection(calculator->GetOutputPort());
+  this->Pipeline.Contour->SetValue(0, 39.5);
+  vtkNew<vtkDistributeIsosurface> distribute;
+  distribute->SetInputConnection(this->Pipeline.Contour->GetOutputPort());
+  const ErrorCounter errors(distribute);
+  this->Pipeline.Reader->SetAbortExecute(GetRank() == 0 ? 1 : 0);
+  distribute->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_EQ(distribute->GetOutput()->GetNumberOfPoints(), 0);
+  this->Pipeline.Reader->SetAbortExecute(0);
+  distribute->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  EXPECT_GT(
+    SumOverRanks(static_cast<std::uint64_t>(distribute->GetOutput()->GetNumberOfPoints())), 0u);
+}
+
 TEST_F(ParallelPipeline, StopOfOneRankStopsAllWithoutError)
 {
   const bool isMine = GetRank() == GetNumberOfRanks() - 1;
@@ -126,6 +209,8 @@ TEST_F(ParallelPipeline, StopOfOneRankStopsAllWithoutError)
           contour->SetAbortExecute(1);
         }
       });
+    EXPECT_EQ(this->Pipeline.Update({ 60.5 })->GetNumberOfPoints(), 0);
+    // Unmodified, what has stopped executes again: on all ranks.
     EXPECT_EQ(this->Pipeline.Update({ 60.5 })->GetNumberOfPoints(), 0);
     EXPECT_EQ(executiveErrors.Messages, std::vector<std::string>());
     contour->SetAbortExecute(0);
@@ -146,6 +231,7 @@ TEST_F(ParallelPipeline, StopOfOneRankStopsAllWithoutError)
         }
       });
     reader->Modified();
+    reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     EXPECT_EQ(errors.Messages, std::vector<std::string>());
     EXPECT_EQ(executiveErrors.Messages, std::vector<std::string>());

@@ -6,7 +6,12 @@
 #include "vtkMultiProcessController.h"
 #include "vtkStabbingContour.h"
 
+#include <atomic>
+#include <cerrno>
 #include <filesystem>
+
+#include <dlfcn.h>
+#include <pthread.h>
 
 namespace isosurface
 {
@@ -14,6 +19,9 @@ namespace
 {
 
 constexpr int Ready = 2;
+constexpr int TooLarge = 3;
+
+std::atomic<bool> AreThreadsRefused{ false };
 
 class Refinement : public testing::TestWithParam<int>
 {
@@ -109,7 +117,55 @@ TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)
   this->ExpectSurface(mine, 100.5);
 }
 
+TEST_P(Refinement, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Contour->ProgressiveOn();
+  pipeline.Contour->SetRefinementMemory(0.001);
+  pipeline.Update({ 60.5 });
+  EXPECT_EQ(Prepare(pipeline.Contour), TooLarge);
+  if (GetRank() == 0)
+  {
+    pipeline.Contour->AcceptSize();
+  }
+  EXPECT_EQ(Prepare(pipeline.Contour), GetNumberOfRanks() == 1 ? Ready : TooLarge);
+  pipeline.Contour->AcceptSize();
+  EXPECT_EQ(Prepare(pipeline.Contour), Ready);
+}
+
+// Refine extracts without preparation then.
+TEST_P(Refinement, WithoutAThreadOnOneRankIsLeftToAllRanks)
+{
+  ContourPipeline pipeline(this->Path);
+  pipeline.Contour->ProgressiveOn();
+  pipeline.Contour->SetNumberOfThreads(1);
+  pipeline.Update({ 60.5 });
+  AreThreadsRefused = GetRank() == GetNumberOfRanks() - 1;
+  EXPECT_EQ(Prepare(pipeline.Contour), Ready);
+  AreThreadsRefused = false;
+  vtkPolyData* mine = pipeline.Contour->GetOutput();
+  for (int passes = 0; !pipeline.Contour->GetFinal() && passes < 10; ++passes)
+  {
+    pipeline.Contour->Refine();
+    mine = pipeline.Update({ 60.5 });
+  }
+  this->ExpectSurface(mine, 60.5);
+}
+
 INSTANTIATE_TEST_SUITE_P(Stores, Refinement, testing::Values(1, 3));
 
 } // namespace
 } // namespace isosurface
+
+// The symbols of a program come before those of its libraries: a system that has no more threads.
+extern "C" __attribute__((visibility("default"))) int pthread_create(
+  pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument) noexcept
+{
+  if (isosurface::AreThreadsRefused)
+  {
+    return EAGAIN;
+  }
+  static const auto create = reinterpret_cast<decltype(&pthread_create)>(
+    dlsym(RTLD_NEXT, "pthread_create")); // NOLINT: the way POSIX says
+  return create(thread, attributes, run, argument);
+}

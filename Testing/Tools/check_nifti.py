@@ -3,6 +3,8 @@
 """Files of nibabel, read by blockvolume: check_nifti.py TOOL MPIEXEC SCRATCH CLAIM"""
 import gzip
 import json
+import os
+import subprocess
 import sys
 
 import nibabel
@@ -61,6 +63,23 @@ class Samples(Files):
         self.write("t.nii", "o.bvol")
         code, out, _ = self.run_tool("--info", "o.bvol", "--json")
         self.assertEqual([step["time"] for step in json.loads(out)["timeSteps"]], [0, 2.5])
+
+    def test_ranks_that_see_different_time_steps(self):
+        steps = numpy.stack([make_samples("uint8", phase=step) for step in range(3)])
+        for first, arguments in ((2, []), (1, ["--time", "4"])):
+            command = [self.mpiexec, "--oversubscribe"]
+            for count in (first, first + 1):
+                folder = self.path(f"{first}-{count}")
+                os.mkdir(folder)
+                self.save(os.path.join(folder, "t.nii"), steps[:count])
+                command += ["-n", "1", "-wdir", folder, self.tool, "t.nii", self.path("e.bvol"),
+                            *arguments, ":"]
+            with self.subTest(arguments=arguments):
+                result = subprocess.run(command[:-1], text=True, capture_output=True, timeout=30)
+                lines = [line for line in result.stderr.splitlines() if "blockvolume:" in line]
+                self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
+                self.assertIn("t.nii: the ranks see different numbers of time steps", lines[0])
+                self.assertFalse(os.path.exists(self.path("e.bvol")))
 
 
 class GridsAndErrors(Files):

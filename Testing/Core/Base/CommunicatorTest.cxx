@@ -91,3 +91,27 @@ TEST(Communicator, TellsTheErrorOfOneRankBeforeDifferences)
   EXPECT_EQ(statuses[1].GetMessage(), "a/file: is broken");
   EXPECT_EQ(statuses[2].GetCode(), StatusCode::RemoteFailure);
 }
+
+// Otherwise VTK would go on behind the stopped rank alone.
+TEST(Communicator, AStopOfOneRankStopsAllWhateverFailsOnOthers)
+{
+  for (const int ranks : { 2, 3, 7 })
+  {
+    for (int stopped = 0; stopped < ranks; ++stopped)
+    {
+      const std::vector<Status> statuses = AgreeOnRanks(ranks,
+        [&](Communicator& communicator, int rank)
+        {
+          const Status mine = rank == stopped ? Status(StatusCode::Aborted, "was stopped")
+            : rank == 0 || rank == ranks - 1  ? Status(StatusCode::Corrupt, "a/file: is broken")
+                                              : Status::Ok();
+          return communicator.Agree(mine);
+        });
+      for (const Status& status : statuses)
+      {
+        EXPECT_EQ(status.GetCode(), StatusCode::Aborted);
+        EXPECT_EQ(status.GetMessage(), "was stopped");
+      }
+    }
+  }
+}
