@@ -343,12 +343,16 @@ std::optional<double> NetcdfFile::ReadNumber(
 
 Result<std::vector<double>> NetcdfFile::ReadNumbers(const NetcdfVariable& variable) const
 {
-  const NetcdfScope scope;
   constexpr std::int64_t most = std::int64_t{ 1 } << 24;
-  if (!variable.Type || variable.Shape.size() != 1 || variable.Shape[0] > most)
+  // A number of 64 bits has become negative.
+  if (!variable.Type || variable.Shape.size() != 1 || variable.Shape[0] < 0 ||
+    variable.Shape[0] > most)
   {
     return this->MakeError(StatusCode::Unsupported, variable, "it is no list of coordinates");
   }
+  ISOSURFACE_RETURN_IF_ERROR(
+    CheckNetcdfClassicSize(GetLocalFileSystem(), this->Path, variable.Path));
+  const NetcdfScope scope;
   std::vector<double> numbers(static_cast<std::size_t>(variable.Shape[0]));
   const int code = ::nc_get_var_double(variable.Group, variable.Variable, numbers.data());
   if (code != NC_NOERR)
