@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ArrayFile/Hdf5ChunkCoding.h"
 #include "ArrayFile/Hdf5File.h"
-#include "ArrayFile/Hdf5Handle.h"
+#include "ArrayFile/Hdf5LinkedFiles.h"
 #include "Source/ChunkCache.h"
 
 #include <algorithm>
@@ -75,7 +75,7 @@ public:
     }
     const ChunkCacheSize cache =
       FindChunkCacheSize(this->Shape, this->Chunk, GetValueSize(this->Type), cacheBytes);
-    const Hdf5Handle access(::H5Pcreate(H5P_DATASET_ACCESS), ::H5Pclose);
+    const Hdf5Handle access(::H5Pcopy(this->File.Links->GetAccess()), ::H5Pclose);
     // With a weight of 1, the library evicts no chunk of which a part was read, whatever their bytes.
     ::H5Pset_chunk_cache(access.Get(), cache.Slots, cache.Bytes, 0.75);
     // An open dataset would keep the cache that it has.
@@ -156,21 +156,34 @@ private:
   std::uint64_t HeldBytes = std::uint64_t{ 2 } << 20; // buffers of the conversion
 };
 
+/// A dataset, once everything was checked that its samples need.
+Result<Hdf5Handle> Hdf5File::OpenDataset(const std::string& path) const
+{
+  Hdf5Handle dataset = this->Links->OpenDataset(this->File->Get(), path);
+  if (dataset.IsOpen())
+  {
+    const Status status = this->Links->Check(dataset);
+    return status.IsOk() ? Result<Hdf5Handle>(std::move(dataset))
+                         : this->MakeError(status.GetCode(), path, status.GetMessage());
+  }
+  const std::string refusal = Hdf5LinkedFiles::GetRefusal();
+  const std::string reason = FindHdf5Reason();
+  if (!refusal.empty())
+  {
+    return this->MakeError(StatusCode::Unsupported, path, refusal);
+  }
+  return this->Has(path) ? this->MakeError(StatusCode::Unsupported, path,
+                             this->IsDataset(path) ? reason : "it is a group, not a dataset")
+                         : this->MakeError(StatusCode::NotFound, path, "there is no such dataset");
+}
+
 Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(
   const std::string& path, std::uint64_t cacheBytes) const
 {
   const Hdf5Scope scope;
-  if (!this->Has(path))
-  {
-    return this->MakeError(StatusCode::NotFound, path, "there is no such dataset");
-  }
-  Hdf5Handle dataset(::H5Dopen2(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Dclose);
-  if (!dataset.IsOpen())
-  {
-    return this->MakeError(StatusCode::Unsupported, path,
-      this->IsDataset(path) ? FindHdf5Reason() : "it is a group, not a dataset");
-  }
-  const Hdf5Handle type(::H5Dget_type(dataset.Get()), ::H5Tclose);
+  auto dataset = this->OpenDataset(path);
+  ISOSURFACE_RETURN_IF_ERROR(dataset.GetStatus());
+  const Hdf5Handle type(::H5Dget_type(dataset->Get()), ::H5Tclose);
   const auto found = FindHdf5ValueType(type.Get());
   if (!found)
   {
@@ -178,7 +191,7 @@ Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(
       "its type, " + DescribeHdf5Type(type.Get()) +
         ", is neither an integer of 8, 16, 32 or 64 bits nor a float of 16, 32 or 64");
   }
-  auto array = std::make_shared<Array>(*this, path, std::move(dataset), *found);
+  auto array = std::make_shared<Array>(*this, path, std::move(*dataset), *found);
   ISOSURFACE_RETURN_IF_ERROR(array->SetCache(cacheBytes));
   return std::shared_ptr<StoredArray>(std::move(array));
 }

@@ -68,15 +68,23 @@ std::optional<Hdf5ChunkCoding> Hdf5ChunkCoding::Find(const Hdf5Handle& dataset,
     return std::nullopt;
   }
   coding.ChunkBytes = static_cast<std::size_t>(bytes);
+  // Chunks at the end may be stored without filters, which their masks do not tell.
+  unsigned int options = 0;
+  if (::H5Pget_chunk_opts(plist.Get(), &options) < 0 ||
+    (options & H5D_CHUNK_DONT_FILTER_PARTIAL_CHUNKS) != 0)
+  {
+    return std::nullopt;
+  }
   // A shuffle behind the deflation would have to be undone before it.
   const int filters = ::H5Pget_nfilters(plist.Get());
   for (int number = 0; number < filters; ++number)
   {
     unsigned int flags = 0;
-    std::size_t values = 0;
-    const H5Z_filter_t filter = ::H5Pget_filter2(plist.Get(), static_cast<unsigned int>(number),
-      &flags, &values, nullptr, 0, nullptr, nullptr);
-    if (filter == H5Z_FILTER_SHUFFLE && number == 0)
+    std::size_t values = 1;
+    unsigned int size = 0;
+    const H5Z_filter_t filter = ::H5Pget_filter2(
+      plist.Get(), static_cast<unsigned int>(number), &flags, &values, &size, 0, nullptr, nullptr);
+    if (filter == H5Z_FILTER_SHUFFLE && number == 0 && size == coding.ValueSize)
     {
       coding.IsShuffled = coding.ValueSize > 1;
     }

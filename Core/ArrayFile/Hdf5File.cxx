@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ArrayFile/Hdf5File.h"
 
-#include "ArrayFile/Hdf5Handle.h"
+#include "ArrayFile/Hdf5LinkedFiles.h"
+#include "ArrayFile/Hdf5Walk.h"
 #include "Base/FileSystem.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace isosurface
@@ -52,6 +55,7 @@ Result<Hdf5File> Hdf5File::Open(const std::string& path)
   }
   Hdf5File opened;
   opened.Path = path;
+  opened.Links = std::make_shared<Hdf5LinkedFiles>();
   opened.File = std::make_shared<Hdf5Handle>(std::move(file));
   return opened;
 }
@@ -65,62 +69,98 @@ Status Hdf5File::MakeError(
 Result<std::vector<Hdf5Dataset>> Hdf5File::FindDatasets() const
 {
   const Hdf5Scope scope;
-  std::vector<std::string> paths;
-  const auto note = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t
-  {
-    if (info->type == H5O_TYPE_DATASET)
-    {
-      static_cast<std::vector<std::string>*>(to)->push_back(std::string("/") + name);
-    }
-    return 0;
-  };
-  if (::H5Ovisit(this->File->Get(), H5_INDEX_NAME, H5_ITER_INC, note, &paths) < 0)
-  {
-    return this->MakeError(StatusCode::Corrupt, "/", FindHdf5Reason());
-  }
   std::vector<Hdf5Dataset> datasets;
-  for (const std::string& path : paths)
+  Hdf5LinkedFiles links; // of datasets that are not opened for reading
+  const auto note = [&](const Hdf5Handle& dataset, const std::string& path)
   {
-    const Hdf5Handle dataset(::H5Dopen2(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Dclose);
-    if (!dataset.IsOpen())
-    {
-      return this->MakeError(StatusCode::Corrupt, path, FindHdf5Reason());
-    }
-    const Hdf5Handle type(::H5Dget_type(dataset.Get()), ::H5Tclose);
-    const Hdf5Handle plist(::H5Dget_create_plist(dataset.Get()), ::H5Pclose);
-    Hdf5Dataset entry;
-    entry.Path = path;
-    entry.Shape = FindHdf5Shape(dataset);
-    entry.Type = DescribeHdf5Type(type.Get());
-    entry.IsNumeric = FindHdf5ValueType(type.Get()).has_value();
-    const StoredArray::Numbers chunk = FindHdf5Chunk(plist, entry.Shape.size());
-    entry.Storage = chunk.empty() ? "contiguous" : "chunks of " + JoinNumbers(chunk);
-    entry.Storage += DescribeFilters(plist.Get());
-    datasets.push_back(std::move(entry));
+    datasets.push_back(this->Describe(dataset, path, links));
+    return Status::Ok();
+  };
+  const Status status = Hdf5Walk::VisitOnce(*this->File, links, note);
+  return status.IsOk() ? Result<std::vector<Hdf5Dataset>>(std::move(datasets))
+                       : Status(status.GetCode(), this->Path + ":" + status.GetMessage());
+}
+
+Hdf5Dataset Hdf5File::Describe(
+  const Hdf5Handle& dataset, const std::string& path, Hdf5LinkedFiles& links) const
+{
+  const Hdf5Handle type(::H5Dget_type(dataset.Get()), ::H5Tclose);
+  const Hdf5Handle plist(::H5Dget_create_plist(dataset.Get()), ::H5Pclose);
+  Hdf5Dataset entry;
+  entry.Path = path;
+  entry.Type = DescribeHdf5Type(type.Get());
+  entry.IsNumeric = FindHdf5ValueType(type.Get()).has_value();
+  const bool isVirtual = ::H5Pget_layout(plist.Get()) == H5D_VIRTUAL;
+  // The shape may be that of other files, which the library then opens.
+  const Status status = isVirtual ? links.Check(dataset) : Status::Ok();
+  if (!status.IsOk())
+  {
+    entry.Refusal = this->MakeError(status.GetCode(), path, status.GetMessage()).GetMessage();
+    entry.Storage = "virtual, refused";
+    return entry;
   }
-  return datasets;
+  entry.Shape = FindHdf5Shape(dataset);
+  const StoredArray::Numbers chunk = FindHdf5Chunk(plist, entry.Shape.size());
+  entry.Storage = isVirtual                    ? "virtual"
+    : ::H5Pget_external_count(plist.Get()) > 0 ? "in files of their own"
+    : chunk.empty()                            ? "contiguous"
+                                               : "chunks of " + JoinNumbers(chunk);
+  entry.Storage += DescribeFilters(plist.Get());
+  return entry;
+}
+
+Status Hdf5File::CheckForOthers() const
+{
+  const Hdf5Scope scope;
+  Hdf5LinkedFiles links;
+  const auto check = [&links](const Hdf5Handle& dataset, const std::string& path)
+  {
+    // They would look for external storage elsewhere than OpenArray() does.
+    const Status status = links.Check(dataset, 1);
+    return status.IsOk()
+      ? status
+      : Status(status.GetCode(), path + ": cannot be read: " + status.GetMessage());
+  };
+  const Status status = Hdf5Walk::VisitAll(*this->File, links, check);
+  return status.IsOk() ? status : Status(status.GetCode(), this->Path + ":" + status.GetMessage());
+}
+
+std::vector<std::string> Hdf5File::FindFiles() const
+{
+  const Hdf5Scope scope;
+  std::vector<std::string> files = { this->Path };
+  std::error_code error;
+  const std::string own = std::filesystem::weakly_canonical(this->Path, error).string();
+  for (const std::string& file : this->Links->GetFiles())
+  {
+    if (file != own)
+    {
+      files.push_back(file);
+    }
+  }
+  return files;
 }
 
 bool Hdf5File::Has(const std::string& path) const
 {
   const Hdf5Scope scope;
-  const Hdf5Handle object(::H5Oopen(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Oclose);
-  return object.IsOpen();
+  H5O_info_t info = {};
+  return this->Links->FindObject(this->File->Get(), path, info);
 }
 
 bool Hdf5File::IsDataset(const std::string& path) const
 {
   const Hdf5Scope scope;
-  const Hdf5Handle object(::H5Oopen(this->File->Get(), path.c_str(), H5P_DEFAULT), ::H5Oclose);
-  return object.IsOpen() && ::H5Iget_type(object.Get()) == H5I_DATASET;
+  H5O_info_t info = {};
+  return this->Links->FindObject(this->File->Get(), path, info) && info.type == H5O_TYPE_DATASET;
 }
 
 std::optional<std::string> Hdf5File::ReadText(
   const std::string& object, const std::string& name) const
 {
   const Hdf5Scope scope;
-  const Hdf5Handle attribute(
-    ::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+  const Hdf5Handle attribute(::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(),
+                               H5P_DEFAULT, this->Links->GetAccess()),
     ::H5Aclose);
   const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
   const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
@@ -154,8 +194,8 @@ std::optional<std::vector<double>> Hdf5File::ReadNumbers(
   const std::string& object, const std::string& name, std::size_t count) const
 {
   const Hdf5Scope scope;
-  const Hdf5Handle attribute(
-    ::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+  const Hdf5Handle attribute(::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(),
+                               H5P_DEFAULT, this->Links->GetAccess()),
     ::H5Aclose);
   const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
   const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
@@ -182,8 +222,8 @@ std::vector<std::string> Hdf5File::FindAttributes(const std::string& object) con
     return 0;
   };
   hsize_t at = 0;
-  ::H5Aiterate_by_name(
-    this->File->Get(), object.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note, &names, H5P_DEFAULT);
+  ::H5Aiterate_by_name(this->File->Get(), object.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note,
+    &names, this->Links->GetAccess());
   return names;
 }
 
@@ -197,8 +237,8 @@ std::vector<std::string> Hdf5File::FindNames(const std::string& group) const
     return 0;
   };
   hsize_t at = 0;
-  ::H5Literate_by_name(
-    this->File->Get(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note, &names, H5P_DEFAULT);
+  ::H5Literate_by_name(this->File->Get(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note,
+    &names, this->Links->GetAccess());
   return names;
 }
 

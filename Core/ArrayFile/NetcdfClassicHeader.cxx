@@ -2,8 +2,10 @@
 #include "ArrayFile/NetcdfClassicHeader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <vector>
 
 namespace isosurface
@@ -11,6 +13,7 @@ namespace isosurface
 namespace
 {
 
+constexpr std::uint64_t ShortHeaderSize = std::uint64_t{ 64 } << 10;
 constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 64 } << 20;
 
 /// To a multiple of 4.
@@ -179,24 +182,34 @@ Status CheckNetcdfClassicSize(
     return file.GetStatus();
   }
   const std::uint64_t size = (*file)->GetSize();
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min(size, MaximumHeaderSize)));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, bytes.size(), bytes.data()));
-  if (bytes.size() < 4 || !std::equal(bytes.begin(), bytes.begin() + 3, "CDF"))
+  // Most headers are short.
+  double end = 0;
+  bool isComplete = false;
+  for (std::uint64_t most = ShortHeaderSize; !isComplete && most <= MaximumHeaderSize; most *= 32)
   {
-    return Status::Ok();
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min(size, most)));
+    ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, bytes.size(), bytes.data()));
+    if (bytes.size() < 4 || !std::equal(bytes.begin(), bytes.begin() + 3, "CDF"))
+    {
+      return Status::Ok();
+    }
+    ClassicHeader header(std::move(bytes));
+    end = header.FindEnd(variable);
+    isComplete = header.IsComplete();
   }
-  ClassicHeader header(std::move(bytes));
-  const double end = header.FindEnd(variable);
-  if (!header.IsComplete())
+  if (!isComplete)
   {
     return Status(
       StatusCode::Corrupt, path + ": cannot be read: truncated: its header is not complete");
   }
   if (end > static_cast<double>(size))
   {
+    // It may be more than an integer counts.
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "%.0f", end);
     return Status(StatusCode::Corrupt,
       path + ":" + variable + ": cannot be read: truncated: the file has " + std::to_string(size) +
-        " bytes, and the samples end after " + std::to_string(static_cast<std::uint64_t>(end)));
+        " bytes, and the samples end after " + text.data());
   }
   return Status::Ok();
 }

@@ -7,6 +7,7 @@
 
 #include <netcdf.h>
 #if ISOSURFACE_HDF5
+#  include "ArrayFile/Hdf5File.h"
 #  include "ArrayFile/Hdf5Handle.h"
 #endif
 
@@ -154,6 +155,20 @@ NetcdfVariable Describe(int group, int number, const std::string& path)
   return variable;
 }
 
+/// The library follows all links of version 4 as it opens a file, however deep, and looks at nothing
+/// before.
+Status CheckLinks([[maybe_unused]] const std::string& path)
+{
+#if ISOSURFACE_HDF5
+  const auto file = Hdf5File::Open(path);
+  if (file.IsOk())
+  {
+    return file->CheckForOthers();
+  }
+#endif
+  return Status::Ok(); // the library tells what is wrong
+}
+
 int ReadBox(const NetcdfVariable& of, const std::vector<std::size_t>& low,
   const std::vector<std::size_t>& size, std::uint8_t* to)
 {
@@ -238,6 +253,7 @@ Result<NetcdfFile> NetcdfFile::Open(const std::string& path)
     return bytes.GetStatus();
   }
   ISOSURFACE_RETURN_IF_ERROR(CheckNetcdfClassicSize(GetLocalFileSystem(), path, ""));
+  ISOSURFACE_RETURN_IF_ERROR(CheckLinks(path));
   const NetcdfScope scope;
   int number = 0;
   const int code = ::nc_open(path.c_str(), NC_NOWRITE, &number);
@@ -327,12 +343,16 @@ std::optional<double> NetcdfFile::ReadNumber(
 
 Result<std::vector<double>> NetcdfFile::ReadNumbers(const NetcdfVariable& variable) const
 {
-  const NetcdfScope scope;
   constexpr std::int64_t most = std::int64_t{ 1 } << 24;
-  if (!variable.Type || variable.Shape.size() != 1 || variable.Shape[0] > most)
+  // A number of 64 bits has become negative.
+  if (!variable.Type || variable.Shape.size() != 1 || variable.Shape[0] < 0 ||
+    variable.Shape[0] > most)
   {
     return this->MakeError(StatusCode::Unsupported, variable, "it is no list of coordinates");
   }
+  ISOSURFACE_RETURN_IF_ERROR(
+    CheckNetcdfClassicSize(GetLocalFileSystem(), this->Path, variable.Path));
+  const NetcdfScope scope;
   std::vector<double> numbers(static_cast<std::size_t>(variable.Shape[0]));
   const int code = ::nc_get_var_double(variable.Group, variable.Variable, numbers.data());
   if (code != NC_NOERR)

@@ -34,6 +34,11 @@ Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file
     return datasets.GetStatus();
   }
   std::string known;
+  std::string refused;
+  for (const Hdf5Dataset& dataset : *datasets)
+  {
+    refused = refused.empty() ? dataset.Refusal : refused;
+  }
   for (std::size_t rank = 3; rank <= 5; ++rank)
   {
     std::vector<std::string> fitting;
@@ -54,6 +59,10 @@ Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file
     {
       break;
     }
+  }
+  if (known.empty() && !refused.empty())
+  {
+    return Status(StatusCode::Unsupported, refused);
   }
   return Status(StatusCode::NotFound,
     name.Path + ": cannot be read: " +
@@ -229,6 +238,15 @@ private:
   VolumeFile Volume;
 };
 
+Result<VolumeFile> AddFiles(Result<VolumeFile> volume, const Hdf5File& file)
+{
+  if (volume.IsOk())
+  {
+    volume->Files = file.FindFiles();
+  }
+  return volume;
+}
+
 } // namespace
 
 Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& choice)
@@ -246,7 +264,7 @@ Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& ch
   const std::string group = path.empty() ? "/VTKHDF" : path;
   if (file->Has(group) && !file->IsDataset(group) && file->ReadText(group, "Type"))
   {
-    return VtkHdfReader(name, *file, group).Open(choice);
+    return AddFiles(VtkHdfReader(name, *file, group).Open(choice), *file);
   }
   if (path.empty())
   {
@@ -257,7 +275,7 @@ Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& ch
     }
     path = *only;
   }
-  return OpenDataset(name, *file, path, choice);
+  return AddFiles(OpenDataset(name, *file, path, choice), *file);
 }
 
 Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name)

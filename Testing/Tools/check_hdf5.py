@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of h5py, read by blockvolume: check_hdf5.py TOOL MPIEXEC SCRATCH CLAIM"""
+import os
 import sys
 
 import h5py
 import numpy
 
-from sample_volumes import SHAPE, TYPES, SourceCase, make_samples, run_claim
+from sample_volumes import SHAPE, TYPES, SourceCase, list_files, make_samples, run_claim
 
 
 class Datasets(SourceCase):
@@ -152,6 +153,26 @@ class ErrorsAndLists(SourceCase):
         self.assertEqual([line.split("  ")[0].strip() for line in out.splitlines()],
                          ["/entry/line", "/entry/one", "/entry/two", "/name"])
         self.assertRegex(out, r"/entry/two +41 x 37 x 70 +float64 +chunks of 8 x 8 x 70, deflate\n")
+
+    def test_other_files_are_regular(self):
+        os.mkfifo(self.path("fifo"))
+        with h5py.File(self.path("part.h5"), "w") as file:
+            file["data"] = make_samples("int16")
+        with h5py.File(self.path("o.h5"), "w") as file:
+            for name in ("part.h5", "fifo"):
+                file["link-" + name] = h5py.ExternalLink(name, "/data")
+                layout = h5py.VirtualLayout(SHAPE, "int16")
+                layout[...] = h5py.VirtualSource(name, "data", shape=SHAPE)
+                file.create_virtual_dataset("virtual-" + name, layout)
+            file.create_dataset("raw", SHAPE, "int16", external=[("fifo", 0, h5py.h5f.UNLIMITED)])
+        expected = self.write_raw(make_samples("int16"), "data")
+        for name in ("link", "virtual"):
+            path = self.write(f"o.h5:/{name}-part.h5", "o.bvol", ranks=2)
+            self.assertEqual(sorted(list_files(path)), sorted(list_files(expected)))
+            self.assert_error(f"o.h5:/{name}-fifo", f"o.h5:/{name}-fifo: cannot be read",
+                              "fifo: cannot read: it is a FIFO", ranks=2)
+        self.assert_error("o.h5:/raw", "fifo", "it is a FIFO")
+        self.assertIn("virtual, refused", self.run_tool("--list", "o.h5")[1])
 
     def test_errors_name_file_dataset_and_reason(self):
         with h5py.File(self.path("e.h5"), "w") as file:

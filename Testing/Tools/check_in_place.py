@@ -190,6 +190,21 @@ class ChangesAndErrors(InPlaceCase):
         self.assertEqual((code, err), (0, ""))
         self.assert_sound(self.volume)
 
+    def test_a_changed_file_behind_a_link_or_a_virtual_dataset(self):
+        with h5py.File(self.path("master.h5"), "w") as file:
+            file["link"] = h5py.ExternalLink("a.h5", "/d")
+            layout = h5py.VirtualLayout(SHAPE, "int16")
+            layout[...] = h5py.VirtualSource("a.h5", "d", shape=SHAPE)
+            file.create_virtual_dataset("virtual", layout)
+        volumes = [self.index(f"master.h5:/{name}", name + ".bvol") for name in ("link", "virtual")]
+        for volume in volumes:
+            self.assert_sound(volume)
+            self.assertEqual(self.read_info(volume)["timeSteps"][0]["source"]["files"], 2)
+        with h5py.File(self.path("a.h5"), "r+") as file:
+            file["d"][3, 4, 5] += 1
+        for volume in volumes:
+            self.assert_faulty(volume, "master.h5:/", "was changed since")
+
     def test_refusals_are_one_line(self):
         self.samples.tofile(self.path("x.raw"))
         self.assert_error("x.raw", "--in-place", ".mhd", arguments=(
