@@ -4,6 +4,14 @@
 #include "ArrayFile/Hdf5File.h"
 #include "VolumeFile/VolumeFile.h"
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
 using namespace isosurface;
 
 namespace

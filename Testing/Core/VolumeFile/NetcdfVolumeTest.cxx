@@ -7,6 +7,11 @@
 
 #include <netcdf.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
 using namespace isosurface;
 
 namespace
