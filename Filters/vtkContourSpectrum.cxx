@@ -210,12 +210,13 @@ int vtkContourSpectrum::RequestData(
   if (status.IsOk())
   {
     status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
-    if (status.IsOk() && isosurface::IsAborted(*this))
-    {
-      status = Status(StatusCode::Aborted, "the spectrum was aborted");
-    }
-    status = ranks.Agree(status);
   }
+  if (isosurface::IsAborted(*this))
+  {
+    // Outweighs an error, such as that of a reader that was stopped before it had a volume.
+    status = Status(StatusCode::Aborted, "the spectrum was aborted");
+  }
+  status = ranks.Agree(status);
   if (status.IsOk())
   {
     return 1;

@@ -301,8 +301,9 @@ int vtkStabbingContour::RequestData(
   isosurface::ControllerCommunicator ranks(this->Controller);
   ContourWork::Outcome made;
   Status status = this->Work->Extract(inInfo, output->GetInformationObject(0), made);
-  if (status.IsOk() && isosurface::IsAborted(*this))
+  if (isosurface::IsAborted(*this))
   {
+    // Outweighs an error, such as that of a reader that was stopped before it had a volume.
     status = Status(StatusCode::Aborted, "The contour was aborted.");
   }
   status = ranks.Agree(status);

@@ -238,11 +238,14 @@ int vtkInPlaceVolumeReader::RequestData(
       vtkPartitionedDataSet::GetData(output, 0)->Initialize();
       if (status.GetCode() == StatusCode::Aborted)
       {
-        this->Modified(); // the next update begins anew
+        isosurface::MarkAborted(*this);
         return 1;
       }
       // A consumer that takes blocks is not executed behind an error.
-      BLOCKED_VOLUME()->GetHandle(output->GetInformationObject(0))->EndTaking();
+      if (auto* handle = BLOCKED_VOLUME()->GetHandle(output->GetInformationObject(0)))
+      {
+        handle->EndTaking();
+      }
       isosurface::ReportError(this, output, status);
       return 0;
     }

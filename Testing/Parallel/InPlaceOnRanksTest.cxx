@@ -121,6 +121,37 @@ TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
     triangles);
 }
 
+TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
+{
+  const SharedFolder folder("InPlaceStop");
+  const std::string source = folder.GetPath("scan.mhd");
+  if (GetRank() == 0)
+  {
+    WriteSource(MakeNoisyImage(), source);
+  }
+  GetRanks()->Barrier();
+  vtkNew<vtkInPlaceVolumeReader> reader;
+  reader->SetSourceName(source.c_str());
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetValue(0, Isovalue);
+  const ErrorCounter readerErrors(reader);
+  const ErrorCounter contourErrors(contour);
+  const ErrorCounter contourExecutiveErrors(contour->GetExecutive());
+  reader->SetAbortExecute(GetRank() == 0 ? 1 : 0);
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    EXPECT_EQ(contour->GetOutput()->GetNumberOfPoints(), 0);
+  }
+  reader->SetAbortExecute(0);
+  contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
+  EXPECT_EQ(contourErrors.Messages, std::vector<std::string>());
+  EXPECT_GT(
+    SumOverRanks(static_cast<std::uint64_t>(contour->GetOutput()->GetNumberOfPoints())), 0u);
+}
+
 // A consumer of blocks that was not executed must not keep a later slice from its samples.
 TEST(InPlaceOnRanks, OutputOfAReaderThatFailedBeforeIsWhole)
 {

@@ -165,7 +165,7 @@ extern "C" __attribute__((visibility("default"))) int pthread_create(
   {
     return EAGAIN;
   }
-  static const auto create = reinterpret_cast<decltype(&pthread_create)>(
-    dlsym(RTLD_NEXT, "pthread_create")); // NOLINT: the way POSIX says
+  static const auto create =
+    reinterpret_cast<decltype(&pthread_create)>(::dlsym(RTLD_NEXT, "pthread_create"));
   return create(thread, attributes, run, argument);
 }
