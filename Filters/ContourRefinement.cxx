@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <utility>
 #include <vector>
 
@@ -176,15 +175,12 @@ Status ContourWork::Prepare(const std::shared_ptr<BlockedVolume>& volume, const 
 {
   const Pass& pass = this->LastPass;
   const int threads = this->ChooseThreads();
-  try
-  {
-    this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, choice, threads });
-    return Status::Ok();
-  }
-  catch (const std::exception& exception)
-  {
-    return MakeExceptionError("the next surface cannot be prepared", exception);
-  }
+  return Attempt("the next surface cannot be prepared",
+    [&]
+    {
+      this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, choice, threads });
+      return Status::Ok();
+    });
 }
 
 //------------------------------------------------------------------------------

@@ -106,12 +106,15 @@ Result<ImageContour::Outcome> ImageContour::Extract(Communicator& ranks, const I
 {
   Outcome outcome;
   Prepared prepared;
+  const auto prepare = [&] { return this->Prepare(pieces, settings, prepared, outcome.Arrays); };
   ISOSURFACE_RETURN_IF_ERROR(
-    ranks.Agree(this->Prepare(pieces, settings, prepared, outcome.Arrays)));
+    ranks.Agree(Attempt("the images of the input cannot be contoured", prepare)));
   prepared.Layers.Resize(pieces.Pieces.size());
   if (request.Normals)
   {
-    prepared.Layers = PieceLayers::Collect(ranks, prepared.Pieces);
+    auto layers = PieceLayers::Collect(ranks, prepared.Pieces);
+    ISOSURFACE_RETURN_IF_ERROR(layers.GetStatus());
+    prepared.Layers = std::move(*layers);
   }
   request.Attributes.clear();
   for (const InterpolatedArray& array : outcome.Arrays)

@@ -121,58 +121,76 @@ void AppendPart(const LayeredPiece& piece, const VertexBox& box, Message& messag
     });
 }
 
+// A part for the samples of a supply, before they arrive.
+PieceLayers::Part MakeRoom(const LayeredPiece& piece, const Supply& supply)
+{
+  const auto count = static_cast<std::size_t>(supply.Box.GetNumberOfVertices());
+  PieceLayers::Part part;
+  part.Rank = supply.Rank;
+  part.Box = supply.Box;
+  part.Samples = Buffer<std::uint8_t>(count * GetValueSize(piece.Scalars.Type));
+  part.Known.resize(count);
+  return part;
+}
+
 } // namespace
 
-PieceLayers PieceLayers::Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces)
+Result<PieceLayers> PieceLayers::Collect(
+  Communicator& ranks, const std::vector<LayeredPiece>& pieces)
 {
   const std::vector<std::vector<PlacedPiece>> all = GatherPieces(ranks, pieces);
   std::vector<Message> outgoing(all.size());
-  bool isAnyNeeded = false;
-  std::vector<std::vector<Supply>> mine;
-  for (std::size_t rank = 0; rank < all.size(); ++rank)
-  {
-    for (const PlacedPiece& piece : all[rank])
-    {
-      const std::vector<Supply> supplies = FindSupplies(all, piece);
-      isAnyNeeded = isAnyNeeded || !supplies.empty();
-      for (const Supply& supply : supplies)
-      {
-        if (supply.Rank == ranks.GetRank())
-        {
-          AppendPart(pieces[supply.Piece], supply.Box, outgoing[rank]);
-        }
-      }
-      if (rank == static_cast<std::size_t>(ranks.GetRank()))
-      {
-        mine.push_back(supplies);
-      }
-    }
-  }
+  bool isAnyNeeded = false; // the same on all ranks
   PieceLayers layers;
   layers.Parts.resize(pieces.size());
-  if (!isAnyNeeded)
+  // Packs what other pieces need of this rank's, and makes room for what its own ones need.
+  const auto pack = [&]
   {
-    return layers; // on all ranks
-  }
-  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
-  std::vector<std::size_t> used(incoming.size(), 0);
-  for (std::size_t piece = 0; piece < pieces.size(); ++piece)
-  {
-    for (const Supply& supply : mine[piece])
+    for (std::size_t rank = 0; rank < all.size(); ++rank)
     {
-      const auto count = static_cast<std::size_t>(supply.Box.GetNumberOfVertices());
-      const std::size_t bytes = count * GetValueSize(pieces[piece].Scalars.Type);
-      const auto rank = static_cast<std::size_t>(supply.Rank);
-      const std::uint8_t* from = &incoming[rank][used[rank]];
-      Part& part = layers.Parts[piece].emplace_back();
-      part.Box = supply.Box;
-      part.Samples = Buffer<std::uint8_t>(bytes);
-      std::memcpy(part.Samples.GetData(), from, bytes);
-      part.Known.assign(from + bytes, from + bytes + count);
-      used[rank] += bytes + count;
+      for (std::size_t number = 0; number < all[rank].size(); ++number)
+      {
+        const std::vector<Supply> supplies = FindSupplies(all, all[rank][number]);
+        isAnyNeeded = isAnyNeeded || !supplies.empty();
+        for (const Supply& supply : supplies)
+        {
+          if (supply.Rank == ranks.GetRank())
+          {
+            AppendPart(pieces[supply.Piece], supply.Box, outgoing[rank]);
+          }
+          if (rank == static_cast<std::size_t>(ranks.GetRank()))
+          {
+            layers.Parts[number].push_back(MakeRoom(pieces[number], supply));
+          }
+        }
+      }
     }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(Attempt("the layers around the pieces of images cannot be collected", pack)));
+  if (isAnyNeeded)
+  {
+    layers.Place(ranks.Exchange(std::move(outgoing)));
   }
   return layers;
+}
+
+void PieceLayers::Place(const std::vector<Message>& incoming)
+{
+  std::vector<std::size_t> used(incoming.size(), 0);
+  for (std::vector<Part>& parts : this->Parts)
+  {
+    for (Part& part : parts)
+    {
+      const auto rank = static_cast<std::size_t>(part.Rank);
+      const std::uint8_t* from = &incoming[rank][used[rank]];
+      const std::size_t bytes = part.Samples.GetSize();
+      std::memcpy(part.Samples.GetData(), from, bytes);
+      std::memcpy(part.Known.data(), from + bytes, part.Known.size());
+      used[rank] += bytes + part.Known.size();
+    }
+  }
 }
 
 //------------------------------------------------------------------------------

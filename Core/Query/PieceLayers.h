@@ -33,8 +33,8 @@ public:
   PieceLayers() = default;
 
   /// Collective. Cost: a box of each piece to all ranks, and the samples of the layers, a byte more
-  /// for each.
-  static PieceLayers Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces);
+  /// for each. OutOfMemory, before any samples are sent.
+  static Result<PieceLayers> Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces);
 
   /// No layers, for so many pieces.
   void Resize(std::size_t pieces) { this->Parts.resize(pieces); }
@@ -42,6 +42,7 @@ public:
   /// A part of the layer around a piece.
   struct Part
   {
+    int Rank = 0; ///< that had the samples
     VertexBox Box;
     Buffer<std::uint8_t> Samples;    ///< x fastest
     std::vector<std::uint8_t> Known; ///< 1 for a sample that is not hidden
@@ -51,6 +52,9 @@ public:
   const std::vector<Part>& GetParts(std::size_t piece) const { return this->Parts[piece]; }
 
 private:
+  /// Takes the samples of all parts from the messages of the ranks.
+  void Place(const std::vector<Message>& incoming);
+
   std::vector<std::vector<Part>> Parts;
 };
 
