@@ -296,26 +296,27 @@ Status ViewportCompositor::Composite(Communicator& communicator, const DisplayLa
   const int me = communicator.GetRank();
   this->BytesSent = 0;
   const std::string context = "an image cannot be composited";
-  std::vector<Message> outgoing;
+  std::vector<Message> encoded;
   const auto encode = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(CheckArguments(communicator, display, viewports, mine, tile));
     this->Display = display;
     this->Cells = PlanCompositing(viewports, display.Tiles);
     this->Delivered = wantsDepths ? PixelContent::ColorsAndDepths : PixelContent::Colors;
-    outgoing = this->EncodeSamples(me, viewports, mine);
+    encoded = this->EncodeSamples(me, viewports, mine);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(communicator.Agree(Attempt(context, encode)));
-  const std::vector<Message> samples = this->Send(communicator, std::move(outgoing));
+  const std::vector<Message> samples = this->Send(communicator, std::move(encoded));
+  std::vector<Message> encodedCells;
   const auto merge = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(this->MergeOwnedCells(me, viewports, mine, samples));
-    outgoing = this->EncodeMergedCells(me, viewports.size(), mine);
+    encodedCells = this->EncodeMergedCells(me, viewports.size(), mine);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(communicator.Agree(Attempt(context, merge)));
-  const std::vector<Message> merged = this->Send(communicator, std::move(outgoing));
+  const std::vector<Message> merged = this->Send(communicator, std::move(encodedCells));
   return communicator.Agree(
     Attempt(context, [&] { return this->FillTile(me, mine, merged, tile); }));
 }
