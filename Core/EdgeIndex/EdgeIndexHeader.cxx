@@ -167,8 +167,8 @@ CrossingIntervals EdgeIndexHeader::GetIntervals() const
   std::frexp(maximum, &exponent);
   const double rounding = std::ldexp(1.0, exponent - 25) + std::ldexp(1.0, -20);
   const double spare = this->Settings.MaximumError - rounding;
-  // Float parameters do not distinguish more intervals well.
-  if (!(spare > 0) || 0.5 / spare > 1048576.0)
+  // Float parameters do not distinguish more intervals well. Lossless streams may have any error.
+  if (!(spare > 0) || 0.5 / spare > 1048576.0 || this->Settings.MaximumError > 0.5)
   {
     return {};
   }

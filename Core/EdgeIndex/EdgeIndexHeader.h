@@ -115,7 +115,7 @@ struct EdgeIndexHeader
   EdgeIndexHeader MakePreview() const;
 
   /// The intervals of an edge in bounded mode; none if MaximumError is too small for float
-  /// coordinates on this grid.
+  /// coordinates on this grid, or above half an edge, as it may be in other modes.
   CrossingIntervals GetIntervals() const;
 
   /// The type of decoded samples: Type, or Float32 if quantized.
