@@ -2,9 +2,13 @@
 #ifndef isosurface_Testing_Hdf5OnDisk_h
 #define isosurface_Testing_Hdf5OnDisk_h
 
+#include "Base/FileSystem.h"
+#include "VolumeFile/VolumeFile.h"
+
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -176,6 +180,35 @@ inline void WriteRawSamples(
   file << std::string(before, 'x');
   file.write(reinterpret_cast<const char*>(samples.data()),
     static_cast<std::streamsize>(2 * samples.size() - missing));
+}
+
+inline Result<VolumeFile> OpenLocal(const std::string& name)
+{
+  return VolumeFile::Open(GetLocalFileSystem(), name);
+}
+
+/// Expects the samples of MakeHdf5Samples().
+inline void ExpectVolume(const std::string& name)
+{
+  const auto volume = OpenLocal(name);
+  ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
+  const VertexBox& box = volume->Source->GetBox();
+  ASSERT_TRUE(box.GetSize() == (Index3{ 6, 5, 4 }));
+  const auto slab = volume->Source->Read(box);
+  ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
+  const auto* samples = reinterpret_cast<const std::int16_t*>(slab->Arrays[0].First);
+  const std::vector<std::int16_t> expected = MakeHdf5Samples();
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), samples));
+}
+
+/// Expects an error that has the words.
+inline void ExpectWords(const Status& status, const std::vector<std::string>& words)
+{
+  ASSERT_FALSE(status.IsOk());
+  for (const std::string& word : words)
+  {
+    EXPECT_NE(status.GetMessage().find(word), std::string::npos) << status.GetMessage();
+  }
 }
 
 } // namespace isosurface

@@ -7,7 +7,6 @@
 
 #include <netcdf.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,37 +16,10 @@ using namespace isosurface;
 namespace
 {
 
-Result<VolumeFile> Open(const std::string& name)
-{
-  return VolumeFile::Open(GetLocalFileSystem(), name);
-}
-
-void ExpectVolume(const std::string& name)
-{
-  const auto volume = Open(name);
-  ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
-  const VertexBox& box = volume->Source->GetBox();
-  ASSERT_TRUE(box.GetSize() == (Index3{ 6, 5, 4 }));
-  const auto slab = volume->Source->Read(box);
-  ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
-  const auto* samples = reinterpret_cast<const std::int16_t*>(slab->Arrays[0].First);
-  const std::vector<std::int16_t> expected = MakeHdf5Samples();
-  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), samples));
-}
-
-void ExpectWords(const Status& status, const std::vector<std::string>& words)
-{
-  ASSERT_FALSE(status.IsOk());
-  for (const std::string& word : words)
-  {
-    EXPECT_NE(status.GetMessage().find(word), std::string::npos) << status.GetMessage();
-  }
-}
-
 /// One error, of opening and of listing, which has the words.
 void ExpectRefused(const std::string& path, const std::vector<std::string>& words)
 {
-  ExpectWords(Open(path).GetStatus(), words);
+  ExpectWords(OpenLocal(path).GetStatus(), words);
   ExpectWords(VolumeFile::List(GetLocalFileSystem(), path).GetStatus(), words);
 }
 
@@ -136,9 +108,9 @@ TEST(NetcdfVolume, CoordinatesAndTimesThatWereCutOffAreAnError)
     for (const int format : { 0, NC_64BIT_OFFSET, NC_64BIT_DATA })
     {
       WriteCoordinates(path, line, format);
-      ASSERT_TRUE(Open(path).IsOk());
+      ASSERT_TRUE(OpenLocal(path).IsOk());
       std::filesystem::resize_file(path, std::filesystem::file_size(path) - 8);
-      ExpectWords(Open(path).GetStatus(), { "a.nc:" + std::string(line), "truncated" });
+      ExpectWords(OpenLocal(path).GetStatus(), { "a.nc:" + std::string(line), "truncated" });
     }
   }
 }
