@@ -12,6 +12,8 @@ namespace
 
 constexpr std::size_t MaximumSegments = 15;
 constexpr std::size_t RunHeaderSize = 64;
+/// Two bytes are 128 at most.
+constexpr std::size_t MaximumRatio = 64;
 
 std::uint64_t LoadBigEndian(const std::uint8_t* bytes, std::size_t size)
 {
@@ -91,7 +93,7 @@ bool DecodeRunLengths(const std::vector<std::uint8_t>& code, std::size_t count,
   std::size_t valueSize, std::vector<std::uint8_t>& to)
 {
   if (code.size() < RunHeaderSize || LoadLittleEndian<std::uint32_t>(code.data()) != valueSize ||
-    valueSize > MaximumSegments)
+    valueSize > MaximumSegments || count > MaximumRatio * code.size() / valueSize)
   {
     return false;
   }

@@ -2,6 +2,7 @@
 #include "Fixtures/DicomBytes.h"
 #include "Fixtures/SampleFiles.h"
 
+#include "VolumeFile/DicomCompression.h"
 #include "VolumeFile/DicomDataSet.h"
 
 using namespace isosurface;
@@ -247,4 +248,19 @@ TEST(DicomDataSet, DamagedFilesGiveErrorsOrValues)
     }
   }
   EXPECT_GT(refused, 100);
+}
+
+TEST(DicomCompression, RunLengthsOfFewBytesMakeNoLargeImage)
+{
+  Bytes code(66, 0);
+  code[0] = 1;    // segment
+  code[4] = 64;   // where it begins
+  code[64] = 129; // 128 times
+  code[65] = 7;
+  Bytes samples;
+  EXPECT_TRUE(DecodeRunLengths(code, 128, 1, samples));
+  EXPECT_EQ(samples, Bytes(128, 7));
+  samples.clear();
+  EXPECT_FALSE(DecodeRunLengths(code, std::size_t{ 1 } << 33, 1, samples));
+  EXPECT_TRUE(samples.empty()); // and nothing of the size was allocated
 }
