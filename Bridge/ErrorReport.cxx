@@ -92,6 +92,21 @@ void MarkAborted(vtkAlgorithm& algorithm)
 #endif
 }
 
+int EndExecution(vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& status)
+{
+  if (status.GetCode() == StatusCode::Aborted)
+  {
+    MarkAborted(*algorithm);
+    return 1;
+  }
+  if (!status.IsOk())
+  {
+    ReportError(algorithm, output, status);
+    return 0;
+  }
+  return 1;
+}
+
 void IgnoreAbortedInput(vtkAlgorithm& algorithm)
 {
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)

@@ -44,6 +44,11 @@ ISOSURFACEBRIDGE_EXPORT bool IsAborted(vtkAlgorithm& algorithm);
 /// it before RequestData returns 1, on all ranks.
 ISOSURFACEBRIDGE_EXPORT void MarkAborted(vtkAlgorithm& algorithm);
 
+/// What RequestData returns once all ranks have agreed on how it ended: 1 if it is done or was
+/// stopped, which is marked; 0 after an error, which is reported.
+ISOSURFACEBRIDGE_EXPORT int EndExecution(
+  vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& status);
+
 /// Lets an algorithm work though what is before it has stopped once, whose data it does not take.
 ISOSURFACEBRIDGE_EXPORT void IgnoreAbortedInput(vtkAlgorithm& algorithm);
 

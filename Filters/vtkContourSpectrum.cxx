@@ -222,13 +222,7 @@ int vtkContourSpectrum::RequestData(
     return 1;
   }
   table->Initialize();
-  if (status.GetCode() == StatusCode::Aborted)
-  {
-    isosurface::MarkAborted(*this);
-    return 1;
-  }
-  isosurface::ReportError(this, output, status);
-  return 0;
+  return isosurface::EndExecution(this, output, status);
 }
 
 //------------------------------------------------------------------------------

@@ -214,13 +214,7 @@ int vtkDistributeIsosurface::RequestData(
     return 1;
   }
   polyData->Initialize();
-  if (status.GetCode() == StatusCode::Aborted)
-  {
-    isosurface::MarkAborted(*this);
-    return 1;
-  }
-  isosurface::ReportError(this, output, status);
-  return 0;
+  return isosurface::EndExecution(this, output, status);
 }
 
 //------------------------------------------------------------------------------

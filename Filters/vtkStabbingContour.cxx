@@ -309,15 +309,9 @@ int vtkStabbingContour::RequestData(
   status = ranks.Agree(status);
   this->Final = !status.IsOk() || made.Final;
   this->Work->SetShown(status.IsOk(), made.Extracted.NumberOfTriangles);
-  if (status.GetCode() == StatusCode::Aborted)
-  {
-    isosurface::MarkAborted(*this);
-    return 1;
-  }
   if (!status.IsOk())
   {
-    isosurface::ReportError(this, output, status);
-    return 0;
+    return isosurface::EndExecution(this, output, status);
   }
 
   made.Cost.Triangles = made.Extracted.NumberOfTriangles;

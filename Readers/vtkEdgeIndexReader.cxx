@@ -226,15 +226,11 @@ int vtkEdgeIndexReader::RequestData(
     return 1;
   }
   polyData->Initialize();
-  if (status.GetCode() == StatusCode::Aborted)
+  if (status.GetCode() != StatusCode::Aborted)
   {
-    isosurface::MarkAborted(*this);
-    return 1;
+    this->Internal->OpenTime = 0; // the file may be whole the next time
   }
-  // The file may be whole the next time.
-  this->Internal->OpenTime = 0;
-  isosurface::ReportError(this, output, status);
-  return 0;
+  return isosurface::EndExecution(this, output, status);
 }
 
 //------------------------------------------------------------------------------
