@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkMetabufferPass.h"
 
+#include "Base/Fingerprint.h"
 #include "Compositing/FramePlanner.h"
 #include "Compositing/ImageScaling.h"
 #include "Compositing/ViewportCompositor.h"
@@ -48,6 +49,26 @@ std::uint32_t* GetColors(vtkSynchronizedRenderers::vtkRawImage& image)
   return reinterpret_cast<std::uint32_t*>(image.GetRawPtr()->GetPointer(0));
 }
 
+int GetLength(const isosurface::DisplayLayout& display)
+{
+  const PixelRectangle extent = display.GetExtent();
+  return std::max(extent.Width, extent.Height);
+}
+
+std::uint64_t ComputeFingerprint(const isosurface::DisplayLayout& display)
+{
+  isosurface::Fingerprint fingerprint;
+  for (const DisplayTile& tile : display.Tiles)
+  {
+    for (const int number :
+      { tile.Pixels.X, tile.Pixels.Y, tile.Pixels.Width, tile.Pixels.Height, tile.Rank })
+    {
+      fingerprint.AddNumber(static_cast<std::uint64_t>(number));
+    }
+  }
+  return fingerprint.Get();
+}
+
 } // namespace
 
 /// The steps of a frame, and their state between frames.
@@ -67,8 +88,9 @@ public:
 
   /// Whether all ranks can use viewports. Collective, unless there is no controller.
   static bool IsPossibleOnAll(const vtkMetabufferPass& pass, bool isPossible);
-  /// Whether all ranks are ready to draw, with the settings that decide who sends what.
-  static Status AgreeToDraw(const vtkMetabufferPass& pass, bool isReady);
+  /// Whether all ranks are ready to draw, with the display and the settings that decide who sends
+  /// what.
+  Status AgreeToDraw(const vtkMetabufferPass& pass, bool isReady) const;
   /// Agrees on the viewports of all ranks.
   void PlanFrame(const vtkMetabufferPass& pass, const vtkRenderState* state);
   /// Draws this rank's viewport, reads it back, and upsamples it if the pass does. An error of one
@@ -110,7 +132,7 @@ bool vtkMetabufferPass::Internals::IsPossibleOnAll(const vtkMetabufferPass& pass
   return impossible.front() == 0;
 }
 
-Status vtkMetabufferPass::Internals::AgreeToDraw(const vtkMetabufferPass& pass, bool isReady)
+Status vtkMetabufferPass::Internals::AgreeToDraw(const vtkMetabufferPass& pass, bool isReady) const
 {
   const Status mine = isReady
     ? Status::Ok()
@@ -121,7 +143,8 @@ Status vtkMetabufferPass::Internals::AgreeToDraw(const vtkMetabufferPass& pass, 
       { { static_cast<std::uint64_t>(pass.CompositeMode),
           "the ranks of the view have different composite modes" },
         { flag(pass.SmoothUpsampling), "some ranks of the view upsample smoothly, some do not" },
-        { flag(pass.AntiAliasing != 0), "some ranks of the view antialias, some do not" } });
+        { flag(pass.AntiAliasing != 0), "some ranks of the view antialias, some do not" },
+        { ComputeFingerprint(this->Display), "the ranks of the view have different displays" } });
 }
 
 void vtkMetabufferPass::Internals::PlanFrame(
@@ -271,8 +294,15 @@ void vtkMetabufferPass::Render(const vtkRenderState* state)
   internal.ReadSeconds = 0;
   internal.DrawnPixels = 0;
   internal.BytesSent = 0;
-  internal.UsedViewports =
-    internal.IsPossibleOnAll(*this, this->CanUseViewports(state)) && this->RenderViewports(state);
+  internal.UsedViewports = internal.IsPossibleOnAll(*this, this->CanUseViewports(state));
+  if (internal.UsedViewports)
+  {
+    const Status status = this->RenderViewports(state);
+    if (!status.IsOk())
+    {
+      this->FailFrame(state, status);
+    }
+  }
   if (internal.UsedViewports)
   {
     internal.LastSeconds = vtkTimerLog::GetUniversalTime() - begin;
@@ -286,33 +316,31 @@ void vtkMetabufferPass::Render(const vtkRenderState* state)
   this->Superclass::Render(state);
 }
 
-bool vtkMetabufferPass::RenderViewports(const vtkRenderState* state)
+Status vtkMetabufferPass::RenderViewports(const vtkRenderState* state)
 {
-  this->IceTContext->SetController(this->Controller);
-  const Status ready = this->Internal->AgreeToDraw(*this, this->IceTContext->IsValid());
-  if (!ready.IsOk())
-  {
-    this->FailFrame(state, ready);
-    return true;
-  }
-  this->IceTContext->MakeCurrent();
+  Internals& internal = *this->Internal;
   vtkOpenGLState* gl =
     static_cast<vtkOpenGLRenderWindow*>(state->GetRenderer()->GetRenderWindow())->GetState();
   const vtkOpenGLState::ScopedglViewport keepViewport(gl);
   const vtkOpenGLState::ScopedglScissor keepScissor(gl);
   const vtkOpenGLState::ScopedglEnableDisable keepTest(gl, GL_SCISSOR_TEST);
-  if (!this->SetUpDisplay(state))
+  this->IceTContext->SetController(this->Controller);
+  const bool isReady = this->IceTContext->IsValid() != 0;
+  if (isReady)
   {
-    return false;
+    this->IceTContext->MakeCurrent();
+    this->SetUpDisplay(state);
   }
-  if (!this->Internal->Display.GetExtent().IsEmpty())
+  ISOSURFACE_RETURN_IF_ERROR(internal.AgreeToDraw(*this, isReady));
+  internal.UsedViewports = GetLength(internal.Display) <= MaximumDisplay;
+  if (internal.UsedViewports && !internal.Display.GetExtent().IsEmpty())
   {
-    this->DrawFrame(state);
+    return this->DrawFrame(state);
   }
-  return true;
+  return Status::Ok();
 }
 
-bool vtkMetabufferPass::SetUpDisplay(const vtkRenderState* state)
+void vtkMetabufferPass::SetUpDisplay(const vtkRenderState* state)
 {
   // Tiles, formats and strategy as in the superclass. A scissor keeps it from clearing the window,
   // and IceT gets no bounds, by which it would cut the viewport.
@@ -328,37 +356,28 @@ bool vtkMetabufferPass::SetUpDisplay(const vtkRenderState* state)
 
   isosurface::DisplayLayout& display = this->Internal->Display;
   display = isosurface::GetIceTDisplay();
-  const PixelRectangle extent = display.GetExtent();
-  const int length = std::max(extent.Width, extent.Height);
-  if (this->AntiAliasing && length <= MaximumDisplay / SamplesOfAntiAliasing)
+  if (this->AntiAliasing && GetLength(display) <= MaximumDisplay / SamplesOfAntiAliasing)
   {
     display = isosurface::MakeDisplayLayout(display.Tiles, SamplesOfAntiAliasing);
   }
-  return length <= MaximumDisplay;
 }
 
-void vtkMetabufferPass::DrawFrame(const vtkRenderState* state)
+Status vtkMetabufferPass::DrawFrame(const vtkRenderState* state)
 {
   Internals& internal = *this->Internal;
   internal.PlanFrame(*this, state);
   ImageView image;
-  Status status = internal.Draw(*this, state, image);
+  const Status drawn = internal.Draw(*this, state, image);
   vtkOpenGLClearErrorMacro();
-  if (status.IsOk())
-  {
-    status = internal.Merge(*this, image);
-  }
-  if (!status.IsOk())
-  {
-    this->FailFrame(state, status);
-    return;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(drawn);
+  ISOSURFACE_RETURN_IF_ERROR(internal.Merge(*this, image));
   if (this->ShowViewports && this->LastRenderedRGBAColors->IsValid())
   {
     internal.DrawOutlines(*this);
   }
   this->DisplayResultsIfNeeded(state);
   this->CleanupContext(state);
+  return Status::Ok();
 }
 
 void vtkMetabufferPass::FailFrame(const vtkRenderState* state, const isosurface::Status& status)

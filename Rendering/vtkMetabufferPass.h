@@ -183,12 +183,13 @@ private:
    * on all ranks, image reduction, empty images that are to be rendered, and another framebuffer.
    */
   bool CanUseViewports(const vtkRenderState* state);
-  /// Collective. False if the display is too large for viewports; then nothing was drawn.
-  bool RenderViewports(const vtkRenderState* state);
-  /// Finds the tiles of the display. False if it is too large for viewports.
-  bool SetUpDisplay(const vtkRenderState* state);
+  /// Collective. If the display is too large for viewports, UsedViewports is false, and nothing was
+  /// drawn. An error of one rank is one of all.
+  isosurface::Status RenderViewports(const vtkRenderState* state);
+  /// Finds the tiles of the display.
+  void SetUpDisplay(const vtkRenderState* state);
   /// Collective: draws all viewports of a frame and merges them to the last rendered image.
-  void DrawFrame(const vtkRenderState* state);
+  isosurface::Status DrawFrame(const vtkRenderState* state);
   /// Leaves no image, and reports the error unless it is another rank's.
   void FailFrame(const vtkRenderState* state, const isosurface::Status& status);
 

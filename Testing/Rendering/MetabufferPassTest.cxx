@@ -222,6 +222,14 @@ TEST(MetabufferPass, RanksThatDifferEndTheFrameWithAnErrorAndTheNextOneWorks)
   pass->SetCompositeMode(vtkMetabufferPass::DIRECT_SEND);
   ExpectSame(ours.Render(), expected, "the same mode on all ranks again");
 
+  listener.Messages.clear();
+  pass->SetTileDimensions(isOdd ? 2 : 1, 1);
+  ours.Render();
+  EXPECT_NE(listener.Messages.find("different displays (rank"), std::string::npos)
+    << listener.Messages;
+  pass->SetTileDimensions(1, 1);
+  ExpectSame(ours.Render(), expected, "the same display on all ranks again");
+
   // Viewports are used by all ranks or by none.
   pass->SetRenderEmptyImages(isOdd);
   ours.Render();
