@@ -165,8 +165,10 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
 {
   std::vector<Leaf> leaves;
   std::size_t numberOfImages = 0;
-  ISOSURFACE_RETURN_IF_ERROR(
-    ranks.Agree(CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages)));
+  const std::string context = "the images of the input cannot be prepared";
+  const auto collect = [&]
+  { return CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages); };
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context, collect)));
   std::vector<std::uint64_t> counts{ numberOfImages, leaves.size() };
   ranks.ReduceSum(counts);
   if (counts[0] > 0 && counts[1] == 0)
@@ -176,20 +178,19 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
 
   ImagePieces pieces;
   const std::vector<std::size_t> numbers = UniteLeaves(ranks, leaves, pieces);
-  Status status;
-  for (std::size_t n = 0; n < leaves.size(); ++n)
+  const auto prepare = [&]() -> Status
   {
-    const Leaf& leaf = leaves[n];
-    const std::size_t grid = numbers[n];
-    Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
-    if (!samples.IsOk())
+    for (std::size_t n = 0; n < leaves.size(); ++n)
     {
-      status = samples.GetStatus();
-      break;
+      const Leaf& leaf = leaves[n];
+      const std::size_t grid = numbers[n];
+      Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
+      ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+      pieces.Pieces.push_back({ leaf.Image, leaf.Owner, std::move(*samples), grid });
     }
-    pieces.Pieces.push_back({ leaf.Image, leaf.Owner, std::move(*samples), grid });
-  }
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context, prepare)));
   return pieces;
 }
 

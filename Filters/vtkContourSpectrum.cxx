@@ -306,13 +306,19 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
   std::vector<isosurface::ChosenScalars> chosen;
   std::vector<isosurface::SampleView> scalars;
-  for (const isosurface::ImagePiece& piece : pieces->Pieces)
+  const auto choose = [&]
   {
-    const int component = *isosurface::FindChosenComponent(
-      static_cast<int>(piece.Samples.Components.size()), this->Filter.Component);
-    chosen.emplace_back(piece.Samples, component, threads);
-    scalars.push_back(chosen.back().GetView(piece.Samples));
-  }
+    for (const isosurface::ImagePiece& piece : pieces->Pieces)
+    {
+      const int component = *isosurface::FindChosenComponent(
+        static_cast<int>(piece.Samples.Components.size()), this->Filter.Component);
+      chosen.emplace_back(piece.Samples, component, threads);
+      scalars.push_back(chosen.back().GetView(piece.Samples));
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->Ranks.Agree(isosurface::Attempt("the images of the input cannot be prepared", choose)));
   const auto type = FindType(this->Ranks, scalars);
   if (!type.IsOk() || !*type)
   {

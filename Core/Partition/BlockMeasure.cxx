@@ -113,17 +113,22 @@ std::uint64_t Scale(std::int64_t number, double factor)
 
 } // namespace
 
-void MeasureSums::Reduce(Communicator& ranks)
+std::vector<std::uint64_t> MeasureSums::GetNumbers() const
 {
-  std::vector<std::uint64_t> values;
+  std::vector<std::uint64_t> numbers;
+  numbers.reserve(3 * this->Changes.size());
   for (const Change& change : this->Changes)
   {
-    values.insert(values.end(), { change.Area, change.Constant, change.Slope });
+    numbers.insert(numbers.end(), { change.Area, change.Constant, change.Slope });
   }
-  ranks.ReduceSum(values);
+  return numbers;
+}
+
+void MeasureSums::SetNumbers(const std::vector<std::uint64_t>& numbers)
+{
   for (std::size_t bin = 0; bin < this->Changes.size(); ++bin)
   {
-    this->Changes[bin] = { values[3 * bin], values[3 * bin + 1], values[3 * bin + 2] };
+    this->Changes[bin] = { numbers[3 * bin], numbers[3 * bin + 1], numbers[3 * bin + 2] };
   }
 }
 

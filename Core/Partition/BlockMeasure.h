@@ -2,7 +2,6 @@
 #ifndef isosurface_BlockMeasure_h
 #define isosurface_BlockMeasure_h
 
-#include "Base/Communicator.h"
 #include "Partition/CellMeasure.h"
 #include "Partition/WorkloadSpectrum.h"
 #include "Volume/GridGeometry.h"
@@ -42,8 +41,9 @@ struct MeasureSums
   {
   }
 
-  /// Collective: adds up the sums of all ranks, on all ranks.
-  void Reduce(Communicator& ranks);
+  /// The changes one after the other, for ranks to add up, and from there.
+  std::vector<std::uint64_t> GetNumbers() const;
+  void SetNumbers(const std::vector<std::uint64_t>& numbers);
 
   /// Sets Area and Volume of a spectrum that has the bins of these sums.
   void SetMeasures(WorkloadSpectrum& spectrum) const;

@@ -20,22 +20,11 @@ Status MakeAborted()
   return Status(StatusCode::Aborted, "The computation of the spectrum was aborted.");
 }
 
-/// Joins the ranges of all ranks.
-void ReduceRanges(Communicator& ranks, std::vector<KeyRange>& ranges)
+// A step of one rank that needs memory. An error of one rank is one of all.
+template <typename Step>
+Status AttemptOnAll(Communicator& ranks, Step&& step)
 {
-  std::vector<std::uint64_t> minima;
-  std::vector<std::uint64_t> maxima;
-  for (const KeyRange& range : ranges)
-  {
-    minima.push_back(range.Minimum);
-    maxima.push_back(range.Maximum);
-  }
-  ranks.ReduceMinimum(minima);
-  ranks.ReduceMaximum(maxima);
-  for (std::size_t index = 0; index < ranges.size(); ++index)
-  {
-    ranges[index] = { minima[index], maxima[index] };
-  }
+  return ranks.Agree(Attempt("the samples of the spectrum cannot be counted", step));
 }
 
 void Join(KeyRange& range, const KeyRange& other)
@@ -62,8 +51,12 @@ GridSpectrum::GridSpectrum(
   , Blocks(grid.Geometry.GetDimensions(), BlockSize)
   , Pieces(std::move(pieces))
   , Threads(std::max(1, threads))
-  , Ranges(static_cast<std::size_t>(this->Blocks.GetNumberOfBlocks()))
 {
+}
+
+void GridSpectrum::FindParts()
+{
+  this->Parts.clear();
   const Index3& last = this->Blocks.GetNumberOfBlocksPerAxis();
   for (std::size_t piece = 0; piece < this->Pieces.size(); ++piece)
   {
@@ -98,8 +91,11 @@ GridSpectrum::GridSpectrum(
   }
 }
 
-Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
+Status GridSpectrum::FindOwnRanges(const Progress& progress)
 {
+  this->FindParts();
+  this->Ranges.assign(static_cast<std::size_t>(this->Blocks.GetNumberOfBlocks()), {});
+  this->FiniteRange = {};
   std::vector<SampleRange> found(this->Parts.size());
   const bool isDone = ParallelFor(
     this->Parts.size(), this->Threads,
@@ -109,23 +105,46 @@ Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
       found[index] = FindSampleRange(this->Pieces[part.Piece], part.Box);
     },
     progress);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isDone ? Status::Ok() : MakeAborted()));
-  std::vector<KeyRange> finite(1);
+  if (!isDone)
+  {
+    return MakeAborted();
+  }
   for (std::size_t index = 0; index < found.size(); ++index)
   {
     Join(this->Ranges[static_cast<std::size_t>(this->Parts[index].Block)], found[index].All);
-    Join(finite[0], found[index].Finite);
+    Join(this->FiniteRange, found[index].Finite);
   }
-  ReduceRanges(ranks, this->Ranges);
-  ReduceRanges(ranks, finite);
-  this->FiniteRange = finite[0];
   return Status::Ok();
 }
 
-GridSpectrum::Counted GridSpectrum::MakeCounted(const SpectrumBins& bins) const
+Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
 {
-  return { BlockWorkload(bins), BlockMeasure(bins, this->Grid), WorkloadSpectrum(bins),
-    MeasureSums(bins) };
+  // Of the blocks, then of the finite values.
+  std::vector<std::uint64_t> minima;
+  std::vector<std::uint64_t> maxima;
+  const auto find = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->FindOwnRanges(progress));
+    minima.reserve(this->Ranges.size() + 1);
+    maxima.reserve(this->Ranges.size() + 1);
+    for (const KeyRange& range : this->Ranges)
+    {
+      minima.push_back(range.Minimum);
+      maxima.push_back(range.Maximum);
+    }
+    minima.push_back(this->FiniteRange.Minimum);
+    maxima.push_back(this->FiniteRange.Maximum);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, find));
+  ranks.ReduceMinimum(minima);
+  ranks.ReduceMaximum(maxima);
+  for (std::size_t block = 0; block < this->Ranges.size(); ++block)
+  {
+    this->Ranges[block] = { minima[block], maxima[block] };
+  }
+  this->FiniteRange = { minima.back(), maxima.back() };
+  return Status::Ok();
 }
 
 void GridSpectrum::CountPart(const Part& part, Counted& counted) const
@@ -142,32 +161,34 @@ void GridSpectrum::CountPart(const Part& part, Counted& counted) const
   counted.Measure.Count(view);
 }
 
-Result<WorkloadSpectrum> GridSpectrum::Count(
-  Communicator& ranks, const SpectrumBins& bins, const Progress& progress) const
+Status GridSpectrum::CountOwn(
+  const SpectrumBins& bins, const Progress& progress, std::vector<Counted>& counted) const
 {
-  std::vector<Counted> counted;
   counted.reserve(static_cast<std::size_t>(this->Threads));
   for (int thread = 0; thread < this->Threads; ++thread)
   {
-    counted.push_back(this->MakeCounted(bins));
+    counted.push_back({ BlockWorkload(bins), BlockMeasure(bins, this->Grid), WorkloadSpectrum(bins),
+      MeasureSums(bins) });
   }
   const bool isDone = ParallelFor(
     this->Parts.size(), this->Threads,
     [&](std::size_t index, int thread)
     { this->CountPart(this->Parts[index], counted[static_cast<std::size_t>(thread)]); },
     progress);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(isDone ? Status::Ok() : MakeAborted()));
-
-  Counted& sum = counted.front();
+  if (!isDone)
+  {
+    return MakeAborted();
+  }
   for (Counted& ofThread : counted)
   {
-    ofThread.Workload.MoveTo(sum.Spectrum);
-    ofThread.Measure.MoveTo(sum.Sums);
+    ofThread.Workload.MoveTo(counted.front().Spectrum);
+    ofThread.Measure.MoveTo(counted.front().Sums);
   }
-  ranks.ReduceSum(sum.Spectrum.Triangles);
-  ranks.ReduceSum(sum.Spectrum.ActiveCells);
-  sum.Sums.Reduce(ranks);
-  sum.Sums.SetMeasures(sum.Spectrum);
+  return Status::Ok();
+}
+
+void GridSpectrum::SetActivity(const SpectrumBins& bins, WorkloadSpectrum& spectrum) const
+{
   BlockActivity activity(this->Type, bins);
   for (std::size_t block = 0; block < this->Ranges.size(); ++block)
   {
@@ -175,7 +196,28 @@ Result<WorkloadSpectrum> GridSpectrum::Count(
     activity.Add(this->Ranges[block],
       static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type));
   }
-  activity.SetActivity(sum.Spectrum);
+  activity.SetActivity(spectrum);
+}
+
+Result<WorkloadSpectrum> GridSpectrum::Count(
+  Communicator& ranks, const SpectrumBins& bins, const Progress& progress) const
+{
+  std::vector<Counted> counted;
+  std::vector<std::uint64_t> sums;
+  const auto count = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CountOwn(bins, progress, counted));
+    this->SetActivity(bins, counted.front().Spectrum);
+    sums = counted.front().Sums.GetNumbers();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, count));
+  Counted& sum = counted.front();
+  ranks.ReduceSum(sum.Spectrum.Triangles);
+  ranks.ReduceSum(sum.Spectrum.ActiveCells);
+  ranks.ReduceSum(sums);
+  sum.Sums.SetNumbers(sums);
+  sum.Sums.SetMeasures(sum.Spectrum);
   sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
   sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
   return std::move(sum.Spectrum);

@@ -42,14 +42,15 @@ public:
   GridSpectrum(
     const MeasuredGrid& grid, ValueType type, std::vector<SampleView> pieces, int threads);
 
-  /// Collective. Finds the value range of every block. Errors: Aborted.
+  /// Collective. Finds the value range of every block. Errors of one rank are errors of all:
+  /// Aborted, OutOfMemory.
   Status FindRanges(Communicator& ranks, const Progress& progress = {});
 
   /// The range of the finite values of all ranks. Call FindRanges() first.
   const KeyRange& GetFiniteRange() const { return this->FiniteRange; }
 
   /// Collective. Computes the spectrum in bins that cover the finite range. The result is the same
-  /// on all ranks. Errors: Aborted.
+  /// on all ranks. Errors: as above.
   Result<WorkloadSpectrum> Count(
     Communicator& ranks, const SpectrumBins& bins, const Progress& progress = {}) const;
 
@@ -63,7 +64,14 @@ private:
   };
   struct Counted;
 
-  Counted MakeCounted(const SpectrumBins& bins) const;
+  void FindParts();
+  /// The ranges of this rank's samples, by block.
+  Status FindOwnRanges(const Progress& progress);
+  /// Counts this rank's samples: the sums of all threads in the first of `counted`.
+  Status CountOwn(
+    const SpectrumBins& bins, const Progress& progress, std::vector<Counted>& counted) const;
+  /// The active blocks and their bytes: from the ranges of all ranks.
+  void SetActivity(const SpectrumBins& bins, WorkloadSpectrum& spectrum) const;
   void CountPart(const Part& part, Counted& counted) const;
 
   MeasuredGrid Grid;
@@ -72,7 +80,7 @@ private:
   std::vector<SampleView> Pieces;
   std::vector<Part> Parts;
   int Threads;
-  std::vector<KeyRange> Ranges; ///< per block
+  std::vector<KeyRange> Ranges; ///< per block; of this rank, then of all
   KeyRange FiniteRange;
 };
 

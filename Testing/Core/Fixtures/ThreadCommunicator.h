@@ -116,7 +116,7 @@ private:
     std::size_t Arrived = 0;
     std::uint64_t Round = 0;
     std::vector<std::vector<Message>> Slots;
-    std::vector<std::vector<std::uint64_t>> Values;
+    std::vector<std::vector<std::uint64_t>*> Values;
     std::vector<std::atomic<std::uint64_t>> Counters;
   };
 
@@ -154,15 +154,21 @@ private:
   template <typename Operation>
   void Reduce(std::vector<std::uint64_t>& values, Operation operation)
   {
-    this->Shared.Values[static_cast<std::size_t>(this->Rank)] = values;
+    // Without memory of its own, which could be short on one rank.
+    this->Shared.Values[static_cast<std::size_t>(this->Rank)] = &values;
     this->Shared.Wait();
-    for (std::size_t rank = 0; rank < this->Shared.Values.size(); ++rank)
+    if (this->Rank == 0)
     {
-      for (std::size_t index = 0; index < values.size(); ++index)
+      for (std::size_t rank = 1; rank < this->Shared.Values.size(); ++rank)
       {
-        values[index] = rank == 0 ? this->Shared.Values[0][index]
-                                  : operation(values[index], this->Shared.Values[rank][index]);
+        std::transform(values.begin(), values.end(), this->Shared.Values[rank]->begin(),
+          values.begin(), operation);
       }
+    }
+    this->Shared.Wait();
+    if (this->Rank != 0)
+    {
+      std::copy(this->Shared.Values[0]->begin(), this->Shared.Values[0]->end(), values.begin());
     }
     this->Shared.Wait();
   }

@@ -6,6 +6,7 @@
 #include "Fixtures/VolumeOnDisk.h"
 
 #include "EdgeIndex/EdgeIndexWriteJob.h"
+#include "Partition/GridSpectrum.h"
 #include "Query/ProgressiveLevels.h"
 #include "Query/StoredBlockSource.h"
 #include "Query/VolumeContour.h"
@@ -98,6 +99,17 @@ struct RankDeeds
     settings.Threads = 1;
     settings.RoundBytes = 500;
     return SurfaceExchange(ranks, header, request, settings).Run(source).GetStatus();
+  }
+
+  /// Of a volume in memory, in slabs.
+  static Status CountSpectrum(Communicator& ranks, FileSystem&)
+  {
+    const VertexBox box = SlabOfEach(ranks.GetRank(), ranks.GetSize(), Size);
+    const PieceOfVolume<std::uint8_t> part(GetOther(), box);
+    GridSpectrum spectrum(MakeGeometry(Size), ValueType::UInt8, { part.View }, 1);
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.FindRanges(ranks));
+    const auto bins = SpectrumBins::Choose(ValueType::UInt8, spectrum.GetFiniteRange());
+    return spectrum.Count(ranks, bins).GetStatus();
   }
 
   /// Of the volume on the disk, and of the one in its place.

@@ -99,7 +99,10 @@ protected:
         AllocationsLeft = isOdd ? allocation : -1;
         const Status status = deed(communicator, this->Disk);
         AllocationsLeft = -1;
-        hasFailed = hasFailed || (isOdd && HasFailed);
+        if (isOdd && HasFailed)
+        {
+          hasFailed = true;
+        }
         successes += status.IsOk() ? 1 : 0;
       });
     return !hasFailed      ? NothingFailed
@@ -162,6 +165,11 @@ TEST_P(RankWithoutMemory, FailsWithAllWithinABudget)
 TEST_P(RankWithoutMemory, FailsWithAllWhenDistributing)
 {
   this->ForEachAllocation(RankDeeds::Distribute, 0);
+}
+
+TEST_P(RankWithoutMemory, FailsWithAllWhenCountingASpectrum)
+{
+  this->ForEachAllocation(RankDeeds::CountSpectrum, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RankWithoutMemory, testing::Values(2, 3, 4, 7));
