@@ -58,20 +58,36 @@ bool DecodeSegment(const std::uint8_t* begin, const std::uint8_t* end, std::size
   return true;
 }
 
-} // namespace
-
-std::optional<std::array<std::uint64_t, 3>> FindCompressedSize(
-  const std::uint8_t* bytes, std::size_t size)
+/// Where the codestream of JPEG 2000 begins: at once, or in one of the boxes of a JP2 file, each with
+/// its length, its kind and its contents. `size` if it has none.
+std::size_t FindCodestream(const std::uint8_t* bytes, std::size_t size)
 {
-  if (size >= 42 && LoadBigEndian(bytes, 4) == 0xff4fff51) // JPEG 2000
+  constexpr std::uint64_t signatureBox = 0x6a502020;
+  constexpr std::uint64_t codestreamBox = 0x6a703263;
+  if (size < 8 || LoadBigEndian(bytes + 4, 4) != signatureBox)
   {
-    return std::array<std::uint64_t, 3>{ LoadBigEndian(bytes + 8, 4) - LoadBigEndian(bytes + 16, 4),
-      LoadBigEndian(bytes + 12, 4) - LoadBigEndian(bytes + 20, 4), LoadBigEndian(bytes + 40, 2) };
+    return 0;
   }
-  if (size < 4 || LoadBigEndian(bytes, 2) != 0xffd8)
+  for (std::size_t at = 0; size - at >= 16;)
   {
-    return std::nullopt;
+    const std::uint64_t shortLength = LoadBigEndian(bytes + at, 4);
+    const bool isLong = shortLength == 1;
+    if (LoadBigEndian(bytes + at + 4, 4) == codestreamBox)
+    {
+      return at + (isLong ? 16 : 8);
+    }
+    const std::uint64_t length = isLong ? LoadBigEndian(bytes + at + 8, 8) : shortLength;
+    if (length < 8 || length > size - at)
+    {
+      return size;
+    }
+    at += static_cast<std::size_t>(length);
   }
+  return size;
+}
+
+std::optional<CompressedSize> FindJpegSize(const std::uint8_t* bytes, std::size_t size)
+{
   for (std::size_t at = 2; at + 10 <= size && bytes[at] == 0xff;)
   {
     const std::uint8_t marker = bytes[at + 1];
@@ -80,13 +96,31 @@ std::optional<std::array<std::uint64_t, 3>> FindCompressedSize(
       marker == 0xf7;
     if (isFrame)
     {
-      return std::array<std::uint64_t, 3>{ LoadBigEndian(bytes + at + 7, 2),
-        LoadBigEndian(bytes + at + 5, 2), bytes[at + 9] };
+      return CompressedSize{ LoadBigEndian(bytes + at + 7, 2), LoadBigEndian(bytes + at + 5, 2),
+        bytes[at + 9] };
     }
     // Fill bytes stand alone; every other segment before the frame has a length.
     at += marker == 0xff ? 1 : 2 + static_cast<std::size_t>(LoadBigEndian(bytes + at + 2, 2));
   }
   return std::nullopt;
+}
+
+} // namespace
+
+std::optional<CompressedSize> FindCompressedSize(const std::uint8_t* bytes, std::size_t size)
+{
+  if (size >= 2 && LoadBigEndian(bytes, 2) == 0xffd8)
+  {
+    return FindJpegSize(bytes, size);
+  }
+  const std::size_t begin = FindCodestream(bytes, size);
+  const std::uint8_t* const code = bytes + begin;
+  if (size - begin < 42 || LoadBigEndian(code, 4) != 0xff4fff51)
+  {
+    return std::nullopt;
+  }
+  return CompressedSize{ LoadBigEndian(code + 8, 4) - LoadBigEndian(code + 16, 4),
+    LoadBigEndian(code + 12, 4) - LoadBigEndian(code + 20, 4), LoadBigEndian(code + 40, 2) };
 }
 
 bool DecodeRunLengths(const std::vector<std::uint8_t>& code, std::size_t count,

@@ -13,10 +13,13 @@
 namespace isosurface
 {
 
-/// Columns, rows and components that a stream of JPEG, JPEG-LS or JPEG 2000 names. Nothing if it is
-/// none, or JPEG 2000 in a file of its own.
-std::optional<std::array<std::uint64_t, 3>> FindCompressedSize(
-  const std::uint8_t* bytes, std::size_t size);
+/// Columns, rows and components.
+using CompressedSize = std::array<std::uint64_t, 3>;
+
+/// What a stream of JPEG, JPEG-LS or JPEG 2000, also one in a JP2 file, names before its first sample.
+/// Nothing if it is none, or damaged up to there. Source: ISO/IEC 10918-1, B; 14495-1, C; 15444-1, A
+/// and I.
+std::optional<CompressedSize> FindCompressedSize(const std::uint8_t* bytes, std::size_t size);
 
 /// Decodes an image of DICOM's run lengths: appends `count` little-endian samples of `valueSize` bytes.
 /// False if it is damaged or truncated. Source: DICOM PS3.5, G.

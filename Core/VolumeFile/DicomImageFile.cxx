@@ -171,10 +171,13 @@ Status DicomImageFile::TakePixels(DicomDataSet& tags)
   const std::size_t begin = this->Bytes.size();
   ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
   const auto size = FindCompressedSize(this->Bytes.data() + begin, this->Bytes.size() - begin);
-  if (size &&
-    *size !=
-      std::array<std::uint64_t, 3>{ static_cast<std::uint64_t>(this->Slice.Columns),
-        static_cast<std::uint64_t>(this->Slice.Rows), 1 })
+  if (!size)
+  {
+    return this->MakeError("it does not begin as JPEG, JPEG-LS or JPEG 2000");
+  }
+  if (*size !=
+    CompressedSize{ static_cast<std::uint64_t>(this->Slice.Columns),
+      static_cast<std::uint64_t>(this->Slice.Rows), 1 })
   {
     return this->MakeError("it is of another size than its header says");
   }

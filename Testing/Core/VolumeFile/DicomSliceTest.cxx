@@ -175,7 +175,9 @@ TEST(DicomSlice, RunLengthsAreDecodedWithinTheirBounds)
 
 TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
 {
-  // The start of JPEG-LS and of JPEG 2000, for 3 x 2 and for other sizes.
+  // The starts of JPEG-LS and of JPEG 2000, for 3 x 2 and for other sizes.
+  const std::string lossless = "1.2.840.10008.1.2.4.80";
+  const std::string wavelets = "1.2.840.10008.1.2.4.90";
   const auto make = [](const std::string& syntax, const Bytes& code)
   {
     DicomBytes bytes;
@@ -184,13 +186,32 @@ TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
     bytes.PutItem(static_cast<std::uint32_t>(code.size()));
     return bytes.PutRaw(std::string(code.begin(), code.end())).PutEnd(DicomBytes::SequenceEnd);
   };
-  ExpectRefused(make("1.2.840.10008.1.2.4.80",
-                  { 0xff, 0xd8, 0xff, 0xf7, 0, 11, 16, 0, 1, 0, 3, 1, 1, 0x11, 0, 0 }),
-    "another size");
+  const auto join = [](Bytes first, const Bytes& second)
+  {
+    first.insert(first.end(), second.begin(), second.end());
+    return first;
+  };
+  const Bytes frame = { 0xff, 0xf7, 0, 11, 16, 0, 1, 0, 3, 1, 1, 0x11, 0, 0 };
+  ExpectRefused(make(lossless, join({ 0xff, 0xd8 }, frame)), "another size");
+  ExpectRefused(
+    make(lossless, join({ 0xff, 0xd8, 0xff, 0xe0, 0, 4, 1, 2 }, frame)), "another size");
+  ExpectRefused(make(lossless, join({ 0xff, 0xd8, 7 }, frame)), "does not begin as JPEG");
+  ExpectRefused(make(lossless, frame), "does not begin as JPEG");
+
   Bytes code = { 0xff, 0x4f, 0xff, 0x51, 0, 41, 0, 0, 0, 0, 0xff, 0, 0, 0, 0xff, 0 };
   code.resize(60);
   code[41] = 1;
-  ExpectRefused(make("1.2.840.10008.1.2.4.90", code), "another size");
+  const Bytes signature = { 0, 0, 0, 12, 0x6a, 0x50, 0x20, 0x20, 0x0d, 0x0a, 0x87, 0x0a };
+  const Bytes box = { 0, 0, 0, 68, 0x6a, 0x70, 0x32, 0x63 };
+  const Bytes longBox = { 0, 0, 0, 1, 0x6a, 0x70, 0x32, 0x63, 0, 0, 0, 0, 0, 0, 0, 76 };
+  ExpectRefused(make(wavelets, code), "another size");
+  ExpectRefused(make(wavelets, join(signature, join(box, code))), "another size");
+  ExpectRefused(make(wavelets, join(signature, join(longBox, code))), "another size");
+  ExpectRefused(make(wavelets, join(signature, code)), "does not begin as JPEG");
+  ExpectRefused(make(wavelets, signature), "does not begin as JPEG");
+  // A marker that is skipped comes before the size.
+  code.insert(code.begin() + 2, { 0xff, 0x30 });
+  ExpectRefused(make(wavelets, code), "does not begin as JPEG");
 }
 
 TEST(DicomSlice, APathThatTheSystemRefusesIsAnError)
