@@ -5,6 +5,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
+#include "VolumeFile/DicomCompression.h"
 #include "VolumeFile/DicomDataSet.h"
 
 #include <zlib.h>
@@ -20,6 +21,7 @@ namespace
 
 constexpr const char* Path = "/data/a.dcm";
 constexpr std::uint64_t MostPixels = std::uint64_t{ 1 } << 20;
+constexpr double MostCoded = 1 << 16;
 
 SealedBytes DeflateElements(const std::uint8_t* bytes, std::size_t size)
 {
@@ -45,6 +47,22 @@ void RequireNamed(const Status& status)
     "an error names the file");
 }
 
+/// What is done to compressed images before GDCM gets them.
+void Decompress(const DicomDataSet& tags, const std::vector<std::uint8_t>& pixels)
+{
+  static_cast<void>(FindCompressedSize(pixels.data(), pixels.size()));
+  const double count = tags.GetNumber(0x00280010, 0) * tags.GetNumber(0x00280011, 0);
+  const double bits = tags.GetNumber(0x00280100, 0);
+  if (count >= 1 && count <= MostCoded && (bits == 8 || bits == 16 || bits == 32))
+  {
+    std::vector<std::uint8_t> samples;
+    const auto size = static_cast<std::size_t>(bits) / 8;
+    const bool isDecoded = DecodeRunLengths(pixels, static_cast<std::size_t>(count), size, samples);
+    Require(!isDecoded || samples.size() == static_cast<std::size_t>(count) * size,
+      "run lengths are all samples");
+  }
+}
+
 void ReadAll(DicomDataSet& tags, std::uint64_t size)
 {
   const Status header = tags.ReadHeader();
@@ -61,6 +79,7 @@ void ReadAll(DicomDataSet& tags, std::uint64_t size)
     std::vector<std::uint8_t> pixels;
     RequireNamed(tags.AppendPixels(std::min(tags.GetPixelSize(), MostPixels), pixels));
     Require(pixels.size() <= std::max(size, MostPixels), "pixels are in the file");
+    Decompress(tags, pixels);
   }
 }
 

@@ -312,7 +312,7 @@ void AddEdgeIndexFiles(Corpus& corpus)
 
 /// An image of 3 x 2 samples behind other elements.
 void AddDicomImage(Corpus& corpus, const std::string& name, const std::string& syntax,
-  const DicomBytes& others = {}, bool hasFragments = false)
+  const DicomBytes& others = {}, const std::vector<std::string>& fragments = {})
 {
   const bool isDeflated = syntax == "1.2.840.10008.1.2.1.99";
   DicomBytes bytes;
@@ -324,10 +324,14 @@ void AddDicomImage(Corpus& corpus, const std::string& name, const std::string& s
   bytes.IsImplicit = syntax == "1.2.840.10008.1.2";
   bytes.IsBigEndian = syntax == "1.2.840.10008.1.2.2";
   bytes.PutImage(3, 2);
-  if (hasFragments)
+  if (!fragments.empty())
   {
-    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0).PutItem(4).PutRaw("abcd");
-    bytes.PutItem(2).PutRaw("ef").PutEnd(DicomBytes::SequenceEnd);
+    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0);
+    for (const std::string& fragment : fragments)
+    {
+      bytes.PutItem(static_cast<std::uint32_t>(fragment.size())).PutRaw(fragment);
+    }
+    bytes.PutEnd(DicomBytes::SequenceEnd);
   }
   else
   {
@@ -338,6 +342,26 @@ void AddDicomImage(Corpus& corpus, const std::string& name, const std::string& s
   corpus.Add("DicomDataSet", name, file);
 }
 
+/// The starts of compressed images, and one of run lengths, of 3 x 2 samples.
+void AddCompressedDicomImages(Corpus& corpus)
+{
+  DicomBytes runs;
+  runs.Put(2, 4).Put(64, 4).Put(67, 4).PutRaw(std::string(52, '\0'));
+  runs.Put(251, 1).Put(1, 1).Put(128, 1).Put(2, 1).PutRaw("abc").Put(254, 1).Put(7, 1).Put(0, 1);
+  const auto toText = [](const DicomBytes& bytes)
+  { return std::string(bytes.Get().begin(), bytes.Get().end()); };
+  AddDicomImage(corpus, "run-lengths", "1.2.840.10008.1.2.5", {}, { toText(runs) });
+  DicomBytes frame;
+  frame.Put(0xd8ff, 2).Put(0xe0ff, 2).Put(0x0400, 2).PutRaw("ab").Put(0xc3ff, 2).Put(0x0b00, 2);
+  frame.Put(16, 1).Put(0x0200, 2).Put(0x0300, 2).Put(1, 1).PutRaw("abc");
+  AddDicomImage(corpus, "jpeg", "1.2.840.10008.1.2.4.70", {}, { toText(frame) });
+  DicomBytes boxes;
+  boxes.Put(0x0c000000, 4).PutRaw("jP  \r\n\x87\n").Put(0, 4).PutRaw("jp2c");
+  boxes.Put(0x51ff4fff, 4).Put(0x2900, 2).Put(0, 2).Put(0x03000000, 4).Put(0x02000000, 4);
+  boxes.PutRaw(std::string(24, '\0')).Put(0x0100, 2).Put(15, 1).Put(0x0101, 2);
+  AddDicomImage(corpus, "jpeg-2000-in-boxes", "1.2.840.10008.1.2.4.90", {}, { toText(boxes) });
+}
+
 void AddDicomImages(Corpus& corpus)
 {
   const std::string plain = "1.2.840.10008.1.2.1";
@@ -345,7 +369,8 @@ void AddDicomImages(Corpus& corpus)
   AddDicomImage(corpus, "implicit", "1.2.840.10008.1.2");
   AddDicomImage(corpus, "explicit-big-endian", "1.2.840.10008.1.2.2");
   AddDicomImage(corpus, "deflated", "1.2.840.10008.1.2.1.99");
-  AddDicomImage(corpus, "fragments", "1.2.840.10008.1.2.4.70", {}, true);
+  AddDicomImage(corpus, "fragments", "1.2.840.10008.1.2.4.70", {}, { "abcd", "ef" });
+  AddCompressedDicomImages(corpus);
   DicomBytes nested;
   nested.PutHead(0x00081140, "SQ", 18).PutItem(10).PutNumber(0x00280010, 2);
   nested.PutHead(0x00081140, "SQ", DicomBytes::Undefined).PutItem();
