@@ -99,7 +99,12 @@ std::optional<CompressedSize> FindJpegSize(const std::uint8_t* bytes, std::size_
       return CompressedSize{ LoadBigEndian(bytes + at + 7, 2), LoadBigEndian(bytes + at + 5, 2),
         bytes[at + 9] };
     }
-    // Fill bytes stand alone; every other segment before the frame has a length.
+    // Fill bytes stand alone. Other markers without a length have no place before the frame, but
+    // decoders skip them.
+    if (marker < 0xc0 || (marker >= 0xd0 && marker <= 0xd9))
+    {
+      return std::nullopt;
+    }
     at += marker == 0xff ? 1 : 2 + static_cast<std::size_t>(LoadBigEndian(bytes + at + 2, 2));
   }
   return std::nullopt;

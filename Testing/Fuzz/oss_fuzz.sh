@@ -3,7 +3,9 @@
 # compilers, their flags and the engine are what the environment names, and $OUT gets, for each target, the
 # program, its corpus, its dictionary and its options; $OUT/lib the libraries that the machine which fuzzes
 # may not have. $WORK, if there is one, is where it is built. Without OSS-Fuzz:
-#   CC=clang CXX=clang++ CFLAGS='-O1 -g -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined' CXXFLAGS="$CFLAGS" \
+#   CC=clang CXX=clang++ \
+#     CFLAGS='-O1 -g -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined' \
+#     CXXFLAGS="$CFLAGS" \
 #     LIB_FUZZING_ENGINE=-fsanitize=fuzzer OUT=/tmp/fuzzers Testing/Fuzz/oss_fuzz.sh
 set -eu
 : "${CC:?}" "${CXX:?}" "${CFLAGS:?}" "${CXXFLAGS:?}" "${LIB_FUZZING_ENGINE:?}" "${OUT:?}"

@@ -196,6 +196,12 @@ TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
   ExpectRefused(
     make(lossless, join({ 0xff, 0xd8, 0xff, 0xe0, 0, 4, 1, 2 }, frame)), "another size");
   ExpectRefused(make(lossless, join({ 0xff, 0xd8, 7 }, frame)), "does not begin as JPEG");
+  // Markers without a length, which a decoder skips: to the size behind them, not to the other one.
+  for (const std::uint8_t marker : { 0x00, 0x01, 0xd0, 0xd7, 0xd8, 0xd9 })
+  {
+    ExpectRefused(make(lossless, join({ 0xff, 0xd8, 0xff, marker, 0, 4, 1, 2 }, frame)),
+      "does not begin as JPEG");
+  }
   ExpectRefused(make(lossless, frame), "does not begin as JPEG");
 
   Bytes code = { 0xff, 0x4f, 0xff, 0x51, 0, 41, 0, 0, 0, 0, 0xff, 0, 0, 0, 0xff, 0 };
