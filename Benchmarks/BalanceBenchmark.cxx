@@ -6,7 +6,7 @@
 #include "MeasuredVolume.h"
 #include "VolumeQuery.h"
 
-#include "Base/ParallelFor.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BenchmarkVolume.h"
 
-#include "Base/ParallelFor.h"
-#include "Contour/BlockRanges.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Surface/Contour/BlockRanges.h"
 
 #include <algorithm>
 #include <cmath>

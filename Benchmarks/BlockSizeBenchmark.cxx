@@ -19,7 +19,7 @@
 #include "vtkXMLImageDataReader.h"
 
 #include "ImageSamples.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>
 

@@ -2,9 +2,9 @@
 #ifndef isosurface_BlockSpectra_h
 #define isosurface_BlockSpectra_h
 
-#include "Partition/WorkloadSpectrum.h"
-#include "Volume/ValueKey.h"
-#include "Volume/ValueType.h"
+#include "Ground/Volume/ValueKey.h"
+#include "Ground/Volume/ValueType.h"
+#include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -24,9 +24,9 @@
 #include "vtkXMLImageDataReader.h"
 
 #include "ImageSamples.h"
-#include "Record/RecordCodec.h"
-#include "Store/BlockedVolume.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Storage/Record/RecordCodec.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>
 

@@ -27,10 +27,10 @@
 #include "vtkUnsignedShortArray.h"
 #include "vtkXMLImageDataReader.h"
 
-#include "Contour/BlockRanges.h"
-#include "Contour/GridBlockSource.h"
-#include "Contour/SurfaceExtractor.h"
 #include "ImageSamples.h"
+#include "Surface/Contour/BlockRanges.h"
+#include "Surface/Contour/GridBlockSource.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 
 #include <CLI/CLI.hpp>
 

@@ -14,9 +14,9 @@
  */
 #include "SurfacePeers.h"
 
-#include "Contour/SurfaceExtractor.h"
-#include "EdgeIndex/EdgeIndexDecoder.h"
-#include "EdgeIndex/EdgeIndexEncoder.h"
+#include "Coding/EdgeIndex/EdgeIndexDecoder.h"
+#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 
 #include <CLI/CLI.hpp>
 #include <draco/compression/decode.h>

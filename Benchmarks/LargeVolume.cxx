@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LargeVolume.h"
 
-#include "Base/ParallelFor.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <cmath>

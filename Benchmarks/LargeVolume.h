@@ -4,9 +4,9 @@
 
 #include "LatticeSampler.h"
 
-#include "Base/FileSystem.h"
-#include "Base/Status.h"
-#include "VolumeFile/RawVolume.h"
+#include "Formats/Plain/RawVolume.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
 
 #include <cstdint>
 #include <string>

@@ -2,7 +2,7 @@
 #ifndef isosurface_LatticeSampler_h
 #define isosurface_LatticeSampler_h
 
-#include "Volume/GridGeometry.h"
+#include "Ground/Volume/GridGeometry.h"
 
 #include <array>
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include "LargeVolume.h"
 #include "VolumeQuery.h"
 
-#include "Base/ParallelFor.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <CLI/CLI.hpp>
 

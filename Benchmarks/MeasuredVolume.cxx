@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MeasuredVolume.h"
 
-#include "Base/ParallelFor.h"
-#include "Partition/BlockWorkload.h"
-#include "Store/BlockedVolume.h"
-#include "Volume/SampleRange.h"
-#include "VolumeFile/RawVolume.h"
-#include "Writing/BlockProfileScan.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Formats/Plain/RawVolume.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/SampleRange.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Writing/BlockProfileScan.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
+#include "Surface/Spectrum/BlockWorkload.h"
 
 #include <mutex>
 #include <utility>

@@ -4,10 +4,10 @@
 
 #include "BlockSpectra.h"
 
-#include "Base/Status.h"
-#include "Partition/BlockDistribution.h"
-#include "Partition/BlockProfile.h"
-#include "Volume/ValueKey.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ValueKey.h"
+#include "Storage/Distribution/BlockDistribution.h"
+#include "Storage/Distribution/BlockProfile.h"
 
 #include <cstdint>
 #include <string>

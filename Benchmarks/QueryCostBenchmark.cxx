@@ -6,8 +6,8 @@
 #include "MeasuredVolume.h"
 #include "VolumeQuery.h"
 
-#include "Base/ParallelFor.h"
-#include "Store/BlockedVolume.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <CLI/CLI.hpp>
 

@@ -6,9 +6,9 @@
 // once.
 #include "MeasuredVolume.h"
 
-#include "Base/ParallelFor.h"
-#include "Store/BlockedVolumeHeader.h"
-#include "Store/ReplicaBalance.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/ReplicaBalance.h"
 
 #include <CLI/CLI.hpp>
 

@@ -2,7 +2,7 @@
 #ifndef isosurface_Benchmarks_SurfacePeers_h
 #define isosurface_Benchmarks_SurfacePeers_h
 
-#include "Contour/Surface.h"
+#include "Surface/Contour/Surface.h"
 
 #include <cstddef>
 #include <string>

@@ -8,7 +8,7 @@
 namespace isosurface
 {
 
-/// Writes tables of Core/TrainedModels as its MakeTables.cmake reads them: a line with name, type
+/// Writes tables of Core/Coding/TrainedModels as its MakeTables.cmake reads them: a line with name, type
 /// and count, then the numbers.
 class TableFile
 {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Learns what the edge-index models know before their first block, and writes
- * Core/TrainedModels/priors.txt, or with --crossings curved-crossings.txt. The blocks of all
+ * Core/Coding/TrainedModels/priors.txt, or with --crossings curved-crossings.txt. The blocks of all
  * surfaces take turns, so that no surface is learnt last. Needed only after a change of a model,
  * which changes the format.
  */
 #include "TableFile.h"
 #include "TrainingSurface.h"
 
-#include "BlockCoding/BlockCoding.h"
-#include "EdgeIndex/SampledBlock.h"
+#include "Coding/BlockCoding/BlockCoding.h"
+#include "Coding/EdgeIndex/SampledBlock.h"
 
 #include <CLI/CLI.hpp>
 

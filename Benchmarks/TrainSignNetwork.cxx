@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Learns the network that predicts signs in the profile compact (SignNetwork), and writes
- * Core/TrainedModels/sign-network.txt. Needed only after a change of its inputs, which changes the
+ * Core/Coding/TrainedModels/sign-network.txt. Needed only after a change of its inputs, which changes the
  * format.
  *
  * Stochastic gradient descent in batches: D. P. Kingma and J. Ba, "Adam: a method for stochastic
@@ -10,8 +10,8 @@
 #include "TableFile.h"
 #include "TrainingSurface.h"
 
-#include "BlockCoding/SignNeighborhood.h"
-#include "EdgeIndex/SampledBlock.h"
+#include "Coding/BlockCoding/SignNeighborhood.h"
+#include "Coding/EdgeIndex/SampledBlock.h"
 
 #include <CLI/CLI.hpp>
 

@@ -2,9 +2,9 @@
 #ifndef isosurface_TrainingSurface_h
 #define isosurface_TrainingSurface_h
 
-#include "EdgeIndex/EdgeIndexHeader.h"
-#include "Volume/BlockGrid.h"
-#include "Volume/SampleView.h"
+#include "Coding/EdgeIndex/EdgeIndexHeader.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/SampleView.h"
 
 #include <CLI/CLI.hpp>
 

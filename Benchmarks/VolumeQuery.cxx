@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VolumeQuery.h"
 
-#include "Contour/SurfaceExtractor.h"
-#include "Query/StoredBlockSource.h"
-#include "Store/BlockedVolume.h"
+#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 
 #include <algorithm>
 #include <chrono>

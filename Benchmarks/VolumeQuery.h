@@ -2,7 +2,7 @@
 #ifndef isosurface_VolumeQuery_h
 #define isosurface_VolumeQuery_h
 
-#include "Store/QueryStatistics.h"
+#include "Storage/Store/QueryStatistics.h"
 
 #include <cstddef>
 #include <string>

@@ -5,11 +5,11 @@
 // threads.
 #include "BenchmarkVolume.h"
 
-#include "Base/FileSystem.h"
-#include "Base/ParallelFor.h"
 #include "Fixtures/ThreadCommunicator.h"
-#include "VolumeFile/RawVolume.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Formats/Plain/RawVolume.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <CLI/CLI.hpp>
 

@@ -14,7 +14,7 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 
-#include "Contour/TupleRanges.h"
+#include "Surface/Contour/TupleRanges.h"
 
 #include <cmath>
 #include <cstddef>

@@ -7,7 +7,7 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkImageData.h"
 
-#include "Volume/CellAverage.h"
+#include "Ground/Volume/CellAverage.h"
 
 #include <algorithm>
 

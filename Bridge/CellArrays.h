@@ -6,7 +6,7 @@
 
 #include "vtkSmartPointer.h"
 
-#include "Base/Status.h"
+#include "Ground/Base/Status.h"
 
 #include <string>
 #include <vector>

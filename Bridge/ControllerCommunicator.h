@@ -4,7 +4,7 @@
 
 #include "IsosurfaceBridgeModule.h"
 
-#include "Base/Communicator.h"
+#include "Ground/Base/Communicator.h"
 
 #include "vtkType.h"
 

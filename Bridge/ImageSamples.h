@@ -7,10 +7,10 @@
 #include "vtkSmartPointer.h"
 #include "vtkType.h"
 
-#include "Base/Status.h"
-#include "Volume/Blanking.h"
-#include "Volume/GridGeometry.h"
-#include "Volume/SampleView.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/Blanking.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/SampleView.h"
 
 #include <optional>
 #include <vector>

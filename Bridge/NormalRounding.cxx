@@ -7,7 +7,7 @@
 #include "vtkNew.h"
 #include "vtkVersionMacros.h"
 
-#include "Contour/Surface.h"
+#include "Surface/Contour/Surface.h"
 
 #include <cmath>
 

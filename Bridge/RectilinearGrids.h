@@ -6,7 +6,7 @@
 
 #include "vtkSmartPointer.h"
 
-#include "Volume/GridLines.h"
+#include "Ground/Volume/GridLines.h"
 
 class vtkImageData;
 class vtkRectilinearGrid;

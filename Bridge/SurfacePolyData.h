@@ -4,7 +4,7 @@
 
 #include "IsosurfaceBridgeModule.h"
 
-#include "Contour/Surface.h"
+#include "Surface/Contour/Surface.h"
 
 #include <string>
 #include <vector>

@@ -2,7 +2,7 @@
 #ifndef isosurface_WindowCounters_h
 #define isosurface_WindowCounters_h
 
-#include "Base/SharedCounters.h"
+#include "Ground/Base/SharedCounters.h"
 
 #include <memory>
 

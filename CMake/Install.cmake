@@ -6,7 +6,15 @@ set(ISOSURFACE_HEADERS "${CMAKE_INSTALL_INCLUDEDIR}/scalable-isosurface")
 set(ISOSURFACE_PACKAGE "${CMAKE_INSTALL_LIBDIR}/cmake/ScalableIsosurface")
 
 # The headers of Core in `result` that the given ones include, themselves included. Paths are
-# relative to Core/.
+# relative to Core/, or begin with Formats/.
+function(isosurface_find_header result header)
+  if(header MATCHES "^Formats/")
+    set(${result} "${PROJECT_SOURCE_DIR}/${header}" PARENT_SCOPE)
+  else()
+    set(${result} "${PROJECT_SOURCE_DIR}/Core/${header}" PARENT_SCOPE)
+  endif()
+endfunction()
+
 function(isosurface_find_included result)
   set(open ${ARGN})
   set(found)
@@ -16,8 +24,9 @@ function(isosurface_find_included result)
       continue()
     endif()
     list(APPEND found "${header}")
-    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/Core/${header}")
-    file(STRINGS "${PROJECT_SOURCE_DIR}/Core/${header}" lines REGEX "^#include \"[A-Za-z]+/")
+    isosurface_find_header(file "${header}")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+    file(STRINGS "${file}" lines REGEX "^#include \"[A-Za-z]+/")
     foreach(line IN LISTS lines)
       string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
       list(APPEND open "${included}")
@@ -29,7 +38,8 @@ endfunction()
 isosurface_find_included(headers ${ISOSURFACE_PUBLIC_CORE_HEADERS})
 foreach(header IN LISTS headers)
   get_filename_component(room "${header}" DIRECTORY)
-  install(FILES "${PROJECT_SOURCE_DIR}/Core/${header}"
+  isosurface_find_header(file "${header}")
+  install(FILES "${file}"
     DESTINATION "${ISOSURFACE_HEADERS}/core/${room}" COMPONENT development)
 endforeach()
 

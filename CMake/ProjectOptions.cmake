@@ -46,7 +46,9 @@ endif()
 function(isosurface_add_room name)
   cmake_parse_arguments(room "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} OBJECT ${room_SOURCES})
-  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../Core>)
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../Core>
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/..>)
   target_link_libraries(${name} PUBLIC Threads::Threads PRIVATE IsosurfaceOptions ${room_LINK})
   target_compile_options(${name} PRIVATE -Wpedantic)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ChosenScalars.h"
 
-#include "Base/ParallelFor.h"
-#include "Volume/Magnitude.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/Magnitude.h"
 
 #include <cstddef>
 #include <cstdint>

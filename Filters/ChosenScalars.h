@@ -2,10 +2,10 @@
 #ifndef isosurface_ChosenScalars_h
 #define isosurface_ChosenScalars_h
 
-#include "Base/Status.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/SampleView.h"
 #include "ImageSamples.h"
-#include "Volume/ArrayVariables.h"
-#include "Volume/SampleView.h"
 
 #include <string>
 #include <vector>

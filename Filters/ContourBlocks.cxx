@@ -8,13 +8,13 @@
 
 #include "vtkAlgorithm.h"
 
-#include "Contour/BlockRanges.h"
-#include "Query/LevelChoice.h"
-#include "Query/PieceBlockSource.h"
-#include "Query/StoreRecovery.h"
-#include "Query/StoredBlockSource.h"
-#include "Store/BlockedVolume.h"
-#include "Volume/ArrayVariables.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ranks/Query/LevelChoice.h"
+#include "Ranks/Query/StoreRecovery.h"
+#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Surface/Contour/BlockRanges.h"
+#include "Surface/Pieces/PieceBlockSource.h"
 
 #include <algorithm>
 #include <utility>

@@ -5,12 +5,12 @@
 #include "ImageContour.h"
 #include "IsosurfaceFiltersModule.h"
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/ValueKey.h"
 #include "SurfacePolyData.h"
-#include "Volume/BlockSource.h"
-#include "Volume/GridGeometry.h"
-#include "Volume/ValueKey.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,7 @@
 
 #include "NormalRounding.h"
 
-#include "Base/Coding.h"
+#include "Ground/Base/Coding.h"
 
 #include <algorithm>
 #include <cstddef>

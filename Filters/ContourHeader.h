@@ -2,10 +2,10 @@
 #ifndef isosurface_ContourHeader_h
 #define isosurface_ContourHeader_h
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
+#include "Coding/EdgeIndex/EdgeIndexHeader.h"
 #include "ContourBlocks.h"
-#include "EdgeIndex/EdgeIndexHeader.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
 #include "SurfacePolyData.h"
 
 #include <vector>

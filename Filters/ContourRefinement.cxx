@@ -5,10 +5,10 @@
 #include "ContourWork.h"
 #include "vtkStabbingContour.h"
 
-#include "Base/AvailableMemory.h"
-#include "Query/ProgressiveLevels.h"
-#include "Query/SurfaceMemory.h"
-#include "Store/BlockedVolume.h"
+#include "Ground/Base/AvailableMemory.h"
+#include "Ranks/Query/ProgressiveLevels.h"
+#include "Ranks/Query/SurfaceMemory.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <cmath>

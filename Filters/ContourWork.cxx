@@ -19,11 +19,11 @@
 #include "vtkPlanes.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Base/Fingerprint.h"
-#include "Base/ParallelFor.h"
-#include "Query/StoreRecovery.h"
-#include "Store/BlockedVolume.h"
-#include "Volume/BlockSelection.h"
+#include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/BlockSelection.h"
+#include "Ranks/Query/StoreRecovery.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <array>

@@ -11,11 +11,11 @@
 
 #include "vtkType.h"
 
-#include "Base/Status.h"
-#include "Contour/SurfaceExtractor.h"
-#include "Query/VolumeContour.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/Region.h"
+#include "Ranks/Query/VolumeContour.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 #include "SurfacePolyData.h"
-#include "Volume/Region.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -11,7 +11,7 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 
-#include "Volume/ArrayVariables.h"
+#include "Ground/Volume/ArrayVariables.h"
 
 namespace isosurface
 {

@@ -2,8 +2,8 @@
 #ifndef isosurface_ContouredArray_h
 #define isosurface_ContouredArray_h
 
-#include "Base/Status.h"
 #include "CellArrays.h"
+#include "Ground/Base/Status.h"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CostFieldData.h"
 
-#include "Query/QueryCost.h"
+#include "Ranks/Query/QueryCost.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"

@@ -3,9 +3,9 @@
 
 #include "vtkDataArray.h"
 
-#include "Contour/GridBlockSource.h"
-#include "Contour/SurfaceMerge.h"
-#include "Volume/ArrayVariables.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Surface/Contour/GridBlockSource.h"
+#include "Surface/Contour/SurfaceMerge.h"
 
 #include <utility>
 

@@ -7,15 +7,15 @@
 
 #include "vtkType.h"
 
-#include "Base/Communicator.h"
-#include "Base/Progress.h"
-#include "Base/Status.h"
-#include "Contour/BlockRanges.h"
-#include "Contour/SurfaceExtractor.h"
-#include "Query/PieceLayers.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/Region.h"
+#include "Surface/Contour/BlockRanges.h"
+#include "Surface/Contour/SurfaceExtractor.h"
+#include "Surface/Pieces/PieceLayers.h"
 #include "SurfacePolyData.h"
-#include "Volume/BlockGrid.h"
-#include "Volume/Region.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -14,7 +14,7 @@
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Volume/GridUnion.h"
+#include "Ground/Volume/GridUnion.h"
 
 #include <algorithm>
 #include <string>

@@ -4,14 +4,14 @@
 
 #include "vtkSmartPointer.h"
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
 #include "CellArrays.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/GridLines.h"
 #include "ImageSamples.h"
 #include "SurfacePolyData.h"
-#include "Volume/BlockSource.h"
-#include "Volume/GridGeometry.h"
-#include "Volume/GridLines.h"
 
 #include <cstddef>
 #include <functional>

@@ -16,8 +16,8 @@
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Base/Fingerprint.h"
-#include "Store/BlockedVolume.h"
+#include "Ground/Base/Fingerprint.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 

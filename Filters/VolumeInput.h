@@ -2,8 +2,8 @@
 #ifndef isosurface_VolumeInput_h
 #define isosurface_VolumeInput_h
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
 
 #include <cstddef>
 #include <cstdint>

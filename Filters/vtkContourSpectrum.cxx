@@ -24,12 +24,12 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
-#include "Base/Fingerprint.h"
-#include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
-#include "Partition/GridSpectrum.h"
-#include "Store/BlockedVolume.h"
+#include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Surface/Spectrum/GridSpectrum.h"
 
 #include <algorithm>
 #include <optional>

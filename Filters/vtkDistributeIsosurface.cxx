@@ -19,13 +19,13 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayRanges.h"
-#include "Base/ParallelFor.h"
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "Ground/Base/ParallelFor.h"
 #include "NormalRounding.h"
-#include "Redistribution/SurfaceExchange.h"
+#include "Ranks/Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
 
 #include <chrono>

@@ -25,7 +25,7 @@
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Store/BlockedVolume.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <string>

@@ -4,10 +4,10 @@
 
 #include "vtkSmartPointer.h"
 
-#include "Base/Progress.h"
-#include "Base/Status.h"
-#include "Query/BlockAssembly.h"
-#include "Store/BlockedVolume.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ranks/Query/BlockAssembly.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <cstddef>
 #include <vector>

@@ -6,7 +6,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Store/BlockedVolume.h"
+#include "Storage/Store/BlockedVolume.h"
 
 vtkStandardNewMacro(vtkBlockedVolumeHandle);
 

@@ -17,8 +17,8 @@
 #include "IsosurfaceReadersModule.h" // For export macro
 #include "vtkObject.h"
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
 
 #include <cstddef> // For std::size_t
 #include <memory>  // For std::shared_ptr

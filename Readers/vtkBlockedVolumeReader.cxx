@@ -17,13 +17,13 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Base/FileSystem.h"
-#include "Base/Fingerprint.h"
-#include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
-#include "Query/BlockAssembly.h"
-#include "Store/BlockedVolume.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Ranks/Query/BlockAssembly.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <optional>

@@ -12,14 +12,14 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayRanges.h"
-#include "Base/FileSystem.h"
-#include "Base/Fingerprint.h"
-#include "Base/ParallelFor.h"
-#include "Contour/TriangleNormals.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "ControllerCommunicator.h"
-#include "EdgeIndex/EdgeIndexFile.h"
 #include "ErrorReport.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/ParallelFor.h"
 #include "NormalRounding.h"
+#include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "IceTCompositor.h"
 
-#include "Compositing/ImageScaling.h"
+#include "Ranks/Compositing/ImageScaling.h"
 
 #include "vtkFloatArray.h"
 #include "vtkUnsignedCharArray.h"

@@ -2,9 +2,9 @@
 #ifndef isosurface_IceTCompositor_h
 #define isosurface_IceTCompositor_h
 
-#include "Compositing/DisplayLayout.h"
-#include "Compositing/Image.h"
-#include "Compositing/Viewport.h"
+#include "Ranks/Compositing/DisplayLayout.h"
+#include "Ranks/Compositing/Image.h"
+#include "Ranks/Compositing/Viewport.h"
 
 #include "vtkSynchronizedRenderers.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ImageDelivery.h"
 
-#include "Compositing/Background.h"
 #include "DrawTextures.h"
 #include "OpenGLFunctions.h"
+#include "Ranks/Compositing/Background.h"
 
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLRenderer.h"

@@ -2,7 +2,7 @@
 #ifndef isosurface_ImageDelivery_h
 #define isosurface_ImageDelivery_h
 
-#include "Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/PixelRectangle.h"
 
 #include <cstdint>
 #include <vector>

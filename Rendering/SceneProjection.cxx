@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneProjection.h"
 
-#include "Compositing/BoundsProjection.h"
+#include "Ranks/Compositing/BoundsProjection.h"
 
 #include "vtkActor.h"
 #include "vtkBoundingBox.h"

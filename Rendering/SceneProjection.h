@@ -2,8 +2,8 @@
 #ifndef isosurface_SceneProjection_h
 #define isosurface_SceneProjection_h
 
-#include "Compositing/FramePlanner.h"
-#include "Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/FramePlanner.h"
+#include "Ranks/Compositing/PixelRectangle.h"
 
 #include "vtkSmartPointer.h"
 

@@ -2,9 +2,9 @@
 #ifndef isosurface_ViewportDrawing_h
 #define isosurface_ViewportDrawing_h
 
-#include "Base/Status.h"
-#include "Compositing/Image.h"
-#include "Compositing/Viewport.h"
+#include "Ground/Base/Status.h"
+#include "Ranks/Compositing/Image.h"
+#include "Ranks/Compositing/Viewport.h"
 
 #include "vtkSmartPointer.h"
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkMetabufferPass.h"
 
-#include "Base/Fingerprint.h"
-#include "Compositing/FramePlanner.h"
-#include "Compositing/ImageScaling.h"
-#include "Compositing/ViewportCompositor.h"
-#include "Compositing/ViewportOutlines.h"
 #include "ControllerCommunicator.h"
+#include "Ground/Base/Fingerprint.h"
 #include "IceTCompositor.h"
+#include "Ranks/Compositing/FramePlanner.h"
+#include "Ranks/Compositing/ImageScaling.h"
+#include "Ranks/Compositing/ViewportCompositor.h"
+#include "Ranks/Compositing/ViewportOutlines.h"
 #include "SceneProjection.h"
 #include "ViewportDrawing.h"
 

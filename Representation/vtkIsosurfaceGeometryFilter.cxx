@@ -17,8 +17,8 @@
 #include "vtkPolyData.h"
 #include "vtkUnsignedIntArray.h"
 
-#include "Base/HugePages.h"
-#include "Base/ParallelFor.h"
+#include "Ground/Base/HugePages.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 
-#include "Base/ThreadPriority.h"
+#include "Ground/Base/ThreadPriority.h"
 
 #include <chrono>
 #include <new>

@@ -6,7 +6,7 @@
 
 #include "vtkSmartPointer.h"
 
-#include "Drawing/SurfaceThinning.h"
+#include "Surface/Drawing/SurfaceThinning.h"
 
 #include <future>
 #include <optional>

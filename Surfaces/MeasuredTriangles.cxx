@@ -11,7 +11,7 @@
 #include "vtkTypeInt32Array.h"
 #include "vtkTypeInt64Array.h"
 
-#include "Base/ParallelFor.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <cstdint>

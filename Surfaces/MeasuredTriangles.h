@@ -4,8 +4,8 @@
 
 #include "vtkType.h"
 
-#include "Drawing/TriangleMeasure.h"
-#include "Drawing/TriangleSurface.h"
+#include "Surface/Drawing/TriangleMeasure.h"
+#include "Surface/Drawing/TriangleSurface.h"
 
 class vtkDataObject;
 class vtkPolyData;

@@ -2,7 +2,7 @@
 #ifndef isosurface_ThinnedPolyData_h
 #define isosurface_ThinnedPolyData_h
 
-#include "Drawing/SurfaceThinning.h"
+#include "Surface/Drawing/SurfaceThinning.h"
 
 class vtkPolyData;
 

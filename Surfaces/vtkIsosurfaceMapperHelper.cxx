@@ -31,8 +31,8 @@
 #  include "vtkCompositePolyDataMapper2.h"
 #endif
 
-#include "Base/HugePages.h"
-#include "Drawing/DrawingBuffers.h"
+#include "Ground/Base/HugePages.h"
+#include "Surface/Drawing/DrawingBuffers.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BlockVolumeOptions.h"
 
-#include "Partition/BlockDistribution.h"
-#include "Record/BlockCompression.h"
-#include "Source/HeaderText.h"
-#include "Volume/ValueType.h"
+#include "Formats/Source/HeaderText.h"
+#include "Ground/Volume/ValueType.h"
+#include "Storage/Distribution/BlockDistribution.h"
+#include "Storage/Record/BlockCompression.h"
 
 #include <CLI/CLI.hpp>
 
@@ -145,7 +145,8 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->capture_default_str();
   app
     .add_option("--replicas", settings.NumberOfReplicas,
-      "Stores that have each block. With 2 or more a lost or damaged store costs nothing but speed,\n"
+      "Stores that have each block. With 2 or more a lost or damaged store costs nothing but "
+      "speed,\n"
       "and --repair restores it. Default: 1, or as many as the volume that is appended to")
     ->group(group)
     ->check(CLI::Range(1, 16));
@@ -265,7 +266,8 @@ void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& op
     ->excludes(info);
   app
     .add_flag("--repair", texts.IsRepair,
-      "Restore lost and damaged stores of IN.bvol from the other stores that have their blocks, if it\n"
+      "Restore lost and damaged stores of IN.bvol from the other stores that have their blocks, if "
+      "it\n"
       "was written with --replicas; print what cannot be restored")
     ->group(group)
     ->excludes(info)
@@ -403,7 +405,8 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   app.set_version_flag("--version", std::string("blockvolume " ISOSURFACE_VERSION))
     ->group("General");
   app.get_help_ptr()->group("General");
-  app.add_option("IN", options.Input, "The volume to read; with --info, --verify, --repair: IN.bvol");
+  app.add_option(
+    "IN", options.Input, "The volume to read; with --info, --verify, --repair: IN.bvol");
   app.add_option("OUT", options.Output, "The blocked volume to write, OUT.bvol");
   AddWritingOptions(app, texts, options);
   AddDatasetOptions(app, texts, options);

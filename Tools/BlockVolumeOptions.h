@@ -2,9 +2,9 @@
 #ifndef isosurface_BlockVolumeOptions_h
 #define isosurface_BlockVolumeOptions_h
 
-#include "Base/Status.h"
-#include "VolumeFile/RawVolume.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Formats/Plain/RawVolume.h"
+#include "Ground/Base/Status.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <array>
 #include <cstddef>

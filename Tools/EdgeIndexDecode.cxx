@@ -10,8 +10,8 @@
 #include "vtkPolyData.h"
 #include "vtkXMLPolyDataWriter.h"
 
-#include "Base/ParallelFor.h"
-#include "EdgeIndex/EdgeIndexFile.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
+#include "Ground/Base/ParallelFor.h"
 #include "SurfacePolyData.h"
 
 #include <cstdint>

@@ -2,7 +2,7 @@
 #include "EdgeIndexCommands.h"
 #include "ProgressDisplay.h"
 
-#include "EdgeIndex/EdgeIndexFile.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 #ifndef isosurface_EdgeIndexOptions_h
 #define isosurface_EdgeIndexOptions_h
 
-#include "Base/Status.h"
+#include "Ground/Base/Status.h"
 
 #include <cstdint>
 #include <string>

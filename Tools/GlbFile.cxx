@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GlbFile.h"
 
-#include "Base/Coding.h"
 #include "CompressedMesh.h"
+#include "Ground/Base/Coding.h"
 
 #include <algorithm>
 #include <limits>

@@ -4,7 +4,7 @@
 #include "PrintedSpectrum.h"
 #include "ProgressDisplay.h"
 
-#include "Store/BlockedVolume.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <cstdio>

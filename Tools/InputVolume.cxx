@@ -3,8 +3,8 @@
 
 #include "PipelineInput.h"
 
-#include "VolumeFile/VolumeFile.h"
-#include "VolumeFile/VolumeName.h"
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeName.h"
 
 #include <algorithm>
 #include <filesystem>

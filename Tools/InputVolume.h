@@ -4,10 +4,10 @@
 
 #include "BlockVolumeOptions.h"
 
-#include "Base/Status.h"
-#include "Source/SlabSource.h"
-#include "Store/BlockedVolumeHeader.h"
-#include "Volume/GridGeometry.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ListCommand.h"
 
-#include "Base/FileSystem.h"
-#include "VolumeFile/VolumeFile.h"
+#include "Formats/Opener/VolumeFile.h"
+#include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -4,7 +4,7 @@
 
 #include "BlockVolumeOptions.h"
 
-#include "Base/Status.h"
+#include "Ground/Base/Status.h"
 
 namespace isosurface
 {

@@ -2,9 +2,9 @@
 #ifndef isosurface_MeshFile_h
 #define isosurface_MeshFile_h
 
-#include "Base/FileSystem.h"
-#include "Base/Status.h"
-#include "EdgeIndex/EdgeIndexHeader.h"
+#include "Coding/EdgeIndex/EdgeIndexHeader.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
 
 #include <cstddef>
 #include <cstdint>

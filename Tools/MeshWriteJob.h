@@ -2,8 +2,8 @@
 #ifndef isosurface_MeshWriteJob_h
 #define isosurface_MeshWriteJob_h
 
-#include "Base/Progress.h"
-#include "EdgeIndex/EdgeIndexFile.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
+#include "Ground/Base/Progress.h"
 #include "MeshFile.h"
 #include "SharedPoints.h"
 

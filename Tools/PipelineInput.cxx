@@ -24,11 +24,11 @@
 #include "vtkXMLRectilinearGridReader.h"
 
 #include "ArrayChoice.h"
+#include "Formats/Source/HeaderText.h"
+#include "Ground/Volume/MemorySource.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
-#include "Source/HeaderText.h"
-#include "Source/MemorySource.h"
 #include "WriterInput.h"
 
 #include <algorithm>

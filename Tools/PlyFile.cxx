@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PlyFile.h"
 
-#include "Base/Coding.h"
+#include "Ground/Base/Coding.h"
 
 #include <algorithm>
 #include <limits>

@@ -2,7 +2,7 @@
 #ifndef isosurface_ProgressDisplay_h
 #define isosurface_ProgressDisplay_h
 
-#include "Base/Progress.h"
+#include "Ground/Base/Progress.h"
 
 #include <chrono>
 #include <string>

@@ -3,8 +3,8 @@
 
 #include "ProgressDisplay.h"
 
-#include "Base/ParallelFor.h"
-#include "Writing/VolumeRepair.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Writing/VolumeRepair.h"
 
 #include <cstdio>
 #include <string>

@@ -2,9 +2,9 @@
 #ifndef isosurface_SharedPoints_h
 #define isosurface_SharedPoints_h
 
+#include "Ground/Volume/VertexBox.h"
 #include "MeshFile.h"
 #include "SurfacePieces.h"
-#include "Volume/VertexBox.h"
 
 #include <cstdint>
 #include <unordered_map>

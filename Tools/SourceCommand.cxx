@@ -3,8 +3,8 @@
 
 #include "ProgressDisplay.h"
 
-#include "Base/ParallelFor.h"
-#include "Writing/SourceRelocation.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Writing/SourceRelocation.h"
 
 #include <cstdio>
 

@@ -2,8 +2,8 @@
 #ifndef isosurface_SurfacePieces_h
 #define isosurface_SurfacePieces_h
 
-#include "EdgeIndex/EdgeIndexFile.h"
-#include "Volume/VertexBox.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
+#include "Ground/Volume/VertexBox.h"
 
 #include <cstdint>
 #include <vector>

@@ -3,9 +3,9 @@
 
 #include "ProgressDisplay.h"
 
-#include "Base/ParallelFor.h"
-#include "Store/BlockedVolume.h"
-#include "Store/VolumeVerification.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/VolumeVerification.h"
 
 #include <algorithm>
 #include <cstdio>

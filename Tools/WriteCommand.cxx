@@ -4,9 +4,9 @@
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
 
-#include "Store/SourceRecord.h"
-#include "VolumeFile/VolumeFile.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Formats/Opener/VolumeFile.h"
+#include "Storage/Store/SourceRecord.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -4,8 +4,8 @@
 
 #include "BlockVolumeOptions.h"
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
 
 namespace isosurface
 {

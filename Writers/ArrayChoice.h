@@ -4,7 +4,7 @@
 
 #include "IsosurfaceWritersModule.h"
 
-#include "Base/Status.h"
+#include "Ground/Base/Status.h"
 
 #include <set>
 #include <string>

@@ -7,8 +7,8 @@
 #include "vtkUnsignedCharArray.h"
 
 #include "ArrayChoice.h"
-#include "Base/ParallelFor.h"
 #include "CellArrays.h"
+#include "Ground/Base/ParallelFor.h"
 #include "ImageSamples.h"
 
 #include <algorithm>

@@ -7,12 +7,12 @@
 #include "vtkDataArray.h"
 #include "vtkSmartPointer.h"
 
-#include "Base/Communicator.h"
-#include "Base/Status.h"
-#include "Source/MemorySource.h"
-#include "Store/BlockedVolumeHeader.h"
-#include "Volume/GridGeometry.h"
-#include "Volume/GridLines.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/MemorySource.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <array>
 #include <functional>

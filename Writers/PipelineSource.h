@@ -4,9 +4,9 @@
 
 #include "IsosurfaceWritersModule.h"
 
-#include "Source/SlabSource.h"
-#include "Store/BlockedVolumeHeader.h"
-#include "Volume/GridGeometry.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <vector>
 

@@ -6,8 +6,8 @@
 
 #include "vtkSmartPointer.h"
 
-#include "Base/Status.h"
-#include "Volume/GridLines.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/GridLines.h"
 
 #include <optional>
 

@@ -17,16 +17,16 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayChoice.h"
-#include "Base/Checksum.h"
-#include "Base/ParallelFor.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/ParallelFor.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
-#include "Query/StoredSlabSource.h"
+#include "Ranks/Query/StoredSlabSource.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 #include "WriterInput.h"
-#include "Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <optional>

@@ -13,13 +13,13 @@
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Base/Checksum.h"
-#include "Base/ParallelFor.h"
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
-#include "EdgeIndex/EdgeIndexWriteJob.h"
 #include "ErrorReport.h"
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <cmath>

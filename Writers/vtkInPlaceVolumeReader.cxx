@@ -14,10 +14,10 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 
-#include "Base/FileSystem.h"
-#include "VolumeFile/VolumeFile.h"
-#include "VolumeFile/VolumeFormat.h"
-#include "Writing/SourceIndex.h"
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeFormat.h"
+#include "Ground/Base/FileSystem.h"
+#include "Storage/Writing/SourceIndex.h"
 
 #include <exception>
 #include <string>

@@ -2,7 +2,7 @@
 #ifndef isosurface_UnloadedRate_h
 #define isosurface_UnloadedRate_h
 
-#include "Query/ExtractionRate.h"
+#include "Ranks/Query/ExtractionRate.h"
 
 #include <vector>
 

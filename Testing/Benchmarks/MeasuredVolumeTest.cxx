@@ -2,9 +2,9 @@
 #include "MeasuredVolume.h"
 #include "LargeVolume.h"
 
-#include "Store/BlockedVolume.h"
-#include "VolumeFile/RawVolume.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Formats/Plain/RawVolume.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScratchFolder.h"
 
-#include "Base/Checksum.h"
-#include "Store/BlockedVolumeHeader.h"
+#include "Ground/Base/Checksum.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <gtest/gtest.h>
 

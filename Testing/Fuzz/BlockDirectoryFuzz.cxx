@@ -4,9 +4,9 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/Coding.h"
-#include "Record/BlockRecord.h"
-#include "Store/BlockDirectory.h"
+#include "Ground/Base/Coding.h"
+#include "Storage/Record/BlockRecord.h"
+#include "Storage/Store/BlockDirectory.h"
 
 #include <algorithm>
 #include <string>

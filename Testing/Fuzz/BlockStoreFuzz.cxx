@@ -8,9 +8,9 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/Coding.h"
-#include "Record/BlockRecord.h"
-#include "Store/BlockStore.h"
+#include "Ground/Base/Coding.h"
+#include "Storage/Record/BlockRecord.h"
+#include "Storage/Store/BlockStore.h"
 
 #include <algorithm>
 #include <string>

@@ -3,7 +3,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Store/BlockedVolume.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <string>
 

@@ -5,8 +5,8 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "VolumeFile/DicomCompression.h"
-#include "VolumeFile/DicomDataSet.h"
+#include "Formats/Dicom/DicomCompression.h"
+#include "Formats/Dicom/DicomDataSet.h"
 
 #include <zlib.h>
 

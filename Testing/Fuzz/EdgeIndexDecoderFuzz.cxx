@@ -4,7 +4,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "EdgeIndex/EdgeIndexDecoder.h"
+#include "Coding/EdgeIndex/EdgeIndexDecoder.h"
 
 using namespace isosurface;
 

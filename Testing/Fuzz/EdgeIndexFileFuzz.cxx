@@ -4,7 +4,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "EdgeIndex/EdgeIndexFile.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
 
 #include <string>
 

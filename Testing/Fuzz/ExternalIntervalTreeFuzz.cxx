@@ -4,8 +4,8 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/Coding.h"
-#include "Index/ExternalIntervalTree.h"
+#include "Ground/Base/Coding.h"
+#include "Storage/Index/ExternalIntervalTree.h"
 
 #include <algorithm>
 #include <limits>

@@ -4,7 +4,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "ArrayFile/NetcdfClassicHeader.h"
+#include "Formats/Netcdf/NetcdfClassicHeader.h"
 
 #include <string>
 

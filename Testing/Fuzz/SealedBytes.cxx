@@ -3,9 +3,9 @@
 
 #include "FuzzTarget.h"
 
-#include "Base/Checksum.h"
-#include "Base/Coding.h"
-#include "Store/JsonDocument.h"
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/Coding.h"
+#include "Storage/Store/JsonDocument.h"
 
 #include <algorithm>
 #include <cstring>

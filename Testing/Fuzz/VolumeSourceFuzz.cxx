@@ -7,7 +7,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "VolumeFile/VolumeFile.h"
+#include "Formats/Opener/VolumeFile.h"
 
 #include <algorithm>
 #include <cctype>

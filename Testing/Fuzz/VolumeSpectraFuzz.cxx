@@ -4,10 +4,10 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Base/Checksum.h"
-#include "Base/Coding.h"
-#include "Store/BlockedVolumeHeader.h"
-#include "Store/VolumeSpectra.h"
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/Coding.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/VolumeSpectra.h"
 
 #include <algorithm>
 #include <string>

@@ -7,12 +7,12 @@
 #include "Fixtures/SampleVolume.h"
 #include "Fixtures/TestBlockSource.h"
 
-#include "Base/Coding.h"
-#include "EdgeIndex/EdgeIndexEncoder.h"
-#include "EdgeIndex/EdgeIndexFileWriter.h"
-#include "Index/ExternalIntervalTreeBuilder.h"
-#include "Store/BlockStore.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
+#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Ground/Base/Coding.h"
+#include "Storage/Index/ExternalIntervalTreeBuilder.h"
+#include "Storage/Store/BlockStore.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -19,7 +19,7 @@
 #include "vtkRectilinearGrid.h"
 #include "vtkUnstructuredGrid.h"
 
-#include "Store/BlockedVolumeHeader.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,9 +14,9 @@
 #include "vtkStabbingContour.h"
 
 #include "ControllerCommunicator.h"
-#include "Store/SourceRecord.h"
-#include "VolumeFile/VolumeFile.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Formats/Opener/VolumeFile.h"
+#include "Storage/Store/SourceRecord.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <filesystem>
 #include <fstream>

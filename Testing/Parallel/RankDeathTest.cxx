@@ -9,7 +9,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkStabbingContour.h"
 
-#include "Store/BlockedVolumeHeader.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <csignal>
 #include <filesystem>

@@ -17,8 +17,8 @@
 #include "vtkRectilinearGrid.h"
 
 #include "RectilinearGrids.h"
-#include "Store/BlockedVolumeHeader.h"
-#include "Store/VolumeVerification.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/VolumeVerification.h"
 
 #include <array>
 #include <filesystem>

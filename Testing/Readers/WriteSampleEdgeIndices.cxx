@@ -4,8 +4,8 @@
 #include "Fixtures/AttributedSource.h"
 #include "Fixtures/CodedVolumes.h"
 
-#include "Base/FileSystem.h"
-#include "EdgeIndex/EdgeIndexFileWriter.h"
+#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Ground/Base/FileSystem.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes blocked volumes into a folder, each beside the samples that it was made from: NAME.bvol,
 // and NAME.array-N.raw with the samples of array N as they lie in memory, x fastest.
-#include "Base/Communicator.h"
-#include "Store/SourceRecord.h"
-#include "Volume/ValueType.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Volume/ValueType.h"
+#include "Storage/Store/SourceRecord.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@ from operator import mul
 
 from read_interval_tree import check
 
-_TABLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../Core/TrainedModels")
+_TABLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../Core/Coding/TrainedModels")
 
 
 def clamp(x, a, b):

@@ -2,10 +2,10 @@
 #ifndef isosurface_CodedVolumes_h
 #define isosurface_CodedVolumes_h
 
-#include "Contour/SurfaceExtractor.h"
-#include "EdgeIndex/EdgeIndexDecoder.h"
-#include "EdgeIndex/EdgeIndexEncoder.h"
+#include "Coding/EdgeIndex/EdgeIndexDecoder.h"
+#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
 #include "Fixtures/TestBlockSource.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 #ifndef isosurface_Testing_Hdf5OnDisk_h
 #define isosurface_Testing_Hdf5OnDisk_h
 
-#include "Base/FileSystem.h"
-#include "VolumeFile/VolumeFile.h"
+#include "Formats/Opener/VolumeFile.h"
+#include "Ground/Base/FileSystem.h"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>

@@ -2,7 +2,7 @@
 #ifndef isosurface_Testing_LocalDisk_h
 #define isosurface_Testing_LocalDisk_h
 
-#include "Base/FileSystem.h"
+#include "Ground/Base/FileSystem.h"
 
 #include <functional>
 #include <memory>

@@ -2,7 +2,7 @@
 #ifndef isosurface_Testing_MemoryDisk_h
 #define isosurface_Testing_MemoryDisk_h
 
-#include "Base/FileSystem.h"
+#include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
 #include <cstring>

@@ -2,9 +2,9 @@
 #ifndef isosurface_PlainContour_h
 #define isosurface_PlainContour_h
 
-#include "Contour/MarchingCubesCases.h"
-#include "Contour/SurfaceExtractor.h"
 #include "Fixtures/TestBlockSource.h"
+#include "Surface/Contour/MarchingCubesCases.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/SampleVolume.h"
-#include "VolumeFile/RawVolume.h"
+#include "Formats/Plain/RawVolume.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

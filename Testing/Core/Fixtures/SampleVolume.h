@@ -2,8 +2,8 @@
 #ifndef isosurface_Testing_SampleVolume_h
 #define isosurface_Testing_SampleVolume_h
 
-#include "Volume/GridGeometry.h"
-#include "Volume/SampleView.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/SampleView.h"
 
 #include <cstddef>
 #include <cstdint>

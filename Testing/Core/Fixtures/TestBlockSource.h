@@ -3,7 +3,7 @@
 #define isosurface_Testing_TestBlockSource_h
 
 #include "Fixtures/SampleVolume.h"
-#include "Volume/BlockSource.h"
+#include "Ground/Volume/BlockSource.h"
 
 #include <atomic>
 #include <cstddef>

@@ -2,7 +2,7 @@
 #ifndef isosurface_Testing_ThreadCommunicator_h
 #define isosurface_Testing_ThreadCommunicator_h
 
-#include "Base/Communicator.h"
+#include "Ground/Base/Communicator.h"
 
 #include <algorithm>
 #include <atomic>

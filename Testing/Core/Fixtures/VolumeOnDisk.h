@@ -5,8 +5,8 @@
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/SampleVolume.h"
 #include "Fixtures/ThreadCommunicator.h"
-#include "Store/BlockedVolume.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
 

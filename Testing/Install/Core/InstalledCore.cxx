@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Uses the installed Core: a volume is written, opened and contoured, without VTK.
-#include "Base/Communicator.h"
-#include "Query/VolumeContour.h"
-#include "Store/BlockedVolume.h"
-#include "Writing/BlockedVolumeWriter.h"
+#include "Ground/Base/Communicator.h"
+#include "Ranks/Query/VolumeContour.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <cstdio>
 #include <string>

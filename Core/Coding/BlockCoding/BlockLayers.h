@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockLayers_h
+#define isosurface_BlockLayers_h
+
+#include "Coding/BlockCoding/BlockCoding.h"
+
+#include <memory>
+
+// What is coded of a block, one layer for each kind of number. Layers are compiled one by one, since
+// each consists of large templates for both directions, all profiles and both instruction sets.
+namespace isosurface
+{
+
+/// Codes the signs of a block, slice after slice.
+class SignLayer
+{
+public:
+  virtual ~SignLayer() = default;
+
+  /// See SignCoder::CodeSlice.
+  virtual void CodeSlice(SignSlice& slice, const SignSlice* below, const SignSlice* below2) = 0;
+};
+
+/// Codes the numbers of a slice, whose signs are known. below, above: the slices beside it, null at
+/// the ends of the block.
+class SliceLayer
+{
+public:
+  virtual ~SliceLayer() = default;
+  virtual void CodeSlice(
+    int z, const SignSlice& slice, const SignSlice* below, const SignSlice* above) = 0;
+};
+
+// All references but `content` and `attribute` must outlive the layer, and so must the domain and
+// the tuples that these point to. Coder is RangeEncoder or RangeDecoder.
+
+template <typename Coder>
+std::unique_ptr<SignLayer> MakeSignLayer(
+  Coder& coder, BlockModel& model, const BlockContent& content, CoderInstructions instructions);
+
+template <typename Coder>
+std::unique_ptr<SliceLayer> MakeValueLayer(Coder& coder, BlockModel& model,
+  const BlockContent& content, BlockValues& values, CoderInstructions instructions);
+
+template <typename Coder>
+std::unique_ptr<SliceLayer> MakeCrossingLayer(Coder& coder, BlockModel& model,
+  const BlockContent& content, BlockValues& values, CoderInstructions instructions);
+
+/// Also codes whether the attribute has exceptions, which comes before all slices.
+template <typename Coder>
+std::unique_ptr<SliceLayer> MakeAttributeLayer(Coder& coder, const BlockContent& content,
+  const CodedAttribute& attribute, CoderInstructions instructions);
+
+extern template std::unique_ptr<SignLayer> MakeSignLayer(
+  RangeEncoder&, BlockModel&, const BlockContent&, CoderInstructions);
+extern template std::unique_ptr<SignLayer> MakeSignLayer(
+  RangeDecoder&, BlockModel&, const BlockContent&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakeValueLayer(
+  RangeEncoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakeValueLayer(
+  RangeDecoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakeCrossingLayer(
+  RangeEncoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakeCrossingLayer(
+  RangeDecoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakeAttributeLayer(
+  RangeEncoder&, const BlockContent&, const CodedAttribute&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakeAttributeLayer(
+  RangeDecoder&, const BlockContent&, const CodedAttribute&, CoderInstructions);
+
+} // namespace isosurface
+
+#endif

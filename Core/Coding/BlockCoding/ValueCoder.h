@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ValueCoder_h
+#define isosurface_ValueCoder_h
+
+#include "Coding/BlockCoding/EdgeIndexProfile.h"
+#include "Coding/BlockCoding/RelevantVertices.h"
+#include "Coding/BlockCoding/ResidualCoder.h"
+#include "Coding/BlockCoding/ValueDomain.h"
+#include "Coding/BlockCoding/ValueFilter.h"
+#include "Coding/BlockCoding/ValueFit.h"
+#include "Coding/BlockCoding/ValueModel.h"
+#include "Coding/Prediction/SignRows.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <type_traits>
+
+namespace isosurface
+{
+
+/**
+ * Codes values at the relevant vertices of a block, slice after slice, each in the order of rows.
+ *
+ * A value is predicted from the heights of decoded neighbours by ValueFilter, or by ValueFit in the
+ * profile compact; the difference is coded. Vertices that are not relevant have no value. Instead
+ * they get a predicted height, if they are near relevant ones, or a typical one on their side of the
+ * isovalue.
+ */
+template <typename Coder, EdgeIndexProfile Profile>
+class ValueCoder
+{
+public:
+  ValueCoder(Coder& coder, ValueModel& model, const ValueDomain& domain, int sizeX, int sizeY)
+    : Model(model)
+    , Domain(domain)
+    , Residuals(coder, model.Residuals)
+    , SizeX(sizeX)
+    , SizeY(sizeY)
+    , Prediction(model)
+  {
+    for (auto& plane : this->Heights)
+    {
+      plane.fill(0);
+    }
+    this->Levels.fill(static_cast<std::uint16_t>(model.MeanLevel / 16));
+  }
+  ValueCoder(const ValueCoder&) = delete;
+  ValueCoder& operator=(const ValueCoder&) = delete;
+
+  /// Begins the next slice. below, above: the slices beside it, null at the ends of the block.
+  void BeginSlice(const SignSlice& signs, const SignSlice* below, const SignSlice* above)
+  {
+    FindRelevant(signs, below, above, this->SizeX, this->SizeY, Mixed, this->Vertices);
+    this->Around.Signs = &signs;
+    this->Around.Above = above ? above : &signs;
+    this->Below = below;
+    this->IsLast = !above;
+    std::rotate(this->Planes.begin(), this->Planes.begin() + 2, this->Planes.end());
+    this->FillHeights();
+    this->Prediction.BeginSlice();
+  }
+  const RelevantSlice& GetRelevant() const { return this->Vertices; }
+
+  /// Codes the values at the relevant vertices of row y: codes[x], given or set.
+  void CodeRow(int y, std::int64_t* codes)
+  {
+    const auto row = static_cast<std::size_t>(y);
+    const SignRow& relevant = this->Vertices.Relevant[row];
+    const SignRow& visited = Mixed ? this->Vertices.Near[row] : relevant;
+    if (visited.IsZero())
+    {
+      return;
+    }
+    this->BeginRow(y);
+    VisitBits(visited,
+      [&](int x)
+      {
+        if (!Mixed || relevant.Get(x))
+        {
+          this->CodeVertex(x, codes[x]);
+        }
+        else
+        {
+          this->FillVertex(x);
+        }
+      });
+  }
+
+private:
+  static constexpr bool Mixed = IsMixed(Profile);
+  static constexpr std::ptrdiff_t RowStride = ValueSurroundings::RowStride;
+  static constexpr std::ptrdiff_t FirstVertex = 2 * RowStride + 8;
+  using Plane = std::array<std::int16_t, (MaximumCodedVertices + 4) * RowStride>;
+  using Predictor = std::conditional_t<Profile == EdgeIndexProfile::Compact, ValueFit, ValueFilter>;
+
+  // Sets all heights to a typical one on the side of the vertex.
+  void FillHeights()
+  {
+    const auto typical = static_cast<std::int16_t>(
+      std::min(3 * (this->Model.MeanHeight >> 6) / 2, ValueDomain::MaximumHeight));
+    Plane& plane = this->Heights[this->Planes[0]];
+    for (int y = -2; y < this->SizeY + 2; ++y)
+    {
+      const SignRow& row = this->Around.Signs->At(y);
+      // From vertex -8 on, that is from bit 8.
+      const std::uint64_t bits[2] = { row.Words[0] >> 8 | row.Words[1] << 56, row.Words[1] >> 8 };
+      std::int16_t* heights = plane.data() + (y + 2) * RowStride;
+      for (int n = 0; n < RowStride; n += 8)
+      {
+        FillEight(static_cast<std::uint32_t>(bits[n / 64] >> (n % 64) & 255), typical, heights + n);
+      }
+    }
+  }
+
+  static void FillEight(std::uint32_t inside, std::int16_t height, std::int16_t* heights)
+  {
+#if defined(__SSE2__)
+    const __m128i places = _mm_set_epi16(128, 64, 32, 16, 8, 4, 2, 1);
+    const __m128i bits = _mm_and_si128(_mm_set1_epi16(static_cast<std::int16_t>(inside)), places);
+    const __m128i outside = _mm_cmpeq_epi16(bits, _mm_setzero_si128());
+    const __m128i positive = _mm_set1_epi16(height);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(heights),
+      _mm_sub_epi16(_mm_xor_si128(positive, outside), outside));
+#else
+    for (int n = 0; n < 8; ++n)
+    {
+      heights[n] = (inside >> n & 1) != 0 ? height : static_cast<std::int16_t>(-height);
+    }
+#endif
+  }
+
+  void BeginRow(int y)
+  {
+    this->Around.Y = y;
+    const std::ptrdiff_t offset = FirstVertex + y * RowStride;
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      this->Around.Rows[n] = this->Heights[this->Planes[n]].data() + offset;
+    }
+    this->LevelRow = this->Levels.data() + (y + 1) * RowStride + 8;
+    const SignSlice& signs = *this->Around.Signs;
+    const SignRow& own = signs.At(y);
+    const SignRow none;
+    this->Forward[0] = own ^ own.ShiftDown();
+    this->Forward[1] = y + 1 < this->SizeY ? own ^ signs.At(y + 1) : none;
+    this->Forward[2] = this->IsLast ? none : own ^ this->Around.Above->At(y);
+    this->Backward[0] = own ^ own.ShiftUp();
+    this->Backward[1] = y > 0 ? own ^ signs.At(y - 1) : none;
+    this->Backward[2] = this->Below ? own ^ this->Below->At(y) : none;
+    this->Own = own;
+    this->Prediction.BeginRow();
+  }
+
+  static unsigned CollectBits(const std::array<SignRow, 3>& edges, int x)
+  {
+    unsigned bits = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      bits |= (edges[axis].Get(x) ? 1u : 0u) << axis;
+    }
+    return bits;
+  }
+
+  std::int32_t Predict(int x)
+  {
+    this->Around.Inside = this->Own.Get(x);
+    this->Around.Crossed = CollectBits(this->Forward, x);
+    this->Around.Typical = this->Model.MeanHeight >> 6;
+    return this->Prediction.Predict(this->Around, x);
+  }
+
+  // Gives a vertex without a value its predicted height.
+  void FillVertex(int x)
+  {
+    const std::int32_t typical = this->Model.MeanHeight >> 6;
+    const std::int32_t height = this->Predict(x);
+    const std::int32_t minimum = 3 * typical / 10;
+    const std::int32_t maximum = std::min(6 * typical, ValueDomain::MaximumHeight);
+    this->Around.Rows[0][x] =
+      static_cast<std::int16_t>(this->Around.Inside ? std::clamp(height, minimum, maximum)
+                                                    : std::clamp(height, -maximum, -minimum));
+  }
+
+  void CodeVertex(int x, std::int64_t& code)
+  {
+    const std::int32_t height = this->Predict(x);
+    ResidualContext context;
+    context.Level = FindExpectedLevel(this->LevelRow + x, RowStride);
+    const std::uint64_t magnitude = this->Domain.GetKind() == ValueDomain::Kind::Offsets
+      ? this->CodeOffset(x, height, context, code)
+      : this->CodeBits(x, height, context, code);
+    const int level = MeasureMagnitude(magnitude);
+    this->LevelRow[x] = static_cast<std::uint16_t>(level);
+    this->Model.MeanLevel += level - this->Model.MeanLevel / 16;
+    this->Learn(x, height, this->Domain.ToHeight(code));
+  }
+
+  // Codes by their distance from the predicted code, within the bounds of the vertex's side.
+  std::uint64_t CodeOffset(int x, std::int32_t height, ResidualContext& context, std::int64_t& code)
+  {
+    int quarter = 0;
+    const std::int64_t middle = this->Domain.FromHeight(height, quarter);
+    BoundedGuess guess{};
+    guess.Minimum = this->Domain.GetMinimum(this->Around.Inside);
+    guess.Maximum = this->Domain.GetMaximum(this->Around.Inside);
+    guess.Guess = std::clamp(middle, guess.Minimum, guess.Maximum);
+    guess.LowerFirst = quarter < 2;
+    std::uint64_t magnitude = 0;
+    if constexpr (Coder::Encodes)
+    {
+      magnitude = guess.ToMagnitude(code);
+    }
+    this->FindSides(x, height, 2 * static_cast<std::uint64_t>(guess.GetRoom()), quarter, context);
+    magnitude = this->Residuals.Code(magnitude, context);
+    if constexpr (!Coder::Encodes)
+    {
+      code = guess.FromMagnitude(magnitude);
+    }
+    return magnitude;
+  }
+
+  // Codes by their difference from the predicted code, modulo 2^32 or 2^64.
+  std::uint64_t CodeBits(int x, std::int32_t height, ResidualContext& context, std::int64_t& code)
+  {
+    int quarter = 0;
+    const auto guess = static_cast<std::uint64_t>(this->Domain.FromHeight(height, quarter));
+    std::uint64_t magnitude = 0;
+    if constexpr (Coder::Encodes)
+    {
+      magnitude = MakeMagnitude(this->Domain.Wrap(static_cast<std::uint64_t>(code) - guess));
+    }
+    this->FindSides(x, height, ~std::uint64_t(0), 0, context);
+    magnitude = this->Residuals.Code(magnitude, context);
+    if constexpr (!Coder::Encodes)
+    {
+      code = this->Domain.Wrap(guess + MakeDifference(magnitude));
+    }
+    return magnitude;
+  }
+
+  // room: how many numbers lie on both sides of the guess.
+  void FindSides(
+    int x, std::int32_t height, std::uint64_t room, int quarter, ResidualContext& context) const
+  {
+    // The room up to the isovalue, compared with what is needed.
+    const int spare = std::clamp((MeasureMagnitude(room) - context.Level + 12) / 6, 0, 7);
+    context.Sides[0] = static_cast<std::uint32_t>(spare);
+    if constexpr (Mixed)
+    {
+      context.Sides[0] |= static_cast<std::uint32_t>(quarter) << 3;
+      this->FindFurtherSides(x, height, context);
+    }
+  }
+
+  void FindFurtherSides(int x, std::int32_t height, ResidualContext& context) const
+  {
+    const unsigned crossed = this->Around.Crossed;
+    context.Sides[1] = crossed | CollectBits(this->Backward, x) << 3;
+    const std::uint16_t* level = this->LevelRow + x;
+    const auto compare = [&context](int other)
+    { return static_cast<std::uint32_t>(std::clamp((other - context.Level + 12) >> 3, 0, 3)); };
+    context.Sides[2] =
+      compare(level[-1]) | compare(level[-RowStride]) << 2 | compare(level[0]) << 4;
+    const std::int16_t* p = this->Around.Rows[0] + x;
+    const std::int16_t* z = this->Around.Rows[1] + x;
+    const int slope = std::abs(p[-1] - z[-1]) + std::abs(p[-RowStride] - z[-RowStride]);
+    const int steep = MeasureMagnitude(static_cast<std::uint64_t>(slope)) -
+      MeasureMagnitude(static_cast<std::uint64_t>(this->Model.MeanHeight >> 6));
+    context.Sides[3] = static_cast<std::uint32_t>(std::clamp((steep + 36) / 6, 0, 15)) |
+      static_cast<std::uint32_t>(__builtin_popcount(crossed)) << 4;
+    const int unit = std::max(this->Model.MeanHeight >> 8, 1);
+    const auto place = [unit, height](int other)
+    { return static_cast<std::uint32_t>(std::clamp((other - height) / unit + 2, 0, 3)); };
+    context.Sides[4] = place(p[-1]) | place(p[-RowStride]) << 2 | place(z[0]) << 4;
+    for (std::uint32_t& side : context.Sides)
+    {
+      side |= this->Around.Inside ? 64 : 0;
+    }
+  }
+
+  void Learn(int x, std::int32_t predicted, std::int32_t height)
+  {
+    this->Around.Rows[0][x] = static_cast<std::int16_t>(height);
+    this->Model.MeanHeight += ((std::abs(height) << 6) - this->Model.MeanHeight) >> 10;
+    this->Prediction.Learn(predicted, height);
+  }
+
+  ValueModel& Model;
+  const ValueDomain& Domain;
+  ResidualCoder<Coder, Mixed> Residuals;
+  int SizeX;
+  int SizeY;
+
+  std::array<Plane, 3> Heights;
+  /// Which of Heights belongs to this slice, the one before, and the one before that.
+  std::array<std::size_t, 3> Planes{ 0, 1, 2 };
+  /// The level of the magnitude that was coded last at each place of a slice.
+  std::array<std::uint16_t, (MaximumCodedVertices + 2) * RowStride> Levels;
+  RelevantSlice Vertices;
+  const SignSlice* Below = nullptr;
+  bool IsLast = false;
+
+  // Of the row.
+  std::uint16_t* LevelRow = nullptr;
+  SignRow Own;
+  std::array<SignRow, 3> Forward;  ///< crossed edges that begin at vertices
+  std::array<SignRow, 3> Backward; ///< crossed edges that end at vertices
+
+  ValueSurroundings Around;
+  Predictor Prediction;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_EdgeIndexHeader_h
+#define isosurface_EdgeIndexHeader_h
+
+#include "Coding/BlockCoding/CrossingIntervals.h"
+#include "Coding/BlockCoding/EdgeIndexProfile.h"
+#include "Coding/BlockCoding/Quantizer.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/ValueType.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// How exactly points are kept. The connectivity is exact in every mode. The numbers are those of
+/// the file format.
+enum class EdgeIndexMode : std::uint8_t
+{
+  Lossless = 0,  ///< the values at the ends of crossed edges: every point, bit by bit
+  Bounded = 1,   ///< where on its edge each point lies, to within MaximumError
+  Quantized = 2, ///< the values at the ends of crossed edges, to QuantizationBits
+  Smallest = 3   ///< the smaller of lossless and bounded, block by block
+};
+
+struct EdgeIndexSettings
+{
+  EdgeIndexMode Mode = EdgeIndexMode::Lossless;
+  EdgeIndexProfile Profile = EdgeIndexProfile::Default;
+
+  /// Bounded and Smallest: the maximum shift of a point along its edge, in lengths of the edge,
+  /// including the rounding of its structured coordinate to float. Above 0, at most 0.5.
+  double MaximumError = 0.01;
+
+  /// Quantized: values are rounded to 2^bits (2 to 24) levels from minimum to maximum; Quantizer.h.
+  int QuantizationBits = 12;
+  double QuantizationMinimum = 0;
+  double QuantizationMaximum = 255;
+
+  /// For values of a type.
+  Quantizer MakeQuantizer(ValueType type, double isovalue) const
+  {
+    return { this->QuantizationMinimum, this->QuantizationMaximum, this->QuantizationBits, isovalue,
+      type == ValueType::Float32 || type == ValueType::Float64 };
+  }
+};
+
+/// An array on the points of the surface.
+struct EdgeIndexAttribute
+{
+  std::string Name;
+  /// The type of the points' values, Float32 or Float64; see GetInterpolatedType.
+  ValueType Type = ValueType::Float32;
+  int NumberOfComponents = 1; ///< 1 to 64
+  /// The maximum change of a component; 0 keeps every bit.
+  double MaximumError = 0;
+  /// These are the normals of the surface: three float32.
+  bool IsNormals = false;
+  /// How the encoder computes normals, as in ContourRequest; not stored.
+  bool NormalsRoundedOnce = false;
+  bool NormalsByDirection = false;
+};
+
+/// What all blocks of an edge-index stream have in common; the first bytes of a stream or file.
+/// Layout: EdgeIndexHeaderFormat.cxx and Documentation/formats/edge-index.md.
+struct EdgeIndexHeader
+{
+  GridGeometry Geometry;
+  ValueType Type = ValueType::UInt8; ///< of the samples that were contoured
+  std::vector<double> Isovalues;
+  EdgeIndexSettings Settings;
+
+  // For information.
+  std::string Array;          ///< the name of the samples that were contoured
+  std::string Source;         ///< where they came from, in the writer's words
+  std::optional<double> Time; ///< of the samples, if they belong to a time step
+
+  std::vector<EdgeIndexAttribute> Attributes;
+
+  /// Blocks that the writer visits; each has at most one record for each isovalue. 0: unknown.
+  std::uint64_t NumberOfBlocks = 0;
+
+  /// If not 0 (at most 6), the stream also has a preview: the surface of every 2^PreviewLevel-th
+  /// vertex, bounded by PreviewMaximumError in edges of that coarse grid, in the profile fast.
+  /// Blocks that do not begin at such a vertex are missing from it.
+  int PreviewLevel = 0;
+  double PreviewMaximumError = 0.05;
+
+  /// InvalidArgument, with the reason, for what cannot be encoded.
+  Status Check() const;
+
+  void Append(std::vector<std::uint8_t>& bytes) const;
+
+  /// Reads the header at the start of `bytes`; `used` becomes its size. Errors: Corrupt,
+  /// Unsupported (a newer version).
+  static Result<EdgeIndexHeader> Parse(
+    const std::uint8_t* bytes, std::size_t size, std::size_t& used);
+
+  /// Bounds of a header's size in bytes.
+  static constexpr std::size_t MinimumSize = 264;
+  static constexpr std::size_t MaximumSize = std::size_t{ 64 } << 20;
+
+  /// Whether the 8 bytes are the magic number of a header.
+  static bool HasMagic(const std::uint8_t* bytes);
+
+  /// The size of a header, given its first MinimumSize bytes. Errors: Corrupt, Unsupported.
+  static Result<std::size_t> ParseSize(const std::uint8_t* bytes);
+
+  /// The header of a stream that consists of the preview alone.
+  EdgeIndexHeader MakePreview() const;
+
+  /// The intervals of an edge in bounded mode; none if MaximumError is too small for float
+  /// coordinates on this grid, or above half an edge, as it may be in other modes.
+  CrossingIntervals GetIntervals() const;
+
+  /// The type of decoded samples: Type, or Float32 if quantized.
+  ValueType GetDecodedType() const;
+};
+
+} // namespace isosurface
+
+#endif

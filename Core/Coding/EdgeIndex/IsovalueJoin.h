@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_IsovalueJoin_h
+#define isosurface_IsovalueJoin_h
+
+#include "Coding/EdgeIndex/EdgeIndexHeader.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockSource.h"
+#include "Surface/Contour/Surface.h"
+
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Extracts the surface of decoded blocks: each isovalue from its own source, joined as ExtractSurface
+ * joins isovalues. sources: one for each isovalue of the header, null for those to leave out. The
+ * request's isovalues and attributes are ignored: the surface has all attributes of the header. If
+ * the request asks for normals, they must be among these (else InvalidArgument), since decoded samples
+ * have no gradients.
+ *
+ * Errors: Corrupt (blocks that do not fit together), InvalidArgument, OutOfMemory, Aborted, what
+ * Acquire returns.
+ */
+Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
+  const std::vector<std::unique_ptr<BlockSource>>& sources, const ContourRequest& request,
+  int threads, const Progress& progress);
+
+} // namespace isosurface
+
+#endif

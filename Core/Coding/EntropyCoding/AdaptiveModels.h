@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_AdaptiveModels_h
+#define isosurface_AdaptiveModels_h
+
+#include "Coding/EntropyCoding/RangeCoder.h"
+
+#include <array>
+#include <cstdint>
+
+#if defined(__SSE2__)
+#  include <emmintrin.h>
+#endif
+
+namespace isosurface
+{
+
+// Probabilities that learn. All arithmetic is of integers, so that encoders and decoders on every
+// machine have the same probabilities.
+
+/// The logistic function: 65536 / (1 + exp(-x / 256)), with x brought into -2047 .. 2047. The x of
+/// a probability is called stretched: its logit, in units of 1/256.
+std::uint32_t Squash(int x);
+
+/// Tables of functions.
+struct ModelTables
+{
+  std::array<std::uint16_t, 4096> Squash; ///< at x + 2048
+  std::array<std::int16_t, 4096> Stretch; ///< the inverse, of a probability in units of 2^-12
+  std::array<std::uint16_t, 1024> Rates;  ///< 65536 / (n + 1.6)
+  /// For each symbol the shares that AdaptiveSymbol moves towards.
+  alignas(16) std::array<std::array<std::int16_t, NumberOfSymbols>, NumberOfSymbols> Targets;
+  ModelTables();
+};
+extern const ModelTables Tables;
+
+/// The probability of a 1 (the upper 22 bits) and the number of its updates (the lower 10): it
+/// learns fast at first.
+struct AdaptiveBit
+{
+  std::uint32_t State = 1u << 31;
+
+  std::uint32_t GetProbability() const
+  {
+    const std::uint32_t probability = this->State >> 16;
+    return probability < 24 ? 24 : probability > 65512 ? 65512 : probability;
+  }
+  /// `limit` is the maximum of the count, so that the rate is at least about 1 / limit.
+  void Update(bool bit, std::uint32_t limit)
+  {
+    const std::uint32_t count = this->State & 1023;
+    const auto probability = static_cast<std::int64_t>(this->State >> 10);
+    const std::int64_t target = bit ? (1 << 22) - 1 : 0;
+    const std::int64_t next = probability + ((target - probability) * Tables.Rates[count] >> 16);
+    this->State = static_cast<std::uint32_t>(next) << 10 | (count < limit ? count + 1 : count);
+  }
+};
+
+/// A probability that begins with 16 * `stretched` (see Squash), as after `count` updates.
+inline AdaptiveBit MakeAdaptiveBit(std::int8_t stretched, std::uint32_t count)
+{
+  AdaptiveBit bit;
+  bit.State = Squash(stretched * 16) << 16 | count;
+  return bit;
+}
+
+/// Codes a bit by one adaptive probability.
+template <typename Coder>
+inline bool CodeAdaptive(Coder& coder, AdaptiveBit& model, bool bit, std::uint32_t limit)
+{
+  bit = coder.CodeBit(bit, model.GetProbability());
+  model.Update(bit, limit);
+  return bit;
+}
+
+/// The shares of 16 symbols, as RangeEncoder::CodeSymbol takes them.
+struct AdaptiveSymbol
+{
+  /// An update moves all shares towards the symbol by 2^-Rate; none falls below 2^-12.
+  static constexpr int Rate = 5;
+
+  alignas(16) std::array<std::int16_t, NumberOfSymbols> Cumulative;
+
+  AdaptiveSymbol()
+  {
+    for (int n = 0; n < NumberOfSymbols; ++n)
+    {
+      this->Cumulative[static_cast<std::size_t>(n)] =
+        static_cast<std::int16_t>((1 << FrequencyBits) / NumberOfSymbols * n);
+    }
+  }
+  void Update(int symbol)
+  {
+    const std::int16_t* targets = Tables.Targets[static_cast<std::size_t>(symbol)].data();
+#if defined(__SSE2__)
+    auto* shares = reinterpret_cast<__m128i*>(this->Cumulative.data());
+    for (int half = 0; half < 2; ++half)
+    {
+      const __m128i now = _mm_load_si128(shares + half);
+      const __m128i target = _mm_load_si128(reinterpret_cast<const __m128i*>(targets) + half);
+      const __m128i step = _mm_srai_epi16(_mm_sub_epi16(target, now), Rate);
+      _mm_store_si128(shares + half, _mm_add_epi16(now, step));
+    }
+#else
+    for (std::size_t n = 0; n < std::size_t{ NumberOfSymbols }; ++n)
+    {
+      const int now = this->Cumulative[n];
+      this->Cumulative[n] = static_cast<std::int16_t>(now + ((targets[n] - now) >> Rate));
+    }
+#endif
+  }
+};
+
+/// Eight stretched probabilities to mix, given as two numbers of four each, lowest first.
+struct MixerInputs
+{
+  static constexpr int Size = 8;
+
+#if defined(__SSE2__)
+  __m128i Values;
+  MixerInputs(std::uint64_t low, std::uint64_t high)
+    : Values(_mm_set_epi64x(static_cast<long long>(high), static_cast<long long>(low)))
+  {
+  }
+#else
+  std::array<std::int16_t, Size> Values;
+  MixerInputs(std::uint64_t low, std::uint64_t high)
+  {
+    for (int n = 0; n < Size; ++n)
+    {
+      const std::uint64_t four = n < 4 ? low : high;
+      this->Values[static_cast<std::size_t>(n)] = static_cast<std::int16_t>(four >> (16 * (n % 4)));
+    }
+  }
+#endif
+};
+
+/// Logistic mixing of up to 8 probabilities: M. V. Mahoney, "Adaptive weighing of context models
+/// for lossless data compression", Florida Tech. CS-2005-16, 2005; with weights of 16 bits.
+struct LogisticMixer
+{
+  static constexpr int Size = MixerInputs::Size;
+  alignas(16) std::array<std::int16_t, Size> Weights; ///< in units of 2^-14
+
+  /// The mixed probability of a 1, in units of 2^-16.
+  std::uint32_t Mix(const MixerInputs& inputs) const
+  {
+#if defined(__SSE2__)
+    const __m128i products = _mm_madd_epi16(
+      inputs.Values, _mm_load_si128(reinterpret_cast<const __m128i*>(this->Weights.data())));
+    const __m128i pairs = _mm_add_epi32(products, _mm_shuffle_epi32(products, 0x4e));
+    const int sum = _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1)));
+#else
+    int sum = 0;
+    for (int n = 0; n < Size; ++n)
+    {
+      sum +=
+        inputs.Values[static_cast<std::size_t>(n)] * this->Weights[static_cast<std::size_t>(n)];
+    }
+#endif
+    const int x = sum >> 14;
+    return Tables.Squash[static_cast<std::size_t>((x < -2047     ? -2047
+                                                      : x > 2047 ? 2047
+                                                                 : x) +
+      2048)];
+  }
+
+  /// Learns from the bit that was coded: weights move by inputs * error * 2^-rate.
+  void Update(const MixerInputs& inputs, std::uint32_t probability, bool bit, int rate)
+  {
+    const int error = ((bit ? 65535 : 0) - static_cast<int>(probability)) >> rate;
+#if defined(__SSE2__)
+    const __m128i x = inputs.Values;
+    const __m128i e = _mm_set1_epi16(static_cast<std::int16_t>(error));
+    const __m128i rounding = _mm_srli_epi16(_mm_mullo_epi16(x, e), 15);
+    const __m128i step = _mm_add_epi16(_mm_mulhi_epi16(x, e), rounding);
+    auto* weights = reinterpret_cast<__m128i*>(this->Weights.data());
+    _mm_store_si128(weights, _mm_adds_epi16(_mm_load_si128(weights), step));
+#else
+    for (int n = 0; n < Size; ++n)
+    {
+      const int weight = this->Weights[static_cast<std::size_t>(n)] +
+        ((inputs.Values[static_cast<std::size_t>(n)] * error + 0x8000) >> 16);
+      this->Weights[static_cast<std::size_t>(n)] =
+        static_cast<std::int16_t>(weight < -32768 ? -32768
+            : weight > 32767 ? 32767
+                             : weight);
+    }
+#endif
+  }
+};
+
+/// Codes a bit by mixing `Count` adaptive probabilities (at most 7) and a constant.
+template <int Count, typename Coder>
+inline bool CodeMixed(Coder& coder, AdaptiveBit* const* models, LogisticMixer& mixer, bool bit,
+  std::uint32_t limit, int rate)
+{
+  static_assert(Count < LogisticMixer::Size, "one input is constant");
+  // Assembled in registers: one load of what several stores just wrote would stall.
+  std::uint64_t halves[2] = { 0, std::uint64_t{ 256 } << 48 };
+  for (int n = 0; n < Count; ++n)
+  {
+    halves[n / 4] |=
+      std::uint64_t{ static_cast<std::uint16_t>(Tables.Stretch[models[n]->State >> 20]) }
+      << (16 * (n % 4));
+  }
+  const MixerInputs inputs(halves[0], halves[1]);
+  const std::uint32_t probability = mixer.Mix(inputs);
+  bit = coder.CodeBit(bit, probability);
+  mixer.Update(inputs, probability, bit, rate);
+  for (int n = 0; n < Count; ++n)
+  {
+    models[n]->Update(bit, limit);
+  }
+  return bit;
+}
+
+} // namespace isosurface
+
+#endif

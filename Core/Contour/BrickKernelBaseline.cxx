@@ -1,4 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The inner loops for every processor of the platform.
-#define ISOSURFACE_KERNEL BaselineKernel
-#include "Contour/BrickKernel.txx"

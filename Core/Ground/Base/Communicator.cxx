@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ground/Base/Communicator.h"
+
+#include "Ground/Base/Coding.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace isosurface
+{
+
+void Communicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
+  const std::function<void(int rank)>& arrived)
+{
+  incoming = this->Exchange(std::move(outgoing));
+  for (std::size_t rank = 0; rank < incoming.size(); ++rank)
+  {
+    if (!incoming[rank].empty())
+    {
+      arrived(static_cast<int>(rank));
+    }
+  }
+}
+
+CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint)
+{
+  return { fingerprint,
+    path +
+      ": the ranks see different files under this path, or the same one before and after it was "
+      "written; reload it" };
+}
+
+namespace
+{
+
+// What a rank is told of the errors of all: a code and a reason, or nothing, of each.
+Status ChooseError(const Status& mine, const std::vector<Message>& messages)
+{
+  const auto hasCode = [](const Message& message, StatusCode code)
+  { return !message.empty() && static_cast<StatusCode>(message[0]) == code; };
+  const auto readReason = [](const Message& message)
+  { return std::string(message.begin() + 1, message.end()); };
+  // Who stops is not told of errors: if some ranks were, these alone would fail.
+  const auto stopped = std::find_if(messages.begin(), messages.end(),
+    [&](const Message& message) { return hasCode(message, StatusCode::Aborted); });
+  if (stopped != messages.end())
+  {
+    return Status(StatusCode::Aborted, readReason(*stopped));
+  }
+  const auto failed = std::find_if(
+    messages.begin(), messages.end(), [](const Message& message) { return !message.empty(); });
+  return mine.IsOk()
+    ? Status(StatusCode::RemoteFailure,
+        "rank " + std::to_string(failed - messages.begin()) + " failed: " + readReason(*failed))
+    : mine;
+}
+
+} // namespace
+
+Status Communicator::Agree(const Status& mine)
+{
+  if (this->GetSize() == 1)
+  {
+    return mine;
+  }
+  // Without an error a single cheap reduction suffices; messages travel only if a rank has failed.
+  std::vector<std::uint64_t> failed{ mine.IsOk() ? 0u : 1u };
+  this->ReduceMaximum(failed);
+  if (failed[0] == 0)
+  {
+    return mine;
+  }
+  const std::string& text = mine.GetMessage();
+  Message message;
+  if (!mine.IsOk())
+  {
+    message.resize(1 + text.size());
+    message[0] = static_cast<std::uint8_t>(mine.GetCode());
+    std::copy(text.begin(), text.end(), message.begin() + 1);
+  }
+  return ChooseError(mine, this->AllGather(message));
+}
+
+Status Communicator::Agree(const Status& mine, const std::vector<CommonValue>& values)
+{
+  if (this->GetSize() == 1)
+  {
+    return mine;
+  }
+  // One reduction for the error and all values: the maximum of ~v is ~minimum of v.
+  std::vector<std::uint64_t> reduced{ mine.IsOk() ? 0u : 1u };
+  for (const CommonValue& common : values)
+  {
+    reduced.push_back(common.Value);
+    reduced.push_back(~common.Value);
+  }
+  this->ReduceMaximum(reduced);
+  if (reduced[0] != 0)
+  {
+    return this->Agree(mine);
+  }
+  for (std::size_t index = 0; index < values.size(); ++index)
+  {
+    if (reduced[1 + 2 * index] != ~reduced[2 + 2 * index])
+    {
+      return this->NameDifference(values[index]);
+    }
+  }
+  return mine;
+}
+
+Status Communicator::NameDifference(const CommonValue& mine)
+{
+  Message message;
+  AppendLittleEndian(message, mine.Value);
+  const std::vector<Message> messages = this->AllGather(message);
+  const auto other = std::find_if(messages.begin(), messages.end(),
+    [&messages](const Message& any) { return any != messages.front(); });
+  return Status(StatusCode::InvalidArgument,
+    mine.Difference + " (rank " + std::to_string(other - messages.begin()) +
+      " differs from rank 0)");
+}
+
+} // namespace isosurface

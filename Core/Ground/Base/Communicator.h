@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Communicator_h
+#define isosurface_Communicator_h
+
+#include "Ground/Base/SharedCounters.h"
+#include "Ground/Base/Status.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Bytes that one rank sends to another.
+using Message = std::vector<std::uint8_t>;
+
+/// Something that has to be the same on all ranks.
+struct CommonValue
+{
+  std::uint64_t Value;    ///< the thing itself, or a checksum of it
+  std::string Difference; ///< what to tell the user if it is not the same
+};
+
+/// The content of a file, told by its fingerprint, which ranks may see differently under its path.
+CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint);
+
+/**
+ * The communication that the parallel algorithms of Core need. Every function is collective: all
+ * ranks call it, in the same order. The VTK classes implement it with a vtkMultiProcessController;
+ * SerialCommunicator is a group of one rank.
+ */
+class Communicator
+{
+public:
+  virtual ~Communicator() = default;
+
+  virtual int GetRank() const = 0;
+  virtual int GetSize() const = 0;
+  /// The number of ranks on this rank's node, itself included. Collective, too.
+  virtual int GetRanksOnNode() = 0;
+
+  /// Reduce element by element, in place. The vectors have the same length on all ranks.
+  virtual void ReduceMinimum(std::vector<std::uint64_t>& values) = 0;
+  virtual void ReduceMaximum(std::vector<std::uint64_t>& values) = 0;
+  virtual void ReduceSum(std::vector<std::uint64_t>& values) = 0;
+
+  /// Gives every rank the messages of all ranks, in the order of the ranks.
+  virtual std::vector<Message> AllGather(const Message& mine) = 0;
+
+  /// Sends outgoing[r] to rank r; returns what each rank sent to this one.
+  virtual std::vector<Message> Exchange(std::vector<Message> outgoing) = 0;
+
+  /**
+   * Exchanges messages whose sizes the receivers know: the caller gives incoming[r] the size of the
+   * message from rank r (the size of its own message does not matter), and it is filled. Calls
+   * arrived(r) in the calling thread as soon as incoming[r] is complete, unless it is empty, so
+   * that work on one message overlaps the transfer of the others.
+   */
+  virtual void Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
+    const std::function<void(int rank)>& arrived);
+
+  /**
+   * A counter for each rank, all 0. Null on all ranks if one of them does not want it, or if they
+   * cannot reach each other's memory. Each rank destroys it when it is ready, before it enters the
+   * next collective, and until then makes no others.
+   */
+  virtual std::unique_ptr<SharedCounters> MakeCounters(bool wanted)
+  {
+    static_cast<void>(wanted);
+    return nullptr;
+  }
+
+  /**
+   * Tells all ranks whether one has failed. Returns Ok if all are Ok. If one of them was Aborted,
+   * all get Aborted, with the message of the first such rank, whatever others failed with: so all
+   * end in the same way. Otherwise a rank with an error gets its own error back; every other rank
+   * gets RemoteFailure with the message of the first failing rank. Call it before a collective that
+   * a failed rank would not enter: otherwise the other ranks would wait forever.
+   */
+  Status Agree(const Status& mine);
+
+  /**
+   * The same, and if no rank has failed, whether the ranks have the same values: otherwise all get
+   * InvalidArgument with the Difference of the first value that is not the same, and the first rank
+   * that has another one than rank 0. Call it before a branch that a value decides and that leads
+   * to a collective. All ranks give the same number of values; those of a failed rank do not count.
+   */
+  Status Agree(const Status& mine, const std::vector<CommonValue>& values);
+
+private:
+  Status NameDifference(const CommonValue& mine);
+};
+
+/// A group of one rank.
+class SerialCommunicator : public Communicator
+{
+public:
+  int GetRank() const override { return 0; }
+  int GetSize() const override { return 1; }
+  int GetRanksOnNode() override { return 1; }
+  void ReduceMinimum(std::vector<std::uint64_t>&) override {}
+  void ReduceMaximum(std::vector<std::uint64_t>&) override {}
+  void ReduceSum(std::vector<std::uint64_t>&) override {}
+  std::vector<Message> AllGather(const Message& mine) override { return { mine }; }
+  std::vector<Message> Exchange(std::vector<Message> outgoing) override { return outgoing; }
+};
+
+} // namespace isosurface
+
+#endif

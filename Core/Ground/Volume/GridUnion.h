@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_GridUnion_h
+#define isosurface_GridUnion_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Volume/GridGeometry.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The grids of which all ranks have pieces. Pieces of equal origin, spacing and direction belong to
+ * one grid, whose extent is the box around them. The grids are ordered by origin, spacing and
+ * direction, so that all ranks get the same list. Collective.
+ */
+std::vector<GridGeometry> UniteGrids(Communicator& ranks, const std::vector<GridGeometry>& pieces);
+
+/// The number of a piece's grid in that list.
+std::size_t FindGrid(const std::vector<GridGeometry>& grids, const GridGeometry& piece);
+
+} // namespace isosurface
+
+#endif

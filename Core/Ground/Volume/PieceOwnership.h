@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PieceOwnership_h
+#define isosurface_PieceOwnership_h
+
+#include "Ground/Volume/BlockGrid.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Returns `box` without `hole`, as at most six boxes that do not overlap.
+std::vector<VertexBox> SubtractBox(const VertexBox& box, const VertexBox& hole);
+std::vector<VertexBox> SubtractBox(const std::vector<VertexBox>& boxes, const VertexBox& hole);
+
+/**
+ * Finds the vertices that a rank owns, as boxes that do not overlap. The ranks' pieces may overlap:
+ * a vertex belongs to the first piece that contains it. Ranks with the same piece divide it among
+ * them. So each vertex of the union belongs to exactly one rank.
+ *
+ * Cost: one box subtraction for each earlier piece that overlaps this rank's.
+ */
+std::vector<VertexBox> FindOwnedBoxes(const std::vector<VertexBox>& pieces, std::size_t rank);
+
+} // namespace isosurface
+
+#endif

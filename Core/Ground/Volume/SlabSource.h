@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SlabSource_h
+#define isosurface_SlabSource_h
+
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/SampleView.h"
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The samples of a box of vertices: a view for each array, with the box as its Box. The samples
+/// are valid as long as Owner is held; without an Owner, they outlive the source.
+struct SampleSlab
+{
+  std::vector<SampleView> Arrays;
+  std::shared_ptr<const void> Owner;
+
+  /// Whether there is one view for each type, in this order, that covers the box.
+  bool Fits(const std::vector<ValueType>& types, const VertexBox& box) const;
+};
+
+/**
+ * A volume, or a rank's piece of it, whose samples are read box by box, so that it need not fit in
+ * memory: a file, a pipeline, or a piece in memory. Vertices are counted from 0 at the grid's first
+ * vertex.
+ *
+ * A writer reads boxes more than once, mostly in the order of z, with single slices before and
+ * after the slab on which it works.
+ */
+class SlabSource
+{
+public:
+  virtual ~SlabSource() = default;
+
+  /// The vertices that this source can read: a rank's piece of the volume, or all of it. May be
+  /// empty.
+  virtual const VertexBox& GetBox() const = 0;
+
+  /// The memory that Read() takes for a box, temporary memory included.
+  virtual std::uint64_t GetReadBytes(const VertexBox& box) const = 0;
+
+  /// The maximum memory of the source between reads.
+  virtual std::uint64_t GetHeldBytes() const { return 0; }
+
+  /// The rows of a slice, counted from a multiple of this number on, that are best read from all
+  /// slices before the next rows: those of the chunks that the source can keep. More than any slice
+  /// has if that does not matter.
+  virtual std::int64_t GetRowsAtOnce() const { return std::numeric_limits<std::int64_t>::max(); }
+
+  /// The vertices on x, y and z that are best read together, in boxes that begin at multiples of
+  /// them: those of a chunk of the file, or as much as costs few reads. Nothing if boxes are best
+  /// read in the order of z: a stream, or slices that are decoded as a whole.
+  virtual std::optional<Index3> GetChunk() const { return std::nullopt; }
+
+  /// Whether another thread than the one that made the source may call Read(). Two threads never
+  /// call it at the same time.
+  virtual bool CanReadAhead() const { return true; }
+
+  /// The samples of a box within GetBox(). Errors name the file and the reason.
+  virtual Result<SampleSlab> Read(const VertexBox& box) = 0;
+};
+
+} // namespace isosurface
+
+#endif

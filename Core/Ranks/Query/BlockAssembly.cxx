@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Query/BlockAssembly.h"
+
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Record/BlockSegment.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+namespace
+{
+
+// The vertices that a block contributes: its own without the far faces, which the next block has;
+// at the box's border also its ghost layer. So each vertex has one contributor.
+VertexBox FindContribution(
+  const BlockGrid& grid, const BlockBox& box, std::int64_t block, int level)
+{
+  const Index3 coordinates = grid.GetBlockCoordinates(block);
+  const VertexBox own = grid.GetVertices(block, level);
+  VertexBox part = grid.GetGhostedVertices(block, level);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    if (coordinates[axis] > box.Low[axis])
+    {
+      part.Low[axis] = own.Low[axis];
+    }
+    if (coordinates[axis] + 1 < box.High[axis])
+    {
+      // At a coarse level a block may share its only layer of vertices with the next one.
+      const Index3 next{ coordinates[0] + (axis == 0), coordinates[1] + (axis == 1),
+        coordinates[2] + (axis == 2) };
+      part.High[axis] = grid.GetVertices(grid.GetBlockIndex(next), level).Low[axis];
+    }
+  }
+  return part;
+}
+
+void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSize,
+  const VertexBox& whole, std::uint8_t* to, std::ptrdiff_t stride)
+{
+  VisitRows(part,
+    [&](const Index3& first, std::int64_t count)
+    {
+      std::ptrdiff_t source = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        source += (first[axis] - from.Available.Low[axis]) * from.Stride[axis];
+      }
+      CopySamples(to + whole.FindIndex(first) * static_cast<std::size_t>(stride) * valueSize,
+        stride,
+        static_cast<const std::uint8_t*>(from.First) +
+          source * static_cast<std::ptrdiff_t>(valueSize),
+        from.Stride[0], count, valueSize);
+    });
+}
+
+// The memory that the vertices of a box of blocks, or some of them, are copied to.
+struct Target
+{
+  BlockBox Box;
+  VertexBox Vertices;
+  std::uint8_t* Samples;
+  std::ptrdiff_t Stride;
+};
+
+Status FillTarget(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+  const std::vector<BlockReference>& blocks, int threads, const Target& target,
+  QueryStatistics& statistics, const Progress& progress)
+{
+  const StoredLevel stored = volume.FindLevel(level);
+  const BlockGrid& grid = *stored.Grid;
+  const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
+
+  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
+  std::vector<Status> failures(static_cast<std::size_t>(threads));
+  const bool finished = ParallelFor(
+    blocks.size(), threads,
+    [&](std::size_t index, int thread)
+    {
+      const auto own = static_cast<std::size_t>(thread);
+      if (!failures[own].IsOk())
+      {
+        return;
+      }
+      const auto decoded = volume.ReadBlock(blocks[index], timeStep, variable, level, costs[own]);
+      if (!decoded.IsOk())
+      {
+        failures[own] = decoded.GetStatus();
+        return;
+      }
+      const VertexBox part = FindContribution(grid, target.Box, blocks[index].Block, stored.Level)
+                               .Intersect(target.Vertices);
+      if (!part.IsEmpty())
+      {
+        CopyBox((*decoded)->View, part, valueSize, target.Vertices, target.Samples, target.Stride);
+      }
+    },
+    progress);
+  for (const QueryStatistics& cost : costs)
+  {
+    statistics.Add(cost);
+  }
+  for (const Status& failure : failures)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(failure);
+  }
+  if (!finished)
+  {
+    return Status(StatusCode::Aborted, "Reading was aborted.");
+  }
+  return Status::Ok();
+}
+
+} // namespace
+
+bool BlockBox::IsEmpty() const
+{
+  return this->Low[0] >= this->High[0] || this->Low[1] >= this->High[1] ||
+    this->Low[2] >= this->High[2];
+}
+
+bool BlockBox::Contains(const Index3& block) const
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    if (block[axis] < this->Low[axis] || block[axis] >= this->High[axis])
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+VertexBox BlockBox::GetVertices(const BlockGrid& grid, int level) const
+{
+  if (this->IsEmpty())
+  {
+    return {};
+  }
+  const Index3 last{ this->High[0] - 1, this->High[1] - 1, this->High[2] - 1 };
+  return { grid.GetVertices(grid.GetBlockIndex(this->Low), level).Low,
+    grid.GetVertices(grid.GetBlockIndex(last), level).High };
+}
+
+VertexBox BlockBox::GetGhostedVertices(const BlockGrid& grid, int level) const
+{
+  if (this->IsEmpty())
+  {
+    return {};
+  }
+  const Index3 last{ this->High[0] - 1, this->High[1] - 1, this->High[2] - 1 };
+  return { grid.GetGhostedVertices(grid.GetBlockIndex(this->Low), level).Low,
+    grid.GetGhostedVertices(grid.GetBlockIndex(last), level).High };
+}
+
+BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces)
+{
+  BlockBox box;
+  box.High = grid.GetNumberOfBlocksPerAxis();
+  const auto longest = std::max_element(box.High.begin(), box.High.end());
+  const auto axis = static_cast<std::size_t>(longest - box.High.begin());
+  const std::int64_t layers = *longest;
+  box.Low[axis] = layers * piece / pieces;
+  box.High[axis] = layers * (piece + 1) / pieces;
+  return box;
+}
+
+std::optional<int> FindLevelWithin(const BlockedVolume& volume,
+  const std::vector<std::size_t>& arrays, int pieces, std::uint64_t bytes)
+{
+  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
+  {
+    std::uint64_t needed = 0;
+    for (const std::size_t array : arrays)
+    {
+      const auto components =
+        static_cast<std::uint64_t>(volume.GetHeader().Arrays[array].Components);
+      needed += components * volume.EstimateBytes(volume.GetVariables().GetFirst(array), level) /
+        static_cast<std::uint64_t>(pieces);
+    }
+    if (needed <= bytes)
+    {
+      return level;
+    }
+  }
+  return std::nullopt;
+}
+
+BlockBox FindCover(const BlockGrid& grid, const VertexBox& vertices)
+{
+  BlockBox cover;
+  for (std::size_t axis = 0; axis < 3 && !vertices.IsEmpty(); ++axis)
+  {
+    // The vertices on the volume's high faces belong to the last blocks.
+    const std::int64_t last = grid.GetNumberOfBlocksPerAxis()[axis] - 1;
+    cover.Low[axis] = std::min(last, vertices.Low[axis] / grid.GetBlockSize());
+    cover.High[axis] = std::min(last, (vertices.High[axis] - 1) / grid.GetBlockSize()) + 1;
+  }
+  return cover;
+}
+
+Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+  const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
+  std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)
+{
+  const StoredLevel stored = volume.FindLevel(level);
+  const VertexBox whole = box.GetGhostedVertices(*stored.Grid, stored.Level);
+  const Target target = { box, whole, static_cast<std::uint8_t*>(samples), stride };
+  return FillTarget(
+    volume, timeStep, variable, level, blocks, threads, target, statistics, progress);
+}
+
+Status AssembleVertices(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
+  const VertexBox& vertices, const std::vector<BlockReference>& blocks, int threads, void* samples,
+  QueryStatistics& statistics, const Progress& progress)
+{
+  const BlockBox cover = FindCover(volume.GetBlockGrid(), vertices);
+  const Target target = { cover, vertices, static_cast<std::uint8_t*>(samples), 1 };
+  return FillTarget(volume, timeStep, variable, 0, blocks, threads, target, statistics, progress);
+}
+
+} // namespace isosurface

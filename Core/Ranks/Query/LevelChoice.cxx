@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Query/LevelChoice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The active blocks of the volume itself or of one overview, and how many of them are selected.
+struct ActivePart
+{
+  std::uint32_t Part;
+  std::vector<BlockReference> Blocks;
+  double SelectedShare = 1;
+};
+
+Result<ActivePart> FindActivePart(
+  BlockedVolume& volume, const SurfaceQuery& query, int level, QueryStatistics& statistics)
+{
+  ActivePart part;
+  part.Part = volume.FindLevel(level).Part;
+  auto blocks = volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues, query.Rank,
+    query.Ranks, statistics, level, query.Selection);
+  if (!blocks.IsOk())
+  {
+    return blocks.GetStatus();
+  }
+  part.Blocks = std::move(*blocks);
+  if (!query.Selection.IsPlain())
+  {
+    const auto all = volume.FindActiveBlocks(
+      query.TimeStep, query.Variable, query.Isovalues, query.Rank, query.Ranks, statistics, level);
+    if (!all.IsOk())
+    {
+      return all.GetStatus();
+    }
+    part.SelectedShare = static_cast<double>(part.Blocks.size()) /
+      static_cast<double>(std::max<std::size_t>(1, all->size()));
+  }
+  return part;
+}
+
+ExtractionWork EstimateWork(const BlockedVolume& volume, const SurfaceQuery& query, int level,
+  const ActivePart& part, double triangles)
+{
+  std::vector<std::size_t> variables = { query.Variable };
+  for (const std::size_t array : query.Attributes)
+  {
+    for (int component = 0; component < volume.GetVariables().GetComponents(array); ++component)
+    {
+      variables.push_back(*volume.GetVariables().Find(array, component));
+    }
+  }
+  const auto all = static_cast<double>(volume.FindLevel(level).Grid->GetNumberOfBlocks());
+  ExtractionWork work;
+  work.Blocks = static_cast<double>(part.Blocks.size());
+  work.Triangles = triangles;
+  for (const std::size_t variable : variables)
+  {
+    const double bytes = static_cast<double>(volume.EstimateBytes(variable, level)) / all;
+    work.SampleBytes += work.Blocks * bytes;
+    const auto missing = static_cast<double>(std::count_if(part.Blocks.begin(), part.Blocks.end(),
+      [&](const BlockReference& block)
+      { return !volume.IsCached(block, query.TimeStep, variable, level); }));
+    work.BlocksRead += missing;
+    work.ReadBytes += missing * bytes;
+  }
+  return work;
+}
+
+} // namespace
+
+Result<double> EstimateTriangles(BlockedVolume& volume, const SurfaceQuery& query, int level)
+{
+  double triangles = 0;
+  for (const double isovalue : query.Isovalues)
+  {
+    auto estimate = volume.EstimateTriangles(query.TimeStep, query.Variable, isovalue, level);
+    if (!estimate.IsOk())
+    {
+      return estimate;
+    }
+    triangles += *estimate;
+  }
+  return triangles;
+}
+
+Result<LevelChoice> ChooseLevel(BlockedVolume& volume, const SurfaceQuery& query, int finest,
+  const ExtractionBudget& budget, const ExtractionRate& rate, Communicator& ranks,
+  QueryStatistics& statistics)
+{
+  constexpr double Nanoseconds = 1e9;
+  const int coarsest = volume.GetNumberOfLevels() - 1;
+  std::optional<ActivePart> part;
+  LevelChoice choice;
+  for (int level = coarsest; level >= std::min(finest, coarsest); --level)
+  {
+    Status status;
+    LevelChoice finer;
+    finer.Level = level;
+    if (!part || part->Part != volume.FindLevel(level).Part)
+    {
+      auto found = FindActivePart(volume, query, level, statistics);
+      status = found.GetStatus();
+      part = found.IsOk() ? std::move(*found) : ActivePart();
+    }
+    if (status.IsOk())
+    {
+      const auto triangles = EstimateTriangles(volume, query, level);
+      status = triangles.GetStatus();
+      finer.Triangles = triangles.IsOk() ? *triangles * part->SelectedShare : 0;
+    }
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+    finer.Work = EstimateWork(volume, query, level, *part, finer.Triangles / query.Ranks);
+    // The ranks' shares of selected blocks differ.
+    std::vector<std::uint64_t> greatest = {
+      static_cast<std::uint64_t>(std::min(rate.Predict(finer.Work), 1e9) * Nanoseconds),
+      static_cast<std::uint64_t>(std::llround(finer.Triangles))
+    };
+    ranks.ReduceMaximum(greatest);
+    finer.Seconds = static_cast<double>(greatest[0]) / Nanoseconds;
+    finer.Triangles = static_cast<double>(greatest[1]);
+
+    const bool isTooLarge =
+      budget.Triangles > 0 && finer.Triangles > static_cast<double>(budget.Triangles);
+    const bool isTooSlow = budget.Seconds > 0 && finer.Seconds > budget.Seconds;
+    const LevelLimit limit = isTooLarge ? LevelLimit::Triangles
+      : isTooSlow                       ? LevelLimit::Seconds
+                                        : LevelLimit::None;
+    if (limit == LevelLimit::None || level == coarsest)
+    {
+      choice = finer;
+    }
+    if (limit != LevelLimit::None)
+    {
+      choice.Limit = limit;
+      break;
+    }
+  }
+  return choice;
+}
+
+} // namespace isosurface

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_LevelExtraction_h
+#define isosurface_LevelExtraction_h
+
+#include "Ranks/Query/QueryCost.h"
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ranks/Query/LevelChoice.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Surface/Contour/Surface.h"
+
+namespace isosurface
+{
+
+/// What to extract of a blocked volume, and how. The references must outlive the extraction.
+struct ExtractionTask
+{
+  BlockedVolume& Volume;
+  const SurfaceQuery& Query;
+  const ContourRequest& Request;
+  int Threads = 1;
+  Progress Advance;
+  /// If given, ranks that are ready take blocks from the shares of others, where every rank reaches
+  /// every store (BlockedVolume::DealBlocks) and the query's ranks are those of the communicator.
+  /// What is extracted is the same in all, but which rank has which block may differ from call to
+  /// call.
+  Communicator* Sharing = nullptr;
+};
+
+struct ExtractionOutcome
+{
+  Surface Extracted;
+  QueryCost Cost;     ///< added to
+  double Seconds = 0; ///< wall clock of the extraction, the query included
+};
+
+/// This rank's part of the surface at a level. Collective if blocks are shared (`Sharing`), else
+/// not. Errors: those of reading the volume; Aborted when the progress says so. They are this
+/// rank's: if one has failed, the others have extracted what it has left.
+Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& outcome);
+
+} // namespace isosurface
+
+#endif

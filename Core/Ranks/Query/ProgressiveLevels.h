@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ProgressiveLevels_h
+#define isosurface_ProgressiveLevels_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ranks/Query/LevelChoice.h"
+#include "Storage/Store/BlockedVolume.h"
+
+namespace isosurface
+{
+
+/// The maximum number of triangles of the first surface of a progressive extraction, relative to
+/// the final one.
+constexpr double FirstSurfaceShare = 1.0 / 20;
+
+/// The maximum number of triangles of the first surface: two cores without a graphics card extract
+/// and draw so many in about a tenth of a second.
+constexpr double FirstSurfaceTriangles = 100'000;
+
+/**
+ * Chooses the level that a progressive extraction begins with: the finest one coarser than `finest`
+ * whose surface has at most FirstSurfaceShare of the triangles at `finest`, and at most
+ * FirstSurfaceTriangles, by EstimateTriangles.
+ * If no level is as coarse, or the surface is estimated to vanish there, it is the coarsest level
+ * with triangles; `finest` itself if there is none coarser, or if it has no triangles.
+ *
+ * Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks. Cost: the
+ * spectra of the volume and its overviews, which the volume keeps.
+ */
+Result<int> ChooseFirstLevel(
+  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
+
+/// Up to so many triangles, a surface is there soon enough for no other one to be shown between the
+/// first one and it.
+constexpr double DirectSurfaceTriangles = 10'000'000;
+
+/// Whether the surface at `finest` has at most DirectSurfaceTriangles, by EstimateTriangles.
+/// Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks.
+Result<bool> IsDirectSurface(
+  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
+
+/// The level that follows `level`, which is coarser than `finest`: the finest one, but not finer
+/// than `finest`, that is stored in the same blocks as the next finer level. Coarser levels there
+/// would read as many blocks for a fraction of the triangles.
+int GetNextLevel(const BlockedVolume& volume, int level, int finest);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Query/VolumeContour.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome)
+{
+  if (this->IsPrepared(task, choice.Level))
+  {
+    const Status status = this->Prepared->Take(task.Advance, outcome);
+    this->Prepared.reset();
+    ISOSURFACE_RETURN_IF_ERROR(status);
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ExtractLevel(task, choice.Level, outcome));
+  }
+  if (choice.Work.Blocks > 0)
+  {
+    ExtractionWork work = choice.Work;
+    if (task.Sharing)
+    {
+      // Other blocks than were expected, and other numbers of them.
+      const double part = static_cast<double>(outcome.Extracted.NumberOfBlocks) / work.Blocks;
+      work.Blocks *= part;
+      work.SampleBytes *= part;
+      work.BlocksRead *= part;
+      work.ReadBytes *= part;
+    }
+    work.Triangles = static_cast<double>(outcome.Extracted.NumberOfTriangles);
+    this->Rate.Observe(work, outcome.Seconds);
+  }
+  return Status::Ok();
+}
+
+bool VolumeContour::IsPrepared(const Task& task, int level) const
+{
+  const BackgroundExtraction::Job* prepared = this->Prepared ? &this->Prepared->GetJob() : nullptr;
+  const bool isMine = prepared && prepared->Choice.Level == level &&
+    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks &&
+    this->PreparedEpoch == task.Volume.GetFaultEpoch();
+  if (!task.Sharing)
+  {
+    return isMine;
+  }
+  // Prepared surfaces are of the ranks' own shares, so either all are taken or none.
+  std::vector<std::uint64_t> all = { isMine ? 1U : 0U };
+  task.Sharing->ReduceMinimum(all);
+  return all.front() != 0;
+}
+
+void VolumeContour::Prepare(BackgroundExtraction::Job job)
+{
+  this->DropPrepared();
+  this->Dropped.reset();
+  this->PreparedEpoch = job.Volume->GetFaultEpoch();
+  this->Prepared = std::make_unique<BackgroundExtraction>(std::move(job));
+}
+
+void VolumeContour::DropPrepared()
+{
+  if (this->Prepared)
+  {
+    this->Prepared->Stop();
+    this->Dropped = std::move(this->Prepared);
+  }
+}
+
+Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget,
+  const Task& task, int finest, Outcome& outcome)
+{
+  QueryStatistics& reading = outcome.Cost.Reading;
+  // A rank that has had no active blocks knows nothing yet, so that all have to agree.
+  std::vector<std::uint64_t> isUnknown = { this->Rate.IsKnown() ? 0U : 1U };
+  ranks.ReduceMaximum(isUnknown);
+  if (budget.Seconds > 0 && isUnknown.front() != 0 && !this->HasProbed)
+  {
+    this->HasProbed = true;
+    // A coarse level costs little, and shows the speed of this machine.
+    const auto probe = ChooseLevel(
+      task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);
+    ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
+    Outcome unused;
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *probe, unused)));
+    reading.Add(unused.Cost.Reading);
+  }
+  auto choice = ChooseLevel(task.Volume, task.Query, finest, budget, this->Rate, ranks, reading);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  const int coarsest = task.Volume.GetNumberOfLevels() - 1;
+  while (true)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *choice, outcome)));
+    outcome.Cost.Choice = *choice;
+    std::vector<std::uint64_t> triangles = { outcome.Extracted.NumberOfTriangles };
+    ranks.ReduceSum(triangles);
+    if (budget.Triangles == 0 || triangles[0] <= budget.Triangles || choice->Level == coarsest)
+    {
+      return Status::Ok();
+    }
+    // The estimate was too low.
+    choice =
+      ChooseLevel(task.Volume, task.Query, choice->Level + 1, budget, this->Rate, ranks, reading);
+    ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+    choice->Limit = LevelLimit::Triangles;
+  }
+}
+
+} // namespace isosurface

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VolumeContour_h
+#define isosurface_VolumeContour_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ranks/Query/BackgroundExtraction.h"
+#include "Ranks/Query/ExtractionRate.h"
+#include "Ranks/Query/LevelChoice.h"
+#include "Ranks/Query/LevelExtraction.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace isosurface
+{
+
+/// Extracts isosurfaces of blocked volumes, at a given level or at the finest one that a budget
+/// allows. It learns this machine's speed from every extraction. One surface may be prepared beside
+/// the calling thread.
+class VolumeContour
+{
+public:
+  using Task = ExtractionTask;
+  using Outcome = ExtractionOutcome;
+
+  /// This rank's part of the surface at `choice.Level`, the prepared one if it is of that level and
+  /// of the same share. Collective if the task shares blocks, else not. Errors: those of reading
+  /// the volume; Aborted when the progress says so.
+  Status ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome);
+
+  /// The same at the finest level, `finest` or coarser, that is expected to keep the budget. One
+  /// that turns out to have more triangles is given up for the next. Collective.
+  Status ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget, const Task& task,
+    int finest, Outcome& outcome);
+
+  /// Begins to extract a surface beside the calling thread, in place of an earlier one.
+  void Prepare(BackgroundExtraction::Job job);
+  /// Forgets the prepared surface, whose threads end soon afterwards. To be called when another
+  /// volume or query is extracted next: that of a prepared surface is not compared.
+  void DropPrepared();
+  /// The prepared surface, finished or not; null if there is none.
+  BackgroundExtraction* GetPrepared() { return this->Prepared.get(); }
+
+  const ExtractionRate& GetRate() const { return this->Rate; }
+
+private:
+  /// Whether the prepared surface is that of the task; the same on all ranks that share blocks.
+  bool IsPrepared(const Task& task, int level) const;
+
+  ExtractionRate Rate;
+  bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
+  std::unique_ptr<BackgroundExtraction> Prepared;
+  std::uint64_t PreparedEpoch = 0; ///< of the volume: other shares belong to another one
+  std::unique_ptr<BackgroundExtraction> Dropped; ///< so that nobody waits for its end
+};
+
+} // namespace isosurface
+
+#endif

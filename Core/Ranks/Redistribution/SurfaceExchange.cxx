@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Redistribution/SurfaceExchange.h"
+
+#include "Ground/Base/Checksum.h"
+#include "Ranks/Redistribution/BlockPacking.h"
+#include "Ranks/Redistribution/SurfaceUnpacking.h"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+// The fraction of the progress at which all own blocks are encoded.
+constexpr double EncodingShare = 0.5;
+
+using Clock = std::chrono::steady_clock;
+
+double GetSecondsSince(Clock::time_point begin)
+{
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// Returns what `step` returns, or an error if memory or threads run out.
+template <typename Step>
+Status RunWithinMemory(Step&& step)
+{
+  try
+  {
+    return step();
+  }
+  catch (const std::bad_alloc&)
+  {
+    return { StatusCode::OutOfMemory,
+      "There is not enough memory to redistribute the isosurface." };
+  }
+  catch (const std::system_error& error)
+  {
+    return { StatusCode::OutOfMemory,
+      std::string("There is no thread to redistribute the isosurface: ") + error.what() };
+  }
+}
+
+// Whether all ranks received the same messages. Collective.
+bool IsSameOnAllRanks(Communicator& ranks, const std::vector<Message>& messages)
+{
+  std::uint64_t sum = 0;
+  for (const Message& message : messages)
+  {
+    sum = ComputeChecksum(message.data(), message.size(), sum);
+  }
+  // The complement of the maximum of complements is the minimum: one reduction for both.
+  std::vector<std::uint64_t> extremes = { sum, ~sum };
+  ranks.ReduceMaximum(extremes);
+  return extremes[0] == ~extremes[1];
+}
+
+} // namespace
+
+SurfaceExchange::SurfaceExchange(Communicator& ranks, const EdgeIndexHeader& header,
+  const ContourRequest& request, const Settings& settings)
+  : Ranks(ranks)
+  , Header(header)
+  , Request(request)
+  , Wanted(settings)
+{
+  if (this->Wanted.DrawingRanks < 1 || this->Wanted.DrawingRanks > ranks.GetSize())
+  {
+    this->Wanted.DrawingRanks = ranks.GetSize();
+  }
+}
+
+Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progress)
+{
+  Clock::time_point begin = Clock::now();
+  Status status = this->Ranks.Agree(RunWithinMemory(
+    [&] { return this->Encode(source, MakePartOfProgress(progress, 0, EncodingShare)); }));
+  this->Spent.EncodeSeconds = GetSecondsSince(begin);
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  begin = Clock::now();
+  status = this->MakePlan();
+  this->Spent.ChooseSeconds = GetSecondsSince(begin);
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  begin = Clock::now();
+  std::optional<SurfaceUnpacking> unpacking;
+  status = this->Ranks.Agree(RunWithinMemory(
+    [&]
+    {
+      std::vector<BlockDescription> blocks;
+      for (ExchangePlan::IncomingBlock& block : this->Plan.Incoming)
+      {
+        blocks.push_back(block.Description);
+      }
+      unpacking.emplace(this->Header, this->Request, std::move(blocks), this->Wanted.Threads);
+      return Status::Ok();
+    }));
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  const Progress rest = MakePartOfProgress(progress, EncodingShare, 1);
+  status = this->SendRounds(*unpacking, rest);
+  this->Spent.ExchangeSeconds = GetSecondsSince(begin);
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  begin = Clock::now();
+  Result<Surface> surface = unpacking->Finish(rest);
+  status = this->Ranks.Agree(surface.GetStatus());
+  this->Spent.DecodeSeconds = GetSecondsSince(begin);
+  if (!status.IsOk())
+  {
+    return status;
+  }
+  return surface;
+}
+
+Status SurfaceExchange::Encode(BlockSource& source, const Progress& progress)
+{
+  const auto take = [this](BlockDescription block, Message bytes)
+  {
+    this->Spent.EncodedPoints += block.CountPoints();
+    this->Spent.EncodedBytes += block.Bytes;
+    ++this->Spent.EncodedBlocks;
+    this->Descriptions.push_back(std::move(block));
+    this->Own.push_back(std::move(bytes));
+    return Status::Ok();
+  };
+  return PackBlocks(this->Header, source, this->Wanted.Threads, take, progress);
+}
+
+Status SurfaceExchange::MakePlan()
+{
+  Message mine;
+  const Status described = RunWithinMemory(
+    [&]
+    {
+      mine = ExchangePlan::Describe(this->Descriptions);
+      this->Descriptions = {};
+      return Status::Ok();
+    });
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(described));
+  this->Spent.SentBytes += mine.size() * static_cast<std::uint64_t>(this->Ranks.GetSize() - 1);
+  const std::vector<Message> messages = this->Ranks.AllGather(mine);
+  // With different plans, ranks would wait for each other forever.
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
+    IsSameOnAllRanks(this->Ranks, messages) ? Status::Ok() : MakeDamagedMessage()));
+  return this->Ranks.Agree(RunWithinMemory(
+    [&]
+    {
+      auto plan = ExchangePlan::Make(messages, static_cast<std::size_t>(this->Ranks.GetRank()),
+        this->Header.Geometry, this->Header.Isovalues.size(),
+        static_cast<std::uint32_t>(this->Wanted.DrawingRanks), this->Wanted.RoundBytes);
+      ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+      this->Plan = std::move(*plan);
+      this->NextArrival.assign(messages.size(), 0);
+      this->Spent.Rounds = this->Plan.Rounds;
+      this->Spent.ReceivedBlocks = this->Plan.Incoming.size();
+      for (const ExchangePlan::IncomingBlock& block : this->Plan.Incoming)
+      {
+        this->Spent.ReceivedPoints += block.Description.CountPoints();
+      }
+      return this->Plan.Own.size() == this->Own.size() ? Status::Ok() : MakeDamagedMessage();
+    }));
+}
+
+Status SurfaceExchange::SendRounds(SurfaceUnpacking& unpacking, const Progress& progress)
+{
+  Status status;
+  for (std::size_t round = 0; round < this->Plan.Rounds; ++round)
+  {
+    if (status.IsOk() && progress && !progress(unpacking.GetShare()))
+    {
+      status = Status(StatusCode::Aborted, "The redistribution was aborted.");
+    }
+    std::vector<Message> outgoing;
+    std::vector<Message> incoming;
+    if (status.IsOk())
+    {
+      status = RunWithinMemory(
+        [&]
+        {
+          this->FillRound(round, outgoing, incoming);
+          return Status::Ok();
+        });
+    }
+    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
+    this->Ranks.Deliver(std::move(outgoing), incoming,
+      [&](int source)
+      {
+        const auto from = static_cast<std::size_t>(source);
+        if (!this->TakeMessage(round, from, std::move(incoming[from]), unpacking.GetBlocks()))
+        {
+          status = MakeDamagedMessage();
+        }
+      });
+  }
+  for (std::size_t source = 0; source < this->NextArrival.size(); ++source)
+  {
+    if (status.IsOk() && this->NextArrival[source] < this->Plan.BySource[source].size())
+    {
+      status = MakeDamagedMessage();
+    }
+  }
+  return this->Ranks.Agree(status);
+}
+
+// Allocates all that delivering needs, so that it cannot fail on one rank alone.
+void SurfaceExchange::FillRound(
+  std::size_t round, std::vector<Message>& outgoing, std::vector<Message>& incoming)
+{
+  const auto self = static_cast<std::size_t>(this->Ranks.GetRank());
+  const auto size = static_cast<std::size_t>(this->Ranks.GetSize());
+  outgoing.resize(size);
+  incoming.resize(size);
+  for (; this->NextBlock < this->Own.size() && this->Plan.Own[this->NextBlock].Round == round;
+       ++this->NextBlock)
+  {
+    const std::size_t destination = this->Plan.Own[this->NextBlock].Destination;
+    Message& block = this->Own[this->NextBlock];
+    outgoing[destination].insert(outgoing[destination].end(), block.begin(), block.end());
+    this->Spent.SentBytes += destination == self ? 0 : block.size();
+    Message().swap(block);
+  }
+  for (std::size_t source = 0; source < size; ++source)
+  {
+    std::size_t bytes = 0;
+    const std::vector<std::size_t>& blocks = this->Plan.BySource[source];
+    for (std::size_t n = this->NextArrival[source]; n < blocks.size(); ++n)
+    {
+      const ExchangePlan::IncomingBlock& block = this->Plan.Incoming[blocks[n]];
+      if (block.Round != round)
+      {
+        break;
+      }
+      bytes += block.Description.Bytes;
+    }
+    incoming[source].resize(source == self ? 0 : bytes);
+  }
+  this->Arrived.reserve(this->Arrived.size() + size);
+}
+
+bool SurfaceExchange::TakeMessage(
+  std::size_t round, std::size_t source, Message message, ArrivingBlocks& blocks)
+{
+  this->Arrived.push_back(std::move(message));
+  const Message& bytes = this->Arrived.back();
+  std::size_t at = 0;
+  std::size_t& next = this->NextArrival[source];
+  for (; next < this->Plan.BySource[source].size(); ++next)
+  {
+    const std::size_t place = this->Plan.BySource[source][next];
+    const ExchangePlan::IncomingBlock& block = this->Plan.Incoming[place];
+    if (block.Round != round)
+    {
+      break;
+    }
+    if (block.Description.Bytes > bytes.size() - at)
+    {
+      return false;
+    }
+    blocks.Arrive(place, bytes.data() + at);
+    at += block.Description.Bytes;
+  }
+  return at == bytes.size();
+}
+
+std::uint64_t GetSurfaceBytes(const Surface& surface)
+{
+  const std::uint64_t index =
+    surface.Connectivity.Is64Bit ? sizeof(std::int64_t) : sizeof(std::int32_t);
+  std::uint64_t bytes = sizeof(float) * (surface.Points.GetSize() + surface.Normals.GetSize()) +
+    sizeof(std::int64_t) * surface.GlobalIds.GetSize() + index * surface.Connectivity.GetSize();
+  for (const SurfaceAttribute& attribute : surface.Attributes)
+  {
+    bytes += attribute.Bytes.GetSize();
+  }
+  // The ends of triangles follow from their number.
+  const bool triangles = surface.Connectivity.GetSize() == 3 * surface.NumberOfCells;
+  return triangles ? bytes : bytes + index * surface.NumberOfCells;
+}
+
+} // namespace isosurface

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_IntervalSubtreeWriter_h
+#define isosurface_IntervalSubtreeWriter_h
+
+#include "Ground/Base/PagedFile.h"
+#include "Ground/Base/Status.h"
+#include "Storage/Index/IntervalListWriter.h"
+#include "Storage/Index/IntervalSorter.h"
+#include "Storage/Index/IntervalTreeFormat.h"
+#include "Storage/Index/IntervalTreeNodePlan.h"
+#include "Storage/Index/TemporaryRecords.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The recursion of ExternalIntervalTreeBuilder: writes the pages of a subtree from its intervals,
+ * which are sorted by Minimum and are in memory or in a temporary file. The order of the pages is:
+ * lists of the node, its leaves, its other children, the node itself. So a page refers to pages
+ * before it only, which guarantees that a query ends.
+ */
+class IntervalSubtreeWriter
+{
+public:
+  IntervalSubtreeWriter(PagedFileWriter& file, TemporaryNames& names, std::size_t memoryLimit);
+
+  /// The memory for the intervals of a subtree. As much again is for sorting the right lists of a
+  /// node, five times as much for its multislab lists and windows (IntervalTreeNodePlan). So if
+  /// the intervals fit, their lists fit as well.
+  static std::size_t GetSourceBytes(std::size_t memoryLimit) { return memoryLimit / 8; }
+
+  /// Takes a sorter by Minimum with all intervals; writes all pages except page 0.
+  Result<IntervalSubtree> WriteTree(std::unique_ptr<IntervalSorter> sorter);
+
+private:
+  /// Sorted intervals in memory, which writing the subtree may overwrite, or in a temporary file.
+  struct Sequence
+  {
+    IntervalRecord* Memory;
+    const TemporaryRecords* File;
+    std::uint64_t First; // in the file
+    std::uint32_t Count;
+  };
+  struct NodeState;
+
+  Result<IntervalSubtree> WriteSubtree(const Sequence& sequence);
+  Result<IntervalSubtree> WriteLeaf(const Sequence& sequence);
+  Result<IntervalSubtree> WriteNode(const Sequence& sequence);
+  Status ChooseBoundaries(const Sequence& sequence, std::vector<ValueKey>& boundaries) const;
+  Status Distribute(const Sequence& sequence, NodeState& state);
+  Status DistributeOne(const IntervalRecord& record, NodeState& state);
+  Status WriteRightLists(NodeState& state);
+  Status WriteSpanLists(NodeState& state);
+  Status WriteChildren(NodeState& state);
+  Status AddToList(const IntervalRecord& record);
+
+  template <typename Visitor>
+  Status ForEach(const Sequence& sequence, Visitor&& visit) const;
+
+  PagedFileWriter& File;
+  TemporaryNames& Names;
+  // Memory for:
+  std::size_t SourceBytes; // the intervals of a subtree
+  std::size_t RightBytes;  // sorting the right lists of a node
+  std::size_t SpanBytes;   // sorting the multislab lists of a node
+  std::size_t BufferBytes; // the buffer of a temporary file
+  IntervalListWriter Lists;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockedVolume_h
+#define isosurface_BlockedVolume_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/BlockSelection.h"
+#include "Storage/Store/BlockCache.h"
+#include "Storage/Store/BlockReference.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/QueryStatistics.h"
+#include "Surface/Spectrum/WorkloadSpectrum.h"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+class BlockStore;
+class VolumeStores;
+
+/// What ranks have told each other of lost and damaged stores; the same on all of them.
+struct StoreNews
+{
+  bool IsNew = false;  ///< whether something is known that was not known before
+  std::string Warning; ///< names the stores that no warning has named yet; may be empty
+};
+
+/**
+ * A blocked volume on disk, opened for reading. Opening reads the header alone; the files of a
+ * store are opened when they are first needed. All functions may be called by several threads at
+ * once, each with statistics of its own, to which the cost is added.
+ *
+ * P ranks share D stores: with P <= D, rank r takes the stores d with d mod P == r; with P > D, the
+ * ranks r with r mod D == d share store d, and each takes a contiguous run of the blocks in the
+ * order of their ordinals. With DealBlocks they share the active blocks instead. No rank needs
+ * another one to know its share.
+ *
+ * Where several stores have each block (BlockedVolumeHeader::NumberOfReplicas), a query spreads the
+ * blocks over them by the triangles of the stores: over the ranks that have the stores, or, where
+ * every rank reaches every store, over the stores. A replica that is lost or damaged is noticed
+ * when it is read, and another one is read instead, if this rank reaches one; results are the same.
+ *
+ * Errors name file and reason: Corrupt, NotFound (a store is missing, or the volume was rewritten
+ * since it was opened and must be opened anew), IoError.
+ */
+class BlockedVolume
+{
+public:
+  /// Reads and checks the header. Cost: one file of a few KiB. A missing file is NotFound, a newer
+  /// format version Unsupported.
+  static Result<std::shared_ptr<BlockedVolume>> Open(const std::string& path,
+    FileSystem& fileSystem = GetLocalFileSystem(),
+    std::shared_ptr<BlockCache> cache = BlockCache::GetProcessCache());
+  BlockedVolume(const BlockedVolume&) = delete;
+  BlockedVolume& operator=(const BlockedVolume&) = delete;
+  ~BlockedVolume();
+
+  const std::string& GetPath() const;
+  const BlockedVolumeHeader& GetHeader() const;
+  /// Differs between volumes with different headers: other contents, another write (whose time
+  /// steps are in other folders), another number of time steps. It does not depend on the path.
+  std::uint64_t GetFingerprint() const;
+  /// The components and magnitudes that can be contoured and read.
+  const ArrayVariables& GetVariables() const;
+  /// The volume's own blocks, which have its finest levels.
+  const BlockGrid& GetBlockGrid() const;
+  /// Level l has every vertex whose coordinates are multiples of 2^l, wherever it is stored.
+  int GetNumberOfLevels() const;
+  /// `level` must be one of the volume's.
+  StoredLevel FindLevel(int level) const;
+  /// The lines of a level of a rectilinear grid, valid as long as this object; null of other grids.
+  const GridLines* GetLines(int level) const;
+
+  /**
+   * Whether ranks share the active blocks of all stores (BlockDealing), for which every rank must
+   * reach every store: then each has about as many triangles as any other, whatever the numbers of
+   * ranks and stores. Cost: each rank queries the trees of all stores, and reads the directory
+   * pages of all active blocks. If there are more than 64 stores, and at least as many as ranks,
+   * ranks share whole stores nevertheless. Off at first. Must be the same on all ranks.
+   */
+  void DealBlocks(bool dealt) { this->AreBlocksDealt = dealt; }
+  bool DealsBlocks() const { return this->AreBlocksDealt; }
+
+  /**
+   * Finds the blocks of this rank's share that an isosurface of one of the isovalues crosses (some
+   * samples are >= the isovalue, some are not), sorted by store and ordinal, each once. They are
+   * those blocks that have the given level (FindLevel), and active at the finest level there,
+   * GetSpectrumLevel(); at a coarser one some may be empty. Cost: one tree query a store and
+   * isovalue, and the directory pages of the reported blocks.
+   *
+   * A selection, of the grid of `level`, whose lines it need not have, adds blocks and leaves
+   * blocks out before ranks share them. Cost: the directory pages of all candidate blocks of the
+   * rank's stores; if sides are closed, also a range query of the trees for all blocks with samples
+   * inside.
+   */
+  Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
+    const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
+    int level = 0, const BlockSelection& selection = {});
+
+  /**
+   * The same of all ranks, for those that take blocks from each other's shares: by rank, the shares
+   * of dealt blocks, however many stores there are. Every rank must reach every store. `rank` is
+   * whose active blocks the statistics count.
+   */
+  Result<std::vector<std::vector<BlockReference>>> FindActiveShares(std::size_t timeStep,
+    std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
+    QueryStatistics& statistics, int level = 0, const BlockSelection& selection = {});
+
+  /**
+   * Tells all ranks which replicas of stores were found to be lost or damaged since the last call.
+   * From then on the ranks share the blocks among the others. A query that failed on a rank may
+   * succeed now if something is new: a rank whose stores are lost leaves their blocks to others.
+   * Collective, unless there are no replicas.
+   */
+  StoreNews ShareStoreFaults(Communicator& ranks);
+  /// Differs if ShareStoreFaults has learnt something: shares may be others then.
+  std::uint64_t GetFaultEpoch() const { return this->FaultEpoch; }
+
+  /// This rank's share of all blocks that have a level, sorted by store and ordinal. Cost: the
+  /// directories of their stores.
+  Result<std::vector<BlockReference>> GetShare(
+    std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level = 0);
+
+  /**
+   * Returns one variable of a block at a level, decoded, with its ghost layer, from the block cache
+   * or by one read of the part of the block's record up to that level. The block must have the
+   * level. Coordinates are the level's. A magnitude is computed from the components, which are read
+   * as by ReadVariables.
+   */
+  Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
+    std::size_t timeStep, std::size_t variable, int level, QueryStatistics& statistics);
+
+  /// Returns several variables of a block, in the given order. At level 0 of a record, components
+  /// that follow each other in the record and are not in the cache are read by one read.
+  Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,
+    const std::vector<std::size_t>& variables, int level, QueryStatistics& statistics);
+
+  /// Tells the block cache which blocks a query will read (BlockCache::Expect).
+  void Expect(const std::vector<BlockReference>& blocks, std::size_t timeStep,
+    const std::vector<std::size_t>& variables, int level);
+
+  /// Whether a variable of a block is in the block cache, or on its way there.
+  bool IsCached(
+    const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const;
+
+  /// Starts reading the blocks [begin, end) of a list for calls of ReadVariables that follow soon,
+  /// without waiting; neighbours in a store as one read. Skips what is in the block cache. This is
+  /// a hint without errors: ReadVariables reports them. Cost: the blocks' directory pages.
+  void Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin, std::size_t end,
+    std::size_t timeStep, const std::vector<std::size_t>& variables, int level);
+
+  /// The bytes of one variable of all blocks at a level, decoded, with ghost layers.
+  std::uint64_t EstimateBytes(std::size_t variable, int level) const;
+
+  /// The finest level that is stored in the same blocks as this one; it has a spectrum.
+  int GetSpectrumLevel(int level) const;
+
+  /// The spectrum of a variable in the whole volume at GetSpectrumLevel(level), read at the first
+  /// call for a time step, then kept. All spectra of a variable have the same bins.
+  Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
+    std::size_t timeStep, std::size_t variable, int level = 0);
+  /// The same for one of the volume's own stores at level 0, read at each call.
+  Result<std::shared_ptr<const WorkloadSpectrum>> GetStoreSpectrum(
+    std::size_t timeStep, std::size_t variable, std::uint32_t store);
+
+  /**
+   * The triangles of an isosurface at a level: exact where the level has a spectrum and the
+   * isovalue is an edge of its bins. Otherwise interpolated between the nearest spectra, the
+   * logarithm of the count linearly in the level; beyond the last spectrum, each level has a
+   * quarter of the triangles of the one before.
+   */
+  Result<double> EstimateTriangles(
+    std::size_t timeStep, std::size_t variable, double isovalue, int level);
+
+private:
+  BlockedVolume(std::unique_ptr<VolumeStores> stores, std::shared_ptr<BlockCache> cache);
+  Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
+  Status CheckRank(int rank, int ranks) const;
+  /// Of blocks in one replica of a store.
+  void Prefetch(const BlockStore& store, const std::vector<const BlockReference*>& blocks,
+    std::size_t timeStep, const std::vector<std::size_t>& variables, const StoredLevel& stored);
+
+  std::unique_ptr<VolumeStores> Stores;
+  std::shared_ptr<BlockCache> Cache;
+  std::atomic<bool> AreBlocksDealt{ false };
+  std::atomic<std::uint64_t> FaultEpoch{ 0 };
+};
+
+} // namespace isosurface
+
+#endif

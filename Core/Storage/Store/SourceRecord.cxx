@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/SourceRecord.h"
+
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeName.h"
+#include "Ground/Base/Checksum.h"
+#include "Storage/Store/JsonDocument.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+std::filesystem::path FindFolder(const std::string& header)
+{
+  const std::filesystem::path folder = std::filesystem::path(header).parent_path();
+  return folder.empty() ? std::filesystem::path(".") : folder;
+}
+
+std::string MakeAbsolutePath(const std::string& path)
+{
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::weakly_canonical(path, error);
+  return error ? path : absolute.string();
+}
+
+/// Everything that decides which bytes are which samples.
+std::uint64_t ComputeMetadata(const VolumeFile& volume, const Index3& chunk)
+{
+  std::string text = volume.Storage;
+  for (const std::int64_t size : volume.Grid.GetDimensions())
+  {
+    text += "\n" + std::to_string(size);
+  }
+  for (const std::int64_t size : chunk)
+  {
+    text += "\n" + std::to_string(size);
+  }
+  for (const ArrayDescription& array : volume.Arrays)
+  {
+    text +=
+      "\n" + std::string(GetValueTypeName(array.Type)) + "\n" + std::to_string(array.Components);
+  }
+  return ComputeChecksum(text.data(), text.size());
+}
+
+Result<FileState> FindState(FileSystem& files, const std::vector<std::string>& paths)
+{
+  FileState all;
+  for (const std::string& path : paths)
+  {
+    const auto state = files.FindState(path);
+    ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+    all.Modified = all.Files == 0 ? state->Modified : std::max(all.Modified, state->Modified);
+    all.Files += state->Files;
+    all.Bytes += state->Bytes;
+  }
+  return all;
+}
+
+/// How the arrays of a source differ from those that are wanted, or "".
+std::string FindDifference(
+  const VolumeFile& volume, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+{
+  if (volume.Grid.GetDimensions() != grid.GetDimensions())
+  {
+    return "it has another number of samples";
+  }
+  const bool areSame =
+    std::equal(volume.Arrays.begin(), volume.Arrays.end(), arrays.begin(), arrays.end(),
+      [](const ArrayDescription& a, const ArrayDescription& b)
+      { return a.Type == b.Type && a.Components == b.Components; });
+  return areSame ? "" : "it has other arrays";
+}
+
+std::string MakeAdvice(const std::string& header)
+{
+  return "; index it again, or name its new place: blockvolume --source PATH " + header;
+}
+
+} // namespace
+
+VolumeChoice SourceRecord::MakeChoice(const std::vector<std::string>& arrays) const
+{
+  VolumeChoice choice;
+  choice.Step = this->Step;
+  choice.Axes = this->Axes;
+  choice.IgnoresPlaces = true;
+  choice.Arrays = arrays;
+  choice.CacheBytes = 0; // whole chunks are read, and kept elsewhere
+  return choice;
+}
+
+std::string SourceRecord::FindPath(FileSystem& files, const std::string& header) const
+{
+  const std::string path = (FindFolder(header) / this->Path).lexically_normal().string();
+  return files.Exists(path) || !files.Exists(this->AbsolutePath) ? path : this->AbsolutePath;
+}
+
+Status SourceRecord::Validate() const
+{
+  const bool isText =
+    IsUtf8(this->Path) && IsUtf8(this->AbsolutePath) && IsUtf8(this->Within) && IsUtf8(this->Axes);
+  const bool isChunk = std::all_of(this->Chunk.begin(), this->Chunk.end(),
+    [](std::int64_t size) { return size >= 1 && size <= MaximumChunk; });
+  const bool areNames =
+    !this->Arrays.empty() && std::all_of(this->Arrays.begin(), this->Arrays.end(), IsUtf8);
+  return isText && isChunk && areNames && !this->Path.empty()
+    ? Status::Ok()
+    : Status(StatusCode::InvalidArgument,
+        "member timeSteps[].source has no path or arrays, an impossible chunk, or is not UTF-8");
+}
+
+Result<SourceRecord> DescribeSource(FileSystem& files, const std::string& header,
+  const std::string& text, const SourceRecord& wanted, const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays)
+{
+  const VolumeName name = VolumeName::Parse(files, text);
+  SourceRecord record;
+  record.Path = MakeRelativePath(header, name.Path);
+  record.AbsolutePath = MakeAbsolutePath(name.Path);
+  record.Within = name.Within;
+  record.Axes = wanted.Axes;
+  record.Step = wanted.Step;
+  const auto volume = VolumeFile::Open(files, text, record.MakeChoice(wanted.Arrays));
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  const std::string difference = FindDifference(*volume, grid, arrays);
+  if (!difference.empty())
+  {
+    return Status(
+      StatusCode::InvalidArgument, text + ": cannot be indexed in place: " + difference);
+  }
+  const auto chunk = volume->Source->GetChunk();
+  if (!chunk)
+  {
+    return Status(StatusCode::Unsupported,
+      text +
+        ": cannot be indexed in place: its samples can only be read in order (a compressed stream, "
+        "or slices that are decoded as a whole)");
+  }
+  record.Chunk = *chunk;
+  for (const ArrayDescription& array : volume->Arrays)
+  {
+    record.Arrays.push_back(array.Name);
+  }
+  record.Metadata = ComputeMetadata(*volume, *chunk);
+  const auto state = FindState(files, volume->Files);
+  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+  record.State = *state;
+  return record;
+}
+
+Status CheckSource(FileSystem& files, const std::string& header, const SourceRecord& record,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+{
+  const std::string path = record.FindPath(files, header);
+  if (!files.Exists(path))
+  {
+    return Status(StatusCode::NotFound,
+      path + ": has the samples of " + header +
+        ", but is missing; name its new place: "
+        "blockvolume --source PATH " +
+        header);
+  }
+  const auto inside = files.List(path);
+  if (!inside.IsOk() || inside->empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "read"));
+  }
+  const VolumeName name = { path, record.Within };
+  const auto volume = VolumeFile::Open(files, name.GetText(), record.MakeChoice(record.Arrays));
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  const auto chunk = volume->Source->GetChunk();
+  std::string difference = FindDifference(*volume, grid, arrays);
+  for (std::size_t array = 0; difference.empty() && array < volume->Arrays.size(); ++array)
+  {
+    difference = volume->Arrays[array].Name == record.Arrays[array]
+      ? ""
+      : "it has no array \"" + record.Arrays[array] + "\"";
+  }
+  if (difference.empty() && (!chunk || ComputeMetadata(*volume, *chunk) != record.Metadata))
+  {
+    difference = "its samples are stored otherwise";
+  }
+  if (difference.empty() && record.State.Files <= SourceRecord::MaximumFilesToCheck)
+  {
+    const auto state = FindState(files, volume->Files);
+    ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+    difference = state->Files != record.State.Files ? "it has another number of files"
+      : state->Bytes != record.State.Bytes          ? "it has another size"
+      : state->Modified != record.State.Modified    ? "it was modified at another time"
+                                                    : "";
+  }
+  return difference.empty() ? Status::Ok()
+                            : Status(StatusCode::Corrupt,
+                                name.GetText() + ": was changed since " + header +
+                                  " was made of it: " + difference + MakeAdvice(header));
+}
+
+std::string MakeRelativePath(const std::string& header, const std::string& path)
+{
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(FindFolder(header), error);
+  const std::filesystem::path to = std::filesystem::weakly_canonical(path, error);
+  const std::filesystem::path relative = to.lexically_relative(folder);
+  return error || relative.empty() ? MakeAbsolutePath(path) : relative.string();
+}
+
+} // namespace isosurface

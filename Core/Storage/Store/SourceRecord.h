@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SourceRecord_h
+#define isosurface_SourceRecord_h
+
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/GridGeometry.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+struct VolumeChoice;
+
+/**
+ * Where the samples at full resolution of a time step are, if the blocked volume itself has none
+ * (a volume in place): in a file of another format, as it was when it was indexed.
+ *
+ *     "source": { "path": string, "absolutePath": string, "within": string, "axes": string,
+ *                 "step": integer, "arrays": [string, ...], "chunk": [x, y, z], "files": integer, "bytes": integer,
+ *                 "modified": integer, "metadata": hex }
+ */
+struct SourceRecord
+{
+  /// Of a folder with more files, a change of its chunks is found when they are read.
+  static constexpr std::uint64_t MaximumFilesToCheck = 4096;
+  static constexpr std::int64_t MaximumChunk = std::int64_t{ 1 } << 31; ///< on an axis
+
+  std::string Path;                ///< seen from the folder of the header
+  std::string AbsolutePath;        ///< where it was when it was indexed
+  std::string Within;              ///< VolumeName::Within
+  std::string Axes;                ///< VolumeChoice::Axes
+  std::size_t Step = 0;            ///< number of the time step in the source
+  std::vector<std::string> Arrays; ///< the source's own names of the volume's arrays
+  Index3 Chunk = { 1, 1, 1 };      ///< SlabSource::GetChunk() of the first array
+  FileState State;                 ///< of all files that have the samples
+  std::uint64_t Metadata = 0;      ///< checksum of shape, types, chunks and storage
+
+  /// What to open in the source for some of its arrays.
+  VolumeChoice MakeChoice(const std::vector<std::string>& arrays) const;
+
+  /// The source's path seen from the current folder: Path, or else AbsolutePath, whichever exists;
+  /// the first one if neither does. `header`: the path of the .bvol.
+  std::string FindPath(FileSystem& files, const std::string& header) const;
+
+  /// Checks what can be checked without the source. Error: a sentence without a file.
+  Status Validate() const;
+};
+
+/**
+ * Describes a source for the blocked volume `header`. `name`: as the user gives it (VolumeName).
+ * `wanted`: what of it is meant: Axes, Step and Arrays; if the source does not have all names, but as
+ * many arrays, all are meant. `arrays`: what they have to be, names apart. Errors name the source:
+ * NotFound, Unsupported if it can only be read in order, InvalidArgument if it has other arrays or
+ * another size than `grid`.
+ */
+Result<SourceRecord> DescribeSource(FileSystem& files, const std::string& header,
+  const std::string& name, const SourceRecord& wanted, const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays);
+
+/// Ok if a source is as it was when it was indexed. Otherwise one error that names it, tells what
+/// is not, and what to do: NotFound, Corrupt if it was changed. Cost: a look at its files, or at its
+/// metadata alone if there are more than MaximumFilesToCheck.
+Status CheckSource(FileSystem& files, const std::string& header, const SourceRecord& record,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
+
+/// The path seen from the folder of the header, for SourceRecord::Path.
+std::string MakeRelativePath(const std::string& header, const std::string& path);
+
+} // namespace isosurface
+
+#endif

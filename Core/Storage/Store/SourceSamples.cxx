@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/SourceSamples.h"
+
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeName.h"
+#include "Storage/Record/BlockSegment.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// BlockCacheKey::Level of chunks, which no level of blocks has.
+constexpr std::uint32_t ChunkLevel = std::numeric_limits<std::uint32_t>::max();
+
+/// Copies what two boxes have in common. The samples of both are x fastest, without gaps.
+void CopyPart(const std::uint8_t* from, const VertexBox& fromBox, const VertexBox& toBox,
+  std::size_t size, std::uint8_t* to)
+{
+  const VertexBox part = fromBox.Intersect(toBox);
+  const auto place = [&part, size](const VertexBox& box, std::int64_t j, std::int64_t k)
+  {
+    const Index3 extent = box.GetSize();
+    return static_cast<std::size_t>(part.Low[0] - box.Low[0] +
+             extent[0] * (j - box.Low[1] + extent[1] * (k - box.Low[2]))) *
+      size;
+  };
+  const std::size_t bytes = static_cast<std::size_t>(part.High[0] - part.Low[0]) * size;
+  for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
+  {
+    for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
+    {
+      std::memcpy(to + place(toBox, j, k), from + place(fromBox, j, k), bytes);
+    }
+  }
+}
+
+} // namespace
+
+Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files,
+  const std::string& path, const BlockedVolumeHeader& header, std::size_t timeStep,
+  std::uint64_t dataset, std::shared_ptr<BlockCache> cache)
+{
+  const SourceRecord& record = *header.TimeSteps[timeStep].Source;
+  ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, path, record, header.Grid, header.Arrays));
+  std::shared_ptr<SourceSamples> samples(new SourceSamples(files, path, dataset, std::move(cache)));
+  samples->Name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
+  samples->Choice = record.MakeChoice({});
+  samples->Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
+  for (const ArrayDescription& described : header.Arrays)
+  {
+    Array array;
+    array.Name = record.Arrays[samples->Arrays.size()];
+    array.Type = described.Type;
+    array.FirstComponent = samples->ArrayOf.size();
+    array.Components = static_cast<std::size_t>(described.Components);
+    auto source = samples->OpenArray(array);
+    ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+    array.Chunk = (*source)->GetChunk().value_or(samples->Box.High);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      array.Chunks[axis] = (samples->Box.High[axis] - 1) / array.Chunk[axis] + 1;
+    }
+    array.Idle.push_back(std::move(*source));
+    samples->ArrayOf.resize(samples->ArrayOf.size() + array.Components, samples->Arrays.size());
+    samples->Arrays.push_back(std::move(array));
+  }
+  return samples;
+}
+
+Status SourceSamples::MakeChanged(std::int64_t block) const
+{
+  return Status(StatusCode::Corrupt,
+    this->Name + ": was changed since " + this->Volume + " was made of it: block " +
+      std::to_string(block) + " has other samples; index it again");
+}
+
+Result<std::unique_ptr<SlabSource>> SourceSamples::OpenArray(const Array& array) const
+{
+  VolumeChoice choice = this->Choice;
+  choice.Arrays = { array.Name };
+  auto volume = VolumeFile::Open(this->Files, this->Name, choice);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  const bool isThere = volume->Arrays.size() == 1 && volume->Arrays[0].Name == array.Name &&
+    volume->Arrays[0].Type == array.Type &&
+    static_cast<std::size_t>(volume->Arrays[0].Components) == array.Components &&
+    volume->Grid.GetDimensions() == this->Box.High;
+  if (!isThere)
+  {
+    return Status(StatusCode::Corrupt,
+      this->Name + ": has no array \"" + array.Name + "\" as " + this->Volume + " knows it");
+  }
+  return std::move(volume->Source);
+}
+
+Result<std::unique_ptr<SlabSource>> SourceSamples::Take(Array& array)
+{
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    if (!array.Idle.empty())
+    {
+      auto source = std::move(array.Idle.back());
+      array.Idle.pop_back();
+      return source;
+    }
+  }
+  return this->OpenArray(array);
+}
+
+void SourceSamples::GiveBack(Array& array, std::unique_ptr<SlabSource> source)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  array.Idle.push_back(std::move(source));
+}
+
+VertexBox SourceSamples::FindChunkBox(const Array& array, const Index3& chunk) const
+{
+  VertexBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    box.Low[axis] = chunk[axis] * array.Chunk[axis];
+    box.High[axis] = std::min(box.Low[axis] + array.Chunk[axis], this->Box.High[axis]);
+  }
+  return box;
+}
+
+Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox& box)
+{
+  auto source = this->Take(array);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  const auto slab = (*source)->Read(box);
+  ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
+  if (!slab->Fits(std::vector<ValueType>(array.Components, array.Type), box))
+  {
+    return Status(StatusCode::Corrupt, this->Name + ": has other samples than it states");
+  }
+  const std::size_t size = GetValueSize(array.Type);
+  const Index3 extent = box.GetSize();
+  auto decoded = std::make_shared<DecodedBlock>();
+  decoded->Bytes = Buffer<std::uint8_t>(
+    static_cast<std::size_t>(box.GetNumberOfVertices()) * array.Components * size);
+  std::uint8_t* to = decoded->Bytes.GetData();
+  for (const SampleView& view : slab->Arrays)
+  {
+    const auto* first = static_cast<const std::uint8_t*>(view.First);
+    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+    {
+      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      {
+        const std::ptrdiff_t row = (box.Low[0] - view.Available.Low[0]) * view.Stride[0] +
+          (j - view.Available.Low[1]) * view.Stride[1] +
+          (k - view.Available.Low[2]) * view.Stride[2];
+        CopySamples(
+          to, 1, first + row * static_cast<std::ptrdiff_t>(size), view.Stride[0], extent[0], size);
+        to += static_cast<std::size_t>(extent[0]) * size;
+      }
+    }
+  }
+  this->GiveBack(array, std::move(*source));
+  return Chunk(std::move(decoded));
+}
+
+Result<SourceSamples::Chunk> SourceSamples::GetChunk(
+  Array& array, const Index3& chunk, QueryStatistics& statistics)
+{
+  bool hit = false;
+  auto decoded = this->Cache->Get(
+    this->MakeKey(array, chunk),
+    [&] { return this->Decode(array, this->FindChunkBox(array, chunk)); }, hit);
+  if (decoded.IsOk())
+  {
+    statistics.BlockCacheHits += hit ? 1 : 0;
+    statistics.BlocksRead += hit ? 0 : 1;
+    statistics.BytesRead += hit ? 0 : (*decoded)->Bytes.GetSize();
+  }
+  return decoded;
+}
+
+BlockCacheKey SourceSamples::MakeKey(const Array& array, const Index3& chunk) const
+{
+  const std::int64_t number = chunk[0] + array.Chunks[0] * (chunk[1] + array.Chunks[1] * chunk[2]);
+  return { this->Dataset, number, static_cast<std::uint32_t>(array.FirstComponent), ChunkLevel };
+}
+
+Status SourceSamples::CopyChunk(Array& array, const Index3& chunk, std::size_t component,
+  const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
+{
+  const auto decoded = this->GetChunk(array, chunk, statistics);
+  ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
+  const std::size_t size = GetValueSize(array.Type);
+  const VertexBox whole = this->FindChunkBox(array, chunk);
+  const auto plane = static_cast<std::size_t>(whole.GetNumberOfVertices()) * size;
+  CopyPart(
+    (*decoded)->Bytes.GetData() + (component - array.FirstComponent) * plane, whole, box, size, to);
+  return Status::Ok();
+}
+
+Status SourceSamples::Read(
+  std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
+{
+  Array& array = this->Arrays[this->ArrayOf[component]];
+  Index3 first;
+  Index3 last;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    first[axis] = box.Low[axis] / array.Chunk[axis];
+    last[axis] = (box.High[axis] - 1) / array.Chunk[axis];
+  }
+  std::vector<Index3> chunks;
+  for (Index3 at = first; at[2] <= last[2]; ++at[2])
+  {
+    for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
+    {
+      for (at[0] = first[0]; at[0] <= last[0]; ++at[0])
+      {
+        chunks.push_back(at);
+      }
+    }
+  }
+  // First those that nobody has, nor decodes at the moment: threads that need the same chunks share
+  // the work, instead of waiting for each other at each.
+  const auto rest = std::stable_partition(chunks.begin(), chunks.end(),
+    [&](const Index3& chunk) { return !this->Cache->Contains(this->MakeKey(array, chunk)); });
+  std::vector<Index3> waiting(rest, chunks.end());
+  for (auto chunk = chunks.begin(); chunk != rest; ++chunk)
+  {
+    if (this->Cache->Contains(this->MakeKey(array, *chunk)))
+    {
+      waiting.push_back(*chunk);
+      continue;
+    }
+    ISOSURFACE_RETURN_IF_ERROR(this->CopyChunk(array, *chunk, component, box, to, statistics));
+  }
+  for (const Index3& chunk : waiting)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CopyChunk(array, chunk, component, box, to, statistics));
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SourceSamples_h
+#define isosurface_SourceSamples_h
+
+#include "Formats/Opener/VolumeFile.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/VertexBox.h"
+#include "Storage/Record/DecodedBlock.h"
+#include "Storage/Store/BlockCache.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/QueryStatistics.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The samples of a time step of a volume in place: boxes at full resolution, gathered from the chunks
+ * of the source (SourceRecord). Chunks are decoded when a box needs them, and kept in the block cache
+ * as any blocks; a chunk that several threads need at once is decoded once. Different chunks are
+ * decoded by several threads at once where the source's library allows it.
+ *
+ *       chunks of the source          a block with its ghost layer
+ *       +-------+-------+-------+
+ *       |     +-|-----+ |       |     takes a part of each chunk that it touches; the last chunks
+ *       +-----|-+-----|-+-------+     may be partial, and missing ones have the fill value
+ *       |     +-|-----+ |       |
+ *       +-------+-------+-------+
+ *
+ * Safe for any number of threads.
+ */
+class SourceSamples
+{
+public:
+  /// Opens the source of a time step of the volume `path`, and checks that it is as it was when it was
+  /// indexed (CheckSource). `dataset`: BlockCacheKey::Dataset of its chunks. `files` must outlive this.
+  static Result<std::shared_ptr<SourceSamples>> Open(FileSystem& files, const std::string& path,
+    const BlockedVolumeHeader& header, std::size_t timeStep, std::uint64_t dataset,
+    std::shared_ptr<BlockCache> cache);
+
+  /// Writes the samples of a component in a box within the grid to `to`: x fastest, without gaps.
+  /// Cost: decoding the chunks that the box touches and that are not in the cache; the bytes that
+  /// were decoded count as read.
+  Status Read(
+    std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics);
+
+  ValueType GetType(std::size_t component) const
+  {
+    return this->Arrays[this->ArrayOf[component]].Type;
+  }
+  /// The source's name, for messages.
+  const std::string& GetName() const { return this->Name; }
+  /// What follows if a block's samples are not those that were indexed. Corrupt.
+  Status MakeChanged(std::int64_t block) const;
+
+private:
+  /// An array of the source.
+  struct Array
+  {
+    std::string Name;
+    ValueType Type = ValueType::UInt8;
+    std::size_t FirstComponent = 0;
+    std::size_t Components = 1;
+    Index3 Chunk = { 1, 1, 1 };
+    Index3 Chunks = { 1, 1, 1 }; ///< on each axis
+    /// Open ones that no thread reads at the moment.
+    std::vector<std::unique_ptr<SlabSource>> Idle;
+  };
+  using Chunk = std::shared_ptr<const DecodedBlock>;
+
+  SourceSamples(
+    FileSystem& files, std::string volume, std::uint64_t dataset, std::shared_ptr<BlockCache> cache)
+    : Files(files)
+    , Volume(std::move(volume))
+    , Dataset(dataset)
+    , Cache(std::move(cache))
+  {
+  }
+
+  Result<std::unique_ptr<SlabSource>> OpenArray(const Array& array) const;
+  Result<std::unique_ptr<SlabSource>> Take(Array& array);
+  void GiveBack(Array& array, std::unique_ptr<SlabSource> source);
+  VertexBox FindChunkBox(const Array& array, const Index3& chunk) const;
+  /// All components of an array in a chunk, one after another, each x fastest.
+  Result<Chunk> Decode(Array& array, const VertexBox& box);
+  Result<Chunk> GetChunk(Array& array, const Index3& chunk, QueryStatistics& statistics);
+  BlockCacheKey MakeKey(const Array& array, const Index3& chunk) const;
+  /// Copies what a chunk has of a component in a box.
+  Status CopyChunk(Array& array, const Index3& chunk, std::size_t component, const VertexBox& box,
+    std::uint8_t* to, QueryStatistics& statistics);
+
+  FileSystem& Files;
+  std::string Volume; ///< path of the .bvol
+  std::string Name;
+  VolumeChoice Choice;
+  std::uint64_t Dataset;
+  std::shared_ptr<BlockCache> Cache;
+  VertexBox Box; ///< of the grid
+  std::vector<Array> Arrays;
+  std::vector<std::size_t> ArrayOf; ///< per component
+  std::mutex Mutex;                 ///< of Array::Idle
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/StoreFaults.h"
+
+#include "Ground/Base/Coding.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::size_t MaximumReasonBytes = 1000;
+
+void Append(Message& bytes, const StoreFault& fault)
+{
+  for (const std::uint32_t number :
+    { fault.Where.TimeStep, fault.Where.Part, fault.Where.Store, fault.Where.Replica })
+  {
+    AppendLittleEndian(bytes, number);
+  }
+  AppendLittleEndian(bytes, fault.Ordinal);
+  const std::string reason = fault.Reason.substr(0, MaximumReasonBytes);
+  AppendLittleEndian(bytes, static_cast<std::uint32_t>(reason.size()));
+  bytes.insert(bytes.end(), reason.begin(), reason.end());
+}
+
+StoreFault Take(ByteReader& reader)
+{
+  StoreFault fault;
+  fault.Where.TimeStep = reader.Read<std::uint32_t>();
+  fault.Where.Part = reader.Read<std::uint32_t>();
+  fault.Where.Store = reader.Read<std::uint32_t>();
+  fault.Where.Replica = reader.Read<std::uint32_t>();
+  fault.Ordinal = reader.Read<std::int64_t>();
+  const auto size = reader.Read<std::uint32_t>();
+  if (const std::uint8_t* reason = reader.ReadBytes(size))
+  {
+    fault.Reason.assign(reason, reason + size);
+  }
+  return fault;
+}
+
+} // namespace
+
+void StoreFaults::Add(StoreFault fault)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  if (this->Known.insert({ fault.Where, fault.Ordinal }).second)
+  {
+    this->Found.push_back(std::move(fault));
+  }
+}
+
+ReplicaState StoreFaults::FindState(
+  const Keys& known, const StoreReplica& replica, std::int64_t ordinal)
+{
+  const auto first = known.lower_bound({ replica, StoreFault::Whole });
+  if (first == known.end() || first->first < replica || replica < first->first)
+  {
+    return ReplicaState::Sound;
+  }
+  const bool isLost = first->second == StoreFault::Whole ||
+    (ordinal != StoreFault::Whole && known.count({ replica, ordinal }) != 0);
+  return isLost ? ReplicaState::Lost : ReplicaState::Damaged;
+}
+
+ReplicaState StoreFaults::GetState(
+  const StoreReplica& replica, bool isCommon, std::int64_t ordinal) const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  return FindState(isCommon ? this->Common : this->Known, replica, ordinal);
+}
+
+bool StoreFaults::IsEmpty() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  return this->Known.empty();
+}
+
+Message StoreFaults::Pack()
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const std::size_t count = std::min(MaximumOfMessage, this->Found.size());
+  Message bytes;
+  for (std::size_t index = 0; index < count; ++index)
+  {
+    Append(bytes, this->Found[index]);
+  }
+  this->Found.erase(this->Found.begin(), this->Found.begin() + static_cast<std::ptrdiff_t>(count));
+  return bytes;
+}
+
+std::vector<StoreFault> StoreFaults::Join(const std::vector<Message>& ofRanks)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  std::vector<StoreFault> news;
+  for (const Message& bytes : ofRanks)
+  {
+    ByteReader reader(bytes);
+    while (reader.GetRemaining() > 0)
+    {
+      StoreFault fault = Take(reader);
+      if (reader.HasFailed())
+      {
+        break;
+      }
+      const Key key = { fault.Where, fault.Ordinal };
+      this->Known.insert(key);
+      if (this->Common.insert(key).second)
+      {
+        news.push_back(std::move(fault));
+      }
+    }
+  }
+  return news;
+}
+
+} // namespace isosurface

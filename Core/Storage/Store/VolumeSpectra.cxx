@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/VolumeSpectra.h"
+
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/Coding.h"
+
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+VolumeSpectra::Spectrum Share(WorkloadSpectrum&& spectrum)
+{
+  return std::make_shared<const WorkloadSpectrum>(std::move(spectrum));
+}
+
+} // namespace
+
+std::string VolumeSpectra::GetPath(const std::string& volumePath, const std::string& generation)
+{
+  return GetStoresFolder(volumePath) + "/" + generation + "/spectra";
+}
+
+std::uint64_t VolumeSpectra::GetIdentity(const TimeStepDescription& step)
+{
+  std::vector<std::uint8_t> checksums;
+  for (const StoreDescription& store : step.Stores)
+  {
+    AppendLittleEndian(checksums, store.Checksum);
+  }
+  return ComputeChecksum(checksums.data(), checksums.size());
+}
+
+Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& files,
+  const std::string& volumePath, const TimeStepDescription& step, std::size_t variables)
+{
+  auto result = std::make_shared<VolumeSpectra>();
+  auto file = SpectraFile::Open(
+    files, GetPath(volumePath, step.Folder), GetIdentity(step), variables, step.Stores.size());
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  result->File = std::move(*file);
+  for (std::size_t variable = 0; variable < variables; ++variable)
+  {
+    auto total = result->File->ReadTotal(variable);
+    if (!total.IsOk())
+    {
+      return total.GetStatus();
+    }
+    result->Totals.push_back(Share(std::move(*total)));
+  }
+  return std::shared_ptr<const VolumeSpectra>(std::move(result));
+}
+
+Result<VolumeSpectra::Spectrum> VolumeSpectra::GetStore(
+  std::size_t variable, std::size_t store) const
+{
+  auto spectrum = this->File->ReadStore(variable, store);
+  if (!spectrum.IsOk())
+  {
+    return spectrum.GetStatus();
+  }
+  return Share(std::move(*spectrum));
+}
+
+} // namespace isosurface

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VolumeStores_h
+#define isosurface_VolumeStores_h
+
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Storage/Store/BlockCache.h"
+#include "Storage/Store/BlockReference.h"
+#include "Storage/Store/BlockStore.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/StoreFaults.h"
+#include "Storage/Store/VolumeSpectra.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+class SourceSamples;
+
+/// The volume itself, or one of its overviews.
+struct VolumePart
+{
+  BlockedVolumeHeader Header;
+  BlockGrid Grid;
+  int FirstLevel = 0;                    ///< the finest level here, among those of the volume
+  std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
+};
+
+/**
+ * The stores and spectra of a blocked volume and its overviews, opened when they are first needed.
+ * All functions may be called by several threads at once. Errors are those of BlockedVolume.
+ */
+class VolumeStores
+{
+public:
+  /// `text`: that of the header's file. `cache`: for the chunks of a volume in place.
+  VolumeStores(std::string path, FileSystem& files, std::string text,
+    const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache);
+  VolumeStores(const VolumeStores&) = delete;
+  VolumeStores& operator=(const VolumeStores&) = delete;
+
+  const std::string& GetPath() const { return this->Path; }
+  const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
+  /// The checksum of the header's text.
+  std::uint64_t GetFingerprint() const { return this->Fingerprint; }
+  const ArrayVariables& GetVariables() const { return this->Variables; }
+
+  /// The volume, then its overviews from the finest to the coarsest.
+  const std::vector<VolumePart>& GetParts() const { return this->Parts; }
+  int GetNumberOfLevels() const;
+  /// `level` must be one of the volume's.
+  StoredLevel FindLevel(int level) const;
+  /// The lines of a level of a rectilinear grid; null of other grids. They stay where they are.
+  const GridLines* GetLines(int level) const
+  {
+    return this->Lines.empty() ? nullptr : &this->Lines[static_cast<std::size_t>(level)];
+  }
+  /// Whether the samples of a level are in the volume's source.
+  bool IsInSource(const StoredLevel& stored) const
+  {
+    return stored.Part == 0 && this->GetHeader().IsInPlace();
+  }
+  BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
+    const StoredLevel& stored) const;
+
+  Result<std::shared_ptr<BlockStore>> GetStore(
+    std::size_t timeStep, std::uint32_t part, std::uint32_t store, std::uint32_t replica = 0);
+
+  /**
+   * Calls `read` with a replica of a store: the preferred one, or, if it is known to be lost or
+   * turns out to be, the others, until one succeeds. What is wrong with the preferred replica is
+   * kept in GetFaults(). `ordinal`: the block that is read, if only that is. Errors: that of the
+   * first replica, with those of the others; if memory is short or the volume was rewritten, no
+   * other one is tried.
+   */
+  template <typename Read>
+  auto ReadReplicas(const StoreReplica& preferred, std::int64_t ordinal, const Read& read)
+    -> decltype(read(std::declval<BlockStore&>()))
+  {
+    ReplicaErrors errors(*this, preferred);
+    for (const std::uint32_t replica : this->OrderReplicas(preferred, ordinal))
+    {
+      const auto store =
+        this->GetStore(preferred.TimeStep, preferred.Part, preferred.Store, replica);
+      if (store.IsOk())
+      {
+        auto result = read(**store);
+        if (result.IsOk())
+        {
+          errors.Keep();
+          return result;
+        }
+        errors.Add(replica, ordinal, result.GetStatus());
+      }
+      else
+      {
+        errors.Add(replica, StoreFault::Whole, store.GetStatus());
+      }
+      if (errors.AreFinal())
+      {
+        break;
+      }
+    }
+    return errors.Join();
+  }
+
+  /// The replica that ReadReplicas would try first.
+  std::uint32_t FindReplica(const StoreReplica& preferred, std::int64_t ordinal) const
+  {
+    return this->OrderReplicas(preferred, ordinal).front();
+  }
+
+  StoreFaults& GetFaults() { return this->Faults; }
+  const StoreFaults& GetFaults() const { return this->Faults; }
+
+  /// One sentence about the stores that faults are new of, as far as it was not told before; or "".
+  std::string DescribeNews(const std::vector<StoreFault>& news);
+
+  /// What isosurfaces take of each store.
+  struct WorkOfStores
+  {
+    std::vector<std::uint64_t> Triangles; ///< per store
+    std::uint64_t ActiveBlocks = 0;       ///< of all stores
+  };
+  /// The same summed over isovalues, in a part, at the finest level there. The counts of stores are
+  /// kept until another variable is asked for. Errors: those of reading the spectra.
+  Result<WorkOfStores> FindStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable,
+    const std::vector<double>& isovalues);
+  Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
+
+  /// Ok if the header on disk still has the time step as it was when the volume was opened.
+  Status CheckNotRewritten(std::size_t timeStep) const;
+
+private:
+  struct OpenStore
+  {
+    std::size_t TimeStep;
+    std::uint32_t Part;
+    std::uint32_t Index;
+    std::uint32_t Replica;
+    std::shared_ptr<BlockStore> Store;
+  };
+
+  /// Why the replicas of a store, or a block in them, could not be read.
+  class ReplicaErrors
+  {
+  public:
+    ReplicaErrors(VolumeStores& stores, const StoreReplica& preferred)
+      : Stores(stores)
+      , Preferred(preferred)
+    {
+    }
+    /// `ordinal`: of the block, if the rest of the replica may be read.
+    void Add(std::uint32_t replica, std::int64_t ordinal, const Status& error);
+    /// Whether other replicas would not help.
+    bool AreFinal() const { return this->IsFinal; }
+    /// Keeps what is known of the preferred replica now that another one could be read.
+    void Keep();
+    Status Join() const;
+
+  private:
+    VolumeStores& Stores;
+    StoreReplica Preferred;
+    std::vector<Status> Errors;
+    std::optional<StoreFault> Fault;
+    bool IsFinal = false;
+  };
+
+  /// The triangles of isosurfaces of one variable, by store and bin.
+  struct StoreWork
+  {
+    std::size_t TimeStep = 0;
+    std::uint32_t Part = 0;
+    std::size_t Variable = 0;
+    std::vector<std::vector<std::uint64_t>> Triangles;
+  };
+
+  /// All replicas: sound ones from the preferred one on, then damaged ones, then lost ones.
+  std::vector<std::uint32_t> OrderReplicas(
+    const StoreReplica& preferred, std::int64_t ordinal) const;
+  Status ReadStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable);
+
+  void AddPart(const BlockedVolumeHeader& header);
+  /// What has the samples of a time step of a volume in place, opened at the first call. The mutex
+  /// is held.
+  Result<std::shared_ptr<SourceSamples>> GetSource(std::size_t timeStep);
+
+  std::string Path;
+  FileSystem& Files;
+  std::string HeaderText;
+  std::shared_ptr<BlockCache> Cache;
+  std::uint64_t Fingerprint;
+  ArrayVariables Variables;
+  std::vector<VolumePart> Parts;
+  std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
+
+  StoreFaults Faults;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> ToldStores; ///< part and number
+  std::mutex WorkMutex;
+  StoreWork Work;
+
+  std::mutex Mutex;
+  std::list<OpenStore> OpenStores;                     ///< the most recently used one first
+  std::vector<std::shared_ptr<SourceSamples>> Sources; ///< per time step
+  /// Per part and time step.
+  std::vector<std::vector<std::shared_ptr<const VolumeSpectra>>> Spectra;
+};
+
+} // namespace isosurface
+
+#endif

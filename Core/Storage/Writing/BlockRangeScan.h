@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockRangeScan_h
+#define isosurface_BlockRangeScan_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/SampleRange.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/ValueKey.h"
+#include "Storage/Writing/BlockProfileScan.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Finds the range of values at every block's own vertices, for every variable, on all ranks.
+class BlockRangeScan
+{
+public:
+  BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads);
+
+  /// Makes Scan() compute profiles of the first array, or of its magnitude, as well.
+  void AddProfiles();
+
+  /// Reads this rank's vertices, the boxes `owned` of the source, once, in slabs of at least a row
+  /// of vertices that take at most `memoryBytes`, with the one read ahead. Aborted if `progress`
+  /// asked to stop.
+  Status Scan(SlabSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
+    const Progress& progress);
+
+  /// Collective. Joins the ranges of all ranks.
+  void Reduce(Communicator& communicator);
+
+  /// Per variable and block.
+  const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
+  /// Per variable: of the whole volume's finite values.
+  const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
+  /// Per block; none without AddProfiles(). May be called once.
+  std::vector<BlockProfile> TakeProfiles();
+
+private:
+  void AddSlab(const SampleSlab& slab, const VertexBox& box);
+  void AddToProfiles(const SampleSlab& slab, const VertexBox& box);
+  SampleRange FindRange(const SampleSlab& slab, std::size_t variable, const VertexBox& part) const;
+
+  BlockGrid Grid;
+  ArrayVariables Variables;
+  int Threads;
+  std::vector<std::vector<KeyRange>> Ranges;
+  std::vector<KeyRange> FiniteRanges;
+  std::optional<BlockProfileScan> Profiles;
+};
+
+} // namespace isosurface
+
+#endif

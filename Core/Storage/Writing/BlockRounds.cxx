@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/BlockRounds.h"
+
+#include "Ground/Base/ParallelFor.h"
+
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// Rounds with more bytes of records than this and more than a layer of blocks are not faster.
+constexpr std::uint64_t EnoughRecordBytes = std::uint64_t{ 32 } << 20;
+
+/// Runs a step. A shortage of memory or threads is an error like others.
+template <typename Step>
+Status Attempt(Step&& step)
+{
+  return isosurface::Attempt("a round of blocks cannot be worked on", step);
+}
+
+/// The maximum of the bytes of a block's record.
+std::uint64_t FindLargestRecord(const BlockGrid& grid, const std::vector<ValueType>& types)
+{
+  // A block in the middle has all ghost layers. Of two blocks on an axis, the first is the larger.
+  Index3 middle = grid.GetNumberOfBlocksPerAxis();
+  for (std::int64_t& coordinate : middle)
+  {
+    coordinate = (coordinate - 1) / 2;
+  }
+  const std::uint64_t size = BlockRecordLayout(grid, grid.GetBlockIndex(middle), types).Size;
+  return std::max(size, BlockRecordLayout(grid, 0, types).Size);
+}
+
+} // namespace
+
+BlockRounds::BlockRounds(Communicator& ranks, SlabSource& source, const BlockGrid& grid,
+  const std::vector<ValueType>& types, const BlockExchange& exchange, const BlockShipment& shipment,
+  RoundPlan& plan, int threads, std::uint64_t memoryBytes)
+  : Ranks(ranks)
+  , Source(source)
+  , Grid(grid)
+  , Types(types)
+  , Exchange(exchange)
+  , Shipment(shipment)
+  , Plan(plan)
+  , Threads(threads)
+  , Rank(static_cast<std::size_t>(ranks.GetRank()))
+  , MemoryBytes(memoryBytes)
+  , RecordBytes(FindLargestRecord(grid, types))
+  , Records(static_cast<std::size_t>(BlockRecord::AlignUp(RecordBytes)))
+{
+  const Index3& blocks = grid.GetNumberOfBlocksPerAxis();
+  const std::uint64_t layer = static_cast<std::uint64_t>(blocks[0] * blocks[1]) * RecordBytes;
+  const std::uint64_t enough = std::min(memoryBytes / 4, std::max(layer, EnoughRecordBytes));
+  this->BlocksAtOnce = std::max<std::int64_t>(1, static_cast<std::int64_t>(enough / RecordBytes));
+}
+
+std::vector<VertexBox> BlockRounds::FindBoxes(
+  const std::vector<BlockRun>& runs, std::size_t rank) const
+{
+  return rank == this->Rank ? RunSamples::FindBoxes(this->Grid, runs[rank], this->Source.GetBox())
+                            : this->Exchange.FindBoxes(runs[rank], rank);
+}
+
+std::uint64_t BlockRounds::GetLoad(const std::vector<BlockRun>& runs) const
+{
+  std::uint64_t samples = 0;
+  std::uint64_t messages = 0;
+  for (std::size_t rank = 0; rank < runs.size(); ++rank)
+  {
+    samples += RunSamples::GetReadBytes(this->Source, this->FindBoxes(runs, rank));
+    messages += rank == this->Rank ? 0 : this->Exchange.GetMessageBytes(runs[rank], rank);
+  }
+  const std::uint64_t record = PendingBlock::GetBytes(this->RecordBytes);
+  const auto made = static_cast<std::uint64_t>(runs[this->Rank].GetCount());
+  if (this->Exchange.IsNeeded())
+  {
+    messages += made * record; // received: at most all samples
+  }
+  const BlockShipment::Load load = this->Shipment.GetLoad(runs);
+  // The samples of two rounds, since the next are read meanwhile. The blocks as made, in messages
+  // and as received, and those of the round before, which are being written.
+  return 2 * samples + messages +
+    record * (made + load.Sent + 2 * load.Received + (load.Received + load.Kept));
+}
+
+Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRun>& runs)
+{
+  for (;; this->BlocksAtOnce /= 2)
+  {
+    std::uint64_t load = 0;
+    ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
+      [&]
+      {
+        runs = this->Plan.Propose(this->BlocksAtOnce);
+        load = this->GetLoad(runs);
+        return Status::Ok();
+      })));
+    std::vector<std::uint64_t> largest = { load };
+    this->Ranks.ReduceMaximum(largest);
+    if (largest[0] <= this->MemoryBytes)
+    {
+      this->Plan.Take(runs);
+      this->LargestBytes = std::max(this->LargestBytes, largest[0]);
+      ++this->Rounds;
+      return Status::Ok();
+    }
+    if (this->BlocksAtOnce == 1)
+    {
+      return Status(StatusCode::InvalidArgument,
+        "the memory limit is too small: a single block a rank needs " + std::to_string(largest[0]) +
+          " bytes where " + std::to_string(this->MemoryBytes) + " are left");
+    }
+  }
+}
+
+Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->PlanRound(steps, round.Runs));
+  const auto read = [this, runs = round.Runs]
+  {
+    RoundSamples samples;
+    samples.OfRank.resize(runs.size());
+    samples.Outcome = Attempt(
+      [&]
+      {
+        for (std::size_t rank = 0; rank < runs.size(); ++rank)
+        {
+          ISOSURFACE_RETURN_IF_ERROR(
+            samples.OfRank[rank].Read(this->Source, this->FindBoxes(runs, rank), this->Types));
+        }
+        return Status::Ok();
+      });
+    return samples;
+  };
+  return steps.Agree(Attempt(
+    [&]
+    {
+      round.Reading =
+        std::async(this->Source.CanReadAhead() ? std::launch::async : std::launch::deferred, read);
+      return Status::Ok();
+    }));
+}
+
+std::vector<PendingBlock> BlockRounds::MakeBlocks(const BlockRun& run) const
+{
+  std::vector<PendingBlock> blocks;
+  blocks.reserve(static_cast<std::size_t>(run.GetCount()));
+  for (std::int64_t block = run.Begin; block < run.End; ++block)
+  {
+    blocks.emplace_back(this->Grid, block, this->Shipment.FindStore(block), this->Types);
+  }
+  return blocks;
+}
+
+Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
+  const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks,
+  const std::function<void(std::size_t)>& whenFinished)
+{
+  std::vector<Message> messages;
+  if (this->Exchange.IsNeeded())
+  {
+    messages.resize(runs.size());
+    ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
+      [&]
+      {
+        ParallelFor(runs.size(), this->Threads,
+          [&](std::size_t rank, int)
+          { messages[rank] = this->Exchange.Pack(runs[rank], rank, samples.OfRank[rank]); });
+        return Status::Ok();
+      })));
+    messages = this->Ranks.Exchange(std::move(messages));
+  }
+  return steps.Agree(Attempt(
+    [&]
+    {
+      // Blocks that stay here are finished at once, others by the rank that writes them.
+      return this->Exchange.Fill(blocks, samples.OfRank[this->Rank], messages, this->Records,
+        [&](std::size_t index, int thread)
+        {
+          PendingBlock& block = blocks[index];
+          if (this->Shipment.FindWriter(block.Block) == this->Rank)
+          {
+            const VertexBox own = this->Grid.GetVertices(block.Block);
+            steps.Finish(block, samples.OfRank[this->Rank].FindViews(own), thread);
+            block.IsFinished = true;
+            whenFinished(index);
+          }
+        });
+    }));
+}
+
+Status BlockRounds::Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks)
+{
+  std::vector<Message> messages;
+  ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
+    [&]
+    {
+      messages = this->Shipment.Pack(blocks, this->Records);
+      return Status::Ok();
+    })));
+  messages = this->Ranks.Exchange(std::move(messages));
+  return steps.Agree(
+    Attempt([&] { return this->Shipment.Unpack(messages, blocks, this->Records); }));
+}
+
+std::shared_ptr<RoundWriting> BlockRounds::StartWriting(const BlockRoundsSteps& steps,
+  std::vector<PendingBlock> blocks, const std::shared_ptr<RoundWriting>& before)
+{
+  return std::make_shared<RoundWriting>(std::move(blocks), steps.Write, this->Records, before);
+}
+
+Status BlockRounds::WorkAlone(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+  std::shared_ptr<RoundWriting>& writing)
+{
+  const std::shared_ptr<RoundWriting> before = std::exchange(writing, nullptr);
+  ISOSURFACE_RETURN_IF_ERROR(Attempt(
+    [&]
+    {
+      writing = this->StartWriting(steps, this->MakeBlocks(round.Runs[this->Rank]), before);
+      return Status::Ok();
+    }));
+  ISOSURFACE_RETURN_IF_ERROR(this->MakeRecords(round.Runs, std::move(samples), steps,
+    writing->GetBlocks(), [&](std::size_t index) { writing->MarkFinished(index); }));
+  return before ? before->Wait() : Status::Ok();
+}
+
+Status BlockRounds::WorkOnRound(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+  std::shared_ptr<RoundWriting>& writing)
+{
+  std::vector<PendingBlock> blocks;
+  ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
+    [&]
+    {
+      blocks = this->MakeBlocks(round.Runs[this->Rank]);
+      return Status::Ok();
+    })));
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->MakeRecords(round.Runs, std::move(samples), steps, blocks, [](std::size_t) {}));
+  ISOSURFACE_RETURN_IF_ERROR(this->Ship(steps, blocks));
+  return steps.Agree(Attempt(
+    [&]
+    {
+      const std::shared_ptr<RoundWriting> before = std::exchange(writing, nullptr);
+      writing = this->StartWriting(steps, std::move(blocks), before);
+      std::vector<PendingBlock>& mine = writing->GetBlocks();
+      ParallelFor(mine.size(), this->Threads,
+        [&](std::size_t index, int thread)
+        {
+          if (!mine[index].IsFinished)
+          {
+            steps.Finish(mine[index], {}, thread);
+          }
+          writing->MarkFinished(index);
+        });
+      return before ? before->Wait() : Status::Ok();
+    }));
+}
+
+Status BlockRounds::Run(const BlockRoundsSteps& steps)
+{
+  const auto blocks = static_cast<double>(this->Grid.GetNumberOfBlocks());
+  std::shared_ptr<RoundWriting> writing; // of the last round
+  Round next;
+  ISOSURFACE_RETURN_IF_ERROR(this->StartRound(steps, next));
+  for (bool isLast = false; !isLast;)
+  {
+    Round round = std::exchange(next, {});
+    const double share = static_cast<double>(this->Plan.GetCount()) / blocks;
+    RoundSamples samples;
+    ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
+      [&]
+      {
+        samples = round.Reading.get();
+        return samples.Outcome;
+      })));
+    isLast = this->Plan.IsDone();
+    if (!isLast)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->StartRound(steps, next));
+    }
+    ISOSURFACE_RETURN_IF_ERROR(round.Runs.size() > 1
+        ? this->WorkOnRound(steps, std::move(round), std::move(samples), writing)
+        : this->WorkAlone(steps, std::move(round), std::move(samples), writing));
+    const bool goesOn = !steps.Tell || steps.Tell(share);
+    ISOSURFACE_RETURN_IF_ERROR(
+      steps.Agree(goesOn ? Status::Ok() : Status(StatusCode::Aborted, "writing was aborted")));
+  }
+  return steps.Agree(Attempt([&] { return writing->Wait(); }));
+}
+
+} // namespace isosurface

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockRounds_h
+#define isosurface_BlockRounds_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Storage/Writing/BlockExchange.h"
+#include "Storage/Writing/BlockShipment.h"
+#include "Storage/Writing/RecordBuffers.h"
+#include "Storage/Writing/RoundPlan.h"
+#include "Storage/Writing/RoundWriting.h"
+#include "Storage/Writing/RunSamples.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The steps of a round that the caller provides.
+struct BlockRoundsSteps
+{
+  /// Makes all ranks agree, like Communicator::Agree.
+  std::function<Status(const Status&)> Agree;
+  /// Completes the record of a block that this rank writes; called by several threads at once. The
+  /// views, one an array, are of the samples of its vertices; empty if only the record has them.
+  std::function<void(PendingBlock&, const std::vector<SampleView>&, int thread)> Finish;
+  /// Writes a finished block; called by one thread at a time, in the order of the blocks.
+  std::function<Status(const PendingBlock&)> Write;
+  Progress Tell;
+};
+
+/**
+ * Makes the records of all blocks from the samples of the ranks' sources, and brings them to their
+ * writers, in rounds. In a round every rank reads, sends, finishes and writes its share. Meanwhile
+ * the samples of the next round are read and the blocks of the last one are written.
+ *
+ * Memory: the samples and records of two rounds, and the messages of one. Rounds are so small that
+ * all ranks keep within `memoryBytes`.
+ */
+class BlockRounds
+{
+public:
+  /// The references must outlive this object. `memoryBytes` is the same on all ranks.
+  BlockRounds(Communicator& ranks, SlabSource& source, const BlockGrid& grid,
+    const std::vector<ValueType>& types, const BlockExchange& exchange,
+    const BlockShipment& shipment, RoundPlan& plan, int threads, std::uint64_t memoryBytes);
+
+  /// Collective. InvalidArgument if one block for each rank does not fit the memory.
+  Status Run(const BlockRoundsSteps& steps);
+
+  std::uint64_t GetRounds() const { return this->Rounds; }
+  /// The maximum memory that was planned for a round on any rank.
+  std::uint64_t GetLargestBytes() const { return this->LargestBytes; }
+
+private:
+  /// The samples for this rank's own run, and for its messages to each other rank.
+  struct RoundSamples
+  {
+    Status Outcome;
+    std::vector<RunSamples> OfRank;
+  };
+
+  struct Round
+  {
+    std::vector<BlockRun> Runs; ///< per rank
+    std::future<RoundSamples> Reading;
+  };
+
+  /// Plans the next round, and starts reading for it.
+  Status StartRound(const BlockRoundsSteps& steps, Round& round);
+  Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRun>& runs);
+  std::uint64_t GetLoad(const std::vector<BlockRun>& runs) const;
+  std::vector<VertexBox> FindBoxes(const std::vector<BlockRun>& runs, std::size_t rank) const;
+  std::vector<PendingBlock> MakeBlocks(const BlockRun& run) const;
+  /// Fills the records of a round's blocks. Those that stay on this rank are finished at once.
+  /// `whenFinished` is called for each by its index, by several threads at once.
+  Status MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
+    const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks,
+    const std::function<void(std::size_t)>& whenFinished);
+  Status Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);
+  /// Makes the records of a round and starts writing them; those before are written then. Agrees.
+  Status WorkOnRound(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+    std::shared_ptr<RoundWriting>& writing);
+  /// The same for a rank that works alone: it writes blocks while it makes others.
+  Status WorkAlone(const BlockRoundsSteps& steps, Round round, RoundSamples samples,
+    std::shared_ptr<RoundWriting>& writing);
+  std::shared_ptr<RoundWriting> StartWriting(const BlockRoundsSteps& steps,
+    std::vector<PendingBlock> blocks, const std::shared_ptr<RoundWriting>& before);
+
+  Communicator& Ranks;
+  SlabSource& Source;
+  const BlockGrid& Grid;
+  const std::vector<ValueType>& Types;
+  const BlockExchange& Exchange;
+  const BlockShipment& Shipment;
+  RoundPlan& Plan;
+  int Threads;
+  std::size_t Rank;
+  std::uint64_t MemoryBytes;
+  std::uint64_t RecordBytes; ///< of the largest block
+  RecordBuffers Records;
+  std::int64_t BlocksAtOnce; ///< of each rank in a round
+  std::uint64_t Rounds = 0;
+  std::uint64_t LargestBytes = 0;
+};
+
+} // namespace isosurface
+
+#endif

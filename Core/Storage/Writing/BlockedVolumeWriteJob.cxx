@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/BlockedVolumeWriteJob.h"
+
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Storage/Writing/GenerationFolder.h"
+#include "Storage/Writing/VolumePlan.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The share of the work that is done when the volume's own stores are written.
+constexpr double VolumeDone = 0.97;
+
+} // namespace
+
+Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
+{
+  // First of all, so that a second writer fails before it has done any work.
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->Context.AgreeOn(this->Context.Rank == 0 ? this->LockVolume() : Status::Ok()));
+  const Status status = this->WriteVolume(grid, arrays, pending);
+  if (!status.IsOk())
+  {
+    this->Volume.reset();
+    // All ranks have closed their files before the folder is removed.
+    static_cast<void>(this->Context.Ranks.Agree(Status::Ok()));
+    if (this->Context.Rank == 0 && !this->IsVisible)
+    {
+      GenerationFolder::Discard(this->Context.Files, this->Context.Path, this->NewFolder);
+    }
+    return status;
+  }
+  return this->Statistics;
+}
+
+/// Keeps other writers out until this job ends.
+Status BlockedVolumeWriteJob::LockVolume()
+{
+  if (this->Lock)
+  {
+    return Status::Ok();
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.Files.CheckRegular(this->Context.Path, "write"));
+  auto lock = this->Context.Files.LockFolder(GetStoresFolder(this->Context.Path));
+  if (lock.IsOk())
+  {
+    this->Lock = std::move(*lock);
+  }
+  return lock.GetStatus();
+}
+
+Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
+  ISOSURFACE_RETURN_IF_ERROR(this->Volume->FindRanges());
+  ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
+  ISOSURFACE_RETURN_IF_ERROR(this->Volume->Write());
+  this->Statistics = this->Volume->GetStatistics();
+  ISOSURFACE_RETURN_IF_ERROR(this->WriteOverviews());
+  return this->Commit();
+}
+
+Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
+{
+  const int ranksOnNode = this->Context.Ranks.GetRanksOnNode();
+  if (this->Context.Settings.Threads <= 0)
+  {
+    this->Context.Settings.Threads = ChooseThreadCount(ranksOnNode);
+  }
+  std::uint64_t fingerprint = 0;
+  const auto plan = [&]() -> Status
+  {
+    const auto existing = FindVolumeToAppendTo(
+      this->Context.Files, this->Context.Path, this->Context.Settings, pending);
+    ISOSURFACE_RETURN_IF_ERROR(existing.GetStatus());
+    const auto header = PlanVolume(
+      this->Context.Path, grid, arrays, this->Context.Settings, *existing, this->Context.Size);
+    ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
+    fingerprint = this->ComputeFingerprint(*header);
+    this->Volume = std::make_unique<GridWriter>(this->Context, this->Source, *header,
+      !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(plan)));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments(fingerprint));
+  return this->Volume->Prepare();
+}
+
+Status BlockedVolumeWriteJob::CheckBox(const GridGeometry& grid) const
+{
+  const VertexBox& box = this->Source.GetBox();
+  const VertexBox whole = { { 0, 0, 0 }, grid.GetDimensions() };
+  return box.IsEmpty() || whole.Intersect(box) == box
+    ? Status::Ok()
+    : this->Context.MakeRefusal("a rank's piece does not fit the grid");
+}
+
+std::uint64_t BlockedVolumeWriteJob::ComputeFingerprint(const BlockedVolumeHeader& header) const
+{
+  // The header has everything else that matters.
+  const BlockedVolumeSettings& settings = this->Context.Settings;
+  const std::string text = this->Context.Path + "\n" + header.Format() + "\n" +
+    std::to_string(settings.MemoryLimit) + (settings.Publish ? "" : "\n");
+  return ComputeChecksum(text.data(), text.size());
+}
+
+Status BlockedVolumeWriteJob::CheckEqualArguments(std::uint64_t fingerprint) const
+{
+  std::vector<std::uint64_t> minimum = { fingerprint };
+  std::vector<std::uint64_t> maximum = { fingerprint };
+  this->Context.Ranks.ReduceMinimum(minimum);
+  this->Context.Ranks.ReduceMaximum(maximum);
+  return minimum == maximum
+    ? Status::Ok()
+    : this->Context.MakeRefusal("the ranks disagree about grid, arrays or settings");
+}
+
+Status BlockedVolumeWriteJob::MakeGeneration()
+{
+  Status status;
+  Message name;
+  if (this->Context.Rank == 0)
+  {
+    if (this->Lock->IsExclusive())
+    {
+      GenerationFolder::RemoveUnnamed(
+        this->Context.Files, this->Context.Path, this->Volume->GetHeader());
+    }
+    const auto created = GenerationFolder::Create(this->Context.Files, this->Context.Path);
+    status = created.GetStatus();
+    if (created.IsOk())
+    {
+      this->NewFolder = *created;
+      name.assign(created->begin(), created->end());
+    }
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(status));
+  const Message shared = this->Context.Ranks.AllGather(name)[0];
+  this->Volume->GetStep().Folder.assign(shared.begin(), shared.end());
+  return Status::Ok();
+}
+
+/// Writes each overview as the volume was, from the samples that the grid before it has left.
+Status BlockedVolumeWriteJob::WriteOverviews()
+{
+  std::unique_ptr<GridWriter> coarsest;
+  const std::size_t overviews = this->Volume->GetHeader().Overviews.size();
+  for (std::size_t overview = 0; overview < overviews; ++overview)
+  {
+    auto written = this->WriteOverview(overview, coarsest ? *coarsest : *this->Volume);
+    ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+    coarsest = std::move(*written);
+    this->Volume->GetStep().Overviews[overview] = coarsest->GetStep().Stores;
+    this->Statistics.OverviewBytes += coarsest->GetStatistics().Bytes;
+    this->Statistics.MemoryBytes =
+      std::max(this->Statistics.MemoryBytes, coarsest->GetStatistics().MemoryBytes);
+  }
+  return Status::Ok();
+}
+
+Result<std::unique_ptr<GridWriter>> BlockedVolumeWriteJob::WriteOverview(
+  std::size_t overview, GridWriter& finer)
+{
+  std::unique_ptr<OverviewSource> source;
+  std::unique_ptr<GridWriter> writer;
+  const BlockedVolumeHeader& volume = this->Volume->GetHeader();
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&]
+    {
+      source = finer.MakeOverviewSource();
+      writer = std::make_unique<GridWriter>(this->Context, *source, volume.MakeOverview(overview),
+        overview + 1 < volume.Overviews.size(), this->MakeProgress(VolumeDone, 1));
+      return Status::Ok();
+    })));
+  ISOSURFACE_RETURN_IF_ERROR(writer->Prepare());
+  ISOSURFACE_RETURN_IF_ERROR(writer->FindRanges());
+  ISOSURFACE_RETURN_IF_ERROR(writer->Write());
+  ISOSURFACE_RETURN_IF_ERROR(finer.RemoveOverviewSamples());
+  return writer;
+}
+
+Status BlockedVolumeWriteJob::Commit()
+{
+  return this->Context.AgreeOn(this->Context.Attempt(
+    [&]() -> Status
+    {
+      if (this->Context.Rank != 0)
+      {
+        return Status::Ok();
+      }
+      FileSystem& files = this->Context.Files;
+      const std::string& path = this->Context.Path;
+      const BlockedVolumeHeader& header = this->Volume->GetHeader();
+      const std::string& folder = header.TimeSteps.back().Folder;
+      for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(
+          files.SyncDirectory(GetStoresFolder(path) + "/" + GetOverviewFolder(folder, overview)));
+      }
+      ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(this->Volume->GetFolder()));
+      if (!this->Context.Settings.Publish)
+      {
+        return Status::Ok();
+      }
+      ISOSURFACE_RETURN_IF_ERROR(GenerationFolder::Commit(files, path, header, this->IsVisible));
+      GenerationFolder::RemoveOlder(files, path, folder, header);
+      return Status::Ok();
+    }));
+}
+
+Progress BlockedVolumeWriteJob::MakeProgress(double begin, double end) const
+{
+  return [this, begin, end](double share)
+  { return !this->Tell || this->Tell(begin + (end - begin) * share); };
+}
+
+} // namespace isosurface

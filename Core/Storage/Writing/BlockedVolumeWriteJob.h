@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockedVolumeWriteJob_h
+#define isosurface_BlockedVolumeWriteJob_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
+#include "Storage/Writing/GridWriter.h"
+#include "Storage/Writing/WriteContext.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+/// One write of a time step: locks the volume, writes the stores of the volume and its overviews,
+/// then makes them visible.
+class BlockedVolumeWriteJob
+{
+public:
+  BlockedVolumeWriteJob(Communicator& ranks, FileSystem& files, std::string path,
+    SlabSource& source, const BlockedVolumeSettings& settings, Progress progress)
+    : Context(ranks, files, std::move(path), settings)
+    , Source(source)
+    , Tell(std::move(progress))
+  {
+  }
+
+  /// Collective. `pending`: the volume to append to, if it is not the one on disk.
+  Result<WriteStatistics> Run(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+
+  /// The lock of the volume's folder, on rank 0. Run() takes it unless it is held already.
+  void HoldLock(std::unique_ptr<PathLock> lock) { this->Lock = std::move(lock); }
+  std::unique_ptr<PathLock> TakeLock() { return std::move(this->Lock); }
+
+  /// After Run(): what was written, with the time steps before.
+  const BlockedVolumeHeader& GetHeader() const { return this->Volume->GetHeader(); }
+
+private:
+  Status LockVolume();
+  Status WriteVolume(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+  Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& pending);
+  Status CheckBox(const GridGeometry& grid) const;
+  /// A checksum of all that has to be the same on all ranks.
+  std::uint64_t ComputeFingerprint(const BlockedVolumeHeader& header) const;
+  Status CheckEqualArguments(std::uint64_t fingerprint) const;
+  Status MakeGeneration();
+  Status WriteOverviews();
+  Result<std::unique_ptr<GridWriter>> WriteOverview(std::size_t overview, GridWriter& finer);
+  Status Commit();
+  /// Progress within [begin, end] of the whole work.
+  Progress MakeProgress(double begin, double end) const;
+
+  WriteContext Context;
+  SlabSource& Source;
+  Progress Tell;
+  std::unique_ptr<GridWriter> Volume;
+  std::unique_ptr<PathLock> Lock; ///< of rank 0
+  std::string NewFolder;          ///< of rank 0; empty until it is made
+  bool IsVisible = false;
+  WriteStatistics Statistics;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_GridWriter_h
+#define isosurface_GridWriter_h
+
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Storage/Record/DecodedBlock.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Writing/BlockExchange.h"
+#include "Storage/Writing/BlockRangeScan.h"
+#include "Storage/Writing/BlockStoreWriter.h"
+#include "Storage/Writing/OverviewSamples.h"
+#include "Storage/Writing/RoundPlan.h"
+#include "Storage/Writing/StoreSpectra.h"
+#include "Storage/Writing/WriteContext.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Writes the stores and spectra of one grid, the volume's or an overview's, with all ranks. Call
+/// the collective functions in their order; the time step needs a folder before Write().
+class GridWriter
+{
+public:
+  /// `header`: its last time step is written. An overview's has the ranges of the volume, so that
+  /// all spectra have the same bins. `hasCoarser`: whether an overview is made of this grid, so
+  /// that its samples are kept. The references must outlive this object.
+  GridWriter(const WriteContext& context, SlabSource& source, const BlockedVolumeHeader& header,
+    bool hasCoarser, Progress progress);
+
+  /// Collective. Plans who sends which samples; fails if the ranks do not have all of them.
+  Status Prepare();
+  /// Collective. Finds the ranges of all blocks and distributes these over the stores.
+  Status FindRanges();
+  /// Collective. Writes the stores and the spectra.
+  Status Write();
+
+  /// The header with the time step as far as it is written.
+  const BlockedVolumeHeader& GetHeader() const { return this->Header; }
+  TimeStepDescription& GetStep() { return this->Header.TimeSteps.back(); }
+  /// The folder of the stores.
+  std::string GetFolder() const;
+  /// Equal on all ranks, and complete after Write().
+  const WriteStatistics& GetStatistics() const { return this->Statistics; }
+
+  /// After Write(), the samples of the next overview. Frees what else is held of this grid.
+  std::unique_ptr<OverviewSource> MakeOverviewSource();
+  /// Collective. Removes the files of these samples.
+  Status RemoveOverviewSamples();
+
+private:
+  std::vector<VertexBox> GatherBoxes() const;
+  void CreateSpectra();
+  Status CreateStores();
+  Status WriteBlocks();
+  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
+    std::vector<BlockCounters>& counters);
+  std::shared_ptr<DecodedBlock> AssembleVariable(
+    const PendingBlock& block, std::size_t variable) const;
+  Status FinishStores();
+  void ShareDescriptions();
+  Status ShareSpectra();
+
+  std::uint64_t GetTableBytes() const;
+  std::uint64_t GetThreadBytes() const;
+  Result<std::uint64_t> GetMemoryLeft(std::uint64_t taken) const;
+  /// Reports the finished share of the work; false if the user asks to stop.
+  bool TellShare(double share) const { return !this->Tell || this->Tell(share); }
+
+  const WriteContext& Context;
+  SlabSource& Source;
+  Progress Tell;
+  BlockedVolumeHeader Header;
+  bool HasCoarser;
+  BlockGrid Grid;
+  ArrayVariables Variables;
+  std::vector<ValueType> Types; ///< of the components
+  std::optional<BlockExchange> Exchange;
+  std::optional<RoundPlan> Plan;
+  std::optional<BlockRangeScan> Scan;
+  std::vector<std::uint32_t> BlockStores;                 ///< per block
+  std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
+  std::unique_ptr<WritableFile> OverviewSamples;          ///< null without a coarser grid
+  std::optional<StoreSpectra> Spectra;
+  WriteStatistics Statistics;
+};
+
+} // namespace isosurface
+
+#endif

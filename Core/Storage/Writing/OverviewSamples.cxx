@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/OverviewSamples.h"
+
+#include "Storage/Record/BlockRecord.h"
+#include "Storage/Record/BlockSegment.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+std::uint64_t SumValueSizes(const std::vector<ValueType>& types)
+{
+  std::uint64_t bytes = 0;
+  for (const ValueType type : types)
+  {
+    bytes += GetValueSize(type);
+  }
+  return bytes;
+}
+
+/// The position of a vertex in a raster of the box.
+std::int64_t FindPosition(const VertexBox& box, const Index3& vertex)
+{
+  const Index3 size = box.GetSize();
+  return vertex[0] - box.Low[0] +
+    size[0] * (vertex[1] - box.Low[1] + size[1] * (vertex[2] - box.Low[2]));
+}
+
+} // namespace
+
+VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block)
+{
+  const Index3 coordinates = finer.GetBlockCoordinates(block);
+  VertexBox part = finer.GetVertices(block, finer.GetNumberOfLevels());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    // The shared face belongs to the next block.
+    part.High[axis] -= coordinates[axis] + 1 < finer.GetNumberOfBlocksPerAxis()[axis] ? 1 : 0;
+  }
+  return part;
+}
+
+std::vector<std::uint8_t> PickOverviewSamples(
+  const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block)
+{
+  // The record's coarsest level is stored as a whole; the overview has every second vertex of it.
+  const int levels = finer.GetNumberOfLevels();
+  const VertexBox box = BlockSegment(finer, block.Block, levels - 1).GetBox();
+  const VertexBox part = FindOverviewPart(finer, block.Block);
+  const Index3 size = part.GetSize();
+  std::vector<std::uint8_t> samples(
+    static_cast<std::size_t>(part.GetNumberOfVertices()) * SumValueSizes(types));
+  std::uint8_t* to = samples.data();
+  for (std::size_t array = 0; array < types.size(); ++array)
+  {
+    const std::size_t valueSize = GetValueSize(types[array]);
+    const std::uint8_t* from = block.Record.GetData() +
+      block.Layout.Offsets[array * static_cast<std::size_t>(levels)] +
+      BlockRecord::SegmentHeaderSize;
+    for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
+    {
+      for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
+      {
+        const auto position =
+          static_cast<std::size_t>(FindPosition(box, { 2 * part.Low[0], 2 * j, 2 * k }));
+        CopySamples(to, 1, from + position * valueSize, 2, size[0], valueSize);
+        to += static_cast<std::size_t>(size[0]) * valueSize;
+      }
+    }
+  }
+  return samples;
+}
+
+std::string OverviewSource::GetPath(const std::string& folder, std::size_t rank)
+{
+  return folder + "/overview-samples-" + std::to_string(rank) + ".tmp";
+}
+
+OverviewSource::OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
+  std::vector<ValueType> types, std::vector<std::uint32_t> stores, std::size_t ranks)
+  : Files(files)
+  , Folder(std::move(folder))
+  , Finer(finer)
+  , Types(std::move(types))
+  , VertexBytes(SumValueSizes(this->Types))
+  , Stores(std::move(stores))
+  , Ranks(ranks)
+{
+  const Index3& blocks = finer.GetNumberOfBlocksPerAxis();
+  this->Box.High = FindOverviewPart(finer, finer.GetNumberOfBlocks() - 1).High;
+  this->LayerOffsets.reserve(static_cast<std::size_t>(blocks[2]) * ranks);
+  std::vector<std::uint64_t> offsets(ranks, 0);
+  for (std::int64_t block = 0; block < finer.GetNumberOfBlocks(); ++block)
+  {
+    if (block % (blocks[0] * blocks[1]) == 0)
+    {
+      this->LayerOffsets.insert(this->LayerOffsets.end(), offsets.begin(), offsets.end());
+    }
+    offsets[this->FindRank(block)] += this->GetPartBytes(block);
+  }
+}
+
+std::uint64_t OverviewSource::GetPartBytes(std::int64_t block) const
+{
+  return static_cast<std::uint64_t>(FindOverviewPart(this->Finer, block).GetNumberOfVertices()) *
+    this->VertexBytes;
+}
+
+std::int64_t OverviewSource::FindBlock(std::int64_t vertex, std::size_t axis) const
+{
+  // The last block also has its far face.
+  return std::min((vertex << this->Finer.GetNumberOfLevels()) / this->Finer.GetBlockSize(),
+    this->Finer.GetNumberOfBlocksPerAxis()[axis] - 1);
+}
+
+std::uint64_t OverviewSource::GetHeldBytes() const
+{
+  return this->Stores.size() * sizeof(std::uint32_t) +
+    this->LayerOffsets.size() * sizeof(std::uint64_t);
+}
+
+std::uint64_t OverviewSource::GetReadBytes(const VertexBox& box) const
+{
+  // The box, and the parts of one layer in the rows of blocks that it intersects.
+  const std::int64_t blockVertices =
+    (this->Finer.GetBlockSize() >> this->Finer.GetNumberOfLevels()) + 1;
+  const Index3 size = this->Box.GetSize();
+  const std::int64_t rows =
+    this->FindBlock(box.High[1] - 1, 1) - this->FindBlock(box.Low[1], 1) + 1;
+  const std::int64_t vertices =
+    size[0] * std::min(size[1], rows * blockVertices) * std::min(size[2], blockVertices);
+  return static_cast<std::uint64_t>(box.GetNumberOfVertices() + vertices) * this->VertexBytes +
+    static_cast<std::uint64_t>(rows * this->Finer.GetNumberOfBlocksPerAxis()[0]) *
+    (2 * sizeof(std::int64_t)) +
+    this->Ranks * sizeof(Part);
+}
+
+std::vector<OverviewSource::Part> OverviewSource::FindParts(
+  std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const
+{
+  const Index3& blocks = this->Finer.GetNumberOfBlocksPerAxis();
+  std::vector<Part> parts(this->Ranks);
+  for (std::size_t rank = 0; rank < this->Ranks; ++rank)
+  {
+    parts[rank].Offset = this->LayerOffsets[static_cast<std::size_t>(layer) * this->Ranks + rank];
+  }
+  for (std::int64_t row = 0; row < endRow; ++row)
+  {
+    for (std::int64_t column = 0; column < blocks[0]; ++column)
+    {
+      const std::int64_t block = this->Finer.GetBlockIndex({ column, row, layer });
+      Part& part = parts[this->FindRank(block)];
+      if (row < beginRow)
+      {
+        part.Offset += this->GetPartBytes(block);
+        continue;
+      }
+      part.Size += this->GetPartBytes(block);
+      part.Blocks.push_back(block);
+    }
+  }
+  return parts;
+}
+
+Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
+  std::vector<Buffer<std::uint8_t>>& samples) const
+{
+  const auto file = this->Files.OpenForReading(GetPath(this->Folder, rank));
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(part.Size));
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, bytes.GetSize(), bytes.GetData()));
+  const std::uint8_t* from = bytes.GetData();
+  for (const std::int64_t block : part.Blocks)
+  {
+    const VertexBox has = FindOverviewPart(this->Finer, block);
+    const VertexBox wanted = has.Intersect(box);
+    for (std::size_t array = 0; array < this->Types.size(); ++array)
+    {
+      const std::size_t valueSize = GetValueSize(this->Types[array]);
+      std::uint8_t* to = samples[array].GetData();
+      for (std::int64_t k = wanted.Low[2]; k < wanted.High[2] && !wanted.IsEmpty(); ++k)
+      {
+        for (std::int64_t j = wanted.Low[1]; j < wanted.High[1]; ++j)
+        {
+          const Index3 first = { wanted.Low[0], j, k };
+          CopySamples(to + static_cast<std::size_t>(FindPosition(box, first)) * valueSize, 1,
+            from + static_cast<std::size_t>(FindPosition(has, first)) * valueSize, 1,
+            wanted.GetSize()[0], valueSize);
+        }
+      }
+      from += static_cast<std::size_t>(has.GetNumberOfVertices()) * valueSize;
+    }
+  }
+  return Status::Ok();
+}
+
+Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
+{
+  const Index3 size = box.GetSize();
+  const auto vertices = static_cast<std::size_t>(box.GetNumberOfVertices());
+  auto samples = std::make_shared<std::vector<Buffer<std::uint8_t>>>();
+  SampleSlab slab;
+  for (const ValueType type : this->Types)
+  {
+    samples->emplace_back(vertices * GetValueSize(type));
+    SampleView view;
+    view.Type = type;
+    view.First = samples->back().GetData();
+    view.Stride = { 1, size[0], size[0] * size[1] };
+    view.Available = box;
+    view.Box = box;
+    slab.Arrays.push_back(view);
+  }
+  const std::int64_t beginRow = this->FindBlock(box.Low[1], 1);
+  const std::int64_t endRow = this->FindBlock(box.High[1] - 1, 1) + 1;
+  for (std::int64_t layer = this->FindBlock(box.Low[2], 2);
+       layer <= this->FindBlock(box.High[2] - 1, 2); ++layer)
+  {
+    const std::vector<Part> parts = this->FindParts(layer, beginRow, endRow);
+    for (std::size_t rank = 0; rank < this->Ranks; ++rank)
+    {
+      if (parts[rank].Size > 0)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->ReadPart(parts[rank], rank, box, *samples));
+      }
+    }
+  }
+  slab.Owner = std::move(samples);
+  return slab;
+}
+
+} // namespace isosurface

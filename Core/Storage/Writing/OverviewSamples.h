@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_OverviewSamples_h
+#define isosurface_OverviewSamples_h
+
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Storage/Writing/BlockExchange.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The vertices of an overview that one block of the finer volume supplies, in the overview's
+/// coordinates. Each vertex of the overview belongs to one block.
+VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block);
+
+/// Copies the samples of these vertices, array after array, x fastest, from a block's record before
+/// its segments are encoded.
+std::vector<std::uint8_t> PickOverviewSamples(
+  const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block);
+
+/**
+ * The samples of an overview, for the writer of the overview. The writers of the finer volume leave
+ * them in temporary files: one a rank, in the finer volume's folder, with the samples
+ * (PickOverviewSamples) of the blocks that the rank wrote, by ascending block index, without gaps.
+ *
+ * Each rank reads from all files: one read for each layer of blocks and rank. Memory: 4 bytes a
+ * block of the finer volume, 8 a layer of blocks and rank.
+ */
+class OverviewSource : public SlabSource
+{
+public:
+  static std::string GetPath(const std::string& folder, std::size_t rank);
+
+  /// `stores`: the store of each block of the finer volume; rank r wrote the stores d with
+  /// d mod ranks == r. `folder`: where the files are.
+  OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
+    std::vector<ValueType> types, std::vector<std::uint32_t> stores, std::size_t ranks);
+
+  const VertexBox& GetBox() const override { return this->Box; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override;
+  std::uint64_t GetHeldBytes() const override;
+  Result<SampleSlab> Read(const VertexBox& box) override;
+
+private:
+  /// Blocks of one layer, in whole rows [Begin, End), that one rank wrote.
+  struct Part
+  {
+    std::uint64_t Offset = 0; ///< in the rank's file
+    std::uint64_t Size = 0;
+    std::vector<std::int64_t> Blocks;
+  };
+
+  std::uint64_t GetPartBytes(std::int64_t block) const;
+  std::size_t FindRank(std::int64_t block) const
+  {
+    return this->Stores[static_cast<std::size_t>(block)] % this->Ranks;
+  }
+  /// The block on an axis that supplies a vertex.
+  std::int64_t FindBlock(std::int64_t vertex, std::size_t axis) const;
+  std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
+  /// Copies the samples of a part within a box to their places in samples[array].
+  Status ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
+    std::vector<Buffer<std::uint8_t>>& samples) const;
+
+  FileSystem& Files;
+  std::string Folder;
+  BlockGrid Finer;
+  VertexBox Box;
+  std::vector<ValueType> Types;
+  std::uint64_t VertexBytes = 0; ///< of all arrays
+  std::vector<std::uint32_t> Stores;
+  std::size_t Ranks;
+  std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and rank: where its parts begin
+};
+
+} // namespace isosurface
+
+#endif

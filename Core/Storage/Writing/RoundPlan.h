@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_RoundPlan_h
+#define isosurface_RoundPlan_h
+
+#include "Ground/Volume/BlockGrid.h"
+#include "Storage/Writing/RunSamples.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Plans which rank makes the records of which blocks in which round; equal on all ranks. A round
+/// is a run of blocks, divided among the ranks. So blocks come in the order of their indices, and
+/// stores are written by appending records of any size.
+class RoundPlan
+{
+public:
+  RoundPlan(const BlockGrid& grid, std::size_t ranks);
+
+  bool IsDone() const { return this->Next == this->Blocks; }
+  /// How many blocks are planned.
+  std::int64_t GetCount() const { return this->Next; }
+
+  /// The runs of the next round, one for each rank, of at most `blocks` (> 0) blocks: whole layers
+  /// of blocks, whole rows, or parts of a row, so that few samples are read twice.
+  std::vector<BlockRun> Propose(std::int64_t blocks) const;
+  /// Continues after these runs.
+  void Take(const std::vector<BlockRun>& runs);
+
+private:
+  BlockRun CutRun(std::int64_t begin, std::int64_t blocks) const;
+
+  std::size_t Ranks;
+  std::int64_t Row;
+  std::int64_t Layer;
+  std::int64_t Blocks;
+  std::int64_t Next = 0;
+};
+
+} // namespace isosurface
+
+#endif

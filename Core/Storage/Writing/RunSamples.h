@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_RunSamples_h
+#define isosurface_RunSamples_h
+
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/SlabSource.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Blocks [Begin, End), in the order of their indices.
+struct BlockRun
+{
+  std::int64_t Begin = 0;
+  std::int64_t End = 0;
+
+  std::int64_t GetCount() const { return this->End - this->Begin; }
+};
+
+/**
+ * The samples for the records of a run of blocks, as far as one source has them.
+ *
+ * A block needs its own slices with one more on either side and, for the ghost layers of its
+ * coarser levels, the slices 2, 4, ... BlockSize before and after. Only these are read, one by one:
+ *
+ *     z   -32        -16   -8 -4 -2 -1 [0 ... 32] +1 +2 +4  +8    +16         +32
+ *          |          |     |  |  |====================|  |  |      |           |
+ */
+class RunSamples
+{
+public:
+  /// The boxes that a run needs of a part of the volume: whole rows, by ascending z. None for an
+  /// empty run.
+  static std::vector<VertexBox> FindBoxes(
+    const BlockGrid& grid, const BlockRun& run, const VertexBox& part);
+
+  /// The memory that reading some boxes takes.
+  static std::uint64_t GetReadBytes(const SlabSource& source, const std::vector<VertexBox>& boxes);
+
+  /// Fails if the source's samples are not of the given types.
+  Status Read(
+    SlabSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types);
+
+  /// The samples of a slice of one of the boxes.
+  const SampleView& Find(std::size_t array, std::int64_t z) const
+  {
+    return this->Slabs[this->SlabOfSlice[static_cast<std::size_t>(z - this->FirstSlice)]]
+      .Arrays[array];
+  }
+
+  /// The samples of a box, one view an array; empty if they were not read by one read.
+  std::vector<SampleView> FindViews(const VertexBox& box) const;
+
+private:
+  std::vector<SampleSlab> Slabs;
+  std::int64_t FirstSlice = 0;
+  std::vector<std::uint32_t> SlabOfSlice;
+};
+
+} // namespace isosurface
+
+#endif

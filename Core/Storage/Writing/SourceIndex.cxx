@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/SourceIndex.h"
+
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeName.h"
+#include "Formats/Zarr/ZarrVolume.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/SourceRecord.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+namespace
+{
+
+std::filesystem::path MakeAbsolute(const std::string& path)
+{
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::weakly_canonical(path, error);
+  return error ? std::filesystem::path(path) : absolute;
+}
+
+bool IsMetadataFile(const std::filesystem::path& path)
+{
+  const std::string name = path.filename().string();
+  return name == ".zgroup" || name == ".zattrs" || name == ".zarray" || name == "zarr.json" ||
+    name == "attributes.json";
+}
+
+/// Separates a folder within a Zarr or N5 from the outermost folder of it.
+VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
+{
+  std::filesystem::path outermost = chosen;
+  while (outermost.has_parent_path() && outermost.parent_path() != outermost &&
+    IsZarrFolder(files, outermost.parent_path().string()))
+  {
+    outermost = outermost.parent_path();
+  }
+  const std::string within = chosen.lexically_relative(outermost).generic_string();
+  return { outermost.string(), within == "." ? "" : within };
+}
+
+struct OpenedStep
+{
+  VolumeFile Volume;
+  BlockedVolumeSettings Settings;
+};
+
+Result<OpenedStep> OpenStep(
+  FileSystem& files, const SourceIndex& index, std::size_t step, std::uint64_t memoryBytes)
+{
+  VolumeChoice choice;
+  choice.Step = step;
+  choice.Axes = index.Axes;
+  choice.CacheBytes = memoryBytes / 4;
+  auto volume = VolumeFile::Open(files, index.Source, choice);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  SourceRecord wanted;
+  wanted.Axes = index.Axes;
+  wanted.Step = step;
+  for (const ArrayDescription& array : volume->Arrays)
+  {
+    wanted.Arrays.push_back(array.Name);
+  }
+  auto record =
+    DescribeSource(files, index.Path, index.Source, wanted, volume->Grid, volume->Arrays);
+  ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
+  OpenedStep opened{ std::move(*volume), {} };
+  opened.Settings.Distribution = DistributionMethod::Slab;
+  opened.Settings.Lines = opened.Volume.Lines;
+  opened.Settings.InPlace = std::move(*record);
+  opened.Settings.MemoryLimit = memoryBytes;
+  opened.Settings.Append = step > 0;
+  if (step < opened.Volume.Times.size())
+  {
+    opened.Settings.Time = opened.Volume.Times[step];
+  }
+  return opened;
+}
+
+} // namespace
+
+SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
+  const std::string& dataset, const std::string& axes, const std::string& folder)
+{
+  VolumeName name = VolumeName::Parse(files, chosen);
+  std::filesystem::path path = MakeAbsolute(name.Path);
+  if (IsMetadataFile(path))
+  {
+    path = path.parent_path();
+  }
+  const VolumeName outermost = FindOutermost(files, path);
+  name.Path = outermost.Path;
+  name.Within = name.Within.empty() ? outermost.Within : name.Within;
+  name.Within = dataset.empty() ? name.Within : dataset;
+  const std::filesystem::path source(name.Path);
+  std::string file = source.filename().string();
+  if (const std::size_t begin = name.Within.find_first_not_of('/'); begin != std::string::npos)
+  {
+    file += '-' + name.Within.substr(begin);
+    std::replace(file.begin(), file.end(), '/', '-');
+  }
+  const std::filesystem::path parent = folder.empty() ? source.parent_path() : MakeAbsolute(folder);
+  return { name.GetText(), axes, (parent / (file + ".bvol")).string() };
+}
+
+Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
+{
+  if (!files.Exists(index.Path))
+  {
+    return IndexState::Missing;
+  }
+  const auto volume = BlockedVolume::Open(index.Path, files);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  const BlockedVolumeHeader& header = (*volume)->GetHeader();
+  const VolumeName name = VolumeName::Parse(files, index.Source);
+  for (const TimeStepDescription& step : header.TimeSteps)
+  {
+    const bool isMine = step.Source && step.Source->Within == name.Within &&
+      step.Source->Axes == index.Axes &&
+      MakeAbsolute(step.Source->FindPath(files, index.Path)) == MakeAbsolute(name.Path);
+    if (!isMine)
+    {
+      return Status(StatusCode::InvalidArgument,
+        index.Path + ": is there already and is no index of " + index.Source +
+          "; choose another folder for the index");
+    }
+    if (!CheckSource(files, index.Path, *step.Source, header.Grid, header.Arrays).IsOk())
+    {
+      return IndexState::Changed;
+    }
+  }
+  return IndexState::Current;
+}
+
+Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
+  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress)
+{
+  BlockedVolumeWriter writer(ranks, files);
+  std::string leftOut;
+  std::size_t steps = 1;
+  for (std::size_t step = 0; step < steps; ++step)
+  {
+    auto opened = OpenStep(files, index, step, memoryBytes);
+    const std::size_t times = opened.IsOk() ? opened->Volume.Times.size() : 0;
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(opened.GetStatus(),
+      { { times, index.Source + ": the ranks see different numbers of time steps" } }));
+    steps = std::max<std::size_t>(1, times);
+    leftOut = opened->Volume.LeftOut;
+    opened->Settings.Publish = step + 1 == steps;
+    const Progress tell = [&](double share) {
+      return !progress ||
+        progress((static_cast<double>(step) + share) / static_cast<double>(steps));
+    };
+    const auto written = writer.Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
+      *opened->Volume.Source, opened->Settings, tell);
+    ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+  }
+  return leftOut;
+}
+
+} // namespace isosurface

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SourceIndex_h
+#define isosurface_SourceIndex_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+
+#include <cstdint>
+#include <string>
+
+namespace isosurface
+{
+
+/// A file of another format, and the volume in place that is its index.
+struct SourceIndex
+{
+  std::string Source; ///< VolumeName
+  std::string Axes;   ///< VolumeChoice::Axes
+  std::string Path;   ///< of the .bvol
+
+  /**
+   * Finds the names. `chosen`: a file, a folder of Zarr or N5, or one of the metadata files of such
+   * a folder (.zgroup, .zattrs, .zarray, zarr.json, attributes.json), which stands for the folder.
+   * Groups and arrays inside a Zarr belong to the outermost folder. `dataset`: what is meant within
+   * the file or that folder; empty: what was chosen. `folder`: of the index; empty: beside the
+   * source. Of scan.zarr it is scan.zarr.bvol, of run.h5:/entry/data run.h5-entry-data.bvol.
+   */
+  static SourceIndex Find(FileSystem& files, const std::string& chosen, const std::string& dataset,
+    const std::string& axes, const std::string& folder);
+};
+
+enum class IndexState : std::uint8_t
+{
+  Missing,
+  Current,
+  Changed ///< there is one, but the source is no longer as it was
+};
+
+/// Looks whether there is an index. Error: InvalidArgument if the file at its path is not an index
+/// of this source, so that it must not be replaced.
+Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
+
+/**
+ * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores
+ * as there are ranks, and returns what of the source is left out (VolumeFile::LeftOut). On an error
+ * or stop, an older index stays as it was. Cost and errors: as BlockedVolumeWriter.
+ */
+Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
+  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {});
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BrickScan_h
+#define isosurface_BrickScan_h
+
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockSource.h"
+#include "Surface/Contour/Arena.h"
+#include "Surface/Contour/BrickKernel.h"
+#include "Surface/Contour/BrickLattice.h"
+#include "Surface/Contour/CellVisibility.h"
+#include "Surface/Contour/SurfaceExtractor.h"
+#include "Surface/Contour/VertexPoints.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The results of the first phase for a brick and an isovalue. All null if there is no surface.
+struct BrickPart
+{
+  const std::uint64_t* Inside = nullptr; ///< a word for each row of vertices, y fastest
+  /// A word for each row of vertices: the visible cells from there on; null if all are.
+  const std::uint64_t* Visible = nullptr;
+  std::uint32_t* Offsets = nullptr; ///< the first point of each row, counted in the brick
+  EdgeCode* Codes = nullptr;        ///< the owned points' edges, or vertices
+  float* Coordinates = nullptr;     ///< the structured coordinate along each edge
+  float* Normals = nullptr;
+  std::uint8_t** Attributes = nullptr; ///< tuples of each attribute
+  /// With DropDegenerateTriangles, the points on vertices.
+  VertexPoint* VertexPoints = nullptr;
+  std::uint32_t NumberOfVertexPoints = 0;
+  BrickCounts Counts{ 0, 0, 0 };
+  std::int64_t FirstPoint = 0; ///< the number of the first point, before any are dropped
+
+  // Set by the second phase.
+  BrickCounts Kept{ 0, 0, 0 }; ///< Counts, without what VertexMerge drops
+  std::int64_t FirstKeptPoint = 0;
+  std::int64_t FirstCell = 0;
+  std::int64_t FirstIndex = 0; ///< into the connectivity
+};
+
+/**
+ * The first phase of an extraction: visits the samples of each block once, and keeps everything
+ * that the second phase (SurfaceAssembler) needs.
+ */
+class BrickScan
+{
+public:
+  /// The results for the bricks of a lattice.
+  struct Parts
+  {
+    /// The part of brick b at isovalue n is number n * number of bricks + b.
+    std::vector<BrickPart> OfBricks;
+    std::vector<BrickOwnership> Ownerships; ///< of each brick
+  };
+
+  /// For use by `threads` threads.
+  BrickScan(
+    const GridGeometry& geometry, BlockSource& source, const ContourRequest& request, int threads);
+
+  /// Visits every block; the lattice is that of all. Errors: those of Acquire(); InvalidArgument
+  /// for invalid samples; Aborted.
+  Status Run(const BrickLattice& lattice, const Progress& progress);
+
+  /// Makes room for the results of a lattice.
+  void Allocate(const BrickLattice& lattice, Parts& parts) const;
+  /// Visits one block, number `numberInLattice` of the lattice, and number `block` of the source, as
+  /// one of the threads. Errors as those of Run.
+  Status ScanBlock(const BrickLattice& lattice, std::size_t numberInLattice, std::size_t block,
+    Parts& parts, int thread);
+  Parts& GetAllParts() { return this->AllParts; }
+  std::vector<BrickPart>& GetParts() { return this->AllParts.OfBricks; }
+  const std::vector<BrickPart>& GetParts() const { return this->AllParts.OfBricks; }
+  const std::vector<BrickOwnership>& GetOwnerships() const { return this->AllParts.Ownerships; }
+  double GetAcquireSeconds() const;
+  /// Whether a part has cells that are not visible: then some points may have no triangles.
+  bool HasHiddenCells() const;
+
+private:
+  struct Worker
+  {
+    Arena Memory;
+    std::vector<double> Parameters;
+    double AcquireSeconds = 0;
+  };
+  /// A threshold as a value of the samples' type. Does not exist if no value can be inside.
+  struct Threshold
+  {
+    bool Exists = false;
+    alignas(8) std::array<std::uint8_t, 8> Value{};
+  };
+
+  /// What is not visible of a brick; void for most.
+  struct BrickVisibility
+  {
+    const std::uint64_t* Cells = nullptr;    ///< see BrickPart::Visible
+    const CellVisibility* Samples = nullptr; ///< if some samples in it or around it are not known
+  };
+
+  Status CheckSamples(std::size_t block, const BlockSamples& samples) const;
+  void ScanBrick(const BrickLattice& lattice, std::size_t number, const BlockSamples& samples,
+    Parts& parts, Worker& worker);
+  BrickPart ScanIsovalue(std::size_t isovalue, const Brick& brick, const BrickOwnership& ownership,
+    const BrickSamples& view, const BlockSamples& samples, const BrickVisibility& visibility,
+    Worker& worker);
+  void MakePoints(double isovalue, const Brick& brick, const BrickSamples& view,
+    const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part,
+    Worker& worker) const;
+  void PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
+    const CellVisibility* unknown, BrickPart& part, Worker& worker) const;
+  BrickVisibility FindVisibility(
+    const CellVisibility& ofBlock, const Brick& brick, Worker& worker) const;
+  void CopyAttributes(
+    const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+  void InterpolateAttributes(
+    const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+
+  const GridGeometry& Geometry;
+  BlockSource& Source;
+  const ContourRequest& Request;
+  const VertexBox KnownSamples;
+  const BrickKernels& Kernels;
+  std::vector<Threshold> Thresholds;
+  std::vector<Worker> Workers;
+  Parts AllParts;
+};
+
+/// The kernel's description of a brick: its place in the grid and, if `samples` is given, its
+/// samples.
+BrickSamples MakeBrickSamples(
+  const GridGeometry& geometry, const VertexBox& brick, const SampleView* samples = nullptr);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_DrawingBuffers_h
+#define isosurface_DrawingBuffers_h
+
+#include "Surface/Drawing/TriangleMeasure.h"
+#include "Surface/Drawing/TriangleSurface.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace isosurface
+{
+
+/**
+ * Writes the point numbers of all proper triangles, three each, in their order. `indices` has room
+ * for 3 * measure.CountProperTriangles(); the measure is that of the surface, and valid.
+ */
+void CopyProperTriangles(const TriangleSurface& surface, const TriangleMeasure& measure,
+  std::uint32_t* indices, int threads);
+
+/**
+ * Writes (coordinate - shift) * scale, computed in double, for each coordinate of `count` points.
+ * Shift and scale are those of the axes.
+ */
+void ShiftAndScale(const float* points, std::size_t count, const double shift[3],
+  const double scale[3], float* result, int threads);
+
+/// Copies `count` values.
+void CopyValues(const float* values, std::size_t count, float* result, int threads);
+
+/// A texture of `Colors` colors over a range of values, with one more texel at each end for what is
+/// beyond it.
+struct TextureRange
+{
+  double Minimum = 0;
+  double Maximum = 1;
+  int Colors = 256;
+};
+
+/**
+ * Writes the texture coordinates of `count` tuples, two each, as vtkMapper defines them: the first
+ * is where the value is in the texture, clamped to [-1000, 1000], or 0.5 for NaN; the second one is
+ * 0.49, or 1 for NaN. `component` -1, or beyond the last one, stands for the magnitude. For all
+ * arithmetic types of VTK.
+ */
+template <typename T>
+void FindTextureCoordinates(const T* values, std::size_t count, int components, int component,
+  const TextureRange& range, float* coordinates, int threads);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PieceBlockSource_h
+#define isosurface_PieceBlockSource_h
+
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/Region.h"
+#include "Ground/Volume/SampleRange.h"
+#include "Ground/Volume/ValueKey.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A piece of a grid that a rank has in memory. The views of all arrays have the boxes of Scalars.
+struct GridPiece
+{
+  SampleView Scalars;
+  std::vector<AttributeView> Attributes;
+};
+
+/// Which blocks of a grid a PieceBlockSource has.
+struct PieceBlockSelection
+{
+  std::vector<double> Isovalues;
+  isosurface::Region Region;
+  int BlockSize = 64;     ///< 16, 32 or 64 cells
+  bool WithLayer = false; ///< whether Available covers a layer around each block, for gradients
+};
+
+/**
+ * The active blocks of a grid of which the ranks have pieces in memory, of any shape, overlapping
+ * ones included. The blocks are those of the grid as a whole, so blocks and samples do not depend
+ * on how the grid was cut. A block within a piece is a view of that piece. A block that pieces
+ * share belongs to the first rank that has some of it, which is sent the rest, each vertex from the
+ * first piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
+ *
+ * Memory besides the pieces, which must outlive the source: the samples of the shared active blocks
+ * of this rank.
+ */
+class PieceBlockSource : public BlockSource
+{
+public:
+  /**
+   * Collective; pieces are in the coordinates of the grid (from 0). Cost: one pass over the samples
+   * of the selected blocks.
+   *
+   * Errors, of any rank: InvalidArgument for pieces of different types, or between which an active
+   * block has a gap.
+   */
+  static Result<std::unique_ptr<PieceBlockSource>> Make(Communicator& ranks,
+    const GridGeometry& grid, std::vector<GridPiece> pieces, const PieceBlockSelection& selection,
+    int threads);
+
+  /// The numbers of this rank's blocks in the BlockGrid of the whole grid, ascending.
+  const std::vector<std::int64_t>& GetNumbers() const { return this->Numbers; }
+
+  /// The finite values of all blocks of the selected region, active or not, of all ranks.
+  const KeyRange& GetFiniteRange() const { return this->Finite; }
+
+  std::size_t GetNumberOfBlocks() const override { return this->Numbers.size(); }
+  Index3 GetLatticeCoordinates(std::size_t block) const override
+  {
+    return this->Grid.GetBlockCoordinates(this->Numbers[block]);
+  }
+  VertexBox GetVertices(std::size_t block) const override
+  {
+    return this->Grid.GetVertices(this->Numbers[block]);
+  }
+  ValueType GetValueType() const override { return this->Types.front(); }
+  Result<BlockSamples> Acquire(std::size_t block) override;
+
+private:
+  /// A piece of some rank's.
+  struct PlacedPiece
+  {
+    int Rank = 0;
+    std::size_t Number = 0; ///< of that rank's
+    VertexBox Box;          ///< of all samples that it has
+  };
+
+  /// A block that no piece has as a whole.
+  struct SharedBlock
+  {
+    std::int64_t Number = 0;
+    int Owner = 0;
+    VertexBox Samples; ///< that the owner needs
+    SampleRange Range;
+    bool HasGap = false;
+    std::vector<Buffer<std::uint8_t>> Arrays; ///< on the owner: one a component
+  };
+
+  /// Where an own block's samples are: in a piece, or in a shared block.
+  struct Place
+  {
+    bool IsShared = false;
+    std::size_t Index = 0;
+  };
+
+  PieceBlockSource(const GridGeometry& geometry, std::vector<GridPiece> pieces,
+    const PieceBlockSelection& selection);
+  Status GatherPieces(Communicator& ranks);
+  /// The message of GatherPieces, of this rank; and adds that of any rank.
+  Status DescribePieces(Message& message) const;
+  Status AddPieces(const Message& message, int rank);
+  void FindBlocks(Communicator& ranks, const Region& region, int threads);
+  void JoinRanges(Communicator& ranks);
+  Status CollectShared(Communicator& ranks);
+  void PackShared(int rank, std::vector<Message>& outgoing);
+  void PlaceShared(int rank, const std::vector<Message>& incoming);
+  bool IsActive(const KeyRange& range) const;
+  /// The part of the box that each piece supplies, and what none has.
+  std::vector<std::pair<std::size_t, VertexBox>> FindParts(
+    const VertexBox& box, std::vector<VertexBox>& missing) const;
+  /// The views of all components of a piece: scalars first.
+  std::vector<SampleView> GetViews(std::size_t piece) const;
+
+  GridGeometry Geometry;
+  BlockGrid Grid;
+  bool WithLayer;
+  std::vector<double> Isovalues;
+  std::vector<ValueKey> Thresholds;
+  std::vector<GridPiece> Pieces;
+  std::vector<PlacedPiece> AllPieces; ///< of all ranks, by rank
+  std::vector<ValueType> Types;       ///< of the scalars, then of each attribute's components
+  std::vector<int> AttributeSizes;    ///< components of each attribute
+  std::vector<SharedBlock> Shared;
+  std::vector<std::int64_t> Numbers;
+  std::vector<Place> Places; ///< of the blocks of Numbers
+  KeyRange Finite;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PieceLayers_h
+#define isosurface_PieceLayers_h
+
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Volume/BlockSource.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A piece of one of several grids that a rank has in memory.
+struct LayeredPiece
+{
+  std::size_t Grid = 0;
+  Index3 Dimensions{}; ///< of the grid
+  SampleView Scalars;  ///< Box is what the piece contours
+  Blanking Hidden;
+};
+
+/**
+ * What the pieces of grids have to know of each other for normals without seams: the samples of the
+ * layer around each piece's Box that the piece itself does not have, but another one does, on
+ * whichever rank.
+ */
+class PieceLayers
+{
+public:
+  PieceLayers() = default;
+
+  /// Collective. Cost: a box of each piece to all ranks, and the samples of the layers, a byte more
+  /// for each. OutOfMemory, before any samples are sent.
+  static Result<PieceLayers> Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces);
+
+  /// No layers, for so many pieces.
+  void Resize(std::size_t pieces) { this->Parts.resize(pieces); }
+
+  /// A part of the layer around a piece.
+  struct Part
+  {
+    int Rank = 0; ///< that had the samples
+    VertexBox Box;
+    Buffer<std::uint8_t> Samples;    ///< x fastest
+    std::vector<std::uint8_t> Known; ///< 1 for a sample that is not hidden
+  };
+
+  /// Those of this rank's piece; empty if it needs none, or if nobody has any.
+  const std::vector<Part>& GetParts(std::size_t piece) const { return this->Parts[piece]; }
+
+private:
+  /// Takes the samples of all parts from the messages of the ranks.
+  void Place(const std::vector<Message>& incoming);
+
+  std::vector<std::vector<Part>> Parts;
+};
+
+/**
+ * Blocks of a piece, those at its border with the layer around it. Where a part of that layer is
+ * missing, its samples count as hidden. What this refers to must outlive it.
+ */
+class LayeredBlockSource : public BlockSource
+{
+public:
+  LayeredBlockSource(
+    BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::Part>& layer);
+
+  /// The vertices that gradients may use: ContourRequest::KnownSamples.
+  VertexBox GetKnownSamples() const;
+
+  std::size_t GetNumberOfBlocks() const override { return this->Inner.GetNumberOfBlocks(); }
+  Index3 GetLatticeCoordinates(std::size_t block) const override
+  {
+    return this->Inner.GetLatticeCoordinates(block);
+  }
+  VertexBox GetVertices(std::size_t block) const override { return this->Inner.GetVertices(block); }
+  ValueType GetValueType() const override { return this->Inner.GetValueType(); }
+  Result<BlockSamples> Acquire(std::size_t block) override;
+
+private:
+  struct Copy;
+  void CopyPiece(const SampleView& scalars, Copy& copy) const;
+  void CopyParts(Copy& copy) const;
+  void CopyHiddenCells(Copy& copy) const;
+
+  BlockSource& Inner;
+  const LayeredPiece& Piece;
+  const std::vector<PieceLayers::Part>& Layer;
+};
+
+} // namespace isosurface
+
+#endif

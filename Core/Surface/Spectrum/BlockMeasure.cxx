@@ -1,0 +1,493 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Surface/Spectrum/BlockMeasure.h"
+
+#include "Ground/Base/ProcessorClones.h"
+#include "Surface/Spectrum/CellMeasure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The spectrum has so many bits fewer than the sums. The rounding error is below a thousandth of a
+/// cell's face, and the numbers take fewer bytes on disk.
+constexpr int DroppedBits = 12;
+
+/// Converts a value to bins from the first edge. NaN and infinities stay as they are.
+template <typename T>
+class BinCoordinate
+{
+public:
+  explicit BinCoordinate(const SpectrumBins& bins)
+    : First(bins.First)
+    , Exponent(bins.Exponent)
+    // In two steps, since 2^-Exponent may be too large for a double.
+    , Scale{ std::ldexp(1.0, -(bins.Exponent / 2)),
+      std::ldexp(1.0, -(bins.Exponent - bins.Exponent / 2)) }
+    , SmallScale(static_cast<float>(std::ldexp(1.0, -std::clamp(bins.Exponent, -64, 64))))
+    , SmallFirst(static_cast<float>(bins.First))
+  {
+  }
+
+  float operator()(T value) const
+  {
+    if constexpr (sizeof(T) <= 2)
+    {
+      return static_cast<float>(value) * this->SmallScale - this->SmallFirst; // exact
+    }
+    else if constexpr (sizeof(T) == 8 && !std::is_floating_point_v<T>)
+    {
+      // The difference may be small and the numbers large: it is exact modulo 2^64.
+      const std::uint64_t first = static_cast<std::uint64_t>(this->First) << this->Exponent;
+      return static_cast<float>(static_cast<double>(static_cast<std::uint64_t>(value) - first) *
+        this->Scale[0] * this->Scale[1]);
+    }
+    else
+    {
+      return static_cast<float>(static_cast<double>(value) * this->Scale[0] * this->Scale[1] -
+        static_cast<double>(this->First));
+    }
+  }
+
+private:
+  std::int64_t First;
+  int Exponent;
+  double Scale[2];
+  float SmallScale;
+  float SmallFirst;
+};
+
+/// Loads the vertices of `cells` cells along x, `stride` samples apart.
+template <typename T>
+ISOSURFACE_CLONES void LoadCells(const BinCoordinate<T>& coordinate, const T* __restrict from,
+  std::ptrdiff_t stride, std::int64_t cells, float* __restrict row)
+{
+  if (stride == 1)
+  {
+    for (std::int64_t i = 0; i <= cells; ++i)
+    {
+      row[i] = coordinate(from[i]);
+    }
+    return;
+  }
+  for (std::int64_t i = 0; i <= cells; ++i)
+  {
+    row[i] = coordinate(from[i * stride]);
+  }
+}
+
+std::array<double, 3> GetAbsoluteSpacing(const GridGeometry& grid)
+{
+  return { std::abs(grid.Spacing[0]), std::abs(grid.Spacing[1]), std::abs(grid.Spacing[2]) };
+}
+
+/// The areas of a cell's faces, by the axis normal to the face, from its lengths.
+std::array<double, 3> GetFaces(const std::array<double, 3>& h)
+{
+  return { h[1] * h[2], h[2] * h[0], h[0] * h[1] };
+}
+
+/// |gradient| * volume is, for each term of the interpolant, the norm of the vector of differences
+/// along the axes, each times the area of the face normal to its axis.
+MeasureWeights MakeWeights(const std::array<double, 3>& faces, double largest)
+{
+  std::array<float, 3> squares;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double face = largest > 0 ? faces[axis] / largest : 0;
+    squares[axis] = static_cast<float>(face * face);
+  }
+  return { squares[0], squares[1], squares[2], squares[0] + squares[1], squares[0] + squares[2],
+    squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
+}
+
+std::uint64_t Scale(std::int64_t number, double factor)
+{
+  return static_cast<std::uint64_t>(std::llround(static_cast<double>(number) * factor));
+}
+
+} // namespace
+
+std::vector<std::uint64_t> MeasureSums::GetNumbers() const
+{
+  std::vector<std::uint64_t> numbers;
+  numbers.reserve(3 * this->Changes.size());
+  for (const Change& change : this->Changes)
+  {
+    numbers.insert(numbers.end(), { change.Area, change.Constant, change.Slope });
+  }
+  return numbers;
+}
+
+void MeasureSums::SetNumbers(const std::vector<std::uint64_t>& numbers)
+{
+  for (std::size_t bin = 0; bin < this->Changes.size(); ++bin)
+  {
+    this->Changes[bin] = { numbers[3 * bin], numbers[3 * bin + 1], numbers[3 * bin + 2] };
+  }
+}
+
+void MeasureSums::SetMeasures(WorkloadSpectrum& spectrum) const
+{
+  const auto round = [](std::uint64_t sum)
+  {
+    // The rounding of slopes may make the sum slightly negative.
+    const auto whole = std::max<std::int64_t>(0, static_cast<std::int64_t>(sum));
+    return (static_cast<std::uint64_t>(whole) + (1u << (DroppedBits - 1))) >> DroppedBits;
+  };
+  Change sum;
+  for (std::size_t bin = 0; bin < spectrum.Bins.Count; ++bin)
+  {
+    sum.Area += this->Changes[bin].Area;
+    sum.Constant += this->Changes[bin].Constant;
+    sum.Slope += this->Changes[bin].Slope;
+    spectrum.Area[bin] = round(sum.Area);
+    spectrum.Volume[bin] = round(sum.Constant - sum.Slope * bin);
+  }
+}
+
+double BlockMeasure::GetAreaUnit(const GridGeometry& grid)
+{
+  const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid));
+  return std::ldexp(
+    *std::max_element(faces.begin(), faces.end()), DroppedBits - MeasureSums::FractionBits);
+}
+
+double BlockMeasure::GetVolumeUnit(const GridGeometry& grid)
+{
+  const std::array<double, 3> h = GetAbsoluteSpacing(grid);
+  return std::ldexp(h[0] * h[1] * h[2], DroppedBits - MeasureSums::FractionBits);
+}
+
+std::int64_t BlockMeasure::ChooseRowStride(const GridGeometry& grid)
+{
+  const Index3 size = grid.GetDimensions();
+  const double cells =
+    static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
+  std::int64_t stride = 1;
+  for (double side = 128; stride < 8 && cells > side * side * side; side *= 2)
+  {
+    stride *= 2;
+  }
+  return stride;
+}
+
+BlockMeasure::BlockMeasure(
+  const SpectrumBins& bins, const MeasuredGrid& grid, std::int64_t rowStride)
+  : Bins(bins)
+  , Grid(grid)
+  , RowsOfCells(grid.Geometry.GetDimensions()[1] - 1)
+  , RowStride(rowStride)
+  , Sums(bins)
+  , MinimumBin(bins.Count)
+  , MaximumBin(0)
+{
+  const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid.Geometry));
+  this->Weights = MakeWeights(faces, *std::max_element(faces.begin(), faces.end()));
+}
+
+double BlockMeasure::GetLength(std::size_t axis, std::int64_t cell, std::int64_t cells) const
+{
+  const GridLines& lines = *this->Grid.Lines;
+  return (lines.At(axis, cell + cells) - lines.At(axis, cell)) / this->Grid.Geometry.Spacing[axis];
+}
+
+/// Chooses the row that is measured for a group of RowStride rows and a run of cells along x.
+std::int64_t BlockMeasure::ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const
+{
+  // RowStride successive runs, along x or along z, have different rows. Their order is
+  // pseudorandom, so that it is not in step with the surface.
+  std::uint64_t hash = static_cast<std::uint64_t>(run / this->RowStride) * 0x9e3779b97f4a7c15u ^
+    static_cast<std::uint64_t>(group) * 0xc2b2ae3d27d4eb4fu ^
+    static_cast<std::uint64_t>(k / this->RowStride) * 0x165667b19e3779f9u;
+  hash = (hash ^ (hash >> 31)) * 0xbf58476d1ce4e5b9u;
+  const auto order = static_cast<std::int64_t>(hash >> 61);
+  return group * this->RowStride + ((run ^ k ^ order) & (this->RowStride - 1));
+}
+
+void BlockMeasure::Count(const SampleView& samples)
+{
+  const Index3 size = samples.Box.GetSize();
+  if (this->Bins.Count == 0 || size[0] < 2 || size[1] < 2 || size[2] < 2)
+  {
+    return;
+  }
+  DispatchValueType(samples.Type, [&](auto zero) { this->CountCells<decltype(zero)>(samples); });
+}
+
+template <typename T>
+void BlockMeasure::CountCells(const SampleView& samples)
+{
+  const VertexBox& box = samples.Box;
+  const std::int64_t last = box.High[1] - 1;
+  // If the grid's last group is incomplete, all of its rows are measured.
+  const std::int64_t grouped = this->RowsOfCells - this->RowsOfCells % this->RowStride;
+  for (std::int64_t k = box.Low[2]; k + 1 < box.High[2]; ++k)
+  {
+    for (std::int64_t begin = box.Low[0], end = 0; begin + 1 < box.High[0]; begin = end)
+    {
+      const std::int64_t run = begin / CellsAtOnce;
+      end = std::min((run + 1) * CellsAtOnce, box.High[0] - 1);
+      const std::int64_t groups = (std::min(last, grouped) + this->RowStride - 1) / this->RowStride;
+      for (std::int64_t group = box.Low[1] / this->RowStride; group < groups; ++group)
+      {
+        const std::int64_t j = this->ChooseRow(run, group, k);
+        if (j >= box.Low[1] && j < last)
+        {
+          const std::int64_t first = group * this->RowStride;
+          this->CountRow<T>(samples, begin, end, { j, k, first, this->RowStride });
+        }
+      }
+      for (std::int64_t j = std::max(box.Low[1], grouped); j < last; ++j)
+      {
+        this->CountRow<T>(samples, begin, end, { j, k, j, 1 });
+      }
+    }
+  }
+  this->CountPending();
+}
+
+/// Counts the cells [begin, end) of a row, at most CellsAtOnce.
+template <typename T>
+void BlockMeasure::CountRow(
+  const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& row)
+{
+  const BinCoordinate<T> coordinate(this->Bins);
+  const auto load =
+    [&](std::int64_t first, std::int64_t cells, std::array<CellRow, 4>& rows, std::int64_t place)
+  {
+    for (std::size_t line = 0; line < rows.size(); ++line)
+    {
+      const auto up = static_cast<std::int64_t>(line);
+      LoadCells(coordinate, samples.At<T>({ first, row.J + up % 2, row.K + up / 2 }),
+        samples.Stride[0], cells, rows[line].data() + place);
+    }
+  };
+  PendingRuns& pending = this->Pending;
+  if (!this->Grid.Lines)
+  {
+    if (pending.Count == RunsAtOnce || pending.Weight != row.Rows)
+    {
+      this->CountPending();
+      pending.Weight = row.Rows;
+    }
+    load(begin, end - begin, pending.Rows, pending.Places);
+    pending.Places += end - begin + 1;
+    pending.Ends[static_cast<std::size_t>(pending.Count++)] = pending.Places - 1;
+    return;
+  }
+  std::array<CellRow, 4>& rows = pending.Rows; // nothing is pending
+  for (std::int64_t next = begin; begin < end; begin = next)
+  {
+    const double length = this->GetLength(0, begin);
+    while (next < end && this->GetLength(0, next) == length)
+    {
+      ++next;
+    }
+    load(begin, next - begin, rows, 0);
+    this->CountLinedRun(rows, begin, next - begin, row);
+  }
+}
+
+void BlockMeasure::CountPending()
+{
+  PendingRuns& pending = this->Pending;
+  if (pending.Count == 0)
+  {
+    return;
+  }
+  const std::uint64_t one = static_cast<std::uint64_t>(pending.Weight) << MeasureSums::FractionBits;
+  const std::array<CellRow, 4>& rows = pending.Rows;
+  CellRun run;
+  const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },
+    run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
+  const std::int64_t cells = pending.Places - 1;
+  MeasureCells(
+    pointers, cells, this->Weights, static_cast<float>(this->Bins.Count), static_cast<float>(one));
+  for (std::int64_t ended = 0; ended + 1 < pending.Count; ++ended)
+  {
+    // What is between two runs is no cell.
+    run.To[static_cast<std::size_t>(pending.Ends[static_cast<std::size_t>(ended)])] = 0;
+  }
+  this->AddRun(run, cells, one);
+  pending.Count = 0;
+  pending.Places = 0;
+}
+
+void BlockMeasure::CountLinedRun(
+  const std::array<CellRow, 4>& rows, std::int64_t begin, std::int64_t cells, const RowPlace& place)
+{
+  const std::array<double, 3> spacing = GetAbsoluteSpacing(this->Grid.Geometry);
+  const std::array<double, 3> lengths = { this->GetLength(0, begin), this->GetLength(1, place.J),
+    this->GetLength(2, place.K) };
+  const std::array<double, 3> faces =
+    GetFaces({ lengths[0] * spacing[0], lengths[1] * spacing[1], lengths[2] * spacing[2] });
+  const std::array<double, 3> meanFaces = GetFaces(spacing);
+  const double face = *std::max_element(faces.begin(), faces.end());
+  const double meanFace = *std::max_element(meanFaces.begin(), meanFaces.end());
+  // The row stands for the height of all rows of its group.
+  const double height = this->GetLength(1, place.FirstRow, place.Rows) / lengths[1];
+  const double areaScale = face / meanFace * height;
+  const double volumeScale = lengths[0] * lengths[1] * lengths[2] * height;
+  constexpr std::int64_t one = std::int64_t{ 1 } << MeasureSums::FractionBits;
+
+  CellRun run;
+  const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },
+    run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
+  MeasureCells(pointers, cells, MakeWeights(faces, face), static_cast<float>(this->Bins.Count),
+    static_cast<float>(one));
+  const std::uint64_t volume = Scale(one, volumeScale);
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)
+  {
+    if (run.To[cell] == 0)
+    {
+      continue;
+    }
+    this->AddCell(run.From[cell], run.To[cell],
+      { Scale(run.Area[cell], areaScale), Scale(run.First[cell], volumeScale),
+        Scale(run.Slope[cell], volumeScale) },
+      volume);
+    this->Sums.Changes[0].Constant += volume;
+  }
+}
+
+/// Adds what a cell has in its bins [from, to): its area, and its volume, which is change.Constant
+/// at `from` and falls by change.Slope from bin to bin; below them the volume is `one`.
+void BlockMeasure::AddCell(
+  std::int32_t from, std::int32_t to, const MeasureSums::Change& change, std::uint64_t one)
+{
+  MeasureSums::Change* changes = this->Sums.Changes.data();
+  const auto bins = static_cast<std::int32_t>(this->Bins.Count);
+  from = std::min(from, bins);
+  to = std::min(to, bins);
+  this->MinimumBin = std::min(this->MinimumBin, static_cast<std::size_t>(from));
+  this->MaximumBin = std::max(this->MaximumBin, static_cast<std::size_t>(to));
+  if (from == to)
+  {
+    changes[from].Constant -= one;
+    return;
+  }
+  const std::uint64_t constant = change.Constant + change.Slope * static_cast<std::uint64_t>(from);
+  changes[from].Area += change.Area;
+  changes[from].Constant += constant - one;
+  changes[from].Slope += change.Slope;
+  changes[to].Area -= change.Area;
+  changes[to].Constant -= constant;
+  changes[to].Slope -= change.Slope;
+}
+
+void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one)
+{
+  MeasureSums::Change* changes = this->Sums.Changes.data();
+  std::int32_t minimum = std::numeric_limits<std::int32_t>::max();
+  std::int32_t maximum = 0;
+  std::uint64_t whole = 0;
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)
+  {
+    const std::int32_t from = std::min<std::int32_t>(run.From[cell], this->Bins.Count);
+    const std::int32_t to = std::min<std::int32_t>(run.To[cell], this->Bins.Count);
+    if (to == 0)
+    {
+      continue;
+    }
+    whole += one;
+    minimum = std::min(minimum, from);
+    maximum = std::max(maximum, to);
+    if (from == to)
+    {
+      changes[from].Constant -= one;
+      continue;
+    }
+    const auto area = static_cast<std::uint64_t>(run.Area[cell]);
+    const auto slope = static_cast<std::uint64_t>(run.Slope[cell]);
+    const std::uint64_t constant =
+      static_cast<std::uint64_t>(run.First[cell]) + slope * static_cast<std::uint64_t>(from);
+    changes[from].Area += area;
+    changes[from].Constant += constant - one;
+    changes[from].Slope += slope;
+    changes[to].Area -= area;
+    changes[to].Constant -= constant;
+    changes[to].Slope -= slope;
+  }
+  changes[0].Constant += whole;
+  this->MinimumBin = std::min(this->MinimumBin, static_cast<std::size_t>(minimum));
+  this->MaximumBin = std::max(this->MaximumBin, static_cast<std::size_t>(maximum));
+}
+
+void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& box)
+{
+  const Index3 size = box.GetSize();
+  if (this->Bins.Count == 0 || size[0] < 2 || size[1] < 2 || size[2] < 2)
+  {
+    return;
+  }
+  const float coordinate = DispatchValueType(type,
+    [&](auto zero)
+    {
+      using T = decltype(zero);
+      return BinCoordinate<T>(this->Bins)(MakeValueOfKey<T>(key));
+    });
+  if (!std::isfinite(coordinate))
+  {
+    return;
+  }
+  const auto count = static_cast<float>(this->Bins.Count);
+  const auto last = static_cast<std::size_t>(std::clamp(coordinate, 0.0f, count));
+  const std::size_t bin = std::min<std::size_t>(last + 1, this->Bins.Count);
+  const std::uint64_t volume = this->GetVolume(box);
+  this->Sums.Changes[0].Constant += volume;
+  this->Sums.Changes[bin].Constant -= volume;
+  this->MinimumBin = std::min(this->MinimumBin, bin);
+  this->MaximumBin = std::max(this->MaximumBin, bin);
+}
+
+/// The volume of the cells of a box, each rounded by itself, so that it does not depend on how the
+/// grid is cut.
+std::uint64_t BlockMeasure::GetVolume(const VertexBox& box) const
+{
+  const Index3 size = box.GetSize();
+  constexpr std::int64_t one = std::int64_t{ 1 } << MeasureSums::FractionBits;
+  if (!this->Grid.Lines)
+  {
+    return static_cast<std::uint64_t>((size[0] - 1) * (size[1] - 1) * (size[2] - 1) * one);
+  }
+  std::uint64_t volume = 0;
+  for (std::int64_t k = box.Low[2]; k + 1 < box.High[2]; ++k)
+  {
+    for (std::int64_t j = box.Low[1]; j + 1 < box.High[1]; ++j)
+    {
+      const double face = this->GetLength(1, j) * this->GetLength(2, k);
+      for (std::int64_t i = box.Low[0]; i + 1 < box.High[0]; ++i)
+      {
+        volume += Scale(one, this->GetLength(0, i) * face);
+      }
+    }
+  }
+  return volume;
+}
+
+void BlockMeasure::MoveTo(MeasureSums& sums)
+{
+  const auto move = [&](std::size_t bin)
+  {
+    MeasureSums::Change& mine = this->Sums.Changes[bin];
+    sums.Changes[bin].Area += mine.Area;
+    sums.Changes[bin].Constant += mine.Constant;
+    sums.Changes[bin].Slope += mine.Slope;
+    mine = {};
+  };
+  move(0);
+  for (std::size_t bin = std::max<std::size_t>(1, this->MinimumBin); bin <= this->MaximumBin; ++bin)
+  {
+    move(bin);
+  }
+  this->MinimumBin = this->Bins.Count;
+  this->MaximumBin = 0;
+}
+
+} // namespace isosurface

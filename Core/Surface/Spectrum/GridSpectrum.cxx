@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Surface/Spectrum/GridSpectrum.h"
+
+#include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/SampleRange.h"
+#include "Surface/Spectrum/BlockActivity.h"
+#include "Surface/Spectrum/BlockMeasure.h"
+#include "Surface/Spectrum/BlockWorkload.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+Status MakeAborted()
+{
+  return Status(StatusCode::Aborted, "The computation of the spectrum was aborted.");
+}
+
+// A step of one rank that needs memory. An error of one rank is one of all.
+template <typename Step>
+Status AttemptOnAll(Communicator& ranks, Step&& step)
+{
+  return ranks.Agree(Attempt("the samples of the spectrum cannot be counted", step));
+}
+
+void Join(KeyRange& range, const KeyRange& other)
+{
+  range.Minimum = std::min(range.Minimum, other.Minimum);
+  range.Maximum = std::max(range.Maximum, other.Maximum);
+}
+
+} // namespace
+
+/// The counts of one thread.
+struct GridSpectrum::Counted
+{
+  BlockWorkload Workload;
+  BlockMeasure Measure;
+  WorkloadSpectrum Spectrum;
+  MeasureSums Sums;
+};
+
+GridSpectrum::GridSpectrum(
+  const MeasuredGrid& grid, ValueType type, std::vector<SampleView> pieces, int threads)
+  : Grid(grid)
+  , Type(type)
+  , Blocks(grid.Geometry.GetDimensions(), BlockSize)
+  , Pieces(std::move(pieces))
+  , Threads(std::max(1, threads))
+{
+}
+
+void GridSpectrum::FindParts()
+{
+  this->Parts.clear();
+  const Index3& last = this->Blocks.GetNumberOfBlocksPerAxis();
+  for (std::size_t piece = 0; piece < this->Pieces.size(); ++piece)
+  {
+    const VertexBox& box = this->Pieces[piece].Box;
+    if (box.IsEmpty())
+    {
+      continue;
+    }
+    Index3 low;
+    Index3 high;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      // A vertex on a face belongs to both blocks.
+      low[axis] = std::max<std::int64_t>(0, (box.Low[axis] - 1) / BlockSize);
+      high[axis] = std::min(last[axis], (box.High[axis] - 1) / BlockSize + 1);
+    }
+    for (std::int64_t k = low[2]; k < high[2]; ++k)
+    {
+      for (std::int64_t j = low[1]; j < high[1]; ++j)
+      {
+        for (std::int64_t i = low[0]; i < high[0]; ++i)
+        {
+          const std::int64_t block = this->Blocks.GetBlockIndex({ i, j, k });
+          const VertexBox part = this->Blocks.GetVertices(block).Intersect(box);
+          if (!part.IsEmpty())
+          {
+            this->Parts.push_back({ piece, block, part });
+          }
+        }
+      }
+    }
+  }
+}
+
+Status GridSpectrum::FindOwnRanges(const Progress& progress)
+{
+  this->FindParts();
+  this->Ranges.assign(static_cast<std::size_t>(this->Blocks.GetNumberOfBlocks()), {});
+  this->FiniteRange = {};
+  std::vector<SampleRange> found(this->Parts.size());
+  const bool isDone = ParallelFor(
+    this->Parts.size(), this->Threads,
+    [&](std::size_t index, int)
+    {
+      const Part& part = this->Parts[index];
+      found[index] = FindSampleRange(this->Pieces[part.Piece], part.Box);
+    },
+    progress);
+  if (!isDone)
+  {
+    return MakeAborted();
+  }
+  for (std::size_t index = 0; index < found.size(); ++index)
+  {
+    Join(this->Ranges[static_cast<std::size_t>(this->Parts[index].Block)], found[index].All);
+    Join(this->FiniteRange, found[index].Finite);
+  }
+  return Status::Ok();
+}
+
+Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
+{
+  // Of the blocks, then of the finite values.
+  std::vector<std::uint64_t> minima;
+  std::vector<std::uint64_t> maxima;
+  const auto find = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->FindOwnRanges(progress));
+    minima.reserve(this->Ranges.size() + 1);
+    maxima.reserve(this->Ranges.size() + 1);
+    for (const KeyRange& range : this->Ranges)
+    {
+      minima.push_back(range.Minimum);
+      maxima.push_back(range.Maximum);
+    }
+    minima.push_back(this->FiniteRange.Minimum);
+    maxima.push_back(this->FiniteRange.Maximum);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, find));
+  ranks.ReduceMinimum(minima);
+  ranks.ReduceMaximum(maxima);
+  for (std::size_t block = 0; block < this->Ranges.size(); ++block)
+  {
+    this->Ranges[block] = { minima[block], maxima[block] };
+  }
+  this->FiniteRange = { minima.back(), maxima.back() };
+  return Status::Ok();
+}
+
+void GridSpectrum::CountPart(const Part& part, Counted& counted) const
+{
+  const KeyRange& range = this->Ranges[static_cast<std::size_t>(part.Block)];
+  if (range.Minimum == range.Maximum)
+  {
+    counted.Measure.CountUniform(this->Type, range.Minimum, part.Box);
+    return;
+  }
+  SampleView view = this->Pieces[part.Piece];
+  view.Box = part.Box;
+  counted.Workload.Count(view);
+  counted.Measure.Count(view);
+}
+
+Status GridSpectrum::CountOwn(
+  const SpectrumBins& bins, const Progress& progress, std::vector<Counted>& counted) const
+{
+  counted.reserve(static_cast<std::size_t>(this->Threads));
+  for (int thread = 0; thread < this->Threads; ++thread)
+  {
+    counted.push_back({ BlockWorkload(bins), BlockMeasure(bins, this->Grid), WorkloadSpectrum(bins),
+      MeasureSums(bins) });
+  }
+  const bool isDone = ParallelFor(
+    this->Parts.size(), this->Threads,
+    [&](std::size_t index, int thread)
+    { this->CountPart(this->Parts[index], counted[static_cast<std::size_t>(thread)]); },
+    progress);
+  if (!isDone)
+  {
+    return MakeAborted();
+  }
+  for (Counted& ofThread : counted)
+  {
+    ofThread.Workload.MoveTo(counted.front().Spectrum);
+    ofThread.Measure.MoveTo(counted.front().Sums);
+  }
+  return Status::Ok();
+}
+
+void GridSpectrum::SetActivity(const SpectrumBins& bins, WorkloadSpectrum& spectrum) const
+{
+  BlockActivity activity(this->Type, bins);
+  for (std::size_t block = 0; block < this->Ranges.size(); ++block)
+  {
+    const VertexBox box = this->Blocks.GetVertices(static_cast<std::int64_t>(block));
+    activity.Add(this->Ranges[block],
+      static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type));
+  }
+  activity.SetActivity(spectrum);
+}
+
+Result<WorkloadSpectrum> GridSpectrum::Count(
+  Communicator& ranks, const SpectrumBins& bins, const Progress& progress) const
+{
+  std::vector<Counted> counted;
+  std::vector<std::uint64_t> sums;
+  const auto count = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->CountOwn(bins, progress, counted));
+    this->SetActivity(bins, counted.front().Spectrum);
+    sums = counted.front().Sums.GetNumbers();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, count));
+  Counted& sum = counted.front();
+  ranks.ReduceSum(sum.Spectrum.Triangles);
+  ranks.ReduceSum(sum.Spectrum.ActiveCells);
+  ranks.ReduceSum(sums);
+  sum.Sums.SetNumbers(sums);
+  sum.Sums.SetMeasures(sum.Spectrum);
+  sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
+  sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
+  return std::move(sum.Spectrum);
+}
+
+} // namespace isosurface

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VertexChanges_h
+#define isosurface_VertexChanges_h
+
+#include "Ground/Volume/BlockGrid.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Computes how the numbers of triangles and of active cells in a lattice change at each vertex,
+ * when the vertices go outside in the order of increasing values. With the case table of
+ * MarchingCubesCases.h, a cell has
+ *
+ *     V - 2 F + 4 A - 4 D    triangles,
+ *
+ * V: inside corners; F: faces with all corners inside; A: 1 if all corners are inside; D: 1 if only
+ * the two ends of one of its diagonals are outside (by Euler's formula). So only the minima of
+ * faces and cells matter, and the maxima of cells for the active ones. Each face and cell has a
+ * weight, which is passed on to the half with the minimum (maximum), down to one vertex: from cells
+ * to faces, to edges, to vertices. Where values are smooth, the weights of a vertex cancel out.
+ *
+ * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex, and a few slices. For
+ * one thread at a time; an object can be used for several lattices.
+ */
+class VertexChanges
+{
+public:
+  /// A cell whose two corners of minimum value are the ends of a diagonal: it has 4 triangles fewer
+  /// from the second value to the third.
+  struct Diagonal
+  {
+    std::int16_t Second;
+    std::int16_t Third;
+  };
+
+  /// An active cell counts so much in a change; a triangle counts 1.
+  static constexpr int ActiveCellUnit = 256;
+
+  /// Returns the memory for the values of a lattice, x fastest, for the caller to fill. `size`: at
+  /// least 2 vertices on each axis.
+  std::int16_t* Resize(const Index3& size);
+
+  /// Computes the changes.
+  void Compute();
+
+  std::size_t GetNumberOfVertices() const { return this->SliceSize * this->Slices; }
+  const std::int16_t* GetValues() const { return this->Values.data() + this->Margin; }
+  /// The changes by vertex, without those of the diagonals.
+  const std::int16_t* GetChanges() const { return this->Changes.data(); }
+  const std::vector<Diagonal>& GetDiagonals() const { return this->Diagonals; }
+
+private:
+  /// Weights passed on to a slice of vertices. Each vector begins with a margin of zeros.
+  struct SliceWeights
+  {
+    std::vector<std::int16_t> LowFace;  ///< for the minima of its faces
+    std::vector<std::int16_t> LowEdgeX; ///< for the minima of its edges along x
+    std::vector<std::int16_t> LowEdgeY;
+    std::vector<std::int16_t> HighFace; ///< for the maxima of its faces
+  };
+
+  // Sets what depends on the size of a slice alone: Cells, FacesXZ, FacesYZ and Corners.
+  void FillUnits(std::size_t rows);
+  void VisitCells(std::size_t slice);
+  void FinishSlice(std::size_t slice);
+  void AddDiagonals(const std::int16_t* low, const std::int16_t* high);
+
+  std::size_t Columns = 0;
+  std::size_t SliceSize = 0;
+  std::size_t Slices = 0;
+  std::size_t Margin = 0;           ///< a row and a vertex: the maximum offset of neighbours
+  std::vector<std::int16_t> Values; ///< between two margins
+  std::vector<std::int16_t> Changes;
+  std::vector<Diagonal> Diagonals;
+
+  // By vertex of a slice; 0 if it is not the low corner of a cell or face.
+  std::vector<std::int16_t> Cells;   ///< all bits set if it is the low corner of a cell
+  std::vector<std::int16_t> FacesXZ; ///< the weight of the face between this slice and the next
+  std::vector<std::int16_t> FacesYZ;
+  std::vector<std::int16_t> Corners; ///< the number of cells around it in a slice of cells
+
+  SliceWeights Lower;
+  SliceWeights Upper;
+  std::vector<std::int16_t> LowEdge;  ///< weights for the minima of edges along x
+  std::vector<std::int16_t> HighEdge; ///< weights for their maxima
+  std::vector<std::int16_t> Found;    ///< the diagonal of each cell of a slice, or 0
+};
+
+} // namespace isosurface
+
+#endif

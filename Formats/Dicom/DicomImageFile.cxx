@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Dicom/DicomImageFile.h"
+
+#include "Formats/Dicom/DicomCompression.h"
+
+#include <gdcmTransferSyntax.h>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::uint32_t UndefinedLength = 0xffffffff;
+// Tags, in the order of little-endian bytes.
+constexpr std::uint32_t ItemBegin = 0xe000fffe;
+constexpr std::uint32_t SequenceEnd = 0xe0ddfffe;
+
+gdcm::TransferSyntax::TSType FindType(const std::string& syntax)
+{
+  return gdcm::TransferSyntax::GetTSType(syntax.c_str());
+}
+
+bool IsEncapsulated(const std::string& syntax)
+{
+  return gdcm::TransferSyntax(FindType(syntax)).IsEncapsulated();
+}
+
+} // namespace
+
+void DicomImageFile::Put16(std::uint32_t number)
+{
+  const auto low = static_cast<std::uint8_t>(number);
+  const auto high = static_cast<std::uint8_t>(number >> 8);
+  this->Bytes.push_back(this->IsBigEndian ? high : low);
+  this->Bytes.push_back(this->IsBigEndian ? low : high);
+}
+
+void DicomImageFile::Put32(std::uint32_t number)
+{
+  this->Put16(this->IsBigEndian ? number >> 16 : number & 0xffff);
+  this->Put16(this->IsBigEndian ? number & 0xffff : number >> 16);
+}
+
+void DicomImageFile::PutHead(DicomTag tag, const char* kind, std::uint32_t length)
+{
+  this->Put16(tag >> 16);
+  this->Put16(tag & 0xffff);
+  const bool isLong = kind[0] == 'O';
+  if (!this->IsImplicit)
+  {
+    this->Bytes.insert(this->Bytes.end(), kind, kind + 2);
+    if (!isLong)
+    {
+      this->Put16(length);
+      return;
+    }
+    this->Put16(0);
+  }
+  this->Put32(length);
+}
+
+void DicomImageFile::PutText(DicomTag tag, const char* kind, std::string text)
+{
+  text.resize((text.size() + 1) / 2 * 2, kind[0] == 'U' ? '\0' : ' ');
+  this->PutHead(tag, kind, static_cast<std::uint32_t>(text.size()));
+  this->Bytes.insert(this->Bytes.end(), text.begin(), text.end());
+}
+
+void DicomImageFile::PutNumber(DicomTag tag, std::int64_t number)
+{
+  this->PutHead(tag, "US", 2);
+  this->Put16(static_cast<std::uint32_t>(number));
+}
+
+void DicomImageFile::PutHeader(const std::string& syntax)
+{
+  const char* const storage = "1.2.840.10008.5.1.4.1.1.7"; // of a secondary capture
+  const std::string magic = "DICM";
+  this->Bytes.assign(128, 0);
+  this->Bytes.insert(this->Bytes.end(), magic.begin(), magic.end());
+  this->PutText(0x00020002, "UI", storage);
+  this->PutText(0x00020003, "UI", "1.2.3");
+  this->PutText(0x00020010, "UI", syntax);
+  const gdcm::TransferSyntax encoding(FindType(syntax));
+  this->IsImplicit = encoding.IsImplicit();
+  this->IsBigEndian = encoding.GetSwapCode() == gdcm::SwapCode::BigEndian;
+  const auto bits = static_cast<std::int64_t>(8 * GetValueSize(this->Slice.Type));
+  const bool isSigned = this->Slice.Type == ValueType::Int8 ||
+    this->Slice.Type == ValueType::Int16 || this->Slice.Type == ValueType::Int32;
+  // GDCM clears unused bits of samples of 16 bits, and cannot do so with others.
+  const std::int64_t stored = bits == 16 ? this->Slice.BitsStored : bits;
+  this->PutText(0x00080016, "UI", storage);
+  this->PutNumber(0x00280002, 1);
+  this->PutText(0x00280004, "CS", this->Slice.Photometric);
+  this->PutNumber(0x00280010, this->Slice.Rows);
+  this->PutNumber(0x00280011, this->Slice.Columns);
+  this->PutNumber(0x00280100, bits);
+  this->PutNumber(0x00280101, stored);
+  this->PutNumber(0x00280102, stored - 1);
+  this->PutNumber(0x00280103, isSigned ? 1 : 0);
+}
+
+/// The transfer syntax that the pixels are in. Little-endian ones are the same in all that do not
+/// compress, and some files have such pixels although they say otherwise.
+std::string DicomImageFile::FindSyntax(const DicomDataSet& tags) const
+{
+  const auto type = FindType(this->Slice.Syntax);
+  const bool isPlain = type == gdcm::TransferSyntax::ImplicitVRLittleEndian ||
+    type == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian ||
+    (IsEncapsulated(this->Slice.Syntax) && !tags.HasFragments());
+  return isPlain ? gdcm::TransferSyntax::GetTSString(gdcm::TransferSyntax::ExplicitVRLittleEndian)
+                 : this->Slice.Syntax;
+}
+
+std::uint64_t DicomImageFile::GetSize() const
+{
+  return static_cast<std::uint64_t>(this->Slice.Rows) *
+    static_cast<std::uint64_t>(this->Slice.Columns) * GetValueSize(this->Slice.Type);
+}
+
+Status DicomImageFile::CheckPixels(const DicomDataSet& tags) const
+{
+  const bool hasFragments = IsEncapsulated(this->FindSyntax(tags));
+  const bool isOther = IsEncapsulated(this->Slice.Syntax) && !hasFragments;
+  if (hasFragments == tags.HasFragments() &&
+    !(isOther && tags.GetPixelSize() > this->GetSize() + 1))
+  {
+    return Status::Ok();
+  }
+  return this->MakeError(
+    "its pixels are not what its transfer syntax " + this->Slice.Syntax + " says");
+}
+
+/// Sets the length that stands before `begin`: of all bytes from there on.
+Status DicomImageFile::PutLength(std::size_t begin)
+{
+  if (this->Bytes.size() - begin >= UndefinedLength - 1)
+  {
+    return Status(
+      StatusCode::Unsupported, this->Slice.Path + ": cannot be read: its image has 4 GiB or more");
+  }
+  this->Bytes.resize(this->Bytes.size() + (this->Bytes.size() - begin) % 2);
+  const std::uint64_t length = this->Bytes.size() - begin;
+  for (std::size_t byte = 0; byte < 4; ++byte)
+  {
+    const std::size_t shift = 8 * (this->IsBigEndian ? 3 - byte : byte);
+    this->Bytes[begin - 4 + byte] = static_cast<std::uint8_t>(length >> shift);
+  }
+  return Status::Ok();
+}
+
+Status DicomImageFile::MakeError(const std::string& reason) const
+{
+  return Status(
+    StatusCode::Corrupt, this->Slice.Path + ": cannot be read: its image is damaged: " + reason);
+}
+
+Status DicomImageFile::TakePixels(DicomDataSet& tags)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckPixels(tags));
+  if (!tags.HasFragments() || FindType(this->Slice.Syntax) == gdcm::TransferSyntax::RLELossless)
+  {
+    return this->TakeSamples(tags);
+  }
+  this->PutHeader(this->Slice.Syntax);
+  this->PutHead(0x7fe00010, "OB", UndefinedLength);
+  this->Put32(ItemBegin); // an empty table, then one fragment
+  this->Put32(0);
+  this->Put32(ItemBegin);
+  this->Put32(0);
+  const std::size_t begin = this->Bytes.size();
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
+  const auto size = FindCompressedSize(this->Bytes.data() + begin, this->Bytes.size() - begin);
+  if (!size)
+  {
+    return this->MakeError("it does not begin as JPEG, JPEG-LS or JPEG 2000");
+  }
+  if (*size !=
+    CompressedSize{ static_cast<std::uint64_t>(this->Slice.Columns),
+      static_cast<std::uint64_t>(this->Slice.Rows), 1 })
+  {
+    return this->MakeError("it is of another size than its header says");
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->PutLength(begin));
+  this->Put32(SequenceEnd);
+  this->Put32(0);
+  return Status::Ok();
+}
+
+/// Samples that are not compressed, or by run lengths, which are decoded here.
+Status DicomImageFile::TakeSamples(DicomDataSet& tags)
+{
+  const bool hasRuns = tags.HasFragments();
+  this->PutHeader(hasRuns
+      ? gdcm::TransferSyntax::GetTSString(gdcm::TransferSyntax::ExplicitVRLittleEndian)
+      : this->FindSyntax(tags));
+  this->PutHead(0x7fe00010, hasRuns ? "OW" : tags.GetPixelKind().c_str(), UndefinedLength);
+  const std::size_t begin = this->Bytes.size();
+  if (hasRuns)
+  {
+    std::vector<std::uint8_t> code;
+    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), code));
+    const std::size_t valueSize = GetValueSize(this->Slice.Type);
+    if (!DecodeRunLengths(code, this->GetSize() / valueSize, valueSize, this->Bytes))
+    {
+      return this->MakeError("its run lengths are damaged or truncated");
+    }
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
+  }
+  return this->PutLength(begin);
+}
+
+} // namespace isosurface

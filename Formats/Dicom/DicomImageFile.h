@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_DicomImageFile_h
+#define isosurface_DicomImageFile_h
+
+#include "Formats/Dicom/DicomDataSet.h"
+#include "Formats/Dicom/DicomSlice.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * A DICOM file in memory with the image of a slice, and with nothing else: GDCM, which ends the process
+ * for many files that are damaged, gets none that we have not written. What is left to it is to decode
+ * the image.
+ */
+class DicomImageFile
+{
+public:
+  explicit DicomImageFile(const DicomSlice& slice)
+    : Slice(slice)
+  {
+  }
+
+  /// Takes the image from the file of the slice, whose header was read. Errors: Corrupt if its pixels
+  /// are fewer, or not what its transfer syntax says; Unsupported from 4 GiB on.
+  Status TakePixels(DicomDataSet& tags);
+  /// The file, which begins with its preamble.
+  std::vector<std::uint8_t>& GetBytes() { return this->Bytes; }
+
+private:
+  Status CheckPixels(const DicomDataSet& tags) const;
+  Status TakeSamples(DicomDataSet& tags);
+  Status MakeError(const std::string& reason) const;
+  std::string FindSyntax(const DicomDataSet& tags) const;
+  std::uint64_t GetSize() const;
+  void PutHead(DicomTag tag, const char* kind, std::uint32_t length);
+  void PutText(DicomTag tag, const char* kind, std::string text);
+  void PutNumber(DicomTag tag, std::int64_t number);
+  void PutHeader(const std::string& syntax);
+  Status PutLength(std::size_t begin);
+  void Put16(std::uint32_t number);
+  void Put32(std::uint32_t number);
+
+  const DicomSlice& Slice;
+  bool IsBigEndian = false;
+  bool IsImplicit = false;
+  std::vector<std::uint8_t> Bytes;
+};
+
+} // namespace isosurface
+
+#endif

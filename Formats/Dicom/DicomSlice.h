@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_DicomSlice_h
+#define isosurface_DicomSlice_h
+
+#include "Formats/Source/ConvertedSource.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ValueType.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What the header of a DICOM file says about its image.
+struct DicomSlice
+{
+  using Vector = std::array<double, 3>;
+
+  std::string Path;
+  std::string Series; ///< instance UID
+  std::string Description;
+  std::string Photometric; ///< "MONOCHROME2"
+  std::string Syntax;      ///< UID of the transfer syntax
+  std::int64_t Rows = 0;
+  std::int64_t Columns = 0;
+  std::int64_t Frames = 1;
+  int Channels = 1;
+  ValueType Type = ValueType::UInt8; ///< as stored
+  int BitsStored = 8;
+  SampleScale Scale;
+  bool HasPlace = false;  ///< whether the next three are in the header
+  Vector Position{};      ///< of the first pixel, in millimetres: left, back, up
+  Vector AlongRow{};      ///< unit vector from column to column
+  Vector AlongColumn{};   ///< unit vector from row to row
+  double RowDistance = 1; ///< between rows
+  double ColumnDistance = 1;
+
+  /// Reads the header. NotFound if the file is no DICOM image; otherwise as the errors of files.
+  static Result<DicomSlice> Read(const std::string& path);
+
+  /// Decodes the image, with any transfer syntax that GDCM supports. `to`: Rows * Columns samples of
+  /// Type. Errors: Corrupt, which names the file.
+  Status Decode(std::vector<std::uint8_t>& to) const;
+};
+
+} // namespace isosurface
+
+#endif

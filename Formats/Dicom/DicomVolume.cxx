@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Dicom/DicomVolume.h"
+
+#include "Formats/Dicom/DicomSlice.h"
+#include "Formats/Source/PageBuffer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+using Slices = std::vector<DicomSlice>;
+using Vector = DicomSlice::Vector;
+
+double Dot(const Vector& a, const Vector& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector Cross(const Vector& a, const Vector& b)
+{
+  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+}
+
+Vector Subtract(const Vector& a, const Vector& b)
+{
+  return { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
+}
+
+Status MakeError(StatusCode code, const DicomSlice& slice, const std::string& reason)
+{
+  return Status(code, slice.Path + ": cannot be read: " + reason);
+}
+
+/// Boxes of the slices' images, decoded one after another.
+class DicomSource : public SlabSource
+{
+public:
+  DicomSource(Slices slices, ValueType type)
+    : Series(std::move(slices))
+    , Type(type)
+    , Box{ { 0, 0, 0 },
+      { this->Series[0].Columns, this->Series[0].Rows,
+        static_cast<std::int64_t>(this->Series.size()) } }
+    , Pool(std::make_shared<PageBufferPool>())
+  {
+  }
+
+  const VertexBox& GetBox() const override { return this->Box; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override
+  {
+    return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
+  }
+  /// The encoded image and a copy that GDCM makes, the decoded one and another copy.
+  std::uint64_t GetHeldBytes() const override
+  {
+    return 5 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
+      GetValueSize(this->Series[0].Type) +
+      this->Series.size() * 1024;
+  }
+
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    auto samples = this->Pool->Take(this->GetReadBytes(box));
+    if (!samples.IsOk())
+    {
+      return samples.GetStatus();
+    }
+    const Index3 size = box.GetSize();
+    const std::int64_t width = this->Box.High[0];
+    std::uint8_t* to = (*samples)->GetData();
+    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+    {
+      const DicomSlice& slice = this->Series[static_cast<std::size_t>(k)];
+      ISOSURFACE_RETURN_IF_ERROR(slice.Decode(this->Image));
+      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      {
+        const auto first =
+          static_cast<std::size_t>(j * width + box.Low[0]) * GetValueSize(slice.Type);
+        ScaleSamples(slice.Type, this->Image.data() + first, static_cast<std::size_t>(size[0]),
+          slice.Scale, this->Type, to);
+        to += static_cast<std::size_t>(size[0]) * GetValueSize(this->Type);
+      }
+    }
+    return MakeSlab(this->Type, box, std::move(*samples));
+  }
+
+private:
+  Slices Series;
+  ValueType Type;
+  VertexBox Box;
+  std::vector<std::uint8_t> Image;
+  std::shared_ptr<PageBufferPool> Pool;
+};
+
+/// Whether there is a folder; not if the system does not tell.
+bool IsFolder(const std::string& path)
+{
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+std::string FindFolder(const std::string& path)
+{
+  if (IsFolder(path))
+  {
+    return path;
+  }
+  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
+  return parent.empty() ? "." : parent.string();
+}
+
+/// All series in a folder, by their UID.
+Result<std::map<std::string, Slices>> FindSeries(const std::string& folder)
+{
+  const auto names = GetLocalFileSystem().List(folder);
+  if (!names.IsOk())
+  {
+    return names.GetStatus();
+  }
+  std::map<std::string, Slices> series;
+  for (const std::string& name : *names)
+  {
+    const std::string path = (std::filesystem::path(folder) / name).string();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error))
+    {
+      continue;
+    }
+    auto slice = DicomSlice::Read(path);
+    if (slice.IsOk())
+    {
+      series[slice->Series].push_back(std::move(*slice));
+    }
+    else if (slice.GetStatus().GetCode() != StatusCode::NotFound)
+    {
+      return slice.GetStatus();
+    }
+  }
+  return series;
+}
+
+Result<Slices> ChooseSeries(const VolumeName& name)
+{
+  auto all = FindSeries(FindFolder(name.Path));
+  if (!all.IsOk())
+  {
+    return all.GetStatus();
+  }
+  std::string wanted = name.Within;
+  if (!IsFolder(name.Path))
+  {
+    const auto slice = DicomSlice::Read(name.Path);
+    if (!slice.IsOk())
+    {
+      return slice.GetStatus();
+    }
+    wanted = slice->Series;
+  }
+  std::vector<Slices*> fitting;
+  std::string known;
+  for (auto& [uid, slices] : *all)
+  {
+    const bool isEnd = uid.size() >= wanted.size() &&
+      uid.compare(uid.size() - wanted.size(), wanted.size(), wanted) == 0;
+    if (isEnd)
+    {
+      fitting.push_back(&slices);
+    }
+    if (uid == wanted)
+    {
+      return std::move(slices);
+    }
+    known += (known.empty() ? "" : ", ") + uid + " (" + std::to_string(slices.size()) +
+      " slices, \"" + slices[0].Description + "\")";
+  }
+  if (fitting.size() != 1)
+  {
+    return Status(StatusCode::NotFound,
+      name.GetText() + ": cannot be read: " +
+        (known.empty() ? "there are no images of DICOM"
+                       : "name one of its series, as in " + name.Path + ":UID: " + known));
+  }
+  return std::move(*fitting[0]);
+}
+
+/// Checks that the slices are images of one kind, and sorts them.
+Status SortSlices(Slices& slices)
+{
+  const DicomSlice& first = slices[0];
+  for (const DicomSlice& slice : slices)
+  {
+    if (slice.Channels != 1 || slice.Photometric.compare(0, 10, "MONOCHROME") != 0)
+    {
+      return MakeError(StatusCode::Unsupported, slice,
+        "its pixels are colours (" + slice.Photometric + "), not samples");
+    }
+    if (slice.Frames != 1)
+    {
+      return MakeError(StatusCode::Unsupported, slice,
+        "it has " + std::to_string(slice.Frames) + " frames; series with a slice a file are read");
+    }
+    if (slice.Rows != first.Rows || slice.Columns != first.Columns || slice.Type != first.Type)
+    {
+      return MakeError(
+        StatusCode::Unsupported, slice, "its size or type differs from that of " + first.Path);
+    }
+    const auto differs = [](const Vector& a, const Vector& b)
+    { return !(std::abs(Dot(a, b) - 1) < 1e-3); };
+    if (!slice.HasPlace || differs(slice.AlongRow, first.AlongRow) ||
+      differs(slice.AlongColumn, first.AlongColumn))
+    {
+      return MakeError(StatusCode::Unsupported, slice,
+        slice.HasPlace ? "its orientation differs from that of " + first.Path
+                       : std::string("it has no position or orientation"));
+    }
+  }
+  const Vector normal = Cross(first.AlongRow, first.AlongColumn);
+  std::stable_sort(slices.begin(), slices.end(),
+    [&normal](const DicomSlice& a, const DicomSlice& b)
+    { return Dot(a.Position, normal) < Dot(b.Position, normal); });
+  return Status::Ok();
+}
+
+/// Sets the grid from slices in their order. Says how far a gantry is tilted.
+Status TakeGrid(const Slices& slices, VolumeFile& volume)
+{
+  const DicomSlice& first = slices.front();
+  const auto count = static_cast<std::int64_t>(slices.size());
+  const Vector normal = Cross(first.AlongRow, first.AlongColumn);
+  Vector step = normal;
+  double distance = 1;
+  if (count > 1)
+  {
+    step = Subtract(slices.back().Position, first.Position);
+    distance = std::sqrt(Dot(step, step)) / static_cast<double>(count - 1);
+    for (double& number : step)
+    {
+      number /= distance * static_cast<double>(count - 1);
+    }
+  }
+  for (std::size_t slice = 1; slice < slices.size(); ++slice)
+  {
+    const Vector moved = Subtract(slices[slice].Position, slices[slice - 1].Position);
+    if (!(Dot(moved, normal) > 1e-6))
+    {
+      return MakeError(StatusCode::Unsupported, slices[slice],
+        "it lies where " + slices[slice - 1].Path + " does; are there several times or echoes?");
+    }
+    Vector fault = moved;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      fault[axis] -= step[axis] * distance;
+    }
+    if (!(std::sqrt(Dot(fault, fault)) <= 0.01 * distance + 1e-3))
+    {
+      return MakeError(StatusCode::Unsupported, slices[slice],
+        "its distance to " + slices[slice - 1].Path + " is " + std::to_string(Dot(moved, normal)) +
+          ", that of the others " + std::to_string(distance) +
+          " on average: a slice is missing, or their distances differ");
+    }
+  }
+  GridGeometry& grid = volume.Grid;
+  grid.Extent = { 0, first.Columns - 1, 0, first.Rows - 1, 0, count - 1 };
+  grid.Origin = first.Position;
+  grid.Spacing = { first.ColumnDistance, first.RowDistance, distance };
+  const bool isTilted = Dot(step, normal) < 1 - 1e-5;
+  const Vector third = isTilted ? step : normal;
+  for (std::size_t row = 0; row < 3; ++row)
+  {
+    grid.Direction[3 * row] = first.AlongRow[row];
+    grid.Direction[3 * row + 1] = first.AlongColumn[row];
+    grid.Direction[3 * row + 2] = third[row];
+  }
+  if (isTilted)
+  {
+    std::array<char, 120> text{};
+    std::snprintf(text.data(), text.size(),
+      "the gantry is tilted by %.1f degrees: the directions of the grid are not at right angles",
+      std::acos(std::min(1.0, Dot(step, normal))) * 180 / 3.14159265358979323846);
+    volume.LeftOut = text.data();
+  }
+  return Status::Ok();
+}
+
+/// The smallest type that has all scaled values.
+ValueType FindType(const Slices& slices)
+{
+  double low = 0;
+  double high = 0;
+  bool isScaled = false;
+  for (const DicomSlice& slice : slices)
+  {
+    const auto [slope, intercept] = slice.Scale;
+    isScaled = isScaled || !slice.Scale.IsIdentity();
+    if (slope != std::floor(slope) || intercept != std::floor(intercept))
+    {
+      return ValueType::Float32;
+    }
+    const bool isSigned = slice.Type == ValueType::Int8 || slice.Type == ValueType::Int16 ||
+      slice.Type == ValueType::Int32;
+    const double range = std::ldexp(1.0, slice.BitsStored);
+    const double minimum = isSigned ? -range / 2 : 0;
+    const double ends[] = { slope * minimum + intercept,
+      slope * (minimum + range - 1) + intercept };
+    low = std::min({ low, ends[0], ends[1] });
+    high = std::max({ high, ends[0], ends[1] });
+  }
+  if (!isScaled)
+  {
+    return slices[0].Type;
+  }
+  return low >= -128 && high <= 127              ? ValueType::Int8
+    : low >= 0 && high <= 255                    ? ValueType::UInt8
+    : low >= -32768 && high <= 32767             ? ValueType::Int16
+    : low >= 0 && high <= 65535                  ? ValueType::UInt16
+    : low >= -2147483648.0 && high <= 2147483647 ? ValueType::Int32
+                                                 : ValueType::Float64;
+}
+
+} // namespace
+
+Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& choice)
+{
+  if (choice.Step > 0 || !choice.Axes.empty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      name.GetText() + ": a series of DICOM has one time step, and axes of its own");
+  }
+  auto slices = ChooseSeries(name);
+  if (!slices.IsOk())
+  {
+    return slices.GetStatus();
+  }
+  ISOSURFACE_RETURN_IF_ERROR(SortSlices(*slices));
+  VolumeFile volume;
+  ISOSURFACE_RETURN_IF_ERROR(TakeGrid(*slices, volume));
+  const ValueType type = FindType(*slices);
+  volume.Arrays = { { "DICOM", type, 1 } };
+  volume.Source = std::make_unique<DicomSource>(std::move(*slices), type);
+  return volume;
+}
+
+Result<std::vector<VolumeListing>> ListDicom(const VolumeName& name)
+{
+  const auto all = FindSeries(FindFolder(name.Path));
+  if (!all.IsOk())
+  {
+    return all.GetStatus();
+  }
+  std::vector<VolumeListing> list;
+  for (const auto& [uid, slices] : *all)
+  {
+    list.push_back({ uid,
+      std::to_string(slices.size()) + " x " + std::to_string(slices[0].Rows) + " x " +
+        std::to_string(slices[0].Columns),
+      GetValueTypeName(slices[0].Type),
+      "\"" + slices[0].Description + "\", transfer syntax " + slices[0].Syntax });
+  }
+  return list;
+}
+
+} // namespace isosurface

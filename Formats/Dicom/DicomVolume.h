@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_DicomVolume_h
+#define isosurface_DicomVolume_h
+
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeName.h"
+
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * A series of DICOM images with a slice a file:
+ *
+ *     file           the series of this file, in its folder
+ *     folder         the only series in the folder
+ *     folder:UID     the series of this instance UID, or of the only one that ends so
+ *
+ * The slices are sorted by their place along the normal of their planes, and must have equal distances (to
+ * a hundredth). The grid is that of the patient: millimetres, x to the left, y to the back, z up. A tilted
+ * gantry gives directions that are not at right angles, and is named in LeftOut. Slope and intercept
+ * are applied; the type is the smallest integer that has all values if both are whole numbers,
+ * otherwise float32.
+ *
+ * Source: DICOM PS3.3, C.7.6.2 (Image Plane) and C.11.1 (Modality LUT).
+ */
+Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& choice);
+
+/// All series in the folder, or in that of the file.
+Result<std::vector<VolumeListing>> ListDicom(const VolumeName& name);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Hdf5/Hdf5ChunkCoding.h"
+#include "Formats/Hdf5/Hdf5File.h"
+#include "Formats/Hdf5/Hdf5LinkedFiles.h"
+#include "Formats/Source/ChunkCache.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+hid_t GetNativeType(ValueType type)
+{
+  switch (type)
+  {
+    case ValueType::Int8:
+      return H5T_NATIVE_INT8;
+    case ValueType::UInt8:
+      return H5T_NATIVE_UINT8;
+    case ValueType::Int16:
+      return H5T_NATIVE_INT16;
+    case ValueType::UInt16:
+      return H5T_NATIVE_UINT16;
+    case ValueType::Int32:
+      return H5T_NATIVE_INT32;
+    case ValueType::UInt32:
+      return H5T_NATIVE_UINT32;
+    case ValueType::Int64:
+      return H5T_NATIVE_INT64;
+    case ValueType::UInt64:
+      return H5T_NATIVE_UINT64;
+    case ValueType::Float32:
+      return H5T_NATIVE_FLOAT;
+    case ValueType::Float64:
+    default:
+      return H5T_NATIVE_DOUBLE;
+  }
+}
+
+} // namespace
+
+/// A dataset that is read by hyperslabs. Whole chunks of common codings are decoded beside the
+/// library's lock, so that several open ones of several threads decode at the same time.
+class Hdf5File::Array : public StoredArray
+{
+public:
+  Array(const Hdf5File& file, std::string path, Hdf5Handle dataset, ValueType type)
+    : File(file)
+    , Name(file.Path + ":" + path)
+    , ObjectPath(std::move(path))
+    , Dataset(std::move(dataset))
+    , Shape(FindHdf5Shape(this->Dataset))
+    , Type(type)
+  {
+  }
+
+  const std::string& GetName() const override { return this->Name; }
+  const Numbers& GetShape() const override { return this->Shape; }
+  ValueType GetType() const override { return this->Type; }
+  Numbers GetChunk() const override { return this->Chunk; }
+  std::uint64_t GetCacheBytes() const override { return this->CacheBytes; }
+  std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
+
+  /// Opens the dataset again, with a cache for a slab of chunks.
+  Status SetCache(std::uint64_t cacheBytes)
+  {
+    const Hdf5Handle plist(::H5Dget_create_plist(this->Dataset.Get()), ::H5Pclose);
+    this->Chunk = FindHdf5Chunk(plist, this->Shape.size());
+    if (this->Chunk.empty())
+    {
+      return Status::Ok();
+    }
+    const ChunkCacheSize cache =
+      FindChunkCacheSize(this->Shape, this->Chunk, GetValueSize(this->Type), cacheBytes);
+    const Hdf5Handle access(::H5Pcopy(this->File.Links->GetAccess()), ::H5Pclose);
+    // With a weight of 1, the library evicts no chunk of which a part was read, whatever their bytes.
+    ::H5Pset_chunk_cache(access.Get(), cache.Slots, cache.Bytes, 0.75);
+    // An open dataset would keep the cache that it has.
+    this->Dataset = Hdf5Handle();
+    Hdf5Handle dataset(
+      ::H5Dopen2(this->File.File->Get(), this->ObjectPath.c_str(), access.Get()), ::H5Dclose);
+    if (!dataset.IsOpen())
+    {
+      return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
+    }
+    this->Dataset = std::move(dataset);
+    if (cacheBytes == 0) // somebody else keeps chunks, and reads whole ones
+    {
+      this->Coding =
+        Hdf5ChunkCoding::Find(this->Dataset, plist, GetNativeType(this->Type), this->Chunk);
+      this->HeldBytes += this->Coding ? 3 * this->Coding->GetChunkBytes() : 0;
+    }
+    this->CacheBytes = cache.Bytes;
+    this->HeldBytes += cache.HeldBytes;
+    return Status::Ok();
+  }
+
+  Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override
+  {
+    if (this->Coding && this->Coding->IsChunk(low, size, this->Shape) && this->LoadChunk(low) &&
+      this->Coding->Decode(this->Stored, size, to))
+    {
+      return Status::Ok();
+    }
+    const Hdf5Scope scope;
+    const std::vector<hsize_t> first(low.begin(), low.end());
+    const std::vector<hsize_t> count(size.begin(), size.end());
+    const Hdf5Handle inFile(::H5Dget_space(this->Dataset.Get()), ::H5Sclose);
+    const Hdf5Handle inMemory(
+      ::H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), ::H5Sclose);
+    if (!inFile.IsOpen() || !inMemory.IsOpen() ||
+      ::H5Sselect_hyperslab(
+        inFile.Get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr) < 0 ||
+      ::H5Dread(this->Dataset.Get(), GetNativeType(this->Type), inMemory.Get(), inFile.Get(),
+        H5P_DEFAULT, to) < 0)
+    {
+      return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
+    }
+    return Status::Ok();
+  }
+
+private:
+  /// Reads a chunk as it is stored. False if there is none, or if the library has to decode it, or
+  /// to say what is wrong with it.
+  bool LoadChunk(const Numbers& low)
+  {
+    const Hdf5Scope scope;
+    const std::vector<hsize_t> offset(low.begin(), low.end());
+    hsize_t bytes = 0;
+    const std::size_t decoded = this->Coding->GetChunkBytes();
+    if (::H5Dget_chunk_storage_size(this->Dataset.Get(), offset.data(), &bytes) < 0 || bytes == 0 ||
+      bytes > decoded + decoded / 8 + 65536)
+    {
+      return false;
+    }
+    this->Stored.resize(static_cast<std::size_t>(bytes));
+    std::uint32_t skippedFilters = 0;
+    return ::H5Dread_chunk(this->Dataset.Get(), H5P_DEFAULT, offset.data(), &skippedFilters,
+             this->Stored.data()) >= 0 &&
+      skippedFilters == 0;
+  }
+
+  Hdf5File File;
+  std::string Name;
+  std::string ObjectPath;
+  Hdf5Handle Dataset;
+  Numbers Shape;
+  ValueType Type;
+  Numbers Chunk;
+  std::optional<Hdf5ChunkCoding> Coding;
+  std::vector<std::uint8_t> Stored; ///< a chunk, encoded
+  std::uint64_t CacheBytes = 0;
+  std::uint64_t HeldBytes = std::uint64_t{ 2 } << 20; // buffers of the conversion
+};
+
+/// A dataset, once everything was checked that its samples need.
+Result<Hdf5Handle> Hdf5File::OpenDataset(const std::string& path) const
+{
+  Hdf5Handle dataset = this->Links->OpenDataset(this->File->Get(), path);
+  if (dataset.IsOpen())
+  {
+    const Status status = this->Links->Check(dataset);
+    return status.IsOk() ? Result<Hdf5Handle>(std::move(dataset))
+                         : this->MakeError(status.GetCode(), path, status.GetMessage());
+  }
+  const std::string refusal = Hdf5LinkedFiles::GetRefusal();
+  const std::string reason = FindHdf5Reason();
+  if (!refusal.empty())
+  {
+    return this->MakeError(StatusCode::Unsupported, path, refusal);
+  }
+  return this->Has(path) ? this->MakeError(StatusCode::Unsupported, path,
+                             this->IsDataset(path) ? reason : "it is a group, not a dataset")
+                         : this->MakeError(StatusCode::NotFound, path, "there is no such dataset");
+}
+
+Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(
+  const std::string& path, std::uint64_t cacheBytes) const
+{
+  const Hdf5Scope scope;
+  auto dataset = this->OpenDataset(path);
+  ISOSURFACE_RETURN_IF_ERROR(dataset.GetStatus());
+  const Hdf5Handle type(::H5Dget_type(dataset->Get()), ::H5Tclose);
+  const auto found = FindHdf5ValueType(type.Get());
+  if (!found)
+  {
+    return this->MakeError(StatusCode::Unsupported, path,
+      "its type, " + DescribeHdf5Type(type.Get()) +
+        ", is neither an integer of 8, 16, 32 or 64 bits nor a float of 16, 32 or 64");
+  }
+  auto array = std::make_shared<Array>(*this, path, std::move(*dataset), *found);
+  ISOSURFACE_RETURN_IF_ERROR(array->SetCache(cacheBytes));
+  return std::shared_ptr<StoredArray>(std::move(array));
+}
+
+} // namespace isosurface

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Hdf5/Hdf5Volume.h"
+
+#include "Formats/Hdf5/Hdf5File.h"
+#include "Formats/Source/ArraySource.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+std::string GetLastPart(const std::string& path)
+{
+  const std::string name = path.substr(path.rfind('/') + 1);
+  return name.empty() ? "data" : name;
+}
+
+Status AddObject(const VolumeName& name, const std::string& object, const Status& status)
+{
+  return Status(
+    status.GetCode(), name.Path + ":" + object + ": cannot be read: " + status.GetMessage());
+}
+
+/// The dataset to read when the name gives none.
+Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file)
+{
+  const auto datasets = file.FindDatasets();
+  if (!datasets.IsOk())
+  {
+    return datasets.GetStatus();
+  }
+  std::string known;
+  std::string refused;
+  for (const Hdf5Dataset& dataset : *datasets)
+  {
+    refused = refused.empty() ? dataset.Refusal : refused;
+  }
+  for (std::size_t rank = 3; rank <= 5; ++rank)
+  {
+    std::vector<std::string> fitting;
+    for (const Hdf5Dataset& dataset : *datasets)
+    {
+      if (dataset.IsNumeric && dataset.Shape.size() == rank)
+      {
+        fitting.push_back(dataset.Path);
+        known += (known.empty() ? "" : ", ") + dataset.Path + " (" + JoinNumbers(dataset.Shape) +
+          " " + dataset.Type + ")";
+      }
+    }
+    if (fitting.size() == 1)
+    {
+      return fitting.front();
+    }
+    if (!fitting.empty())
+    {
+      break;
+    }
+  }
+  if (known.empty() && !refused.empty())
+  {
+    return Status(StatusCode::Unsupported, refused);
+  }
+  return Status(StatusCode::NotFound,
+    name.Path + ": cannot be read: " +
+      (known.empty() ? "it has no dataset of numbers with 3 to 5 axes"
+                     : "name one of its datasets, as in " + name.Path + ":/path: " + known));
+}
+
+Result<VolumeFile> OpenDataset(
+  const VolumeName& name, const Hdf5File& file, const std::string& path, const VolumeChoice& choice)
+{
+  auto array = file.OpenArray(path, choice.CacheBytes);
+  if (!array.IsOk())
+  {
+    return array.GetStatus();
+  }
+  const auto axes = ArrayAxes::Parse(choice.Axes, (*array)->GetShape().size());
+  if (!axes.IsOk())
+  {
+    return AddObject(name, path, axes.GetStatus());
+  }
+  auto parts = MakeParts(GetLastPart(path), std::move(*array), *axes, choice.Step);
+  if (!parts.IsOk())
+  {
+    return parts.GetStatus();
+  }
+  VolumeFile volume;
+  volume.Grid.Extent = {};
+  for (const std::string& attribute : file.FindAttributes(path))
+  {
+    volume.LeftOut +=
+      (volume.LeftOut.empty() ? "attributes that are not used: " : ", ") + attribute;
+  }
+  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
+  return volume;
+}
+
+/// Reads image data of VTKHDF.
+class VtkHdfReader
+{
+public:
+  VtkHdfReader(const VolumeName& name, const Hdf5File& file, std::string group)
+    : Name(name)
+    , File(file)
+    , Group(std::move(group))
+  {
+  }
+
+  Result<VolumeFile> Open(const VolumeChoice& choice)
+  {
+    const auto type = this->File.ReadText(this->Group, "Type");
+    if (type != "ImageData")
+    {
+      return this->MakeError(StatusCode::Unsupported,
+        "it is VTKHDF of type " + type.value_or("unknown") + ", of which ImageData alone is read");
+    }
+    if (!choice.Axes.empty())
+    {
+      return this->MakeError(StatusCode::InvalidArgument, "the axes of VTKHDF are given");
+    }
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeGrid());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeTimes());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeArrays(choice));
+    if (!this->File.FindNames(this->Group + "/CellData").empty())
+    {
+      this->Volume.LeftOut = "cell arrays of VTKHDF are not read";
+    }
+    return std::move(this->Volume);
+  }
+
+private:
+  Status MakeError(StatusCode code, const std::string& reason) const
+  {
+    return AddObject(this->Name, this->Group, Status(code, reason));
+  }
+
+  Status TakeGrid()
+  {
+    GridGeometry& grid = this->Volume.Grid;
+    const auto extent = this->File.ReadNumbers(this->Group, "WholeExtent", 6);
+    if (!extent)
+    {
+      return this->MakeError(StatusCode::Corrupt, "there is no WholeExtent of 6 numbers");
+    }
+    for (std::size_t side = 0; side < 6; ++side)
+    {
+      const double value = (*extent)[side];
+      if (!(std::abs(value) <= 2147483647))
+      {
+        return this->MakeError(StatusCode::Corrupt, "its WholeExtent is impossible");
+      }
+      grid.Extent[side] = static_cast<std::int64_t>(value);
+    }
+    const auto take = [this](const char* attribute, auto& to)
+    {
+      const auto numbers = this->File.ReadNumbers(this->Group, attribute, to.size());
+      if (numbers)
+      {
+        std::copy(numbers->begin(), numbers->end(), to.begin());
+      }
+    };
+    take("Origin", grid.Origin);
+    take("Spacing", grid.Spacing);
+    take("Direction", grid.Direction);
+    return Status::Ok();
+  }
+
+  /// The times of the group Steps, which temporal data have.
+  Status TakeTimes()
+  {
+    const std::string path = this->Group + "/Steps/Values";
+    if (!this->File.Has(this->Group + "/Steps") || !this->File.IsDataset(path))
+    {
+      return Status::Ok();
+    }
+    const auto values = this->File.OpenArray(path, 0);
+    ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
+    const StoredArray::Numbers shape = (*values)->GetShape();
+    if (shape.size() != 1 || shape[0] < 1 || shape[0] > MaximumTimeSteps ||
+      ((*values)->GetType() != ValueType::Float64 && (*values)->GetType() != ValueType::Float32))
+    {
+      return this->MakeError(StatusCode::Corrupt, "its Steps/Values are no list of times");
+    }
+    const bool isDouble = (*values)->GetType() == ValueType::Float64;
+    this->Volume.Times.resize(static_cast<std::size_t>(shape[0]));
+    std::vector<float> singles(isDouble ? 0 : this->Volume.Times.size());
+    auto* to = isDouble ? reinterpret_cast<std::uint8_t*>(this->Volume.Times.data())
+                        : reinterpret_cast<std::uint8_t*>(singles.data());
+    ISOSURFACE_RETURN_IF_ERROR((*values)->Read({ 0 }, shape, to));
+    std::copy(singles.begin(), singles.end(), this->Volume.Times.begin());
+    return Status::Ok();
+  }
+
+  Status TakeArrays(const VolumeChoice& choice)
+  {
+    std::vector<ArrayPart> parts;
+    const std::string group = this->Group + "/PointData";
+    const std::string prefix = group + "/";
+    const bool hasSteps = !this->Volume.Times.empty();
+    const std::vector<std::string> names =
+      this->File.Has(group) ? this->File.FindNames(group) : std::vector<std::string>();
+    for (const std::string& array : names)
+    {
+      const std::string path = prefix + array;
+      auto stored = this->File.OpenArray(path, choice.CacheBytes / names.size());
+      ISOSURFACE_RETURN_IF_ERROR(stored.GetStatus());
+      const std::size_t spatial = 3 + (hasSteps ? 1 : 0);
+      const std::size_t rank = (*stored)->GetShape().size();
+      const std::string letters =
+        std::string(hasSteps ? "t" : "") + "zyx" + (rank > spatial ? "c" : "");
+      const auto axes = ArrayAxes::Parse(letters, rank);
+      if (!axes.IsOk())
+      {
+        return AddObject(this->Name, path, axes.GetStatus());
+      }
+      auto made = MakeParts(array, std::move(*stored), *axes, choice.Step);
+      ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
+      parts.insert(parts.end(), made->begin(), made->end());
+    }
+    if (parts.empty())
+    {
+      return this->MakeError(StatusCode::NotFound, "it has no point arrays");
+    }
+    const std::array<std::int64_t, 6> extent = this->Volume.Grid.Extent;
+    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), choice.Arrays, this->Volume));
+    return this->Volume.Grid.Extent == extent
+      ? Status::Ok()
+      : this->MakeError(StatusCode::Corrupt, "its point arrays do not have its WholeExtent");
+  }
+
+  const VolumeName& Name;
+  const Hdf5File& File;
+  std::string Group;
+  VolumeFile Volume;
+};
+
+Result<VolumeFile> AddFiles(Result<VolumeFile> volume, const Hdf5File& file)
+{
+  if (volume.IsOk())
+  {
+    volume->Files = file.FindFiles();
+  }
+  return volume;
+}
+
+} // namespace
+
+Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& choice)
+{
+  const auto file = Hdf5File::Open(name.Path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  std::string path = name.Within;
+  if (!path.empty() && path.front() != '/')
+  {
+    path.insert(0, 1, '/');
+  }
+  const std::string group = path.empty() ? "/VTKHDF" : path;
+  if (file->Has(group) && !file->IsDataset(group) && file->ReadText(group, "Type"))
+  {
+    return AddFiles(VtkHdfReader(name, *file, group).Open(choice), *file);
+  }
+  if (path.empty())
+  {
+    const auto only = FindOnlyDataset(name, *file);
+    if (!only.IsOk())
+    {
+      return only.GetStatus();
+    }
+    path = *only;
+  }
+  return AddFiles(OpenDataset(name, *file, path, choice), *file);
+}
+
+Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name)
+{
+  const auto file = Hdf5File::Open(name.Path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  const auto datasets = file->FindDatasets();
+  if (!datasets.IsOk())
+  {
+    return datasets.GetStatus();
+  }
+  std::vector<VolumeListing> list;
+  for (const Hdf5Dataset& dataset : *datasets)
+  {
+    list.push_back({ dataset.Path, dataset.Shape.empty() ? "1" : JoinNumbers(dataset.Shape),
+      dataset.Type, dataset.Storage });
+  }
+  return list;
+}
+
+} // namespace isosurface

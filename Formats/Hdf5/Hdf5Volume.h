@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Hdf5Volume_h
+#define isosurface_Hdf5Volume_h
+
+#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/VolumeName.h"
+
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * A volume in an HDF5 file:
+ *
+ *     file:/path     the dataset of that path, with 3 to 5 axes (ArrayAxes::Parse); grid spacing 1
+ *     file:/group    image data of VTKHDF, if the group is one
+ *     file           image data of VTKHDF in /VTKHDF, or else the only dataset of numbers with three
+ *                    axes, or the only one with four, or with five
+ *
+ * VTKHDF (the file format of VTK's documentation, version 1 and 2): ImageData alone, with its extent,
+ * origin, spacing, direction, point arrays and time steps.
+ *
+ * Errors: NotFound, with the datasets of the file, if it does not say which one is meant.
+ */
+Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& choice);
+
+/// All datasets of the file.
+Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name);
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Netcdf/NetcdfVolume.h"
+
+#include "Formats/Netcdf/NetcdfFile.h"
+#include "Formats/Source/ArraySource.h"
+#include "Formats/Source/ConvertedSource.h"
+#include "Formats/Source/HeaderText.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <initializer_list>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+namespace
+{
+
+bool IsOneOf(const std::string& text, std::initializer_list<const char*> names)
+{
+  return std::any_of(
+    names.begin(), names.end(), [&text](const char* name) { return text == name; });
+}
+
+bool Contains(const std::string& text, const char* part)
+{
+  return text.find(part) != std::string::npos;
+}
+
+class NetcdfReader
+{
+public:
+  NetcdfReader(const VolumeName& name, const NetcdfFile& file, const VolumeChoice& choice)
+    : Name(name)
+    , File(file)
+    , Choice(choice)
+  {
+  }
+
+  Result<VolumeFile> Open()
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->FindVariable());
+    auto array = this->File.OpenArray(*this->Variable, this->Choice.CacheBytes);
+    ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(this->FindAxes());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakePlaces());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeTimes());
+    auto parts = MakeParts(this->Variable->Path.substr(this->Variable->Path.rfind('/') + 1),
+      std::move(*array), this->Axes, this->Choice.Step);
+    ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeLines());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeScale());
+    this->NoteLeftOut();
+    return std::move(this->Volume);
+  }
+
+private:
+  Status MakeError(StatusCode code, const std::string& reason) const
+  {
+    return this->File.MakeError(code, *this->Variable, reason);
+  }
+
+  Status FindVariable()
+  {
+    if (!this->Name.Within.empty())
+    {
+      this->Variable = this->File.FindVariable(this->Name.Within);
+      return this->Variable
+        ? Status::Ok()
+        : Status(StatusCode::NotFound,
+            this->Name.GetText() + ": cannot be read: there is no such variable");
+    }
+    std::string known;
+    int count = 0;
+    for (const NetcdfVariable& variable : this->File.GetVariables())
+    {
+      if (variable.Type && variable.Shape.size() >= 3 && variable.Shape.size() <= 5)
+      {
+        this->Variable = &variable;
+        ++count;
+        known += (known.empty() ? "" : ", ") + variable.Path + " (" + JoinNumbers(variable.Shape) +
+          " " + variable.TypeName + ")";
+      }
+    }
+    return count == 1
+      ? Status::Ok()
+      : Status(StatusCode::NotFound,
+          this->Name.Path + ": cannot be read: " +
+            (known.empty()
+                ? "it has no variable of numbers with 3 to 5 axes"
+                : "name one of its variables, as in " + this->Name.Path + ":variable: " + known));
+  }
+
+  /// x, y, z or t, if the coordinates of an axis tell; otherwise a space.
+  char FindRole(std::size_t axis) const
+  {
+    const NetcdfVariable* coordinate = this->File.FindCoordinate(*this->Variable, axis);
+    if (!coordinate)
+    {
+      return ' ';
+    }
+    const auto text = [&](const char* attribute)
+    { return HeaderText::Lower(this->File.ReadText(*coordinate, attribute).value_or("")); };
+    const std::string role = text("axis");
+    if (IsOneOf(role, { "x", "y", "z", "t" }))
+    {
+      return role[0];
+    }
+    const std::string standard = text("standard_name");
+    const std::string units = text("units");
+    if (standard == "longitude" || standard == "projection_x_coordinate" ||
+      IsOneOf(units, { "degrees_east", "degree_east", "degrees_e", "degree_e" }))
+    {
+      return 'x';
+    }
+    if (standard == "latitude" || standard == "projection_y_coordinate" ||
+      IsOneOf(units, { "degrees_north", "degree_north", "degrees_n", "degree_n" }))
+    {
+      return 'y';
+    }
+    const bool hasDirection = !text("positive").empty();
+    return standard == "time" || Contains(units, " since ") ? 't' : hasDirection ? 'z' : ' ';
+  }
+
+  Status FindAxes()
+  {
+    std::string letters = this->Choice.Axes;
+    const std::size_t rank = this->Variable->Shape.size();
+    if (letters.empty() && (rank == 3 || rank == 4))
+    {
+      const std::string order = rank == 3 ? "zyx" : "tzyx";
+      std::string roles;
+      for (std::size_t axis = 0; axis < rank; ++axis)
+      {
+        roles += this->FindRole(axis);
+      }
+      // An axis that tells nothing has the first role, in the usual order, that no other has.
+      for (std::size_t axis = 0; axis < rank; ++axis)
+      {
+        const char usual = order[axis];
+        roles[axis] = roles[axis] == ' ' && !Contains(roles, std::string(1, usual).c_str())
+          ? usual
+          : roles[axis];
+      }
+      for (char& role : roles)
+      {
+        const std::size_t free = order.find_first_not_of(roles);
+        role = role == ' ' && free != std::string::npos ? order[free] : role;
+      }
+      letters = roles;
+    }
+    const auto axes = ArrayAxes::Parse(letters, rank);
+    if (!axes.IsOk())
+    {
+      std::string dimensions;
+      for (const std::string& name : this->Variable->Dimensions)
+      {
+        dimensions += (dimensions.empty() ? "" : ", ") + name;
+      }
+      return this->MakeError(axes.GetStatus().GetCode(),
+        axes.GetStatus().GetMessage() + " (its dimensions are " + dimensions +
+          "; --axes says what they are)");
+    }
+    this->Axes = *axes;
+    return Status::Ok();
+  }
+
+  /// Sets origin, spacing and direction from the coordinates of an axis of the grid, if these have
+  /// equal steps, and keeps them.
+  Status TakePlace(std::size_t gridAxis, int axis)
+  {
+    const NetcdfVariable* coordinate =
+      this->File.FindCoordinate(*this->Variable, static_cast<std::size_t>(axis));
+    if (!coordinate || this->Choice.IgnoresPlaces)
+    {
+      return Status::Ok();
+    }
+    auto numbers = this->File.ReadNumbers(*coordinate);
+    ISOSURFACE_RETURN_IF_ERROR(numbers.GetStatus());
+    const std::size_t count = numbers->size();
+    const double first = count == 0 ? 0 : numbers->front();
+    const double step = count < 2 ? 1 : (numbers->back() - first) / static_cast<double>(count - 1);
+    // Coordinates may be floats of 32 bits.
+    const double most = std::abs(step) * 1e-3 + std::abs(first) * 1e-6;
+    for (std::size_t index = 0; index < count; ++index)
+    {
+      const double expected = first + step * static_cast<double>(index);
+      if (!(std::abs((*numbers)[index] - expected) <= most) || step == 0)
+      {
+        this->Uneven = coordinate;
+      }
+    }
+    this->Coordinates[gridAxis] = std::move(*numbers);
+    GridGeometry& grid = this->Volume.Grid;
+    grid.Origin[gridAxis] = first;
+    grid.Spacing[gridAxis] = std::abs(step);
+    grid.Direction[4 * gridAxis] = step < 0 ? -1 : 1;
+    return Status::Ok();
+  }
+
+  Status TakePlaces()
+  {
+    this->Volume.Grid.Extent = {};
+    ISOSURFACE_RETURN_IF_ERROR(this->TakePlace(0, this->Axes.X));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakePlace(1, this->Axes.Y));
+    return this->TakePlace(2, this->Axes.Z);
+  }
+
+  /// With uneven steps on some axis, the grid is a rectilinear one.
+  Status TakeLines()
+  {
+    if (!this->Uneven)
+    {
+      return Status::Ok();
+    }
+    const Index3 dimensions = this->Volume.Grid.GetDimensions();
+    GridLines lines;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      std::vector<double>& line = lines.Coordinates[axis];
+      line = std::move(this->Coordinates[axis]);
+      if (line.empty())
+      {
+        line.resize(static_cast<std::size_t>(dimensions[axis]));
+        std::iota(line.begin(), line.end(), 0.0);
+      }
+    }
+    const Status status = lines.Check(dimensions);
+    if (!status.IsOk())
+    {
+      return this->File.MakeError(StatusCode::Unsupported, *this->Uneven,
+        "the coordinates of " + this->Variable->Path + " have no equal steps, and " +
+          status.GetMessage() + "; --spacing places the samples in spite of them");
+    }
+    this->Volume.Grid.Direction = GridGeometry().Direction;
+    this->Volume.Lines = std::move(lines);
+    return Status::Ok();
+  }
+
+  Status TakeTimes()
+  {
+    const NetcdfVariable* coordinate = this->Axes.Time < 0
+      ? nullptr
+      : this->File.FindCoordinate(*this->Variable, static_cast<std::size_t>(this->Axes.Time));
+    if (!coordinate)
+    {
+      return Status::Ok();
+    }
+    auto times = this->File.ReadNumbers(*coordinate);
+    ISOSURFACE_RETURN_IF_ERROR(times.GetStatus());
+    this->Volume.Times = std::move(*times);
+    return Status::Ok();
+  }
+
+  /// Samples that were packed into integers.
+  Status TakeScale()
+  {
+    ValueType type = ValueType::Float32;
+    const auto slope = this->File.ReadNumber(*this->Variable, "scale_factor", &type);
+    const auto intercept = this->File.ReadNumber(*this->Variable, "add_offset", &type);
+    if (!slope && !intercept)
+    {
+      return Status::Ok();
+    }
+    if (this->Volume.Arrays.size() != 1 || this->Volume.Arrays[0].Components != 1)
+    {
+      return this->MakeError(StatusCode::Unsupported, "packed samples with channels");
+    }
+    const SampleScale scale = { slope.value_or(1), intercept.value_or(0) };
+    if (!scale.IsIdentity())
+    {
+      type = type == ValueType::Float64 ? type : ValueType::Float32;
+      ArrayDescription& array = this->Volume.Arrays[0];
+      this->Volume.Source =
+        std::make_unique<ConvertedSource>(std::move(this->Volume.Source), array.Type, scale, type);
+      array.Type = type;
+    }
+    return Status::Ok();
+  }
+
+  void NoteLeftOut()
+  {
+    const auto note = [this](const std::string& text)
+    { this->Volume.LeftOut += (this->Volume.LeftOut.empty() ? "" : "; ") + text; };
+    if (const auto units = this->File.ReadText(*this->Variable, "units"))
+    {
+      note("the unit of the samples, \"" + *units + "\", is not kept");
+    }
+    for (const char* attribute : { "_FillValue", "missing_value" })
+    {
+      if (const auto value = this->File.ReadNumber(*this->Variable, attribute))
+      {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), "%g", *value);
+        note(std::string("missing samples stay the number of ") + attribute + ", " + text.data() +
+          (this->File.ReadNumber(*this->Variable, "scale_factor") ? ", scaled" : ""));
+        break;
+      }
+    }
+  }
+
+  const VolumeName& Name;
+  const NetcdfFile& File;
+  const VolumeChoice& Choice;
+  const NetcdfVariable* Variable = nullptr;
+  ArrayAxes Axes;
+  std::array<std::vector<double>, 3> Coordinates; ///< of the grid's axes, as far as there are any
+  const NetcdfVariable* Uneven = nullptr;         ///< one of them, without equal steps
+  VolumeFile Volume;
+};
+
+} // namespace
+
+Result<VolumeFile> OpenNetcdfVolume(const VolumeName& name, const VolumeChoice& choice)
+{
+  const auto file = NetcdfFile::Open(name.Path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  return NetcdfReader(name, *file, choice).Open();
+}
+
+Result<std::vector<VolumeListing>> ListNetcdf(const VolumeName& name)
+{
+  const auto file = NetcdfFile::Open(name.Path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  std::vector<VolumeListing> list;
+  for (const NetcdfVariable& variable : file->GetVariables())
+  {
+    list.push_back({ variable.Path, variable.Shape.empty() ? "1" : JoinNumbers(variable.Shape),
+      variable.TypeName, variable.Storage });
+  }
+  return list;
+}
+
+} // namespace isosurface

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Opener/VolumeName.h"
+
+#include "Formats/Source/HeaderText.h"
+
+#include <filesystem>
+
+namespace isosurface
+{
+namespace
+{
+
+bool IsThere(FileSystem& files, const std::string& path)
+{
+  const auto names = files.List(path);
+  return files.Exists(path) || (names.IsOk() && !names->empty());
+}
+
+} // namespace
+
+VolumeName VolumeName::Parse(FileSystem& files, const std::string& text)
+{
+  std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || IsThere(files, text))
+  {
+    return { text, "" };
+  }
+  for (; colon != std::string::npos && colon > 0; colon = text.rfind(':', colon - 1))
+  {
+    const std::string path = text.substr(0, colon);
+    if (IsThere(files, path))
+    {
+      return { path, text.substr(colon + 1) };
+    }
+  }
+  return { text, "" };
+}
+
+std::string VolumeName::GetExtension() const
+{
+  const std::size_t end = this->Path.find_last_not_of('/');
+  const std::filesystem::path file(this->Path.substr(0, end == std::string::npos ? 0 : end + 1));
+  const std::string extension = HeaderText::Lower(file.extension().string());
+  return extension == ".gz" ? HeaderText::Lower(file.stem().extension().string()) + extension
+                            : extension;
+}
+
+} // namespace isosurface

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VolumeName_h
+#define isosurface_VolumeName_h
+
+#include "Ground/Base/FileSystem.h"
+
+#include <string>
+
+namespace isosurface
+{
+
+/// The name of a volume: a file or a folder, and perhaps what is meant of it behind a colon
+/// ("run.h5:/entry/data", "climate.nc:temperature").
+struct VolumeName
+{
+  std::string Path;
+  std::string Within; ///< empty: the file says what to take
+
+  /// Splits at the last colon before which there is a file or a folder. A name that exists as it
+  /// stands, or of which nothing exists, is a path as a whole.
+  static VolumeName Parse(FileSystem& files, const std::string& text);
+
+  /// The extension of Path in lower case, ".gz" together with the one before it.
+  std::string GetExtension() const;
+  /// "path:within", or "path".
+  std::string GetText() const
+  {
+    return this->Within.empty() ? this->Path : this->Path + ":" + this->Within;
+  }
+};
+
+} // namespace isosurface
+
+#endif

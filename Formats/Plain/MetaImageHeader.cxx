@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Plain/MetaImageHeader.h"
+
+#include "Formats/Source/HeaderText.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::pair<const char*, ValueType> TypeNames[] = { { "met_char", ValueType::Int8 },
+  { "met_uchar", ValueType::UInt8 }, { "met_short", ValueType::Int16 },
+  { "met_ushort", ValueType::UInt16 }, { "met_int", ValueType::Int32 },
+  { "met_uint", ValueType::UInt32 }, { "met_long", ValueType::Int32 },
+  { "met_ulong", ValueType::UInt32 }, { "met_long_long", ValueType::Int64 },
+  { "met_ulong_long", ValueType::UInt64 }, { "met_float", ValueType::Float32 },
+  { "met_double", ValueType::Float64 } };
+
+class MetaImageParser
+{
+public:
+  explicit MetaImageParser(HeaderText& header)
+    : Header(header)
+  {
+  }
+
+  Result<RawVolume> Parse()
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeFields());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeGrid());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeElement());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeFiles());
+    return std::move(this->Volume);
+  }
+
+private:
+  Status Corrupt(const std::string& reason) const
+  {
+    return this->Header.MakeError(StatusCode::Corrupt, "not a MetaImage header: " + reason);
+  }
+  Status Unsupported(const std::string& reason) const
+  {
+    return this->Header.MakeError(StatusCode::Unsupported, "cannot be read: " + reason);
+  }
+  std::string Get(std::initializer_list<const char*> names, const std::string& otherwise) const
+  {
+    for (const char* name : names)
+    {
+      const auto found = this->Fields.find(name);
+      if (found != this->Fields.end())
+      {
+        return found->second;
+      }
+    }
+    return otherwise;
+  }
+  bool IsTrue(std::initializer_list<const char*> names) const
+  {
+    const std::string value = HeaderText::Lower(this->Get(names, "false"));
+    return value == "true" || value == "1" || value == "t";
+  }
+
+  /// Takes the fields. ElementDataFile is the last one; a list of files may follow it.
+  Status TakeFields()
+  {
+    while (this->Fields.count("elementdatafile") == 0)
+    {
+      const auto line = this->Header.TakeLine();
+      if (!line)
+      {
+        return this->Corrupt("there is no ElementDataFile");
+      }
+      const std::size_t equals = line->find('=');
+      if (HeaderText::Trim(*line).empty())
+      {
+        continue;
+      }
+      if (equals == std::string::npos)
+      {
+        return this->Corrupt("a line without \"=\"");
+      }
+      this->Fields[HeaderText::Lower(HeaderText::Trim(line->substr(0, equals)))] =
+        HeaderText::Trim(line->substr(equals + 1));
+    }
+    return Status::Ok();
+  }
+
+  Status TakeGrid()
+  {
+    const auto dimensions = HeaderText::ParseInteger(this->Get({ "ndims" }, ""));
+    if (!dimensions || *dimensions < 2 || *dimensions > 8)
+    {
+      return this->Unsupported("NDims is not 2 to 8");
+    }
+    const auto axes = static_cast<std::size_t>(*dimensions);
+    const std::vector<std::string> sizes = HeaderText::Split(this->Get({ "dimsize" }, ""));
+    if (sizes.size() != axes)
+    {
+      return this->Corrupt("DimSize does not have NDims numbers");
+    }
+    GridGeometry& grid = this->Volume.Grid;
+    grid.Extent = { 0, 0, 0, 0, 0, 0 };
+    for (std::size_t axis = 0; axis < axes; ++axis)
+    {
+      const auto size = HeaderText::ParseInteger(sizes[axis]);
+      if (!size || *size < 1 || *size > (std::int64_t{ 1 } << 31))
+      {
+        return this->Corrupt("DimSize has an impossible number");
+      }
+      if (axis < 3)
+      {
+        grid.Extent[2 * axis + 1] = *size - 1;
+      }
+      else if (*size > 1)
+      {
+        return this->Unsupported("NDims is more than 3");
+      }
+    }
+    return this->TakeSpace(axes);
+  }
+
+  Status TakeSpace(std::size_t axes)
+  {
+    GridGeometry& grid = this->Volume.Grid;
+    const auto take = [&](std::initializer_list<const char*> names, std::size_t count)
+    { return HeaderText::ParseDoubles(this->Get(names, ""), count); };
+    const auto has = [&](std::initializer_list<const char*> names)
+    { return !this->Get(names, "").empty(); };
+    const std::initializer_list<const char*> spacings = { "elementspacing", "elementsize" };
+    const std::initializer_list<const char*> origins = { "offset", "position", "origin" };
+    const std::initializer_list<const char*> matrices = { "transformmatrix", "rotation",
+      "orientation" };
+    const auto spacing = has(spacings) ? take(spacings, axes) : std::vector<double>(axes, 1);
+    const auto origin = has(origins) ? take(origins, axes) : std::vector<double>(axes, 0);
+    std::optional<std::vector<double>> matrix(std::in_place, axes * axes, 0.0);
+    for (std::size_t axis = 0; axis < axes; ++axis)
+    {
+      (*matrix)[axis * axes + axis] = 1;
+    }
+    matrix = has(matrices) ? take(matrices, axes * axes) : matrix;
+    if (!spacing || !origin || !matrix)
+    {
+      return this->Corrupt("ElementSpacing, Offset or TransformMatrix has the wrong numbers");
+    }
+    for (std::size_t axis = 0; axis < std::min<std::size_t>(axes, 3); ++axis)
+    {
+      grid.Spacing[axis] = (*spacing)[axis];
+      grid.Origin[axis] = (*origin)[axis];
+      for (std::size_t row = 0; row < std::min<std::size_t>(axes, 3); ++row)
+      {
+        grid.Direction[3 * row + axis] = (*matrix)[axis * axes + row];
+      }
+    }
+    return Status::Ok();
+  }
+
+  Status TakeElement()
+  {
+    const std::string type = HeaderText::Lower(this->Get({ "elementtype" }, ""));
+    const ValueType* found = nullptr;
+    for (const auto& name : TypeNames)
+    {
+      found = type == name.first ? &name.second : found;
+    }
+    if (!found)
+    {
+      return this->Unsupported("the ElementType \"" + type + "\" is not known");
+    }
+    this->Volume.Type = *found;
+    this->Volume.ArrayName = "MetaImage";
+    if (this->Get({ "elementnumberofchannels" }, "1") != "1")
+    {
+      return this->Unsupported("it has more than one channel");
+    }
+    if (!this->IsTrue({ "binarydata" }) && this->Fields.count("binarydata") != 0)
+    {
+      return this->Unsupported("its samples are text");
+    }
+    this->Volume.IsBigEndian = this->IsTrue({ "elementbyteordermsb", "binarydatabyteordermsb" });
+    this->Volume.IsGzip = this->IsTrue({ "compresseddata" });
+    const auto headerSize = HeaderText::ParseInteger(this->Get({ "headersize" }, "0"));
+    if (!headerSize || *headerSize < -1)
+    {
+      return this->Corrupt("HeaderSize is impossible");
+    }
+    this->Volume.EndsWithSamples = *headerSize == -1;
+    this->Volume.Offset = static_cast<std::uint64_t>(*headerSize == -1 ? 0 : *headerSize);
+    return Status::Ok();
+  }
+
+  Status TakeFiles()
+  {
+    const std::string value = this->Get({ "elementdatafile" }, "");
+    const std::vector<std::string> words = HeaderText::Split(value);
+    const std::string first = words.empty() ? "" : words[0];
+    if (HeaderText::Lower(first) == "local")
+    {
+      this->Volume.Paths = { this->Header.GetPath() };
+      this->Volume.Offset += this->Header.GetPosition();
+    }
+    else if (HeaderText::Lower(first) == "list")
+    {
+      for (auto line = this->Header.TakeLine(); line; line = this->Header.TakeLine())
+      {
+        if (!HeaderText::Trim(*line).empty())
+        {
+          this->Volume.Paths.push_back(this->Header.ResolvePath(HeaderText::Trim(*line)));
+        }
+      }
+    }
+    else if (first.find('%') != std::string::npos)
+    {
+      return this->TakePattern(words);
+    }
+    else if (!value.empty())
+    {
+      this->Volume.Paths = { this->Header.ResolvePath(value) };
+    }
+    return this->Volume.Paths.empty() ? this->Corrupt("ElementDataFile names no file")
+                                      : Status::Ok();
+  }
+
+  Status TakePattern(const std::vector<std::string>& words)
+  {
+    std::array<std::int64_t, 3> numbers = { 1, this->Volume.Grid.GetDimensions()[2], 1 };
+    for (std::size_t word = 1; word < words.size() && word < 4; ++word)
+    {
+      const auto number = HeaderText::ParseInteger(words[word]);
+      if (!number)
+      {
+        return this->Corrupt("the pattern of ElementDataFile is not followed by numbers");
+      }
+      numbers[word - 1] = *number;
+    }
+    const auto names = HeaderText::ExpandPattern(words[0], numbers[0], numbers[1], numbers[2]);
+    if (!names)
+    {
+      return this->Corrupt("the pattern of ElementDataFile makes no names");
+    }
+    for (const std::string& name : *names)
+    {
+      this->Volume.Paths.push_back(this->Header.ResolvePath(name));
+    }
+    return Status::Ok();
+  }
+
+  HeaderText& Header;
+  std::map<std::string, std::string> Fields;
+  RawVolume Volume;
+};
+
+} // namespace
+
+Result<RawVolume> ReadMetaImageHeader(FileSystem& files, const std::string& path)
+{
+  auto header = HeaderText::Open(files, path);
+  if (!header.IsOk())
+  {
+    return header.GetStatus();
+  }
+  return MetaImageParser(*header).Parse();
+}
+
+} // namespace isosurface

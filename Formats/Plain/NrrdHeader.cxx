@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Plain/NrrdHeader.h"
+
+#include "Formats/Source/HeaderText.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+namespace
+{
+
+const std::map<std::string, ValueType>& GetTypeNames()
+{
+  static const std::map<std::string, ValueType> names = { { "signed char", ValueType::Int8 },
+    { "int8", ValueType::Int8 }, { "int8_t", ValueType::Int8 }, { "uchar", ValueType::UInt8 },
+    { "unsigned char", ValueType::UInt8 }, { "uint8", ValueType::UInt8 },
+    { "uint8_t", ValueType::UInt8 }, { "short", ValueType::Int16 },
+    { "short int", ValueType::Int16 }, { "signed short", ValueType::Int16 },
+    { "signed short int", ValueType::Int16 }, { "int16", ValueType::Int16 },
+    { "int16_t", ValueType::Int16 }, { "ushort", ValueType::UInt16 },
+    { "unsigned short", ValueType::UInt16 }, { "unsigned short int", ValueType::UInt16 },
+    { "uint16", ValueType::UInt16 }, { "uint16_t", ValueType::UInt16 }, { "int", ValueType::Int32 },
+    { "signed int", ValueType::Int32 }, { "int32", ValueType::Int32 },
+    { "int32_t", ValueType::Int32 }, { "uint", ValueType::UInt32 },
+    { "unsigned int", ValueType::UInt32 }, { "uint32", ValueType::UInt32 },
+    { "uint32_t", ValueType::UInt32 }, { "longlong", ValueType::Int64 },
+    { "long long", ValueType::Int64 }, { "long long int", ValueType::Int64 },
+    { "signed long long", ValueType::Int64 }, { "signed long long int", ValueType::Int64 },
+    { "int64", ValueType::Int64 }, { "int64_t", ValueType::Int64 },
+    { "ulonglong", ValueType::UInt64 }, { "unsigned long long", ValueType::UInt64 },
+    { "unsigned long long int", ValueType::UInt64 }, { "uint64", ValueType::UInt64 },
+    { "uint64_t", ValueType::UInt64 }, { "float", ValueType::Float32 },
+    { "double", ValueType::Float64 } };
+  return names;
+}
+
+class NrrdParser
+{
+public:
+  explicit NrrdParser(HeaderText& header)
+    : Header(header)
+  {
+  }
+
+  Result<RawVolume> Parse()
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeFields());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeSizes());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeSpace());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeSamples());
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeFiles());
+    return std::move(this->Volume);
+  }
+
+private:
+  Status Corrupt(const std::string& reason) const
+  {
+    return this->Header.MakeError(StatusCode::Corrupt, "not a NRRD header: " + reason);
+  }
+  Status Unsupported(const std::string& reason) const
+  {
+    return this->Header.MakeError(StatusCode::Unsupported, "cannot be read: " + reason);
+  }
+  std::string Get(const char* name, const char* otherName, const std::string& otherwise) const
+  {
+    const auto found = this->Fields.find(name);
+    const auto other = this->Fields.find(otherName);
+    return found != this->Fields.end() ? found->second
+      : other != this->Fields.end()    ? other->second
+                                       : otherwise;
+  }
+
+  /// Takes the lines "field: value" up to an empty line, or to the end. Names of files follow "data
+  /// file: LIST".
+  Status TakeFields()
+  {
+    const auto magic = this->Header.TakeLine();
+    if (!magic || magic->compare(0, 4, "NRRD") != 0)
+    {
+      return this->Corrupt("it does not begin with NRRD");
+    }
+    for (auto line = this->Header.TakeLine(); line && !HeaderText::Trim(*line).empty();
+         line = this->Header.TakeLine())
+    {
+      const std::size_t colon = line->find(':');
+      if ((*line)[0] == '#')
+      {
+        continue; // a comment
+      }
+      if (colon == std::string::npos)
+      {
+        return this->Corrupt("a line without \":\"");
+      }
+      if (line->compare(colon, 2, ":=") == 0)
+      {
+        continue; // a key/value pair
+      }
+      const std::string name = HeaderText::Lower(HeaderText::Trim(line->substr(0, colon)));
+      const std::string value = HeaderText::Trim(line->substr(colon + 1));
+      this->Fields[name] = value;
+      const bool isData = name == "data file" || name == "datafile";
+      if (isData && HeaderText::Lower(value).compare(0, 4, "list") == 0)
+      {
+        break;
+      }
+    }
+    return Status::Ok();
+  }
+
+  /// An axis of the file. Axes of one sample may not belong to the grid.
+  struct Axis
+  {
+    std::int64_t Size = 1;
+    std::string Kind;
+    std::string Spacing;
+    std::optional<std::vector<double>> Direction;
+
+    /// Whether its samples are at different places in space (or time), instead of components of a
+    /// value.
+    bool IsOfSpace() const
+    {
+      return this->Kind.empty() || this->Kind == "domain" || this->Kind == "space" ||
+        this->Kind == "time" || this->Kind == "???" || this->Kind == "none";
+    }
+  };
+
+  Status TakeSizes()
+  {
+    const auto dimension = HeaderText::ParseInteger(this->Get("dimension", "", ""));
+    if (!dimension || *dimension < 2 || *dimension > 16)
+    {
+      return this->Unsupported("its dimension is not 2 to 16");
+    }
+    const std::vector<std::string> sizes = HeaderText::Split(this->Get("sizes", "", ""));
+    if (sizes.size() != static_cast<std::size_t>(*dimension))
+    {
+      return this->Corrupt("\"sizes\" does not have as many numbers as dimensions");
+    }
+    this->Axes.resize(sizes.size());
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis)
+    {
+      const auto size = HeaderText::ParseInteger(sizes[axis]);
+      if (!size || *size < 1 || *size > (std::int64_t{ 1 } << 31))
+      {
+        return this->Corrupt("\"sizes\" has an impossible number");
+      }
+      this->Axes[axis].Size = *size;
+    }
+    const auto kinds = HeaderText::Split(HeaderText::Lower(this->Get("kinds", "", "")));
+    const auto spacings = HeaderText::Split(this->Get("spacings", "", ""));
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis)
+    {
+      this->Axes[axis].Kind = axis < kinds.size() ? kinds[axis] : "";
+      this->Axes[axis].Spacing = axis < spacings.size() ? spacings[axis] : "";
+    }
+    return this->TakeDirections();
+  }
+
+  /// "space directions": "none" or "(a,b,c)" for each axis.
+  Status TakeDirections()
+  {
+    const std::string text = this->Get("space directions", "", "");
+    std::size_t at = text.find_first_not_of(" \t");
+    for (std::size_t axis = 0; !text.empty() && axis < this->Axes.size(); ++axis)
+    {
+      const bool isVector = at != std::string::npos && text[at] == '(';
+      const std::size_t end = isVector ? text.find(')', at) : text.find_first_of(" \t(", at);
+      const std::string word = at == std::string::npos ? "" : text.substr(at, end - at);
+      if (isVector ? end == std::string::npos : HeaderText::Lower(word) != "none")
+      {
+        return this->Corrupt("\"space directions\" is not a vector or \"none\" an axis");
+      }
+      if (isVector)
+      {
+        this->Axes[axis].Direction = ParseVector(word);
+        if (!this->Axes[axis].Direction)
+        {
+          return this->Corrupt("\"space directions\" has a vector that is none of space");
+        }
+      }
+      at = end == std::string::npos ? end : text.find_first_not_of(" \t", isVector ? end + 1 : end);
+    }
+    return Status::Ok();
+  }
+
+  /// Drops axes of one sample until two or three axes are left.
+  Status ChooseAxes()
+  {
+    const bool hasDirections = std::any_of(this->Axes.begin(), this->Axes.end(),
+      [](const Axis& axis) { return axis.Direction.has_value(); });
+    const auto isIdle = [hasDirections](const Axis& axis)
+    { return axis.Size == 1 && (!axis.IsOfSpace() || (hasDirections && !axis.Direction)); };
+    this->Axes.erase(
+      std::remove_if(this->Axes.begin(), this->Axes.end(), isIdle), this->Axes.end());
+    for (const Axis& axis : this->Axes)
+    {
+      if (!axis.IsOfSpace())
+      {
+        return this->Unsupported("an axis is of the kind \"" + axis.Kind +
+          "\", not of space: only one value a sample is read");
+      }
+      if (hasDirections && !axis.Direction)
+      {
+        return this->Unsupported("an axis of several samples has no direction in space");
+      }
+    }
+    // Drops the last ones first.
+    for (std::size_t axis = this->Axes.size(); axis > 0 && this->Axes.size() > 3; --axis)
+    {
+      if (this->Axes[axis - 1].Size == 1)
+      {
+        this->Axes.erase(this->Axes.begin() + static_cast<std::ptrdiff_t>(axis - 1));
+      }
+    }
+    if (this->Axes.size() < 2 || this->Axes.size() > 3)
+    {
+      return this->Unsupported("it has " + std::to_string(this->Axes.size()) +
+        " axes of space: its dimension must be 2 or 3, with one value a sample");
+    }
+    return Status::Ok();
+  }
+
+  Status TakeSpace()
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->ChooseAxes());
+    GridGeometry& grid = this->Volume.Grid;
+    grid.Extent = { 0, 0, 0, 0, 0, 0 };
+    std::size_t space = this->Axes.size();
+    for (std::size_t axis = 0; axis < this->Axes.size(); ++axis)
+    {
+      grid.Extent[2 * axis + 1] = this->Axes[axis].Size - 1;
+      const auto spacing = HeaderText::ParseDouble(this->Axes[axis].Spacing);
+      // "nan" stands for an axis without a spacing.
+      grid.Spacing[axis] = spacing && std::isfinite(*spacing) ? *spacing : 1;
+      if (this->Axes[axis].Direction)
+      {
+        const std::vector<double>& vector = *this->Axes[axis].Direction;
+        if (axis > 0 && vector.size() != space)
+        {
+          return this->Corrupt("\"space directions\" has vectors of different spaces");
+        }
+        space = vector.size();
+        this->SetDirection(axis, vector);
+      }
+    }
+    if (this->Axes.size() == 2 && space == 3)
+    {
+      this->SetNormal();
+    }
+    const std::string origin = this->Get("space origin", "", "");
+    if (!origin.empty())
+    {
+      const auto vector = ParseVector(origin);
+      if (!vector || vector->size() != space)
+      {
+        return this->Corrupt("\"space origin\" is not a vector of space");
+      }
+      std::copy(vector->begin(), vector->end(), grid.Origin.begin());
+    }
+    return Status::Ok();
+  }
+
+  void SetDirection(std::size_t axis, const std::vector<double>& vector)
+  {
+    GridGeometry& grid = this->Volume.Grid;
+    double square = 0;
+    for (const double part : vector)
+    {
+      square += part * part;
+    }
+    grid.Spacing[axis] = std::sqrt(square);
+    for (std::size_t row = 0; row < 3 && square > 0; ++row)
+    {
+      grid.Direction[3 * row + axis] = row < vector.size() ? vector[row] / grid.Spacing[axis] : 0;
+    }
+  }
+
+  /// Sets the direction of z for a single slice in space.
+  void SetNormal()
+  {
+    std::array<double, 9>& d = this->Volume.Grid.Direction;
+    for (std::size_t row = 0; row < 3; ++row)
+    {
+      const std::size_t next = 3 * ((row + 1) % 3);
+      const std::size_t last = 3 * ((row + 2) % 3);
+      d[3 * row + 2] = d[next] * d[last + 1] - d[last] * d[next + 1];
+    }
+  }
+
+  /// "(a,b,c)": one to three numbers.
+  static std::optional<std::vector<double>> ParseVector(std::string text)
+  {
+    std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+    const std::size_t count = HeaderText::Split(text).size();
+    return count < 1 || count > 3 ? std::nullopt : HeaderText::ParseDoubles(text, count);
+  }
+
+  Status TakeSamples()
+  {
+    const std::string type = HeaderText::Lower(this->Get("type", "", ""));
+    const auto found = GetTypeNames().find(type);
+    if (found == GetTypeNames().end())
+    {
+      return this->Unsupported("the type \"" + type + "\" is not known");
+    }
+    this->Volume.Type = found->second;
+    this->Volume.ArrayName = "ImageFile";
+    const std::string encoding = HeaderText::Lower(this->Get("encoding", "", ""));
+    this->Volume.IsGzip = encoding == "gzip" || encoding == "gz";
+    if (!this->Volume.IsGzip && encoding != "raw")
+    {
+      return this->Unsupported("the encoding \"" + encoding + "\" is neither raw nor gzip");
+    }
+    const std::string endian = HeaderText::Lower(this->Get("endian", "", ""));
+    if (endian != "little" && endian != "big" && GetValueSize(this->Volume.Type) > 1)
+    {
+      return this->Corrupt("\"endian\" is neither little nor big");
+    }
+    this->Volume.IsBigEndian = endian == "big";
+    const auto skip = HeaderText::ParseInteger(this->Get("byte skip", "byteskip", "0"));
+    const auto lines = HeaderText::ParseInteger(this->Get("line skip", "lineskip", "0"));
+    if (!skip || *skip < -1 || (*skip == -1 && this->Volume.IsGzip))
+    {
+      return this->Corrupt("\"byte skip\" is impossible");
+    }
+    if (!lines || *lines < 0)
+    {
+      return this->Corrupt("\"line skip\" is impossible");
+    }
+    this->Volume.EndsWithSamples = *skip == -1;
+    this->Volume.Lines = static_cast<std::uint64_t>(*lines);
+    this->Volume.Skip = static_cast<std::uint64_t>(*skip == -1 ? 0 : *skip);
+    return Status::Ok();
+  }
+
+  Status TakeFiles()
+  {
+    const std::string value = this->Get("data file", "datafile", "");
+    const std::vector<std::string> words = HeaderText::Split(value);
+    if (words.empty())
+    {
+      this->Volume.Paths = { this->Header.GetPath() };
+      this->Volume.Offset += this->Header.GetPosition();
+      return Status::Ok();
+    }
+    std::vector<std::string> names = { value };
+    if (HeaderText::Lower(words[0]) == "list")
+    {
+      names.clear();
+      for (auto line = this->Header.TakeLine(); line; line = this->Header.TakeLine())
+      {
+        if (!HeaderText::Trim(*line).empty())
+        {
+          names.push_back(HeaderText::Trim(*line));
+        }
+      }
+    }
+    else if (words.size() >= 4 && words[0].find('%') != std::string::npos)
+    {
+      const auto first = HeaderText::ParseInteger(words[1]);
+      const auto last = HeaderText::ParseInteger(words[2]);
+      const auto step = HeaderText::ParseInteger(words[3]);
+      const auto expanded = first && last && step
+        ? HeaderText::ExpandPattern(words[0], *first, *last, *step)
+        : std::nullopt;
+      if (!expanded)
+      {
+        return this->Corrupt("the pattern of \"data file\" makes no names");
+      }
+      names = *expanded;
+    }
+    for (const std::string& name : names)
+    {
+      this->Volume.Paths.push_back(this->Header.ResolvePath(name));
+    }
+    return names.empty() ? this->Corrupt("\"data file\" names no file") : Status::Ok();
+  }
+
+  HeaderText& Header;
+  std::map<std::string, std::string> Fields;
+  std::vector<Axis> Axes;
+  RawVolume Volume;
+};
+
+} // namespace
+
+Result<RawVolume> ReadNrrdHeader(FileSystem& files, const std::string& path)
+{
+  auto header = HeaderText::Open(files, path);
+  if (!header.IsOk())
+  {
+    return header.GetStatus();
+  }
+  return NrrdParser(*header).Parse();
+}
+
+} // namespace isosurface

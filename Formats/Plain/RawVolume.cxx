@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Plain/RawVolume.h"
+
+#include "Formats/Plain/MetaImageHeader.h"
+#include "Formats/Plain/NrrdHeader.h"
+#include "Formats/Source/GzipFile.h"
+#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/RawSource.h"
+#include "Formats/Source/SectionFile.h"
+#include "Formats/Source/SeriesFile.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The bytes of all samples. Nothing if there are none, or more than any file can have.
+std::optional<std::uint64_t> CountBytes(const GridGeometry& grid, ValueType type)
+{
+  std::uint64_t bytes = GetValueSize(type);
+  for (const std::int64_t size : grid.GetDimensions())
+  {
+    if (size < 1 || bytes > (std::uint64_t{ 1 } << 62) / static_cast<std::uint64_t>(size))
+    {
+      return std::nullopt;
+    }
+    bytes *= static_cast<std::uint64_t>(size);
+  }
+  return bytes;
+}
+
+/// The offset after `lines` lines of text that begin at `begin`.
+Result<std::uint64_t> SkipLines(
+  const RandomAccessFile& file, std::uint64_t begin, std::uint64_t lines)
+{
+  std::vector<char> text(std::size_t{ 1 } << 16);
+  std::uint64_t position = begin;
+  while (lines > 0)
+  {
+    const std::uint64_t left = position < file.GetSize() ? file.GetSize() - position : 0;
+    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(text.size(), left));
+    if (size == 0)
+    {
+      return Status(StatusCode::Corrupt,
+        file.GetPath() + ": truncated: " + std::to_string(lines) +
+          " more lines are expected before the samples");
+    }
+    ISOSURFACE_RETURN_IF_ERROR(file.Read(position, size, text.data()));
+    std::size_t at = 0;
+    for (; at < size && lines > 0; ++at)
+    {
+      lines -= text[at] == '\n' ? 1 : 0;
+    }
+    position += at;
+  }
+  return position;
+}
+
+} // namespace
+
+bool RawVolume::HasHeader(const std::string& path)
+{
+  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
+  return extension == ".mhd" || extension == ".mha" || extension == ".nrrd" || extension == ".nhdr";
+}
+
+Result<RawVolume> RawVolume::ReadHeader(FileSystem& files, const std::string& path)
+{
+  if (!HasHeader(path))
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": cannot be read: the supported headers are .mhd, .mha, .nrrd and .nhdr");
+  }
+  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
+  return extension[1] == 'm' ? ReadMetaImageHeader(files, path) : ReadNrrdHeader(files, path);
+}
+
+Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
+  FileSystem& files, const std::string& path, std::uint64_t bytes) const
+{
+  auto file = files.OpenForReading(path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  const auto behindLines = SkipLines(**file, this->Offset, this->Lines);
+  if (!behindLines.IsOk())
+  {
+    return behindLines.GetStatus();
+  }
+  if (this->IsGzip)
+  {
+    // Reading shows whether the stream has so many bytes.
+    auto inflated = std::make_unique<GzipFile>(std::move(*file), *behindLines, this->Skip + bytes);
+    return std::unique_ptr<RandomAccessFile>(
+      std::make_unique<SectionFile>(std::move(inflated), this->Skip, bytes));
+  }
+  std::uint64_t begin = *behindLines + this->Skip;
+  const std::uint64_t available = (*file)->GetSize();
+  if (this->EndsWithSamples && available >= bytes)
+  {
+    begin = available - bytes;
+  }
+  if (begin > available || available - begin < bytes)
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": truncated: it has " + std::to_string(available) + " bytes where " +
+        std::to_string(begin) + " and " + std::to_string(bytes) + " of samples are expected");
+  }
+  return std::unique_ptr<RandomAccessFile>(
+    std::make_unique<SectionFile>(std::move(*file), begin, bytes));
+}
+
+Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
+{
+  const auto bytes = CountBytes(this->Grid, this->Type);
+  if (this->Paths.empty() || !bytes || this->Skip > (std::uint64_t{ 1 } << 62))
+  {
+    return Status(StatusCode::InvalidArgument,
+      (this->Paths.empty() ? std::string("a volume without files") : this->Paths.front()) +
+        ": its dimensions are impossible");
+  }
+  const Index3 size = this->Grid.GetDimensions();
+  const auto count = static_cast<std::uint64_t>(this->Paths.size());
+  if (static_cast<std::uint64_t>(size[2]) % count != 0)
+  {
+    return Status(StatusCode::Unsupported,
+      this->Paths.front() + ": " + std::to_string(count) + " files cannot hold equal parts of " +
+        std::to_string(size[2]) + " slices");
+  }
+  const std::uint64_t ofFile = *bytes / count;
+  auto samples = this->OpenPart(files, this->Paths.front(), ofFile);
+  if (!samples.IsOk())
+  {
+    return samples.GetStatus();
+  }
+  if (count > 1)
+  {
+    const auto openPart = [&files, volume = *this, ofFile](const std::string& path)
+    { return volume.OpenPart(files, path, ofFile); };
+    *samples = std::make_unique<SeriesFile>(openPart, this->Paths, ofFile);
+  }
+  const std::uint64_t held = this->IsGzip ? GzipFile::GetHeldBytes(this->Skip + ofFile) : 0;
+  return std::unique_ptr<SlabSource>(
+    std::make_unique<RawSource>(std::move(*samples), size, this->Type, this->IsBigEndian, held));
+}
+
+} // namespace isosurface

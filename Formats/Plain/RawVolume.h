@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_RawVolume_h
+#define isosurface_RawVolume_h
+
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/ValueType.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Where the samples of a volume are in files: in one file, or in several with the same number of
+/// slices each. x fastest, then y, then z; one component.
+struct RawVolume
+{
+  GridGeometry Grid;
+  ValueType Type = ValueType::UInt8;
+  std::string ArrayName = "scalars";
+  bool IsBigEndian = false;
+  bool IsGzip = false;          ///< each file is a gzip or zlib stream
+  bool EndsWithSamples = false; ///< the samples are the last bytes of each file; ignores Offset
+
+  // A file consists of Offset bytes, Lines lines of text, Skip bytes, and the samples. If it is
+  // compressed, the stream begins after the lines, and contains the Skip bytes.
+  std::uint64_t Offset = 0;
+  std::uint64_t Lines = 0;
+  std::uint64_t Skip = 0;
+  std::vector<std::string> Paths;
+
+  /// Opens the file, or the first one of a series, and checks its size. `files` must outlive the
+  /// source.
+  Result<std::unique_ptr<SlabSource>> Open(FileSystem& files) const;
+
+  /// Reads a header by its extension: .mhd, .mha (MetaImageHeader.h), .nrrd, .nhdr (NrrdHeader.h).
+  /// Unsupported for others.
+  static Result<RawVolume> ReadHeader(FileSystem& files, const std::string& path);
+  /// Whether ReadHeader() knows the path's extension.
+  static bool HasHeader(const std::string& path);
+
+private:
+  /// Opens the samples of a file, `bytes` bytes, as a file of their own.
+  Result<std::unique_ptr<RandomAccessFile>> OpenPart(
+    FileSystem& files, const std::string& path, std::uint64_t bytes) const;
+};
+
+} // namespace isosurface
+
+#endif

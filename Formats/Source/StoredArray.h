@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StoredArray_h
+#define isosurface_StoredArray_h
+
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ValueType.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// An array of any number of axes in a file, of which boxes can be read: a dataset of HDF5, a
+/// variable of NetCDF, an array of Zarr. Axes are counted from the slowest one.
+class StoredArray
+{
+public:
+  using Numbers = std::vector<std::int64_t>;
+
+  virtual ~StoredArray() = default;
+
+  /// The file and the array in it, for messages.
+  virtual const std::string& GetName() const = 0;
+  /// Samples on each axis.
+  virtual const Numbers& GetShape() const = 0;
+  /// The type that Read() gives; the file may have another one (floats of 16 bits).
+  virtual ValueType GetType() const = 0;
+  /// Samples on each axis that are decoded together; empty if any sample can be read alone.
+  virtual Numbers GetChunk() const { return {}; }
+  /// What decoded chunks may take between reads.
+  virtual std::uint64_t GetCacheBytes() const { return 0; }
+  /// The maximum memory for reading, besides the samples: decoded chunks, a conversion buffer.
+  virtual std::uint64_t GetHeldBytes() const = 0;
+
+  /// Reads the box of `size` samples from `low` on, which must be within the shape: the last axis
+  /// fastest, without gaps, in the byte order of the machine. One thread at a time. Errors name the
+  /// file, the array and the reason.
+  virtual Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) = 0;
+};
+
+/// "64 x 512 x 512".
+std::string JoinNumbers(const StoredArray::Numbers& numbers);
+
+/// What an axis of an array stands for. A number is that of the axis, -1 if there is none.
+struct ArrayAxes
+{
+  int X = -1;
+  int Y = -1;
+  int Z = -1;
+  int Time = -1;
+  int Channel = -1;
+
+  /// From a letter an axis, the slowest first: x, y and z, and perhaps t and c, each once. An empty
+  /// text stands for "zyx", "tzyx" or "tczyx", as `rank` wants. Error: a sentence without a file.
+  static Result<ArrayAxes> Parse(const std::string& letters, std::size_t rank);
+};
+
+} // namespace isosurface
+
+#endif

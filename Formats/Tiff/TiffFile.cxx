@@ -1,0 +1,533 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Tiff/TiffFile.h"
+
+#include "Formats/Source/HeaderText.h"
+
+#include <tiffio.h>
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The maximum number of rows and columns.
+constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 31;
+/// The maximum number of pages of a file: each takes memory, and ImageJ's one byte of the file.
+constexpr std::size_t MaximumPages = std::size_t{ 1 } << 20;
+/// The maximum size of a page. Four times as much is a number, too.
+constexpr std::uint64_t MaximumPageBytes = std::uint64_t{ 1 } << 60;
+/// The maximum size of the tables of libtiff's codecs.
+constexpr std::uint64_t MaximumTableSize = std::uint64_t{ 64 } << 20;
+
+/// A way to compress that libtiff may know.
+struct Compression
+{
+  std::uint16_t Code;
+  const char* Name;
+  bool IsRead;
+};
+// Those that are not read are of other samples than ours (WebP of colours, ThunderScan of 4 bits), or
+// let the file choose other samples than the directory says.
+constexpr Compression Compressions[] = { { COMPRESSION_NONE, "none", true },
+  { COMPRESSION_LZW, "LZW", true }, { COMPRESSION_ADOBE_DEFLATE, "deflate", true },
+  { COMPRESSION_DEFLATE, "deflate", true }, { COMPRESSION_PACKBITS, "PackBits", true },
+  { COMPRESSION_ZSTD, "zstd", true }, { COMPRESSION_LZMA, "LZMA", true },
+  { COMPRESSION_JPEG, "JPEG", true }, { COMPRESSION_OJPEG, "old JPEG", false },
+  { COMPRESSION_THUNDERSCAN, "ThunderScan", false }, { COMPRESSION_PIXARLOG, "PixarLog", false },
+  { COMPRESSION_JBIG, "JBIG", false }, { COMPRESSION_SGILOG, "SGILog", false },
+  { COMPRESSION_SGILOG24, "SGILog", false }, { COMPRESSION_LERC, "LERC", false },
+  { COMPRESSION_WEBP, "WebP", false } };
+
+/// Why a compression is not read; nothing if it is.
+std::optional<std::string> FindFaultOfCompression(std::uint16_t code)
+{
+  const auto* const found = std::find_if(std::begin(Compressions), std::end(Compressions),
+    [code](const Compression& compression) { return compression.Code == code; });
+  const bool isKnown = found != std::end(Compressions);
+  if (isKnown && found->IsRead && ::TIFFIsCODECConfigured(code) != 0)
+  {
+    return std::nullopt;
+  }
+  return "its compression (" + std::to_string(code) +
+    (isKnown ? std::string(", ") + found->Name : std::string()) + ") is not supported" +
+    (isKnown && found->IsRead ? " by this libtiff" : "");
+}
+
+std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits)
+{
+  const bool isSigned = format == SAMPLEFORMAT_INT;
+  if (format == SAMPLEFORMAT_IEEEFP)
+  {
+    return bits == 32 ? std::optional(ValueType::Float32)
+      : bits == 64    ? std::optional(ValueType::Float64)
+                      : std::nullopt;
+  }
+  if (!isSigned && format != SAMPLEFORMAT_UINT && format != SAMPLEFORMAT_VOID)
+  {
+    return std::nullopt;
+  }
+  return bits % 8 == 0 ? FindIntegerType(bits / 8, isSigned) : std::nullopt;
+}
+
+/// An integer in ImageJ's description, such as "images=2048".
+std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std::string& name)
+{
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+  {
+    if (line.compare(0, name.size() + 1, name + "=") == 0)
+    {
+      return HeaderText::ParseInteger(HeaderText::Trim(line.substr(name.size() + 1)));
+    }
+  }
+  return std::nullopt;
+}
+
+} // namespace
+
+/// libtiff's handle, and the file that it reads.
+struct TiffFile::Handle
+{
+  std::unique_ptr<RandomAccessFile> File;
+  std::uint64_t Position = 0;
+  Status Failure;     ///< the first error of the file
+  std::string Reason; ///< the first error of libtiff
+  ::TIFF* Tiff = nullptr;
+
+  Handle() = default;
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle()
+  {
+    if (this->Tiff)
+    {
+      ::TIFFClose(this->Tiff);
+    }
+  }
+
+  Status Open();
+
+  static tmsize_t ReadBytes(thandle_t client, void* bytes, tmsize_t size)
+  {
+    auto* handle = static_cast<Handle*>(client);
+    const std::uint64_t end = handle->File->GetSize();
+    const std::uint64_t left = handle->Position < end ? end - handle->Position : 0;
+    const auto count = std::min<std::uint64_t>(static_cast<std::uint64_t>(size), left);
+    const Status status =
+      handle->File->Read(handle->Position, static_cast<std::size_t>(count), bytes);
+    if (!status.IsOk())
+    {
+      handle->Failure = handle->Failure.IsOk() ? status : handle->Failure;
+      return 0;
+    }
+    handle->Position += count;
+    return static_cast<tmsize_t>(count);
+  }
+  static tmsize_t WriteBytes(thandle_t, void*, tmsize_t) { return -1; }
+  static toff_t Seek(thandle_t client, toff_t offset, int whence)
+  {
+    auto* handle = static_cast<Handle*>(client);
+    const toff_t from = whence == SEEK_CUR ? handle->Position
+      : whence == SEEK_END                 ? handle->File->GetSize()
+                                           : 0;
+    handle->Position = from + offset;
+    return handle->Position;
+  }
+  static int Close(thandle_t) { return 0; }
+  static toff_t GetSize(thandle_t client) { return static_cast<Handle*>(client)->File->GetSize(); }
+  static int TakeError(::TIFF*, void* user, const char*, const char* format, va_list arguments)
+  {
+    auto* handle = static_cast<Handle*>(user);
+    if (handle->Reason.empty())
+    {
+      char text[256];
+      std::vsnprintf(text, sizeof(text), format, arguments);
+      handle->Reason = HeaderText::Trim(text);
+    }
+    return 1;
+  }
+  static int PassWarning(::TIFF*, void*, const char*, const char*, va_list) { return 1; }
+
+  template <typename T>
+  T Get(std::uint32_t tag, T otherwise) const
+  {
+    T value = otherwise;
+    return ::TIFFGetFieldDefaulted(this->Tiff, tag, &value) == 1 ? value : otherwise;
+  }
+};
+
+Status TiffFile::Handle::Open()
+{
+  ::TIFFOpenOptions* options = ::TIFFOpenOptionsAlloc();
+  if (!options)
+  {
+    return Status(StatusCode::OutOfMemory, this->File->GetPath() + ": no memory to open it");
+  }
+  // A valid file needs no memory larger than the file, except for the tables of the codecs.
+  ::TIFFOpenOptionsSetMaxSingleMemAlloc(
+    options, static_cast<tmsize_t>(this->File->GetSize() + MaximumTableSize));
+  ::TIFFOpenOptionsSetErrorHandlerExtR(options, TakeError, this);
+  ::TIFFOpenOptionsSetWarningHandlerExtR(options, PassWarning, this);
+  // Flags: no memory mapping, no chopping of strips, their offsets read on demand.
+  this->Tiff = ::TIFFClientOpenExt(this->File->GetPath().c_str(), "rmcO", this, ReadBytes,
+    WriteBytes, Seek, Close, GetSize, nullptr, nullptr, options);
+  ::TIFFOpenOptionsFree(options);
+  ISOSURFACE_RETURN_IF_ERROR(this->Failure);
+  return this->Tiff ? Status::Ok()
+                    : Status(StatusCode::Corrupt,
+                        this->File->GetPath() + ": not a TIFF file" +
+                          (this->Reason.empty() ? "" : ": ") + this->Reason);
+}
+
+TiffFile::TiffFile(std::unique_ptr<Handle> handle)
+  : Tiff(std::move(handle))
+{
+}
+
+TiffFile::~TiffFile() = default;
+
+Result<std::unique_ptr<TiffFile>> TiffFile::Open(FileSystem& files, const std::string& path)
+{
+  auto file = files.OpenForReading(path);
+  if (!file.IsOk())
+  {
+    return file.GetStatus();
+  }
+  auto handle = std::make_unique<Handle>();
+  handle->File = std::move(*file);
+  ISOSURFACE_RETURN_IF_ERROR(handle->Open());
+  return std::unique_ptr<TiffFile>(new TiffFile(std::move(handle)));
+}
+
+Status TiffFile::MakeError(StatusCode code, const std::string& reason) const
+{
+  if (!this->Tiff->Failure.IsOk())
+  {
+    return this->Tiff->Failure;
+  }
+  return Status(code,
+    this->Tiff->File->GetPath() + ": page " +
+      std::to_string(std::uint64_t{ ::TIFFCurrentDirectory(this->Tiff->Tiff) } + 1) + ": " +
+      (this->Tiff->Reason.empty() || code != StatusCode::Corrupt ? reason : this->Tiff->Reason));
+}
+
+Result<TiffFormat> TiffFile::ReadFormat()
+{
+  const Handle& tiff = *this->Tiff;
+  const auto width = tiff.Get<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
+  const auto height = tiff.Get<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
+  if (width == 0 || height == 0 || width > MaximumSize || height > MaximumSize)
+  {
+    return this->MakeError(StatusCode::Corrupt, "its width or height is impossible");
+  }
+  if (tiff.Get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1) != 1)
+  {
+    return this->MakeError(StatusCode::Unsupported,
+      "it has " + std::to_string(tiff.Get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1)) +
+        " samples a pixel; only one is supported");
+  }
+  if (tiff.Get<std::uint32_t>(TIFFTAG_IMAGEDEPTH, 1) > 1 ||
+    tiff.Get<std::uint32_t>(TIFFTAG_TILEDEPTH, 1) > 1)
+  {
+    return this->MakeError(StatusCode::Unsupported, "pages of several slices are not supported");
+  }
+  const auto format = tiff.Get<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  const auto bits = tiff.Get<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 1);
+  const auto type = FindSampleType(format, bits);
+  if (!type)
+  {
+    return this->MakeError(StatusCode::Unsupported,
+      "samples of " + std::to_string(bits) + " bits (SampleFormat " + std::to_string(format) +
+        ") are not supported");
+  }
+  const auto compression = tiff.Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (const auto fault = FindFaultOfCompression(compression))
+  {
+    return this->MakeError(StatusCode::Unsupported, *fault);
+  }
+  if (std::uint64_t{ width } * height > MaximumPageBytes / GetValueSize(*type))
+  {
+    return this->MakeError(StatusCode::Corrupt, "its width or height is impossible");
+  }
+  return TiffFormat{ static_cast<std::int64_t>(width), static_cast<std::int64_t>(height), *type };
+}
+
+Result<std::vector<TiffPage>> TiffFile::FindPages()
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  std::vector<TiffPage> pages;
+  int lastNumber = -1;
+  do
+  {
+    auto format = this->ReadFormat();
+    if (!format.IsOk())
+    {
+      return format.GetStatus();
+    }
+    if (!pages.empty() && !(*format == this->Format))
+    {
+      return this->MakeError(
+        StatusCode::Unsupported, "its size or type differs from that of the pages before");
+    }
+    this->Format = *format;
+    if (pages.size() == MaximumPages)
+    {
+      return this->MakeError(StatusCode::Unsupported,
+        "at most " + std::to_string(MaximumPages) + " pages are supported");
+    }
+    std::uint16_t number = 0;
+    std::uint16_t count = 0;
+    if (::TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count) == 1)
+    {
+      if (number < lastNumber)
+      {
+        return this->MakeError(StatusCode::Unsupported,
+          "its page number is " + std::to_string(number) + ", that of the page before is " +
+            std::to_string(lastNumber));
+      }
+      lastNumber = number;
+    }
+    const tmsize_t scratch =
+      ::TIFFIsTiled(tiff) != 0 ? ::TIFFTileSize(tiff) : ::TIFFStripSize(tiff);
+    const std::uint64_t pageBytes = static_cast<std::uint64_t>(format->Width) *
+      static_cast<std::uint64_t>(format->Height) * GetValueSize(format->Type);
+    if (scratch <= 0 || static_cast<std::uint64_t>(scratch) > 4 * pageBytes + MaximumTableSize)
+    {
+      return this->MakeError(StatusCode::Corrupt, "the size of its strips or tiles is impossible");
+    }
+    // Uncompressed and compressed.
+    this->ScratchBytes = std::max(this->ScratchBytes, 2 * static_cast<std::uint64_t>(scratch));
+    pages.push_back({ ::TIFFCurrentDirOffset(tiff), 0 });
+  } while (::TIFFReadDirectory(tiff) == 1);
+  // The last directory ends the loop without an error; so does one that cannot be read, with one.
+  if (!this->Tiff->Failure.IsOk() || !this->Tiff->Reason.empty())
+  {
+    return this->MakeError(StatusCode::Corrupt, "the directory of the next page cannot be read");
+  }
+  return pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
+}
+
+Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) const
+{
+  const char* found = nullptr;
+  const bool hasText =
+    ::TIFFGetField(this->Tiff->Tiff, TIFFTAG_IMAGEDESCRIPTION, &found) == 1 && found;
+  const std::string text = hasText ? found : "";
+  const std::int64_t images = FindImageJNumber(text, "images").value_or(1);
+  if (text.compare(0, 7, "ImageJ=") != 0 || images <= 1)
+  {
+    return std::vector<TiffPage>{ first };
+  }
+  const std::uint64_t bytes = static_cast<std::uint64_t>(this->Format.Width) *
+    static_cast<std::uint64_t>(this->Format.Height) * GetValueSize(this->Format.Type);
+  if (FindImageJNumber(text, "channels").value_or(1) > 1 ||
+    FindImageJNumber(text, "frames").value_or(1) > 1)
+  {
+    return this->MakeError(
+      StatusCode::Unsupported, "ImageJ wrote several channels or frames: only one is read");
+  }
+  const std::uint64_t begin = ::TIFFGetStrileOffset(this->Tiff->Tiff, 0);
+  const std::uint64_t size = this->Tiff->File->GetSize();
+  if (this->Tiff->Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE ||
+    ::TIFFNumberOfStrips(this->Tiff->Tiff) != 1 || begin > size ||
+    static_cast<std::uint64_t>(images) > (size - begin) / bytes)
+  {
+    return this->MakeError(StatusCode::Corrupt,
+      "truncated: ImageJ's description speaks of " + std::to_string(images) +
+        " images, which are not there");
+  }
+  if (static_cast<std::uint64_t>(images) > MaximumPages)
+  {
+    return this->MakeError(StatusCode::Unsupported,
+      "ImageJ wrote " + std::to_string(images) + " images; at most " +
+        std::to_string(MaximumPages) + " pages are supported");
+  }
+  std::vector<TiffPage> pages;
+  for (std::uint64_t image = 0; image < static_cast<std::uint64_t>(images); ++image)
+  {
+    pages.push_back({ first.Directory, image * bytes });
+  }
+  return pages;
+}
+
+Status TiffFile::SelectPage(const TiffPage& page)
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  if (::TIFFCurrentDirOffset(tiff) == page.Directory)
+  {
+    return Status::Ok();
+  }
+  if (::TIFFSetSubDirectory(tiff, page.Directory) != 1)
+  {
+    return this->MakeError(StatusCode::Corrupt, "its directory cannot be read");
+  }
+  const auto format = this->ReadFormat();
+  if (!format.IsOk() || !(*format == this->Format))
+  {
+    return format.IsOk() ? this->MakeError(StatusCode::Corrupt, "its directory has changed")
+                         : format.GetStatus();
+  }
+  return Status::Ok();
+}
+
+Status TiffFile::Read(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->SelectPage(page));
+  ::TIFF* tiff = this->Tiff->Tiff;
+  if (::TIFFIsTiled(tiff) != 0)
+  {
+    return this->ReadTiles(rectangle, to);
+  }
+  const auto compression = this->Tiff->Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  const auto order = this->Tiff->Get<std::uint16_t>(TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
+  return compression == COMPRESSION_NONE && order == FILLORDER_MSB2LSB
+    ? this->ReadRows(page, rectangle, to)
+    : this->ReadStrips(rectangle, to);
+}
+
+/// Rows that stand in the file as they are.
+Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to)
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  const std::uint64_t valueSize = GetValueSize(this->Format.Type);
+  const std::uint64_t rowBytes = static_cast<std::uint64_t>(this->Format.Width) * valueSize;
+  const bool isWhole = rectangle.LowX == 0 && rectangle.HighX == this->Format.Width;
+  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) *
+    static_cast<std::size_t>(valueSize);
+  const std::int64_t rowsPerStrip = std::max<std::int64_t>(1,
+    std::min<std::int64_t>(
+      this->Tiff->Get<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, 1), this->Format.Height));
+  std::uint8_t* const begin = to;
+  for (std::int64_t row = rectangle.LowY; row < rectangle.HighY;)
+  {
+    const std::int64_t strip = row / rowsPerStrip;
+    const std::int64_t end = std::min(rectangle.HighY, (strip + 1) * rowsPerStrip);
+    const std::int64_t rows = isWhole ? end - row : 1;
+    const std::uint64_t offset = ::TIFFGetStrileOffset(tiff, static_cast<std::uint32_t>(strip)) +
+      page.Shift + static_cast<std::uint64_t>(row - strip * rowsPerStrip) * rowBytes +
+      static_cast<std::uint64_t>(rectangle.LowX) * valueSize;
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Tiff->File->Read(offset, bytes * static_cast<std::size_t>(rows), to));
+    to += bytes * static_cast<std::size_t>(rows);
+    row += rows;
+  }
+  const auto samples = static_cast<tmsize_t>(static_cast<std::uint64_t>(to - begin) / valueSize);
+  if (::TIFFIsByteSwapped(tiff) != 0 && valueSize == 2)
+  {
+    ::TIFFSwabArrayOfShort(reinterpret_cast<std::uint16_t*>(begin), samples);
+  }
+  else if (::TIFFIsByteSwapped(tiff) != 0 && valueSize == 4)
+  {
+    ::TIFFSwabArrayOfLong(reinterpret_cast<std::uint32_t*>(begin), samples);
+  }
+  else if (::TIFFIsByteSwapped(tiff) != 0 && valueSize == 8)
+  {
+    ::TIFFSwabArrayOfLong8(reinterpret_cast<std::uint64_t*>(begin), samples);
+  }
+  return Status::Ok();
+}
+
+// libtiff 4.5 writes outside of its memory when code cannot be read that the directory promises.
+bool TiffFile::HasCodeOf(std::uint32_t strile) const
+{
+  const std::uint64_t size = this->Tiff->File->GetSize();
+  const std::uint64_t offset = ::TIFFGetStrileOffset(this->Tiff->Tiff, strile);
+  return offset <= size && ::TIFFGetStrileByteCount(this->Tiff->Tiff, strile) <= size - offset;
+}
+
+Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  const std::size_t valueSize = GetValueSize(this->Format.Type);
+  const std::size_t rowBytes = static_cast<std::size_t>(this->Format.Width) * valueSize;
+  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) * valueSize;
+  const std::int64_t rowsPerStrip = std::max<std::int64_t>(1,
+    std::min<std::int64_t>(
+      this->Tiff->Get<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, 1), this->Format.Height));
+  for (std::int64_t row = rectangle.LowY; row < rectangle.HighY;)
+  {
+    const std::int64_t first = row / rowsPerStrip * rowsPerStrip;
+    const std::int64_t end = std::min(first + rowsPerStrip, this->Format.Height);
+    const std::size_t stripBytes = static_cast<std::size_t>(end - first) * rowBytes;
+    const bool isWhole = row == first && end <= rectangle.HighY && rowBytes == bytes;
+    const auto number = static_cast<std::uint32_t>(first / rowsPerStrip);
+    const bool hasCode = this->HasCodeOf(number);
+    if (hasCode && !isWhole)
+    {
+      this->Scratch.resize(stripBytes);
+    }
+    std::uint8_t* strip = isWhole ? to : this->Scratch.data();
+    if (!hasCode ||
+      ::TIFFReadEncodedStrip(tiff, number, strip, static_cast<tmsize_t>(stripBytes)) !=
+        static_cast<tmsize_t>(stripBytes))
+    {
+      return this->MakeError(
+        StatusCode::Corrupt, "the strip of row " + std::to_string(first) + " is truncated");
+    }
+    const std::int64_t last = std::min(end, rectangle.HighY);
+    for (std::int64_t copied = row; !isWhole && copied < last; ++copied)
+    {
+      std::memcpy(to + static_cast<std::size_t>(copied - row) * bytes,
+        strip + static_cast<std::size_t>(copied - first) * rowBytes +
+          static_cast<std::size_t>(rectangle.LowX) * valueSize,
+        bytes);
+    }
+    to += static_cast<std::size_t>(last - row) * bytes;
+    row = last;
+  }
+  return Status::Ok();
+}
+
+Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  const std::size_t valueSize = GetValueSize(this->Format.Type);
+  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) * valueSize;
+  const std::int64_t width = this->Tiff->Get<std::uint32_t>(TIFFTAG_TILEWIDTH, 0);
+  const std::int64_t height = this->Tiff->Get<std::uint32_t>(TIFFTAG_TILELENGTH, 0);
+  const tmsize_t tileBytes = ::TIFFTileSize(tiff);
+  if (width < 1 || height < 1 || tileBytes <= 0 ||
+    static_cast<std::uint64_t>(tileBytes) / valueSize / static_cast<std::uint64_t>(width) !=
+      static_cast<std::uint64_t>(height))
+  {
+    return this->MakeError(StatusCode::Corrupt, "the size of its tiles is impossible");
+  }
+  for (std::int64_t y = rectangle.LowY / height * height; y < rectangle.HighY; y += height)
+  {
+    for (std::int64_t x = rectangle.LowX / width * width; x < rectangle.HighX; x += width)
+    {
+      const std::uint32_t tile =
+        ::TIFFComputeTile(tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, 0);
+      const bool hasCode = this->HasCodeOf(tile);
+      this->Scratch.resize(hasCode ? static_cast<std::size_t>(tileBytes) : this->Scratch.size());
+      if (!hasCode ||
+        ::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes)
+      {
+        return this->MakeError(
+          StatusCode::Corrupt, "tile " + std::to_string(tile) + " is truncated");
+      }
+      const std::int64_t left = std::max(x, rectangle.LowX);
+      const std::int64_t right = std::min(x + width, rectangle.HighX);
+      for (std::int64_t row = std::max(y, rectangle.LowY);
+           row < std::min(y + height, rectangle.HighY); ++row)
+      {
+        std::memcpy(to + static_cast<std::size_t>(row - rectangle.LowY) * bytes +
+            static_cast<std::size_t>(left - rectangle.LowX) * valueSize,
+          this->Scratch.data() + static_cast<std::size_t>((row - y) * width + left - x) * valueSize,
+          static_cast<std::size_t>(right - left) * valueSize);
+      }
+    }
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface

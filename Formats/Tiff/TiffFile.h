@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_TiffFile_h
+#define isosurface_TiffFile_h
+
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ValueType.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The format of a page of a TIFF file. All pages of a stack have the same format.
+struct TiffFormat
+{
+  std::int64_t Width = 0;
+  std::int64_t Height = 0;
+  ValueType Type = ValueType::UInt8;
+
+  bool operator==(const TiffFormat& other) const
+  {
+    return this->Width == other.Width && this->Height == other.Height && this->Type == other.Type;
+  }
+};
+
+/// The place of a page in a TIFF file.
+struct TiffPage
+{
+  std::uint64_t Directory = 0; ///< offset of its directory
+  std::uint64_t Shift = 0;     ///< from the samples that the directory names to those of the page
+};
+
+/// A rectangle of a page, [Low, High) on each axis.
+struct TiffRectangle
+{
+  std::int64_t LowX = 0;
+  std::int64_t HighX = 0;
+  std::int64_t LowY = 0;
+  std::int64_t HighY = 0;
+};
+
+/**
+ * A TIFF or BigTIFF file of one or more pages with one sample a pixel: integers of 8, 16, 32 or 64
+ * bits, or floats of 32 or 64 bits; in strips or tiles; in either byte order; uncompressed or with
+ * LZW, deflate, PackBits, zstd, LZMA or JPEG; up to 2^20 pages. Samples are read as they are
+ * stored, the first row first, for any photometric interpretation. Also reads the files that ImageJ
+ * writes beyond 4 GiB: one directory, followed by the samples of all pages.
+ *
+ * One thread at a time may use a file. Errors name the file and the page.
+ *
+ * Sources: Adobe, "TIFF Revision 6.0", 1992; libtiff's documentation of BigTIFF; ImageJ's
+ * ij.io.TiffEncoder for the text in ImageDescription.
+ */
+class TiffFile
+{
+public:
+  static Result<std::unique_ptr<TiffFile>> Open(FileSystem& files, const std::string& path);
+  TiffFile(const TiffFile&) = delete;
+  TiffFile& operator=(const TiffFile&) = delete;
+  ~TiffFile();
+
+  /// Reads the directories of all pages, in the order of the file. Unsupported if the pages have
+  /// different formats, or descending numbers (tag PageNumber).
+  Result<std::vector<TiffPage>> FindPages();
+
+  /// The format of all pages, after FindPages() or SetFormat().
+  const TiffFormat& GetFormat() const { return this->Format; }
+  /// Sets the format that FindPages() found before, when a file is opened again.
+  void SetFormat(const TiffFormat& format) { this->Format = format; }
+  /// The maximum memory for reading, besides the samples, after FindPages().
+  std::uint64_t GetScratchBytes() const { return this->ScratchBytes; }
+
+  /// Reads a rectangle, row by row, without gaps, in the byte order of the machine.
+  Status Read(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
+
+private:
+  struct Handle;
+  explicit TiffFile(std::unique_ptr<Handle> handle);
+
+  /// The format of the current directory. Errors: Corrupt, Unsupported.
+  Result<TiffFormat> ReadFormat();
+  /// The pages of a file of ImageJ, whose single directory stands for several pages.
+  Result<std::vector<TiffPage>> ExpandImageJ(const TiffPage& first) const;
+  Status SelectPage(const TiffPage& page);
+  Status ReadRows(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
+  Status ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to);
+  Status ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to);
+  /// Whether the bytes of a strip or tile ("strile") are within the file.
+  bool HasCodeOf(std::uint32_t strile) const;
+  /// An error that names the file and the page. The reason is that of libtiff if there is one,
+  /// otherwise `reason`.
+  Status MakeError(StatusCode code, const std::string& reason) const;
+
+  std::unique_ptr<Handle> Tiff;
+  TiffFormat Format;
+  std::uint64_t ScratchBytes = 0;
+  std::vector<std::uint8_t> Scratch; ///< a strip or tile
+};
+
+} // namespace isosurface
+
+#endif

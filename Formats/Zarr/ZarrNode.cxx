@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Zarr/JsonField.h"
+#include "Formats/Zarr/ZarrMetadata.h"
+#include "Ground/Base/JsonDepth.h"
+
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t MaximumJsonSize = std::uint64_t{ 16 } << 20;
+/// Attributes are the user's, and may have any depth that somebody writes by hand.
+constexpr int MaximumDepth = 64;
+
+/// The JSON of a file; null if there is no such file.
+Result<Json> ReadJson(FileSystem& files, const std::string& path)
+{
+  if (!files.Exists(path))
+  {
+    return Json();
+  }
+  const auto file = files.OpenForReading(path);
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  if ((*file)->GetSize() > MaximumJsonSize)
+  {
+    return Status(StatusCode::Corrupt, path + ": cannot be read: it is too large for metadata");
+  }
+  std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  if (IsJsonDeeperThan(text, MaximumDepth))
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": cannot be read: it nests more than " + std::to_string(MaximumDepth) + " objects");
+  }
+  // NaN and infinity stand between quotation marks in both versions.
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object())
+  {
+    return Status(StatusCode::Corrupt, path + ": cannot be read: it is no JSON object; truncated?");
+  }
+  return json;
+}
+
+} // namespace
+
+Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder)
+{
+  ZarrNode node;
+  node.Attributes = Json::object();
+  auto third = ReadJson(files, folder + "/zarr.json");
+  ISOSURFACE_RETURN_IF_ERROR(third.GetStatus());
+  if (third->is_object())
+  {
+    node.Version = 3;
+    node.IsArray = FindJsonText(*third, "node_type") == "array";
+    if (FindJson(*third, "attributes").is_object())
+    {
+      node.Attributes = FindJson(*third, "attributes");
+    }
+    node.Array = std::move(*third);
+    return node;
+  }
+  auto array = ReadJson(files, folder + "/.zarray");
+  ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+  auto attributes = ReadJson(files, folder + "/.zattrs");
+  ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
+  if (array->is_object() || attributes->is_object() || files.Exists(folder + "/.zgroup"))
+  {
+    node.Version = 2;
+    node.IsArray = array->is_object();
+    node.Array = std::move(*array);
+    node.Attributes = attributes->is_object() ? std::move(*attributes) : node.Attributes;
+    return node;
+  }
+  auto n5 = ReadJson(files, folder + "/attributes.json");
+  ISOSURFACE_RETURN_IF_ERROR(n5.GetStatus());
+  if (n5->is_object())
+  {
+    node.Version = 5;
+    node.IsArray = n5->contains("dimensions") && n5->contains("blockSize");
+    node.Array = *n5;
+    node.Attributes = std::move(*n5);
+  }
+  return node;
+}
+
+} // namespace isosurface

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/CodedVolumes.h"
+
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/Coding.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+using namespace isosurface;
+
+namespace
+{
+
+std::vector<std::uint8_t> EncodeSmall(EdgeIndexMode mode, EdgeIndexProfile profile)
+{
+  const auto volume = MakeWaves<std::uint8_t>({ 20, 12, 10 }, 0.5);
+  TestBlockSource<std::uint8_t> source(volume, 16);
+  return *EncodeSurface(MakeHeader(volume, { 120.5 }, mode, profile), source, 1);
+}
+
+bool Decodes(const std::vector<std::uint8_t>& bytes)
+{
+  // In memory of their own size, so that a read behind their end is found.
+  const std::unique_ptr<std::uint8_t[]> copy(new std::uint8_t[bytes.size()]);
+  std::copy(bytes.begin(), bytes.end(), copy.get());
+  return DecodeSurface(copy.get(), bytes.size(), MakeRequest({}), 1).IsOk();
+}
+
+} // namespace
+
+TEST(EdgeIndexCorruption, EveryFlippedByteIsFound)
+{
+  const std::vector<std::uint8_t> good =
+    EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  ASSERT_TRUE(Decodes(good));
+  for (std::size_t n = 0; n < good.size(); ++n)
+  {
+    std::vector<std::uint8_t> bad = good;
+    bad[n] = static_cast<std::uint8_t>(~bad[n]);
+    EXPECT_FALSE(Decodes(bad)) << n;
+    bad[n] = static_cast<std::uint8_t>(good[n] ^ 1u << (n % 8));
+    EXPECT_FALSE(Decodes(bad)) << n;
+  }
+}
+
+TEST(EdgeIndexCorruption, EveryCutIsFoundUnlessItLeavesWholeBlocks)
+{
+  const std::vector<std::uint8_t> good =
+    EncodeSmall(EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
+  int decoded = 0;
+  for (std::size_t size = 0; size < good.size(); ++size)
+  {
+    decoded += Decodes(std::vector<std::uint8_t>(good.begin(), good.begin() + size)) ? 1 : 0;
+  }
+  EXPECT_EQ(decoded, 2); // the header alone, and with the first of two blocks
+}
+
+TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
+{
+  for (const EdgeIndexMode mode :
+    { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
+  {
+    for (const EdgeIndexProfile profile :
+      { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+    {
+      const std::vector<std::uint8_t> good = EncodeSmall(mode, profile);
+      std::size_t first = 0;
+      const auto header = EdgeIndexHeader::Parse(good.data(), good.size(), first);
+      ASSERT_TRUE(header.IsOk());
+      std::size_t used = 0;
+      const auto parsed =
+        EdgeIndexRecord::Parse(*header, good.data() + first, good.size() - first, used);
+      ASSERT_TRUE(parsed.IsOk());
+      for (std::size_t n = 0; n < parsed->CodeSize; ++n)
+      {
+        std::vector<std::uint8_t> code(parsed->Code, parsed->Code + parsed->CodeSize);
+        code[n] = static_cast<std::uint8_t>(code[n] + 1 + n % 200);
+        EdgeIndexRecord record = *parsed;
+        record.Code = code.data();
+        std::vector<std::uint8_t> bytes(good.begin(), good.begin() + first);
+        record.Append(bytes); // with the right checksum
+        Decodes(bytes);
+        record.CodeSize = n;
+        bytes.resize(first);
+        record.Append(bytes);
+        Decodes(bytes);
+      }
+    }
+  }
+}
+
+TEST(EdgeIndexCorruption, NormalsThatAreNotInTheStreamAreRefused)
+{
+  const std::vector<std::uint8_t> good =
+    EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  ContourRequest request;
+  request.Normals = true;
+  EXPECT_EQ(DecodeSurface(good.data(), good.size(), request, 1).GetStatus().GetCode(),
+    StatusCode::InvalidArgument);
+}
+
+TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
+{
+  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  std::size_t size = 0;
+  ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
+  bytes[18] = 3;
+  StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
+  EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
+    StatusCode::Corrupt);
+}
+
+TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)
+{
+  for (const std::uint8_t version : { 0, 2, 3, 255 })
+  {
+    std::vector<std::uint8_t> bytes =
+      EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    ASSERT_EQ(bytes[8], 1);
+    bytes[8] = version;
+    const Status status = DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus();
+    EXPECT_EQ(status.GetCode(), StatusCode::Unsupported);
+    EXPECT_NE(status.GetMessage().find("version " + std::to_string(version)), std::string::npos);
+  }
+}

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ground/Base/Status.h"
+#include "Ground/Base/DescriptorPool.h"
+
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <new>
+#include <system_error>
+#include <vector>
+
+using namespace isosurface;
+
+namespace
+{
+
+// The error of a step that throws.
+template <typename Step>
+Status Catch(const Step& step)
+{
+  try
+  {
+    step();
+  }
+  catch (const std::exception& exception)
+  {
+    return MakeExceptionError("a.bvol", exception);
+  }
+  return Status::Ok();
+}
+
+TEST(Status, ShortMemoryIsNotTakenForAnErrorOfTheDisk)
+{
+  const Status error = Catch([] { throw std::bad_alloc(); });
+  EXPECT_EQ(error.GetCode(), StatusCode::OutOfMemory);
+  EXPECT_EQ(error.GetMessage(), "a.bvol: there is not enough memory");
+  const Status length = Catch([] { throw std::bad_array_new_length(); });
+  EXPECT_EQ(length.GetCode(), StatusCode::OutOfMemory);
+}
+
+TEST(Status, AnExceptionOfTheSystemKeepsItsWords)
+{
+  const Status error = Catch(
+    []
+    {
+      throw std::system_error(
+        std::make_error_code(std::errc::resource_unavailable_try_again), "thread");
+    });
+  EXPECT_EQ(error.GetCode(), StatusCode::IoError);
+  EXPECT_NE(error.GetMessage().find("a.bvol: thread"), std::string::npos) << error.GetMessage();
+}
+
+TEST(Status, OnlyADiskWithoutRoomIsAFullDisk)
+{
+  for (const int error : { ENOSPC, EDQUOT, EFBIG })
+  {
+    EXPECT_EQ(MakeSystemError("a", "write", error).GetCode(), StatusCode::DiskFull) << error;
+  }
+  for (const int error : { EIO, EACCES, EMFILE, EROFS })
+  {
+    EXPECT_EQ(MakeSystemError("a", "write", error).GetCode(), StatusCode::IoError) << error;
+  }
+  EXPECT_EQ(MakeSystemError("a", "read", ENOENT).GetCode(), StatusCode::NotFound);
+  EXPECT_EQ(MakeSystemError("a", "read", ENOMEM).GetCode(), StatusCode::OutOfMemory);
+}
+
+} // namespace

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Compositing/FramePlanner.h"
+
+#include "Fixtures/ThreadCommunicator.h"
+
+#include <gtest/gtest.h>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr int Ranks = 3;
+constexpr PixelRectangle Display{ 0, 0, 320, 200 };
+
+/// Rank r draws a rectangle of its own; rank 2 nothing.
+PixelRectangle GetPixels(int rank)
+{
+  return rank == 2 ? PixelRectangle{} : PixelRectangle{ 100 * rank, 30, 90, 120 };
+}
+
+FrameProposal MakeProposalOf(int rank, const std::vector<int>& divisors)
+{
+  FrameProposal proposal;
+  for (const int divisor : divisors)
+  {
+    proposal.Choices.push_back(MakeViewport(GetPixels(rank), divisor));
+  }
+  proposal.Triangles = 1000 * (rank + 1);
+  proposal.NearDistance = 1 + rank;
+  proposal.FarDistance = 2 + rank;
+  return proposal;
+}
+
+FrameProposal MakeProposalWithBudget(int rank, double budget)
+{
+  FrameProposal proposal = MakeProposalOf(rank, { 1, 2, 4, 8, 16 });
+  proposal.Budget = budget;
+  return proposal;
+}
+
+} // namespace
+
+TEST(FramePlanner, AProposalArrivesAsItWasSent)
+{
+  FrameProposal sent = MakeProposalWithBudget(1, 0.25);
+  sent.Triangles = std::int64_t{ 1 } << 40;
+  sent.LastSeconds = 0.125;
+  sent.WantsDepths = true;
+  const FrameProposal received = FrameProposal::Unpack(sent.Pack());
+  EXPECT_EQ(received.Choices, sent.Choices);
+  EXPECT_EQ(received.Triangles, sent.Triangles);
+  EXPECT_EQ(received.NearDistance, sent.NearDistance);
+  EXPECT_EQ(received.FarDistance, sent.FarDistance);
+  EXPECT_EQ(received.LastSeconds, sent.LastSeconds);
+  EXPECT_EQ(received.Budget, sent.Budget);
+  EXPECT_EQ(received.WantsDepths, sent.WantsDepths);
+}
+
+TEST(FramePlanner, WithoutABudgetTheViewportsAreThoseProposed)
+{
+  ThreadCommunicator::Run(Ranks,
+    [](Communicator& communicator)
+    {
+      FramePlanner planner;
+      const FramePlan plan = planner.Plan(communicator,
+        MakeProposalOf(communicator.GetRank(), { communicator.GetRank() + 1 }), Display);
+      ASSERT_EQ(plan.Viewports.size(), std::size_t{ Ranks });
+      for (int rank = 0; rank < Ranks; ++rank)
+      {
+        EXPECT_EQ(
+          plan.Viewports[static_cast<std::size_t>(rank)], MakeViewport(GetPixels(rank), rank + 1));
+      }
+      EXPECT_FALSE(plan.WantsDepths);
+    });
+}
+
+TEST(FramePlanner, DepthsAreCollectedIfOneRankWantsThem)
+{
+  ThreadCommunicator::Run(Ranks,
+    [](Communicator& communicator)
+    {
+      FrameProposal mine = MakeProposalOf(communicator.GetRank(), { 1 });
+      mine.WantsDepths = communicator.GetRank() == 1;
+      EXPECT_TRUE(FramePlanner().Plan(communicator, mine, Display).WantsDepths);
+    });
+}
+
+TEST(FramePlanner, FramesThatTakeTooLongGetCoarserOnAllRanks)
+{
+  ThreadCommunicator::Run(Ranks,
+    [](Communicator& communicator)
+    {
+      const int rank = communicator.GetRank();
+      FramePlanner planner;
+      FramePlan plan = planner.Plan(communicator, MakeProposalWithBudget(rank, 1000), Display);
+      EXPECT_EQ(plan.Viewports[0].Divisor, 1);
+      EXPECT_EQ(plan.Viewports[1].Divisor, 1);
+      // The slowest rank counts.
+      for (int frame = 0; frame < 4; ++frame)
+      {
+        FrameProposal mine = MakeProposalWithBudget(rank, 1e-3);
+        mine.LastSeconds = rank == 1 ? 10.0 : 1e-6;
+        plan = planner.Plan(communicator, mine, Display);
+      }
+      EXPECT_EQ(plan.Viewports[0], MakeViewport(GetPixels(0), 16));
+      EXPECT_EQ(plan.Viewports[1], MakeViewport(GetPixels(1), 16));
+      EXPECT_TRUE(plan.Viewports[2].Blocks.IsEmpty());
+    });
+}
+
+TEST(FramePlanner, ABudgetOfSomeRanksOnlyMeansFullResolution)
+{
+  ThreadCommunicator::Run(Ranks,
+    [](Communicator& communicator)
+    {
+      const int rank = communicator.GetRank();
+      const FrameProposal mine =
+        rank == 1 ? MakeProposalOf(rank, { 2 }) : MakeProposalWithBudget(rank, 1e-9);
+      const FramePlan plan = FramePlanner().Plan(communicator, mine, Display);
+      EXPECT_EQ(plan.Viewports[0].Divisor, 1);
+      EXPECT_EQ(plan.Viewports[1].Divisor, 2);
+    });
+}

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Query/BackgroundExtraction.h"
+#include "Fixtures/VolumeOnDisk.h"
+#include "Ranks/Query/VolumeContour.h"
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr double Isovalue = 40;
+
+BackgroundExtraction::Job MakeJob(const std::shared_ptr<BlockedVolume>& volume, int level)
+{
+  BackgroundExtraction::Job job;
+  job.Volume = volume;
+  job.Query.Isovalues = { Isovalue, Isovalue + 20 };
+  job.Request.Isovalues = job.Query.Isovalues;
+  job.Request.Normals = true;
+  job.Request.GlobalIds = true;
+  job.Choice.Level = level;
+  job.Threads = 2;
+  return job;
+}
+
+ExtractionTask MakeTask(const BackgroundExtraction::Job& job)
+{
+  return { *job.Volume, job.Query, job.Request, 1, {} };
+}
+
+template <typename T>
+void ExpectSameBytes(const Buffer<T>& a, const Buffer<T>& b)
+{
+  ASSERT_EQ(a.GetSize(), b.GetSize());
+  EXPECT_EQ(std::memcmp(a.GetData(), b.GetData(), a.GetSize() * sizeof(T)), 0);
+}
+
+void ExpectSameBits(const Surface& surface, const Surface& expected)
+{
+  EXPECT_GT(expected.NumberOfTriangles, 1000u);
+  EXPECT_EQ(surface.NumberOfTriangles, expected.NumberOfTriangles);
+  ExpectSameBytes(surface.Points, expected.Points);
+  ExpectSameBytes(surface.Normals, expected.Normals);
+  ExpectSameBytes(surface.GlobalIds, expected.GlobalIds);
+  ExpectSameBytes(surface.Connectivity.Values32, expected.Connectivity.Values32);
+}
+
+class BackgroundExtractionTest : public testing::Test
+{
+protected:
+  BackgroundExtractionTest()
+  {
+    WriteVolumeOk(this->Disk, MakeVolume<std::int16_t>({ 90, 85, 80 }), MakeSettings(16, 3));
+  }
+
+  Surface ExtractAtOnce(int level)
+  {
+    const BackgroundExtraction::Job job = MakeJob(OpenVolume(this->Disk), level);
+    ExtractionOutcome outcome;
+    EXPECT_TRUE(ExtractLevel(MakeTask(job), level, outcome).IsOk());
+    return std::move(outcome.Extracted);
+  }
+
+  MemoryDisk Disk;
+};
+
+} // namespace
+
+TEST_F(BackgroundExtractionTest, GivesTheSurfaceThatIsExtractedAtOnce)
+{
+  for (int level = 0; level < 2; ++level)
+  {
+    const auto volume = OpenVolume(this->Disk);
+    BackgroundExtraction extraction(MakeJob(volume, level));
+    while (!extraction.Wait(0.001))
+    {
+      EXPECT_GE(extraction.GetProgress(), 0);
+    }
+    EXPECT_EQ(extraction.GetProgress(), 1);
+    ExtractionOutcome outcome;
+    outcome.Cost.Reading.TreePagesRead = 1'000'000;
+    ASSERT_TRUE(extraction.Take({}, outcome).IsOk());
+    ExpectSameBits(outcome.Extracted, this->ExtractAtOnce(level));
+    EXPECT_EQ(outcome.Cost.Level, level);
+    EXPECT_GT(outcome.Cost.Reading.TreePagesRead, 1'000'000u) << "costs are added";
+    EXPECT_GT(outcome.Cost.Reading.ActiveBlocks, 0u);
+  }
+}
+
+TEST_F(BackgroundExtractionTest, StopsWhenNobodyWantsIt)
+{
+  const std::uint64_t before = this->Disk.GetReads();
+  this->ExtractAtOnce(0);
+  const std::uint64_t all = this->Disk.GetReads() - before;
+  ASSERT_GT(all, 150u);
+  const auto volume = OpenVolume(this->Disk);
+  const std::uint64_t opened = this->Disk.GetReads();
+  this->Disk.SetBeforeRead([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
+  {
+    const BackgroundExtraction extraction(MakeJob(volume, 0));
+  }
+  EXPECT_LT(this->Disk.GetReads() - opened, all / 2);
+}
+
+TEST_F(BackgroundExtractionTest, TakingItCanBeAborted)
+{
+  const auto volume = OpenVolume(this->Disk);
+  this->Disk.SetBeforeRead([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
+  BackgroundExtraction extraction(MakeJob(volume, 0));
+  ExtractionOutcome outcome;
+  int calls = 0;
+  const Status status = extraction.Take([&](double) { return ++calls < 2; }, outcome);
+  EXPECT_EQ(status.GetCode(), StatusCode::Aborted);
+  EXPECT_EQ(calls, 2);
+}
+
+TEST_F(BackgroundExtractionTest, TellsOfErrorsWhenItIsTaken)
+{
+  const auto volume = OpenVolume(this->Disk);
+  this->Disk.FailFromRead(60); // its own files are open by then
+  BackgroundExtraction extraction(MakeJob(volume, 0));
+  ExtractionOutcome outcome;
+  const Status status = extraction.Take({}, outcome);
+  EXPECT_EQ(status.GetCode(), StatusCode::IoError);
+  EXPECT_NE(status.GetMessage().find("/data/volume.bvol"), std::string::npos);
+  EXPECT_TRUE(extraction.Wait(0));
+}
+
+TEST_F(BackgroundExtractionTest, IsTakenOnlyForItsLevelAndShare)
+{
+  const auto volume = OpenVolume(this->Disk);
+  VolumeContour contour;
+  LevelChoice choice;
+  const auto extract = [&](const BackgroundExtraction::Job& job)
+  {
+    ExtractionOutcome outcome;
+    EXPECT_TRUE(contour.ExtractAtLevel(MakeTask(job), choice, outcome).IsOk());
+    return std::move(outcome.Extracted);
+  };
+  const BackgroundExtraction::Job whole = MakeJob(volume, 1);
+  contour.Prepare(whole);
+  ASSERT_NE(contour.GetPrepared(), nullptr);
+  ExpectSameBits(extract(whole), this->ExtractAtOnce(0));
+  EXPECT_NE(contour.GetPrepared(), nullptr) << "it is of another level";
+
+  choice.Level = 1;
+  BackgroundExtraction::Job half = whole;
+  half.Query.Ranks = 2;
+  const Surface part = extract(half);
+  EXPECT_NE(contour.GetPrepared(), nullptr) << "it is of another share";
+  ExpectSameBits(extract(whole), this->ExtractAtOnce(1));
+  EXPECT_EQ(contour.GetPrepared(), nullptr) << "it was handed over";
+  EXPECT_LT(part.NumberOfTriangles, this->ExtractAtOnce(1).NumberOfTriangles);
+}

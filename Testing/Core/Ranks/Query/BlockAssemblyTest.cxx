@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Query/BlockAssembly.h"
+#include "Fixtures/VolumeOnDisk.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+namespace
+{
+
+std::vector<BlockReference> FindBlocks(BlockedVolume& volume, const BlockBox& box, int level = 0)
+{
+  QueryStatistics statistics;
+  auto all = volume.GetShare(0, 0, 1, statistics, level);
+  EXPECT_TRUE(all.IsOk());
+  std::vector<BlockReference> blocks;
+  for (const BlockReference& block : *all)
+  {
+    if (box.Contains(volume.FindLevel(level).Grid->GetBlockCoordinates(block.Block)))
+    {
+      blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
+
+} // namespace
+
+TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
+{
+  for (const Index3& size :
+    { Index3{ 70, 33, 50 }, Index3{ 17, 40, 1 }, Index3{ 3, 2, 66 }, Index3{ 65, 65, 18 } })
+  {
+    const auto source = MakeVolume<std::int16_t>(size);
+    for (const int blockSize : { 16, 32 })
+    {
+      MemoryDisk disk;
+      WriteVolumeOk(disk, source, MakeSettings(blockSize, 3));
+      const auto volume = OpenVolume(disk);
+      for (int level = 0; level < volume->GetNumberOfLevels(); ++level)
+      {
+        const StoredLevel stored = volume->FindLevel(level);
+        const BlockGrid& grid = *stored.Grid;
+        for (const int pieces : { 1, 2, 3, 7 })
+        {
+          std::int64_t cells = 0;
+          for (int piece = 0; piece < pieces; ++piece)
+          {
+            const BlockBox box = PartitionBlocks(grid, piece, pieces);
+            if (box.IsEmpty())
+            {
+              continue;
+            }
+            const VertexBox vertices = box.GetGhostedVertices(grid, stored.Level);
+            std::vector<std::int16_t> samples(
+              static_cast<std::size_t>(vertices.GetNumberOfVertices()), 12345);
+            QueryStatistics statistics;
+            const auto blocks = FindBlocks(*volume, box, level);
+            const Status status =
+              AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), 1, statistics);
+            ASSERT_TRUE(status.IsOk()) << status.GetMessage();
+            EXPECT_EQ(statistics.BlocksRead + statistics.BlockCacheHits, blocks.size());
+            std::size_t at = 0;
+            for (std::int64_t k = vertices.Low[2]; k < vertices.High[2]; ++k)
+            {
+              for (std::int64_t j = vertices.Low[1]; j < vertices.High[1]; ++j)
+              {
+                for (std::int64_t i = vertices.Low[0]; i < vertices.High[0]; ++i)
+                {
+                  ASSERT_EQ(samples[at++], source.At(i << level, j << level, k << level));
+                }
+              }
+            }
+            const Index3 own = box.GetVertices(grid, stored.Level).GetSize();
+            cells += (own[0] - 1) * (own[1] - 1) * (own[2] - 1);
+          }
+          const Index3 vertices = MakeGeometry(size).Coarsen(level).GetDimensions();
+          EXPECT_EQ(cells, (vertices[0] - 1) * (vertices[1] - 1) * (vertices[2] - 1));
+        }
+      }
+    }
+  }
+}
+
+TEST(BlockAssembly, ReportsTheErrorOfABlock)
+{
+  const auto source = MakeVolume<std::uint8_t>({ 40, 40, 40 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, source, MakeSettings(16, 1));
+  disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
+  const auto volume = OpenVolume(disk);
+  const BlockBox box = PartitionBlocks(volume->GetBlockGrid(), 0, 1);
+  std::vector<std::uint8_t> samples(static_cast<std::size_t>(
+    box.GetGhostedVertices(volume->GetBlockGrid(), 0).GetNumberOfVertices()));
+  QueryStatistics statistics;
+  const Status status = AssembleBlocks(
+    *volume, 0, 0, 0, box, FindBlocks(*volume, box), 2, samples.data(), 1, statistics);
+  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(status.GetMessage().find("blocks"), std::string::npos);
+}
+
+TEST(BlockAssembly, StopsOnRequest)
+{
+  const auto source = MakeVolume<std::uint8_t>({ 40, 40, 40 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, source, MakeSettings(16, 1));
+  const auto volume = OpenVolume(disk);
+  const BlockBox box = PartitionBlocks(volume->GetBlockGrid(), 0, 1);
+  std::vector<std::uint8_t> samples(40 * 40 * 40);
+  QueryStatistics statistics;
+  const Status status = AssembleBlocks(*volume, 0, 0, 0, box, FindBlocks(*volume, box), 1,
+    samples.data(), 1, statistics, [](double) { return false; });
+  EXPECT_EQ(status.GetCode(), StatusCode::Aborted);
+}
+
+TEST(BlockAssembly, LevelWithinALimitIsTheFinestThatFits)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::int16_t>({ 70, 33, 50 }), MakeSettings(16, 3));
+  const auto volume = OpenVolume(disk);
+  for (const int pieces : { 1, 3 })
+  {
+    for (int level = 0; level < 3; ++level)
+    {
+      const std::uint64_t bytes =
+        volume->EstimateBytes(0, level) / static_cast<std::uint64_t>(pieces);
+      EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, bytes), level);
+      EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, bytes - 1), level + 1);
+      // Two arrays take twice as much.
+      EXPECT_EQ(FindLevelWithin(*volume, { 0, 0 }, pieces, 2 * bytes), level);
+    }
+  }
+  EXPECT_EQ(FindLevelWithin(*volume, { 0 }, 1, 0), std::nullopt);
+  EXPECT_EQ(FindLevelWithin(*volume, {}, 1, 0), 0) << "no array takes no memory";
+}
+
+} // namespace isosurface

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Query/ProgressiveLevels.h"
+#include "Fixtures/VolumeOnDisk.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+/// Shells around a corner, far enough from each other for coarse levels to see them.
+SampleVolume<std::uint8_t> MakeShells(const Index3& size)
+{
+  return SampleVolume<std::uint8_t>(size,
+    [](auto i, auto j, auto k)
+    { return static_cast<std::uint8_t>((i * i + j * j + k * k) / 160 % 200); });
+}
+
+SurfaceQuery MakeQuery(const std::vector<double>& isovalues)
+{
+  SurfaceQuery query;
+  query.Isovalues = isovalues;
+  return query;
+}
+
+/// The level that a single rank chooses; -1 and a failed test after an error.
+int ChooseAlone(BlockedVolume& volume, const std::vector<double>& isovalues, int finest)
+{
+  SerialCommunicator alone;
+  const auto level = ChooseFirstLevel(volume, MakeQuery(isovalues), finest, alone);
+  EXPECT_TRUE(level.IsOk()) << level.GetStatus().GetMessage();
+  return level.IsOk() ? *level : -1;
+}
+
+} // namespace
+
+TEST(ProgressiveLevels, BeginAtTheFinestOneWithATwentiethOfTheTriangles)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  const auto count = [&](int level)
+  {
+    return *opened->EstimateTriangles(0, 0, 100, level) +
+      *opened->EstimateTriangles(0, 0, 30, level);
+  };
+  for (int finest = 0; finest < 2; ++finest)
+  {
+    const int first = ChooseAlone(*opened, { 100, 30 }, finest);
+    ASSERT_GT(first, finest + 1);
+    ASSERT_LT(first, opened->GetNumberOfLevels() - 1);
+    EXPECT_GT(count(first), 0);
+    EXPECT_LE(20 * count(first), count(finest));
+    EXPECT_GT(20 * count(first - 1), count(finest));
+  }
+}
+
+TEST(ProgressiveLevels, NeverBeginWithAnEmptySurface)
+{
+  MemoryDisk disk;
+  // A ball that the coarsest levels miss.
+  WriteVolumeOk(disk,
+    SampleVolume<std::uint8_t>({ 100, 100, 100 },
+      [](auto i, auto j, auto k)
+      {
+        const auto square = (i - 50) * (i - 50) + (j - 51) * (j - 51) + (k - 53) * (k - 53);
+        return static_cast<std::uint8_t>(square < 9 ? 100 : 0);
+      }),
+    MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  const int coarsest = opened->GetNumberOfLevels() - 1;
+  const int first = ChooseAlone(*opened, { 50 }, 0);
+  EXPECT_GT(*opened->EstimateTriangles(0, 0, 50, first), 0);
+  EXPECT_LT(first, coarsest);
+  EXPECT_EQ(*opened->EstimateTriangles(0, 0, 50, first + 1), 0);
+
+  EXPECT_EQ(ChooseAlone(*opened, { 0 }, 1), 1) << "a surface without triangles";
+  EXPECT_EQ(ChooseAlone(*opened, {}, 0), 0) << "no isovalues";
+  EXPECT_EQ(ChooseAlone(*opened, { 50 }, coarsest), coarsest) << "nothing is coarser";
+}
+
+TEST(ProgressiveLevels, EndWithTheFinestOneAndSkipThoseInItsBlocks)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  for (int finest = 0; finest < opened->GetNumberOfLevels(); ++finest)
+  {
+    for (int level = opened->GetNumberOfLevels() - 1; level > finest;)
+    {
+      const int next = GetNextLevel(*opened, level, finest);
+      ASSERT_LT(next, level);
+      ASSERT_GE(next, finest);
+      EXPECT_TRUE(next == finest || opened->FindLevel(next).Level == 0);
+      if (level - next > 1)
+      {
+        EXPECT_EQ(opened->FindLevel(next).Part, opened->FindLevel(level - 1).Part);
+      }
+      level = next;
+    }
+  }
+}
+
+TEST(ProgressiveLevels, BetweenTheFirstAndTheLastAreForLargeSurfacesAlone)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  SerialCommunicator alone;
+  EXPECT_TRUE(*IsDirectSurface(*opened, MakeQuery({ 100 }), 0, alone));
+  const double triangles = *opened->EstimateTriangles(0, 0, 100, 0);
+  const auto many = static_cast<std::size_t>(DirectSurfaceTriangles / triangles) + 1;
+  const SurfaceQuery query = MakeQuery(std::vector<double>(many, 100.0));
+  EXPECT_FALSE(*IsDirectSurface(*opened, query, 0, alone));
+  EXPECT_TRUE(*IsDirectSurface(*opened, query, 3, alone)) << "it is smaller at that level";
+}
+
+TEST(ProgressiveLevels, AreEqualOnAllRanksAndSoAreErrors)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
+  const int expected = ChooseAlone(*OpenVolume(disk), { 100 }, 0);
+  MemoryDisk damaged;
+  WriteVolumeOk(damaged, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
+  for (const auto& [path, bytes] : damaged.GetFiles())
+  {
+    if (path.find("spectra") != std::string::npos)
+    {
+      bytes->resize(bytes->size() / 2);
+    }
+  }
+  const auto sound = OpenVolume(disk);
+  const auto broken = OpenVolume(damaged);
+  ASSERT_NE(sound, nullptr);
+  ASSERT_NE(broken, nullptr);
+  ThreadCommunicator::Run(3,
+    [&](Communicator& communicator)
+    {
+      const auto level = ChooseFirstLevel(*sound, MakeQuery({ 100 }), 0, communicator);
+      EXPECT_TRUE(level.IsOk());
+      EXPECT_EQ(level.IsOk() ? *level : -1, expected);
+      const bool isBroken = communicator.GetRank() == 1;
+      const auto error =
+        ChooseFirstLevel(isBroken ? *broken : *sound, MakeQuery({ 100 }), 0, communicator);
+      EXPECT_EQ(
+        error.GetStatus().GetCode(), isBroken ? StatusCode::Corrupt : StatusCode::RemoteFailure);
+      EXPECT_NE(error.GetStatus().GetMessage().find("spectra"), std::string::npos);
+    });
+}

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_Testing_RankDeeds_h
+#define isosurface_Testing_RankDeeds_h
+
+#include "Fixtures/TestBlockSource.h"
+#include "Fixtures/VolumeOnDisk.h"
+
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Ranks/Query/ProgressiveLevels.h"
+#include "Ranks/Query/StoredBlockSource.h"
+#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Redistribution/SurfaceExchange.h"
+#include "Surface/Spectrum/GridSpectrum.h"
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+/// What several ranks do together with a volume that is on a disk. Each rank may see the disk in its
+/// own way.
+struct RankDeeds
+{
+  static constexpr double Isovalue = 30;
+  inline static const Index3 Size = { 50, 36, 34 };
+  inline static const std::string SurfacePath = "/data/surface.eix";
+
+  /// Writes another volume in place of the one on the disk.
+  static Status WriteVolume(Communicator& ranks, FileSystem& disk)
+  {
+    const VertexBox box = SlabOfEach(ranks.GetRank(), ranks.GetSize(), Size);
+    const PieceOfVolume<std::uint8_t> part(GetOther(), box);
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.Threads = 1;
+    return BlockedVolumeWriter(ranks, disk)
+      .Write(VolumePath, MakeGeometry(Size), { { "density", ValueType::UInt8 } },
+        VolumePiece{ box, { part.View } }, settings)
+      .GetStatus();
+  }
+
+  static Status WriteEdgeIndexFile(Communicator& ranks, FileSystem& disk)
+  {
+    TestBlockSource<std::uint8_t> whole(GetSamples(), 16);
+    TestBlockSource<std::uint8_t> source(GetSamples(), 16);
+    source.Blocks.clear();
+    std::vector<std::int64_t> numbers;
+    for (const std::int64_t block : whole.Blocks)
+    {
+      if (block % ranks.GetSize() == ranks.GetRank())
+      {
+        source.Blocks.push_back(block);
+        numbers.push_back(block);
+      }
+    }
+    EdgeIndexHeader header;
+    header.Geometry = GetSamples().Geometry;
+    header.Type = ValueType::UInt8;
+    header.Isovalues = { Isovalue };
+    return EdgeIndexWriteJob(ranks, disk, SurfacePath, header, source, numbers, { 1, 200 })
+      .Run()
+      .GetStatus();
+  }
+
+  static Status ExtractWithinBudget(Communicator& ranks, FileSystem& disk)
+  {
+    const auto volume = Open(ranks, disk);
+    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+    const SurfaceQuery query = MakeQuery(ranks);
+    ContourRequest request;
+    request.Isovalues = query.Isovalues;
+    const auto first = ChooseFirstLevel(**volume, query, 0, ranks);
+    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
+    VolumeContour contour;
+    VolumeContour::Outcome outcome;
+    return contour.ExtractWithinBudget(
+      ranks, { 100, 1000000 }, { **volume, query, request, 1, {} }, 0, outcome);
+  }
+
+  static Status Distribute(Communicator& ranks, FileSystem& disk)
+  {
+    const auto volume = Open(ranks, disk);
+    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+    const SurfaceQuery query = MakeQuery(ranks);
+    QueryStatistics statistics;
+    auto active =
+      (*volume)->FindActiveBlocks(0, 0, query.Isovalues, query.Rank, query.Ranks, statistics);
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(active.GetStatus()));
+    StoredBlockSource source(**volume, 0, 0, 0, std::move(*active));
+    EdgeIndexHeader header;
+    header.Geometry = (*volume)->GetHeader().Grid;
+    header.Type = ValueType::UInt8;
+    header.Isovalues = query.Isovalues;
+    ContourRequest request;
+    request.Isovalues = query.Isovalues;
+    SurfaceExchange::Settings settings;
+    settings.Threads = 1;
+    settings.RoundBytes = 500;
+    return SurfaceExchange(ranks, header, request, settings).Run(source).GetStatus();
+  }
+
+  /// Of a volume in memory, in slabs.
+  static Status CountSpectrum(Communicator& ranks, FileSystem&)
+  {
+    const VertexBox box = SlabOfEach(ranks.GetRank(), ranks.GetSize(), Size);
+    const PieceOfVolume<std::uint8_t> part(GetOther(), box);
+    GridSpectrum spectrum(MakeGeometry(Size), ValueType::UInt8, { part.View }, 1);
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.FindRanges(ranks));
+    const auto bins = SpectrumBins::Choose(ValueType::UInt8, spectrum.GetFiniteRange());
+    return spectrum.Count(ranks, bins).GetStatus();
+  }
+
+  /// Of the volume on the disk, and of the one in its place.
+  static const SampleVolume<std::uint8_t>& GetSamples()
+  {
+    static const auto samples = MakeVolume<std::uint8_t>(Size, 1);
+    return samples;
+  }
+  static const SampleVolume<std::uint8_t>& GetOther()
+  {
+    static const auto samples = MakeVolume<std::uint8_t>(Size, 2);
+    return samples;
+  }
+
+private:
+  static SurfaceQuery MakeQuery(const Communicator& ranks)
+  {
+    SurfaceQuery query;
+    query.Isovalues = { Isovalue };
+    query.Rank = ranks.GetRank();
+    query.Ranks = ranks.GetSize();
+    return query;
+  }
+
+  /// As the reader does.
+  static Result<std::shared_ptr<BlockedVolume>> Open(Communicator& ranks, FileSystem& disk)
+  {
+    auto volume =
+      BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(std::uint64_t{ 1 } << 24));
+    const std::uint64_t fingerprint = volume.IsOk() ? (*volume)->GetFingerprint() : 0;
+    ISOSURFACE_RETURN_IF_ERROR(
+      ranks.Agree(volume.GetStatus(), { { fingerprint, VolumePath + " differs" } }));
+    return volume;
+  }
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Levels down to a single block: the cost of reading them, and their surfaces, block by block,
+// against the same surface of the whole volume, subsampled in memory.
+#include "Fixtures/PlainContour.h"
+#include "Fixtures/VolumeOnDisk.h"
+#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Writing/OverviewSamples.h"
+#include "Surface/Spectrum/BlockWorkload.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+/// The vertices of a level, in a world of their own: the plain contour knows no spacing's normals.
+GridGeometry MakeLevelGeometry(const Index3& size, int level)
+{
+  GridGeometry geometry;
+  geometry.Extent = MakeGeometry(size).Coarsen(level).Extent;
+  geometry.Origin = { 0.25, -3, 1000 };
+  return geometry;
+}
+
+/// Every 2^level-th vertex of a volume, as a volume of its own.
+template <typename T>
+SampleVolume<T> Subsample(const SampleVolume<T>& volume, int level)
+{
+  const GridGeometry geometry = MakeLevelGeometry(volume.GetDimensions(), level);
+  SampleVolume<T> coarse(geometry.GetDimensions());
+  coarse.Geometry = geometry;
+  const Index3 size = coarse.GetDimensions();
+  for (std::int64_t k = 0; k < size[2]; ++k)
+  {
+    for (std::int64_t j = 0; j < size[1]; ++j)
+    {
+      for (std::int64_t i = 0; i < size[0]; ++i)
+      {
+        coarse.At(i, j, k) = volume.At(i << level, j << level, k << level);
+      }
+    }
+  }
+  return coarse;
+}
+
+/// The surface of all ranks at a level. Equal ids must mean equal points and normals.
+PlainSurface ContourLevel(
+  BlockedVolume& opened, const std::vector<double>& isovalues, int level, int ranks)
+{
+  PlainSurface all;
+  for (int rank = 0; rank < ranks; ++rank)
+  {
+    QueryStatistics statistics;
+    auto active = opened.FindActiveBlocks(0, 0, isovalues, rank, ranks, statistics, level);
+    EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
+    StoredBlockSource source(opened, 0, 0, level, std::move(*active));
+    ContourRequest request;
+    request.Isovalues = isovalues;
+    request.Normals = true;
+    request.GlobalIds = true;
+    const auto surface = ExtractSurface(
+      MakeLevelGeometry(opened.GetHeader().Grid.GetDimensions(), level), source, request, 2);
+    EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
+    const PlainSurface mine = MakePlain(*surface);
+    all.Triangles.insert(all.Triangles.end(), mine.Triangles.begin(), mine.Triangles.end());
+    for (const auto& point : mine.Points)
+    {
+      EXPECT_EQ(all.Points.emplace(point).first->second, point.second) << "edge " << point.first;
+    }
+  }
+  std::sort(all.Triangles.begin(), all.Triangles.end());
+  return all;
+}
+
+template <typename T>
+std::vector<std::int64_t> FindActive(
+  const SampleVolume<T>& volume, const BlockGrid& grid, T threshold)
+{
+  std::vector<std::int64_t> blocks;
+  for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
+  {
+    bool inside = false;
+    bool outside = false;
+    const VertexBox box = grid.GetVertices(block);
+    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+    {
+      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      {
+        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+        {
+          (volume.At(i, j, k) >= threshold ? inside : outside) = true;
+        }
+      }
+    }
+    if (inside && outside)
+    {
+      blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
+
+} // namespace
+
+TEST(BlockedVolumeLevels, GoDownToASingleBlock)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 300, 70, 20 }), MakeSettings(16, 3), 2);
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  // 19 x 5 x 2 blocks, 5 x 2 x 1, 2 x 1 x 1, one.
+  const BlockedVolumeHeader& header = opened->GetHeader();
+  ASSERT_EQ(header.Overviews.size(), 3u);
+  EXPECT_EQ(opened->GetNumberOfLevels(), 2 + 2 + 2 + 5);
+  const std::int64_t blocks[] = { 19 * 5 * 2, 5 * 2, 2, 1 };
+  for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
+  {
+    const StoredLevel stored = opened->FindLevel(level);
+    EXPECT_EQ(stored.Part, static_cast<std::uint32_t>(std::min(level / 2, 3)));
+    EXPECT_EQ(stored.Level, level - 2 * static_cast<int>(stored.Part));
+    EXPECT_EQ(stored.Grid->GetNumberOfBlocks(), blocks[stored.Part]);
+    EXPECT_EQ(opened->GetSpectrumLevel(level), level - stored.Level);
+  }
+  // Few blocks are not spread over many stores; nothing temporary is left.
+  EXPECT_EQ(header.Overviews[0].NumberOfStores, 1u);
+  for (const auto& file : disk.GetFiles())
+  {
+    EXPECT_EQ(file.first.find(".tmp"), std::string::npos) << file.first;
+  }
+  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 17, 17, 1 }), MakeSettings(16, 3), 2);
+  const auto single = OpenVolume(disk);
+  EXPECT_TRUE(single->GetHeader().Overviews.empty());
+  EXPECT_EQ(single->GetNumberOfLevels(), 5);
+}
+
+TEST(BlockedVolumeLevels, HaveTheSurfaceOfTheSubsampledVolumeWithoutSeams)
+{
+  const Index3 sizes[] = { { 70, 67, 83 }, { 131, 34, 2 }, { 65, 129, 33 }, { 18, 3, 150 } };
+  for (const Index3& size : sizes)
+  {
+    for (const int blockSize : { 16, 32 })
+    {
+      const auto volume = MakeVolume<std::int16_t>(size);
+      MemoryDisk disk;
+      WriteVolumeOk(disk, volume, MakeSettings(blockSize, 5, DistributionMethod::Random), 3);
+      const auto opened = OpenVolume(disk);
+      ASSERT_NE(opened, nullptr);
+      for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
+      {
+        const PlainSurface expected = ContourPlainly(Subsample(volume, level), { 49.5, 20 });
+        for (const int ranks : { 1, 3 })
+        {
+          SCOPED_TRACE("level " + std::to_string(level) + " of " + std::to_string(size[0]) + ", " +
+            std::to_string(ranks) + " ranks");
+          const PlainSurface found = ContourLevel(*opened, { 49.5, 20 }, level, ranks);
+          EXPECT_TRUE(found.Triangles == expected.Triangles);
+          EXPECT_TRUE(found.Points == expected.Points);
+          EXPECT_TRUE(level > 1 || size[2] == 2 || !found.Triangles.empty());
+        }
+      }
+    }
+  }
+}
+
+TEST(BlockedVolumeLevels, HaveTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 150, 61, 90 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 3), 2);
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  double finer = 1e300;
+  for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
+  {
+    const auto guess = opened->EstimateTriangles(0, 0, 50, level);
+    ASSERT_TRUE(guess.IsOk()) << guess.GetStatus().GetMessage();
+    EXPECT_LE(*guess, finer);
+    finer = *guess;
+    if (opened->GetSpectrumLevel(level) != level)
+    {
+      continue;
+    }
+    const auto coarse = Subsample(volume, level);
+    const auto spectrum = opened->GetSpectrum(0, 0, level);
+    ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
+    BlockWorkload whole((*spectrum)->Bins);
+    whole.Count(coarse.GetView());
+    WorkloadSpectrum expected((*spectrum)->Bins);
+    whole.MoveTo(expected);
+    EXPECT_EQ((*spectrum)->Bins, (*opened->GetSpectrum(0, 0))->Bins);
+    EXPECT_EQ((*spectrum)->Triangles, expected.Triangles);
+    EXPECT_EQ((*spectrum)->ActiveCells, expected.ActiveCells);
+    EXPECT_EQ(*guess, static_cast<double>(expected.Triangles[expected.FindBin(50)]));
+
+    QueryStatistics statistics;
+    const auto active = opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics, level);
+    ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
+    std::vector<std::int64_t> blocks;
+    for (const BlockReference& block : *active)
+    {
+      blocks.push_back(block.Block);
+    }
+    std::sort(blocks.begin(), blocks.end());
+    EXPECT_EQ(blocks, FindActive(coarse, *opened->FindLevel(level).Grid, std::uint8_t{ 50 }));
+  }
+  EXPECT_FALSE(opened->EstimateTriangles(0, 0, 50, opened->GetNumberOfLevels()).IsOk());
+  EXPECT_FALSE(opened->EstimateTriangles(0, 0, 50, -1).IsOk());
+}
+
+TEST(BlockedVolumeLevels, CostRequestsAndBytesInProportion)
+{
+  const auto volume = MakeVolume<std::uint16_t>({ 257, 257, 257 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(32, 2));
+  const auto opened = OpenVolume(disk, 0);
+  ASSERT_NE(opened, nullptr);
+  for (int level = 0; level < 5; ++level)
+  {
+    QueryStatistics statistics;
+    const auto blocks = opened->GetShare(0, 0, 1, statistics, level);
+    ASSERT_TRUE(blocks.IsOk());
+    for (const BlockReference& block : *blocks)
+    {
+      ASSERT_TRUE(opened->ReadBlock(block, 0, 0, level, statistics).IsOk());
+    }
+    // With ghost layers a level of 33^3 samples stores 35^3 of them, one of 17^3 in a record 19^3.
+    const double samples = std::pow(257 >> level, 3);
+    EXPECT_LT(static_cast<double>(statistics.BytesRead), 1.75 * 2 * samples) << level;
+    EXPECT_EQ(statistics.BlocksRead, level < 2 ? 512u : level < 4 ? 8u : 1u);
+  }
+}
+
+TEST(BlockedVolumeLevels, AreRefusedForBlocksOfOtherLevels)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 70, 70, 70 }), MakeSettings(16, 2));
+  const auto opened = OpenVolume(disk);
+  QueryStatistics statistics;
+  const auto fine = opened->GetShare(0, 0, 1, statistics, 1);
+  const auto coarse = opened->GetShare(0, 0, 1, statistics, 2);
+  ASSERT_TRUE(fine.IsOk() && coarse.IsOk());
+  EXPECT_TRUE(opened->ReadBlock((*fine)[0], 0, 0, 0, statistics).IsOk());
+  EXPECT_TRUE(opened->ReadBlock((*coarse)[0], 0, 0, 3, statistics).IsOk());
+  for (const auto& [block, level] : { std::make_pair((*fine)[0], 2), { (*coarse)[0], 1 },
+         { (*fine)[0], -1 }, { (*coarse)[0], 99 } })
+  {
+    EXPECT_EQ(opened->ReadBlock(block, 0, 0, level, statistics).GetStatus().GetCode(),
+      StatusCode::InvalidArgument);
+  }
+  EXPECT_FALSE(opened->GetShare(0, 0, 1, statistics, 99).IsOk());
+  EXPECT_FALSE(opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics, -1).IsOk());
+  EXPECT_FALSE(opened->GetSpectrum(0, 0, 99).IsOk());
+}
+
+TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
+{
+  // Two arrays in parts of blocks that three ranks wrote.
+  const BlockGrid finer({ 70, 35, 50 }, 16, 2);
+  const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k)
+  { return i + 100 * (j + 100 * k); };
+  std::vector<std::uint32_t> stores;
+  std::vector<std::unique_ptr<WritableFile>> files;
+  MemoryDisk disk;
+  ASSERT_TRUE(disk.MakeDirectories("/data").IsOk());
+  for (std::size_t rank = 0; rank < 3; ++rank)
+  {
+    files.push_back(std::move(*disk.CreateForWriting(OverviewSource::GetPath("/data", rank))));
+  }
+  for (std::int64_t block = 0; block < finer.GetNumberOfBlocks(); ++block)
+  {
+    stores.push_back(static_cast<std::uint32_t>(block * 7 % 5));
+    const VertexBox part = FindOverviewPart(finer, block);
+    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint8_t> others;
+    for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
+    {
+      for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
+      {
+        for (std::int64_t i = part.Low[0]; i < part.High[0]; ++i)
+        {
+          bytes.push_back(static_cast<std::uint8_t>(value(i, j, k)));
+          const auto real = static_cast<double>(value(i, j, k));
+          const auto* raw = reinterpret_cast<const std::uint8_t*>(&real);
+          others.insert(others.end(), raw, raw + sizeof(real));
+        }
+      }
+    }
+    bytes.insert(bytes.end(), others.begin(), others.end());
+    ASSERT_TRUE(files[stores.back() % 3]->Append(bytes.data(), bytes.size()).IsOk());
+  }
+  for (const auto& file : files)
+  {
+    ASSERT_TRUE(file->SyncAndClose().IsOk());
+  }
+  OverviewSource source(disk, "/data", finer, { ValueType::UInt8, ValueType::Float64 }, stores, 3);
+  EXPECT_EQ(source.GetBox(), (VertexBox{ { 0, 0, 0 }, { 18, 9, 13 } }));
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 100; ++trial)
+  {
+    VertexBox box = source.GetBox();
+    for (std::size_t axis = 0; axis < 3 && trial > 0; ++axis)
+    {
+      const auto size = static_cast<std::uint32_t>(source.GetBox().High[axis]);
+      box.Low[axis] = random() % size;
+      box.High[axis] = box.Low[axis] + 1 + random() % (size - box.Low[axis]);
+    }
+    const auto slab = source.Read(box);
+    ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
+    ASSERT_TRUE(slab->Fits({ ValueType::UInt8, ValueType::Float64 }, box));
+    EXPECT_GE(source.GetReadBytes(box), static_cast<std::uint64_t>(9 * box.GetNumberOfVertices()));
+    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+    {
+      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      {
+        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+        {
+          ASSERT_EQ(*slab->Arrays[0].At<std::uint8_t>({ i, j, k }),
+            static_cast<std::uint8_t>(value(i, j, k)));
+          ASSERT_EQ(*slab->Arrays[1].At<double>({ i, j, k }), static_cast<double>(value(i, j, k)));
+        }
+      }
+    }
+  }
+  disk.GetFile(OverviewSource::GetPath("/data", 1)).pop_back();
+  EXPECT_EQ(source.Read(source.GetBox()).GetStatus().GetCode(), StatusCode::Corrupt);
+}

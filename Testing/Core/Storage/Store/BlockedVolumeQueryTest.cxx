@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/BlockedVolume.h"
+
+#include "Fixtures/VolumeOnDisk.h"
+#include "Storage/Record/BlockRecord.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <thread>
+
+using namespace isosurface;
+
+namespace
+{
+
+/// The oracle: looks at all samples of all blocks.
+template <typename T>
+std::vector<std::int64_t> FindActive(
+  const SampleVolume<T>& volume, const BlockGrid& grid, const std::vector<double>& isovalues)
+{
+  std::vector<std::int64_t> active;
+  for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
+  {
+    const VertexBox box = grid.GetVertices(block);
+    bool isActive = false;
+    for (const double isovalue : isovalues)
+    {
+      bool inside = false;
+      bool outside = false;
+      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+      {
+        for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+        {
+          for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+          {
+            const bool isInside = static_cast<double>(volume.At(i, j, k)) >= isovalue;
+            (isInside ? inside : outside) = true;
+          }
+        }
+      }
+      isActive = isActive || (inside && outside);
+    }
+    if (isActive)
+    {
+      active.push_back(block);
+    }
+  }
+  return active;
+}
+
+std::vector<std::int64_t> GetSortedBlocks(const std::vector<BlockReference>& references)
+{
+  std::vector<std::int64_t> blocks;
+  for (const BlockReference& reference : references)
+  {
+    blocks.push_back(reference.Block);
+  }
+  std::sort(blocks.begin(), blocks.end());
+  return blocks;
+}
+
+template <typename T>
+void ExpectActiveEqualsBruteForce(
+  const SampleVolume<T>& volume, const std::vector<std::vector<double>>& queries)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  for (const std::vector<double>& isovalues : queries)
+  {
+    QueryStatistics statistics;
+    const auto active = opened->FindActiveBlocks(0, 0, isovalues, 0, 1, statistics);
+    ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
+    EXPECT_EQ(GetSortedBlocks(*active), FindActive(volume, opened->GetBlockGrid(), isovalues));
+    EXPECT_EQ(statistics.ActiveBlocks, active->size());
+    EXPECT_LE(statistics.ActiveBlocks, statistics.IntervalsReported);
+  }
+}
+
+} // namespace
+
+TEST(BlockedVolumeQuery, ActiveBlocksEqualBruteForce)
+{
+  const double infinity = std::numeric_limits<double>::infinity();
+  ExpectActiveEqualsBruteForce(MakeVolume<std::uint8_t>({ 60, 50, 40 }),
+    { {}, { 3 }, { 3.5 }, { 50 }, { 0 }, { -1 }, { 255 }, { 256 }, { 1e300 }, { infinity },
+      { -infinity }, { std::nan("") }, { 10, 90, 10, 60.5 }, { 104 }, { 103 } });
+  ExpectActiveEqualsBruteForce(MakeVolume<double>({ 60, 50, 40 }),
+    { { 3 }, { std::nextafter(3.0, 4.0) }, { 44.4, 5 }, { infinity }, { -infinity } });
+  std::mt19937 random(2);
+  ExpectActiveEqualsBruteForce(SampleVolume<float>({ 60, 50, 40 },
+                                 [&](auto i, auto, auto) -> float
+                                 {
+                                   switch (random() % 20000)
+                                   {
+                                     case 0:
+                                       return std::numeric_limits<float>::quiet_NaN();
+                                     case 1:
+                                       return std::numeric_limits<float>::infinity();
+                                     case 2:
+                                       return -std::numeric_limits<float>::infinity();
+                                     default:
+                                       return i < 20 ? -0.0f : 1.0f;
+                                   }
+                                 }),
+    { { 0 }, { 1 }, { -5 }, { 2 }, { infinity }, { -infinity }, { 0.5 }, { 1e-60 } });
+  const std::int64_t large = std::int64_t{ 1 } << 60;
+  ExpectActiveEqualsBruteForce(SampleVolume<std::int64_t>({ 40, 20, 20 },
+                                 [&](auto i, auto, auto) { return i < 20 ? large : large + 256; }),
+    { { static_cast<double>(large) }, { static_cast<double>(large + 256) } });
+}
+
+TEST(BlockedVolumeQuery, RanksShareTheActiveBlocksOfAnyNumberOfStores)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
+  for (const std::uint32_t stores : { 1u, 4u, 7u })
+  {
+    MemoryDisk disk;
+    WriteVolumeOk(disk, volume, MakeSettings(16, stores), 3);
+    const auto opened = OpenVolume(disk);
+    ASSERT_NE(opened, nullptr);
+    const auto expected = FindActive(volume, opened->GetBlockGrid(), { 50 });
+    for (int ranks = 1; ranks <= 20; ++ranks)
+    {
+      std::vector<BlockReference> all;
+      std::vector<BlockReference> active;
+      std::size_t fewest = std::numeric_limits<std::size_t>::max();
+      std::size_t most = 0;
+      for (int rank = 0; rank < ranks; ++rank)
+      {
+        QueryStatistics statistics;
+        const auto share = opened->GetShare(0, rank, ranks, statistics);
+        const auto mine = opened->FindActiveBlocks(0, 0, { 50 }, rank, ranks, statistics);
+        ASSERT_TRUE(share.IsOk() && mine.IsOk());
+        all.insert(all.end(), share->begin(), share->end());
+        active.insert(active.end(), mine->begin(), mine->end());
+        fewest = std::min(fewest, mine->size());
+        most = std::max(most, mine->size());
+      }
+      EXPECT_EQ(GetSortedBlocks(active), expected);
+      EXPECT_EQ(static_cast<std::int64_t>(all.size()), opened->GetBlockGrid().GetNumberOfBlocks());
+      EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
+      if (stores == 1)
+      {
+        EXPECT_LE(most - fewest, 1u);
+      }
+    }
+  }
+}
+
+TEST(BlockedVolumeQuery, ReadsActiveBlocksAndNothingElse)
+{
+  const auto volume = MakeVolume<std::uint16_t>({ 70, 60, 50 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  QueryStatistics statistics;
+  const auto active = opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics);
+  ASSERT_TRUE(active.IsOk());
+  ASSERT_GT(active->size(), 3u);
+  EXPECT_EQ(disk.GetBytesRead("/blocks"), 0u);
+  EXPECT_GT(statistics.TreePagesRead, 0u);
+  // Beside page 0 of the two files of a kind, which opening reads in one or two steps.
+  const auto expectPages = [&](const std::string& name, std::uint64_t pages)
+  {
+    EXPECT_GE(disk.GetBytesRead(name), (pages + 2) * 4096);
+    EXPECT_LE(disk.GetBytesRead(name), (pages + 4) * 4096);
+  };
+  expectPages(".tree", statistics.TreePagesRead);
+  expectPages("/directory", statistics.DirectoryPagesRead);
+  EXPECT_GE(statistics.QuerySeconds, 0);
+
+  std::uint64_t bytes = 0;
+  const std::uint64_t readsBefore = disk.GetReads();
+  for (const BlockReference& block : *active)
+  {
+    ASSERT_TRUE(opened->ReadBlock(block, 0, 0, 0, statistics).IsOk());
+    bytes += BlockRecordLayout(opened->GetBlockGrid(), block.Block, { ValueType::UInt16 }).Size;
+  }
+  EXPECT_EQ(statistics.BlocksRead, active->size());
+  EXPECT_EQ(disk.GetReads() - readsBefore, active->size());
+  EXPECT_EQ(statistics.BytesRead, bytes);
+  EXPECT_EQ(disk.GetBytesRead("/blocks"), bytes);
+  EXPECT_EQ(statistics.BlockCacheHits, 0u);
+  for (const BlockReference& block : *active)
+  {
+    ASSERT_TRUE(opened->ReadBlock(block, 0, 0, 0, statistics).IsOk());
+  }
+  EXPECT_EQ(statistics.BlocksRead, active->size());
+  EXPECT_EQ(statistics.BlockCacheHits, active->size());
+  EXPECT_EQ(disk.GetBytesRead("/blocks"), bytes);
+
+  // Another reader of the same file finds the blocks in the same cache.
+  const auto cache = std::make_shared<BlockCache>(std::uint64_t{ 1 } << 28);
+  const auto countHits = [&](BlockedVolume& reader)
+  {
+    QueryStatistics asked;
+    EXPECT_TRUE(reader.ReadBlock((*active)[0], 0, 0, 0, asked).IsOk());
+    return asked.BlockCacheHits;
+  };
+  auto first = *BlockedVolume::Open(VolumePath, disk, cache);
+  EXPECT_EQ(countHits(*first), 0u);
+  auto second = *BlockedVolume::Open(VolumePath, disk, cache);
+  EXPECT_EQ(countHits(*second), 1u);
+  first.reset();
+  EXPECT_EQ(countHits(*second), 1u);
+
+  // The blocks go with the last of them.
+  second.reset();
+  EXPECT_EQ(cache->GetSize(), 0u);
+  EXPECT_EQ(countHits(**BlockedVolume::Open(VolumePath, disk, cache)), 0u);
+}
+
+TEST(BlockedVolumeQuery, RefusesArgumentsOutOfRange)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::uint16_t>({ 20, 20, 20 }), MakeSettings(16, 2));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  QueryStatistics statistics;
+  const auto expectInvalid = [](const Status& status)
+  { EXPECT_EQ(status.GetCode(), StatusCode::InvalidArgument) << status.GetMessage(); };
+  expectInvalid(opened->FindActiveBlocks(1, 0, { 1 }, 0, 1, statistics).GetStatus());
+  expectInvalid(opened->FindActiveBlocks(0, 1, { 1 }, 0, 1, statistics).GetStatus());
+  expectInvalid(opened->FindActiveBlocks(0, 0, { 1 }, 1, 1, statistics).GetStatus());
+  expectInvalid(opened->GetShare(0, -1, 2, statistics).GetStatus());
+  expectInvalid(opened->ReadBlock({ 0, 0, 0 }, 0, 0, 5, statistics).GetStatus());
+  expectInvalid(opened->ReadBlock({ 0, 2, 0 }, 0, 0, 0, statistics).GetStatus());
+  expectInvalid(opened->ReadBlock({ 8, 0, 0 }, 0, 0, 0, statistics).GetStatus());
+  EXPECT_FALSE(opened->ReadBlock({ 0, 0, 99 }, 0, 0, 0, statistics).IsOk());
+  EXPECT_EQ(
+    BlockedVolume::Open("/data/other.bvol", disk).GetStatus().GetCode(), StatusCode::NotFound);
+}
+
+TEST(BlockedVolumeQuery, ReportsThatTheVolumeWasRewritten)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 40, 40, 40 });
+  for (const bool isRemovedFirst : { false, true })
+  {
+    MemoryDisk disk;
+    WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+    const auto opened = OpenVolume(disk);
+    ASSERT_NE(opened, nullptr);
+    QueryStatistics statistics;
+    // Store 0 is open, store 1 not yet.
+    ASSERT_TRUE(opened->GetShare(0, 0, 2, statistics).IsOk());
+    if (isRemovedFirst)
+    {
+      // Then the new generation has the number of the old one.
+      ASSERT_TRUE(disk.RemoveAll(VolumePath).IsOk());
+      ASSERT_TRUE(disk.RemoveAll(VolumePath + ".stores").IsOk());
+    }
+    WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }, 9), MakeSettings(16, 2));
+    const auto share = opened->GetShare(0, 1, 2, statistics);
+    ASSERT_FALSE(share.IsOk());
+    EXPECT_NE(share.GetStatus().GetMessage().find("reload"), std::string::npos)
+      << share.GetStatus().GetMessage();
+    const auto active = opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics);
+    ASSERT_FALSE(active.IsOk());
+    EXPECT_NE(active.GetStatus().GetMessage().find("reload"), std::string::npos);
+    EXPECT_NE(OpenVolume(disk), nullptr);
+  }
+}
+
+TEST(BlockedVolumeQuery, IsSafeForManyThreads)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 3));
+  const auto opened = OpenVolume(disk, 100000); // blocks come and go
+  ASSERT_NE(opened, nullptr);
+  std::atomic<int> wrong{ 0 };
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < 4; ++thread)
+  {
+    threads.emplace_back(
+      [&, thread]
+      {
+        QueryStatistics statistics;
+        for (int round = 0; round < 3; ++round)
+        {
+          const auto active =
+            opened->FindActiveBlocks(0, 0, { 20.0 + 10 * round, 60 }, 0, 1, statistics);
+          wrong += !active.IsOk();
+          for (std::size_t index = 0; active.IsOk() && index < active->size(); ++index)
+          {
+            const auto block =
+              opened->ReadBlock((*active)[index], 0, 0, (round + thread) % 2, statistics);
+            wrong += !block.IsOk() || (*block)->Block != (*active)[index].Block;
+          }
+          wrong += !opened->GetSpectrum(0, 0).IsOk();
+        }
+      });
+  }
+  for (std::thread& thread : threads)
+  {
+    thread.join();
+  }
+  EXPECT_EQ(wrong, 0);
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
+
+#include "Fixtures/VolumeOnDisk.h"
+
+#include <limits>
+
+using namespace isosurface;
+
+namespace
+{
+
+/// Expects every block at every level to be the subsampled volume, ghost layers included.
+template <typename T>
+void ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, std::size_t array = 0)
+{
+  QueryStatistics statistics;
+  std::vector<std::uint64_t> sizes(static_cast<std::size_t>(opened.GetNumberOfLevels()), 0);
+  for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
+  {
+    const StoredLevel stored = opened.FindLevel(level);
+    const auto blocks = opened.GetShare(0, 0, 1, statistics, level);
+    ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
+    ASSERT_EQ(static_cast<std::int64_t>(blocks->size()), stored.Grid->GetNumberOfBlocks());
+    for (const BlockReference& reference : *blocks)
+    {
+      const auto block = opened.ReadBlock(reference, 0, array, level, statistics);
+      ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
+      const SampleView& view = (*block)->View;
+      ASSERT_EQ(view.Type, ValueTypeOf<T>::Value);
+      ASSERT_EQ(view.Box, stored.Grid->GetVertices(reference.Block, stored.Level));
+      ASSERT_EQ(view.Available, stored.Grid->GetGhostedVertices(reference.Block, stored.Level));
+      sizes[static_cast<std::size_t>(level)] += (*block)->Bytes.GetSize();
+      std::size_t wrong = 0;
+      for (std::int64_t k = view.Available.Low[2]; k < view.Available.High[2]; ++k)
+      {
+        for (std::int64_t j = view.Available.Low[1]; j < view.Available.High[1]; ++j)
+        {
+          for (std::int64_t i = view.Available.Low[0]; i < view.Available.High[0]; ++i)
+          {
+            const T expected = volume.At(i << level, j << level, k << level);
+            wrong += std::memcmp(view.At<T>({ i, j, k }), &expected, sizeof(T)) != 0;
+          }
+        }
+      }
+      ASSERT_EQ(wrong, 0u) << "block " << reference.Block << ", level " << level;
+    }
+  }
+  for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
+  {
+    EXPECT_EQ(opened.EstimateBytes(array, level), sizes[static_cast<std::size_t>(level)]);
+  }
+}
+
+template <typename T>
+class BlockedVolumeOfType : public ::testing::Test
+{
+};
+using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
+  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
+TYPED_TEST_SUITE(BlockedVolumeOfType, Types, );
+
+} // namespace
+
+TYPED_TEST(BlockedVolumeOfType, ReadsBackWhatWasWritten)
+{
+  using T = TypeParam;
+  std::mt19937_64 random(4);
+  const SampleVolume<T> volume({ 37, 21, 34 },
+    [&](auto...)
+    {
+      return std::is_floating_point_v<T> ? static_cast<T>(random() % 1000) / T(7)
+                                         : static_cast<T>(random());
+    });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 3), 2);
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  ExpectReadsBack(*opened, volume);
+  KeyRange range;
+  for (const T value : volume.Samples)
+  {
+    range.Minimum = std::min(range.Minimum, MakeValueKey(value));
+    range.Maximum = std::max(range.Maximum, MakeValueKey(value));
+  }
+  EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Minimum, range.Minimum);
+  EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Maximum, range.Maximum);
+}
+
+TEST(BlockedVolumeRoundTrip, HoldsForAnyDimensionsAndBlockSizes)
+{
+  const Index3 sizes[] = { { 1, 1, 1 }, { 2, 1, 1 }, { 1, 2, 3 }, { 3, 3, 3 }, { 17, 17, 17 },
+    { 18, 16, 15 }, { 33, 1, 50 }, { 65, 65, 2 }, { 66, 40, 3 }, { 70, 35, 67 }, { 129, 5, 5 } };
+  for (const Index3& size : sizes)
+  {
+    for (const int blockSize : { 16, 32, 64 })
+    {
+      SCOPED_TRACE(std::to_string(size[0]) + "x" + std::to_string(size[1]) + "x" +
+        std::to_string(size[2]) + ", blocks of " + std::to_string(blockSize));
+      const auto volume = MakeVolume<std::uint16_t>(size);
+      MemoryDisk disk;
+      WriteVolumeOk(disk, volume, MakeSettings(blockSize, 2), 3, OverlappingColumns);
+      const auto opened = OpenVolume(disk);
+      ASSERT_NE(opened, nullptr);
+      EXPECT_EQ(opened->GetHeader().Grid, MakeGeometry(size));
+      ExpectReadsBack(*opened, volume);
+    }
+  }
+}
+
+TEST(BlockedVolumeRoundTrip, HoldsForSeveralArrays)
+{
+  const auto first = MakeVolume<std::uint8_t>({ 40, 37, 20 });
+  const auto second = MakeVolume<double>({ 40, 37, 20 }, 5);
+  MemoryDisk disk;
+  for (const int ranks : { 1, 3 })
+  {
+    ThreadCommunicator::Run(ranks,
+      [&](Communicator& communicator)
+      {
+        const VertexBox box = SlabOfEach(communicator.GetRank(), ranks, first.GetDimensions());
+        const PieceOfVolume<std::uint8_t> firstPart(first, box);
+        const PieceOfVolume<double> secondPart(second, box);
+        const auto result =
+          BlockedVolumeWriter(communicator, disk)
+            .Write(VolumePath, MakeGeometry(first.GetDimensions()),
+              { { "bytes", ValueType::UInt8 }, { "r\xC3\xB6ntgen \"x\"", ValueType::Float64 } },
+              { box, { firstPart.View, secondPart.View } }, MakeSettings(32, 2));
+        ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
+      });
+    const auto opened = OpenVolume(disk);
+    ASSERT_NE(opened, nullptr);
+    EXPECT_EQ(opened->GetHeader().FindArray("r\xC3\xB6ntgen \"x\""), std::size_t{ 1 });
+    EXPECT_FALSE(opened->GetHeader().FindArray("nothing").has_value());
+    ExpectReadsBack(*opened, first, 0);
+    ExpectReadsBack(*opened, second, 1);
+  }
+}
+
+TEST(BlockedVolumeRoundTrip, HoldsForNaNAndInfinities)
+{
+  const float infinity = std::numeric_limits<float>::infinity();
+  const SampleVolume<float> volume({ 35, 20, 20 },
+    [&](auto i, auto, auto k) -> float
+    {
+      return i > 17 ? std::numeric_limits<float>::quiet_NaN()
+        : k == 3    ? infinity
+        : k == 4    ? -infinity
+                    : static_cast<float>(i) - 4.5f;
+    });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2), 2);
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  ExpectReadsBack(*opened, volume);
+  EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Minimum, MakeValueKey(-4.5f));
+  EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Maximum, MakeValueKey(12.5f));
+
+  const SampleVolume<float> nothing({ 5, 5, 5 }, [&](auto...) { return std::nanf(""); });
+  WriteVolumeOk(disk, nothing, MakeSettings(16, 2));
+  const auto reopened = OpenVolume(disk);
+  ASSERT_NE(reopened, nullptr);
+  EXPECT_TRUE(reopened->GetHeader().TimeSteps[0].Ranges[0].IsEmpty());
+  ExpectReadsBack(*reopened, nothing);
+}
+
+TEST(BlockedVolumeRoundTrip, ReadsACoarseLevelAsAShortPrefix)
+{
+  const auto volume = MakeVolume<std::uint16_t>({ 129, 129, 129 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(64, 1));
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  std::uint64_t finer = 0;
+  for (int level = 0; level < 4; ++level)
+  {
+    QueryStatistics statistics;
+    const auto blocks = opened->GetShare(0, 0, 1, statistics, level);
+    ASSERT_TRUE(blocks.IsOk());
+    for (const BlockReference& block : *blocks)
+    {
+      ASSERT_TRUE(opened->ReadBlock(block, 0, 0, level, statistics).IsOk());
+    }
+    EXPECT_EQ(statistics.BlocksRead, blocks->size());
+    if (level > 0)
+    {
+      EXPECT_LT(statistics.BytesRead, finer / 5);
+    }
+    finer = statistics.BytesRead;
+  }
+}
+
+TEST(BlockedVolumeRoundTrip, EstimatesBytesOfBillionsOfBlocksWithoutVisitingThem)
+{
+  BlockedVolumeHeader header;
+  header.Grid.Extent = { 0, (std::int64_t{ 1 } << 35) - 1, 0, 0, 0, 0 };
+  header.BlockSize = 16;
+  header.Arrays = { { "density", ValueType::UInt16 } };
+  TimeStepDescription step;
+  step.Folder = "000001";
+  step.Ranges = { KeyRange{} };
+  step.Stores = { { std::uint64_t{ 1 } << 31, 0, 0 } };
+  header.TimeSteps = { step };
+  const std::string text = header.Format();
+  MemoryDisk disk;
+  ASSERT_TRUE(disk.CreateForWriting(VolumePath).IsOk());
+  disk.GetFile(VolumePath) = MemoryDisk::Bytes(text.begin(), text.end());
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  // 17 vertices and two ghosts a block; the first has one ghost, the last one, and a vertex less.
+  EXPECT_EQ(opened->EstimateBytes(0, 0), 2 * ((std::uint64_t{ 19 } << 31) - 3));
+  // Two vertices and two ghosts; the last block has one of the vertices.
+  EXPECT_EQ(opened->EstimateBytes(0, 4), 2 * ((std::uint64_t{ 4 } << 31) - 4));
+}

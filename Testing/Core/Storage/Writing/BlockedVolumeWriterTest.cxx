@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/BlockedVolumeWriter.h"
+
+#include "Fixtures/VolumeOnDisk.h"
+#include "Surface/Spectrum/BlockMeasure.h"
+#include "Surface/Spectrum/BlockWorkload.h"
+
+#include <atomic>
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr DistributionMethod Methods[] = { DistributionMethod::Greedy, DistributionMethod::Random,
+  DistributionMethod::Slab, DistributionMethod::Balanced };
+
+std::size_t CountFolders(const MemoryDisk& disk)
+{
+  std::set<std::string> generations;
+  const std::string prefix = VolumePath + ".stores/";
+  for (const std::string& folder : disk.GetFolders())
+  {
+    if (folder.compare(0, prefix.size(), prefix) == 0)
+    {
+      generations.insert(folder.substr(prefix.size(), 6));
+    }
+  }
+  return generations.size();
+}
+
+bool HasPartialHeader(const MemoryDisk& disk)
+{
+  return disk.GetFiles().count(VolumePath + ".partial") != 0;
+}
+
+/// Whether all samples can be read and are those of the volume.
+template <typename T>
+bool IsReadable(MemoryDisk& disk, const SampleVolume<T>& volume)
+{
+  const auto opened = OpenVolume(disk);
+  QueryStatistics statistics;
+  const auto blocks = opened->GetShare(0, 0, 1, statistics);
+  bool equal = blocks.IsOk();
+  for (std::size_t index = 0; equal && index < blocks->size(); ++index)
+  {
+    const auto block = opened->ReadBlock((*blocks)[index], 0, 0, 0, statistics);
+    equal = block.IsOk();
+    if (equal)
+    {
+      const SampleView& view = (*block)->View;
+      for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
+      {
+        equal = equal &&
+          *view.At<T>({ i, view.Box.Low[1], view.Box.Low[2] }) ==
+            volume.At(i, view.Box.Low[1], view.Box.Low[2]);
+      }
+    }
+  }
+  return equal;
+}
+
+} // namespace
+
+TEST(BlockedVolumeWriter, WritesTheSameBytesOnAnyNumberOfRanks)
+{
+  const auto volume = MakeVolume<std::int16_t>({ 70, 49, 52 });
+  const Layout layouts[] = { SlabOfEach, WholeOnAll, OverlappingColumns, WholeOnLast };
+  for (const DistributionMethod method : Methods)
+  {
+    for (const std::uint32_t stores : { 1u, 4u, 7u })
+    {
+      BlockedVolumeSettings settings = MakeSettings(16, stores, method);
+      settings.MemoryLimit = 6000000;
+      MemoryDisk expected;
+      WriteVolumeOk(expected, volume, settings);
+      std::size_t next = 0;
+      for (const int ranks : { 2, 3, 4, 7 })
+      {
+        SCOPED_TRACE(std::string(GetDistributionName(method)) + ", " + std::to_string(stores) +
+          " stores, " + std::to_string(ranks) + " ranks");
+        MemoryDisk disk;
+        WriteVolumeOk(disk, volume, settings, ranks, layouts[next++ % 4]);
+        ASSERT_TRUE(disk.Copy() == expected.Copy());
+      }
+    }
+  }
+}
+
+TEST(BlockedVolumeWriter, WritesTheSameBytesInAnyMemoryAndThreads)
+{
+  const auto volume = MakeVolume<float>({ 70, 70, 70 });
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.Threads = 1;
+  MemoryDisk expected;
+  WriteVolumeOk(expected, volume, settings);
+  settings.Threads = 4;
+  std::uint64_t most = 0;
+  for (const std::uint64_t bytes : { 2400000ull, 4000000ull, 1000000000ull })
+  {
+    for (const Layout& layout : { Layout(OverlappingColumns), Layout(WholeOnAll) })
+    {
+      settings.MemoryLimit = bytes;
+      MemoryDisk disk;
+      for (const auto& result : WriteVolume(disk, volume, settings, 3, layout))
+      {
+        ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
+        EXPECT_EQ(result->Blocks, 125u);
+        EXPECT_LE(result->MemoryBytes, bytes);
+        most = std::max(most, result->Rounds);
+        EXPECT_LE(result->Rounds, bytes == 1000000000ull ? 4u : 125u);
+      }
+      EXPECT_TRUE(disk.Copy() == expected.Copy());
+    }
+  }
+  EXPECT_GT(most, 8u);
+}
+
+TEST(BlockedVolumeWriter, RefusesAMemoryLimitThatIsTooSmall)
+{
+  for (const std::uint64_t bytes : { 1000ull, 1000000ull })
+  {
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.MemoryLimit = bytes;
+    MemoryDisk disk;
+    for (const auto& result : WriteVolume(disk, MakeVolume<float>({ 50, 50, 50 }), settings, 3))
+    {
+      ASSERT_FALSE(result.IsOk());
+      EXPECT_NE(result.GetStatus().GetMessage().find("memory limit"), std::string::npos);
+    }
+    EXPECT_TRUE(disk.GetFiles().empty());
+  }
+}
+
+TEST(BlockedVolumeWriter, WritesTheSpectrumOfTheWholeVolumeAndOfEachStore)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 60, 44, 37 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 4), 3);
+  const auto opened = OpenVolume(disk);
+  ASSERT_NE(opened, nullptr);
+  const auto total = opened->GetSpectrum(0, 0);
+  ASSERT_TRUE(total.IsOk()) << total.GetStatus().GetMessage();
+  BlockWorkload whole((*total)->Bins);
+  whole.Count(volume.GetView());
+  WorkloadSpectrum expected((*total)->Bins);
+  whole.MoveTo(expected);
+  EXPECT_EQ((*total)->Triangles, expected.Triangles);
+  EXPECT_EQ((*total)->ActiveCells, expected.ActiveCells);
+  BlockMeasure measure((*total)->Bins, MakeGeometry(volume.GetDimensions()));
+  measure.Count(volume.GetView());
+  MeasureSums sums((*total)->Bins);
+  measure.MoveTo(sums);
+  sums.SetMeasures(expected);
+  for (std::size_t bin = 0; bin < expected.Area.size(); ++bin)
+  {
+    // Each store's numbers are rounded.
+    EXPECT_NEAR(
+      static_cast<double>((*total)->Area[bin]), static_cast<double>(expected.Area[bin]), 4);
+    EXPECT_NEAR(
+      static_cast<double>((*total)->Volume[bin]), static_cast<double>(expected.Volume[bin]), 4);
+  }
+  WorkloadSpectrum sum((*total)->Bins);
+  for (std::uint32_t store = 0; store < 4; ++store)
+  {
+    const auto spectrum = opened->GetStoreSpectrum(0, 0, store);
+    ASSERT_TRUE(spectrum.IsOk());
+    EXPECT_TRUE(sum.Add(**spectrum));
+  }
+  for (std::size_t quantity = 0; quantity < WorkloadSpectrum::NumberOfQuantities; ++quantity)
+  {
+    EXPECT_EQ(*sum.GetQuantities()[quantity], *(*total)->GetQuantities()[quantity]) << quantity;
+  }
+  EXPECT_EQ(sum.AreaUnit, (*total)->AreaUnit);
+  EXPECT_FALSE(opened->GetStoreSpectrum(0, 0, 4).IsOk());
+  EXPECT_FALSE(opened->GetSpectrum(1, 0).IsOk());
+}
+
+TEST(BlockedVolumeWriter, WritesTheBlocksAndBytesThatAQueryReads)
+{
+  for (const SegmentCodec codec : { SegmentCodec::None, SegmentCodec::Zstd })
+  {
+    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    settings.Compression.Codec = codec;
+    MemoryDisk disk;
+    WriteVolumeOk(disk, MakeVolume<float>({ 60, 44, 37 }), settings, 2);
+    for (std::uint32_t store = 0; store < 3; ++store)
+    {
+      const auto spectrum = OpenVolume(disk)->GetStoreSpectrum(0, 0, store);
+      ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
+      for (std::size_t bin = 0; bin < (*spectrum)->Bins.Count; bin += 97)
+      {
+        // A rank of three reads one of three stores.
+        const auto opened = OpenVolume(disk);
+        QueryStatistics statistics;
+        const auto active = opened->FindActiveBlocks(
+          0, 0, { (*spectrum)->Bins.GetEdge(bin) }, static_cast<int>(store), 3, statistics);
+        ASSERT_TRUE(active.IsOk());
+        for (const BlockReference& block : *active)
+        {
+          ASSERT_TRUE(opened->ReadBlock(block, 0, 0, 0, statistics).IsOk());
+        }
+        EXPECT_EQ((*spectrum)->ActiveBlocks[bin], statistics.ActiveBlocks);
+        EXPECT_EQ((*spectrum)->Bytes[bin], statistics.BytesRead);
+      }
+    }
+  }
+}
+
+TEST(BlockedVolumeWriter, TakesAsManyStoresAsThereAreRanksByDefault)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 20, 20, 20 }), MakeSettings(16, 0), 3);
+  EXPECT_EQ(OpenVolume(disk)->GetHeader().NumberOfStores, 3u);
+}
+
+TEST(BlockedVolumeWriter, RefusesPiecesThatDoNotCoverTheGrid)
+{
+  MemoryDisk disk;
+  const auto results =
+    WriteVolume(disk, MakeVolume<std::uint8_t>({ 20, 20, 20 }), MakeSettings(16, 2), 3,
+      [](int rank, int ranks, const Index3& size)
+      {
+        VertexBox box = SlabOfEach(rank, ranks, size);
+        box.High[0] -= rank == 1 ? 1 : 0;
+        return box;
+      });
+  for (const auto& result : results)
+  {
+    ASSERT_FALSE(result.IsOk());
+    EXPECT_EQ(result.GetStatus().GetCode(), StatusCode::InvalidArgument);
+    EXPECT_NE(result.GetStatus().GetMessage().find("7860 of 8000"), std::string::npos)
+      << result.GetStatus().GetMessage();
+  }
+  EXPECT_TRUE(disk.GetFiles().empty());
+}
+
+TEST(BlockedVolumeWriter, RefusesInvalidArguments)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
+  MemoryDisk disk;
+  EXPECT_FALSE(WriteVolume(disk, volume, MakeSettings(48, 2))[0].IsOk());
+  EXPECT_FALSE(WriteVolume(disk, volume, MakeSettings(16, 1u << 30))[0].IsOk());
+  SerialCommunicator serial;
+  BlockedVolumeWriter writer(serial, disk);
+  const VolumePiece piece{ { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } };
+  const auto write = [&](const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+  { return writer.Write(VolumePath, grid, arrays, piece, MakeSettings(16, 1)).IsOk(); };
+  const GridGeometry grid = MakeGeometry(volume.GetDimensions());
+  GridGeometry wrong = grid;
+  wrong.Spacing[1] = std::nan("");
+  EXPECT_FALSE(write(wrong, { { "a", ValueType::UInt8 } }));
+  EXPECT_FALSE(write(GridGeometry{}, { { "a", ValueType::UInt8 } }));
+  EXPECT_FALSE(write(grid, {}));
+  EXPECT_FALSE(write(grid, { { "a", ValueType::UInt16 } }));
+  EXPECT_FALSE(write(grid, { { "a", ValueType::UInt8 }, { "a", ValueType::UInt8 } }));
+  EXPECT_FALSE(write(grid, { { "\xff", ValueType::UInt8 } }));
+  EXPECT_FALSE(write(MakeGeometry({ 10, 20, 20 }), { { "a", ValueType::UInt8 } }));
+  EXPECT_TRUE(disk.GetFiles().empty());
+  EXPECT_TRUE(write(grid, { { "a", ValueType::UInt8 } }));
+}
+
+TEST(BlockedVolumeWriter, RefusesRanksThatDisagree)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
+  MemoryDisk disk;
+  std::atomic<int> refused{ 0 };
+  ThreadCommunicator::Run(3,
+    [&](Communicator& communicator)
+    {
+      BlockedVolumeSettings settings = MakeSettings(16, 2);
+      settings.RandomSeed += communicator.GetRank() == 2 ? 1 : 0;
+      refused +=
+        !BlockedVolumeWriter(communicator, disk)
+           .Write(VolumePath, MakeGeometry(volume.GetDimensions()), { { "a", ValueType::UInt8 } },
+             { { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, settings)
+           .IsOk();
+    });
+  EXPECT_EQ(refused, 3);
+}
+
+TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenTheDiskIsFull)
+{
+  const auto before = MakeVolume<std::uint8_t>({ 40, 30, 20 });
+  const auto after = MakeVolume<std::uint8_t>({ 40, 30, 20 }, 2);
+  for (const int ranks : { 1, 3 })
+  {
+    MemoryDisk disk;
+    WriteVolumeOk(disk, before, MakeSettings(16, 2), ranks);
+    const auto files = disk.Copy();
+    std::uint64_t failures = 0;
+    for (std::uint64_t write = 0;; ++write)
+    {
+      disk.FailFromWrite(write);
+      const auto results = WriteVolume(disk, after, MakeSettings(16, 2), ranks);
+      const bool isDone = results[0].IsOk();
+      for (const auto& result : results)
+      {
+        ASSERT_EQ(result.IsOk(), isDone) << write;
+      }
+      if (isDone)
+      {
+        break;
+      }
+      ++failures;
+      const bool isVisible = disk.GetFile(VolumePath) != files.at(VolumePath);
+      if (isVisible)
+      {
+        // Only the last step can fail after the rename: making the name durable.
+        EXPECT_TRUE(IsReadable(disk, after));
+        EXPECT_LE(CountFolders(disk), 2u);
+        continue;
+      }
+      ASSERT_TRUE(disk.Copy() == files) << "write " << write << " failed, but left something";
+    }
+    EXPECT_GT(failures, 20u);
+    EXPECT_TRUE(IsReadable(disk, after));
+    EXPECT_EQ(CountFolders(disk), 1u);
+    EXPECT_FALSE(HasPartialHeader(disk));
+  }
+}
+
+TEST(BlockedVolumeWriter, CleansUpAfterKilledRuns)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+  // A killed run leaves a generation without a header, and an incomplete header.
+  const std::string leftover = VolumePath + ".stores/000007";
+  ASSERT_TRUE(disk.MakeDirectories(leftover + "/store-00000").IsOk());
+  ASSERT_TRUE(disk.CreateForWriting(leftover + "/store-00000/blocks").IsOk());
+  ASSERT_TRUE(disk.CreateForWriting(VolumePath + ".partial").IsOk());
+  ASSERT_TRUE(disk.MakeDirectories(VolumePath + ".stores/notes").IsOk());
+  EXPECT_TRUE(IsReadable(disk, volume));
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+  EXPECT_TRUE(IsReadable(disk, volume));
+  EXPECT_FALSE(disk.Exists(leftover));
+  EXPECT_FALSE(HasPartialHeader(disk));
+  EXPECT_TRUE(disk.Exists(VolumePath + ".stores/000008"));
+  EXPECT_TRUE(disk.Exists(VolumePath + ".stores/notes"));
+}
+
+TEST(BlockedVolumeWriter, StopsOnAllRanksWhenOneIsAsked)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 60, 60, 60 });
+  BlockedVolumeSettings settings = MakeSettings(16, 2);
+  settings.MemoryLimit = 2000000;
+  for (const double limit : { 0.0, 0.1, 0.4, 0.7, 0.93 })
+  {
+    MemoryDisk disk;
+    std::atomic<double> told{ 0 };
+    const auto results = WriteVolume(disk, volume, settings, 3, SlabOfEach,
+      [&](double share)
+      {
+        // Any rank may be the one that was told most.
+        for (double most = told; share > most && !told.compare_exchange_weak(most, share);)
+        {
+        }
+        return share <= limit;
+      });
+    for (const auto& result : results)
+    {
+      ASSERT_FALSE(result.IsOk());
+      EXPECT_EQ(result.GetStatus().GetCode(), StatusCode::Aborted);
+    }
+    EXPECT_GT(told, limit);
+    EXPECT_TRUE(disk.GetFiles().empty());
+    EXPECT_EQ(CountFolders(disk), 0u);
+  }
+}
+
+namespace
+{
+
+/// Fails from a given read on.
+class FailingSource : public MemorySource
+{
+public:
+  FailingSource(const VolumePiece& piece, int reads)
+    : MemorySource(piece)
+    , Reads(reads)
+  {
+  }
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    if (this->Reads-- <= 0)
+    {
+      return Status(StatusCode::IoError, "samples.raw: cannot read: Input/output error");
+    }
+    return MemorySource::Read(box);
+  }
+
+private:
+  int Reads;
+};
+
+} // namespace
+
+TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenARankCannotRead)
+{
+  const auto volume = MakeVolume<std::uint8_t>({ 60, 60, 60 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 2));
+  const auto files = disk.Copy();
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.MemoryLimit = 2000000;
+  for (const Layout& layout : { Layout(SlabOfEach), Layout(WholeOnAll) })
+  {
+    for (const int reads : { 0, 1, 2, 3 })
+    {
+      std::atomic<int> failed{ 0 };
+      std::atomic<int> told{ 0 };
+      ThreadCommunicator::Run(3,
+        [&](Communicator& communicator)
+        {
+          const VertexBox box = layout(communicator.GetRank(), 3, volume.GetDimensions());
+          const PieceOfVolume<std::uint8_t> part(volume, box);
+          FailingSource source({ box, { part.View } }, communicator.GetRank() == 1 ? reads : 1000);
+          const auto written = BlockedVolumeWriter(communicator, disk)
+                                 .Write(VolumePath, MakeGeometry(volume.GetDimensions()),
+                                   { { "density", ValueType::UInt8 } }, source, settings);
+          failed += written.IsOk() ? 0 : 1;
+          const std::string& message = written.GetStatus().GetMessage();
+          told += message.find("samples.raw") != std::string::npos ? 1 : 0;
+        });
+      EXPECT_EQ(failed, 3) << reads;
+      EXPECT_EQ(told, 3) << reads;
+      EXPECT_TRUE(disk.Copy() == files);
+    }
+  }
+}
+
+TEST(BlockedVolumeWriter, WritesToTheLocalDisk)
+{
+  const std::string folder = ::testing::TempDir() + "isosurface-writer-test";
+  FileSystem& files = GetLocalFileSystem();
+  ASSERT_TRUE(files.RemoveAll(folder).IsOk());
+  ASSERT_TRUE(files.MakeDirectories(folder).IsOk());
+  const auto volume = MakeVolume<std::uint16_t>({ 40, 30, 20 });
+  SerialCommunicator serial;
+  const auto written = BlockedVolumeWriter(serial).Write(folder + "/a.bvol",
+    MakeGeometry(volume.GetDimensions()), { { "a", ValueType::UInt16 } },
+    { { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, MakeSettings(16, 2));
+  ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+  const auto opened = BlockedVolume::Open(folder + "/a.bvol");
+  ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
+  QueryStatistics statistics;
+  const auto active = (*opened)->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics);
+  ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
+  ASSERT_FALSE(active->empty());
+  EXPECT_TRUE((*opened)->ReadBlock((*active)[0], 0, 0, 0, statistics).IsOk());
+  ASSERT_TRUE(files.RemoveAll(folder).IsOk());
+}

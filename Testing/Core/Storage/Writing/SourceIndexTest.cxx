@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Indices of sources: their names, when they are out of date, and what they have.
+#include "Storage/Writing/SourceIndex.h"
+#include "Fixtures/VolumeOnDisk.h"
+#include "Fixtures/ZarrOnDisk.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+const std::string SourcePath = "/data/scan.zarr";
+constexpr std::uint64_t Memory = std::uint64_t{ 64 } << 20;
+
+MemoryDisk::Bytes MakeBytes(const std::string& text)
+{
+  return { text.begin(), text.end() };
+}
+
+SourceIndex Find(MemoryDisk& disk, const std::string& chosen, const std::string& dataset = "",
+  const std::string& folder = "")
+{
+  return SourceIndex::Find(disk, chosen, dataset, "", folder);
+}
+
+void WriteOk(MemoryDisk& disk, const SourceIndex& index, int ranks)
+{
+  ThreadCommunicator::Run(ranks,
+    [&](Communicator& communicator)
+    {
+      const auto written = WriteSourceIndex(communicator, disk, index, Memory);
+      EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+    });
+}
+
+IndexState FindState(MemoryDisk& disk, const SourceIndex& index)
+{
+  const auto state = FindIndexState(disk, index);
+  EXPECT_TRUE(state.IsOk()) << state.GetStatus().GetMessage();
+  return state.IsOk() ? *state : IndexState::Missing;
+}
+
+} // namespace
+
+TEST(SourceIndex, MetadataAndGroupsBelongToTheOutermostFolder)
+{
+  MemoryDisk disk;
+  disk.SetFile("/data/scan.zarr/.zgroup", MakeBytes("{\"zarr_format\": 2}"));
+  disk.SetFile("/data/scan.zarr/labels/0/.zarray", MakeBytes("{}"));
+  disk.SetFile("/data/scan.zarr/labels/.zgroup", MakeBytes("{\"zarr_format\": 2}"));
+  disk.SetFile("/data/run.h5", MakeBytes("no matter"));
+  const SourceIndex whole = Find(disk, "/data/scan.zarr/.zgroup");
+  EXPECT_EQ(whole.Source, "/data/scan.zarr");
+  EXPECT_EQ(whole.Path, "/data/scan.zarr.bvol");
+  EXPECT_EQ(Find(disk, "/data/scan.zarr").Path, whole.Path);
+  const SourceIndex label = Find(disk, "/data/scan.zarr/labels/0/.zarray");
+  EXPECT_EQ(label.Source, "/data/scan.zarr:labels/0");
+  EXPECT_EQ(label.Path, "/data/scan.zarr-labels-0.bvol");
+  const SourceIndex run = Find(disk, "/data/run.h5", "/entry/data", "/scratch");
+  EXPECT_EQ(run.Source, "/data/run.h5:/entry/data");
+  EXPECT_EQ(run.Path, "/scratch/run.h5-entry-data.bvol");
+}
+
+TEST(SourceIndex, IsCurrentUntilTheSourceChanges)
+{
+  const auto volume = MakeVolume<std::int16_t>({ 40, 33, 36 });
+  MemoryDisk disk;
+  WriteZarr(disk, SourcePath, volume, { 16, 11, 20 });
+  const SourceIndex index = Find(disk, SourcePath);
+  EXPECT_EQ(FindState(disk, index), IndexState::Missing);
+  WriteOk(disk, index, 3);
+  EXPECT_EQ(FindState(disk, index), IndexState::Current);
+  const auto opened = BlockedVolume::Open(index.Path, disk);
+  ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
+  EXPECT_TRUE((*opened)->GetHeader().IsInPlace());
+  EXPECT_EQ((*opened)->GetHeader().Grid.GetDimensions(), volume.GetDimensions());
+  disk.SetFile(SourcePath + "/more", { 1 });
+  EXPECT_EQ(FindState(disk, index), IndexState::Changed);
+  WriteOk(disk, index, 2);
+  EXPECT_EQ(FindState(disk, index), IndexState::Current);
+}
+
+TEST(SourceIndex, IsNeverMadeOfAnotherVolume)
+{
+  const auto volume = MakeVolume<std::int16_t>({ 40, 33, 36 });
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 1));
+  const SourceIndex index = { SourcePath, "", VolumePath };
+  WriteZarr(disk, SourcePath, volume, { 16, 16, 16 });
+  const auto copied = FindIndexState(disk, index);
+  EXPECT_EQ(copied.GetStatus().GetCode(), StatusCode::InvalidArgument);
+  EXPECT_NE(copied.GetStatus().GetMessage().find(VolumePath), std::string::npos);
+  // Nor is the index of one source that of another.
+  const SourceIndex mine = Find(disk, SourcePath);
+  WriteOk(disk, mine, 1);
+  WriteZarr(disk, "/data/other.zarr", volume, { 16, 16, 16 });
+  const auto other = FindIndexState(disk, { "/data/other.zarr", "", mine.Path });
+  EXPECT_EQ(other.GetStatus().GetCode(), StatusCode::InvalidArgument);
+}
+
+TEST(SourceIndex, StopAndErrorsLeaveNothing)
+{
+  MemoryDisk disk;
+  const SourceIndex index = Find(disk, SourcePath);
+  ThreadCommunicator::Run(2,
+    [&](Communicator& communicator)
+    {
+      const auto missing = WriteSourceIndex(communicator, disk, index, Memory);
+      EXPECT_FALSE(missing.IsOk());
+      EXPECT_NE(missing.GetStatus().GetMessage().find("scan.zarr"), std::string::npos);
+    });
+  WriteZarr(disk, SourcePath, MakeVolume<std::int16_t>({ 40, 33, 36 }), { 16, 16, 16 });
+  ThreadCommunicator::Run(2,
+    [&](Communicator& communicator)
+    {
+      const bool stops = communicator.GetRank() == 1;
+      const auto stopped =
+        WriteSourceIndex(communicator, disk, index, Memory, [stops](double) { return !stops; });
+      EXPECT_EQ(stopped.GetStatus().GetCode(), StatusCode::Aborted);
+    });
+  EXPECT_EQ(FindState(disk, index), IndexState::Missing);
+}

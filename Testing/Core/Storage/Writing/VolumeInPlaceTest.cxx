@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Volumes in place. The oracle is the volume that has copies of the same samples.
+#include "Fixtures/PlainContour.h"
+#include "Fixtures/VolumeOnDisk.h"
+#include "Fixtures/ZarrOnDisk.h"
+#include "Ranks/Query/StoredBlockSource.h"
+#include "Ranks/Query/StoredSlabSource.h"
+#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Writing/SourceRelocation.h"
+#include "Storage/Writing/VolumeRepair.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+constexpr double Isovalue = 30;
+const std::string SourcePath = "/data/scan.zarr";
+const Index3 Size = { 70, 45, 51 };
+
+/// A disk with a source and the volume in place that was made of it.
+struct InPlaceDisk
+{
+  explicit InPlaceDisk(const Index3& chunk, int ranks = 1, std::uint32_t stores = 1,
+    const SampleVolume<std::int16_t>& samples = MakeVolume<std::int16_t>(Size))
+    : Volume(samples)
+  {
+    WriteZarr(this->Disk, SourcePath, this->Volume, chunk);
+    this->Write(MakeSettings(16, stores), ranks);
+  }
+
+  static SourceRecord MakeWanted()
+  {
+    SourceRecord wanted;
+    wanted.Arrays = { "scan" };
+    return wanted;
+  }
+
+  Result<SourceRecord> Describe()
+  {
+    return DescribeSource(this->Disk, VolumePath, SourcePath, MakeWanted(),
+      MakeGeometry(this->Volume.GetDimensions()), { { "density", ValueType::Int16 } });
+  }
+
+  void Write(BlockedVolumeSettings settings, int ranks = 1)
+  {
+    const auto record = this->Describe();
+    ASSERT_TRUE(record.IsOk()) << record.GetStatus().GetMessage();
+    settings.InPlace = *record;
+    WriteVolumeOk(this->Disk, this->Volume, settings, ranks);
+  }
+
+  VolumeVerification Verify()
+  {
+    auto found = VerifyBlockedVolume(VolumePath, this->Disk, 2);
+    EXPECT_TRUE(found.IsOk());
+    return std::move(*found);
+  }
+
+  SampleVolume<std::int16_t> Volume;
+  MemoryDisk Disk;
+};
+
+/// The surface of all ranks, and what it took.
+PlainSurface Contour(BlockedVolume& volume, int ranks, bool isDealt, QueryStatistics& statistics)
+{
+  volume.DealBlocks(isDealt);
+  PlainSurface all;
+  for (int rank = 0; rank < ranks; ++rank)
+  {
+    auto active = volume.FindActiveBlocks(0, 0, { Isovalue }, rank, ranks, statistics);
+    EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
+    if (!active.IsOk())
+    {
+      return {};
+    }
+    StoredBlockSource source(volume, 0, 0, 0, std::move(*active));
+    ContourRequest request;
+    request.Isovalues = { Isovalue };
+    request.Normals = true;
+    request.GlobalIds = true;
+    const auto surface = ExtractSurface(volume.GetHeader().Grid, source, request, 2);
+    EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
+    if (!surface.IsOk())
+    {
+      return {};
+    }
+    const PlainSurface mine = MakePlain(*surface);
+    all.Triangles.insert(all.Triangles.end(), mine.Triangles.begin(), mine.Triangles.end());
+    for (const auto& point : mine.Points)
+    {
+      EXPECT_EQ(all.Points.emplace(point).first->second, point.second) << "edge " << point.first;
+    }
+    statistics.Add(source.GetStatistics());
+  }
+  std::sort(all.Triangles.begin(), all.Triangles.end());
+  return all;
+}
+
+PlainSurface ContourCopy(const SampleVolume<std::int16_t>& volume)
+{
+  MemoryDisk disk;
+  WriteVolumeOk(disk, volume, MakeSettings(16, 1));
+  QueryStatistics statistics;
+  return Contour(*OpenVolume(disk), 1, false, statistics);
+}
+
+/// The error of a query, "" if there is none.
+std::string FindError(MemoryDisk& disk)
+{
+  const auto volume = OpenVolume(disk);
+  QueryStatistics statistics;
+  auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  for (std::size_t block = 0; active.IsOk() && block < active->size(); ++block)
+  {
+    const auto read = volume->ReadBlock((*active)[block], 0, 0, 0, statistics);
+    if (!read.IsOk())
+    {
+      return read.GetStatus().GetMessage();
+    }
+  }
+  return active.GetStatus().GetMessage();
+}
+
+} // namespace
+
+TEST(VolumeInPlace, SurfacesAreThoseOfTheCopiedVolume)
+{
+  const PlainSurface expected = ContourCopy(MakeVolume<std::int16_t>(Size));
+  ASSERT_GT(expected.Triangles.size(), 1000u);
+  // Not cubes, not divisors, smaller and larger than blocks, slices, the whole volume.
+  for (const Index3& chunk :
+    { Index3{ 33, 20, 11 }, Index3{ 7, 9, 50 }, Index3{ 70, 45, 1 }, Index3{ 128, 64, 64 } })
+  {
+    InPlaceDisk made(chunk, 2, 3);
+    for (const int ranks : { 1, 2, 3, 4, 7 })
+    {
+      for (const bool isDealt : { false, true })
+      {
+        QueryStatistics statistics;
+        EXPECT_EQ(Contour(*OpenVolume(made.Disk), ranks, isDealt, statistics), expected)
+          << chunk[0] << " x " << chunk[1] << " x " << chunk[2] << ", " << ranks << " ranks";
+      }
+    }
+    QueryStatistics statistics;
+    EXPECT_EQ(Contour(*OpenVolume(made.Disk, 0), 1, false, statistics), expected)
+      << "without a cache";
+  }
+}
+
+TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
+{
+  const PlainSurface expected = ContourCopy(MakeVolume<std::int16_t>(Size));
+  InPlaceDisk made({ 33, 20, 11 });
+  BlockedVolumeSettings settings = MakeSettings(16, 3);
+  settings.NumberOfReplicas = 2;
+  made.Write(settings);
+  const auto files = made.Disk.Copy();
+  const std::string store = VolumePath + ".stores/000002/store-00001";
+  const std::vector<std::function<void()>> damages = {
+    [&] { EXPECT_TRUE(made.Disk.RemoveAll(store).IsOk()); },
+    [&] { made.Disk.GetFile(store + "/blocks")[2] ^= 1; },
+    [&] { made.Disk.GetFile(store + "/directory").resize(4096); },
+  };
+  for (const auto& damage : damages)
+  {
+    damage();
+    for (const bool isDealt : { false, true })
+    {
+      const auto volume = OpenVolume(made.Disk);
+      QueryStatistics statistics;
+      EXPECT_EQ(Contour(*volume, 2, isDealt, statistics), expected);
+      SerialCommunicator alone;
+      EXPECT_NE(volume->ShareStoreFaults(alone).Warning.find("store 1:"), std::string::npos);
+    }
+    EXPECT_FALSE(made.Verify().Faults.empty());
+    const auto repaired = RepairBlockedVolume(VolumePath, made.Disk, 2);
+    ASSERT_TRUE(repaired.IsOk()) << repaired.GetStatus().GetMessage();
+    EXPECT_TRUE(repaired->Refused.empty());
+    EXPECT_TRUE(made.Disk.Copy() == files);
+    EXPECT_TRUE(made.Verify().Faults.empty());
+  }
+  // A source that is missing is no fault of the stores.
+  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  const auto volume = OpenVolume(made.Disk);
+  QueryStatistics statistics;
+  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  ASSERT_FALSE(active.IsOk());
+  EXPECT_EQ(active.GetStatus().GetMessage().find("nor can"), std::string::npos)
+    << active.GetStatus().GetMessage();
+  SerialCommunicator alone;
+  EXPECT_FALSE(volume->ShareStoreFaults(alone).IsNew);
+}
+
+TEST(VolumeInPlace, StoresHaveHeadersOfSegmentsAlone)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  const auto volume = OpenVolume(made.Disk);
+  const BlockedVolumeHeader& header = volume->GetHeader();
+  ASSERT_TRUE(header.IsInPlace());
+  EXPECT_EQ(header.NumberOfLevels, 1);
+  const auto blocks = static_cast<std::uint64_t>(volume->GetBlockGrid().GetNumberOfBlocks());
+  ASSERT_EQ(blocks, 5u * 3 * 4);
+  EXPECT_EQ(header.TimeSteps[0].Stores[0].Bytes, 4096u) << "60 times 16 bytes, and zeros";
+  EXPECT_EQ(header.TimeSteps[0].Source->Path, "scan.zarr") << "seen from the header's folder";
+  // The records are those of a volume of one level that has its samples: so are all checksums.
+  EXPECT_TRUE(made.Verify().Faults.empty());
+}
+
+TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  const auto volume = OpenVolume(made.Disk);
+  for (int level = 1; level < volume->GetNumberOfLevels(); ++level)
+  {
+    QueryStatistics statistics;
+    const auto share = volume->GetShare(0, 0, 1, statistics, level);
+    ASSERT_TRUE(share.IsOk());
+    for (const BlockReference& reference : *share)
+    {
+      const auto block = volume->ReadBlock(reference, 0, 0, level, statistics);
+      ASSERT_TRUE(block.IsOk());
+      const VertexBox& box = (*block)->View.Box;
+      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+      {
+        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+        {
+          ASSERT_EQ(*(*block)->View.At<std::int16_t>({ i, box.Low[1], k }),
+            made.Volume.At(i << level, box.Low[1] << level, k << level))
+            << "level " << level;
+        }
+      }
+    }
+  }
+}
+
+TEST(VolumeInPlace, MissingChunksHaveTheFillValue)
+{
+  const auto isLeftOut = [](const Index3& chunk) { return chunk[0] == 1 && chunk[2] == 2; };
+  SampleVolume<std::int16_t> filled = MakeVolume<std::int16_t>(Size);
+  for (std::int64_t k = 22; k < 33; ++k)
+  {
+    for (std::int64_t j = 0; j < Size[1]; ++j)
+    {
+      for (std::int64_t i = 33; i < 66; ++i)
+      {
+        filled.At(i, j, k) = -7;
+      }
+    }
+  }
+  InPlaceDisk made({ 33, 20, 11 }, 1, 1, filled);
+  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  WriteZarr(made.Disk, SourcePath, filled, { 33, 20, 11 }, isLeftOut);
+  made.Write(MakeSettings(16, 1));
+  QueryStatistics statistics;
+  EXPECT_EQ(Contour(*OpenVolume(made.Disk), 1, false, statistics), ContourCopy(filled));
+}
+
+TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
+{
+  const Index3 chunk = { 33, 20, 11 };
+  // A ball in a corner.
+  InPlaceDisk made(chunk, 1, 1,
+    SampleVolume<std::int16_t>(Size,
+      [](auto i, auto j, auto k)
+      { return 130 - (i - 12) * (i - 12) - (j - 12) * (j - 12) - (k - 14) * (k - 14); }));
+  const auto volume = OpenVolume(made.Disk);
+  QueryStatistics statistics;
+  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  ASSERT_TRUE(active.IsOk());
+  std::set<Index3> touched;
+  for (const BlockReference& block : *active)
+  {
+    const VertexBox box = volume->GetBlockGrid().GetGhostedVertices(block.Block, 0);
+    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+    {
+      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      {
+        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+        {
+          touched.insert({ i / chunk[0], j / chunk[1], k / chunk[2] });
+        }
+      }
+    }
+  }
+  ASSERT_LT(touched.size(), 3u * 3 * 5) << "the surface misses some chunks";
+  QueryStatistics first;
+  Contour(*volume, 1, false, first);
+  EXPECT_EQ(first.BlocksRead, touched.size());
+  QueryStatistics second;
+  Contour(*volume, 1, false, second);
+  EXPECT_EQ(second.BlocksRead, 0u) << "all chunks are in the cache";
+}
+
+TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  EXPECT_EQ(FindError(made.Disk), "");
+
+  made.Disk.SetModified(SourcePath + "/0.0.0", 99);
+  EXPECT_NE(FindError(made.Disk).find("scan.zarr: was changed since"), std::string::npos);
+  EXPECT_NE(FindError(made.Disk).find("modified at another time"), std::string::npos);
+  made.Disk.SetModified(SourcePath + "/0.0.0", 1);
+
+  made.Disk.SetFile(SourcePath + "/more", { 1 });
+  EXPECT_NE(FindError(made.Disk).find("another number of files"), std::string::npos);
+  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath + "/more").IsOk());
+  EXPECT_EQ(FindError(made.Disk), "");
+
+  MemoryDisk::Bytes& metadata = made.Disk.GetFile(SourcePath + "/.zarray");
+  const MemoryDisk::Bytes good = metadata;
+  const std::string text(metadata.begin(), metadata.end());
+  metadata[text.find(">i2")] = '<';
+  EXPECT_NE(FindError(made.Disk).find("stored otherwise"), std::string::npos);
+  metadata = good;
+
+  // No time tells that a chunk has other samples now.
+  made.Disk.GetFile(SourcePath + "/1.1.1")[1000] ^= 1;
+  const std::string error = FindError(made.Disk);
+  EXPECT_NE(error.find("scan.zarr: was changed since"), std::string::npos) << error;
+  EXPECT_NE(error.find("has other samples"), std::string::npos) << error;
+  EXPECT_GT(made.Verify().FaultCount, 0u);
+
+  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  EXPECT_NE(FindError(made.Disk).find("is missing; name its new place"), std::string::npos);
+  EXPECT_EQ(made.Verify().FaultCount, 1u) << "the rest is sound";
+  const auto volume = OpenVolume(made.Disk);
+  EXPECT_TRUE(volume->GetSpectrum(0, 0).IsOk());
+  QueryStatistics statistics;
+  EXPECT_TRUE(volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics, 1).IsOk());
+}
+
+TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
+{
+  const Index3 chunk = { 33, 20, 11 };
+  InPlaceDisk made(chunk);
+  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  const std::string moved = "/archive/other name.zarr";
+  WriteZarr(made.Disk, moved, made.Volume, chunk);
+  ASSERT_TRUE(RelocateSource(made.Disk, VolumePath, moved, 2).IsOk());
+  EXPECT_EQ(FindError(made.Disk), "");
+
+  // Other times: the samples are compared.
+  made.Disk.SetModified(moved + "/0.0.0", 5);
+  EXPECT_NE(FindError(made.Disk), "");
+  ASSERT_TRUE(RelocateSource(made.Disk, VolumePath, moved, 2).IsOk());
+  EXPECT_EQ(FindError(made.Disk), "");
+
+  made.Disk.SetModified(moved + "/0.0.0", 6);
+  made.Disk.GetFile(moved + "/2.1.1")[500] ^= 4;
+  const auto before = made.Disk.GetFile(VolumePath);
+  const Status changed = RelocateSource(made.Disk, VolumePath, moved, 2);
+  EXPECT_EQ(changed.GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(changed.GetMessage().find("has other samples"), std::string::npos);
+  EXPECT_EQ(made.Disk.GetFile(VolumePath), before);
+
+  WriteZarr(made.Disk, "/archive/chunks.zarr", made.Volume, { 10, 10, 10 });
+  EXPECT_EQ(RelocateSource(made.Disk, VolumePath, "/archive/chunks.zarr", 2).GetCode(),
+    StatusCode::Corrupt);
+  EXPECT_EQ(RelocateSource(made.Disk, VolumePath, "/archive/nothing.zarr", 2).GetCode(),
+    StatusCode::NotFound);
+}
+
+TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
+{
+  MemoryDisk disk;
+  const auto volume = MakeVolume<std::int16_t>(Size);
+  WriteZarr(disk, SourcePath, volume, { 33, 20, 11 });
+  const auto record = DescribeSource(disk, VolumePath, SourcePath, InPlaceDisk::MakeWanted(),
+    MakeGeometry(Size), { { "density", ValueType::Int16 } });
+  ASSERT_TRUE(record.IsOk());
+  BlockedVolumeSettings settings = MakeSettings(16, 1);
+  settings.Time = 1;
+  settings.InPlace = *record;
+  WriteVolumeOk(disk, volume, settings);
+  settings.Time = 2;
+  settings.Append = true;
+  WriteVolumeOk(disk, volume, settings);
+  settings.Time = 3;
+  settings.InPlace.reset();
+  const auto copied = WriteVolume(disk, volume, settings);
+  EXPECT_EQ(copied[0].GetStatus().GetCode(), StatusCode::InvalidArgument);
+  EXPECT_NE(copied[0].GetStatus().GetMessage().find("it is indexed in place"), std::string::npos);
+  const auto opened = OpenVolume(disk);
+  ASSERT_EQ(opened->GetHeader().TimeSteps.size(), 2u);
+  QueryStatistics statistics;
+  EXPECT_TRUE(opened->FindActiveBlocks(1, 0, { Isovalue }, 0, 1, statistics).IsOk());
+
+  MemoryDisk other;
+  settings.Append = false;
+  WriteVolumeOk(other, volume, settings);
+  settings.Append = true;
+  settings.Time = 4;
+  settings.InPlace = *record;
+  EXPECT_EQ(
+    WriteVolume(other, volume, settings)[0].GetStatus().GetCode(), StatusCode::InvalidArgument);
+}
+
+TEST(VolumeInPlace, IsWrittenAnewAsACopy)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  auto source = StoredSlabSource::Make(OpenVolume(made.Disk), 0, { 0 }, 2);
+  ASSERT_TRUE(source.IsOk());
+  MemoryDisk anew;
+  ThreadCommunicator::Run(1,
+    [&](Communicator& ranks)
+    {
+      const auto written = BlockedVolumeWriter(ranks, anew)
+                             .Write(VolumePath, MakeGeometry(Size),
+                               { { "density", ValueType::Int16 } }, **source, MakeSettings(16, 2));
+      EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+    });
+  MemoryDisk copied;
+  WriteVolumeOk(copied, made.Volume, MakeSettings(16, 2));
+  EXPECT_EQ(anew.Copy(), copied.Copy());
+}
+
+TEST(VolumeInPlace, SourcesThatCanOnlyBeReadInOrderAreRefused)
+{
+  MemoryDisk disk;
+  const std::string header = "ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = "
+                             "MET_UCHAR\nCompressedData = True\nElementDataFile = LOCAL\n";
+  disk.SetFile("/data/a.mha", MemoryDisk::Bytes(header.begin(), header.end()));
+  GridGeometry grid;
+  grid.Extent = { 0, 3, 0, 3, 0, 3 };
+  const auto record =
+    DescribeSource(disk, VolumePath, "/data/a.mha", {}, grid, { { "density", ValueType::UInt8 } });
+  EXPECT_EQ(record.GetStatus().GetCode(), StatusCode::Unsupported);
+  EXPECT_NE(record.GetStatus().GetMessage().find("only be read in order"), std::string::npos);
+}
+
+TEST(VolumeInPlace, HeadersWithImpossibleSourcesAreRefused)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  const auto good = OpenVolume(made.Disk)->GetHeader();
+  const auto parse = [](const BlockedVolumeHeader& header)
+  { return BlockedVolumeHeader::Parse(header.Format(), VolumePath).GetStatus().GetCode(); };
+  EXPECT_EQ(parse(good), StatusCode::Ok);
+  BlockedVolumeHeader bad = good;
+  bad.TimeSteps[0].Source->Chunk[1] = 0;
+  EXPECT_EQ(parse(bad), StatusCode::Corrupt);
+  bad = good;
+  bad.TimeSteps[0].Source->Path.clear();
+  EXPECT_EQ(parse(bad), StatusCode::Corrupt);
+  bad = good;
+  bad.TimeSteps[0].Source->Arrays.push_back("one more");
+  EXPECT_EQ(parse(bad), StatusCode::Corrupt);
+  bad = good;
+  bad.NumberOfLevels = 2;
+  EXPECT_EQ(parse(bad), StatusCode::Corrupt);
+}

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/TriangleSet.h"
+#include "Ground/Volume/BlockSelection.h"
+#include "Surface/Contour/GridBlockSource.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+namespace isosurface
+{
+namespace
+{
+
+ContourRequest MakeRequest(std::vector<double> isovalues)
+{
+  ContourRequest request;
+  request.Isovalues = std::move(isovalues);
+  request.Normals = true;
+  request.GlobalIds = true;
+  request.ClosedSides = GridSides::All();
+  return request;
+}
+
+/// The volume with a layer around it that is outside: how the oracle closes a surface.
+template <typename T>
+SampleVolume<double> Pad(const SampleVolume<T>& volume)
+{
+  const Index3 size = volume.GetDimensions();
+  SampleVolume<double> padded({ size[0] + 2, size[1] + 2, size[2] + 2 });
+  std::fill(padded.Samples.begin(), padded.Samples.end(), -1e30);
+  for (std::size_t side = 0; side < 6; ++side)
+  {
+    padded.Geometry.Extent[side] = volume.Geometry.Extent[side] + (side % 2 == 0 ? -1 : 1);
+  }
+  for (std::int64_t k = 0; k < size[2]; ++k)
+  {
+    for (std::int64_t j = 0; j < size[1]; ++j)
+    {
+      for (std::int64_t i = 0; i < size[0]; ++i)
+      {
+        padded.At(i + 1, j + 1, k + 1) = static_cast<double>(volume.At(i, j, k));
+      }
+    }
+  }
+  return padded;
+}
+
+template <typename T>
+Result<Surface> Extract(const SampleVolume<T>& volume, int blockSize, const ContourRequest& request,
+  const std::vector<std::int64_t>& blocks, int threads = 1)
+{
+  TestBlockSource<T> source(volume, blockSize);
+  source.Blocks = blocks;
+  return ExtractSurface(volume.Geometry, source, request, threads);
+}
+
+template <typename T>
+PlainSurface ExtractPlain(
+  const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
+{
+  const Result<Surface> surface = Extract(volume, blockSize, request,
+    FindBlocksByForce(volume, blockSize, request.Isovalues, true), threads);
+  EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
+  PlainSurface plain = MakePlain(*surface);
+  EXPECT_EQ(plain.Points.size(), surface->NumberOfPoints) << "an id is there twice";
+  return plain;
+}
+
+template <typename T>
+void CheckAgainstPadding(const SampleVolume<T>& volume, int blockSize,
+  const std::vector<double>& isovalues, int threads = 1)
+{
+  const TriangleSet expected =
+    Clamp(MakeTriangleSet(ContourPlainly(Pad(volume), isovalues)), volume.Geometry);
+  ContourRequest request = MakeRequest(isovalues);
+  const PlainSurface closed = ExtractPlain(volume, blockSize, request, threads);
+  EXPECT_EQ(MakeTriangleSet(closed), expected);
+  EXPECT_TRUE(IsClosed(closed));
+  request.DropDegenerateTriangles = true;
+  const PlainSurface lean = ExtractPlain(volume, blockSize, request, threads);
+  EXPECT_EQ(MakeTriangleSet(lean), DropDegenerate(expected));
+  EXPECT_TRUE(IsClosed(lean));
+}
+
+template <typename T>
+class ClosedSidesOfType : public testing::Test
+{
+};
+using SomeTypes = testing::Types<std::uint8_t, std::int16_t, std::uint32_t, float, double>;
+TYPED_TEST_SUITE(ClosedSidesOfType, SomeTypes);
+
+} // namespace
+
+TYPED_TEST(ClosedSidesOfType, RandomGridsEqualPaddedOnesMovedIntoTheGrid)
+{
+  std::mt19937 random(60);
+  std::uniform_int_distribution<int> size(2, 8);
+  for (int trial = 0; trial < 150; ++trial)
+  {
+    SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
+    for (TypeParam& sample : volume.Samples)
+    {
+      sample = static_cast<TypeParam>(random() % 5);
+    }
+    CheckAgainstPadding(volume, 1 + static_cast<int>(random() % 5),
+      trial % 3 == 0 ? std::vector<double>{ 1.5, 2.0 } : std::vector<double>{ trial % 3 + 0.5 });
+  }
+}
+
+TEST(ClosedSides, BlocksOfAllSizesEqualPaddedGrids)
+{
+  std::mt19937 random(61);
+  for (const Index3& dimensions : { Index3{ 70, 5, 34 }, Index3{ 4, 67, 3 }, Index3{ 33, 65, 2 } })
+  {
+    const auto volume = MakeRandomVolume<std::int16_t>(random, dimensions, 20);
+    for (const int blockSize : { 16, 32, 64 })
+    {
+      CheckAgainstPadding(volume, blockSize, { 4.25 }, 2);
+    }
+  }
+}
+
+TEST(ClosedSides, NegativeExtentsEqualPaddedGrids)
+{
+  std::mt19937 random(62);
+  auto volume = MakeRandomVolume<std::uint16_t>(random, { 19, 8, 12 }, 40);
+  volume.Geometry.Extent = { -1000, -982, 7, 14, -12, -1 };
+  CheckAgainstPadding(volume, 16, { 30.0 });
+}
+
+TEST(ClosedSides, AnIsovalueBelowAllSamplesGivesTheBoxOfTheGrid)
+{
+  // No value is below the minimum of the type, but beyond the grid everything is outside.
+  for (const double isovalue : { -5.0, 0.0 })
+  {
+    SampleVolume<std::uint8_t> volume({ 20, 6, 37 });
+    ContourRequest request = MakeRequest({ isovalue });
+    request.DropDegenerateTriangles = true;
+    const PlainSurface box = ExtractPlain(volume, 16, request);
+    EXPECT_TRUE(IsManifold(box));
+    EXPECT_NEAR(ComputeSixfoldVolume(MakeTriangleSet(box)), 6.0 * 19 * 5 * 36, 1e-6);
+    // Two triangles for each face of a cell at the border, and no others.
+    EXPECT_EQ(box.Triangles.size(), 4u * (19 * 5 + 5 * 36 + 36 * 19));
+  }
+}
+
+TEST(ClosedSides, CapsHaveOutwardNormals)
+{
+  SampleVolume<float> volume({ 9, 8, 7 });
+  std::fill(volume.Samples.begin(), volume.Samples.end(), 1.0f);
+  const PlainSurface box = ExtractPlain(volume, 4, MakeRequest({ 0.5 }));
+  const float high[] = { 8, 7, 6 };
+  for (const auto& [id, bits] : box.Points)
+  {
+    float values[6];
+    std::memcpy(values, bits.data(), sizeof(values));
+    int axes = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      if (values[3 + axis] != 0)
+      {
+        ++axes;
+        EXPECT_EQ(values[axis], values[3 + axis] > 0 ? high[axis] : 0.0f);
+        EXPECT_EQ(std::abs(values[3 + axis]), 1.0f);
+      }
+    }
+    EXPECT_EQ(axes, 1);
+  }
+}
+
+TEST(ClosedSides, PointsOffTheCapsAreThoseOfTheOpenSurface)
+{
+  std::mt19937 random(63);
+  const auto volume = MakeRandomVolume<std::int16_t>(random, { 35, 20, 18 }, 1000);
+  ContourRequest request = MakeRequest({ 100.5 });
+  const PlainSurface closed = ExtractPlain(volume, 16, request);
+  request.ClosedSides = {};
+  const PlainSurface open = ExtractPlain(volume, 16, request);
+  std::multiset<PointBits> closedPoints;
+  for (const auto& [id, bits] : closed.Points)
+  {
+    closedPoints.insert(bits);
+  }
+  for (const auto& [id, bits] : open.Points)
+  {
+    ASSERT_GE(closedPoints.count(bits), 1u) << "a point or normal changed";
+  }
+}
+
+TEST(ClosedSides, OnlyTheRequestedSidesAreClosed)
+{
+  SampleVolume<std::uint8_t> volume({ 6, 7, 8 });
+  std::fill(volume.Samples.begin(), volume.Samples.end(), std::uint8_t(9));
+  for (std::size_t side = 0; side < 6; ++side)
+  {
+    ContourRequest request = MakeRequest({ 3.0 });
+    request.ClosedSides = {};
+    request.ClosedSides.Sides[side] = true;
+    const PlainSurface cap = ExtractPlain(volume, 4, request);
+    const std::size_t axis = side / 2;
+    const Index3 size = volume.GetDimensions();
+    const auto cells =
+      static_cast<std::size_t>((size[(axis + 1) % 3] - 1) * (size[(axis + 2) % 3] - 1));
+    EXPECT_EQ(cap.Triangles.size(), 2 * cells);
+    for (const auto& [id, bits] : cap.Points)
+    {
+      float place[3];
+      std::memcpy(place, bits.data(), sizeof(place));
+      EXPECT_EQ(place[axis], side % 2 == 0 ? 0.0f : static_cast<float>(size[axis] - 1));
+    }
+  }
+}
+
+TEST(ClosedSides, UnionOfRanksEqualsOneRank)
+{
+  std::mt19937 random(64);
+  for (int trial = 0; trial < 120; ++trial)
+  {
+    const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 8, 7 }, 4);
+    const int blockSize = 1 + trial % 4;
+    ContourRequest request = MakeRequest({ 2.0, 2.5 });
+    request.DropDegenerateTriangles = trial % 2 == 0;
+    std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(2 + trial % 3));
+    for (const std::int64_t block : FindBlocksByForce(volume, blockSize, request.Isovalues, true))
+    {
+      pieces[random() % pieces.size()].push_back(block);
+    }
+    std::vector<PlainSurface> ranks;
+    for (const auto& piece : pieces)
+    {
+      const Result<Surface> surface = Extract(volume, blockSize, request, piece, 2);
+      ASSERT_TRUE(surface.IsOk());
+      ranks.push_back(MakePlain(*surface));
+      ASSERT_EQ(ranks.back().Points.size(), surface->NumberOfPoints);
+    }
+    bool agree = true;
+    const PlainSurface united = UniteRanks(ranks, agree);
+    EXPECT_TRUE(agree) << "two ranks disagree on a point";
+    EXPECT_TRUE(united == ExtractPlain(volume, blockSize, request));
+    EXPECT_TRUE(IsClosed(united));
+  }
+}
+
+TEST(ClosedSides, CapsOfPolygonsCloseTheSurface)
+{
+  std::mt19937 random(65);
+  const auto volume = MakeRandomVolume<std::uint8_t>(random, { 20, 9, 8 }, 100);
+  ContourRequest request = MakeRequest({ 50.5 });
+  request.Polygons = true;
+  const Result<Surface> surface =
+    Extract(volume, 16, request, FindBlocksByForce(volume, 16, request.Isovalues, true), 1);
+  ASSERT_TRUE(surface.IsOk());
+  std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
+  for (std::size_t cell = 0; cell < surface->NumberOfCells; ++cell)
+  {
+    const auto begin = static_cast<std::size_t>(surface->Offsets[cell]);
+    const auto end = static_cast<std::size_t>(surface->Offsets[cell + 1]);
+    for (std::size_t n = begin; n < end; ++n)
+    {
+      const std::int64_t from = surface->Connectivity[n];
+      const std::int64_t to = surface->Connectivity[n + 1 == end ? begin : n + 1];
+      sides[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+  }
+  for (const auto& side : sides)
+  {
+    ASSERT_EQ(side.second, 0);
+  }
+}
+
+TEST(ClosedSides, AttributesOfCapsAreThoseOfTheBorder)
+{
+  std::mt19937 random(66);
+  const auto volume = MakeRandomVolume<float>(random, { 18, 9, 8 }, 100);
+  std::vector<float> field(volume.Samples.size());
+  const Index3 size = volume.GetDimensions();
+  for (std::size_t n = 0; n < field.size(); ++n)
+  {
+    field[n] = static_cast<float>(n % static_cast<std::size_t>(size[0]));
+  }
+  const auto ranges = BlockRanges::Compute(volume.GetView(), 1);
+  ContourRequest request = MakeRequest({ 20.5 });
+  request.Attributes = { { ValueType::Float32, 1 } };
+  SampleView view = volume.GetView();
+  view.First = field.data();
+  for (const bool drop : { false, true })
+  {
+    request.DropDegenerateTriangles = drop;
+    BlockSelection selection;
+    selection.ClosedSides = request.ClosedSides;
+    GridBlockSource source(
+      volume.GetView(), *ranges, request.Isovalues, selection, volume.Geometry);
+    source.SetAttributes({ { { view } } });
+    const Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 1);
+    ASSERT_TRUE(surface.IsOk());
+    const auto* x = reinterpret_cast<const float*>(surface->Attributes[0].Bytes.GetData());
+    for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
+    {
+      if (!std::isnan(surface->Points[3 * point]))
+      {
+        ASSERT_EQ(x[point], surface->Points[3 * point]);
+      }
+    }
+  }
+}
+
+TEST(BlockSelection, BlocksOfSamplesInMemoryEqualBruteForce)
+{
+  std::mt19937 random(67);
+  SampleVolume<std::int16_t> volume({ 70, 100, 66 });
+  for (std::size_t n = 0; n < volume.Samples.size(); ++n)
+  {
+    volume.Samples[n] = static_cast<std::int16_t>(n / 5000);
+  }
+  const auto ranges = BlockRanges::Compute(volume.GetView(), 2);
+  for (const std::vector<double>& isovalues :
+    { std::vector<double>{ 30.0 }, { 10.0, 60.5 }, { -1.0 }, { 1000.0 } })
+  {
+    for (const bool closed : { false, true })
+    {
+      BlockSelection selection;
+      selection.ClosedSides = closed ? GridSides::All() : GridSides{};
+      const GridBlockSource source(
+        volume.GetView(), *ranges, isovalues, selection, volume.Geometry);
+      const auto expected = FindBlocksByForce(volume, BlockRanges::BlockSize, isovalues, closed);
+      ASSERT_EQ(source.GetNumberOfBlocks(), expected.size());
+      const BlockGrid grid(volume.GetDimensions(), BlockRanges::BlockSize);
+      for (std::size_t block = 0; block < expected.size(); ++block)
+      {
+        EXPECT_EQ(source.GetVertices(block), grid.GetVertices(expected[block]));
+      }
+    }
+  }
+}
+
+} // namespace isosurface

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/DicomBytes.h"
+#include "Fixtures/SampleFiles.h"
+
+#include "Formats/Dicom/DicomSlice.h"
+#include "Formats/Opener/VolumeFile.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <sys/resource.h>
+
+using namespace isosurface;
+
+namespace
+{
+
+const std::string ExplicitLittle = "1.2.840.10008.1.2.1";
+const Bytes Pixels = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 };
+
+/// A file that is removed at the end of the test.
+class File
+{
+public:
+  explicit File(const Bytes& bytes)
+    : Path(testing::TempDir() + "DicomSlice-" +
+        testing::UnitTest::GetInstance()->current_test_info()->name() + ".dcm")
+  {
+    std::ofstream(this->Path, std::ios::binary)
+      .write(
+        reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  ~File() { std::filesystem::remove(this->Path); }
+
+  const std::string Path;
+};
+
+DicomBytes MakeImage(const DicomBytes& before = {})
+{
+  DicomBytes bytes;
+  bytes.PutStart(ExplicitLittle).PutRaw(std::string(before.Get().begin(), before.Get().end()));
+  return bytes.PutImage(3, 2).PutBytes(0x7fe00010, "OW", Pixels);
+}
+
+/// The error of reading and decoding a file, or nothing.
+std::string FindError(const DicomBytes& bytes, Bytes* samples = nullptr)
+{
+  const File file(bytes.Get());
+  const auto slice = DicomSlice::Read(file.Path);
+  Bytes decoded;
+  const Status status = slice.IsOk() ? slice->Decode(decoded) : slice.GetStatus();
+  EXPECT_EQ(status.IsOk() ? 0u : status.GetMessage().find(file.Path + ": cannot be read: "), 0u)
+    << status.GetMessage();
+  if (samples)
+  {
+    *samples = decoded;
+  }
+  return status.IsOk() ? std::string() : status.GetMessage();
+}
+
+void ExpectSamples(const DicomBytes& bytes, const Bytes& expected)
+{
+  Bytes samples;
+  EXPECT_EQ(FindError(bytes, &samples), "");
+  EXPECT_EQ(samples, expected);
+}
+
+void ExpectRefused(const DicomBytes& bytes, const std::string& reason)
+{
+  const std::string message = FindError(bytes);
+  EXPECT_NE(message.find(reason), std::string::npos) << message;
+}
+
+} // namespace
+
+TEST(DicomSlice, DecodesAnImage)
+{
+  ExpectSamples(MakeImage(), Pixels);
+}
+
+TEST(DicomSlice, AValueOfAKindThatIsNoTextOrNumberIsMissing)
+{
+  for (const std::string kind : { "OD", "OL", "OV", "SV", "UV", "AT", "OB" })
+  {
+    DicomBytes bytes;
+    bytes.PutStart(ExplicitLittle).PutHead(0x00280010, kind, 8);
+    bytes.PutRaw("abcdefgh").PutNumber(0x00280011, 3).PutBytes(0x7fe00010, "OW", Pixels);
+    ExpectRefused(bytes, "");
+  }
+}
+
+TEST(DicomSlice, DeepSequencesAreAnError)
+{
+  DicomBytes before;
+  for (int level = 0; level < 5000; ++level)
+  {
+    before.PutHead(0x00180001, "SQ", DicomBytes::Undefined).PutItem();
+  }
+  ExpectRefused(MakeImage(before), "sequences within sequences");
+  // Behind the pixels, too: no library reads them.
+  DicomBytes after = MakeImage();
+  after.PutRaw(std::string(before.Get().begin(), before.Get().end()));
+  ExpectSamples(after, Pixels);
+}
+
+TEST(DicomSlice, AWrongLengthTakesNoMemory)
+{
+  const auto findPeak = []
+  {
+    rusage usage = {};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss; // KiB
+  };
+  const auto before = findPeak();
+  ExpectRefused(MakeImage(DicomBytes().PutHead(0x0008103e, "UT", 0x20000000)), "damaged");
+  ExpectRefused(
+    MakeImage(DicomBytes().PutHead(0x00081140, "SQ", DicomBytes::Undefined).PutItem(0x20000000)),
+    "damaged");
+  EXPECT_LT(findPeak() - before, 64 << 10);
+}
+
+TEST(DicomSlice, TruncatedPixelsAreAnErrorAndMoreThanNeededAreNot)
+{
+  DicomBytes start;
+  start.PutStart(ExplicitLittle).PutImage(3, 2);
+  DicomBytes few = start;
+  ExpectRefused(few.PutBytes(0x7fe00010, "OW", { 1, 2, 3, 4 }), "truncated");
+  DicomBytes cut = start;
+  ExpectRefused(cut.PutHead(0x7fe00010, "OW", 12).PutRaw("abcd"), "truncated");
+  DicomBytes more = start;
+  Bytes pixels = Pixels;
+  pixels.resize(40);
+  ExpectSamples(more.PutBytes(0x7fe00010, "OW", pixels), Pixels);
+}
+
+TEST(DicomSlice, SamplesWithUnusedBitsAreRead)
+{
+  const auto make = [](std::uint32_t bits, std::uint32_t stored, std::uint32_t highest)
+  {
+    DicomBytes bytes;
+    bytes.PutStart(ExplicitLittle).PutText(0x00280004, "CS", "MONOCHROME2");
+    bytes.PutNumber(0x00280010, 2).PutNumber(0x00280011, 6).PutNumber(0x00280100, bits);
+    bytes.PutNumber(0x00280101, stored).PutNumber(0x00280102, highest);
+    return bytes.PutBytes(0x7fe00010, "OW", bits == 8 ? Pixels : Bytes(24, 0xff));
+  };
+  ExpectSamples(make(8, 7, 6), Pixels);
+  Bytes samples;
+  EXPECT_EQ(FindError(make(16, 12, 11), &samples), "");
+  EXPECT_EQ(samples[0] | samples[1] << 8, 0x0fff);
+  ExpectRefused(make(16, 12, 15), "not in the lowest bits");
+}
+
+TEST(DicomSlice, RunLengthsAreDecodedWithinTheirBounds)
+{
+  const auto make = [](std::uint32_t segments, std::uint32_t second, const Bytes& runs)
+  {
+    DicomBytes bytes;
+    bytes.PutStart("1.2.840.10008.1.2.5").PutImage(3, 2);
+    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0);
+    bytes.PutItem(static_cast<std::uint32_t>(64 + runs.size()));
+    bytes.Put(segments, 4).Put(64, 4).Put(second, 4).PutRaw(std::string(52, '\0'));
+    bytes.PutRaw(std::string(runs.begin(), runs.end())).PutEnd(DicomBytes::SequenceEnd);
+    return bytes;
+  };
+  // Six times 1; 1, 2, 3 and three times 7: the high bytes and the low ones.
+  const Bytes runs = { 251, 1, 128, 2, 1, 2, 3, 254, 7, 0 };
+  ExpectSamples(make(2, 67, runs), { 1, 1, 2, 1, 3, 1, 7, 1, 7, 1, 7, 1 });
+  for (const std::uint32_t second : { 0u, 63u, 66u, 74u, 75u, 0x7fffffffu, 0xffffffffu })
+  {
+    ExpectRefused(make(2, second, runs), second == 66 ? "" : "run lengths");
+  }
+  ExpectRefused(make(1, 0, runs), "run lengths");
+  ExpectRefused(make(2, 67, { 251, 1, 0, 9, 1, 2, 3, 4 }), "run lengths");
+}
+
+TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
+{
+  // The starts of JPEG-LS and of JPEG 2000, for 3 x 2 and for other sizes.
+  const std::string lossless = "1.2.840.10008.1.2.4.80";
+  const std::string wavelets = "1.2.840.10008.1.2.4.90";
+  const auto make = [](const std::string& syntax, const Bytes& code)
+  {
+    DicomBytes bytes;
+    bytes.PutStart(syntax).PutImage(3, 2);
+    bytes.PutHead(0x7fe00010, "OB", DicomBytes::Undefined).PutItem(0);
+    bytes.PutItem(static_cast<std::uint32_t>(code.size()));
+    return bytes.PutRaw(std::string(code.begin(), code.end())).PutEnd(DicomBytes::SequenceEnd);
+  };
+  const auto join = [](Bytes first, const Bytes& second)
+  {
+    first.insert(first.end(), second.begin(), second.end());
+    return first;
+  };
+  const Bytes frame = { 0xff, 0xf7, 0, 11, 16, 0, 1, 0, 3, 1, 1, 0x11, 0, 0 };
+  ExpectRefused(make(lossless, join({ 0xff, 0xd8 }, frame)), "another size");
+  ExpectRefused(
+    make(lossless, join({ 0xff, 0xd8, 0xff, 0xe0, 0, 4, 1, 2 }, frame)), "another size");
+  ExpectRefused(make(lossless, join({ 0xff, 0xd8, 7 }, frame)), "does not begin as JPEG");
+  // Markers without a length, which a decoder skips: to the size behind them, not to the other one.
+  for (const std::uint8_t marker : { 0x00, 0x01, 0xd0, 0xd7, 0xd8, 0xd9 })
+  {
+    ExpectRefused(make(lossless, join({ 0xff, 0xd8, 0xff, marker, 0, 4, 1, 2 }, frame)),
+      "does not begin as JPEG");
+  }
+  ExpectRefused(make(lossless, frame), "does not begin as JPEG");
+
+  Bytes code = { 0xff, 0x4f, 0xff, 0x51, 0, 41, 0, 0, 0, 0, 0xff, 0, 0, 0, 0xff, 0 };
+  code.resize(60);
+  code[41] = 1;
+  const Bytes signature = { 0, 0, 0, 12, 0x6a, 0x50, 0x20, 0x20, 0x0d, 0x0a, 0x87, 0x0a };
+  const Bytes box = { 0, 0, 0, 68, 0x6a, 0x70, 0x32, 0x63 };
+  const Bytes longBox = { 0, 0, 0, 1, 0x6a, 0x70, 0x32, 0x63, 0, 0, 0, 0, 0, 0, 0, 76 };
+  ExpectRefused(make(wavelets, code), "another size");
+  ExpectRefused(make(wavelets, join(signature, join(box, code))), "another size");
+  ExpectRefused(make(wavelets, join(signature, join(longBox, code))), "another size");
+  ExpectRefused(make(wavelets, join(signature, code)), "does not begin as JPEG");
+  ExpectRefused(make(wavelets, signature), "does not begin as JPEG");
+  // A marker that is skipped comes before the size.
+  code.insert(code.begin() + 2, { 0xff, 0x30 });
+  ExpectRefused(make(wavelets, code), "does not begin as JPEG");
+}
+
+TEST(DicomSlice, APathThatTheSystemRefusesIsAnError)
+{
+  const auto volume =
+    VolumeFile::Open(GetLocalFileSystem(), testing::TempDir() + std::string(300, 'n') + ".dcm");
+  ASSERT_FALSE(volume.IsOk());
+  EXPECT_NE(volume.GetStatus().GetMessage().find("nnn.dcm: "), std::string::npos)
+    << volume.GetStatus().GetMessage();
+}

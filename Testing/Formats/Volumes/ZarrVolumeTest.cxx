@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What metadata may cost. Samples and everything else: Testing/Tools/check_zarr.py.
+#include "Fixtures/SampleFiles.h"
+
+#include "Formats/Opener/VolumeFile.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+const std::string Folder = "/data/a.zarr";
+
+std::string Repeat(const std::string& text, std::size_t count)
+{
+  std::string all;
+  for (std::size_t n = 0; n < count; ++n)
+  {
+    all += (n == 0 ? "" : ",") + text;
+  }
+  return all;
+}
+
+/// An array of Zarr 3 of one chunk, with more members.
+std::string MakeArray(
+  const std::string& codecs, const std::string& more = "", const std::string& separator = "/")
+{
+  return R"({"zarr_format": 3, "node_type": "array", "shape": [2, 2, 2], "data_type": "uint8",
+    "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [2, 2, 2]}},
+    "chunk_key_encoding": {"name": "default", "configuration": {"separator": ")" +
+    separator + R"("}}, "fill_value": 0, "codecs": [{"name": "bytes"}, )" + codecs + "]" + more +
+    "}";
+}
+
+/// An image of multiscales with axes and channels.
+std::string MakeImage(const std::string& axes, const std::string& channels)
+{
+  return R"({"zarr_format": 3, "node_type": "group", "attributes": {"ome": {"multiscales": [{
+    "datasets": [{"path": "0"}], "axes": [)" +
+    axes + R"(]}], "omero": {"channels": [)" + channels + "]}}}}";
+}
+
+std::string FindError(const std::string& json, const std::string& file = "/zarr.json")
+{
+  MemoryDisk disk;
+  static_cast<void>(disk.MakeDirectories(Folder + "/0"));
+  WriteFile(disk, Folder + file, MakeBytes(json));
+  WriteFile(disk, Folder + "/0/zarr.json", MakeBytes(MakeArray(R"({"name": "crc32c"})")));
+  const auto volume = VolumeFile::Open(disk, Folder);
+  return volume.IsOk() ? "" : volume.GetStatus().GetMessage();
+}
+
+} // namespace
+
+TEST(ZarrVolume, NestedMetadataOverflowsNoStack)
+{
+  const std::string deep = std::string(100000, '[') + std::string(100000, ']');
+  const std::string reason = ": cannot be read: it nests more than 64 objects";
+  EXPECT_EQ(
+    FindError(MakeArray(R"({"name": "crc32c"})", ", \"attributes\": {\"a\": " + deep + "}")),
+    Folder + "/zarr.json" + reason);
+  EXPECT_EQ(FindError("{\"a\": " + deep + "}", "/.zarray"), Folder + "/.zarray" + reason);
+  EXPECT_EQ(
+    FindError("{\"a\": " + deep + "}", "/attributes.json"), Folder + "/attributes.json" + reason);
+  const std::string few = std::string(60, '[') + std::string(60, ']');
+  EXPECT_EQ(
+    FindError(MakeArray(R"({"name": "crc32c"})", ", \"attributes\": {\"a\": " + few + "}")), "");
+}
+
+TEST(ZarrVolume, CodecsAreFew)
+{
+  EXPECT_EQ(FindError(MakeArray(Repeat(R"({"name": "crc32c"})", 4))), "");
+  EXPECT_NE(FindError(MakeArray(Repeat(R"({"name": "crc32c"})", 80000))).find("more than 4 codecs"),
+    std::string::npos);
+}
+
+TEST(ZarrVolume, AxesAndChannelsAreFew)
+{
+  const std::string axes =
+    R"({"name": "z", "type": "space"}, {"name": "y", "type": "space"}, {"name": "x", "type": "space"})";
+  EXPECT_EQ(FindError(MakeImage(axes, R"({"label": "a"})")), "");
+  EXPECT_NE(FindError(MakeImage(Repeat(R"({"name": "z", "unit": "u"})", 33), "")).find("33 axes"),
+    std::string::npos);
+  EXPECT_NE(FindError(MakeImage(axes, Repeat(R"({"label": "a"})", 1025))).find("1025 channels"),
+    std::string::npos);
+}
+
+TEST(ZarrVolume, SeparatorsOfChunksLeadNowhereElse)
+{
+  EXPECT_EQ(FindError(MakeArray(R"({"name": "crc32c"})", "", ".")), "");
+  EXPECT_NE(FindError(MakeArray(R"({"name": "crc32c"})", "", "/../../x/")).find("separate"),
+    std::string::npos);
+}
