@@ -105,10 +105,7 @@ Status MeasureBlockSize(
   const double start = GetSeconds();
   const auto written = BlockedVolumeWriter(alone).Write(
     path, grid, { { "samples", first.Type } }, { first.Box, samples.Components }, settings);
-  if (!written.IsOk())
-  {
-    return written.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   const auto raw =
     static_cast<double>(grid.GetNumberOfVertices()) * static_cast<double>(GetValueSize(first.Type));
   std::printf("block size %d: written in %.2f s, %.2f x the raw bytes\n", blockSize,

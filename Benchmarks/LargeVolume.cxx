@@ -60,10 +60,7 @@ const char* GetElementType(ValueType type)
 Status WriteText(FileSystem& files, const std::string& path, const std::string& text)
 {
   auto file = files.CreateForWriting(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const Status status = (*file)->Append(text.data(), text.size());
   return status.IsOk() ? (*file)->SyncAndClose() : status;
 }
@@ -167,11 +164,7 @@ Result<LargeVolume> LargeVolume::Open(
     volume.Grid.Spacing[axis] *=
       static_cast<double>(size[axis] - 1) / static_cast<double>(settings.Dimensions[axis] - 1);
   }
-  const Status status = volume.ReadScan(files, scan);
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(volume.ReadScan(files, scan));
   volume.MeasureContrast();
   volume.AddOctaves(settings);
   volume.ChooseScale(scan.Type);
@@ -181,15 +174,9 @@ Result<LargeVolume> LargeVolume::Open(
 Status LargeVolume::ReadScan(FileSystem& files, const RawVolume& scan)
 {
   auto source = scan.Open(files);
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   const auto slab = (*source)->Read((*source)->GetBox());
-  if (!slab.IsOk())
-  {
-    return slab.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
   const SampleView& view = slab->Arrays[0];
   this->Scan.Size = view.Box.GetSize();
   this->Scan.IsInterpolating = true;
@@ -320,10 +307,7 @@ Status LargeVolume::Write(FileSystem& files, const std::string& path, int thread
 {
   const std::filesystem::path rawPath = std::filesystem::path(path).replace_extension(".raw");
   auto file = files.CreateForWriting(rawPath.string());
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const Index3 size = this->Grid.GetDimensions();
   const std::uint64_t sliceBytes =
     static_cast<std::uint64_t>(size[0] * size[1]) * GetValueSize(this->Type);
@@ -349,10 +333,7 @@ Status LargeVolume::Write(FileSystem& files, const std::string& path, int thread
   const Status last = writing.valid() ? writing.get() : Status::Ok();
   status = status.IsOk() ? last : status;
   status = status.IsOk() ? (*file)->SyncAndClose() : status;
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   return WriteText(files, path, this->MakeHeader(rawPath.filename().string()));
 }
 

@@ -35,10 +35,7 @@ public:
   {
     QueryStatistics statistics;
     const auto decoded = this->Volume.ReadBlock(reference, 0, 0, 0, statistics);
-    if (!decoded.IsOk())
-    {
-      return decoded.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
     const SampleView& view = (*decoded)->View;
     const auto block = static_cast<std::size_t>(reference.Block);
     this->Ranges[block] = FindSampleRange(view, view.Box).All;
@@ -75,10 +72,7 @@ private:
 Result<MeasuredVolume> MeasuredVolume::Read(const std::string& path, int threads)
 {
   auto volume = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
-  if (!volume.IsOk())
-  {
-    return volume.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   QueryStatistics statistics;
   const auto blocks = (*volume)->GetShare(0, 0, 1, statistics);
   const auto spectrum = (*volume)->GetSpectrum(0, 0);
@@ -99,10 +93,7 @@ Result<MeasuredVolume> MeasuredVolume::Read(const std::string& path, int threads
         status = own;
       }
     });
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   return measurement.Take();
 }
 
@@ -110,15 +101,9 @@ Status WriteVolume(
   const std::string& from, const std::string& to, int blockSize, std::uint32_t stores, int threads)
 {
   const auto raw = RawVolume::ReadHeader(GetLocalFileSystem(), from);
-  if (!raw.IsOk())
-  {
-    return raw.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
   auto source = raw->Open(GetLocalFileSystem());
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   BlockedVolumeSettings settings;
   settings.BlockSize = blockSize;
   settings.NumberOfStores = stores;

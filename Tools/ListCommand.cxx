@@ -14,10 +14,7 @@ namespace isosurface
 Status RunListCommand(const BlockVolumeOptions& options)
 {
   const auto list = VolumeFile::List(GetLocalFileSystem(), options.Input);
-  if (!list.IsOk())
-  {
-    return list.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
   std::size_t widths[3] = {};
   for (const VolumeListing& entry : *list)
   {

@@ -409,8 +409,7 @@ Result<std::unique_ptr<isosurface::SlabSource>> vtkBlockedVolumeWriter::Session:
 Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume& local)
 {
   const auto opened = this->OpenSource(local);
-  const Status status = this->Ranks.Agree(opened.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(status);
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(opened.GetStatus()));
   const double steps = static_cast<double>(std::max<std::size_t>(1, this->Owner.TimeSteps.size()));
   const auto written = this->Writer.Write(this->Owner.FileName, local.Grid, local.Arrays, **opened,
     this->MakeSettings(local),

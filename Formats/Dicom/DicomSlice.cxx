@@ -153,10 +153,7 @@ Result<DicomSlice> DicomSlice::Read(const std::string& path)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   const auto bytes = GetLocalFileSystem().OpenForReading(path);
-  if (!bytes.IsOk())
-  {
-    return bytes.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(bytes.GetStatus());
   DicomDataSet tags(**bytes);
   const Status read = tags.ReadHeader();
   DicomSlice slice;
@@ -181,10 +178,7 @@ Result<DicomSlice> DicomSlice::Read(const std::string& path)
 Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
 {
   const auto file = GetLocalFileSystem().OpenForReading(this->Path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   DicomDataSet tags(**file);
   ISOSURFACE_RETURN_IF_ERROR(tags.ReadHeader());
   DicomImageFile plain(*this);

@@ -71,10 +71,7 @@ public:
   Result<SampleSlab> Read(const VertexBox& box) override
   {
     auto samples = this->Pool->Take(this->GetReadBytes(box));
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     const Index3 size = box.GetSize();
     const std::int64_t width = this->Box.High[0];
     std::uint8_t* to = (*samples)->GetData();
@@ -123,10 +120,7 @@ std::string FindFolder(const std::string& path)
 Result<std::map<std::string, Slices>> FindSeries(const std::string& folder)
 {
   const auto names = GetLocalFileSystem().List(folder);
-  if (!names.IsOk())
-  {
-    return names.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(names.GetStatus());
   std::map<std::string, Slices> series;
   for (const std::string& name : *names)
   {
@@ -152,18 +146,12 @@ Result<std::map<std::string, Slices>> FindSeries(const std::string& folder)
 Result<Slices> ChooseSeries(const VolumeName& name)
 {
   auto all = FindSeries(FindFolder(name.Path));
-  if (!all.IsOk())
-  {
-    return all.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
   std::string wanted = name.Within;
   if (!IsFolder(name.Path))
   {
     const auto slice = DicomSlice::Read(name.Path);
-    if (!slice.IsOk())
-    {
-      return slice.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
     wanted = slice->Series;
   }
   std::vector<Slices*> fitting;
@@ -337,10 +325,7 @@ Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& c
       name.GetText() + ": a series of DICOM has one time step, and axes of its own");
   }
   auto slices = ChooseSeries(name);
-  if (!slices.IsOk())
-  {
-    return slices.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(slices.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(SortSlices(*slices));
   VolumeFile volume;
   ISOSURFACE_RETURN_IF_ERROR(TakeGrid(*slices, volume));
@@ -353,10 +338,7 @@ Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& c
 Result<std::vector<VolumeListing>> ListDicom(const VolumeName& name)
 {
   const auto all = FindSeries(FindFolder(name.Path));
-  if (!all.IsOk())
-  {
-    return all.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
   std::vector<VolumeListing> list;
   for (const auto& [uid, slices] : *all)
   {

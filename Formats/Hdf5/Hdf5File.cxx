@@ -43,10 +43,7 @@ Result<Hdf5File> Hdf5File::Open(const std::string& path)
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   // The system's own words for what cannot be opened at all.
   const auto bytes = GetLocalFileSystem().OpenForReading(path);
-  if (!bytes.IsOk())
-  {
-    return bytes.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(bytes.GetStatus());
   const Hdf5Scope scope;
   Hdf5Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), ::H5Fclose);
   if (!file.IsOpen())

@@ -29,10 +29,7 @@ Status AddObject(const VolumeName& name, const std::string& object, const Status
 Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file)
 {
   const auto datasets = file.FindDatasets();
-  if (!datasets.IsOk())
-  {
-    return datasets.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(datasets.GetStatus());
   std::string known;
   std::string refused;
   for (const Hdf5Dataset& dataset : *datasets)
@@ -74,20 +71,14 @@ Result<VolumeFile> OpenDataset(
   const VolumeName& name, const Hdf5File& file, const std::string& path, const VolumeChoice& choice)
 {
   auto array = file.OpenArray(path, choice.CacheBytes);
-  if (!array.IsOk())
-  {
-    return array.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
   const auto axes = ArrayAxes::Parse(choice.Axes, (*array)->GetShape().size());
   if (!axes.IsOk())
   {
     return AddObject(name, path, axes.GetStatus());
   }
   auto parts = MakeParts(GetLastPart(path), std::move(*array), *axes, choice.Step);
-  if (!parts.IsOk())
-  {
-    return parts.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
   VolumeFile volume;
   volume.Grid.Extent = {};
   for (const std::string& attribute : file.FindAttributes(path))
@@ -252,10 +243,7 @@ Result<VolumeFile> AddFiles(Result<VolumeFile> volume, const Hdf5File& file)
 Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& choice)
 {
   const auto file = Hdf5File::Open(name.Path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   std::string path = name.Within;
   if (!path.empty() && path.front() != '/')
   {
@@ -269,10 +257,7 @@ Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& ch
   if (path.empty())
   {
     const auto only = FindOnlyDataset(name, *file);
-    if (!only.IsOk())
-    {
-      return only.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(only.GetStatus());
     path = *only;
   }
   return AddFiles(OpenDataset(name, *file, path, choice), *file);
@@ -281,15 +266,9 @@ Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& ch
 Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name)
 {
   const auto file = Hdf5File::Open(name.Path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const auto datasets = file->FindDatasets();
-  if (!datasets.IsOk())
-  {
-    return datasets.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(datasets.GetStatus());
   std::vector<VolumeListing> list;
   for (const Hdf5Dataset& dataset : *datasets)
   {

@@ -177,10 +177,7 @@ Status CheckNetcdfClassicSize(
   FileSystem& files, const std::string& path, const std::string& variable)
 {
   const auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const std::uint64_t size = (*file)->GetSize();
   // Most headers are short.
   double end = 0;

@@ -319,20 +319,14 @@ private:
 Result<VolumeFile> OpenNetcdfVolume(const VolumeName& name, const VolumeChoice& choice)
 {
   const auto file = NetcdfFile::Open(name.Path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   return NetcdfReader(name, *file, choice).Open();
 }
 
 Result<std::vector<VolumeListing>> ListNetcdf(const VolumeName& name)
 {
   const auto file = NetcdfFile::Open(name.Path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   std::vector<VolumeListing> list;
   for (const NetcdfVariable& variable : file->GetVariables())
   {

@@ -165,15 +165,9 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
 Result<VolumeFile> OpenTiff(FileSystem& files, const std::string& path)
 {
   const auto paths = VolumeFile::FindStack(files, path);
-  if (!paths.IsOk())
-  {
-    return paths.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(paths.GetStatus());
   auto source = TiffSource::Open(files, *paths);
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   VolumeFile volume;
   const Index3 size = (*source)->GetBox().GetSize();
   volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
@@ -186,15 +180,9 @@ Result<VolumeFile> OpenTiff(FileSystem& files, const std::string& path)
 Result<VolumeFile> OpenRaw(FileSystem& files, const std::string& path)
 {
   const auto raw = RawVolume::ReadHeader(files, path);
-  if (!raw.IsOk())
-  {
-    return raw.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
   auto source = raw->Open(files);
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   VolumeFile volume;
   volume.Grid = raw->Grid;
   volume.Arrays = { { raw->ArrayName, raw->Type, 1 } };
@@ -301,10 +289,7 @@ Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const 
     : whole.has_parent_path()           ? whole.parent_path().string()
                                         : ".";
   const auto found = files.List(folder);
-  if (!found.IsOk())
-  {
-    return found.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
   std::vector<std::pair<NameParts, std::string>> names;
   for (const std::string& name : *found)
   {

@@ -260,10 +260,7 @@ private:
 Result<RawVolume> ReadMetaImageHeader(FileSystem& files, const std::string& path)
 {
   auto header = HeaderText::Open(files, path);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   return MetaImageParser(*header).Parse();
 }
 

@@ -238,16 +238,10 @@ Result<VolumeFile> OpenMrcVolume(
   FileSystem& files, const std::string& path, const VolumeChoice& choice)
 {
   auto header = BinaryHeader::Open(files, path, HeaderSize);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   MrcParser parser(*header);
   const auto raw = parser.TakeSamples(choice.Step);
-  if (!raw.IsOk())
-  {
-    return raw.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
   VolumeFile volume;
   for (std::int64_t step = 0; parser.GetSteps() > 1 && step < parser.GetSteps(); ++step)
   {
@@ -258,10 +252,7 @@ Result<VolumeFile> OpenMrcVolume(
     return volume; // of which VolumeFile knows what to say
   }
   auto source = raw->Open(files);
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   ValueType type = raw->Type;
   if (header->Get<std::int32_t>(Mode) == HalfMode)
   {

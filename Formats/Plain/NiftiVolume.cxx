@@ -150,10 +150,7 @@ void TakePlace(const NiftiFields& fields, GridGeometry& grid)
 Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, bool& isSecond)
 {
   auto header = BinaryHeader::Open(files, path, FirstSize);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   for (const bool isBigEndian : { false, true })
   {
     header->SetBigEndian(isBigEndian);
@@ -230,10 +227,7 @@ Result<VolumeFile> OpenNiftiVolume(
 {
   bool isSecond = false;
   const auto header = OpenHeader(files, path, isSecond);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   const NiftiFields fields = isSecond ? TakeSecondFields(*header) : TakeFirstFields(*header);
   RawVolume raw;
   raw.IsBigEndian = header->IsBigEndian();
@@ -259,10 +253,7 @@ Result<VolumeFile> OpenNiftiVolume(
     return volume; // of which VolumeFile knows what to say
   }
   auto source = raw.Open(files);
-  if (!source.IsOk())
-  {
-    return source.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   const bool isScaled = fields.Scale.Slope != 0 && std::isfinite(fields.Scale.Slope) &&
     std::isfinite(fields.Scale.Intercept) && !fields.Scale.IsIdentity();
   const ValueType type = isScaled ? FindScaledType(raw.Type) : raw.Type;

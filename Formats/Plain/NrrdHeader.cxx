@@ -395,10 +395,7 @@ private:
 Result<RawVolume> ReadNrrdHeader(FileSystem& files, const std::string& path)
 {
   auto header = HeaderText::Open(files, path);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   return NrrdParser(*header).Parse();
 }
 

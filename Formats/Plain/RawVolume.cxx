@@ -84,15 +84,9 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
   FileSystem& files, const std::string& path, std::uint64_t bytes) const
 {
   auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const auto behindLines = SkipLines(**file, this->Offset, this->Lines);
-  if (!behindLines.IsOk())
-  {
-    return behindLines.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(behindLines.GetStatus());
   if (this->IsGzip)
   {
     // Reading shows whether the stream has so many bytes.
@@ -135,10 +129,7 @@ Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
   }
   const std::uint64_t ofFile = *bytes / count;
   auto samples = this->OpenPart(files, this->Paths.front(), ofFile);
-  if (!samples.IsOk())
-  {
-    return samples.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   if (count > 1)
   {
     const auto openPart = [&files, volume = *this, ofFile](const std::string& path)

@@ -12,10 +12,7 @@ Result<BinaryHeader> BinaryHeader::Open(
   FileSystem& files, const std::string& path, std::size_t size)
 {
   auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   BinaryHeader header;
   header.Path = path;
   header.Bytes.resize(size);

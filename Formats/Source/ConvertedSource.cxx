@@ -108,16 +108,10 @@ std::uint64_t ConvertedSource::GetReadBytes(const VertexBox& box) const
 Result<SampleSlab> ConvertedSource::Read(const VertexBox& box)
 {
   const auto stored = this->Source->Read(box);
-  if (!stored.IsOk())
-  {
-    return stored.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(stored.GetStatus());
   auto samples = this->Pool->Take(
     static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type));
-  if (!samples.IsOk())
-  {
-    return samples.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   // Rows without gaps are converted at once.
   const SampleView& view = stored->Arrays.front();
   std::uint8_t* to = (*samples)->GetData();

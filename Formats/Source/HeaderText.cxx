@@ -26,10 +26,7 @@ constexpr int MaximumDigits = std::numeric_limits<std::int64_t>::digits10 + 1;
 Result<HeaderText> HeaderText::Open(FileSystem& files, const std::string& path)
 {
   const auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   HeaderText header;
   header.Path = path;
   header.Text.resize(static_cast<std::size_t>(std::min((*file)->GetSize(), MaximumHeaderSize)));

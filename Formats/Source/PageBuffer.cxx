@@ -55,10 +55,7 @@ Result<std::shared_ptr<PageBuffer>> PageBufferPool::Take(std::uint64_t size)
   if (!buffer)
   {
     auto created = PageBuffer::Create(size);
-    if (!created.IsOk())
-    {
-      return created.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(created.GetStatus());
     buffer = std::move(*created);
   }
   PageBuffer* const pages = buffer.get();

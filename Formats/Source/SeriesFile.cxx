@@ -29,10 +29,7 @@ Status SeriesFile::Read(std::uint64_t offset, std::size_t size, void* bytes) con
     if (!this->OpenFile || this->OpenNumber != number)
     {
       auto file = this->Open(this->Paths[number]);
-      if (!file.IsOk())
-      {
-        return file.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
       this->OpenFile = std::move(*file);
       this->OpenNumber = number;
     }

@@ -198,10 +198,7 @@ TiffFile::~TiffFile() = default;
 Result<std::unique_ptr<TiffFile>> TiffFile::Open(FileSystem& files, const std::string& path)
 {
   auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   auto handle = std::make_unique<Handle>();
   handle->File = std::move(*file);
   ISOSURFACE_RETURN_IF_ERROR(handle->Open());
@@ -269,10 +266,7 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
   do
   {
     auto format = this->ReadFormat();
-    if (!format.IsOk())
-    {
-      return format.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());
     if (!pages.empty() && !(*format == this->Format))
     {
       return this->MakeError(

@@ -32,15 +32,9 @@ Status TiffSource::FindSlices()
   for (std::size_t number = 0; number < this->Paths.size(); ++number)
   {
     auto file = TiffFile::Open(this->Files, this->Paths[number]);
-    if (!file.IsOk())
-    {
-      return file.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     const auto pages = (*file)->FindPages();
-    if (!pages.IsOk())
-    {
-      return pages.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(pages.GetStatus());
     if (number > 0 && !((*file)->GetFormat() == this->Format))
     {
       return Status(StatusCode::Unsupported,
@@ -74,10 +68,7 @@ Status TiffSource::OpenFile(std::size_t number)
   if (!this->Opened || this->OpenNumber != number)
   {
     auto file = TiffFile::Open(this->Files, this->Paths[number]);
-    if (!file.IsOk())
-    {
-      return file.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     (*file)->SetFormat(this->Format);
     this->Opened = std::move(*file);
     this->OpenNumber = number;

@@ -144,10 +144,7 @@ Result<ZarrArray::Samples> ZarrArray::Decode(
         " of samples");
   }
   auto allocated = this->Allocate(decoded);
-  if (!allocated.IsOk())
-  {
-    return allocated;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(allocated.GetStatus());
   std::uint8_t* const samples = allocated->get();
   if (this->Metadata.Encoding.Codecs.empty())
   {
@@ -257,10 +254,7 @@ Result<ZarrArray::Samples> ZarrArray::LoadFromN5(const RandomAccessFile& file)
   }
   // Blocks at the end of the array may be smaller: each row goes where a whole block has it.
   auto whole = this->Allocate(this->ChunkBytes);
-  if (!whole.IsOk())
-  {
-    return whole;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(whole.GetStatus());
   std::fill_n(whole->get(), this->ChunkBytes, std::uint8_t{ 0 });
   const Numbers first(rank, 0);
   Numbers rows = size;
@@ -424,10 +418,7 @@ Status ZarrArray::Read(const Numbers& low, const Numbers& size, std::uint8_t* to
       isPart = isPart || begin < low[axis] || stop > low[axis] + size[axis];
     }
     const auto samples = this->TakeChunk(chunk, isPart);
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     this->CopyChunk(samples->get(), chunk, low, size, to);
   } while (Advance(chunk, first, end));
   return Status::Ok();

@@ -167,10 +167,7 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
   }
   ByteReader reader(first, content);
   const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
-  if (!block.IsOk())
-  {
-    return block.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
   EdgeIndexRecord record;
   record.Block = *block;
   const std::int64_t scale =

@@ -315,19 +315,13 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
 {
   std::size_t used = 0;
   const Result<EdgeIndexHeader> header = EdgeIndexHeader::Parse(bytes, size, used);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   std::vector<std::vector<EdgeIndexRecord>> records(header->Isovalues.size());
   for (std::size_t at = used; at < size; at += used)
   {
     const Result<EdgeIndexRecord> record =
       EdgeIndexRecord::Parse(*header, bytes + at, size - at, used);
-    if (!record.IsOk())
-    {
-      return record.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     if (!record->Block.IsPreview)
     {
       records[record->Block.Isovalue].push_back(*record);

@@ -94,10 +94,7 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
     entry.Offset = next;
     entry.Size = reader.ReadVarint();
     const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
-    if (!block.IsOk())
-    {
-      return block.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
     entry.Block = *block;
     if (entry.Size == 0 || entry.Size > offset - next)
     {

@@ -309,10 +309,7 @@ private:
       encoder = std::make_unique<EdgeIndexEncoder>(this->Header);
     }
     const Result<BlockSamples> samples = this->Source.Acquire(block);
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     for (std::size_t isovalue = 0; isovalue < this->Header.Isovalues.size(); ++isovalue)
     {
       ISOSURFACE_RETURN_IF_ERROR(
@@ -358,10 +355,7 @@ Result<std::vector<std::uint8_t>> EncodeSurface(
       return Status::Ok();
     },
     progress);
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   return bytes;
 }
 

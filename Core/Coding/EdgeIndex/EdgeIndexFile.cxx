@@ -45,10 +45,7 @@ public:
   {
     std::vector<std::uint8_t> bytes;
     const Result<EdgeIndexRecord> record = this->File.ReadRecord(this->Blocks[block], bytes);
-    if (!record.IsOk())
-    {
-      return record.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     return this->Decoder.Decode(*record);
   }
 
@@ -129,10 +126,7 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
   FileSystem& files, const std::string& path)
 {
   Result<std::unique_ptr<RandomAccessFile>> opened = files.OpenForReading(path);
-  if (!opened.IsOk())
-  {
-    return opened.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   const auto nameFile = [&path](const Status& status)
   { return Status(status.GetCode(), path + ": " + status.GetMessage()); };
   try
@@ -323,10 +317,7 @@ Result<Surface> EdgeIndexFile::ReadWithinMemory(const EdgeIndexSelection& select
   const ContourRequest& request, int threads, const Progress& progress) const
 {
   const Result<std::vector<std::size_t>> selected = this->Select(selection);
-  if (!selected.IsOk())
-  {
-    return selected.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(selected.GetStatus());
   const EdgeIndexHeader& header = selection.Preview ? this->Preview : this->Header;
   std::vector<std::vector<std::size_t>> blocks(header.Isovalues.size());
   for (const std::size_t entry : *selected)
@@ -378,10 +369,7 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
   {
     std::vector<std::uint8_t> bytes;
     const Result<EdgeIndexRecord> record = this->ReadRecord(entry, bytes);
-    if (!record.IsOk())
-    {
-      return record.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     return this->NameFile((record->Block.IsPreview ? coarse : fine).Decode(*record).GetStatus());
   };
   bool finished = false;

@@ -35,10 +35,7 @@ Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
   writer->Lock = std::move(*lock);
   Result<std::unique_ptr<WritableFile>> file = files.CreateForWriting(GetPartialPath(path));
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   writer->File = std::move(*file);
   ISOSURFACE_RETURN_IF_ERROR(
     writer->File->Append(writer->HeaderBytes.data(), writer->HeaderBytes.size()));
@@ -53,10 +50,7 @@ Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size
   {
     const Result<EdgeIndexRecord> record =
       EdgeIndexRecord::Parse(this->Header, records + at, size - at, used);
-    if (!record.IsOk())
-    {
-      return record.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     EdgeIndexEntry entry;
     entry.Size = used;
     entry.Block = record->Block;
@@ -122,10 +116,7 @@ Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const Edge
   stated.NumberOfBlocks = source.GetNumberOfBlocks();
   Result<std::unique_ptr<EdgeIndexFileWriter>> writer =
     EdgeIndexFileWriter::Create(files, path, stated);
-  if (!writer.IsOk())
-  {
-    return writer.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(EncodeBlocks(
     stated, source, threads,
     [&writer](const std::vector<std::uint8_t>& records)

@@ -265,10 +265,7 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
     return MakeCorrupt("is cut off");
   }
   const Result<std::size_t> length = ParseSize(bytes);
-  if (!length.IsOk())
-  {
-    return length.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(length.GetStatus());
   if (size < *length)
   {
     return MakeCorrupt("is cut off");
@@ -280,11 +277,7 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   }
   EdgeIndexHeader header;
   HeaderParser parser(bytes + FieldsOffset, *length - ChecksumSize - FieldsOffset);
-  const Status parsed = parser.Parse(header);
-  if (!parsed.IsOk())
-  {
-    return parsed;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(parser.Parse(header));
   const Status valid = header.Check();
   if (!valid.IsOk())
   {

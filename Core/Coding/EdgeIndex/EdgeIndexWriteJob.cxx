@@ -98,10 +98,7 @@ Status EdgeIndexWriteJob::Begin()
     }
     auto file =
       isFirst ? this->Files.CreateForWriting(partial) : this->Files.OpenForUpdate(partial);
-    if (!file.IsOk())
-    {
-      return file.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     this->File = std::move(*file);
     return isFirst ? this->File->WriteAt(0, this->HeaderBytes.data(), this->HeaderBytes.size())
                    : Status::Ok();
@@ -162,10 +159,7 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
     }
     const std::size_t block = this->NextBlock + n;
     const Result<BlockSamples> samples = this->Source.Acquire(block);
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     blocks[n].Number = this->Numbers[block];
     for (std::size_t isovalue = 0; isovalue < this->Header.Isovalues.size(); ++isovalue)
     {
@@ -250,10 +244,7 @@ Status EdgeIndexWriteJob::ParseBlocks(
       EdgeIndexEntry& entry = block.Records.emplace_back();
       entry.Size = reader.ReadVarint();
       const auto parsed = EdgeIndexBlock::Parse(this->Header, reader);
-      if (!parsed.IsOk())
-      {
-        return parsed.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(parsed.GetStatus());
       entry.Block = *parsed;
     }
     blocks.push_back(std::move(block));

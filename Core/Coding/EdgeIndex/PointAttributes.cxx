@@ -116,10 +116,7 @@ Status PointAttributes::Interpolate(
   ISOSURFACE_RETURN_IF_ERROR(FindLayouts(header, samples, request.Attributes));
   SingleBlock source(samples);
   const Result<Surface> surface = ExtractSurface(header.Geometry, source, request, 1);
-  if (!surface.IsOk())
-  {
-    return surface.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
   const Index3 dimensions = header.Geometry.GetDimensions();
   const VertexBox& box = samples.Scalars.Box;
   const Index3 size = box.GetSize();

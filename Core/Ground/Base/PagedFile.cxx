@@ -39,10 +39,7 @@ Result<std::unique_ptr<PagedFileWriter>> PagedFileWriter::Create(FileSystem& fil
       path + ": a page of " + std::to_string(pageSize) + " bytes is not 4096, 8192 or 16384 bytes");
   }
   auto file = fileSystem.CreateForWriting(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   return std::unique_ptr<PagedFileWriter>(new PagedFileWriter(std::move(*file), pageSize, kind));
 }
 
@@ -167,10 +164,7 @@ Status PagedFileReader::ReadHeader(const PagedFile::Kind& kind)
   }
   this->PageCount = pageCount;
   const auto page = this->ReadFromDisk(0);
-  if (!page.IsOk())
-  {
-    return page.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
   if (!std::equal(kind.begin(), kind.end(), (*page)->begin() + KindOffset))
   {
     return this->MakeCorrupt(

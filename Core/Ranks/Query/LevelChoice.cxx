@@ -25,19 +25,13 @@ Result<ActivePart> FindActivePart(
   part.Part = volume.FindLevel(level).Part;
   auto blocks = volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues, query.Rank,
     query.Ranks, statistics, level, query.Selection);
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   part.Blocks = std::move(*blocks);
   if (!query.Selection.IsPlain())
   {
     const auto all = volume.FindActiveBlocks(
       query.TimeStep, query.Variable, query.Isovalues, query.Rank, query.Ranks, statistics, level);
-    if (!all.IsOk())
-    {
-      return all.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
     part.SelectedShare = static_cast<double>(part.Blocks.size()) /
       static_cast<double>(std::max<std::size_t>(1, all->size()));
   }
@@ -80,10 +74,7 @@ Result<double> EstimateTriangles(BlockedVolume& volume, const SurfaceQuery& quer
   for (const double isovalue : query.Isovalues)
   {
     auto estimate = volume.EstimateTriangles(query.TimeStep, query.Variable, isovalue, level);
-    if (!estimate.IsOk())
-    {
-      return estimate;
-    }
+    ISOSURFACE_RETURN_IF_ERROR(estimate.GetStatus());
     triangles += *estimate;
   }
   return triangles;

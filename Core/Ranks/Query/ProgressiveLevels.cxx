@@ -17,10 +17,7 @@ Result<int> ChooseOnThisRank(BlockedVolume& volume, const SurfaceQuery& query, i
   for (int level = finest; level < volume.GetNumberOfLevels(); ++level)
   {
     const auto triangles = EstimateTriangles(volume, query, level);
-    if (!triangles.IsOk())
-    {
-      return triangles.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(triangles.GetStatus());
     if (*triangles <= 0)
     {
       break;

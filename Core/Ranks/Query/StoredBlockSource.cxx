@@ -120,10 +120,7 @@ Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
     const std::lock_guard<std::mutex> lock(this->StatisticsMutex);
     this->Statistics.Add(statistics);
   }
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   BlockSamples samples;
   samples.Scalars = blocks->front()->View;
   const ArrayVariables& all = this->Volume.GetVariables();

@@ -103,10 +103,7 @@ Result<ExchangePlan> ExchangePlan::Make(const std::vector<Message>& messages, st
   std::vector<IncomingBlock> blocks;
   const Status read =
     ReadDescriptions(messages, geometry.GetDimensions(), isovalues, roundBytes, blocks);
-  if (!read.IsOk())
-  {
-    return read;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(read);
   std::vector<WeighedBlock> weighed;
   weighed.reserve(blocks.size());
   for (const IncomingBlock& block : blocks)

@@ -82,17 +82,11 @@ Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progre
   Status status = this->Ranks.Agree(RunWithinMemory(
     [&] { return this->Encode(source, MakePartOfProgress(progress, 0, EncodingShare)); }));
   this->Spent.EncodeSeconds = GetSecondsSince(begin);
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   begin = Clock::now();
   status = this->MakePlan();
   this->Spent.ChooseSeconds = GetSecondsSince(begin);
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   begin = Clock::now();
   std::optional<SurfaceUnpacking> unpacking;
   status = this->Ranks.Agree(RunWithinMemory(
@@ -106,25 +100,16 @@ Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progre
       unpacking.emplace(this->Header, this->Request, std::move(blocks), this->Wanted.Threads);
       return Status::Ok();
     }));
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   const Progress rest = MakePartOfProgress(progress, EncodingShare, 1);
   status = this->SendRounds(*unpacking, rest);
   this->Spent.ExchangeSeconds = GetSecondsSince(begin);
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   begin = Clock::now();
   Result<Surface> surface = unpacking->Finish(rest);
   status = this->Ranks.Agree(surface.GetStatus());
   this->Spent.DecodeSeconds = GetSecondsSince(begin);
-  if (!status.IsOk())
-  {
-    return status;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   return surface;
 }
 

@@ -70,15 +70,9 @@ private:
   {
     const std::uint32_t number = subtree.List.Page;
     const auto page = this->ReadPage(number);
-    if (!page.IsOk())
-    {
-      return page.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
     const auto node = IntervalTreeNode::Decode(this->File, number, (*page)->data());
-    if (!node.IsOk())
-    {
-      return node.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
     if (node->Height != subtree.Height)
     {
       return this->File.MakeCorrupt(number, "a node of another height than its parent says");
@@ -196,10 +190,7 @@ private:
     if (!this->RecordPage || number != this->RecordPageNumber)
     {
       auto page = this->ReadPage(number);
-      if (!page.IsOk())
-      {
-        return page.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
       if (!IntervalRecordPage::IsOne((*page)->data()))
       {
         return this->File.MakeCorrupt(number, "this is not a page of intervals");
@@ -257,10 +248,7 @@ Result<std::unique_ptr<ExternalIntervalTree>> ExternalIntervalTree::Open(
   FileSystem& fileSystem, const std::string& path, std::size_t cacheBytes)
 {
   auto file = fileSystem.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   return Open(std::move(*file), cacheBytes);
 }
 
@@ -268,16 +256,10 @@ Result<std::unique_ptr<ExternalIntervalTree>> ExternalIntervalTree::Open(
   std::unique_ptr<RandomAccessFile> file, std::size_t cacheBytes)
 {
   auto pages = PagedFileReader::Open(std::move(file), IntervalTreeFormat::Kind, cacheBytes);
-  if (!pages.IsOk())
-  {
-    return pages.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(pages.GetStatus());
   std::unique_ptr<ExternalIntervalTree> tree(new ExternalIntervalTree(std::move(*pages)));
   auto header = IntervalTreeHeader::Decode(*tree->File);
-  if (!header.IsOk())
-  {
-    return header.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   tree->Header = *header;
   return tree;
 }
@@ -313,10 +295,7 @@ Status ExternalIntervalTree::Verify(PageStatistics& statistics) const
   for (std::uint64_t page = 0; page < this->File->GetPageCount(); ++page)
   {
     const auto read = this->File->ReadPage(page, statistics);
-    if (!read.IsOk())
-    {
-      return read.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
   }
   return IntervalTreeVerification(*this->File, this->Header, statistics).Run();
 }

@@ -94,16 +94,10 @@ Status ExternalIntervalTreeBuilder::Write(const std::string& path)
 {
   auto file =
     PagedFileWriter::Create(this->Names.Files, path, this->PageSize, IntervalTreeFormat::Kind);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   IntervalSubtreeWriter writer(**file, this->Names, this->MemoryLimit);
   auto root = writer.WriteTree(std::move(this->Sorter));
-  if (!root.IsOk())
-  {
-    return root.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(root.GetStatus());
   IntervalTreeHeader header;
   header.Count = this->Count;
   header.Identity = this->Identity;

@@ -46,10 +46,7 @@ Status IntervalListWriter::Finish()
 Status IntervalListWriter::BeginPage()
 {
   auto page = this->File.AllocatePage();
-  if (!page.IsOk())
-  {
-    return page.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
   this->Page = *page;
   this->Record = 0;
   std::fill(this->Payload.begin(), this->Payload.end(), std::uint8_t(0));

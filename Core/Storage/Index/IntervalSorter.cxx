@@ -179,10 +179,7 @@ Status IntervalSorter::WriteRun()
 {
   this->SortMemory();
   auto run = TemporaryRecords::Create(this->Names, MinimumBufferBytes);
-  if (!run.IsOk())
-  {
-    return run.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(run.GetStatus());
   for (const IntervalRecord& record : this->Records)
   {
     ISOSURFACE_RETURN_IF_ERROR((*run)->Append(record));
@@ -197,10 +194,7 @@ Status IntervalSorter::MergeFirstRuns(std::size_t count)
 {
   const std::size_t buffer = this->MemoryBytes / (count + 1);
   auto run = TemporaryRecords::Create(this->Names, buffer);
-  if (!run.IsOk())
-  {
-    return run.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(run.GetStatus());
   {
     Merge merge(*this, count, buffer * count);
     Status status;

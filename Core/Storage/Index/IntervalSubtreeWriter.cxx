@@ -55,10 +55,7 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteTree(std::unique_ptr<Interva
   else
   {
     auto created = TemporaryRecords::Create(this->Names, this->BufferBytes);
-    if (!created.IsOk())
-    {
-      return created.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(created.GetStatus());
     file = std::move(*created);
     Status status;
     while (const IntervalRecord* record = sorter->Next(status))
@@ -97,10 +94,7 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteSubtree(const Sequence& sequ
 Result<IntervalSubtree> IntervalSubtreeWriter::WriteLeaf(const Sequence& sequence)
 {
   auto list = this->Lists.Begin(sequence.Count);
-  if (!list.IsOk())
-  {
-    return list.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(this->ForEach(
     sequence, [this](const IntervalRecord& record) { return this->AddToList(record); }));
   IntervalSubtree leaf;
@@ -127,10 +121,7 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteNode(const Sequence& sequenc
   ISOSURFACE_RETURN_IF_ERROR(this->WriteChildren(state));
 
   auto page = this->File.AllocatePage();
-  if (!page.IsOk())
-  {
-    return page.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
   std::vector<std::uint8_t> payload(this->File.GetPayloadSize());
   state.Node.Encode(payload.size(), payload.data());
   ISOSURFACE_RETURN_IF_ERROR(this->File.WritePage(*page, payload.data()));
@@ -175,10 +166,7 @@ Status IntervalSubtreeWriter::Distribute(const Sequence& sequence, NodeState& st
   if (sequence.File)
   {
     auto file = TemporaryRecords::Create(this->Names, this->BufferBytes);
-    if (!file.IsOk())
-    {
-      return file.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     state.ChildFile = std::move(*file);
   }
   state.ChildMemory = sequence.Memory;
@@ -210,10 +198,7 @@ Status IntervalSubtreeWriter::DistributeOne(const IntervalRecord& record, NodeSt
   if (slab.Left.Count == 0)
   {
     auto list = this->Lists.Begin(state.Plan.GetLeftCount(placement.First));
-    if (!list.IsOk())
-    {
-      return list.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
     slab.Left = *list;
     slab.LeftMinimum = record.Minimum;
   }
@@ -245,10 +230,7 @@ Status IntervalSubtreeWriter::WriteRightLists(NodeState& state)
     if (slab.Right.Count == 0)
     {
       auto list = this->Lists.Begin(state.Plan.GetRightCount(record->Group));
-      if (!list.IsOk())
-      {
-        return list.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
       slab.Right = *list;
       slab.RightMaximum = record->Maximum;
     }
@@ -269,10 +251,7 @@ Status IntervalSubtreeWriter::WriteSpanLists(NodeState& state)
     if (lists[record->Group].Count == 0)
     {
       auto list = this->Lists.Begin(groups[record->Group].Count);
-      if (!list.IsOk())
-      {
-        return list.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
       lists[record->Group] = *list;
     }
     ISOSURFACE_RETURN_IF_ERROR(this->AddToList(*record));
@@ -310,10 +289,7 @@ Status IntervalSubtreeWriter::WriteChildren(NodeState& state)
       {
         auto child = this->WriteSubtree({ state.ChildMemory ? state.ChildMemory + first : nullptr,
           state.ChildFile.get(), first, count });
-        if (!child.IsOk())
-        {
-          return child.GetStatus();
-        }
+        ISOSURFACE_RETURN_IF_ERROR(child.GetStatus());
         state.Node.Slabs[slab].Child = *child;
         state.Node.Height = std::max(state.Node.Height, child->Height + 1);
       }

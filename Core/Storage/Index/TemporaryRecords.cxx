@@ -21,10 +21,7 @@ Result<std::unique_ptr<TemporaryRecords>> TemporaryRecords::Create(
 {
   std::string path = names.Make();
   auto writer = names.Files.CreateForWriting(path);
-  if (!writer.IsOk())
-  {
-    return writer.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
   std::unique_ptr<TemporaryRecords> records(
     new TemporaryRecords(names.Files, std::move(path), std::move(*writer)));
   records->Buffer.reserve(CountRecords(bufferBytes));
@@ -70,10 +67,7 @@ Status TemporaryRecords::FinishWriting()
 Status TemporaryRecords::OpenForReading()
 {
   auto reader = this->Files.OpenForReading(this->Path);
-  if (!reader.IsOk())
-  {
-    return reader.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(reader.GetStatus());
   this->Reader = std::move(*reader);
   return Status::Ok();
 }

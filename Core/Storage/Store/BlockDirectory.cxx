@@ -44,10 +44,7 @@ Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, st
   std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries)
 {
   auto file = PagedFileWriter::Create(fileSystem, path, ChoosePageSize(segments), DirectoryKind);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   PagedFileWriter& writer = **file;
   const std::size_t entrySize = GetEntrySize(segments);
   const std::size_t perPage = writer.GetPayloadSize() / entrySize;
@@ -68,10 +65,7 @@ Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, st
       }
     }
     const auto page = writer.AllocatePage();
-    if (!page.IsOk())
-    {
-      return page.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(writer.WritePage(*page, payload.data()));
   }
   PagedFile::ClientArea area = {};
@@ -95,15 +89,9 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
   std::size_t cacheBytes, SamplePlace place)
 {
   auto file = fileSystem.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   auto reader = PagedFileReader::Open(std::move(*file), DirectoryKind, cacheBytes);
-  if (!reader.IsOk())
-  {
-    return reader.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(reader.GetStatus());
   const PagedFileReader& pages = **reader;
   const std::uint8_t* area = pages.GetClientArea().data();
   if (LoadLittleEndian<std::uint64_t>(area) != entries ||
@@ -139,10 +127,7 @@ Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int
   PageStatistics pages;
   const auto page = this->File->ReadPage(number, pages);
   statistics.DirectoryPagesRead += pages.PageReads;
-  if (!page.IsOk())
-  {
-    return page.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
   const std::uint8_t* from = (*page)->data() + (ordinal % perPage) * entrySize;
   BlockDirectoryEntry entry;
   const auto block = LoadLittleEndian<std::uint64_t>(from);

@@ -96,10 +96,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::ReadComponent(std::siz
       return store.ReadAdjacent(this->Reference.Ordinal, this->Reference.Block, component,
         end - component, this->Stored.Level, this->Statistics);
     });
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   for (std::size_t n = 0; n < blocks->size(); ++n)
   {
     this->Found[component + n] = (*blocks)[n];
@@ -118,10 +115,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::MakeMagnitude(std::siz
     const auto block = this->Announced.count(component) != 0 || this->IsCached(component)
       ? this->Get(component)
       : this->ReadComponent(component);
-    if (!block.IsOk())
-    {
-      return block.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
     components.push_back(*block);
   }
   return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));

@@ -55,10 +55,7 @@ Result<BlockReference> BlockSearch::MakeReference(
   const BlockStore& store, std::uint32_t number, std::uint32_t ordinal)
 {
   const auto block = store.FindBlock(ordinal, this->Statistics);
-  if (!block.IsOk())
-  {
-    return block.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
   return BlockReference{ *block, number, ordinal, this->Stored.Part, 0 };
 }
 
@@ -386,18 +383,12 @@ Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::
   std::size_t variable, const std::vector<double>& isovalues, const BlockSelection& selection)
 {
   const auto active = store.FindActive(variable, isovalues, this->Statistics);
-  if (!active.IsOk())
-  {
-    return active.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
   std::vector<std::uint32_t> candidates = *active;
   if (!selection.ClosedSides.IsEmpty())
   {
     const auto inside = store.FindInside(variable, isovalues, this->Statistics);
-    if (!inside.IsOk())
-    {
-      return inside.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(inside.GetStatus());
     candidates.clear();
     std::set_union(active->begin(), active->end(), inside->begin(), inside->end(),
       std::back_inserter(candidates));
@@ -409,10 +400,7 @@ Result<std::vector<BlockReference>> BlockSearch::Select(BlockStore& store, std::
   for (const std::uint32_t ordinal : candidates)
   {
     const auto reference = this->MakeReference(store, number, ordinal);
-    if (!reference.IsOk())
-    {
-      return reference.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(reference.GetStatus());
     const VertexBox vertices = this->Stored.Grid->GetVertices(reference->Block, this->Stored.Level);
     const bool isCrossed = std::binary_search(active->begin(), active->end(), ordinal);
     if (placed.Selects(geometry, vertices, isCrossed))

@@ -92,10 +92,7 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   }
   std::shared_ptr<BlockStore> store(new BlockStore(files, folder, header, description));
   auto blocks = files.OpenForReading(GetBlocksPath(folder));
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   store->Blocks = std::move(*blocks);
   if (store->Blocks->GetSize() != description.Bytes)
   {
@@ -107,10 +104,7 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
     store->Variables.GetNumberOfStored() *
       static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
     description.Checksum, PageCacheBytes, source ? SamplePlace::Source : SamplePlace::Store);
-  if (!directory.IsOk())
-  {
-    return directory.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   store->Directory = std::move(*directory);
   store->Source = std::move(source);
   return store;
@@ -136,10 +130,7 @@ Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
   {
     const std::string path = GetTreePath(this->Folder, this->Variables, variable);
     auto opened = ExternalIntervalTree::Open(this->Files, path, PageCacheBytes);
-    if (!opened.IsOk())
-    {
-      return opened.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(CheckTree(**opened, this->Description, variable));
     tree = std::move(*opened);
   }
@@ -150,10 +141,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
   std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics)
 {
   const auto tree = this->GetTree(variable);
-  if (!tree.IsOk())
-  {
-    return tree.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
   std::vector<std::uint32_t> ordinals;
   PageStatistics pages;
   Status status;
@@ -188,10 +176,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindInside(
   std::vector<std::uint32_t> ordinals;
   const std::vector<ValueKey> keys = FindThresholdKeys(this->Variables[variable].Type, isovalues);
   const auto tree = this->GetTree(variable);
-  if (!tree.IsOk())
-  {
-    return tree.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
   if (keys.empty())
   {
     return ordinals;
@@ -219,10 +204,7 @@ Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistic
 {
   const auto entry = this->Directory->Read(
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
-  if (!entry.IsOk())
-  {
-    return entry.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
   return entry->Block;
 }
 
@@ -235,10 +217,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordin
   std::int64_t block, std::size_t variable, int level, QueryStatistics& statistics) const
 {
   auto blocks = this->ReadAdjacent(ordinal, block, variable, 1, level, statistics);
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   return blocks->front();
 }
 
@@ -247,10 +226,7 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
 {
   const auto entry = this->Directory->Read(
     ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
-  if (!entry.IsOk())
-  {
-    return entry.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
   if (entry->Block != block)
   {
     return this->MakeError(StatusCode::Corrupt,
@@ -284,10 +260,7 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   {
     auto decoded = this->Decode(
       *entry, variable, level, bytes.GetData() + (entry->FindSegment(variable * levels) - begin));
-    if (!decoded.IsOk())
-    {
-      return decoded.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
     blocks.push_back(std::move(*decoded));
   }
   return blocks;

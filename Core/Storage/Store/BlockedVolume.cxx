@@ -210,10 +210,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
   QueryStatistics& statistics)
 {
   const auto blocks = this->ReadVariables(reference, timeStep, { variable }, level, statistics);
-  if (!blocks.IsOk())
-  {
-    return blocks.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   return blocks->front();
 }
 
@@ -378,10 +375,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, 0));
   const auto spectra =
     RunWithinMemory(this->GetPath(), [&] { return this->Stores->GetSpectra(timeStep, 0); });
-  if (!spectra.IsOk())
-  {
-    return spectra.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   if (store >= this->GetHeader().NumberOfStores)
   {
     return Status(
@@ -401,10 +395,7 @@ Result<double> BlockedVolume::EstimateTriangles(
   const auto count = [&](int ofLevel) -> Result<double>
   {
     const auto spectrum = this->GetSpectrum(timeStep, variable, ofLevel);
-    if (!spectrum.IsOk())
-    {
-      return spectrum.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     const std::vector<std::uint64_t>& triangles = (*spectrum)->Triangles;
     return triangles.empty() ? 0.0 : static_cast<double>(triangles[(*spectrum)->FindBin(isovalue)]);
   };

@@ -368,10 +368,7 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   const std::string& text, const std::string& path)
 {
   const auto document = ParseDocument(text, path, FormatName, FormatVersion);
-  if (!document.IsOk())
-  {
-    return document.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
   Status status;
   JsonMembers members(*document, path, "", status);
   BlockedVolumeHeader header;
@@ -411,10 +408,7 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
 Result<std::string> BlockedVolumeHeader::ReadText(FileSystem& files, const std::string& path)
 {
   const auto file = files.OpenForReading(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const std::uint64_t size = (*file)->GetSize();
   if (size > MaximumSize)
   {

@@ -91,10 +91,7 @@ Status SpectraFile::Write(FileSystem& files, const std::string& path, std::uint6
   AppendLittleEndian(header, ComputeChecksum(header.data(), header.size()));
 
   auto file = files.CreateForWriting(path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR((*file)->Append(header.data(), header.size()));
   for (std::size_t index = 0; index < sections.size(); ++index)
   {
@@ -111,10 +108,7 @@ Result<std::unique_ptr<SpectraFile>> SpectraFile::Open(FileSystem& files, const 
   std::uint64_t identity, std::size_t variables, std::size_t stores)
 {
   auto opened = files.OpenForReading(path);
-  if (!opened.IsOk())
-  {
-    return opened.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   const RandomAccessFile& file = **opened;
   std::unique_ptr<SpectraFile> spectra(new SpectraFile(files, path));
   const auto fail = [&](StatusCode code, const char* reason)
@@ -186,10 +180,7 @@ Status SpectraFile::ParseHeader(const std::vector<std::uint8_t>& header, std::ui
 Result<WorkloadSpectrum> SpectraFile::Read(std::size_t variable, std::size_t section) const
 {
   const auto file = this->Files.OpenForReading(this->Path);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const std::uint64_t begin = this->Ends[section];
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(this->Ends[section + 1] - begin));
   ISOSURFACE_RETURN_IF_ERROR((*file)->Read(begin, bytes.size(), bytes.data()));

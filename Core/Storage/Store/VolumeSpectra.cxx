@@ -39,18 +39,12 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& fil
   auto result = std::make_shared<VolumeSpectra>();
   auto file = SpectraFile::Open(
     files, GetPath(volumePath, step.Folder), GetIdentity(step), variables, step.Stores.size());
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   result->File = std::move(*file);
   for (std::size_t variable = 0; variable < variables; ++variable)
   {
     auto total = result->File->ReadTotal(variable);
-    if (!total.IsOk())
-    {
-      return total.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
     result->Totals.push_back(Share(std::move(*total)));
   }
   return std::shared_ptr<const VolumeSpectra>(std::move(result));
@@ -60,10 +54,7 @@ Result<VolumeSpectra::Spectrum> VolumeSpectra::GetStore(
   std::size_t variable, std::size_t store) const
 {
   auto spectrum = this->File->ReadStore(variable, store);
-  if (!spectrum.IsOk())
-  {
-    return spectrum.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
   return Share(std::move(*spectrum));
 }
 

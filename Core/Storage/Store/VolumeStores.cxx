@@ -330,10 +330,7 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(
   // If the volume was rewritten, that explains any error; and a new folder of the same name would
   // go unnoticed without this check.
   ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
-  if (!opened.IsOk())
-  {
-    return opened.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   if (this->OpenStores.size() == MaximumOpenStores)
   {
     this->OpenStores.pop_back();
@@ -367,10 +364,7 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
     auto spectra = VolumeSpectra::Read(
       this->Files, this->Path, header.TimeSteps[timeStep], this->Variables.GetCount());
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
-    if (!spectra.IsOk())
-    {
-      return spectra.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
     kept = *spectra;
   }
   return kept;

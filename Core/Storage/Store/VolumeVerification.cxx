@@ -93,10 +93,7 @@ private:
   {
     const std::size_t variables = header.GetVariables().GetCount();
     const auto spectra = VolumeSpectra::Read(this->Files, this->Path, step, variables);
-    if (!spectra.IsOk())
-    {
-      return spectra.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
     for (std::size_t variable = 0; variable < variables; ++variable)
     {
       const WorkloadSpectrum& total = *(*spectra)->GetTotal(variable);
@@ -105,10 +102,7 @@ private:
       for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
       {
         const auto spectrum = (*spectra)->GetStore(variable, store);
-        if (!spectrum.IsOk())
-        {
-          return spectrum.GetStatus();
-        }
+        ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
         hasSum = sum.Add(**spectrum) && hasSum;
       }
       if (!hasSum || !HaveEqualCounts(sum, total))

@@ -144,10 +144,7 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
     const auto samples = next.get();
-    if (!samples.IsOk())
-    {
-      return samples.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     if (slab + 1 < slabs.size())
     {
       next = read(slab + 1);

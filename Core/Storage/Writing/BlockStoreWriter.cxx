@@ -28,10 +28,7 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& f
 {
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
   auto blocksFile = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
-  if (!blocksFile.IsOk())
-  {
-    return blocksFile.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
   return std::unique_ptr<BlockStoreWriter>(
     new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
 }

@@ -63,10 +63,7 @@ void GenerationFolder::RemoveUnnamed(
 Result<std::string> GenerationFolder::Create(FileSystem& files, const std::string& path)
 {
   const auto names = files.List(GetStoresFolder(path));
-  if (!names.IsOk())
-  {
-    return names.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(names.GetStatus());
   std::uint64_t last = 0;
   for (const std::string& name : *names)
   {
@@ -88,10 +85,7 @@ Status GenerationFolder::Commit(
   const std::string text = header.Format();
   const std::string partial = GetPartialPath(path);
   auto file = files.CreateForWriting(partial);
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
   ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
   ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(GetStoresFolder(path)));

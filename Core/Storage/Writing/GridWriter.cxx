@@ -160,10 +160,7 @@ Status GridWriter::FindRanges()
     [&]() -> Status
     {
       const auto left = this->GetMemoryLeft(this->GetTableBytes());
-      if (!left.IsOk())
-      {
-        return left.GetStatus();
-      }
+      ISOSURFACE_RETURN_IF_ERROR(left.GetStatus());
       this->Scan.emplace(this->Grid, this->Variables, this->Context.Settings.Threads);
       if (this->Header.Distribution == DistributionMethod::Balanced)
       {
@@ -221,10 +218,7 @@ Status GridWriter::CreateStores()
     auto writer = BlockStoreWriter::Create(this->Context.Files,
       GetStoreFolder(this->Context.Path, this->GetStep().Folder, store), segments, blocks[store],
       this->Header.IsInPlace() ? SamplePlace::Source : SamplePlace::Store);
-    if (!writer.IsOk())
-    {
-      return writer.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
     this->Writers[store] = std::move(*writer);
   }
   // A rank without stores has no blocks, and no folder to write to.

@@ -171,10 +171,7 @@ Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const Vertex
   std::vector<Buffer<std::uint8_t>>& samples) const
 {
   const auto file = this->Files.OpenForReading(GetPath(this->Folder, rank));
-  if (!file.IsOk())
-  {
-    return file.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   Buffer<std::uint8_t> bytes(static_cast<std::size_t>(part.Size));
   ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, bytes.GetSize(), bytes.GetData()));
   const std::uint8_t* from = bytes.GetData();

@@ -88,10 +88,7 @@ Status RunSamples::Read(
   for (const VertexBox& box : boxes)
   {
     auto slab = source.Read(box);
-    if (!slab.IsOk())
-    {
-      return slab.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
     if (!slab->Fits(types, box))
     {
       return Status(

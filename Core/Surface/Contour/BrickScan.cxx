@@ -176,10 +176,7 @@ Status BrickScan::Run(const BrickLattice& lattice, const Progress& progress)
       }
     },
     progress);
-  if (!failure.IsOk())
-  {
-    return failure;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(failure);
   return finished ? Status::Ok() : Status(StatusCode::Aborted, "The extraction was aborted.");
 }
 
@@ -207,10 +204,7 @@ Status BrickScan::ScanBlock(const BrickLattice& lattice, std::size_t numberInLat
   const Result<BlockSamples> samples = this->Source.Acquire(block);
   worker.AcquireSeconds +=
     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!samples.IsOk())
-  {
-    return samples.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(this->CheckSamples(block, *samples));
   for (std::size_t brick = lattice.GetFirstBrick(numberInLattice);
        brick < lattice.GetFirstBrick(numberInLattice + 1); ++brick)

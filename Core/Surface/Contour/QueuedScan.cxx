@@ -63,10 +63,7 @@ Status QueuedScan::ScanAll(BlockQueue& queue, int threads, const Progress& progr
     }
   };
   const bool finished = ParallelQueue(take, queue.GetExpectedBlocks(), threads, scan, progress);
-  if (!failure.IsOk())
-  {
-    return failure;
-  }
+  ISOSURFACE_RETURN_IF_ERROR(failure);
   return finished ? Status::Ok() : Status(StatusCode::Aborted, "The extraction was aborted.");
 }
 

@@ -63,11 +63,7 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
   Surface surface;
   if (source.GetNumberOfBlocks() != 0)
   {
-    const Status valid = CheckRequest(geometry, request);
-    if (!valid.IsOk())
-    {
-      return valid;
-    }
+    ISOSURFACE_RETURN_IF_ERROR(CheckRequest(geometry, request));
   }
   BrickScan scan(geometry, source, request, threads);
   const auto lattice = ScanBlocks(

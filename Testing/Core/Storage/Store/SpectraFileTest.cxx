@@ -72,10 +72,7 @@ protected:
   Status ReadAll()
   {
     const auto file = SpectraFile::Open(this->Disk, Path, Identity, 2, 3);
-    if (!file.IsOk())
-    {
-      return file.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     for (std::size_t array = 0; array < 2; ++array)
     {
       ISOSURFACE_RETURN_IF_ERROR((*file)->ReadTotal(array).GetStatus());
