@@ -27,13 +27,6 @@ std::filesystem::path MakeAbsolute(const std::string& path)
   return error ? std::filesystem::path(path) : absolute;
 }
 
-bool IsMetadataFile(const std::filesystem::path& path)
-{
-  const std::string name = path.filename().string();
-  return name == ".zgroup" || name == ".zattrs" || name == ".zarray" || name == "zarr.json" ||
-    name == "attributes.json";
-}
-
 /// Separates a folder within a Zarr or N5 from the outermost folder of it.
 VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
 {
@@ -92,7 +85,7 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
 {
   VolumeName name = VolumeName::Parse(files, chosen);
   std::filesystem::path path = MakeAbsolute(name.Path);
-  if (IsMetadataFile(path))
+  if (IsZarrMetadata(path.filename().string()))
   {
     path = path.parent_path();
   }

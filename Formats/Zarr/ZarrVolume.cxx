@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -16,6 +17,8 @@ namespace
 
 using Json = nlohmann::json;
 
+constexpr const char* MetadataNames[] = { "zarr.json", ".zarray", ".zgroup", ".zattrs",
+  "attributes.json" };
 constexpr int MaximumDepth = 8;
 constexpr std::size_t MaximumArrays = 10000;
 /// Of an image; each is compared with those before.
@@ -338,11 +341,16 @@ Result<std::vector<VolumeListing>> ListZarr(FileSystem& files, const VolumeName&
   return list;
 }
 
+bool IsZarrMetadata(const std::string& name)
+{
+  return std::find(std::begin(MetadataNames), std::end(MetadataNames), name) !=
+    std::end(MetadataNames);
+}
+
 bool IsZarrFolder(FileSystem& files, const std::string& path)
 {
-  return files.Exists(path + "/zarr.json") || files.Exists(path + "/.zarray") ||
-    files.Exists(path + "/.zgroup") || files.Exists(path + "/.zattrs") ||
-    files.Exists(path + "/attributes.json");
+  return std::any_of(std::begin(MetadataNames), std::end(MetadataNames),
+    [&](const char* name) { return files.Exists(path + "/" + name); });
 }
 
 } // namespace isosurface

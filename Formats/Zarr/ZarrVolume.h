@@ -30,7 +30,9 @@ Result<OpenedVolume> OpenZarrVolume(
 /// All arrays in the folder.
 Result<std::vector<VolumeListing>> ListZarr(FileSystem& files, const VolumeName& name);
 
-/// Whether a folder has metadata of Zarr or N5.
+/// Whether a file of this name has metadata of Zarr or N5.
+bool IsZarrMetadata(const std::string& name);
+/// Whether a folder has such a file.
 bool IsZarrFolder(FileSystem& files, const std::string& path);
 
 } // namespace isosurface
