@@ -50,7 +50,13 @@ foreach(library IN ITEMS Core Formats)
   install(TARGETS Isosurface${library} EXPORT ScalableIsosurfaceCore
     LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT plugin NAMELINK_COMPONENT development)
 endforeach()
-set_target_properties(IsosurfaceFormats PROPERTIES INSTALL_RPATH "$ORIGIN")
+# The modules of formats lie beside Formats, which loads them.
+get_property(modules GLOBAL PROPERTY ISOSURFACE_FORMAT_MODULES)
+set_target_properties(IsosurfaceFormats ${modules} PROPERTIES INSTALL_RPATH "$ORIGIN")
+foreach(module IN LISTS modules)
+  get_target_property(component ${module} ISOSURFACE_COMPONENT)
+  install(TARGETS ${module} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT ${component})
+endforeach()
 export(EXPORT ScalableIsosurfaceCore
   NAMESPACE ScalableIsosurface::
   FILE "${PROJECT_BINARY_DIR}/${ISOSURFACE_PACKAGE}/ScalableIsosurfaceCore-targets.cmake")

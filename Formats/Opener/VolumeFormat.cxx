@@ -63,19 +63,8 @@ bool IsStack(FileSystem& /*files*/, const std::string& /*path*/, const Names& /*
   return true;
 }
 
-template <typename Fits>
-const VolumeFormat* FindFormat(const Fits& fits)
+const std::vector<VolumeFormat>& GetFormats()
 {
-  const std::vector<VolumeFormat>& formats = GetVolumeFormats();
-  const auto found = std::find_if(formats.begin(), formats.end(), fits);
-  return found == formats.end() ? nullptr : &*found;
-}
-
-} // namespace
-
-const std::vector<VolumeFormat>& GetVolumeFormats()
-{
-  using namespace std::string_view_literals;
   // A folder is of the first format that takes it; TIFF, the last one of these, says what it lacks.
   static const std::vector<VolumeFormat> formats = {
     { "MetaImage", { ".mhd", ".mha" }, {}, nullptr, { OpenRawVolume } },
@@ -93,6 +82,16 @@ const std::vector<VolumeFormat>& GetVolumeFormats()
   };
   return formats;
 }
+
+template <typename Fits>
+const VolumeFormat* FindFormat(const Fits& fits)
+{
+  const std::vector<VolumeFormat>& formats = GetFormats();
+  const auto found = std::find_if(formats.begin(), formats.end(), fits);
+  return found == formats.end() ? nullptr : &*found;
+}
+
+} // namespace
 
 Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
 {

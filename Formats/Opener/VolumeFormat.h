@@ -34,9 +34,6 @@ struct VolumeFormat
   Result<FormatFunctions> Load(const std::string& path) const;
 };
 
-/// All formats.
-const std::vector<VolumeFormat>& GetVolumeFormats();
-
 /// The format of a name: of a folder by the names in it, of a file by its extension or its first
 /// bytes. Null if it has none. Files that do not exist have one if their extension tells.
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
