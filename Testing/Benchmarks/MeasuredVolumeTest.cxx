@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MeasuredVolume.h"
-#include "LargeVolume.h"
+#include "Volumes/MeasuredVolume.h"
+#include "Volumes/LargeVolume.h"
 
 #include "Formats/Plain/RawVolume.h"
 #include "Storage/Store/BlockedVolume.h"
