@@ -86,8 +86,8 @@ BlockedVolume::~BlockedVolume()
   }
 }
 
-Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
-  const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)
+Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& path,
+  FileSystem& fileSystem, std::shared_ptr<BlockCache> cache, VolumeOpener opener)
 {
   return RunWithinMemory(path,
     [&]() -> Result<std::shared_ptr<BlockedVolume>>
@@ -97,7 +97,7 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
       const auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
       auto stores =
-        std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header, cache);
+        std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header, cache, opener);
       return std::shared_ptr<BlockedVolume>(new BlockedVolume(std::move(stores), std::move(cache)));
     });
 }

@@ -7,6 +7,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/BlockSelection.h"
+#include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockReference.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
@@ -53,11 +54,13 @@ struct StoreNews
 class BlockedVolume
 {
 public:
-  /// Reads and checks the header. Cost: one file of a few KiB. A missing file is NotFound, a newer
-  /// format version Unsupported.
+  /// Reads and checks the header. `opener`: for the samples of a volume in place, which are
+  /// Unsupported without it. Cost: one file of a few KiB. A missing file is NotFound, a newer format
+  /// version Unsupported.
   static Result<std::shared_ptr<BlockedVolume>> Open(const std::string& path,
     FileSystem& fileSystem = GetLocalFileSystem(),
-    std::shared_ptr<BlockCache> cache = BlockCache::GetProcessCache());
+    std::shared_ptr<BlockCache> cache = BlockCache::GetProcessCache(),
+    VolumeOpener opener = nullptr);
   BlockedVolume(const BlockedVolume&) = delete;
   BlockedVolume& operator=(const BlockedVolume&) = delete;
   ~BlockedVolume();

@@ -45,11 +45,12 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
 } // namespace
 
 VolumeStores::VolumeStores(std::string path, FileSystem& files, std::string text,
-  const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache)
+  const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache, VolumeOpener opener)
   : Path(std::move(path))
   , Files(files)
   , HeaderText(std::move(text))
   , Cache(std::move(cache))
+  , Opener(opener)
   , Fingerprint(ComputeChecksum(HeaderText.data(), HeaderText.size()))
   , Variables(header.GetVariables())
   , Sources(header.TimeSteps.size())
@@ -345,8 +346,8 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   if (!kept)
   {
     const VolumePart& part = this->Parts.front();
-    auto opened = SourceSamples::Open(
-      this->Files, this->Path, part.Header, timeStep, part.Identities[timeStep], this->Cache);
+    auto opened = SourceSamples::Open(this->Files, this->Opener, this->Path, part.Header, timeStep,
+      part.Identities[timeStep], this->Cache);
     ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
     kept = *opened;
   }

@@ -6,6 +6,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockReference.h"
 #include "Storage/Store/BlockStore.h"
@@ -45,9 +46,9 @@ struct VolumePart
 class VolumeStores
 {
 public:
-  /// `text`: that of the header's file. `cache`: for the chunks of a volume in place.
+  /// `text`: that of the header's file. `cache`, `opener`: for the source of a volume in place.
   VolumeStores(std::string path, FileSystem& files, std::string text,
-    const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache);
+    const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache, VolumeOpener opener);
   VolumeStores(const VolumeStores&) = delete;
   VolumeStores& operator=(const VolumeStores&) = delete;
 
@@ -201,6 +202,7 @@ private:
   FileSystem& Files;
   std::string HeaderText;
   std::shared_ptr<BlockCache> Cache;
+  VolumeOpener Opener;
   std::uint64_t Fingerprint;
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;
