@@ -18,8 +18,8 @@ namespace
 
 constexpr const char* Description =
   "Writes a volume of any size as a blocked volume (OUT.bvol and OUT.bvol.stores/), prints the\n"
-  "contents of one, or checks one. Under mpirun all ranks write together; the result does not\n"
-  "depend on the number of ranks.";
+  "contents of one, or checks one. Under mpirun all ranks write together; for a given\n"
+  "number of stores the result does not depend on the number of ranks.";
 
 constexpr const char* Footer = R"(IN is one of:
   .mhd .mha .nrrd .nhdr     MetaImage and NRRD, raw or gzip: read slab by slab

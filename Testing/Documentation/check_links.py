@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Links in all .md files lead to files, folders and headings that exist, and so do the pages that sources name."""
+"""Links in all .md files lead to files, folders and headings that exist. So do the paths that .md files name in
+backticks (`Core/Storage`, `Tools/BlockVolumeOptions`), and the pages that sources name."""
 import pathlib
 import re
 import sys
 
 # An inline link or image, without a title.
 LINK = re.compile(r"\[(?:[^\]\[]|\[[^\]]*\])*\]\(\s*<?([^)\s>]+)>?\s*\)")
+# A path from the root, perhaps without the extension.
+NAMED_PATH = re.compile(r"(?<!`)`([A-Z]\w*)/([\w./-]*\w)`(?!`)")
 NAMED_PAGE = re.compile(r"\bDocumentation/[\w./-]+\.(?:md|txt)\b")
 SOURCES = {".cmake", ".cxx", ".h", ".in", ".ini", ".py", ".sh", ".txt", ".xml", ".yml"}
 
@@ -21,17 +24,15 @@ def list_files(folder):
             yield path
 
 
-def remove_code(text):
-    """Replaces code by as many lines of nothing, so that lines keep their numbers."""
-    text = re.sub(r"^( *)```.*?^ *```", lambda block: "\n" * block[0].count("\n"), text, flags=re.S | re.M)
-    return re.sub(r"(?<!`)`[^`\n]+`(?!`)", "", text)
+def remove_blocks(text):
+    """Replaces blocks of code by as many empty lines, so that lines keep their numbers."""
+    return re.sub(r"^( *)```.*?^ *```", lambda block: "\n" * block[0].count("\n"), text, flags=re.S | re.M)
 
 
 def find_anchors(text):
     """The names of the headings, as GitHub makes them."""
     anchors = set()
-    text = re.sub(r"^( *)```.*?^ *```", "", text, flags=re.S | re.M)
-    for heading in re.findall(r"^#{1,6} +(.+?) *#*$", text, flags=re.M):
+    for heading in re.findall(r"^#{1,6} +(.+?) *#*$", remove_blocks(text), flags=re.M):
         heading = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", heading)
         name = re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
         number = 0
@@ -46,7 +47,13 @@ def check(root):
     number, faults, anchors = 0, [], {}
     for path in list_files(root):
         if path.suffix == ".md":
-            text = remove_code(path.read_text(encoding="utf-8"))
+            text = remove_blocks(path.read_text(encoding="utf-8"))
+            for named in NAMED_PATH.finditer(text):
+                if (root / named[1]).is_dir():
+                    number += 1
+                    if not any(root.glob(f"{named[1]}/{named[2]}*")):
+                        faults.append(f"{path.relative_to(root)}: {named[1]}/{named[2]}: there is no such file")
+            text = re.sub(r"(?<!`)`[^`\n]+`(?!`)", "", text)
             for link in LINK.finditer(text):
                 target = link[1]
                 if re.match(r"[a-z]+:", target):
