@@ -7,8 +7,8 @@
 #include "MeasuredVolume.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ranks/Sharing/ReplicaBalance.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
-#include "Storage/Store/ReplicaBalance.h"
 
 #include <CLI/CLI.hpp>
 

@@ -37,8 +37,9 @@ VolumeQuery Extract(const std::string& path, double isovalue, int rank, int rank
   auto opened = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
   BlockedVolume& volume = *Demand(opened);
   VolumeQuery query;
-  auto active = volume.FindActiveBlocks(0, 0, { isovalue }, rank, ranks, query.Statistics);
-  StoredBlockSource source(volume, 0, 0, 0, std::move(Demand(active)));
+  auto plan =
+    PlanQuery(volume, { { 0, 0, { isovalue } }, rank, ranks }, 0, query.Statistics);
+  StoredBlockSource source(volume, 0, 0, 0, std::move(Demand(plan).Blocks));
   ContourRequest request;
   request.Isovalues = { isovalue };
   request.GlobalIds = true;

@@ -4,7 +4,7 @@
 
 usage: rank_balance.py FILE.vti[:CELLS] ...    CELLS a side of a block: 16, or what is given
 
-A model of Core/Storage/Store/BlockDealing and ActiveBlockWork in NumPy, with the constants of these. Counts
+A model of Core/Ranks/Sharing/BlockDealing and ActiveBlockWork in NumPy, with the constants of these. Counts
 the cells that four isosurfaces pass in every block, deals the blocks to ranks, and prints the maximum
 over the mean of the ranks' cells, which have about two triangles each, wherever a rank has at least
 100 active blocks: by the lattice alone, and with the work evened out. With --fit it also fits the

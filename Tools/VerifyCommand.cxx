@@ -5,7 +5,7 @@
 
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolume.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include <algorithm>
 #include <cstdio>

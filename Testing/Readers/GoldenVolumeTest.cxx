@@ -18,7 +18,7 @@
 
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include <array>
 #include <filesystem>

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Volumes in place. The oracle is the volume that has copies of the same samples.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Ranks/Query/StoredBlockSource.h"
 #include "Ranks/Query/StoredSlabSource.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeRepair.h"
+#include "Storage/Verification/VolumeVerification.h"
 #include "Storage/Writing/SourceRelocation.h"
-#include "Storage/Writing/VolumeRepair.h"
 
 using namespace isosurface;
 
@@ -64,11 +65,11 @@ struct InPlaceDisk
 /// The surface of all ranks, and what it took.
 PlainSurface Contour(BlockedVolume& volume, int ranks, bool isDealt, QueryStatistics& statistics)
 {
-  volume.DealBlocks(isDealt);
+  volume.SetLocalStores(!isDealt);
   PlainSurface all;
   for (int rank = 0; rank < ranks; ++rank)
   {
-    auto active = volume.FindActiveBlocks(0, 0, { Isovalue }, rank, ranks, statistics);
+    auto active = FindActiveBlocks(volume, { { 0, 0, { Isovalue } }, rank, ranks }, statistics);
     EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     if (!active.IsOk())
     {
@@ -110,7 +111,7 @@ std::string FindError(MemoryDisk& disk)
 {
   const auto volume = OpenVolume(disk);
   QueryStatistics statistics;
-  auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   for (std::size_t block = 0; active.IsOk() && block < active->size(); ++block)
   {
     const auto read = volume->ReadBlock((*active)[block], 0, 0, 0, statistics);
@@ -184,7 +185,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
   const auto volume = OpenVolume(made.Disk);
   QueryStatistics statistics;
-  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   ASSERT_FALSE(active.IsOk());
   EXPECT_EQ(active.GetStatus().GetMessage().find("nor can"), std::string::npos)
     << active.GetStatus().GetMessage();
@@ -214,7 +215,7 @@ TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
   for (int level = 1; level < volume->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto share = volume->GetShare(0, 0, 1, statistics, level);
+    const auto share = volume->ListBlocks(0, statistics, level);
     ASSERT_TRUE(share.IsOk());
     for (const BlockReference& reference : *share)
     {
@@ -266,7 +267,7 @@ TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
       { return 130 - (i - 12) * (i - 12) - (j - 12) * (j - 12) - (k - 14) * (k - 14); }));
   const auto volume = OpenVolume(made.Disk);
   QueryStatistics statistics;
-  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   ASSERT_TRUE(active.IsOk());
   std::set<Index3> touched;
   for (const BlockReference& block : *active)
@@ -327,7 +328,7 @@ TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
   const auto volume = OpenVolume(made.Disk);
   EXPECT_TRUE(volume->GetSpectrum(0, 0).IsOk());
   QueryStatistics statistics;
-  EXPECT_TRUE(volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics, 1).IsOk());
+  EXPECT_TRUE(FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics, 1).IsOk());
 }
 
 TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
@@ -384,7 +385,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   const auto opened = OpenVolume(disk);
   ASSERT_EQ(opened->GetHeader().TimeSteps.size(), 2u);
   QueryStatistics statistics;
-  EXPECT_TRUE(opened->FindActiveBlocks(1, 0, { Isovalue }, 0, 1, statistics).IsOk());
+  EXPECT_TRUE(FindActiveBlocks(*opened, { { 1, 0, { Isovalue } } }, statistics).IsOk());
 
   MemoryDisk other;
   settings.Append = false;
