@@ -19,7 +19,7 @@
  *
  * Point data: GlobalIds, by which the pieces of all ranks fit together, Normals, the isovalue under
  * the name of the contoured array, interpolated arrays. Field data: the cost of the query on this
- * rank, also logged at verbosity 1; see Documentation/user-guide.md. All ranks of the controller
+ * rank, also logged at verbosity 1; see Documentation/reference/isosurfaces.md. All ranks of the controller
  * must execute together; all report the errors of any.
  */
 

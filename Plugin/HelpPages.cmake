@@ -1,6 +1,8 @@
 # Makes pages for ParaView's help of the documentation for users, with its images. Needs cmark-gfm.
 #   isosurface_make_help_pages(<documentation folder> <output folder>)
-set(ISOSURFACE_HELP_PAGES tour window user-guide)
+# The pages are in one folder, those of Documentation/reference, too.
+set(ISOSURFACE_HELP_PAGES tour window user-guide install writing in-place replicas command-line reading isosurfaces
+  levels choosing-isovalues edge-index many-ranks python cpp troubleshooting)
 
 # Gives headings the names that links have for them.
 function(isosurface_name_headings variable)
@@ -22,6 +24,9 @@ function(isosurface_make_help_pages documentation output)
   endforeach()
   foreach(page IN LISTS ISOSURFACE_HELP_PAGES)
     set(source "${documentation}/${page}.md")
+    if(NOT EXISTS "${source}")
+      set(source "${documentation}/reference/${page}.md")
+    endif()
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${source}")
     execute_process(COMMAND "${ISOSURFACE_CMARK}" --extension table "${source}"
       OUTPUT_VARIABLE text RESULT_VARIABLE result)
@@ -31,7 +36,7 @@ function(isosurface_make_help_pages documentation output)
     isosurface_name_headings(text)
     # Pages link to each other; the rest of the repository is not in the help.
     foreach(other IN LISTS ISOSURFACE_HELP_PAGES)
-      string(REGEX REPLACE "href=\"${other}\\.md" "href=\"${other}.html" text "${text}")
+      string(REGEX REPLACE "href=\"(\\.\\./|reference/)?${other}\\.md" "href=\"${other}.html" text "${text}")
     endforeach()
     string(REGEX REPLACE "<a href=\"[^\"#]*(\\.md[^\"]*|[^l\"#])\">([^<]*)</a>" "\\2" text "${text}")
     string(REGEX REPLACE "<a href=\"\\.\\./[^\"]*\">([^<]*)</a>" "\\1" text "${text}")

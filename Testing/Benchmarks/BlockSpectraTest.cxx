@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "BlockSpectra.h"
+#include "Volumes/BlockSpectra.h"
 
 #include <gtest/gtest.h>
 

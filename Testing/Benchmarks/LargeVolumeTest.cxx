@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "LargeVolume.h"
+#include "Volumes/LargeVolume.h"
 
 #include "Fixtures/MemoryDisk.h"
 

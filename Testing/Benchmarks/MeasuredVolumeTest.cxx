@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MeasuredVolume.h"
+#include "Volumes/MeasuredVolume.h"
 #include "Fixtures/ActiveBlocks.h"
-#include "LargeVolume.h"
+#include "Volumes/LargeVolume.h"
 
 #include "Formats/Plain/RawVolume.h"
 #include "Storage/Store/BlockedVolume.h"

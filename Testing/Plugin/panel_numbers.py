@@ -42,7 +42,9 @@ class Panels(unittest.TestCase):
 
     def test_the_guide_is_in_the_help_with_its_images(self):
         pages = self.read_help()
-        for page in ("tour", "window", "user-guide"):
+        names = glob.glob(os.path.join(testing.arguments.documentation, "reference", "*.md"))
+        names = [os.path.splitext(os.path.basename(name))[0] for name in names]
+        for page in ["tour", "window", "user-guide"] + names:
             text = pages[f"{page}.html"].decode()
             for target in re.findall(r'(?:href|src)="([^"#]+)', text):
                 if not target.startswith("http"):
@@ -65,6 +67,7 @@ class Panels(unittest.TestCase):
 def add_arguments(parser):
     parser.add_argument("--states", required=True, help="the folder of the GUI tests' output")
     parser.add_argument("--xml", required=True, help="the folder of the plugin's XML files")
+    parser.add_argument("--documentation", required=True, help="the folder of the pages for users")
     parser.add_argument("--help-file", dest="help", required=True, help="the .qch of the plugin")
 
 

@@ -15,7 +15,7 @@ namespace isosurface
  * surface that crosses a face of a block makes the block behind it active, too; so a block whose
  * neighbours are active on both sides of two axes has a sheet through its middle, and one with few
  * active neighbours has a corner cut off. The weights are a fit to 52 isosurfaces of eleven volumes
- * (Benchmarks/rank_balance.py); the prediction correlates with the triangles at 0.56.
+ * (Documentation/dev/load-balance.md); the prediction correlates with the triangles at 0.56.
  *
  * `blocks`: numbers in the grid, ascending. The result is positive. Cost: 26 look-ups a block in a
  * bit map of the box around the blocks; where that had more than 2^28 bits, all have equal work.

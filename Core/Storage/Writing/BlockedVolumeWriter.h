@@ -69,7 +69,7 @@ struct WriteStatistics
  * of all ranks: each rank reads slabs from its own source. The sources' boxes may overlap; together
  * they must cover the grid. The files do not depend on the number of ranks and threads, nor on the
  * memory limit. Rank r of P writes the stores d with d mod P == r, on a file system that all ranks
- * share. Documentation/architecture.md describes writing, Documentation/formats the files.
+ * share. Documentation/architecture/storage.md describes writing, Documentation/formats the files.
  *
  * The rank that writes a store copies it to the folders of the stores that have replicas of it: so
  * replicas cost reading the store's files once more, and writing them, for each.

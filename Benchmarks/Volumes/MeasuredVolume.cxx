@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MeasuredVolume.h"
+#include "Volumes/MeasuredVolume.h"
 
 #include "Formats/Plain/RawVolume.h"
 #include "Ground/Base/ParallelFor.h"

@@ -21,15 +21,8 @@ struct VolumeQuery
   std::size_t Triangles = 0;
 };
 
-/**
- * Extracts an isosurface of the first array with an empty block cache, `repeats` times; returns the
- * run of median time. `cold`: the stores are dropped from the page cache before each run. Ends the
- * program with a message if the volume cannot be read.
- */
-VolumeQuery MeasureQuery(
-  const std::string& path, double isovalue, int threads, int repeats, bool cold);
-
-/// Extracts the piece of one of several ranks, once, with an empty block cache.
+/// Extracts an isosurface of the first array, the piece of one of several ranks, with an empty block
+/// cache. Ends the program with a message if the volume cannot be read.
 VolumeQuery MeasurePiece(
   const std::string& path, double isovalue, int rank, int ranks, int threads);
 

@@ -3,8 +3,8 @@
 // for each rank and run to standard output. The ranks run together, if the machine has enough
 // cores; or in turn, each with the machine for itself, as on a cluster where each rank has its own
 // disk.
-#include "MeasuredVolume.h"
-#include "VolumeQuery.h"
+#include "Volumes/MeasuredVolume.h"
+#include "Volumes/VolumeQuery.h"
 
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolume.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Makes a volume of any size from a scan by interpolation and added detail (LargeVolume.h), as .mhd
 // and .raw.
-#include "LargeVolume.h"
-#include "VolumeQuery.h"
+#include "Volumes/LargeVolume.h"
+#include "Volumes/VolumeQuery.h"
 
 #include "Ground/Base/ParallelFor.h"
 

@@ -2,7 +2,7 @@
 #ifndef isosurface_MeasuredVolume_h
 #define isosurface_MeasuredVolume_h
 
-#include "BlockSpectra.h"
+#include "Volumes/BlockSpectra.h"
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ValueKey.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "LatticeSampler.h"
+#include "Volumes/LatticeSampler.h"
 
 #include <algorithm>
 

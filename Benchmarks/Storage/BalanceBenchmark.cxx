@@ -3,8 +3,8 @@
 // triangles, active blocks and bytes of a store, relative to the mean, for all isovalues of the
 // spectrum with enough triangles a store. The volume is read once; its blocks are distributed in
 // memory.
-#include "MeasuredVolume.h"
-#include "VolumeQuery.h"
+#include "Volumes/MeasuredVolume.h"
+#include "Volumes/VolumeQuery.h"
 
 #include "Ground/Base/ParallelFor.h"
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "BenchmarkVolume.h"
+#include "Volumes/BenchmarkVolume.h"
 
 #include "Ground/Base/ParallelFor.h"
-#include "Surface/Contour/BlockRanges.h"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <random>
 
 namespace isosurface
@@ -95,32 +93,6 @@ std::vector<std::uint16_t> MakeBenchmarkVolume(int side, int threads)
       }
     });
   return volume;
-}
-
-double FindIsovalue(
-  const std::vector<std::uint16_t>& volume, int side, double fraction, int threads)
-{
-  SampleView view;
-  view.Type = ValueType::UInt16;
-  view.First = volume.data();
-  view.Stride = { 1, side, static_cast<std::ptrdiff_t>(side) * side };
-  view.Box.High = { side, side, side };
-  view.Available = view.Box;
-  const Result<BlockRanges> ranges = BlockRanges::Compute(view, threads);
-  const auto blocks = static_cast<double>(ranges->GetGrid().GetNumberOfBlocks());
-  double best = 0;
-  double distance = std::numeric_limits<double>::infinity();
-  for (int value = 32768; value < 65536; value += 64)
-  {
-    const double isovalue = value + 0.5;
-    const double active = static_cast<double>(ranges->FindActiveBlocks({ isovalue }).size());
-    if (std::abs(active / blocks - fraction) < distance)
-    {
-      distance = std::abs(active / blocks - fraction);
-      best = isovalue;
-    }
-  }
-  return best;
 }
 
 } // namespace isosurface

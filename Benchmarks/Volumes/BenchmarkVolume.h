@@ -16,13 +16,6 @@ namespace isosurface
  */
 std::vector<std::uint16_t> MakeBenchmarkVolume(int side, int threads);
 
-/**
- * Finds the isovalue, above the volume's median, at which the fraction of active blocks (of 32^3
- * cells) is closest to `fraction`.
- */
-double FindIsovalue(
-  const std::vector<std::uint16_t>& volume, int side, double fraction, int threads);
-
 } // namespace isosurface
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef isosurface_LargeVolume_h
 #define isosurface_LargeVolume_h
 
-#include "LatticeSampler.h"
+#include "Volumes/LatticeSampler.h"
 
 #include "Formats/Plain/RawVolume.h"
 #include "Ground/Base/FileSystem.h"

@@ -3,7 +3,8 @@
 // the page cache is empty of the file before each, and nothing waits to be written. Every write
 // runs in a process of its own, of which the peak of resident memory is told. Ranks are its
 // threads.
-#include "BenchmarkVolume.h"
+#include "Volumes/BenchmarkVolume.h"
+#include "Volumes/VolumeQuery.h"
 
 #include "Fixtures/ThreadCommunicator.h"
 #include "Formats/Plain/RawVolume.h"
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -26,6 +26,8 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+using namespace isosurface;
 
 namespace
 {
@@ -63,19 +65,19 @@ struct Way
 
 double Time(const std::function<bool()>& body)
 {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = GetSeconds();
   if (!body())
   {
     std::fprintf(stderr, "a step failed\n");
     std::exit(1);
   }
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return GetSeconds() - begin;
 }
 
 bool MakeFile(const std::string& path, int side)
 {
-  const auto volume = isosurface::MakeBenchmarkVolume(side, isosurface::ChooseThreadCount(1));
-  auto file = isosurface::GetLocalFileSystem().CreateForWriting(path);
+  const auto volume = MakeBenchmarkVolume(side, ChooseThreadCount(1));
+  auto file = GetLocalFileSystem().CreateForWriting(path);
   return file.IsOk() && (*file)->Append(volume.data(), volume.size() * 2).IsOk() &&
     (*file)->SyncAndClose().IsOk();
 }
@@ -95,24 +97,24 @@ void ForgetPages(const std::string& path)
 bool WriteVolume(
   const Options& options, const Way& way, const std::string& from, const std::string& to)
 {
-  isosurface::RawVolume raw;
+  RawVolume raw;
   raw.Grid.Extent = { 0, options.Dimensions[0] - 1, 0, options.Dimensions[1] - 1, 0,
     options.Dimensions[2] - 1 };
-  raw.Type = isosurface::ValueType::UInt16;
+  raw.Type = ValueType::UInt16;
   raw.Paths = { from };
-  isosurface::BlockedVolumeSettings settings;
+  BlockedVolumeSettings settings;
   settings.BlockSize = options.BlockSize;
   settings.NumberOfStores = options.Stores;
   settings.MemoryLimit = options.MemoryMiB << 20;
   settings.Threads = way.Threads;
-  settings.Compression.Codec = *isosurface::FindCodec(way.Codec);
+  settings.Compression.Codec = *FindCodec(way.Codec);
   std::atomic<bool> isDone{ true };
-  isosurface::ThreadCommunicator::Run(way.Ranks,
-    [&](isosurface::Communicator& communicator)
+  ThreadCommunicator::Run(way.Ranks,
+    [&](Communicator& communicator)
     {
-      auto source = raw.Open(isosurface::GetLocalFileSystem());
+      auto source = raw.Open(GetLocalFileSystem());
       const auto written = source.IsOk()
-        ? isosurface::BlockedVolumeWriter(communicator)
+        ? BlockedVolumeWriter(communicator)
             .Write(to, raw.Grid, { { "density", raw.Type } }, **source, settings)
         : source.GetStatus();
       if (!written.IsOk())
@@ -144,21 +146,13 @@ double TakeMedian(std::vector<double> values)
   return values[values.size() / 2];
 }
 
-void RemoveVolume(const std::string& path)
-{
-  for (const std::string& part : { path, path + ".stores" })
-  {
-    static_cast<void>(isosurface::GetLocalFileSystem().RemoveAll(part));
-  }
-}
-
 double TimeCopy(const std::string& from, const std::string& to, double& withSync)
 {
   ForgetPages(from);
   const double seconds =
     Time([&] { return std::system(("cp '" + from + "' '" + to + "'").c_str()) == 0; });
   withSync = seconds + Time([&] { return std::system(("sync '" + to + "'").c_str()) == 0; });
-  static_cast<void>(isosurface::GetLocalFileSystem().RemoveAll(to));
+  static_cast<void>(GetLocalFileSystem().RemoveAll(to));
   return seconds;
 }
 
@@ -185,8 +179,7 @@ void Measure(const Options& options, const std::string& from)
   {
     for (const int ranks : options.Ranks)
     {
-      const int threads =
-        options.Threads > 0 ? options.Threads : isosurface::ChooseThreadCount(ranks);
+      const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(ranks);
       ways.push_back({ ranks, threads, codec, {}, {} });
     }
   }
@@ -245,7 +238,7 @@ int main(int argc, char** argv)
   Measure(options, from);
   if (isMade)
   {
-    static_cast<void>(isosurface::GetLocalFileSystem().RemoveAll(from));
+    static_cast<void>(GetLocalFileSystem().RemoveAll(from));
   }
   return 0;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrainingSurface.h"
 
-#include "BenchmarkVolume.h"
+#include "Volumes/BenchmarkVolume.h"
 
 #include <cstdint>
 #include <cstdio>

@@ -10,7 +10,7 @@
  *   first    the first execution of the filter, which also computes the value ranges
  *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter
  */
-#include "BenchmarkVolume.h"
+#include "Volumes/BenchmarkVolume.h"
 
 #include "vtkContourFilter.h"
 #include "vtkDataArray.h"
