@@ -25,7 +25,7 @@ struct ExtractionTask
   int Threads = 1;
   Progress Advance;
   /// If given, ranks that are ready take blocks from the shares of others, where every rank reaches
-  /// every store (BlockedVolume::HasLocalStores) and the query's ranks are those of the communicator.
+  /// every store (not BlockedVolume::HasLocalStores) and the query's ranks are the communicator's.
   /// What is extracted is the same in all, but which rank has which block may differ from call to
   /// call.
   Communicator* Sharing = nullptr;

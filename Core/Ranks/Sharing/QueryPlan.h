@@ -56,17 +56,18 @@ enum class PlannedShares
  *   active blocks in the order of their ordinals.
  * - With replicas a rank also reads those in its stores' folders. The work of each store, which
  *   the spectra tell, is balanced over the ranks that have a replica (BalanceReplicas).
- * - Every rank reaches every store (BlockedVolume::HasLocalStores is false): the active blocks of all stores are
- *   dealt (BlockDealing). If there are more than 64 stores, and at least as many as ranks, ranks
- *   share whole stores nevertheless. Replicas are chosen so that all stores have the same work.
+ * - Where every rank reaches every store (not BlockedVolume::HasLocalStores) the active blocks of
+ *   all stores are dealt (BlockDealing). If there are more than 64 stores, and at least as many as
+ *   ranks, ranks share whole stores nevertheless. Replicas are chosen so that all stores have the
+ *   same work.
  * PlannedShares::All deals always.
  *
  * A replica that is lost or damaged is noticed when it is read, and another one is read instead, if
  * this rank reaches one; results are the same (RunWithReplicas).
  *
- * Errors: those of BlockedVolume; InvalidArgument for a rank that there is not. Cost: one tree query
- * a store that is searched and isovalue, and the directory pages of the reported blocks; dealing
- * searches all stores. See BlockedVolume::FindActiveBlocks for selections.
+ * Errors: those of BlockedVolume; InvalidArgument for a rank that there is not. Cost: for each store
+ * that is searched, a tree query an isovalue, and the directory pages of the reported blocks.
+ * Dealing searches all stores. See BlockedVolume::FindActiveBlocks for selections.
  */
 Result<QueryPlan> PlanQuery(BlockedVolume& volume, const SurfaceQuery& query, int level,
   QueryStatistics& statistics, PlannedShares shares = PlannedShares::Own);

@@ -63,8 +63,6 @@ public:
     const BlockedVolumeHeader& header, const StoreDescription& description,
     std::shared_ptr<SourceSamples> source = nullptr);
 
-  bool IsInPlace() const { return this->Source != nullptr; }
-
   std::uint64_t GetNumberOfBlocks() const { return this->Directory->GetCount(); }
 
   /// The ordinals of the blocks that an isosurface of one of the isovalues crosses, ascending.

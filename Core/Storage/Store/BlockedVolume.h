@@ -81,7 +81,7 @@ public:
   Result<std::vector<BlockReference>> FindActiveBlocks(
     const BlockQuery& query, const StoreSpan& span, int level, QueryStatistics& statistics);
 
-  /// All blocks that have a level, sorted by store and ordinal. Cost: the directories of the stores.
+  /// All blocks that have a level, sorted by store and ordinal. Cost: the stores' directories.
   Result<std::vector<BlockReference>> ListBlocks(
     std::size_t timeStep, QueryStatistics& statistics, int level = 0);
 

@@ -10,8 +10,8 @@
 namespace isosurface
 {
 
-/// The blocks of a query that one rank reads: `{ { timeStep, variable, isovalues, selection }, rank,
-/// ranks }`, of which the last three may be missing.
+/// The blocks that one rank reads for a query: { { time step, variable, isovalues, selection }, rank,
+/// ranks }; the last three may be missing.
 inline Result<std::vector<BlockReference>> FindActiveBlocks(
   BlockedVolume& volume, const SurfaceQuery& query, QueryStatistics& statistics, int level = 0)
 {
