@@ -23,8 +23,9 @@ set(DOXYGEN_PREDEFINED
   "vtkSetMacro(name,type)=virtual void Set##name(type)"
   "vtkBooleanMacro(name,type)=virtual void name##On()")
 
-isosurface_find_included(core ${ISOSURFACE_PUBLIC_CORE_HEADERS})
+isosurface_find_included(core ${ISOSURFACE_PUBLIC_CORE_HEADERS} ${ISOSURFACE_PUBLIC_FORMATS_HEADERS})
 list(TRANSFORM core PREPEND "${PROJECT_SOURCE_DIR}/Core/")
+list(TRANSFORM core REPLACE "/Core/Formats/" "/Formats/")
 set(classes)
 foreach(room IN LISTS ISOSURFACE_VTK_ROOMS)
   file(GLOB headers "${PROJECT_SOURCE_DIR}/${room}/vtk*.h")

@@ -1,11 +1,11 @@
 # What `cmake --install` puts where, for projects that use the libraries: find_package(ScalableIsosurface).
 #   include/scalable-isosurface        headers of the VTK classes
-#   include/scalable-isosurface/core   public headers of Core
+#   include/scalable-isosurface/core   public headers of Core and Formats
 #   lib/cmake/ScalableIsosurface       the package: targets ScalableIsosurface::Core, ::Filters, ...
 set(ISOSURFACE_HEADERS "${CMAKE_INSTALL_INCLUDEDIR}/scalable-isosurface")
 set(ISOSURFACE_PACKAGE "${CMAKE_INSTALL_LIBDIR}/cmake/ScalableIsosurface")
 
-# The headers of Core in `result` that the given ones include, themselves included. Paths are
+# The headers of Core and Formats in `result` that the given ones include, themselves included. Paths are
 # relative to Core/, or begin with Formats/.
 function(isosurface_find_header result header)
   if(header MATCHES "^Formats/")
@@ -35,7 +35,7 @@ function(isosurface_find_included result)
   set(${result} "${found}" PARENT_SCOPE)
 endfunction()
 
-isosurface_find_included(headers ${ISOSURFACE_PUBLIC_CORE_HEADERS})
+isosurface_find_included(headers ${ISOSURFACE_PUBLIC_CORE_HEADERS} ${ISOSURFACE_PUBLIC_FORMATS_HEADERS})
 foreach(header IN LISTS headers)
   get_filename_component(room "${header}" DIRECTORY)
   isosurface_find_header(file "${header}")
@@ -43,11 +43,14 @@ foreach(header IN LISTS headers)
     DESTINATION "${ISOSURFACE_HEADERS}/core/${room}" COMPONENT development)
 endforeach()
 
-set_target_properties(IsosurfaceCore PROPERTIES EXPORT_NAME Core VERSION "${PROJECT_VERSION}")
-target_compile_features(IsosurfaceCore PUBLIC cxx_std_17)
-target_include_directories(IsosurfaceCore INTERFACE "$<INSTALL_INTERFACE:${ISOSURFACE_HEADERS}/core>")
-install(TARGETS IsosurfaceCore EXPORT ScalableIsosurfaceCore
-  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT plugin NAMELINK_COMPONENT development)
+foreach(library IN ITEMS Core Formats)
+  set_target_properties(Isosurface${library} PROPERTIES EXPORT_NAME ${library} VERSION "${PROJECT_VERSION}")
+  target_compile_features(Isosurface${library} PUBLIC cxx_std_17)
+  target_include_directories(Isosurface${library} INTERFACE "$<INSTALL_INTERFACE:${ISOSURFACE_HEADERS}/core>")
+  install(TARGETS Isosurface${library} EXPORT ScalableIsosurfaceCore
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT plugin NAMELINK_COMPONENT development)
+endforeach()
+set_target_properties(IsosurfaceFormats PROPERTIES INSTALL_RPATH "$ORIGIN")
 export(EXPORT ScalableIsosurfaceCore
   NAMESPACE ScalableIsosurface::
   FILE "${PROJECT_BINARY_DIR}/${ISOSURFACE_PACKAGE}/ScalableIsosurfaceCore-targets.cmake")

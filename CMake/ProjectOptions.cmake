@@ -41,22 +41,27 @@ if(ISOSURFACE_CLANG_TIDY)
     "${ISOSURFACE_CLANG_TIDY_PROGRAM};--quiet;--extra-arg-before=-std=c++17")
 endif()
 
-# One Core room: an object library whose sources are part of IsosurfaceCore.
-#   isosurface_add_room(<name> SOURCES <files> [LINK <libraries>])
+# One room: an object library whose sources are part of a library, IsosurfaceCore if it is not said. Rooms
+# of Core see Core alone.
+#   isosurface_add_room(<name> [LIBRARY <target>] SOURCES <files> [LINK <libraries>])
 function(isosurface_add_room name)
-  cmake_parse_arguments(room "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(room "" "LIBRARY" "SOURCES;LINK" ${ARGN})
+  set(folders "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../Core")
+  if(room_LIBRARY)
+    list(APPEND folders "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/..")
+  else()
+    set(room_LIBRARY IsosurfaceCore)
+  endif()
   add_library(${name} OBJECT ${room_SOURCES})
-  target_include_directories(${name} PUBLIC
-    $<BUILD_INTERFACE:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../Core>
-    $<BUILD_INTERFACE:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/..>)
+  target_include_directories(${name} PUBLIC "$<BUILD_INTERFACE:${folders}>")
   target_link_libraries(${name} PUBLIC Threads::Threads PRIVATE IsosurfaceOptions ${room_LINK})
   target_compile_options(${name} PRIVATE -Wpedantic)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(ISOSURFACE_CLANG_TIDY)
     set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY "${isosurface_clang_tidy}")
   endif()
-  target_sources(IsosurfaceCore PRIVATE $<TARGET_OBJECTS:${name}>)
-  target_link_libraries(IsosurfaceCore PRIVATE ${room_LINK})
+  target_sources(${room_LIBRARY} PRIVATE $<TARGET_OBJECTS:${name}>)
+  target_link_libraries(${room_LIBRARY} PRIVATE ${room_LINK})
 endfunction()
 
 # A VTK module of this project: on top of Core, with the project's options.

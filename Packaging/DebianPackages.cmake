@@ -1,5 +1,7 @@
-# Three packages for Debian, of the components of the installation:
+# Packages for Debian, of the components of the installation:
 #   scalable-isosurface           the plugin, the commands, the libraries
+#   scalable-isosurface-hdf5      the modules that read HDF5 and NetCDF, whose libraries are many
+#   scalable-isosurface-dicom     the module that reads DICOM
 #   python3-scalable-isosurface   the package scalable_isosurface
 #   scalable-isosurface-dev       headers and the package for CMake
 # They depend on exactly the ParaView that they were built with: dpkg-shlibdeps knows the versions whose
@@ -15,13 +17,15 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_THREADS 0)
 set(CPACK_VERBATIM_VARIABLES ON)
 
-set(CPACK_COMPONENTS_ALL plugin commands python development)
+set(CPACK_COMPONENTS_ALL plugin commands python development hdf5 dicom)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENT_PLUGIN_GROUP main)
 set(CPACK_COMPONENT_COMMANDS_GROUP main)
 set(CPACK_COMPONENT_PYTHON_GROUP python)
 set(CPACK_COMPONENT_DEVELOPMENT_GROUP development)
+set(CPACK_COMPONENT_HDF5_GROUP hdf5)
+set(CPACK_COMPONENT_DICOM_GROUP dicom)
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -38,6 +42,17 @@ set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_BINARY_DIR}/postinst" "${CMAKE_CURRENT_BINARY_DIR}/prerm" "${CMAKE_CURRENT_BINARY_DIR}/triggers")
 set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "bash-completion")
+set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "scalable-isosurface-hdf5, scalable-isosurface-dicom")
+
+foreach(format IN ITEMS HDF5 DICOM)
+  string(TOLOWER "${format}" package)
+  set(CPACK_DEBIAN_${format}_PACKAGE_NAME scalable-isosurface-${package})
+  set(CPACK_DEBIAN_${format}_PACKAGE_DEPENDS "scalable-isosurface (= ${PROJECT_VERSION})")
+endforeach()
+set(CPACK_DEBIAN_HDF5_DESCRIPTION "isosurfaces of volumes in files of HDF5 and NetCDF
+The modules by which ScalableIsosurface reads them.")
+set(CPACK_DEBIAN_DICOM_DESCRIPTION "isosurfaces of volumes in files of DICOM
+The module by which ScalableIsosurface reads them.")
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 math(EXPR next_python "${Python3_VERSION_MINOR} + 1")

@@ -19,6 +19,7 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/ParallelFor.h"
@@ -200,7 +201,8 @@ bool vtkBlockedVolumeReader::OpenVolume()
     Status(StatusCode::NotFound, "No file name is set.");
   if (this->FileName && *this->FileName)
   {
-    volume = isosurface::BlockedVolume::Open(this->FileName);
+    volume = isosurface::BlockedVolume::Open(this->FileName, isosurface::GetLocalFileSystem(),
+      isosurface::BlockCache::GetProcessCache(), isosurface::OpenForeignVolume);
   }
   if (!volume.IsOk())
   {

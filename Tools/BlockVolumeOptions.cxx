@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BlockVolumeOptions.h"
 
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 #include "Ground/Volume/ValueType.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/BlockCompression.h"
@@ -63,7 +63,7 @@ std::vector<std::string> SplitAtCommas(const std::string& text)
   for (std::size_t comma = 0; comma != std::string::npos; begin = comma + 1)
   {
     comma = text.find(',', begin);
-    words.push_back(HeaderText::Trim(text.substr(begin, comma - begin)));
+    words.push_back(TrimText(text.substr(begin, comma - begin)));
   }
   return words;
 }
@@ -74,7 +74,7 @@ Result<std::array<double, 3>> ParseThree(const std::string& option, const std::s
   std::array<double, 3> values{};
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const auto value = words.size() == 3 ? HeaderText::ParseDouble(words[axis]) : std::nullopt;
+    const auto value = words.size() == 3 ? ParseDouble(words[axis]) : std::nullopt;
     if (!value)
     {
       return MakeError(option, "\"" + text + "\" is not three numbers X,Y,Z");
@@ -97,7 +97,7 @@ Result<BlockCompression> ParseCompression(const std::string& text)
   }
   if (colon != std::string::npos)
   {
-    const auto level = HeaderText::ParseInteger(text.substr(colon + 1));
+    const auto level = ParseInteger(text.substr(colon + 1));
     isValid = isValid && *codec != SegmentCodec::None && level && *level >= 1 && *level <= 100;
     compression.Level = isValid ? static_cast<int>(*level) : 0;
   }

@@ -3,8 +3,8 @@
 
 #include "PipelineInput.h"
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Volume/VolumeName.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -16,17 +16,6 @@ namespace isosurface
 namespace
 {
 
-Result<VolumeFile> OpenRaw(const RawVolume& raw)
-{
-  auto source = raw.Open(GetLocalFileSystem());
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  VolumeFile file;
-  file.Grid = raw.Grid;
-  file.Arrays = { { raw.ArrayName, raw.Type, 1 } };
-  file.Source = std::move(*source);
-  return file;
-}
-
 Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step)
 {
   VolumeChoice choice;
@@ -35,8 +24,8 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step
   choice.IgnoresPlaces = options.Spacing.has_value();
   choice.Arrays = options.Arrays;
   choice.CacheBytes = options.Settings.MemoryLimit / 4;
-  auto file = options.Raw ? OpenRaw(*options.Raw)
-                          : VolumeFile::Open(GetLocalFileSystem(), options.Input, choice);
+  auto file = options.Raw ? options.Raw->OpenVolume(GetLocalFileSystem())
+                          : OpenForeignVolume(GetLocalFileSystem(), options.Input, choice);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const auto arrays = ChooseArrays(options.Input, file->Arrays, options.Arrays);
   ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
@@ -64,7 +53,7 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
   {
     ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   }
-  const bool isFile = options.Raw || VolumeFile::IsKnown(GetLocalFileSystem(), options.Input);
+  const bool isFile = options.Raw || IsForeignVolume(GetLocalFileSystem(), options.Input);
   if (!isFile && !options.Axes.empty())
   {
     return Status(StatusCode::InvalidArgument,

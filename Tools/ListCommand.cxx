@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ListCommand.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace isosurface
 
 Status RunListCommand(const BlockVolumeOptions& options)
 {
-  const auto list = VolumeFile::List(GetLocalFileSystem(), options.Input);
+  const auto list = ListForeignVolumes(GetLocalFileSystem(), options.Input);
   ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
   std::size_t widths[3] = {};
   for (const VolumeListing& entry : *list)

@@ -24,7 +24,7 @@
 #include "vtkXMLRectilinearGridReader.h"
 
 #include "ArrayChoice.h"
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 #include "Ground/Volume/MemorySource.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
@@ -68,7 +68,7 @@ public:
     const std::size_t begin = text.find("): ");
     text = begin == std::string::npos ? text : text.substr(begin + 3);
     std::string line;
-    for (const std::string& word : isosurface::HeaderText::Split(text))
+    for (const std::string& word : isosurface::SplitWords(text))
     {
       line += (line.empty() ? "" : " ") + word;
     }
@@ -124,7 +124,7 @@ vtkSmartPointer<vtkAlgorithm> MakeReader(const std::string& path)
 vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
 {
   const std::filesystem::path name(path);
-  const std::string extension = HeaderText::Lower(name.extension().string());
+  const std::string extension = LowerText(name.extension().string());
   if (extension == ".vti")
   {
     return MakeReader<vtkXMLImageDataReader>(path);

@@ -3,6 +3,7 @@
 
 #include "ProgressDisplay.h"
 
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Writing/SourceRelocation.h"
 
@@ -17,8 +18,8 @@ Status RunSourceCommand(const BlockVolumeOptions& options)
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
   {
     ProgressDisplay display(options.Input, 0, !options.IsQuiet);
-    ISOSURFACE_RETURN_IF_ERROR(RelocateSource(
-      GetLocalFileSystem(), options.Input, options.Source, threads, display.GetProgress()));
+    ISOSURFACE_RETURN_IF_ERROR(RelocateSource(GetLocalFileSystem(), OpenForeignVolume,
+      options.Input, options.Source, threads, display.GetProgress()));
   }
   if (!options.IsQuiet)
   {

@@ -3,6 +3,7 @@
 
 #include "ProgressDisplay.h"
 
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Verification/VolumeVerification.h"
@@ -44,8 +45,8 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
   const auto found = [&]
   {
     ProgressDisplay display(options.Input, CountBytes(options.Input), !options.IsQuiet);
-    auto result =
-      VerifyBlockedVolume(options.Input, GetLocalFileSystem(), threads, display.GetProgress());
+    auto result = VerifyBlockedVolume(
+      options.Input, GetLocalFileSystem(), threads, display.GetProgress(), OpenForeignVolume);
     seconds = display.GetSeconds();
     return result;
   }();

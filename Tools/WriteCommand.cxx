@@ -4,7 +4,7 @@
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -25,7 +25,7 @@ Result<std::optional<SourceRecord>> DescribeInput(
   const BlockVolumeOptions& options, const InputVolume& volume, std::size_t step)
 {
   std::optional<SourceRecord> described;
-  if (options.IsInPlace && !VolumeFile::IsKnown(GetLocalFileSystem(), options.Input))
+  if (options.IsInPlace && !IsForeignVolume(GetLocalFileSystem(), options.Input))
   {
     return Status(StatusCode::Unsupported,
       options.Input + ": cannot be indexed in place: VTK reads it, and as a whole");
@@ -39,8 +39,8 @@ Result<std::optional<SourceRecord>> DescribeInput(
     {
       wanted.Arrays.push_back(array.Name);
     }
-    auto record = DescribeSource(
-      GetLocalFileSystem(), options.Output, options.Input, wanted, volume.Grid, volume.Arrays);
+    auto record = DescribeSource(GetLocalFileSystem(), OpenForeignVolume, options.Output,
+      options.Input, wanted, volume.Grid, volume.Arrays);
     ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     described = std::move(*record);
   }

@@ -14,10 +14,10 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
 #include "Ground/Base/FileSystem.h"
-#include "Storage/Writing/SourceIndex.h"
 
 #include <exception>
 #include <string>
@@ -40,9 +40,10 @@ std::string ToText(const char* text)
   return text ? text : "";
 }
 
-bool IsIndexed(isosurface::VolumeFormat format)
+/// Whether the reader offers to open files of a format.
+bool IsIndexed(const isosurface::VolumeFormat* format)
 {
-  return format == isosurface::VolumeFormat::Zarr || format == isosurface::VolumeFormat::Hdf5;
+  return format && (format->Name == "Zarr" || format->Name == "HDF5");
 }
 
 /// The names of the volumes in a file; none if it cannot be read.
@@ -52,7 +53,7 @@ std::vector<std::string> FindNames(const std::string& fileName)
   isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
   const SourceIndex index = SourceIndex::Find(files, fileName, "", "", "");
   const auto listed =
-    isosurface::VolumeFile::List(files, isosurface::VolumeName::Parse(files, index.Source).Path);
+    isosurface::ListForeignVolumes(files, isosurface::VolumeName::Parse(files, index.Source).Path);
   for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
   {
     names.push_back((*listed)[entry].Name);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Dicom/DicomDataSet.h"
 
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 
 #include <algorithm>
 #include <array>
@@ -374,14 +374,14 @@ std::string DicomDataSet::GetText(DicomTag tag) const
   }
   std::string text = IsOneOf(TextKinds, kind) ? bytes : std::string();
   text.erase(std::remove(text.begin(), text.end(), '\0'), text.end());
-  return HeaderText::Trim(text);
+  return TrimText(text);
 }
 
 std::optional<std::vector<double>> DicomDataSet::GetNumbers(DicomTag tag, std::size_t count) const
 {
   std::string text = this->GetText(tag);
   std::replace(text.begin(), text.end(), '\\', ' ');
-  return HeaderText::ParseDoubles(text, count);
+  return ParseDoubles(text, count);
 }
 
 double DicomDataSet::GetNumber(DicomTag tag, double otherwise) const

@@ -220,7 +220,7 @@ Status SortSlices(Slices& slices)
 }
 
 /// Sets the grid from slices in their order. Says how far a gantry is tilted.
-Status TakeGrid(const Slices& slices, VolumeFile& volume)
+Status TakeGrid(const Slices& slices, OpenedVolume& volume)
 {
   const DicomSlice& first = slices.front();
   const auto count = static_cast<std::int64_t>(slices.size());
@@ -315,9 +315,8 @@ ValueType FindType(const Slices& slices)
                                                  : ValueType::Float64;
 }
 
-} // namespace
-
-Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& choice)
+Result<OpenedVolume> OpenDicomVolume(
+  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
   if (choice.Step > 0 || !choice.Axes.empty())
   {
@@ -327,7 +326,7 @@ Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& c
   auto slices = ChooseSeries(name);
   ISOSURFACE_RETURN_IF_ERROR(slices.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(SortSlices(*slices));
-  VolumeFile volume;
+  OpenedVolume volume;
   ISOSURFACE_RETURN_IF_ERROR(TakeGrid(*slices, volume));
   const ValueType type = FindType(*slices);
   volume.Arrays = { { "DICOM", type, 1 } };
@@ -335,7 +334,7 @@ Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& c
   return volume;
 }
 
-Result<std::vector<VolumeListing>> ListDicom(const VolumeName& name)
+Result<std::vector<VolumeListing>> ListDicom(FileSystem& /*files*/, const VolumeName& name)
 {
   const auto all = FindSeries(FindFolder(name.Path));
   ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
@@ -350,5 +349,9 @@ Result<std::vector<VolumeListing>> ListDicom(const VolumeName& name)
   }
   return list;
 }
+
+} // namespace
+
+const FormatFunctions IsosurfaceDicomFormat = { OpenDicomVolume, ListDicom };
 
 } // namespace isosurface

@@ -2,8 +2,7 @@
 #ifndef isosurface_DicomVolume_h
 #define isosurface_DicomVolume_h
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Formats/Source/FormatFunctions.h"
 
 #include <vector>
 
@@ -25,10 +24,7 @@ namespace isosurface
  *
  * Source: DICOM PS3.3, C.7.6.2 (Image Plane) and C.11.1 (Modality LUT).
  */
-Result<VolumeFile> OpenDicomVolume(const VolumeName& name, const VolumeChoice& choice);
-
-/// All series in the folder, or in that of the file.
-Result<std::vector<VolumeListing>> ListDicom(const VolumeName& name);
+extern "C" const FormatFunctions IsosurfaceDicomFormat;
 
 } // namespace isosurface
 

@@ -2,7 +2,7 @@
 #include "Formats/Hdf5/Hdf5ChunkCoding.h"
 #include "Formats/Hdf5/Hdf5File.h"
 #include "Formats/Hdf5/Hdf5LinkedFiles.h"
-#include "Formats/Source/ChunkCache.h"
+#include "Formats/Source/ChunkCacheSize.h"
 
 #include <algorithm>
 #include <utility>

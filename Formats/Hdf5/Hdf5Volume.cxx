@@ -67,7 +67,7 @@ Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file
                      : "name one of its datasets, as in " + name.Path + ":/path: " + known));
 }
 
-Result<VolumeFile> OpenDataset(
+Result<OpenedVolume> OpenDataset(
   const VolumeName& name, const Hdf5File& file, const std::string& path, const VolumeChoice& choice)
 {
   auto array = file.OpenArray(path, choice.CacheBytes);
@@ -79,7 +79,7 @@ Result<VolumeFile> OpenDataset(
   }
   auto parts = MakeParts(GetLastPart(path), std::move(*array), *axes, choice.Step);
   ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
-  VolumeFile volume;
+  OpenedVolume volume;
   volume.Grid.Extent = {};
   for (const std::string& attribute : file.FindAttributes(path))
   {
@@ -101,7 +101,7 @@ public:
   {
   }
 
-  Result<VolumeFile> Open(const VolumeChoice& choice)
+  Result<OpenedVolume> Open(const VolumeChoice& choice)
   {
     const auto type = this->File.ReadText(this->Group, "Type");
     if (type != "ImageData")
@@ -226,10 +226,10 @@ private:
   const VolumeName& Name;
   const Hdf5File& File;
   std::string Group;
-  VolumeFile Volume;
+  OpenedVolume Volume;
 };
 
-Result<VolumeFile> AddFiles(Result<VolumeFile> volume, const Hdf5File& file)
+Result<OpenedVolume> AddFiles(Result<OpenedVolume> volume, const Hdf5File& file)
 {
   if (volume.IsOk())
   {
@@ -238,9 +238,8 @@ Result<VolumeFile> AddFiles(Result<VolumeFile> volume, const Hdf5File& file)
   return volume;
 }
 
-} // namespace
-
-Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& choice)
+Result<OpenedVolume> OpenHdf5Volume(
+  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
   const auto file = Hdf5File::Open(name.Path);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
@@ -263,7 +262,7 @@ Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& ch
   return AddFiles(OpenDataset(name, *file, path, choice), *file);
 }
 
-Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name)
+Result<std::vector<VolumeListing>> ListHdf5(FileSystem& /*files*/, const VolumeName& name)
 {
   const auto file = Hdf5File::Open(name.Path);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
@@ -277,5 +276,9 @@ Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name)
   }
   return list;
 }
+
+} // namespace
+
+const FormatFunctions IsosurfaceHdf5Format = { OpenHdf5Volume, ListHdf5 };
 
 } // namespace isosurface

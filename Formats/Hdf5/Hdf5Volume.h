@@ -2,8 +2,7 @@
 #ifndef isosurface_Hdf5Volume_h
 #define isosurface_Hdf5Volume_h
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Formats/Source/FormatFunctions.h"
 
 #include <vector>
 
@@ -23,10 +22,7 @@ namespace isosurface
  *
  * Errors: NotFound, with the datasets of the file, if it does not say which one is meant.
  */
-Result<VolumeFile> OpenHdf5Volume(const VolumeName& name, const VolumeChoice& choice);
-
-/// All datasets of the file.
-Result<std::vector<VolumeListing>> ListHdf5(const VolumeName& name);
+extern "C" const FormatFunctions IsosurfaceHdf5Format;
 
 } // namespace isosurface
 

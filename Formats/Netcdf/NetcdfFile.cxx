@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Netcdf/NetcdfFile.h"
 
+#include "Formats/Hdf5/Hdf5File.h"
+#include "Formats/Hdf5/Hdf5Handle.h"
 #include "Formats/Netcdf/NetcdfClassicHeader.h"
-#include "Formats/Source/ChunkCache.h"
+#include "Formats/Source/ChunkCacheSize.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <netcdf.h>
-#if ISOSURFACE_HDF5
-#  include "Formats/Hdf5/Hdf5File.h"
-#  include "Formats/Hdf5/Hdf5Handle.h"
-#endif
 
 #include <algorithm>
 #include <mutex>
@@ -20,31 +18,9 @@ namespace isosurface
 namespace
 {
 
-/**
- * Serialises calls of the library, which is not protected against threads. Version 4 of the format is
- * HDF5: where that is read, too, its library is one for both, with one lock, and must be told on each
- * thread that its errors are not printed.
- */
-class NetcdfScope
-{
-#if ISOSURFACE_HDF5
-  Hdf5Scope Scope;
-#else
-public:
-  NetcdfScope()
-    : Lock(GetMutex())
-  {
-  }
-
-private:
-  static std::mutex& GetMutex()
-  {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> Lock;
-#endif
-};
+/// Serialises calls of the library, which is not protected against threads. Version 4 of the format is
+/// HDF5, whose library is one for both, with one lock.
+using NetcdfScope = Hdf5Scope;
 
 constexpr std::pair<int, ValueType> Types[] = { { NC_BYTE, ValueType::Int8 },
   { NC_UBYTE, ValueType::UInt8 }, { NC_SHORT, ValueType::Int16 }, { NC_USHORT, ValueType::UInt16 },
@@ -157,15 +133,13 @@ NetcdfVariable Describe(int group, int number, const std::string& path)
 
 /// The library follows all links of version 4 as it opens a file, however deep, and looks at nothing
 /// before.
-Status CheckLinks([[maybe_unused]] const std::string& path)
+Status CheckLinks(const std::string& path)
 {
-#if ISOSURFACE_HDF5
   const auto file = Hdf5File::Open(path);
   if (file.IsOk())
   {
     return file->CheckForOthers();
   }
-#endif
   return Status::Ok(); // the library tells what is wrong
 }
 

@@ -4,7 +4,7 @@
 #include "Formats/Netcdf/NetcdfFile.h"
 #include "Formats/Source/ArraySource.h"
 #include "Formats/Source/ConvertedSource.h"
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 
 #include <algorithm>
 #include <array>
@@ -41,7 +41,7 @@ public:
   {
   }
 
-  Result<VolumeFile> Open()
+  Result<OpenedVolume> Open()
   {
     ISOSURFACE_RETURN_IF_ERROR(this->FindVariable());
     auto array = this->File.OpenArray(*this->Variable, this->Choice.CacheBytes);
@@ -105,7 +105,7 @@ private:
       return ' ';
     }
     const auto text = [&](const char* attribute)
-    { return HeaderText::Lower(this->File.ReadText(*coordinate, attribute).value_or("")); };
+    { return LowerText(this->File.ReadText(*coordinate, attribute).value_or("")); };
     const std::string role = text("axis");
     if (IsOneOf(role, { "x", "y", "z", "t" }))
     {
@@ -311,19 +311,18 @@ private:
   ArrayAxes Axes;
   std::array<std::vector<double>, 3> Coordinates; ///< of the grid's axes, as far as there are any
   const NetcdfVariable* Uneven = nullptr;         ///< one of them, without equal steps
-  VolumeFile Volume;
+  OpenedVolume Volume;
 };
 
-} // namespace
-
-Result<VolumeFile> OpenNetcdfVolume(const VolumeName& name, const VolumeChoice& choice)
+Result<OpenedVolume> OpenNetcdfVolume(
+  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
   const auto file = NetcdfFile::Open(name.Path);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   return NetcdfReader(name, *file, choice).Open();
 }
 
-Result<std::vector<VolumeListing>> ListNetcdf(const VolumeName& name)
+Result<std::vector<VolumeListing>> ListNetcdf(FileSystem& /*files*/, const VolumeName& name)
 {
   const auto file = NetcdfFile::Open(name.Path);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
@@ -335,5 +334,9 @@ Result<std::vector<VolumeListing>> ListNetcdf(const VolumeName& name)
   }
   return list;
 }
+
+} // namespace
+
+const FormatFunctions IsosurfaceNetcdfFormat = { OpenNetcdfVolume, ListNetcdf };
 
 } // namespace isosurface

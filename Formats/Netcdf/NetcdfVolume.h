@@ -2,8 +2,7 @@
 #ifndef isosurface_NetcdfVolume_h
 #define isosurface_NetcdfVolume_h
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Formats/Source/FormatFunctions.h"
 
 #include <vector>
 
@@ -20,10 +19,7 @@ namespace isosurface
  *
  * Source: "NetCDF Climate and Forecast (CF) Metadata Conventions" 1.10, sections 4, 5 and 8.1.
  */
-Result<VolumeFile> OpenNetcdfVolume(const VolumeName& name, const VolumeChoice& choice);
-
-/// All variables of the file.
-Result<std::vector<VolumeListing>> ListNetcdf(const VolumeName& name);
+extern "C" const FormatFunctions IsosurfaceNetcdfFormat;
 
 } // namespace isosurface
 

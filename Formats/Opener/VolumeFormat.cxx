@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Opener/VolumeFormat.h"
 
+#include "Formats/Plain/MrcVolume.h"
+#include "Formats/Plain/NiftiVolume.h"
 #include "Formats/Plain/RawVolume.h"
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FormatModule.h"
+#include "Formats/Tiff/TiffStack.h"
 #include "Formats/Zarr/ZarrVolume.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <initializer_list>
-#include <string_view>
 
 namespace isosurface
 {
 namespace
 {
 
-bool IsOneOf(const std::string& text, std::initializer_list<const char*> names)
-{
-  return std::any_of(
-    names.begin(), names.end(), [&text](const char* name) { return text == name; });
-}
+using Names = std::vector<std::string>;
+using Mark = VolumeFormat::Mark;
+
+constexpr Mark DicomMark = { "DICM", 128 };
 
 /// The first bytes of a file; fewer, or none, if it does not have them.
 std::string ReadStart(FileSystem& files, const std::string& path)
@@ -35,125 +35,102 @@ std::string ReadStart(FileSystem& files, const std::string& path)
   return (*file)->Read(0, start.size(), start.data()).IsOk() ? start : std::string();
 }
 
-bool Begins(const std::string& start, std::string_view magic, std::size_t at = 0)
+bool HasMark(const std::string& start, const Mark& mark)
 {
-  return start.size() >= at + magic.size() && start.compare(at, magic.size(), magic) == 0;
+  return start.size() >= mark.Offset + mark.Text.size() &&
+    start.compare(mark.Offset, mark.Text.size(), mark.Text) == 0;
 }
 
-VolumeFormat FindByContent(FileSystem& files, const std::string& path)
+bool IsZarr(FileSystem& files, const std::string& path, const Names& /*names*/)
 {
-  using namespace std::string_view_literals;
-  const std::string start = ReadStart(files, path);
-  if (Begins(start, "\x89HDF\r\n\x1a\n"sv))
-  {
-    return VolumeFormat::Hdf5;
-  }
-  if (Begins(start, "CDF\1"sv) || Begins(start, "CDF\2"sv) || Begins(start, "CDF\5"sv))
-  {
-    return VolumeFormat::Netcdf;
-  }
-  if (Begins(start, "DICM"sv, 128))
-  {
-    return VolumeFormat::Dicom;
-  }
-  if (Begins(start, "MAP"sv, 208))
-  {
-    return VolumeFormat::Mrc;
-  }
-  return VolumeFormat::None;
+  return IsZarrFolder(files, path);
 }
 
-VolumeFormat FindByExtension(const std::string& extension)
-{
-  if (IsOneOf(extension, { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims" }))
-  {
-    return VolumeFormat::Hdf5;
-  }
-  if (IsOneOf(extension, { ".nc", ".nc4", ".cdf" }))
-  {
-    return VolumeFormat::Netcdf;
-  }
-  if (extension == ".dcm")
-  {
-    return VolumeFormat::Dicom;
-  }
-  if (IsOneOf(extension, { ".nii", ".nii.gz" }))
-  {
-    return VolumeFormat::Nifti;
-  }
-  if (IsOneOf(extension,
-        { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" }))
-  {
-    return VolumeFormat::Mrc;
-  }
-  return VolumeFormat::None;
-}
-
-/// The format of a folder that is none of Zarr: TIFF, if nothing tells.
-VolumeFormat FindOfFolder(FileSystem& files, const std::string& path)
+bool HasDicom(FileSystem& files, const std::string& path, const Names& names)
 {
   constexpr std::size_t most = 64;
-  const auto names = files.List(path);
-  if (!names.IsOk() || std::any_of(names->begin(), names->end(), IsTiffName))
-  {
-    return VolumeFormat::Tiff;
-  }
-  for (std::size_t name = 0; name < std::min(most, names->size()); ++name)
-  {
-    const std::string file = (std::filesystem::path(path) / (*names)[name]).string();
-    if (FindByContent(files, file) == VolumeFormat::Dicom)
-    {
-      return VolumeFormat::Dicom;
-    }
-  }
-  return VolumeFormat::Tiff;
+  const bool hasTiff = std::any_of(names.begin(), names.end(), IsTiffName);
+  return !hasTiff &&
+    std::any_of(names.begin(),
+      names.begin() + static_cast<std::ptrdiff_t>(std::min(most, names.size())),
+      [&](const std::string& name) {
+        return HasMark(ReadStart(files, (std::filesystem::path(path) / name).string()), DicomMark);
+      });
+}
+
+bool IsStack(FileSystem& /*files*/, const std::string& /*path*/, const Names& /*names*/)
+{
+  return true;
+}
+
+template <typename Fits>
+const VolumeFormat* FindFormat(const Fits& fits)
+{
+  const std::vector<VolumeFormat>& formats = GetVolumeFormats();
+  const auto found = std::find_if(formats.begin(), formats.end(), fits);
+  return found == formats.end() ? nullptr : &*found;
 }
 
 } // namespace
 
-bool IsTiffName(const std::string& path)
+const std::vector<VolumeFormat>& GetVolumeFormats()
 {
-  return IsOneOf(
-    HeaderText::Lower(std::filesystem::path(path).extension().string()), { ".tif", ".tiff" });
+  using namespace std::string_view_literals;
+  // A folder is of the first format that takes it; TIFF, the last one of these, says what it lacks.
+  static const std::vector<VolumeFormat> formats = {
+    { "MetaImage", { ".mhd", ".mha" }, {}, nullptr, { OpenRawVolume } },
+    { "NRRD", { ".nrrd", ".nhdr" }, {}, nullptr, { OpenRawVolume } },
+    { "NIfTI", { ".nii", ".nii.gz" }, {}, nullptr, { OpenNiftiVolume } },
+    { "MRC", { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" },
+      { { "MAP", 208 } }, nullptr, { OpenMrcVolume } },
+    { "HDF5", { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims" },
+      { { "\x89HDF\r\n\x1a\n" } }, nullptr, {}, "Hdf5Format" },
+    { "NetCDF", { ".nc", ".nc4", ".cdf" }, { { "CDF\1" }, { "CDF\2" }, { "CDF\5" } }, nullptr, {},
+      "NetcdfFormat" },
+    { "Zarr", {}, {}, IsZarr, { OpenZarrVolume, ListZarr } },
+    { "DICOM", { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
+    { "TIFF", { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat" },
+  };
+  return formats;
 }
 
-bool IsNamePattern(const std::string& path)
+Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
 {
-  return std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos;
+  if (!this->Module)
+  {
+    return this->Functions;
+  }
+  const auto module = LoadFormatModule(this->Module, path + ": " + std::string(this->Name));
+  ISOSURFACE_RETURN_IF_ERROR(module.GetStatus());
+  return *static_cast<const FormatFunctions*>(*module);
 }
 
-bool HasFiles(FileSystem& files, const std::string& path)
+const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
 {
-  const auto names = files.List(path);
-  return names.IsOk() && !names->empty();
-}
-
-VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name)
-{
-  if (RawVolume::HasHeader(name.Path))
+  const Names names = ListNames(files, name.Path);
+  if (!names.empty() || IsNamePattern(name.Path))
   {
-    return VolumeFormat::Header;
+    return FindFormat([&](const VolumeFormat& format)
+      { return format.IsFolder && format.IsFolder(files, name.Path, names); });
   }
-  if (IsZarrFolder(files, name.Path))
+  const std::string extension = FindExtension(name.Path);
+  const VolumeFormat* const named = FindFormat(
+    [&extension](const VolumeFormat& format)
+    {
+      return std::find(format.Extensions.begin(), format.Extensions.end(), extension) !=
+        format.Extensions.end();
+    });
+  if (named)
   {
-    return VolumeFormat::Zarr;
+    return named;
   }
-  if (IsTiffName(name.Path) || IsNamePattern(name.Path))
-  {
-    return VolumeFormat::Tiff;
-  }
-  if (HasFiles(files, name.Path))
-  {
-    return FindOfFolder(files, name.Path);
-  }
-  const VolumeFormat byExtension = FindByExtension(name.GetExtension());
-  return byExtension != VolumeFormat::None ? byExtension : FindByContent(files, name.Path);
-}
-
-bool HasSeveralVolumes(VolumeFormat format)
-{
-  return format == VolumeFormat::Hdf5 || format == VolumeFormat::Netcdf ||
-    format == VolumeFormat::Zarr || format == VolumeFormat::Dicom;
+  const std::string start = ReadStart(files, name.Path);
+  return FindFormat(
+    [&start](const VolumeFormat& format)
+    {
+      return std::any_of(format.Marks.begin(), format.Marks.end(),
+        [&start](const Mark& mark) { return HasMark(start, mark); });
+    });
 }
 
 } // namespace isosurface

@@ -2,41 +2,44 @@
 #ifndef isosurface_VolumeFormat_h
 #define isosurface_VolumeFormat_h
 
-#include "Formats/Opener/VolumeName.h"
-#include "Ground/Base/FileSystem.h"
+#include "Formats/Source/FormatFunctions.h"
 
-#include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace isosurface
 {
 
-/// The formats of volumes that VolumeFile opens.
-enum class VolumeFormat : std::uint8_t
+/// A format of volumes: how its files are recognised, and what reads them.
+struct VolumeFormat
 {
-  None,
-  Header, ///< MetaImage (MetaImageHeader.h), NRRD (NrrdHeader.h): .mhd .mha .nrrd .nhdr
-  Tiff,   ///< a slice on each page (TiffFile.h): .tif .tiff, a folder of them, a name with * or ?
-  Nifti,  ///< a single file (NiftiVolume.h): .nii .nii.gz
-  Mrc,    ///< by "MAP" in its header, .mrc .map .ccp4 .rec .ali .st .mrcs, also .gz (MrcVolume.h)
-  Netcdf, ///< by the first bytes of the classic formats, .nc .nc4 .cdf (NetcdfVolume.h)
-  Zarr,   ///< a folder with metadata of Zarr or N5 (ZarrVolume.h)
-  Dicom,  ///< by "DICM" in a file, or in one of the first files of a folder; .dcm (DicomVolume.h)
-  Hdf5    ///< by its first bytes, under any name (Hdf5Volume.h)
+  /// Bytes at a place of the first 512 of a file.
+  struct Mark
+  {
+    std::string_view Text;
+    std::size_t Offset = 0;
+  };
+
+  std::string_view Name;                    ///< for messages
+  std::vector<std::string_view> Extensions; ///< in lower case
+  std::vector<Mark> Marks;                  ///< any of them tells the format
+  /// Whether a folder, of which `names` are the files, is a volume. Null: no folder is.
+  bool (*IsFolder)(
+    FileSystem& files, const std::string& path, const std::vector<std::string>& names) = nullptr;
+  FormatFunctions Functions;    ///< if this library has them
+  const char* Module = nullptr; ///< which has them otherwise (LoadFormatModule)
+
+  /// The functions, of the module that is loaded if need be. Error: names the file and the module.
+  Result<FormatFunctions> Load(const std::string& path) const;
 };
 
-/// The format of a name: by its extension, or by the first bytes of the file or the names in the
-/// folder. Files that do not exist have one if their extension tells.
-VolumeFormat FindVolumeFormat(FileSystem& files, const VolumeName& name);
+/// All formats.
+const std::vector<VolumeFormat>& GetVolumeFormats();
 
-/// Whether a file of the format may have several volumes, which VolumeName::Within tells apart.
-bool HasSeveralVolumes(VolumeFormat format);
-
-bool IsTiffName(const std::string& path);
-/// Whether the last part of the path has * or ?, which stand for characters.
-bool IsNamePattern(const std::string& path);
-/// Whether the path is a folder that is not empty.
-bool HasFiles(FileSystem& files, const std::string& path);
+/// The format of a name: of a folder by the names in it, of a file by its extension or its first
+/// bytes. Null if it has none. Files that do not exist have one if their extension tells.
+const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
 
 } // namespace isosurface
 

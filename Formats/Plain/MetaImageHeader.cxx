@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plain/MetaImageHeader.h"
 
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/HeaderLines.h"
+#include "Formats/Source/TextFields.h"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +26,7 @@ constexpr std::pair<const char*, ValueType> TypeNames[] = { { "met_char", ValueT
 class MetaImageParser
 {
 public:
-  explicit MetaImageParser(HeaderText& header)
+  explicit MetaImageParser(HeaderLines& header)
     : Header(header)
   {
   }
@@ -62,7 +63,7 @@ private:
   }
   bool IsTrue(std::initializer_list<const char*> names) const
   {
-    const std::string value = HeaderText::Lower(this->Get(names, "false"));
+    const std::string value = LowerText(this->Get(names, "false"));
     return value == "true" || value == "1" || value == "t";
   }
 
@@ -77,7 +78,7 @@ private:
         return this->Corrupt("there is no ElementDataFile");
       }
       const std::size_t equals = line->find('=');
-      if (HeaderText::Trim(*line).empty())
+      if (TrimText(*line).empty())
       {
         continue;
       }
@@ -85,21 +86,21 @@ private:
       {
         return this->Corrupt("a line without \"=\"");
       }
-      this->Fields[HeaderText::Lower(HeaderText::Trim(line->substr(0, equals)))] =
-        HeaderText::Trim(line->substr(equals + 1));
+      this->Fields[LowerText(TrimText(line->substr(0, equals)))] =
+        TrimText(line->substr(equals + 1));
     }
     return Status::Ok();
   }
 
   Status TakeGrid()
   {
-    const auto dimensions = HeaderText::ParseInteger(this->Get({ "ndims" }, ""));
+    const auto dimensions = ParseInteger(this->Get({ "ndims" }, ""));
     if (!dimensions || *dimensions < 2 || *dimensions > 8)
     {
       return this->Unsupported("NDims is not 2 to 8");
     }
     const auto axes = static_cast<std::size_t>(*dimensions);
-    const std::vector<std::string> sizes = HeaderText::Split(this->Get({ "dimsize" }, ""));
+    const std::vector<std::string> sizes = SplitWords(this->Get({ "dimsize" }, ""));
     if (sizes.size() != axes)
     {
       return this->Corrupt("DimSize does not have NDims numbers");
@@ -108,7 +109,7 @@ private:
     grid.Extent = { 0, 0, 0, 0, 0, 0 };
     for (std::size_t axis = 0; axis < axes; ++axis)
     {
-      const auto size = HeaderText::ParseInteger(sizes[axis]);
+      const auto size = ParseInteger(sizes[axis]);
       if (!size || *size < 1 || *size > (std::int64_t{ 1 } << 31))
       {
         return this->Corrupt("DimSize has an impossible number");
@@ -129,7 +130,7 @@ private:
   {
     GridGeometry& grid = this->Volume.Grid;
     const auto take = [&](std::initializer_list<const char*> names, std::size_t count)
-    { return HeaderText::ParseDoubles(this->Get(names, ""), count); };
+    { return ParseDoubles(this->Get(names, ""), count); };
     const auto has = [&](std::initializer_list<const char*> names)
     { return !this->Get(names, "").empty(); };
     const std::initializer_list<const char*> spacings = { "elementspacing", "elementsize" };
@@ -162,7 +163,7 @@ private:
 
   Status TakeElement()
   {
-    const std::string type = HeaderText::Lower(this->Get({ "elementtype" }, ""));
+    const std::string type = LowerText(this->Get({ "elementtype" }, ""));
     const ValueType* found = nullptr;
     for (const auto& name : TypeNames)
     {
@@ -184,7 +185,7 @@ private:
     }
     this->Volume.IsBigEndian = this->IsTrue({ "elementbyteordermsb", "binarydatabyteordermsb" });
     this->Volume.IsGzip = this->IsTrue({ "compresseddata" });
-    const auto headerSize = HeaderText::ParseInteger(this->Get({ "headersize" }, "0"));
+    const auto headerSize = ParseInteger(this->Get({ "headersize" }, "0"));
     if (!headerSize || *headerSize < -1)
     {
       return this->Corrupt("HeaderSize is impossible");
@@ -197,20 +198,20 @@ private:
   Status TakeFiles()
   {
     const std::string value = this->Get({ "elementdatafile" }, "");
-    const std::vector<std::string> words = HeaderText::Split(value);
+    const std::vector<std::string> words = SplitWords(value);
     const std::string first = words.empty() ? "" : words[0];
-    if (HeaderText::Lower(first) == "local")
+    if (LowerText(first) == "local")
     {
       this->Volume.Paths = { this->Header.GetPath() };
       this->Volume.Offset += this->Header.GetPosition();
     }
-    else if (HeaderText::Lower(first) == "list")
+    else if (LowerText(first) == "list")
     {
       for (auto line = this->Header.TakeLine(); line; line = this->Header.TakeLine())
       {
-        if (!HeaderText::Trim(*line).empty())
+        if (!TrimText(*line).empty())
         {
-          this->Volume.Paths.push_back(this->Header.ResolvePath(HeaderText::Trim(*line)));
+          this->Volume.Paths.push_back(this->Header.ResolvePath(TrimText(*line)));
         }
       }
     }
@@ -231,14 +232,14 @@ private:
     std::array<std::int64_t, 3> numbers = { 1, this->Volume.Grid.GetDimensions()[2], 1 };
     for (std::size_t word = 1; word < words.size() && word < 4; ++word)
     {
-      const auto number = HeaderText::ParseInteger(words[word]);
+      const auto number = ParseInteger(words[word]);
       if (!number)
       {
         return this->Corrupt("the pattern of ElementDataFile is not followed by numbers");
       }
       numbers[word - 1] = *number;
     }
-    const auto names = HeaderText::ExpandPattern(words[0], numbers[0], numbers[1], numbers[2]);
+    const auto names = ExpandPattern(words[0], numbers[0], numbers[1], numbers[2]);
     if (!names)
     {
       return this->Corrupt("the pattern of ElementDataFile makes no names");
@@ -250,7 +251,7 @@ private:
     return Status::Ok();
   }
 
-  HeaderText& Header;
+  HeaderLines& Header;
   std::map<std::string, std::string> Fields;
   RawVolume Volume;
 };
@@ -259,7 +260,7 @@ private:
 
 Result<RawVolume> ReadMetaImageHeader(FileSystem& files, const std::string& path)
 {
-  auto header = HeaderText::Open(files, path);
+  auto header = HeaderLines::Open(files, path);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   return MetaImageParser(*header).Parse();
 }

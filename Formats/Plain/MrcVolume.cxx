@@ -234,22 +234,22 @@ private:
 
 } // namespace
 
-Result<VolumeFile> OpenMrcVolume(
-  FileSystem& files, const std::string& path, const VolumeChoice& choice)
+Result<OpenedVolume> OpenMrcVolume(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
-  auto header = BinaryHeader::Open(files, path, HeaderSize);
+  auto header = BinaryHeader::Open(files, name.Path, HeaderSize);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   MrcParser parser(*header);
   const auto raw = parser.TakeSamples(choice.Step);
   ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
-  VolumeFile volume;
+  OpenedVolume volume;
   for (std::int64_t step = 0; parser.GetSteps() > 1 && step < parser.GetSteps(); ++step)
   {
     volume.Times.push_back(static_cast<double>(step));
   }
   if (choice.Step >= static_cast<std::uint64_t>(parser.GetSteps()))
   {
-    return volume; // of which VolumeFile knows what to say
+    return volume; // OpenForeignVolume knows what to say of it
   }
   auto source = raw->Open(files);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());

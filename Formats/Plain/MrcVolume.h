@@ -2,7 +2,7 @@
 #ifndef isosurface_MrcVolume_h
 #define isosurface_MrcVolume_h
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Source/FormatFunctions.h"
 
 #include <string>
 
@@ -18,8 +18,8 @@ namespace isosurface
  *
  * Source: A. Cheng et al., "MRC2014", J. Struct. Biol. 192 (2015), www.ccpem.ac.uk/mrc_format.
  */
-Result<VolumeFile> OpenMrcVolume(
-  FileSystem& files, const std::string& path, const VolumeChoice& choice);
+Result<OpenedVolume> OpenMrcVolume(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& choice);
 
 } // namespace isosurface
 

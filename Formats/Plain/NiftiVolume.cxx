@@ -222,20 +222,20 @@ Status TakeVolume(
 
 } // namespace
 
-Result<VolumeFile> OpenNiftiVolume(
-  FileSystem& files, const std::string& path, const VolumeChoice& choice)
+Result<OpenedVolume> OpenNiftiVolume(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
   bool isSecond = false;
-  const auto header = OpenHeader(files, path, isSecond);
+  const auto header = OpenHeader(files, name.Path, isSecond);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   const NiftiFields fields = isSecond ? TakeSecondFields(*header) : TakeFirstFields(*header);
   RawVolume raw;
   raw.IsBigEndian = header->IsBigEndian();
   raw.IsGzip = header->IsGzip();
-  raw.Paths = { path };
+  raw.Paths = { name.Path };
   ISOSURFACE_RETURN_IF_ERROR(TakeVolume(*header, fields, choice.Step, raw));
   TakePlace(fields, raw.Grid);
-  VolumeFile volume;
+  OpenedVolume volume;
   if (fields.Dimensions[0] >= 4 && fields.Dimensions[4] > 1)
   {
     if (fields.Dimensions[4] > MaximumTimeSteps)
@@ -250,7 +250,7 @@ Result<VolumeFile> OpenNiftiVolume(
   }
   if (choice.Step >= std::max<std::size_t>(1, volume.Times.size()))
   {
-    return volume; // of which VolumeFile knows what to say
+    return volume; // of which OpenedVolume knows what to say
   }
   auto source = raw.Open(files);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());

@@ -2,7 +2,7 @@
 #ifndef isosurface_NiftiVolume_h
 #define isosurface_NiftiVolume_h
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Source/FormatFunctions.h"
 
 #include <string>
 
@@ -18,8 +18,8 @@ namespace isosurface
  *
  * Source: R. W. Cox et al., nifti1.h (2003) and nifti2.h (2011), nifti.nimh.nih.gov.
  */
-Result<VolumeFile> OpenNiftiVolume(
-  FileSystem& files, const std::string& path, const VolumeChoice& choice);
+Result<OpenedVolume> OpenNiftiVolume(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& choice);
 
 } // namespace isosurface
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plain/NrrdHeader.h"
 
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/HeaderLines.h"
+#include "Formats/Source/TextFields.h"
 
 #include <algorithm>
 #include <array>
@@ -44,7 +45,7 @@ const std::map<std::string, ValueType>& GetTypeNames()
 class NrrdParser
 {
 public:
-  explicit NrrdParser(HeaderText& header)
+  explicit NrrdParser(HeaderLines& header)
     : Header(header)
   {
   }
@@ -86,7 +87,7 @@ private:
     {
       return this->Corrupt("it does not begin with NRRD");
     }
-    for (auto line = this->Header.TakeLine(); line && !HeaderText::Trim(*line).empty();
+    for (auto line = this->Header.TakeLine(); line && !TrimText(*line).empty();
          line = this->Header.TakeLine())
     {
       const std::size_t colon = line->find(':');
@@ -102,11 +103,11 @@ private:
       {
         continue; // a key/value pair
       }
-      const std::string name = HeaderText::Lower(HeaderText::Trim(line->substr(0, colon)));
-      const std::string value = HeaderText::Trim(line->substr(colon + 1));
+      const std::string name = LowerText(TrimText(line->substr(0, colon)));
+      const std::string value = TrimText(line->substr(colon + 1));
       this->Fields[name] = value;
       const bool isData = name == "data file" || name == "datafile";
-      if (isData && HeaderText::Lower(value).compare(0, 4, "list") == 0)
+      if (isData && LowerText(value).compare(0, 4, "list") == 0)
       {
         break;
       }
@@ -133,12 +134,12 @@ private:
 
   Status TakeSizes()
   {
-    const auto dimension = HeaderText::ParseInteger(this->Get("dimension", "", ""));
+    const auto dimension = ParseInteger(this->Get("dimension", "", ""));
     if (!dimension || *dimension < 2 || *dimension > 16)
     {
       return this->Unsupported("its dimension is not 2 to 16");
     }
-    const std::vector<std::string> sizes = HeaderText::Split(this->Get("sizes", "", ""));
+    const std::vector<std::string> sizes = SplitWords(this->Get("sizes", "", ""));
     if (sizes.size() != static_cast<std::size_t>(*dimension))
     {
       return this->Corrupt("\"sizes\" does not have as many numbers as dimensions");
@@ -146,15 +147,15 @@ private:
     this->Axes.resize(sizes.size());
     for (std::size_t axis = 0; axis < sizes.size(); ++axis)
     {
-      const auto size = HeaderText::ParseInteger(sizes[axis]);
+      const auto size = ParseInteger(sizes[axis]);
       if (!size || *size < 1 || *size > (std::int64_t{ 1 } << 31))
       {
         return this->Corrupt("\"sizes\" has an impossible number");
       }
       this->Axes[axis].Size = *size;
     }
-    const auto kinds = HeaderText::Split(HeaderText::Lower(this->Get("kinds", "", "")));
-    const auto spacings = HeaderText::Split(this->Get("spacings", "", ""));
+    const auto kinds = SplitWords(LowerText(this->Get("kinds", "", "")));
+    const auto spacings = SplitWords(this->Get("spacings", "", ""));
     for (std::size_t axis = 0; axis < sizes.size(); ++axis)
     {
       this->Axes[axis].Kind = axis < kinds.size() ? kinds[axis] : "";
@@ -173,7 +174,7 @@ private:
       const bool isVector = at != std::string::npos && text[at] == '(';
       const std::size_t end = isVector ? text.find(')', at) : text.find_first_of(" \t(", at);
       const std::string word = at == std::string::npos ? "" : text.substr(at, end - at);
-      if (isVector ? end == std::string::npos : HeaderText::Lower(word) != "none")
+      if (isVector ? end == std::string::npos : LowerText(word) != "none")
       {
         return this->Corrupt("\"space directions\" is not a vector or \"none\" an axis");
       }
@@ -236,7 +237,7 @@ private:
     for (std::size_t axis = 0; axis < this->Axes.size(); ++axis)
     {
       grid.Extent[2 * axis + 1] = this->Axes[axis].Size - 1;
-      const auto spacing = HeaderText::ParseDouble(this->Axes[axis].Spacing);
+      const auto spacing = ParseDouble(this->Axes[axis].Spacing);
       // "nan" stands for an axis without a spacing.
       grid.Spacing[axis] = spacing && std::isfinite(*spacing) ? *spacing : 1;
       if (this->Axes[axis].Direction)
@@ -299,13 +300,13 @@ private:
   {
     std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-    const std::size_t count = HeaderText::Split(text).size();
-    return count < 1 || count > 3 ? std::nullopt : HeaderText::ParseDoubles(text, count);
+    const std::size_t count = SplitWords(text).size();
+    return count < 1 || count > 3 ? std::nullopt : ParseDoubles(text, count);
   }
 
   Status TakeSamples()
   {
-    const std::string type = HeaderText::Lower(this->Get("type", "", ""));
+    const std::string type = LowerText(this->Get("type", "", ""));
     const auto found = GetTypeNames().find(type);
     if (found == GetTypeNames().end())
     {
@@ -313,20 +314,20 @@ private:
     }
     this->Volume.Type = found->second;
     this->Volume.ArrayName = "ImageFile";
-    const std::string encoding = HeaderText::Lower(this->Get("encoding", "", ""));
+    const std::string encoding = LowerText(this->Get("encoding", "", ""));
     this->Volume.IsGzip = encoding == "gzip" || encoding == "gz";
     if (!this->Volume.IsGzip && encoding != "raw")
     {
       return this->Unsupported("the encoding \"" + encoding + "\" is neither raw nor gzip");
     }
-    const std::string endian = HeaderText::Lower(this->Get("endian", "", ""));
+    const std::string endian = LowerText(this->Get("endian", "", ""));
     if (endian != "little" && endian != "big" && GetValueSize(this->Volume.Type) > 1)
     {
       return this->Corrupt("\"endian\" is neither little nor big");
     }
     this->Volume.IsBigEndian = endian == "big";
-    const auto skip = HeaderText::ParseInteger(this->Get("byte skip", "byteskip", "0"));
-    const auto lines = HeaderText::ParseInteger(this->Get("line skip", "lineskip", "0"));
+    const auto skip = ParseInteger(this->Get("byte skip", "byteskip", "0"));
+    const auto lines = ParseInteger(this->Get("line skip", "lineskip", "0"));
     if (!skip || *skip < -1 || (*skip == -1 && this->Volume.IsGzip))
     {
       return this->Corrupt("\"byte skip\" is impossible");
@@ -344,7 +345,7 @@ private:
   Status TakeFiles()
   {
     const std::string value = this->Get("data file", "datafile", "");
-    const std::vector<std::string> words = HeaderText::Split(value);
+    const std::vector<std::string> words = SplitWords(value);
     if (words.empty())
     {
       this->Volume.Paths = { this->Header.GetPath() };
@@ -352,25 +353,24 @@ private:
       return Status::Ok();
     }
     std::vector<std::string> names = { value };
-    if (HeaderText::Lower(words[0]) == "list")
+    if (LowerText(words[0]) == "list")
     {
       names.clear();
       for (auto line = this->Header.TakeLine(); line; line = this->Header.TakeLine())
       {
-        if (!HeaderText::Trim(*line).empty())
+        if (!TrimText(*line).empty())
         {
-          names.push_back(HeaderText::Trim(*line));
+          names.push_back(TrimText(*line));
         }
       }
     }
     else if (words.size() >= 4 && words[0].find('%') != std::string::npos)
     {
-      const auto first = HeaderText::ParseInteger(words[1]);
-      const auto last = HeaderText::ParseInteger(words[2]);
-      const auto step = HeaderText::ParseInteger(words[3]);
-      const auto expanded = first && last && step
-        ? HeaderText::ExpandPattern(words[0], *first, *last, *step)
-        : std::nullopt;
+      const auto first = ParseInteger(words[1]);
+      const auto last = ParseInteger(words[2]);
+      const auto step = ParseInteger(words[3]);
+      const auto expanded =
+        first && last && step ? ExpandPattern(words[0], *first, *last, *step) : std::nullopt;
       if (!expanded)
       {
         return this->Corrupt("the pattern of \"data file\" makes no names");
@@ -384,7 +384,7 @@ private:
     return names.empty() ? this->Corrupt("\"data file\" names no file") : Status::Ok();
   }
 
-  HeaderText& Header;
+  HeaderLines& Header;
   std::map<std::string, std::string> Fields;
   std::vector<Axis> Axes;
   RawVolume Volume;
@@ -394,7 +394,7 @@ private:
 
 Result<RawVolume> ReadNrrdHeader(FileSystem& files, const std::string& path)
 {
-  auto header = HeaderText::Open(files, path);
+  auto header = HeaderLines::Open(files, path);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   return NrrdParser(*header).Parse();
 }

@@ -3,14 +3,13 @@
 
 #include "Formats/Plain/MetaImageHeader.h"
 #include "Formats/Plain/NrrdHeader.h"
+#include "Formats/Source/FileNames.h"
 #include "Formats/Source/GzipFile.h"
-#include "Formats/Source/HeaderText.h"
 #include "Formats/Source/RawSource.h"
 #include "Formats/Source/SectionFile.h"
 #include "Formats/Source/SeriesFile.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -63,21 +62,19 @@ Result<std::uint64_t> SkipLines(
 
 } // namespace
 
-bool RawVolume::HasHeader(const std::string& path)
-{
-  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
-  return extension == ".mhd" || extension == ".mha" || extension == ".nrrd" || extension == ".nhdr";
-}
-
 Result<RawVolume> RawVolume::ReadHeader(FileSystem& files, const std::string& path)
 {
-  if (!HasHeader(path))
+  const std::string extension = FindExtension(path);
+  if (extension == ".mhd" || extension == ".mha")
   {
-    return Status(StatusCode::Unsupported,
-      path + ": cannot be read: the supported headers are .mhd, .mha, .nrrd and .nhdr");
+    return ReadMetaImageHeader(files, path);
   }
-  const std::string extension = HeaderText::Lower(std::filesystem::path(path).extension().string());
-  return extension[1] == 'm' ? ReadMetaImageHeader(files, path) : ReadNrrdHeader(files, path);
+  if (extension == ".nrrd" || extension == ".nhdr")
+  {
+    return ReadNrrdHeader(files, path);
+  }
+  return Status(StatusCode::Unsupported,
+    path + ": cannot be read: the supported headers are .mhd, .mha, .nrrd and .nhdr");
 }
 
 Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
@@ -139,6 +136,32 @@ Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
   const std::uint64_t held = this->IsGzip ? GzipFile::GetHeldBytes(this->Skip + ofFile) : 0;
   return std::unique_ptr<SlabSource>(
     std::make_unique<RawSource>(std::move(*samples), size, this->Type, this->IsBigEndian, held));
+}
+
+Result<OpenedVolume> RawVolume::OpenVolume(FileSystem& files) const
+{
+  auto source = this->Open(files);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  OpenedVolume volume;
+  volume.Grid = this->Grid;
+  volume.Arrays = { { this->ArrayName, this->Type, 1 } };
+  volume.Source = std::move(*source);
+  volume.Files = this->Paths;
+  return volume;
+}
+
+Result<OpenedVolume> OpenRawVolume(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& /*choice*/)
+{
+  const auto raw = RawVolume::ReadHeader(files, name.Path);
+  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
+  auto volume = raw->OpenVolume(files);
+  if (volume.IsOk() &&
+    std::find(volume->Files.begin(), volume->Files.end(), name.Path) == volume->Files.end())
+  {
+    volume->Files.push_back(name.Path);
+  }
+  return volume;
 }
 
 } // namespace isosurface

@@ -2,11 +2,8 @@
 #ifndef isosurface_RawVolume_h
 #define isosurface_RawVolume_h
 
-#include "Ground/Base/FileSystem.h"
-#include "Ground/Base/Status.h"
-#include "Ground/Volume/GridGeometry.h"
-#include "Ground/Volume/SlabSource.h"
-#include "Ground/Volume/ValueType.h"
+#include "Ground/Volume/VolumeName.h"
+#include "Ground/Volume/VolumeOpener.h"
 
 #include <cstdint>
 #include <memory>
@@ -37,18 +34,22 @@ struct RawVolume
   /// Opens the file, or the first one of a series, and checks its size. `files` must outlive the
   /// source.
   Result<std::unique_ptr<SlabSource>> Open(FileSystem& files) const;
+  /// The same, as a volume.
+  Result<OpenedVolume> OpenVolume(FileSystem& files) const;
 
   /// Reads a header by its extension: .mhd, .mha (MetaImageHeader.h), .nrrd, .nhdr (NrrdHeader.h).
   /// Unsupported for others.
   static Result<RawVolume> ReadHeader(FileSystem& files, const std::string& path);
-  /// Whether ReadHeader() knows the path's extension.
-  static bool HasHeader(const std::string& path);
 
 private:
   /// Opens the samples of a file, `bytes` bytes, as a file of their own.
   Result<std::unique_ptr<RandomAccessFile>> OpenPart(
     FileSystem& files, const std::string& path, std::uint64_t bytes) const;
 };
+
+/// Opens a volume whose header RawVolume::ReadHeader() reads.
+Result<OpenedVolume> OpenRawVolume(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& choice);
 
 } // namespace isosurface
 

@@ -111,7 +111,7 @@ Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
 }
 
 Status TakeParts(
-  std::vector<ArrayPart> parts, const std::vector<std::string>& names, VolumeFile& volume)
+  std::vector<ArrayPart> parts, const std::vector<std::string>& names, OpenedVolume& volume)
 {
   std::vector<ArrayPart> chosen;
   for (const std::string& name : names)

@@ -2,7 +2,7 @@
 #ifndef isosurface_ArraySource_h
 #define isosurface_ArraySource_h
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Source/FormatFunctions.h"
 #include "Formats/Source/PageBuffer.h"
 #include "Formats/Source/StoredArray.h"
 #include "Ground/Volume/SlabSource.h"
@@ -40,7 +40,7 @@ Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
 /// Sets Grid.Extent, Arrays, Times (to numbers from 0) and Source of a volume from parts of equal
 /// dimensions, of which `names` chooses some; all are taken if one name is unknown.
 Status TakeParts(
-  std::vector<ArrayPart> parts, const std::vector<std::string>& names, VolumeFile& volume);
+  std::vector<ArrayPart> parts, const std::vector<std::string>& names, OpenedVolume& volume);
 
 /**
  * Boxes of stored arrays, whose axes may have any order: the samples stay in the order of the file,

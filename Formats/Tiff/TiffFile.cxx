@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Tiff/TiffFile.h"
 
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 
 #include <tiffio.h>
 
@@ -86,7 +86,7 @@ std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std:
   {
     if (line.compare(0, name.size() + 1, name + "=") == 0)
     {
-      return HeaderText::ParseInteger(HeaderText::Trim(line.substr(name.size() + 1)));
+      return ParseInteger(TrimText(line.substr(name.size() + 1)));
     }
   }
   return std::nullopt;
@@ -151,7 +151,7 @@ struct TiffFile::Handle
     {
       char text[256];
       std::vsnprintf(text, sizeof(text), format, arguments);
-      handle->Reason = HeaderText::Trim(text);
+      handle->Reason = TrimText(text);
     }
     return 1;
   }

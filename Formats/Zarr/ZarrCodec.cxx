@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Zarr/ZarrCodec.h"
 
+#include "Formats/Source/FormatModule.h"
+#include "Formats/Zarr/BloscCodec.h"
+
 #include <lz4.h>
 #include <zlib.h>
 #include <zstd.h>
-#if ISOSURFACE_BLOSC
-#  include <blosc.h>
-#endif
 
 #include <algorithm>
 #include <array>
@@ -52,16 +52,15 @@ bool DecodeLz4(const std::uint8_t* from, std::size_t fromSize, std::uint8_t* to,
   return count >= 0 && static_cast<std::size_t>(count) == size;
 }
 
-bool DecodeBlosc([[maybe_unused]] const std::uint8_t* from, [[maybe_unused]] std::size_t fromSize,
-  [[maybe_unused]] std::uint8_t* to, [[maybe_unused]] std::size_t size)
+Result<const void*> LoadBlosc()
 {
-#if ISOSURFACE_BLOSC
-  std::size_t decoded = 0;
-  return ::blosc_cbuffer_validate(from, fromSize, &decoded) == 0 && decoded == size &&
-    ::blosc_decompress_ctx(from, to, size, 1) == static_cast<int>(size);
-#else
-  return false;
-#endif
+  return LoadFormatModule("BloscCodec", "its codec, blosc,");
+}
+
+bool DecodeBlosc(const std::uint8_t* from, std::size_t fromSize, std::uint8_t* to, std::size_t size)
+{
+  static const auto module = LoadBlosc();
+  return module.IsOk() && (*static_cast<const BloscDecoder*>(*module))(from, fromSize, to, size);
 }
 
 bool Decompress(ZarrCodec codec, const std::uint8_t* from, std::size_t fromSize, std::uint8_t* to,
@@ -103,9 +102,9 @@ std::optional<ZarrCodec> FindZarrCodec(const std::string& name)
   return std::nullopt;
 }
 
-bool HasZarrCodec(ZarrCodec codec)
+Status LoadZarrCodec(ZarrCodec codec)
 {
-  return codec != ZarrCodec::Blosc || ISOSURFACE_BLOSC;
+  return codec == ZarrCodec::Blosc ? LoadBlosc().GetStatus() : Status::Ok();
 }
 
 std::uint32_t ComputeCrc32c(const std::uint8_t* bytes, std::size_t size)

@@ -2,6 +2,8 @@
 #ifndef isosurface_ZarrCodec_h
 #define isosurface_ZarrCodec_h
 
+#include "Ground/Base/Status.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,8 +25,8 @@ enum class ZarrCodec : std::uint8_t
 
 /// The codec of that name in the metadata of Zarr or N5; nothing if it is not supported.
 std::optional<ZarrCodec> FindZarrCodec(const std::string& name);
-/// Whether this build has the library of a codec.
-bool HasZarrCodec(ZarrCodec codec);
+/// Loads the module of a codec, if it has one. Error: a sentence without a file.
+Status LoadZarrCodec(ZarrCodec codec);
 
 /// CRC-32C, the polynomial of Castagnoli (RFC 3720, appendix B.4).
 std::uint32_t ComputeCrc32c(const std::uint8_t* bytes, std::size_t size);

@@ -225,10 +225,11 @@ private:
   Status AddCodec(const std::string& name, std::vector<ZarrCodec>& codecs)
   {
     const auto codec = FindZarrCodec(name);
-    if (!codec || !HasZarrCodec(*codec))
+    const Status loaded = codec ? LoadZarrCodec(*codec) : Status();
+    if (!codec || !loaded.IsOk())
     {
-      return this->Unsupported("its codec, " + name +
-        (codec ? ", needs a library that this build lacked (libblosc)" : ", is not known"));
+      return this->Unsupported(
+        codec ? loaded.GetMessage() : "its codec, " + name + ", is not known");
     }
     const auto isCompressor = [](ZarrCodec known) { return known != ZarrCodec::Crc32c; };
     if (codecs.size() >= MaximumCodecs)

@@ -84,7 +84,7 @@ public:
     this->Folder += begin == std::string::npos ? "" : "/" + name.Within.substr(begin);
   }
 
-  Result<VolumeFile> Open()
+  Result<OpenedVolume> Open()
   {
     const auto node = ZarrNode::Read(this->Files, this->Folder);
     ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
@@ -308,12 +308,12 @@ private:
   std::string Folder;
   std::string ArrayName;
   ArrayAxes Axes;
-  VolumeFile Volume;
+  OpenedVolume Volume;
 };
 
 } // namespace
 
-Result<VolumeFile> OpenZarrVolume(
+Result<OpenedVolume> OpenZarrVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
   return ZarrReader(files, name, choice).Open();

@@ -2,8 +2,7 @@
 #ifndef isosurface_ZarrVolume_h
 #define isosurface_ZarrVolume_h
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Formats/Source/FormatFunctions.h"
 
 #include <vector>
 
@@ -25,7 +24,7 @@ namespace isosurface
  * bytes, transpose, gzip, zstd, blosc, crc32c and sharding-indexed; "Next-generation file formats
  * (NGFF)" 0.4 and 0.5; the README of saalfeldlab/n5.
  */
-Result<VolumeFile> OpenZarrVolume(
+Result<OpenedVolume> OpenZarrVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& choice);
 
 /// All arrays in the folder.

@@ -7,7 +7,7 @@
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 
 #include <algorithm>
 #include <cctype>
@@ -23,7 +23,7 @@ constexpr std::uint64_t MostSamples = std::uint64_t{ 1 } << 20;
 constexpr std::uint64_t MostHeld = std::uint64_t{ 16 } << 20;
 
 /// A type for each component.
-std::vector<ValueType> FindTypes(const VolumeFile& volume)
+std::vector<ValueType> FindTypes(const OpenedVolume& volume)
 {
   std::vector<ValueType> types;
   for (const ArrayDescription& array : volume.Arrays)
@@ -98,7 +98,7 @@ void PutZarr(MemoryDisk& disk, const std::string& folder, char version, const st
 
 void OpenAndRead(MemoryDisk& disk, const std::string& path, const VolumeChoice& choice)
 {
-  const auto volume = VolumeFile::Open(disk, path, choice);
+  const auto volume = OpenForeignVolume(disk, path, choice);
   if (!volume.IsOk())
   {
     // It may be another file, which the header names.

@@ -39,7 +39,8 @@ case "$depends" in
   *"paraview (>= "*"paraview (<< "*) echo "They depend on the ParaView that they were built with" ;;
   *) fail "They depend on: $depends" ;;
 esac
-for library in /usr/lib/*/libIsosurfaceCore.so.* /usr/lib/*/paraview-*/plugins/ScalableIsosurface/*.so; do
+! printf '%s' "$depends" | grep -E 'gdcm|hdf5|netcdf' || fail "The plugin depends on libraries of formats"
+for library in /usr/lib/*/libIsosurface*.so* /usr/lib/*/paraview-*/plugins/ScalableIsosurface/*.so; do
   ! LC_ALL=C ldd "$library" | grep "not found" || fail "$library misses a library"
   ! readelf -d "$library" | grep "$build" || fail "$library knows where it was built"
 done
@@ -71,6 +72,14 @@ expect "Auto Load loads it at the next start" "^Listed, loaded: 1" \
 cmake -S "$here/Core" -B core >/dev/null
 expect "C++ programs are built without a path" "^8 triangles" \
   sh -c 'cmake --build core >/dev/null && cd core && ./InstalledCore'
+
+dpkg -r scalable-isosurface-hdf5 scalable-isosurface-dicom >/dev/null
+for file in run.h5 climate.nc scan.dcm; do
+  : >"$file"
+  said=$(blockvolume "$file" out.bvol 2>&1) && fail "$file was read without its module"
+  printf '%s\n' "$said" | grep -q "Format.so, which cannot be loaded: .*No such file" || fail "$file: $said"
+done
+echo "Without the suggested packages, their formats are refused by name"
 
 expect "The packages can be removed" "Removing scalable-isosurface " \
   dpkg -r scalable-isosurface python3-scalable-isosurface scalable-isosurface-dev

@@ -14,7 +14,7 @@
 #include "vtkStabbingContour.h"
 
 #include "ControllerCommunicator.h"
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -49,12 +49,13 @@ Status IndexInPlace(const std::string& source, const std::string& path)
 {
   FileSystem& files = GetLocalFileSystem();
   ControllerCommunicator ranks(GetRanks());
-  auto volume = VolumeFile::Open(files, source);
+  auto volume = OpenForeignVolume(files, source);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   BlockedVolumeSettings settings;
   settings.BlockSize = 16;
   settings.NumberOfStores = 3;
-  auto record = DescribeSource(files, path, source, {}, volume->Grid, volume->Arrays);
+  auto record =
+    DescribeSource(files, OpenForeignVolume, path, source, {}, volume->Grid, volume->Arrays);
   ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
   record->AbsolutePath = "/nowhere";
   settings.InPlace = *record;

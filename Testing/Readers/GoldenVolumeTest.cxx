@@ -16,6 +16,7 @@
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
 
+#include "Formats/Opener/ForeignVolume.h"
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Verification/VolumeVerification.h"
@@ -227,7 +228,7 @@ TEST(GoldenVolume, IsReadInPlace)
   ASSERT_TRUE(header->IsInPlace());
   EXPECT_EQ(header->NumberOfLevels, 1);
   EXPECT_EQ(header->TimeSteps[0].Source->Path, "in-place.mha");
-  const auto verified = VerifyBlockedVolume(path, GetLocalFileSystem(), 2);
+  const auto verified = VerifyBlockedVolume(path, GetLocalFileSystem(), 2, {}, OpenForeignVolume);
   ASSERT_TRUE(verified.IsOk());
   EXPECT_EQ(verified->FaultCount, 0u);
 

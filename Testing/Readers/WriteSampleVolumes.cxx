@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes blocked volumes into a folder, each beside the samples that it was made from: NAME.bvol,
 // and NAME.array-N.raw with the samples of array N as they lie in memory, x fastest.
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Volume/ValueType.h"
 #include "Storage/Store/SourceRecord.h"
@@ -188,8 +189,8 @@ bool WriteInPlace(const std::string& folder)
   settings.NumberOfStores = 2;
   settings.Compression.Codec = SegmentCodec::Lz4;
   const GridGeometry grid = MakeGrid({ 0, 0, 0 }, size);
-  const auto record = DescribeSource(
-    GetLocalFileSystem(), path + ".bvol", path + ".mhd", {}, grid, { array.Description });
+  const auto record = DescribeSource(GetLocalFileSystem(), OpenForeignVolume, path + ".bvol",
+    path + ".mhd", {}, grid, { array.Description });
   if (!record.IsOk())
   {
     std::fprintf(stderr, "%s\n", record.GetStatus().GetMessage().c_str());

@@ -13,11 +13,11 @@
 
 namespace isosurface
 {
-BlockedVolume::BlockedVolume(
-  VolumeLayout layout, FileSystem& files, const std::shared_ptr<BlockCache>& cache)
+BlockedVolume::BlockedVolume(VolumeLayout layout, FileSystem& files,
+  const std::shared_ptr<BlockCache>& cache, VolumeOpener opener)
   : VolumeLayout(std::move(layout))
   , Cache(cache)
-  , Stores(std::make_unique<VolumeStores>(*this, files, cache))
+  , Stores(std::make_unique<VolumeStores>(*this, files, cache, opener))
 {
   for (const VolumePart& part : this->GetParts())
   {
@@ -39,8 +39,8 @@ BlockedVolume::~BlockedVolume()
   }
 }
 
-Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
-  const std::string& path, FileSystem& fileSystem, std::shared_ptr<BlockCache> cache)
+Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& path,
+  FileSystem& fileSystem, std::shared_ptr<BlockCache> cache, VolumeOpener opener)
 {
   return RunWithinMemory(path, NoMemoryReason,
     [&]() -> Result<std::shared_ptr<BlockedVolume>>
@@ -50,7 +50,7 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(
       const auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
       return std::shared_ptr<BlockedVolume>(
-        new BlockedVolume({ path, std::move(*text), *header }, fileSystem, cache));
+        new BlockedVolume({ path, std::move(*text), *header }, fileSystem, cache, opener));
     });
 }
 

@@ -5,6 +5,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockReference.h"
 #include "Storage/Store/QueryStatistics.h"
@@ -47,11 +48,13 @@ struct StoreNews
 class BlockedVolume : public VolumeLayout
 {
 public:
-  /// Reads and checks the header. Cost: one file of a few KiB. A missing file is NotFound, a newer
-  /// format version Unsupported.
+  /// Reads and checks the header. `opener`: for the samples of a volume in place, which are
+  /// Unsupported without it. Cost: one file of a few KiB. A missing file is NotFound, a newer format
+  /// version Unsupported.
   static Result<std::shared_ptr<BlockedVolume>> Open(const std::string& path,
     FileSystem& fileSystem = GetLocalFileSystem(),
-    std::shared_ptr<BlockCache> cache = BlockCache::GetProcessCache());
+    std::shared_ptr<BlockCache> cache = BlockCache::GetProcessCache(),
+    VolumeOpener opener = nullptr);
   BlockedVolume(const BlockedVolume&) = delete;
   BlockedVolume& operator=(const BlockedVolume&) = delete;
   ~BlockedVolume();
@@ -148,7 +151,8 @@ public:
     std::size_t timeStep, std::size_t variable, double isovalue, int level);
 
 private:
-  BlockedVolume(VolumeLayout layout, FileSystem& files, const std::shared_ptr<BlockCache>& cache);
+  BlockedVolume(VolumeLayout layout, FileSystem& files, const std::shared_ptr<BlockCache>& cache,
+    VolumeOpener opener);
   /// Of blocks in one replica of a store.
   void Prefetch(const BlockStore& store, const std::vector<const BlockReference*>& blocks,
     std::size_t timeStep, const std::vector<std::size_t>& variables, const StoredLevel& stored);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/SourceRecord.h"
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
 #include "Ground/Base/Checksum.h"
+#include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/JsonDocument.h"
 
 #include <algorithm>
@@ -30,7 +29,7 @@ std::string MakeAbsolutePath(const std::string& path)
 }
 
 /// Everything that decides which bytes are which samples.
-std::uint64_t ComputeMetadata(const VolumeFile& volume, const Index3& chunk)
+std::uint64_t ComputeMetadata(const OpenedVolume& volume, const Index3& chunk)
 {
   std::string text = volume.Storage;
   for (const std::int64_t size : volume.Grid.GetDimensions())
@@ -65,7 +64,7 @@ Result<FileState> FindState(FileSystem& files, const std::vector<std::string>& p
 
 /// How the arrays of a source differ from those that are wanted, or "".
 std::string FindDifference(
-  const VolumeFile& volume, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+  const OpenedVolume& volume, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
 {
   if (volume.Grid.GetDimensions() != grid.GetDimensions())
   {
@@ -116,9 +115,20 @@ Status SourceRecord::Validate() const
         "member timeSteps[].source has no path or arrays, an impossible chunk, or is not UTF-8");
 }
 
-Result<SourceRecord> DescribeSource(FileSystem& files, const std::string& header,
-  const std::string& text, const SourceRecord& wanted, const GridGeometry& grid,
-  const std::vector<ArrayDescription>& arrays)
+Result<OpenedVolume> OpenSource(FileSystem& files, VolumeOpener opener, const std::string& header,
+  const std::string& name, const VolumeChoice& choice)
+{
+  if (!opener)
+  {
+    return Status(StatusCode::Unsupported,
+      name + ": has the samples of " + header + ", but this program reads no files of its format");
+  }
+  return opener(files, name, choice);
+}
+
+Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
+  const std::string& header, const std::string& text, const SourceRecord& wanted,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
 {
   const VolumeName name = VolumeName::Parse(files, text);
   SourceRecord record;
@@ -127,7 +137,7 @@ Result<SourceRecord> DescribeSource(FileSystem& files, const std::string& header
   record.Within = name.Within;
   record.Axes = wanted.Axes;
   record.Step = wanted.Step;
-  const auto volume = VolumeFile::Open(files, text, record.MakeChoice(wanted.Arrays));
+  const auto volume = OpenSource(files, opener, header, text, record.MakeChoice(wanted.Arrays));
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const std::string difference = FindDifference(*volume, grid, arrays);
   if (!difference.empty())
@@ -155,8 +165,8 @@ Result<SourceRecord> DescribeSource(FileSystem& files, const std::string& header
   return record;
 }
 
-Status CheckSource(FileSystem& files, const std::string& header, const SourceRecord& record,
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
+Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& header,
+  const SourceRecord& record, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
 {
   const std::string path = record.FindPath(files, header);
   if (!files.Exists(path))
@@ -173,7 +183,8 @@ Status CheckSource(FileSystem& files, const std::string& header, const SourceRec
     ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "read"));
   }
   const VolumeName name = { path, record.Within };
-  const auto volume = VolumeFile::Open(files, name.GetText(), record.MakeChoice(record.Arrays));
+  const auto volume =
+    OpenSource(files, opener, header, name.GetText(), record.MakeChoice(record.Arrays));
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const auto chunk = volume->Source->GetChunk();
   std::string difference = FindDifference(*volume, grid, arrays);

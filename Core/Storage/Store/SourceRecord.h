@@ -6,6 +6,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/VolumeOpener.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +15,6 @@
 
 namespace isosurface
 {
-
-struct VolumeChoice;
 
 /**
  * Where the samples at full resolution of a time step are, if the blocked volume itself has none
@@ -52,6 +51,10 @@ struct SourceRecord
   Status Validate() const;
 };
 
+/// Opens a source. `header`: the volume whose samples it has. Unsupported if there is no opener.
+Result<OpenedVolume> OpenSource(FileSystem& files, VolumeOpener opener, const std::string& header,
+  const std::string& name, const VolumeChoice& choice);
+
 /**
  * Describes a source for the blocked volume `header`. `name`: as the user gives it (VolumeName).
  * `wanted`: what of it is meant: Axes, Step and Arrays; if the source does not have all names, but as
@@ -59,15 +62,16 @@ struct SourceRecord
  * NotFound, Unsupported if it can only be read in order, InvalidArgument if it has other arrays or
  * another size than `grid`.
  */
-Result<SourceRecord> DescribeSource(FileSystem& files, const std::string& header,
-  const std::string& name, const SourceRecord& wanted, const GridGeometry& grid,
-  const std::vector<ArrayDescription>& arrays);
+Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
+  const std::string& header, const std::string& name, const SourceRecord& wanted,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
 
 /// Ok if a source is as it was when it was indexed. Otherwise one error that names it, tells what
 /// is not, and what to do: NotFound, Corrupt if it was changed. Cost: a look at its files, or at its
 /// metadata alone if there are more than MaximumFilesToCheck.
-Status CheckSource(FileSystem& files, const std::string& header, const SourceRecord& record,
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays);
+Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& header,
+  const SourceRecord& record, const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays);
 
 /// The path seen from the folder of the header, for SourceRecord::Path.
 std::string MakeRelativePath(const std::string& header, const std::string& path);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/SourceSamples.h"
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Ground/Volume/VolumeName.h"
 #include "Storage/Record/BlockSegment.h"
 
 #include <algorithm>
@@ -42,13 +41,14 @@ void CopyPart(const std::uint8_t* from, const VertexBox& fromBox, const VertexBo
 
 } // namespace
 
-Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files,
+Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, VolumeOpener opener,
   const std::string& path, const BlockedVolumeHeader& header, std::size_t timeStep,
   std::uint64_t dataset, std::shared_ptr<BlockCache> cache)
 {
   const SourceRecord& record = *header.TimeSteps[timeStep].Source;
-  ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, path, record, header.Grid, header.Arrays));
-  std::shared_ptr<SourceSamples> samples(new SourceSamples(files, path, dataset, std::move(cache)));
+  ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, opener, path, record, header.Grid, header.Arrays));
+  std::shared_ptr<SourceSamples> samples(
+    new SourceSamples(files, opener, path, dataset, std::move(cache)));
   samples->Name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
   samples->Choice = record.MakeChoice({});
   samples->Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
@@ -84,7 +84,7 @@ Result<std::unique_ptr<SlabSource>> SourceSamples::OpenArray(const Array& array)
 {
   VolumeChoice choice = this->Choice;
   choice.Arrays = { array.Name };
-  auto volume = VolumeFile::Open(this->Files, this->Name, choice);
+  auto volume = OpenSource(this->Files, this->Opener, this->Volume, this->Name, choice);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const bool isThere = volume->Arrays.size() == 1 && volume->Arrays[0].Name == array.Name &&
     volume->Arrays[0].Type == array.Type &&

@@ -2,11 +2,11 @@
 #ifndef isosurface_SourceSamples_h
 #define isosurface_SourceSamples_h
 
-#include "Formats/Opener/VolumeFile.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/SlabSource.h"
 #include "Ground/Volume/VertexBox.h"
+#include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Record/DecodedBlock.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
@@ -42,9 +42,9 @@ class SourceSamples
 public:
   /// Opens the source of a time step of the volume `path`, and checks that it is as it was when it was
   /// indexed (CheckSource). `dataset`: BlockCacheKey::Dataset of its chunks. `files` must outlive this.
-  static Result<std::shared_ptr<SourceSamples>> Open(FileSystem& files, const std::string& path,
-    const BlockedVolumeHeader& header, std::size_t timeStep, std::uint64_t dataset,
-    std::shared_ptr<BlockCache> cache);
+  static Result<std::shared_ptr<SourceSamples>> Open(FileSystem& files, VolumeOpener opener,
+    const std::string& path, const BlockedVolumeHeader& header, std::size_t timeStep,
+    std::uint64_t dataset, std::shared_ptr<BlockCache> cache);
 
   /// Writes the samples of a component in a box within the grid to `to`: x fastest, without gaps.
   /// Cost: decoding the chunks that the box touches and that are not in the cache; the bytes that
@@ -76,9 +76,10 @@ private:
   };
   using Chunk = std::shared_ptr<const DecodedBlock>;
 
-  SourceSamples(
-    FileSystem& files, std::string volume, std::uint64_t dataset, std::shared_ptr<BlockCache> cache)
+  SourceSamples(FileSystem& files, VolumeOpener opener, std::string volume, std::uint64_t dataset,
+    std::shared_ptr<BlockCache> cache)
     : Files(files)
+    , Opener(opener)
     , Volume(std::move(volume))
     , Dataset(dataset)
     , Cache(std::move(cache))
@@ -98,6 +99,7 @@ private:
     std::uint8_t* to, QueryStatistics& statistics);
 
   FileSystem& Files;
+  VolumeOpener Opener;
   std::string Volume; ///< path of the .bvol
   std::string Name;
   VolumeChoice Choice;

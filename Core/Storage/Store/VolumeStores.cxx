@@ -27,11 +27,12 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
 
 } // namespace
 
-VolumeStores::VolumeStores(
-  const VolumeLayout& layout, FileSystem& files, std::shared_ptr<BlockCache> cache)
+VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
+  std::shared_ptr<BlockCache> cache, VolumeOpener opener)
   : Layout(layout)
   , Files(files)
   , Cache(std::move(cache))
+  , Opener(opener)
   , Sources(layout.GetHeader().TimeSteps.size())
   , Spectra(layout.GetParts().size())
 {
@@ -308,8 +309,8 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   if (!kept)
   {
     const VolumePart& part = this->Layout.GetParts().front();
-    auto opened = SourceSamples::Open(this->Files, this->Layout.GetPath(), part.Header, timeStep,
-      part.Identities[timeStep], this->Cache);
+    auto opened = SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
+      part.Header, timeStep, part.Identities[timeStep], this->Cache);
     ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
     kept = *opened;
   }

@@ -4,6 +4,7 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockStore.h"
 #include "Storage/Store/StoreFaults.h"
@@ -34,8 +35,10 @@ class SourceSamples;
 class VolumeStores
 {
 public:
-  /// `layout` must outlive this object. `cache`: for the chunks of a volume in place.
-  VolumeStores(const VolumeLayout& layout, FileSystem& files, std::shared_ptr<BlockCache> cache);
+  /// `layout` must outlive this object. `cache`, `opener`: for the source of a volume in
+  /// place.
+  VolumeStores(const VolumeLayout& layout, FileSystem& files, std::shared_ptr<BlockCache> cache,
+    VolumeOpener opener);
   VolumeStores(const VolumeStores&) = delete;
   VolumeStores& operator=(const VolumeStores&) = delete;
 
@@ -157,6 +160,7 @@ private:
   const VolumeLayout& Layout;
   FileSystem& Files;
   std::shared_ptr<BlockCache> Cache;
+  VolumeOpener Opener;
 
   StoreFaults Faults;
   std::set<std::pair<std::uint32_t, std::uint32_t>> ToldStores; ///< part and number

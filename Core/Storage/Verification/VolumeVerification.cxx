@@ -30,11 +30,12 @@ class VolumeCheck
 {
 public:
   VolumeCheck(const std::string& path, FileSystem& files, int threads, const Progress& progress,
-    const BlockedVolumeHeader* header)
+    VolumeOpener opener, const BlockedVolumeHeader* header)
     : Path(path)
     , Files(files)
     , Threads(threads)
     , Tell(progress)
+    , Opener(opener)
     , Header(header)
   {
   }
@@ -125,8 +126,8 @@ private:
     }
     constexpr std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28;
     const auto number = static_cast<std::size_t>(&step - header.TimeSteps.data());
-    const auto source = SourceSamples::Open(
-      this->Files, this->Path, header, number, 0, std::make_shared<BlockCache>(cacheBytes));
+    const auto source = SourceSamples::Open(this->Files, this->Opener, this->Path, header, number,
+      0, std::make_shared<BlockCache>(cacheBytes));
     if (!source.IsOk())
     {
       this->AddFault(Status(source.GetStatus().GetCode(),
@@ -285,6 +286,7 @@ private:
   FileSystem& Files;
   int Threads;
   const Progress& Tell;
+  VolumeOpener Opener;
   const BlockedVolumeHeader* Header;
   double PartBegin = 0;
   double PartShare = 1;
@@ -294,9 +296,9 @@ private:
 } // namespace
 
 Result<VolumeVerification> VerifyBlockedVolume(const std::string& path, FileSystem& files,
-  int threads, const Progress& progress, const BlockedVolumeHeader* header)
+  int threads, const Progress& progress, VolumeOpener opener, const BlockedVolumeHeader* header)
 {
-  return VolumeCheck(path, files, threads, progress, header).Run();
+  return VolumeCheck(path, files, threads, progress, opener, header).Run();
 }
 
 } // namespace isosurface

@@ -5,6 +5,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <cstdint>
@@ -40,7 +41,8 @@ struct VolumeVerification
  * samples; and that the stores' spectra add up to the volume's.
  *
  * Of a volume in place the samples at full resolution are read from its source and compared with
- * those that were indexed. That the source is missing is a fault; the rest is checked all the same.
+ * those that were indexed, for which `opener` is needed. That the source is missing is a fault; the
+ * rest is checked all the same.
  *
  * Replicas of stores are checked like these.
  *
@@ -53,7 +55,8 @@ struct VolumeVerification
  * one time step, and a record and its samples for each thread.
  */
 Result<VolumeVerification> VerifyBlockedVolume(const std::string& path, FileSystem& files,
-  int threads, const Progress& progress = {}, const BlockedVolumeHeader* header = nullptr);
+  int threads, const Progress& progress = {}, VolumeOpener opener = nullptr,
+  const BlockedVolumeHeader* header = nullptr);
 
 } // namespace isosurface
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Writing/SourceRelocation.h"
 
-#include "Formats/Opener/VolumeName.h"
+#include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Verification/VolumeVerification.h"
@@ -22,11 +22,12 @@ std::string GetLastName(const std::string& path)
 }
 
 /// The record of a source in a new place; `isSame` tells whether its files are as they were.
-Result<SourceRecord> MoveRecord(FileSystem& files, const std::string& path, const VolumeName& name,
-  const BlockedVolumeHeader& header, const SourceRecord& old, bool& isSame)
+Result<SourceRecord> MoveRecord(FileSystem& files, VolumeOpener opener, const std::string& path,
+  const VolumeName& name, const BlockedVolumeHeader& header, const SourceRecord& old, bool& isSame)
 {
   const VolumeName place = { name.Path, name.Within.empty() ? old.Within : name.Within };
-  auto record = DescribeSource(files, path, place.GetText(), old, header.Grid, header.Arrays);
+  auto record =
+    DescribeSource(files, opener, path, place.GetText(), old, header.Grid, header.Arrays);
   ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
   if (record->Metadata != old.Metadata)
   {
@@ -37,18 +38,18 @@ Result<SourceRecord> MoveRecord(FileSystem& files, const std::string& path, cons
   return record;
 }
 
-Status CheckSamples(FileSystem& files, const std::string& path, const BlockedVolumeHeader& header,
-  int threads, const Progress& progress)
+Status CheckSamples(FileSystem& files, VolumeOpener opener, const std::string& path,
+  const BlockedVolumeHeader& header, int threads, const Progress& progress)
 {
-  const auto found = VerifyBlockedVolume(path, files, threads, progress, &header);
+  const auto found = VerifyBlockedVolume(path, files, threads, progress, opener, &header);
   ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
   return found->Faults.empty() ? Status::Ok() : found->Faults.front();
 }
 
 } // namespace
 
-Status RelocateSource(FileSystem& files, const std::string& path, const std::string& source,
-  int threads, const Progress& progress)
+Status RelocateSource(FileSystem& files, VolumeOpener opener, const std::string& path,
+  const std::string& source, int threads, const Progress& progress)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
   if (!files.Exists(path))
@@ -80,7 +81,7 @@ Status RelocateSource(FileSystem& files, const std::string& path, const std::str
   {
     if (places.size() == 1 || GetLastName(step.Source->Path) == GetLastName(name.Path))
     {
-      auto record = MoveRecord(files, path, name, *header, *step.Source, isSame);
+      auto record = MoveRecord(files, opener, path, name, *header, *step.Source, isSame);
       ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
       step.Source = std::move(*record);
       isFound = true;
@@ -93,7 +94,7 @@ Status RelocateSource(FileSystem& files, const std::string& path, const std::str
   }
   if (!isSame)
   {
-    ISOSURFACE_RETURN_IF_ERROR(CheckSamples(files, path, *header, threads, progress));
+    ISOSURFACE_RETURN_IF_ERROR(CheckSamples(files, opener, path, *header, threads, progress));
   }
   bool isVisible = false;
   return GenerationFolder::Commit(files, path, *header, isVisible);

@@ -5,6 +5,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/VolumeOpener.h"
 
 #include <string>
 
@@ -22,8 +23,8 @@ namespace isosurface
  *
  * Cost: opening the source; perhaps one pass over its samples, by `threads` threads.
  */
-Status RelocateSource(FileSystem& files, const std::string& path, const std::string& source,
-  int threads, const Progress& progress = {});
+Status RelocateSource(FileSystem& files, VolumeOpener opener, const std::string& path,
+  const std::string& source, int threads, const Progress& progress = {});
 
 } // namespace isosurface
 

@@ -2,7 +2,7 @@
 #ifndef isosurface_Testing_Hdf5OnDisk_h
 #define isosurface_Testing_Hdf5OnDisk_h
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <gtest/gtest.h>
@@ -182,9 +182,9 @@ inline void WriteRawSamples(
     static_cast<std::streamsize>(2 * samples.size() - missing));
 }
 
-inline Result<VolumeFile> OpenLocal(const std::string& name)
+inline Result<OpenedVolume> OpenLocal(const std::string& name)
 {
-  return VolumeFile::Open(GetLocalFileSystem(), name);
+  return OpenForeignVolume(GetLocalFileSystem(), name);
 }
 
 /// Expects the samples of MakeHdf5Samples().

@@ -119,10 +119,11 @@ inline BlockedVolumeSettings MakeSettings(
 }
 
 /// Opens the volume with a cache of its own.
-inline std::shared_ptr<BlockedVolume> OpenVolume(
-  FileSystem& disk, std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28)
+inline std::shared_ptr<BlockedVolume> OpenVolume(FileSystem& disk,
+  std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28, VolumeOpener opener = nullptr)
 {
-  auto volume = BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(cacheBytes));
+  auto volume =
+    BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(cacheBytes), opener);
   EXPECT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
   return volume.IsOk() ? *volume : nullptr;
 }

@@ -2,11 +2,12 @@
 #include "Fixtures/SampleFiles.h"
 
 #include "Fixtures/MemoryDisk.h"
-#include "Formats/Opener/VolumeName.h"
 #include "Formats/Source/ArraySource.h"
 #include "Formats/Source/ConvertedSource.h"
+#include "Formats/Source/FileNames.h"
 #include "Formats/Source/PermutedSource.h"
 #include "Formats/Zarr/ZarrCodec.h"
+#include "Ground/Volume/VolumeName.h"
 
 #include <gtest/gtest.h>
 
@@ -261,8 +262,8 @@ TEST(VolumeName, SplitsAtTheLastColonBeforeWhichSomethingIs)
   EXPECT_EQ(parse("/data/a:b.h5:/x:y"), "/data/a:b.h5|/x:y");
   EXPECT_EQ(parse("/data/z.zarr:0"), "/data/z.zarr|0");
   EXPECT_EQ(parse("/data/none.h5:/x"), "/data/none.h5:/x|");
-  EXPECT_EQ((VolumeName{ "/data/Z.ZARR/", "" }.GetExtension()), ".zarr");
-  EXPECT_EQ((VolumeName{ "/data/a.nii.GZ", "" }.GetExtension()), ".nii.gz");
+  EXPECT_EQ(FindExtension("/data/Z.ZARR/"), ".zarr");
+  EXPECT_EQ(FindExtension("/data/a.nii.GZ"), ".nii.gz");
 }
 
 TEST(ZarrCodec, ChecksumIsThatOfTheStandard)

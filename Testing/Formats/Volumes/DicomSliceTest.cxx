@@ -3,7 +3,7 @@
 #include "Fixtures/SampleFiles.h"
 
 #include "Formats/Dicom/DicomSlice.h"
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 
 #include <filesystem>
 #include <fstream>
@@ -223,7 +223,7 @@ TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
 TEST(DicomSlice, APathThatTheSystemRefusesIsAnError)
 {
   const auto volume =
-    VolumeFile::Open(GetLocalFileSystem(), testing::TempDir() + std::string(300, 'n') + ".dcm");
+    OpenForeignVolume(GetLocalFileSystem(), testing::TempDir() + std::string(300, 'n') + ".dcm");
   ASSERT_FALSE(volume.IsOk());
   EXPECT_NE(volume.GetStatus().GetMessage().find("nnn.dcm: "), std::string::npos)
     << volume.GetStatus().GetMessage();

@@ -2,7 +2,7 @@
 #include "Fixtures/Hdf5OnDisk.h"
 
 #include "Formats/Hdf5/Hdf5File.h"
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace
 
 std::vector<std::string> ListPaths(const std::string& path)
 {
-  const auto list = VolumeFile::List(GetLocalFileSystem(), path);
+  const auto list = ListForeignVolumes(GetLocalFileSystem(), path);
   EXPECT_TRUE(list.IsOk()) << list.GetStatus().GetMessage();
   std::vector<std::string> paths;
   for (std::size_t entry = 0; list.IsOk() && entry < list->size(); ++entry)

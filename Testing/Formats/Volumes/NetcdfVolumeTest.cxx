@@ -3,7 +3,7 @@
 #include "Fixtures/SampleFiles.h"
 
 #include "Formats/Netcdf/NetcdfClassicHeader.h"
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 
 #include <netcdf.h>
 
@@ -20,7 +20,7 @@ namespace
 void ExpectRefused(const std::string& path, const std::vector<std::string>& words)
 {
   ExpectWords(OpenLocal(path).GetStatus(), words);
-  ExpectWords(VolumeFile::List(GetLocalFileSystem(), path).GetStatus(), words);
+  ExpectWords(ListForeignVolumes(GetLocalFileSystem(), path).GetStatus(), words);
 }
 
 /// A file of z, y and x, whose last bytes are those of the coordinates `last`.

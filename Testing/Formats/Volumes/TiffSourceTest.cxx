@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/SampleFiles.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Tiff/TiffSource.h"
+#include "Formats/Tiff/TiffStack.h"
 #include "Ground/Base/Coding.h"
 
 #include <tiffio.h>
@@ -127,7 +128,7 @@ void WriteStack(
 template <typename T>
 void ExpectStack(const std::string& path, const SampleVolume<T>& volume)
 {
-  auto file = VolumeFile::Open(GetLocalFileSystem(), path);
+  auto file = OpenForeignVolume(GetLocalFileSystem(), path);
   ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
   EXPECT_EQ(file->Grid.GetDimensions(), volume.GetDimensions());
   EXPECT_EQ(file->Arrays[0].Type, ValueTypeOf<T>::Value);
@@ -149,7 +150,7 @@ void ExpectType(const Folder& folder)
 
 void ExpectRefused(const std::string& path, const std::string& file, const std::string& reason)
 {
-  const auto volume = VolumeFile::Open(GetLocalFileSystem(), path);
+  const auto volume = OpenForeignVolume(GetLocalFileSystem(), path);
   ASSERT_FALSE(volume.IsOk());
   const std::string& message = volume.GetStatus().GetMessage();
   EXPECT_EQ(message.find(file + ": "), 0u) << message;
@@ -203,7 +204,7 @@ void ExpectRefused(const Bytes& bytes, StatusCode code, const std::string& reaso
 {
   MemoryDisk disk;
   WriteFile(disk, "/data/a.tif", bytes);
-  const auto volume = VolumeFile::Open(disk, "/data/a.tif");
+  const auto volume = OpenForeignVolume(disk, "/data/a.tif");
   ASSERT_FALSE(volume.IsOk());
   EXPECT_EQ(volume.GetStatus().GetCode(), code);
   EXPECT_EQ(volume.GetStatus().GetMessage(), "/data/a.tif: page 1: " + reason);
@@ -269,7 +270,7 @@ TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
   const auto part = MakeRamp<std::uint8_t>({ 12, 9, 2 });
   WriteStack(folder / "x1.tif", part);
   WriteStack(folder / "x2.tif", part);
-  const auto both = VolumeFile::Open(GetLocalFileSystem(), folder / "x?.tif");
+  const auto both = OpenForeignVolume(GetLocalFileSystem(), folder / "x?.tif");
   ASSERT_TRUE(both.IsOk());
   EXPECT_EQ(both->Grid.GetDimensions(), (Index3{ 12, 9, 4 }));
 }
@@ -379,7 +380,7 @@ TEST(TiffSource, AFileHasAtMostAMillionPages)
     const Bytes bytes = MakeTiff(MakeEntries(1, 1, 8, 1), text, Bytes(images));
     MemoryDisk disk;
     WriteFile(disk, "/data/a.tif", bytes);
-    EXPECT_EQ(VolumeFile::Open(disk, "/data/a.tif").IsOk(), images == most);
+    EXPECT_EQ(OpenForeignVolume(disk, "/data/a.tif").IsOk(), images == most);
   }
   ExpectRefused(
     MakeTiff(MakeEntries(1, 1, 8, 1), "ImageJ=1.53t\nimages=1048577\n", Bytes(most + 1)),
@@ -405,7 +406,7 @@ TEST(TiffSource, AStripThatIsNotThereTakesNoMemory)
   bytes.resize(bytes.size() - 50);
   MemoryDisk disk;
   WriteFile(disk, "/data/a.tif", bytes);
-  auto volume = VolumeFile::Open(disk, "/data/a.tif");
+  auto volume = OpenForeignVolume(disk, "/data/a.tif");
   ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
   const auto before = findPeak();
   const auto slab = volume->Source->Read({ { 0, 0, 0 }, { 1, 1, 1 } });
@@ -474,7 +475,7 @@ TEST(TiffSource, DamagedFilesGiveErrorsOrSamples)
       bad.resize(turn % 4 == 3 ? random() % bad.size() : bad.size());
       MemoryDisk disk;
       WriteFile(disk, "/data/a.tif", bad);
-      auto file = VolumeFile::Open(disk, "/data/a.tif");
+      auto file = OpenForeignVolume(disk, "/data/a.tif");
       Status status = file.GetStatus();
       if (file.IsOk() && file->Source->GetReadBytes(file->Source->GetBox()) < 10000000)
       {

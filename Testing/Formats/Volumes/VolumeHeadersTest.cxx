@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/SampleFiles.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 
 #include <cmath>
 
@@ -299,7 +299,7 @@ TEST(MrcVolume, MoreTimeStepsThanAFileMayHaveAreRefused)
     put(88, 401); // a stack of volumes
     MemoryDisk disk;
     WriteFile(disk, "/data/a.mrc", file);
-    const auto volume = VolumeFile::Open(disk, "/data/a.mrc");
+    const auto volume = OpenForeignVolume(disk, "/data/a.mrc");
     EXPECT_EQ(volume.IsOk(), more == 0) << volume.GetStatus().GetMessage();
     EXPECT_EQ(volume.GetStatus().GetMessage(),
       more == 0 ? "" : "/data/a.mrc: cannot be read: it has too many time steps");

@@ -2,7 +2,7 @@
 // What metadata may cost. Samples and everything else: Testing/Tools/check_zarr.py.
 #include "Fixtures/SampleFiles.h"
 
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Opener/ForeignVolume.h"
 
 using namespace isosurface;
 
@@ -46,7 +46,7 @@ std::string FindError(const std::string& json, const std::string& file = "/zarr.
   static_cast<void>(disk.MakeDirectories(Folder + "/0"));
   WriteFile(disk, Folder + file, MakeBytes(json));
   WriteFile(disk, Folder + "/0/zarr.json", MakeBytes(MakeArray(R"({"name": "crc32c"})")));
-  const auto volume = VolumeFile::Open(disk, Folder);
+  const auto volume = OpenForeignVolume(disk, Folder);
   return volume.IsOk() ? "" : volume.GetStatus().GetMessage();
 }
 

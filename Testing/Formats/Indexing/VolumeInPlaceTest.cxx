@@ -4,6 +4,7 @@
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ranks/Query/StoredBlockSource.h"
 #include "Ranks/Query/StoredSlabSource.h"
 #include "Storage/Verification/VolumeRepair.h"
@@ -18,6 +19,12 @@ namespace
 constexpr double Isovalue = 30;
 const std::string SourcePath = "/data/scan.zarr";
 const Index3 Size = { 70, 45, 51 };
+
+std::shared_ptr<BlockedVolume> OpenInPlace(
+  FileSystem& disk, std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28)
+{
+  return OpenVolume(disk, cacheBytes, OpenForeignVolume);
+}
 
 /// A disk with a source and the volume in place that was made of it.
 struct InPlaceDisk
@@ -39,7 +46,7 @@ struct InPlaceDisk
 
   Result<SourceRecord> Describe()
   {
-    return DescribeSource(this->Disk, VolumePath, SourcePath, MakeWanted(),
+    return DescribeSource(this->Disk, OpenForeignVolume, VolumePath, SourcePath, MakeWanted(),
       MakeGeometry(this->Volume.GetDimensions()), { { "density", ValueType::Int16 } });
   }
 
@@ -53,7 +60,7 @@ struct InPlaceDisk
 
   VolumeVerification Verify()
   {
-    auto found = VerifyBlockedVolume(VolumePath, this->Disk, 2);
+    auto found = VerifyBlockedVolume(VolumePath, this->Disk, 2, {}, OpenForeignVolume);
     EXPECT_TRUE(found.IsOk());
     return std::move(*found);
   }
@@ -103,18 +110,17 @@ PlainSurface ContourCopy(const SampleVolume<std::int16_t>& volume)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 1));
   QueryStatistics statistics;
-  return Contour(*OpenVolume(disk), 1, false, statistics);
+  return Contour(*OpenInPlace(disk), 1, false, statistics);
 }
 
 /// The error of a query, "" if there is none.
-std::string FindError(MemoryDisk& disk)
+std::string FindError(BlockedVolume& volume)
 {
-  const auto volume = OpenVolume(disk);
   QueryStatistics statistics;
-  auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
+  auto active = FindActiveBlocks(volume, { { 0, 0, { Isovalue } } }, statistics);
   for (std::size_t block = 0; active.IsOk() && block < active->size(); ++block)
   {
-    const auto read = volume->ReadBlock((*active)[block], 0, 0, 0, statistics);
+    const auto read = volume.ReadBlock((*active)[block], 0, 0, 0, statistics);
     if (!read.IsOk())
     {
       return read.GetStatus().GetMessage();
@@ -124,6 +130,18 @@ std::string FindError(MemoryDisk& disk)
 }
 
 } // namespace
+
+TEST(VolumeInPlace, WithoutAnOpenerIsOneClearError)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  const std::string reason = "/data/scan.zarr: has the samples of " + VolumePath +
+    ", but this program reads no files of its format";
+  EXPECT_EQ(FindError(*OpenVolume(made.Disk)), reason);
+  const auto found = VerifyBlockedVolume(VolumePath, made.Disk, 2);
+  ASSERT_TRUE(found.IsOk());
+  ASSERT_EQ(found->Faults.size(), 1u);
+  EXPECT_EQ(found->Faults[0].GetMessage().find(reason), 0u);
+}
 
 TEST(VolumeInPlace, SurfacesAreThoseOfTheCopiedVolume)
 {
@@ -139,12 +157,12 @@ TEST(VolumeInPlace, SurfacesAreThoseOfTheCopiedVolume)
       for (const bool isDealt : { false, true })
       {
         QueryStatistics statistics;
-        EXPECT_EQ(Contour(*OpenVolume(made.Disk), ranks, isDealt, statistics), expected)
+        EXPECT_EQ(Contour(*OpenInPlace(made.Disk), ranks, isDealt, statistics), expected)
           << chunk[0] << " x " << chunk[1] << " x " << chunk[2] << ", " << ranks << " ranks";
       }
     }
     QueryStatistics statistics;
-    EXPECT_EQ(Contour(*OpenVolume(made.Disk, 0), 1, false, statistics), expected)
+    EXPECT_EQ(Contour(*OpenInPlace(made.Disk, 0), 1, false, statistics), expected)
       << "without a cache";
   }
 }
@@ -168,7 +186,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
     damage();
     for (const bool isDealt : { false, true })
     {
-      const auto volume = OpenVolume(made.Disk);
+      const auto volume = OpenInPlace(made.Disk);
       QueryStatistics statistics;
       EXPECT_EQ(Contour(*volume, 2, isDealt, statistics), expected);
       SerialCommunicator alone;
@@ -183,7 +201,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
   }
   // A source that is missing is no fault of the stores.
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
-  const auto volume = OpenVolume(made.Disk);
+  const auto volume = OpenInPlace(made.Disk);
   QueryStatistics statistics;
   const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   ASSERT_FALSE(active.IsOk());
@@ -196,7 +214,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
 TEST(VolumeInPlace, StoresHaveHeadersOfSegmentsAlone)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  const auto volume = OpenVolume(made.Disk);
+  const auto volume = OpenInPlace(made.Disk);
   const BlockedVolumeHeader& header = volume->GetHeader();
   ASSERT_TRUE(header.IsInPlace());
   EXPECT_EQ(header.NumberOfLevels, 1);
@@ -211,7 +229,7 @@ TEST(VolumeInPlace, StoresHaveHeadersOfSegmentsAlone)
 TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  const auto volume = OpenVolume(made.Disk);
+  const auto volume = OpenInPlace(made.Disk);
   for (int level = 1; level < volume->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
@@ -254,7 +272,7 @@ TEST(VolumeInPlace, MissingChunksHaveTheFillValue)
   WriteZarr(made.Disk, SourcePath, filled, { 33, 20, 11 }, isLeftOut);
   made.Write(MakeSettings(16, 1));
   QueryStatistics statistics;
-  EXPECT_EQ(Contour(*OpenVolume(made.Disk), 1, false, statistics), ContourCopy(filled));
+  EXPECT_EQ(Contour(*OpenInPlace(made.Disk), 1, false, statistics), ContourCopy(filled));
 }
 
 TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
@@ -265,7 +283,7 @@ TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
     SampleVolume<std::int16_t>(Size,
       [](auto i, auto j, auto k)
       { return 130 - (i - 12) * (i - 12) - (j - 12) * (j - 12) - (k - 14) * (k - 14); }));
-  const auto volume = OpenVolume(made.Disk);
+  const auto volume = OpenInPlace(made.Disk);
   QueryStatistics statistics;
   const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   ASSERT_TRUE(active.IsOk());
@@ -296,36 +314,38 @@ TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
 TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  EXPECT_EQ(FindError(made.Disk), "");
+  EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
 
   made.Disk.SetModified(SourcePath + "/0.0.0", 99);
-  EXPECT_NE(FindError(made.Disk).find("scan.zarr: was changed since"), std::string::npos);
-  EXPECT_NE(FindError(made.Disk).find("modified at another time"), std::string::npos);
+  EXPECT_NE(
+    FindError(*OpenInPlace(made.Disk)).find("scan.zarr: was changed since"), std::string::npos);
+  EXPECT_NE(FindError(*OpenInPlace(made.Disk)).find("modified at another time"), std::string::npos);
   made.Disk.SetModified(SourcePath + "/0.0.0", 1);
 
   made.Disk.SetFile(SourcePath + "/more", { 1 });
-  EXPECT_NE(FindError(made.Disk).find("another number of files"), std::string::npos);
+  EXPECT_NE(FindError(*OpenInPlace(made.Disk)).find("another number of files"), std::string::npos);
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath + "/more").IsOk());
-  EXPECT_EQ(FindError(made.Disk), "");
+  EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
 
   MemoryDisk::Bytes& metadata = made.Disk.GetFile(SourcePath + "/.zarray");
   const MemoryDisk::Bytes good = metadata;
   const std::string text(metadata.begin(), metadata.end());
   metadata[text.find(">i2")] = '<';
-  EXPECT_NE(FindError(made.Disk).find("stored otherwise"), std::string::npos);
+  EXPECT_NE(FindError(*OpenInPlace(made.Disk)).find("stored otherwise"), std::string::npos);
   metadata = good;
 
   // No time tells that a chunk has other samples now.
   made.Disk.GetFile(SourcePath + "/1.1.1")[1000] ^= 1;
-  const std::string error = FindError(made.Disk);
+  const std::string error = FindError(*OpenInPlace(made.Disk));
   EXPECT_NE(error.find("scan.zarr: was changed since"), std::string::npos) << error;
   EXPECT_NE(error.find("has other samples"), std::string::npos) << error;
   EXPECT_GT(made.Verify().FaultCount, 0u);
 
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
-  EXPECT_NE(FindError(made.Disk).find("is missing; name its new place"), std::string::npos);
+  EXPECT_NE(
+    FindError(*OpenInPlace(made.Disk)).find("is missing; name its new place"), std::string::npos);
   EXPECT_EQ(made.Verify().FaultCount, 1u) << "the rest is sound";
-  const auto volume = OpenVolume(made.Disk);
+  const auto volume = OpenInPlace(made.Disk);
   EXPECT_TRUE(volume->GetSpectrum(0, 0).IsOk());
   QueryStatistics statistics;
   EXPECT_TRUE(FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics, 1).IsOk());
@@ -338,27 +358,29 @@ TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
   const std::string moved = "/archive/other name.zarr";
   WriteZarr(made.Disk, moved, made.Volume, chunk);
-  ASSERT_TRUE(RelocateSource(made.Disk, VolumePath, moved, 2).IsOk());
-  EXPECT_EQ(FindError(made.Disk), "");
+  ASSERT_TRUE(RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2).IsOk());
+  EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
 
   // Other times: the samples are compared.
   made.Disk.SetModified(moved + "/0.0.0", 5);
-  EXPECT_NE(FindError(made.Disk), "");
-  ASSERT_TRUE(RelocateSource(made.Disk, VolumePath, moved, 2).IsOk());
-  EXPECT_EQ(FindError(made.Disk), "");
+  EXPECT_NE(FindError(*OpenInPlace(made.Disk)), "");
+  ASSERT_TRUE(RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2).IsOk());
+  EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
 
   made.Disk.SetModified(moved + "/0.0.0", 6);
   made.Disk.GetFile(moved + "/2.1.1")[500] ^= 4;
   const auto before = made.Disk.GetFile(VolumePath);
-  const Status changed = RelocateSource(made.Disk, VolumePath, moved, 2);
+  const Status changed = RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2);
   EXPECT_EQ(changed.GetCode(), StatusCode::Corrupt);
   EXPECT_NE(changed.GetMessage().find("has other samples"), std::string::npos);
   EXPECT_EQ(made.Disk.GetFile(VolumePath), before);
 
   WriteZarr(made.Disk, "/archive/chunks.zarr", made.Volume, { 10, 10, 10 });
-  EXPECT_EQ(RelocateSource(made.Disk, VolumePath, "/archive/chunks.zarr", 2).GetCode(),
+  EXPECT_EQ(
+    RelocateSource(made.Disk, OpenForeignVolume, VolumePath, "/archive/chunks.zarr", 2).GetCode(),
     StatusCode::Corrupt);
-  EXPECT_EQ(RelocateSource(made.Disk, VolumePath, "/archive/nothing.zarr", 2).GetCode(),
+  EXPECT_EQ(
+    RelocateSource(made.Disk, OpenForeignVolume, VolumePath, "/archive/nothing.zarr", 2).GetCode(),
     StatusCode::NotFound);
 }
 
@@ -367,8 +389,8 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   MemoryDisk disk;
   const auto volume = MakeVolume<std::int16_t>(Size);
   WriteZarr(disk, SourcePath, volume, { 33, 20, 11 });
-  const auto record = DescribeSource(disk, VolumePath, SourcePath, InPlaceDisk::MakeWanted(),
-    MakeGeometry(Size), { { "density", ValueType::Int16 } });
+  const auto record = DescribeSource(disk, OpenForeignVolume, VolumePath, SourcePath,
+    InPlaceDisk::MakeWanted(), MakeGeometry(Size), { { "density", ValueType::Int16 } });
   ASSERT_TRUE(record.IsOk());
   BlockedVolumeSettings settings = MakeSettings(16, 1);
   settings.Time = 1;
@@ -382,7 +404,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   const auto copied = WriteVolume(disk, volume, settings);
   EXPECT_EQ(copied[0].GetStatus().GetCode(), StatusCode::InvalidArgument);
   EXPECT_NE(copied[0].GetStatus().GetMessage().find("it is indexed in place"), std::string::npos);
-  const auto opened = OpenVolume(disk);
+  const auto opened = OpenInPlace(disk);
   ASSERT_EQ(opened->GetHeader().TimeSteps.size(), 2u);
   QueryStatistics statistics;
   EXPECT_TRUE(FindActiveBlocks(*opened, { { 1, 0, { Isovalue } } }, statistics).IsOk());
@@ -400,7 +422,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
 TEST(VolumeInPlace, IsWrittenAnewAsACopy)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  auto source = StoredSlabSource::Make(OpenVolume(made.Disk), 0, { 0 }, 2);
+  auto source = StoredSlabSource::Make(OpenInPlace(made.Disk), 0, { 0 }, 2);
   ASSERT_TRUE(source.IsOk());
   MemoryDisk anew;
   ThreadCommunicator::Run(1,
@@ -424,8 +446,8 @@ TEST(VolumeInPlace, SourcesThatCanOnlyBeReadInOrderAreRefused)
   disk.SetFile("/data/a.mha", MemoryDisk::Bytes(header.begin(), header.end()));
   GridGeometry grid;
   grid.Extent = { 0, 3, 0, 3, 0, 3 };
-  const auto record =
-    DescribeSource(disk, VolumePath, "/data/a.mha", {}, grid, { { "density", ValueType::UInt8 } });
+  const auto record = DescribeSource(disk, OpenForeignVolume, VolumePath, "/data/a.mha", {}, grid,
+    { { "density", ValueType::UInt8 } });
   EXPECT_EQ(record.GetStatus().GetCode(), StatusCode::Unsupported);
   EXPECT_NE(record.GetStatus().GetMessage().find("only be read in order"), std::string::npos);
 }
@@ -433,7 +455,7 @@ TEST(VolumeInPlace, SourcesThatCanOnlyBeReadInOrderAreRefused)
 TEST(VolumeInPlace, HeadersWithImpossibleSourcesAreRefused)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  const auto good = OpenVolume(made.Disk)->GetHeader();
+  const auto good = OpenInPlace(made.Disk)->GetHeader();
   const auto parse = [](const BlockedVolumeHeader& header)
   { return BlockedVolumeHeader::Parse(header.Format(), VolumePath).GetStatus().GetCode(); };
   EXPECT_EQ(parse(good), StatusCode::Ok);

@@ -1,17 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Opener/VolumeFile.h"
+#include "Formats/Tiff/TiffStack.h"
 
-#include "Formats/Dicom/DicomVolume.h"
-#include "Formats/Hdf5/Hdf5Volume.h"
-#include "Formats/Netcdf/NetcdfVolume.h"
-#include "Formats/Opener/VolumeFormat.h"
-#include "Formats/Opener/VolumeName.h"
-#include "Formats/Plain/MrcVolume.h"
-#include "Formats/Plain/NiftiVolume.h"
-#include "Formats/Plain/RawVolume.h"
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 #include "Formats/Tiff/TiffSource.h"
-#include "Formats/Zarr/ZarrVolume.h"
 
 #include <algorithm>
 #include <cctype>
@@ -141,7 +132,7 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
   for (std::size_t file = 0; counter && file < names.size(); ++file)
   {
     const std::string& text = names[file].Numbers[*counter];
-    const auto number = HeaderText::ParseInteger(text.empty() ? "0" : text);
+    const auto number = ParseInteger(text.empty() ? "0" : text);
     if (!number)
     {
       return Status::Ok(); // a time or a hash instead of the number of a slice
@@ -162,13 +153,14 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
   return Status::Ok();
 }
 
-Result<VolumeFile> OpenTiff(FileSystem& files, const std::string& path)
+Result<OpenedVolume> OpenTiff(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& /*choice*/)
 {
-  const auto paths = VolumeFile::FindStack(files, path);
+  const auto paths = FindTiffStack(files, name.Path);
   ISOSURFACE_RETURN_IF_ERROR(paths.GetStatus());
   auto source = TiffSource::Open(files, *paths);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  VolumeFile volume;
+  OpenedVolume volume;
   const Index3 size = (*source)->GetBox().GetSize();
   volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
   volume.Arrays = { { "Tiff Scalars", (*source)->GetType(), 1 } };
@@ -176,111 +168,12 @@ Result<VolumeFile> OpenTiff(FileSystem& files, const std::string& path)
   return volume;
 }
 
-/// A raw file with a header, of MetaImage or NRRD.
-Result<VolumeFile> OpenRaw(FileSystem& files, const std::string& path)
-{
-  const auto raw = RawVolume::ReadHeader(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
-  auto source = raw->Open(files);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  VolumeFile volume;
-  volume.Grid = raw->Grid;
-  volume.Arrays = { { raw->ArrayName, raw->Type, 1 } };
-  volume.Source = std::move(*source);
-  volume.Files = raw->Paths;
-  if (std::find(volume.Files.begin(), volume.Files.end(), path) == volume.Files.end())
-  {
-    volume.Files.push_back(path);
-  }
-  return volume;
-}
-
-[[maybe_unused]] Status MakeMissing(const VolumeName& name, const char* format, const char* package)
-{
-  return Status(StatusCode::Unsupported,
-    name.Path + ": cannot be read: this build has no " + format + " (it lacked the library " +
-      package + ")");
-}
-
-Result<VolumeFile> OpenFormat(
-  FileSystem& files, VolumeFormat format, const VolumeName& name, const VolumeChoice& choice)
-{
-  switch (format)
-  {
-    case VolumeFormat::Header:
-      return OpenRaw(files, name.Path);
-    case VolumeFormat::Tiff:
-      return OpenTiff(files, name.Path);
-    case VolumeFormat::Nifti:
-      return OpenNiftiVolume(files, name.Path, choice);
-    case VolumeFormat::Mrc:
-      return OpenMrcVolume(files, name.Path, choice);
-    case VolumeFormat::Hdf5:
-#if ISOSURFACE_HDF5
-      return OpenHdf5Volume(name, choice);
-#else
-      return MakeMissing(name, "HDF5", "libhdf5");
-#endif
-    case VolumeFormat::Netcdf:
-#if ISOSURFACE_NETCDF
-      return OpenNetcdfVolume(name, choice);
-#else
-      return MakeMissing(name, "NetCDF", "libnetcdf");
-#endif
-    case VolumeFormat::Zarr:
-      return OpenZarrVolume(files, name, choice);
-    case VolumeFormat::Dicom:
-#if ISOSURFACE_DICOM
-      return OpenDicomVolume(name, choice);
-#else
-      return MakeMissing(name, "DICOM", "libgdcm");
-#endif
-    case VolumeFormat::None:
-      break;
-  }
-  return Status(StatusCode::Unsupported,
-    name.Path +
-      ": cannot be read: it is neither MetaImage, NRRD, TIFF, nor of another format by "
-      "its name or first bytes");
-}
-
-Result<std::vector<VolumeListing>> ListFormat(
-  FileSystem& files, const VolumeName& name, const std::string& text)
-{
-  switch (FindVolumeFormat(files, name))
-  {
-    case VolumeFormat::Hdf5:
-#if ISOSURFACE_HDF5
-      return ListHdf5(name);
-#else
-      return MakeMissing(name, "HDF5", "libhdf5");
-#endif
-    case VolumeFormat::Netcdf:
-#if ISOSURFACE_NETCDF
-      return ListNetcdf(name);
-#else
-      return MakeMissing(name, "NetCDF", "libnetcdf");
-#endif
-    case VolumeFormat::Zarr:
-      return ListZarr(files, name);
-    case VolumeFormat::Dicom:
-#if ISOSURFACE_DICOM
-      return ListDicom(name);
-#else
-      return MakeMissing(name, "DICOM", "libgdcm");
-#endif
-    default:
-      return Status(StatusCode::Unsupported,
-        text + ": cannot be listed: it is a file of one volume, or of an unknown format");
-  }
-}
-
 } // namespace
 
-Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const std::string& path)
+Result<std::vector<std::string>> FindTiffStack(FileSystem& files, const std::string& path)
 {
   const bool isPattern = IsNamePattern(path);
-  if (!isPattern && !HasFiles(files, path))
+  if (!isPattern && ListNames(files, path).empty())
   {
     return std::vector<std::string>{ path };
   }
@@ -316,40 +209,6 @@ Result<std::vector<std::string>> VolumeFile::FindStack(FileSystem& files, const 
   return paths;
 }
 
-bool VolumeFile::IsKnown(FileSystem& files, const std::string& name)
-{
-  return FindVolumeFormat(files, VolumeName::Parse(files, name)) != VolumeFormat::None;
-}
-
-Result<VolumeFile> VolumeFile::Open(
-  FileSystem& files, const std::string& text, const VolumeChoice& choice)
-{
-  const VolumeName name = VolumeName::Parse(files, text);
-  const VolumeFormat format = FindVolumeFormat(files, name);
-  if (!name.Within.empty() && !HasSeveralVolumes(format))
-  {
-    return Status(StatusCode::InvalidArgument,
-      text + ": cannot be read: a file of this format has one volume, and no \"" + name.Within +
-        "\"");
-  }
-  // What a file asks for may be more than there is, and libraries throw.
-  auto volume = Attempt(text, [&] { return OpenFormat(files, format, name, choice); });
-  if (volume.IsOk() && choice.Step >= std::max<std::size_t>(1, volume->Times.size()))
-  {
-    return Status(StatusCode::InvalidArgument,
-      text + ": has " + std::to_string(std::max<std::size_t>(1, volume->Times.size())) +
-        " time steps, and none of number " + std::to_string(choice.Step));
-  }
-  if (volume.IsOk() && volume->Files.empty())
-  {
-    volume->Files = { name.Path };
-  }
-  return volume;
-}
-
-Result<std::vector<VolumeListing>> VolumeFile::List(FileSystem& files, const std::string& text)
-{
-  return Attempt(text, [&] { return ListFormat(files, VolumeName::Parse(files, text), text); });
-}
+const FormatFunctions IsosurfaceTiffFormat = { OpenTiff, nullptr };
 
 } // namespace isosurface

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_ChunkCache_h
-#define isosurface_ChunkCache_h
+#ifndef isosurface_ChunkCacheSize_h
+#define isosurface_ChunkCacheSize_h
 
 #include "Formats/Source/StoredArray.h"
 

@@ -1,4 +1,4 @@
-# Libraries of formats that a build may lack: VolumeFile then says which one it is.
+# Libraries of formats that a build may lack: then their modules are missing.
 cmake_policy(VERSION 3.18)
 find_package(PkgConfig REQUIRED)
 
@@ -12,20 +12,6 @@ function(isosurface_set_format name)
   set(ISOSURFACE_READS_${name} ${found} CACHE INTERNAL "Whether volumes of ${name} are read")
   set(ISOSURFACE_${name}_TARGETS ${ARGN} PARENT_SCOPE)
   message(STATUS "Volumes of ${name} are read: ${found}")
-endfunction()
-
-#   isosurface_add_format(<room> <name> [SOURCES <files>]): links the library, if there is one, and
-#   compiles the files that need it; ISOSURFACE_<name> is 1 or 0 in the room's sources
-function(isosurface_add_format room name)
-  cmake_parse_arguments(format "" "" "SOURCES" ${ARGN})
-  if(ISOSURFACE_READS_${name})
-    target_sources(${room} PRIVATE ${format_SOURCES})
-    target_link_libraries(${room} PRIVATE ${ISOSURFACE_${name}_TARGETS})
-    target_link_libraries(IsosurfaceCore PRIVATE ${ISOSURFACE_${name}_TARGETS})
-    target_compile_definitions(${room} PRIVATE ISOSURFACE_${name}=1)
-  else()
-    target_compile_definitions(${room} PRIVATE ISOSURFACE_${name}=0)
-  endif()
 endfunction()
 
 # The serial library first: NetCDF has it, too, and both builds of Debian have symbols with versions
@@ -45,7 +31,7 @@ isosurface_set_format(HDF5 ${targets})
 
 pkg_check_modules(ISOSURFACE_NETCDF_LIBRARY IMPORTED_TARGET GLOBAL netcdf)
 set(targets)
-if(ISOSURFACE_NETCDF_LIBRARY_FOUND)
+if(ISOSURFACE_NETCDF_LIBRARY_FOUND AND ISOSURFACE_READS_HDF5) # which version 4 is
   set(targets PkgConfig::ISOSURFACE_NETCDF_LIBRARY)
 endif()
 isosurface_set_format(NETCDF ${targets})

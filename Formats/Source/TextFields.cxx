@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Source/HeaderText.h"
+#include "Formats/Source/TextFields.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <filesystem>
 #include <iomanip>
 #include <limits>
 #include <locale>
@@ -15,7 +14,6 @@ namespace isosurface
 namespace
 {
 
-constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 1 } << 20;
 constexpr std::int64_t MaximumSeriesSize = std::int64_t{ 1 } << 20;
 /// All names of a series together, in characters.
 constexpr std::int64_t MaximumSeriesText = std::int64_t{ 64 } << 20;
@@ -23,40 +21,7 @@ constexpr int MaximumDigits = std::numeric_limits<std::int64_t>::digits10 + 1;
 
 } // namespace
 
-Result<HeaderText> HeaderText::Open(FileSystem& files, const std::string& path)
-{
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  HeaderText header;
-  header.Path = path;
-  header.Text.resize(static_cast<std::size_t>(std::min((*file)->GetSize(), MaximumHeaderSize)));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, header.Text.size(), header.Text.data()));
-  return header;
-}
-
-std::optional<std::string> HeaderText::TakeLine()
-{
-  const std::size_t end = this->Text.find('\n', this->Position);
-  if (this->Position >= this->Text.size())
-  {
-    return std::nullopt;
-  }
-  const std::size_t next = end == std::string::npos ? this->Text.size() : end + 1;
-  std::string line = this->Text.substr(this->Position, end - this->Position);
-  if (!line.empty() && line.back() == '\r')
-  {
-    line.pop_back();
-  }
-  this->Position = next;
-  return line;
-}
-
-std::string HeaderText::ResolvePath(const std::string& name) const
-{
-  return (std::filesystem::path(this->Path).parent_path() / name).string();
-}
-
-std::string HeaderText::Trim(const std::string& text)
+std::string TrimText(const std::string& text)
 {
   const char* spaces = " \t\r\n";
   const std::size_t begin = text.find_first_not_of(spaces);
@@ -64,14 +29,14 @@ std::string HeaderText::Trim(const std::string& text)
                                     : text.substr(begin, text.find_last_not_of(spaces) - begin + 1);
 }
 
-std::string HeaderText::Lower(std::string text)
+std::string LowerText(std::string text)
 {
   std::transform(text.begin(), text.end(), text.begin(),
     [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   return text;
 }
 
-std::vector<std::string> HeaderText::Split(const std::string& text)
+std::vector<std::string> SplitWords(const std::string& text)
 {
   std::istringstream stream(text);
   std::vector<std::string> words;
@@ -82,7 +47,7 @@ std::vector<std::string> HeaderText::Split(const std::string& text)
   return words;
 }
 
-std::optional<double> HeaderText::ParseDouble(const std::string& text)
+std::optional<double> ParseDouble(const std::string& text)
 {
   // Headers have decimal points in every locale.
   std::istringstream stream(text);
@@ -96,7 +61,7 @@ std::optional<double> HeaderText::ParseDouble(const std::string& text)
   return value;
 }
 
-std::optional<std::int64_t> HeaderText::ParseInteger(const std::string& text)
+std::optional<std::int64_t> ParseInteger(const std::string& text)
 {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
@@ -109,11 +74,10 @@ std::optional<std::int64_t> HeaderText::ParseInteger(const std::string& text)
   return value;
 }
 
-std::optional<std::vector<double>> HeaderText::ParseDoubles(
-  const std::string& text, std::size_t count)
+std::optional<std::vector<double>> ParseDoubles(const std::string& text, std::size_t count)
 {
   std::vector<double> values;
-  for (const std::string& word : Split(text))
+  for (const std::string& word : SplitWords(text))
   {
     const auto value = ParseDouble(word);
     if (!value)
@@ -129,7 +93,7 @@ std::optional<std::vector<double>> HeaderText::ParseDoubles(
   return values;
 }
 
-std::optional<std::vector<std::string>> HeaderText::ExpandPattern(
+std::optional<std::vector<std::string>> ExpandPattern(
   const std::string& pattern, std::int64_t first, std::int64_t last, std::int64_t step)
 {
   const std::size_t begin = pattern.find('%');

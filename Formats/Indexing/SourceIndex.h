@@ -44,7 +44,7 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
 
 /**
  * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores
- * as there are ranks, and returns what of the source is left out (VolumeFile::LeftOut). On an error
+ * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an error
  * or stop, an older index stays as it was. Cost and errors: as BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,

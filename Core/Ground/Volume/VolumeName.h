@@ -20,8 +20,6 @@ struct VolumeName
   /// stands, or of which nothing exists, is a path as a whole.
   static VolumeName Parse(FileSystem& files, const std::string& text);
 
-  /// The extension of Path in lower case, ".gz" together with the one before it.
-  std::string GetExtension() const;
   /// "path:within", or "path".
   std::string GetText() const
   {

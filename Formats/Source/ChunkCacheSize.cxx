@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Source/ChunkCache.h"
+#include "Formats/Source/ChunkCacheSize.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Writing/SourceIndex.h"
+#include "Formats/Indexing/SourceIndex.h"
 
-#include "Formats/Opener/VolumeFile.h"
-#include "Formats/Opener/VolumeName.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Zarr/ZarrVolume.h"
+#include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
@@ -49,7 +49,7 @@ VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
 
 struct OpenedStep
 {
-  VolumeFile Volume;
+  OpenedVolume Volume;
   BlockedVolumeSettings Settings;
 };
 
@@ -60,7 +60,7 @@ Result<OpenedStep> OpenStep(
   choice.Step = step;
   choice.Axes = index.Axes;
   choice.CacheBytes = memoryBytes / 4;
-  auto volume = VolumeFile::Open(files, index.Source, choice);
+  auto volume = OpenForeignVolume(files, index.Source, choice);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   SourceRecord wanted;
   wanted.Axes = index.Axes;
@@ -69,8 +69,8 @@ Result<OpenedStep> OpenStep(
   {
     wanted.Arrays.push_back(array.Name);
   }
-  auto record =
-    DescribeSource(files, index.Path, index.Source, wanted, volume->Grid, volume->Arrays);
+  auto record = DescribeSource(
+    files, OpenForeignVolume, index.Path, index.Source, wanted, volume->Grid, volume->Arrays);
   ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
   OpenedStep opened{ std::move(*volume), {} };
   opened.Settings.Distribution = DistributionMethod::Slab;
@@ -132,7 +132,8 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
         index.Path + ": is there already and is no index of " + index.Source +
           "; choose another folder for the index");
     }
-    if (!CheckSource(files, index.Path, *step.Source, header.Grid, header.Arrays).IsOk())
+    if (!CheckSource(files, OpenForeignVolume, index.Path, *step.Source, header.Grid, header.Arrays)
+           .IsOk())
     {
       return IndexState::Changed;
     }

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Opener/VolumeName.h"
-
-#include "Formats/Source/HeaderText.h"
-
-#include <filesystem>
+#include "Ground/Volume/VolumeName.h"
 
 namespace isosurface
 {
@@ -34,15 +30,6 @@ VolumeName VolumeName::Parse(FileSystem& files, const std::string& text)
     }
   }
   return { text, "" };
-}
-
-std::string VolumeName::GetExtension() const
-{
-  const std::size_t end = this->Path.find_last_not_of('/');
-  const std::filesystem::path file(this->Path.substr(0, end == std::string::npos ? 0 : end + 1));
-  const std::string extension = HeaderText::Lower(file.extension().string());
-  return extension == ".gz" ? HeaderText::Lower(file.stem().extension().string()) + extension
-                            : extension;
 }
 
 } // namespace isosurface

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Indices of sources: their names, when they are out of date, and what they have.
-#include "Storage/Writing/SourceIndex.h"
+#include "Formats/Indexing/SourceIndex.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 
