@@ -10,8 +10,8 @@
 
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ranks/Query/LevelChoice.h"
-#include "Ranks/Query/StoreRecovery.h"
 #include "Ranks/Query/StoredBlockSource.h"
+#include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Surface/Contour/BlockRanges.h"
 #include "Surface/Pieces/PieceBlockSource.h"
@@ -141,18 +141,18 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
     return MakeLinesError(volume->GetPath() + " has a rectilinear grid");
   }
   QueryStatistics statistics;
-  auto active = volume->FindActiveBlocks(query.TimeStep, query.Variable, blocks.Isovalues,
-    query.Rank, query.Ranks, statistics, level, { {}, query.Selection.Region });
-  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
-  std::sort(active->begin(), active->end(),
+  auto plan = PlanQuery(*volume, query, level, statistics);
+  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+  std::vector<BlockReference>& active = plan->Blocks;
+  std::sort(active.begin(), active.end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
   blocks.Numbers.clear();
-  for (const BlockReference& block : *active)
+  for (const BlockReference& block : active)
   {
     blocks.Numbers.push_back(block.Block);
   }
   auto source = std::make_unique<StoredBlockSource>(
-    *volume, query.TimeStep, query.Variable, level, std::move(*active));
+    *volume, query.TimeStep, query.Variable, level, std::move(active));
   source->SetAttributes(query.Attributes);
   blocks.Source = std::move(source);
   blocks.Owner = volume;

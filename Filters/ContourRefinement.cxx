@@ -178,7 +178,7 @@ Status ContourWork::Prepare(const std::shared_ptr<BlockedVolume>& volume, const 
   return Attempt("the next surface cannot be prepared",
     [&]
     {
-      this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, choice, threads });
+      this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, threads, {} }, choice.Level);
       return Status::Ok();
     });
 }

@@ -22,7 +22,7 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/BlockSelection.h"
-#include "Ranks/Query/StoreRecovery.h"
+#include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -145,7 +145,8 @@ std::vector<std::string> ContourWork::ChooseInterpolatedArrays(const std::string
 //------------------------------------------------------------------------------
 // A surface
 
-Status ContourWork::Extract(vtkInformation* inInfo, vtkInformation* outInfo, Outcome& outcome)
+Status ContourWork::Extract(
+  vtkInformation* inInfo, vtkInformation* outInfo, ContourOutcome& outcome)
 {
   const VolumeInput input(inInfo);
   ControllerCommunicator ranks = this->GetRanks();
@@ -156,7 +157,7 @@ Status ContourWork::Extract(vtkInformation* inInfo, vtkInformation* outInfo, Out
 }
 
 Status ContourWork::AgreeOnQuery(const VolumeInput& input, Communicator& ranks, SurfaceQuery& query,
-  Outcome& outcome, const ContourBlocks* blocks)
+  ContourOutcome& outcome, const ContourBlocks* blocks)
 {
   Status status = input.GetStatus();
   if (status.IsOk() && input)
@@ -207,7 +208,8 @@ std::uint64_t ContourWork::ComputeFingerprint(
   return fingerprint.Get();
 }
 
-Status ContourWork::MakeQuery(const VolumeInput& input, SurfaceQuery& query, Outcome& outcome)
+Status ContourWork::MakeQuery(
+  const VolumeInput& input, SurfaceQuery& query, ContourOutcome& outcome)
 {
   const auto variable = input.FindVariable(this->GetArrayToContour(), this->Contour.GetComponent());
   ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
@@ -230,41 +232,35 @@ Status ContourWork::MakeQuery(const VolumeInput& input, SurfaceQuery& query, Out
   return Status::Ok();
 }
 
-Status ContourWork::ExtractFromVolume(
-  const VolumeInput& input, const SurfaceQuery& agreed, vtkInformation* outInfo, Outcome& outcome)
+Status ContourWork::ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& agreed,
+  vtkInformation* outInfo, ContourOutcome& outcome)
 {
-  const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
-  const int threads = this->ChooseThreads();
-  ContourRequest request = this->MakeRequest();
-  SurfaceQuery query = agreed;
-  query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
-  query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  for (const InterpolatedArray& array : outcome.Arrays)
-  {
-    request.Attributes.push_back(array.Layout);
-  }
   ControllerCommunicator ranks = this->GetRanks();
-  const VolumeContour::Task task = { *volume, query, request, threads,
+  ExtractionTask task = { input.GetVolume(), agreed, this->MakeRequest(), this->ChooseThreads(),
     [this](double share) { return this->TellProgress(share); },
     this->Contour.GetDynamicBalance() ? &ranks : nullptr };
+  task.Query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
+  task.Query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
+  for (const InterpolatedArray& array : outcome.Arrays)
+  {
+    task.Request.Attributes.push_back(array.Layout);
+  }
   std::string warning;
   const Status status = RunWithReplicas(
-    ranks, [&] { return volume.get(); }, warning,
-    [&] { return this->ExtractOnce(volume, task, outcome); });
+    ranks, [&] { return task.Volume.get(); }, warning,
+    [&] { return this->ExtractOnce(task, outcome); });
   ReportWarning(&this->Contour, ranks, status, warning);
   return status;
 }
 
-Status ContourWork::ExtractOnce(
-  const std::shared_ptr<BlockedVolume>& volume, const VolumeContour::Task& task, Outcome& outcome)
+Status ContourWork::ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome)
 {
-  const SurfaceQuery& query = task.Query;
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
-  const auto finest = this->ChoosePassLevel(volume, query);
+  const auto finest = this->ChoosePassLevel(task.Volume, task.Query);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
   outcome.Final = *finest <= this->Contour.GetLevel();
-  this->LastPass.Query = query;
+  this->LastPass.Query = task.Query;
   this->LastPass.Request = task.Request;
   if (budget.IsLimited())
   {
@@ -280,22 +276,19 @@ Status ContourWork::ExtractOnce(
   return this->OfVolumes.ExtractAtLevel(task, choice, outcome);
 }
 
-Status ContourWork::ExtractFromImages(vtkInformation* inInfo, Outcome& outcome)
+Status ContourWork::ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome)
 {
   ControllerCommunicator ranks = this->GetRanks();
   const int threads = this->ChooseThreads();
   const auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
   ContourRequest request = this->MakeRequest();
-  auto extracted = this->OfImages.Extract(ranks, *pieces,
+  ISOSURFACE_RETURN_IF_ERROR(this->OfImages.Extract(
+    ranks, *pieces,
     { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
       this->MakeRegion(), threads, &this->Averages },
-    request, [this](double share) { return this->TellProgress(share); });
-  ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
+    request, [this](double share) { return this->TellProgress(share); }, outcome));
   this->Averages.DropUnused();
-  outcome.Extracted = std::move(extracted->Extracted);
-  outcome.Arrays = std::move(extracted->Arrays);
-  outcome.Cost.Reading.ActiveBlocks = extracted->ActiveBlocks;
   return Status::Ok();
 }
 
@@ -341,7 +334,7 @@ Status ContourWork::CollectBlocks(
   SurfaceQuery query;
   query.Rank = piece;
   query.Ranks = pieces;
-  Outcome outcome;
+  ContourOutcome outcome;
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome, &blocks));
   return input ? this->CollectBlocksOfVolume(ranks, input, std::move(query), outcome, blocks)
                : this->CollectBlocksOfImages(ranks, inInfo, blocks);
@@ -370,7 +363,7 @@ Status ContourWork::UpdateInput(int piece, int pieces, const std::optional<doubl
 }
 
 Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input,
-  SurfaceQuery query, Outcome& outcome, ContourBlocks& blocks)
+  SurfaceQuery query, ContourOutcome& outcome, ContourBlocks& blocks)
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
   query.Selection.ClosedSides = {};

@@ -43,16 +43,8 @@ public:
   explicit ContourWork(vtkStabbingContour& contour);
   static ContourWork& Of(vtkStabbingContour& contour);
 
-  /// Of one execution, on this rank.
-  struct Outcome : VolumeContour::Outcome
-  {
-    std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
-    std::string ArrayName;                 ///< of the contoured array
-    bool Final = true;                     ///< whether a progressive surface is at its last level
-  };
-
   /// This rank's piece of the surface. The caller has all ranks agree on the status. Collective.
-  Status Extract(vtkInformation* inInfo, vtkInformation* outInfo, Outcome& outcome);
+  Status Extract(vtkInformation* inInfo, vtkInformation* outInfo, ContourOutcome& outcome);
 
   /// See CollectContourBlocks.
   Status CollectBlocks(
@@ -104,15 +96,14 @@ private:
   /// all go the same way. `query` is made for a volume alone. `blocks`: those that are asked for, if
   /// not a surface. Collective.
   Status AgreeOnQuery(const VolumeInput& input, Communicator& ranks, SurfaceQuery& query,
-    Outcome& outcome, const ContourBlocks* blocks);
+    ContourOutcome& outcome, const ContourBlocks* blocks);
   /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
-  Status MakeQuery(const VolumeInput& input, SurfaceQuery& query, Outcome& outcome);
+  Status MakeQuery(const VolumeInput& input, SurfaceQuery& query, ContourOutcome& outcome);
   /// A checksum of the properties that decide about the surface of all ranks, or about its blocks.
   std::uint64_t ComputeFingerprint(const SurfaceQuery& query, const ContourBlocks* blocks);
-  Status ExtractFromVolume(
-    const VolumeInput& input, const SurfaceQuery& query, vtkInformation* outInfo, Outcome& outcome);
-  Status ExtractOnce(const std::shared_ptr<BlockedVolume>& volume, const VolumeContour::Task& task,
-    Outcome& outcome);
+  Status ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& query,
+    vtkInformation* outInfo, ContourOutcome& outcome);
+  Status ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome);
   /// The finest level that this execution may extract. Collective.
   Result<int> ChoosePassLevel(
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
@@ -126,7 +117,7 @@ private:
   Status Prepare(const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice);
   /// What the next level takes, and the finest level that fits into memory. Collective.
   Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
-  Status ExtractFromImages(vtkInformation* inInfo, Outcome& outcome);
+  Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);
   /// The images of all ranks that are to be contoured. Collective.
   Result<ImagePieces> CollectPieces(
     Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
@@ -134,7 +125,7 @@ private:
   /// This rank alone knows its outcome.
   Status UpdateInput(int piece, int pieces, const std::optional<double>& time);
   Status CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input, SurfaceQuery query,
-    Outcome& outcome, ContourBlocks& blocks);
+    ContourOutcome& outcome, ContourBlocks& blocks);
   Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);
 
   vtkStabbingContour& Contour;

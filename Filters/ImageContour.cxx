@@ -101,10 +101,10 @@ Status ImageContour::Prepare(const ImagePieces& pieces, const Settings& settings
   return Status::Ok();
 }
 
-Result<ImageContour::Outcome> ImageContour::Extract(Communicator& ranks, const ImagePieces& pieces,
-  const Settings& settings, ContourRequest& request, const Progress& progress)
+Status ImageContour::Extract(Communicator& ranks, const ImagePieces& pieces,
+  const Settings& settings, ContourRequest& request, const Progress& progress,
+  ContourOutcome& outcome)
 {
-  Outcome outcome;
   Prepared prepared;
   const auto prepare = [&] { return this->Prepare(pieces, settings, prepared, outcome.Arrays); };
   ISOSURFACE_RETURN_IF_ERROR(
@@ -132,13 +132,13 @@ Result<ImageContour::Outcome> ImageContour::Extract(Communicator& ranks, const I
     };
     auto extracted = ExtractPiece(pieces, number, prepared, settings, request, advance);
     ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
-    outcome.ActiveBlocks += extracted->NumberOfBlocks;
+    outcome.Cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
     ShiftGlobalIds(firstIds[pieces.Pieces[number].Grid], *extracted);
     surfaces.push_back(std::move(*extracted));
   }
   this->Entries = std::move(prepared.Entries);
   outcome.Extracted = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
-  return outcome;
+  return Status::Ok();
 }
 
 } // namespace isosurface

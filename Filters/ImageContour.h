@@ -12,6 +12,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/Region.h"
+#include "Ranks/Query/LevelExtraction.h"
 #include "Surface/Contour/BlockRanges.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "Surface/Pieces/PieceLayers.h"
@@ -26,6 +27,14 @@ class vtkDataArray;
 
 namespace isosurface
 {
+
+/// Of one execution, on this rank.
+struct ContourOutcome : ExtractionOutcome
+{
+  std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
+  std::string ArrayName;                 ///< of the contoured array
+  bool Final = true;                     ///< whether a progressive surface is at its last level
+};
 
 /**
  * Isosurfaces of images in memory. The value ranges of their blocks, and magnitudes of vectors, are
@@ -43,13 +52,6 @@ public:
     CellAverages* Averages = nullptr; ///< of the arrays to interpolate; must be there
   };
 
-  struct Outcome
-  {
-    Surface Extracted;
-    std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
-    std::uint64_t ActiveBlocks = 0;
-  };
-
   /**
    * The surface of this rank's pieces. The request's attributes are set to what the arrays are; the
    * ids of several grids follow each other. Normals where pieces of a grid meet are those of the
@@ -58,8 +60,8 @@ public:
    * Errors: those of FindAttributes and BlockRanges::Compute; InvalidArgument for arrays that are
    * not of the same types in all images; Aborted when `progress` says so.
    */
-  Result<Outcome> Extract(Communicator& ranks, const ImagePieces& pieces, const Settings& settings,
-    ContourRequest& request, const Progress& progress);
+  Status Extract(Communicator& ranks, const ImagePieces& pieces, const Settings& settings,
+    ContourRequest& request, const Progress& progress, ContourOutcome& outcome);
 
 private:
   /// An array is known by its address and by when it or its image was modified.

@@ -56,7 +56,7 @@ std::vector<CommonValue> VolumeInput::MakeCommonValues() const
       "some ranks have a blocked volume at the input of the filter, and some have images" },
     this->Handle ? this->Handle->MakeCommonValue() : CommonValue{ 0, "" },
     { this->GetRequestedTime(), "the ranks ask for different time steps" },
-    { this->Handle && this->Handle->GetVolume() && this->GetVolume()->DealsBlocks() ? 1U : 0U,
+    { this->Handle && this->Handle->GetVolume() && this->GetVolume()->HasLocalStores() ? 1U : 0U,
       "LocalStores of the reader is not the same on all ranks" },
   };
 }

@@ -299,7 +299,7 @@ int vtkStabbingContour::RequestData(
   this->ReleaseInput(inInfo);
 
   isosurface::ControllerCommunicator ranks(this->Controller);
-  ContourWork::Outcome made;
+  isosurface::ContourOutcome made;
   Status status = this->Work->Extract(inInfo, output->GetInformationObject(0), made);
   if (isosurface::IsAborted(*this))
   {

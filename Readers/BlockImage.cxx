@@ -212,7 +212,7 @@ Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockB
 {
   const StoredLevel stored = volume.FindLevel(level);
   const BlockGrid& grid = *stored.Grid;
-  Result<std::vector<BlockReference>> blocks = volume.GetShare(timeStep, 0, 1, statistics, level);
+  Result<std::vector<BlockReference>> blocks = volume.ListBlocks(timeStep, statistics, level);
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   const auto isOutside = [&](const BlockReference& block)
   { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };

@@ -131,7 +131,7 @@ void vtkBlockedVolumeReader::SetLocalStores(bool local)
     this->LocalStores = local;
     if (this->Handle && this->Handle->GetVolume())
     {
-      this->Handle->GetVolume()->DealBlocks(!local);
+      this->Handle->GetVolume()->SetLocalStores(local);
     }
     this->Modified();
   }
@@ -211,7 +211,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
     vtkErrorMacro(<< volume.GetStatus().GetMessage());
     return false;
   }
-  (*volume)->DealBlocks(!this->LocalStores);
+  (*volume)->SetLocalStores(this->LocalStores);
   this->Handle->SetVolume(*volume);
   return true;
 }

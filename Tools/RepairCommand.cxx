@@ -4,7 +4,7 @@
 #include "ProgressDisplay.h"
 
 #include "Ground/Base/ParallelFor.h"
-#include "Storage/Writing/VolumeRepair.h"
+#include "Storage/Verification/VolumeRepair.h"
 
 #include <cstdio>
 #include <string>

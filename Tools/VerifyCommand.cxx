@@ -6,7 +6,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolume.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -74,7 +74,7 @@ Result<MeasuredVolume> MeasuredVolume::Read(const std::string& path, int threads
   auto volume = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   QueryStatistics statistics;
-  const auto blocks = (*volume)->GetShare(0, 0, 1, statistics);
+  const auto blocks = (*volume)->ListBlocks(0, statistics);
   const auto spectrum = (*volume)->GetSpectrum(0, 0);
   if (!blocks.IsOk() || !spectrum.IsOk())
   {

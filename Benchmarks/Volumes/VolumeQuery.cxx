@@ -2,6 +2,7 @@
 #include "Volumes/VolumeQuery.h"
 
 #include "Ranks/Query/StoredBlockSource.h"
+#include "Ranks/Sharing/QueryPlan.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
@@ -55,8 +56,8 @@ VolumeQuery MeasurePiece(const std::string& path, double isovalue, int rank, int
   auto opened = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
   BlockedVolume& volume = *Demand(opened);
   VolumeQuery query;
-  auto active = volume.FindActiveBlocks(0, 0, { isovalue }, rank, ranks, query.Statistics);
-  StoredBlockSource source(volume, 0, 0, 0, std::move(Demand(active)));
+  auto plan = PlanQuery(volume, { { 0, 0, { isovalue } }, rank, ranks }, 0, query.Statistics);
+  StoredBlockSource source(volume, 0, 0, 0, std::move(Demand(plan).Blocks));
   ContourRequest request;
   request.Isovalues = { isovalue };
   request.GlobalIds = true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Volumes/MeasuredVolume.h"
+#include "Fixtures/ActiveBlocks.h"
 #include "Volumes/LargeVolume.h"
 
 #include "Formats/Plain/RawVolume.h"
@@ -99,8 +100,8 @@ TEST_F(MeasuredVolumeTest, FindsTheLoadsOfVolumesThatAreWritten)
       for (std::size_t bin = 0; bin < loads.Bins.Count; bin += 100)
       {
         QueryStatistics statistics;
-        const auto active =
-          (*volume)->FindActiveBlocks(0, 0, { loads.Bins.GetEdge(bin) }, store, 6, statistics);
+        const auto active = FindActiveBlocks(
+          **volume, { { 0, 0, { loads.Bins.GetEdge(bin) } }, store, 6 }, statistics);
         ASSERT_TRUE(active.IsOk());
         EXPECT_EQ(active->size(), loads.Stores[store][bin].ActiveBlocks);
         BlockCache::GetProcessCache()->Clear();

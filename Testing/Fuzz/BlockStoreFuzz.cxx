@@ -125,9 +125,9 @@ void ReadBlocks(const BlockStore& store, const BlockedVolumeHeader& header, cons
         static_cast<std::size_t>(grid.GetGhostedVertices(*block, level).GetNumberOfVertices());
       for (std::size_t component = 0; component < types.size(); ++component)
       {
-        const auto decoded = store.Read(ordinal, *block, component, level, statistics);
+        const auto decoded = store.ReadAdjacent(ordinal, *block, component, 1, level, statistics);
         Require(!decoded.IsOk() ||
-            (*decoded)->Bytes.GetSize() == samples * GetValueSize(types[component]),
+            decoded->front()->Bytes.GetSize() == samples * GetValueSize(types[component]),
           "a decoded block has the samples of its box");
       }
       const auto all = store.ReadAdjacent(ordinal, *block, 0, types.size(), level, statistics);

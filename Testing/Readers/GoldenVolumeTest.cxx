@@ -19,7 +19,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include <array>
 #include <filesystem>

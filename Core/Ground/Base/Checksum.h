@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace isosurface
 {
@@ -13,6 +14,9 @@ namespace isosurface
  * block index): bytes that were written to a wrong place do not match their checksum there.
  */
 std::uint64_t ComputeChecksum(const void* bytes, std::size_t size, std::uint64_t seed = 0);
+
+/// A 64-bit checksum as 16 hexadecimal digits.
+std::string FormatChecksum(std::uint64_t checksum);
 
 } // namespace isosurface
 

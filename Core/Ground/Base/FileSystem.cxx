@@ -385,4 +385,23 @@ FileSystem& GetLocalFileSystem()
   return fileSystem;
 }
 
+Status CopyFile(
+  FileSystem& files, const std::string& from, FileSystem& toFiles, const std::string& to)
+{
+  constexpr std::uint64_t copiedBytes = std::uint64_t{ 1 } << 20;
+  const auto source = files.OpenForReading(from);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  const auto copy = toFiles.CreateForWriting(to);
+  ISOSURFACE_RETURN_IF_ERROR(copy.GetStatus());
+  const std::uint64_t size = (*source)->GetSize();
+  std::vector<std::uint8_t> bytes;
+  for (std::uint64_t begin = 0; begin < size; begin += bytes.size())
+  {
+    bytes.resize(static_cast<std::size_t>(std::min(copiedBytes, size - begin)));
+    ISOSURFACE_RETURN_IF_ERROR((*source)->Read(begin, bytes.size(), bytes.data()));
+    ISOSURFACE_RETURN_IF_ERROR((*copy)->Append(bytes.data(), bytes.size()));
+  }
+  return (*copy)->SyncAndClose();
+}
+
 } // namespace isosurface

@@ -118,6 +118,10 @@ public:
 /// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();
 
+/// Copies a file from one file system to another, or within one, and brings it to stable storage.
+Status CopyFile(
+  FileSystem& files, const std::string& from, FileSystem& toFiles, const std::string& to);
+
 } // namespace isosurface
 
 #endif

@@ -17,8 +17,9 @@ constexpr double PollSeconds = 0.02;
 
 } // namespace
 
-BackgroundExtraction::BackgroundExtraction(Job job)
-  : Work(std::move(job))
+BackgroundExtraction::BackgroundExtraction(ExtractionTask task, int level)
+  : Task(std::move(task))
+  , Level(level)
   , Thread([this] { this->Run(); })
 {
 }
@@ -32,16 +33,16 @@ BackgroundExtraction::~BackgroundExtraction()
 void BackgroundExtraction::Run()
 {
   LowerThreadPriority();
-  const ExtractionTask task = { *this->Work.Volume, this->Work.Query, this->Work.Request,
-    this->Work.Threads,
-    [this](double fraction)
-    {
-      this->Done = fraction;
-      return !this->Stopped;
-    } };
+  ExtractionTask task = this->Task;
+  task.Sharing = nullptr;
+  task.Advance = [this](double fraction)
+  {
+    this->Done = fraction;
+    return !this->Stopped;
+  };
   try
   {
-    this->EndStatus = ExtractLevel(task, this->Work.Choice.Level, this->Outcome);
+    this->EndStatus = ExtractLevel(task, this->Level, this->Outcome);
   }
   catch (const std::exception& error)
   {

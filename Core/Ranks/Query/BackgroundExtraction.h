@@ -8,7 +8,6 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -26,21 +25,14 @@ namespace isosurface
 class BackgroundExtraction
 {
 public:
-  struct Job
-  {
-    std::shared_ptr<BlockedVolume> Volume;
-    SurfaceQuery Query;
-    ContourRequest Request;
-    LevelChoice Choice; ///< its level is extracted
-    int Threads = 1;
-  };
-
-  explicit BackgroundExtraction(Job job);
+  /// Extracts a level. The task's progress is not called; blocks are not shared.
+  BackgroundExtraction(ExtractionTask task, int level);
   ~BackgroundExtraction();
   BackgroundExtraction(const BackgroundExtraction&) = delete;
   BackgroundExtraction& operator=(const BackgroundExtraction&) = delete;
 
-  const Job& GetJob() const { return this->Work; }
+  const ExtractionTask& GetTask() const { return this->Task; }
+  int GetLevel() const { return this->Level; }
 
   /// Asks it to stop, without waiting for that.
   void Stop() { this->Stopped = true; }
@@ -56,7 +48,8 @@ public:
 private:
   void Run();
 
-  const Job Work;
+  ExtractionTask Task;
+  const int Level;
   std::atomic<double> Done{ 0 };
   std::atomic<bool> Stopped{ false };
   std::mutex Mutex;

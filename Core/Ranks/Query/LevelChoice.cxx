@@ -23,17 +23,17 @@ Result<ActivePart> FindActivePart(
 {
   ActivePart part;
   part.Part = volume.FindLevel(level).Part;
-  auto blocks = volume.FindActiveBlocks(query.TimeStep, query.Variable, query.Isovalues, query.Rank,
-    query.Ranks, statistics, level, query.Selection);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  part.Blocks = std::move(*blocks);
+  auto plan = PlanQuery(volume, query, level, statistics);
+  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+  part.Blocks = std::move(plan->Blocks);
   if (!query.Selection.IsPlain())
   {
-    const auto all = volume.FindActiveBlocks(
-      query.TimeStep, query.Variable, query.Isovalues, query.Rank, query.Ranks, statistics, level);
+    SurfaceQuery whole = query;
+    whole.Selection = {};
+    const auto all = PlanQuery(volume, whole, level, statistics);
     ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
     part.SelectedShare = static_cast<double>(part.Blocks.size()) /
-      static_cast<double>(std::max<std::size_t>(1, all->size()));
+      static_cast<double>(std::max<std::size_t>(1, all->Blocks.size()));
   }
   return part;
 }

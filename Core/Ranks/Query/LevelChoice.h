@@ -4,14 +4,12 @@
 
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/BlockSelection.h"
 #include "Ranks/Query/ExtractionRate.h"
+#include "Ranks/Sharing/QueryPlan.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/QueryStatistics.h"
 
-#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace isosurface
 {
@@ -23,19 +21,6 @@ struct ExtractionBudget
   std::uint64_t Triangles = 0; ///< of all ranks and isovalues together; 0: no limit
 
   bool IsLimited() const { return this->Seconds > 0 || this->Triangles > 0; }
-};
-
-/// An isosurface of a blocked volume; equal on all ranks unless stated otherwise.
-struct SurfaceQuery
-{
-  std::size_t TimeStep = 0;
-  std::size_t Variable = 0;
-  std::vector<std::size_t> Attributes; ///< arrays to interpolate
-  std::vector<double> Isovalues;
-  BlockSelection Selection;
-  /// The share that this rank extracts; differs from rank to rank.
-  int Rank = 0;
-  int Ranks = 1;
 };
 
 /// The sum of BlockedVolume::EstimateTriangles over the isovalues, in the whole volume.
@@ -66,7 +51,7 @@ struct LevelChoice
  * from those that are not in the block cache, and from an equal share of the triangles.
  * Collective: each rank has its own rate; the slowest rank decides.
  *
- * Errors: of FindActiveBlocks and EstimateTriangles, on all ranks. Cost: FindActiveBlocks for the
+ * Errors: of PlanQuery and EstimateTriangles, on all ranks. Cost: PlanQuery for the
  * volume and the overviews that have a possible level, from the coarsest on, until one exceeds the
  * budget.
  */

@@ -11,19 +11,21 @@
 #include "Storage/Store/BlockedVolume.h"
 #include "Surface/Contour/Surface.h"
 
+#include <memory>
+
 namespace isosurface
 {
 
-/// What to extract of a blocked volume, and how. The references must outlive the extraction.
+/// What to extract of a blocked volume, and how.
 struct ExtractionTask
 {
-  BlockedVolume& Volume;
-  const SurfaceQuery& Query;
-  const ContourRequest& Request;
+  std::shared_ptr<BlockedVolume> Volume;
+  SurfaceQuery Query;
+  ContourRequest Request;
   int Threads = 1;
   Progress Advance;
   /// If given, ranks that are ready take blocks from the shares of others, where every rank reaches
-  /// every store (BlockedVolume::DealBlocks) and the query's ranks are those of the communicator.
+  /// every store (not BlockedVolume::HasLocalStores) and the query's ranks are the communicator's.
   /// What is extracted is the same in all, but which rank has which block may differ from call to
   /// call.
   Communicator* Sharing = nullptr;

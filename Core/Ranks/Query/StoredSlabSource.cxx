@@ -14,7 +14,7 @@ Result<std::unique_ptr<StoredSlabSource>> StoredSlabSource::Make(
   const std::vector<std::size_t>& arrays, int threads)
 {
   QueryStatistics statistics;
-  auto blocks = volume->GetShare(timeStep, 0, 1, statistics);
+  auto blocks = volume->ListBlocks(timeStep, statistics);
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   std::sort(blocks->begin(), blocks->end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });

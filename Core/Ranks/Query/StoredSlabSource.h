@@ -26,7 +26,7 @@ class StoredSlabSource : public SlabSource
 public:
   /// Of the volume's arrays those with the given numbers, in that order: a view for each component.
   /// Boxes are read on `threads` threads. Reads the directories of all stores; errors as
-  /// BlockedVolume::GetShare. Shares the volume.
+  /// BlockedVolume::ListBlocks. Shares the volume.
   static Result<std::unique_ptr<StoredSlabSource>> Make(std::shared_ptr<BlockedVolume> volume,
     std::size_t timeStep, const std::vector<std::size_t>& arrays, int threads);
 

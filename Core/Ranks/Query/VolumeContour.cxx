@@ -8,7 +8,8 @@
 namespace isosurface
 {
 
-Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome)
+Status VolumeContour::ExtractAtLevel(
+  const ExtractionTask& task, const LevelChoice& choice, ExtractionOutcome& outcome)
 {
   if (this->IsPrepared(task, choice.Level))
   {
@@ -38,12 +39,12 @@ Status VolumeContour::ExtractAtLevel(const Task& task, const LevelChoice& choice
   return Status::Ok();
 }
 
-bool VolumeContour::IsPrepared(const Task& task, int level) const
+bool VolumeContour::IsPrepared(const ExtractionTask& task, int level) const
 {
-  const BackgroundExtraction::Job* prepared = this->Prepared ? &this->Prepared->GetJob() : nullptr;
-  const bool isMine = prepared && prepared->Choice.Level == level &&
-    prepared->Query.Rank == task.Query.Rank && prepared->Query.Ranks == task.Query.Ranks &&
-    this->PreparedEpoch == task.Volume.GetFaultEpoch();
+  const SurfaceQuery* prepared = this->Prepared ? &this->Prepared->GetTask().Query : nullptr;
+  const bool isMine = prepared && this->Prepared->GetLevel() == level &&
+    prepared->Rank == task.Query.Rank && prepared->Ranks == task.Query.Ranks &&
+    this->PreparedEpoch == task.Volume->GetFaultEpoch();
   if (!task.Sharing)
   {
     return isMine;
@@ -54,12 +55,12 @@ bool VolumeContour::IsPrepared(const Task& task, int level) const
   return all.front() != 0;
 }
 
-void VolumeContour::Prepare(BackgroundExtraction::Job job)
+void VolumeContour::Prepare(ExtractionTask task, int level)
 {
   this->DropPrepared();
   this->Dropped.reset();
-  this->PreparedEpoch = job.Volume->GetFaultEpoch();
-  this->Prepared = std::make_unique<BackgroundExtraction>(std::move(job));
+  this->PreparedEpoch = task.Volume->GetFaultEpoch();
+  this->Prepared = std::make_unique<BackgroundExtraction>(std::move(task), level);
 }
 
 void VolumeContour::DropPrepared()
@@ -72,7 +73,7 @@ void VolumeContour::DropPrepared()
 }
 
 Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget,
-  const Task& task, int finest, Outcome& outcome)
+  const ExtractionTask& task, int finest, ExtractionOutcome& outcome)
 {
   QueryStatistics& reading = outcome.Cost.Reading;
   // A rank that has had no active blocks knows nothing yet, so that all have to agree.
@@ -83,15 +84,15 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
     this->HasProbed = true;
     // A coarse level costs little, and shows the speed of this machine.
     const auto probe = ChooseLevel(
-      task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);
+      *task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);
     ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
-    Outcome unused;
+    ExtractionOutcome unused;
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *probe, unused)));
     reading.Add(unused.Cost.Reading);
   }
-  auto choice = ChooseLevel(task.Volume, task.Query, finest, budget, this->Rate, ranks, reading);
+  auto choice = ChooseLevel(*task.Volume, task.Query, finest, budget, this->Rate, ranks, reading);
   ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
-  const int coarsest = task.Volume.GetNumberOfLevels() - 1;
+  const int coarsest = task.Volume->GetNumberOfLevels() - 1;
   while (true)
   {
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *choice, outcome)));
@@ -104,7 +105,7 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
     }
     // The estimate was too low.
     choice =
-      ChooseLevel(task.Volume, task.Query, choice->Level + 1, budget, this->Rate, ranks, reading);
+      ChooseLevel(*task.Volume, task.Query, choice->Level + 1, budget, this->Rate, ranks, reading);
     ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
     choice->Limit = LevelLimit::Triangles;
   }

@@ -21,21 +21,19 @@ namespace isosurface
 class VolumeContour
 {
 public:
-  using Task = ExtractionTask;
-  using Outcome = ExtractionOutcome;
-
   /// This rank's part of the surface at `choice.Level`, the prepared one if it is of that level and
   /// of the same share. Collective if the task shares blocks, else not. Errors: those of reading
   /// the volume; Aborted when the progress says so.
-  Status ExtractAtLevel(const Task& task, const LevelChoice& choice, Outcome& outcome);
+  Status ExtractAtLevel(
+    const ExtractionTask& task, const LevelChoice& choice, ExtractionOutcome& outcome);
 
   /// The same at the finest level, `finest` or coarser, that is expected to keep the budget. One
   /// that turns out to have more triangles is given up for the next. Collective.
-  Status ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget, const Task& task,
-    int finest, Outcome& outcome);
+  Status ExtractWithinBudget(Communicator& ranks, const ExtractionBudget& budget,
+    const ExtractionTask& task, int finest, ExtractionOutcome& outcome);
 
   /// Begins to extract a surface beside the calling thread, in place of an earlier one.
-  void Prepare(BackgroundExtraction::Job job);
+  void Prepare(ExtractionTask task, int level);
   /// Forgets the prepared surface, whose threads end soon afterwards. To be called when another
   /// volume or query is extracted next: that of a prepared surface is not compared.
   void DropPrepared();
@@ -46,7 +44,7 @@ public:
 
 private:
   /// Whether the prepared surface is that of the task; the same on all ranks that share blocks.
-  bool IsPrepared(const Task& task, int level) const;
+  bool IsPrepared(const ExtractionTask& task, int level) const;
 
   ExtractionRate Rate;
   bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed

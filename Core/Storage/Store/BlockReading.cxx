@@ -8,7 +8,7 @@ namespace isosurface
 
 void BlockReading::Announce(const std::vector<std::size_t>& variables)
 {
-  const ArrayVariables& all = this->Stores.GetVariables();
+  const ArrayVariables& all = this->Stores.GetLayout().GetVariables();
   for (const std::size_t variable : variables)
   {
     this->Announced.insert(variable);
@@ -29,8 +29,8 @@ void BlockReading::Announce(const std::vector<std::size_t>& variables)
 
 Result<std::shared_ptr<const DecodedBlock>> BlockReading::Get(std::size_t variable)
 {
-  const Variable& wanted = this->Stores.GetVariables()[variable];
-  if (this->Stores.IsInSource(this->Stored))
+  const Variable& wanted = this->Stores.GetLayout().GetVariables()[variable];
+  if (this->Stores.GetLayout().IsInSource(this->Stored))
   {
     // The cache has the chunks, of which a block is soon gathered again.
     return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array) : this->ReadComponent(variable);
@@ -107,7 +107,7 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::ReadComponent(std::siz
 /// Components that were not announced do not enter the cache, where they would displace others.
 Result<std::shared_ptr<const DecodedBlock>> BlockReading::MakeMagnitude(std::size_t array)
 {
-  const ArrayVariables& all = this->Stores.GetVariables();
+  const ArrayVariables& all = this->Stores.GetLayout().GetVariables();
   DecodedBlocks components;
   for (int number = 0; number < all.GetComponents(array); ++number)
   {

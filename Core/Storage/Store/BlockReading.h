@@ -49,7 +49,8 @@ private:
 
   BlockCacheKey MakeKey(std::size_t variable) const
   {
-    return this->Stores.MakeKey(this->Reference.Block, this->TimeStep, variable, this->Stored);
+    return this->Stores.GetLayout().MakeKey(
+      this->Reference.Block, this->TimeStep, variable, this->Stored);
   }
   bool IsCached(std::size_t variable) const
   {

@@ -200,10 +200,24 @@ Result<std::vector<std::uint32_t>> BlockStore::FindInside(
   return ordinals;
 }
 
+Result<BlockDirectoryEntry> BlockStore::FindEntry(
+  std::uint32_t ordinal, QueryStatistics& statistics) const
+{
+  return this->Directory->Read(
+    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
+}
+
+BlockStore::ByteRange BlockStore::FindRange(
+  const BlockDirectoryEntry& entry, std::size_t first, std::size_t count, int level) const
+{
+  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  return { entry.Offset + entry.FindSegment(first * levels),
+    entry.Offset + entry.FindSegment((first + count) * levels - static_cast<std::size_t>(level)) };
+}
+
 Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const
 {
-  const auto entry = this->Directory->Read(
-    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
+  const auto entry = this->FindEntry(ordinal, statistics);
   ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
   return entry->Block;
 }
@@ -213,19 +227,10 @@ Status BlockStore::MakeError(StatusCode code, const std::string& reason) const
   return Status(code, this->Blocks->GetPath() + ": " + reason);
 }
 
-Result<std::shared_ptr<const DecodedBlock>> BlockStore::Read(std::uint32_t ordinal,
-  std::int64_t block, std::size_t variable, int level, QueryStatistics& statistics) const
-{
-  auto blocks = this->ReadAdjacent(ordinal, block, variable, 1, level, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  return blocks->front();
-}
-
 Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64_t block,
   std::size_t first, std::size_t count, int level, QueryStatistics& statistics) const
 {
-  const auto entry = this->Directory->Read(
-    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
+  const auto entry = this->FindEntry(ordinal, statistics);
   ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
   if (entry->Block != block)
   {
@@ -239,10 +244,8 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
     // All components but the last one are read up to level 0.
     ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, variable, variable == last ? level : 0));
   }
-  const std::uint64_t begin = entry->FindSegment(first * levels);
-  const std::uint64_t size =
-    entry->FindSegment(last * levels + levels - static_cast<std::size_t>(level)) - begin;
-  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  const ByteRange range = this->FindRange(*entry, first, count, level);
+  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(range.End - range.Begin));
   if (this->Source)
   {
     ISOSURFACE_RETURN_IF_ERROR(
@@ -250,16 +253,15 @@ Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64
   }
   else
   {
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->Blocks->Read(entry->Offset + begin, bytes.GetSize(), bytes.GetData()));
+    ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Read(range.Begin, bytes.GetSize(), bytes.GetData()));
     ++statistics.BlocksRead;
-    statistics.BytesRead += size;
+    statistics.BytesRead += bytes.GetSize();
   }
   DecodedBlocks blocks;
   for (std::size_t variable = first; variable <= last; ++variable)
   {
-    auto decoded = this->Decode(
-      *entry, variable, level, bytes.GetData() + (entry->FindSegment(variable * levels) - begin));
+    const std::uint64_t segment = entry->Offset + entry->FindSegment(variable * levels);
+    auto decoded = this->Decode(*entry, variable, level, bytes.GetData() + (segment - range.Begin));
     ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
     blocks.push_back(std::move(*decoded));
   }
@@ -287,16 +289,12 @@ std::optional<BlockStore::ByteRange> BlockStore::FindAdjacent(
   std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const
 {
   QueryStatistics statistics;
-  const auto entry = this->Directory->Read(
-    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
+  const auto entry = this->FindEntry(ordinal, statistics);
   if (!entry.IsOk() || this->Source)
   {
     return std::nullopt;
   }
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  const std::size_t last = first + count - 1;
-  return ByteRange{ entry->Offset + entry->FindSegment(first * levels),
-    entry->Offset + entry->FindSegment(last * levels + levels - static_cast<std::size_t>(level)) };
+  return this->FindRange(*entry, first, count, level);
 }
 
 void BlockStore::Prefetch(const std::vector<ByteRange>& ranges) const

@@ -63,8 +63,6 @@ public:
     const BlockedVolumeHeader& header, const StoreDescription& description,
     std::shared_ptr<SourceSamples> source = nullptr);
 
-  bool IsInPlace() const { return this->Source != nullptr; }
-
   std::uint64_t GetNumberOfBlocks() const { return this->Directory->GetCount(); }
 
   /// The ordinals of the blocks that an isosurface of one of the isovalues crosses, ascending.
@@ -79,13 +77,9 @@ public:
   /// The grid's index of a block.
   Result<std::int64_t> FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const;
 
-  /// Reads one component of a block up to a level by one read, and decodes it. Corrupt if another
-  /// block has the ordinal.
-  Result<std::shared_ptr<const DecodedBlock>> Read(std::uint32_t ordinal, std::int64_t block,
-    std::size_t variable, int level, QueryStatistics& statistics) const;
-
-  /// The same for the components [first, first + count), by one contiguous read: at a level above 0
-  /// it includes the finer levels of all components but the last one.
+  /// Reads the components [first, first + count) of a block up to a level, by one contiguous read,
+  /// which at a level above 0 includes the finer levels of all components but the last one; and
+  /// decodes them. Corrupt if another block has the ordinal.
   Result<DecodedBlocks> ReadAdjacent(std::uint32_t ordinal, std::int64_t block, std::size_t first,
     std::size_t count, int level, QueryStatistics& statistics) const;
 
@@ -108,6 +102,10 @@ private:
   BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header,
     const StoreDescription& description);
   Result<const ExternalIntervalTree*> GetTree(std::size_t variable);
+  Result<BlockDirectoryEntry> FindEntry(std::uint32_t ordinal, QueryStatistics& statistics) const;
+  /// The bytes of components in a record, up to a level of the last one.
+  ByteRange FindRange(
+    const BlockDirectoryEntry& entry, std::size_t first, std::size_t count, int level) const;
   Status MakeError(StatusCode code, const std::string& reason) const;
   Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
   /// The segments of the components [first, first + count), which are in the source.

@@ -1,72 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/BlockedVolume.h"
 
+#include "Ground/Base/Stopwatch.h"
+#include "Ground/Base/WithinMemory.h"
 #include "Storage/Store/BlockReading.h"
-#include "Storage/Store/BlockSearch.h"
 #include "Storage/Store/VolumeStores.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
-#include <new>
-#include <stdexcept>
 #include <utility>
 
 namespace isosurface
 {
-namespace
+BlockedVolume::BlockedVolume(VolumeLayout layout, FileSystem& files,
+  const std::shared_ptr<BlockCache>& cache, VolumeOpener opener)
+  : VolumeLayout(std::move(layout))
+  , Cache(cache)
+  , Stores(std::make_unique<VolumeStores>(*this, files, cache, opener))
 {
-
-/// Adds the seconds of its lifetime to a sum.
-class Stopwatch
-{
-public:
-  explicit Stopwatch(double& sum)
-    : Sum(sum)
-  {
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-  ~Stopwatch()
-  {
-    this->Sum +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
-  }
-
-private:
-  double& Sum;
-  std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
-};
-
-/// Runs a step. That there is not enough memory for it is an error like others, so that all ranks
-/// can be told.
-template <typename Step>
-auto RunWithinMemory(const std::string& path, const Step& step) -> decltype(step())
-{
-  const char* const reason = ": there is not enough memory to read it";
-  try
-  {
-    return step();
-  }
-  catch (const std::bad_alloc&)
-  {
-    return Status(StatusCode::OutOfMemory, path + reason);
-  }
-  catch (const std::length_error&) // more than any memory has
-  {
-    return Status(StatusCode::OutOfMemory, path + reason);
-  }
-}
-
-} // namespace
-
-BlockedVolume::BlockedVolume(
-  std::unique_ptr<VolumeStores> stores, std::shared_ptr<BlockCache> cache)
-  : Stores(std::move(stores))
-  , Cache(std::move(cache))
-{
-  for (const VolumePart& part : this->Stores->GetParts())
+  for (const VolumePart& part : this->GetParts())
   {
     for (const std::uint64_t identity : part.Identities)
     {
@@ -77,7 +30,7 @@ BlockedVolume::BlockedVolume(
 
 BlockedVolume::~BlockedVolume()
 {
-  for (const VolumePart& part : this->Stores->GetParts())
+  for (const VolumePart& part : this->GetParts())
   {
     for (const std::uint64_t identity : part.Identities)
     {
@@ -89,62 +42,16 @@ BlockedVolume::~BlockedVolume()
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& path,
   FileSystem& fileSystem, std::shared_ptr<BlockCache> cache, VolumeOpener opener)
 {
-  return RunWithinMemory(path,
+  return RunWithinMemory(path, NoMemoryReason,
     [&]() -> Result<std::shared_ptr<BlockedVolume>>
     {
       auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
       ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
       const auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-      auto stores =
-        std::make_unique<VolumeStores>(path, fileSystem, std::move(*text), *header, cache, opener);
-      return std::shared_ptr<BlockedVolume>(new BlockedVolume(std::move(stores), std::move(cache)));
+      return std::shared_ptr<BlockedVolume>(
+        new BlockedVolume({ path, std::move(*text), *header }, fileSystem, cache, opener));
     });
-}
-
-const std::string& BlockedVolume::GetPath() const
-{
-  return this->Stores->GetPath();
-}
-
-const BlockedVolumeHeader& BlockedVolume::GetHeader() const
-{
-  return this->Stores->GetHeader();
-}
-
-std::uint64_t BlockedVolume::GetFingerprint() const
-{
-  return this->Stores->GetFingerprint();
-}
-
-const ArrayVariables& BlockedVolume::GetVariables() const
-{
-  return this->Stores->GetVariables();
-}
-
-const BlockGrid& BlockedVolume::GetBlockGrid() const
-{
-  return this->Stores->GetParts().front().Grid;
-}
-
-int BlockedVolume::GetNumberOfLevels() const
-{
-  return this->Stores->GetNumberOfLevels();
-}
-
-StoredLevel BlockedVolume::FindLevel(int level) const
-{
-  return this->Stores->FindLevel(level);
-}
-
-const GridLines* BlockedVolume::GetLines(int level) const
-{
-  return this->Stores->GetLines(level);
-}
-
-int BlockedVolume::GetSpectrumLevel(int level) const
-{
-  return level - this->FindLevel(level).Level;
 }
 
 Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t variable, int level) const
@@ -160,49 +67,62 @@ Status BlockedVolume::CheckArguments(std::size_t timeStep, std::size_t variable,
   return Status::Ok();
 }
 
-Status BlockedVolume::CheckRank(int rank, int ranks) const
+Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(
+  const BlockQuery& query, const StoreSpan& span, int level, QueryStatistics& statistics)
 {
-  if (rank < 0 || rank >= ranks)
-  {
-    return Status(StatusCode::InvalidArgument,
-      this->GetPath() + ": there is no rank " + std::to_string(rank) + " of " +
-        std::to_string(ranks));
-  }
-  return Status::Ok();
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(query.TimeStep, query.Variable, level));
+  return RunWithinMemory(this->GetPath(), NoMemoryReason,
+    [&]() -> Result<std::vector<BlockReference>>
+    {
+      const StoreReplica replica = { static_cast<std::uint32_t>(query.TimeStep),
+        this->FindLevel(level).Part, span.Store, span.Replica };
+      auto found = this->Stores->ReadReplicas(replica, StoreFault::Whole,
+        [&](BlockStore& store)
+        { return isosurface::FindActiveBlocks(store, *this, query, span, level, statistics); });
+      if (!found.IsOk())
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->Stores->CheckNotRewritten(query.TimeStep));
+      }
+      return found;
+    });
 }
 
-Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(std::size_t timeStep,
-  std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
-  QueryStatistics& statistics, int level, const BlockSelection& selection)
-{
-  const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, this->AreBlocksDealt, statistics);
-  return RunWithinMemory(
-    this->GetPath(), [&] { return search.FindActive(variable, isovalues, selection); });
-}
-
-Result<std::vector<std::vector<BlockReference>>> BlockedVolume::FindActiveShares(
-  std::size_t timeStep, std::size_t variable, const std::vector<double>& isovalues, int rank,
-  int ranks, QueryStatistics& statistics, int level, const BlockSelection& selection)
-{
-  const Stopwatch stopwatch(statistics.QuerySeconds);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, true, statistics);
-  return RunWithinMemory(
-    this->GetPath(), [&] { return search.FindActiveShares(variable, isovalues, selection); });
-}
-
-Result<std::vector<BlockReference>> BlockedVolume::GetShare(
-  std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level)
+Result<std::vector<BlockReference>> BlockedVolume::ListBlocks(
+  std::size_t timeStep, QueryStatistics& statistics, int level)
 {
   const Stopwatch stopwatch(statistics.QuerySeconds);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, 0, level));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckRank(rank, ranks));
-  BlockSearch search(*this->Stores, timeStep, level, rank, ranks, false, statistics);
-  return RunWithinMemory(this->GetPath(), [&] { return search.FindAll(); });
+  return RunWithinMemory(this->GetPath(), NoMemoryReason,
+    [&]() -> Result<std::vector<BlockReference>>
+    {
+      StoreReplica replica;
+      replica.TimeStep = static_cast<std::uint32_t>(timeStep);
+      replica.Part = this->FindLevel(level).Part;
+      const BlockedVolumeHeader& header = this->GetParts()[replica.Part].Header;
+      std::vector<BlockReference> blocks;
+      for (; replica.Store < header.NumberOfStores; ++replica.Store)
+      {
+        replica.Replica = this->GetFaults().FindBest(replica, header.NumberOfReplicas).front();
+        const auto all = this->Stores->ReadReplicas(replica, StoreFault::Whole,
+          [&](BlockStore& store)
+          { return isosurface::ListBlocks(store, replica.Store, replica.Part, statistics); });
+        ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+        blocks.insert(blocks.end(), all->begin(), all->end());
+      }
+      return blocks;
+    });
+}
+
+Result<StoreWork> BlockedVolume::FindStoreWork(const BlockQuery& query, int level)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(query.TimeStep, query.Variable, level));
+  return RunWithinMemory(this->GetPath(), NoMemoryReason,
+    [&] { return this->Stores->FindStoreWork(query, this->FindLevel(level).Part); });
+}
+
+const StoreFaults& BlockedVolume::GetFaults() const
+{
+  return this->Stores->GetFaults();
 }
 
 Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
@@ -219,7 +139,7 @@ void BlockedVolume::Expect(const std::vector<BlockReference>& blocks, std::size_
 {
   const StoredLevel stored = this->FindLevel(level);
   std::vector<BlockCacheKey> keys;
-  if (this->Stores->IsInSource(stored))
+  if (this->IsInSource(stored))
   {
     // Chunks are in the cache, not blocks; the last ones that were used are needed next.
     this->Cache->Expect(keys);
@@ -230,7 +150,7 @@ void BlockedVolume::Expect(const std::vector<BlockReference>& blocks, std::size_
   {
     for (const std::size_t variable : variables)
     {
-      keys.push_back(this->Stores->MakeKey(block.Block, timeStep, variable, stored));
+      keys.push_back(this->MakeKey(block.Block, timeStep, variable, stored));
     }
   }
   this->Cache->Expect(keys);
@@ -240,7 +160,7 @@ bool BlockedVolume::IsCached(
   const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level) const
 {
   const StoredLevel stored = this->FindLevel(level);
-  return this->Cache->Contains(this->Stores->MakeKey(reference.Block, timeStep, variable, stored));
+  return this->Cache->Contains(this->MakeKey(reference.Block, timeStep, variable, stored));
 }
 
 void BlockedVolume::Prefetch(const std::vector<BlockReference>& blocks, std::size_t begin,
@@ -252,17 +172,17 @@ void BlockedVolume::Prefetch(const std::vector<BlockReference>& blocks, std::siz
   {
     // Blocks of one store, each in the replica that it will be read from.
     const std::uint32_t number = blocks[begin].Store;
-    std::map<std::uint32_t, std::vector<const BlockReference*>> replicas;
+    std::map<StoreReplica, std::vector<const BlockReference*>> replicas;
     for (; begin < end && blocks[begin].Store == number; ++begin)
     {
-      const StoreReplica preferred = { static_cast<std::uint32_t>(timeStep), stored.Part, number,
+      StoreReplica replica = { static_cast<std::uint32_t>(timeStep), stored.Part, number,
         blocks[begin].Replica };
-      replicas[this->Stores->FindReplica(preferred, blocks[begin].Ordinal)].push_back(
-        &blocks[begin]);
+      replica.Replica = this->Stores->FindReplica(replica, blocks[begin].Ordinal);
+      replicas[replica].push_back(&blocks[begin]);
     }
     for (const auto& [replica, ofReplica] : replicas)
     {
-      const auto store = this->Stores->GetStore(timeStep, stored.Part, number, replica);
+      const auto store = this->Stores->GetStore(replica);
       if (store.IsOk())
       {
         this->Prefetch(**store, ofReplica, timeStep, variables, stored);
@@ -311,7 +231,7 @@ Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& referen
     ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   }
   const StoredLevel stored = this->FindLevel(level);
-  const VolumePart& part = this->Stores->GetParts()[stored.Part];
+  const VolumePart& part = this->GetParts()[stored.Part];
   if (reference.Part != stored.Part || reference.Store >= part.Header.NumberOfStores ||
     reference.Block < 0 || reference.Block >= part.Grid.GetNumberOfBlocks())
   {
@@ -319,7 +239,7 @@ Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& referen
       this->GetPath() + ": has no block " + std::to_string(reference.Block) + " in store " +
         std::to_string(reference.Store) + " at level " + std::to_string(level));
   }
-  return RunWithinMemory(this->GetPath(),
+  return RunWithinMemory(this->GetPath(), NoMemoryReason,
     [&]() -> Result<DecodedBlocks>
     {
       BlockReading reading(*this->Stores, *this->Cache, reference, timeStep, stored, statistics);
@@ -363,7 +283,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   std::size_t timeStep, std::size_t variable, int level)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
-  const auto spectra = RunWithinMemory(this->GetPath(),
+  const auto spectra = RunWithinMemory(this->GetPath(), NoMemoryReason,
     [&] { return this->Stores->GetSpectra(timeStep, this->FindLevel(level).Part); });
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   return (*spectra)->GetTotal(variable);
@@ -373,8 +293,8 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
   std::size_t timeStep, std::size_t variable, std::uint32_t store)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, 0));
-  const auto spectra =
-    RunWithinMemory(this->GetPath(), [&] { return this->Stores->GetSpectra(timeStep, 0); });
+  const auto spectra = RunWithinMemory(
+    this->GetPath(), NoMemoryReason, [&] { return this->Stores->GetSpectra(timeStep, 0); });
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   if (store >= this->GetHeader().NumberOfStores)
   {
@@ -401,7 +321,7 @@ Result<double> BlockedVolume::EstimateTriangles(
   };
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const StoredLevel stored = this->FindLevel(level);
-  const std::vector<VolumePart>& parts = this->Stores->GetParts();
+  const std::vector<VolumePart>& parts = this->GetParts();
   auto finer = count(level);
   if (!finer.IsOk() || stored.Level == 0)
   {

@@ -5,13 +5,13 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/BlockGrid.h"
-#include "Ground/Volume/BlockSelection.h"
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockReference.h"
-#include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/QueryStatistics.h"
+#include "Storage/Store/StoreFaults.h"
+#include "Storage/Store/StoreSearch.h"
+#include "Storage/Store/VolumeLayout.h"
 #include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <atomic>
@@ -38,20 +38,14 @@ struct StoreNews
  * store are opened when they are first needed. All functions may be called by several threads at
  * once, each with statistics of its own, to which the cost is added.
  *
- * P ranks share D stores: with P <= D, rank r takes the stores d with d mod P == r; with P > D, the
- * ranks r with r mod D == d share store d, and each takes a contiguous run of the blocks in the
- * order of their ordinals. With DealBlocks they share the active blocks instead. No rank needs
- * another one to know its share.
- *
- * Where several stores have each block (BlockedVolumeHeader::NumberOfReplicas), a query spreads the
- * blocks over them by the triangles of the stores: over the ranks that have the stores, or, where
- * every rank reaches every store, over the stores. A replica that is lost or damaged is noticed
- * when it is read, and another one is read instead, if this rank reaches one; results are the same.
+ * Where several stores have each block (BlockedVolumeHeader::NumberOfReplicas), a replica that is
+ * lost or damaged is noticed when it is read, and another one is read instead, if this rank reaches
+ * one; results are the same. Which rank reads which block is decided above (PlanQuery).
  *
  * Errors name file and reason: Corrupt, NotFound (a store is missing, or the volume was rewritten
  * since it was opened and must be opened anew), IoError.
  */
-class BlockedVolume
+class BlockedVolume : public VolumeLayout
 {
 public:
   /// Reads and checks the header. `opener`: for the samples of a volume in place, which are
@@ -65,56 +59,38 @@ public:
   BlockedVolume& operator=(const BlockedVolume&) = delete;
   ~BlockedVolume();
 
-  const std::string& GetPath() const;
-  const BlockedVolumeHeader& GetHeader() const;
-  /// Differs between volumes with different headers: other contents, another write (whose time
-  /// steps are in other folders), another number of time steps. It does not depend on the path.
-  std::uint64_t GetFingerprint() const;
-  /// The components and magnitudes that can be contoured and read.
-  const ArrayVariables& GetVariables() const;
-  /// The volume's own blocks, which have its finest levels.
-  const BlockGrid& GetBlockGrid() const;
-  /// Level l has every vertex whose coordinates are multiples of 2^l, wherever it is stored.
-  int GetNumberOfLevels() const;
-  /// `level` must be one of the volume's.
-  StoredLevel FindLevel(int level) const;
-  /// The lines of a level of a rectilinear grid, valid as long as this object; null of other grids.
-  const GridLines* GetLines(int level) const;
+  /// InvalidArgument unless the volume has the time step, the variable and the level.
+  Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
+  /// What follows the path in errors of a shortage of memory.
+  static constexpr const char* NoMemoryReason = ": there is not enough memory to read it";
+
+  /// Whether a rank may reach no other stores than its own, else every rank reaches every store.
+  /// Must be the same on all ranks. True at first.
+  void SetLocalStores(bool areLocal) { this->AreStoresLocal = areLocal; }
+  bool HasLocalStores() const { return this->AreStoresLocal; }
 
   /**
-   * Whether ranks share the active blocks of all stores (BlockDealing), for which every rank must
-   * reach every store: then each has about as many triangles as any other, whatever the numbers of
-   * ranks and stores. Cost: each rank queries the trees of all stores, and reads the directory
-   * pages of all active blocks. If there are more than 64 stores, and at least as many as ranks,
-   * ranks share whole stores nevertheless. Off at first. Must be the same on all ranks.
-   */
-  void DealBlocks(bool dealt) { this->AreBlocksDealt = dealt; }
-  bool DealsBlocks() const { return this->AreBlocksDealt; }
-
-  /**
-   * Finds the blocks of this rank's share that an isosurface of one of the isovalues crosses (some
-   * samples are >= the isovalue, some are not), sorted by store and ordinal, each once. They are
-   * those blocks that have the given level (FindLevel), and active at the finest level there,
-   * GetSpectrumLevel(); at a coarser one some may be empty. Cost: one tree query a store and
-   * isovalue, and the directory pages of the reported blocks.
+   * Finds the blocks of a store, or of a span of it, that an isosurface of one of the isovalues
+   * crosses (some samples are >= the isovalue, some are not), by ordinal. They are those blocks
+   * that have the given level (FindLevel), and active at the finest level there,
+   * GetSpectrumLevel(); at a coarser one some may be empty. Cost: one tree query an isovalue, and
+   * the directory pages of the reported blocks; QuerySeconds are for the caller to count. The store
+   * must be one of those that have the level.
    *
-   * A selection, of the grid of `level`, whose lines it need not have, adds blocks and leaves
-   * blocks out before ranks share them. Cost: the directory pages of all candidate blocks of the
-   * rank's stores; if sides are closed, also a range query of the trees for all blocks with samples
-   * inside.
+   * A selection adds blocks and leaves blocks out before the store is divided into spans. Cost: the
+   * directory pages of all candidate blocks of the store; if sides are closed, also a range query
+   * of the tree for all blocks with samples inside.
    */
-  Result<std::vector<BlockReference>> FindActiveBlocks(std::size_t timeStep, std::size_t variable,
-    const std::vector<double>& isovalues, int rank, int ranks, QueryStatistics& statistics,
-    int level = 0, const BlockSelection& selection = {});
+  Result<std::vector<BlockReference>> FindActiveBlocks(
+    const BlockQuery& query, const StoreSpan& span, int level, QueryStatistics& statistics);
 
-  /**
-   * The same of all ranks, for those that take blocks from each other's shares: by rank, the shares
-   * of dealt blocks, however many stores there are. Every rank must reach every store. `rank` is
-   * whose active blocks the statistics count.
-   */
-  Result<std::vector<std::vector<BlockReference>>> FindActiveShares(std::size_t timeStep,
-    std::size_t variable, const std::vector<double>& isovalues, int rank, int ranks,
-    QueryStatistics& statistics, int level = 0, const BlockSelection& selection = {});
+  /// All blocks that have a level, sorted by store and ordinal. Cost: the stores' directories.
+  Result<std::vector<BlockReference>> ListBlocks(
+    std::size_t timeStep, QueryStatistics& statistics, int level = 0);
+
+  /// What isosurfaces take of each store that has a level (VolumeStores::FindStoreWork).
+  Result<StoreWork> FindStoreWork(const BlockQuery& query, int level);
+  const StoreFaults& GetFaults() const;
 
   /**
    * Tells all ranks which replicas of stores were found to be lost or damaged since the last call.
@@ -125,11 +101,6 @@ public:
   StoreNews ShareStoreFaults(Communicator& ranks);
   /// Differs if ShareStoreFaults has learnt something: shares may be others then.
   std::uint64_t GetFaultEpoch() const { return this->FaultEpoch; }
-
-  /// This rank's share of all blocks that have a level, sorted by store and ordinal. Cost: the
-  /// directories of their stores.
-  Result<std::vector<BlockReference>> GetShare(
-    std::size_t timeStep, int rank, int ranks, QueryStatistics& statistics, int level = 0);
 
   /**
    * Returns one variable of a block at a level, decoded, with its ghost layer, from the block cache
@@ -162,9 +133,6 @@ public:
   /// The bytes of one variable of all blocks at a level, decoded, with ghost layers.
   std::uint64_t EstimateBytes(std::size_t variable, int level) const;
 
-  /// The finest level that is stored in the same blocks as this one; it has a spectrum.
-  int GetSpectrumLevel(int level) const;
-
   /// The spectrum of a variable in the whole volume at GetSpectrumLevel(level), read at the first
   /// call for a time step, then kept. All spectra of a variable have the same bins.
   Result<std::shared_ptr<const WorkloadSpectrum>> GetSpectrum(
@@ -183,16 +151,15 @@ public:
     std::size_t timeStep, std::size_t variable, double isovalue, int level);
 
 private:
-  BlockedVolume(std::unique_ptr<VolumeStores> stores, std::shared_ptr<BlockCache> cache);
-  Status CheckArguments(std::size_t timeStep, std::size_t variable, int level) const;
-  Status CheckRank(int rank, int ranks) const;
+  BlockedVolume(VolumeLayout layout, FileSystem& files, const std::shared_ptr<BlockCache>& cache,
+    VolumeOpener opener);
   /// Of blocks in one replica of a store.
   void Prefetch(const BlockStore& store, const std::vector<const BlockReference*>& blocks,
     std::size_t timeStep, const std::vector<std::size_t>& variables, const StoredLevel& stored);
 
-  std::unique_ptr<VolumeStores> Stores;
   std::shared_ptr<BlockCache> Cache;
-  std::atomic<bool> AreBlocksDealt{ false };
+  std::unique_ptr<VolumeStores> Stores;
+  std::atomic<bool> AreStoresLocal{ true };
   std::atomic<std::uint64_t> FaultEpoch{ 0 };
 };
 

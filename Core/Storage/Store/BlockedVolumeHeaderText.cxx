@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The text of a header: BlockedVolumeHeader::Format(), Parse() and Read().
+#include "Ground/Base/Checksum.h"
 #include "Storage/Record/BlockCompression.h"
 #include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/JsonDocument.h"
-#include "Storage/Store/SourceRecordText.h"
 
 #include <nlohmann/json.hpp>
 
@@ -16,6 +16,34 @@
 
 namespace isosurface
 {
+
+// How nlohmann_json formats them.
+static void to_json(Json& json, const StoreDescription& store)
+{
+  json = { { "blocks", store.Blocks }, { "bytes", store.Bytes },
+    { "checksum", FormatChecksum(store.Checksum) } };
+}
+
+static void to_json(Json& json, const OverviewDescription& overview)
+{
+  json = { { "numberOfLevels", overview.NumberOfLevels }, { "stores", overview.NumberOfStores } };
+}
+
+static void to_json(Json& json, const ArrayDescription& array)
+{
+  json = { { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
+    { "components", array.Components } };
+}
+
+static void to_json(Json& json, const SourceRecord& record)
+{
+  json = { { "path", record.Path }, { "absolutePath", record.AbsolutePath },
+    { "within", record.Within }, { "axes", record.Axes }, { "step", record.Step },
+    { "arrays", record.Arrays }, { "chunk", record.Chunk }, { "files", record.State.Files },
+    { "bytes", record.State.Bytes }, { "modified", record.State.Modified },
+    { "metadata", FormatChecksum(record.Metadata) } };
+}
+
 namespace
 {
 
@@ -23,68 +51,59 @@ constexpr const char* FormatName = "ScalableIsosurface blocked volume";
 constexpr std::int64_t MaximumCoordinate = BlockedVolumeHeader::MaximumCoordinate;
 constexpr std::int64_t MaximumStores = BlockedVolumeHeader::MaximumStores;
 
-template <std::size_t Size>
-void ReadNumbers(JsonMembers& members, const char* name, std::array<double, Size>& numbers)
+/// Reads an array of numbers, `reason` if isValid(json) is false for one.
+template <typename Numbers, typename IsValid>
+void ReadNumbers(JsonMembers& members, const char* name, Numbers& numbers, const IsValid& isValid,
+  const char* reason)
 {
-  const Json& array = members.GetArray(name, Size);
+  const Json& array = members.GetArray(name, numbers.size());
   for (std::size_t index = 0; index < array.size(); ++index)
   {
-    if (!array[index].is_number())
+    if (!isValid(array[index]))
     {
-      members.Fail(name, "is not an array of numbers");
+      members.Fail(name, reason);
       return;
     }
-    numbers[index] = array[index].get<double>();
+    array[index].get_to(numbers[index]);
   }
 }
 
-GridGeometry ReadGrid(JsonMembers& document, const std::string& path, Status& status)
+bool IsNumber(const Json& json)
 {
-  JsonMembers members(document.GetAny("grid"), path, "grid.", status);
+  return json.is_number();
+}
+
+GridGeometry ReadGrid(JsonMembers members)
+{
   GridGeometry grid;
-  const Json& extent = members.GetArray("extent", 6);
-  for (std::size_t index = 0; index < extent.size(); ++index)
+  const auto isCoordinate = [](const Json& json)
   {
-    const Json& coordinate = extent[index];
-    const bool isTooLarge = coordinate.is_number_unsigned() &&
-      coordinate.get<std::uint64_t>() > static_cast<std::uint64_t>(MaximumCoordinate);
-    if (!coordinate.is_number_integer() || isTooLarge)
-    {
-      members.Fail("extent", "is not an array of integers up to 2^40");
-      return grid;
-    }
-    grid.Extent[index] = coordinate.get<std::int64_t>();
-  }
-  ReadNumbers(members, "origin", grid.Origin);
-  ReadNumbers(members, "spacing", grid.Spacing);
-  ReadNumbers(members, "direction", grid.Direction);
+    return json.is_number_integer() &&
+      !(json.is_number_unsigned() &&
+        json.get<std::uint64_t>() > static_cast<std::uint64_t>(MaximumCoordinate));
+  };
+  ReadNumbers(
+    members, "extent", grid.Extent, isCoordinate, "is not an array of integers up to 2^40");
+  const char* const reason = "is not an array of numbers";
+  ReadNumbers(members, "origin", grid.Origin, IsNumber, reason);
+  ReadNumbers(members, "spacing", grid.Spacing, IsNumber, reason);
+  ReadNumbers(members, "direction", grid.Direction, IsNumber, reason);
   return grid;
 }
 
 /// The coordinates of a rectilinear grid, which has three lists of numbers; nothing of another
 /// grid.
-std::optional<GridLines> ReadLines(JsonMembers& document, const std::string& path, Status& status)
+std::optional<GridLines> ReadLines(JsonMembers members)
 {
-  const Json& grid = document.GetAny("grid");
-  if (!grid.is_object() || !grid.contains("coordinates"))
+  if (!members.Has("coordinates"))
   {
     return std::nullopt;
   }
-  JsonMembers members(grid, path, "grid.", status);
-  const Json& axes = members.GetArray("coordinates", 3);
   GridLines lines;
-  for (std::size_t axis = 0; axis < axes.size(); ++axis)
-  {
-    const Json& list = axes[axis];
-    if (!list.is_array() ||
-      !std::all_of(list.begin(), list.end(), [](const Json& line) { return line.is_number(); }))
-    {
-      members.Fail("coordinates", "is not three arrays of numbers");
-      return std::nullopt;
-    }
-    lines.Coordinates[axis] = list.get<std::vector<double>>();
-  }
-  return lines;
+  const auto isList = [](const Json& list)
+  { return list.is_array() && std::all_of(list.begin(), list.end(), IsNumber); };
+  ReadNumbers(members, "coordinates", lines.Coordinates, isList, "is not three arrays of numbers");
+  return members.IsOk() ? std::optional<GridLines>(lines) : std::nullopt;
 }
 
 void ReadBlocks(JsonMembers& members, BlockedVolumeHeader& header)
@@ -106,10 +125,8 @@ void ReadBlocks(JsonMembers& members, BlockedVolumeHeader& header)
   }
 }
 
-void ReadDistribution(
-  JsonMembers& document, const std::string& path, Status& status, BlockedVolumeHeader& header)
+void ReadDistribution(JsonMembers members, BlockedVolumeHeader& header)
 {
-  JsonMembers members(document.GetAny("distribution"), path, "distribution.", status);
   const auto method = FindDistribution(members.GetString("method"));
   if (!method)
   {
@@ -183,65 +200,70 @@ KeyRange ReadRange(JsonMembers& members, const Json& json, ValueType type)
   return { *minimum, *maximum };
 }
 
-std::vector<ArrayDescription> ReadArrays(JsonMembers& document, Status& status)
+std::vector<ArrayDescription> ReadArrays(JsonMembers& document)
 {
   std::vector<ArrayDescription> arrays;
   // All together: what is made of them has an entry for each component.
   std::int64_t left = BlockDirectory::MaximumSegments;
-  const Json& list = document.GetArray("arrays", JsonMembers::AnySize);
-  for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
-  {
-    JsonMembers members = document.GetElement("arrays", list, index);
-    ArrayDescription array;
-    array.Name = members.GetString("name");
-    const std::string typeName = members.GetString("type");
-    const auto type = FindValueType(typeName);
-    if (!type)
+  document.Visit("arrays", JsonMembers::AnySize,
+    [&](JsonMembers& members)
     {
-      members.Fail("type", "\"" + typeName + "\" is not known");
-    }
-    array.Type = type.value_or(ValueType::UInt8);
-    array.Components = static_cast<int>(members.GetInteger("components", 1, left));
-    left -= array.Components;
-    arrays.push_back(array);
-  }
+      ArrayDescription array;
+      array.Name = members.GetString("name");
+      const std::string typeName = members.GetString("type");
+      const auto type = FindValueType(typeName);
+      if (!type)
+      {
+        members.Fail("type", "\"" + typeName + "\" is not known");
+      }
+      array.Type = type.value_or(ValueType::UInt8);
+      array.Components = static_cast<int>(members.GetInteger("components", 1, left));
+      left -= array.Components;
+      arrays.push_back(array);
+    });
   return arrays;
 }
 
-std::vector<StoreDescription> ReadStores(
-  JsonMembers& members, std::uint32_t count, const Status& status)
+std::vector<StoreDescription> ReadStores(JsonMembers& members, std::uint32_t count)
 {
   std::vector<StoreDescription> stores;
-  const Json& list = members.GetArray("stores", count);
-  for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
-  {
-    JsonMembers store = members.GetElement("stores", list, index);
-    stores.push_back(
-      { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum") });
-  }
+  members.Visit("stores", count,
+    [&](JsonMembers& store)
+    {
+      stores.push_back(
+        { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum") });
+    });
   return stores;
 }
 
-std::vector<OverviewDescription> ReadOverviews(
-  JsonMembers& document, int largestNumberOfLevels, const Status& status)
+/// SourceRecord::Validate() checks the rest.
+SourceRecord ReadSource(JsonMembers members)
 {
-  std::vector<OverviewDescription> overviews;
-  const Json& list = document.GetArray("overviews", JsonMembers::AnySize);
-  for (std::size_t index = 0; index < list.size() && status.IsOk(); ++index)
+  constexpr std::int64_t maximum = std::numeric_limits<std::int64_t>::max();
+  SourceRecord record;
+  record.Path = members.GetString("path");
+  record.AbsolutePath = members.GetString("absolutePath");
+  record.Within = members.GetString("within");
+  record.Axes = members.GetString("axes");
+  record.Step = static_cast<std::size_t>(members.GetInteger("step", 0, SourceRecord::MaximumChunk));
+  record.Arrays.resize(members.GetArray("arrays", JsonMembers::AnySize).size());
+  ReadNumbers(
+    members, "arrays", record.Arrays, [](const Json& name) { return name.is_string(); },
+    "is not an array of strings");
+  const auto isSize = [](const Json& json)
   {
-    JsonMembers members = document.GetElement("overviews", list, index);
-    OverviewDescription overview;
-    overview.NumberOfLevels =
-      static_cast<int>(members.GetInteger("numberOfLevels", 1, largestNumberOfLevels));
-    overview.NumberOfStores =
-      static_cast<std::uint32_t>(members.GetInteger("stores", 1, MaximumStores));
-    overviews.push_back(overview);
-  }
-  return overviews;
+    return json.is_number_unsigned() &&
+      json.get<std::uint64_t>() <= static_cast<std::uint64_t>(SourceRecord::MaximumChunk);
+  };
+  ReadNumbers(members, "chunk", record.Chunk, isSize, "is not an array of numbers of vertices");
+  record.State.Files = members.GetUnsigned("files");
+  record.State.Bytes = members.GetUnsigned("bytes");
+  record.State.Modified = members.GetInteger("modified", -maximum, maximum);
+  record.Metadata = members.GetChecksum("metadata");
+  return record;
 }
 
-TimeStepDescription ReadTimeStep(
-  JsonMembers& members, const BlockedVolumeHeader& header, Status& status)
+TimeStepDescription ReadTimeStep(JsonMembers& members, const BlockedVolumeHeader& header)
 {
   TimeStepDescription step;
   if (!members.GetAny("time").is_null())
@@ -255,17 +277,16 @@ TimeStepDescription ReadTimeStep(
   {
     step.Ranges.push_back(ReadRange(members, ranges[variable], variables[variable].Type));
   }
-  step.Stores = ReadStores(members, header.NumberOfStores, status);
-  const Json& overviews = members.GetArray("overviews", header.Overviews.size());
-  for (std::size_t index = 0; index < overviews.size() && status.IsOk(); ++index)
-  {
-    JsonMembers overview = members.GetElement("overviews", overviews, index);
-    step.Overviews.push_back(ReadStores(overview, header.Overviews[index].NumberOfStores, status));
-  }
+  step.Stores = ReadStores(members, header.NumberOfStores);
+  members.Visit("overviews", header.Overviews.size(),
+    [&](JsonMembers& overview)
+    {
+      const OverviewDescription& described = header.Overviews[step.Overviews.size()];
+      step.Overviews.push_back(ReadStores(overview, described.NumberOfStores));
+    });
   if (members.Has("source"))
   {
-    JsonMembers source = members.GetObject("source");
-    step.Source = ReadSource(source);
+    step.Source = ReadSource(members.GetObject("source"));
   }
   return step;
 }
@@ -284,33 +305,21 @@ Json FormatRange(ValueType type, const KeyRange& range)
     });
 }
 
-Json FormatStores(const std::vector<StoreDescription>& stores)
-{
-  Json json = Json::array();
-  for (const StoreDescription& store : stores)
-  {
-    json.push_back({ { "blocks", store.Blocks }, { "bytes", store.Bytes },
-      { "checksum", FormatChecksum(store.Checksum) } });
-  }
-  return json;
-}
-
 Json FormatTimeStep(const TimeStepDescription& step, const ArrayVariables& variables)
 {
   Json json = { { "time", step.Time ? Json(*step.Time) : Json() }, { "folder", step.Folder },
-    { "ranges", Json::array() }, { "stores", FormatStores(step.Stores) },
-    { "overviews", Json::array() } };
+    { "ranges", Json::array() }, { "stores", step.Stores }, { "overviews", Json::array() } };
   for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
   {
     json["ranges"].push_back(FormatRange(variables[variable].Type, step.Ranges[variable]));
   }
   for (const std::vector<StoreDescription>& stores : step.Overviews)
   {
-    json["overviews"].push_back({ { "stores", FormatStores(stores) } });
+    json["overviews"].push_back({ { "stores", stores } });
   }
   if (step.Source)
   {
-    json["source"] = FormatSource(*step.Source);
+    json["source"] = *step.Source;
   }
   return json;
 }
@@ -343,18 +352,8 @@ std::string BlockedVolumeHeader::Format() const
   {
     document["compressionLevel"] = this->Compression.GetEffectiveLevel();
   }
-  document["arrays"] = Json::array();
-  for (const ArrayDescription& array : this->Arrays)
-  {
-    document["arrays"].push_back({ { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
-      { "components", array.Components } });
-  }
-  document["overviews"] = Json::array();
-  for (const OverviewDescription& overview : this->Overviews)
-  {
-    document["overviews"].push_back(
-      { { "numberOfLevels", overview.NumberOfLevels }, { "stores", overview.NumberOfStores } });
-  }
+  document["arrays"] = this->Arrays;
+  document["overviews"] = this->Overviews;
   const ArrayVariables variables = this->GetVariables();
   document["timeSteps"] = Json::array();
   for (const TimeStepDescription& step : this->TimeSteps)
@@ -372,10 +371,10 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   Status status;
   JsonMembers members(*document, path, "", status);
   BlockedVolumeHeader header;
-  header.Grid = ReadGrid(members, path, status);
-  header.Lines = ReadLines(members, path, status);
+  header.Grid = ReadGrid(members.GetObject("grid"));
+  header.Lines = ReadLines(members.GetObject("grid"));
   ReadBlocks(members, header);
-  ReadDistribution(members, path, status, header);
+  ReadDistribution(members.GetObject("distribution"), header);
   const std::string compression = members.GetString("compression");
   const auto codec = FindCodec(compression);
   header.Compression.Codec = codec.value_or(SegmentCodec::None);
@@ -383,14 +382,17 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   {
     header.Compression.Level = static_cast<int>(members.GetInteger("compressionLevel", 1, 99));
   }
-  header.Arrays = ReadArrays(members, status);
-  header.Overviews = ReadOverviews(members, GetMaximumNumberOfLevels(header.BlockSize), status);
-  const Json& steps = members.GetArray("timeSteps", JsonMembers::AnySize);
-  for (std::size_t index = 0; index < steps.size() && status.IsOk(); ++index)
-  {
-    JsonMembers step = members.GetElement("timeSteps", steps, index);
-    header.TimeSteps.push_back(ReadTimeStep(step, header, status));
-  }
+  header.Arrays = ReadArrays(members);
+  const int largestNumberOfLevels = GetMaximumNumberOfLevels(header.BlockSize);
+  members.Visit("overviews", JsonMembers::AnySize,
+    [&](JsonMembers& overview)
+    {
+      header.Overviews.push_back(
+        { static_cast<int>(overview.GetInteger("numberOfLevels", 1, largestNumberOfLevels)),
+          static_cast<std::uint32_t>(overview.GetInteger("stores", 1, MaximumStores)) });
+    });
+  members.Visit("timeSteps", JsonMembers::AnySize,
+    [&](JsonMembers& step) { header.TimeSteps.push_back(ReadTimeStep(step, header)); });
   ISOSURFACE_RETURN_IF_ERROR(status);
   if (!codec)
   {

@@ -63,16 +63,6 @@ bool IsPlainEnd(const std::string& text, std::size_t covered)
 
 } // namespace
 
-std::string FormatChecksum(std::uint64_t checksum)
-{
-  std::string text(16, '0');
-  for (std::size_t digit = 16; digit-- > 0; checksum >>= 4)
-  {
-    text[digit] = "0123456789abcdef"[checksum & 15];
-  }
-  return text;
-}
-
 bool IsUtf8(const std::string& text)
 {
   // Formatting leaves out the bytes that are not UTF-8, so only UTF-8 is read back unchanged.
@@ -155,18 +145,12 @@ void JsonMembers::Fail(const std::string& member, const std::string& reason)
 
 const Json& JsonMembers::GetAny(const char* member)
 {
-  if (!this->Object.is_object())
+  if (!this->Has(member))
   {
     this->Fail(member, "is missing");
     return Nothing;
   }
-  const auto found = this->Object.find(member);
-  if (found == this->Object.end())
-  {
-    this->Fail(member, "is missing");
-    return Nothing;
-  }
-  return *found;
+  return *this->Object.find(member);
 }
 
 bool JsonMembers::Has(const char* member) const
@@ -262,10 +246,16 @@ const Json& JsonMembers::GetArray(const char* member, std::size_t size)
   return value;
 }
 
-JsonMembers JsonMembers::GetElement(const char* member, const Json& array, std::size_t index)
+void JsonMembers::Visit(
+  const char* member, std::size_t size, const std::function<void(JsonMembers&)>& read)
 {
-  return JsonMembers(array[index], this->Path,
-    this->Where + member + "[" + std::to_string(index) + "].", this->Error);
+  const Json& array = this->GetArray(member, size);
+  for (std::size_t index = 0; index < array.size() && this->IsOk(); ++index)
+  {
+    JsonMembers element(array[index], this->Path,
+      this->Where + member + "[" + std::to_string(index) + "].", this->Error);
+    read(element);
+  }
 }
 
 } // namespace isosurface

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace isosurface
@@ -16,9 +17,6 @@ namespace isosurface
 /// Complete only where <nlohmann/json.hpp> is included: in the sources that format or parse a
 /// document, since it is slow to compile.
 using Json = nlohmann::json;
-
-/// A 64-bit checksum as 16 hexadecimal digits.
-std::string FormatChecksum(std::uint64_t checksum);
 
 /// Whether a text is UTF-8, so that a document can hold it.
 bool IsUtf8(const std::string& text);
@@ -61,8 +59,8 @@ public:
   const Json& GetArray(const char* member, std::size_t size);
   /// Any value; an error if the member is missing.
   const Json& GetAny(const char* member);
-  /// The members of element `index` of an array member.
-  JsonMembers GetElement(const char* member, const Json& array, std::size_t index);
+  /// Calls read(members) for each element of an array member, until an error.
+  void Visit(const char* member, std::size_t size, const std::function<void(JsonMembers&)>& read);
 
   static constexpr std::size_t AnySize = static_cast<std::size_t>(-1);
 

@@ -58,7 +58,7 @@ ReplicaState StoreFaults::FindState(
   const Keys& known, const StoreReplica& replica, std::int64_t ordinal)
 {
   const auto first = known.lower_bound({ replica, StoreFault::Whole });
-  if (first == known.end() || first->first < replica || replica < first->first)
+  if (first == known.end() || !(first->first == replica))
   {
     return ReplicaState::Sound;
   }
@@ -72,6 +72,26 @@ ReplicaState StoreFaults::GetState(
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   return FindState(isCommon ? this->Common : this->Known, replica, ordinal);
+}
+
+std::vector<std::uint32_t> StoreFaults::FindBest(StoreReplica store, std::uint32_t replicas) const
+{
+  std::vector<std::uint32_t> best;
+  auto bestState = ReplicaState::Lost;
+  for (store.Replica = 0; store.Replica < replicas; ++store.Replica)
+  {
+    const ReplicaState state = this->GetState(store, true);
+    if (state < bestState)
+    {
+      best.clear();
+      bestState = state;
+    }
+    if (state == bestState)
+    {
+      best.push_back(store.Replica);
+    }
+  }
+  return best;
 }
 
 bool StoreFaults::IsEmpty() const

@@ -31,6 +31,7 @@ struct StoreReplica
     return std::tie(this->TimeStep, this->Part, this->Store, this->Replica) <
       std::tie(other.TimeStep, other.Part, other.Store, other.Replica);
   }
+  bool operator==(const StoreReplica& other) const { return !(*this < other || other < *this); }
 };
 
 /// What is wrong with a replica.
@@ -68,6 +69,9 @@ public:
   /// What is known of a replica, or of one of its blocks. `isCommon`: by all ranks.
   ReplicaState GetState(
     const StoreReplica& replica, bool isCommon, std::int64_t ordinal = StoreFault::Whole) const;
+  /// The replicas of a store that all ranks know to be sound, of `replicas` that there are; else the
+  /// best.
+  std::vector<std::uint32_t> FindBest(StoreReplica store, std::uint32_t replicas) const;
   /// Whether there is a fault at all, so that most queries need no look at each block.
   bool IsEmpty() const;
 

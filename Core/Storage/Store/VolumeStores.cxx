@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/VolumeStores.h"
 
-#include "Ground/Base/Checksum.h"
-#include "Storage/Store/JsonDocument.h"
 #include "Storage/Store/SourceSamples.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 namespace isosurface
@@ -17,19 +13,6 @@ namespace
 
 /// Each has a few files open; a process may have about a thousand.
 constexpr std::size_t MaximumOpenStores = 64;
-
-/// Identifies the contents of a time step.
-std::uint64_t ComputeIdentity(const std::string& path, const TimeStepDescription& step)
-{
-  std::error_code error;
-  const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, error);
-  std::string text = (error ? path : canonical.string()) + "\n" + step.Folder;
-  for (const StoreDescription& store : step.Stores)
-  {
-    text += FormatChecksum(store.Checksum);
-  }
-  return ComputeChecksum(text.data(), text.size());
-}
 
 bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
 {
@@ -44,68 +27,25 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
 
 } // namespace
 
-VolumeStores::VolumeStores(std::string path, FileSystem& files, std::string text,
-  const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache, VolumeOpener opener)
-  : Path(std::move(path))
+VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
+  std::shared_ptr<BlockCache> cache, VolumeOpener opener)
+  : Layout(layout)
   , Files(files)
-  , HeaderText(std::move(text))
   , Cache(std::move(cache))
   , Opener(opener)
-  , Fingerprint(ComputeChecksum(HeaderText.data(), HeaderText.size()))
-  , Variables(header.GetVariables())
-  , Sources(header.TimeSteps.size())
+  , Sources(layout.GetHeader().TimeSteps.size())
+  , Spectra(layout.GetParts().size())
 {
-  this->AddPart(header);
-  for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
+  for (std::vector<std::shared_ptr<const VolumeSpectra>>& ofPart : this->Spectra)
   {
-    this->AddPart(header.MakeOverview(overview));
+    ofPart.resize(this->Sources.size());
   }
-  for (int level = 0; header.Lines && level < this->GetNumberOfLevels(); ++level)
-  {
-    this->Lines.push_back(header.Lines->Coarsen(level));
-  }
-}
-
-void VolumeStores::AddPart(const BlockedVolumeHeader& header)
-{
-  VolumePart part;
-  part.FirstLevel = this->Parts.empty() ? 0 : this->GetNumberOfLevels();
-  part.Header = header;
-  part.Grid = header.GetBlockGrid();
-  for (const TimeStepDescription& step : header.TimeSteps)
-  {
-    part.Identities.push_back(ComputeIdentity(this->Path, step));
-  }
-  this->Parts.push_back(std::move(part));
-  this->Spectra.emplace_back(header.TimeSteps.size());
-}
-
-int VolumeStores::GetNumberOfLevels() const
-{
-  return this->Parts.back().FirstLevel + this->Parts.back().Grid.GetNumberOfLevels();
-}
-
-StoredLevel VolumeStores::FindLevel(int level) const
-{
-  std::uint32_t part = 0;
-  while (part + 1 < this->Parts.size() && this->Parts[part + 1].FirstLevel <= level)
-  {
-    ++part;
-  }
-  return { part, level - this->Parts[part].FirstLevel, &this->Parts[part].Grid };
-}
-
-BlockCacheKey VolumeStores::MakeKey(
-  std::int64_t block, std::size_t timeStep, std::size_t variable, const StoredLevel& stored) const
-{
-  return { this->Parts[stored.Part].Identities[timeStep], block,
-    static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(stored.Level) };
 }
 
 Status VolumeStores::CheckNotRewritten(std::size_t timeStep) const
 {
-  const auto text = BlockedVolumeHeader::ReadText(this->Files, this->Path);
-  if (text.IsOk() && *text == this->HeaderText)
+  const auto text = BlockedVolumeHeader::ReadText(this->Files, this->Layout.GetPath());
+  if (text.IsOk() && *text == this->Layout.GetHeaderText())
   {
     return Status::Ok();
   }
@@ -117,8 +57,8 @@ Status VolumeStores::CheckNotRewritten(std::size_t timeStep) const
   if (text.IsOk())
   {
     // Other time steps may have been appended meanwhile.
-    const auto header = BlockedVolumeHeader::Parse(*text, this->Path);
-    const TimeStepDescription& opened = this->GetHeader().TimeSteps[timeStep];
+    const auto header = BlockedVolumeHeader::Parse(*text, this->Layout.GetPath());
+    const TimeStepDescription& opened = this->Layout.GetHeader().TimeSteps[timeStep];
     if (header.IsOk() &&
       std::any_of(header->TimeSteps.begin(), header->TimeSteps.end(),
         [&](const TimeStepDescription& step) { return HasSameContents(step, opened); }))
@@ -126,15 +66,15 @@ Status VolumeStores::CheckNotRewritten(std::size_t timeStep) const
       return Status::Ok();
     }
   }
-  return Status(
-    StatusCode::NotFound, this->Path + ": was rewritten or removed since it was opened; reload it");
+  return Status(StatusCode::NotFound,
+    this->Layout.GetPath() + ": was rewritten or removed since it was opened; reload it");
 }
 
 void VolumeStores::ReplicaErrors::Add(
   std::uint32_t replica, std::int64_t ordinal, const Status& error)
 {
   this->Errors.push_back(error);
-  const BlockedVolumeHeader& header = this->Stores.Parts[this->Preferred.Part].Header;
+  const BlockedVolumeHeader& header = this->Stores.Layout.GetParts()[this->Preferred.Part].Header;
   this->IsFinal = header.NumberOfReplicas == 1 || error.GetCode() == StatusCode::OutOfMemory ||
     error.GetCode() == StatusCode::Aborted;
   if (this->IsFinal)
@@ -163,7 +103,7 @@ void VolumeStores::ReplicaErrors::Add(
   const std::uint32_t stores = header.NumberOfStores;
   const std::uint32_t host = FindHost(this->Preferred.Store, replica, stores);
   const std::string& folder = header.TimeSteps[this->Preferred.TimeStep].Folder;
-  if (!this->Stores.Files.Exists(GetStoreFolder(this->Stores.Path, folder, host)))
+  if (!this->Stores.Files.Exists(GetStoreFolder(this->Stores.Layout.GetPath(), folder, host)))
   {
     for (std::uint32_t lost = 0; lost < header.NumberOfReplicas; ++lost)
     {
@@ -205,7 +145,7 @@ Status VolumeStores::ReplicaErrors::Join() const
 std::vector<std::uint32_t> VolumeStores::OrderReplicas(
   const StoreReplica& preferred, std::int64_t ordinal) const
 {
-  const std::uint32_t count = this->Parts[preferred.Part].Header.NumberOfReplicas;
+  const std::uint32_t count = this->Layout.GetParts()[preferred.Part].Header.NumberOfReplicas;
   std::vector<std::uint32_t> order;
   for (std::uint32_t next = 0; next < count; ++next)
   {
@@ -232,13 +172,13 @@ std::string VolumeStores::DescribeNews(const std::vector<StoreFault>& news)
   for (const StoreFault& fault : news)
   {
     const std::uint32_t part = fault.Where.Part;
-    if (part >= this->Parts.size() || fault.Where.Store == StoreReplica::Spectra)
+    if (part >= this->Layout.GetParts().size() || fault.Where.Store == StoreReplica::Spectra)
     {
       // Spectra balance the work, no more.
       continue;
     }
-    const std::uint32_t host =
-      FindHost(fault.Where.Store, fault.Where.Replica, this->Parts[part].Header.NumberOfStores);
+    const std::uint32_t host = FindHost(
+      fault.Where.Store, fault.Where.Replica, this->Layout.GetParts()[part].Header.NumberOfStores);
     if (this->ToldStores.insert({ part, host }).second)
     {
       stores += stores.empty() ? "" : ", ";
@@ -249,22 +189,45 @@ std::string VolumeStores::DescribeNews(const std::vector<StoreFault>& news)
   }
   return stores.empty()
     ? ""
-    : this->Path + ": " + stores + ": lost or damaged, other stores have the blocks (" + reason +
-      "); blockvolume --repair restores it";
+    : this->Layout.GetPath() + ": " + stores + ": lost or damaged, other stores have the blocks (" +
+      reason + "); blockvolume --repair restores it";
 }
 
-Result<VolumeStores::WorkOfStores> VolumeStores::FindStoreWork(std::size_t timeStep,
-  std::uint32_t part, std::size_t variable, const std::vector<double>& isovalues)
+Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint32_t part)
 {
-  const auto spectra = this->GetSpectra(timeStep, part);
+  const StoreReplica spectra = { static_cast<std::uint32_t>(query.TimeStep), part,
+    StoreReplica::Spectra, 0 };
+  if (this->Faults.GetState(spectra, true) == ReplicaState::Sound)
+  {
+    auto work = this->SumTriangles(query, part);
+    if (!work.IsOk())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(query.TimeStep));
+      this->Faults.Add({ spectra, StoreFault::Whole, work.GetStatus().GetMessage() });
+    }
+    return work;
+  }
+  StoreWork work;
+  for (const StoreDescription& store :
+    this->Layout.GetParts()[part].Header.TimeSteps[query.TimeStep].Stores)
+  {
+    work.Triangles.push_back(store.Blocks);
+    work.ActiveBlocks += store.Blocks;
+  }
+  return work;
+}
+
+Result<StoreWork> VolumeStores::SumTriangles(const BlockQuery& query, std::uint32_t part)
+{
+  const auto spectra = this->GetSpectra(query.TimeStep, part);
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   const std::lock_guard<std::mutex> lock(this->WorkMutex);
-  ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(timeStep, part, variable));
-  const WorkloadSpectrum& total = *(*spectra)->GetTotal(variable);
-  const std::uint32_t stores = this->Parts[part].Header.NumberOfStores;
-  WorkOfStores work;
+  ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(query, part));
+  const WorkloadSpectrum& total = *(*spectra)->GetTotal(query.Variable);
+  const std::uint32_t stores = this->Layout.GetParts()[part].Header.NumberOfStores;
+  StoreWork work;
   work.Triangles.assign(stores, 0);
-  for (const double isovalue : isovalues)
+  for (const double isovalue : query.Isovalues)
   {
     const std::size_t bin = total.FindBin(isovalue);
     for (std::uint32_t store = 0; store < stores; ++store)
@@ -278,65 +241,65 @@ Result<VolumeStores::WorkOfStores> VolumeStores::FindStoreWork(std::size_t timeS
 }
 
 /// The mutex is held.
-Status VolumeStores::ReadStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable)
+Status VolumeStores::ReadStoreWork(const BlockQuery& query, std::uint32_t part)
 {
-  StoreWork& kept = this->Work;
-  if (!kept.Triangles.empty() && kept.TimeStep == timeStep && kept.Part == part &&
-    kept.Variable == variable)
+  KeptWork& kept = this->Work;
+  if (!kept.Triangles.empty() && kept.TimeStep == query.TimeStep && kept.Part == part &&
+    kept.Variable == query.Variable)
   {
     return Status::Ok();
   }
-  const auto spectra = this->GetSpectra(timeStep, part);
+  const auto spectra = this->GetSpectra(query.TimeStep, part);
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   std::vector<std::vector<std::uint64_t>> triangles;
-  for (std::uint32_t store = 0; store < this->Parts[part].Header.NumberOfStores; ++store)
+  for (std::uint32_t store = 0; store < this->Layout.GetParts()[part].Header.NumberOfStores;
+       ++store)
   {
-    const auto spectrum = (*spectra)->GetStore(variable, store);
+    const auto spectrum = (*spectra)->GetStore(query.Variable, store);
     if (!spectrum.IsOk())
     {
-      ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+      ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(query.TimeStep));
       return spectrum.GetStatus();
     }
     triangles.push_back((*spectrum)->Triangles);
   }
-  kept = { timeStep, part, variable, std::move(triangles) };
+  kept = { query.TimeStep, part, query.Variable, std::move(triangles) };
   return Status::Ok();
 }
 
-Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(
-  std::size_t timeStep, std::uint32_t part, std::uint32_t store, std::uint32_t replica)
+Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(const StoreReplica& replica)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   for (auto open = this->OpenStores.begin(); open != this->OpenStores.end(); ++open)
   {
-    if (open->TimeStep == timeStep && open->Part == part && open->Index == store &&
-      open->Replica == replica)
+    if (open->Where == replica)
     {
       this->OpenStores.splice(this->OpenStores.begin(), this->OpenStores, open);
       return open->Store;
     }
   }
-  const BlockedVolumeHeader& header = this->Parts[part].Header;
-  const TimeStepDescription& step = header.TimeSteps[timeStep];
+  const BlockedVolumeHeader& header = this->Layout.GetParts()[replica.Part].Header;
+  const TimeStepDescription& step = header.TimeSteps[replica.TimeStep];
   std::shared_ptr<SourceSamples> source;
   if (step.Source)
   {
-    const auto samples = this->GetSource(timeStep);
+    const auto samples = this->GetSource(replica.TimeStep);
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     source = *samples;
   }
   auto opened = BlockStore::Open(this->Files,
-    GetReplicaFolder(this->Path, step.Folder, store, replica, header.NumberOfStores), header,
-    step.Stores[store], source);
+    GetReplicaFolder(
+      this->Layout.GetPath(), step.Folder, replica.Store, replica.Replica, header.NumberOfStores),
+    header, step.Stores[replica.Store], source);
   // If the volume was rewritten, that explains any error; and a new folder of the same name would
   // go unnoticed without this check.
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(replica.TimeStep));
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   if (this->OpenStores.size() == MaximumOpenStores)
   {
     this->OpenStores.pop_back();
   }
-  this->OpenStores.push_front({ timeStep, part, store, replica, *opened });
+  this->OpenStores.push_front({ replica, *opened });
   return *opened;
 }
 
@@ -345,9 +308,9 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   std::shared_ptr<SourceSamples>& kept = this->Sources[timeStep];
   if (!kept)
   {
-    const VolumePart& part = this->Parts.front();
-    auto opened = SourceSamples::Open(this->Files, this->Opener, this->Path, part.Header, timeStep,
-      part.Identities[timeStep], this->Cache);
+    const VolumePart& part = this->Layout.GetParts().front();
+    auto opened = SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
+      part.Header, timeStep, part.Identities[timeStep], this->Cache);
     ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
     kept = *opened;
   }
@@ -358,12 +321,12 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
   std::size_t timeStep, std::uint32_t part)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  const BlockedVolumeHeader& header = this->Parts[part].Header;
+  const BlockedVolumeHeader& header = this->Layout.GetParts()[part].Header;
   std::shared_ptr<const VolumeSpectra>& kept = this->Spectra[part][timeStep];
   if (!kept)
   {
-    auto spectra = VolumeSpectra::Read(
-      this->Files, this->Path, header.TimeSteps[timeStep], this->Variables.GetCount());
+    auto spectra = VolumeSpectra::Read(this->Files, this->Layout.GetPath(),
+      header.TimeSteps[timeStep], this->Layout.GetVariables().GetCount());
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
     kept = *spectra;

@@ -4,14 +4,12 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/ArrayVariables.h"
-#include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
-#include "Storage/Store/BlockReference.h"
 #include "Storage/Store/BlockStore.h"
-#include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/StoreFaults.h"
+#include "Storage/Store/StoreSearch.h"
+#include "Storage/Store/VolumeLayout.h"
 #include "Storage/Store/VolumeSpectra.h"
 
 #include <cstddef>
@@ -30,15 +28,6 @@ namespace isosurface
 
 class SourceSamples;
 
-/// The volume itself, or one of its overviews.
-struct VolumePart
-{
-  BlockedVolumeHeader Header;
-  BlockGrid Grid;
-  int FirstLevel = 0;                    ///< the finest level here, among those of the volume
-  std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
-};
-
 /**
  * The stores and spectra of a blocked volume and its overviews, opened when they are first needed.
  * All functions may be called by several threads at once. Errors are those of BlockedVolume.
@@ -46,38 +35,16 @@ struct VolumePart
 class VolumeStores
 {
 public:
-  /// `text`: that of the header's file. `cache`, `opener`: for the source of a volume in place.
-  VolumeStores(std::string path, FileSystem& files, std::string text,
-    const BlockedVolumeHeader& header, std::shared_ptr<BlockCache> cache, VolumeOpener opener);
+  /// `layout` must outlive this object. `cache`, `opener`: for the source of a volume in
+  /// place.
+  VolumeStores(const VolumeLayout& layout, FileSystem& files, std::shared_ptr<BlockCache> cache,
+    VolumeOpener opener);
   VolumeStores(const VolumeStores&) = delete;
   VolumeStores& operator=(const VolumeStores&) = delete;
 
-  const std::string& GetPath() const { return this->Path; }
-  const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
-  /// The checksum of the header's text.
-  std::uint64_t GetFingerprint() const { return this->Fingerprint; }
-  const ArrayVariables& GetVariables() const { return this->Variables; }
+  const VolumeLayout& GetLayout() const { return this->Layout; }
 
-  /// The volume, then its overviews from the finest to the coarsest.
-  const std::vector<VolumePart>& GetParts() const { return this->Parts; }
-  int GetNumberOfLevels() const;
-  /// `level` must be one of the volume's.
-  StoredLevel FindLevel(int level) const;
-  /// The lines of a level of a rectilinear grid; null of other grids. They stay where they are.
-  const GridLines* GetLines(int level) const
-  {
-    return this->Lines.empty() ? nullptr : &this->Lines[static_cast<std::size_t>(level)];
-  }
-  /// Whether the samples of a level are in the volume's source.
-  bool IsInSource(const StoredLevel& stored) const
-  {
-    return stored.Part == 0 && this->GetHeader().IsInPlace();
-  }
-  BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
-    const StoredLevel& stored) const;
-
-  Result<std::shared_ptr<BlockStore>> GetStore(
-    std::size_t timeStep, std::uint32_t part, std::uint32_t store, std::uint32_t replica = 0);
+  Result<std::shared_ptr<BlockStore>> GetStore(const StoreReplica& replica);
 
   /**
    * Calls `read` with a replica of a store: the preferred one, or, if it is known to be lost or
@@ -93,8 +60,9 @@ public:
     ReplicaErrors errors(*this, preferred);
     for (const std::uint32_t replica : this->OrderReplicas(preferred, ordinal))
     {
-      const auto store =
-        this->GetStore(preferred.TimeStep, preferred.Part, preferred.Store, replica);
+      StoreReplica where = preferred;
+      where.Replica = replica;
+      const auto store = this->GetStore(where);
       if (store.IsOk())
       {
         auto result = read(**store);
@@ -124,21 +92,14 @@ public:
   }
 
   StoreFaults& GetFaults() { return this->Faults; }
-  const StoreFaults& GetFaults() const { return this->Faults; }
 
   /// One sentence about the stores that faults are new of, as far as it was not told before; or "".
   std::string DescribeNews(const std::vector<StoreFault>& news);
 
-  /// What isosurfaces take of each store.
-  struct WorkOfStores
-  {
-    std::vector<std::uint64_t> Triangles; ///< per store
-    std::uint64_t ActiveBlocks = 0;       ///< of all stores
-  };
-  /// The same summed over isovalues, in a part, at the finest level there. The counts of stores are
-  /// kept until another variable is asked for. Errors: those of reading the spectra.
-  Result<WorkOfStores> FindStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable,
-    const std::vector<double>& isovalues);
+  /// What isosurfaces take of each store, the same on all ranks: the triangles, or, if the ranks
+  /// know that one cannot read the spectra, all blocks in place of triangles. In a part, at the
+  /// finest level there. The counts of stores are kept until another variable is asked for.
+  Result<StoreWork> FindStoreWork(const BlockQuery& query, std::uint32_t part);
   Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
 
   /// Ok if the header on disk still has the time step as it was when the volume was opened.
@@ -147,10 +108,7 @@ public:
 private:
   struct OpenStore
   {
-    std::size_t TimeStep;
-    std::uint32_t Part;
-    std::uint32_t Index;
-    std::uint32_t Replica;
+    StoreReplica Where;
     std::shared_ptr<BlockStore> Store;
   };
 
@@ -180,7 +138,7 @@ private:
   };
 
   /// The triangles of isosurfaces of one variable, by store and bin.
-  struct StoreWork
+  struct KeptWork
   {
     std::size_t TimeStep = 0;
     std::uint32_t Part = 0;
@@ -191,27 +149,23 @@ private:
   /// All replicas: sound ones from the preferred one on, then damaged ones, then lost ones.
   std::vector<std::uint32_t> OrderReplicas(
     const StoreReplica& preferred, std::int64_t ordinal) const;
-  Status ReadStoreWork(std::size_t timeStep, std::uint32_t part, std::size_t variable);
+  /// The same by the spectra alone.
+  Result<StoreWork> SumTriangles(const BlockQuery& query, std::uint32_t part);
+  Status ReadStoreWork(const BlockQuery& query, std::uint32_t part);
 
-  void AddPart(const BlockedVolumeHeader& header);
   /// What has the samples of a time step of a volume in place, opened at the first call. The mutex
   /// is held.
   Result<std::shared_ptr<SourceSamples>> GetSource(std::size_t timeStep);
 
-  std::string Path;
+  const VolumeLayout& Layout;
   FileSystem& Files;
-  std::string HeaderText;
   std::shared_ptr<BlockCache> Cache;
   VolumeOpener Opener;
-  std::uint64_t Fingerprint;
-  ArrayVariables Variables;
-  std::vector<VolumePart> Parts;
-  std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
 
   StoreFaults Faults;
   std::set<std::pair<std::uint32_t, std::uint32_t>> ToldStores; ///< part and number
   std::mutex WorkMutex;
-  StoreWork Work;
+  KeptWork Work;
 
   std::mutex Mutex;
   std::list<OpenStore> OpenStores;                     ///< the most recently used one first

@@ -4,7 +4,7 @@
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/SourceRecord.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 #include "Storage/Writing/GenerationFolder.h"
 
 #include <filesystem>

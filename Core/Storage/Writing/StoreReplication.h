@@ -12,10 +12,6 @@
 namespace isosurface
 {
 
-/// Copies a file from one file system to another, or within one, and brings it to stable storage.
-Status CopyStoreFile(
-  FileSystem& files, const std::string& from, FileSystem& toFiles, const std::string& to);
-
 /// Copies a finished store of the last time step of `header`, which may be that of an overview, to
 /// the folders of other stores, as many as it has replicas there, and brings the copies to stable
 /// storage. `path`: that of the volume. Cost: one pass over the store's files for each replica.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Surface/Contour/SurfaceExtractor.h"
 
+#include "Ground/Base/WithinMemory.h"
 #include "Surface/Contour/BrickLattice.h"
 #include "Surface/Contour/BrickScan.h"
 #include "Surface/Contour/QueuedScan.h"
 #include "Surface/Contour/SurfaceAssembler.h"
 
 #include <chrono>
-#include <new>
 #include <utility>
 
 namespace isosurface
@@ -86,14 +86,8 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
 Result<Surface> Extract(const GridGeometry& geometry, BlockSource& source,
   const ContourRequest& request, BlockQueue* queue, int threads, const Progress& progress)
 {
-  try
-  {
-    return ExtractWithinMemory(geometry, source, request, queue, threads, progress);
-  }
-  catch (const std::bad_alloc&)
-  {
-    return Status(StatusCode::OutOfMemory, "There is not enough memory for the isosurface.");
-  }
+  return RunWithinMemory("", "There is not enough memory for the isosurface.",
+    [&] { return ExtractWithinMemory(geometry, source, request, queue, threads, progress); });
 }
 
 } // namespace

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Volumes in place. The oracle is the volume that has copies of the same samples.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ranks/Query/StoredBlockSource.h"
 #include "Ranks/Query/StoredSlabSource.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeRepair.h"
+#include "Storage/Verification/VolumeVerification.h"
 #include "Storage/Writing/SourceRelocation.h"
-#include "Storage/Writing/VolumeRepair.h"
 
 using namespace isosurface;
 
@@ -71,11 +72,11 @@ struct InPlaceDisk
 /// The surface of all ranks, and what it took.
 PlainSurface Contour(BlockedVolume& volume, int ranks, bool isDealt, QueryStatistics& statistics)
 {
-  volume.DealBlocks(isDealt);
+  volume.SetLocalStores(!isDealt);
   PlainSurface all;
   for (int rank = 0; rank < ranks; ++rank)
   {
-    auto active = volume.FindActiveBlocks(0, 0, { Isovalue }, rank, ranks, statistics);
+    auto active = FindActiveBlocks(volume, { { 0, 0, { Isovalue } }, rank, ranks }, statistics);
     EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     if (!active.IsOk())
     {
@@ -116,7 +117,7 @@ PlainSurface ContourCopy(const SampleVolume<std::int16_t>& volume)
 std::string FindError(BlockedVolume& volume)
 {
   QueryStatistics statistics;
-  auto active = volume.FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  auto active = FindActiveBlocks(volume, { { 0, 0, { Isovalue } } }, statistics);
   for (std::size_t block = 0; active.IsOk() && block < active->size(); ++block)
   {
     const auto read = volume.ReadBlock((*active)[block], 0, 0, 0, statistics);
@@ -202,7 +203,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
   const auto volume = OpenInPlace(made.Disk);
   QueryStatistics statistics;
-  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   ASSERT_FALSE(active.IsOk());
   EXPECT_EQ(active.GetStatus().GetMessage().find("nor can"), std::string::npos)
     << active.GetStatus().GetMessage();
@@ -232,7 +233,7 @@ TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
   for (int level = 1; level < volume->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto share = volume->GetShare(0, 0, 1, statistics, level);
+    const auto share = volume->ListBlocks(0, statistics, level);
     ASSERT_TRUE(share.IsOk());
     for (const BlockReference& reference : *share)
     {
@@ -284,7 +285,7 @@ TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
       { return 130 - (i - 12) * (i - 12) - (j - 12) * (j - 12) - (k - 14) * (k - 14); }));
   const auto volume = OpenInPlace(made.Disk);
   QueryStatistics statistics;
-  const auto active = volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
   ASSERT_TRUE(active.IsOk());
   std::set<Index3> touched;
   for (const BlockReference& block : *active)
@@ -347,7 +348,7 @@ TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
   const auto volume = OpenInPlace(made.Disk);
   EXPECT_TRUE(volume->GetSpectrum(0, 0).IsOk());
   QueryStatistics statistics;
-  EXPECT_TRUE(volume->FindActiveBlocks(0, 0, { Isovalue }, 0, 1, statistics, 1).IsOk());
+  EXPECT_TRUE(FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics, 1).IsOk());
 }
 
 TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
@@ -406,7 +407,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   const auto opened = OpenInPlace(disk);
   ASSERT_EQ(opened->GetHeader().TimeSteps.size(), 2u);
   QueryStatistics statistics;
-  EXPECT_TRUE(opened->FindActiveBlocks(1, 0, { Isovalue }, 0, 1, statistics).IsOk());
+  EXPECT_TRUE(FindActiveBlocks(*opened, { { 1, 0, { Isovalue } } }, statistics).IsOk());
 
   MemoryDisk other;
   settings.Append = false;

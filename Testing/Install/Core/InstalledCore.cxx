@@ -65,8 +65,8 @@ int main()
   ContourRequest request;
   request.Isovalues = query.Isovalues;
   VolumeContour contour;
-  VolumeContour::Outcome outcome;
-  if (!Succeeds(contour.ExtractAtLevel({ **volume, query, request, 1, {} }, {}, outcome)))
+  ExtractionOutcome outcome;
+  if (!Succeeds(contour.ExtractAtLevel({ *volume, query, request, 1, {} }, {}, outcome)))
   {
     return 1;
   }

@@ -14,22 +14,16 @@ namespace
 
 constexpr double Isovalue = 40;
 
-BackgroundExtraction::Job MakeJob(const std::shared_ptr<BlockedVolume>& volume, int level)
+ExtractionTask MakeTask(const std::shared_ptr<BlockedVolume>& volume)
 {
-  BackgroundExtraction::Job job;
-  job.Volume = volume;
-  job.Query.Isovalues = { Isovalue, Isovalue + 20 };
-  job.Request.Isovalues = job.Query.Isovalues;
-  job.Request.Normals = true;
-  job.Request.GlobalIds = true;
-  job.Choice.Level = level;
-  job.Threads = 2;
-  return job;
-}
-
-ExtractionTask MakeTask(const BackgroundExtraction::Job& job)
-{
-  return { *job.Volume, job.Query, job.Request, 1, {} };
+  ExtractionTask task;
+  task.Volume = volume;
+  task.Query.Isovalues = { Isovalue, Isovalue + 20 };
+  task.Request.Isovalues = task.Query.Isovalues;
+  task.Request.Normals = true;
+  task.Request.GlobalIds = true;
+  task.Threads = 2;
+  return task;
 }
 
 template <typename T>
@@ -59,9 +53,10 @@ protected:
 
   Surface ExtractAtOnce(int level)
   {
-    const BackgroundExtraction::Job job = MakeJob(OpenVolume(this->Disk), level);
+    ExtractionTask task = MakeTask(OpenVolume(this->Disk));
+    task.Threads = 1;
     ExtractionOutcome outcome;
-    EXPECT_TRUE(ExtractLevel(MakeTask(job), level, outcome).IsOk());
+    EXPECT_TRUE(ExtractLevel(task, level, outcome).IsOk());
     return std::move(outcome.Extracted);
   }
 
@@ -75,7 +70,7 @@ TEST_F(BackgroundExtractionTest, GivesTheSurfaceThatIsExtractedAtOnce)
   for (int level = 0; level < 2; ++level)
   {
     const auto volume = OpenVolume(this->Disk);
-    BackgroundExtraction extraction(MakeJob(volume, level));
+    BackgroundExtraction extraction(MakeTask(volume), level);
     while (!extraction.Wait(0.001))
     {
       EXPECT_GE(extraction.GetProgress(), 0);
@@ -101,7 +96,7 @@ TEST_F(BackgroundExtractionTest, StopsWhenNobodyWantsIt)
   const std::uint64_t opened = this->Disk.GetReads();
   this->Disk.SetBeforeRead([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
   {
-    const BackgroundExtraction extraction(MakeJob(volume, 0));
+    const BackgroundExtraction extraction(MakeTask(volume), 0);
   }
   EXPECT_LT(this->Disk.GetReads() - opened, all / 2);
 }
@@ -110,7 +105,7 @@ TEST_F(BackgroundExtractionTest, TakingItCanBeAborted)
 {
   const auto volume = OpenVolume(this->Disk);
   this->Disk.SetBeforeRead([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
-  BackgroundExtraction extraction(MakeJob(volume, 0));
+  BackgroundExtraction extraction(MakeTask(volume), 0);
   ExtractionOutcome outcome;
   int calls = 0;
   const Status status = extraction.Take([&](double) { return ++calls < 2; }, outcome);
@@ -122,7 +117,7 @@ TEST_F(BackgroundExtractionTest, TellsOfErrorsWhenItIsTaken)
 {
   const auto volume = OpenVolume(this->Disk);
   this->Disk.FailFromRead(60); // its own files are open by then
-  BackgroundExtraction extraction(MakeJob(volume, 0));
+  BackgroundExtraction extraction(MakeTask(volume), 0);
   ExtractionOutcome outcome;
   const Status status = extraction.Take({}, outcome);
   EXPECT_EQ(status.GetCode(), StatusCode::IoError);
@@ -135,20 +130,20 @@ TEST_F(BackgroundExtractionTest, IsTakenOnlyForItsLevelAndShare)
   const auto volume = OpenVolume(this->Disk);
   VolumeContour contour;
   LevelChoice choice;
-  const auto extract = [&](const BackgroundExtraction::Job& job)
+  const auto extract = [&](const ExtractionTask& task)
   {
     ExtractionOutcome outcome;
-    EXPECT_TRUE(contour.ExtractAtLevel(MakeTask(job), choice, outcome).IsOk());
+    EXPECT_TRUE(contour.ExtractAtLevel(task, choice, outcome).IsOk());
     return std::move(outcome.Extracted);
   };
-  const BackgroundExtraction::Job whole = MakeJob(volume, 1);
-  contour.Prepare(whole);
+  const ExtractionTask whole = MakeTask(volume);
+  contour.Prepare(whole, 1);
   ASSERT_NE(contour.GetPrepared(), nullptr);
   ExpectSameBits(extract(whole), this->ExtractAtOnce(0));
   EXPECT_NE(contour.GetPrepared(), nullptr) << "it is of another level";
 
   choice.Level = 1;
-  BackgroundExtraction::Job half = whole;
+  ExtractionTask half = whole;
   half.Query.Ranks = 2;
   const Surface part = extract(half);
   EXPECT_NE(contour.GetPrepared(), nullptr) << "it is of another share";

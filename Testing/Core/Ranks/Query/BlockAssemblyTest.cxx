@@ -12,7 +12,7 @@ namespace
 std::vector<BlockReference> FindBlocks(BlockedVolume& volume, const BlockBox& box, int level = 0)
 {
   QueryStatistics statistics;
-  auto all = volume.GetShare(0, 0, 1, statistics, level);
+  auto all = volume.ListBlocks(0, statistics, level);
   EXPECT_TRUE(all.IsOk());
   std::vector<BlockReference> blocks;
   for (const BlockReference& block : *all)

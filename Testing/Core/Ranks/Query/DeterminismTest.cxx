@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A hundred ways to do the same: any number of ranks and threads, any memory, any cache.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 
@@ -64,7 +65,8 @@ void WriteEdgeIndexFile(
 {
   const SurfaceQuery query = MakeQuery(ranks);
   QueryStatistics statistics;
-  auto active = volume.FindActiveBlocks(0, 0, query.Isovalues, query.Rank, query.Ranks, statistics);
+  auto active =
+    FindActiveBlocks(volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics);
   ASSERT_TRUE(active.IsOk());
   std::sort(active->begin(), active->end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
@@ -125,7 +127,7 @@ PlainSurface DoAll(MemoryDisk& disk, const SampleVolume<std::int16_t>& samples, 
       request.Normals = true;
       request.GlobalIds = true;
       ExtractionOutcome outcome;
-      const Status status = ExtractLevel({ *volume, query, request, way.Threads, {} }, 0, outcome);
+      const Status status = ExtractLevel({ volume, query, request, way.Threads, {} }, 0, outcome);
       EXPECT_TRUE(status.IsOk()) << status.GetMessage();
       parts[static_cast<std::size_t>(ranks.GetRank())] = MakePlain(outcome.Extracted);
       WriteEdgeIndexFile(ranks, disk, *volume, way);

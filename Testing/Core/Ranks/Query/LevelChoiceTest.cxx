@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The level that a budget allows, against a test of all levels; and the rates that predict time.
 #include "Ranks/Query/LevelChoice.h"
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/VolumeOnDisk.h"
 
 using namespace isosurface;
@@ -107,7 +108,7 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
   {
     QueryStatistics statistics;
     const auto active =
-      this->Opened->FindActiveBlocks(0, 0, this->Query.Isovalues, 0, 1, statistics, level);
+      FindActiveBlocks(*this->Opened, { { 0, 0, this->Query.Isovalues } }, statistics, level);
     ASSERT_TRUE(active.IsOk());
     seconds.push_back(1e-4 * static_cast<double>(active->size()));
   }

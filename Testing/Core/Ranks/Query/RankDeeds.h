@@ -2,6 +2,7 @@
 #ifndef isosurface_Testing_RankDeeds_h
 #define isosurface_Testing_RankDeeds_h
 
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Fixtures/VolumeOnDisk.h"
 
@@ -74,9 +75,9 @@ struct RankDeeds
     const auto first = ChooseFirstLevel(**volume, query, 0, ranks);
     ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
     VolumeContour contour;
-    VolumeContour::Outcome outcome;
+    ExtractionOutcome outcome;
     return contour.ExtractWithinBudget(
-      ranks, { 100, 1000000 }, { **volume, query, request, 1, {} }, 0, outcome);
+      ranks, { 100, 1000000 }, { *volume, query, request, 1, {} }, 0, outcome);
   }
 
   static Status Distribute(Communicator& ranks, FileSystem& disk)
@@ -85,8 +86,8 @@ struct RankDeeds
     ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
     const SurfaceQuery query = MakeQuery(ranks);
     QueryStatistics statistics;
-    auto active =
-      (*volume)->FindActiveBlocks(0, 0, query.Isovalues, query.Rank, query.Ranks, statistics);
+    auto active = FindActiveBlocks(
+      **volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(active.GetStatus()));
     StoredBlockSource source(**volume, 0, 0, 0, std::move(*active));
     EdgeIndexHeader header;

@@ -4,7 +4,7 @@
 #include "RankDeeds.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include <atomic>
 #include <functional>

@@ -5,7 +5,7 @@
 #include "Fixtures/VolumeOnDisk.h"
 
 #include "Ranks/Query/LevelExtraction.h"
-#include "Ranks/Query/StoreRecovery.h"
+#include "Ranks/Sharing/StoreRecovery.h"
 
 #include <algorithm>
 #include <map>
@@ -80,7 +80,7 @@ public:
           return !isLocal || store == std::string::npos || isMine;
         }));
       this->Volumes.push_back(OpenVolume(*this->Disks.back()));
-      this->Volumes.back()->DealBlocks(isDealt);
+      this->Volumes.back()->SetLocalStores(!isDealt);
     }
   }
 

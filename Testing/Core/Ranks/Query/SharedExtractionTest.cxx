@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ranks that take blocks from each other's shares while they extract: all together have the surface
 // that they have without, whoever is slow, fails or is stopped.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/VolumeContour.h"
@@ -102,7 +103,7 @@ protected:
         MemoryDisk disk;
         FillDisk(disk);
         const auto volume = OpenVolume(disk);
-        volume->DealBlocks(true);
+        volume->SetLocalStores(false);
         SurfaceQuery query;
         query.Isovalues = { Isovalue };
         query.Rank = rank;
@@ -113,7 +114,8 @@ protected:
         request.GlobalIds = true;
         QueryStatistics statistics;
         result.Share =
-          volume->FindActiveBlocks(0, 0, query.Isovalues, rank, ranks, statistics, level)->size();
+          FindActiveBlocks(*volume, { { 0, 0, query.Isovalues }, rank, ranks }, statistics, level)
+            ->size();
         if (deed.Begin)
         {
           deed.Begin(rank, disk);
@@ -121,11 +123,11 @@ protected:
         const auto advance = [&](double fraction)
         { return !deed.Advance || deed.Advance(rank, fraction); };
         VolumeContour contour;
-        VolumeContour::Outcome outcome;
+        ExtractionOutcome outcome;
         LevelChoice choice;
         choice.Level = level;
         result.End = contour.ExtractAtLevel(
-          { *volume, query, request, threads, advance, shares ? &communicator : nullptr }, choice,
+          { volume, query, request, threads, advance, shares ? &communicator : nullptr }, choice,
           outcome);
         result.Plain = MakePlain(outcome.Extracted);
         result.Blocks = outcome.Cost.Reading.ActiveBlocks;
@@ -247,7 +249,7 @@ TEST_F(SharedExtraction, AFailedQueryIsAnErrorThatKeepsNobodyWaiting)
       MemoryDisk mine;
       FillDisk(mine);
       const auto volume = OpenVolume(mine);
-      volume->DealBlocks(true);
+      volume->SetLocalStores(false);
       SurfaceQuery query;
       query.Isovalues = { Isovalue };
       query.Rank = communicator.GetRank();
@@ -260,7 +262,7 @@ TEST_F(SharedExtraction, AFailedQueryIsAnErrorThatKeepsNobodyWaiting)
       request.Isovalues = query.Isovalues;
       ExtractionOutcome outcome;
       const Status status =
-        ExtractLevel({ *volume, query, request, 1, {}, &communicator }, 0, outcome);
+        ExtractLevel({ volume, query, request, 1, {}, &communicator }, 0, outcome);
       EXPECT_EQ(status.IsOk(), query.Rank != 2);
     });
 }
@@ -292,7 +294,7 @@ TEST_F(SharedExtraction, RanksKeepTheirOwnBlocksWhereStoresAreLocalToOne)
       FillDisk(disk);
       const int rank = communicator.GetRank();
       const auto volume = OpenVolume(disk);
-      volume->DealBlocks(rank != 1);
+      volume->SetLocalStores(rank == 1);
       SurfaceQuery query;
       query.Isovalues = { Isovalue };
       query.Rank = rank;
@@ -301,11 +303,11 @@ TEST_F(SharedExtraction, RanksKeepTheirOwnBlocksWhereStoresAreLocalToOne)
       request.Isovalues = query.Isovalues;
       ExtractionOutcome outcome;
       EXPECT_TRUE(
-        ExtractLevel({ *volume, query, request, 1, {}, &communicator }, 0, outcome).IsOk());
+        ExtractLevel({ volume, query, request, 1, {}, &communicator }, 0, outcome).IsOk());
       QueryStatistics statistics;
       blocks[static_cast<std::size_t>(rank)] = outcome.Cost.Reading.ActiveBlocks;
       shares[static_cast<std::size_t>(rank)] =
-        volume->FindActiveBlocks(0, 0, query.Isovalues, rank, ranks, statistics)->size();
+        FindActiveBlocks(*volume, { { 0, 0, query.Isovalues }, rank, ranks }, statistics)->size();
     });
   EXPECT_EQ(blocks, shares);
 }

@@ -41,9 +41,9 @@ TEST(VolumeContour, RanksWithoutActiveBlocksGoTheWayOfTheOthers)
       VolumeContour contour;
       for (int time = 0; time < 4; ++time)
       {
-        VolumeContour::Outcome outcome;
+        ExtractionOutcome outcome;
         const Status status = contour.ExtractWithinBudget(
-          communicator, { 1000, 0 }, { *volume, query, request, 1, {} }, 0, outcome);
+          communicator, { 1000, 0 }, { volume, query, request, 1, {} }, 0, outcome);
         EXPECT_TRUE(status.IsOk()) << status.GetMessage();
         triangles[rank].push_back(outcome.Extracted.NumberOfTriangles);
         levels[rank].push_back(outcome.Cost.Level);

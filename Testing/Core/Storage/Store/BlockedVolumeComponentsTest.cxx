@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Arrays of several components: each component, and the magnitude, can be read and queried.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
@@ -113,7 +114,7 @@ void ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, std::
   for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
   {
     const StoredLevel stored = opened.FindLevel(level);
-    const auto blocks = opened.GetShare(0, 0, 1, statistics, level);
+    const auto blocks = opened.ListBlocks(0, statistics, level);
     ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
     for (const BlockReference& reference : *blocks)
     {
@@ -170,7 +171,7 @@ void ExpectIndexed(BlockedVolume& opened, const SampleVolume<T>& volume, std::si
       }
     }
     QueryStatistics statistics;
-    const auto active = opened.FindActiveBlocks(0, variable, { isovalue }, 0, 1, statistics);
+    const auto active = FindActiveBlocks(opened, { { 0, variable, { isovalue } } }, statistics);
     ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     std::vector<std::int64_t> found;
     for (const BlockReference& block : *active)
@@ -269,7 +270,7 @@ TEST(BlockedVolumeComponents, AreReadAloneButMagnitudesByOneReadOfAll)
   const auto opened = OpenVolume(disk);
   ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto share = opened->GetShare(0, 0, 1, statistics);
+  const auto share = opened->ListBlocks(0, statistics);
   ASSERT_TRUE(share.IsOk());
   std::vector<std::uint64_t> bytes;
   // The components of a magnitude do not go to the cache.
@@ -301,7 +302,7 @@ TEST(BlockedVolumeComponents, AndTheirMagnitudeTakeOneReadInAnyOrder)
     {
       const auto opened = OpenVolume(disk, cacheBytes);
       ASSERT_NE(opened, nullptr);
-      const auto share = opened->GetShare(0, 0, 1, statistics);
+      const auto share = opened->ListBlocks(0, statistics);
       ASSERT_TRUE(share.IsOk());
       QueryStatistics cost;
       const auto blocks = opened->ReadVariables(share->front(), 0, variables, 0, cost);
@@ -332,7 +333,7 @@ TEST(BlockedVolumeComponents, InTheCacheGiveTheMagnitudeWithoutARead)
   for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto share = opened->GetShare(0, 0, 1, statistics, level);
+    const auto share = opened->ListBlocks(0, statistics, level);
     ASSERT_TRUE(share.IsOk());
     ASSERT_TRUE(opened->ReadVariables(share->front(), 0, { 1, 2, 3 }, level, statistics).IsOk());
     QueryStatistics cost;
@@ -354,7 +355,8 @@ TEST(BlockedVolumeComponents, BecomeOneArrayOfTuplesOnASurface)
     {
       // On the surface of a component, the component has the isovalue.
       QueryStatistics statistics;
-      auto active = opened->FindActiveBlocks(0, 1 + component, { 40.5 }, 0, 1, statistics, level);
+      auto active =
+        FindActiveBlocks(*opened, { { 0, 1 + component, { 40.5 } } }, statistics, level);
       ASSERT_TRUE(active.IsOk());
       StoredBlockSource source(*opened, 0, 1 + component, level, *active);
       source.SetAttributes({ 1, 0 });
@@ -406,13 +408,12 @@ TEST(BlockedVolumeComponents, ReportDamageOfAnyFile)
     QueryStatistics statistics;
     for (const int level : { 0, 2 })
     {
-      const auto share = (*opened)->GetShare(0, 0, 1, statistics, level);
+      const auto share = (*opened)->ListBlocks(0, statistics, level);
       ISOSURFACE_RETURN_IF_ERROR(share.GetStatus());
       for (std::size_t variable = 0; variable < 5; ++variable)
       {
         ISOSURFACE_RETURN_IF_ERROR(
-          (*opened)
-            ->FindActiveBlocks(0, variable, { 40.0, 100.0 }, 0, 1, statistics, level)
+          FindActiveBlocks(**opened, { { 0, variable, { 40.0, 100.0 } } }, statistics, level)
             .GetStatus());
         ISOSURFACE_RETURN_IF_ERROR((*opened)->GetSpectrum(0, variable, level).GetStatus());
         for (const BlockReference& block : *share)

@@ -23,7 +23,7 @@ template <typename T>
 Result<std::size_t> CountWrong(
   BlockedVolume& opened, const SampleVolume<T>& volume, int level, QueryStatistics& statistics)
 {
-  const auto blocks = opened.GetShare(0, 0, 1, statistics, level);
+  const auto blocks = opened.ListBlocks(0, statistics, level);
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   std::size_t wrong = 0;
   for (const BlockReference& reference : *blocks)
@@ -141,7 +141,7 @@ TEST(BlockedVolumeCompression, HostileSegmentsWithRightChecksumsAreRefused)
     const MemoryDisk::Bytes intact = disk.GetFile(path);
     const auto opened = OpenVolume(disk, 0);
     QueryStatistics statistics;
-    const auto blocks = opened->GetShare(0, 0, 1, statistics);
+    const auto blocks = opened->ListBlocks(0, statistics);
     ASSERT_TRUE(blocks.IsOk());
     ASSERT_EQ((*blocks)[0].Ordinal, 0u);
     // The last segment of the first record, which begins where the levels above it end.

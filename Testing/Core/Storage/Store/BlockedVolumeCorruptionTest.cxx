@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/ActiveBlocks.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include "Fixtures/VolumeOnDisk.h"
@@ -28,10 +29,10 @@ Status ReadAll(MemoryDisk& disk)
     }
     for (const double isovalue : { 1.0, 20.0, 50.0, 90.0 })
     {
-      const auto active = volume.FindActiveBlocks(0, 0, { isovalue }, 0, 1, statistics, level);
+      const auto active = FindActiveBlocks(volume, { { 0, 0, { isovalue } } }, statistics, level);
       ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
     }
-    const auto share = volume.GetShare(0, 0, 1, statistics, level);
+    const auto share = volume.ListBlocks(0, statistics, level);
     ISOSURFACE_RETURN_IF_ERROR(share.GetStatus());
     for (const BlockReference& block : *share)
     {
@@ -115,7 +116,7 @@ TEST_F(BlockedVolumeCorruption, EveryDamagedByteOfABlockIsDetected)
   const std::string path = Folder + "/store-00000/blocks";
   const auto opened = OpenVolume(this->Disk, 0);
   QueryStatistics statistics;
-  const auto share = opened->GetShare(0, 0, 2, statistics);
+  const auto share = opened->ListBlocks(0, statistics);
   ASSERT_TRUE(share.IsOk());
   QueryStatistics one;
   ASSERT_TRUE(opened->ReadBlock((*share)[0], 0, 0, 0, one).IsOk());
@@ -175,7 +176,7 @@ TEST_F(BlockedVolumeCorruption, AMissingStoreIsNamed)
   // The other store's rank goes on.
   const auto opened = OpenVolume(this->Disk);
   QueryStatistics statistics;
-  EXPECT_TRUE(opened->GetShare(0, 0, 2, statistics).IsOk());
+  EXPECT_TRUE(FindActiveBlocks(*opened, { { 0, 0, { 50 } }, 0, 2 }, statistics).IsOk());
 }
 
 TEST_F(BlockedVolumeCorruption, DamagedOverviewsLeaveTheFinerLevelsReadable)
@@ -188,12 +189,12 @@ TEST_F(BlockedVolumeCorruption, DamagedOverviewsLeaveTheFinerLevelsReadable)
     << status.GetMessage();
   const auto opened = OpenVolume(this->Disk);
   QueryStatistics statistics;
-  EXPECT_TRUE(opened->GetShare(0, 0, 1, statistics, 1).IsOk());
-  EXPECT_FALSE(opened->GetShare(0, 0, 1, statistics, 2).IsOk());
+  EXPECT_TRUE(opened->ListBlocks(0, statistics, 1).IsOk());
+  EXPECT_FALSE(opened->ListBlocks(0, statistics, 2).IsOk());
   EXPECT_TRUE(opened->GetSpectrum(0, 0, 1).IsOk());
   ASSERT_TRUE(this->Disk.RemoveAll(overview).IsOk());
   EXPECT_FALSE(opened->GetSpectrum(0, 0, 2).IsOk());
-  EXPECT_TRUE(opened->GetShare(0, 0, 1, statistics).IsOk());
+  EXPECT_TRUE(opened->ListBlocks(0, statistics).IsOk());
 }
 
 TEST_F(BlockedVolumeCorruption, ExchangedOverviewsAreDetected)

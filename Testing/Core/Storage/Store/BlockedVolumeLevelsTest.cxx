@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Levels down to a single block: the cost of reading them, and their surfaces, block by block,
 // against the same surface of the whole volume, subsampled in memory.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/StoredBlockSource.h"
@@ -50,7 +51,7 @@ PlainSurface ContourLevel(
   for (int rank = 0; rank < ranks; ++rank)
   {
     QueryStatistics statistics;
-    auto active = opened.FindActiveBlocks(0, 0, isovalues, rank, ranks, statistics, level);
+    auto active = FindActiveBlocks(opened, { { 0, 0, isovalues }, rank, ranks }, statistics, level);
     EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     StoredBlockSource source(opened, 0, 0, level, std::move(*active));
     ContourRequest request;
@@ -192,7 +193,7 @@ TEST(BlockedVolumeLevels, HaveTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
     EXPECT_EQ(*guess, static_cast<double>(expected.Triangles[expected.FindBin(50)]));
 
     QueryStatistics statistics;
-    const auto active = opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics, level);
+    const auto active = FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics, level);
     ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     std::vector<std::int64_t> blocks;
     for (const BlockReference& block : *active)
@@ -216,7 +217,7 @@ TEST(BlockedVolumeLevels, CostRequestsAndBytesInProportion)
   for (int level = 0; level < 5; ++level)
   {
     QueryStatistics statistics;
-    const auto blocks = opened->GetShare(0, 0, 1, statistics, level);
+    const auto blocks = opened->ListBlocks(0, statistics, level);
     ASSERT_TRUE(blocks.IsOk());
     for (const BlockReference& block : *blocks)
     {
@@ -235,8 +236,8 @@ TEST(BlockedVolumeLevels, AreRefusedForBlocksOfOtherLevels)
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 70, 70, 70 }), MakeSettings(16, 2));
   const auto opened = OpenVolume(disk);
   QueryStatistics statistics;
-  const auto fine = opened->GetShare(0, 0, 1, statistics, 1);
-  const auto coarse = opened->GetShare(0, 0, 1, statistics, 2);
+  const auto fine = opened->ListBlocks(0, statistics, 1);
+  const auto coarse = opened->ListBlocks(0, statistics, 2);
   ASSERT_TRUE(fine.IsOk() && coarse.IsOk());
   EXPECT_TRUE(opened->ReadBlock((*fine)[0], 0, 0, 0, statistics).IsOk());
   EXPECT_TRUE(opened->ReadBlock((*coarse)[0], 0, 0, 3, statistics).IsOk());
@@ -246,8 +247,8 @@ TEST(BlockedVolumeLevels, AreRefusedForBlocksOfOtherLevels)
     EXPECT_EQ(opened->ReadBlock(block, 0, 0, level, statistics).GetStatus().GetCode(),
       StatusCode::InvalidArgument);
   }
-  EXPECT_FALSE(opened->GetShare(0, 0, 1, statistics, 99).IsOk());
-  EXPECT_FALSE(opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics, -1).IsOk());
+  EXPECT_FALSE(opened->ListBlocks(0, statistics, 99).IsOk());
+  EXPECT_FALSE(FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics, -1).IsOk());
   EXPECT_FALSE(opened->GetSpectrum(0, 0, 99).IsOk());
 }
 

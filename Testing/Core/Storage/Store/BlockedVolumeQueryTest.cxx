@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/ActiveBlocks.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include "Fixtures/VolumeOnDisk.h"
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <thread>
 
 using namespace isosurface;
@@ -71,7 +71,7 @@ void ExpectActiveEqualsBruteForce(
   for (const std::vector<double>& isovalues : queries)
   {
     QueryStatistics statistics;
-    const auto active = opened->FindActiveBlocks(0, 0, isovalues, 0, 1, statistics);
+    const auto active = FindActiveBlocks(*opened, { { 0, 0, isovalues } }, statistics);
     ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     EXPECT_EQ(GetSortedBlocks(*active), FindActive(volume, opened->GetBlockGrid(), isovalues));
     EXPECT_EQ(statistics.ActiveBlocks, active->size());
@@ -112,44 +112,6 @@ TEST(BlockedVolumeQuery, ActiveBlocksEqualBruteForce)
     { { static_cast<double>(large) }, { static_cast<double>(large + 256) } });
 }
 
-TEST(BlockedVolumeQuery, RanksShareTheActiveBlocksOfAnyNumberOfStores)
-{
-  const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
-  for (const std::uint32_t stores : { 1u, 4u, 7u })
-  {
-    MemoryDisk disk;
-    WriteVolumeOk(disk, volume, MakeSettings(16, stores), 3);
-    const auto opened = OpenVolume(disk);
-    ASSERT_NE(opened, nullptr);
-    const auto expected = FindActive(volume, opened->GetBlockGrid(), { 50 });
-    for (int ranks = 1; ranks <= 20; ++ranks)
-    {
-      std::vector<BlockReference> all;
-      std::vector<BlockReference> active;
-      std::size_t fewest = std::numeric_limits<std::size_t>::max();
-      std::size_t most = 0;
-      for (int rank = 0; rank < ranks; ++rank)
-      {
-        QueryStatistics statistics;
-        const auto share = opened->GetShare(0, rank, ranks, statistics);
-        const auto mine = opened->FindActiveBlocks(0, 0, { 50 }, rank, ranks, statistics);
-        ASSERT_TRUE(share.IsOk() && mine.IsOk());
-        all.insert(all.end(), share->begin(), share->end());
-        active.insert(active.end(), mine->begin(), mine->end());
-        fewest = std::min(fewest, mine->size());
-        most = std::max(most, mine->size());
-      }
-      EXPECT_EQ(GetSortedBlocks(active), expected);
-      EXPECT_EQ(static_cast<std::int64_t>(all.size()), opened->GetBlockGrid().GetNumberOfBlocks());
-      EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
-      if (stores == 1)
-      {
-        EXPECT_LE(most - fewest, 1u);
-      }
-    }
-  }
-}
-
 TEST(BlockedVolumeQuery, ReadsActiveBlocksAndNothingElse)
 {
   const auto volume = MakeVolume<std::uint16_t>({ 70, 60, 50 });
@@ -158,7 +120,7 @@ TEST(BlockedVolumeQuery, ReadsActiveBlocksAndNothingElse)
   const auto opened = OpenVolume(disk);
   ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto active = opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics);
   ASSERT_TRUE(active.IsOk());
   ASSERT_GT(active->size(), 3u);
   EXPECT_EQ(disk.GetBytesRead("/blocks"), 0u);
@@ -223,10 +185,10 @@ TEST(BlockedVolumeQuery, RefusesArgumentsOutOfRange)
   QueryStatistics statistics;
   const auto expectInvalid = [](const Status& status)
   { EXPECT_EQ(status.GetCode(), StatusCode::InvalidArgument) << status.GetMessage(); };
-  expectInvalid(opened->FindActiveBlocks(1, 0, { 1 }, 0, 1, statistics).GetStatus());
-  expectInvalid(opened->FindActiveBlocks(0, 1, { 1 }, 0, 1, statistics).GetStatus());
-  expectInvalid(opened->FindActiveBlocks(0, 0, { 1 }, 1, 1, statistics).GetStatus());
-  expectInvalid(opened->GetShare(0, -1, 2, statistics).GetStatus());
+  expectInvalid(FindActiveBlocks(*opened, { { 1, 0, { 1 } } }, statistics).GetStatus());
+  expectInvalid(FindActiveBlocks(*opened, { { 0, 1, { 1 } } }, statistics).GetStatus());
+  expectInvalid(FindActiveBlocks(*opened, { { 0, 0, { 1 } }, 1, 1 }, statistics).GetStatus());
+  expectInvalid(FindActiveBlocks(*opened, { { 0, 0, { 1 } }, -1, 2 }, statistics).GetStatus());
   expectInvalid(opened->ReadBlock({ 0, 0, 0 }, 0, 0, 5, statistics).GetStatus());
   expectInvalid(opened->ReadBlock({ 0, 2, 0 }, 0, 0, 0, statistics).GetStatus());
   expectInvalid(opened->ReadBlock({ 8, 0, 0 }, 0, 0, 0, statistics).GetStatus());
@@ -246,7 +208,7 @@ TEST(BlockedVolumeQuery, ReportsThatTheVolumeWasRewritten)
     ASSERT_NE(opened, nullptr);
     QueryStatistics statistics;
     // Store 0 is open, store 1 not yet.
-    ASSERT_TRUE(opened->GetShare(0, 0, 2, statistics).IsOk());
+    ASSERT_TRUE(FindActiveBlocks(*opened, { { 0, 0, { 50 } }, 0, 2 }, statistics).IsOk());
     if (isRemovedFirst)
     {
       // Then the new generation has the number of the old one.
@@ -254,11 +216,11 @@ TEST(BlockedVolumeQuery, ReportsThatTheVolumeWasRewritten)
       ASSERT_TRUE(disk.RemoveAll(VolumePath + ".stores").IsOk());
     }
     WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }, 9), MakeSettings(16, 2));
-    const auto share = opened->GetShare(0, 1, 2, statistics);
+    const auto share = FindActiveBlocks(*opened, { { 0, 0, { 50 } }, 1, 2 }, statistics);
     ASSERT_FALSE(share.IsOk());
     EXPECT_NE(share.GetStatus().GetMessage().find("reload"), std::string::npos)
       << share.GetStatus().GetMessage();
-    const auto active = opened->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics);
+    const auto active = FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics);
     ASSERT_FALSE(active.IsOk());
     EXPECT_NE(active.GetStatus().GetMessage().find("reload"), std::string::npos);
     EXPECT_NE(OpenVolume(disk), nullptr);
@@ -283,7 +245,7 @@ TEST(BlockedVolumeQuery, IsSafeForManyThreads)
         for (int round = 0; round < 3; ++round)
         {
           const auto active =
-            opened->FindActiveBlocks(0, 0, { 20.0 + 10 * round, 60 }, 0, 1, statistics);
+            FindActiveBlocks(*opened, { { 0, 0, { 20.0 + 10 * round, 60 } } }, statistics);
           wrong += !active.IsOk();
           for (std::size_t index = 0; active.IsOk() && index < active->size(); ++index)
           {

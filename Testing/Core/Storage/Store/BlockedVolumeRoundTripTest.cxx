@@ -20,7 +20,7 @@ void ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, std::
   for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
   {
     const StoredLevel stored = opened.FindLevel(level);
-    const auto blocks = opened.GetShare(0, 0, 1, statistics, level);
+    const auto blocks = opened.ListBlocks(0, statistics, level);
     ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
     ASSERT_EQ(static_cast<std::int64_t>(blocks->size()), stored.Grid->GetNumberOfBlocks());
     for (const BlockReference& reference : *blocks)
@@ -176,7 +176,7 @@ TEST(BlockedVolumeRoundTrip, ReadsACoarseLevelAsAShortPrefix)
   for (int level = 0; level < 4; ++level)
   {
     QueryStatistics statistics;
-    const auto blocks = opened->GetShare(0, 0, 1, statistics, level);
+    const auto blocks = opened->ListBlocks(0, statistics, level);
     ASSERT_TRUE(blocks.IsOk());
     for (const BlockReference& block : *blocks)
     {

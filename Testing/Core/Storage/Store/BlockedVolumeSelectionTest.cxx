@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/ActiveBlocks.h"
 #include "Ranks/Query/StoredBlockSource.h"
 
 #include "Fixtures/VolumeOnDisk.h"
@@ -128,8 +129,8 @@ TEST(BlockedVolumeSelection, BlocksEqualBruteForceForAnyNumberOfRanks)
           for (int rank = 0; rank < ranks; ++rank)
           {
             QueryStatistics statistics;
-            const auto mine =
-              opened->FindActiveBlocks(0, 0, isovalues, rank, ranks, statistics, 0, selection);
+            const auto mine = FindActiveBlocks(
+              *opened, { { 0, 0, isovalues, selection }, rank, ranks }, statistics);
             ASSERT_TRUE(mine.IsOk()) << mine.GetStatus().GetMessage();
             EXPECT_EQ(statistics.ActiveBlocks, mine->size());
             all.insert(all.end(), mine->begin(), mine->end());
@@ -152,7 +153,7 @@ TEST(BlockedVolumeSelection, BlocksOutsideOfTheRegionAreNotRead)
   BlockSelection selection;
   selection.Region = Region::FromBounds(bounds);
   QueryStatistics statistics;
-  auto active = opened->FindActiveBlocks(0, 0, { 50.0 }, 0, 1, statistics, 0, selection);
+  auto active = FindActiveBlocks(*opened, { { 0, 0, { 50.0 }, selection } }, statistics);
   ASSERT_TRUE(active.IsOk());
   StoredBlockSource source(*opened, 0, 0, 0, *active);
   ContourRequest request;
@@ -185,8 +186,8 @@ TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
     for (int rank = 0; rank < 3; ++rank)
     {
       QueryStatistics statistics;
-      auto active =
-        opened->FindActiveBlocks(0, 0, request.Isovalues, rank, 3, statistics, level, selection);
+      auto active = FindActiveBlocks(
+        *opened, { { 0, 0, request.Isovalues, selection }, rank, 3 }, statistics, level);
       ASSERT_TRUE(active.IsOk());
       StoredBlockSource source(*opened, 0, 0, level, *active);
       const auto surface =
@@ -217,7 +218,7 @@ TEST(BlockedVolumeSelection, AdjacentArraysOfABlockAreReadByOneRead)
   const auto opened = OpenVolume(disk);
   ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto share = opened->GetShare(0, 0, 1, statistics);
+  const auto share = opened->ListBlocks(0, statistics);
   ASSERT_TRUE(share.IsOk());
   std::size_t block = 0;
   for (const auto& [arrays, cached, reads] :
@@ -261,7 +262,7 @@ TEST(BlockedVolumeSelection, InterpolatedArraysOfTheContouredOneHaveTheIsovalue)
   QueryStatistics statistics;
   for (const int level : { 0, 1 })
   {
-    auto active = opened->FindActiveBlocks(0, 0, { 30.25 }, 0, 1, statistics, level);
+    auto active = FindActiveBlocks(*opened, { { 0, 0, { 30.25 } } }, statistics, level);
     ASSERT_TRUE(active.IsOk());
     StoredBlockSource source(*opened, 0, 0, level, *active);
     source.SetAttributes({ 2, 1 });
@@ -292,7 +293,7 @@ TEST(BlockedVolumeSelection, MissingFurtherArrayIsAnError)
   const auto opened = OpenVolume(disk);
   ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto active = opened->FindActiveBlocks(0, 0, { 30.25 }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*opened, { { 0, 0, { 30.25 } } }, statistics);
   ASSERT_TRUE(active.IsOk());
   StoredBlockSource source(*opened, 0, 0, 0, *active);
   source.SetAttributes({ 5 });

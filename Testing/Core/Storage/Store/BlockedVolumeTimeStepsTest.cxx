@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time steps that are appended to a volume one at a time.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/VolumeOnDisk.h"
 
 #include <cmath>
@@ -45,7 +46,7 @@ void ExpectSteps(FileSystem& disk, unsigned count)
     QueryStatistics statistics;
     for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
     {
-      const auto blocks = opened->GetShare(step, 0, 1, statistics, level);
+      const auto blocks = opened->ListBlocks(step, statistics, level);
       ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
       for (const BlockReference& reference : *blocks)
       {
@@ -193,7 +194,7 @@ TEST(BlockedVolumeTimeSteps, OfAnOpenVolumeStayReadableWhenAnotherIsAppended)
   ASSERT_NE(opened, nullptr);
   AppendStep(disk, 1);
   QueryStatistics statistics;
-  const auto active = opened->FindActiveBlocks(0, 0, { 40.0 }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(*opened, { { 0, 0, { 40.0 } } }, statistics);
   ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
   EXPECT_FALSE(active->empty());
 }

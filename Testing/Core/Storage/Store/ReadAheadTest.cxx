@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The bytes that a source of stored blocks reads ahead, against those that it reads later.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/StoredBlockSource.h"
 #include "Storage/Record/BlockRecord.h"
@@ -23,7 +24,7 @@ protected:
   std::vector<MemoryDisk::Access> AcquireAll(double isovalue, int level)
   {
     QueryStatistics statistics;
-    auto active = this->Opened->FindActiveBlocks(0, 0, { isovalue }, 0, 1, statistics, level);
+    auto active = FindActiveBlocks(*this->Opened, { { 0, 0, { isovalue } } }, statistics, level);
     EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
     const std::size_t before = this->Disk.GetAccesses("/blocks").size();
     StoredBlockSource source(*this->Opened, 0, 0, level, std::move(*active));

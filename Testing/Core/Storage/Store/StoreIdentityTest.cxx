@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that are whole, but belong to another store, array, component or time step.
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 using namespace isosurface;
 
@@ -56,7 +57,7 @@ protected:
         if (volume->GetSpectrumLevel(level) == level)
         {
           const auto active =
-            volume->FindActiveBlocks(0, variable, { 50 }, 0, 1, statistics, level);
+            FindActiveBlocks(*volume, { { 0, variable, { 50 } } }, statistics, level);
           const auto spectrum = volume->GetSpectrum(0, variable, level);
           if (!active.IsOk() || !spectrum.IsOk())
           {

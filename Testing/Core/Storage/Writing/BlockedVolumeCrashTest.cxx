@@ -3,7 +3,7 @@
 // system, or takes more memory than it may. Writers run in processes of their own.
 #include "Fixtures/VolumeOnDisk.h"
 #include "Formats/Plain/RawVolume.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
@@ -71,7 +71,7 @@ protected:
       BlockedVolume::Open(this->Path, this->Files, std::make_shared<BlockCache>(1 << 20));
     EXPECT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
     QueryStatistics statistics;
-    const auto blocks = (*opened)->GetShare(step, 0, 1, statistics);
+    const auto blocks = (*opened)->ListBlocks(step, statistics);
     bool equal = blocks.IsOk();
     for (std::size_t index = 0; equal && index < blocks->size(); ++index)
     {

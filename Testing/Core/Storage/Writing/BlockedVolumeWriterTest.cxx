@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Writing/BlockedVolumeWriter.h"
+#include "Fixtures/ActiveBlocks.h"
 
 #include "Fixtures/VolumeOnDisk.h"
 #include "Surface/Spectrum/BlockMeasure.h"
@@ -40,7 +41,7 @@ bool IsReadable(MemoryDisk& disk, const SampleVolume<T>& volume)
 {
   const auto opened = OpenVolume(disk);
   QueryStatistics statistics;
-  const auto blocks = opened->GetShare(0, 0, 1, statistics);
+  const auto blocks = opened->ListBlocks(0, statistics);
   bool equal = blocks.IsOk();
   for (std::size_t index = 0; equal && index < blocks->size(); ++index)
   {
@@ -193,8 +194,8 @@ TEST(BlockedVolumeWriter, WritesTheBlocksAndBytesThatAQueryReads)
         // A rank of three reads one of three stores.
         const auto opened = OpenVolume(disk);
         QueryStatistics statistics;
-        const auto active = opened->FindActiveBlocks(
-          0, 0, { (*spectrum)->Bins.GetEdge(bin) }, static_cast<int>(store), 3, statistics);
+        const auto active = FindActiveBlocks(*opened,
+          { { 0, 0, { (*spectrum)->Bins.GetEdge(bin) } }, static_cast<int>(store), 3 }, statistics);
         ASSERT_TRUE(active.IsOk());
         for (const BlockReference& block : *active)
         {
@@ -445,7 +446,7 @@ TEST(BlockedVolumeWriter, WritesToTheLocalDisk)
   const auto opened = BlockedVolume::Open(folder + "/a.bvol");
   ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
   QueryStatistics statistics;
-  const auto active = (*opened)->FindActiveBlocks(0, 0, { 50 }, 0, 1, statistics);
+  const auto active = FindActiveBlocks(**opened, { { 0, 0, { 50 } } }, statistics);
   ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
   ASSERT_FALSE(active->empty());
   EXPECT_TRUE((*opened)->ReadBlock((*active)[0], 0, 0, 0, statistics).IsOk());

@@ -3,13 +3,14 @@
 // an edge-index file, and asking for a surface: what was there before stays whole, all ranks get
 // the error, the next run succeeds.
 #include "DiskFaults.h"
+#include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Fixtures/VolumeOnDisk.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Query/StoredBlockSource.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
 #include <cerrno>
@@ -140,7 +141,7 @@ protected:
       this->Volume, this->Files, std::make_shared<BlockCache>(std::uint64_t{ 1 } << 24));
     ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
     QueryStatistics statistics;
-    auto active = (*volume)->FindActiveBlocks(step, 0, { Isovalue }, 0, 1, statistics);
+    auto active = FindActiveBlocks(**volume, { { step, 0, { Isovalue } } }, statistics);
     ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR((*volume)->GetSpectrum(step, 0).GetStatus());
     StoredBlockSource source(**volume, step, 0, 0, std::move(*active));

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Writing/VolumeRepair.h"
+#include "Storage/Verification/VolumeRepair.h"
 
 #include "Storage/Store/BlockedVolumeHeader.h"
-#include "Storage/Store/MergedStore.h"
-#include "Storage/Store/StoreCheck.h"
-#include "Storage/Writing/StoreReplication.h"
+#include "Storage/Verification/MergedStore.h"
+#include "Storage/Verification/StoreCheck.h"
 
 #include <cstddef>
 
@@ -78,7 +77,7 @@ private:
     for (const std::string& name : names)
     {
       ISOSURFACE_RETURN_IF_ERROR(
-        CopyStoreFile(merged, from.front() + name, this->Files, partial + name));
+        CopyFile(merged, from.front() + name, this->Files, partial + name));
     }
     ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(partial));
     const std::vector<Status> faults =

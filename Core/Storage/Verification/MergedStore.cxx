@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/MergedStore.h"
+#include "Storage/Verification/MergedStore.h"
 
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"

@@ -3,7 +3,7 @@
 #include "Fixtures/SampleVolume.h"
 
 #include "Storage/Store/BlockStore.h"
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>

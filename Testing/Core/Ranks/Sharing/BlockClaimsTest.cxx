@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ranks that claim blocks of each other's shares.
-#include "Ranks/Query/BlockClaims.h"
+#include "Ranks/Sharing/BlockClaims.h"
 
 #include <gtest/gtest.h>
 

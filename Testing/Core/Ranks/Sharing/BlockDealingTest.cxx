@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/BlockDealing.h"
+#include "Ranks/Sharing/BlockDealing.h"
+#include "Fixtures/ActiveBlocks.h"
 
 #include "Fixtures/VolumeOnDisk.h"
-#include "Storage/Store/ActiveBlockWork.h"
+#include "Ranks/Sharing/ActiveBlockWork.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +68,7 @@ TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAndOfNearlyAlwaysTheSame)
     WriteVolumeOk(disk, volume, MakeSettings(BlockSize, stores), 3);
     const auto opened = OpenVolume(disk);
     ASSERT_NE(opened, nullptr);
-    opened->DealBlocks(true);
+    opened->SetLocalStores(false);
     for (const int ranks : { 1, 2, 3, 5, 16, 20 })
     {
       std::vector<int> owners(
@@ -77,11 +78,12 @@ TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAndOfNearlyAlwaysTheSame)
       for (const double isovalue : { 90.0, 128.0, 129.5 })
       {
         QueryStatistics statistics;
-        const auto all = opened->FindActiveBlocks(0, 0, { isovalue }, 0, 1, statistics);
+        const auto all = FindActiveBlocks(*opened, { { 0, 0, { isovalue } } }, statistics);
         std::size_t found = 0;
         for (int rank = 0; rank < ranks; ++rank)
         {
-          const auto mine = opened->FindActiveBlocks(0, 0, { isovalue }, rank, ranks, statistics);
+          const auto mine =
+            FindActiveBlocks(*opened, { { 0, 0, { isovalue } }, rank, ranks }, statistics);
           ASSERT_TRUE(mine.IsOk());
           found += mine->size();
           for (const BlockReference& block : *mine)
@@ -111,11 +113,11 @@ TEST(BlockDealing, RanksHaveEqualPartsOfASurfaceWhateverTheStores)
     WriteVolumeOk(disk, volume, MakeSettings(BlockSize, stores), 2);
     const auto opened = OpenVolume(disk);
     ASSERT_NE(opened, nullptr);
-    opened->DealBlocks(true);
+    opened->SetLocalStores(false);
     for (const double isovalue : { 100.0, 128.0 })
     {
       QueryStatistics statistics;
-      const auto all = opened->FindActiveBlocks(0, 0, { isovalue }, 0, 1, statistics);
+      const auto all = FindActiveBlocks(*opened, { { 0, 0, { isovalue } } }, statistics);
       std::vector<std::uint64_t> cells(
         static_cast<std::size_t>(opened->GetBlockGrid().GetNumberOfBlocks()));
       std::uint64_t sum = 0;
@@ -133,7 +135,8 @@ TEST(BlockDealing, RanksHaveEqualPartsOfASurfaceWhateverTheStores)
         for (int rank = 0; rank < ranks; ++rank)
         {
           std::uint64_t mine = 0;
-          const auto blocks = opened->FindActiveBlocks(0, 0, { isovalue }, rank, ranks, statistics);
+          const auto blocks =
+            FindActiveBlocks(*opened, { { 0, 0, { isovalue } }, rank, ranks }, statistics);
           ASSERT_TRUE(blocks.IsOk());
           for (const BlockReference& block : *blocks)
           {

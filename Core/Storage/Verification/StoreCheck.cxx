@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/StoreCheck.h"
+#include "Storage/Verification/StoreCheck.h"
 
 #include "Ground/Base/ParallelFor.h"
-#include "Storage/Store/MergedStore.h"
-#include "Storage/Store/StoreVerification.h"
+#include "Storage/Verification/MergedStore.h"
+#include "Storage/Verification/StoreVerification.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/BlockDealing.h"
+#include "Ranks/Sharing/BlockDealing.h"
 
-#include "Storage/Store/ActiveBlockWork.h"
+#include "Ranks/Sharing/ActiveBlockWork.h"
 
 #include <algorithm>
 #include <cstddef>

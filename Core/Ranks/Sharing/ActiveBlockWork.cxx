@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/ActiveBlockWork.h"
+#include "Ranks/Sharing/ActiveBlockWork.h"
 
 #include "Ground/Volume/VertexBox.h"
 

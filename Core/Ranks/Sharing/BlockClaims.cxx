@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Ranks/Query/BlockClaims.h"
+#include "Ranks/Sharing/BlockClaims.h"
 
 #include <algorithm>
 #include <numeric>

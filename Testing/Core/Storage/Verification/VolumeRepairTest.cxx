@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/VolumeOnDisk.h"
 
-#include "Storage/Store/VolumeVerification.h"
-#include "Storage/Writing/VolumeRepair.h"
+#include "Storage/Verification/VolumeRepair.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/StoreVerification.h"
+#include "Storage/Verification/StoreVerification.h"
 
 #include "Ground/Base/Buffer.h"
 #include "Ground/Base/Checksum.h"
@@ -9,7 +9,6 @@
 #include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/BlockSegment.h"
 #include "Storage/Record/RecordCodec.h"
-#include "Storage/Store/JsonDocument.h"
 #include "Storage/Store/SourceSegment.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/ReplicaBalance.h"
+#include "Ranks/Sharing/ReplicaBalance.h"
 
 #include "Storage/Store/StoreFaults.h"
 

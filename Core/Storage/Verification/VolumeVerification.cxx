@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/VolumeVerification.h"
+#include "Storage/Verification/VolumeVerification.h"
 
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/SourceSamples.h"
-#include "Storage/Store/StoreCheck.h"
-#include "Storage/Store/StoreVerification.h"
 #include "Storage/Store/VolumeSpectra.h"
+#include "Storage/Verification/StoreCheck.h"
+#include "Storage/Verification/StoreVerification.h"
 
 #include <algorithm>
 #include <memory>

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VolumeLayout_h
+#define isosurface_VolumeLayout_h
+
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/GridLines.h"
+#include "Storage/Store/BlockCache.h"
+#include "Storage/Store/BlockReference.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The volume itself, or one of its overviews.
+struct VolumePart
+{
+  BlockedVolumeHeader Header;
+  BlockGrid Grid;
+  int FirstLevel = 0;                    ///< the finest level here, among those of the volume
+  std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
+};
+
+/// What the header of a blocked volume tells: its parts, levels and variables. It does not change.
+class VolumeLayout
+{
+public:
+  /// `text`: that of the header's file.
+  VolumeLayout(std::string path, std::string text, const BlockedVolumeHeader& header);
+
+  const std::string& GetPath() const { return this->Path; }
+  const std::string& GetHeaderText() const { return this->HeaderText; }
+  const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
+  /// Differs between volumes with different headers: other contents, another write (whose time
+  /// steps are in other folders), another number of time steps. It does not depend on the path.
+  std::uint64_t GetFingerprint() const { return this->Fingerprint; }
+  /// The components and magnitudes that can be contoured and read.
+  const ArrayVariables& GetVariables() const { return this->Variables; }
+  /// The volume's own blocks, which have its finest levels.
+  const BlockGrid& GetBlockGrid() const { return this->Parts.front().Grid; }
+
+  /// The volume, then its overviews from the finest to the coarsest.
+  const std::vector<VolumePart>& GetParts() const { return this->Parts; }
+  /// Level l has every vertex whose coordinates are multiples of 2^l, wherever it is stored.
+  int GetNumberOfLevels() const;
+  /// `level` must be one of the volume's.
+  StoredLevel FindLevel(int level) const;
+  /// The finest level that is stored in the same blocks as this one; it has a spectrum.
+  int GetSpectrumLevel(int level) const { return level - this->FindLevel(level).Level; }
+  /// The lines of a level of a rectilinear grid, valid as long as this object; null of other grids.
+  const GridLines* GetLines(int level) const
+  {
+    return this->Lines.empty() ? nullptr : &this->Lines[static_cast<std::size_t>(level)];
+  }
+  /// Whether the samples of a level are in the volume's source.
+  bool IsInSource(const StoredLevel& stored) const
+  {
+    return stored.Part == 0 && this->GetHeader().IsInPlace();
+  }
+  BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
+    const StoredLevel& stored) const;
+
+private:
+  void AddPart(const BlockedVolumeHeader& header);
+
+  std::string Path;
+  std::string HeaderText;
+  std::uint64_t Fingerprint;
+  ArrayVariables Variables;
+  std::vector<VolumePart> Parts;
+  std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
+};
+
+} // namespace isosurface
+
+#endif
