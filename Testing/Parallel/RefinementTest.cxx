@@ -60,12 +60,9 @@ protected:
 
   void ExpectSurface(vtkPolyData* mine, double isovalue)
   {
-    EdgeSurface part;
-    part.Add(mine);
-    EdgeSurface all = GatherSurfaces(part);
+    const EdgeSurface all = GatherSurface(mine);
     if (GetRank() == 0)
     {
-      all.MergeEqualPoints();
       EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(this->Image, isovalue)));
     }
   }
