@@ -187,7 +187,8 @@ TEST(StabbingContourLines, OtherDataSetsAreRefusedWithWhatToTakeInstead)
   }
 }
 
-// Samples that are a linear function of the place in the world: of them areas and volumes are exact.
+// Samples that are a linear function of the place in the world: of them areas and volumes are
+// exact.
 TEST(StabbingContourLines, SpectrumTellsAreaAndVolumeInTheWorld)
 {
   const auto image = MakeImage(Grid, VTK_FLOAT, [](int, int, int) { return 0.0; });

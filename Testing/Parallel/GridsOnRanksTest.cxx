@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images in memory that ranks have parts of, without ghost layers, rectilinear and with cell arrays.
+// Images in memory that ranks have parts of, without ghost layers, rectilinear and with cell
+// arrays.
 #include "ParallelVolumes.h"
 
 #include "RectilinearFixtures.h"

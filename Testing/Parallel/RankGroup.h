@@ -28,8 +28,8 @@ std::uint64_t SumOverRanks(std::uint64_t mine);
 /// ranks have are there several times.
 EdgeSurface GatherSurfaces(const EdgeSurface& mine);
 
-/// Collective: the same of a contour's outputs, or of their triangles with ids in a range. Points that
-/// are equal on several ranks are there once.
+/// Collective: the same of a contour's outputs, or of their triangles with ids in a range. Points
+/// that are equal on several ranks are there once.
 EdgeSurface GatherSurface(
   vtkPolyData* mine, std::int64_t firstId = 0, std::int64_t endId = INT64_MAX);
 

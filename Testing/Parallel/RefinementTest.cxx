@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that are extracted beside the window are those of all ranks together, taken by all at once.
+// Surfaces that are extracted beside the window are those of all ranks together, taken by all at
+// once.
 #include "ParallelVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"

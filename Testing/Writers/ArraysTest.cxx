@@ -60,8 +60,8 @@ vtkSmartPointer<vtkImageData> MakeVectors(int type, int components)
   return image;
 }
 
-/// A component alone, or, at their number, the magnitude in double. (vtkImageMagnitude adds squares in
-/// float before VTK 9.3, so it is no oracle.)
+/// A component alone, or, at their number, the magnitude in double. (vtkImageMagnitude adds squares
+/// in float before VTK 9.3, so it is no oracle.)
 vtkSmartPointer<vtkImageData> MakeScalar(vtkImageData* image, int component)
 {
   vtkDataArray* vectors = image->GetPointData()->GetScalars();

@@ -11,8 +11,8 @@
 namespace isosurface
 {
 
-/// The oracle: the numbers of the active blocks of a grid, found by looking at all samples. With all
-/// sides closed, also those at a side that have a sample inside.
+/// The oracle: the numbers of the active blocks of a grid, found by looking at all samples. With
+/// all sides closed, also those at a side that have a sample inside.
 template <typename T>
 std::vector<std::int64_t> FindBlocksByForce(const SampleVolume<T>& volume, const BlockGrid& grid,
   const std::vector<double>& isovalues, bool closed = false)

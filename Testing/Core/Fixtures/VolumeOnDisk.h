@@ -128,8 +128,8 @@ inline std::shared_ptr<BlockedVolume> OpenVolume(FileSystem& disk,
     BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(cacheBytes), opener));
 }
 
-/// Expects each block of a variable, at a level, to have the samples of the subsampled volume, ghost
-/// layers included, bit by bit. Returns the bytes of the blocks.
+/// Expects each block of a variable, at a level, to have the samples of the subsampled volume,
+/// ghost layers included, bit by bit. Returns the bytes of the blocks.
 template <typename T>
 std::uint64_t ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, int level,
   QueryStatistics& statistics, std::size_t variable = 0, std::size_t step = 0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format version 1 stay readable with the same meaning, and the bytes that an encoder writes
-// do not depend on compiler, flags or machine. The files must not change together with the code.
+// Files of format version 1 stay readable with the same meaning, and the bytes that an encoder
+// writes do not depend on compiler, flags or machine. The files must not change together with the
+// code.
 #include "Fixtures/CodedVolumes.h"
 
 #include "Fixtures/MemoryDisk.h"

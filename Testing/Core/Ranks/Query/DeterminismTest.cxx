@@ -65,8 +65,8 @@ void WriteEdgeIndexFile(
 {
   const SurfaceQuery query = MakeQuery(ranks);
   QueryStatistics statistics;
-  auto active =
-    Require(FindActiveBlocks(volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics));
+  auto active = Require(
+    FindActiveBlocks(volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics));
   std::sort(active.begin(), active.end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
   std::vector<std::int64_t> numbers;

@@ -102,8 +102,8 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
   for (int level = 0; level < this->Opened->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto active =
-      Require(FindActiveBlocks(*this->Opened, { { 0, 0, this->Query.Isovalues } }, statistics, level));
+    const auto active = Require(
+      FindActiveBlocks(*this->Opened, { { 0, 0, this->Query.Isovalues } }, statistics, level));
     seconds.push_back(1e-4 * static_cast<double>(active.size()));
   }
   for (const double budget : { 0.004, 0.02, 0.08, 0.2 })

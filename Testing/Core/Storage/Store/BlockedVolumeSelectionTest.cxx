@@ -99,8 +99,8 @@ TEST(BlockedVolumeSelection, BlocksEqualBruteForceForAnyNumberOfRanks)
           for (int rank = 0; rank < ranks; ++rank)
           {
             QueryStatistics statistics;
-            const auto mine = Require(
-              FindActiveBlocks(*opened, { { 0, 0, isovalues, selection }, rank, ranks }, statistics));
+            const auto mine = Require(FindActiveBlocks(
+              *opened, { { 0, 0, isovalues, selection }, rank, ranks }, statistics));
             EXPECT_EQ(statistics.ActiveBlocks, mine.size());
             all.insert(all.end(), mine.begin(), mine.end());
           }
@@ -151,8 +151,8 @@ TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
     for (int rank = 0; rank < 3; ++rank)
     {
       QueryStatistics statistics;
-      auto active = Require(
-        FindActiveBlocks(*opened, { { 0, 0, request.Isovalues, selection }, rank, 3 }, statistics, level));
+      auto active = Require(FindActiveBlocks(
+        *opened, { { 0, 0, request.Isovalues, selection }, rank, 3 }, statistics, level));
       StoredBlockSource source(*opened, 0, 0, level, active);
       const auto surface =
         Require(ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 1));

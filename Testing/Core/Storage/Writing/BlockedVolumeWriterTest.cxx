@@ -180,7 +180,8 @@ TEST(BlockedVolumeWriter, WritesTheBlocksAndBytesThatAQueryReads)
         // A rank of three reads one of three stores.
         const auto opened = OpenVolume(disk);
         QueryStatistics statistics;
-        const auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { spectrum->Bins.GetEdge(bin) } }, static_cast<int>(store), 3 }, statistics));
+        const auto active = Require(FindActiveBlocks(*opened,
+          { { 0, 0, { spectrum->Bins.GetEdge(bin) } }, static_cast<int>(store), 3 }, statistics));
         for (const BlockReference& block : active)
         {
           ASSERT_TRUE(opened->ReadBlock(block, 0, 0, 0, statistics).IsOk());
