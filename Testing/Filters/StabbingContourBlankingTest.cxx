@@ -90,8 +90,7 @@ void ExpectEqualsStockFilter(vtkUniformGrid* grid, vtkImageData* whole, double i
   EXPECT_EQ(surface->GetNumberOfCells(), expected->GetNumberOfCells());
   EXPECT_EQ(surface->GetNumberOfPoints(), expected->GetNumberOfPoints());
   EXPECT_EQ(CountTriangles(surface, grid), CountTriangles(expected, grid));
-  EdgeSurface own;
-  own.Add(surface);
+  EdgeSurface own = ToEdges(surface);
   own.DropNormals();
   EdgeSurface all = ContourByFlyingEdges(whole, isovalue);
   all.DropNormals();
@@ -248,9 +247,7 @@ TEST(StabbingContourBlanking, SkippedNotANumberLeavesAHoleInsteadOfAWall)
   }
   const auto expected = ContourByStockFilter(grid, 8.0);
 
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(holed);
-  contour->SetValue(0, 8.0);
+  const auto contour = MakeContour(holed, 8.0);
   contour->Update();
   const vtkIdType walled = contour->GetOutput()->GetNumberOfCells();
   contour->SkipNotANumberOn();

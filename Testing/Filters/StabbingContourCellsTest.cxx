@@ -60,13 +60,6 @@ vtkSmartPointer<vtkPolyData> ContourCells(vtkDataObject* input, double isovalue)
   return contour->GetOutput();
 }
 
-EdgeSurface MakeEdges(vtkPolyData* surface)
-{
-  EdgeSurface edges;
-  edges.Add(surface);
-  return edges;
-}
-
 void ExpectEqualArrays(vtkDataArray* made, vtkDataArray* expected, const std::string& what)
 {
   ASSERT_EQ(made->GetDataType(), expected->GetDataType()) << what;
@@ -159,7 +152,7 @@ TEST(StabbingContourCells, CellArrayIsContouredAsBehindCellDataToPointData)
     image->SetSpacing(0.5, 1.25, 2.0);
     const EdgeSurface expected = ContourByFlyingEdges(ConvertByStockFilter(image), 99.5);
     EXPECT_FALSE(expected.Triangles.empty());
-    EXPECT_TRUE(AreEqual(MakeEdges(ContourCells(image, 99.5)), expected));
+    EXPECT_TRUE(AreEqual(ToEdges(ContourCells(image, 99.5)), expected));
   }
 }
 
@@ -184,8 +177,7 @@ TEST(StabbingContourCells, PieceWithGhostCellsHasTheSurfaceOfTheWhole)
     piece->GenerateGhostArray(const_cast<int*>(own[n]), true);
     blocks->SetBlock(n, piece);
   }
-  EXPECT_TRUE(
-    AreEqual(MakeEdges(ContourCells(blocks, 99.5)), MakeEdges(ContourCells(image, 99.5))));
+  EXPECT_TRUE(AreEqual(ToEdges(ContourCells(blocks, 99.5)), ToEdges(ContourCells(image, 99.5))));
 }
 
 TEST(StabbingContourCells, CellArraysAreInterpolatedAsAverages)
@@ -211,14 +203,12 @@ TEST(StabbingContourCells, CellArraysAreInterpolatedAsAverages)
 TEST(StabbingContourCells, ChangedCellsGiveAChangedSurface)
 {
   const auto image = MakeCellImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(200, 11));
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 99.5);
+  const auto contour = MakeContour(image, 99.5);
   contour->Update();
   contour->SetValue(0, 101.5);
   contour->Update();
   EXPECT_TRUE(AreEqual(
-    MakeEdges(contour->GetOutput()), ContourByFlyingEdges(ConvertByStockFilter(image), 101.5)));
+    ToEdges(contour->GetOutput()), ContourByFlyingEdges(ConvertByStockFilter(image), 101.5)));
   vtkDataArray* cells = image->GetCellData()->GetScalars();
   for (vtkIdType cell = 0; cell < cells->GetNumberOfTuples(); ++cell)
   {
@@ -228,5 +218,5 @@ TEST(StabbingContourCells, ChangedCellsGiveAChangedSurface)
   image->Modified();
   contour->Update();
   EXPECT_TRUE(AreEqual(
-    MakeEdges(contour->GetOutput()), ContourByFlyingEdges(ConvertByStockFilter(image), 101.5)));
+    ToEdges(contour->GetOutput()), ContourByFlyingEdges(ConvertByStockFilter(image), 101.5)));
 }

@@ -64,8 +64,7 @@ void ExpectGoodSurface(vtkStabbingContour* contour)
   const ErrorCounter errors(contour);
   contour->Update();
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
-  EdgeSurface surface;
-  surface.Add(contour->GetOutput());
+  EdgeSurface surface = ToEdges(contour->GetOutput());
   EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(MakeGoodImage(), 0.1)));
 }
 
@@ -73,9 +72,7 @@ void ExpectGoodSurface(vtkStabbingContour* contour)
 
 TEST(StabbingContourErrors, MissingArrayIsNamed)
 {
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(MakeGoodImage());
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(MakeGoodImage(), 0.1);
   ExpectGoodSurface(contour);
   Select(contour, "pressure");
   ExpectError(contour, { "pressure" });
@@ -87,9 +84,7 @@ TEST(StabbingContourErrors, MissingArrayOfACompositeIsNamed)
 {
   vtkNew<vtkMultiBlockDataSet> blocks;
   blocks->SetBlock(0, MakeGoodImage());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputDataObject(blocks);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(blocks, 0.1);
   Select(contour, "pressure");
   ExpectError(contour, { "pressure" });
   Select(contour, "density");
@@ -100,9 +95,7 @@ TEST(StabbingContourErrors, ImageWithoutArraysIsAnError)
 {
   vtkNew<vtkImageData> image;
   image->SetDimensions(5, 5, 5);
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   ExpectError(contour, { "no point array" });
   contour->SetInputData(MakeGoodImage());
   ExpectGoodSurface(contour);
@@ -116,9 +109,7 @@ TEST(StabbingContourErrors, ImagesOfACompositeWithoutTheArrayAreLeftOut)
   vtkNew<vtkMultiBlockDataSet> blocks;
   blocks->SetBlock(0, other);
   blocks->SetBlock(1, MakeGoodImage());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputDataObject(blocks);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(blocks, 0.1);
   Select(contour, "density");
   ExpectGoodSurface(contour);
 }
@@ -127,9 +118,7 @@ TEST(StabbingContourErrors, ArrayWithoutTheComponentIsNamed)
 {
   const auto image = MakeGoodImage();
   AddArray(image->GetPointData(), "velocity", 3, image->GetNumberOfPoints());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   Select(contour, "velocity");
   contour->SetComponent(4);
   ExpectError(contour, { "velocity", "3 components", "no component 4" });
@@ -144,9 +133,7 @@ TEST(StabbingContourErrors, ArrayOfBitsIsNamed)
   mask->SetName("mask");
   mask->SetNumberOfTuples(image->GetNumberOfPoints());
   image->GetPointData()->AddArray(mask);
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   Select(contour, "mask");
   ExpectError(contour, { "mask", "bit" });
   Select(contour, "density");
@@ -157,9 +144,7 @@ TEST(StabbingContourErrors, ArrayOfTheWrongLengthIsNamed)
 {
   const auto image = MakeGoodImage();
   AddArray(image->GetPointData(), "short", 1, 17);
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   Select(contour, "short");
   ExpectError(contour, { "short", "17" });
   Select(contour, "density");
@@ -170,9 +155,7 @@ TEST(StabbingContourErrors, CellArrayInPlaceOfAPointArrayIsNamed)
 {
   const auto image = MakeGoodImage();
   AddArray(image->GetCellData(), "material", 1, image->GetNumberOfCells());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   Select(contour, "material");
   ExpectError(contour, { "no point array \"material\"", "cell arrays \"material\"" });
   Select(contour, "density");
@@ -185,9 +168,7 @@ TEST(StabbingContourErrors, InputWithCellArraysAloneTellsThem)
   image->SetDimensions(5, 5, 5);
   AddArray(image->GetCellData(), "material", 1, image->GetNumberOfCells());
   AddArray(image->GetCellData(), "pressure", 1, image->GetNumberOfCells());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   ExpectError(
     contour, { "no point array that is active", "cell arrays \"material\", \"pressure\"" });
 }
@@ -196,9 +177,7 @@ TEST(StabbingContourErrors, CellArrayOfTheWrongLengthIsNamed)
 {
   const auto image = MakeGoodImage();
   AddArray(image->GetCellData(), "short", 1, 17);
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   Select(contour, "short", vtkDataObject::FIELD_ASSOCIATION_CELLS);
   ExpectError(contour, { "short", "17" });
 }
@@ -208,9 +187,7 @@ TEST(StabbingContourErrors, DataSetThatIsNoImageIsNamed)
   vtkNew<vtkMultiBlockDataSet> blocks;
   blocks->SetBlock(0, MakeGoodImage());
   blocks->SetBlock(1, vtkNew<vtkUnstructuredGrid>());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputDataObject(blocks);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(blocks, 0.1);
   ExpectError(contour, { "vtkUnstructuredGrid" });
   blocks->SetBlock(1, nullptr);
   blocks->Modified();

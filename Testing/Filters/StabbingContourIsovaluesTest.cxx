@@ -22,8 +22,7 @@ std::int64_t CountEdges(vtkImageData* image)
 // The part of a contour that belongs to the number-th isovalue.
 EdgeSurface GetPart(vtkPolyData* contour, vtkImageData* image, int number)
 {
-  EdgeSurface part;
-  part.Add(contour, number * CountEdges(image), (number + 1) * CountEdges(image));
+  EdgeSurface part = ToEdges(contour, number * CountEdges(image), (number + 1) * CountEdges(image));
   return part;
 }
 

@@ -60,8 +60,7 @@ TEST(StabbingContourLines, ExtentThatDoesNotBeginAtZeroEqualsTheStockFilter)
 TEST(StabbingContourLines, PiecesWithGhostLayersHaveTheSurfaceOfTheWhole)
 {
   const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
-  EdgeSurface expected;
-  expected.Add(Contour(grid, { 8.0 }));
+  EdgeSurface expected = ToEdges(Contour(grid, { 8.0 }));
   vtkNew<vtkMultiBlockDataSet> blocks;
   const Extent extents[2] = { { 0, 41, 0, 35, 0, 37 }, { 39, 70, 0, 35, 0, 37 } };
   int own[2][6] = { { 0, 40, 0, 35, 0, 37 }, { 40, 70, 0, 35, 0, 37 } };
@@ -71,8 +70,7 @@ TEST(StabbingContourLines, PiecesWithGhostLayersHaveTheSurfaceOfTheWhole)
     part->GenerateGhostArray(own[n], true);
     blocks->SetBlock(n, part);
   }
-  EdgeSurface pieces;
-  pieces.Add(Contour(blocks, { 8.0 }));
+  EdgeSurface pieces = ToEdges(Contour(blocks, { 8.0 }));
   EXPECT_TRUE(AreEqual(pieces, expected));
 }
 
@@ -94,9 +92,7 @@ TEST(StabbingContourLines, OptionsDoToARectilinearGridWhatTheyDoToAnImage)
     EdgeSurface surfaces[2];
     for (const int n : { 0, 1 })
     {
-      vtkNew<vtkStabbingContour> contour;
-      contour->SetInputDataObject(n == 0 ? static_cast<vtkDataObject*>(image) : lined);
-      contour->SetValue(0, 3.0);
+      const auto contour = MakeContour(n == 0 ? static_cast<vtkDataObject*>(image) : lined, 3.0);
       contour->SetDropDegenerateTriangles(option == 1 || option == 3);
       contour->SetCloseBoundary(option == 2 || option == 3);
       contour->SetUseRegion(option == 4);
@@ -114,9 +110,7 @@ TEST(StabbingContourLines, OptionsDoToARectilinearGridWhatTheyDoToAnImage)
 TEST(StabbingContourLines, RegionIsOneOfTheWorld)
 {
   const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(grid);
-  contour->SetValue(0, 8.0);
+  const auto contour = MakeContour(grid, 8.0);
   contour->UseRegionOn();
   const double x = grid->GetXCoordinates()->GetComponent(65, 0);
   contour->SetRegionPosition(x, -100, -100);
@@ -138,9 +132,7 @@ TEST(StabbingContourLines, SkippedNotANumberLeavesGoodNormals)
     const double* x = grid->GetPoint(point);
     samples->SetComponent(point, 0, point % 50 == 0 ? std::nan("") : x[0] - 2 * x[1] + 2 * x[2]);
   }
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(grid);
-  contour->SetValue(0, 5.0);
+  const auto contour = MakeContour(grid, 5.0);
   contour->SkipNotANumberOn();
   contour->Update();
   vtkDataArray* normals = contour->GetOutput()->GetPointData()->GetNormals();
@@ -159,9 +151,7 @@ TEST(StabbingContourLines, SkippedNotANumberLeavesGoodNormals)
 TEST(StabbingContourLines, ANewIsovalueFollowsChangedSamplesAndLines)
 {
   const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeNoise(50000, 6)));
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(grid);
-  contour->SetValue(0, 20000.5);
+  const auto contour = MakeContour(grid, 20000.5);
   contour->Update();
   vtkDataArray* samples = grid->GetPointData()->GetScalars();
   for (vtkIdType n = 0; n < samples->GetNumberOfTuples(); ++n)
@@ -197,7 +187,8 @@ TEST(StabbingContourLines, OtherDataSetsAreRefusedWithWhatToTakeInstead)
   }
 }
 
-// Samples that are a linear function of the place in the world: of them areas and volumes are exact.
+// Samples that are a linear function of the place in the world: of them areas and volumes are
+// exact.
 TEST(StabbingContourLines, SpectrumTellsAreaAndVolumeInTheWorld)
 {
   const auto image = MakeImage(Grid, VTK_FLOAT, [](int, int, int) { return 0.0; });

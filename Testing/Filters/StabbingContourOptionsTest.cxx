@@ -24,9 +24,7 @@ constexpr Extent Grid{ 0, 40, 0, 33, 0, 20 };
 
 vtkSmartPointer<vtkPolyData> ContourAsPolygons(vtkImageData* image, double isovalue)
 {
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, isovalue);
+  const auto contour = MakeContour(image, isovalue);
   contour->GenerateTrianglesOff();
   contour->Update();
   return contour->GetOutput();
@@ -110,17 +108,14 @@ TEST(StabbingContourOptions, AllAttributesAreThereByDefault)
 TEST(StabbingContourOptions, SurfaceIsTheSameWithoutNormalsAndScalars)
 {
   const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.25);
+  const auto contour = MakeContour(image, 0.25);
   contour->ComputeNormalsOff();
   contour->ComputeScalarsOff();
   contour->Update();
   EXPECT_EQ(contour->GetOutput()->GetPointData()->GetNormals(), nullptr);
   EXPECT_EQ(contour->GetOutput()->GetPointData()->GetScalars(), nullptr);
   EXPECT_EQ(contour->GetOutput()->GetPointData()->GetNumberOfArrays(), 1);
-  EdgeSurface surface;
-  surface.Add(contour->GetOutput());
+  EdgeSurface surface = ToEdges(contour->GetOutput());
   EdgeSurface expected = ContourByFlyingEdges(image, 0.25);
   expected.DropNormals();
   EXPECT_TRUE(AreEqual(surface, expected));
@@ -215,9 +210,7 @@ TEST(StabbingContourOptions, NumberOfThreadsDoesNotChangeABit)
   vtkNew<vtkPolyData> first;
   for (const int threads : { 1, 2, 7 })
   {
-    vtkNew<vtkStabbingContour> contour;
-    contour->SetInputData(image);
-    contour->SetValue(0, -210.5);
+    const auto contour = MakeContour(image, -210.5);
     contour->SetValue(1, 333.0);
     contour->SetNumberOfThreads(threads);
     contour->Update();

@@ -102,8 +102,7 @@ void ExpectWholeSurface(vtkDataObject* pieces, vtkImageData* whole)
 {
   const auto output = Contour(pieces, { 50.5 });
   ExpectPointsAreShared(output);
-  EdgeSurface surface;
-  surface.Add(output);
+  EdgeSurface surface = ToEdges(output);
   EXPECT_TRUE(AreEqual(surface, ContourToEdges(whole, 50.5)));
 }
 
@@ -227,8 +226,7 @@ TEST(StabbingContourPieces, AdjacentExtentsGiveTheWholeSurface)
   {
     EdgeSurface expected = ContourByFlyingEdges(whole, isovalues[number]);
     expected.DropNormals();
-    EdgeSurface surface;
-    surface.Add(output, number * edges, (number + 1) * edges);
+    EdgeSurface surface = ToEdges(output, number * edges, (number + 1) * edges);
     surface.DropNormals();
     EXPECT_TRUE(AreEqual(surface, expected));
     EXPECT_TRUE(IsClosedManifold(surface));
@@ -246,8 +244,7 @@ TEST(StabbingContourPieces, NormalsWhereExtentsEndAreOneSided)
   pieces->SetPartition(1, CutImage(whole, { 12, 20, 0, 20, 0, 20 }));
   const auto alone = CutImage(whole, low);
   EdgeSurface expected = ContourByFlyingEdges(alone, 0.1);
-  EdgeSurface surface;
-  surface.Add(Contour(pieces, { 0.1 }));
+  EdgeSurface surface = ToEdges(Contour(pieces, { 0.1 }));
   std::size_t found = 0;
   for (const EdgePoint& point : surface.Points)
   {
@@ -360,11 +357,9 @@ TEST(StabbingContourPieces, SeveralIsovaluesOfACompositeEqualThoseOfTheWholeImag
   const auto output = Contour(pieces, { 80.0, 30.5 });
   ExpectPointsAreShared(output);
   const vtkIdType edges = 3 * whole->GetNumberOfPoints();
-  EdgeSurface first;
-  first.Add(output, 0, edges);
+  EdgeSurface first = ToEdges(output, 0, edges);
   EXPECT_TRUE(AreEqual(first, ContourToEdges(whole, 80.0)));
-  EdgeSurface second;
-  second.Add(output, edges, 2 * edges);
+  EdgeSurface second = ToEdges(output, edges, 2 * edges);
   EXPECT_TRUE(AreEqual(second, ContourToEdges(whole, 30.5)));
 }
 
@@ -380,10 +375,8 @@ TEST(StabbingContourPieces, ImagesOfDifferentSpacingHaveConsecutiveIds)
   const auto output = Contour(blocks, { 50.5 });
   ExpectPointsAreShared(output);
   const vtkIdType fineEdges = 3 * fine->GetNumberOfPoints();
-  EdgeSurface first;
-  first.Add(output, 0, fineEdges);
+  EdgeSurface first = ToEdges(output, 0, fineEdges);
   EXPECT_TRUE(AreEqual(first, ContourToEdges(fine, 50.5)));
-  EdgeSurface second;
-  second.Add(output, fineEdges);
+  EdgeSurface second = ToEdges(output, fineEdges);
   EXPECT_TRUE(AreEqual(second, ContourToEdges(coarse, 50.5)));
 }

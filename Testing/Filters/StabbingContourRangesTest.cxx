@@ -63,9 +63,7 @@ void ExpectRangesOfVTK(vtkDataArray* array)
 
 TEST(StabbingContourRanges, AreThoseThatVTKFindsAndKnownBefore)
 {
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(MakeMixedWaves());
-  contour->SetValue(0, 3);
+  const auto contour = MakeContour(MakeMixedWaves(), 3);
   contour->SetValue(1, -21.7);
   for (const int threads : { 1, 3 })
   {
@@ -87,9 +85,7 @@ TEST(StabbingContourRanges, AreThoseThatVTKFindsAndKnownBefore)
 
 TEST(StabbingContourRanges, AreForgottenWhenAnArrayIsModified)
 {
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(MakeMixedWaves());
-  contour->SetValue(0, 3);
+  const auto contour = MakeContour(MakeMixedWaves(), 3);
   contour->Update();
   vtkDataArray* points = contour->GetOutput()->GetPoints()->GetData();
   points->SetComponent(0, 1, 12345);
@@ -102,9 +98,7 @@ TEST(StabbingContourRanges, AreForgottenWhenAnArrayIsModified)
 
 TEST(StabbingContourRanges, AreToldByAttributesWithoutALookAtTheValues)
 {
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(MakeMixedWaves());
-  contour->SetValue(0, 3);
+  const auto contour = MakeContour(MakeMixedWaves(), 3);
   contour->Update();
   vtkPointData* arrays = contour->GetOutput()->GetPointData();
   for (int n = 0; n < arrays->GetNumberOfArrays(); ++n)
@@ -134,9 +128,7 @@ TEST(StabbingContourRanges, OfValuesThatAreNotFiniteAreLeftToVTK)
       sample % 2 == 0 ? std::numeric_limits<double>::infinity()
                       : std::numeric_limits<double>::quiet_NaN());
   }
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 3);
+  const auto contour = MakeContour(image, 3);
   contour->Update();
   for (vtkDataArray* array : GetArrays(contour->GetOutput()))
   {
@@ -146,9 +138,7 @@ TEST(StabbingContourRanges, OfValuesThatAreNotFiniteAreLeftToVTK)
 
 TEST(StabbingContourRanges, OfNoSurfaceAreThoseOfVTK)
 {
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(MakeMixedWaves());
-  contour->SetValue(0, 1000);
+  const auto contour = MakeContour(MakeMixedWaves(), 1000);
   contour->Update();
   ASSERT_EQ(contour->GetOutput()->GetNumberOfPoints(), 0);
   for (vtkDataArray* array : GetArrays(contour->GetOutput()))

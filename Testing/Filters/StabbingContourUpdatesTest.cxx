@@ -20,8 +20,7 @@ constexpr Extent Grid{ 0, 70, 0, 40, 0, 35 };
 EdgeSurface Update(vtkStabbingContour* contour)
 {
   contour->Update();
-  EdgeSurface surface;
-  surface.Add(contour->GetOutput());
+  EdgeSurface surface = ToEdges(contour->GetOutput());
   return surface;
 }
 
@@ -46,9 +45,7 @@ vtkSmartPointer<vtkImageData> MakeFlatImage()
 TEST(StabbingContourUpdates, ChangedSamplesGiveTheirNewSurface)
 {
   const auto image = MakeFlatImage();
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 50.0);
+  const auto contour = MakeContour(image, 50.0);
   EXPECT_TRUE(AreEqual(Update(contour), ContourByFlyingEdges(image, 50.0)));
   Overwrite(image);
   image->GetPointData()->GetScalars()->Modified();
@@ -59,9 +56,7 @@ TEST(StabbingContourUpdates, ChangedSamplesGiveTheirNewSurface)
 TEST(StabbingContourUpdates, ChangedSamplesOfAModifiedImageGiveTheirNewSurface)
 {
   const auto image = MakeFlatImage();
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 50.0);
+  const auto contour = MakeContour(image, 50.0);
   EXPECT_TRUE(AreEqual(Update(contour), ContourByFlyingEdges(image, 50.0)));
   Overwrite(image);
   image->Modified();
@@ -86,9 +81,7 @@ TEST(StabbingContourUpdates, ExchangedArrayGivesItsSurface)
   const auto other = MakeFlatImage();
   other->GetPointData()->GetScalars()->SetName("other");
   image->GetPointData()->AddArray(other->GetPointData()->GetScalars());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.2);
+  const auto contour = MakeContour(image, 0.2);
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "other");
   EXPECT_TRUE(AreEqual(Update(contour), ContourByFlyingEdges(other, 0.2)));
   EXPECT_STREQ(contour->GetOutput()->GetPointData()->GetScalars()->GetName(), "other");
@@ -112,16 +105,13 @@ TEST(StabbingContourUpdates, ChangedIsovaluesGiveTheirSurfaces)
 TEST(StabbingContourUpdates, OutputIsNotTouchedByTheNextUpdate)
 {
   const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.0);
+  const auto contour = MakeContour(image, 0.0);
   contour->Update();
   vtkNew<vtkPolyData> kept;
   kept->ShallowCopy(contour->GetOutput());
   contour->SetValue(0, 0.3);
   contour->Update();
-  EdgeSurface surface;
-  surface.Add(kept);
+  EdgeSurface surface = ToEdges(kept);
   EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(image, 0.0)));
 }
 
@@ -155,9 +145,7 @@ TEST(StabbingContourUpdates, ChangedIsovaluesDoNotExecuteTheSourceAgain)
 TEST(StabbingContourUpdates, UnchangedContourDoesNotExecuteAgain)
 {
   const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 0.1);
+  const auto contour = MakeContour(image, 0.1);
   contour->Update();
   const vtkMTimeType time = contour->GetOutput()->GetMTime();
   contour->SetValue(0, 0.1);

@@ -2,6 +2,7 @@
 #ifndef isosurface_EventCounter_h
 #define isosurface_EventCounter_h
 
+#include "vtkAlgorithm.h"
 #include "vtkCommand.h"
 #include "vtkObject.h"
 #include "vtkSmartPointer.h"
@@ -76,6 +77,18 @@ private:
   unsigned long Tag;
   std::function<void(double)> Then;
 };
+
+/// For a ProgressKeeper: stops an algorithm at the first share above this one.
+inline std::function<void(double)> StopAbove(vtkAlgorithm* algorithm, double share)
+{
+  return [algorithm, share](double done)
+  {
+    if (done > share && done < 1)
+    {
+      algorithm->SetAbortExecute(1);
+    }
+  };
+}
 
 } // namespace isosurface
 

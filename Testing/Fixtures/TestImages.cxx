@@ -102,16 +102,46 @@ ErrorCounter::~ErrorCounter()
   this->Object->RemoveObserver(this->Tag);
 }
 
-vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<double>& isovalues)
+void ExpectOneError(const ErrorCounter& errors, const std::vector<std::string>& words)
 {
-  vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
+  ASSERT_EQ(errors.Messages.size(), 1u) << testing::PrintToString(errors.Messages);
+  for (const std::string& word : words)
+  {
+    EXPECT_NE(errors.Messages.front().find(word), std::string::npos)
+      << '"' << word << "\" is not in: " << errors.Messages.front();
+  }
+}
+
+vtkSmartPointer<vtkStabbingContour> MakeContour(vtkDataObject* input, double isovalue)
+{
+  auto contour = vtkSmartPointer<vtkStabbingContour>::New();
   contour->SetInputDataObject(input);
+  contour->SetValue(0, isovalue);
+  return contour;
+}
+
+void SetIsovalues(vtkStabbingContour* contour, const std::vector<double>& isovalues)
+{
   contour->SetNumberOfContours(static_cast<int>(isovalues.size()));
   for (std::size_t number = 0; number < isovalues.size(); ++number)
   {
     contour->SetValue(static_cast<int>(number), isovalues[number]);
   }
+}
+
+EdgeSurface ToEdges(vtkPolyData* surface, std::int64_t firstId, std::int64_t endId)
+{
+  EdgeSurface edges;
+  edges.Add(surface, firstId, endId);
+  return edges;
+}
+
+vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<double>& isovalues)
+{
+  vtkNew<vtkStabbingContour> contour;
+  const ErrorCounter errors(contour);
+  contour->SetInputDataObject(input);
+  SetIsovalues(contour, isovalues);
   contour->Update();
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
@@ -133,9 +163,7 @@ void ExpectNormal(vtkPolyData* surface, const std::array<double, 3>& normal)
 
 EdgeSurface ContourToEdges(vtkDataObject* input, double isovalue)
 {
-  EdgeSurface surface;
-  surface.Add(Contour(input, { isovalue }));
-  return surface;
+  return ToEdges(Contour(input, { isovalue }));
 }
 
 } // namespace isosurface

@@ -11,7 +11,9 @@
 #include "vtkType.h"
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -50,6 +52,17 @@ private:
   vtkSmartPointer<vtkObject> Object;
   unsigned long Tag;
 };
+
+/// Expects one message, in which all the words are.
+void ExpectOneError(const ErrorCounter& errors, const std::vector<std::string>& words);
+
+/// A contour of an image, or of another data object, with default options.
+vtkSmartPointer<vtkStabbingContour> MakeContour(vtkDataObject* input, double isovalue);
+
+void SetIsovalues(vtkStabbingContour* contour, const std::vector<double>& isovalues);
+
+/// A surface, or those of its triangles that have ids in a range.
+EdgeSurface ToEdges(vtkPolyData* surface, std::int64_t firstId = 0, std::int64_t endId = INT64_MAX);
 
 /// The output of a vtkStabbingContour with default options; a test fails if it reports an error.
 vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<double>& isovalues);

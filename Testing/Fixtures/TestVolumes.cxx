@@ -88,12 +88,10 @@ void TurnObliquely(vtkImageData* image)
     -4 * ninth, 7 * ninth, 4 * ninth);
 }
 
-void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSettings& settings)
+void WriteVolume(
+  vtkBlockedVolumeWriter* writer, const std::string& path, const VolumeSettings& settings)
 {
-  vtkNew<vtkBlockedVolumeWriter> writer;
   const ErrorCounter errors(writer);
-  writer->SetController(nullptr);
-  writer->SetInputDataObject(input);
   writer->SetFileName(path.c_str());
   writer->SetBlockSize(settings.BlockSize);
   writer->SetNumberOfStores(settings.NumberOfStores);
@@ -102,6 +100,14 @@ void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSett
   writer->SetCompression(settings.Compression);
   EXPECT_EQ(writer->Write(), 1);
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
+}
+
+void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSettings& settings)
+{
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  writer->SetController(nullptr);
+  writer->SetInputDataObject(input);
+  WriteVolume(writer, path, settings);
 }
 
 vtkSmartPointer<vtkImageData> SubsampleImage(vtkImageData* image, int level)

@@ -32,6 +32,10 @@ struct VolumeSettings
   int NumberOfReplicas = 0;
 };
 
+/// Lets a writer write its input as a volume; a test fails if that reports an error.
+void WriteVolume(
+  vtkBlockedVolumeWriter* writer, const std::string& path, const VolumeSettings& settings);
+
 /// Writes an image or a rectilinear grid, on this process alone; a test fails if that reports an
 /// error.
 void WriteVolume(

@@ -55,10 +55,7 @@ public:
   explicit DistributedContour(const std::string& name)
     : Folder("DistributeOnRanks-" + name)
   {
-    for (std::size_t n = 0; n < Isovalues.size(); ++n)
-    {
-      this->Contour->SetValue(static_cast<int>(n), Isovalues[n]);
-    }
+    SetIsovalues(this->Contour, Isovalues);
     this->Filter->SetInputConnection(this->Contour->GetOutputPort());
     this->Filter->SetNormalError(0);
   }
@@ -118,12 +115,8 @@ public:
 EdgeSurface Gather(vtkPolyData* mine, std::size_t number)
 {
   const auto ids = 3 * static_cast<std::int64_t>(GetVolume(VTK_SHORT)->GetNumberOfPoints());
-  EdgeSurface part;
   const auto first = static_cast<std::int64_t>(number);
-  part.Add(mine, first * ids, (first + 1) * ids);
-  EdgeSurface all = GatherSurfaces(part);
-  all.MergeEqualPoints();
-  return all;
+  return GatherSurface(mine, first * ids, (first + 1) * ids);
 }
 
 // Collective.
@@ -430,17 +423,17 @@ TEST(DistributeErrors, AreToldOnceByEveryRankAndPass)
   distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 7, vtkBlockedVolumeWriter::RANDOM });
   const std::string stores = distributed.GetPath() + ".stores";
   const std::string good = distributed.Folder.GetPath("good");
-  if (GetRank() == 0)
-  {
-    std::filesystem::copy(stores, good, std::filesystem::copy_options::recursive);
-    const std::string blocks = GetFirstStore(distributed.GetPath()) + "/blocks";
-    const auto size = static_cast<std::int64_t>(std::filesystem::file_size(blocks));
-    for (std::int64_t offset = 1000; offset < size; offset += 1000)
+  OnFirstRank(
+    [&]
     {
-      FlipBit(blocks, offset);
-    }
-  }
-  GetRanks()->Barrier();
+      std::filesystem::copy(stores, good, std::filesystem::copy_options::recursive);
+      const std::string blocks = GetFirstStore(distributed.GetPath()) + "/blocks";
+      const auto size = static_cast<std::int64_t>(std::filesystem::file_size(blocks));
+      for (std::int64_t offset = 1000; offset < size; offset += 1000)
+      {
+        FlipBit(blocks, offset);
+      }
+    });
   distributed.Contour->Modified();
   const std::vector<std::string> messages = distributed.UpdateInVain();
   EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "blocks", "checksum" }))
@@ -451,13 +444,12 @@ TEST(DistributeErrors, AreToldOnceByEveryRankAndPass)
   distributed.Contour->SetValue(1, 1e6);
   EXPECT_EQ(distributed.Update()->GetNumberOfPoints(), 0);
 
-  GetRanks()->Barrier();
-  if (GetRank() == 0)
-  {
-    std::filesystem::remove_all(stores);
-    std::filesystem::copy(good, stores, std::filesystem::copy_options::recursive);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      std::filesystem::remove_all(stores);
+      std::filesystem::copy(good, stores, std::filesystem::copy_options::recursive);
+    });
   distributed.Contour->SetValue(0, Isovalues[0]);
   distributed.Contour->SetValue(1, Isovalues[1]);
   distributed.Reader->Modified();
@@ -516,19 +508,13 @@ TEST(DistributeErrors, StoppingOneRankStopsAll)
 {
   DistributedContour distributed("Stop");
   distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 3 });
-  for (const double share : { 0.0, 0.5 })
+  for (const double share : { -1.0, 0.5 })
   {
     vtkDistributeIsosurface* filter = distributed.Filter;
     filter->Modified();
     {
-      const ProgressKeeper stop(filter,
-        [filter, share](double done)
-        {
-          if (GetRank() == GetNumberOfRanks() - 1 && done >= share)
-          {
-            filter->SetAbortExecute(1);
-          }
-        });
+      const bool isMine = GetRank() == GetNumberOfRanks() - 1;
+      const ProgressKeeper stop(filter, StopAbove(filter, isMine ? share : 1));
       distributed.Update();
       distributed.Update(); // again on all ranks, unmodified
     }

@@ -49,8 +49,7 @@ struct Balanced
 Balanced Extract(ContourPipeline& pipeline, double isovalue)
 {
   vtkPolyData* mine = pipeline.Update({ isovalue });
-  EdgeSurface part;
-  part.Add(mine);
+  EdgeSurface part = ToEdges(mine);
   Balanced balanced;
   balanced.All = GatherSurfaces(part);
   balanced.All.MergeEqualPoints();
@@ -152,12 +151,7 @@ TEST_F(DynamicBalance, ReadsALostStoreElsewhere)
   pipeline.Reader->SetCacheSize(0);
   const EventCounter warnings(pipeline.Contour, vtkCommand::WarningEvent);
   Extract(pipeline, 60.5);
-  GetRanks()->Barrier();
-  if (GetRank() == 0)
-  {
-    std::filesystem::remove_all(path + ".stores/000001/store-00001");
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { std::filesystem::remove_all(path + ".stores/000001/store-00001"); });
   const Balanced whole = Extract(pipeline, Isovalue);
   if (GetRank() == 0)
   {
@@ -170,25 +164,23 @@ TEST_F(DynamicBalance, ALostStoreIsAnErrorOnAllRanksAndTheNextVolumeWorks)
   ContourPipeline pipeline(this->Path);
   pipeline.Contour->DynamicBalanceOn();
   pipeline.Contour->SetValue(0, Isovalue);
-  GetRanks()->Barrier();
-  if (GetRank() == 0)
-  {
-    std::filesystem::rename(
-      this->Path + ".stores/000001/store-00001", this->Path + ".stores/000001/aside");
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      std::filesystem::rename(
+        this->Path + ".stores/000001/store-00001", this->Path + ".stores/000001/aside");
+    });
   {
     const ErrorCounter errors(pipeline.Contour);
     pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     EXPECT_EQ(errors.Messages.size(), 1u);
   }
-  GetRanks()->Barrier();
-  if (GetRank() == 0)
-  {
-    std::filesystem::rename(
-      this->Path + ".stores/000001/aside", this->Path + ".stores/000001/store-00001");
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      std::filesystem::rename(
+        this->Path + ".stores/000001/aside", this->Path + ".stores/000001/store-00001");
+    });
   pipeline.Contour->Modified();
   const Balanced whole = Extract(pipeline, Isovalue);
   if (GetRank() == 0)

@@ -62,14 +62,6 @@ EdgeSurface GetExpected(int type, double isovalue)
   return surface;
 }
 
-void SetIsovalues(vtkStabbingContour* contour)
-{
-  for (std::size_t n = 0; n < Isovalues.size(); ++n)
-  {
-    contour->SetValue(static_cast<int>(n), Isovalues[n]);
-  }
-}
-
 void ExpectSuccess(vtkEdgeIndexWriter* writer)
 {
   const ErrorCounter errors(writer);
@@ -90,12 +82,9 @@ protected:
     writer->SetMemoryLimit(1);
     if (one.BlockSize > 0)
     {
-      VolumeSettings settings;
-      settings.BlockSize = one.BlockSize;
-      settings.NumberOfStores = 3;
-      WriteFromPieces(GetVolume(one.Type), one.Layout, path + ".bvol", settings);
+      WriteFromPieces(GetVolume(one.Type), one.Layout, path + ".bvol", { one.BlockSize, 3 });
       const ContourPipeline pipeline(path + ".bvol");
-      SetIsovalues(pipeline.Contour);
+      SetIsovalues(pipeline.Contour, Isovalues);
       writer->SetInputConnection(pipeline.Contour->GetOutputPort());
       ExpectSuccess(writer);
       EXPECT_EQ(pipeline.Contour->GetOutput()->GetNumberOfPoints(), 0)
@@ -107,7 +96,7 @@ protected:
     source->SetLayout(one.Layout);
     vtkNew<vtkStabbingContour> contour;
     contour->SetInputConnection(source->GetOutputPort());
-    SetIsovalues(contour);
+    SetIsovalues(contour, Isovalues);
     writer->SetInputConnection(contour->GetOutputPort());
     ExpectSuccess(writer);
   }
@@ -218,7 +207,7 @@ TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
   source->SetImage(GetVolume(VTK_SHORT));
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  SetIsovalues(contour);
+  SetIsovalues(contour, Isovalues);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   writer->SetFileName(path.c_str());
@@ -246,7 +235,7 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
   source->SetImage(GetVolume(VTK_SHORT));
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  SetIsovalues(contour);
+  SetIsovalues(contour, Isovalues);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   {
@@ -254,8 +243,7 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
     const ErrorCounter errors(writer);
     writer->SetFileName((folder.GetPath("nowhere") + "/surface.eix").c_str());
     EXPECT_EQ(writer->Write(), 0);
-    ASSERT_EQ(errors.Messages.size(), 1u);
-    EXPECT_NE(errors.Messages[0].find("nowhere"), std::string::npos) << errors.Messages[0];
+    ExpectOneError(errors, { "nowhere" });
   }
   writer->SetFileName(path.c_str());
   ExpectSuccess(writer);
@@ -266,8 +254,7 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
     const ErrorCounter errors(writer);
     if (writer->Write() == 0)
     {
-      ASSERT_EQ(errors.Messages.size(), 1u);
-      EXPECT_NE(errors.Messages[0].find("gaps"), std::string::npos) << errors.Messages[0];
+      ExpectOneError(errors, { "gaps" });
       GetRanks()->Barrier();
       EXPECT_TRUE(ReadBytes(path) == before);
     }
@@ -279,8 +266,7 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
     writer->SetFileName(GetRank() == last ? "" : path.c_str());
     const ErrorCounter errors(writer);
     EXPECT_EQ(writer->Write(), 0);
-    ASSERT_EQ(errors.Messages.size(), 1u);
-    EXPECT_NE(errors.Messages[0].find("No file name is set"), std::string::npos);
+    ExpectOneError(errors, { "No file name is set" });
   }
   if (GetNumberOfRanks() > 1)
   {
@@ -294,23 +280,15 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
     const ErrorCounter errors(reader);
     reader->SetFileName((GetRank() == 1 ? other : path).c_str());
     reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-    ASSERT_EQ(errors.Messages.size(), 1u);
-    EXPECT_NE(errors.Messages[0].find("different files under this path"), std::string::npos);
-    EXPECT_NE(errors.Messages[0].find("(rank 1 differs"), std::string::npos) << errors.Messages[0];
+    ExpectOneError(errors, { "different files under this path", "(rank 1 differs" });
     EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
   }
-  GetRanks()->Barrier();
-  if (GetRank() == 0)
-  {
-    FlipBit(path, 1200);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { FlipBit(path, 1200); });
   vtkNew<vtkEdgeIndexReader> reader;
   const ErrorCounter errors(reader);
   reader->SetFileName(path.c_str());
   reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-  ASSERT_EQ(errors.Messages.size(), 1u);
-  EXPECT_NE(errors.Messages[0].find("surface.eix: "), std::string::npos) << errors.Messages[0];
+  ExpectOneError(errors, { "surface.eix: " });
   EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images in memory that ranks have parts of, without ghost layers, rectilinear and with cell arrays.
+// Images in memory that ranks have parts of, without ghost layers, rectilinear and with cell
+// arrays.
 #include "ParallelVolumes.h"
 
 #include "RectilinearFixtures.h"
@@ -70,18 +71,14 @@ void ExpectSurfaceOfOneRank(const EdgeSurface& surface, vtkDataObject* whole, in
   alone->SetInputArrayToProcess(0, 0, 0, association, "density");
   alone->SetValue(0, 8.0);
   alone->Update();
-  EdgeSurface expected;
-  expected.Add(alone->GetOutput());
+  EdgeSurface expected = ToEdges(alone->GetOutput());
   EXPECT_FALSE(expected.Triangles.empty());
   EXPECT_TRUE(AreEqual(surface, expected));
 }
 
 EdgeSurface Gather(vtkPolyData* mine)
 {
-  EdgeSurface surface;
-  surface.Add(mine);
-  EdgeSurface all = GatherSurfaces(surface);
-  all.MergeEqualPoints();
+  const EdgeSurface all = GatherSurface(mine);
   return all;
 }
 

@@ -69,30 +69,23 @@ TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
   const SharedFolder folder("InPlaceOnRanks");
   const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeNoisyImage();
-  if (GetRank() == 0)
-  {
-    WriteSource(image, folder.GetPath("scan.mhd"));
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { WriteSource(image, folder.GetPath("scan.mhd")); });
   const Status written = IndexInPlace(folder.GetPath("scan.mhd"), path);
   EXPECT_TRUE(written.IsOk()) << written.GetMessage();
-  if (GetRank() == 0)
-  {
-    // The same volume where its source is not beside it.
-    std::filesystem::create_directory(folder.GetPath("blind"));
-    CopyVolume(path, folder.GetPath("blind/volume.bvol"));
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      // The same volume where its source is not beside it.
+      std::filesystem::create_directory(folder.GetPath("blind"));
+      CopyVolume(path, folder.GetPath("blind/volume.bvol"));
+    });
 
   ContourPipeline pipeline(path);
   vtkPolyData* const mine = pipeline.Update({ Isovalue });
   const auto triangles = SumOverRanks(static_cast<std::uint64_t>(mine->GetNumberOfPolys()));
-  EdgeSurface part;
-  part.Add(mine);
-  EdgeSurface all = GatherSurfaces(part);
+  const EdgeSurface all = GatherSurface(mine);
   if (GetRank() == 0)
   {
-    all.MergeEqualPoints();
     EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, Isovalue)));
   }
 
@@ -126,11 +119,7 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
 {
   const SharedFolder folder("InPlaceStop");
   const std::string source = folder.GetPath("scan.mhd");
-  if (GetRank() == 0)
-  {
-    WriteSource(MakeNoisyImage(), source);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { WriteSource(MakeNoisyImage(), source); });
   vtkNew<vtkInPlaceVolumeReader> reader;
   reader->SetSourceName(source.c_str());
   vtkNew<vtkStabbingContour> contour;
@@ -170,11 +159,7 @@ TEST(InPlaceOnRanks, OutputOfAReaderThatFailedBeforeIsWhole)
     contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     EXPECT_EQ(errors.Messages.size(), 1u);
   }
-  if (GetRank() == 0)
-  {
-    WriteSource(image, source);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { WriteSource(image, source); });
   reader->Modified();
   const ErrorCounter errors(reader);
   reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);

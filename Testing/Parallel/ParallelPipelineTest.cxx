@@ -22,6 +22,16 @@ namespace isosurface
 namespace
 {
 
+vtkSmartPointer<vtkArrayCalculator> MakeCalculator()
+{
+  auto calculator = vtkSmartPointer<vtkArrayCalculator>::New();
+  calculator->AddScalarArrayName("density");
+  calculator->SetFunction("100 - density");
+  calculator->SetResultArrayName("density");
+  calculator->SetResultArrayType(VTK_SHORT);
+  return calculator;
+}
+
 class ParallelPipeline : public testing::Test
 {
 protected:
@@ -39,10 +49,7 @@ protected:
 
   void ExpectUnion(double isovalue, vtkImageData* image)
   {
-    EdgeSurface mine;
-    mine.Add(this->Pipeline.Update({ isovalue }));
-    EdgeSurface all = GatherSurfaces(mine);
-    all.MergeEqualPoints();
+    const EdgeSurface all = GatherSurface(this->Pipeline.Update({ isovalue }));
     if (GetRank() == 0)
     {
       EXPECT_FALSE(all.Triangles.empty());
@@ -93,22 +100,13 @@ TEST_F(ParallelPipeline, HandlePassesPassThrough)
 
 TEST_F(ParallelPipeline, FilterThatChangesValuesSeesAllCells)
 {
-  auto makeCalculator = []()
-  {
-    auto calculator = vtkSmartPointer<vtkArrayCalculator>::New();
-    calculator->AddScalarArrayName("density");
-    calculator->SetFunction("100 - density");
-    calculator->SetResultArrayName("density");
-    calculator->SetResultArrayType(VTK_SHORT);
-    return calculator;
-  };
-  const auto whole = makeCalculator();
+  const auto whole = MakeCalculator();
   whole->SetInputData(this->Image);
   whole->Update();
   auto* image = vtkImageData::SafeDownCast(whole->GetOutputDataObject(0));
   image->GetPointData()->SetActiveScalars("density");
 
-  const auto calculator = makeCalculator();
+  const auto calculator = MakeCalculator();
   calculator->SetInputConnection(this->Pipeline.Reader->GetOutputPort());
   this->Pipeline.Contour->SetInputConnection(calculator->GetOutputPort());
   this->ExpectUnion(-50.5, image);
@@ -124,31 +122,21 @@ TEST_F(ParallelPipeline, StopOfOneRankAndErrorOfAnotherStopAll)
   const std::string path = this->Folder.GetPath("noise.bvol");
   WriteFromPieces(MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)),
     PieceSource::SUB_EXTENTS, path, { 16, 1 });
-  if (GetRank() == 0)
-  {
-    FlipBit(GetFirstStore(path) + "/blocks", -8000); // not in the slab of rank 0
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      FlipBit(GetFirstStore(path) + "/blocks", -8000); // not in the slab of rank 0
+    });
   vtkBlockedVolumeReader* reader = this->Pipeline.Reader;
   reader->SetFileName(path.c_str());
-  vtkNew<vtkArrayCalculator> calculator;
-  calculator->AddScalarArrayName("density");
-  calculator->SetFunction("100 - density");
-  calculator->SetResultArrayName("density");
+  const auto calculator = MakeCalculator();
   calculator->SetInputConnection(reader->GetOutputPort());
   this->Pipeline.Contour->SetInputConnection(calculator->GetOutputPort());
   this->Pipeline.Contour->SetValue(0, 39.5);
   const ErrorCounter errors(reader);
   const ErrorCounter executiveErrors(reader->GetExecutive());
   {
-    const ProgressKeeper progress(reader,
-      [=](double)
-      {
-        if (GetRank() == 0)
-        {
-          reader->SetAbortExecute(1);
-        }
-      });
+    const ProgressKeeper progress(reader, StopAbove(reader, GetRank() == 0 ? -1 : 1));
     this->Pipeline.Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   }
   EXPECT_EQ(errors.Messages, std::vector<std::string>());
@@ -174,10 +162,7 @@ TEST_F(ParallelPipeline, SpectrumBehindAStoppedReaderIsThereAfterwards)
 
 TEST_F(ParallelPipeline, DistributionBehindAStoppedSourceStopsOnAllRanks)
 {
-  vtkNew<vtkArrayCalculator> calculator;
-  calculator->AddScalarArrayName("density");
-  calculator->SetFunction("100 - density");
-  calculator->SetResultArrayName("density");
+  const auto calculator = MakeCalculator();
   calculator->SetInputConnection(this->Pipeline.Reader->GetOutputPort());
   this->Pipeline.Contour->SetInputConnection(calculator->GetOutputPort());
   this->Pipeline.Contour->SetValue(0, 39.5);
@@ -201,14 +186,7 @@ TEST_F(ParallelPipeline, StopOfOneRankStopsAllWithoutError)
   vtkStabbingContour* contour = this->Pipeline.Contour;
   {
     const ErrorCounter executiveErrors(contour->GetExecutive());
-    const ProgressKeeper progress(contour,
-      [=](double)
-      {
-        if (isMine)
-        {
-          contour->SetAbortExecute(1);
-        }
-      });
+    const ProgressKeeper progress(contour, StopAbove(contour, isMine ? -1 : 1));
     EXPECT_EQ(this->Pipeline.Update({ 60.5 })->GetNumberOfPoints(), 0);
     // Unmodified, what has stopped executes again: on all ranks.
     EXPECT_EQ(this->Pipeline.Update({ 60.5 })->GetNumberOfPoints(), 0);
@@ -222,14 +200,7 @@ TEST_F(ParallelPipeline, StopOfOneRankStopsAllWithoutError)
   {
     const ErrorCounter errors(reader);
     const ErrorCounter executiveErrors(reader->GetExecutive());
-    const ProgressKeeper progress(reader,
-      [=](double)
-      {
-        if (isMine)
-        {
-          reader->SetAbortExecute(1);
-        }
-      });
+    const ProgressKeeper progress(reader, StopAbove(reader, isMine ? -1 : 1));
     reader->Modified();
     reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);

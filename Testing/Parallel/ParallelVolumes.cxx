@@ -36,16 +36,8 @@ void WriteFromPieces(
   source->SetImage(image);
   source->SetLayout(layout);
   vtkNew<vtkBlockedVolumeWriter> writer;
-  const ErrorCounter errors(writer);
   writer->SetInputConnection(source->GetOutputPort());
-  writer->SetFileName(path.c_str());
-  writer->SetBlockSize(settings.BlockSize);
-  writer->SetNumberOfStores(settings.NumberOfStores);
-  writer->SetNumberOfReplicas(settings.NumberOfReplicas);
-  writer->SetDistribution(settings.Distribution);
-  writer->SetCompression(settings.Compression);
-  EXPECT_EQ(writer->Write(), 1);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
+  WriteVolume(writer, path, settings);
 }
 
 ContourPipeline::ContourPipeline(const std::string& path)
@@ -62,11 +54,7 @@ vtkPolyData* ContourPipeline::Update(const std::vector<double>& isovalues)
 {
   const ErrorCounter readerErrors(this->Reader);
   const ErrorCounter contourErrors(this->Contour);
-  this->Contour->SetNumberOfContours(static_cast<int>(isovalues.size()));
-  for (std::size_t number = 0; number < isovalues.size(); ++number)
-  {
-    this->Contour->SetValue(static_cast<int>(number), isovalues[number]);
-  }
+  SetIsovalues(this->Contour, isovalues);
   EXPECT_TRUE(this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0));
   EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
   EXPECT_EQ(contourErrors.Messages, std::vector<std::string>());

@@ -54,10 +54,7 @@ std::ptrdiff_t CountFiles(const std::string& folder)
 void ExpectVolume(vtkImageData* image)
 {
   ContourPipeline pipeline(GetVolume());
-  EdgeSurface mine;
-  mine.Add(pipeline.Update({ 120.0 }));
-  EdgeSurface all = GatherSurfaces(mine);
-  all.MergeEqualPoints();
+  const EdgeSurface all = GatherSurface(pipeline.Update({ 120.0 }));
   if (GetRank() == 0)
   {
     EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, 120.0)));
@@ -81,12 +78,12 @@ struct Death
 
 TEST(RankDeath, DISABLED_WhileAllWrite)
 {
-  if (GetRank() == 0)
-  {
-    std::filesystem::remove_all(GetFolder());
-    std::filesystem::create_directories(GetFolder());
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      std::filesystem::remove_all(GetFolder());
+      std::filesystem::create_directories(GetFolder());
+    });
   WriteFromPieces(MakeOldImage(), PieceSource::SUB_EXTENTS, GetVolume(), Settings);
   vtkNew<PieceSource> source;
   source->SetImage(MakeNewImage());
@@ -118,12 +115,12 @@ struct MortalContour
 
   static std::string MakeVolume(const std::string& name)
   {
-    if (GetRank() == 0)
-    {
-      std::filesystem::remove_all(GetFolder(name));
-      std::filesystem::create_directories(GetFolder(name));
-    }
-    GetRanks()->Barrier();
+    OnFirstRank(
+      [&]
+      {
+        std::filesystem::remove_all(GetFolder(name));
+        std::filesystem::create_directories(GetFolder(name));
+      });
     WriteFromPieces(MakeOldImage(), PieceSource::SUB_EXTENTS, GetVolume(name), Settings);
     return GetVolume(name);
   }

@@ -67,6 +67,25 @@ EdgeSurface GatherSurfaces(const EdgeSurface& mine)
   return all;
 }
 
+EdgeSurface GatherSurface(vtkPolyData* mine, std::int64_t firstId, std::int64_t endId)
+{
+  EdgeSurface part;
+  part.Add(mine, firstId, endId);
+  EdgeSurface all = GatherSurfaces(part);
+  all.MergeEqualPoints();
+  return all;
+}
+
+void OnFirstRank(const std::function<void()>& deed)
+{
+  GetRanks()->Barrier();
+  if (GetRank() == 0)
+  {
+    deed();
+  }
+  GetRanks()->Barrier();
+}
+
 std::vector<std::string> GatherTexts(const std::string& mine)
 {
   std::vector<std::string> texts;

@@ -5,10 +5,12 @@
 #include "EdgeSurface.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 class vtkMultiProcessController;
+class vtkPolyData;
 
 namespace isosurface
 {
@@ -25,6 +27,14 @@ std::uint64_t SumOverRanks(std::uint64_t mine);
 /// Collective: all ranks' surfaces put together, on rank 0; empty elsewhere. Points that several
 /// ranks have are there several times.
 EdgeSurface GatherSurfaces(const EdgeSurface& mine);
+
+/// Collective: the same of a contour's outputs, or of their triangles with ids in a range. Points
+/// that are equal on several ranks are there once.
+EdgeSurface GatherSurface(
+  vtkPolyData* mine, std::int64_t firstId = 0, std::int64_t endId = INT64_MAX);
+
+/// Collective: rank 0 does something while no other one does anything.
+void OnFirstRank(const std::function<void()>& deed);
 
 /// Collective: all ranks' texts, on all ranks.
 std::vector<std::string> GatherTexts(const std::string& mine);

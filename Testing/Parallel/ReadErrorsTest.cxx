@@ -74,13 +74,13 @@ TEST_P(ReadErrors, AreToldOnceByEveryRank)
   const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeNoisyImage();
   WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
-  if (GetRank() == 0)
-  {
-    std::filesystem::create_directory(folder.GetPath("good"));
-    CopyVolume(path, folder.GetPath("good/volume.bvol"));
-    GetParam().Apply(path);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      std::filesystem::create_directory(folder.GetPath("good"));
+      CopyVolume(path, folder.GetPath("good/volume.bvol"));
+      GetParam().Apply(path);
+    });
 
   ListenedPipeline listened(path);
   const std::vector<std::string> messages = listened.Update();
@@ -88,13 +88,13 @@ TEST_P(ReadErrors, AreToldOnceByEveryRank)
   EXPECT_EQ(listened.GetNumberOfPolys(), 0);
   GetRanks()->Barrier();
 
-  if (GetRank() == 0)
-  {
-    std::filesystem::remove(path);
-    std::filesystem::remove_all(path + ".stores");
-    CopyVolume(folder.GetPath("good/volume.bvol"), path);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank(
+    [&]
+    {
+      std::filesystem::remove(path);
+      std::filesystem::remove_all(path + ".stores");
+      CopyVolume(folder.GetPath("good/volume.bvol"), path);
+    });
   listened.Pipeline.Reader->Modified();
   EXPECT_EQ(listened.Update(), std::vector<std::string>());
   const auto triangles = SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys()));
@@ -257,11 +257,7 @@ TEST(ReadErrorsOfOneRank, BlocksOfOneRankFailOnAll)
   const SharedFolder folder("BlocksOfOneRank");
   const std::string path = folder.GetPath("volume.bvol");
   WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 7, 1 });
-  if (GetRank() == 0)
-  {
-    FlipBit(GetFirstStore(path) + "/blocks", 2000);
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { FlipBit(GetFirstStore(path) + "/blocks", 2000); });
   ListenedPipeline listened(path);
   vtkBlockedVolumeReader* reader = listened.Pipeline.Reader;
   reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that are extracted beside the window are those of all ranks together, taken by all at once.
+// Surfaces that are extracted beside the window are those of all ranks together, taken by all at
+// once.
 #include "ParallelVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"
@@ -60,12 +61,9 @@ protected:
 
   void ExpectSurface(vtkPolyData* mine, double isovalue)
   {
-    EdgeSurface part;
-    part.Add(mine);
-    EdgeSurface all = GatherSurfaces(part);
+    const EdgeSurface all = GatherSurface(mine);
     if (GetRank() == 0)
     {
-      all.MergeEqualPoints();
       EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(this->Image, isovalue)));
     }
   }

@@ -49,23 +49,8 @@ private:
 // Collective; the surface of all ranks, on rank 0.
 EdgeSurface Extract(ContourPipeline& pipeline, double isovalue)
 {
-  EdgeSurface part;
-  part.Add(pipeline.Update({ isovalue }));
-  EdgeSurface all = GatherSurfaces(part);
-  all.MergeEqualPoints();
+  const EdgeSurface all = GatherSurface(pipeline.Update({ isovalue }));
   return all;
-}
-
-// Collective: rank 0 does something to the files.
-template <typename Change>
-void ChangeFiles(const Change& change)
-{
-  GetRanks()->Barrier();
-  if (GetRank() == 0)
-  {
-    change();
-  }
-  GetRanks()->Barrier();
 }
 
 void FlipBytes(const std::string& path)
@@ -99,7 +84,7 @@ protected:
     pipeline.Reader->SetCacheSize(0);
     const EdgeSurface first = Extract(pipeline, Isovalue);
     EXPECT_EQ(warnings.Messages, std::vector<std::string>());
-    ChangeFiles([&] { spoil(path + ".stores/000001/store-00002"); });
+    OnFirstRank([&] { spoil(path + ".stores/000001/store-00002"); });
     const EdgeSurface second = Extract(pipeline, Isovalue + 10);
     const EdgeSurface third = Extract(pipeline, Isovalue);
     std::string told;
@@ -158,7 +143,7 @@ TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
   VolumeSettings settings = { 16, 5 };
   settings.NumberOfReplicas = 2;
   WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, settings);
-  ChangeFiles([&] { FlipBytes(path + ".stores/000001/store-00002/blocks"); });
+  OnFirstRank([&] { FlipBytes(path + ".stores/000001/store-00002/blocks"); });
   ContourPipeline pipeline(path);
   pipeline.Reader->SetLocalStores(isLocal);
   pipeline.Contour->SetValue(0, Isovalue);

@@ -115,30 +115,22 @@ TEST_P(SurfaceQuality, IsThatOfTheWholeImageWithAnyOptions)
   const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeOpenVolume();
   // Blocks of 32, as image data is cut: a region then has the same blocks.
-  if (GetRank() == 0)
-  {
-    WriteVolume(image, path, { 32, GetParam() });
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { WriteVolume(image, path, { 32, GetParam() }); });
   ContourPipeline pipeline(path);
   pipeline.Contour->AddInterpolatedArray("other");
   for (int options = 0; options < Options; ++options)
   {
     Apply(options, image, pipeline.Contour);
     vtkPolyData* mine = pipeline.Update({ 2.0, 4.5 });
-    EdgeSurface part;
-    part.Add(mine);
-    EdgeSurface all = GatherSurfaces(part);
+    const EdgeSurface all = GatherSurface(mine);
     EdgeSurface values = GatherArray(mine);
     if (GetRank() != 0)
     {
       continue;
     }
-    all.MergeEqualPoints();
     values.MergeEqualPoints();
     const auto alone = ContourAlone(options, image);
-    EdgeSurface expected;
-    expected.Add(alone);
+    EdgeSurface expected = ToEdges(alone);
     EXPECT_FALSE(expected.Triangles.empty());
     EXPECT_TRUE(AreEqual(all, expected)) << "options " << options;
     EXPECT_EQ(values.Points.size(), expected.Points.size()) << "options " << options;

@@ -166,14 +166,11 @@ protected:
     const double isovalue = GetIsovalues()[static_cast<std::size_t>(number)];
     const std::int64_t ids =
       3 * static_cast<std::int64_t>(GetVolume(GetParam().Kind)->GetNumberOfPoints());
-    EdgeSurface part;
-    part.Add(mine, number * ids, (number + 1) * ids);
-    EdgeSurface all = GatherSurfaces(part);
+    const EdgeSurface all = GatherSurface(mine, number * ids, (number + 1) * ids);
     if (GetRank() != 0)
     {
       return;
     }
-    all.MergeEqualPoints();
     const auto twin = std::adjacent_find(all.Points.begin(), all.Points.end(),
       [](const EdgePoint& a, const EdgePoint& b) { return a.Edge == b.Edge; });
     EXPECT_EQ(twin, all.Points.end()) << "two ranks have different points of one GlobalId";
@@ -232,12 +229,9 @@ TEST(SurfaceUnionAtLevels, EqualsSurfaceOfSubsampledVolume)
   for (int level = 0; level < 8; ++level)
   {
     pipeline.Contour->SetLevel(level);
-    EdgeSurface part;
-    part.Add(pipeline.Update({ 150 }));
-    EdgeSurface all = GatherSurfaces(part);
+    const EdgeSurface all = GatherSurface(pipeline.Update({ 150 }));
     if (GetRank() == 0)
     {
-      all.MergeEqualPoints();
       const auto expected = ContourByFlyingEdges(SubsampleImage(GetVolume(BALL_INT16), level), 150);
       EXPECT_TRUE(AreEqual(all, expected)) << "level " << level;
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A write that fails on any rank fails on all of them, and leaves what was there as it was.
+#include "EventCounter.h"
 #include "FileSizeLimit.h"
 #include "ParallelVolumes.h"
 
@@ -61,12 +62,8 @@ protected:
         errors.Messages[0].find(file) != std::string::npos)
         << testing::PrintToString(errors.Messages);
     }
-    GetRanks()->Barrier();
-    if (GetRank() == 0)
-    {
-      EXPECT_EQ(ComputeFingerprint(this->Path), this->Before) << "the old files have changed";
-    }
-    GetRanks()->Barrier();
+    OnFirstRank([&]
+      { EXPECT_EQ(ComputeFingerprint(this->Path), this->Before) << "the old files have changed"; });
   }
 
   // Collective: now that the cause is mended, the same writer works.
@@ -77,10 +74,7 @@ protected:
     EXPECT_EQ(this->Writer->Write(), 1);
     EXPECT_EQ(errors.Messages, std::vector<std::string>());
     ContourPipeline pipeline(this->Path);
-    EdgeSurface mine;
-    mine.Add(pipeline.Update({ 120.0 }));
-    EdgeSurface all = GatherSurfaces(mine);
-    all.MergeEqualPoints();
+    const EdgeSurface all = GatherSurface(pipeline.Update({ 120.0 }));
     if (GetRank() == 0)
     {
       EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(MakeNewImage(), 120.0)));
@@ -105,11 +99,7 @@ TEST_F(WriteErrors, NoFileNameOnOneRank)
 TEST_F(WriteErrors, FolderThatCannotBe)
 {
   const std::string file = this->Folder.GetPath("file");
-  if (GetRank() == 0)
-  {
-    WriteBytes(file, "not a folder");
-  }
-  GetRanks()->Barrier();
+  OnFirstRank([&] { WriteBytes(file, "not a folder"); });
   this->Writer->SetFileName((file + "/new.bvol").c_str());
   this->ExpectFailure("Not a directory", "/file/new.bvol");
   this->Writer->SetFileName(this->Path.c_str());
@@ -183,31 +173,15 @@ TEST_F(WriteErrors, FullDiskOnOneRank)
 
 TEST_F(WriteErrors, StopByOneRank)
 {
-  struct Stop
-  {
-    vtkBlockedVolumeWriter* Writer;
-    double After;
-    void Run(vtkObject*, unsigned long, void* share)
-    {
-      if (*static_cast<double*>(share) > this->After)
-      {
-        this->Writer->SetAbortExecute(1);
-      }
-    }
-  };
   for (const double after : { 0.0, 0.3, 0.92 })
   {
-    Stop stop{ this->Writer, after };
     const bool isMine = GetRank() == GetNumberOfRanks() - 1;
-    const unsigned long tag =
-      isMine ? this->Writer->AddObserver(vtkCommand::ProgressEvent, &stop, &Stop::Run) : 0;
-    this->Writer->Modified();
-    this->ExpectFailure("");
-    if (isMine)
     {
-      this->Writer->RemoveObserver(tag);
-      this->Writer->SetAbortExecute(0);
+      const ProgressKeeper stop(this->Writer, StopAbove(this->Writer, isMine ? after : 1));
+      this->Writer->Modified();
+      this->ExpectFailure("");
     }
+    this->Writer->SetAbortExecute(0);
   }
   this->ExpectSuccess();
 }

@@ -45,11 +45,7 @@ protected:
 
   void SetIsovalues(const std::vector<double>& isovalues)
   {
-    this->Contour->SetNumberOfContours(static_cast<int>(isovalues.size()));
-    for (std::size_t n = 0; n < isovalues.size(); ++n)
-    {
-      this->Contour->SetValue(static_cast<int>(n), isovalues[n]);
-    }
+    isosurface::SetIsovalues(this->Contour, isovalues);
   }
 
   // Puts the image as a blocked volume before the contour.
@@ -98,8 +94,7 @@ protected:
   // All isovalues' surfaces in one: ids tell them apart.
   static EdgeSurface ToEdges(vtkPolyData* surface)
   {
-    EdgeSurface edges;
-    edges.Add(surface);
+    EdgeSurface edges = isosurface::ToEdges(surface);
     edges.DropNormals();
     return edges;
   }

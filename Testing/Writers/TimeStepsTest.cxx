@@ -65,8 +65,7 @@ protected:
   void ExpectStep(double asked, double step)
   {
     this->Contour->UpdateTimeStep(asked);
-    EdgeSurface surface;
-    surface.Add(this->Contour->GetOutput());
+    EdgeSurface surface = ToEdges(this->Contour->GetOutput());
     EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(TimeSource::MakeImageAt(step), 12.5)))
       << "time " << asked;
     EXPECT_EQ(
@@ -151,9 +150,7 @@ TEST_F(TimeSteps, AppendedTwiceOrBeforeOthersAreErrors)
   {
     const ErrorCounter errors(this->Writer);
     EXPECT_FALSE(this->Append(time));
-    ASSERT_EQ(errors.Messages.size(), 1u);
-    EXPECT_NE(errors.Messages[0].find("times must ascend"), std::string::npos);
-    EXPECT_NE(errors.Messages[0].find(this->Path), std::string::npos);
+    ExpectOneError(errors, { "times must ascend", this->Path });
   }
   EXPECT_EQ(this->ListTimes(), std::vector<double>{ 0.5 });
   EXPECT_TRUE(this->Append(2));
@@ -165,8 +162,7 @@ TEST_F(TimeSteps, OfOtherBlocksAreErrors)
   this->Writer->SetBlockSize(32);
   const ErrorCounter errors(this->Writer);
   EXPECT_FALSE(this->Append(2));
-  ASSERT_EQ(errors.Messages.size(), 1u);
-  EXPECT_NE(errors.Messages[0].find("16 cells"), std::string::npos);
+  ExpectOneError(errors, { "16 cells" });
 }
 
 TEST_F(TimeSteps, WithoutATimeCannotBeAppended)
@@ -175,10 +171,7 @@ TEST_F(TimeSteps, WithoutATimeCannotBeAppended)
   this->Writer->SetAppendTimeStep(true);
   const ErrorCounter errors(this->Writer);
   EXPECT_EQ(this->Writer->Write(), 0);
-  ASSERT_EQ(errors.Messages.size(), 1u);
-  EXPECT_NE(errors.Messages[0].find("has no time"), std::string::npos);
-  EXPECT_NE(errors.Messages[0].find("--time"), std::string::npos);
-  EXPECT_NE(errors.Messages[0].find("WriteAllTimeSteps"), std::string::npos);
+  ExpectOneError(errors, { "has no time", "--time", "WriteAllTimeSteps" });
 }
 
 // As readers of single files give it.
@@ -205,14 +198,7 @@ TEST_F(TimeSteps, StoppedOnTheWayLeaveTheOldFile)
   this->Writer->SetWriteAllTimeSteps(true);
   for (const double stop : { 0.1, 0.3, 0.6, 0.9 })
   {
-    const ProgressKeeper progress(this->Writer,
-      [&](double share)
-      {
-        if (share > stop && share < 1)
-        {
-          this->Writer->SetAbortExecute(1);
-        }
-      });
+    const ProgressKeeper progress(this->Writer, StopAbove(this->Writer, stop));
     EXPECT_EQ(this->Writer->Write(), 0);
     EXPECT_EQ(ComputeFingerprint(this->Path), before) << stop;
     this->Writer->SetAbortExecute(0);

@@ -23,7 +23,6 @@ namespace isosurface
 template <typename T>
 SampleVolume<T> MakeWaves(const Index3& dimensions, double noise)
 {
-  SampleVolume<T> volume(dimensions);
   std::mt19937 random(7);
   double scale = 1;
   double middle = 0;
@@ -35,23 +34,17 @@ SampleVolume<T> MakeWaves(const Index3& dimensions, double noise)
       2;
     middle = std::is_signed_v<T> ? 0 : std::ldexp(0.5, std::numeric_limits<T>::digits);
   }
-  for (std::int64_t k = 0; k < dimensions[2]; ++k)
-  {
-    for (std::int64_t j = 0; j < dimensions[1]; ++j)
+  return SampleVolume<T>(dimensions,
+    [&](auto i, auto j, auto k)
     {
-      for (std::int64_t i = 0; i < dimensions[0]; ++i)
-      {
-        const double x = static_cast<double>(i);
-        const double y = static_cast<double>(j);
-        const double z = static_cast<double>(k);
-        const double wave = std::sin(0.21 * x + 0.1 * y) + std::sin(0.17 * y - 0.05 * z) +
-          std::sin(0.23 * z + 0.07 * x) +
-          noise * (static_cast<double>(random()) / 4294967296.0 - 0.5);
-        volume.At(i, j, k) = static_cast<T>(middle + scale * wave / 4);
-      }
-    }
-  }
-  return volume;
+      const double x = static_cast<double>(i);
+      const double y = static_cast<double>(j);
+      const double z = static_cast<double>(k);
+      const double wave = std::sin(0.21 * x + 0.1 * y) + std::sin(0.17 * y - 0.05 * z) +
+        std::sin(0.23 * z + 0.07 * x) +
+        noise * (static_cast<double>(random()) / 4294967296.0 - 0.5);
+      return middle + scale * wave / 4;
+    });
 }
 
 /// The same volume somewhere else in the world.
@@ -63,6 +56,9 @@ void Displace(SampleVolume<T>& volume)
   volume.Geometry.Origin = { 10, -20, 30.5 };
   volume.Geometry.Spacing = { 0.5, 1.25, 2 };
 }
+
+constexpr EdgeIndexProfile AllProfiles[] = { EdgeIndexProfile::Default, EdgeIndexProfile::Fast,
+  EdgeIndexProfile::Compact };
 
 template <typename T>
 EdgeIndexHeader MakeHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
@@ -120,21 +116,29 @@ inline void ExpectSameTopology(const Surface& expected, const Surface& decoded)
 }
 
 /// The decoded surface must be the extracted one, point by point and bit by bit.
+inline void ExpectSamePoints(const Surface& expected, const Surface& decoded)
+{
+  ExpectSameTopology(expected, decoded);
+  EXPECT_TRUE(HaveEqualBytes(expected.Points, decoded.Points));
+}
+
+/// What is decoded of a surface that was encoded.
+inline Surface EncodeAndDecode(const EdgeIndexHeader& header, BlockSource& source,
+  const ContourRequest& request, int threads = 1)
+{
+  const auto bytes = Require(EncodeSurface(header, source, threads));
+  return Require(DecodeSurface(bytes.data(), bytes.size(), request, threads));
+}
+
 template <typename T>
 void ExpectLossless(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
   int blockSize, EdgeIndexProfile profile)
 {
   TestBlockSource<T> source(volume, blockSize);
   const ContourRequest request = MakeRequest(isovalues);
-  const Result<Surface> expected = ExtractSurface(volume.Geometry, source, request, 1);
-  ASSERT_TRUE(expected.IsOk());
-  const auto bytes =
-    EncodeSurface(MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, profile), source, 1);
-  ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
-  const Result<Surface> decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-  ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
-  ExpectSameTopology(*expected, *decoded);
-  EXPECT_TRUE(HaveEqualBytes(expected->Points, decoded->Points));
+  ExpectSamePoints(Require(ExtractSurface(volume.Geometry, source, request, 1)),
+    EncodeAndDecode(
+      MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, profile), source, request));
 }
 
 } // namespace isosurface

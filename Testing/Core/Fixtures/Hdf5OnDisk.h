@@ -2,6 +2,7 @@
 #ifndef isosurface_Testing_Hdf5OnDisk_h
 #define isosurface_Testing_Hdf5OnDisk_h
 
+#include "Fixtures/Require.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 
@@ -190,13 +191,11 @@ inline Result<OpenedVolume> OpenLocal(const std::string& name)
 /// Expects the samples of MakeHdf5Samples().
 inline void ExpectVolume(const std::string& name)
 {
-  const auto volume = OpenLocal(name);
-  ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
-  const VertexBox& box = volume->Source->GetBox();
+  const auto volume = Require(OpenLocal(name));
+  const VertexBox& box = volume.Source->GetBox();
   ASSERT_TRUE(box.GetSize() == (Index3{ 6, 5, 4 }));
-  const auto slab = volume->Source->Read(box);
-  ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
-  const auto* samples = reinterpret_cast<const std::int16_t*>(slab->Arrays[0].First);
+  const auto slab = Require(volume.Source->Read(box));
+  const auto* samples = reinterpret_cast<const std::int16_t*>(slab.Arrays[0].First);
   const std::vector<std::int16_t> expected = MakeHdf5Samples();
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), samples));
 }

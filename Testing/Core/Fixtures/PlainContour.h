@@ -2,6 +2,7 @@
 #ifndef isosurface_PlainContour_h
 #define isosurface_PlainContour_h
 
+#include "Fixtures/BlocksByForce.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Surface/Contour/MarchingCubesCases.h"
 #include "Surface/Contour/SurfaceExtractor.h"
@@ -13,6 +14,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <random>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -73,19 +75,14 @@ public:
   void Contour(double isovalue, std::int64_t firstId, PlainSurface& surface) const
   {
     const Index3 size = this->Volume.GetDimensions();
-    for (std::int64_t k = 0; k + 1 < size[2]; ++k)
-    {
-      for (std::int64_t j = 0; j + 1 < size[1]; ++j)
+    VisitVertices(VertexBox{ {}, { size[0] - 1, size[1] - 1, size[2] - 1 } },
+      [&](const Index3& cell)
       {
-        for (std::int64_t i = 0; i + 1 < size[0]; ++i)
+        if (!this->IsVisible || this->IsVisible(cell))
         {
-          if (!this->IsVisible || this->IsVisible({ i, j, k }))
-          {
-            this->ContourCell({ i, j, k }, isovalue, firstId, surface);
-          }
+          this->ContourCell(cell, isovalue, firstId, surface);
         }
-      }
-    }
+      });
     std::sort(surface.Triangles.begin(), surface.Triangles.end());
   }
 
@@ -146,8 +143,7 @@ private:
       after[axis] = std::min(size[axis] - 1, vertex[axis] + 1);
       before = !this->IsKnown || this->IsKnown(before) ? before : vertex;
       after = !this->IsKnown || this->IsKnown(after) ? after : vertex;
-      const double difference = Subtract(this->Volume.At(after[0], after[1], after[2]),
-        this->Volume.At(before[0], before[1], before[2]));
+      const double difference = Subtract(this->Volume.At(after), this->Volume.At(before));
       gradient[axis] =
         static_cast<float>(after[axis] - before[axis] == 2 ? 0.5 * difference : difference);
     }
@@ -158,8 +154,8 @@ private:
   {
     Index3 to = from;
     ++to[static_cast<std::size_t>(axis)];
-    const T s0 = this->Volume.At(from[0], from[1], from[2]);
-    const T s1 = this->Volume.At(to[0], to[1], to[2]);
+    const T s0 = this->Volume.At(from);
+    const T s1 = this->Volume.At(to);
     double t = (isovalue - static_cast<double>(s0)) / Subtract(s1, s0);
     if (!std::is_floating_point_v<T> && sizeof(T) == 8)
     {
@@ -252,6 +248,125 @@ inline PlainSurface MakePlain(const Surface& surface)
   }
   std::sort(plain.Triangles.begin(), plain.Triangles.end());
   return plain;
+}
+
+/// For a surface with all that the oracle has.
+inline ContourRequest MakePlainRequest(std::vector<double> isovalues)
+{
+  ContourRequest request;
+  request.Isovalues = std::move(isovalues);
+  request.Normals = true;
+  request.GlobalIds = true;
+  return request;
+}
+
+/// The surface of all blocks of a volume.
+template <typename T>
+Surface ExtractBlocks(const SampleVolume<T>& volume, int blockSize, const ContourRequest& request,
+  int threads = 1, int components = 1)
+{
+  TestBlockSource<T> source(volume, blockSize, 1, components);
+  return Require(ExtractSurface(volume.Geometry, source, request, threads));
+}
+
+/// The surfaces of ranks to which blocks were dealt at random, in random order.
+template <typename T>
+std::vector<PlainSurface> ExtractPieces(const SampleVolume<T>& volume, int blockSize,
+  const ContourRequest& request, std::vector<std::int64_t> blocks, int ranks, std::mt19937& random)
+{
+  std::shuffle(blocks.begin(), blocks.end(), random);
+  std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(ranks));
+  for (const std::int64_t block : blocks)
+  {
+    pieces[random() % pieces.size()].push_back(block);
+  }
+  std::vector<PlainSurface> surfaces;
+  for (const auto& piece : pieces)
+  {
+    TestBlockSource<T> source(volume, blockSize);
+    source.Blocks = piece;
+    const Surface surface = Require(ExtractSurface(volume.Geometry, source, request, 2));
+    surfaces.push_back(MakePlain(surface));
+    EXPECT_EQ(surfaces.back().Points.size(), surface.NumberOfPoints) << "a point is there twice";
+  }
+  return surfaces;
+}
+
+/// The union of the surfaces of several ranks. Points with equal ids must be equal.
+inline PlainSurface UniteRanks(const std::vector<PlainSurface>& ranks)
+{
+  PlainSurface united;
+  for (const PlainSurface& rank : ranks)
+  {
+    united.Triangles.insert(united.Triangles.end(), rank.Triangles.begin(), rank.Triangles.end());
+    for (const auto& [id, bits] : rank.Points)
+    {
+      EXPECT_EQ(united.Points.emplace(id, bits).first->second, bits)
+        << "two ranks disagree on point " << id;
+    }
+  }
+  std::sort(united.Triangles.begin(), united.Triangles.end());
+  return united;
+}
+
+/// Expects parts one behind the other, and no point that no cell uses.
+inline void ExpectWholeParts(const Surface& surface)
+{
+  std::size_t points = 0;
+  std::size_t cells = 0;
+  for (const SurfacePart& part : surface.Parts)
+  {
+    EXPECT_EQ(part.FirstPoint, points);
+    EXPECT_EQ(part.FirstCell, cells);
+    points += part.NumberOfPoints;
+    cells += part.NumberOfCells;
+  }
+  EXPECT_EQ(points, surface.NumberOfPoints);
+  EXPECT_EQ(cells, surface.NumberOfCells);
+  std::vector<bool> used(surface.NumberOfPoints, false);
+  for (std::size_t n = 0; n < surface.Connectivity.GetSize(); ++n)
+  {
+    used.at(static_cast<std::size_t>(surface.Connectivity[n])) = true;
+  }
+  EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "points that no cell uses";
+}
+
+template <typename T>
+bool AreSame(const Buffer<T>& a, const Buffer<T>& b)
+{
+  return a.GetSize() == b.GetSize() &&
+    (a.GetSize() == 0 || std::memcmp(a.GetData(), b.GetData(), a.GetSize() * sizeof(T)) == 0);
+}
+
+inline bool AreSame(const IndexArray& a, const IndexArray& b)
+{
+  return a.Is64Bit == b.Is64Bit && AreSame(a.Values32, b.Values32) &&
+    AreSame(a.Values64, b.Values64);
+}
+
+/// Expects two surfaces to be equal bit by bit.
+inline void ExpectSameSurface(const Surface& surface, const Surface& expected)
+{
+  EXPECT_TRUE(AreSame(surface.Points, expected.Points));
+  EXPECT_TRUE(AreSame(surface.Normals, expected.Normals));
+  EXPECT_TRUE(AreSame(surface.GlobalIds, expected.GlobalIds));
+  EXPECT_TRUE(AreSame(surface.Connectivity, expected.Connectivity));
+  EXPECT_TRUE(AreSame(surface.Offsets, expected.Offsets));
+  EXPECT_EQ(surface.NumberOfPoints, expected.NumberOfPoints);
+  EXPECT_EQ(surface.NumberOfCells, expected.NumberOfCells);
+  EXPECT_EQ(surface.NumberOfTriangles, expected.NumberOfTriangles);
+  EXPECT_EQ(surface.NumberOfBlocks, expected.NumberOfBlocks);
+  ASSERT_EQ(surface.Attributes.size(), expected.Attributes.size());
+  for (std::size_t n = 0; n < expected.Attributes.size(); ++n)
+  {
+    EXPECT_TRUE(AreSame(surface.Attributes[n].Bytes, expected.Attributes[n].Bytes));
+  }
+  ASSERT_EQ(surface.Parts.size(), expected.Parts.size());
+  for (std::size_t n = 0; n < expected.Parts.size(); ++n)
+  {
+    EXPECT_EQ(surface.Parts[n].FirstPoint, expected.Parts[n].FirstPoint);
+    EXPECT_EQ(surface.Parts[n].NumberOfCells, expected.Parts[n].NumberOfCells);
+  }
 }
 
 } // namespace isosurface

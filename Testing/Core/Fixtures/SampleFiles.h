@@ -3,6 +3,7 @@
 #define isosurface_Testing_SampleFiles_h
 
 #include "Fixtures/MemoryDisk.h"
+#include "Fixtures/Require.h"
 #include "Fixtures/SampleVolume.h"
 #include "Formats/Plain/RawVolume.h"
 
@@ -22,9 +23,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 inline void WriteFile(MemoryDisk& disk, const std::string& path, const Bytes& bytes)
 {
-  auto file = disk.CreateForWriting(path);
-  ASSERT_TRUE(file.IsOk());
-  ASSERT_TRUE((*file)->Append(bytes.data(), bytes.size()).IsOk());
+  auto file = Require(disk.CreateForWriting(path));
+  ASSERT_TRUE(file->Append(bytes.data(), bytes.size()).IsOk());
 }
 
 inline Bytes MakeBytes(const std::string& text)
@@ -84,20 +84,12 @@ void ExpectSamples(SlabSource& source, const SampleVolume<T>& volume)
     { { 0, 0, size[2] / 2 }, { size[0], size[1], size[2] / 2 + 1 } } };
   for (const VertexBox& box : boxes)
   {
-    const auto slab = source.Read(box);
-    ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
-    ASSERT_TRUE(slab->Fits({ ValueTypeOf<T>::Value }, box));
+    const auto slab = Require(source.Read(box));
+    ASSERT_TRUE(slab.Fits({ ValueTypeOf<T>::Value }, box));
     bool equal = true;
-    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-    {
-      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-      {
-        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-        {
-          equal = equal && *slab->Arrays[0].template At<T>({ i, j, k }) == volume.At(i, j, k);
-        }
-      }
-    }
+    VisitVertices(box,
+      [&](const Index3& vertex)
+      { equal = equal && *slab.Arrays[0].template At<T>(vertex) == volume.At(vertex); });
     EXPECT_TRUE(equal);
   }
 }

@@ -2,8 +2,11 @@
 #ifndef isosurface_Testing_SampleVolume_h
 #define isosurface_Testing_SampleVolume_h
 
+#include "Fixtures/Require.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/SampleView.h"
+
+#include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -60,6 +63,8 @@ struct SampleVolume
   {
     return const_cast<SampleVolume*>(this)->At(i, j, k);
   }
+  T& At(const Index3& vertex) { return this->At(vertex[0], vertex[1], vertex[2]); }
+  T At(const Index3& vertex) const { return this->At(vertex[0], vertex[1], vertex[2]); }
 
   /// The samples of a box, with all others available beside them.
   SampleView GetView(const VertexBox& box) const
@@ -79,6 +84,10 @@ struct SampleVolume
 private:
   Index3 Dimensions;
 };
+
+/// The types of samples, for typed tests.
+using AllValueTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+  std::int32_t, std::uint32_t, std::int64_t, std::uint64_t, float, double>;
 
 /// Small integers around zero (or from zero on), so that many equal an isovalue; some NaN.
 template <typename T>

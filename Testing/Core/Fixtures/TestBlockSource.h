@@ -70,17 +70,12 @@ public:
       static_cast<std::size_t>(view.Available.GetNumberOfVertices() * this->Components);
     const std::shared_ptr<T[]> memory(new T[values]());
     std::size_t at = 0;
-    for (std::int64_t k = view.Available.Low[2]; k < view.Available.High[2]; ++k)
-    {
-      for (std::int64_t j = view.Available.Low[1]; j < view.Available.High[1]; ++j)
+    VisitVertices(view.Available,
+      [&](const Index3& vertex)
       {
-        for (std::int64_t i = view.Available.Low[0]; i < view.Available.High[0]; ++i)
-        {
-          memory[static_cast<std::ptrdiff_t>(at)] = this->Volume.At(i, j, k);
-          at += static_cast<std::size_t>(this->Components);
-        }
-      }
-    }
+        memory[static_cast<std::ptrdiff_t>(at)] = this->Volume.At(vertex);
+        at += static_cast<std::size_t>(this->Components);
+      });
     view.First = memory.get();
     samples.Owner = memory;
     return samples;

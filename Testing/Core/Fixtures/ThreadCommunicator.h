@@ -11,6 +11,8 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -38,6 +40,18 @@ public:
     {
       thread.join();
     }
+  }
+
+  /// Calls body(communicator) in the same way; returns what each rank gives.
+  template <typename Body>
+  static auto Collect(int size, const Body& body)
+  {
+    std::vector<std::decay_t<decltype(body(std::declval<Communicator&>()))>> results(
+      static_cast<std::size_t>(size));
+    Run(size,
+      [&](Communicator& ranks)
+      { results[static_cast<std::size_t>(ranks.GetRank())] = body(ranks); });
+    return results;
   }
 
   int GetRank() const override { return this->Rank; }

@@ -95,9 +95,7 @@ inline bool IsManifold(const PlainSurface& surface)
   {
     for (std::size_t n = 0; n < 3; ++n)
     {
-      const std::int64_t from = triangle[n];
-      const std::int64_t to = triangle[(n + 1) % 3];
-      ++sides[std::minmax(from, to)];
+      ++sides[std::minmax(triangle[n], triangle[(n + 1) % 3])];
     }
   }
   return IsClosed(surface) &&
@@ -115,62 +113,6 @@ inline double ComputeSixfoldVolume(const TriangleSet& set)
       double(a[2]) * (double(b[0]) * c[1] - double(b[1]) * c[0]);
   }
   return volume;
-}
-
-/// The union of the surfaces of several ranks. Checks that points with equal ids are equal.
-inline PlainSurface UniteRanks(const std::vector<PlainSurface>& ranks, bool& agree)
-{
-  PlainSurface united;
-  for (const PlainSurface& rank : ranks)
-  {
-    united.Triangles.insert(united.Triangles.end(), rank.Triangles.begin(), rank.Triangles.end());
-    for (const auto& [id, bits] : rank.Points)
-    {
-      agree = agree && united.Points.emplace(id, bits).first->second == bits;
-    }
-  }
-  std::sort(united.Triangles.begin(), united.Triangles.end());
-  return united;
-}
-
-/// The blocks of a source that a selection needs, by brute force over all samples.
-template <typename T>
-std::vector<std::int64_t> FindBlocksByForce(
-  const SampleVolume<T>& volume, int blockSize, const std::vector<double>& isovalues, bool closed)
-{
-  const BlockGrid grid(volume.GetDimensions(), blockSize);
-  const Index3 size = volume.GetDimensions();
-  std::vector<std::int64_t> blocks;
-  for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
-  {
-    const VertexBox box = grid.GetVertices(block);
-    bool isWanted = false;
-    for (const double isovalue : isovalues)
-    {
-      bool anyInside = false;
-      bool anyOutside = false;
-      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-      {
-        for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-        {
-          for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-          {
-            const bool inside = static_cast<double>(volume.At(i, j, k)) >= isovalue;
-            anyInside = anyInside || inside;
-            anyOutside = anyOutside || !inside;
-          }
-        }
-      }
-      const bool atBorder = box.Low[0] == 0 || box.Low[1] == 0 || box.Low[2] == 0 ||
-        box.High[0] == size[0] || box.High[1] == size[1] || box.High[2] == size[2];
-      isWanted = isWanted || (anyInside && (anyOutside || (closed && atBorder)));
-    }
-    if (isWanted)
-    {
-      blocks.push_back(block);
-    }
-  }
-  return blocks;
 }
 
 } // namespace isosurface

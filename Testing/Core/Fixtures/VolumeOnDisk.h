@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <string>
@@ -122,10 +124,51 @@ inline BlockedVolumeSettings MakeSettings(
 inline std::shared_ptr<BlockedVolume> OpenVolume(FileSystem& disk,
   std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28, VolumeOpener opener = nullptr)
 {
-  auto volume =
-    BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(cacheBytes), opener);
-  EXPECT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
-  return volume.IsOk() ? *volume : nullptr;
+  return Require(
+    BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(cacheBytes), opener));
+}
+
+/// Expects each block of a variable, at a level, to have the samples of the subsampled volume,
+/// ghost layers included, bit by bit. Returns the bytes of the blocks.
+template <typename T>
+std::uint64_t ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, int level,
+  QueryStatistics& statistics, std::size_t variable = 0, std::size_t step = 0)
+{
+  const StoredLevel stored = opened.FindLevel(level);
+  const auto blocks = Require(opened.ListBlocks(step, statistics, level));
+  EXPECT_EQ(static_cast<std::int64_t>(blocks.size()), stored.Grid->GetNumberOfBlocks());
+  std::uint64_t bytes = 0;
+  for (const BlockReference& reference : blocks)
+  {
+    const auto block = Require(opened.ReadBlock(reference, step, variable, level, statistics));
+    const SampleView& view = block->View;
+    EXPECT_EQ(view.Type, ValueTypeOf<T>::Value);
+    EXPECT_EQ(view.Box, stored.Grid->GetVertices(reference.Block, stored.Level));
+    EXPECT_EQ(view.Available, stored.Grid->GetGhostedVertices(reference.Block, stored.Level));
+    bytes += block->Bytes.GetSize();
+    std::size_t wrong = 0;
+    VisitVertices(view.Available,
+      [&](const Index3& vertex)
+      {
+        const auto [i, j, k] = vertex;
+        const T expected = volume.At(i << level, j << level, k << level);
+        wrong += std::memcmp(view.At<T>(vertex), &expected, sizeof(T)) != 0;
+      });
+    EXPECT_EQ(wrong, 0u) << "block " << reference.Block << ", level " << level;
+  }
+  return bytes;
+}
+
+/// The numbers of blocks, ascending.
+inline std::vector<std::int64_t> SortBlocks(const std::vector<BlockReference>& references)
+{
+  std::vector<std::int64_t> blocks;
+  for (const BlockReference& reference : references)
+  {
+    blocks.push_back(reference.Block);
+  }
+  std::sort(blocks.begin(), blocks.end());
+  return blocks;
 }
 
 /// Smooth values with noise and an empty corner.

@@ -70,10 +70,9 @@ TEST(SourceIndex, IsCurrentUntilTheSourceChanges)
   EXPECT_EQ(FindState(disk, index), IndexState::Missing);
   WriteOk(disk, index, 3);
   EXPECT_EQ(FindState(disk, index), IndexState::Current);
-  const auto opened = BlockedVolume::Open(index.Path, disk);
-  ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
-  EXPECT_TRUE((*opened)->GetHeader().IsInPlace());
-  EXPECT_EQ((*opened)->GetHeader().Grid.GetDimensions(), volume.GetDimensions());
+  const auto opened = Require(BlockedVolume::Open(index.Path, disk));
+  EXPECT_TRUE(opened->GetHeader().IsInPlace());
+  EXPECT_EQ(opened->GetHeader().Grid.GetDimensions(), volume.GetDimensions());
   disk.SetFile(SourcePath + "/more", { 1 });
   EXPECT_EQ(FindState(disk, index), IndexState::Changed);
   WriteOk(disk, index, 2);

@@ -52,17 +52,13 @@ struct InPlaceDisk
 
   void Write(BlockedVolumeSettings settings, int ranks = 1)
   {
-    const auto record = this->Describe();
-    ASSERT_TRUE(record.IsOk()) << record.GetStatus().GetMessage();
-    settings.InPlace = *record;
+    settings.InPlace = Require(this->Describe());
     WriteVolumeOk(this->Disk, this->Volume, settings, ranks);
   }
 
   VolumeVerification Verify()
   {
-    auto found = VerifyBlockedVolume(VolumePath, this->Disk, 2, {}, OpenForeignVolume);
-    EXPECT_TRUE(found.IsOk());
-    return std::move(*found);
+    return Require(VerifyBlockedVolume(VolumePath, this->Disk, 2, {}, OpenForeignVolume));
   }
 
   SampleVolume<std::int16_t> Volume;
@@ -73,36 +69,16 @@ struct InPlaceDisk
 PlainSurface Contour(BlockedVolume& volume, int ranks, bool isDealt, QueryStatistics& statistics)
 {
   volume.SetLocalStores(!isDealt);
-  PlainSurface all;
+  std::vector<PlainSurface> surfaces;
   for (int rank = 0; rank < ranks; ++rank)
   {
     auto active = FindActiveBlocks(volume, { { 0, 0, { Isovalue } }, rank, ranks }, statistics);
-    EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
-    if (!active.IsOk())
-    {
-      return {};
-    }
-    StoredBlockSource source(volume, 0, 0, 0, std::move(*active));
-    ContourRequest request;
-    request.Isovalues = { Isovalue };
-    request.Normals = true;
-    request.GlobalIds = true;
-    const auto surface = ExtractSurface(volume.GetHeader().Grid, source, request, 2);
-    EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-    if (!surface.IsOk())
-    {
-      return {};
-    }
-    const PlainSurface mine = MakePlain(*surface);
-    all.Triangles.insert(all.Triangles.end(), mine.Triangles.begin(), mine.Triangles.end());
-    for (const auto& point : mine.Points)
-    {
-      EXPECT_EQ(all.Points.emplace(point).first->second, point.second) << "edge " << point.first;
-    }
+    StoredBlockSource source(volume, 0, 0, 0, Require(std::move(active)));
+    surfaces.push_back(MakePlain(
+      Require(ExtractSurface(volume.GetHeader().Grid, source, MakePlainRequest({ Isovalue }), 2))));
     statistics.Add(source.GetStatistics());
   }
-  std::sort(all.Triangles.begin(), all.Triangles.end());
-  return all;
+  return UniteRanks(surfaces);
 }
 
 PlainSurface ContourCopy(const SampleVolume<std::int16_t>& volume)
@@ -193,9 +169,8 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
       EXPECT_NE(volume->ShareStoreFaults(alone).Warning.find("store 1:"), std::string::npos);
     }
     EXPECT_FALSE(made.Verify().Faults.empty());
-    const auto repaired = RepairBlockedVolume(VolumePath, made.Disk, 2);
-    ASSERT_TRUE(repaired.IsOk()) << repaired.GetStatus().GetMessage();
-    EXPECT_TRUE(repaired->Refused.empty());
+    const auto repaired = Require(RepairBlockedVolume(VolumePath, made.Disk, 2));
+    EXPECT_TRUE(repaired.Refused.empty());
     EXPECT_TRUE(made.Disk.Copy() == files);
     EXPECT_TRUE(made.Verify().Faults.empty());
   }
@@ -233,23 +208,7 @@ TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
   for (int level = 1; level < volume->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto share = volume->ListBlocks(0, statistics, level);
-    ASSERT_TRUE(share.IsOk());
-    for (const BlockReference& reference : *share)
-    {
-      const auto block = volume->ReadBlock(reference, 0, 0, level, statistics);
-      ASSERT_TRUE(block.IsOk());
-      const VertexBox& box = (*block)->View.Box;
-      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-      {
-        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-        {
-          ASSERT_EQ(*(*block)->View.At<std::int16_t>({ i, box.Low[1], k }),
-            made.Volume.At(i << level, box.Low[1] << level, k << level))
-            << "level " << level;
-        }
-      }
-    }
+    ExpectReadsBack(*volume, made.Volume, level, statistics);
   }
 }
 
@@ -257,16 +216,8 @@ TEST(VolumeInPlace, MissingChunksHaveTheFillValue)
 {
   const auto isLeftOut = [](const Index3& chunk) { return chunk[0] == 1 && chunk[2] == 2; };
   SampleVolume<std::int16_t> filled = MakeVolume<std::int16_t>(Size);
-  for (std::int64_t k = 22; k < 33; ++k)
-  {
-    for (std::int64_t j = 0; j < Size[1]; ++j)
-    {
-      for (std::int64_t i = 33; i < 66; ++i)
-      {
-        filled.At(i, j, k) = -7;
-      }
-    }
-  }
+  VisitVertices(VertexBox{ { 33, 0, 22 }, { 66, Size[1], 33 } },
+    [&](const Index3& vertex) { filled.At(vertex) = -7; });
   InPlaceDisk made({ 33, 20, 11 }, 1, 1, filled);
   ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
   WriteZarr(made.Disk, SourcePath, filled, { 33, 20, 11 }, isLeftOut);
@@ -285,22 +236,17 @@ TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
       { return 130 - (i - 12) * (i - 12) - (j - 12) * (j - 12) - (k - 14) * (k - 14); }));
   const auto volume = OpenInPlace(made.Disk);
   QueryStatistics statistics;
-  const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
-  ASSERT_TRUE(active.IsOk());
+  const auto active = Require(FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics));
   std::set<Index3> touched;
-  for (const BlockReference& block : *active)
+  for (const BlockReference& block : active)
   {
     const VertexBox box = volume->GetBlockGrid().GetGhostedVertices(block.Block, 0);
-    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-    {
-      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+    VisitVertices(box,
+      [&](const Index3& vertex)
       {
-        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-        {
-          touched.insert({ i / chunk[0], j / chunk[1], k / chunk[2] });
-        }
-      }
-    }
+        const auto [i, j, k] = vertex;
+        touched.insert({ i / chunk[0], j / chunk[1], k / chunk[2] });
+      });
   }
   ASSERT_LT(touched.size(), 3u * 3 * 5) << "the surface misses some chunks";
   QueryStatistics first;
@@ -389,12 +335,11 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   MemoryDisk disk;
   const auto volume = MakeVolume<std::int16_t>(Size);
   WriteZarr(disk, SourcePath, volume, { 33, 20, 11 });
-  const auto record = DescribeSource(disk, OpenForeignVolume, VolumePath, SourcePath,
-    InPlaceDisk::MakeWanted(), MakeGeometry(Size), { { "density", ValueType::Int16 } });
-  ASSERT_TRUE(record.IsOk());
+  const auto record = Require(DescribeSource(disk, OpenForeignVolume, VolumePath, SourcePath,
+    InPlaceDisk::MakeWanted(), MakeGeometry(Size), { { "density", ValueType::Int16 } }));
   BlockedVolumeSettings settings = MakeSettings(16, 1);
   settings.Time = 1;
-  settings.InPlace = *record;
+  settings.InPlace = record;
   WriteVolumeOk(disk, volume, settings);
   settings.Time = 2;
   settings.Append = true;
@@ -414,7 +359,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   WriteVolumeOk(other, volume, settings);
   settings.Append = true;
   settings.Time = 4;
-  settings.InPlace = *record;
+  settings.InPlace = record;
   EXPECT_EQ(
     WriteVolume(other, volume, settings)[0].GetStatus().GetCode(), StatusCode::InvalidArgument);
 }
@@ -422,15 +367,14 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
 TEST(VolumeInPlace, IsWrittenAnewAsACopy)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  auto source = StoredSlabSource::Make(OpenInPlace(made.Disk), 0, { 0 }, 2);
-  ASSERT_TRUE(source.IsOk());
+  auto source = Require(StoredSlabSource::Make(OpenInPlace(made.Disk), 0, { 0 }, 2));
   MemoryDisk anew;
   ThreadCommunicator::Run(1,
     [&](Communicator& ranks)
     {
       const auto written = BlockedVolumeWriter(ranks, anew)
                              .Write(VolumePath, MakeGeometry(Size),
-                               { { "density", ValueType::Int16 } }, **source, MakeSettings(16, 2));
+                               { { "density", ValueType::Int16 } }, *source, MakeSettings(16, 2));
       EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
     });
   MemoryDisk copied;

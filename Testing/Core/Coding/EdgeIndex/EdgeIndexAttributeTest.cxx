@@ -34,25 +34,21 @@ TEST(EdgeIndexAttributes, AreBitwiseEqualInEveryMode)
   const std::vector<double> isovalues = { 120.5, 90, 255 };
   AttributedSource source(volume, 16, true);
   const ContourRequest request = MakeAttributedRequest(isovalues);
-  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  ASSERT_TRUE(expected.IsOk()) << expected.GetStatus().GetMessage();
+  const auto expected = Require(ExtractSurface(volume.Geometry, source, request, 1));
   for (const EdgeIndexMode mode :
     { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
   {
     for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
     {
-      const auto bytes =
-        EncodeSurface(MakeAttributedHeader(volume, isovalues, mode, profile, 0), source, 2);
-      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
-      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 2);
-      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
-      ExpectSameTopology(*expected, *decoded);
-      EXPECT_TRUE(HaveEqualBytes(expected->Normals, decoded->Normals));
-      ASSERT_EQ(decoded->Attributes.size(), 3u);
+      const Surface decoded = EncodeAndDecode(
+        MakeAttributedHeader(volume, isovalues, mode, profile, 0), source, request, 2);
+      ExpectSameTopology(expected, decoded);
+      EXPECT_TRUE(HaveEqualBytes(expected.Normals, decoded.Normals));
+      ASSERT_EQ(decoded.Attributes.size(), 3u);
       for (std::size_t n = 0; n < 3; ++n)
       {
-        EXPECT_EQ(expected->Attributes[n].Layout.Type, decoded->Attributes[n].Layout.Type);
-        EXPECT_TRUE(HaveEqualBytes(expected->Attributes[n].Bytes, decoded->Attributes[n].Bytes));
+        EXPECT_EQ(expected.Attributes[n].Layout.Type, decoded.Attributes[n].Layout.Type);
+        EXPECT_TRUE(HaveEqualBytes(expected.Attributes[n].Bytes, decoded.Attributes[n].Bytes));
       }
     }
   }
@@ -69,14 +65,13 @@ TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndExceptionsAreKept)
     std::size_t last = std::numeric_limits<std::size_t>::max();
     for (const double error : { 1e-30, 0.0001, 0.01, 1.0 })
     {
-      const auto bytes = EncodeSurface(MakeAttributedHeader(volume, { 120.5 },
-                                         EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, error),
-        source, 1);
-      ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
-      const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-      ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
+      const auto bytes =
+        Require(EncodeSurface(MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless,
+                                EdgeIndexProfile::Fast, error),
+          source, 1));
+      const auto decoded = Require(DecodeSurface(bytes.data(), bytes.size(), request, 1));
       const auto& exact = expected->Attributes[1].Bytes;
-      const auto& close = decoded->Attributes[1].Bytes;
+      const auto& close = decoded.Attributes[1].Bytes;
       ASSERT_EQ(exact.GetSize(), close.GetSize());
       for (std::size_t n = 0; n < exact.GetSize(); n += sizeof(float))
       {
@@ -96,13 +91,13 @@ TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndExceptionsAreKept)
       const auto* exactDoubles =
         reinterpret_cast<const double*>(expected->Attributes[2].Bytes.GetData());
       const auto* closeDoubles =
-        reinterpret_cast<const double*>(decoded->Attributes[2].Bytes.GetData());
+        reinterpret_cast<const double*>(decoded.Attributes[2].Bytes.GetData());
       for (std::size_t n = 0; n < expected->NumberOfPoints; ++n)
       {
         ASSERT_LE(std::abs(exactDoubles[n] - closeDoubles[n]), error);
       }
-      EXPECT_LT(bytes->size(), last);
-      last = bytes->size();
+      EXPECT_LT(bytes.size(), last);
+      last = bytes.size();
     }
   }
 }
@@ -111,14 +106,13 @@ TEST(EdgeIndexAttributes, NormalsAreDecodedOnlyIfRequested)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
-  const auto bytes = EncodeSurface(
+  const auto bytes = Require(EncodeSurface(
     MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
-    source, 1);
-  ASSERT_TRUE(bytes.IsOk());
-  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), MakeRequest({ 120.5 }), 1);
-  ASSERT_TRUE(decoded.IsOk());
-  EXPECT_TRUE(decoded->Normals.IsEmpty());
-  EXPECT_EQ(decoded->Attributes.size(), 3u);
+    source, 1));
+  const auto decoded =
+    Require(DecodeSurface(bytes.data(), bytes.size(), MakeRequest({ 120.5 }), 1));
+  EXPECT_TRUE(decoded.Normals.IsEmpty());
+  EXPECT_EQ(decoded.Attributes.size(), 3u);
 }
 
 TEST(EdgeIndexAttributes, PointsMergedAtAVertexHaveTheTuplesOfTheirEdges)
@@ -127,20 +121,15 @@ TEST(EdgeIndexAttributes, PointsMergedAtAVertexHaveTheTuplesOfTheirEdges)
   const auto volume = MakeWaves<std::uint8_t>({ 30, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
   ContourRequest request = MakeAttributedRequest({ 120 });
-  const auto all = ExtractSurface(volume.Geometry, source, request, 1);
-  ASSERT_TRUE(all.IsOk());
+  const auto all = Require(ExtractSurface(volume.Geometry, source, request, 1));
   request.DropDegenerateTriangles = true;
-  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  ASSERT_TRUE(expected.IsOk());
-  ASSERT_LT(expected->NumberOfPoints, all->NumberOfPoints);
-  const auto bytes = EncodeSurface(
+  const auto expected = Require(ExtractSurface(volume.Geometry, source, request, 1));
+  ASSERT_LT(expected.NumberOfPoints, all.NumberOfPoints);
+  const auto bytes = Require(EncodeSurface(
     MakeAttributedHeader(volume, { 120 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
-    source, 1);
-  ASSERT_TRUE(bytes.IsOk());
-  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 2);
-  ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
-  ExpectSameTopology(*expected, *decoded);
-  EXPECT_TRUE(HaveEqualBytes(expected->Points, decoded->Points));
+    source, 1));
+  const auto decoded = Require(DecodeSurface(bytes.data(), bytes.size(), request, 2));
+  ExpectSamePoints(expected, decoded);
   // Each tuple is one that the whole surface has at that place.
   const auto get = [](const Surface& surface, std::size_t point)
   {
@@ -151,15 +140,15 @@ TEST(EdgeIndexAttributes, PointsMergedAtAVertexHaveTheTuplesOfTheirEdges)
     return value;
   };
   std::map<std::array<float, 3>, std::set<float>> valuesAt;
-  for (std::size_t n = 0; n < all->NumberOfPoints; ++n)
+  for (std::size_t n = 0; n < all.NumberOfPoints; ++n)
   {
-    const float* point = &all->Points[3 * n];
-    valuesAt[{ point[0], point[1], point[2] }].insert(get(*all, n));
+    const float* point = &all.Points[3 * n];
+    valuesAt[{ point[0], point[1], point[2] }].insert(get(all, n));
   }
-  for (std::size_t n = 0; n < decoded->NumberOfPoints; ++n)
+  for (std::size_t n = 0; n < decoded.NumberOfPoints; ++n)
   {
-    const float* point = &decoded->Points[3 * n];
-    EXPECT_EQ((valuesAt[{ point[0], point[1], point[2] }].count(get(*decoded, n))), 1u);
+    const float* point = &decoded.Points[3 * n];
+    EXPECT_EQ((valuesAt[{ point[0], point[1], point[2] }].count(get(decoded, n))), 1u);
   }
 }
 
@@ -167,13 +156,12 @@ TEST(EdgeIndexAttributes, AreRefusedOnClosedSidesOfTheGrid)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
-  const auto bytes = EncodeSurface(
+  const auto bytes = Require(EncodeSurface(
     MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
-    source, 1);
-  ASSERT_TRUE(bytes.IsOk());
+    source, 1));
   ContourRequest request = MakeRequest({ 120.5 });
   request.ClosedSides = GridSides::All();
-  EXPECT_EQ(DecodeSurface(bytes->data(), bytes->size(), request, 1).GetStatus().GetCode(),
+  EXPECT_EQ(DecodeSurface(bytes.data(), bytes.size(), request, 1).GetStatus().GetCode(),
     StatusCode::InvalidArgument);
 }
 

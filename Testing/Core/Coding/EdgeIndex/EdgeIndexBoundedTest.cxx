@@ -51,19 +51,15 @@ void ExpectBounded(const SampleVolume<T>& volume, double isovalue, int blockSize
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
   for (const EdgeIndexMode mode : { EdgeIndexMode::Bounded, EdgeIndexMode::Smallest })
   {
-    for (const EdgeIndexProfile profile :
-      { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       for (const double error : { 0.5, 0.1, 0.013, 0.0005 })
       {
         EdgeIndexHeader header = MakeHeader(volume, { isovalue }, mode, profile);
         header.Settings.MaximumError = error;
-        const auto bytes = EncodeSurface(header, source, 1);
-        ASSERT_TRUE(bytes.IsOk()) << bytes.GetStatus().GetMessage();
-        const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-        ASSERT_TRUE(decoded.IsOk()) << decoded.GetStatus().GetMessage();
-        ExpectSameTopology(*expected, *decoded);
-        EXPECT_LE(FindLargestError(volume, isovalue, *decoded), error);
+        const Surface decoded = EncodeAndDecode(header, source, request);
+        ExpectSameTopology(*expected, decoded);
+        EXPECT_LE(FindLargestError(volume, isovalue, decoded), error);
       }
     }
   }
@@ -95,8 +91,7 @@ std::map<std::int64_t, std::array<float, 3>> CodePoints(
 TEST(EdgeIndexBounded, PointsOnFacesThatBlocksShareAreThoseInsideOfLargerBlocks)
 {
   const auto volume = MakeWaves<std::int16_t>({ 65, 50, 40 }, 0.3);
-  for (const EdgeIndexProfile profile :
-    { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+  for (const EdgeIndexProfile profile : AllProfiles)
   {
     const auto whole = CodePoints(volume, 100.5, 64, profile);
     EXPECT_GT(whole.size(), 1000u);
@@ -137,21 +132,17 @@ TEST(EdgeIndexBounded, CrossingsThatAreNotNumbersStayNaN)
   TestBlockSource<float> source(volume, 16);
   const ContourRequest request = MakeRequest({ 0.1 });
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  for (const EdgeIndexProfile profile :
-    { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+  for (const EdgeIndexProfile profile : AllProfiles)
   {
-    const auto bytes =
-      EncodeSurface(MakeHeader(volume, { 0.1 }, EdgeIndexMode::Bounded, profile), source, 1);
-    ASSERT_TRUE(bytes.IsOk());
-    const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-    ASSERT_TRUE(decoded.IsOk());
-    ExpectSameTopology(*expected, *decoded);
+    const Surface decoded = EncodeAndDecode(
+      MakeHeader(volume, { 0.1 }, EdgeIndexMode::Bounded, profile), source, request);
+    ExpectSameTopology(*expected, decoded);
     for (std::size_t n = 0; n < expected->Points.GetSize(); ++n)
     {
-      ASSERT_EQ(std::isnan(expected->Points[n]), std::isnan(decoded->Points[n]));
+      ASSERT_EQ(std::isnan(expected->Points[n]), std::isnan(decoded.Points[n]));
       if (!std::isnan(expected->Points[n]))
       {
-        ASSERT_NEAR(expected->Points[n], decoded->Points[n], 0.01001);
+        ASSERT_NEAR(expected->Points[n], decoded.Points[n], 0.01001);
       }
     }
   }

@@ -63,22 +63,19 @@ TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
   for (const EdgeIndexMode mode :
     { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
   {
-    for (const EdgeIndexProfile profile :
-      { EdgeIndexProfile::Default, EdgeIndexProfile::Fast, EdgeIndexProfile::Compact })
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       const std::vector<std::uint8_t> good = EncodeSmall(mode, profile);
       std::size_t first = 0;
-      const auto header = EdgeIndexHeader::Parse(good.data(), good.size(), first);
-      ASSERT_TRUE(header.IsOk());
+      const auto header = Require(EdgeIndexHeader::Parse(good.data(), good.size(), first));
       std::size_t used = 0;
       const auto parsed =
-        EdgeIndexRecord::Parse(*header, good.data() + first, good.size() - first, used);
-      ASSERT_TRUE(parsed.IsOk());
-      for (std::size_t n = 0; n < parsed->CodeSize; ++n)
+        Require(EdgeIndexRecord::Parse(header, good.data() + first, good.size() - first, used));
+      for (std::size_t n = 0; n < parsed.CodeSize; ++n)
       {
-        std::vector<std::uint8_t> code(parsed->Code, parsed->Code + parsed->CodeSize);
+        std::vector<std::uint8_t> code(parsed.Code, parsed.Code + parsed.CodeSize);
         code[n] = static_cast<std::uint8_t>(code[n] + 1 + n % 200);
-        EdgeIndexRecord record = *parsed;
+        EdgeIndexRecord record = parsed;
         record.Code = code.data();
         std::vector<std::uint8_t> bytes(good.begin(), good.begin() + first);
         record.Append(bytes); // with the right checksum

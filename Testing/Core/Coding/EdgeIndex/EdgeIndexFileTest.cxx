@@ -48,9 +48,7 @@ void WriteFile(MemoryDisk& disk, const EdgeIndexHeader& header, const SampleVolu
 
 std::unique_ptr<EdgeIndexFile> OpenFile(MemoryDisk& disk, const std::string& path = Path)
 {
-  auto file = EdgeIndexFile::Open(disk, path);
-  EXPECT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
-  return file.IsOk() ? std::move(*file) : nullptr;
+  return Require(EdgeIndexFile::Open(disk, path));
 }
 
 /// A small file with two isovalues and a preview.
@@ -78,7 +76,6 @@ TEST(EdgeIndexFile, HoldsTheExtractedSurfaceAndItsProvenance)
   MemoryDisk disk;
   WriteFile(disk, MakeFileHeader(volume, isovalues), volume, 16);
   const auto file = OpenFile(disk);
-  ASSERT_TRUE(file);
   EXPECT_TRUE(file->IsComplete());
   const EdgeIndexHeader& header = file->GetHeader();
   EXPECT_EQ(header.Geometry, volume.Geometry);
@@ -91,21 +88,18 @@ TEST(EdgeIndexFile, HoldsTheExtractedSurfaceAndItsProvenance)
   TestBlockSource<std::int16_t> source(volume, 16);
   const ContourRequest request = MakeRequest(isovalues);
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  const auto read = file->Read({}, request, 2);
-  ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
-  ExpectSameTopology(*expected, *read);
-  EXPECT_TRUE(HaveEqualBytes(expected->Points, read->Points));
+  const auto read = Require(file->Read({}, request, 2));
+  ExpectSamePoints(*expected, read);
   EXPECT_TRUE(file->Verify(2).IsOk());
 
   EdgeIndexSelection one;
   one.Isovalues = { 1 };
-  const auto second = file->Read(one, request, 1);
-  ASSERT_TRUE(second.IsOk());
+  const auto second = Require(file->Read(one, request, 1));
   const SurfacePart& part = expected->Parts[1];
-  ASSERT_EQ(second->NumberOfPoints, part.NumberOfPoints);
+  ASSERT_EQ(second.NumberOfPoints, part.NumberOfPoints);
   for (std::size_t n = 0; n < part.NumberOfPoints; ++n)
   {
-    ASSERT_EQ(second->GlobalIds[n], expected->GlobalIds[part.FirstPoint + n]);
+    ASSERT_EQ(second.GlobalIds[n], expected->GlobalIds[part.FirstPoint + n]);
   }
 }
 
@@ -126,7 +120,6 @@ TEST(EdgeIndexFile, ABoxReadsOnlyTheBlocksThatItOverlaps)
   MemoryDisk disk;
   WriteFile(disk, MakeFileHeader(volume, { 120.5 }), volume, 16);
   const auto file = OpenFile(disk);
-  ASSERT_TRUE(file);
   for (const VertexBox& box : { VertexBox{ { 16, 16, 16 }, { 33, 33, 33 } },
          VertexBox{ { 20, 3, 40 }, { 22, 4, 50 } }, VertexBox{ { 32, 0, 0 }, { 33, 65, 65 } } })
   {
@@ -150,20 +143,17 @@ TEST(EdgeIndexFile, ABoxReadsOnlyTheBlocksThatItOverlaps)
     const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
     EdgeIndexSelection selection;
     selection.Box = box;
-    const auto selected = file->Select(selection);
-    ASSERT_TRUE(selected.IsOk());
+    const auto selected = Require(file->Select(selection));
     std::uint64_t bytes = 0;
-    for (const std::size_t entry : *selected)
+    for (const std::size_t entry : selected)
     {
       bytes += file->GetEntries()[entry].Size;
     }
     const std::uint64_t before = disk.GetBytesRead(Path);
-    const auto read = file->Read(selection, request, 1);
-    ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
+    const auto read = Require(file->Read(selection, request, 1));
     EXPECT_EQ(disk.GetBytesRead(Path) - before, bytes);
     ASSERT_GT(expected->NumberOfPoints, 0u);
-    ExpectSameTopology(*expected, *read);
-    EXPECT_TRUE(HaveEqualBytes(expected->Points, read->Points));
+    ExpectSamePoints(*expected, read);
   }
 }
 
@@ -172,34 +162,23 @@ TEST(EdgeIndexFile, ThePreviewIsTheSurfaceOfEveryFourthVertex)
   auto volume = MakeWaves<std::uint8_t>({ 71, 67, 50 }, 0.2);
   Displace(volume);
   volume.Geometry.Spacing = { 1, 1, 1 };
-  SampleVolume<std::uint8_t> coarse({ 18, 17, 13 });
+  SampleVolume<std::uint8_t> coarse(
+    { 18, 17, 13 }, [&](auto i, auto j, auto k) { return volume.At(4 * i, 4 * j, 4 * k); });
   coarse.Geometry = volume.Geometry.Coarsen(2);
-  for (std::int64_t k = 0; k < 13; ++k)
-  {
-    for (std::int64_t j = 0; j < 17; ++j)
-    {
-      for (std::int64_t i = 0; i < 18; ++i)
-      {
-        coarse.At(i, j, k) = volume.At(4 * i, 4 * j, 4 * k);
-      }
-    }
-  }
   const ContourRequest request = MakeRequest({ 120.5, 90 });
   MemoryDisk disk;
   WriteFile(disk, MakeFileHeader(volume, { 120.5, 90 }), volume, 32);
   const auto file = OpenFile(disk);
-  ASSERT_TRUE(file);
   TestBlockSource<std::uint8_t> source(coarse, 8);
   // The last block on z has 17 vertices, that on y two: too few for a cell of the preview.
   const auto expected = ExtractSurface(coarse.Geometry, source, request, 1);
   EdgeIndexSelection selection;
   selection.Preview = true;
-  const auto read = file->Read(selection, request, 1);
-  ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
-  ExpectSameTopology(*expected, *read);
+  const auto read = Require(file->Read(selection, request, 1));
+  ExpectSameTopology(*expected, read);
   for (std::size_t n = 0; n < expected->Points.GetSize(); ++n)
   {
-    ASSERT_NEAR(expected->Points[n], read->Points[n], 4 * 0.0501);
+    ASSERT_NEAR(expected->Points[n], read.Points[n], 4 * 0.0501);
   }
   EXPECT_LT(static_cast<double>(disk.GetFile(Path).size()),
     1.25 *
@@ -221,7 +200,6 @@ TEST(EdgeIndexFile, ThePreviewIsCodedInTheProfileFastInAllProfiles)
     MemoryDisk disk;
     WriteFile(disk, header, volume, 32);
     const auto file = OpenFile(disk);
-    ASSERT_TRUE(file);
     EXPECT_TRUE(file->Verify(1).IsOk());
     const std::size_t n = profile == EdgeIndexProfile::Fast ? 1 : 0;
     for (std::size_t entry = 0; entry < file->GetEntries().size(); ++entry)
@@ -243,10 +221,8 @@ TEST(EdgeIndexFile, PiecesMakeTheWholeSurface)
   MemoryDisk disk;
   WriteFile(disk, MakeFileHeader(volume, { 120.5, 150 }), volume, 16);
   const auto file = OpenFile(disk);
-  ASSERT_TRUE(file);
   const ContourRequest request = MakeRequest({});
-  const auto whole = file->Read({}, request, 1);
-  ASSERT_TRUE(whole.IsOk());
+  const auto whole = Require(file->Read({}, request, 1));
   for (const int pieces : { 1, 2, 7, 100 })
   {
     std::size_t triangles = 0;
@@ -257,17 +233,16 @@ TEST(EdgeIndexFile, PiecesMakeTheWholeSurface)
       EdgeIndexSelection selection;
       selection.Piece = piece;
       selection.NumberOfPieces = pieces;
-      const auto part = file->Read(selection, request, 1);
-      ASSERT_TRUE(part.IsOk()) << part.GetStatus().GetMessage();
-      triangles += part->NumberOfTriangles;
-      most = std::max(most, part->NumberOfTriangles);
-      ids.insert(part->GlobalIds.begin(), part->GlobalIds.end());
+      const auto part = Require(file->Read(selection, request, 1));
+      triangles += part.NumberOfTriangles;
+      most = std::max(most, part.NumberOfTriangles);
+      ids.insert(part.GlobalIds.begin(), part.GlobalIds.end());
     }
-    EXPECT_EQ(triangles, whole->NumberOfTriangles);
-    EXPECT_EQ(ids, std::set<std::int64_t>(whole->GlobalIds.begin(), whole->GlobalIds.end()));
+    EXPECT_EQ(triangles, whole.NumberOfTriangles);
+    EXPECT_EQ(ids, std::set<std::int64_t>(whole.GlobalIds.begin(), whole.GlobalIds.end()));
     if (pieces < 10)
     {
-      EXPECT_LT(most, 2 * whole->NumberOfTriangles / static_cast<std::size_t>(pieces));
+      EXPECT_LT(most, 2 * whole.NumberOfTriangles / static_cast<std::size_t>(pieces));
     }
   }
 }
@@ -279,8 +254,7 @@ TEST(EdgeIndexFile, AFileThatIsStillBeingWrittenGivesItsCompleteBlocks)
   EdgeIndexHeader header = MakeFileHeader(volume, { 120.5 });
   header.NumberOfBlocks = source.GetNumberOfBlocks();
   MemoryDisk disk;
-  auto writer = EdgeIndexFileWriter::Create(disk, Path, header);
-  ASSERT_TRUE(writer.IsOk());
+  auto writer = Require(EdgeIndexFileWriter::Create(disk, Path, header));
   EdgeIndexEncoder encoder(header);
   for (std::size_t block = 0; block < 5; ++block)
   {
@@ -288,11 +262,10 @@ TEST(EdgeIndexFile, AFileThatIsStillBeingWrittenGivesItsCompleteBlocks)
     const auto samples = source.Acquire(block);
     ASSERT_TRUE(
       encoder.EncodeBlock(source.GetLatticeCoordinates(block), *samples, 0, bytes).IsOk());
-    ASSERT_TRUE((*writer)->Append(bytes.data(), bytes.size()).IsOk());
+    ASSERT_TRUE(writer->Append(bytes.data(), bytes.size()).IsOk());
   }
   EXPECT_FALSE(disk.Exists(Path));
   const auto file = OpenFile(disk, PartialPath);
-  ASSERT_TRUE(file);
   EXPECT_FALSE(file->IsComplete());
   EXPECT_NE(file->GetMissing().find("of at most 36"), std::string::npos) << file->GetMissing();
   EXPECT_EQ(file->Verify(1).GetCode(), StatusCode::Corrupt);
@@ -300,9 +273,8 @@ TEST(EdgeIndexFile, AFileThatIsStillBeingWrittenGivesItsCompleteBlocks)
   part.Blocks.resize(5);
   const ContourRequest request = MakeRequest({ 120.5 });
   const auto expected = ExtractSurface(volume.Geometry, part, request, 1);
-  const auto read = file->Read({}, request, 1);
-  ASSERT_TRUE(read.IsOk());
-  ExpectSameTopology(*expected, *read);
+  const auto read = Require(file->Read({}, request, 1));
+  ExpectSameTopology(*expected, read);
 }
 
 TEST(EdgeIndexFile, EveryCutLeavesTheBlocksBeforeIt)
@@ -310,7 +282,6 @@ TEST(EdgeIndexFile, EveryCutLeavesTheBlocksBeforeIt)
   MemoryDisk disk;
   const MemoryDisk::Bytes whole = WriteSmallFile(disk);
   const auto file = OpenFile(disk);
-  ASSERT_TRUE(file);
   const std::vector<EdgeIndexEntry> entries = file->GetEntries();
   ASSERT_GE(CountBlocks(*file, false), 3u);
   ASSERT_GE(CountBlocks(*file, true), 3u);
@@ -433,8 +404,7 @@ TEST(EdgeIndexFile, ASecondWriterIsRefusedUntilTheFirstOneIsGone)
   const std::uint64_t whole = size();
   for (const bool isFinished : { false, true })
   {
-    auto first = EdgeIndexFileWriter::Create(disk, path, header);
-    ASSERT_TRUE(first.IsOk()) << first.GetStatus().GetMessage();
+    auto first = Require(EdgeIndexFileWriter::Create(disk, path, header));
 
     // A single writer and a job of ranks, while the first one is at work.
     SerialCommunicator alone;
@@ -453,7 +423,7 @@ TEST(EdgeIndexFile, ASecondWriterIsRefusedUntilTheFirstOneIsGone)
       << "the first writer's file is gone";
     if (isFinished)
     {
-      EXPECT_TRUE((*first)->Finish().IsOk());
+      EXPECT_TRUE(first->Finish().IsOk());
       EXPECT_TRUE((*EdgeIndexFile::Open(disk, path))->IsComplete());
       EXPECT_LT(size(), whole) << "a file without blocks";
     }
@@ -494,13 +464,14 @@ TEST(EdgeIndexFile, InvalidHeadersAreRefused)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.2);
   MemoryDisk disk;
-  EdgeIndexHeader header = MakeFileHeader(volume, { 120.5 });
-  header.PreviewLevel = 7;
-  EXPECT_FALSE(EdgeIndexFileWriter::Create(disk, Path, header).IsOk());
-  header = MakeFileHeader(volume, { 120.5 });
-  header.PreviewMaximumError = 0;
-  EXPECT_FALSE(EdgeIndexFileWriter::Create(disk, Path, header).IsOk());
-  header = MakeFileHeader(volume, { 120.5 });
-  header.Array.assign(70000, 'a');
-  EXPECT_FALSE(EdgeIndexFileWriter::Create(disk, Path, header).IsOk());
+  for (const auto change :
+    std::initializer_list<void (*)(EdgeIndexHeader&)>{ [](EdgeIndexHeader& header)
+      { header.PreviewLevel = 7; },
+      [](EdgeIndexHeader& header) { header.PreviewMaximumError = 0; },
+      [](EdgeIndexHeader& header) { header.Array.assign(70000, 'a'); } })
+  {
+    EdgeIndexHeader header = MakeFileHeader(volume, { 120.5 });
+    change(header);
+    EXPECT_FALSE(EdgeIndexFileWriter::Create(disk, Path, header).IsOk());
+  }
 }

@@ -11,17 +11,12 @@ using namespace isosurface;
 namespace
 {
 
-constexpr EdgeIndexProfile Profiles[] = { EdgeIndexProfile::Default, EdgeIndexProfile::Fast,
-  EdgeIndexProfile::Compact };
-
 template <typename T>
 class EdgeIndexOfType : public ::testing::Test
 {
 };
 
-using AllTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
-  std::int32_t, std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(EdgeIndexOfType, AllTypes);
+TYPED_TEST_SUITE(EdgeIndexOfType, AllValueTypes);
 
 template <typename T>
 double FindMiddle()
@@ -60,7 +55,7 @@ TYPED_TEST(EdgeIndexOfType, SmoothVolumesComeBackBitByBit)
 {
   SampleVolume<TypeParam> volume = MakeWaves<TypeParam>({ 70, 41, 37 }, 0);
   Displace(volume);
-  for (const EdgeIndexProfile profile : Profiles)
+  for (const EdgeIndexProfile profile : AllProfiles)
   {
     ExpectLossless(volume, { FindMiddle<TypeParam>() }, 32, profile);
   }
@@ -69,7 +64,7 @@ TYPED_TEST(EdgeIndexOfType, SmoothVolumesComeBackBitByBit)
 TYPED_TEST(EdgeIndexOfType, NoiseComesBackBitByBit)
 {
   const SampleVolume<TypeParam> volume = MakeWaves<TypeParam>({ 35, 20, 18 }, 3);
-  for (const EdgeIndexProfile profile : Profiles)
+  for (const EdgeIndexProfile profile : AllProfiles)
   {
     ExpectLossless(volume, { FindMiddle<TypeParam>() }, 64, profile);
   }
@@ -81,7 +76,7 @@ TYPED_TEST(EdgeIndexOfType, ExtremesComeBackBitByBit)
   FillWithExtremes(volume);
   for (const double isovalue : { 0.0, 50.0, -1e300, 1e300 })
   {
-    for (const EdgeIndexProfile profile : Profiles)
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       ExpectLossless(volume, { isovalue }, 16, profile);
     }
@@ -101,7 +96,7 @@ TEST(EdgeIndex, EveryBlockSizeGivesTheExtractedSurface)
   const auto volume = MakeWaves<std::uint8_t>({ 131, 67, 66 }, 0.2);
   for (const int blockSize : { 16, 32, 64 })
   {
-    for (const EdgeIndexProfile profile : Profiles)
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       ExpectLossless(volume, { 120.5 }, blockSize, profile);
     }
@@ -112,35 +107,24 @@ TEST(EdgeIndex, TheDecodedSurfaceIsThatOfPlainMarchingCubes)
 {
   const auto volume = MakeWaves<std::int16_t>({ 40, 36, 21 }, 0.1);
   TestBlockSource<std::int16_t> source(volume, 16);
-  const auto bytes = EncodeSurface(
-    MakeHeader(volume, { 99.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default), source, 1);
-  ASSERT_TRUE(bytes.IsOk());
-  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), MakeRequest({}), 1);
-  ASSERT_TRUE(decoded.IsOk());
+  const Surface decoded = EncodeAndDecode(
+    MakeHeader(volume, { 99.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default), source,
+    MakeRequest({}));
   PlainSurface plain = ContourPlainly(volume, { 99.5 });
   for (auto& point : plain.Points)
   {
     std::fill(point.second.begin() + 3, point.second.end(), 0); // normals
   }
-  EXPECT_TRUE(plain == MakePlain(*decoded));
+  EXPECT_TRUE(plain == MakePlain(decoded));
 }
 
 TEST(EdgeIndex, CheckerboardsAndSingleCellsAreEqualAfterDecoding)
 {
   for (const Index3& size : { Index3{ 2, 2, 2 }, Index3{ 17, 2, 5 }, Index3{ 66, 33, 34 } })
   {
-    SampleVolume<std::uint8_t> volume(size);
-    for (std::int64_t k = 0; k < size[2]; ++k)
-    {
-      for (std::int64_t j = 0; j < size[1]; ++j)
-      {
-        for (std::int64_t i = 0; i < size[0]; ++i)
-        {
-          volume.At(i, j, k) = (i + j + k) % 2 != 0 ? 255 : 0;
-        }
-      }
-    }
-    for (const EdgeIndexProfile profile : Profiles)
+    const SampleVolume<std::uint8_t> volume(
+      size, [](auto i, auto j, auto k) { return (i + j + k) % 2 != 0 ? 255 : 0; });
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       ExpectLossless(volume, { 127.5 }, 64, profile);
       ExpectLossless(volume, { 127.5 }, 16, profile);
@@ -159,9 +143,8 @@ TEST(EdgeIndex, AnEmptySurfaceIsAHeaderOnly)
   header.Append(expected);
   ASSERT_TRUE(bytes.IsOk());
   EXPECT_EQ(*bytes, expected);
-  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), MakeRequest({}), 1);
-  ASSERT_TRUE(decoded.IsOk());
-  EXPECT_EQ(decoded->NumberOfPoints, 0u);
+  const auto decoded = Require(DecodeSurface(bytes->data(), bytes->size(), MakeRequest({}), 1));
+  EXPECT_EQ(decoded.NumberOfPoints, 0u);
 }
 
 TEST(EdgeIndex, SeveralIsovaluesBecomeTheExtractorsParts)
@@ -175,14 +158,13 @@ TEST(EdgeIndex, WideIndicesOfSeveralIsovaluesEqualNarrowOnes)
   const auto volume = MakeWaves<std::uint16_t>({ 40, 30, 20 }, 0.1);
   const std::vector<double> isovalues = { 30000.5, 33000.25, 35000 };
   TestBlockSource<std::uint16_t> source(volume, 16);
-  const auto bytes = EncodeSurface(
-    MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast), source, 1);
-  ASSERT_TRUE(bytes.IsOk());
+  const auto bytes = Require(EncodeSurface(
+    MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast), source, 1));
   ContourRequest request = MakeRequest(isovalues);
   request.Offsets = true;
-  Result<Surface> narrow = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+  Result<Surface> narrow = DecodeSurface(bytes.data(), bytes.size(), request, 1);
   request.WideIndices = true;
-  Result<Surface> wide = DecodeSurface(bytes->data(), bytes->size(), request, 1);
+  Result<Surface> wide = DecodeSurface(bytes.data(), bytes.size(), request, 1);
   ASSERT_TRUE(narrow.IsOk() && wide.IsOk());
   EXPECT_TRUE(wide->Connectivity.Is64Bit && wide->Offsets.Is64Bit);
   ASSERT_EQ(wide->Connectivity.GetSize(), narrow->Connectivity.GetSize());
@@ -208,13 +190,10 @@ TEST(EdgeIndex, LeavingOutBlocksDoesNotChangeTheOthers)
   source.Blocks = { 17, 3, 0, 22, 8, 9 };
   const ContourRequest request = MakeRequest({ 120.5 });
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  const auto bytes = EncodeSurface(
-    MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast), source, 1);
-  ASSERT_TRUE(bytes.IsOk());
-  const auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-  ASSERT_TRUE(decoded.IsOk());
-  ExpectSameTopology(*expected, *decoded);
-  EXPECT_TRUE(HaveEqualBytes(expected->Points, decoded->Points));
+  const Surface decoded =
+    EncodeAndDecode(MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast),
+      source, request);
+  ExpectSamePoints(*expected, decoded);
 }
 
 TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
@@ -230,8 +209,7 @@ TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
   const auto first = DecodeSurface(one->data(), one->size(), MakeRequest({}), 1);
   const auto second = DecodeSurface(one->data(), one->size(), MakeRequest({}), 4);
   ASSERT_TRUE(first.IsOk() && second.IsOk());
-  ExpectSameTopology(*first, *second);
-  EXPECT_TRUE(HaveEqualBytes(first->Points, second->Points));
+  ExpectSamePoints(*first, *second);
 }
 
 namespace
@@ -244,20 +222,9 @@ Surface QuantizeSurface(EdgeIndexHeader header, int bits, BlockSource& source,
   header.Settings.QuantizationBits = bits;
   header.Settings.QuantizationMinimum = -1;
   header.Settings.QuantizationMaximum = 1;
-  const auto bytes = EncodeSurface(header, source, 1);
-  if (!bytes.IsOk())
-  {
-    ADD_FAILURE() << bytes.GetStatus().GetMessage();
-    return {};
-  }
-  auto decoded = DecodeSurface(bytes->data(), bytes->size(), request, 1);
-  if (!decoded.IsOk())
-  {
-    ADD_FAILURE() << decoded.GetStatus().GetMessage();
-    return {};
-  }
-  ExpectSameTopology(expected, *decoded);
-  return std::move(*decoded);
+  Surface decoded = EncodeAndDecode(header, source, request);
+  ExpectSameTopology(expected, decoded);
+  return decoded;
 }
 
 } // namespace
@@ -271,7 +238,7 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
   double last = 1;
   for (const int bits : { 2, 6, 12, 20 })
   {
-    for (const EdgeIndexProfile profile : Profiles)
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       const EdgeIndexHeader header =
         MakeHeader(volume, { 0.05 }, EdgeIndexMode::Quantized, profile);
@@ -305,7 +272,7 @@ TEST(EdgeIndex, QuantizedNotANumberStaysSo)
   {
     const ContourRequest request = MakeRequest({ isovalue });
     const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-    for (const EdgeIndexProfile profile : Profiles)
+    for (const EdgeIndexProfile profile : AllProfiles)
     {
       const EdgeIndexHeader header =
         MakeHeader(volume, { isovalue }, EdgeIndexMode::Quantized, profile);
@@ -354,19 +321,15 @@ TEST(EdgeIndex, TheFirstBlockIsDecodedBeforeAHundredthIsEncoded)
   std::size_t block = 0;
   while (bytes.empty())
   {
-    const auto samples = source.Acquire(block);
-    ASSERT_TRUE(samples.IsOk());
-    ASSERT_TRUE(
-      encoder.EncodeBlock(source.GetLatticeCoordinates(block), *samples, 0, bytes).IsOk());
+    const auto samples = Require(source.Acquire(block));
+    ASSERT_TRUE(encoder.EncodeBlock(source.GetLatticeCoordinates(block), samples, 0, bytes).IsOk());
     ++block;
   }
   std::size_t used = 0;
-  const auto record = EdgeIndexRecord::Parse(header, bytes.data(), bytes.size(), used);
-  ASSERT_TRUE(record.IsOk());
-  EdgeIndexBlockSource decoded(header, { *record });
-  const auto first = ExtractSurface(header.Geometry, decoded, MakeRequest({ 120.5 }), 1);
-  ASSERT_TRUE(first.IsOk());
+  const auto record = Require(EdgeIndexRecord::Parse(header, bytes.data(), bytes.size(), used));
+  EdgeIndexBlockSource decoded(header, { record });
+  const auto first = Require(ExtractSurface(header.Geometry, decoded, MakeRequest({ 120.5 }), 1));
   const auto all = ExtractSurface(volume.Geometry, source, MakeRequest({ 120.5 }), 1);
-  EXPECT_GT(first->NumberOfTriangles, 0u);
-  EXPECT_LT(100 * first->NumberOfTriangles, all->NumberOfTriangles);
+  EXPECT_GT(first.NumberOfTriangles, 0u);
+  EXPECT_LT(100 * first.NumberOfTriangles, all->NumberOfTriangles);
 }

@@ -110,8 +110,7 @@ public:
     const Progress& progressOfLast = {})
   {
     static_cast<void>(disk.MakeDirectories("/data"));
-    std::vector<Status> outcomes(static_cast<std::size_t>(ranks));
-    ThreadCommunicator::Run(ranks,
+    return ThreadCommunicator::Collect(ranks,
       [&](Communicator& communicator)
       {
         TestBlockSource<T> whole(this->Volume, 16);
@@ -121,13 +120,9 @@ public:
           communicator, disk, Path, this->Header, source, source.Numbers, settings);
         const auto written =
           job.Run(communicator.GetRank() == ranks - 1 ? progressOfLast : Progress());
-        outcomes[static_cast<std::size_t>(communicator.GetRank())] = written.GetStatus();
-        if (written.IsOk())
-        {
-          EXPECT_EQ(written->Bytes, disk.GetFile(Path).size());
-        }
+        EXPECT_TRUE(!written.IsOk() || written->Bytes == disk.GetFile(Path).size());
+        return written.GetStatus();
       });
-    return outcomes;
   }
 
   SampleVolume<T> Volume;
@@ -172,12 +167,11 @@ TEST(EdgeIndexWriteJob, PreviewsAreWhereASingleWriterPutsThem)
   MemoryDisk disk;
   static_cast<void>(writing.WriteTogether(disk, 2, DealInTurn, { 2, std::uint64_t{ 1 } << 18 }));
   EXPECT_EQ(disk.GetFile(Path), expected);
-  const auto file = EdgeIndexFile::Open(disk, Path);
-  ASSERT_TRUE(file.IsOk());
+  const auto file = Require(EdgeIndexFile::Open(disk, Path));
   std::uint64_t preview = 0;
   int changes = 0;
   bool wasPreview = false;
-  for (const EdgeIndexEntry& entry : (*file)->GetEntries())
+  for (const EdgeIndexEntry& entry : file->GetEntries())
   {
     preview += entry.Block.IsPreview ? entry.Size : 0;
     changes += entry.Block.IsPreview != wasPreview ? 1 : 0;

@@ -18,14 +18,8 @@ namespace
 std::vector<Status> AgreeOnRanks(
   int ranks, const std::function<Status(Communicator& communicator, int rank)>& agree)
 {
-  std::vector<Status> statuses(static_cast<std::size_t>(ranks));
-  ThreadCommunicator::Run(ranks,
-    [&](Communicator& communicator)
-    {
-      const int rank = communicator.GetRank();
-      statuses[static_cast<std::size_t>(rank)] = agree(communicator, rank);
-    });
-  return statuses;
+  return ThreadCommunicator::Collect(
+    ranks, [&](Communicator& communicator) { return agree(communicator, communicator.GetRank()); });
 }
 
 /// The values that rank `odd` has beside the others' ones.

@@ -2,6 +2,7 @@
 #include "Ground/Base/PagedFile.h"
 
 #include "Fixtures/MemoryDisk.h"
+#include "Fixtures/Require.h"
 
 #include <gtest/gtest.h>
 
@@ -19,15 +20,13 @@ constexpr PagedFile::Kind TestKind = { 'A', ' ', 'T', 'E', 'S', 'T', ' ', ' ' };
 /// Page p holds bytes p, p + 1, ...; odd pages are written after all even ones.
 void WritePages(MemoryDisk& disk, std::uint32_t pageSize, std::uint32_t count)
 {
-  auto writer = PagedFileWriter::Create(disk, "pages", pageSize, TestKind);
-  ASSERT_TRUE(writer.IsOk());
+  auto writer = Require(PagedFileWriter::Create(disk, "pages", pageSize, TestKind));
   for (std::uint32_t page = 1; page <= count; ++page)
   {
-    const auto number = (*writer)->AllocatePage();
-    ASSERT_TRUE(number.IsOk());
-    ASSERT_EQ(*number, page);
+    const auto number = Require(writer->AllocatePage());
+    ASSERT_EQ(number, page);
   }
-  std::vector<std::uint8_t> payload((*writer)->GetPayloadSize());
+  std::vector<std::uint8_t> payload(writer->GetPayloadSize());
   for (const std::uint32_t odd : { 0u, 1u })
   {
     for (std::uint32_t page = 1; page <= count; ++page)
@@ -38,14 +37,14 @@ void WritePages(MemoryDisk& disk, std::uint32_t pageSize, std::uint32_t count)
       }
       if (page % 2 == odd)
       {
-        ASSERT_TRUE((*writer)->WritePage(page, payload.data()).IsOk());
+        ASSERT_TRUE(writer->WritePage(page, payload.data()).IsOk());
       }
     }
   }
   PagedFile::ClientArea area = {};
   area.front() = 17;
   area.back() = 71;
-  ASSERT_TRUE((*writer)->Finish(area).IsOk());
+  ASSERT_TRUE(writer->Finish(area).IsOk());
 }
 
 Result<std::unique_ptr<PagedFileReader>> OpenPages(MemoryDisk& disk, std::size_t cacheBytes)
@@ -61,25 +60,23 @@ TEST(PagedFile, ReadsWhatWasWrittenForEveryPageSize)
   {
     MemoryDisk disk;
     WritePages(disk, pageSize, 100);
-    auto reader = OpenPages(disk, 0);
-    ASSERT_TRUE(reader.IsOk()) << reader.GetStatus().GetMessage();
-    EXPECT_EQ((*reader)->GetPageSize(), pageSize);
-    EXPECT_EQ((*reader)->GetPageCount(), 101u);
+    auto reader = Require(OpenPages(disk, 0));
+    EXPECT_EQ(reader->GetPageSize(), pageSize);
+    EXPECT_EQ(reader->GetPageCount(), 101u);
     EXPECT_EQ(disk.GetFile("pages").size(), 101u * pageSize);
-    EXPECT_EQ((*reader)->GetClientArea().front(), 17);
-    EXPECT_EQ((*reader)->GetClientArea().back(), 71);
+    EXPECT_EQ(reader->GetClientArea().front(), 17);
+    EXPECT_EQ(reader->GetClientArea().back(), 71);
     PageStatistics statistics;
     for (std::uint32_t page = 1; page <= 100; ++page)
     {
-      const auto bytes = (*reader)->ReadPage(page, statistics);
-      ASSERT_TRUE(bytes.IsOk());
-      for (std::size_t index = 0; index < (*reader)->GetPayloadSize(); ++index)
+      const auto bytes = Require(reader->ReadPage(page, statistics));
+      for (std::size_t index = 0; index < reader->GetPayloadSize(); ++index)
       {
-        ASSERT_EQ((**bytes)[index], static_cast<std::uint8_t>(page + index));
+        ASSERT_EQ((*bytes)[index], static_cast<std::uint8_t>(page + index));
       }
     }
     EXPECT_EQ(statistics.PageReads, 100u);
-    EXPECT_EQ((*reader)->ReadPage(101, statistics).GetStatus().GetCode(), StatusCode::Corrupt);
+    EXPECT_EQ(reader->ReadPage(101, statistics).GetStatus().GetCode(), StatusCode::Corrupt);
   }
 }
 
@@ -108,11 +105,10 @@ TEST(PagedFile, APageInTheWrongPlaceIsCorrupt)
   WritePages(disk, 4096, 10);
   auto& bytes = disk.GetFile("pages");
   std::copy_n(bytes.begin() + 3 * 4096, 4096, bytes.begin() + 4 * 4096);
-  auto reader = OpenPages(disk, 0);
-  ASSERT_TRUE(reader.IsOk());
+  auto reader = Require(OpenPages(disk, 0));
   PageStatistics statistics;
-  EXPECT_TRUE((*reader)->ReadPage(3, statistics).IsOk());
-  const auto page = (*reader)->ReadPage(4, statistics);
+  EXPECT_TRUE(reader->ReadPage(3, statistics).IsOk());
+  const auto page = reader->ReadPage(4, statistics);
   ASSERT_FALSE(page.IsOk());
   EXPECT_EQ(page.GetStatus().GetMessage(), "pages: page 4: wrong checksum");
 }
@@ -121,8 +117,7 @@ TEST(PagedFile, ThreadsShareOneCache)
 {
   MemoryDisk disk;
   WritePages(disk, 4096, 50);
-  auto reader = OpenPages(disk, 20 * 4400);
-  ASSERT_TRUE(reader.IsOk());
+  auto reader = Require(OpenPages(disk, 20 * 4400));
   std::atomic<int> faults(0);
   std::vector<std::thread> threads;
   for (unsigned seed = 0; seed < 4; ++seed)
@@ -135,7 +130,7 @@ TEST(PagedFile, ThreadsShareOneCache)
         for (int index = 0; index < 2000; ++index)
         {
           const std::uint32_t number = 1 + random() % 50;
-          const auto page = (*reader)->ReadPage(number, statistics);
+          const auto page = reader->ReadPage(number, statistics);
           faults += !page.IsOk() || (**page)[0] != static_cast<std::uint8_t>(number);
         }
         faults += statistics.PageReads + statistics.CacheHits != 2000;

@@ -33,16 +33,12 @@ TEST(PieceOwnership, EveryVertexOfTheUnionBelongsToOneRankWhosePieceHasIt)
     std::vector<int> holders(9 * 9 * 9, 0);
     const auto fill = [](std::vector<int>& counts, const VertexBox& box)
     {
-      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-      {
-        for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      VisitVertices(box,
+        [&](const Index3& vertex)
         {
-          for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-          {
-            ++counts[static_cast<std::size_t>(i + 9 * (j + 9 * k))];
-          }
-        }
-      }
+          const auto [i, j, k] = vertex;
+          ++counts[static_cast<std::size_t>(i + 9 * (j + 9 * k))];
+        });
     };
     for (std::size_t rank = 0; rank < pieces.size(); ++rank)
     {

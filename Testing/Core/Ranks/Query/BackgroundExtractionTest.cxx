@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ranks/Query/BackgroundExtraction.h"
+#include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/VolumeContour.h"
 
@@ -19,28 +20,15 @@ ExtractionTask MakeTask(const std::shared_ptr<BlockedVolume>& volume)
   ExtractionTask task;
   task.Volume = volume;
   task.Query.Isovalues = { Isovalue, Isovalue + 20 };
-  task.Request.Isovalues = task.Query.Isovalues;
-  task.Request.Normals = true;
-  task.Request.GlobalIds = true;
+  task.Request = MakePlainRequest(task.Query.Isovalues);
   task.Threads = 2;
   return task;
-}
-
-template <typename T>
-void ExpectSameBytes(const Buffer<T>& a, const Buffer<T>& b)
-{
-  ASSERT_EQ(a.GetSize(), b.GetSize());
-  EXPECT_EQ(std::memcmp(a.GetData(), b.GetData(), a.GetSize() * sizeof(T)), 0);
 }
 
 void ExpectSameBits(const Surface& surface, const Surface& expected)
 {
   EXPECT_GT(expected.NumberOfTriangles, 1000u);
-  EXPECT_EQ(surface.NumberOfTriangles, expected.NumberOfTriangles);
-  ExpectSameBytes(surface.Points, expected.Points);
-  ExpectSameBytes(surface.Normals, expected.Normals);
-  ExpectSameBytes(surface.GlobalIds, expected.GlobalIds);
-  ExpectSameBytes(surface.Connectivity.Values32, expected.Connectivity.Values32);
+  ExpectSameSurface(surface, expected);
 }
 
 class BackgroundExtractionTest : public testing::Test

@@ -65,17 +65,16 @@ void WriteEdgeIndexFile(
 {
   const SurfaceQuery query = MakeQuery(ranks);
   QueryStatistics statistics;
-  auto active =
-    FindActiveBlocks(volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics);
-  ASSERT_TRUE(active.IsOk());
-  std::sort(active->begin(), active->end(),
+  auto active = Require(
+    FindActiveBlocks(volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics));
+  std::sort(active.begin(), active.end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
   std::vector<std::int64_t> numbers;
-  for (const BlockReference& reference : *active)
+  for (const BlockReference& reference : active)
   {
     numbers.push_back(reference.Block);
   }
-  StoredBlockSource source(volume, 0, 0, 0, std::move(*active));
+  StoredBlockSource source(volume, 0, 0, 0, std::move(active));
   EdgeIndexHeader header;
   header.Geometry = volume.GetHeader().Grid;
   header.Type = ValueType::Int16;
@@ -84,19 +83,6 @@ void WriteEdgeIndexFile(
     ranks, disk, SurfacePath, header, source, numbers, { way.Threads, way.RecordMemory })
                          .Run();
   EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
-}
-
-// The surface of all ranks.
-PlainSurface Join(const std::vector<PlainSurface>& parts)
-{
-  PlainSurface all;
-  for (const PlainSurface& part : parts)
-  {
-    all.Triangles.insert(all.Triangles.end(), part.Triangles.begin(), part.Triangles.end());
-    all.Points.insert(part.Points.begin(), part.Points.end());
-  }
-  std::sort(all.Triangles.begin(), all.Triangles.end());
-  return all;
 }
 
 PlainSurface DropNormals(PlainSurface surface)
@@ -116,23 +102,18 @@ PlainSurface DoAll(MemoryDisk& disk, const SampleVolume<std::int16_t>& samples, 
   settings.Threads = way.Threads;
   settings.MemoryLimit = way.WriterMemory;
   WriteVolumeOk(disk, samples, settings, way.Ranks, layouts[way.LayoutNumber]);
-  std::vector<PlainSurface> parts(static_cast<std::size_t>(way.Ranks));
-  ThreadCommunicator::Run(way.Ranks,
+  return UniteRanks(ThreadCommunicator::Collect(way.Ranks,
     [&](Communicator& ranks)
     {
       const auto volume = OpenVolume(disk, way.CacheBytes);
       const SurfaceQuery query = MakeQuery(ranks);
-      ContourRequest request;
-      request.Isovalues = query.Isovalues;
-      request.Normals = true;
-      request.GlobalIds = true;
+      const ContourRequest request = MakePlainRequest(query.Isovalues);
       ExtractionOutcome outcome;
       const Status status = ExtractLevel({ volume, query, request, way.Threads, {} }, 0, outcome);
       EXPECT_TRUE(status.IsOk()) << status.GetMessage();
-      parts[static_cast<std::size_t>(ranks.GetRank())] = MakePlain(outcome.Extracted);
       WriteEdgeIndexFile(ranks, disk, *volume, way);
-    });
-  return Join(parts);
+      return MakePlain(outcome.Extracted);
+    }));
 }
 
 } // namespace
@@ -142,7 +123,7 @@ TEST(Determinism, AHundredWaysGiveTheSameBytesAndTheSameSurface)
   const auto samples = MakeVolume<std::int16_t>({ 60, 44, 38 });
   SampleVolume<std::int16_t> placed = samples;
   placed.Geometry = MakeGeometry(samples.GetDimensions());
-  const PlainSurface expected = Join({ ContourPlainly(placed, { Isovalue }) });
+  const PlainSurface expected = UniteRanks({ ContourPlainly(placed, { Isovalue }) });
   ASSERT_GT(expected.Triangles.size(), 1000u);
   MemoryDisk first;
   // The oracle takes the normals of a grid of unit spacing.

@@ -18,7 +18,6 @@ protected:
   {
     WriteVolumeOk(this->Disk, MakeVolume<std::uint8_t>({ 200, 150, 130 }), MakeSettings(16, 3), 1);
     this->Opened = OpenVolume(this->Disk);
-    ASSERT_NE(this->Opened, nullptr);
     this->Query.Isovalues = { Isovalue };
   }
 
@@ -26,19 +25,15 @@ protected:
   {
     SerialCommunicator alone;
     QueryStatistics statistics;
-    const auto choice =
-      ChooseLevel(*this->Opened, this->Query, finest, budget, rate, alone, statistics);
-    EXPECT_TRUE(choice.IsOk()) << choice.GetStatus().GetMessage();
-    return choice.IsOk() ? *choice : LevelChoice();
+    return Require(
+      ChooseLevel(*this->Opened, this->Query, finest, budget, rate, alone, statistics));
   }
   std::uint64_t CountTriangles(int level)
   {
     double triangles = 0;
     for (const double isovalue : this->Query.Isovalues)
     {
-      const auto estimate = this->Opened->EstimateTriangles(0, 0, isovalue, level);
-      EXPECT_TRUE(estimate.IsOk());
-      triangles += estimate.IsOk() ? *estimate : 0;
+      triangles += Require(this->Opened->EstimateTriangles(0, 0, isovalue, level));
     }
     return static_cast<std::uint64_t>(std::llround(triangles));
   }
@@ -107,10 +102,9 @@ TEST_F(LevelChoiceTest, IsTheFinestWhoseBlocksAreDoneInTime)
   for (int level = 0; level < this->Opened->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto active =
-      FindActiveBlocks(*this->Opened, { { 0, 0, this->Query.Isovalues } }, statistics, level);
-    ASSERT_TRUE(active.IsOk());
-    seconds.push_back(1e-4 * static_cast<double>(active->size()));
+    const auto active = Require(
+      FindActiveBlocks(*this->Opened, { { 0, 0, this->Query.Isovalues } }, statistics, level));
+    seconds.push_back(1e-4 * static_cast<double>(active.size()));
   }
   for (const double budget : { 0.004, 0.02, 0.08, 0.2 })
   {
@@ -132,8 +126,7 @@ TEST_F(LevelChoiceTest, IsThatOfTheSlowestRankOnAllRanks)
 {
   const int alone = this->Choose(0, { 0.02, 0 }, LearnSecondsPerBlock(1e-4)).Level;
   EXPECT_GT(alone, 0);
-  std::vector<int> chosen(3, -1);
-  ThreadCommunicator::Run(3,
+  const std::vector<int> chosen = ThreadCommunicator::Collect(3,
     [&](Communicator& ranks)
     {
       SurfaceQuery query = this->Query;
@@ -142,8 +135,7 @@ TEST_F(LevelChoiceTest, IsThatOfTheSlowestRankOnAllRanks)
       QueryStatistics statistics;
       const auto choice = ChooseLevel(*this->Opened, query, 0, { 0.02, 0 },
         LearnSecondsPerBlock(ranks.GetRank() == 1 ? 1e-4 : 1e-6), ranks, statistics);
-      ASSERT_TRUE(choice.IsOk());
-      chosen[static_cast<std::size_t>(ranks.GetRank())] = choice->Level;
+      return choice.IsOk() ? choice->Level : -1;
     });
   EXPECT_GT(chosen[0], 0);
   EXPECT_LE(chosen[0], alone) << "a rank has but a share of the blocks";
@@ -171,19 +163,17 @@ TEST_F(LevelChoiceTest, ErrorsOfOneRankReachAll)
       this->Disk.GetFile(file.first).resize(100);
     }
   }
-  std::vector<std::string> messages(3);
-  ThreadCommunicator::Run(3,
-    [&](Communicator& ranks)
-    {
-      SurfaceQuery query = this->Query;
-      query.Rank = ranks.GetRank();
-      query.Ranks = ranks.GetSize();
-      QueryStatistics statistics;
-      const auto choice =
-        ChooseLevel(*this->Opened, query, 0, { 1, 0 }, ExtractionRate(), ranks, statistics);
-      messages[static_cast<std::size_t>(ranks.GetRank())] = choice.GetStatus().GetMessage();
-    });
-  for (const std::string& message : messages)
+  for (const std::string& message : ThreadCommunicator::Collect(3,
+         [&](Communicator& ranks)
+         {
+           SurfaceQuery query = this->Query;
+           query.Rank = ranks.GetRank();
+           query.Ranks = ranks.GetSize();
+           QueryStatistics statistics;
+           const auto choice =
+             ChooseLevel(*this->Opened, query, 0, { 1, 0 }, ExtractionRate(), ranks, statistics);
+           return choice.GetStatus().GetMessage();
+         }))
   {
     EXPECT_NE(message.find("store-00001"), std::string::npos) << message;
   }

@@ -22,13 +22,11 @@ SurfaceQuery MakeQuery(const std::vector<double>& isovalues)
   return query;
 }
 
-/// The level that a single rank chooses; -1 and a failed test after an error.
+/// The level that a single rank chooses.
 int ChooseAlone(BlockedVolume& volume, const std::vector<double>& isovalues, int finest)
 {
   SerialCommunicator alone;
-  const auto level = ChooseFirstLevel(volume, MakeQuery(isovalues), finest, alone);
-  EXPECT_TRUE(level.IsOk()) << level.GetStatus().GetMessage();
-  return level.IsOk() ? *level : -1;
+  return Require(ChooseFirstLevel(volume, MakeQuery(isovalues), finest, alone));
 }
 
 } // namespace
@@ -38,7 +36,6 @@ TEST(ProgressiveLevels, BeginAtTheFinestOneWithATwentiethOfTheTriangles)
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   const auto count = [&](int level)
   {
     return *opened->EstimateTriangles(0, 0, 100, level) +
@@ -68,7 +65,6 @@ TEST(ProgressiveLevels, NeverBeginWithAnEmptySurface)
       }),
     MakeSettings(16, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   const int coarsest = opened->GetNumberOfLevels() - 1;
   const int first = ChooseAlone(*opened, { 50 }, 0);
   EXPECT_GT(*opened->EstimateTriangles(0, 0, 50, first), 0);
@@ -85,7 +81,6 @@ TEST(ProgressiveLevels, EndWithTheFinestOneAndSkipThoseInItsBlocks)
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   for (int finest = 0; finest < opened->GetNumberOfLevels(); ++finest)
   {
     for (int level = opened->GetNumberOfLevels() - 1; level > finest;)
@@ -108,7 +103,6 @@ TEST(ProgressiveLevels, BetweenTheFirstAndTheLastAreForLargeSurfacesAlone)
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   SerialCommunicator alone;
   EXPECT_TRUE(*IsDirectSurface(*opened, MakeQuery({ 100 }), 0, alone));
   const double triangles = *opened->EstimateTriangles(0, 0, 100, 0);
@@ -134,8 +128,6 @@ TEST(ProgressiveLevels, AreEqualOnAllRanksAndSoAreErrors)
   }
   const auto sound = OpenVolume(disk);
   const auto broken = OpenVolume(damaged);
-  ASSERT_NE(sound, nullptr);
-  ASSERT_NE(broken, nullptr);
   ThreadCommunicator::Run(3,
     [&](Communicator& communicator)
     {

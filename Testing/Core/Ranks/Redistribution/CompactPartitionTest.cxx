@@ -28,21 +28,17 @@ std::vector<WeighedBlock> MakeBlocks(const Index3& size, std::mt19937& random,
   const std::function<bool(const Index3&)>& isThere, std::uint64_t heaviest)
 {
   std::vector<WeighedBlock> blocks;
-  for (std::int64_t k = 0; k < size[2]; ++k)
-  {
-    for (std::int64_t j = 0; j < size[1]; ++j)
+  VisitVertices(VertexBox{ {}, size },
+    [&](const Index3& vertex)
     {
-      for (std::int64_t i = 0; i < size[0]; ++i)
+      const auto [i, j, k] = vertex;
+      if (isThere(vertex))
       {
-        if (isThere({ i, j, k }))
-        {
-          blocks.push_back(
-            { { { 16 * i, 16 * j, 16 * k }, { 16 * i + 17, 16 * j + 17, 16 * k + 17 } },
-              random() % (heaviest + 1) });
-        }
+        blocks.push_back(
+          { { { 16 * i, 16 * j, 16 * k }, { 16 * i + 17, 16 * j + 17, 16 * k + 17 } },
+            random() % (heaviest + 1) });
       }
-    }
-  }
+    });
   return blocks;
 }
 

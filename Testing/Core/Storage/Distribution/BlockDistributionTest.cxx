@@ -91,17 +91,12 @@ struct Scene
     {
       const SampleView view = Volume.GetView(Grid.GetVertices(block));
       KeyRange range;
-      for (std::int64_t k = view.Box.Low[2]; k < view.Box.High[2]; ++k)
-      {
-        for (std::int64_t j = view.Box.Low[1]; j < view.Box.High[1]; ++j)
+      VisitVertices(view.Box,
+        [&](const Index3& vertex)
         {
-          for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
-          {
-            const ValueKey key = MakeValueKey(Volume.At(i, j, k));
-            range = { std::min(range.Minimum, key), std::max(range.Maximum, key) };
-          }
-        }
-      }
+          const ValueKey key = MakeValueKey(Volume.At(vertex));
+          range = { std::min(range.Minimum, key), std::max(range.Maximum, key) };
+        });
       Ranges.push_back(range);
       WorkloadSpectrum spectrum(Bins);
       BlockWorkload counter(Bins);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AllocationCounter.h"
+#include "Fixtures/Require.h"
 #include "Ground/Base/Checksum.h"
 #include "IntervalSets.h"
 
@@ -62,9 +63,8 @@ void CheckMemory(std::uint32_t count, std::size_t memoryLimit)
   EXPECT_LE(AllocationCounter::GetPeak(), memoryLimit);
   EXPECT_EQ((*GetLocalFileSystem().List(folder.Path)).size(), 1u) << "a temporary file is left";
 
-  auto tree = ExternalIntervalTree::Open(GetLocalFileSystem(), path, 0);
-  ASSERT_TRUE(tree.IsOk());
-  EXPECT_EQ((*tree)->GetCount(), count);
+  auto tree = Require(ExternalIntervalTree::Open(GetLocalFileSystem(), path, 0));
+  EXPECT_EQ(tree->GetCount(), count);
   std::vector<bool> seen(count, false);
   bool right = true;
   const auto visit = [&](const KeyInterval& interval)
@@ -76,7 +76,7 @@ void CheckMemory(std::uint32_t count, std::size_t memoryLimit)
   };
   PageStatistics statistics;
   const ValueKey key = make(count / 2).Minimum;
-  ASSERT_TRUE((*tree)->FindStabbed(key, visit, statistics).IsOk());
+  ASSERT_TRUE(tree->FindStabbed(key, visit, statistics).IsOk());
   EXPECT_TRUE(right);
   for (std::uint32_t index = 0; index < count; ++index)
   {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/Require.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
 #include "IntervalSets.h"
@@ -47,9 +48,8 @@ TEST(ExternalIntervalTreeCorruption, NoChangedByteGivesAWrongAnswer)
   ASSERT_LE(good.size(), 10 * PageSize);
   MemoryDisk disk;
   PageStatistics statistics;
-  const auto whole = OpenBytes(disk, good);
-  ASSERT_TRUE(whole.IsOk());
-  ASSERT_TRUE((*whole)->Verify(statistics).IsOk());
+  const auto whole = Require(OpenBytes(disk, good));
+  ASSERT_TRUE(whole->Verify(statistics).IsOk());
   int errors = 0;
   for (std::size_t offset = 0; offset < good.size(); ++offset)
   {
@@ -212,13 +212,12 @@ TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyReferencesLeadToTheSamePage
   StoreLittleEndian(bytes.data() + 32 + 42, height);
   Reseal(bytes);
   MemoryDisk disk;
-  const auto tree = OpenBytes(disk, bytes);
-  ASSERT_TRUE(tree.IsOk()) << tree.GetStatus().GetMessage();
+  const auto tree = Require(OpenBytes(disk, bytes));
   PageStatistics statistics;
-  const Status status = (*tree)->FindOverlapping(
+  const Status status = tree->FindOverlapping(
     0, MaximumKey, [](const KeyInterval&) {}, statistics);
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
-  EXPECT_LE(statistics.PageReads, 64 + 16 * (*tree)->GetPageCount());
+  EXPECT_LE(statistics.PageReads, 64 + 16 * tree->GetPageCount());
 }
 
 TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyListsAreTheSameRecords)
@@ -250,10 +249,9 @@ TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyListsAreTheSameRecords)
   StoreLittleEndian(root + 10, std::uint16_t(0));
   Reseal(bytes);
   MemoryDisk disk;
-  const auto tree = OpenBytes(disk, bytes);
-  ASSERT_TRUE(tree.IsOk());
+  const auto tree = Require(OpenBytes(disk, bytes));
   PageStatistics statistics;
-  const Status status = (*tree)->FindStabbed(
+  const Status status = tree->FindStabbed(
     5005, [](const KeyInterval&) {}, statistics);
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
   EXPECT_NE(status.GetMessage().find("more intervals than its pages hold"), std::string::npos)
@@ -269,9 +267,8 @@ TEST(ExternalIntervalTreeCorruption, VerifyFindsEveryForgedBound)
   for (const auto& set : MakeIntervalSets())
   {
     const Bytes good = MakeTreeBytes(set.MakeAll(3000));
-    const auto whole = OpenBytes(disk, good);
-    ASSERT_TRUE(whole.IsOk());
-    const Status status = (*whole)->Verify(statistics);
+    const auto whole = Require(OpenBytes(disk, good));
+    const Status status = whole->Verify(statistics);
     ASSERT_TRUE(status.IsOk()) << status.GetMessage();
     std::vector<std::size_t> bounds = { minimumOffset, maximumOffset };
     for (std::size_t page = 1; page < good.size() / PageSize; ++page)
@@ -302,9 +299,8 @@ TEST(ExternalIntervalTreeCorruption, VerifyFindsEveryForgedBound)
         StoreLittleEndian(bad.data() + bound,
           LoadLittleEndian<std::uint64_t>(bad.data() + bound) + static_cast<std::uint64_t>(change));
         Reseal(bad);
-        const auto tree = OpenBytes(disk, std::move(bad));
-        ASSERT_TRUE(tree.IsOk());
-        ASSERT_EQ((*tree)->Verify(statistics).GetCode(), StatusCode::Corrupt) << "at " << bound;
+        const auto tree = Require(OpenBytes(disk, std::move(bad)));
+        ASSERT_EQ(tree->Verify(statistics).GetCode(), StatusCode::Corrupt) << "at " << bound;
       }
     }
   }
@@ -374,20 +370,18 @@ TEST(ExternalIntervalTreeCorruption, VerifyFindsIntervalsThatNoReferenceLeadsTo)
   StoreLittleEndian(root + 8 + 8u * slabs + 36 + 6, std::uint32_t(0)); // the first child's count
   Reseal(bytes);
   MemoryDisk disk;
-  const auto tree = OpenBytes(disk, bytes);
-  ASSERT_TRUE(tree.IsOk());
+  const auto tree = Require(OpenBytes(disk, bytes));
   PageStatistics statistics;
-  EXPECT_EQ((*tree)->Verify(statistics).GetCode(), StatusCode::Corrupt);
+  EXPECT_EQ(tree->Verify(statistics).GetCode(), StatusCode::Corrupt);
 }
 
 TEST(ExternalIntervalTreeCorruption, AQueryReturnsTheErrorOfAFailingDisk)
 {
   MemoryDisk disk;
-  const auto tree = OpenBytes(disk, MakeTreeBytes(MakeIntervalSets()[0].MakeAll(5000)));
-  ASSERT_TRUE(tree.IsOk());
+  const auto tree = Require(OpenBytes(disk, MakeTreeBytes(MakeIntervalSets()[0].MakeAll(5000))));
   disk.FailFromRead(3);
   PageStatistics statistics;
-  EXPECT_EQ((*tree)
+  EXPECT_EQ(tree
               ->FindOverlapping(
                 0, MaximumKey, [](const KeyInterval&) {}, statistics)
               .GetCode(),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AllocationCounter.h"
+#include "Fixtures/Require.h"
 #include "IntervalSets.h"
 
 #include <atomic>
@@ -267,21 +268,19 @@ TEST(ExternalIntervalTree, TheCacheSavesReadsWithinItsBudget)
   ASSERT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
   PageStatistics first, second;
   std::uint64_t found = 0;
-  auto large = ExternalIntervalTree::Open(disk, "tree", std::size_t(64) << 20);
-  ASSERT_TRUE(large.IsOk());
-  EXPECT_EQ(CompareWithBruteForce(**large, intervals, 5, MaximumKey / 2, first, found), "");
-  EXPECT_EQ(CompareWithBruteForce(**large, intervals, 5, MaximumKey / 2, second, found), "");
+  auto large = Require(ExternalIntervalTree::Open(disk, "tree", std::size_t(64) << 20));
+  EXPECT_EQ(CompareWithBruteForce(*large, intervals, 5, MaximumKey / 2, first, found), "");
+  EXPECT_EQ(CompareWithBruteForce(*large, intervals, 5, MaximumKey / 2, second, found), "");
   EXPECT_GT(first.PageReads, 0u);
   EXPECT_EQ(second.PageReads, 0u);
   EXPECT_EQ(second.CacheHits, first.PageReads + first.CacheHits);
 
   // With room for two pages only, answers remain right, and a long query evicts the pages of a
   // short one.
-  auto small = ExternalIntervalTree::Open(disk, "tree", 10000);
-  ASSERT_TRUE(small.IsOk());
+  auto small = Require(ExternalIntervalTree::Open(disk, "tree", 10000));
   PageStatistics third;
-  EXPECT_EQ(CompareWithBruteForce(**small, intervals, 5, MaximumKey / 2, third, found), "");
-  EXPECT_EQ(CompareWithBruteForce(**small, intervals, 5, MaximumKey / 2, third, found), "");
+  EXPECT_EQ(CompareWithBruteForce(*small, intervals, 5, MaximumKey / 2, third, found), "");
+  EXPECT_EQ(CompareWithBruteForce(*small, intervals, 5, MaximumKey / 2, third, found), "");
   EXPECT_GE(third.PageReads + 4, 2 * first.PageReads);
 }
 

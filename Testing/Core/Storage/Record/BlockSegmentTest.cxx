@@ -30,20 +30,16 @@ std::vector<Index3> ListVertices(const BlockGrid& grid, std::int64_t block, int 
   const VertexBox own = grid.GetVertices(block, level);
   const bool isCoarsest = level + 1 == grid.GetNumberOfLevels();
   std::vector<Index3> vertices;
-  for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-  {
-    for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+  VisitVertices(box,
+    [&](const Index3& vertex)
     {
-      for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+      const auto [i, j, k] = vertex;
+      const bool isCoarser = i % 2 == 0 && j % 2 == 0 && k % 2 == 0;
+      if (isCoarsest || !isCoarser || !Contains(own, vertex))
       {
-        const bool isCoarser = i % 2 == 0 && j % 2 == 0 && k % 2 == 0;
-        if (isCoarsest || !isCoarser || !Contains(own, { i, j, k }))
-        {
-          vertices.push_back({ i, j, k });
-        }
+        vertices.push_back(vertex);
       }
-    }
-  }
+    });
   return vertices;
 }
 

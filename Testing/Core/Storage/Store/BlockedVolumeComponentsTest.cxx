@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Arrays of several components: each component, and the magnitude, can be read and queried.
 #include "Fixtures/ActiveBlocks.h"
+#include "Fixtures/BlocksByForce.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
@@ -36,19 +37,14 @@ struct VectorVolume
       : Scalar(volume.Scalar, box)
     {
       const Index3 size = box.GetSize();
-      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-      {
-        for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+      VisitVertices(box,
+        [&](const Index3& vertex)
         {
-          for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
+          for (const SampleVolume<T>& component : volume.Components)
           {
-            for (const SampleVolume<T>& component : volume.Components)
-            {
-              this->Tuples.push_back(component.At(i, j, k));
-            }
+            this->Tuples.push_back(component.At(vertex));
           }
-        }
-      }
+        });
       this->Piece.Box = box;
       this->Piece.Arrays.push_back(this->Scalar.View);
       for (std::size_t component = 0; component < 3; ++component)
@@ -113,31 +109,7 @@ void ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, std::
   QueryStatistics statistics;
   for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
   {
-    const StoredLevel stored = opened.FindLevel(level);
-    const auto blocks = opened.ListBlocks(0, statistics, level);
-    ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
-    for (const BlockReference& reference : *blocks)
-    {
-      const auto block = opened.ReadBlock(reference, 0, variable, level, statistics);
-      ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
-      const SampleView& view = (*block)->View;
-      ASSERT_EQ(view.Type, ValueTypeOf<T>::Value);
-      ASSERT_EQ(view.Box, stored.Grid->GetVertices(reference.Block, stored.Level));
-      ASSERT_EQ(view.Available, stored.Grid->GetGhostedVertices(reference.Block, stored.Level));
-      std::size_t wrong = 0;
-      for (std::int64_t k = view.Available.Low[2]; k < view.Available.High[2]; ++k)
-      {
-        for (std::int64_t j = view.Available.Low[1]; j < view.Available.High[1]; ++j)
-        {
-          for (std::int64_t i = view.Available.Low[0]; i < view.Available.High[0]; ++i)
-          {
-            const T expected = volume.At(i << level, j << level, k << level);
-            wrong += std::memcmp(view.At<T>({ i, j, k }), &expected, sizeof(T)) != 0;
-          }
-        }
-      }
-      ASSERT_EQ(wrong, 0u) << "block " << reference.Block << ", level " << level;
-    }
+    isosurface::ExpectReadsBack(opened, volume, level, statistics, variable);
   }
 }
 
@@ -147,58 +119,27 @@ void ExpectIndexed(BlockedVolume& opened, const SampleVolume<T>& volume, std::si
 {
   for (const double isovalue : { 3.0, 4.5, 40.0, 81.25, 150.0, 1e9 })
   {
-    std::vector<std::int64_t> expected;
-    for (std::int64_t block = 0; block < opened.GetBlockGrid().GetNumberOfBlocks(); ++block)
-    {
-      const VertexBox box = opened.GetBlockGrid().GetVertices(block);
-      bool isInside = false;
-      bool isOutside = false;
-      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-      {
-        for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-        {
-          for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-          {
-            const bool inside = static_cast<double>(volume.At(i, j, k)) >= isovalue;
-            isInside = isInside || inside;
-            isOutside = isOutside || !inside;
-          }
-        }
-      }
-      if (isInside && isOutside)
-      {
-        expected.push_back(block);
-      }
-    }
     QueryStatistics statistics;
-    const auto active = FindActiveBlocks(opened, { { 0, variable, { isovalue } } }, statistics);
-    ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
-    std::vector<std::int64_t> found;
-    for (const BlockReference& block : *active)
-    {
-      found.push_back(block.Block);
-    }
-    std::sort(found.begin(), found.end());
-    EXPECT_EQ(found, expected) << "variable " << variable << ", isovalue " << isovalue;
+    const auto active =
+      Require(FindActiveBlocks(opened, { { 0, variable, { isovalue } } }, statistics));
+    EXPECT_EQ(SortBlocks(active), FindBlocksByForce(volume, opened.GetBlockGrid(), { isovalue }))
+      << "variable " << variable << ", isovalue " << isovalue;
   }
-  const auto spectrum = opened.GetSpectrum(0, variable);
-  ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
-  BlockWorkload workload((*spectrum)->Bins);
+  const auto spectrum = Require(opened.GetSpectrum(0, variable));
+  BlockWorkload workload(spectrum->Bins);
   workload.Count(volume.GetView());
-  WorkloadSpectrum expected((*spectrum)->Bins);
+  WorkloadSpectrum expected(spectrum->Bins);
   workload.MoveTo(expected);
-  EXPECT_GT((*spectrum)->Bins.Count, 0u);
-  EXPECT_EQ((*spectrum)->Triangles, expected.Triangles);
-  EXPECT_EQ((*spectrum)->ActiveCells, expected.ActiveCells);
+  EXPECT_GT(spectrum->Bins.Count, 0u);
+  EXPECT_EQ(spectrum->Triangles, expected.Triangles);
+  EXPECT_EQ(spectrum->ActiveCells, expected.ActiveCells);
 }
 
 template <typename T>
 class VectorsOfType : public ::testing::Test
 {
 };
-using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
-  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(VectorsOfType, Types, );
+TYPED_TEST_SUITE(VectorsOfType, AllValueTypes, );
 
 } // namespace
 
@@ -210,7 +151,6 @@ TYPED_TEST(VectorsOfType, AreReadAndIndexedByComponentAndByMagnitude)
   settings.Compression = { SegmentCodec::Zstd, 1 };
   volume.Write(disk, settings, 2, OverlappingColumns);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   ASSERT_EQ(opened->GetVariables().GetCount(), 5u);
   ExpectReadsBack(*opened, volume.Scalar, 0);
   ExpectIndexed(*opened, volume.Scalar, 0);
@@ -254,9 +194,8 @@ TEST(BlockedVolumeComponents, HaveATreeEachAndOneForTheMagnitude)
 {
   MemoryDisk disk;
   VectorVolume<float>().Write(disk, MakeSettings(16, 1), 1);
-  const auto names = disk.List(VolumePath + ".stores/000001/store-00000");
-  ASSERT_TRUE(names.IsOk());
-  EXPECT_EQ(*names,
+  const auto names = Require(disk.List(VolumePath + ".stores/000001/store-00000"));
+  EXPECT_EQ(names,
     (std::vector<std::string>{ "array-0.tree", "array-1-component-0.tree",
       "array-1-component-1.tree", "array-1-component-2.tree", "array-1-magnitude.tree", "blocks",
       "directory" }));
@@ -268,22 +207,20 @@ TEST(BlockedVolumeComponents, AreReadAloneButMagnitudesByOneReadOfAll)
   MemoryDisk disk;
   volume.Write(disk, MakeSettings(16, 1), 1);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto share = opened->ListBlocks(0, statistics);
-  ASSERT_TRUE(share.IsOk());
+  const auto share = Require(opened->ListBlocks(0, statistics));
   std::vector<std::uint64_t> bytes;
   // The components of a magnitude do not go to the cache.
   for (const std::size_t variable : { 4, 1, 2, 3 })
   {
     QueryStatistics cost;
     const std::uint64_t reads = disk.GetReads();
-    ASSERT_TRUE(opened->ReadBlock(share->front(), 0, variable, 0, cost).IsOk());
+    ASSERT_TRUE(opened->ReadBlock(share.front(), 0, variable, 0, cost).IsOk());
     EXPECT_EQ(disk.GetReads() - reads, 1u) << variable;
     EXPECT_EQ(cost.BlocksRead, 1u);
     bytes.push_back(cost.BytesRead);
     QueryStatistics again;
-    ASSERT_TRUE(opened->ReadBlock(share->front(), 0, variable, 0, again).IsOk());
+    ASSERT_TRUE(opened->ReadBlock(share.front(), 0, variable, 0, again).IsOk());
     EXPECT_EQ(again.BlockCacheHits, 1u);
   }
   EXPECT_EQ(bytes[0], bytes[1] + bytes[2] + bytes[3]);
@@ -301,22 +238,18 @@ TEST(BlockedVolumeComponents, AndTheirMagnitudeTakeOneReadInAnyOrder)
       std::vector<std::vector<std::size_t>>{ { 4, 1, 2, 3 }, { 3, 4, 2, 1 }, { 2, 4, 4, 2 } })
     {
       const auto opened = OpenVolume(disk, cacheBytes);
-      ASSERT_NE(opened, nullptr);
-      const auto share = opened->ListBlocks(0, statistics);
-      ASSERT_TRUE(share.IsOk());
+      const auto share = Require(opened->ListBlocks(0, statistics));
       QueryStatistics cost;
-      const auto blocks = opened->ReadVariables(share->front(), 0, variables, 0, cost);
-      ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
+      const auto blocks = Require(opened->ReadVariables(share.front(), 0, variables, 0, cost));
       EXPECT_LE(cost.BlocksRead, variables.front() == 4 ? 1u : 3u);
       for (std::size_t n = 0; n < variables.size(); ++n)
       {
         const auto alone =
-          OpenVolume(disk)->ReadBlock(share->front(), 0, variables[n], 0, statistics);
-        ASSERT_TRUE(alone.IsOk());
-        EXPECT_EQ((*blocks)[n]->View.Type, (*alone)->View.Type);
-        ASSERT_EQ((*blocks)[n]->Bytes.GetSize(), (*alone)->Bytes.GetSize());
-        EXPECT_EQ(std::memcmp((*blocks)[n]->Bytes.GetData(), (*alone)->Bytes.GetData(),
-                    (*alone)->Bytes.GetSize()),
+          Require(OpenVolume(disk)->ReadBlock(share.front(), 0, variables[n], 0, statistics));
+        EXPECT_EQ(blocks[n]->View.Type, alone->View.Type);
+        ASSERT_EQ(blocks[n]->Bytes.GetSize(), alone->Bytes.GetSize());
+        EXPECT_EQ(
+          std::memcmp(blocks[n]->Bytes.GetData(), alone->Bytes.GetData(), alone->Bytes.GetSize()),
           0);
       }
     }
@@ -329,15 +262,13 @@ TEST(BlockedVolumeComponents, InTheCacheGiveTheMagnitudeWithoutARead)
   MemoryDisk disk;
   volume.Write(disk, MakeSettings(16, 1), 1);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
   {
     QueryStatistics statistics;
-    const auto share = opened->ListBlocks(0, statistics, level);
-    ASSERT_TRUE(share.IsOk());
-    ASSERT_TRUE(opened->ReadVariables(share->front(), 0, { 1, 2, 3 }, level, statistics).IsOk());
+    const auto share = Require(opened->ListBlocks(0, statistics, level));
+    ASSERT_TRUE(opened->ReadVariables(share.front(), 0, { 1, 2, 3 }, level, statistics).IsOk());
     QueryStatistics cost;
-    ASSERT_TRUE(opened->ReadBlock(share->front(), 0, 4, level, cost).IsOk());
+    ASSERT_TRUE(opened->ReadBlock(share.front(), 0, 4, level, cost).IsOk());
     EXPECT_EQ(cost.BlocksRead, 0u) << "level " << level;
   }
 }
@@ -348,7 +279,6 @@ TEST(BlockedVolumeComponents, BecomeOneArrayOfTuplesOnASurface)
   MemoryDisk disk;
   volume.Write(disk, MakeSettings(16, 2), 1);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   for (int level = 0; level < 3; ++level)
   {
     for (const std::size_t component : { 0, 1, 2 })
@@ -356,21 +286,19 @@ TEST(BlockedVolumeComponents, BecomeOneArrayOfTuplesOnASurface)
       // On the surface of a component, the component has the isovalue.
       QueryStatistics statistics;
       auto active =
-        FindActiveBlocks(*opened, { { 0, 1 + component, { 40.5 } } }, statistics, level);
-      ASSERT_TRUE(active.IsOk());
-      StoredBlockSource source(*opened, 0, 1 + component, level, *active);
+        Require(FindActiveBlocks(*opened, { { 0, 1 + component, { 40.5 } } }, statistics, level));
+      StoredBlockSource source(*opened, 0, 1 + component, level, active);
       source.SetAttributes({ 1, 0 });
       ContourRequest request;
       request.Isovalues = { 40.5 };
       request.Attributes = { { ValueType::Float32, 3 }, { ValueType::Int16, 1 } };
       const auto surface =
-        ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 2);
-      ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-      ASSERT_GT(surface->NumberOfPoints, 0u);
-      const SurfaceAttribute& vectors = surface->Attributes[0];
-      ASSERT_EQ(vectors.Bytes.GetSize(), surface->NumberOfPoints * 3 * sizeof(float));
+        Require(ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 2));
+      ASSERT_GT(surface.NumberOfPoints, 0u);
+      const SurfaceAttribute& vectors = surface.Attributes[0];
+      ASSERT_EQ(vectors.Bytes.GetSize(), surface.NumberOfPoints * 3 * sizeof(float));
       const auto* values = reinterpret_cast<const float*>(vectors.Bytes.GetData());
-      for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
+      for (std::size_t point = 0; point < surface.NumberOfPoints; ++point)
       {
         ASSERT_NEAR(values[3 * point + component], 40.5f, 1e-4f);
       }
@@ -387,7 +315,6 @@ TEST(BlockedVolumeComponents, OfNaNAndInfinitiesHaveMagnitudesOfNaNAndInfinity)
   MemoryDisk disk;
   volume.Write(disk, MakeSettings(16, 2), 3);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   const SampleVolume<double> magnitudes = volume.FindMagnitudes();
   ASSERT_TRUE(std::isnan(magnitudes.Samples[5]));
   ASSERT_TRUE(std::isinf(magnitudes.Samples[5000]));

@@ -18,33 +18,6 @@ BlockedVolumeSettings MakeCompressed(SegmentCodec codec, int level = 0)
   return settings;
 }
 
-/// Reads all blocks at a level; the number of wrong samples, or the first error.
-template <typename T>
-Result<std::size_t> CountWrong(
-  BlockedVolume& opened, const SampleVolume<T>& volume, int level, QueryStatistics& statistics)
-{
-  const auto blocks = opened.ListBlocks(0, statistics, level);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  std::size_t wrong = 0;
-  for (const BlockReference& reference : *blocks)
-  {
-    const auto block = opened.ReadBlock(reference, 0, 0, level, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
-    const SampleView& view = (*block)->View;
-    for (std::int64_t k = view.Available.Low[2]; k < view.Available.High[2]; ++k)
-    {
-      for (std::int64_t j = view.Available.Low[1]; j < view.Available.High[1]; ++j)
-      {
-        for (std::int64_t i = view.Available.Low[0]; i < view.Available.High[0]; ++i)
-        {
-          wrong += *view.At<T>({ i, j, k }) != volume.At(i << level, j << level, k << level);
-        }
-      }
-    }
-  }
-  return wrong;
-}
-
 } // namespace
 
 TEST(BlockedVolumeCompression, GivesTheSameBytesOnAnyRanksThreadsAndRounds)
@@ -80,14 +53,11 @@ TEST(BlockedVolumeCompression, ReadsBackWithFewerBytesAtEveryLevel)
     MemoryDisk disk;
     WriteVolumeOk(disk, volume, settings, 2);
     const auto opened = OpenVolume(disk);
-    ASSERT_NE(opened, nullptr);
     EXPECT_EQ(opened->GetHeader().Compression.Codec, codec);
     for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
     {
       QueryStatistics statistics;
-      const auto wrong = CountWrong(*opened, volume, level, statistics);
-      ASSERT_TRUE(wrong.IsOk()) << wrong.GetStatus().GetMessage();
-      EXPECT_EQ(*wrong, 0u);
+      ExpectReadsBack(*opened, volume, level, statistics);
       if (codec == SegmentCodec::None)
       {
         plain.push_back(statistics.BytesRead);
@@ -141,14 +111,13 @@ TEST(BlockedVolumeCompression, HostileSegmentsWithRightChecksumsAreRefused)
     const MemoryDisk::Bytes intact = disk.GetFile(path);
     const auto opened = OpenVolume(disk, 0);
     QueryStatistics statistics;
-    const auto blocks = opened->ListBlocks(0, statistics);
-    ASSERT_TRUE(blocks.IsOk());
-    ASSERT_EQ((*blocks)[0].Ordinal, 0u);
+    const auto blocks = Require(opened->ListBlocks(0, statistics));
+    ASSERT_EQ(blocks[0].Ordinal, 0u);
     // The last segment of the first record, which begins where the levels above it end.
     QueryStatistics coarse;
     QueryStatistics fine;
-    ASSERT_TRUE(opened->ReadBlock((*blocks)[0], 0, 0, 1, coarse).IsOk());
-    ASSERT_TRUE(opened->ReadBlock((*blocks)[0], 0, 0, 0, fine).IsOk());
+    ASSERT_TRUE(opened->ReadBlock(blocks[0], 0, 0, 1, coarse).IsOk());
+    ASSERT_TRUE(opened->ReadBlock(blocks[0], 0, 0, 0, fine).IsOk());
     const std::size_t begin = coarse.BytesRead;
     const auto stored =
       static_cast<std::uint32_t>(fine.BytesRead - begin - BlockRecord::SegmentHeaderSize);
@@ -170,8 +139,8 @@ TEST(BlockedVolumeCompression, HostileSegmentsWithRightChecksumsAreRefused)
       {
         coding.Predictor = static_cast<SamplePredictor>(random() % 256);
       }
-      SealSegment(segment, stored, coding, { (*blocks)[0].Block, 0, 0 });
-      const auto block = opened->ReadBlock((*blocks)[0], 0, 0, 0, statistics);
+      SealSegment(segment, stored, coding, { blocks[0].Block, 0, 0 });
+      const auto block = opened->ReadBlock(blocks[0], 0, 0, 0, statistics);
       if (!block.IsOk())
       {
         const Status& status = block.GetStatus();

@@ -116,14 +116,13 @@ TEST_F(BlockedVolumeCorruption, EveryDamagedByteOfABlockIsDetected)
   const std::string path = Folder + "/store-00000/blocks";
   const auto opened = OpenVolume(this->Disk, 0);
   QueryStatistics statistics;
-  const auto share = opened->ListBlocks(0, statistics);
-  ASSERT_TRUE(share.IsOk());
+  const auto share = Require(opened->ListBlocks(0, statistics));
   QueryStatistics one;
-  ASSERT_TRUE(opened->ReadBlock((*share)[0], 0, 0, 0, one).IsOk());
+  ASSERT_TRUE(opened->ReadBlock(share[0], 0, 0, 0, one).IsOk());
   for (std::size_t position = 0; position < one.BytesRead; position += 3)
   {
     this->Disk.GetFile(path)[position] ^= 128;
-    const auto block = opened->ReadBlock((*share)[0], 0, 0, 0, statistics);
+    const auto block = opened->ReadBlock(share[0], 0, 0, 0, statistics);
     ASSERT_FALSE(block.IsOk()) << position;
     EXPECT_EQ(block.GetStatus().GetCode(), StatusCode::Corrupt);
     EXPECT_NE(block.GetStatus().GetMessage().find(path + ": block "), std::string::npos)
@@ -132,11 +131,11 @@ TEST_F(BlockedVolumeCorruption, EveryDamagedByteOfABlockIsDetected)
   }
   // A whole record in the place of another one is found, too.
   MemoryDisk::Bytes& bytes = this->Disk.GetFile(path);
-  ASSERT_GE(share->size(), 2u);
-  ASSERT_EQ((*share)[1].Ordinal, 1u);
+  ASSERT_GE(share.size(), 2u);
+  ASSERT_EQ(share[1].Ordinal, 1u);
   const std::size_t record = (one.BytesRead + 4095) / 4096 * 4096;
   std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(record), record, bytes.begin());
-  EXPECT_FALSE(opened->ReadBlock((*share)[0], 0, 0, 0, statistics).IsOk());
+  EXPECT_FALSE(opened->ReadBlock(share[0], 0, 0, 0, statistics).IsOk());
 }
 
 TEST_F(BlockedVolumeCorruption, ExchangedFilesAreDetected)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/BlockedVolumeHeader.h"
 
+#include "Fixtures/Require.h"
 #include "Storage/Store/JsonDocument.h"
 
 #include <gtest/gtest.h>
@@ -72,22 +73,21 @@ TEST(BlockedVolumeHeader, RoundTripsExactly)
 {
   const BlockedVolumeHeader header = MakeHeader();
   const std::string text = header.Format();
-  const auto parsed = BlockedVolumeHeader::Parse(text, Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  EXPECT_EQ(parsed->Format(), text);
-  EXPECT_EQ(parsed->Grid, header.Grid);
-  EXPECT_EQ(parsed->RandomSeed, header.RandomSeed);
+  const auto parsed = Require(BlockedVolumeHeader::Parse(text, Path));
+  EXPECT_EQ(parsed.Format(), text);
+  EXPECT_EQ(parsed.Grid, header.Grid);
+  EXPECT_EQ(parsed.RandomSeed, header.RandomSeed);
   for (std::size_t step = 0; step < 2; ++step)
   {
-    EXPECT_EQ(parsed->TimeSteps[step].Time, header.TimeSteps[step].Time);
+    EXPECT_EQ(parsed.TimeSteps[step].Time, header.TimeSteps[step].Time);
     for (std::size_t array = 0; array < 4; ++array)
     {
-      EXPECT_EQ(parsed->TimeSteps[step].Ranges[array].Minimum,
-        header.TimeSteps[step].Ranges[array].Minimum);
-      EXPECT_EQ(parsed->TimeSteps[step].Ranges[array].Maximum,
-        header.TimeSteps[step].Ranges[array].Maximum);
+      EXPECT_EQ(
+        parsed.TimeSteps[step].Ranges[array].Minimum, header.TimeSteps[step].Ranges[array].Minimum);
+      EXPECT_EQ(
+        parsed.TimeSteps[step].Ranges[array].Maximum, header.TimeSteps[step].Ranges[array].Maximum);
     }
-    EXPECT_EQ(parsed->TimeSteps[step].Stores[0].Checksum, 0xFEDCBA9876543210u);
+    EXPECT_EQ(parsed.TimeSteps[step].Stores[0].Checksum, 0xFEDCBA9876543210u);
   }
 }
 
@@ -108,10 +108,9 @@ TEST(BlockedVolumeHeader, NamesReplicasOnlyIfThereAreSome)
   BlockedVolumeHeader header = MakeHeader();
   EXPECT_EQ(header.Format().find("replicas"), std::string::npos);
   header.NumberOfReplicas = 2;
-  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  EXPECT_EQ(parsed->NumberOfReplicas, 2u);
-  EXPECT_EQ(parsed->Format(), header.Format());
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.NumberOfReplicas, 2u);
+  EXPECT_EQ(parsed.Format(), header.Format());
   EXPECT_EQ(GetReplicaFolder("/a.bvol", "000001", 1, 0, 2), "/a.bvol.stores/000001/store-00001");
   EXPECT_EQ(
     GetReplicaFolder("/a.bvol", "000001", 1, 1, 2), "/a.bvol.stores/000001/store-00000/replica-1");
@@ -128,16 +127,15 @@ TEST(BlockedVolumeHeader, HasARangeOfEachComponentAndOfEachMagnitude)
     step.Ranges.insert(step.Ranges.begin() + 2, { KeyRange{}, floats });
     step.Ranges.push_back(magnitudes);
   }
-  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  EXPECT_EQ(parsed->Format(), header.Format());
-  EXPECT_EQ(parsed->Arrays[1].Components, 3);
-  ASSERT_EQ(parsed->TimeSteps[0].Ranges.size(), 7u);
-  EXPECT_TRUE(parsed->TimeSteps[0].Ranges[2].IsEmpty());
-  EXPECT_EQ(parsed->TimeSteps[0].Ranges[3].Minimum, floats.Minimum);
-  EXPECT_EQ(parsed->TimeSteps[0].Ranges[6].Maximum, magnitudes.Maximum);
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.Format(), header.Format());
+  EXPECT_EQ(parsed.Arrays[1].Components, 3);
+  ASSERT_EQ(parsed.TimeSteps[0].Ranges.size(), 7u);
+  EXPECT_TRUE(parsed.TimeSteps[0].Ranges[2].IsEmpty());
+  EXPECT_EQ(parsed.TimeSteps[0].Ranges[3].Minimum, floats.Minimum);
+  EXPECT_EQ(parsed.TimeSteps[0].Ranges[6].Maximum, magnitudes.Maximum);
 
-  const ArrayVariables variables = parsed->GetVariables();
+  const ArrayVariables variables = parsed.GetVariables();
   ASSERT_EQ(variables.GetCount(), 7u);
   EXPECT_EQ(variables.GetNumberOfStored(), 6u);
   EXPECT_EQ(variables.Find(1, 2), std::size_t{ 3 });
@@ -164,9 +162,8 @@ TEST(BlockedVolumeHeader, HoldsManyStores)
   {
     header.TimeSteps[0].Stores.push_back({ 1, 4096, store });
   }
-  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  EXPECT_EQ(parsed->TimeSteps[0].Stores.back().Checksum, header.NumberOfStores - 1);
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.TimeSteps[0].Stores.back().Checksum, header.NumberOfStores - 1);
 }
 
 TEST(BlockedVolumeHeader, RefusesMoreStoresThanTheVolumeCanUse)
@@ -208,11 +205,10 @@ TEST(BlockedVolumeHeader, StatesTheCompression)
 {
   BlockedVolumeHeader header = MakeHeader();
   header.Compression = { SegmentCodec::Zstd, 7 };
-  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  EXPECT_EQ(parsed->Compression.Codec, SegmentCodec::Zstd);
-  EXPECT_EQ(parsed->Compression.Level, 7);
-  EXPECT_EQ(parsed->Format(), header.Format());
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.Compression.Codec, SegmentCodec::Zstd);
+  EXPECT_EQ(parsed.Compression.Level, 7);
+  EXPECT_EQ(parsed.Format(), header.Format());
 }
 
 TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
@@ -383,17 +379,16 @@ std::string ChangeOverviews(const std::function<void(Json&)>& change)
 TEST(BlockedVolumeHeader, RoundTripsOverviewsAndGivesTheirGrids)
 {
   const BlockedVolumeHeader header = MakeHeaderWithOverviews();
-  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  EXPECT_EQ(parsed->Format(), header.Format());
-  ASSERT_EQ(parsed->Overviews.size(), 2u);
-  const BlockedVolumeHeader first = parsed->MakeOverview(0);
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.Format(), header.Format());
+  ASSERT_EQ(parsed.Overviews.size(), 2u);
+  const BlockedVolumeHeader first = parsed.MakeOverview(0);
   EXPECT_EQ(first.Grid, header.Grid.Coarsen(1));
   EXPECT_EQ(first.GetBlockGrid().GetNumberOfBlocks(), 2);
   EXPECT_EQ(first.GetBlockGrid().GetNumberOfLevels(), 2);
   EXPECT_EQ(first.TimeSteps[1].Folder, "1000000/overview-1");
   EXPECT_EQ(first.TimeSteps[1].Stores[1].Checksum, 9u);
-  const BlockedVolumeHeader second = parsed->MakeOverview(1);
+  const BlockedVolumeHeader second = parsed.MakeOverview(1);
   EXPECT_EQ(second.Grid, header.Grid.Coarsen(3));
   EXPECT_EQ(second.GetBlockGrid().GetNumberOfBlocks(), 1);
   EXPECT_EQ(second.TimeSteps[0].Folder, "000012/overview-2");

@@ -27,77 +27,27 @@ template <typename T>
 SampleVolume<T> Subsample(const SampleVolume<T>& volume, int level)
 {
   const GridGeometry geometry = MakeLevelGeometry(volume.GetDimensions(), level);
-  SampleVolume<T> coarse(geometry.GetDimensions());
+  SampleVolume<T> coarse(geometry.GetDimensions(),
+    [&](auto i, auto j, auto k) { return volume.At(i << level, j << level, k << level); });
   coarse.Geometry = geometry;
-  const Index3 size = coarse.GetDimensions();
-  for (std::int64_t k = 0; k < size[2]; ++k)
-  {
-    for (std::int64_t j = 0; j < size[1]; ++j)
-    {
-      for (std::int64_t i = 0; i < size[0]; ++i)
-      {
-        coarse.At(i, j, k) = volume.At(i << level, j << level, k << level);
-      }
-    }
-  }
   return coarse;
 }
 
-/// The surface of all ranks at a level. Equal ids must mean equal points and normals.
+/// The surface of all ranks at a level.
 PlainSurface ContourLevel(
   BlockedVolume& opened, const std::vector<double>& isovalues, int level, int ranks)
 {
-  PlainSurface all;
+  std::vector<PlainSurface> surfaces;
   for (int rank = 0; rank < ranks; ++rank)
   {
     QueryStatistics statistics;
     auto active = FindActiveBlocks(opened, { { 0, 0, isovalues }, rank, ranks }, statistics, level);
-    EXPECT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
-    StoredBlockSource source(opened, 0, 0, level, std::move(*active));
-    ContourRequest request;
-    request.Isovalues = isovalues;
-    request.Normals = true;
-    request.GlobalIds = true;
-    const auto surface = ExtractSurface(
-      MakeLevelGeometry(opened.GetHeader().Grid.GetDimensions(), level), source, request, 2);
-    EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-    const PlainSurface mine = MakePlain(*surface);
-    all.Triangles.insert(all.Triangles.end(), mine.Triangles.begin(), mine.Triangles.end());
-    for (const auto& point : mine.Points)
-    {
-      EXPECT_EQ(all.Points.emplace(point).first->second, point.second) << "edge " << point.first;
-    }
+    StoredBlockSource source(opened, 0, 0, level, Require(std::move(active)));
+    surfaces.push_back(MakePlain(
+      Require(ExtractSurface(MakeLevelGeometry(opened.GetHeader().Grid.GetDimensions(), level),
+        source, MakePlainRequest(isovalues), 2))));
   }
-  std::sort(all.Triangles.begin(), all.Triangles.end());
-  return all;
-}
-
-template <typename T>
-std::vector<std::int64_t> FindActive(
-  const SampleVolume<T>& volume, const BlockGrid& grid, T threshold)
-{
-  std::vector<std::int64_t> blocks;
-  for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
-  {
-    bool inside = false;
-    bool outside = false;
-    const VertexBox box = grid.GetVertices(block);
-    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-    {
-      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-      {
-        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-        {
-          (volume.At(i, j, k) >= threshold ? inside : outside) = true;
-        }
-      }
-    }
-    if (inside && outside)
-    {
-      blocks.push_back(block);
-    }
-  }
-  return blocks;
+  return UniteRanks(surfaces);
 }
 
 } // namespace
@@ -107,7 +57,6 @@ TEST(BlockedVolumeLevels, GoDownToASingleBlock)
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 300, 70, 20 }), MakeSettings(16, 3), 2);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   // 19 x 5 x 2 blocks, 5 x 2 x 1, 2 x 1 x 1, one.
   const BlockedVolumeHeader& header = opened->GetHeader();
   ASSERT_EQ(header.Overviews.size(), 3u);
@@ -144,7 +93,6 @@ TEST(BlockedVolumeLevels, HaveTheSurfaceOfTheSubsampledVolumeWithoutSeams)
       MemoryDisk disk;
       WriteVolumeOk(disk, volume, MakeSettings(blockSize, 5, DistributionMethod::Random), 3);
       const auto opened = OpenVolume(disk);
-      ASSERT_NE(opened, nullptr);
       for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
       {
         const PlainSurface expected = ContourPlainly(Subsample(volume, level), { 49.5, 20 });
@@ -168,40 +116,31 @@ TEST(BlockedVolumeLevels, HaveTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 3), 2);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   double finer = 1e300;
   for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
   {
-    const auto guess = opened->EstimateTriangles(0, 0, 50, level);
-    ASSERT_TRUE(guess.IsOk()) << guess.GetStatus().GetMessage();
-    EXPECT_LE(*guess, finer);
-    finer = *guess;
+    const auto guess = Require(opened->EstimateTriangles(0, 0, 50, level));
+    EXPECT_LE(guess, finer);
+    finer = guess;
     if (opened->GetSpectrumLevel(level) != level)
     {
       continue;
     }
     const auto coarse = Subsample(volume, level);
-    const auto spectrum = opened->GetSpectrum(0, 0, level);
-    ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
-    BlockWorkload whole((*spectrum)->Bins);
+    const auto spectrum = Require(opened->GetSpectrum(0, 0, level));
+    BlockWorkload whole(spectrum->Bins);
     whole.Count(coarse.GetView());
-    WorkloadSpectrum expected((*spectrum)->Bins);
+    WorkloadSpectrum expected(spectrum->Bins);
     whole.MoveTo(expected);
-    EXPECT_EQ((*spectrum)->Bins, (*opened->GetSpectrum(0, 0))->Bins);
-    EXPECT_EQ((*spectrum)->Triangles, expected.Triangles);
-    EXPECT_EQ((*spectrum)->ActiveCells, expected.ActiveCells);
-    EXPECT_EQ(*guess, static_cast<double>(expected.Triangles[expected.FindBin(50)]));
+    EXPECT_EQ(spectrum->Bins, (*opened->GetSpectrum(0, 0))->Bins);
+    EXPECT_EQ(spectrum->Triangles, expected.Triangles);
+    EXPECT_EQ(spectrum->ActiveCells, expected.ActiveCells);
+    EXPECT_EQ(guess, static_cast<double>(expected.Triangles[expected.FindBin(50)]));
 
     QueryStatistics statistics;
-    const auto active = FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics, level);
-    ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
-    std::vector<std::int64_t> blocks;
-    for (const BlockReference& block : *active)
-    {
-      blocks.push_back(block.Block);
-    }
-    std::sort(blocks.begin(), blocks.end());
-    EXPECT_EQ(blocks, FindActive(coarse, *opened->FindLevel(level).Grid, std::uint8_t{ 50 }));
+    const auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics, level));
+    EXPECT_EQ(
+      SortBlocks(active), FindBlocksByForce(coarse, *opened->FindLevel(level).Grid, { 50 }));
   }
   EXPECT_FALSE(opened->EstimateTriangles(0, 0, 50, opened->GetNumberOfLevels()).IsOk());
   EXPECT_FALSE(opened->EstimateTriangles(0, 0, 50, -1).IsOk());
@@ -213,13 +152,11 @@ TEST(BlockedVolumeLevels, CostRequestsAndBytesInProportion)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(32, 2));
   const auto opened = OpenVolume(disk, 0);
-  ASSERT_NE(opened, nullptr);
   for (int level = 0; level < 5; ++level)
   {
     QueryStatistics statistics;
-    const auto blocks = opened->ListBlocks(0, statistics, level);
-    ASSERT_TRUE(blocks.IsOk());
-    for (const BlockReference& block : *blocks)
+    const auto blocks = Require(opened->ListBlocks(0, statistics, level));
+    for (const BlockReference& block : blocks)
     {
       ASSERT_TRUE(opened->ReadBlock(block, 0, 0, level, statistics).IsOk());
     }
@@ -272,19 +209,15 @@ TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
     const VertexBox part = FindOverviewPart(finer, block);
     std::vector<std::uint8_t> bytes;
     std::vector<std::uint8_t> others;
-    for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
-    {
-      for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
+    VisitVertices(part,
+      [&](const Index3& vertex)
       {
-        for (std::int64_t i = part.Low[0]; i < part.High[0]; ++i)
-        {
-          bytes.push_back(static_cast<std::uint8_t>(value(i, j, k)));
-          const auto real = static_cast<double>(value(i, j, k));
-          const auto* raw = reinterpret_cast<const std::uint8_t*>(&real);
-          others.insert(others.end(), raw, raw + sizeof(real));
-        }
-      }
-    }
+        const auto [i, j, k] = vertex;
+        bytes.push_back(static_cast<std::uint8_t>(value(i, j, k)));
+        const auto real = static_cast<double>(value(i, j, k));
+        const auto* raw = reinterpret_cast<const std::uint8_t*>(&real);
+        others.insert(others.end(), raw, raw + sizeof(real));
+      });
     bytes.insert(bytes.end(), others.begin(), others.end());
     ASSERT_TRUE(files[stores.back() % 3]->Append(bytes.data(), bytes.size()).IsOk());
   }
@@ -304,9 +237,8 @@ TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
       box.Low[axis] = random() % size;
       box.High[axis] = box.Low[axis] + 1 + random() % (size - box.Low[axis]);
     }
-    const auto slab = source.Read(box);
-    ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
-    ASSERT_TRUE(slab->Fits({ ValueType::UInt8, ValueType::Float64 }, box));
+    const auto slab = Require(source.Read(box));
+    ASSERT_TRUE(slab.Fits({ ValueType::UInt8, ValueType::Float64 }, box));
     EXPECT_GE(source.GetReadBytes(box), static_cast<std::uint64_t>(9 * box.GetNumberOfVertices()));
     for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
     {
@@ -314,9 +246,9 @@ TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
       {
         for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
         {
-          ASSERT_EQ(*slab->Arrays[0].At<std::uint8_t>({ i, j, k }),
+          ASSERT_EQ(*slab.Arrays[0].At<std::uint8_t>({ i, j, k }),
             static_cast<std::uint8_t>(value(i, j, k)));
-          ASSERT_EQ(*slab->Arrays[1].At<double>({ i, j, k }), static_cast<double>(value(i, j, k)));
+          ASSERT_EQ(*slab.Arrays[1].At<double>({ i, j, k }), static_cast<double>(value(i, j, k)));
         }
       }
     }

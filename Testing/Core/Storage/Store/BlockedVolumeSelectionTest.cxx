@@ -2,6 +2,7 @@
 #include "Fixtures/ActiveBlocks.h"
 #include "Ranks/Query/StoredBlockSource.h"
 
+#include "Fixtures/BlocksByForce.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
@@ -17,66 +18,36 @@ namespace
 
 constexpr int BlockSize = 16;
 
-/// The oracle: looks at all samples of all blocks; a block is in the region if one of its vertices
-/// is, which is enough for boxes larger than a cell.
+/// The oracle. A block is in the region if one of its vertices is, which is enough for boxes larger
+/// than a cell.
 std::vector<std::int64_t> FindByForce(const SampleVolume<std::uint8_t>& volume,
   const std::vector<double>& isovalues, bool closed, const std::array<double, 6>* bounds)
 {
   const BlockGrid grid(volume.GetDimensions(), BlockSize);
+  auto blocks = FindBlocksByForce(volume, grid, isovalues, closed);
+  if (!bounds)
+  {
+    return blocks;
+  }
   const GridGeometry geometry = MakeGeometry(volume.GetDimensions());
-  std::vector<std::int64_t> blocks;
-  for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
+  const auto isOutside = [&](std::int64_t block)
   {
-    const VertexBox box = grid.GetVertices(block);
-    bool isActive = false;
-    bool isWithin = bounds == nullptr;
-    for (const double isovalue : isovalues)
-    {
-      bool inside = false;
-      bool outside = false;
-      for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
+    bool isWithin = false;
+    VisitVertices(grid.GetVertices(block),
+      [&](const Index3& vertex)
       {
-        for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+        bool in = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
         {
-          for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-          {
-            (volume.At(i, j, k) >= isovalue ? inside : outside) = true;
-            const Index3 vertex{ i, j, k };
-            bool in = bounds != nullptr;
-            for (std::size_t axis = 0; in && axis < 3; ++axis)
-            {
-              const double place = geometry.Origin[axis] +
-                geometry.Spacing[axis] *
-                  static_cast<double>(vertex[axis] + geometry.Extent[2 * axis]);
-              in = place >= (*bounds)[2 * axis] && place <= (*bounds)[2 * axis + 1];
-            }
-            isWithin = isWithin || in;
-          }
+          const double place = geometry.Origin[axis] +
+            geometry.Spacing[axis] * static_cast<double>(vertex[axis] + geometry.Extent[2 * axis]);
+          in = in && place >= (*bounds)[2 * axis] && place <= (*bounds)[2 * axis + 1];
         }
-      }
-      bool atBorder = false;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        atBorder = atBorder || box.Low[axis] == 0 || box.High[axis] == volume.GetDimensions()[axis];
-      }
-      isActive = isActive || (inside && (outside || (closed && atBorder)));
-    }
-    if (isActive && isWithin)
-    {
-      blocks.push_back(block);
-    }
-  }
-  return blocks;
-}
-
-std::vector<std::int64_t> GetSortedBlocks(const std::vector<BlockReference>& references)
-{
-  std::vector<std::int64_t> blocks;
-  for (const BlockReference& reference : references)
-  {
-    blocks.push_back(reference.Block);
-  }
-  std::sort(blocks.begin(), blocks.end());
+        isWithin = isWithin || in;
+      });
+    return !isWithin;
+  };
+  blocks.erase(std::remove_if(blocks.begin(), blocks.end(), isOutside), blocks.end());
   return blocks;
 }
 
@@ -110,7 +81,6 @@ TEST(BlockedVolumeSelection, BlocksEqualBruteForceForAnyNumberOfRanks)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(BlockSize, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   const std::array<double, 6> bounds{ 0.1, 15.0, 10.0, 30.5, 12380.0, 12420.0 };
   for (const std::vector<double>& isovalues :
     { std::vector<double>{ 50.0 }, { 2.0 }, { 3.0, 90.0 }, { 0.0 }, { 200.0 }, { -1e30, 1e30 } })
@@ -129,13 +99,12 @@ TEST(BlockedVolumeSelection, BlocksEqualBruteForceForAnyNumberOfRanks)
           for (int rank = 0; rank < ranks; ++rank)
           {
             QueryStatistics statistics;
-            const auto mine = FindActiveBlocks(
-              *opened, { { 0, 0, isovalues, selection }, rank, ranks }, statistics);
-            ASSERT_TRUE(mine.IsOk()) << mine.GetStatus().GetMessage();
-            EXPECT_EQ(statistics.ActiveBlocks, mine->size());
-            all.insert(all.end(), mine->begin(), mine->end());
+            const auto mine = Require(FindActiveBlocks(
+              *opened, { { 0, 0, isovalues, selection }, rank, ranks }, statistics));
+            EXPECT_EQ(statistics.ActiveBlocks, mine.size());
+            all.insert(all.end(), mine.begin(), mine.end());
           }
-          EXPECT_EQ(GetSortedBlocks(all), expected);
+          EXPECT_EQ(SortBlocks(all), expected);
         }
       }
     }
@@ -148,22 +117,19 @@ TEST(BlockedVolumeSelection, BlocksOutsideOfTheRegionAreNotRead)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(BlockSize, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   const std::array<double, 6> bounds{ 0.1, 5.0, 10.0, 20.5, 12370.0, 12400.0 };
   BlockSelection selection;
   selection.Region = Region::FromBounds(bounds);
   QueryStatistics statistics;
-  auto active = FindActiveBlocks(*opened, { { 0, 0, { 50.0 }, selection } }, statistics);
-  ASSERT_TRUE(active.IsOk());
-  StoredBlockSource source(*opened, 0, 0, 0, *active);
+  auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { 50.0 }, selection } }, statistics));
+  StoredBlockSource source(*opened, 0, 0, 0, active);
   ContourRequest request;
   request.Isovalues = { 50.0 };
-  const auto surface = ExtractSurface(opened->GetHeader().Grid, source, request, 2);
-  ASSERT_TRUE(surface.IsOk());
+  const auto surface = Require(ExtractSurface(opened->GetHeader().Grid, source, request, 2));
   const auto inRegion = FindByForce(volume, { 50.0 }, false, &bounds).size();
   EXPECT_EQ(source.GetStatistics().BlocksRead, inRegion);
   EXPECT_LT(inRegion, FindByForce(volume, { 50.0 }, false, nullptr).size());
-  EXPECT_GT(surface->NumberOfTriangles, 0u);
+  EXPECT_GT(surface.NumberOfTriangles, 0u);
 }
 
 TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
@@ -172,7 +138,6 @@ TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(BlockSize, 3));
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   BlockSelection selection;
   selection.ClosedSides = GridSides::All();
   ContourRequest request;
@@ -186,20 +151,18 @@ TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
     for (int rank = 0; rank < 3; ++rank)
     {
       QueryStatistics statistics;
-      auto active = FindActiveBlocks(
-        *opened, { { 0, 0, request.Isovalues, selection }, rank, 3 }, statistics, level);
-      ASSERT_TRUE(active.IsOk());
-      StoredBlockSource source(*opened, 0, 0, level, *active);
+      auto active = Require(FindActiveBlocks(
+        *opened, { { 0, 0, request.Isovalues, selection }, rank, 3 }, statistics, level));
+      StoredBlockSource source(*opened, 0, 0, level, active);
       const auto surface =
-        ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 1);
-      ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-      for (std::size_t corner = 0; corner < 3 * surface->NumberOfTriangles; ++corner)
+        Require(ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 1));
+      for (std::size_t corner = 0; corner < 3 * surface.NumberOfTriangles; ++corner)
       {
         const std::size_t next = corner % 3 == 2 ? corner - 2 : corner + 1;
         const std::int64_t from =
-          surface->GlobalIds[static_cast<std::size_t>(surface->Connectivity[corner])];
+          surface.GlobalIds[static_cast<std::size_t>(surface.Connectivity[corner])];
         const std::int64_t to =
-          surface->GlobalIds[static_cast<std::size_t>(surface->Connectivity[next])];
+          surface.GlobalIds[static_cast<std::size_t>(surface.Connectivity[next])];
         sides[std::minmax(from, to)] += from < to ? 1 : -1;
       }
     }
@@ -216,10 +179,8 @@ TEST(BlockedVolumeSelection, AdjacentArraysOfABlockAreReadByOneRead)
   MemoryDisk disk;
   WriteThreeArrays(disk, volume);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto share = opened->ListBlocks(0, statistics);
-  ASSERT_TRUE(share.IsOk());
+  const auto share = Require(opened->ListBlocks(0, statistics));
   std::size_t block = 0;
   for (const auto& [arrays, cached, reads] :
     { std::tuple<std::vector<std::size_t>, std::vector<std::size_t>, std::uint64_t>{
@@ -227,26 +188,24 @@ TEST(BlockedVolumeSelection, AdjacentArraysOfABlockAreReadByOneRead)
       { { 2, 0, 1 }, {}, 2 }, { { 0, 2 }, {}, 2 }, { { 0, 1, 2 }, { 1 }, 2 },
       { { 0, 1, 2 }, { 0, 1, 2 }, 0 } })
   {
-    const BlockReference& reference = (*share)[block++];
+    const BlockReference& reference = share[block++];
     for (const std::size_t array : cached)
     {
       ASSERT_TRUE(opened->ReadBlock(reference, 0, array, 0, statistics).IsOk());
     }
     QueryStatistics cost;
     const std::uint64_t before = disk.GetReads();
-    const auto together = opened->ReadVariables(reference, 0, arrays, 0, cost);
-    ASSERT_TRUE(together.IsOk());
+    const auto together = Require(opened->ReadVariables(reference, 0, arrays, 0, cost));
     EXPECT_EQ(cost.BlocksRead, reads);
     EXPECT_LE(disk.GetReads() - before, reads + 1); // one page of the directory
     EXPECT_EQ(cost.BlockCacheHits, cached.size());
     const auto fresh = OpenVolume(disk);
     for (std::size_t n = 0; n < arrays.size(); ++n)
     {
-      const auto alone = fresh->ReadBlock(reference, 0, arrays[n], 0, statistics);
-      ASSERT_TRUE(alone.IsOk());
-      ASSERT_EQ((*alone)->Bytes.GetSize(), (*together)[n]->Bytes.GetSize());
-      EXPECT_EQ(std::memcmp((*alone)->Bytes.GetData(), (*together)[n]->Bytes.GetData(),
-                  (*alone)->Bytes.GetSize()),
+      const auto alone = Require(fresh->ReadBlock(reference, 0, arrays[n], 0, statistics));
+      ASSERT_EQ(alone->Bytes.GetSize(), together[n]->Bytes.GetSize());
+      EXPECT_EQ(
+        std::memcmp(alone->Bytes.GetData(), together[n]->Bytes.GetData(), alone->Bytes.GetSize()),
         0);
     }
   }
@@ -258,30 +217,27 @@ TEST(BlockedVolumeSelection, InterpolatedArraysOfTheContouredOneHaveTheIsovalue)
   MemoryDisk disk;
   WriteThreeArrays(disk, volume);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
   for (const int level : { 0, 1 })
   {
-    auto active = FindActiveBlocks(*opened, { { 0, 0, { 30.25 } } }, statistics, level);
-    ASSERT_TRUE(active.IsOk());
-    StoredBlockSource source(*opened, 0, 0, level, *active);
+    auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { 30.25 } } }, statistics, level));
+    StoredBlockSource source(*opened, 0, 0, level, active);
     source.SetAttributes({ 2, 1 });
     ContourRequest request;
     request.Isovalues = { 30.25 };
     request.Attributes = { { ValueType::Float32, 1 }, { ValueType::UInt16, 1 } };
     const auto surface =
-      ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 2);
-    ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-    ASSERT_GT(surface->NumberOfPoints, 0u);
-    const auto* negative = reinterpret_cast<const float*>(surface->Attributes[0].Bytes.GetData());
-    const auto* twice = reinterpret_cast<const float*>(surface->Attributes[1].Bytes.GetData());
-    for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
+      Require(ExtractSurface(opened->GetHeader().Grid.Coarsen(level), source, request, 2));
+    ASSERT_GT(surface.NumberOfPoints, 0u);
+    const auto* negative = reinterpret_cast<const float*>(surface.Attributes[0].Bytes.GetData());
+    const auto* twice = reinterpret_cast<const float*>(surface.Attributes[1].Bytes.GetData());
+    for (std::size_t point = 0; point < surface.NumberOfPoints; ++point)
     {
       ASSERT_NEAR(negative[point], -30.25f, 1e-4f);
       ASSERT_NEAR(twice[point], 60.5f, 1e-4f);
     }
     // Both further arrays follow each other, but are asked for in the other order.
-    EXPECT_LE(source.GetStatistics().BlocksRead, 3 * active->size());
+    EXPECT_LE(source.GetStatistics().BlocksRead, 3 * active.size());
   }
 }
 
@@ -291,11 +247,9 @@ TEST(BlockedVolumeSelection, MissingFurtherArrayIsAnError)
   MemoryDisk disk;
   WriteThreeArrays(disk, volume);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   QueryStatistics statistics;
-  const auto active = FindActiveBlocks(*opened, { { 0, 0, { 30.25 } } }, statistics);
-  ASSERT_TRUE(active.IsOk());
-  StoredBlockSource source(*opened, 0, 0, 0, *active);
+  const auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { 30.25 } } }, statistics));
+  StoredBlockSource source(*opened, 0, 0, 0, active);
   source.SetAttributes({ 5 });
   ContourRequest request;
   request.Isovalues = { 30.25 };

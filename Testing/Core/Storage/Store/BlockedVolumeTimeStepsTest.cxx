@@ -37,7 +37,6 @@ void AppendStep(FileSystem& disk, unsigned step, int ranks = 1)
 void ExpectSteps(FileSystem& disk, unsigned count)
 {
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   ASSERT_EQ(opened->GetHeader().TimeSteps.size(), count);
   for (unsigned step = 0; step < count; ++step)
   {
@@ -46,20 +45,7 @@ void ExpectSteps(FileSystem& disk, unsigned count)
     QueryStatistics statistics;
     for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
     {
-      const auto blocks = opened->ListBlocks(step, statistics, level);
-      ASSERT_TRUE(blocks.IsOk()) << blocks.GetStatus().GetMessage();
-      for (const BlockReference& reference : *blocks)
-      {
-        const auto block = opened->ReadBlock(reference, step, 0, level, statistics);
-        ASSERT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
-        const SampleView& view = (*block)->View;
-        for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
-        {
-          const Index3 vertex = { i, view.Box.Low[1], view.Box.High[2] - 1 };
-          ASSERT_EQ(*view.At<std::uint16_t>(vertex),
-            volume.At(i << level, vertex[1] << level, vertex[2] << level));
-        }
-      }
+      ExpectReadsBack(*opened, volume, level, statistics, 0, step);
       const auto spectrum = opened->GetSpectrum(step, 0, level);
       ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
     }
@@ -191,12 +177,10 @@ TEST(BlockedVolumeTimeSteps, OfAnOpenVolumeStayReadableWhenAnotherIsAppended)
   MemoryDisk disk;
   AppendStep(disk, 0);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
   AppendStep(disk, 1);
   QueryStatistics statistics;
-  const auto active = FindActiveBlocks(*opened, { { 0, 0, { 40.0 } } }, statistics);
-  ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
-  EXPECT_FALSE(active->empty());
+  const auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { 40.0 } } }, statistics));
+  EXPECT_FALSE(active.empty());
 }
 
 TEST(BlockedVolumeTimeSteps, StayWhenALaterOneFailsAtAnyWrite)

@@ -17,7 +17,6 @@ protected:
   {
     WriteVolumeOk(this->Disk, MakeVolume<std::uint8_t>({ 200, 150, 130 }), MakeSettings(16, 2), 1);
     this->Opened = OpenVolume(this->Disk);
-    ASSERT_NE(this->Opened, nullptr);
   }
 
   /// Acquires all active blocks; returns the requests to the disk.

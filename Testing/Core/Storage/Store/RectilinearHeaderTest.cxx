@@ -2,6 +2,7 @@
 // Headers of volumes on rectilinear grids.
 #include "Storage/Store/BlockedVolumeHeader.h"
 
+#include "Fixtures/Require.h"
 #include "Storage/Store/JsonDocument.h"
 
 #include <gtest/gtest.h>
@@ -57,11 +58,10 @@ void ExpectRefused(const Json& document, const char* part)
 TEST(RectilinearHeader, KeepsTheCoordinatesOfARectilinearGridExactly)
 {
   const BlockedVolumeHeader header = MakeLinedHeader();
-  const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
-  ASSERT_TRUE(parsed.IsOk()) << parsed.GetStatus().GetMessage();
-  ASSERT_TRUE(parsed->Lines);
-  EXPECT_EQ(parsed->Lines->Coordinates, header.Lines->Coordinates);
-  EXPECT_EQ(parsed->Format(), header.Format());
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  ASSERT_TRUE(parsed.Lines);
+  EXPECT_EQ(parsed.Lines->Coordinates, header.Lines->Coordinates);
+  EXPECT_EQ(parsed.Format(), header.Format());
   BlockedVolumeHeader regular = header;
   regular.Lines.reset();
   EXPECT_EQ(regular.Format().find("coordinates"), std::string::npos);

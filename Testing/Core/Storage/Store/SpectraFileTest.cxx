@@ -124,14 +124,13 @@ TEST(PackedCounts, RefuseNumbersThatDoNotFit)
 
 TEST_F(SpectraFileOnDisk, HasTheSpectraThatWereWritten)
 {
-  const auto file = SpectraFile::Open(this->Disk, Path, Identity, 2, 3);
-  ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
+  const auto file = Require(SpectraFile::Open(this->Disk, Path, Identity, 2, 3));
   for (std::size_t array = 0; array < 2; ++array)
   {
-    ExpectEqual((*file)->ReadTotal(array), this->Spectra[array]);
+    ExpectEqual(file->ReadTotal(array), this->Spectra[array]);
     for (std::size_t store = 0; store < 3; ++store)
     {
-      ExpectEqual((*file)->ReadStore(array, store), this->Spectra[2 + 2 * store + array]);
+      ExpectEqual(file->ReadStore(array, store), this->Spectra[2 + 2 * store + array]);
     }
   }
 }

@@ -37,9 +37,8 @@ protected:
         piece.Arrays.push_back(volume.GetView());
       }
       settings.Time = step;
-      const auto written = writer.Write(VolumePath, MakeGeometry(Size),
-        { { "density", ValueType::UInt8 }, { "pair", ValueType::UInt8, 2 } }, piece, settings);
-      ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+      const auto written = Require(writer.Write(VolumePath, MakeGeometry(Size),
+        { { "density", ValueType::UInt8 }, { "pair", ValueType::UInt8, 2 } }, piece, settings));
     }
     ASSERT_EQ(this->Query(), "");
     ASSERT_EQ(this->Verify(), "");

@@ -68,28 +68,15 @@ protected:
   bool Holds(const SampleVolume<std::uint8_t>& volume, std::size_t step = 0)
   {
     const auto opened =
-      BlockedVolume::Open(this->Path, this->Files, std::make_shared<BlockCache>(1 << 20));
-    EXPECT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
+      Require(BlockedVolume::Open(this->Path, this->Files, std::make_shared<BlockCache>(1 << 20)));
     QueryStatistics statistics;
-    const auto blocks = (*opened)->ListBlocks(step, statistics);
-    bool equal = blocks.IsOk();
-    for (std::size_t index = 0; equal && index < blocks->size(); ++index)
+    bool equal = true;
+    for (const BlockReference& reference : Require(opened->ListBlocks(step, statistics)))
     {
-      const auto block = (*opened)->ReadBlock((*blocks)[index], step, 0, 0, statistics);
-      EXPECT_TRUE(block.IsOk()) << block.GetStatus().GetMessage();
-      if (!block.IsOk())
-      {
-        return false;
-      }
-      const SampleView& view = (*block)->View;
-      for (std::int64_t k = view.Box.Low[2]; equal && k < view.Box.High[2]; ++k)
-      {
-        for (std::int64_t i = view.Box.Low[0]; equal && i < view.Box.High[0]; ++i)
-        {
-          equal =
-            *view.At<std::uint8_t>({ i, view.Box.Low[1], k }) == volume.At(i, view.Box.Low[1], k);
-        }
-      }
+      const auto block = Require(opened->ReadBlock(reference, step, 0, 0, statistics));
+      VisitVertices(block->View.Box,
+        [&](const Index3& vertex)
+        { equal = equal && *block->View.At<std::uint8_t>(vertex) == volume.At(vertex); });
     }
     return equal;
   }
@@ -183,11 +170,10 @@ TEST_F(BlockedVolumeCrash, LeavesAllTimeStepsWheneverAnAppendIsKilled)
     const int outcome = Wait(child);
     ASSERT_TRUE(outcome == 0 || outcome == -SIGKILL);
     killed += outcome == -SIGKILL ? 1 : 0;
-    const auto header = BlockedVolumeHeader::Read(this->Files, this->Path);
-    ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
-    ASSERT_TRUE(header->TimeSteps.size() == steps || header->TimeSteps.size() == steps + 1);
-    ASSERT_TRUE(outcome != 0 || header->TimeSteps.size() == steps + 1);
-    steps = header->TimeSteps.size();
+    const auto header = Require(BlockedVolumeHeader::Read(this->Files, this->Path));
+    ASSERT_TRUE(header.TimeSteps.size() == steps || header.TimeSteps.size() == steps + 1);
+    ASSERT_TRUE(outcome != 0 || header.TimeSteps.size() == steps + 1);
+    steps = header.TimeSteps.size();
     ASSERT_TRUE(this->Holds(first, 0)) << "after turn " << turn;
     ASSERT_TRUE(this->Holds(later, steps - 1)) << "after turn " << turn;
   }
@@ -342,15 +328,14 @@ TEST_F(BlockedVolumeCrash, KeepsItsMemoryWithinTheLimit)
   const std::string samples = this->Folder + "/samples.raw";
   {
     std::vector<std::uint8_t> slice(static_cast<std::size_t>(size[0] * size[1]));
-    auto file = this->Files.CreateForWriting(samples);
-    ASSERT_TRUE(file.IsOk());
+    auto file = Require(this->Files.CreateForWriting(samples));
     for (std::int64_t k = 0; k < size[2]; ++k)
     {
       for (std::size_t at = 0; at < slice.size(); ++at)
       {
         slice[at] = static_cast<std::uint8_t>((at / 64 + static_cast<std::size_t>(k)) / 8);
       }
-      ASSERT_TRUE((*file)->Append(slice.data(), slice.size()).IsOk());
+      ASSERT_TRUE(file->Append(slice.data(), slice.size()).IsOk());
     }
   }
   RawVolume raw;

@@ -41,22 +41,13 @@ bool IsReadable(MemoryDisk& disk, const SampleVolume<T>& volume)
 {
   const auto opened = OpenVolume(disk);
   QueryStatistics statistics;
-  const auto blocks = opened->ListBlocks(0, statistics);
-  bool equal = blocks.IsOk();
-  for (std::size_t index = 0; equal && index < blocks->size(); ++index)
+  bool equal = true;
+  for (const BlockReference& reference : Require(opened->ListBlocks(0, statistics)))
   {
-    const auto block = opened->ReadBlock((*blocks)[index], 0, 0, 0, statistics);
-    equal = block.IsOk();
-    if (equal)
-    {
-      const SampleView& view = (*block)->View;
-      for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
-      {
-        equal = equal &&
-          *view.At<T>({ i, view.Box.Low[1], view.Box.Low[2] }) ==
-            volume.At(i, view.Box.Low[1], view.Box.Low[2]);
-      }
-    }
+    const auto block = Require(opened->ReadBlock(reference, 0, 0, 0, statistics));
+    VisitVertices(block->View.Box,
+      [&](const Index3& vertex)
+      { equal = equal && *block->View.At<T>(vertex) == volume.At(vertex); });
   }
   return equal;
 }
@@ -139,40 +130,36 @@ TEST(BlockedVolumeWriter, WritesTheSpectrumOfTheWholeVolumeAndOfEachStore)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 4), 3);
   const auto opened = OpenVolume(disk);
-  ASSERT_NE(opened, nullptr);
-  const auto total = opened->GetSpectrum(0, 0);
-  ASSERT_TRUE(total.IsOk()) << total.GetStatus().GetMessage();
-  BlockWorkload whole((*total)->Bins);
+  const auto total = Require(opened->GetSpectrum(0, 0));
+  BlockWorkload whole(total->Bins);
   whole.Count(volume.GetView());
-  WorkloadSpectrum expected((*total)->Bins);
+  WorkloadSpectrum expected(total->Bins);
   whole.MoveTo(expected);
-  EXPECT_EQ((*total)->Triangles, expected.Triangles);
-  EXPECT_EQ((*total)->ActiveCells, expected.ActiveCells);
-  BlockMeasure measure((*total)->Bins, MakeGeometry(volume.GetDimensions()));
+  EXPECT_EQ(total->Triangles, expected.Triangles);
+  EXPECT_EQ(total->ActiveCells, expected.ActiveCells);
+  BlockMeasure measure(total->Bins, MakeGeometry(volume.GetDimensions()));
   measure.Count(volume.GetView());
-  MeasureSums sums((*total)->Bins);
+  MeasureSums sums(total->Bins);
   measure.MoveTo(sums);
   sums.SetMeasures(expected);
   for (std::size_t bin = 0; bin < expected.Area.size(); ++bin)
   {
     // Each store's numbers are rounded.
+    EXPECT_NEAR(static_cast<double>(total->Area[bin]), static_cast<double>(expected.Area[bin]), 4);
     EXPECT_NEAR(
-      static_cast<double>((*total)->Area[bin]), static_cast<double>(expected.Area[bin]), 4);
-    EXPECT_NEAR(
-      static_cast<double>((*total)->Volume[bin]), static_cast<double>(expected.Volume[bin]), 4);
+      static_cast<double>(total->Volume[bin]), static_cast<double>(expected.Volume[bin]), 4);
   }
-  WorkloadSpectrum sum((*total)->Bins);
+  WorkloadSpectrum sum(total->Bins);
   for (std::uint32_t store = 0; store < 4; ++store)
   {
-    const auto spectrum = opened->GetStoreSpectrum(0, 0, store);
-    ASSERT_TRUE(spectrum.IsOk());
-    EXPECT_TRUE(sum.Add(**spectrum));
+    const auto spectrum = Require(opened->GetStoreSpectrum(0, 0, store));
+    EXPECT_TRUE(sum.Add(*spectrum));
   }
   for (std::size_t quantity = 0; quantity < WorkloadSpectrum::NumberOfQuantities; ++quantity)
   {
-    EXPECT_EQ(*sum.GetQuantities()[quantity], *(*total)->GetQuantities()[quantity]) << quantity;
+    EXPECT_EQ(*sum.GetQuantities()[quantity], *total->GetQuantities()[quantity]) << quantity;
   }
-  EXPECT_EQ(sum.AreaUnit, (*total)->AreaUnit);
+  EXPECT_EQ(sum.AreaUnit, total->AreaUnit);
   EXPECT_FALSE(opened->GetStoreSpectrum(0, 0, 4).IsOk());
   EXPECT_FALSE(opened->GetSpectrum(1, 0).IsOk());
 }
@@ -187,22 +174,20 @@ TEST(BlockedVolumeWriter, WritesTheBlocksAndBytesThatAQueryReads)
     WriteVolumeOk(disk, MakeVolume<float>({ 60, 44, 37 }), settings, 2);
     for (std::uint32_t store = 0; store < 3; ++store)
     {
-      const auto spectrum = OpenVolume(disk)->GetStoreSpectrum(0, 0, store);
-      ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
-      for (std::size_t bin = 0; bin < (*spectrum)->Bins.Count; bin += 97)
+      const auto spectrum = Require(OpenVolume(disk)->GetStoreSpectrum(0, 0, store));
+      for (std::size_t bin = 0; bin < spectrum->Bins.Count; bin += 97)
       {
         // A rank of three reads one of three stores.
         const auto opened = OpenVolume(disk);
         QueryStatistics statistics;
-        const auto active = FindActiveBlocks(*opened,
-          { { 0, 0, { (*spectrum)->Bins.GetEdge(bin) } }, static_cast<int>(store), 3 }, statistics);
-        ASSERT_TRUE(active.IsOk());
-        for (const BlockReference& block : *active)
+        const auto active = Require(FindActiveBlocks(*opened,
+          { { 0, 0, { spectrum->Bins.GetEdge(bin) } }, static_cast<int>(store), 3 }, statistics));
+        for (const BlockReference& block : active)
         {
           ASSERT_TRUE(opened->ReadBlock(block, 0, 0, 0, statistics).IsOk());
         }
-        EXPECT_EQ((*spectrum)->ActiveBlocks[bin], statistics.ActiveBlocks);
-        EXPECT_EQ((*spectrum)->Bytes[bin], statistics.BytesRead);
+        EXPECT_EQ(spectrum->ActiveBlocks[bin], statistics.ActiveBlocks);
+        EXPECT_EQ(spectrum->Bytes[bin], statistics.BytesRead);
       }
     }
   }
@@ -439,16 +424,13 @@ TEST(BlockedVolumeWriter, WritesToTheLocalDisk)
   ASSERT_TRUE(files.MakeDirectories(folder).IsOk());
   const auto volume = MakeVolume<std::uint16_t>({ 40, 30, 20 });
   SerialCommunicator serial;
-  const auto written = BlockedVolumeWriter(serial).Write(folder + "/a.bvol",
+  const auto written = Require(BlockedVolumeWriter(serial).Write(folder + "/a.bvol",
     MakeGeometry(volume.GetDimensions()), { { "a", ValueType::UInt16 } },
-    { { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, MakeSettings(16, 2));
-  ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
-  const auto opened = BlockedVolume::Open(folder + "/a.bvol");
-  ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
+    { { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } }, MakeSettings(16, 2)));
+  const auto opened = Require(BlockedVolume::Open(folder + "/a.bvol"));
   QueryStatistics statistics;
-  const auto active = FindActiveBlocks(**opened, { { 0, 0, { 50 } } }, statistics);
-  ASSERT_TRUE(active.IsOk()) << active.GetStatus().GetMessage();
-  ASSERT_FALSE(active->empty());
-  EXPECT_TRUE((*opened)->ReadBlock((*active)[0], 0, 0, 0, statistics).IsOk());
+  const auto active = Require(FindActiveBlocks(*opened, { { 0, 0, { 50 } } }, statistics));
+  ASSERT_FALSE(active.empty());
+  EXPECT_TRUE(opened->ReadBlock(active[0], 0, 0, 0, statistics).IsOk());
   ASSERT_TRUE(files.RemoveAll(folder).IsOk());
 }

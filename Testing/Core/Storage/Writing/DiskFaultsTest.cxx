@@ -85,11 +85,7 @@ protected:
       SerialCommunicator alone; // in this thread, which may be that of a forked process
       return { body(alone) };
     }
-    std::vector<Status> statuses(static_cast<std::size_t>(ranks));
-    ThreadCommunicator::Run(ranks,
-      [&](Communicator& communicator)
-      { statuses[static_cast<std::size_t>(communicator.GetRank())] = body(communicator); });
-    return statuses;
+    return ThreadCommunicator::Collect(ranks, body);
   }
 
   std::vector<Status> Write(const Samples& samples, int ranks, std::optional<double> time = {})
@@ -274,10 +270,8 @@ protected:
   void Look(bool isDone)
   {
     EXPECT_EQ(this->Verify(), "");
-    const auto triangles = this->CountTriangles();
-    ASSERT_TRUE(triangles.IsOk()) << triangles.GetStatus().GetMessage();
-    EXPECT_TRUE(
-      *triangles == this->TrianglesOfNew || (!isDone && *triangles == this->TrianglesOfOld))
+    const auto triangles = Require(this->CountTriangles());
+    EXPECT_TRUE(triangles == this->TrianglesOfNew || (!isDone && triangles == this->TrianglesOfOld))
       << "neither the old volume nor the new one";
     this->Restore();
     EXPECT_EQ(*this->CountTriangles(), this->TrianglesOfOld);
@@ -314,9 +308,8 @@ TEST_F(DiskFaultsAtEveryOperation, OfAppendingLeaveAllTimeStepsBefore)
     const std::size_t now = this->CountSteps();
     EXPECT_TRUE(now == steps + 1 || (!isDone && now == steps)) << now;
     EXPECT_EQ(this->Verify(), "");
-    const auto ofFirst = this->CountTriangles();
-    ASSERT_TRUE(ofFirst.IsOk()) << ofFirst.GetStatus().GetMessage();
-    EXPECT_EQ(*ofFirst, triangles);
+    const auto ofFirst = Require(this->CountTriangles());
+    EXPECT_EQ(ofFirst, triangles);
     steps = now;
     if (steps > 3)
     {
@@ -379,8 +372,7 @@ TEST_F(DiskFaultsAtEveryOperation, OfQueriesAreToldAndPass)
     [&](bool isDone)
     {
       EXPECT_TRUE(!isDone || found == triangles);
-      const auto again = this->CountTriangles();
-      ASSERT_TRUE(again.IsOk()) << again.GetStatus().GetMessage();
-      EXPECT_EQ(*again, triangles);
+      const auto again = Require(this->CountTriangles());
+      EXPECT_EQ(again, triangles);
     });
 }

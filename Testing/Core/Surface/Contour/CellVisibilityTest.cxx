@@ -102,15 +102,6 @@ PlainSurface KeepUsed(PlainSurface surface)
   return surface;
 }
 
-ContourRequest MakeRequest(const std::vector<double>& isovalues)
-{
-  ContourRequest request;
-  request.Isovalues = isovalues;
-  request.Normals = true;
-  request.GlobalIds = true;
-  return request;
-}
-
 template <typename T>
 Surface ExtractBlanked(
   const SampleVolume<T>& volume, const Flags& flags, const ContourRequest& request, int threads)
@@ -146,7 +137,7 @@ void ExpectVisibleCellsAlone(const Index3& size, unsigned int seed)
   }
   for (const int threads : { 1, 3 })
   {
-    const Surface surface = ExtractBlanked(volume, flags, MakeRequest(isovalues), threads);
+    const Surface surface = ExtractBlanked(volume, flags, MakePlainRequest(isovalues), threads);
     EXPECT_EQ(MakePlain(surface).Triangles, expected.Triangles);
     EXPECT_TRUE(MakePlain(surface) == expected);
     EXPECT_EQ(KeepUsed(MakePlain(surface)).Points.size(), surface.NumberOfPoints);
@@ -189,22 +180,22 @@ TEST(CellVisibility, HiddenCellsAndVerticesHaveNoSurfaceAndNoInfluence)
 TEST(CellVisibility, FlagsOfOtherKindsHideNothing)
 {
   std::mt19937 random(5);
-  SampleVolume<float> volume({ 40, 20, 20 },
-    [&](std::int64_t, std::int64_t, std::int64_t) { return static_cast<double>(random() % 100); });
+  SampleVolume<float> volume(
+    { 40, 20, 20 }, [&](auto...) { return static_cast<double>(random() % 100); });
   Flags flags(volume.GetDimensions(), random);
   flags.Cells.assign(flags.Cells.size(), 1 | 2 | 4 | 16);
   flags.Vertices.assign(flags.Vertices.size(), 1);
-  const Surface surface = ExtractBlanked(volume, flags, MakeRequest({ 50 }), 1);
+  const Surface surface = ExtractBlanked(volume, flags, MakePlainRequest({ 50 }), 1);
   EXPECT_TRUE(MakePlain(surface) == ContourPlainly(volume, { 50 }));
 }
 
 TEST(CellVisibility, PolygonsOfVisibleCellsHaveTheirTriangles)
 {
   std::mt19937 random(6);
-  SampleVolume<float> volume({ 40, 35, 20 },
-    [&](std::int64_t, std::int64_t, std::int64_t) { return static_cast<double>(random() % 100); });
+  SampleVolume<float> volume(
+    { 40, 35, 20 }, [&](auto...) { return static_cast<double>(random() % 100); });
   const Flags flags(volume.GetDimensions(), random);
-  ContourRequest request = MakeRequest({ 50 });
+  ContourRequest request = MakePlainRequest({ 50 });
   const Surface triangles = ExtractBlanked(volume, flags, request, 2);
   request.Polygons = true;
   const Surface polygons = ExtractBlanked(volume, flags, request, 2);
@@ -228,10 +219,10 @@ TEST(CellVisibility, PolygonsOfVisibleCellsHaveTheirTriangles)
 TEST(CellVisibility, HiddenCellsMeetDroppedDegenerateTriangles)
 {
   std::mt19937 random(7);
-  SampleVolume<std::uint8_t> volume({ 40, 35, 20 },
-    [&](std::int64_t, std::int64_t, std::int64_t) { return static_cast<double>(random() % 5); });
+  SampleVolume<std::uint8_t> volume(
+    { 40, 35, 20 }, [&](auto...) { return static_cast<double>(random() % 5); });
   const Flags flags(volume.GetDimensions(), random);
-  ContourRequest request = MakeRequest({ 2 });
+  ContourRequest request = MakePlainRequest({ 2 });
   const TriangleSet all = MakeTriangleSet(MakePlain(ExtractBlanked(volume, flags, request, 2)));
   request.DropDegenerateTriangles = true;
   const TriangleSet kept = MakeTriangleSet(MakePlain(ExtractBlanked(volume, flags, request, 2)));
@@ -241,13 +232,12 @@ TEST(CellVisibility, HiddenCellsMeetDroppedDegenerateTriangles)
 
 TEST(CellVisibility, CapsEndWhereCellsOfTheSideAreHidden)
 {
-  const SampleVolume<float> volume(
-    { 6, 6, 6 }, [](std::int64_t, std::int64_t, std::int64_t) { return 1.0; });
+  const SampleVolume<float> volume({ 6, 6, 6 }, [](auto...) { return 1.0; });
   std::mt19937 random(8);
   Flags flags(volume.GetDimensions(), random);
   flags.Cells.assign(flags.Cells.size(), 0);
   flags.Vertices.assign(flags.Vertices.size(), 0);
-  ContourRequest request = MakeRequest({ 0.5 });
+  ContourRequest request = MakePlainRequest({ 0.5 });
   request.ClosedSides = GridSides::All();
   const SampleView view = volume.GetView();
   const BlockRanges ranges = *BlockRanges::Compute(view, 1);
@@ -268,20 +258,19 @@ TEST(CellVisibility, CellsWithANotANumberAreLeftOutOnRequest)
   const SampleVolume<float> volume = MakeHoles({ 70, 35, 34 }, 9);
   const PlainContour<float> plain(
     volume, [&](const Index3& cell) { return HasNumbers(volume, cell); },
-    [&](const Index3& vertex) { return !std::isnan(volume.At(vertex[0], vertex[1], vertex[2])); });
+    [&](const Index3& vertex) { return !std::isnan(volume.At(vertex)); });
   PlainSurface expected;
   plain.Contour(50, 0, expected);
   for (const int blockSize : { 16, 32 })
   {
     TestBlockSource<float> source(volume, blockSize);
-    ContourRequest request = MakeRequest({ 50 });
+    ContourRequest request = MakePlainRequest({ 50 });
     request.SkipNotANumber = true;
-    const auto surface = ExtractSurface(volume.Geometry, source, request, 2);
-    ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-    EXPECT_TRUE(MakePlain(*surface) == expected) << blockSize;
-    for (std::size_t n = 0; n < 3 * surface->NumberOfPoints; ++n)
+    const auto surface = Require(ExtractSurface(volume.Geometry, source, request, 2));
+    EXPECT_TRUE(MakePlain(surface) == expected) << blockSize;
+    for (std::size_t n = 0; n < 3 * surface.NumberOfPoints; ++n)
     {
-      ASSERT_FALSE(std::isnan(surface->Points[n]) || std::isnan(surface->Normals[n]));
+      ASSERT_FALSE(std::isnan(surface.Points[n]) || std::isnan(surface.Normals[n]));
     }
     request.SkipNotANumber = false;
     const auto walls = ExtractSurface(volume.Geometry, source, request, 2);

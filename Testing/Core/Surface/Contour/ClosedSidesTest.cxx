@@ -15,12 +15,17 @@ namespace
 
 ContourRequest MakeRequest(std::vector<double> isovalues)
 {
-  ContourRequest request;
-  request.Isovalues = std::move(isovalues);
-  request.Normals = true;
-  request.GlobalIds = true;
+  ContourRequest request = MakePlainRequest(std::move(isovalues));
   request.ClosedSides = GridSides::All();
   return request;
+}
+
+template <typename T>
+std::vector<std::int64_t> FindClosedBlocks(
+  const SampleVolume<T>& volume, int blockSize, const ContourRequest& request)
+{
+  return FindBlocksByForce(
+    volume, BlockGrid(volume.GetDimensions(), blockSize), request.Isovalues, true);
 }
 
 /// The volume with a layer around it that is outside: how the oracle closes a surface.
@@ -34,37 +39,31 @@ SampleVolume<double> Pad(const SampleVolume<T>& volume)
   {
     padded.Geometry.Extent[side] = volume.Geometry.Extent[side] + (side % 2 == 0 ? -1 : 1);
   }
-  for (std::int64_t k = 0; k < size[2]; ++k)
-  {
-    for (std::int64_t j = 0; j < size[1]; ++j)
+  VisitVertices(VertexBox{ {}, size },
+    [&](const Index3& vertex)
     {
-      for (std::int64_t i = 0; i < size[0]; ++i)
-      {
-        padded.At(i + 1, j + 1, k + 1) = static_cast<double>(volume.At(i, j, k));
-      }
-    }
-  }
+      const auto [i, j, k] = vertex;
+      padded.At(i + 1, j + 1, k + 1) = static_cast<double>(volume.At(vertex));
+    });
   return padded;
 }
 
 template <typename T>
-Result<Surface> Extract(const SampleVolume<T>& volume, int blockSize, const ContourRequest& request,
-  const std::vector<std::int64_t>& blocks, int threads = 1)
+Surface Extract(
+  const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
 {
   TestBlockSource<T> source(volume, blockSize);
-  source.Blocks = blocks;
-  return ExtractSurface(volume.Geometry, source, request, threads);
+  source.Blocks = FindClosedBlocks(volume, blockSize, request);
+  return Require(ExtractSurface(volume.Geometry, source, request, threads));
 }
 
 template <typename T>
 PlainSurface ExtractPlain(
   const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
 {
-  const Result<Surface> surface = Extract(volume, blockSize, request,
-    FindBlocksByForce(volume, blockSize, request.Isovalues, true), threads);
-  EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-  PlainSurface plain = MakePlain(*surface);
-  EXPECT_EQ(plain.Points.size(), surface->NumberOfPoints) << "an id is there twice";
+  const Surface surface = Extract(volume, blockSize, request, threads);
+  PlainSurface plain = MakePlain(surface);
+  EXPECT_EQ(plain.Points.size(), surface.NumberOfPoints) << "an id is there twice";
   return plain;
 }
 
@@ -222,22 +221,8 @@ TEST(ClosedSides, UnionOfRanksEqualsOneRank)
     const int blockSize = 1 + trial % 4;
     ContourRequest request = MakeRequest({ 2.0, 2.5 });
     request.DropDegenerateTriangles = trial % 2 == 0;
-    std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(2 + trial % 3));
-    for (const std::int64_t block : FindBlocksByForce(volume, blockSize, request.Isovalues, true))
-    {
-      pieces[random() % pieces.size()].push_back(block);
-    }
-    std::vector<PlainSurface> ranks;
-    for (const auto& piece : pieces)
-    {
-      const Result<Surface> surface = Extract(volume, blockSize, request, piece, 2);
-      ASSERT_TRUE(surface.IsOk());
-      ranks.push_back(MakePlain(*surface));
-      ASSERT_EQ(ranks.back().Points.size(), surface->NumberOfPoints);
-    }
-    bool agree = true;
-    const PlainSurface united = UniteRanks(ranks, agree);
-    EXPECT_TRUE(agree) << "two ranks disagree on a point";
+    const PlainSurface united = UniteRanks(ExtractPieces(volume, blockSize, request,
+      FindClosedBlocks(volume, blockSize, request), 2 + trial % 3, random));
     EXPECT_TRUE(united == ExtractPlain(volume, blockSize, request));
     EXPECT_TRUE(IsClosed(united));
   }
@@ -249,18 +234,16 @@ TEST(ClosedSides, CapsOfPolygonsCloseTheSurface)
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 20, 9, 8 }, 100);
   ContourRequest request = MakeRequest({ 50.5 });
   request.Polygons = true;
-  const Result<Surface> surface =
-    Extract(volume, 16, request, FindBlocksByForce(volume, 16, request.Isovalues, true), 1);
-  ASSERT_TRUE(surface.IsOk());
+  const Surface surface = Extract(volume, 16, request);
   std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
-  for (std::size_t cell = 0; cell < surface->NumberOfCells; ++cell)
+  for (std::size_t cell = 0; cell < surface.NumberOfCells; ++cell)
   {
-    const auto begin = static_cast<std::size_t>(surface->Offsets[cell]);
-    const auto end = static_cast<std::size_t>(surface->Offsets[cell + 1]);
+    const auto begin = static_cast<std::size_t>(surface.Offsets[cell]);
+    const auto end = static_cast<std::size_t>(surface.Offsets[cell + 1]);
     for (std::size_t n = begin; n < end; ++n)
     {
-      const std::int64_t from = surface->Connectivity[n];
-      const std::int64_t to = surface->Connectivity[n + 1 == end ? begin : n + 1];
+      const std::int64_t from = surface.Connectivity[n];
+      const std::int64_t to = surface.Connectivity[n + 1 == end ? begin : n + 1];
       sides[std::minmax(from, to)] += from < to ? 1 : -1;
     }
   }
@@ -293,14 +276,13 @@ TEST(ClosedSides, AttributesOfCapsAreThoseOfTheBorder)
     GridBlockSource source(
       volume.GetView(), *ranges, request.Isovalues, selection, volume.Geometry);
     source.SetAttributes({ { { view } } });
-    const Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 1);
-    ASSERT_TRUE(surface.IsOk());
-    const auto* x = reinterpret_cast<const float*>(surface->Attributes[0].Bytes.GetData());
-    for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
+    const auto surface = Require(ExtractSurface(volume.Geometry, source, request, 1));
+    const auto* x = reinterpret_cast<const float*>(surface.Attributes[0].Bytes.GetData());
+    for (std::size_t point = 0; point < surface.NumberOfPoints; ++point)
     {
-      if (!std::isnan(surface->Points[3 * point]))
+      if (!std::isnan(surface.Points[3 * point]))
       {
-        ASSERT_EQ(x[point], surface->Points[3 * point]);
+        ASSERT_EQ(x[point], surface.Points[3 * point]);
       }
     }
   }
@@ -324,9 +306,9 @@ TEST(BlockSelection, BlocksOfSamplesInMemoryEqualBruteForce)
       selection.ClosedSides = closed ? GridSides::All() : GridSides{};
       const GridBlockSource source(
         volume.GetView(), *ranges, isovalues, selection, volume.Geometry);
-      const auto expected = FindBlocksByForce(volume, BlockRanges::BlockSize, isovalues, closed);
-      ASSERT_EQ(source.GetNumberOfBlocks(), expected.size());
       const BlockGrid grid(volume.GetDimensions(), BlockRanges::BlockSize);
+      const auto expected = FindBlocksByForce(volume, grid, isovalues, closed);
+      ASSERT_EQ(source.GetNumberOfBlocks(), expected.size());
       for (std::size_t block = 0; block < expected.size(); ++block)
       {
         EXPECT_EQ(source.GetVertices(block), grid.GetVertices(expected[block]));

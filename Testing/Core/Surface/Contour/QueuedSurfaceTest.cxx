@@ -2,6 +2,7 @@
 // Surfaces of blocks that become known during the extraction: those of a source that has them from
 // the start, bit for bit.
 #include "Fixtures/AttributedSource.h"
+#include "Fixtures/PlainContour.h"
 #include "Ground/Volume/BlockQueue.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
@@ -57,48 +58,9 @@ std::vector<std::size_t> ListAll(const BlockSource& source)
   return blocks;
 }
 
-template <typename T>
-bool AreSame(const Buffer<T>& a, const Buffer<T>& b)
-{
-  return a.GetSize() == b.GetSize() &&
-    (a.GetSize() == 0 || std::memcmp(a.GetData(), b.GetData(), a.GetSize() * sizeof(T)) == 0);
-}
-
-bool AreSame(const IndexArray& a, const IndexArray& b)
-{
-  return a.Is64Bit == b.Is64Bit && AreSame(a.Values32, b.Values32) &&
-    AreSame(a.Values64, b.Values64);
-}
-
-void ExpectSame(const Surface& queued, const Surface& whole)
-{
-  EXPECT_TRUE(AreSame(queued.Points, whole.Points));
-  EXPECT_TRUE(AreSame(queued.Normals, whole.Normals));
-  EXPECT_TRUE(AreSame(queued.GlobalIds, whole.GlobalIds));
-  EXPECT_TRUE(AreSame(queued.Connectivity, whole.Connectivity));
-  EXPECT_TRUE(AreSame(queued.Offsets, whole.Offsets));
-  EXPECT_EQ(queued.NumberOfCells, whole.NumberOfCells);
-  EXPECT_EQ(queued.NumberOfTriangles, whole.NumberOfTriangles);
-  EXPECT_EQ(queued.NumberOfBlocks, whole.NumberOfBlocks);
-  ASSERT_EQ(queued.Attributes.size(), whole.Attributes.size());
-  for (std::size_t n = 0; n < whole.Attributes.size(); ++n)
-  {
-    EXPECT_TRUE(AreSame(queued.Attributes[n].Bytes, whole.Attributes[n].Bytes));
-  }
-  ASSERT_EQ(queued.Parts.size(), whole.Parts.size());
-  for (std::size_t n = 0; n < whole.Parts.size(); ++n)
-  {
-    EXPECT_EQ(queued.Parts[n].FirstPoint, whole.Parts[n].FirstPoint);
-    EXPECT_EQ(queued.Parts[n].NumberOfCells, whole.Parts[n].NumberOfCells);
-  }
-}
-
 ContourRequest MakeRequest()
 {
-  ContourRequest request;
-  request.Isovalues = { 60, 40.5 };
-  request.Normals = true;
-  request.GlobalIds = true;
+  ContourRequest request = MakePlainRequest({ 60, 40.5 });
   request.Offsets = true;
   request.Attributes = { { ValueType::Int16, 1 },
     { ValueType::Float32, AttributedSource::VectorSize }, { ValueType::Float64, 1 } };
@@ -125,17 +87,16 @@ void CheckSubset(const ContourRequest& request, std::mt19937& random)
       some.Blocks.push_back(all.Blocks[block]);
     }
   }
-  const auto whole = ExtractSurface(volume.Geometry, some, request, 1);
-  ASSERT_TRUE(whole.IsOk()) << whole.GetStatus().GetMessage();
+  const auto whole = Require(ExtractSurface(volume.Geometry, some, request, 1));
   for (const int threads : { 1, 3 })
   {
     std::shuffle(chosen.begin(), chosen.end(), random);
     TestQueue queue(chosen);
     all.Acquired = 0;
-    const auto queued = ExtractQueuedSurface(volume.Geometry, all, request, queue, threads);
-    ASSERT_TRUE(queued.IsOk()) << queued.GetStatus().GetMessage();
+    const auto queued =
+      Require(ExtractQueuedSurface(volume.Geometry, all, request, queue, threads));
     EXPECT_EQ(all.Acquired, static_cast<int>(chosen.size()));
-    ExpectSame(*queued, *whole);
+    ExpectSameSurface(queued, whole);
   }
 }
 
@@ -171,17 +132,15 @@ TEST(QueuedSurface, OfBlocksOfSeveralBricksIsThatOfASourceOfTheSameBlocks)
   ContourRequest request = MakeRequest();
   request.Attributes.clear();
   request.Isovalues = { 480 };
-  const auto whole = ExtractSurface(volume.Geometry, source, request, 2);
-  ASSERT_TRUE(whole.IsOk());
+  const auto whole = Require(ExtractSurface(volume.Geometry, source, request, 2));
   std::vector<std::size_t> blocks(source.GetNumberOfBlocks());
   for (std::size_t block = 0; block < blocks.size(); ++block)
   {
     blocks[block] = blocks.size() - 1 - block;
   }
   TestQueue queue(blocks);
-  const auto queued = ExtractQueuedSurface(volume.Geometry, source, request, queue, 2);
-  ASSERT_TRUE(queued.IsOk());
-  ExpectSame(*queued, *whole);
+  const auto queued = Require(ExtractQueuedSurface(volume.Geometry, source, request, queue, 2));
+  ExpectSameSurface(queued, whole);
 }
 
 TEST(QueuedSurface, OfNoBlocksIsEmpty)
@@ -192,10 +151,9 @@ TEST(QueuedSurface, OfNoBlocksIsEmpty)
   ContourRequest request;
   request.Isovalues = { 60 };
   TestQueue queue({});
-  const auto queued = ExtractQueuedSurface(volume.Geometry, source, request, queue, 2);
-  ASSERT_TRUE(queued.IsOk());
-  EXPECT_EQ(queued->NumberOfTriangles, 0u);
-  EXPECT_EQ(queued->NumberOfBlocks, 0u);
+  const auto queued = Require(ExtractQueuedSurface(volume.Geometry, source, request, queue, 2));
+  EXPECT_EQ(queued.NumberOfTriangles, 0u);
+  EXPECT_EQ(queued.NumberOfBlocks, 0u);
 }
 
 TEST(QueuedSurface, TellsTheErrorsOfTheQueueAndOfABlock)

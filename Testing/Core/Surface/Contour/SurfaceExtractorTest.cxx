@@ -12,58 +12,21 @@ namespace isosurface
 namespace
 {
 
-ContourRequest MakeRequest(std::vector<double> isovalues)
-{
-  ContourRequest request;
-  request.Isovalues = std::move(isovalues);
-  request.Normals = true;
-  request.GlobalIds = true;
-  return request;
-}
-
-template <typename T>
-Surface Extract(const SampleVolume<T>& volume, int blockSize, const ContourRequest& request,
-  int threads = 1, int components = 1)
-{
-  TestBlockSource<T> source(volume, blockSize, 1, components);
-  Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, threads);
-  EXPECT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-  return std::move(*surface);
-}
-
 // Checks what does not need the oracle: sizes, ranges, parts.
 void CheckShape(const Surface& surface, const ContourRequest& request)
 {
   EXPECT_EQ(surface.Points.GetSize(), 3 * surface.NumberOfPoints);
   EXPECT_EQ(surface.Connectivity.GetSize(), 3 * surface.NumberOfTriangles);
   EXPECT_EQ(surface.Parts.size(), request.Isovalues.size());
-  std::size_t points = 0;
-  std::size_t cells = 0;
-  for (const SurfacePart& part : surface.Parts)
-  {
-    EXPECT_EQ(part.FirstPoint, points);
-    EXPECT_EQ(part.FirstCell, cells);
-    points += part.NumberOfPoints;
-    cells += part.NumberOfCells;
-  }
-  EXPECT_EQ(points, surface.NumberOfPoints);
-  EXPECT_EQ(cells, surface.NumberOfCells);
-  std::vector<bool> used(surface.NumberOfPoints, false);
-  for (std::size_t n = 0; n < surface.Connectivity.GetSize(); ++n)
-  {
-    const auto point = static_cast<std::size_t>(surface.Connectivity[n]);
-    ASSERT_LT(point, used.size());
-    used[point] = true;
-  }
-  EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "points that no triangle uses";
+  ExpectWholeParts(surface);
 }
 
 template <typename T>
 void CheckAgainstOracle(const SampleVolume<T>& volume, int blockSize,
   const std::vector<double>& isovalues, int threads = 1, int components = 1)
 {
-  const ContourRequest request = MakeRequest(isovalues);
-  const Surface surface = Extract(volume, blockSize, request, threads, components);
+  const ContourRequest request = MakePlainRequest(isovalues);
+  const Surface surface = ExtractBlocks(volume, blockSize, request, threads, components);
   CheckShape(surface, request);
   const PlainSurface plain = MakePlain(surface);
   EXPECT_EQ(plain.Points.size(), surface.NumberOfPoints) << "a point is there twice";
@@ -74,9 +37,7 @@ template <typename T>
 class SurfaceOfType : public testing::Test
 {
 };
-using AllTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
-  std::int32_t, std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(SurfaceOfType, AllTypes);
+TYPED_TEST_SUITE(SurfaceOfType, AllValueTypes);
 
 } // namespace
 
@@ -149,7 +110,8 @@ TEST(SurfaceExtractor, WideIntegersThatRoundToTheSameDoubleAreDistinguished)
   const std::int64_t limit = std::int64_t(1) << 60;
   std::fill(volume.Samples.begin(), volume.Samples.end(), limit - 1);
   volume.Samples[3] = limit;
-  const Surface surface = Extract(volume, 16, MakeRequest({ static_cast<double>(limit) }));
+  const Surface surface =
+    ExtractBlocks(volume, 16, MakePlainRequest({ static_cast<double>(limit) }));
   EXPECT_EQ(surface.NumberOfTriangles, 1u);
   for (const float coordinate : surface.Points)
   {
@@ -190,8 +152,8 @@ TEST(SurfaceExtractor, IsovaluesWithoutSurfaceGiveEmptyParts)
   std::mt19937 random(25);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 6, 6, 6 }, 200);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const ContourRequest request = MakeRequest({ nan, 255.5, 1e300, -1.0, 0.0, 100.0 });
-  const Surface surface = Extract(volume, 16, request);
+  const ContourRequest request = MakePlainRequest({ nan, 255.5, 1e300, -1.0, 0.0, 100.0 });
+  const Surface surface = ExtractBlocks(volume, 16, request);
   CheckShape(surface, request);
   for (std::size_t n = 0; n < 5; ++n)
   {
@@ -207,7 +169,7 @@ TEST(SurfaceExtractor, FlatAndEmptyGridsHaveNoSurface)
          Index3{ 9, 9, 1 }, Index3{ 0, 0, 0 } })
   {
     const auto volume = MakeRandomVolume<float>(random, dimensions, 4);
-    const Surface surface = Extract(volume, 16, MakeRequest({ 1.5 }));
+    const Surface surface = ExtractBlocks(volume, 16, MakePlainRequest({ 1.5 }));
     EXPECT_EQ(surface.NumberOfPoints, 0u);
     EXPECT_EQ(surface.NumberOfCells, 0u);
   }
@@ -227,7 +189,7 @@ TEST(SurfaceExtractor, ObliqueGridsTransformPointsAndNormals)
 {
   std::mt19937 random(28);
   auto volume = MakeRandomVolume<std::uint16_t>(random, { 19, 8, 12 }, 60000);
-  const PlainSurface straight = MakePlain(Extract(volume, 16, MakeRequest({ 30000.0 })));
+  const PlainSurface straight = MakePlain(ExtractBlocks(volume, 16, MakePlainRequest({ 30000.0 })));
   const double cosine = std::cos(0.7);
   const double sine = std::sin(0.7);
   for (const double flip : { 1.0, -1.0 })
@@ -235,7 +197,8 @@ TEST(SurfaceExtractor, ObliqueGridsTransformPointsAndNormals)
     volume.Geometry.Direction = { cosine, -sine, 0, sine, cosine, 0, 0, 0, flip };
     volume.Geometry.Spacing = { 0.3, 1.7, 2.1 };
     volume.Geometry.Origin = { 1, 2, 3.3 };
-    const PlainSurface surface = MakePlain(Extract(volume, 16, MakeRequest({ 30000.0 })));
+    const PlainSurface surface =
+      MakePlain(ExtractBlocks(volume, 16, MakePlainRequest({ 30000.0 })));
     const PlainSurface oracle = ContourPlainly(volume, { 30000.0 });
     ASSERT_EQ(surface.Triangles, oracle.Triangles);
     ASSERT_EQ(surface.Points.size(), oracle.Points.size());
@@ -274,20 +237,11 @@ TEST(SurfaceExtractor, TheResultDoesNotDependOnThreads)
 {
   std::mt19937 random(29);
   const auto volume = MakeRandomVolume<std::uint16_t>(random, { 70, 40, 50 }, 1000);
-  const ContourRequest request = MakeRequest({ 900.0, 990.0 });
-  const Surface one = Extract(volume, 16, request, 1);
+  const ContourRequest request = MakePlainRequest({ 900.0, 990.0 });
+  const Surface one = ExtractBlocks(volume, 16, request, 1);
   for (const int threads : { 2, 7 })
   {
-    const Surface many = Extract(volume, 16, request, threads);
-    ASSERT_EQ(one.NumberOfPoints, many.NumberOfPoints);
-    ASSERT_EQ(one.NumberOfCells, many.NumberOfCells);
-    EXPECT_TRUE(std::equal(one.Points.begin(), one.Points.end(), many.Points.begin()));
-    EXPECT_TRUE(std::equal(one.GlobalIds.begin(), one.GlobalIds.end(), many.GlobalIds.begin()));
-    EXPECT_EQ(std::memcmp(one.Normals.GetData(), many.Normals.GetData(),
-                one.Normals.GetSize() * sizeof(float)),
-      0);
-    EXPECT_TRUE(std::equal(one.Connectivity.Values32.begin(), one.Connectivity.Values32.end(),
-      many.Connectivity.Values32.begin()));
+    ExpectSameSurface(ExtractBlocks(volume, 16, request, threads), one);
   }
 }
 
@@ -305,12 +259,12 @@ TEST(SurfaceExtractor, WideIndicesEqualNarrowOnes)
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 30, 20, 25 }, 100);
   for (const bool polygons : { false, true })
   {
-    ContourRequest request = MakeRequest({ 50.5 });
+    ContourRequest request = MakePlainRequest({ 50.5 });
     request.Offsets = true;
     request.Polygons = polygons;
-    const Surface narrow = Extract(volume, 16, request);
+    const Surface narrow = ExtractBlocks(volume, 16, request);
     request.WideIndices = true;
-    const Surface wide = Extract(volume, 16, request);
+    const Surface wide = ExtractBlocks(volume, 16, request);
     EXPECT_FALSE(narrow.Connectivity.Is64Bit);
     EXPECT_TRUE(wide.Connectivity.Is64Bit);
     ASSERT_EQ(narrow.Connectivity.GetSize(), wide.Connectivity.GetSize());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Fixtures/PlainContour.h"
+#include "Fixtures/TriangleSet.h"
 #include "Surface/Contour/SurfaceMerge.h"
 
 #include <gtest/gtest.h>
@@ -13,56 +13,13 @@ namespace isosurface
 namespace
 {
 
-ContourRequest MakeRequest(double isovalue)
-{
-  ContourRequest request;
-  request.Isovalues = { isovalue };
-  request.Normals = true;
-  request.GlobalIds = true;
-  return request;
-}
-
-// The triangles of all ranks. Checks that points with equal ids are equal.
-PlainSurface Merge(const std::vector<PlainSurface>& ranks)
-{
-  PlainSurface merged;
-  for (const PlainSurface& rank : ranks)
-  {
-    merged.Triangles.insert(merged.Triangles.end(), rank.Triangles.begin(), rank.Triangles.end());
-    for (const auto& [id, bits] : rank.Points)
-    {
-      const auto added = merged.Points.emplace(id, bits);
-      EXPECT_EQ(added.first->second, bits) << "two ranks disagree on point " << id;
-    }
-  }
-  std::sort(merged.Triangles.begin(), merged.Triangles.end());
-  return merged;
-}
-
 template <typename T>
 void CheckUnionOfSubsets(
   const SampleVolume<T>& volume, int blockSize, double isovalue, int ranks, std::mt19937& random)
 {
-  const TestBlockSource<T> all(volume, blockSize);
-  std::vector<std::vector<std::int64_t>> pieces(static_cast<std::size_t>(ranks));
-  for (const std::int64_t block : all.Blocks)
-  {
-    pieces[random() % pieces.size()].push_back(block);
-  }
-  std::vector<PlainSurface> parts;
-  for (std::vector<std::int64_t>& piece : pieces)
-  {
-    std::shuffle(piece.begin(), piece.end(), random);
-    TestBlockSource<T> source(volume, blockSize);
-    source.Blocks = piece;
-    const Result<Surface> surface =
-      ExtractSurface(volume.Geometry, source, MakeRequest(isovalue), 2);
-    ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-    parts.push_back(MakePlain(*surface));
-    EXPECT_EQ(parts.back().Points.size(), surface->NumberOfPoints)
-      << "a rank has made a point twice";
-  }
-  EXPECT_TRUE(Merge(parts) == ContourPlainly(volume, { isovalue }));
+  const auto blocks = TestBlockSource<T>(volume, blockSize).Blocks;
+  EXPECT_TRUE(UniteRanks(ExtractPieces(volume, blockSize, MakePlainRequest({ isovalue }), blocks,
+                ranks, random)) == ContourPlainly(volume, { isovalue }));
 }
 
 void ExpectSameIndices(const IndexArray& a, const IndexArray& b)
@@ -109,7 +66,7 @@ TEST(SurfaceSharing, MergedSurfacesOfWideIndicesEqualNarrowOnes)
     std::vector<Surface> merged;
     for (const bool isWide : { false, true })
     {
-      ContourRequest request = MakeRequest(50.5);
+      ContourRequest request = MakePlainRequest({ 50.5 });
       request.Offsets = true;
       request.Polygons = polygons;
       std::vector<Surface> parts;
@@ -117,9 +74,8 @@ TEST(SurfaceSharing, MergedSurfacesOfWideIndicesEqualNarrowOnes)
       {
         source.Blocks = { part, part + 2 };
         request.WideIndices = isWide && part == 1;
-        Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 1);
-        ASSERT_TRUE(surface.IsOk());
-        parts.push_back(std::move(*surface));
+        auto surface = Require(ExtractSurface(volume.Geometry, source, request, 1));
+        parts.push_back(std::move(surface));
       }
       merged.push_back(MergeSurfaces(parts));
       EXPECT_EQ(merged.back().Connectivity.Is64Bit, isWide);
@@ -135,77 +91,52 @@ TEST(SurfaceSharing, ASurfaceAwayFromTheBorderIsAClosedManifold)
   std::mt19937 random(42);
   auto volume = MakeRandomVolume<std::int16_t>(random, { 40, 37, 35 }, 1000);
   const Index3 size = volume.GetDimensions();
-  for (std::int64_t k = 0; k < size[2]; ++k)
-  {
-    for (std::int64_t j = 0; j < size[1]; ++j)
+  VisitVertices(VertexBox{ {}, size },
+    [&](const Index3& vertex)
     {
-      for (std::int64_t i = 0; i < size[0]; ++i)
+      const auto [i, j, k] = vertex;
+      if (i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1)
       {
-        if (i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1)
-        {
-          volume.At(i, j, k) = -1000;
-        }
+        volume.At(vertex) = -1000;
       }
-    }
-  }
-  TestBlockSource<std::int16_t> source(volume, 16);
-  const Result<Surface> surface = ExtractSurface(volume.Geometry, source, MakeRequest(100.0), 2);
-  ASSERT_TRUE(surface.IsOk());
-  std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
-  for (std::size_t triangle = 0; triangle < surface->NumberOfTriangles; ++triangle)
-  {
-    for (std::size_t n = 0; n < 3; ++n)
-    {
-      ++sides[{ surface->Connectivity[3 * triangle + n],
-        surface->Connectivity[3 * triangle + (n + 1) % 3] }];
-    }
-  }
-  for (const auto& [side, count] : sides)
-  {
-    ASSERT_EQ(count, 1);
-    ASSERT_EQ(sides.count({ side.second, side.first }), 1u);
-  }
+    });
+  EXPECT_TRUE(IsManifold(MakePlain(ExtractBlocks(volume, 16, MakePlainRequest({ 100.0 }), 2))));
 }
 
 TEST(SurfaceSharing, PolygonsAreTheLoopsOfTheTriangles)
 {
   std::mt19937 random(43);
   const auto volume = MakeRandomVolume<std::uint16_t>(random, { 24, 19, 35 }, 60000);
-  TestBlockSource<std::uint16_t> source(volume, 16);
-  ContourRequest request = MakeRequest(30000.0);
-  const Result<Surface> triangles = ExtractSurface(volume.Geometry, source, request, 1);
+  ContourRequest request = MakePlainRequest({ 30000.0 });
+  const Surface triangles = ExtractBlocks(volume, 16, request);
   request.Polygons = true;
-  const Result<Surface> polygons = ExtractSurface(volume.Geometry, source, request, 2);
-  ASSERT_TRUE(triangles.IsOk() && polygons.IsOk());
-  EXPECT_EQ(triangles->NumberOfTriangles, polygons->NumberOfTriangles);
-  ASSERT_EQ(triangles->NumberOfPoints, polygons->NumberOfPoints);
-  EXPECT_TRUE(
-    std::equal(triangles->Points.begin(), triangles->Points.end(), polygons->Points.begin()));
-  ASSERT_EQ(polygons->Offsets.GetSize(), polygons->NumberOfCells + 1);
-  ASSERT_EQ(static_cast<std::size_t>(polygons->Offsets[polygons->NumberOfCells]),
-    polygons->Connectivity.GetSize());
+  const Surface polygons = ExtractBlocks(volume, 16, request, 2);
+  EXPECT_EQ(triangles.NumberOfTriangles, polygons.NumberOfTriangles);
+  EXPECT_TRUE(AreSame(triangles.Points, polygons.Points));
+  ASSERT_EQ(polygons.Offsets.GetSize(), polygons.NumberOfCells + 1);
+  ASSERT_EQ(static_cast<std::size_t>(polygons.Offsets[polygons.NumberOfCells]),
+    polygons.Connectivity.GetSize());
 
   // The cells are in the same order: the next polygon of n corners is the next n - 2 triangles, and
   // its sides are the sides that only one of these triangles has.
   using Side = std::pair<std::int64_t, std::int64_t>;
   std::size_t triangle = 0;
-  for (std::size_t polygon = 0; polygon < polygons->NumberOfCells; ++polygon)
+  for (std::size_t polygon = 0; polygon < polygons.NumberOfCells; ++polygon)
   {
-    const auto begin = static_cast<std::size_t>(polygons->Offsets[polygon]);
-    const auto end = static_cast<std::size_t>(polygons->Offsets[polygon + 1]);
+    const auto begin = static_cast<std::size_t>(polygons.Offsets[polygon]);
+    const auto end = static_cast<std::size_t>(polygons.Offsets[polygon + 1]);
     ASSERT_GE(end - begin, 3u);
     std::map<Side, int> outline;
     for (std::size_t n = begin; n < end; ++n)
     {
-      ++outline[{
-        polygons->Connectivity[n], polygons->Connectivity[n + 1 == end ? begin : n + 1] }];
+      ++outline[{ polygons.Connectivity[n], polygons.Connectivity[n + 1 == end ? begin : n + 1] }];
     }
     for (std::size_t last = triangle + end - begin - 2; triangle < last; ++triangle)
     {
       for (std::size_t n = 0; n < 3; ++n)
       {
-        const std::int64_t from = triangles->Connectivity[3 * triangle + n];
-        const std::int64_t to = triangles->Connectivity[3 * triangle + (n + 1) % 3];
+        const std::int64_t from = triangles.Connectivity[3 * triangle + n];
+        const std::int64_t to = triangles.Connectivity[3 * triangle + (n + 1) % 3];
         // Inner sides occur in both directions and cancel out.
         --outline[{ from, to }];
         if (outline[{ from, to }] < 0 && outline[{ to, from }] < 0)
@@ -219,7 +150,7 @@ TEST(SurfaceSharing, PolygonsAreTheLoopsOfTheTriangles)
       ASSERT_EQ(side.second, 0);
     }
   }
-  EXPECT_EQ(triangle, triangles->NumberOfTriangles);
+  EXPECT_EQ(triangle, triangles.NumberOfTriangles);
 }
 
 namespace
@@ -234,17 +165,13 @@ public:
     : TestBlockSource<float>(volume, 16)
   {
     const Index3 size = volume.GetDimensions();
-    for (std::int64_t k = 0; k < size[2]; ++k)
-    {
-      for (std::int64_t j = 0; j < size[1]; ++j)
+    VisitVertices(VertexBox{ {}, size },
+      [&](const Index3& vertex)
       {
-        for (std::int64_t i = 0; i < size[0]; ++i)
-        {
-          this->Places.insert(this->Places.end(), { double(i), double(j), double(k) });
-          this->Integers.push_back(static_cast<std::int16_t>(10 * i));
-        }
-      }
-    }
+        const auto [i, j, k] = vertex;
+        this->Places.insert(this->Places.end(), { double(i), double(j), double(k) });
+        this->Integers.push_back(static_cast<std::int16_t>(10 * i));
+      });
     AttributeView places;
     for (std::size_t component = 0; component < 3; ++component)
     {
@@ -283,19 +210,18 @@ TEST(SurfaceSharing, AttributesAreInterpolatedAlongTheEdges)
   std::mt19937 random(44);
   const auto volume = MakeRandomVolume<float>(random, { 20, 18, 17 }, 1000);
   AttributeSource source(volume);
-  ContourRequest request = MakeRequest(300.5);
+  ContourRequest request = MakePlainRequest({ 300.5 });
   request.Attributes = { { ValueType::Float64, 3 }, { ValueType::Int16, 1 } };
-  const Result<Surface> surface = ExtractSurface(volume.Geometry, source, request, 2);
-  ASSERT_TRUE(surface.IsOk()) << surface.GetStatus().GetMessage();
-  ASSERT_GT(surface->NumberOfPoints, 0u);
-  const auto* vector = reinterpret_cast<const double*>(surface->Attributes[0].Bytes.GetData());
-  ASSERT_EQ(surface->Attributes[1].Layout.Type, ValueType::Float32);
-  const auto* integer = reinterpret_cast<const float*>(surface->Attributes[1].Bytes.GetData());
-  for (std::size_t n = 0; n < 3 * surface->NumberOfPoints; ++n)
+  const auto surface = Require(ExtractSurface(volume.Geometry, source, request, 2));
+  ASSERT_GT(surface.NumberOfPoints, 0u);
+  const auto* vector = reinterpret_cast<const double*>(surface.Attributes[0].Bytes.GetData());
+  ASSERT_EQ(surface.Attributes[1].Layout.Type, ValueType::Float32);
+  const auto* integer = reinterpret_cast<const float*>(surface.Attributes[1].Bytes.GetData());
+  for (std::size_t n = 0; n < 3 * surface.NumberOfPoints; ++n)
   {
-    if (!std::isnan(surface->Points[n]))
+    if (!std::isnan(surface.Points[n]))
     {
-      ASSERT_EQ(static_cast<float>(vector[n]), surface->Points[n]);
+      ASSERT_EQ(static_cast<float>(vector[n]), surface.Points[n]);
       if (n % 3 == 0)
       {
         ASSERT_NEAR(integer[n / 3], 10 * vector[n], 1e-4);

@@ -98,9 +98,7 @@ template <typename T>
 class BlockWorkloadOfType : public ::testing::Test
 {
 };
-using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
-  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(BlockWorkloadOfType, Types, );
+TYPED_TEST_SUITE(BlockWorkloadOfType, AllValueTypes, );
 
 } // namespace
 
