@@ -96,7 +96,7 @@ public:
       [&](Communicator& ranks)
       {
         const auto rank = static_cast<std::size_t>(ranks.GetRank());
-        BlockedVolume& volume = *this->Volumes[rank];
+        const auto& volume = this->Volumes[rank];
         SurfaceQuery query;
         query.Isovalues = { isovalue };
         query.Rank = ranks.GetRank();
@@ -107,7 +107,7 @@ public:
         request.GlobalIds = true;
         ExtractionOutcome outcome;
         answer.Statuses[rank] = RunWithReplicas(
-          ranks, [&volume] { return &volume; }, answer.Warnings[rank],
+          ranks, [&volume] { return volume.get(); }, answer.Warnings[rank],
           [&] {
             return ExtractLevel({ volume, query, request, 2, {} }, level, outcome);
           });
