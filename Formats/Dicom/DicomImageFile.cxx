@@ -10,10 +10,10 @@ namespace isosurface
 namespace
 {
 
-constexpr std::uint32_t UndefinedLength = 0xffffffff;
+constexpr std::uint32_t NoLength = 0xffffffff;
 // Tags, in the order of little-endian bytes.
-constexpr std::uint32_t ItemBegin = 0xe000fffe;
-constexpr std::uint32_t SequenceEnd = 0xe0ddfffe;
+constexpr std::uint32_t WrittenItemBegin = 0xe000fffe;
+constexpr std::uint32_t WrittenSequenceEnd = 0xe0ddfffe;
 
 gdcm::TransferSyntax::TSType FindType(const std::string& syntax)
 {
@@ -134,7 +134,7 @@ Status DicomImageFile::CheckPixels(const DicomDataSet& tags) const
 /// Sets the length that stands before `begin`: of all bytes from there on.
 Status DicomImageFile::PutLength(std::size_t begin)
 {
-  if (this->Bytes.size() - begin >= UndefinedLength - 1)
+  if (this->Bytes.size() - begin >= NoLength - 1)
   {
     return Status(
       StatusCode::Unsupported, this->Slice.Path + ": cannot be read: its image has 4 GiB or more");
@@ -163,10 +163,10 @@ Status DicomImageFile::TakePixels(DicomDataSet& tags)
     return this->TakeSamples(tags);
   }
   this->PutHeader(this->Slice.Syntax);
-  this->PutHead(0x7fe00010, "OB", UndefinedLength);
-  this->Put32(ItemBegin); // an empty table, then one fragment
+  this->PutHead(0x7fe00010, "OB", NoLength);
+  this->Put32(WrittenItemBegin); // an empty table, then one fragment
   this->Put32(0);
-  this->Put32(ItemBegin);
+  this->Put32(WrittenItemBegin);
   this->Put32(0);
   const std::size_t begin = this->Bytes.size();
   ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
@@ -182,7 +182,7 @@ Status DicomImageFile::TakePixels(DicomDataSet& tags)
     return this->MakeError("it is of another size than its header says");
   }
   ISOSURFACE_RETURN_IF_ERROR(this->PutLength(begin));
-  this->Put32(SequenceEnd);
+  this->Put32(WrittenSequenceEnd);
   this->Put32(0);
   return Status::Ok();
 }
@@ -194,7 +194,7 @@ Status DicomImageFile::TakeSamples(DicomDataSet& tags)
   this->PutHeader(hasRuns
       ? gdcm::TransferSyntax::GetTSString(gdcm::TransferSyntax::ExplicitVRLittleEndian)
       : this->FindSyntax(tags));
-  this->PutHead(0x7fe00010, hasRuns ? "OW" : tags.GetPixelKind().c_str(), UndefinedLength);
+  this->PutHead(0x7fe00010, hasRuns ? "OW" : tags.GetPixelKind().c_str(), NoLength);
   const std::size_t begin = this->Bytes.size();
   if (hasRuns)
   {

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 constexpr std::uint64_t MaximumJsonSize = std::uint64_t{ 16 } << 20;
 /// Attributes are the user's, and may have any depth that somebody writes by hand.
-constexpr int MaximumDepth = 64;
+constexpr int MaximumNesting = 64;
 
 /// The JSON of a file; null if there is no such file.
 Result<Json> ReadJson(FileSystem& files, const std::string& path)
@@ -31,10 +31,10 @@ Result<Json> ReadJson(FileSystem& files, const std::string& path)
   }
   std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
   ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
-  if (IsJsonDeeperThan(text, MaximumDepth))
+  if (IsJsonDeeperThan(text, MaximumNesting))
   {
     return Status(StatusCode::Corrupt,
-      path + ": cannot be read: it nests more than " + std::to_string(MaximumDepth) + " objects");
+      path + ": cannot be read: it nests more than " + std::to_string(MaximumNesting) + " objects");
   }
   // NaN and infinity stand between quotation marks in both versions.
   Json json = Json::parse(text, nullptr, false);

@@ -19,11 +19,11 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ 0, 20, 0, 20, 0, 20 };
+constexpr Extent ErrorsGrid{ 0, 20, 0, 20, 0, 20 };
 
 vtkSmartPointer<vtkImageData> MakeGoodImage()
 {
-  return MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  return MakeImage(ErrorsGrid, VTK_FLOAT, MakeWaves());
 }
 
 void Select(vtkStabbingContour* contour, const char* array,

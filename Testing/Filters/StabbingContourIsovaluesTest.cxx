@@ -12,7 +12,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ 0, 40, 0, 20, 0, 33 };
+constexpr Extent IsovaluesGrid{ 0, 40, 0, 20, 0, 33 };
 
 std::int64_t CountEdges(vtkImageData* image)
 {
@@ -30,7 +30,7 @@ EdgeSurface GetPart(vtkPolyData* contour, vtkImageData* image, int number)
 
 TEST(StabbingContourIsovalues, IsovalueOfManySamplesEqualsFlyingEdges)
 {
-  const auto image = MakeImage(Grid, VTK_UNSIGNED_CHAR, MakeNoise(3, 11));
+  const auto image = MakeImage(IsovaluesGrid, VTK_UNSIGNED_CHAR, MakeNoise(3, 11));
   for (const double isovalue : { 0.0, 1.0, 2.0, 2.5 })
   {
     EXPECT_TRUE(AreEqual(ContourToEdges(image, isovalue), ContourByFlyingEdges(image, isovalue)));
@@ -42,7 +42,7 @@ TEST(StabbingContourIsovalues, IsovalueOutsideTheRangeHasNoSurface)
   const double infinity = std::numeric_limits<double>::infinity();
   for (const int type : { VTK_UNSIGNED_CHAR, VTK_INT, VTK_FLOAT, VTK_DOUBLE })
   {
-    const auto image = MakeImage(Grid, type, MakeNoise(100, 12));
+    const auto image = MakeImage(IsovaluesGrid, type, MakeNoise(100, 12));
     for (const double isovalue : { -1.0, -0.001, 99.5, 1e300, -1e300, infinity, -infinity,
            std::numeric_limits<double>::quiet_NaN() })
     {
@@ -55,14 +55,14 @@ TEST(StabbingContourIsovalues, IsovalueOutsideTheRangeHasNoSurface)
 
 TEST(StabbingContourIsovalues, NoIsovalueHasNoSurface)
 {
-  const auto output = Contour(MakeImage(Grid, VTK_FLOAT, MakeWaves()), {});
+  const auto output = Contour(MakeImage(IsovaluesGrid, VTK_FLOAT, MakeWaves()), {});
   EXPECT_EQ(output->GetNumberOfPoints(), 0);
   EXPECT_EQ(output->GetNumberOfCells(), 0);
 }
 
 TEST(StabbingContourIsovalues, SeveralAreTheUnionOfEach)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(IsovaluesGrid, VTK_FLOAT, MakeWaves());
   // One of them without a surface, one twice, not in order.
   const std::vector<double> isovalues{ 0.3, -0.2, 7.0, 0.3, 0.0 };
   const auto all = Contour(image, isovalues);
@@ -81,7 +81,7 @@ TEST(StabbingContourIsovalues, SeveralAreTheUnionOfEach)
 
 TEST(StabbingContourIsovalues, GlobalIdsAreUnique)
 {
-  const auto image = MakeImage(Grid, VTK_SHORT, MakeNoise(50, 13));
+  const auto image = MakeImage(IsovaluesGrid, VTK_SHORT, MakeNoise(50, 13));
   const auto output = Contour(image, { 10, 10, 24.5, 40 });
   vtkDataArray* ids = output->GetPointData()->GetGlobalIds();
   ASSERT_NE(ids, nullptr);
@@ -95,7 +95,7 @@ TEST(StabbingContourIsovalues, GlobalIdsAreUnique)
 
 TEST(StabbingContourIsovalues, ScalarsTellTheIsovalueOfEachPoint)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(IsovaluesGrid, VTK_FLOAT, MakeWaves());
   const std::vector<double> isovalues{ 0.25, -0.5, 0.0 };
   const auto output = Contour(image, isovalues);
   vtkDataArray* ids = output->GetPointData()->GetGlobalIds();

@@ -20,7 +20,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ 0, 70, 0, 35, 0, 37 };
+constexpr Extent LinesGrid{ 0, 70, 0, 35, 0, 37 };
 
 std::string ContourInVain(vtkDataObject* input)
 {
@@ -40,7 +40,7 @@ TEST(StabbingContourLines, RectilinearGridEqualsTheStockFilterToTheLastBit)
 {
   for (const int type : { VTK_FLOAT, VTK_DOUBLE, VTK_UNSIGNED_SHORT, VTK_INT })
   {
-    const auto grid = MakeLinedGrid(MakeImage(Grid, type, MakeNoise(50000, 2)));
+    const auto grid = MakeLinedGrid(MakeImage(LinesGrid, type, MakeNoise(50000, 2)));
     const auto expected = ContourByStockFilter(grid, 20000.5);
     const auto surface = Contour(grid, { 20000.5 });
     EXPECT_GT(expected->GetNumberOfCells(), 1000);
@@ -59,7 +59,7 @@ TEST(StabbingContourLines, ExtentThatDoesNotBeginAtZeroEqualsTheStockFilter)
 
 TEST(StabbingContourLines, PiecesWithGhostLayersHaveTheSurfaceOfTheWhole)
 {
-  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
+  const auto grid = MakeLinedGrid(MakeImage(LinesGrid, VTK_FLOAT, MakeWaves(100.0)));
   EdgeSurface expected = ToEdges(Contour(grid, { 8.0 }));
   vtkNew<vtkMultiBlockDataSet> blocks;
   const Extent extents[2] = { { 0, 41, 0, 35, 0, 37 }, { 39, 70, 0, 35, 0, 37 } };
@@ -109,7 +109,7 @@ TEST(StabbingContourLines, OptionsDoToARectilinearGridWhatTheyDoToAnImage)
 
 TEST(StabbingContourLines, RegionIsOneOfTheWorld)
 {
-  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
+  const auto grid = MakeLinedGrid(MakeImage(LinesGrid, VTK_FLOAT, MakeWaves(100.0)));
   const auto contour = MakeContour(grid, 8.0);
   contour->UseRegionOn();
   const double x = grid->GetXCoordinates()->GetComponent(65, 0);
@@ -124,7 +124,7 @@ TEST(StabbingContourLines, RegionIsOneOfTheWorld)
 
 TEST(StabbingContourLines, SkippedNotANumberLeavesGoodNormals)
 {
-  const auto image = MakeImage(Grid, VTK_DOUBLE, [](int, int, int) { return 0.0; });
+  const auto image = MakeImage(LinesGrid, VTK_DOUBLE, [](int, int, int) { return 0.0; });
   const auto grid = MakeLinedGrid(image);
   vtkDataArray* samples = grid->GetPointData()->GetScalars();
   for (vtkIdType point = 0; point < grid->GetNumberOfPoints(); ++point)
@@ -150,7 +150,7 @@ TEST(StabbingContourLines, SkippedNotANumberLeavesGoodNormals)
 
 TEST(StabbingContourLines, ANewIsovalueFollowsChangedSamplesAndLines)
 {
-  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeNoise(50000, 6)));
+  const auto grid = MakeLinedGrid(MakeImage(LinesGrid, VTK_FLOAT, MakeNoise(50000, 6)));
   const auto contour = MakeContour(grid, 20000.5);
   contour->Update();
   vtkDataArray* samples = grid->GetPointData()->GetScalars();
@@ -168,7 +168,7 @@ TEST(StabbingContourLines, ANewIsovalueFollowsChangedSamplesAndLines)
 
 TEST(StabbingContourLines, LinesThatDoNotAscendAreRefused)
 {
-  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_FLOAT, MakeWaves(100.0)));
+  const auto grid = MakeLinedGrid(MakeImage(LinesGrid, VTK_FLOAT, MakeWaves(100.0)));
   grid->GetYCoordinates()->SetComponent(3, 0, -50.0);
   EXPECT_NE(ContourInVain(grid).find("do not ascend on axis y"), std::string::npos);
 }
@@ -191,7 +191,7 @@ TEST(StabbingContourLines, OtherDataSetsAreRefusedWithWhatToTakeInstead)
 // exact.
 TEST(StabbingContourLines, SpectrumTellsAreaAndVolumeInTheWorld)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, [](int, int, int) { return 0.0; });
+  const auto image = MakeImage(LinesGrid, VTK_FLOAT, [](int, int, int) { return 0.0; });
   const auto grid = MakeLinedGrid(image);
   vtkDataArray* samples = grid->GetPointData()->GetScalars();
   for (vtkIdType point = 0; point < grid->GetNumberOfPoints(); ++point)
@@ -219,7 +219,7 @@ TEST(StabbingContourLines, SpectrumTellsAreaAndVolumeInTheWorld)
 // The area of the triangles is the oracle.
 TEST(StabbingContourLines, SpectrumOfACurvedSurfaceHasTheAreaOfItsTriangles)
 {
-  const auto grid = MakeLinedGrid(MakeImage(Grid, VTK_SHORT, MakeWaves(90)));
+  const auto grid = MakeLinedGrid(MakeImage(LinesGrid, VTK_SHORT, MakeWaves(90)));
   vtkNew<vtkContourSpectrum> spectrum;
   spectrum->SetInputData(grid);
   spectrum->Update();

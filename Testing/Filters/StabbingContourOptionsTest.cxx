@@ -20,7 +20,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ 0, 40, 0, 33, 0, 20 };
+constexpr Extent OptionsGrid{ 0, 40, 0, 33, 0, 20 };
 
 vtkSmartPointer<vtkPolyData> ContourAsPolygons(vtkImageData* image, double isovalue)
 {
@@ -89,7 +89,7 @@ void ExpectSamePoints(vtkPolyData* a, vtkPolyData* b)
 
 TEST(StabbingContourOptions, AllAttributesAreThereByDefault)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(OptionsGrid, VTK_FLOAT, MakeWaves());
   const auto output = Contour(image, { 0.25 });
   vtkPointData* pointData = output->GetPointData();
   ASSERT_GT(output->GetNumberOfPoints(), 0);
@@ -107,7 +107,7 @@ TEST(StabbingContourOptions, AllAttributesAreThereByDefault)
 
 TEST(StabbingContourOptions, SurfaceIsTheSameWithoutNormalsAndScalars)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(OptionsGrid, VTK_FLOAT, MakeWaves());
   const auto contour = MakeContour(image, 0.25);
   contour->ComputeNormalsOff();
   contour->ComputeScalarsOff();
@@ -123,7 +123,7 @@ TEST(StabbingContourOptions, SurfaceIsTheSameWithoutNormalsAndScalars)
 
 TEST(StabbingContourOptions, ScalarsHoldTheIsovalueExactly)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(OptionsGrid, VTK_FLOAT, MakeWaves());
   vtkSmartPointer<vtkDataArray> scalars = Contour(image, { 0.25 })->GetPointData()->GetScalars();
   EXPECT_NE(vtkFloatArray::SafeDownCast(scalars), nullptr);
   EXPECT_EQ(scalars->GetTuple1(0), 0.25);
@@ -164,7 +164,7 @@ TEST(StabbingContourOptions, PolygonsHaveTheTrianglesPointsAndBoundary)
 {
   for (const Field& field : { MakeWaves(), MakeNoise(10, 8) })
   {
-    const auto image = MakeImage(Grid, VTK_FLOAT, field);
+    const auto image = MakeImage(OptionsGrid, VTK_FLOAT, field);
     const auto triangles = Contour(image, { 0.3 });
     const auto polygons = ContourAsPolygons(image, 0.3);
     ExpectSamePoints(polygons, triangles);
@@ -177,14 +177,14 @@ TEST(StabbingContourOptions, PolygonsHaveTheTrianglesPointsAndBoundary)
 
 TEST(StabbingContourOptions, PolygonsCanBeTriangulated)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(OptionsGrid, VTK_FLOAT, MakeWaves());
   EXPECT_EQ(
     CountTriangles(ContourAsPolygons(image, 0.3)), Contour(image, { 0.3 })->GetNumberOfCells());
 }
 
 TEST(StabbingContourOptions, FieldDataTellsTheCost)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(OptionsGrid, VTK_FLOAT, MakeWaves());
   for (const double isovalue : { 0.25, 5.0 })
   {
     const auto output = Contour(image, { isovalue });

@@ -34,7 +34,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ -5, 40, 2, 37, 0, 20 };
+constexpr Extent QualityGrid{ -5, 40, 2, 37, 0, 20 };
 
 using Place = std::array<double, 3>;
 using Triangles = std::vector<std::array<Place, 3>>;
@@ -213,7 +213,7 @@ vtkSmartPointer<vtkPartitionedDataSet> CutIntoPieces(vtkImageData* image, bool g
 
 TEST(StabbingContourQuality, InterpolatedArraysAreThoseOfFlyingEdges)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(QualityGrid, VTK_FLOAT, MakeWaves());
   AddArrays(image);
   const auto contour = MakeContour(image, 0.123);
   for (const char* name : { "label", "velocity", "pressure", "density" })
@@ -255,7 +255,7 @@ TEST(StabbingContourQuality, InterpolatedArraysAreThoseOfFlyingEdges)
 
 TEST(StabbingContourQuality, ContouredArrayItselfIsTheIsovalue)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(QualityGrid, VTK_FLOAT, MakeWaves());
   const auto contour = MakeContour(image, 0.123);
   contour->ComputeScalarsOff();
   contour->AddInterpolatedArray("density");
@@ -273,7 +273,7 @@ TEST(StabbingContourQuality, ContouredArrayItselfIsTheIsovalue)
 
 TEST(StabbingContourQuality, ArraysOfPiecesAreThoseOfTheWhole)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(QualityGrid, VTK_FLOAT, MakeWaves());
   vtkNew<vtkStabbingContour> contour;
   contour->SetValue(0, 0.123);
   contour->ComputeScalarsOff();
@@ -293,7 +293,7 @@ TEST(StabbingContourQuality, ArraysOfPiecesAreThoseOfTheWhole)
 
 TEST(StabbingContourQuality, ArraysThatCannotBeInterpolatedAreTold)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(QualityGrid, VTK_FLOAT, MakeWaves());
   const auto contour = MakeContour(image, 0.123);
   contour->AddInterpolatedArray("temperature");
   ExpectError(contour, "\"temperature\"");
@@ -325,7 +325,7 @@ TEST(StabbingContourQuality, ArraysThatCannotBeInterpolatedAreTold)
 
 TEST(StabbingContourQuality, TrianglesLeftAreThoseThatAreNotDegenerateInVTK)
 {
-  const auto image = MakeImage(Grid, VTK_SHORT, MakeNoise(6, 3));
+  const auto image = MakeImage(QualityGrid, VTK_SHORT, MakeNoise(6, 3));
   image->SetOrigin(0.1, 7.0, -3.0);
   image->SetSpacing(0.5, 1.25, 2.0);
   vtkNew<vtkStabbingContour> contour;
@@ -359,7 +359,7 @@ TEST(StabbingContourQuality, ClosedSurfaceIsThatOfThePaddedImage)
 {
   for (const Field& field : { MakeWaves(20.0), MakeNoise(50, 9), MakeEighthOfBall() })
   {
-    const auto image = MakeImage(Grid, VTK_DOUBLE, field);
+    const auto image = MakeImage(QualityGrid, VTK_DOUBLE, field);
     const Triangles expected = ListTriangles(CloseByPadding(image, 7.25), true);
     vtkNew<vtkStabbingContour> contour;
     contour->SetValue(0, 7.25);
@@ -391,7 +391,7 @@ TEST(StabbingContourQuality, ClosedSurfaceIsThatOfThePaddedImage)
 
 TEST(StabbingContourQuality, ClosedSurfaceWithoutDegenerateTrianglesEnclosesTheVolume)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeEighthOfBall());
+  const auto image = MakeImage(QualityGrid, VTK_FLOAT, MakeEighthOfBall());
   const auto contour = MakeContour(image, 5.0);
   contour->CloseBoundaryOn();
   contour->DropDegenerateTrianglesOn();
@@ -413,7 +413,7 @@ TEST(StabbingContourQuality, ClosedSurfaceWithoutDegenerateTrianglesEnclosesTheV
 
 TEST(StabbingContourQuality, NormalsOfCapsPointOutwardsInTheWorld)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, [](int, int, int) { return 1.0; });
+  const auto image = MakeImage(QualityGrid, VTK_FLOAT, [](int, int, int) { return 1.0; });
   image->SetSpacing(0.5, 1.0, 2.0);
   image->SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1);
   const auto contour = MakeContour(image, 0.5);
@@ -446,7 +446,7 @@ TEST(StabbingContourQuality, GlobalIdsOfSeveralGridsAreDistinctWithEveryOption)
   vtkNew<vtkPartitionedDataSet> grids;
   for (unsigned int number = 0; number < 3; ++number)
   {
-    const auto image = MakeImage(Grid, VTK_SHORT, MakeNoise(6, number));
+    const auto image = MakeImage(QualityGrid, VTK_SHORT, MakeNoise(6, number));
     image->SetOrigin(100.0 * number, 0, 0);
     grids->SetPartition(number, image);
   }

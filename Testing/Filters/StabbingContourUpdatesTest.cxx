@@ -15,7 +15,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ 0, 70, 0, 40, 0, 35 };
+constexpr Extent UpdatesGrid{ 0, 70, 0, 40, 0, 35 };
 
 EdgeSurface Update(vtkStabbingContour* contour)
 {
@@ -36,8 +36,8 @@ void Overwrite(vtkImageData* image)
 
 vtkSmartPointer<vtkImageData> MakeFlatImage()
 {
-  return MakeImage(
-    Grid, VTK_FLOAT, [](int i, int j, int k) { return i == 5 && j == 5 && k == 5 ? 60.0 : 0.0; });
+  return MakeImage(UpdatesGrid, VTK_FLOAT,
+    [](int i, int j, int k) { return i == 5 && j == 5 && k == 5 ? 60.0 : 0.0; });
 }
 
 } // namespace
@@ -69,7 +69,8 @@ TEST(StabbingContourUpdates, ExchangedInputGivesItsSurface)
   contour->SetValue(0, 50.0);
   for (unsigned int seed = 0; seed < 5; ++seed)
   {
-    const auto image = MakeImage(Grid, VTK_UNSIGNED_CHAR, MakeNoise(60 + 40 * (seed % 2), seed));
+    const auto image =
+      MakeImage(UpdatesGrid, VTK_UNSIGNED_CHAR, MakeNoise(60 + 40 * (seed % 2), seed));
     contour->SetInputData(image);
     EXPECT_TRUE(AreEqual(Update(contour), ContourByFlyingEdges(image, 50.0)));
   }
@@ -77,7 +78,7 @@ TEST(StabbingContourUpdates, ExchangedInputGivesItsSurface)
 
 TEST(StabbingContourUpdates, ExchangedArrayGivesItsSurface)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(UpdatesGrid, VTK_FLOAT, MakeWaves());
   const auto other = MakeFlatImage();
   other->GetPointData()->GetScalars()->SetName("other");
   image->GetPointData()->AddArray(other->GetPointData()->GetScalars());
@@ -92,7 +93,7 @@ TEST(StabbingContourUpdates, ExchangedArrayGivesItsSurface)
 
 TEST(StabbingContourUpdates, ChangedIsovaluesGiveTheirSurfaces)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(UpdatesGrid, VTK_FLOAT, MakeWaves());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputData(image);
   for (const double isovalue : { 0.0, 0.9, 5.0, -0.3, 0.0 })
@@ -104,7 +105,7 @@ TEST(StabbingContourUpdates, ChangedIsovaluesGiveTheirSurfaces)
 
 TEST(StabbingContourUpdates, OutputIsNotTouchedByTheNextUpdate)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(UpdatesGrid, VTK_FLOAT, MakeWaves());
   const auto contour = MakeContour(image, 0.0);
   contour->Update();
   vtkNew<vtkPolyData> kept;
@@ -144,7 +145,7 @@ TEST(StabbingContourUpdates, ChangedIsovaluesDoNotExecuteTheSourceAgain)
 
 TEST(StabbingContourUpdates, UnchangedContourDoesNotExecuteAgain)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(UpdatesGrid, VTK_FLOAT, MakeWaves());
   const auto contour = MakeContour(image, 0.1);
   contour->Update();
   const vtkMTimeType time = contour->GetOutput()->GetMTime();

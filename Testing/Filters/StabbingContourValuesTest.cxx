@@ -16,7 +16,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr Extent Grid{ 0, 36, 0, 33, 0, 8 };
+constexpr Extent ValuesGrid{ 0, 36, 0, 33, 0, 8 };
 constexpr double NotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
@@ -54,7 +54,7 @@ TEST_P(StabbingContourTypes, SmallValuesEqualFlyingEdges)
 {
   const int type = GetParam();
   const bool isSigned = vtkDataArray::GetDataTypeMin(type) < 0;
-  const auto image = MakeImage(Grid, type, MakeSpan(isSigned ? -100.0 : 0.0, 120.0));
+  const auto image = MakeImage(ValuesGrid, type, MakeSpan(isSigned ? -100.0 : 0.0, 120.0));
   // vtkFlyingEdges3D lets differences of unsigned int and unsigned long wrap around; we do not.
   // The same values as double have no such trouble.
   const bool wraps = !isSigned && vtkDataArray::GetDataTypeSize(type) >= 4;
@@ -76,7 +76,7 @@ TEST_P(StabbingContourTypes, WholeRangeEqualsFlyingEdgesOnDouble)
   }
   const double low = std::max(vtkDataArray::GetDataTypeMin(type), -std::ldexp(1.0, 50));
   const double high = std::min(vtkDataArray::GetDataTypeMax(type), std::ldexp(1.0, 50));
-  const auto image = MakeImage(Grid, type, MakeSpan(low, high));
+  const auto image = MakeImage(ValuesGrid, type, MakeSpan(low, high));
   const auto oracle = ConvertTo(VTK_DOUBLE, image);
   for (const double share : { 0.1, 0.5, 0.9 })
   {
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(AllOfVTK, StabbingContourTypes,
 TEST(StabbingContourValues, IntegersOf64BitsAreComparedExactly)
 {
   const std::int64_t base = std::int64_t(1) << 60;
-  const auto offsets = MakeImage(Grid, VTK_DOUBLE,
+  const auto offsets = MakeImage(ValuesGrid, VTK_DOUBLE,
     [noise = MakeNoise(7, 5)](int i, int j, int k) mutable { return noise(i, j, k) - 3.0; });
   for (const int type : { VTK_LONG, VTK_LONG_LONG, VTK_UNSIGNED_LONG_LONG })
   {
@@ -139,7 +139,7 @@ TEST(StabbingContourValues, NaNRegionsEqualFlyingEdges)
         const int distance = (i - 31) * (i - 31) + (j - 18) * (j - 18) + (k - 17) * (k - 17);
         return distance < 100 ? NotANumber : waves(i, j, k);
       });
-    const auto specks = MakeImage(Grid, type,
+    const auto specks = MakeImage(ValuesGrid, type,
       [waves = MakeWaves(), noise = MakeNoise(9, 3)](int i, int j, int k) mutable
       { return noise(i, j, k) == 0.0 ? NotANumber : waves(i, j, k); });
     for (vtkImageData* image : { ball.Get(), specks.Get() })
@@ -156,7 +156,7 @@ TEST(StabbingContourValues, NaNRegionsEqualFlyingEdges)
 
 TEST(StabbingContourValues, NothingButNaNHasNoSurface)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, [](int, int, int) { return NotANumber; });
+  const auto image = MakeImage(ValuesGrid, VTK_FLOAT, [](int, int, int) { return NotANumber; });
   EXPECT_EQ(Contour(image, { 0.0 })->GetNumberOfPoints(), 0);
 }
 
@@ -177,7 +177,7 @@ TEST(StabbingContourValues, InfinitiesEqualFlyingEdges)
 {
   for (const int type : { VTK_FLOAT, VTK_DOUBLE })
   {
-    const auto image = MakeImage(Grid, type,
+    const auto image = MakeImage(ValuesGrid, type,
       [waves = MakeWaves(), noise = MakeNoise(12, 4)](int i, int j, int k) mutable
       {
         const double odd = noise(i, j, k);
@@ -189,7 +189,7 @@ TEST(StabbingContourValues, InfinitiesEqualFlyingEdges)
 
 TEST(StabbingContourValues, ArrayOfOtherMemoryLayoutEqualsPlainOne)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT, MakeWaves());
+  const auto image = MakeImage(ValuesGrid, VTK_FLOAT, MakeWaves());
   vtkNew<vtkSOADataArrayTemplate<float>> samples;
   samples->DeepCopy(image->GetPointData()->GetScalars());
   samples->SetName("density");

@@ -24,7 +24,7 @@ list_files() {
 }
 
 window() { # arguments of paraview
-  timeout 120 xvfb-run -a -s "-noreset -screen 0 1400x1000x24" paraview "$@"
+  timeout 600 xvfb-run -a -s "-noreset -screen 0 1400x1000x24" paraview "$@"
 }
 
 # ParaView as the distribution has it, or with a list of plugins, whose last line has no end.

@@ -19,7 +19,7 @@ namespace isosurface
 namespace
 {
 
-const std::vector<double> Isovalues = { 150.0, 60.5 };
+const std::vector<double> FileIsovalues = { 150.0, 60.5 };
 
 struct FileCase
 {
@@ -43,7 +43,7 @@ std::ostream& operator<<(std::ostream& stream, const FileCase& one)
   return stream << one.GetName();
 }
 
-vtkImageData* GetVolume(int type)
+vtkImageData* GetFileVolume(int type)
 {
   static std::map<int, vtkSmartPointer<vtkImageData>> volumes;
   vtkSmartPointer<vtkImageData>& volume = volumes[type];
@@ -57,7 +57,7 @@ vtkImageData* GetVolume(int type)
 
 EdgeSurface GetExpected(int type, double isovalue)
 {
-  EdgeSurface surface = ContourByFlyingEdges(GetVolume(type), isovalue);
+  EdgeSurface surface = ContourByFlyingEdges(GetFileVolume(type), isovalue);
   surface.DropNormals();
   return surface;
 }
@@ -82,9 +82,9 @@ protected:
     writer->SetMemoryLimit(1);
     if (one.BlockSize > 0)
     {
-      WriteFromPieces(GetVolume(one.Type), one.Layout, path + ".bvol", { one.BlockSize, 3 });
+      WriteFromPieces(GetFileVolume(one.Type), one.Layout, path + ".bvol", { one.BlockSize, 3 });
       const ContourPipeline pipeline(path + ".bvol");
-      SetIsovalues(pipeline.Contour, Isovalues);
+      SetIsovalues(pipeline.Contour, FileIsovalues);
       writer->SetInputConnection(pipeline.Contour->GetOutputPort());
       ExpectSuccess(writer);
       EXPECT_EQ(pipeline.Contour->GetOutput()->GetNumberOfPoints(), 0)
@@ -92,11 +92,11 @@ protected:
       return;
     }
     vtkNew<PieceSource> source;
-    source->SetImage(GetVolume(one.Type));
+    source->SetImage(GetFileVolume(one.Type));
     source->SetLayout(one.Layout);
     vtkNew<vtkStabbingContour> contour;
     contour->SetInputConnection(source->GetOutputPort());
-    SetIsovalues(contour, Isovalues);
+    SetIsovalues(contour, FileIsovalues);
     writer->SetInputConnection(contour->GetOutputPort());
     ExpectSuccess(writer);
   }
@@ -122,7 +122,7 @@ protected:
   EdgeSurface Gather(vtkPolyData* mine, std::size_t number)
   {
     const std::int64_t ids =
-      3 * static_cast<std::int64_t>(GetVolume(GetParam().Type)->GetNumberOfPoints());
+      3 * static_cast<std::int64_t>(GetFileVolume(GetParam().Type)->GetNumberOfPoints());
     EdgeSurface part;
     const auto first = static_cast<std::int64_t>(number);
     part.Add(mine, first * ids, (first + 1) * ids);
@@ -134,28 +134,28 @@ protected:
 
   void CheckSurface(vtkPolyData* mine)
   {
-    for (std::size_t number = 0; number < Isovalues.size(); ++number)
+    for (std::size_t number = 0; number < FileIsovalues.size(); ++number)
     {
       EdgeSurface all = this->Gather(mine, number);
       if (GetRank() != 0)
       {
         continue;
       }
-      const EdgeSurface expected = GetExpected(GetParam().Type, Isovalues[number]);
+      const EdgeSurface expected = GetExpected(GetParam().Type, FileIsovalues[number]);
       if (GetParam().Mode == vtkEdgeIndexWriter::LOSSLESS)
       {
-        EXPECT_TRUE(AreEqual(all, expected)) << "at " << Isovalues[number];
-        EXPECT_TRUE(IsClosedManifold(all)) << "at " << Isovalues[number];
+        EXPECT_TRUE(AreEqual(all, expected)) << "at " << FileIsovalues[number];
+        EXPECT_TRUE(IsClosedManifold(all)) << "at " << FileIsovalues[number];
       }
       else
       {
-        EXPECT_EQ(all.Triangles, expected.Triangles) << "at " << Isovalues[number];
+        EXPECT_EQ(all.Triangles, expected.Triangles) << "at " << FileIsovalues[number];
       }
     }
   }
 };
 
-std::vector<FileCase> MakeCases()
+std::vector<FileCase> MakeFileCases()
 {
   std::vector<FileCase> cases;
   for (const int layout : { 0, 1, 2, 3 })
@@ -196,7 +196,7 @@ TEST_P(EdgeIndexOnRanks, FileIsTheSameAndHoldsTheWholeSurface)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, EdgeIndexOnRanks, testing::ValuesIn(MakeCases()),
+INSTANTIATE_TEST_SUITE_P(Cases, EdgeIndexOnRanks, testing::ValuesIn(MakeFileCases()),
   [](const auto& one) { return one.param.GetName(); });
 
 TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
@@ -204,10 +204,10 @@ TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
   const SharedFolder folder("EdgeIndexStopOnRanks");
   const std::string path = folder.GetPath("surface.eix");
   vtkNew<PieceSource> source;
-  source->SetImage(GetVolume(VTK_SHORT));
+  source->SetImage(GetFileVolume(VTK_SHORT));
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  SetIsovalues(contour, Isovalues);
+  SetIsovalues(contour, FileIsovalues);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   writer->SetFileName(path.c_str());
@@ -232,10 +232,10 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
   const SharedFolder folder("EdgeIndexErrorsOnRanks");
   const std::string path = folder.GetPath("surface.eix");
   vtkNew<PieceSource> source;
-  source->SetImage(GetVolume(VTK_SHORT));
+  source->SetImage(GetFileVolume(VTK_SHORT));
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  SetIsovalues(contour, Isovalues);
+  SetIsovalues(contour, FileIsovalues);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   {

@@ -30,11 +30,11 @@ namespace isosurface
 namespace
 {
 
-constexpr Extent Whole{ -9, 60, 3, 47, 0, 38 };
+constexpr Extent WholeGrid{ -9, 60, 3, 47, 0, 38 };
 
 vtkSmartPointer<vtkImageData> MakeRough()
 {
-  return MakeImage(Whole, VTK_FLOAT,
+  return MakeImage(WholeGrid, VTK_FLOAT,
     [waves = MakeWaves(100.0), noise = MakeNoise(20, 7)](int i, int j, int k) mutable
     { return waves(i, j, k) + noise(i, j, k); });
 }
@@ -42,10 +42,11 @@ vtkSmartPointer<vtkImageData> MakeRough()
 // This rank's slab of cells of the whole, with `layers` more on both sides.
 Extent CutSlab(int layers)
 {
-  Extent slab = Whole;
-  const int cells = Whole[1] - Whole[0];
-  slab[0] = std::max(Whole[0], Whole[0] + cells * GetRank() / GetNumberOfRanks() - layers);
-  slab[1] = std::min(Whole[1], Whole[0] + cells * (GetRank() + 1) / GetNumberOfRanks() + layers);
+  Extent slab = WholeGrid;
+  const int cells = WholeGrid[1] - WholeGrid[0];
+  slab[0] = std::max(WholeGrid[0], WholeGrid[0] + cells * GetRank() / GetNumberOfRanks() - layers);
+  slab[1] =
+    std::min(WholeGrid[1], WholeGrid[0] + cells * (GetRank() + 1) / GetNumberOfRanks() + layers);
   return slab;
 }
 
@@ -197,7 +198,8 @@ TEST(GridsOnRanks, CellArraysWithGhostLayersHaveTheSurfaceOfTheWhole)
 {
   const auto samples = MakeRough();
   vtkNew<vtkImageData> whole;
-  whole->SetExtent(Whole[0], Whole[1] + 1, Whole[2], Whole[3] + 1, Whole[4], Whole[5] + 1);
+  whole->SetExtent(
+    WholeGrid[0], WholeGrid[1] + 1, WholeGrid[2], WholeGrid[3] + 1, WholeGrid[4], WholeGrid[5] + 1);
   whole->GetCellData()->SetScalars(samples->GetPointData()->GetScalars());
   vtkNew<vtkImageData> piece;
   piece->DeepCopy(whole);
@@ -205,7 +207,7 @@ TEST(GridsOnRanks, CellArraysWithGhostLayersHaveTheSurfaceOfTheWhole)
   Extent grown = CutSlab(2);
   for (Extent* extent : { &own, &grown })
   {
-    (*extent)[1] += (*extent)[1] == Whole[1] ? 1 : 0;
+    (*extent)[1] += (*extent)[1] == WholeGrid[1] ? 1 : 0;
     (*extent)[3] += 1;
     (*extent)[5] += 1;
   }

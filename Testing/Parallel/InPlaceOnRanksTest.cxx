@@ -26,7 +26,7 @@ namespace isosurface
 namespace
 {
 
-constexpr double Isovalue = 120.0; // of noise: every block is active
+constexpr double InPlaceIsovalue = 120.0; // of noise: every block is active
 
 vtkSmartPointer<vtkImageData> MakeNoisyImage()
 {
@@ -81,12 +81,12 @@ TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
     });
 
   ContourPipeline pipeline(path);
-  vtkPolyData* const mine = pipeline.Update({ Isovalue });
+  vtkPolyData* const mine = pipeline.Update({ InPlaceIsovalue });
   const auto triangles = SumOverRanks(static_cast<std::uint64_t>(mine->GetNumberOfPolys()));
   const EdgeSurface all = GatherSurface(mine);
   if (GetRank() == 0)
   {
-    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, Isovalue)));
+    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, InPlaceIsovalue)));
   }
 
   const ErrorCounter readerErrors(pipeline.Reader);
@@ -124,7 +124,7 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
   reader->SetSourceName(source.c_str());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetValue(0, Isovalue);
+  contour->SetValue(0, InPlaceIsovalue);
   const ErrorCounter readerErrors(reader);
   const ErrorCounter contourErrors(contour);
   const ErrorCounter contourExecutiveErrors(contour->GetExecutive());
@@ -152,7 +152,7 @@ TEST(InPlaceOnRanks, OutputOfAReaderThatFailedBeforeIsWhole)
   reader->SetSourceName(source.c_str());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetValue(0, Isovalue);
+  contour->SetValue(0, InPlaceIsovalue);
   {
     const ErrorCounter errors(reader);
     const ErrorCounter executiveErrors(reader->GetExecutive());

@@ -25,7 +25,7 @@ namespace isosurface
 namespace
 {
 
-constexpr double Isovalue = 120.0;
+constexpr double AgreedIsovalue = 120.0;
 
 /// Of noise, with a second array.
 vtkSmartPointer<vtkImageData> MakeTwoArrays(unsigned int seed = 3)
@@ -122,7 +122,7 @@ protected:
   {
     contour->SetInputConnection(source->GetOutputPort());
     contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
-    contour->SetValue(0, Isovalue);
+    contour->SetValue(0, AgreedIsovalue);
     Listener listener;
     listener.Add(source);
     listener.Add(contour);
@@ -166,7 +166,7 @@ TEST(PropertiesOnRanks, TimesOfImagesAreAgreedOn)
   source->SetImage(MakeTwoArrays());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, Isovalue);
+  contour->SetValue(0, AgreedIsovalue);
   Listener listener;
   listener.Add(contour);
   contour->UpdateTimeStep(IsOdd() ? 2 : 1, GetRank(), GetNumberOfRanks());
@@ -182,7 +182,7 @@ TEST(PropertiesOnRanks, OfADistributedContourAreAgreedOn)
   source->SetImage(MakeTwoArrays());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, Isovalue);
+  contour->SetValue(0, AgreedIsovalue);
   contour->SetComputeNormals(IsOdd() ? 0 : 1);
   vtkNew<vtkDistributeIsosurface> distribute;
   distribute->SetInputConnection(contour->GetOutputPort());
@@ -203,7 +203,7 @@ TEST(PropertiesOnRanks, OfAnEdgeIndexWriterAreAgreedOn)
   contour->SetInputConnection(source->GetOutputPort());
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
   contour->AddInterpolatedArray("height");
-  contour->SetValue(0, Isovalue);
+  contour->SetValue(0, AgreedIsovalue);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   Listener listener;
@@ -232,7 +232,7 @@ TEST(PropertiesOnRanks, OfAnEdgeIndexReaderAreAgreedOn)
   source->SetImage(MakeTwoArrays());
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, Isovalue);
+  contour->SetValue(0, AgreedIsovalue);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   writer->SetFileName(path.c_str());
@@ -365,7 +365,7 @@ TEST_F(VolumePropertiesOnRanks, LocalStoresAreAgreedOn)
   for (const int balanced : { 0, 1 })
   {
     ContourPipeline pipeline(this->Path);
-    pipeline.Contour->SetValue(0, Isovalue);
+    pipeline.Contour->SetValue(0, AgreedIsovalue);
     pipeline.Contour->SetDynamicBalance(balanced);
     Listener listener;
     listener.Add(pipeline.Reader);

@@ -18,7 +18,7 @@ namespace isosurface
 namespace
 {
 
-constexpr double Isovalue = 120.0; // of noise: every block is active
+constexpr double ReadIsovalue = 120.0; // of noise: every block is active
 
 // A reader with a contour behind it, whose errors are caught.
 struct ListenedPipeline
@@ -30,7 +30,7 @@ struct ListenedPipeline
     , ContourErrors(this->Pipeline.Contour)
     , ContourExecutiveErrors(this->Pipeline.Contour->GetExecutive())
   {
-    this->Pipeline.Contour->SetValue(0, Isovalue);
+    this->Pipeline.Contour->SetValue(0, ReadIsovalue);
   }
 
   // Collective; gives the messages of both classes.
@@ -54,14 +54,14 @@ struct ListenedPipeline
   ErrorCounter ContourExecutiveErrors;
 };
 
-vtkSmartPointer<vtkImageData> MakeNoisyImage()
+vtkSmartPointer<vtkImageData> MakeImageToRead()
 {
   return MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
 }
 
 std::size_t CountTriangles(vtkImageData* image)
 {
-  return GetRank() == 0 ? ContourByFlyingEdges(image, Isovalue).Triangles.size() : 0;
+  return GetRank() == 0 ? ContourByFlyingEdges(image, ReadIsovalue).Triangles.size() : 0;
 }
 
 class ReadErrors : public testing::TestWithParam<VolumeDamage>
@@ -72,7 +72,7 @@ TEST_P(ReadErrors, AreToldOnceByEveryRank)
 {
   const SharedFolder folder("ReadErrors-" + GetParam().Name);
   const std::string path = folder.GetPath("volume.bvol");
-  const auto image = MakeNoisyImage();
+  const auto image = MakeImageToRead();
   WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
   OnFirstRank(
     [&]
@@ -112,7 +112,7 @@ TEST(ReadErrorsOfOneRank, AreToldOnceByEveryRank)
 {
   const SharedFolder folder("ReadErrorsOfOneRank");
   const std::string path = folder.GetPath("volume.bvol");
-  const auto image = MakeNoisyImage();
+  const auto image = MakeImageToRead();
   WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
   ListenedPipeline listened(path);
   for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
@@ -136,14 +136,14 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
 {
   const SharedFolder folder("FurtherIsovalues");
   const std::string path = folder.GetPath("volume.bvol");
-  const auto image = MakeNoisyImage();
+  const auto image = MakeImageToRead();
   WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
   for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
   {
     ListenedPipeline listened(path);
     const std::string wrong = folder.GetPath("empty/volume.bvol");
     listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : path).c_str());
-    for (const double isovalue : { Isovalue, 90.0, 60.0 })
+    for (const double isovalue : { ReadIsovalue, 90.0, 60.0 })
     {
       listened.Pipeline.Contour->SetValue(0, isovalue);
       const std::vector<std::string> messages = listened.Update();
@@ -153,7 +153,7 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
     }
     listened.Pipeline.Reader->SetFileName(path.c_str());
     listened.Pipeline.Reader->Modified(); // on all ranks, as a reload does
-    listened.Pipeline.Contour->SetValue(0, Isovalue);
+    listened.Pipeline.Contour->SetValue(0, ReadIsovalue);
     EXPECT_EQ(listened.Update(), std::vector<std::string>());
     EXPECT_EQ(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())),
       SumOverRanks(CountTriangles(image)));
@@ -164,7 +164,7 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherSpectrum)
 {
   const SharedFolder folder("FurtherSpectra");
   const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
   const int last = GetNumberOfRanks() - 1;
   vtkNew<vtkBlockedVolumeReader> reader;
   reader->SetFileName((GetRank() == last ? folder.GetPath("wrong.bvol") : path).c_str());
@@ -192,7 +192,7 @@ TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
   const SharedFolder folder("DifferentVolumes");
   const std::string mine = folder.GetPath("mine.bvol");
   const std::string other = folder.GetPath("other.bvol");
-  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, mine, { 16, 3, 1 });
+  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, mine, { 16, 3, 1 });
   WriteFromPieces(MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 4)),
     PieceSource::SUB_EXTENTS, other, { 16, 3, 1 });
   for (int odd = 1; odd < GetNumberOfRanks(); ++odd)
@@ -202,7 +202,7 @@ TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
       "different volumes under this path, or the same before and after it was written; reload it "
       "(rank " +
       std::to_string(odd) + " differs";
-    for (const double isovalue : { Isovalue, 90.0 })
+    for (const double isovalue : { ReadIsovalue, 90.0 })
     {
       listened.Pipeline.Contour->SetValue(0, isovalue);
       const std::vector<std::string> messages = listened.Update();
@@ -222,7 +222,7 @@ TEST(ReadErrorsOfOneRank, MissingFileNameIsToldByEveryRank)
 {
   const SharedFolder folder("NoFileName");
   const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
   ListenedPipeline listened(path);
   const int last = GetNumberOfRanks() - 1;
   listened.Pipeline.Reader->SetFileName(GetRank() == last ? "" : path.c_str());
@@ -235,7 +235,7 @@ TEST(ReadErrorsOfOneRank, ArrayThatIsNotThereIsToldByEveryRank)
 {
   const SharedFolder folder("NoArray");
   const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
   ListenedPipeline listened(path);
   const int last = GetNumberOfRanks() - 1;
   listened.Pipeline.Contour->SetInputArrayToProcess(
@@ -256,7 +256,7 @@ TEST(ReadErrorsOfOneRank, BlocksOfOneRankFailOnAll)
   // The reader alone, no contour: ranks that have read their blocks do not keep them.
   const SharedFolder folder("BlocksOfOneRank");
   const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeNoisyImage(), PieceSource::SUB_EXTENTS, path, { 16, 7, 1 });
+  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 7, 1 });
   OnFirstRank([&] { FlipBit(GetFirstStore(path) + "/blocks", 2000); });
   ListenedPipeline listened(path);
   vtkBlockedVolumeReader* reader = listened.Pipeline.Reader;

@@ -19,7 +19,7 @@ namespace isosurface
 namespace
 {
 
-constexpr double Isovalue = 120.0;
+constexpr double ReplicatedIsovalue = 120.0;
 
 // Keeps warnings from being printed.
 class WarningKeeper
@@ -47,7 +47,7 @@ private:
 };
 
 // Collective; the surface of all ranks, on rank 0.
-EdgeSurface Extract(ContourPipeline& pipeline, double isovalue)
+EdgeSurface ExtractReplicated(ContourPipeline& pipeline, double isovalue)
 {
   const EdgeSurface all = GatherSurface(pipeline.Update({ isovalue }));
   return all;
@@ -82,11 +82,11 @@ protected:
     const WarningKeeper warnings(pipeline.Contour);
     // A cache without room: the next query reads again.
     pipeline.Reader->SetCacheSize(0);
-    const EdgeSurface first = Extract(pipeline, Isovalue);
+    const EdgeSurface first = ExtractReplicated(pipeline, ReplicatedIsovalue);
     EXPECT_EQ(warnings.Messages, std::vector<std::string>());
     OnFirstRank([&] { spoil(path + ".stores/000001/store-00002"); });
-    const EdgeSurface second = Extract(pipeline, Isovalue + 10);
-    const EdgeSurface third = Extract(pipeline, Isovalue);
+    const EdgeSurface second = ExtractReplicated(pipeline, ReplicatedIsovalue + 10);
+    const EdgeSurface third = ExtractReplicated(pipeline, ReplicatedIsovalue);
     std::string told;
     for (const std::string& message : warnings.Messages)
     {
@@ -97,9 +97,9 @@ protected:
     EXPECT_LE(warnings.Messages.size(), GetRank() == 0 ? 1u : 0u);
     if (GetRank() == 0)
     {
-      EXPECT_TRUE(AreEqual(first, ContourByFlyingEdges(image, Isovalue)));
-      EXPECT_TRUE(AreEqual(second, ContourByFlyingEdges(image, Isovalue + 10)));
-      EXPECT_TRUE(AreEqual(third, ContourByFlyingEdges(image, Isovalue)));
+      EXPECT_TRUE(AreEqual(first, ContourByFlyingEdges(image, ReplicatedIsovalue)));
+      EXPECT_TRUE(AreEqual(second, ContourByFlyingEdges(image, ReplicatedIsovalue + 10)));
+      EXPECT_TRUE(AreEqual(third, ContourByFlyingEdges(image, ReplicatedIsovalue)));
     }
     pipeline.Reader->SetCacheSize(1024);
   }
@@ -146,7 +146,7 @@ TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
   OnFirstRank([&] { FlipBytes(path + ".stores/000001/store-00002/blocks"); });
   ContourPipeline pipeline(path);
   pipeline.Reader->SetLocalStores(isLocal);
-  pipeline.Contour->SetValue(0, Isovalue);
+  pipeline.Contour->SetValue(0, ReplicatedIsovalue);
   vtkNew<vtkDistributeIsosurface> distribute;
   distribute->SetInputConnection(pipeline.Contour->GetOutputPort());
   const WarningKeeper warnings(distribute);
@@ -155,7 +155,7 @@ TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
   distribute->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   const auto triangles =
     SumOverRanks(static_cast<std::uint64_t>(distribute->GetOutput()->GetNumberOfPolys()));
-  const std::size_t expected = ContourByFlyingEdges(image, Isovalue).Triangles.size();
+  const std::size_t expected = ContourByFlyingEdges(image, ReplicatedIsovalue).Triangles.size();
   EXPECT_EQ(triangles, expected);
   EXPECT_EQ(warnings.Messages.size() + warningsOfContour.Messages.size(), GetRank() == 0 ? 1u : 0u);
 }

@@ -109,7 +109,7 @@ const EdgeSurface& GetExpected(VolumeKind kind, double isovalue)
 
 // Every store, distribution, block size; types and layouts take turns so that each of them meets
 // all of those in some case.
-std::vector<VolumeCase> MakeCases()
+std::vector<VolumeCase> MakeVolumeCases()
 {
   std::vector<VolumeCase> cases;
   int turn = 0;
@@ -238,7 +238,7 @@ TEST(SurfaceUnionAtLevels, EqualsSurfaceOfSubsampledVolume)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, SurfaceUnion, testing::ValuesIn(MakeCases()), NameOfCase);
+INSTANTIATE_TEST_SUITE_P(Cases, SurfaceUnion, testing::ValuesIn(MakeVolumeCases()), NameOfCase);
 
 } // namespace
 } // namespace isosurface

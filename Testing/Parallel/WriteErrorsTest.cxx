@@ -17,12 +17,12 @@ namespace isosurface
 namespace
 {
 
-vtkSmartPointer<vtkImageData> MakeOldImage()
+vtkSmartPointer<vtkImageData> MakeImageToKeep()
 {
   return MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
 }
 
-vtkSmartPointer<vtkImageData> MakeNewImage()
+vtkSmartPointer<vtkImageData> MakeImageToWrite()
 {
   return MakeImage({ 0, 40, 0, 40, 0, 44 }, VTK_FLOAT, MakeNoise(250, 4));
 }
@@ -35,9 +35,9 @@ protected:
     : Folder(testing::UnitTest::GetInstance()->current_test_info()->name())
     , Path(this->Folder.GetPath("volume.bvol"))
   {
-    WriteFromPieces(MakeOldImage(), PieceSource::SUB_EXTENTS, this->Path, { 16, 3, 0 });
+    WriteFromPieces(MakeImageToKeep(), PieceSource::SUB_EXTENTS, this->Path, { 16, 3, 0 });
     this->Before = GetRank() == 0 ? ComputeFingerprint(this->Path) : 0;
-    this->Source->SetImage(MakeNewImage());
+    this->Source->SetImage(MakeImageToWrite());
     this->Writer->SetInputConnection(this->Source->GetOutputPort());
     this->Writer->SetFileName(this->Path.c_str());
     this->Writer->SetBlockSize(16);
@@ -77,7 +77,7 @@ protected:
     const EdgeSurface all = GatherSurface(pipeline.Update({ 120.0 }));
     if (GetRank() == 0)
     {
-      EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(MakeNewImage(), 120.0)));
+      EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(MakeImageToWrite(), 120.0)));
     }
   }
 
@@ -131,12 +131,12 @@ TEST_F(WriteErrors, RanksWithDifferentGrids)
   {
     GTEST_SKIP() << "one rank agrees with itself";
   }
-  const auto image = MakeNewImage();
+  const auto image = MakeImageToWrite();
   image->SetOrigin(GetRank() == 1 ? 1 : 0, 0, 0);
   this->Source->SetImage(image);
   this->Source->SetLayout(PieceSource::EVERYWHERE);
   this->ExpectFailure("differ", "");
-  this->Source->SetImage(MakeNewImage());
+  this->Source->SetImage(MakeImageToWrite());
   this->ExpectSuccess();
 }
 

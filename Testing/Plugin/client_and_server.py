@@ -62,7 +62,7 @@ class ClientAndServer(unittest.TestCase):
                 *options,
             ],
             env=testing.make_mpi_environment(),
-            timeout=180,  # else it hangs
+            timeout=600,  # else it hangs
             check=False,
         )
 
@@ -72,7 +72,7 @@ class ClientAndServer(unittest.TestCase):
         try:
             self.assertEqual(self.run_client(port, script, output, options).returncode, 0)
             # A server ends with its client.
-            self.assertEqual(server.wait(timeout=30), 0)
+            self.assertEqual(server.wait(timeout=600), 0)
         finally:
             server.kill()
             server.wait()
@@ -101,11 +101,11 @@ class ClientAndServer(unittest.TestCase):
                     "--exit",
                 ],
                 env={**testing.make_mpi_environment(), **window_environment},
-                timeout=180,
+                timeout=600,
                 check=False,
             )
             self.assertEqual(gui.returncode, 0)
-            server.wait(timeout=30)
+            server.wait(timeout=600)
         finally:
             server.kill()
             server.wait()

@@ -40,7 +40,7 @@ class FaultyVolumes(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             env=testing.make_mpi_environment(),
-            timeout=60,  # else it hangs
+            timeout=600,  # else it hangs
             text=True,
             errors="replace",
         )

@@ -25,7 +25,7 @@ def run_queries(*options):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         env=testing.make_mpi_environment(),
-        timeout=90,  # else it hangs
+        timeout=600,  # else it hangs
         check=True,
         text=True,
         errors="replace",

@@ -28,8 +28,8 @@ using namespace isosurface;
 namespace
 {
 
-constexpr int Width = 211;
-constexpr int Height = 163;
+constexpr int FrameWidth = 211;
+constexpr int FrameHeight = 163;
 
 /// Draws, or throws on request.
 class FaultyPass : public vtkRenderPass
@@ -92,8 +92,8 @@ double GetDecibels(const Image& image, const Image& expected)
 
 TEST(MetabufferFrame, WindowsShowWhatTheyShowWithStockCompositing)
 {
-  RankWindow stock(RankWindow::Stock, Width, Height);
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow stock(RankWindow::Stock, FrameWidth, FrameHeight);
+  RankWindow ours(RankWindow::Metabuffer, FrameWidth, FrameHeight);
   std::vector<std::vector<std::uint32_t>> images;
   for (const bool hasGradient : { false, true })
   {
@@ -128,8 +128,8 @@ TEST(MetabufferFrame, WindowsShowWhatTheyShowWithStockCompositing)
 
 TEST(MetabufferFrame, WhatIsNotOpaqueIsBlendedOverTheBackground)
 {
-  RankWindow stock(RankWindow::Stock, Width, Height);
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow stock(RankWindow::Stock, FrameWidth, FrameHeight);
+  RankWindow ours(RankWindow::Metabuffer, FrameWidth, FrameHeight);
   for (RankWindow* window : { &stock, &ours })
   {
     window->SetScene({ "translucent",
@@ -154,7 +154,7 @@ TEST(MetabufferFrame, WhatIsNotOpaqueIsBlendedOverTheBackground)
 
 TEST(MetabufferFrame, ARankThatFailsInDrawingEndsTheFrameOnAllWithOneError)
 {
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, FrameWidth, FrameHeight);
   ours.SetScene(GetScenes()[1]);
   ours.SetCamera(GetCameraPlaces()[0]);
   const Image before = ours.Render();
@@ -191,7 +191,7 @@ TEST(MetabufferFrame, ARankThatFailsInDrawingEndsTheFrameOnAllWithOneError)
 
 TEST(MetabufferFrame, ABudgetChoosesTheSameResolutionsOnAllRanks)
 {
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, FrameWidth, FrameHeight);
   ours.SetScene(GetScenes()[0]);
   ours.SetCamera(GetCameraPlaces()[0]);
   const Image full = ours.Render();

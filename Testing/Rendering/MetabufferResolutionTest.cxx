@@ -18,8 +18,8 @@ using namespace isosurface;
 namespace
 {
 
-constexpr int Width = 216; // divisible by all divisors of these tests
-constexpr int Height = 168;
+constexpr int DivisibleWidth = 216; // divisible by all divisors of these tests
+constexpr int DivisibleHeight = 168;
 
 /// All ranks' small images, on rank 0.
 template <typename Value>
@@ -129,8 +129,8 @@ Image AverageFour(const Image& fine)
 Image MergeSmallImages(
   const Scene& scene, const CameraPlace& camera, const Composition& composition)
 {
-  const int width = composition.Samples * Width;
-  const int height = composition.Samples * Height;
+  const int width = composition.Samples * DivisibleWidth;
+  const int height = composition.Samples * DivisibleHeight;
   const int mine = composition.Divisors[static_cast<std::size_t>(GetRank())];
   const Image drawn =
     RenderAlone(scene.Make(GetRank(), GetNumberOfRanks()), camera, width / mine, height / mine);
@@ -193,7 +193,7 @@ void DealToRanks(std::vector<int>& divisors)
 
 TEST(MetabufferResolution, MixedResolutionsAreSmallImagesMergedOneByOne)
 {
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, DivisibleWidth, DivisibleHeight);
   const std::vector<std::vector<int>> choices = { { 1, 2, 4, 3 }, { 4, 1, 1, 2 }, { 2, 2, 2, 2 },
     { 8, 6, 4, 12 } };
   for (const Scene& scene : GetScenes())
@@ -230,7 +230,7 @@ TEST(MetabufferResolution, MixedResolutionsAreSmallImagesMergedOneByOne)
 
 TEST(MetabufferResolution, SmoothAndSupersampledImagesAreMergedOneByOne)
 {
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, DivisibleWidth, DivisibleHeight);
   for (const std::size_t index : { 0U, 1U, 2U })
   {
     const Scene scene = GetScenes()[index];
@@ -254,7 +254,7 @@ TEST(MetabufferResolution, SmoothAndSupersampledImagesAreMergedOneByOne)
           {
             const std::string what = scene.Name + ", " + camera.Name + ", " +
               std::to_string(divisors[0]) + ", " + std::to_string(way);
-            EXPECT_EQ(image.Width, Width) << what;
+            EXPECT_EQ(image.Width, DivisibleWidth) << what;
             EXPECT_EQ(CountDifferentColors(image, expected), 0U) << what;
             EXPECT_EQ(CountDifferentDepths(image, expected), 0U) << what;
           }
@@ -306,7 +306,7 @@ TEST(MetabufferResolution, ADivisorThatDoesNotDivideTheDisplayMovesNothing)
 
 TEST(MetabufferResolution, HalfTheResolutionDrawsAQuarterOfThePixels)
 {
-  RankWindow ours(RankWindow::Metabuffer, Width, Height);
+  RankWindow ours(RankWindow::Metabuffer, DivisibleWidth, DivisibleHeight);
   ours.SetScene(GetScenes()[2]);
   ours.SetCamera(GetCameraPlaces()[0]);
   ours.Render();

@@ -495,12 +495,12 @@ class StopsWithoutLeavingAnything(Case):
             command = [MPIEXEC, "--oversubscribe", "-n", str(ranks)] + command
         with subprocess.Popen(command, cwd=SCRATCH, stderr=subprocess.PIPE, text=True) as process:
             folder = os.path.join(SCRATCH, name + ".stores")
-            end = time.monotonic() + 60
+            end = time.monotonic() + 600
             while not glob.glob(folder + "/*") and time.monotonic() < end:
                 time.sleep(0.02)
             time.sleep(0.1)
             process.send_signal(signal.SIGINT)
-            text = process.communicate(timeout=60)[1]
+            text = process.communicate(timeout=600)[1]
         os.remove(raw)
         self.assertIn(process.returncode, expected, text)
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, name)))

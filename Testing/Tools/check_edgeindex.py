@@ -23,7 +23,7 @@ NAMES = sorted(name for name in os.listdir(FILES) if name.endswith(".eix"))
 def run(*arguments):
     """Return code, standard output and standard error of a run."""
     result = subprocess.run(
-        [TOOL, *arguments], capture_output=True, text=True, cwd=SCRATCH, timeout=60
+        [TOOL, *arguments], capture_output=True, text=True, cwd=SCRATCH, timeout=600
     )
     return result.returncode, result.stdout, result.stderr
 

@@ -75,7 +75,7 @@ class Samples(Files):
                 command += ["-n", "1", "-wdir", folder, self.tool, "t.nii", self.path("e.bvol"),
                             *arguments, ":"]
             with self.subTest(arguments=arguments):
-                result = subprocess.run(command[:-1], text=True, capture_output=True, timeout=30)
+                result = subprocess.run(command[:-1], text=True, capture_output=True, timeout=600)
                 lines = [line for line in result.stderr.splitlines() if "blockvolume:" in line]
                 self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
                 self.assertIn("t.nii: the ranks see different numbers of time steps", lines[0])

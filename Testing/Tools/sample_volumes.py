@@ -34,7 +34,7 @@ def run_command(command, mpiexec, folder, ranks=1):
     """Return code, standard output and standard error of a run in a folder."""
     if ranks > 1:
         command = [mpiexec, "--oversubscribe", "-n", str(ranks)] + command
-    result = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=100)
+    result = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=600)
     return result.returncode, result.stdout, result.stderr
 
 

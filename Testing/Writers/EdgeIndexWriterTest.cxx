@@ -30,7 +30,7 @@ namespace isosurface
 namespace
 {
 
-constexpr Extent Grid{ -3, 66, 0, 40, 5, 53 };
+constexpr Extent SurfaceGrid{ -3, 66, 0, 40, 5, 53 };
 
 // A contour of an image or volume, and a writer of it.
 class EdgeIndexWriter : public testing::Test
@@ -120,7 +120,7 @@ TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
   for (const int type : { VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_UNSIGNED_SHORT,
          VTK_INT, VTK_UNSIGNED_INT, VTK_LONG_LONG, VTK_UNSIGNED_LONG_LONG, VTK_FLOAT, VTK_DOUBLE })
   {
-    const auto image = MakeImage(Grid, type,
+    const auto image = MakeImage(SurfaceGrid, type,
       [](int i, int j, int k)
       { return 60 + 55 * std::sin(0.3 * i) * std::cos(0.2 * j - 0.1 * k) + (i * j + k) % 5; });
     TurnObliquely(image);
@@ -146,7 +146,7 @@ TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
 
 TEST_F(EdgeIndexWriter, EveryModeKeepsTheTriangles)
 {
-  const auto image = MakeClosedVolume(Grid, VTK_FLOAT);
+  const auto image = MakeClosedVolume(SurfaceGrid, VTK_FLOAT);
   this->Contour->SetInputData(image);
   const EdgeSurface expected = this->Extract();
   for (const int mode : { vtkEdgeIndexWriter::LOSSLESS, vtkEdgeIndexWriter::BOUNDED,
@@ -162,7 +162,7 @@ TEST_F(EdgeIndexWriter, EveryModeKeepsTheTriangles)
 
 TEST_F(EdgeIndexWriter, BoundedPointsMoveByNoMoreThanTheError)
 {
-  const auto image = MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR);
+  const auto image = MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR);
   this->UseVolume(image, 32);
   this->Contour->Update();
   std::map<vtkIdType, std::array<double, 3>> places;
@@ -199,7 +199,7 @@ TEST_F(EdgeIndexWriter, BoundedPointsMoveByNoMoreThanTheError)
 
 TEST_F(EdgeIndexWriter, LevelsRegionsAndComponentsAreThoseOfTheContour)
 {
-  const auto image = MakeClosedVolume(Grid, VTK_SHORT);
+  const auto image = MakeClosedVolume(SurfaceGrid, VTK_SHORT);
   const auto check = [this](const char* what)
   {
     this->Write();
@@ -249,7 +249,7 @@ TEST_F(EdgeIndexWriter, LevelsRegionsAndComponentsAreThoseOfTheContour)
 
 TEST_F(EdgeIndexWriter, ArraysAndNormalsAreThoseOfTheContour)
 {
-  const auto image = MakeClosedVolume(Grid, VTK_SHORT);
+  const auto image = MakeClosedVolume(SurfaceGrid, VTK_SHORT);
   vtkNew<vtkDoubleArray> depth;
   depth->SetName("depth");
   depth->SetNumberOfComponents(2);
@@ -317,7 +317,7 @@ TEST_F(EdgeIndexWriter, ArraysAndNormalsAreThoseOfTheContour)
 
 TEST_F(EdgeIndexWriter, WithoutNormalsInTheFileThoseOfTheTrianglesAreTaken)
 {
-  const auto image = MakeImage(Grid, VTK_FLOAT,
+  const auto image = MakeImage(SurfaceGrid, VTK_FLOAT,
     [](int i, int j, int k) {
       return 300 - 4 * std::sqrt((i - 30) * (i - 30) + (j - 20) * (j - 20) + (k - 30) * (k - 30));
     });
@@ -348,7 +348,7 @@ TEST_F(EdgeIndexWriter, WithoutNormalsInTheFileThoseOfTheTrianglesAreTaken)
 
 TEST_F(EdgeIndexWriter, MaximumTrianglesChoosesTheLevel)
 {
-  this->UseVolume(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->UseVolume(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   const EdgeSurface full = this->Extract();
   this->Contour->SetMaximumTriangles(static_cast<vtkIdType>(full.Triangles.size() / 2));
   this->Write();
@@ -359,7 +359,7 @@ TEST_F(EdgeIndexWriter, MaximumTrianglesChoosesTheLevel)
 
 TEST_F(EdgeIndexWriter, TheContourMakesNothingAndKeepsWhatItHas)
 {
-  this->UseVolume(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->UseVolume(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   const EventCounter executions(this->Contour, vtkCommand::StartEvent);
   this->Write();
   EXPECT_EQ(executions.Count, 0);
@@ -375,7 +375,7 @@ TEST_F(EdgeIndexWriter, TheContourMakesNothingAndKeepsWhatItHas)
 
 TEST_F(EdgeIndexWriter, ThreadsAndMemoryDoNotChangeTheFile)
 {
-  this->UseVolume(MakeClosedVolume(Grid, VTK_FLOAT));
+  this->UseVolume(MakeClosedVolume(SurfaceGrid, VTK_FLOAT));
   this->Write();
   const std::string expected = ReadBytes(this->Path);
   this->Writer->SetNumberOfThreads(3);
@@ -386,7 +386,7 @@ TEST_F(EdgeIndexWriter, ThreadsAndMemoryDoNotChangeTheFile)
 
 TEST_F(EdgeIndexWriter, IsovaluesWithoutASurfaceMakeAFileWithoutBlocks)
 {
-  this->Contour->SetInputData(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->Contour->SetInputData(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   this->SetIsovalues({ 1e4, -5 });
   this->Write();
   EXPECT_EQ(this->Read(this->Path)->GetNumberOfPoints(), 0);
@@ -394,7 +394,7 @@ TEST_F(EdgeIndexWriter, IsovaluesWithoutASurfaceMakeAFileWithoutBlocks)
 
 TEST_F(EdgeIndexWriter, ASurfaceThatWentThroughAFilterIsRefused)
 {
-  this->Contour->SetInputData(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->Contour->SetInputData(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   vtkNew<vtkPlane> plane;
   vtkNew<vtkClipPolyData> clip;
   clip->SetClipFunction(plane);
@@ -412,7 +412,7 @@ TEST_F(EdgeIndexWriter, ASurfaceThatWentThroughAFilterIsRefused)
 
 TEST_F(EdgeIndexWriter, OptionsThatTheFileCannotHoldAreNamed)
 {
-  this->Contour->SetInputData(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->Contour->SetInputData(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   const auto expectRefusal = [this](const char* name)
   {
     const std::string message = this->WriteInVain();
@@ -440,7 +440,7 @@ TEST_F(EdgeIndexWriter, OptionsThatTheFileCannotHoldAreNamed)
 TEST_F(EdgeIndexWriter, HiddenCellsAreRefused)
 {
   vtkNew<vtkUniformGrid> grid;
-  grid->ShallowCopy(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  grid->ShallowCopy(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   grid->BlankCell(17);
   this->Contour->SetInputData(grid);
   const std::string message = this->WriteInVain();
@@ -454,7 +454,7 @@ TEST_F(EdgeIndexWriter, ErrorsOfTheInputAreTold)
   const ErrorCounter readerErrors(this->Volume);
   this->WriteInVain();
   EXPECT_GE(readerErrors.Messages.size(), 1u);
-  this->Contour->SetInputData(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->Contour->SetInputData(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   this->Contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "none");
   const std::string message = this->WriteInVain();
   EXPECT_NE(message.find("\"none\""), std::string::npos) << message;
@@ -462,7 +462,7 @@ TEST_F(EdgeIndexWriter, ErrorsOfTheInputAreTold)
 
 TEST_F(EdgeIndexWriter, StoppingLeavesTheOldFile)
 {
-  this->UseVolume(MakeClosedVolume(Grid, VTK_UNSIGNED_CHAR));
+  this->UseVolume(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
   WriteBytes(this->Path, "before");
   {
     const ProgressKeeper progress(

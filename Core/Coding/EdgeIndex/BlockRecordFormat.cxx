@@ -12,12 +12,12 @@ namespace isosurface
 namespace
 {
 
-constexpr std::size_t ChecksumSize = 4;
+constexpr std::size_t RecordChecksumSize = 4;
 constexpr std::int64_t LatticeLimit = std::int64_t(1) << 34;
 constexpr std::int64_t LowVertexLimit = std::int64_t(1) << 42;
 constexpr std::int64_t ScaleLimit = 1100;
 
-Status MakeCorrupt(const char* reason)
+Status MakeCorruptRecord(const char* reason)
 {
   return { StatusCode::Corrupt, std::string("The record of an edge-index block ") + reason + "." };
 }
@@ -32,17 +32,17 @@ Status CheckPlace(const EdgeIndexHeader& header, const EdgeIndexBlock& block)
     if (block.Vertices.Low[axis] < 0 || cells < 1 || cells > MaximumCodedCells ||
       block.Vertices.Low[axis] > dimensions[axis] - 1 - cells)
     {
-      return MakeCorrupt("lies beyond the grid");
+      return MakeCorruptRecord("lies beyond the grid");
     }
     if (block.Lattice[axis] < -LatticeLimit || block.Lattice[axis] > LatticeLimit)
     {
-      return MakeCorrupt("has impossible lattice coordinates");
+      return MakeCorruptRecord("has impossible lattice coordinates");
     }
   }
   if (block.NumberOfPoints == 0 ||
     block.NumberOfPoints > 3 * static_cast<std::uint64_t>(block.Vertices.GetNumberOfVertices()))
   {
-    return MakeCorrupt("has an impossible number of points");
+    return MakeCorruptRecord("has an impossible number of points");
   }
   return Status::Ok();
 }
@@ -99,12 +99,12 @@ Result<EdgeIndexBlock> EdgeIndexBlock::Parse(const EdgeIndexHeader& header, Byte
   if (reader.HasFailed() || !inRange || coding > 7 || (!crossings && block.HasMissing) ||
     (block.IsPreview && header.PreviewLevel == 0))
   {
-    return MakeCorrupt("holds impossible numbers");
+    return MakeCorruptRecord("holds impossible numbers");
   }
   const EdgeIndexMode mode = block.IsPreview ? EdgeIndexMode::Bounded : header.Settings.Mode;
   if (mode != EdgeIndexMode::Smallest && crossings != (mode == EdgeIndexMode::Bounded))
   {
-    return MakeCorrupt("is coded in another mode than the stream");
+    return MakeCorruptRecord("is coded in another mode than the stream");
   }
   ISOSURFACE_RETURN_IF_ERROR(CheckPlace(header, block));
   return block;
@@ -126,7 +126,7 @@ void EdgeIndexRecord::Append(std::vector<std::uint8_t>& bytes) const
   {
     AppendSignedVarint(head, this->Scale);
   }
-  AppendVarint(bytes, head.size() + this->CodeSize + ChecksumSize);
+  AppendVarint(bytes, head.size() + this->CodeSize + RecordChecksumSize);
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), head.begin(), head.end());
   bytes.insert(bytes.end(), this->Code, this->Code + this->CodeSize);
@@ -153,17 +153,17 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
   const std::uint8_t* first = outer.ReadBytes(length);
   if (!first || outer.HasFailed())
   {
-    return MakeCorrupt("is cut off");
+    return MakeCorruptRecord("is cut off");
   }
-  if (length < ChecksumSize)
+  if (length < RecordChecksumSize)
   {
-    return MakeCorrupt("is too short");
+    return MakeCorruptRecord("is too short");
   }
-  const std::size_t content = length - ChecksumSize;
+  const std::size_t content = length - RecordChecksumSize;
   if (LoadLittleEndian<std::uint32_t>(first + content) !=
     static_cast<std::uint32_t>(ComputeChecksum(first, content)))
   {
-    return MakeCorrupt("does not match its checksum");
+    return MakeCorruptRecord("does not match its checksum");
   }
   ByteReader reader(first, content);
   const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
@@ -174,7 +174,7 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
     block->Coding == CodedGeometry::Crossings ? 0 : reader.ReadSignedVarint();
   if (reader.HasFailed() || scale < -ScaleLimit || scale > ScaleLimit)
   {
-    return MakeCorrupt("has an impossible scale");
+    return MakeCorruptRecord("has an impossible scale");
   }
   record.Scale = static_cast<int>(scale);
   record.CodeSize = reader.GetRemaining();

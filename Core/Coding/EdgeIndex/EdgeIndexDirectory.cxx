@@ -12,16 +12,17 @@ namespace
 {
 
 constexpr char TrailerMagic[8] = { 'E', 'I', 'X', 'e', 'n', 'd', '.', '\n' };
-constexpr std::size_t ChecksumSize = 8;
+constexpr std::size_t DirectoryChecksumSize = 8;
 /// The minimum size of an entry: a size and the eleven fields of a block, one byte each.
 constexpr std::size_t MinimumEntrySize = 12;
 
 std::uint64_t GetHeaderChecksum(const std::vector<std::uint8_t>& headerBytes)
 {
-  return LoadLittleEndian<std::uint64_t>(headerBytes.data() + headerBytes.size() - ChecksumSize);
+  return LoadLittleEndian<std::uint64_t>(
+    headerBytes.data() + headerBytes.size() - DirectoryChecksumSize);
 }
 
-Status MakeCorrupt(const char* reason)
+Status MakeCorruptDirectory(const char* reason)
 {
   return { StatusCode::Corrupt, std::string("The directory of blocks ") + reason + "." };
 }
@@ -42,10 +43,10 @@ void EdgeIndexDirectory::Append(const std::vector<EdgeIndexEntry>& entries,
     entry.Block.Append(bytes);
     offset += entry.Size;
   }
-  bytes.resize(bytes.size() + ChecksumSize);
+  bytes.resize(bytes.size() + DirectoryChecksumSize);
   const std::size_t size = bytes.size() - first;
-  StoreLittleEndian(bytes.data() + first + size - ChecksumSize,
-    ComputeChecksum(bytes.data() + first, size - ChecksumSize, seed));
+  StoreLittleEndian(bytes.data() + first + size - DirectoryChecksumSize,
+    ComputeChecksum(bytes.data() + first, size - DirectoryChecksumSize, seed));
 
   std::uint8_t trailer[TrailerSize];
   StoreLittleEndian(trailer, offset);
@@ -64,7 +65,7 @@ std::uint64_t EdgeIndexDirectory::ParseTrailer(
     LoadLittleEndian<std::uint64_t>(trailer + 16) ==
       ComputeChecksum(trailer, 16, GetHeaderChecksum(headerBytes));
   const bool fits = offset >= headerBytes.size() && offset < fileSize - TrailerSize &&
-    size == fileSize - TrailerSize - offset && size > ChecksumSize;
+    size == fileSize - TrailerSize - offset && size > DirectoryChecksumSize;
   return isTrailer && fits ? offset : 0;
 }
 
@@ -72,18 +73,19 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
   const std::vector<std::uint8_t>& headerBytes, const std::vector<std::uint8_t>& bytes,
   std::uint64_t offset)
 {
-  if (bytes.size() <= ChecksumSize ||
-    LoadLittleEndian<std::uint64_t>(bytes.data() + bytes.size() - ChecksumSize) !=
-      ComputeChecksum(bytes.data(), bytes.size() - ChecksumSize, GetHeaderChecksum(headerBytes)))
+  if (bytes.size() <= DirectoryChecksumSize ||
+    LoadLittleEndian<std::uint64_t>(bytes.data() + bytes.size() - DirectoryChecksumSize) !=
+      ComputeChecksum(
+        bytes.data(), bytes.size() - DirectoryChecksumSize, GetHeaderChecksum(headerBytes)))
   {
-    return MakeCorrupt("does not match its checksum");
+    return MakeCorruptDirectory("does not match its checksum");
   }
-  ByteReader reader(bytes.data(), bytes.size() - ChecksumSize);
+  ByteReader reader(bytes.data(), bytes.size() - DirectoryChecksumSize);
   const auto mark = reader.Read<std::uint8_t>();
   const auto count = reader.ReadVarint();
   if (mark != 0 || reader.HasFailed() || count > reader.GetRemaining() / MinimumEntrySize)
   {
-    return MakeCorrupt("has a size that does not fit");
+    return MakeCorruptDirectory("has a size that does not fit");
   }
   std::vector<EdgeIndexEntry> entries;
   entries.reserve(static_cast<std::size_t>(count));
@@ -98,14 +100,14 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
     entry.Block = *block;
     if (entry.Size == 0 || entry.Size > offset - next)
     {
-      return MakeCorrupt("names records that are not there");
+      return MakeCorruptDirectory("names records that are not there");
     }
     next += entry.Size;
     entries.push_back(entry);
   }
   if (reader.GetRemaining() != 0 || next != offset)
   {
-    return MakeCorrupt("does not name all records");
+    return MakeCorruptDirectory("does not name all records");
   }
   return entries;
 }

@@ -45,7 +45,7 @@ constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
 constexpr std::uint32_t Version = 1;
 constexpr std::size_t SizeOffset = 12;
 constexpr std::size_t FieldsOffset = 16;
-constexpr std::size_t ChecksumSize = 8;
+constexpr std::size_t HeaderChecksumSize = 8;
 
 void AppendText(std::vector<std::uint8_t>& bytes, const std::string& text)
 {
@@ -72,7 +72,7 @@ void AppendAttribute(std::vector<std::uint8_t>& bytes, const EdgeIndexAttribute&
   AppendText(bytes, attribute.Name);
 }
 
-Status MakeCorrupt(const char* reason)
+Status MakeCorruptHeader(const char* reason)
 {
   return { StatusCode::Corrupt, std::string("The edge-index header ") + reason + "." };
 }
@@ -94,7 +94,7 @@ public:
     if (this->Isovalues > MaximumIsovalues || this->Attributes > MaximumAttributes ||
       this->Isovalues > this->Reader.GetRemaining() / sizeof(double))
     {
-      return MakeCorrupt("has a size that does not fit");
+      return MakeCorruptHeader("has a size that does not fit");
     }
     header.Isovalues.resize(this->Isovalues);
     this->Reader.ReadAll(header.Isovalues);
@@ -106,11 +106,11 @@ public:
     header.Source = this->ReadText();
     if (this->Reader.HasFailed() || this->Reader.GetRemaining() != 0)
     {
-      return MakeCorrupt("has a size that does not fit");
+      return MakeCorruptHeader("has a size that does not fit");
     }
     return this->IsValid
       ? Status::Ok()
-      : MakeCorrupt("has a type, mode, profile or flag that the format does not have");
+      : MakeCorruptHeader("has a type, mode, profile or flag that the format does not have");
   }
 
 private:
@@ -225,7 +225,7 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
   AppendText(bytes, this->Array);
   AppendText(bytes, this->Source);
   StoreLittleEndian(bytes.data() + first + SizeOffset,
-    static_cast<std::uint32_t>(bytes.size() - first + ChecksumSize));
+    static_cast<std::uint32_t>(bytes.size() - first + HeaderChecksumSize));
   AppendLittleEndian(bytes, ComputeChecksum(bytes.data() + first, bytes.size() - first));
 }
 
@@ -251,7 +251,7 @@ Result<std::size_t> EdgeIndexHeader::ParseSize(const std::uint8_t* bytes)
   const std::size_t size = LoadLittleEndian<std::uint32_t>(bytes + SizeOffset);
   if (size < MinimumSize || size > MaximumSize)
   {
-    return MakeCorrupt("has an impossible size");
+    return MakeCorruptHeader("has an impossible size");
   }
   return size;
 }
@@ -262,21 +262,21 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   used = 0;
   if (size < MinimumSize)
   {
-    return MakeCorrupt("is cut off");
+    return MakeCorruptHeader("is cut off");
   }
   const Result<std::size_t> length = ParseSize(bytes);
   ISOSURFACE_RETURN_IF_ERROR(length.GetStatus());
   if (size < *length)
   {
-    return MakeCorrupt("is cut off");
+    return MakeCorruptHeader("is cut off");
   }
-  if (LoadLittleEndian<std::uint64_t>(bytes + *length - ChecksumSize) !=
-    ComputeChecksum(bytes, *length - ChecksumSize))
+  if (LoadLittleEndian<std::uint64_t>(bytes + *length - HeaderChecksumSize) !=
+    ComputeChecksum(bytes, *length - HeaderChecksumSize))
   {
-    return MakeCorrupt("does not match its checksum");
+    return MakeCorruptHeader("does not match its checksum");
   }
   EdgeIndexHeader header;
-  HeaderParser parser(bytes + FieldsOffset, *length - ChecksumSize - FieldsOffset);
+  HeaderParser parser(bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
   ISOSURFACE_RETURN_IF_ERROR(parser.Parse(header));
   const Status valid = header.Check();
   if (!valid.IsOk())

@@ -7,7 +7,7 @@ namespace
 {
 
 // Weights times Unit^2 that keep the equations solvable: of 1, x, y, z, and of the quadratic terms.
-constexpr std::int64_t Ridge = std::int64_t{ 4 } << 20;
+constexpr std::int64_t RidgeOfSlopes = std::int64_t{ 4 } << 20;
 constexpr std::int64_t RidgeOfSquares = std::int64_t{ 41 } << 20;
 
 } // namespace
@@ -59,7 +59,7 @@ void CurvedFit::MakeSigns(int axis)
   }
   for (std::size_t n = 0; n < NumberOfTerms; ++n)
   {
-    equations[n][n] += n < 4 ? Ridge : RidgeOfSquares;
+    equations[n][n] += n < 4 ? RidgeOfSlopes : RidgeOfSquares;
   }
 }
 

@@ -16,7 +16,6 @@ namespace isosurface
 namespace
 {
 
-constexpr std::int64_t MaximumCoordinate = BlockedVolumeHeader::MaximumCoordinate;
 /// So that three numbers a vertex (its grid edges) fit 63 bits.
 constexpr double MaximumVertices = 1152921504606846976.0; // 2^60
 
@@ -32,7 +31,8 @@ Status ValidateGrid(const GridGeometry& grid)
   {
     const std::int64_t low = grid.Extent[2 * axis];
     const std::int64_t high = grid.Extent[2 * axis + 1];
-    if (low < -MaximumCoordinate || high > MaximumCoordinate || low > high)
+    if (low < -BlockedVolumeHeader::MaximumCoordinate ||
+      high > BlockedVolumeHeader::MaximumCoordinate || low > high)
     {
       return MakeMemberError("grid.extent", "is empty or beyond 2^40");
     }

@@ -48,7 +48,6 @@ namespace
 {
 
 constexpr const char* FormatName = "ScalableIsosurface blocked volume";
-constexpr std::int64_t MaximumCoordinate = BlockedVolumeHeader::MaximumCoordinate;
 constexpr std::int64_t MaximumStores = BlockedVolumeHeader::MaximumStores;
 
 /// Reads an array of numbers, `reason` if isValid(json) is false for one.
@@ -80,7 +79,8 @@ GridGeometry ReadGrid(JsonMembers members)
   {
     return json.is_number_integer() &&
       !(json.is_number_unsigned() &&
-        json.get<std::uint64_t>() > static_cast<std::uint64_t>(MaximumCoordinate));
+        json.get<std::uint64_t>() >
+          static_cast<std::uint64_t>(BlockedVolumeHeader::MaximumCoordinate));
   };
   ReadNumbers(
     members, "extent", grid.Extent, isCoordinate, "is not an array of integers up to 2^40");

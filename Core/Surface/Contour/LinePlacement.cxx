@@ -17,7 +17,7 @@ Index3 FindVertex(const LinedBrick& brick, EdgeCode code)
     brick.Low[2] + (code >> 12 & 63) };
 }
 
-Index3 Step(Index3 vertex, std::size_t axis, std::int64_t step)
+Index3 StepAlong(Index3 vertex, std::size_t axis, std::int64_t step)
 {
   vertex[axis] += step;
   return vertex;
@@ -41,7 +41,7 @@ std::array<double, 3> ComputeGradient(const LinedBrick& brick, const SampleView&
     double distance = 0;
     for (const int side : { 0, 1 })
     {
-      const Index3 neighbor = Step(vertex, axis, 2 * side - 1);
+      const Index3 neighbor = StepAlong(vertex, axis, 2 * side - 1);
       const bool isWithin =
         neighbor[axis] >= knownSamples.Low[axis] && neighbor[axis] < knownSamples.High[axis];
       if (isWithin && !(unknown && !unknown->IsKnown(neighbor)))
@@ -71,7 +71,7 @@ void LocateOnLines(const LinedBrick& brick, const SampleView& scalars, double is
     {
       const Index3 from = FindVertex(brick, brick.Codes[n]);
       const double low = *scalars.At<float>(from);
-      const double high = *scalars.At<float>(Step(from, axis, 1));
+      const double high = *scalars.At<float>(StepAlong(from, axis, 1));
       parameters[n] = (isovalue - low) / (high - low);
     }
   }
@@ -104,7 +104,7 @@ void ComputeNormalsOnLines(const LinedBrick& brick, const SampleView& scalars,
   {
     const std::size_t axis = brick.Codes[n] >> 18;
     const Index3 from = FindVertex(brick, brick.Codes[n]);
-    const Index3 to = axis == VertexCode ? from : Step(from, axis, 1);
+    const Index3 to = axis == VertexCode ? from : StepAlong(from, axis, 1);
     const auto g0 = ComputeGradient(brick, scalars, knownSamples, unknown, from);
     const auto g1 = ComputeGradient(brick, scalars, knownSamples, unknown, to);
     double normal[3];

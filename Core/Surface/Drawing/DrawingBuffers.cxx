@@ -18,7 +18,7 @@ constexpr std::size_t TuplesOfRun = std::size_t{ 1 } << 16;
 
 /// Calls body(first, last) for runs of [0, count), by several threads at once.
 template <typename BodyT>
-void ForRuns(std::size_t count, int threads, BodyT&& body)
+void ForTupleRuns(std::size_t count, int threads, BodyT&& body)
 {
   ParallelFor((count + TuplesOfRun - 1) / TuplesOfRun, threads,
     [&](std::size_t run, int)
@@ -96,7 +96,7 @@ void CopyProperTriangles(const TriangleSurface& surface, const TriangleMeasure& 
 void ShiftAndScale(const float* points, std::size_t count, const double shift[3],
   const double scale[3], float* result, int threads)
 {
-  ForRuns(count, threads,
+  ForTupleRuns(count, threads,
     [&](std::size_t first, std::size_t last)
     {
       for (std::size_t point = first; point < last; ++point)
@@ -112,7 +112,7 @@ void ShiftAndScale(const float* points, std::size_t count, const double shift[3]
 
 void CopyValues(const float* values, std::size_t count, float* result, int threads)
 {
-  ForRuns(count, threads,
+  ForTupleRuns(count, threads,
     [&](std::size_t first, std::size_t last)
     { std::copy(values + first, values + last, result + first); });
 }
@@ -126,7 +126,7 @@ void FindTextureCoordinates(const T* values, std::size_t count, int components, 
   const double high = range.Maximum + texel;
   const double perWidth = 1.0 / (high - low);
   const int chosen = component < components ? component : -1;
-  ForRuns(count, threads,
+  ForTupleRuns(count, threads,
     [&](std::size_t first, std::size_t last)
     {
       for (std::size_t tuple = first; tuple < last; ++tuple)

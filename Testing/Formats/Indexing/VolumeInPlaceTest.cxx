@@ -17,7 +17,7 @@ namespace
 {
 
 constexpr double Isovalue = 30;
-const std::string SourcePath = "/data/scan.zarr";
+const std::string InPlaceSource = "/data/scan.zarr";
 const Index3 Size = { 70, 45, 51 };
 
 std::shared_ptr<BlockedVolume> OpenInPlace(
@@ -33,7 +33,7 @@ struct InPlaceDisk
     const SampleVolume<std::int16_t>& samples = MakeVolume<std::int16_t>(Size))
     : Volume(samples)
   {
-    WriteZarr(this->Disk, SourcePath, this->Volume, chunk);
+    WriteZarr(this->Disk, InPlaceSource, this->Volume, chunk);
     this->Write(MakeSettings(16, stores), ranks);
   }
 
@@ -46,7 +46,7 @@ struct InPlaceDisk
 
   Result<SourceRecord> Describe()
   {
-    return DescribeSource(this->Disk, OpenForeignVolume, VolumePath, SourcePath, MakeWanted(),
+    return DescribeSource(this->Disk, OpenForeignVolume, VolumePath, InPlaceSource, MakeWanted(),
       MakeGeometry(this->Volume.GetDimensions()), { { "density", ValueType::Int16 } });
   }
 
@@ -175,7 +175,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
     EXPECT_TRUE(made.Verify().Faults.empty());
   }
   // A source that is missing is no fault of the stores.
-  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource).IsOk());
   const auto volume = OpenInPlace(made.Disk);
   QueryStatistics statistics;
   const auto active = FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics);
@@ -219,8 +219,8 @@ TEST(VolumeInPlace, MissingChunksHaveTheFillValue)
   VisitVertices(VertexBox{ { 33, 0, 22 }, { 66, Size[1], 33 } },
     [&](const Index3& vertex) { filled.At(vertex) = -7; });
   InPlaceDisk made({ 33, 20, 11 }, 1, 1, filled);
-  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
-  WriteZarr(made.Disk, SourcePath, filled, { 33, 20, 11 }, isLeftOut);
+  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource).IsOk());
+  WriteZarr(made.Disk, InPlaceSource, filled, { 33, 20, 11 }, isLeftOut);
   made.Write(MakeSettings(16, 1));
   QueryStatistics statistics;
   EXPECT_EQ(Contour(*OpenInPlace(made.Disk), 1, false, statistics), ContourCopy(filled));
@@ -262,18 +262,18 @@ TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
   InPlaceDisk made({ 33, 20, 11 });
   EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
 
-  made.Disk.SetModified(SourcePath + "/0.0.0", 99);
+  made.Disk.SetModified(InPlaceSource + "/0.0.0", 99);
   EXPECT_NE(
     FindError(*OpenInPlace(made.Disk)).find("scan.zarr: was changed since"), std::string::npos);
   EXPECT_NE(FindError(*OpenInPlace(made.Disk)).find("modified at another time"), std::string::npos);
-  made.Disk.SetModified(SourcePath + "/0.0.0", 1);
+  made.Disk.SetModified(InPlaceSource + "/0.0.0", 1);
 
-  made.Disk.SetFile(SourcePath + "/more", { 1 });
+  made.Disk.SetFile(InPlaceSource + "/more", { 1 });
   EXPECT_NE(FindError(*OpenInPlace(made.Disk)).find("another number of files"), std::string::npos);
-  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath + "/more").IsOk());
+  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource + "/more").IsOk());
   EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
 
-  MemoryDisk::Bytes& metadata = made.Disk.GetFile(SourcePath + "/.zarray");
+  MemoryDisk::Bytes& metadata = made.Disk.GetFile(InPlaceSource + "/.zarray");
   const MemoryDisk::Bytes good = metadata;
   const std::string text(metadata.begin(), metadata.end());
   metadata[text.find(">i2")] = '<';
@@ -281,13 +281,13 @@ TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
   metadata = good;
 
   // No time tells that a chunk has other samples now.
-  made.Disk.GetFile(SourcePath + "/1.1.1")[1000] ^= 1;
+  made.Disk.GetFile(InPlaceSource + "/1.1.1")[1000] ^= 1;
   const std::string error = FindError(*OpenInPlace(made.Disk));
   EXPECT_NE(error.find("scan.zarr: was changed since"), std::string::npos) << error;
   EXPECT_NE(error.find("has other samples"), std::string::npos) << error;
   EXPECT_GT(made.Verify().FaultCount, 0u);
 
-  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource).IsOk());
   EXPECT_NE(
     FindError(*OpenInPlace(made.Disk)).find("is missing; name its new place"), std::string::npos);
   EXPECT_EQ(made.Verify().FaultCount, 1u) << "the rest is sound";
@@ -301,7 +301,7 @@ TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
 {
   const Index3 chunk = { 33, 20, 11 };
   InPlaceDisk made(chunk);
-  ASSERT_TRUE(made.Disk.RemoveAll(SourcePath).IsOk());
+  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource).IsOk());
   const std::string moved = "/archive/other name.zarr";
   WriteZarr(made.Disk, moved, made.Volume, chunk);
   ASSERT_TRUE(RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2).IsOk());
@@ -334,8 +334,8 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
 {
   MemoryDisk disk;
   const auto volume = MakeVolume<std::int16_t>(Size);
-  WriteZarr(disk, SourcePath, volume, { 33, 20, 11 });
-  const auto record = Require(DescribeSource(disk, OpenForeignVolume, VolumePath, SourcePath,
+  WriteZarr(disk, InPlaceSource, volume, { 33, 20, 11 });
+  const auto record = Require(DescribeSource(disk, OpenForeignVolume, VolumePath, InPlaceSource,
     InPlaceDisk::MakeWanted(), MakeGeometry(Size), { { "density", ValueType::Int16 } }));
   BlockedVolumeSettings settings = MakeSettings(16, 1);
   settings.Time = 1;

@@ -15,8 +15,8 @@ using namespace isosurface;
 namespace
 {
 
-const std::string ExplicitLittle = "1.2.840.10008.1.2.1";
-const Bytes Pixels = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 };
+const std::string SliceSyntax = "1.2.840.10008.1.2.1";
+const Bytes SlicePixels = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 };
 
 /// A file that is removed at the end of the test.
 class File
@@ -38,8 +38,8 @@ public:
 DicomBytes MakeImage(const DicomBytes& before = {})
 {
   DicomBytes bytes;
-  bytes.PutStart(ExplicitLittle).PutRaw(std::string(before.Get().begin(), before.Get().end()));
-  return bytes.PutImage(3, 2).PutBytes(0x7fe00010, "OW", Pixels);
+  bytes.PutStart(SliceSyntax).PutRaw(std::string(before.Get().begin(), before.Get().end()));
+  return bytes.PutImage(3, 2).PutBytes(0x7fe00010, "OW", SlicePixels);
 }
 
 /// The error of reading and decoding a file, or nothing.
@@ -75,7 +75,7 @@ void ExpectRefused(const DicomBytes& bytes, const std::string& reason)
 
 TEST(DicomSlice, DecodesAnImage)
 {
-  ExpectSamples(MakeImage(), Pixels);
+  ExpectSamples(MakeImage(), SlicePixels);
 }
 
 TEST(DicomSlice, AValueOfAKindThatIsNoTextOrNumberIsMissing)
@@ -83,8 +83,8 @@ TEST(DicomSlice, AValueOfAKindThatIsNoTextOrNumberIsMissing)
   for (const std::string kind : { "OD", "OL", "OV", "SV", "UV", "AT", "OB" })
   {
     DicomBytes bytes;
-    bytes.PutStart(ExplicitLittle).PutHead(0x00280010, kind, 8);
-    bytes.PutRaw("abcdefgh").PutNumber(0x00280011, 3).PutBytes(0x7fe00010, "OW", Pixels);
+    bytes.PutStart(SliceSyntax).PutHead(0x00280010, kind, 8);
+    bytes.PutRaw("abcdefgh").PutNumber(0x00280011, 3).PutBytes(0x7fe00010, "OW", SlicePixels);
     ExpectRefused(bytes, "");
   }
 }
@@ -100,7 +100,7 @@ TEST(DicomSlice, DeepSequencesAreAnError)
   // Behind the pixels, too: no library reads them.
   DicomBytes after = MakeImage();
   after.PutRaw(std::string(before.Get().begin(), before.Get().end()));
-  ExpectSamples(after, Pixels);
+  ExpectSamples(after, SlicePixels);
 }
 
 TEST(DicomSlice, AWrongLengthTakesNoMemory)
@@ -122,15 +122,15 @@ TEST(DicomSlice, AWrongLengthTakesNoMemory)
 TEST(DicomSlice, TruncatedPixelsAreAnErrorAndMoreThanNeededAreNot)
 {
   DicomBytes start;
-  start.PutStart(ExplicitLittle).PutImage(3, 2);
+  start.PutStart(SliceSyntax).PutImage(3, 2);
   DicomBytes few = start;
   ExpectRefused(few.PutBytes(0x7fe00010, "OW", { 1, 2, 3, 4 }), "truncated");
   DicomBytes cut = start;
   ExpectRefused(cut.PutHead(0x7fe00010, "OW", 12).PutRaw("abcd"), "truncated");
   DicomBytes more = start;
-  Bytes pixels = Pixels;
+  Bytes pixels = SlicePixels;
   pixels.resize(40);
-  ExpectSamples(more.PutBytes(0x7fe00010, "OW", pixels), Pixels);
+  ExpectSamples(more.PutBytes(0x7fe00010, "OW", pixels), SlicePixels);
 }
 
 TEST(DicomSlice, SamplesWithUnusedBitsAreRead)
@@ -138,12 +138,12 @@ TEST(DicomSlice, SamplesWithUnusedBitsAreRead)
   const auto make = [](std::uint32_t bits, std::uint32_t stored, std::uint32_t highest)
   {
     DicomBytes bytes;
-    bytes.PutStart(ExplicitLittle).PutText(0x00280004, "CS", "MONOCHROME2");
+    bytes.PutStart(SliceSyntax).PutText(0x00280004, "CS", "MONOCHROME2");
     bytes.PutNumber(0x00280010, 2).PutNumber(0x00280011, 6).PutNumber(0x00280100, bits);
     bytes.PutNumber(0x00280101, stored).PutNumber(0x00280102, highest);
-    return bytes.PutBytes(0x7fe00010, "OW", bits == 8 ? Pixels : Bytes(24, 0xff));
+    return bytes.PutBytes(0x7fe00010, "OW", bits == 8 ? SlicePixels : Bytes(24, 0xff));
   };
-  ExpectSamples(make(8, 7, 6), Pixels);
+  ExpectSamples(make(8, 7, 6), SlicePixels);
   Bytes samples;
   EXPECT_EQ(FindError(make(16, 12, 11), &samples), "");
   EXPECT_EQ(samples[0] | samples[1] << 8, 0x0fff);

@@ -39,7 +39,8 @@ RawVolume ExpectVolume(MemoryDisk& disk, const std::string& path, const SampleVo
   return *raw;
 }
 
-void ExpectRefused(const std::string& name, const std::string& text, const std::string& reason)
+void ExpectHeaderRefused(
+  const std::string& name, const std::string& text, const std::string& reason)
 {
   MemoryDisk disk;
   WriteFile(disk, "/data/" + name, MakeBytes(text));
@@ -127,22 +128,24 @@ TEST(MetaImageHeader, DropsAxesOfOneSampleBeyondTheThird)
 TEST(MetaImageHeader, ErrorsNameWhatIsNotSupported)
 {
   const std::string data = "ElementType = MET_SHORT\nElementDataFile = a.raw\n";
-  ExpectRefused("a.mhd", "", "no ElementDataFile");
-  ExpectRefused("a.mhd", "what is this\n", "without \"=\"");
-  ExpectRefused("a.mhd", "NDims = 4\nDimSize = 6 5 4 3\n" + data, "NDims");
-  ExpectRefused("a.mhd", "NDims = 3\nDimSize = 6 5\n" + data, "DimSize");
-  ExpectRefused("a.mhd", "NDims = 3\nDimSize = 6 -5 4\n" + data, "DimSize");
-  ExpectRefused("a.mhd", MetaStart + "ElementSpacing = 1 2\n" + data, "ElementSpacing");
-  ExpectRefused("a.mhd", MetaStart + "ElementNumberOfChannels = 3\n" + data, "channel");
-  ExpectRefused("a.mhd", MetaStart + "BinaryData = False\n" + data, "text");
-  ExpectRefused("a.mhd", MetaStart + "HeaderSize = -7\n" + data, "HeaderSize");
-  ExpectRefused("a.mhd", MetaStart + "ElementType = MET_STRING\nElementDataFile = a\n", "string");
-  ExpectRefused(
+  ExpectHeaderRefused("a.mhd", "", "no ElementDataFile");
+  ExpectHeaderRefused("a.mhd", "what is this\n", "without \"=\"");
+  ExpectHeaderRefused("a.mhd", "NDims = 4\nDimSize = 6 5 4 3\n" + data, "NDims");
+  ExpectHeaderRefused("a.mhd", "NDims = 3\nDimSize = 6 5\n" + data, "DimSize");
+  ExpectHeaderRefused("a.mhd", "NDims = 3\nDimSize = 6 -5 4\n" + data, "DimSize");
+  ExpectHeaderRefused("a.mhd", MetaStart + "ElementSpacing = 1 2\n" + data, "ElementSpacing");
+  ExpectHeaderRefused("a.mhd", MetaStart + "ElementNumberOfChannels = 3\n" + data, "channel");
+  ExpectHeaderRefused("a.mhd", MetaStart + "BinaryData = False\n" + data, "text");
+  ExpectHeaderRefused("a.mhd", MetaStart + "HeaderSize = -7\n" + data, "HeaderSize");
+  ExpectHeaderRefused(
+    "a.mhd", MetaStart + "ElementType = MET_STRING\nElementDataFile = a\n", "string");
+  ExpectHeaderRefused(
     "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile = %s 1 2 3\n", "pattern");
-  ExpectRefused(
+  ExpectHeaderRefused(
     "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile = %d 2 1 2\n", "pattern");
-  ExpectRefused("a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile =\n", "no file");
-  ExpectRefused("a.tif", "", "the supported headers are .mhd");
+  ExpectHeaderRefused(
+    "a.mhd", MetaStart + "ElementType = MET_SHORT\nElementDataFile =\n", "no file");
+  ExpectHeaderRefused("a.tif", "", "the supported headers are .mhd");
 }
 
 TEST(NrrdHeader, ReadsRawAndGzipSamplesAfterTheHeader)
@@ -264,23 +267,26 @@ TEST(NrrdHeader, DropsAxesOfOneSampleThatAreNotOfSpace)
 
 TEST(NrrdHeader, ErrorsNameWhatIsNotSupported)
 {
-  ExpectRefused("a.nrrd", "", "does not begin with NRRD");
-  ExpectRefused("a.nrrd", NrrdStart + "encoding: ascii\n", "encoding \"ascii\"");
-  ExpectRefused("a.nrrd", NrrdStart + "encoding raw\n", "a line without \":\"");
-  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 4\nsizes: 3 6 5 4\n", "dimension");
-  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5\n", "sizes");
-  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5 0\n", "sizes");
-  ExpectRefused("a.nrrd", NrrdStart + "kinds: vector domain domain\n", "vector");
-  ExpectRefused("a.nrrd", NrrdStart + "space directions: none (1,0,0) (0,1,0)\n", "direction");
-  ExpectRefused("a.nrrd", NrrdStart + "space directions: (1,0,0) (0,1,0)\n", "directions");
-  ExpectRefused("a.nrrd", NrrdStart + "space directions: (1,0) (0,1,0) (0,0,1)\n", "directions");
-  ExpectRefused("a.nrrd", NrrdStart + "space directions: (1,0,0) (0,1,0) (0,0,1\n", "directions");
-  ExpectRefused("a.nrrd", NrrdStart + "space origin: (1,2)\nencoding: raw\n", "space origin");
-  ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nline skip: -2\n", "line skip");
-  ExpectRefused("a.nrrd", NrrdStart + "encoding: gzip\nbyte skip: -1\n", "byte skip");
-  ExpectRefused("a.nrrd", NrrdStart + "encoding: raw\nbyte skip: -3\n", "byte skip");
-  ExpectRefused("a.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 6 5 4\n", "block");
-  ExpectRefused(
+  ExpectHeaderRefused("a.nrrd", "", "does not begin with NRRD");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "encoding: ascii\n", "encoding \"ascii\"");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "encoding raw\n", "a line without \":\"");
+  ExpectHeaderRefused("a.nrrd", "NRRD0004\ndimension: 4\nsizes: 3 6 5 4\n", "dimension");
+  ExpectHeaderRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5\n", "sizes");
+  ExpectHeaderRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 6 5 0\n", "sizes");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "kinds: vector domain domain\n", "vector");
+  ExpectHeaderRefused(
+    "a.nrrd", NrrdStart + "space directions: none (1,0,0) (0,1,0)\n", "direction");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "space directions: (1,0,0) (0,1,0)\n", "directions");
+  ExpectHeaderRefused(
+    "a.nrrd", NrrdStart + "space directions: (1,0) (0,1,0) (0,0,1)\n", "directions");
+  ExpectHeaderRefused(
+    "a.nrrd", NrrdStart + "space directions: (1,0,0) (0,1,0) (0,0,1\n", "directions");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "space origin: (1,2)\nencoding: raw\n", "space origin");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "encoding: raw\nline skip: -2\n", "line skip");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "encoding: gzip\nbyte skip: -1\n", "byte skip");
+  ExpectHeaderRefused("a.nrrd", NrrdStart + "encoding: raw\nbyte skip: -3\n", "byte skip");
+  ExpectHeaderRefused("a.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 6 5 4\n", "block");
+  ExpectHeaderRefused(
     "a.nrrd", "NRRD0004\ntype: int\ndimension: 3\nsizes: 6 5 4\nencoding: raw\n", "endian");
 }
 

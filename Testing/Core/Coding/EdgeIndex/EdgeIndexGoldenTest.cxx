@@ -20,7 +20,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/surface.eix";
+const std::string GoldenPath = "/data/surface.eix";
 const std::vector<double> Isovalues = { 150.5, 400 };
 
 /// In whole numbers (and quarters, for floats), so that it is the same everywhere.
@@ -68,9 +68,9 @@ void CheckDecoded(const std::vector<std::uint8_t>& golden, EdgeIndexMode mode, b
   const SampleVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
-  const auto file = disk.CreateForWriting(Path);
+  const auto file = disk.CreateForWriting(GoldenPath);
   ASSERT_TRUE(file.IsOk() && (*file)->Append(golden.data(), golden.size()).IsOk());
-  const auto opened = Require(EdgeIndexFile::Open(disk, Path));
+  const auto opened = Require(EdgeIndexFile::Open(disk, GoldenPath));
   EXPECT_TRUE(opened->Verify(1).IsOk());
   EXPECT_EQ(opened->GetHeader().Array, "density");
   EXPECT_EQ(opened->GetHeader().Source, "golden");
@@ -115,8 +115,8 @@ void CheckGolden(
   {
     header.Attributes = { { "Normals", ValueType::Float32, 3, 0.0078125, true } };
   }
-  ASSERT_TRUE(WriteEdgeIndexFile(disk, Path, header, source, 1).IsOk());
-  const MemoryDisk::Bytes encoded = disk.GetFile(Path);
+  ASSERT_TRUE(WriteEdgeIndexFile(disk, GoldenPath, header, source, 1).IsOk());
+  const MemoryDisk::Bytes encoded = disk.GetFile(GoldenPath);
   if (encoded != golden)
   {
     const std::string written = ::testing::TempDir() + name;

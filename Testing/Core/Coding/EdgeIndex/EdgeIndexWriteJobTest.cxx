@@ -20,7 +20,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/surface.eix";
+const std::string JobPath = "/data/surface.eix";
 
 // Which rank has a block of a volume, of so many blocks.
 using Deal = int (*)(std::size_t block, std::size_t blocks, int ranks);
@@ -99,9 +99,9 @@ public:
     MemoryDisk disk;
     static_cast<void>(disk.MakeDirectories("/data"));
     TestBlockSource<T> source(this->Volume, 16);
-    const Status status = WriteEdgeIndexFile(disk, Path, this->Header, source, 1);
+    const Status status = WriteEdgeIndexFile(disk, JobPath, this->Header, source, 1);
     EXPECT_TRUE(status.IsOk()) << status.GetMessage();
-    return disk.GetFile(Path);
+    return disk.GetFile(JobPath);
   }
 
   /// Every rank's outcome.
@@ -117,10 +117,10 @@ public:
         PartOfSource source(whole, communicator.GetRank(), ranks, deal);
         source.FaultyBlock = faultyBlock;
         EdgeIndexWriteJob job(
-          communicator, disk, Path, this->Header, source, source.Numbers, settings);
+          communicator, disk, JobPath, this->Header, source, source.Numbers, settings);
         const auto written =
           job.Run(communicator.GetRank() == ranks - 1 ? progressOfLast : Progress());
-        EXPECT_TRUE(!written.IsOk() || written->Bytes == disk.GetFile(Path).size());
+        EXPECT_TRUE(!written.IsOk() || written->Bytes == disk.GetFile(JobPath).size());
         return written.GetStatus();
       });
   }
@@ -147,7 +147,7 @@ TEST(EdgeIndexWriteJob, RanksThreadsAndMemoryDoNotChangeTheBytes)
       {
         ASSERT_TRUE(status.IsOk()) << status.GetMessage();
       }
-      EXPECT_EQ(disk.GetFile(Path), expected) << ranks << " ranks";
+      EXPECT_EQ(disk.GetFile(JobPath), expected) << ranks << " ranks";
       EXPECT_EQ(disk.GetFiles().size(), 1u) << "something was left beside the file";
     }
   }
@@ -166,8 +166,8 @@ TEST(EdgeIndexWriteJob, PreviewsAreWhereASingleWriterPutsThem)
   const MemoryDisk::Bytes expected = writing.WriteAlone();
   MemoryDisk disk;
   static_cast<void>(writing.WriteTogether(disk, 2, DealInTurn, { 2, std::uint64_t{ 1 } << 18 }));
-  EXPECT_EQ(disk.GetFile(Path), expected);
-  const auto file = Require(EdgeIndexFile::Open(disk, Path));
+  EXPECT_EQ(disk.GetFile(JobPath), expected);
+  const auto file = Require(EdgeIndexFile::Open(disk, JobPath));
   std::uint64_t preview = 0;
   int changes = 0;
   bool wasPreview = false;
@@ -189,14 +189,14 @@ TEST(EdgeIndexWriteJob, AFailedRankLeavesTheOldFileAndAllRanksReportIt)
   {
     MemoryDisk disk;
     static_cast<void>(disk.MakeDirectories("/data"));
-    const auto file = disk.CreateForWriting(Path);
+    const auto file = disk.CreateForWriting(JobPath);
     ASSERT_TRUE((*file)->Append(old.data(), old.size()).IsOk());
     for (const Status& status : writing.WriteTogether(disk, ranks, DealInTurn, { 2, 500 }, 31))
     {
       EXPECT_FALSE(status.IsOk());
       EXPECT_NE(status.GetMessage().find("block is damaged"), std::string::npos);
     }
-    EXPECT_EQ(disk.GetFile(Path), old);
+    EXPECT_EQ(disk.GetFile(JobPath), old);
     EXPECT_EQ(disk.GetFiles().size(), 1u);
   }
 }
@@ -216,7 +216,7 @@ TEST(EdgeIndexWriteJob, AFullDiskLeavesTheOldFileAndAllRanksReportIt)
     {
       EXPECT_FALSE(status.IsOk()) << "write " << write << " of " << writes;
     }
-    EXPECT_FALSE(disk.Exists(EdgeIndexFileWriter::GetPartialPath(Path)));
+    EXPECT_FALSE(disk.Exists(EdgeIndexFileWriter::GetPartialPath(JobPath)));
   }
 }
 

@@ -11,7 +11,7 @@ namespace
 {
 
 constexpr int Ranks = 3;
-constexpr PixelRectangle Display{ 0, 0, 320, 200 };
+constexpr PixelRectangle PlannedDisplay{ 0, 0, 320, 200 };
 
 /// Rank r draws a rectangle of its own; rank 2 nothing.
 PixelRectangle GetPixels(int rank)
@@ -64,7 +64,7 @@ TEST(FramePlanner, WithoutABudgetTheViewportsAreThoseProposed)
     {
       FramePlanner planner;
       const FramePlan plan = planner.Plan(communicator,
-        MakeProposalOf(communicator.GetRank(), { communicator.GetRank() + 1 }), Display);
+        MakeProposalOf(communicator.GetRank(), { communicator.GetRank() + 1 }), PlannedDisplay);
       ASSERT_EQ(plan.Viewports.size(), std::size_t{ Ranks });
       for (int rank = 0; rank < Ranks; ++rank)
       {
@@ -82,7 +82,7 @@ TEST(FramePlanner, DepthsAreCollectedIfOneRankWantsThem)
     {
       FrameProposal mine = MakeProposalOf(communicator.GetRank(), { 1 });
       mine.WantsDepths = communicator.GetRank() == 1;
-      EXPECT_TRUE(FramePlanner().Plan(communicator, mine, Display).WantsDepths);
+      EXPECT_TRUE(FramePlanner().Plan(communicator, mine, PlannedDisplay).WantsDepths);
     });
 }
 
@@ -93,7 +93,8 @@ TEST(FramePlanner, FramesThatTakeTooLongGetCoarserOnAllRanks)
     {
       const int rank = communicator.GetRank();
       FramePlanner planner;
-      FramePlan plan = planner.Plan(communicator, MakeProposalWithBudget(rank, 1000), Display);
+      FramePlan plan =
+        planner.Plan(communicator, MakeProposalWithBudget(rank, 1000), PlannedDisplay);
       EXPECT_EQ(plan.Viewports[0].Divisor, 1);
       EXPECT_EQ(plan.Viewports[1].Divisor, 1);
       // The slowest rank counts.
@@ -101,7 +102,7 @@ TEST(FramePlanner, FramesThatTakeTooLongGetCoarserOnAllRanks)
       {
         FrameProposal mine = MakeProposalWithBudget(rank, 1e-3);
         mine.LastSeconds = rank == 1 ? 10.0 : 1e-6;
-        plan = planner.Plan(communicator, mine, Display);
+        plan = planner.Plan(communicator, mine, PlannedDisplay);
       }
       EXPECT_EQ(plan.Viewports[0], MakeViewport(GetPixels(0), 16));
       EXPECT_EQ(plan.Viewports[1], MakeViewport(GetPixels(1), 16));
@@ -117,7 +118,7 @@ TEST(FramePlanner, ABudgetOfSomeRanksOnlyMeansFullResolution)
       const int rank = communicator.GetRank();
       const FrameProposal mine =
         rank == 1 ? MakeProposalOf(rank, { 2 }) : MakeProposalWithBudget(rank, 1e-9);
-      const FramePlan plan = FramePlanner().Plan(communicator, mine, Display);
+      const FramePlan plan = FramePlanner().Plan(communicator, mine, PlannedDisplay);
       EXPECT_EQ(plan.Viewports[0].Divisor, 1);
       EXPECT_EQ(plan.Viewports[1].Divisor, 2);
     });

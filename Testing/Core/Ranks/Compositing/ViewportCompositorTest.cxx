@@ -102,7 +102,7 @@ void CheckFrames(int ranks, const std::vector<Frame>& frames)
     });
 }
 
-constexpr PixelRectangle Display{ 0, 0, 73, 59 };
+constexpr PixelRectangle ComposedDisplay{ 0, 0, 73, 59 };
 
 } // namespace
 
@@ -118,9 +118,9 @@ TEST(ViewportCompositor, AnyViewportsAndResolutionsGiveTheImageMergedOneByOne)
       for (int rank = 0; rank < ranks; ++rank)
       {
         const int divisor = std::array<int, 5>{ 1, 1, 2, 3, 8 }[random() % 5];
-        viewports.push_back(MakeViewport(MakeRandomRectangle(Display, random), divisor));
+        viewports.push_back(MakeViewport(MakeRandomRectangle(ComposedDisplay, random), divisor));
       }
-      frames.push_back(MakeFrame(viewports, { { Display, trial % ranks } }));
+      frames.push_back(MakeFrame(viewports, { { ComposedDisplay, trial % ranks } }));
     }
     CheckFrames(ranks, frames);
   }
@@ -128,12 +128,12 @@ TEST(ViewportCompositor, AnyViewportsAndResolutionsGiveTheImageMergedOneByOne)
 
 TEST(ViewportCompositor, EqualNestedDisjointAndEmptyViewports)
 {
-  const Viewport all = MakeViewport(Display, 1);
+  const Viewport all = MakeViewport(ComposedDisplay, 1);
   const Viewport inner = MakeViewport({ 20, 20, 30, 20 }, 1);
-  const std::vector<DisplayTile> tiles = { { Display, 0 } };
+  const std::vector<DisplayTile> tiles = { { ComposedDisplay, 0 } };
   CheckFrames(3,
     { MakeFrame({ all, all, all }, tiles),
-      MakeFrame({ inner, all, MakeViewport(Display, 4) }, tiles),
+      MakeFrame({ inner, all, MakeViewport(ComposedDisplay, 4) }, tiles),
       MakeFrame({ MakeViewport({ 0, 0, 30, 59 }, 1), MakeViewport({ 30, 0, 20, 59 }, 2),
                   MakeViewport({ 50, 10, 23, 10 }, 1) },
         tiles),
@@ -147,9 +147,9 @@ TEST(ViewportCompositor, TilesOfAWallAreRectanglesOfTheWholeImage)
   std::vector<Viewport> viewports;
   for (const int divisor : { 1, 2, 1, 4 })
   {
-    viewports.push_back(MakeViewport(MakeRandomRectangle(Display, random), divisor));
+    viewports.push_back(MakeViewport(MakeRandomRectangle(ComposedDisplay, random), divisor));
   }
-  viewports[0] = MakeViewport(Display, 1);
+  viewports[0] = MakeViewport(ComposedDisplay, 1);
   CheckFrames(4,
     { MakeFrame(viewports,
         { { { 0, 0, 40, 30 }, 0 }, { { 40, 0, 33, 30 }, 1 }, { { 0, 30, 40, 29 }, 2 },
@@ -225,11 +225,12 @@ TEST(ViewportCompositor, HalfTheResolutionTakesAQuarterOfTheBytes)
 TEST(ViewportCompositor, AnErrorOfOneRankIsAnErrorOfAll)
 {
   const Frame frame =
-    MakeFrame({ MakeViewport(Display, 1), MakeViewport(Display, 1) }, { { Display, 0 } });
+    MakeFrame({ MakeViewport(ComposedDisplay, 1), MakeViewport(ComposedDisplay, 1) },
+      { { ComposedDisplay, 0 } });
   ThreadCommunicator::Run(2,
     [&](Communicator& communicator)
     {
-      std::vector<std::uint32_t> colors(static_cast<std::size_t>(Display.GetArea()));
+      std::vector<std::uint32_t> colors(static_cast<std::size_t>(ComposedDisplay.GetArea()));
       ViewportCompositor compositor;
       // Rank 1 has no image.
       const ImageView mine = communicator.GetRank() == 0 ? frame.Images[0].GetView() : ImageView{};
@@ -239,12 +240,12 @@ TEST(ViewportCompositor, AnErrorOfOneRankIsAnErrorOfAll)
                   .GetCode(),
         communicator.GetRank() == 1 ? StatusCode::InvalidArgument : StatusCode::RemoteFailure);
       // Two tiles for one rank; no place for the tile.
-      EXPECT_FALSE(
-        compositor
-          .Composite(communicator, { { { Display, 0 }, { Display, 0 } } }, frame.Viewports,
-            frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(),
-            { colors.data(), nullptr }, false)
-          .IsOk());
+      EXPECT_FALSE(compositor
+                     .Composite(communicator,
+                       { { { ComposedDisplay, 0 }, { ComposedDisplay, 0 } } }, frame.Viewports,
+                       frame.Images[static_cast<std::size_t>(communicator.GetRank())].GetView(),
+                       { colors.data(), nullptr }, false)
+                     .IsOk());
       EXPECT_FALSE(
         compositor
           .Composite(communicator, { frame.Tiles }, frame.Viewports,

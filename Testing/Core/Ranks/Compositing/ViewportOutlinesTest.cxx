@@ -10,14 +10,15 @@ using namespace isosurface;
 namespace
 {
 
-constexpr PixelRectangle Display{ 0, 0, 60, 40 };
+constexpr PixelRectangle OutlinedDisplay{ 0, 0, 60, 40 };
 
 std::vector<std::uint32_t> DrawOn(
   const PixelRectangle& tile, const std::vector<Viewport>& viewports)
 {
   std::vector<std::uint32_t> colors(static_cast<std::size_t>(tile.GetArea()), 7);
   const DisplayTile shown{ tile, 0 };
-  DrawViewportOutlines(viewports, MakeDisplayLayout({ { Display, 0 } }, 1), shown, colors.data());
+  DrawViewportOutlines(
+    viewports, MakeDisplayLayout({ { OutlinedDisplay, 0 } }, 1), shown, colors.data());
   return colors;
 }
 
@@ -26,14 +27,15 @@ std::vector<std::uint32_t> DrawOn(
 TEST(ViewportOutlines, AreTwoPixelsWideInsideTheViewport)
 {
   const PixelRectangle pixels{ 10, 5, 20, 16 };
-  const std::vector<std::uint32_t> colors = DrawOn(Display, { {}, MakeViewport(pixels, 1) });
-  for (int y = 0; y < Display.Height; ++y)
+  const std::vector<std::uint32_t> colors =
+    DrawOn(OutlinedDisplay, { {}, MakeViewport(pixels, 1) });
+  for (int y = 0; y < OutlinedDisplay.Height; ++y)
   {
-    for (int x = 0; x < Display.Width; ++x)
+    for (int x = 0; x < OutlinedDisplay.Width; ++x)
     {
       const bool isLine = pixels.Contains(x, y) && !PixelRectangle{ 12, 7, 16, 12 }.Contains(x, y);
-      EXPECT_EQ(
-        colors[static_cast<std::size_t>(y * Display.Width + x)], isLine ? GetOutlineColor(1) : 7U);
+      EXPECT_EQ(colors[static_cast<std::size_t>(y * OutlinedDisplay.Width + x)],
+        isLine ? GetOutlineColor(1) : 7U);
     }
   }
 }
@@ -42,7 +44,7 @@ TEST(ViewportOutlines, OfATileAreThoseOfTheDisplay)
 {
   const std::vector<Viewport> viewports = { MakeViewport({ 3, 4, 50, 30 }, 1),
     MakeViewport({ 20, 8, 39, 31 }, 2), MakeViewport({ 30, 30, 2, 2 }, 4) };
-  const std::vector<std::uint32_t> all = DrawOn(Display, viewports);
+  const std::vector<std::uint32_t> all = DrawOn(OutlinedDisplay, viewports);
   const PixelRectangle tile{ 15, 10, 33, 26 };
   const std::vector<std::uint32_t> ofTile = DrawOn(tile, viewports);
   for (int y = tile.Y; y < tile.GetTop(); ++y)
@@ -50,31 +52,32 @@ TEST(ViewportOutlines, OfATileAreThoseOfTheDisplay)
     for (int x = tile.X; x < tile.GetRight(); ++x)
     {
       EXPECT_EQ(ofTile[static_cast<std::size_t>((y - tile.Y) * tile.Width + x - tile.X)],
-        all[static_cast<std::size_t>(y * Display.Width + x)]);
+        all[static_cast<std::size_t>(y * OutlinedDisplay.Width + x)]);
     }
   }
 }
 
 TEST(ViewportOutlines, CoarseViewportsAreDashed)
 {
-  const std::vector<std::uint32_t> colors = DrawOn(Display, { MakeViewport(Display, 2) });
+  const std::vector<std::uint32_t> colors =
+    DrawOn(OutlinedDisplay, { MakeViewport(OutlinedDisplay, 2) });
   int line = 0;
-  for (int x = 0; x < Display.Width; ++x)
+  for (int x = 0; x < OutlinedDisplay.Width; ++x)
   {
     line += colors[static_cast<std::size_t>(x)] == GetOutlineColor(0) ? 1 : 0;
   }
-  EXPECT_GT(line, Display.Width / 4);
-  EXPECT_LT(line, Display.Width * 3 / 4);
+  EXPECT_GT(line, OutlinedDisplay.Width / 4);
+  EXPECT_LT(line, OutlinedDisplay.Width * 3 / 4);
 }
 
 TEST(ViewportOutlines, WithAntialiasingAreThoseOfThePixels)
 {
   const PixelRectangle pixels{ 10, 5, 20, 16 };
-  const DisplayLayout display = MakeDisplayLayout({ { Display, 0 } }, 2);
-  std::vector<std::uint32_t> colors(static_cast<std::size_t>(Display.GetArea()), 7);
+  const DisplayLayout display = MakeDisplayLayout({ { OutlinedDisplay, 0 } }, 2);
+  std::vector<std::uint32_t> colors(static_cast<std::size_t>(OutlinedDisplay.GetArea()), 7);
   DrawViewportOutlines(
     { MakeViewport({ 20, 10, 40, 32 }, 1) }, display, display.Tiles[0], colors.data());
-  EXPECT_EQ(colors, DrawOn(Display, { MakeViewport(pixels, 1) }));
+  EXPECT_EQ(colors, DrawOn(OutlinedDisplay, { MakeViewport(pixels, 1) }));
 }
 
 TEST(ViewportOutlines, ColorsOfRanksAreOpaqueAndDiffer)

@@ -16,7 +16,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr double Isovalue = 30;
+constexpr double RepeatedIsovalue = 30;
 const std::string SurfacePath = "/data/surface.eix";
 
 // How a run does its work, drawn at random.
@@ -54,7 +54,7 @@ std::ostream& operator<<(std::ostream& out, const Way& way)
 SurfaceQuery MakeQuery(const Communicator& ranks)
 {
   SurfaceQuery query;
-  query.Isovalues = { Isovalue };
+  query.Isovalues = { RepeatedIsovalue };
   query.Rank = ranks.GetRank();
   query.Ranks = ranks.GetSize();
   return query;
@@ -123,7 +123,7 @@ TEST(Determinism, AHundredWaysGiveTheSameBytesAndTheSameSurface)
   const auto samples = MakeVolume<std::int16_t>({ 60, 44, 38 });
   SampleVolume<std::int16_t> placed = samples;
   placed.Geometry = MakeGeometry(samples.GetDimensions());
-  const PlainSurface expected = UniteRanks({ ContourPlainly(placed, { Isovalue }) });
+  const PlainSurface expected = UniteRanks({ ContourPlainly(placed, { RepeatedIsovalue }) });
   ASSERT_GT(expected.Triangles.size(), 1000u);
   MemoryDisk first;
   // The oracle takes the normals of a grid of unit spacing.

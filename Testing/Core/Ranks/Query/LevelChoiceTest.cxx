@@ -9,7 +9,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr double Isovalue = 50;
+constexpr double ChosenIsovalue = 50;
 
 class LevelChoiceTest : public testing::Test
 {
@@ -18,7 +18,7 @@ protected:
   {
     WriteVolumeOk(this->Disk, MakeVolume<std::uint8_t>({ 200, 150, 130 }), MakeSettings(16, 3), 1);
     this->Opened = OpenVolume(this->Disk);
-    this->Query.Isovalues = { Isovalue };
+    this->Query.Isovalues = { ChosenIsovalue };
   }
 
   LevelChoice Choose(int finest, const ExtractionBudget& budget, const ExtractionRate& rate = {})

@@ -15,7 +15,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr double Isovalue = 30;
+constexpr double ReplicatedIsovalue = 30;
 constexpr std::uint32_t Stores = 5;
 const Index3 Size = { 60, 44, 38 };
 const std::string Folder = VolumePath + ".stores/000001";
@@ -84,7 +84,7 @@ public:
     }
   }
 
-  Answer Query(double isovalue = Isovalue, int level = 0)
+  Answer Query(double isovalue = ReplicatedIsovalue, int level = 0)
   {
     const auto size = static_cast<std::size_t>(this->Ranks);
     std::vector<PlainSurface> parts(size);
@@ -131,7 +131,7 @@ private:
 };
 
 // The surface of the volume without replicas.
-const PlainSurface& GetExpected(double isovalue = Isovalue)
+const PlainSurface& GetExpected(double isovalue = ReplicatedIsovalue)
 {
   static std::map<double, PlainSurface> known;
   if (known.count(isovalue) == 0)
@@ -251,7 +251,7 @@ TEST(Replicas, AStoreThatIsLostBetweenTwoQueriesIsReadElsewhereWithOneWarning)
     MemoryDisk disk;
     WriteVolumeOk(disk, GetSamples(), MakeReplicated(2));
     RankGroup group(disk, way.Ranks, way.IsDealt, way.IsLocal);
-    ExpectWhole(group.Query(Isovalue + 3), "");
+    ExpectWhole(group.Query(ReplicatedIsovalue + 3), "");
     // Those that are open stay readable, as on Linux: new ranks have none open.
     ASSERT_TRUE(disk.RemoveAll(StorePath(2)).IsOk());
     RankGroup later(disk, way.Ranks, way.IsDealt, way.IsLocal);
@@ -262,9 +262,9 @@ TEST(Replicas, AStoreThatIsLostBetweenTwoQueriesIsReadElsewhereWithOneWarning)
     ExpectWhole(first, "store 2:");
     EXPECT_NE(first.Warnings[0].find("--repair"), std::string::npos);
     EXPECT_TRUE(first.Surface == GetExpected()) << way;
-    const auto second = later.Query(Isovalue + 3);
+    const auto second = later.Query(ReplicatedIsovalue + 3);
     ExpectWhole(second, "");
-    EXPECT_TRUE(second.Surface == GetExpected(Isovalue + 3)) << way;
+    EXPECT_TRUE(second.Surface == GetExpected(ReplicatedIsovalue + 3)) << way;
   }
 }
 
@@ -345,9 +345,9 @@ TEST(Replicas, CoarseLevelsSurviveTheLossOfAStoreOfAnOverview)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, GetSamples(), MakeReplicated(2));
-  const auto expected = RankGroup(disk, 2, true, false).Query(Isovalue, 2);
+  const auto expected = RankGroup(disk, 2, true, false).Query(ReplicatedIsovalue, 2);
   ASSERT_TRUE(disk.RemoveAll(Folder + "/overview-1/store-00000").IsOk());
-  const auto answer = RankGroup(disk, 2, true, false).Query(Isovalue, 2);
+  const auto answer = RankGroup(disk, 2, true, false).Query(ReplicatedIsovalue, 2);
   ExpectWhole(answer, "store 0 of overview 1");
   EXPECT_TRUE(answer.Surface == expected.Surface);
 }

@@ -15,7 +15,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr double Isovalue = 60;
+constexpr double SharedIsovalue = 60;
 
 /// Closed until a number of ranks have passed by.
 class Gate
@@ -105,7 +105,7 @@ protected:
         const auto volume = OpenVolume(disk);
         volume->SetLocalStores(false);
         SurfaceQuery query;
-        query.Isovalues = { Isovalue };
+        query.Isovalues = { SharedIsovalue };
         query.Rank = rank;
         query.Ranks = ranks;
         ContourRequest request;
@@ -251,7 +251,7 @@ TEST_F(SharedExtraction, AFailedQueryIsAnErrorThatKeepsNobodyWaiting)
       const auto volume = OpenVolume(mine);
       volume->SetLocalStores(false);
       SurfaceQuery query;
-      query.Isovalues = { Isovalue };
+      query.Isovalues = { SharedIsovalue };
       query.Rank = communicator.GetRank();
       query.Ranks = 3;
       if (query.Rank == 2)
@@ -296,7 +296,7 @@ TEST_F(SharedExtraction, RanksKeepTheirOwnBlocksWhereStoresAreLocalToOne)
       const auto volume = OpenVolume(disk);
       volume->SetLocalStores(rank == 1);
       SurfaceQuery query;
-      query.Isovalues = { Isovalue };
+      query.Isovalues = { SharedIsovalue };
       query.Rank = rank;
       query.Ranks = ranks;
       ContourRequest request;

@@ -13,7 +13,8 @@ namespace
 
 /// Expects every block at every level to be the subsampled volume, of as many bytes as estimated.
 template <typename T>
-void ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volume, std::size_t array = 0)
+void ExpectSamplesReadBack(
+  BlockedVolume& opened, const SampleVolume<T>& volume, std::size_t array = 0)
 {
   QueryStatistics statistics;
   for (int level = 0; level < opened.GetNumberOfLevels(); ++level)
@@ -44,7 +45,7 @@ TYPED_TEST(BlockedVolumeOfType, ReadsBackWhatWasWritten)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 3), 2);
   const auto opened = OpenVolume(disk);
-  ExpectReadsBack(*opened, volume);
+  ExpectSamplesReadBack(*opened, volume);
   KeyRange range;
   for (const T value : volume.Samples)
   {
@@ -70,7 +71,7 @@ TEST(BlockedVolumeRoundTrip, HoldsForAnyDimensionsAndBlockSizes)
       WriteVolumeOk(disk, volume, MakeSettings(blockSize, 2), 3, OverlappingColumns);
       const auto opened = OpenVolume(disk);
       EXPECT_EQ(opened->GetHeader().Grid, MakeGeometry(size));
-      ExpectReadsBack(*opened, volume);
+      ExpectSamplesReadBack(*opened, volume);
     }
   }
 }
@@ -98,8 +99,8 @@ TEST(BlockedVolumeRoundTrip, HoldsForSeveralArrays)
     const auto opened = OpenVolume(disk);
     EXPECT_EQ(opened->GetHeader().FindArray("r\xC3\xB6ntgen \"x\""), std::size_t{ 1 });
     EXPECT_FALSE(opened->GetHeader().FindArray("nothing").has_value());
-    ExpectReadsBack(*opened, first, 0);
-    ExpectReadsBack(*opened, second, 1);
+    ExpectSamplesReadBack(*opened, first, 0);
+    ExpectSamplesReadBack(*opened, second, 1);
   }
 }
 
@@ -117,7 +118,7 @@ TEST(BlockedVolumeRoundTrip, HoldsForNaNAndInfinities)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 2), 2);
   const auto opened = OpenVolume(disk);
-  ExpectReadsBack(*opened, volume);
+  ExpectSamplesReadBack(*opened, volume);
   EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Minimum, MakeValueKey(-4.5f));
   EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Maximum, MakeValueKey(12.5f));
 
@@ -125,7 +126,7 @@ TEST(BlockedVolumeRoundTrip, HoldsForNaNAndInfinities)
   WriteVolumeOk(disk, nothing, MakeSettings(16, 2));
   const auto reopened = OpenVolume(disk);
   EXPECT_TRUE(reopened->GetHeader().TimeSteps[0].Ranges[0].IsEmpty());
-  ExpectReadsBack(*reopened, nothing);
+  ExpectSamplesReadBack(*reopened, nothing);
 }
 
 TEST(BlockedVolumeRoundTrip, ReadsACoarseLevelAsAShortPrefix)

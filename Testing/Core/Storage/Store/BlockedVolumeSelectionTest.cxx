@@ -16,14 +16,14 @@ using namespace isosurface;
 namespace
 {
 
-constexpr int BlockSize = 16;
+constexpr int SelectedBlockSize = 16;
 
 /// The oracle. A block is in the region if one of its vertices is, which is enough for boxes larger
 /// than a cell.
 std::vector<std::int64_t> FindByForce(const SampleVolume<std::uint8_t>& volume,
   const std::vector<double>& isovalues, bool closed, const std::array<double, 6>* bounds)
 {
-  const BlockGrid grid(volume.GetDimensions(), BlockSize);
+  const BlockGrid grid(volume.GetDimensions(), SelectedBlockSize);
   auto blocks = FindBlocksByForce(volume, grid, isovalues, closed);
   if (!bounds)
   {
@@ -68,7 +68,7 @@ void WriteThreeArrays(FileSystem& disk, const SampleVolume<std::uint8_t>& volume
       const auto written = writer.Write(VolumePath, MakeGeometry(volume.GetDimensions()),
         { { "density", ValueType::UInt8 }, { "twice", ValueType::UInt16 },
           { "negative", ValueType::Float32 } },
-        piece, MakeSettings(BlockSize, 2));
+        piece, MakeSettings(SelectedBlockSize, 2));
       ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
     });
 }
@@ -79,7 +79,7 @@ TEST(BlockedVolumeSelection, BlocksEqualBruteForceForAnyNumberOfRanks)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(BlockSize, 3));
+  WriteVolumeOk(disk, volume, MakeSettings(SelectedBlockSize, 3));
   const auto opened = OpenVolume(disk);
   const std::array<double, 6> bounds{ 0.1, 15.0, 10.0, 30.5, 12380.0, 12420.0 };
   for (const std::vector<double>& isovalues :
@@ -115,7 +115,7 @@ TEST(BlockedVolumeSelection, BlocksOutsideOfTheRegionAreNotRead)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(BlockSize, 3));
+  WriteVolumeOk(disk, volume, MakeSettings(SelectedBlockSize, 3));
   const auto opened = OpenVolume(disk);
   const std::array<double, 6> bounds{ 0.1, 5.0, 10.0, 20.5, 12370.0, 12400.0 };
   BlockSelection selection;
@@ -136,7 +136,7 @@ TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 70, 52, 35 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(BlockSize, 3));
+  WriteVolumeOk(disk, volume, MakeSettings(SelectedBlockSize, 3));
   const auto opened = OpenVolume(disk);
   BlockSelection selection;
   selection.ClosedSides = GridSides::All();

@@ -12,11 +12,11 @@ using namespace isosurface;
 namespace
 {
 
-const Index3 Size = { 40, 33, 20 };
+const Index3 SizeOfSteps = { 40, 33, 20 };
 
 SampleVolume<std::uint16_t> MakeStep(unsigned step)
 {
-  return MakeVolume<std::uint16_t>(Size, step + 1);
+  return MakeVolume<std::uint16_t>(SizeOfSteps, step + 1);
 }
 
 BlockedVolumeSettings MakeStepSettings(double time)
@@ -53,7 +53,7 @@ void ExpectSteps(FileSystem& disk, unsigned count)
 }
 
 void ExpectRefused(FileSystem& disk, const BlockedVolumeSettings& settings, const std::string& part,
-  const Index3& size = Size)
+  const Index3& size = SizeOfSteps)
 {
   for (const auto& result : WriteVolume(disk, MakeVolume<std::uint16_t>(size), settings, 2))
   {
@@ -135,7 +135,8 @@ TEST(BlockedVolumeTimeSteps, MustFitTheVolumeThatTheyAreAppendedTo)
     ExpectRefused(disk, settings, change.first);
   }
   ExpectRefused(disk, MakeStepSettings(1), "extent", { 40, 33, 21 });
-  for (const auto& result : WriteVolume(disk, MakeVolume<float>(Size), MakeStepSettings(1), 2))
+  for (const auto& result :
+    WriteVolume(disk, MakeVolume<float>(SizeOfSteps), MakeStepSettings(1), 2))
   {
     EXPECT_NE(result.GetStatus().GetMessage().find("types"), std::string::npos);
   }
@@ -218,7 +219,7 @@ TEST(BlockedVolumeTimeSteps, BecomeVisibleTogetherWhenOneIsPublished)
         for (unsigned step = 0; step < 3; ++step)
         {
           const auto volume = MakeStep(step);
-          const VertexBox box = SlabOfEach(communicator.GetRank(), ranks, Size);
+          const VertexBox box = SlabOfEach(communicator.GetRank(), ranks, SizeOfSteps);
           const PieceOfVolume<std::uint16_t> part(volume, box);
           BlockedVolumeSettings settings = MakeStepSettings(0.5 * step);
           settings.Append = step > 0;
@@ -227,7 +228,7 @@ TEST(BlockedVolumeTimeSteps, BecomeVisibleTogetherWhenOneIsPublished)
           {
             EXPECT_EQ(disk.GetFile(VolumePath), old);
           }
-          const auto written = writer.Write(VolumePath, MakeGeometry(Size),
+          const auto written = writer.Write(VolumePath, MakeGeometry(SizeOfSteps),
             { { "density", ValueType::UInt16 } }, VolumePiece{ box, { part.View } }, settings);
           ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
         }
@@ -244,20 +245,21 @@ TEST(BlockedVolumeTimeSteps, NeverPublishedAreRemoved)
   const auto before = disk.Copy();
   SerialCommunicator serial;
   const auto volume = MakeStep(1);
-  const VolumePiece piece = { { { 0, 0, 0 }, Size }, { volume.GetView() } };
+  const VolumePiece piece = { { { 0, 0, 0 }, SizeOfSteps }, { volume.GetView() } };
   const std::vector<ArrayDescription> arrays = { { "density", ValueType::UInt16 } };
   BlockedVolumeSettings settings = MakeStepSettings(1);
   settings.Publish = false;
   {
     BlockedVolumeWriter writer(serial, disk);
-    ASSERT_TRUE(writer.Write(VolumePath, MakeGeometry(Size), arrays, piece, settings).IsOk());
+    ASSERT_TRUE(
+      writer.Write(VolumePath, MakeGeometry(SizeOfSteps), arrays, piece, settings).IsOk());
     EXPECT_NE(disk.Copy(), before);
   }
   EXPECT_EQ(disk.Copy(), before);
   BlockedVolumeWriter writer(serial, disk);
-  ASSERT_TRUE(writer.Write(VolumePath, MakeGeometry(Size), arrays, piece, settings).IsOk());
+  ASSERT_TRUE(writer.Write(VolumePath, MakeGeometry(SizeOfSteps), arrays, piece, settings).IsOk());
   // A later one fails, since its time is not above.
   settings.Publish = true;
-  EXPECT_FALSE(writer.Write(VolumePath, MakeGeometry(Size), arrays, piece, settings).IsOk());
+  EXPECT_FALSE(writer.Write(VolumePath, MakeGeometry(SizeOfSteps), arrays, piece, settings).IsOk());
   EXPECT_EQ(disk.Copy(), before);
 }

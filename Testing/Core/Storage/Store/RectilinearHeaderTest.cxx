@@ -15,7 +15,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/a.bvol";
+const std::string RectilinearPath = "/data/a.bvol";
 
 /// Of 50 x 10 x 1 vertices.
 BlockedVolumeHeader MakeLinedHeader()
@@ -45,10 +45,11 @@ BlockedVolumeHeader MakeLinedHeader()
 
 void ExpectRefused(const Json& document, const char* part)
 {
-  const auto header = BlockedVolumeHeader::Parse(FormatDocument(document), Path);
+  const auto header = BlockedVolumeHeader::Parse(FormatDocument(document), RectilinearPath);
   ASSERT_FALSE(header.IsOk()) << part;
   EXPECT_EQ(header.GetStatus().GetCode(), StatusCode::Corrupt);
-  EXPECT_EQ(header.GetStatus().GetMessage().find(Path), 0u) << header.GetStatus().GetMessage();
+  EXPECT_EQ(header.GetStatus().GetMessage().find(RectilinearPath), 0u)
+    << header.GetStatus().GetMessage();
   EXPECT_NE(header.GetStatus().GetMessage().find(part), std::string::npos)
     << header.GetStatus().GetMessage() << " does not say " << part;
 }
@@ -58,7 +59,7 @@ void ExpectRefused(const Json& document, const char* part)
 TEST(RectilinearHeader, KeepsTheCoordinatesOfARectilinearGridExactly)
 {
   const BlockedVolumeHeader header = MakeLinedHeader();
-  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), RectilinearPath));
   ASSERT_TRUE(parsed.Lines);
   EXPECT_EQ(parsed.Lines->Coordinates, header.Lines->Coordinates);
   EXPECT_EQ(parsed.Format(), header.Format());

@@ -13,7 +13,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/spectra";
+const std::string SpectraPath = "/data/spectra";
 constexpr std::uint64_t Identity = 0x123456789abcdef0;
 
 /// Counts of every kind: flat, falling, alternating between the ends of the range.
@@ -64,14 +64,14 @@ protected:
       }
     }
     const Status status = SpectraFile::Write(
-      this->Disk, Path, Identity, { this->Spectra[0], this->Spectra[1] }, sections);
+      this->Disk, SpectraPath, Identity, { this->Spectra[0], this->Spectra[1] }, sections);
     ASSERT_TRUE(status.IsOk()) << status.GetMessage();
   }
 
   /// The first error of opening the file and reading all of it.
   Status ReadAll()
   {
-    const auto file = SpectraFile::Open(this->Disk, Path, Identity, 2, 3);
+    const auto file = SpectraFile::Open(this->Disk, SpectraPath, Identity, 2, 3);
     ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     for (std::size_t array = 0; array < 2; ++array)
     {
@@ -124,7 +124,7 @@ TEST(PackedCounts, RefuseNumbersThatDoNotFit)
 
 TEST_F(SpectraFileOnDisk, HasTheSpectraThatWereWritten)
 {
-  const auto file = Require(SpectraFile::Open(this->Disk, Path, Identity, 2, 3));
+  const auto file = Require(SpectraFile::Open(this->Disk, SpectraPath, Identity, 2, 3));
   for (std::size_t array = 0; array < 2; ++array)
   {
     ExpectEqual(file->ReadTotal(array), this->Spectra[array]);
@@ -137,7 +137,7 @@ TEST_F(SpectraFileOnDisk, HasTheSpectraThatWereWritten)
 
 TEST_F(SpectraFileOnDisk, IsCorruptIfAnyBitIsFlipped)
 {
-  MemoryDisk::Bytes& bytes = this->Disk.GetFile(Path);
+  MemoryDisk::Bytes& bytes = this->Disk.GetFile(SpectraPath);
   for (std::size_t position = 0; position < bytes.size(); position += position < 200 ? 1 : 97)
   {
     bytes[position] ^= 1 << (position % 8);
@@ -145,7 +145,7 @@ TEST_F(SpectraFileOnDisk, IsCorruptIfAnyBitIsFlipped)
     EXPECT_TRUE(status.GetCode() == StatusCode::Corrupt ||
       (status.GetCode() == StatusCode::Unsupported && position >= 8 && position < 12))
       << position << status.GetMessage();
-    EXPECT_EQ(status.GetMessage().find(Path + ": "), 0u) << status.GetMessage();
+    EXPECT_EQ(status.GetMessage().find(SpectraPath + ": "), 0u) << status.GetMessage();
     bytes[position] ^= 1 << (position % 8);
   }
   EXPECT_TRUE(this->ReadAll().IsOk());
@@ -153,7 +153,7 @@ TEST_F(SpectraFileOnDisk, IsCorruptIfAnyBitIsFlipped)
 
 TEST_F(SpectraFileOnDisk, IsCorruptIfItIsTruncatedOrLonger)
 {
-  MemoryDisk::Bytes& bytes = this->Disk.GetFile(Path);
+  MemoryDisk::Bytes& bytes = this->Disk.GetFile(SpectraPath);
   const MemoryDisk::Bytes intact = bytes;
   for (std::size_t size = 0; size < intact.size(); size += size < 200 ? 1 : 997)
   {
@@ -167,7 +167,7 @@ TEST_F(SpectraFileOnDisk, IsCorruptIfItIsTruncatedOrLonger)
 
 TEST_F(SpectraFileOnDisk, OfANewerVersionIsNotRead)
 {
-  StoreLittleEndian<std::uint32_t>(this->Disk.GetFile(Path).data() + 8, 2);
+  StoreLittleEndian<std::uint32_t>(this->Disk.GetFile(SpectraPath).data() + 8, 2);
   const Status status = this->ReadAll();
   EXPECT_EQ(status.GetCode(), StatusCode::Unsupported);
   EXPECT_NE(status.GetMessage().find("newer version"), std::string::npos);
@@ -178,7 +178,7 @@ TEST_F(SpectraFileOnDisk, MustFitTheHeader)
   for (const auto& [arrays, stores] :
     { std::pair<std::size_t, std::size_t>{ 1, 3 }, { 2, 2 }, { 3, 2 }, { 2, 1 << 20 } })
   {
-    const auto file = SpectraFile::Open(this->Disk, Path, Identity, arrays, stores);
+    const auto file = SpectraFile::Open(this->Disk, SpectraPath, Identity, arrays, stores);
     EXPECT_EQ(file.GetStatus().GetCode(), StatusCode::Corrupt) << arrays << ' ' << stores;
   }
   EXPECT_EQ(SpectraFile::Open(this->Disk, "/data/none", Identity, 2, 3).GetStatus().GetCode(),
@@ -187,7 +187,7 @@ TEST_F(SpectraFileOnDisk, MustFitTheHeader)
 
 TEST_F(SpectraFileOnDisk, MustBelongToTheTimeStep)
 {
-  const Status status = SpectraFile::Open(this->Disk, Path, Identity + 1, 2, 3).GetStatus();
+  const Status status = SpectraFile::Open(this->Disk, SpectraPath, Identity + 1, 2, 3).GetStatus();
   EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
-  EXPECT_EQ(status.GetMessage(), Path + ": has the spectra of another time step or volume");
+  EXPECT_EQ(status.GetMessage(), SpectraPath + ": has the spectra of another time step or volume");
 }

@@ -10,7 +10,7 @@ namespace
 {
 
 const std::string Steps = VolumePath + ".stores/";
-const Index3 Size = { 40, 33, 20 };
+const Index3 SizeOfVolume = { 40, 33, 20 };
 
 /// Two time steps in two stores: an array of one component, and one of two. All files of one kind
 /// are equally long, and nothing but what is in them tells them apart.
@@ -27,17 +27,17 @@ protected:
     {
       std::vector<SampleVolume<std::uint8_t>> volumes;
       VolumePiece piece;
-      piece.Box = { { 0, 0, 0 }, Size };
+      piece.Box = { { 0, 0, 0 }, SizeOfVolume };
       for (unsigned component = 0; component < 3; ++component)
       {
-        volumes.push_back(MakeVolume<std::uint8_t>(Size, 10 * step + component + 1));
+        volumes.push_back(MakeVolume<std::uint8_t>(SizeOfVolume, 10 * step + component + 1));
       }
       for (const SampleVolume<std::uint8_t>& volume : volumes)
       {
         piece.Arrays.push_back(volume.GetView());
       }
       settings.Time = step;
-      const auto written = Require(writer.Write(VolumePath, MakeGeometry(Size),
+      const auto written = Require(writer.Write(VolumePath, MakeGeometry(SizeOfVolume),
         { { "density", ValueType::UInt8 }, { "pair", ValueType::UInt8, 2 } }, piece, settings));
     }
     ASSERT_EQ(this->Query(), "");

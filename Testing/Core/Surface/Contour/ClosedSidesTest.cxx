@@ -13,7 +13,7 @@ namespace isosurface
 namespace
 {
 
-ContourRequest MakeRequest(std::vector<double> isovalues)
+ContourRequest MakeClosedRequest(std::vector<double> isovalues)
 {
   ContourRequest request = MakePlainRequest(std::move(isovalues));
   request.ClosedSides = GridSides::All();
@@ -49,7 +49,7 @@ SampleVolume<double> Pad(const SampleVolume<T>& volume)
 }
 
 template <typename T>
-Surface Extract(
+Surface ExtractClosed(
   const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
 {
   TestBlockSource<T> source(volume, blockSize);
@@ -61,7 +61,7 @@ template <typename T>
 PlainSurface ExtractPlain(
   const SampleVolume<T>& volume, int blockSize, const ContourRequest& request, int threads = 1)
 {
-  const Surface surface = Extract(volume, blockSize, request, threads);
+  const Surface surface = ExtractClosed(volume, blockSize, request, threads);
   PlainSurface plain = MakePlain(surface);
   EXPECT_EQ(plain.Points.size(), surface.NumberOfPoints) << "an id is there twice";
   return plain;
@@ -73,7 +73,7 @@ void CheckAgainstPadding(const SampleVolume<T>& volume, int blockSize,
 {
   const TriangleSet expected =
     Clamp(MakeTriangleSet(ContourPlainly(Pad(volume), isovalues)), volume.Geometry);
-  ContourRequest request = MakeRequest(isovalues);
+  ContourRequest request = MakeClosedRequest(isovalues);
   const PlainSurface closed = ExtractPlain(volume, blockSize, request, threads);
   EXPECT_EQ(MakeTriangleSet(closed), expected);
   EXPECT_TRUE(IsClosed(closed));
@@ -87,8 +87,8 @@ template <typename T>
 class ClosedSidesOfType : public testing::Test
 {
 };
-using SomeTypes = testing::Types<std::uint8_t, std::int16_t, std::uint32_t, float, double>;
-TYPED_TEST_SUITE(ClosedSidesOfType, SomeTypes);
+using TypesOfClosedSides = testing::Types<std::uint8_t, std::int16_t, std::uint32_t, float, double>;
+TYPED_TEST_SUITE(ClosedSidesOfType, TypesOfClosedSides);
 
 } // namespace
 
@@ -135,7 +135,7 @@ TEST(ClosedSides, AnIsovalueBelowAllSamplesGivesTheBoxOfTheGrid)
   for (const double isovalue : { -5.0, 0.0 })
   {
     SampleVolume<std::uint8_t> volume({ 20, 6, 37 });
-    ContourRequest request = MakeRequest({ isovalue });
+    ContourRequest request = MakeClosedRequest({ isovalue });
     request.DropDegenerateTriangles = true;
     const PlainSurface box = ExtractPlain(volume, 16, request);
     EXPECT_TRUE(IsManifold(box));
@@ -149,7 +149,7 @@ TEST(ClosedSides, CapsHaveOutwardNormals)
 {
   SampleVolume<float> volume({ 9, 8, 7 });
   std::fill(volume.Samples.begin(), volume.Samples.end(), 1.0f);
-  const PlainSurface box = ExtractPlain(volume, 4, MakeRequest({ 0.5 }));
+  const PlainSurface box = ExtractPlain(volume, 4, MakeClosedRequest({ 0.5 }));
   const float high[] = { 8, 7, 6 };
   for (const auto& [id, bits] : box.Points)
   {
@@ -173,7 +173,7 @@ TEST(ClosedSides, PointsOffTheCapsAreThoseOfTheOpenSurface)
 {
   std::mt19937 random(63);
   const auto volume = MakeRandomVolume<std::int16_t>(random, { 35, 20, 18 }, 1000);
-  ContourRequest request = MakeRequest({ 100.5 });
+  ContourRequest request = MakeClosedRequest({ 100.5 });
   const PlainSurface closed = ExtractPlain(volume, 16, request);
   request.ClosedSides = {};
   const PlainSurface open = ExtractPlain(volume, 16, request);
@@ -194,7 +194,7 @@ TEST(ClosedSides, OnlyTheRequestedSidesAreClosed)
   std::fill(volume.Samples.begin(), volume.Samples.end(), std::uint8_t(9));
   for (std::size_t side = 0; side < 6; ++side)
   {
-    ContourRequest request = MakeRequest({ 3.0 });
+    ContourRequest request = MakeClosedRequest({ 3.0 });
     request.ClosedSides = {};
     request.ClosedSides.Sides[side] = true;
     const PlainSurface cap = ExtractPlain(volume, 4, request);
@@ -219,7 +219,7 @@ TEST(ClosedSides, UnionOfRanksEqualsOneRank)
   {
     const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 8, 7 }, 4);
     const int blockSize = 1 + trial % 4;
-    ContourRequest request = MakeRequest({ 2.0, 2.5 });
+    ContourRequest request = MakeClosedRequest({ 2.0, 2.5 });
     request.DropDegenerateTriangles = trial % 2 == 0;
     const PlainSurface united = UniteRanks(ExtractPieces(volume, blockSize, request,
       FindClosedBlocks(volume, blockSize, request), 2 + trial % 3, random));
@@ -232,9 +232,9 @@ TEST(ClosedSides, CapsOfPolygonsCloseTheSurface)
 {
   std::mt19937 random(65);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 20, 9, 8 }, 100);
-  ContourRequest request = MakeRequest({ 50.5 });
+  ContourRequest request = MakeClosedRequest({ 50.5 });
   request.Polygons = true;
-  const Surface surface = Extract(volume, 16, request);
+  const Surface surface = ExtractClosed(volume, 16, request);
   std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
   for (std::size_t cell = 0; cell < surface.NumberOfCells; ++cell)
   {
@@ -264,7 +264,7 @@ TEST(ClosedSides, AttributesOfCapsAreThoseOfTheBorder)
     field[n] = static_cast<float>(n % static_cast<std::size_t>(size[0]));
   }
   const auto ranges = BlockRanges::Compute(volume.GetView(), 1);
-  ContourRequest request = MakeRequest({ 20.5 });
+  ContourRequest request = MakeClosedRequest({ 20.5 });
   request.Attributes = { { ValueType::Float32, 1 } };
   SampleView view = volume.GetView();
   view.First = field.data();

@@ -12,7 +12,7 @@ namespace isosurface
 namespace
 {
 
-ContourRequest MakeRequest(std::vector<double> isovalues)
+ContourRequest MakeDroppingRequest(std::vector<double> isovalues)
 {
   ContourRequest request = MakePlainRequest(std::move(isovalues));
   request.DropDegenerateTriangles = true;
@@ -36,10 +36,10 @@ void CheckPoints(const Surface& surface)
 }
 
 template <typename T>
-void CheckAgainstOracle(const SampleVolume<T>& volume, int blockSize,
+void CheckProperTriangles(const SampleVolume<T>& volume, int blockSize,
   const std::vector<double>& isovalues, int threads = 1)
 {
-  const Surface surface = ExtractBlocks(volume, blockSize, MakeRequest(isovalues), threads);
+  const Surface surface = ExtractBlocks(volume, blockSize, MakeDroppingRequest(isovalues), threads);
   CheckPoints(surface);
   const PlainSurface plain = MakePlain(surface);
   EXPECT_EQ(plain.Points.size(), surface.NumberOfPoints) << "an id is there twice";
@@ -69,8 +69,9 @@ template <typename T>
 class DegenerateTrianglesOfType : public testing::Test
 {
 };
-using SomeTypes = testing::Types<std::uint8_t, std::int16_t, std::int64_t, float, double>;
-TYPED_TEST_SUITE(DegenerateTrianglesOfType, SomeTypes);
+using TypesOfDegenerateTriangles =
+  testing::Types<std::uint8_t, std::int16_t, std::int64_t, float, double>;
+TYPED_TEST_SUITE(DegenerateTrianglesOfType, TypesOfDegenerateTriangles);
 
 } // namespace
 
@@ -85,7 +86,7 @@ TYPED_TEST(DegenerateTrianglesOfType, RandomGridsHaveTheOraclesOtherTriangles)
     {
       sample = static_cast<TypeParam>(random() % 5);
     }
-    CheckAgainstOracle(volume, 1 + static_cast<int>(random() % 5),
+    CheckProperTriangles(volume, 1 + static_cast<int>(random() % 5),
       trial % 2 == 0 ? std::vector<double>{ 2.0 } : std::vector<double>{ 1.0, 2.5, 3.0, 1.0 });
   }
 }
@@ -98,7 +99,7 @@ TEST(DegenerateTriangles, BlocksOfAllSizesHaveTheOraclesOtherTriangles)
     const auto volume = MakeRandomVolume<std::uint16_t>(random, dimensions, 6);
     for (const int blockSize : { 16, 32, 64 })
     {
-      CheckAgainstOracle(volume, blockSize, { 3.0, 4.0 }, 2);
+      CheckProperTriangles(volume, blockSize, { 3.0, 4.0 }, 2);
     }
   }
 }
@@ -112,8 +113,8 @@ TEST(DegenerateTriangles, PointsThatRoundToAVertexAreMerged)
   std::fill(volume.Samples.begin(), volume.Samples.end(), -1e6f);
   volume.At(1, 1, 1) = 1.0f;
   volume.At(2, 1, 1) = -1.0f;
-  CheckAgainstOracle(volume, 1, { 0.0 });
-  const Surface surface = ExtractBlocks(volume, 2, MakeRequest({ 0.0 }));
+  CheckProperTriangles(volume, 1, { 0.0 });
+  const Surface surface = ExtractBlocks(volume, 2, MakeDroppingRequest({ 0.0 }));
   std::set<std::int64_t> ids(surface.GlobalIds.begin(), surface.GlobalIds.end());
   EXPECT_EQ(ids.size(), surface.NumberOfPoints);
 }
@@ -123,11 +124,11 @@ TEST(DegenerateTriangles, TheSurfaceOfIntegersAtAnIntegerIsovalueIsAClosedManifo
   const auto volume = MakeTerraces<std::uint8_t>({ 45, 41, 38 }, 20.0);
   for (const double isovalue : { 1.0, 5.0, 13.0, 19.0 })
   {
-    const Surface surface = ExtractBlocks(volume, 16, MakeRequest({ isovalue }), 2);
+    const Surface surface = ExtractBlocks(volume, 16, MakeDroppingRequest({ isovalue }), 2);
     ASSERT_GT(surface.NumberOfTriangles, 0u);
     CheckPoints(surface);
     EXPECT_TRUE(IsManifold(MakePlain(surface))) << isovalue;
-    ContourRequest all = MakeRequest({ isovalue });
+    ContourRequest all = MakeDroppingRequest({ isovalue });
     all.DropDegenerateTriangles = false;
     EXPECT_LT(surface.NumberOfTriangles, ExtractBlocks(volume, 16, all).NumberOfTriangles);
   }
@@ -149,7 +150,7 @@ TEST(DegenerateTriangles, TheSurfaceOfNoiseStaysClosed)
       }
     }
   }
-  EXPECT_TRUE(IsClosed(MakePlain(ExtractBlocks(volume, 16, MakeRequest({ 2.0 })))));
+  EXPECT_TRUE(IsClosed(MakePlain(ExtractBlocks(volume, 16, MakeDroppingRequest({ 2.0 })))));
 }
 
 TEST(DegenerateTriangles, UnionOfRanksEqualsOneRank)
@@ -159,7 +160,7 @@ TEST(DegenerateTriangles, UnionOfRanksEqualsOneRank)
   {
     const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 8, 7 }, 4);
     const int blockSize = 1 + trial % 4;
-    const ContourRequest request = MakeRequest({ 2.0, 3.0 });
+    const ContourRequest request = MakeDroppingRequest({ 2.0, 3.0 });
     const auto blocks = TestBlockSource<std::uint8_t>(volume, blockSize).Blocks;
     const Surface whole = ExtractBlocks(volume, blockSize, request);
     CheckPoints(whole);
@@ -172,10 +173,10 @@ TEST(DegenerateTriangles, TheResultDoesNotDependOnThreads)
 {
   std::mt19937 random(54);
   const auto volume = MakeRandomVolume<std::int16_t>(random, { 50, 40, 35 }, 8);
-  const Surface one = ExtractBlocks(volume, 16, MakeRequest({ 1.0, 2.0 }), 1);
+  const Surface one = ExtractBlocks(volume, 16, MakeDroppingRequest({ 1.0, 2.0 }), 1);
   for (const int threads : { 2, 5 })
   {
-    ExpectSameSurface(ExtractBlocks(volume, 16, MakeRequest({ 1.0, 2.0 }), threads), one);
+    ExpectSameSurface(ExtractBlocks(volume, 16, MakeDroppingRequest({ 1.0, 2.0 }), threads), one);
   }
 }
 
@@ -205,7 +206,7 @@ TEST(DegenerateTriangles, AMergedPointHasTheNormalAndAttributesOfItsVertex)
   view.Type = ValueType::Float64;
   view.First = field.data();
   source.Attribute.Components = { view };
-  ContourRequest request = MakeRequest({ 0.0 });
+  ContourRequest request = MakeDroppingRequest({ 0.0 });
   request.Attributes = { { ValueType::Float64, 1 } };
   const auto surface = Require(ExtractSurface(volume.Geometry, source, request, 1));
   ASSERT_EQ(surface.NumberOfPoints, 30u);

@@ -22,7 +22,7 @@ void CheckShape(const Surface& surface, const ContourRequest& request)
 }
 
 template <typename T>
-void CheckAgainstOracle(const SampleVolume<T>& volume, int blockSize,
+void CheckWholeSurface(const SampleVolume<T>& volume, int blockSize,
   const std::vector<double>& isovalues, int threads = 1, int components = 1)
 {
   const ContourRequest request = MakePlainRequest(isovalues);
@@ -50,7 +50,7 @@ TYPED_TEST(SurfaceOfType, EveryCellCaseEqualsOracle)
     {
       volume.Samples[vertex] = static_cast<TypeParam>(cellCase >> vertex & 1 ? 7 + vertex : 1);
     }
-    CheckAgainstOracle(volume, 16, { 6.5 });
+    CheckWholeSurface(volume, 16, { 6.5 });
   }
 }
 
@@ -64,7 +64,7 @@ TYPED_TEST(SurfaceOfType, RandomSmallGridsInSmallBlocksEqualOracle)
     const Index3 dimensions{ size(random), size(random), size(random) };
     const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, trial % 2 == 0 ? 4 : 100);
     // Integers equal samples, halves lie between them.
-    CheckAgainstOracle(volume, blockSize(random), { trial % 3 == 0 ? 1.0 : 1.5 }, 1, trial % 4 + 1);
+    CheckWholeSurface(volume, blockSize(random), { trial % 3 == 0 ? 1.0 : 1.5 }, 1, trial % 4 + 1);
   }
 }
 
@@ -77,7 +77,7 @@ TYPED_TEST(SurfaceOfType, BlocksOfAllSizesEqualOracle)
     const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, 100);
     for (const int blockSize : { 16, 32, 64 })
     {
-      CheckAgainstOracle(volume, blockSize, { 30.25 }, 2);
+      CheckWholeSurface(volume, blockSize, { 30.25 }, 2);
     }
   }
 }
@@ -98,9 +98,9 @@ TEST(SurfaceExtractor, ExtremesOfWideIntegersDoNotOverflow)
     narrow.Samples[n] = inside ? std::numeric_limits<std::int32_t>::max() - static_cast<int>(n)
                                : std::numeric_limits<std::int32_t>::min() + static_cast<int>(n);
   }
-  CheckAgainstOracle(wide, 2, { 0.0 });
-  CheckAgainstOracle(wideUnsigned, 2, { 9007199254740993.0 });
-  CheckAgainstOracle(narrow, 2, { -12345.5 });
+  CheckWholeSurface(wide, 2, { 0.0 });
+  CheckWholeSurface(wideUnsigned, 2, { 9007199254740993.0 });
+  CheckWholeSurface(narrow, 2, { -12345.5 });
 }
 
 TEST(SurfaceExtractor, WideIntegersThatRoundToTheSameDoubleAreDistinguished)
@@ -136,7 +136,7 @@ TEST(SurfaceExtractor, InfinitiesAndNaNEqualOracle)
         : draw == 4      ? -0.0f
                          : sample;
     }
-    CheckAgainstOracle(volume, 3, { trial % 2 == 0 ? 0.0 : 1.25 });
+    CheckWholeSurface(volume, 3, { trial % 2 == 0 ? 0.0 : 1.25 });
   }
 }
 
@@ -144,7 +144,7 @@ TEST(SurfaceExtractor, SeveralIsovaluesAreSeparatePartsOfOneSurface)
 {
   std::mt19937 random(24);
   const auto volume = MakeRandomVolume<std::int16_t>(random, { 21, 18, 17 }, 200);
-  CheckAgainstOracle(volume, 16, { 10.5, -40.0, 10.5, 99.0 }, 2);
+  CheckWholeSurface(volume, 16, { 10.5, -40.0, 10.5, 99.0 }, 2);
 }
 
 TEST(SurfaceExtractor, IsovaluesWithoutSurfaceGiveEmptyParts)
@@ -180,9 +180,9 @@ TEST(SurfaceExtractor, NegativeExtentsAndOriginEqualOracle)
   std::mt19937 random(27);
   auto volume = MakeRandomVolume<std::uint16_t>(random, { 19, 8, 12 }, 60000);
   volume.Geometry.Extent = { -1000, -982, 7, 14, -12, -1 };
-  CheckAgainstOracle(volume, 16, { 30000.0 });
+  CheckWholeSurface(volume, 16, { 30000.0 });
   volume.Geometry.Origin = { 0.1, -7.3, 1e6 };
-  CheckAgainstOracle(volume, 16, { 30000.0 });
+  CheckWholeSurface(volume, 16, { 30000.0 });
 }
 
 TEST(SurfaceExtractor, ObliqueGridsTransformPointsAndNormals)

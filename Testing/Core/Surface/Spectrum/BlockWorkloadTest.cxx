@@ -32,7 +32,7 @@ KeyRange FindFiniteRange(const SampleVolume<T>& volume)
 }
 
 template <typename T>
-SpectrumBins ChooseBins(const SampleVolume<T>& volume)
+SpectrumBins ChooseWorkloadBins(const SampleVolume<T>& volume)
 {
   return SpectrumBins::Choose(ValueTypeOf<T>::Value, FindFiniteRange(volume));
 }
@@ -82,7 +82,7 @@ WorkloadSpectrum CountSpectrum(const SampleVolume<T>& volume, const SpectrumBins
 template <typename T>
 void ExpectEqualsBruteForce(const SampleVolume<T>& volume)
 {
-  const SpectrumBins bins = ChooseBins(volume);
+  const SpectrumBins bins = ChooseWorkloadBins(volume);
   const WorkloadSpectrum spectrum = CountSpectrum(volume, bins);
   const VertexBox box{ { 0, 0, 0 }, volume.GetDimensions() };
   const std::size_t step = bins.Count > 300 ? 7 : 1;
@@ -182,7 +182,7 @@ TEST(BlockWorkload, CountsTheTrianglesOfEveryCase)
   {
     const SampleVolume<std::uint8_t> cell(
       { 2, 2, 2 }, [&](auto i, auto j, auto k) { return (inside >> (i + 2 * j + 4 * k)) & 1; });
-    const WorkloadSpectrum spectrum = CountSpectrum(cell, ChooseBins(cell));
+    const WorkloadSpectrum spectrum = CountSpectrum(cell, ChooseWorkloadBins(cell));
     EXPECT_EQ(
       spectrum.Triangles, (std::vector<std::uint64_t>{ 0, MarchingCubesCases[inside] >> 60 }))
       << "case " << inside;
@@ -197,7 +197,7 @@ TEST(BlockWorkload, CountsTheTrianglesOfEveryOrderOfCorners)
   {
     const SampleVolume<std::uint8_t> cell(
       { 2, 2, 2 }, [&](auto i, auto j, auto k) { return (values >> 2 * (i + 2 * j + 4 * k)) & 3; });
-    const SpectrumBins bins = ChooseBins(cell);
+    const SpectrumBins bins = ChooseWorkloadBins(cell);
     const WorkloadSpectrum spectrum = CountSpectrum(cell, bins);
     for (std::size_t bin = 0; bin < bins.Count; ++bin)
     {
@@ -213,7 +213,7 @@ TEST(BlockWorkload, CountsMoreCellsThanAPackedSumHolds)
   // Layers of two values: each cell between them has two triangles at one isovalue.
   const SampleVolume<std::uint8_t> layers(
     { 300, 300, 220 }, [](auto, auto, auto k) { return k % 2; });
-  const WorkloadSpectrum spectrum = CountSpectrum(layers, ChooseBins(layers));
+  const WorkloadSpectrum spectrum = CountSpectrum(layers, ChooseWorkloadBins(layers));
   const std::uint64_t cells = 299 * 299 * 219;
   EXPECT_EQ(spectrum.Triangles, (std::vector<std::uint64_t>{ 0, 2 * cells }));
   EXPECT_EQ(spectrum.ActiveCells, (std::vector<std::uint64_t>{ 0, cells }));
@@ -231,7 +231,7 @@ TEST(BlockWorkload, TheSumOverBlocksEqualsTheVolume)
   std::mt19937 random(12);
   const SampleVolume<std::uint16_t> volume(
     { 50, 37, 33 }, [&](auto i, auto j, auto k) { return 900 + 13 * i + j * k + random() % 50; });
-  const SpectrumBins bins = ChooseBins(volume);
+  const SpectrumBins bins = ChooseWorkloadBins(volume);
   const BlockGrid grid(volume.GetDimensions(), 16);
   BlockWorkload workload(bins);
   WorkloadSpectrum sum(bins);
@@ -265,7 +265,7 @@ TEST(BlockWorkload, HonoursStrides)
       }
     }
   }
-  const SpectrumBins bins = ChooseBins(dense);
+  const SpectrumBins bins = ChooseWorkloadBins(dense);
   BlockWorkload workload(bins);
   workload.Count(view);
   WorkloadSpectrum spectrum(bins);
@@ -276,16 +276,16 @@ TEST(BlockWorkload, HonoursStrides)
 TEST(BlockWorkload, FlatAndConstantVolumesHaveNoTriangles)
 {
   const SampleVolume<float> constant({ 5, 5, 5 }, [](auto...) { return 2.5; });
-  const SpectrumBins bins = ChooseBins(constant);
+  const SpectrumBins bins = ChooseWorkloadBins(constant);
   ASSERT_EQ(bins.Count, 1u);
   EXPECT_EQ(bins.GetEdge(0), 2.5);
   EXPECT_EQ(CountSpectrum(constant, bins).Triangles[0], 0u);
   const SampleVolume<float> flat({ 7, 7, 1 }, [](auto i, auto j, auto) { return i * j; });
-  const WorkloadSpectrum none = CountSpectrum(flat, ChooseBins(flat));
+  const WorkloadSpectrum none = CountSpectrum(flat, ChooseWorkloadBins(flat));
   for (const std::uint64_t triangles : none.Triangles)
   {
     EXPECT_EQ(triangles, 0u);
   }
   const SampleVolume<float> nothing({ 3, 3, 3 }, [](auto...) { return std::nan(""); });
-  EXPECT_TRUE(CountSpectrum(nothing, ChooseBins(nothing)).Triangles.empty());
+  EXPECT_TRUE(CountSpectrum(nothing, ChooseWorkloadBins(nothing)).Triangles.empty());
 }
