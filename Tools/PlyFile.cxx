@@ -12,7 +12,7 @@ namespace isosurface
 namespace
 {
 
-constexpr std::size_t HeaderSize = 512; ///< room for any numbers of points and triangles
+constexpr std::size_t PlyHeaderSize = 512; ///< room for any numbers of points and triangles
 constexpr std::size_t BytesAtOnce = std::size_t{ 4 } << 20;
 
 /// Gathers bytes into larger pieces of a file.
@@ -94,7 +94,7 @@ std::string PlyFile::MakeHeader() const
        << (isWide ? "uint" : "int") << " vertex_indices\nend_header\n";
   std::string head =
     "ply\nformat binary_little_endian 1.0\ncomment Isosurface of an edge-index file";
-  head.resize(HeaderSize - text.str().size() - 1, ' ');
+  head.resize(PlyHeaderSize - text.str().size() - 1, ' ');
   return head + "\n" + text.str();
 }
 

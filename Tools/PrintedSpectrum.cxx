@@ -12,11 +12,11 @@ namespace isosurface
 namespace
 {
 
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 
-Json Scale(const WorkloadSpectrum::Counts& counts, double unit)
+PlainJson Scale(const WorkloadSpectrum::Counts& counts, double unit)
 {
-  Json values = Json::array();
+  PlainJson values = PlainJson::array();
   for (const std::uint64_t count : counts)
   {
     values.push_back(static_cast<double>(count) * unit);
@@ -24,7 +24,7 @@ Json Scale(const WorkloadSpectrum::Counts& counts, double unit)
   return values;
 }
 
-std::string FormatNumber(const Json& value)
+std::string FormatNumber(const PlainJson& value)
 {
   if (!value.is_number_float())
   {
@@ -39,7 +39,7 @@ std::string FormatNumber(const Json& value)
 
 std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum)
 {
-  Json isovalues = Json::array();
+  PlainJson isovalues = PlainJson::array();
   for (std::size_t bin = 0; bin < spectrum.Bins.Count; ++bin)
   {
     isovalues.push_back(spectrum.Bins.GetEdge(bin));

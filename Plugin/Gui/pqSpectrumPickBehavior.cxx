@@ -34,9 +34,9 @@
 namespace
 {
 
-constexpr std::size_t RowLength = 7; ///< of the property Spectrum, the isovalue first
+constexpr std::size_t PickedRowLength = 7; ///< of the property Spectrum, the isovalue first
 
-bool IsNamed(const pqPipelineSource* source, const char* name)
+bool IsSource(const pqPipelineSource* source, const char* name)
 {
   return std::strcmp(source->getProxy()->GetXMLName(), name) == 0;
 }
@@ -65,7 +65,7 @@ pqPipelineSource* FindContour(vtkSMProxy* spectrum)
   pqPipelineSource* found = nullptr;
   for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
   {
-    if (IsNamed(source, "StabbingContour") && AreOfTheSame(source->getProxy(), spectrum))
+    if (IsSource(source, "StabbingContour") && AreOfTheSame(source->getProxy(), spectrum))
     {
       found = source;
       if (source == active)
@@ -128,7 +128,7 @@ vtkSMSourceProxy* FindSpectrum(pqView* view)
   {
     auto* shown = qobject_cast<pqDataRepresentation*>(representation);
     if (shown && shown->isVisible() && shown->getInput() &&
-      IsNamed(shown->getInput(), "ContourSpectrum"))
+      IsSource(shown->getInput(), "ContourSpectrum"))
     {
       return vtkSMSourceProxy::SafeDownCast(shown->getInput()->getProxy());
     }
@@ -172,7 +172,7 @@ void pqSpectrumPickBehavior::OnStartup()
 //------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::Observe(pqPipelineSource* source)
 {
-  if (IsNamed(source, "ContourSpectrum"))
+  if (IsSource(source, "ContourSpectrum"))
   {
     QObject::connect(
       source, &pqPipelineSource::selectionChanged, this, &pqSpectrumPickBehavior::Pick);
@@ -191,7 +191,7 @@ void pqSpectrumPickBehavior::Pick(pqOutputPort* port)
   spectrum->UpdatePropertyInformation(spectrum->GetProperty("Spectrum"));
   const std::vector<double> table = vtkSMPropertyHelper(spectrum, "Spectrum").GetDoubleArray();
   std::vector<double> column;
-  for (std::size_t at = 0; at < table.size(); at += RowLength)
+  for (std::size_t at = 0; at < table.size(); at += PickedRowLength)
   {
     column.push_back(table[at]);
   }

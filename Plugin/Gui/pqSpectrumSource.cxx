@@ -23,7 +23,7 @@ namespace
 
 constexpr std::size_t Columns = 1 + SpectrumCurve::NumberOfQuantities; ///< the isovalue first
 /// Of SelectInputScalars: three numbers, the association, the array's name.
-constexpr int ArrayNameElement = 4;
+constexpr int ContouredNameElement = 4;
 
 /// The data information of an input of the server manager.
 vtkPVDataInformation* GetInformation(vtkSMSourceProxy* input, unsigned int port)
@@ -101,8 +101,8 @@ bool pqSpectrumSource::HasIntegers() const
   unsigned int port = 0;
   vtkPVDataInformation* information = GetInformation(this->GetInput(port), port);
   vtkSMUncheckedPropertyHelper choice(this->Contour, "SelectInputScalars");
-  const char* name = choice.GetNumberOfElements() > ArrayNameElement
-    ? choice.GetAsString(ArrayNameElement)
+  const char* name = choice.GetNumberOfElements() > ContouredNameElement
+    ? choice.GetAsString(ContouredNameElement)
     : nullptr;
   if (!information || !name)
   {

@@ -160,7 +160,10 @@ Status GridWriter::FindRanges()
     [&]() -> Status
     {
       const auto left = this->GetMemoryLeft(this->GetTableBytes());
-      ISOSURFACE_RETURN_IF_ERROR(left.GetStatus());
+      if (!left.IsOk())
+      {
+        return left.GetStatus();
+      }
       this->Scan.emplace(this->Grid, this->Variables, this->Context.Settings.Threads);
       if (this->Header.Distribution == DistributionMethod::Balanced)
       {

@@ -14,7 +14,7 @@ namespace
 constexpr std::int64_t CellsPerBrick = MaximumBrickSize - 1;
 constexpr std::int64_t LatticeLimit = std::int64_t(1) << 40;
 
-Status MakeError(std::size_t block, const char* reason)
+Status MakeBlockError(std::size_t block, const char* reason)
 {
   return { StatusCode::InvalidArgument, "Block " + std::to_string(block) + " " + reason + "." };
 }
@@ -133,12 +133,12 @@ Result<BrickLattice> BrickLattice::Cut(
       if (vertices.Low[axis] < 0 || vertices.High[axis] > dimensions[axis] ||
         vertices.Low[axis] >= vertices.High[axis])
       {
-        return MakeError(block, "is empty or reaches beyond the grid");
+        return MakeBlockError(block, "is empty or reaches beyond the grid");
       }
       if (std::abs(lattice[axis]) > LatticeLimit ||
         !axes[axis].Add(lattice[axis], vertices.Low[axis], vertices.High[axis]))
       {
-        return MakeError(block, "does not lie where its lattice coordinates say");
+        return MakeBlockError(block, "does not lie where its lattice coordinates say");
       }
     }
   }
@@ -169,7 +169,7 @@ Result<BrickLattice> BrickLattice::Cut(
   {
     if (!lattice.Numbers.emplace(lattice.Bricks[brick].Coordinates, brick).second)
     {
-      return MakeError(lattice.Bricks[brick].Block, "is there twice");
+      return MakeBlockError(lattice.Bricks[brick].Block, "is there twice");
     }
   }
   return lattice;

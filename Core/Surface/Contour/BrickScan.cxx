@@ -58,7 +58,7 @@ void LocateCrossings(const CrossingView& crossings, const BrickSamples& view, co
   }
 }
 
-Status MakeError(std::size_t block, const std::string& reason)
+Status MakeSamplesError(std::size_t block, const std::string& reason)
 {
   return { StatusCode::InvalidArgument,
     "The samples of block " + std::to_string(block) + " " + reason + "." };
@@ -220,36 +220,36 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
   const VertexBox vertices = this->Source.GetVertices(block);
   if (!scalars.First || scalars.Type != this->Source.GetValueType())
   {
-    return MakeError(block, "are missing or of another type");
+    return MakeSamplesError(block, "are missing or of another type");
   }
   const VertexBox needed = this->Request.Normals ? vertices.AddLayer(this->KnownSamples) : vertices;
   if (!scalars.Available.Contains(needed))
   {
-    return MakeError(
+    return MakeSamplesError(
       block, this->Request.Normals ? "lack the layer around it for normals" : "do not cover it");
   }
   if (samples.Crossings && !samples.Crossings->Box.Contains(vertices))
   {
-    return MakeError(block, "have crossings that do not cover it");
+    return MakeSamplesError(block, "have crossings that do not cover it");
   }
   if (samples.Hidden && !samples.Hidden->Box.Contains(scalars.Available))
   {
-    return MakeError(block, "are not covered by the flags that hide some");
+    return MakeSamplesError(block, "are not covered by the flags that hide some");
   }
   if (samples.Attributes.size() != this->Request.Attributes.size())
   {
-    return MakeError(block, "do not have the requested number of attributes");
+    return MakeSamplesError(block, "do not have the requested number of attributes");
   }
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
     const AttributeView& view = samples.Attributes[n];
     if (view.EdgeTuples && !this->Request.ClosedSides.IsEmpty())
     {
-      return MakeError(block, "have tuples on edges, with which sides cannot be closed");
+      return MakeSamplesError(block, "have tuples on edges, with which sides cannot be closed");
     }
     if (!Fits(view, this->Request.Attributes[n], vertices))
     {
-      return MakeError(
+      return MakeSamplesError(
         block, "have an attribute " + std::to_string(n) + " that does not match the request");
     }
   }

@@ -16,7 +16,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/a.bvol";
+const std::string VerifiedPath = "/data/a.bvol";
 
 /// Two arrays, one with NaN, in three stores.
 void WriteVolume(MemoryDisk& disk, SegmentCodec codec)
@@ -39,14 +39,14 @@ void WriteVolume(MemoryDisk& disk, SegmentCodec codec)
   SerialCommunicator alone;
   const auto written =
     BlockedVolumeWriter(alone, disk)
-      .Write(
-        Path, grid, { { "a", ValueType::Float32 }, { "b", ValueType::Int16 } }, piece, settings);
+      .Write(VerifiedPath, grid, { { "a", ValueType::Float32 }, { "b", ValueType::Int16 } }, piece,
+        settings);
   ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
 }
 
-VolumeVerification Verify(MemoryDisk& disk, int threads = 2)
+VolumeVerification VerifyVolume(MemoryDisk& disk, int threads = 2)
 {
-  const auto found = VerifyBlockedVolume(Path, disk, threads);
+  const auto found = VerifyBlockedVolume(VerifiedPath, disk, threads);
   EXPECT_TRUE(found.IsOk());
   return found.IsOk() ? *found : VolumeVerification{};
 }
@@ -69,7 +69,7 @@ TEST(VolumeVerification, FindsNoFaultInANewVolume)
   {
     MemoryDisk disk;
     WriteVolume(disk, codec);
-    const VolumeVerification found = Verify(disk);
+    const VolumeVerification found = VerifyVolume(disk);
     EXPECT_EQ(GetMessages(found), std::vector<std::string>());
     EXPECT_EQ(found.Blocks, 19u); // with the overview's
     EXPECT_EQ(found.Files, disk.GetFiles().size());
@@ -88,7 +88,7 @@ TEST(VolumeVerification, FindsAnyAlteredByteAndNamesTheFile)
       MemoryDisk::Bytes& bytes = disk.GetFile(file.first);
       const std::size_t at = random() % bytes.size();
       bytes[at] ^= static_cast<std::uint8_t>(1u << random() % 8);
-      const VolumeVerification found = Verify(disk);
+      const VolumeVerification found = VerifyVolume(disk);
       ASSERT_FALSE(found.Faults.empty()) << file.first << " at " << at;
       EXPECT_EQ(found.Faults[0].GetMessage().find(file.first), 0u) << found.Faults[0].GetMessage();
       bytes = file.second;
@@ -100,20 +100,20 @@ TEST(VolumeVerification, ReportsEveryFaultWhateverTheNumberOfThreads)
 {
   MemoryDisk disk;
   WriteVolume(disk, SegmentCodec::None);
-  const std::string stores = Path + ".stores/000001/";
+  const std::string stores = VerifiedPath + ".stores/000001/";
   disk.GetFile(BlockStore::GetBlocksPath(stores + "store-00000"))[100] ^= 1;
   disk.GetFile(stores + "store-00001/array-1.tree")[5000] ^= 1;
   disk.GetFile(BlockStore::GetBlocksPath(stores + "store-00002"))[100] ^= 1;
   disk.GetFile(stores + "spectra")[30] ^= 1;
-  const auto messages = GetMessages(Verify(disk, 1));
+  const auto messages = GetMessages(VerifyVolume(disk, 1));
   ASSERT_EQ(messages.size(), 4u);
   EXPECT_NE(messages[0].find("spectra"), std::string::npos);
   EXPECT_NE(messages[1].find("store-00000/blocks"), std::string::npos);
   EXPECT_NE(messages[2].find("store-00001/array-1.tree"), std::string::npos);
   EXPECT_NE(messages[3].find("store-00002/blocks"), std::string::npos);
-  EXPECT_EQ(messages, GetMessages(Verify(disk, 4)));
+  EXPECT_EQ(messages, GetMessages(VerifyVolume(disk, 4)));
   ASSERT_TRUE(disk.RemoveAll(stores + "store-00002").IsOk());
-  EXPECT_EQ(GetMessages(Verify(disk)).size(), 4u);
+  EXPECT_EQ(GetMessages(VerifyVolume(disk)).size(), 4u);
 }
 
 TEST(VolumeVerification, FindsStoresOfAnotherVolume)
@@ -122,18 +122,18 @@ TEST(VolumeVerification, FindsStoresOfAnotherVolume)
   MemoryDisk other;
   WriteVolume(disk, SegmentCodec::None);
   WriteVolume(other, SegmentCodec::None);
-  const std::string stores = Path + ".stores/000001/";
+  const std::string stores = VerifiedPath + ".stores/000001/";
   for (const char* name : { "/blocks", "/directory", "/array-0.tree", "/array-1.tree" })
   {
     disk.GetFile(stores + "store-00000" + name) = other.GetFile(stores + "store-00001" + name);
   }
-  EXPECT_FALSE(Verify(disk).Faults.empty());
+  EXPECT_FALSE(VerifyVolume(disk).Faults.empty());
 }
 
 TEST(VolumeVerification, StopsOnRequest)
 {
   MemoryDisk disk;
   WriteVolume(disk, SegmentCodec::None);
-  const auto found = VerifyBlockedVolume(Path, disk, 2, [](double) { return false; });
+  const auto found = VerifyBlockedVolume(VerifiedPath, disk, 2, [](double) { return false; });
   EXPECT_EQ(found.GetStatus().GetCode(), StatusCode::Aborted);
 }
