@@ -16,13 +16,13 @@ constexpr int Signals[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT };
 constexpr std::size_t NumberOfSignals = sizeof(Signals) / sizeof(Signals[0]);
 
 // Nothing may be allocated in a handler.
-char Message[1024];
-std::size_t MessageSize = 0;
+char CrashMessage[1024];
+std::size_t CrashMessageSize = 0;
 struct sigaction Before[NumberOfSignals];
 
 void TellOfCrash(int signal)
 {
-  static_cast<void>(::write(STDERR_FILENO, Message, MessageSize) > 0);
+  static_cast<void>(::write(STDERR_FILENO, CrashMessage, CrashMessageSize) > 0);
   // The handler is reset: this ends the process.
   static_cast<void>(::raise(signal));
 }
@@ -31,9 +31,9 @@ void TellOfCrash(int signal)
 
 ReaderCrash::ReaderCrash(const std::string& message)
 {
-  MessageSize = std::min(message.size(), sizeof(Message) - 1);
-  std::copy_n(message.begin(), MessageSize, Message);
-  Message[MessageSize++] = '\n';
+  CrashMessageSize = std::min(message.size(), sizeof(CrashMessage) - 1);
+  std::copy_n(message.begin(), CrashMessageSize, CrashMessage);
+  CrashMessage[CrashMessageSize++] = '\n';
   struct sigaction action = {};
   action.sa_handler = TellOfCrash;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
