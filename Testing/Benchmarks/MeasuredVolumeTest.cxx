@@ -100,8 +100,8 @@ TEST_F(MeasuredVolumeTest, FindsTheLoadsOfVolumesThatAreWritten)
       for (std::size_t bin = 0; bin < loads.Bins.Count; bin += 100)
       {
         QueryStatistics statistics;
-        const auto active = FindActiveBlocks(
-          **volume, { { 0, 0, { loads.Bins.GetEdge(bin) } }, store, 6 }, statistics);
+        const auto active = FindActiveBlocks(**volume,
+          { { 0, 0, { loads.Bins.GetEdge(bin) } }, static_cast<int>(store), 6 }, statistics);
         ASSERT_TRUE(active.IsOk());
         EXPECT_EQ(active->size(), loads.Stores[store][bin].ActiveBlocks);
         BlockCache::GetProcessCache()->Clear();
