@@ -199,7 +199,7 @@ TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
   {
     ListenedPipeline listened(odd == GetRank() ? other : mine);
     const std::string reason =
-      "different volumes under this path, or the same before and after it was written; reload it "
+      "different files under this path, or the same one before and after it was written; reload it "
       "(rank " +
       std::to_string(odd) + " differs";
     for (const double isovalue : { ReadIsovalue, 90.0 })
