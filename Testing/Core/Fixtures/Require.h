@@ -11,7 +11,7 @@ namespace isosurface
 {
 
 /// The value of a result. An error ends the test, which reports it: GoogleTest catches what is
-/// thrown. Not for threads that a test starts.
+/// thrown. In a thread that a test starts it ends the program.
 template <typename T>
 T Require(Result<T> result)
 {

@@ -92,8 +92,9 @@ Status Exchange(Communicator& ranks, const Deal& deal, std::optional<std::size_t
   TestBlockSource<std::uint8_t> source(GetVolume(), BlockSize);
   KeepOwnBlocks(source, ranks, deal);
   source.Failing = failing;
+  const EdgeIndexHeader header = MakeVolumeHeader(EdgeIndexMode::Lossless);
   const ContourRequest request = MakeRequest(Isovalues);
-  SurfaceExchange exchange(ranks, MakeVolumeHeader(EdgeIndexMode::Lossless), request, {});
+  SurfaceExchange exchange(ranks, header, request, {});
   return exchange.Run(source, progress).GetStatus();
 }
 
