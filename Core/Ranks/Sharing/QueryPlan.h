@@ -10,7 +10,6 @@
 #include "Storage/Store/QueryStatistics.h"
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <vector>
 
