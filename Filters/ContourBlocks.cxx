@@ -10,9 +10,9 @@
 
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ranks/Query/LevelChoice.h"
-#include "Ranks/Query/StoredBlockSource.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/BlockRanges.h"
 #include "Surface/Pieces/PieceBlockSource.h"
 

@@ -23,7 +23,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/ParallelFor.h"
-#include "Ranks/Query/BlockAssembly.h"
+#include "Storage/Store/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>

@@ -24,7 +24,7 @@
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
-#include "Ranks/Query/StoredSlabSource.h"
+#include "Storage/Store/StoredSlabSource.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 #include "WriterInput.h"
 

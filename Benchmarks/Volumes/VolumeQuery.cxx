@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Volumes/VolumeQuery.h"
 
-#include "Ranks/Query/StoredBlockSource.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
 #include <chrono>

@@ -3,8 +3,8 @@
 
 #include "Ground/Base/Stopwatch.h"
 #include "Ground/Base/WithinMemory.h"
-#include "Ranks/Query/StoredBlockSource.h"
 #include "Ranks/Sharing/QueryPlan.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
 #include <string>

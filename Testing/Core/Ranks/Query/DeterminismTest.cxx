@@ -6,7 +6,7 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Query/LevelExtraction.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 
 #include <algorithm>
 #include <random>

@@ -8,7 +8,7 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Query/ProgressiveLevels.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Ranks/Query/VolumeContour.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "Surface/Spectrum/GridSpectrum.h"

@@ -3,7 +3,7 @@
 #include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/BlocksByForce.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "Surface/Spectrum/BlockWorkload.h"
 

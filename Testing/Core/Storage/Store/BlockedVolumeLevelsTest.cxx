@@ -4,7 +4,7 @@
 #include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Writing/OverviewSamples.h"
 #include "Surface/Spectrum/BlockWorkload.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/ActiveBlocks.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 
 #include "Fixtures/BlocksByForce.h"
 #include "Fixtures/VolumeOnDisk.h"

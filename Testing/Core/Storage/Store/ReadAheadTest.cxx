@@ -2,7 +2,7 @@
 // The bytes that a source of stored blocks reads ahead, against those that it reads later.
 #include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Record/BlockRecord.h"
 
 using namespace isosurface;

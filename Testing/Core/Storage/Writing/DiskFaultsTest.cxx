@@ -9,7 +9,7 @@
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Verification/VolumeVerification.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 

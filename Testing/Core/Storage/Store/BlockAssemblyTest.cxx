@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Ranks/Query/BlockAssembly.h"
+#include "Storage/Store/BlockAssembly.h"
 #include "Fixtures/VolumeOnDisk.h"
 
 #include <algorithm>

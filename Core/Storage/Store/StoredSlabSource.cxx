@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Ranks/Query/StoredSlabSource.h"
+#include "Storage/Store/StoredSlabSource.h"
 
-#include "Ranks/Query/BlockAssembly.h"
+#include "Storage/Store/BlockAssembly.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Ranks/Query/StoredBlockSource.h"
+#include "Storage/Store/StoredBlockSource.h"
 
 #include <algorithm>
 #include <string>
