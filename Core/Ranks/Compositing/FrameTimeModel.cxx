@@ -23,7 +23,7 @@ constexpr std::int64_t FirstFrames = 3;
 
 } // namespace
 
-FrameTimeModel::Vector FrameTimeModel::MakeFeatures(const FrameWork& work)
+FrameTimeModel::Vector FrameTimeModel::MakeFeatures(const FrameLoad& work)
 {
   constexpr double Million = 1e6;
   return { 1.0, static_cast<double>(work.MaximumTriangles) / Million,
@@ -31,7 +31,7 @@ FrameTimeModel::Vector FrameTimeModel::MakeFeatures(const FrameWork& work)
     static_cast<double>(work.AllSamples) / Million };
 }
 
-double FrameTimeModel::Predict(const FrameWork& work) const
+double FrameTimeModel::Predict(const FrameLoad& work) const
 {
   const Vector features = MakeFeatures(work);
   double seconds = 0;
@@ -61,7 +61,7 @@ bool FrameTimeModel::IsLoneOutlier(double predicted, double seconds)
   return isAlone;
 }
 
-void FrameTimeModel::Learn(const FrameWork& work, double seconds)
+void FrameTimeModel::Learn(const FrameLoad& work, double seconds)
 {
   if (!(seconds > 0) || !std::isfinite(seconds))
   {

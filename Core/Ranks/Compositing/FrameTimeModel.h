@@ -11,7 +11,7 @@ namespace isosurface
 {
 
 /// The work of a frame, over all ranks.
-struct FrameWork
+struct FrameLoad
 {
   std::int64_t MaximumTriangles = 0; ///< of a rank
   std::int64_t MaximumSamples = 0;   ///< of a rank
@@ -34,8 +34,8 @@ class FrameTimeModel
 {
 public:
   /// Learns nothing if the seconds are not positive.
-  void Learn(const FrameWork& work, double seconds);
-  double Predict(const FrameWork& work) const;
+  void Learn(const FrameLoad& work, double seconds);
+  double Predict(const FrameLoad& work) const;
 
   /// The ratio of measured to predicted seconds that nineteen of twenty of the last 40 frames did
   /// not exceed, outliers included.
@@ -45,7 +45,7 @@ private:
   static constexpr std::size_t Size = 4;
   using Vector = std::array<double, Size>;
 
-  static Vector MakeFeatures(const FrameWork& work);
+  static Vector MakeFeatures(const FrameLoad& work);
   bool IsLoneOutlier(double predicted, double seconds);
 
   // Seconds a frame, a million triangles, and a million samples. At first those of a software

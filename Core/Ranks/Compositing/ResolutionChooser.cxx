@@ -29,10 +29,10 @@ double GetImportance(double offset, double depth)
   return std::exp2(2 * middle + 2 * front);
 }
 
-FrameWork ResolutionChooser::Sum(
+FrameLoad ResolutionChooser::Sum(
   const std::vector<RankWork>& work, const std::vector<std::size_t>& resolutions)
 {
-  FrameWork sum;
+  FrameLoad sum;
   for (std::size_t rank = 0; rank < work.size(); ++rank)
   {
     const std::int64_t samples = work[rank].Samples[resolutions[rank]];

@@ -66,7 +66,7 @@ public:
 private:
   static constexpr int PatientFrames = 2; ///< that allow more samples before resolutions are raised
 
-  static FrameWork Sum(
+  static FrameLoad Sum(
     const std::vector<RankWork>& work, const std::vector<std::size_t>& resolutions);
   std::vector<std::size_t> Refine(
     const std::vector<RankWork>& work, std::vector<std::size_t> resolutions, double seconds) const;

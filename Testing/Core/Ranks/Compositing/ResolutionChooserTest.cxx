@@ -271,7 +271,7 @@ TEST(ResolutionChooser, ImportanceFallsWithDistanceAndDepth)
 TEST(FrameTimeModel, TellsHowMuchLongerThanPredictedFramesTake)
 {
   FrameTimeModel model;
-  const FrameWork work{ 100000, 100000, 400000 };
+  const FrameLoad work{ 100000, 100000, 400000 };
   for (int frame = 0; frame < 100; ++frame)
   {
     model.Learn(work, 0.1);
@@ -291,7 +291,7 @@ TEST(FrameTimeModel, LearnsWhatTrianglesAndSamplesCost)
   std::mt19937 random(3);
   std::uniform_int_distribution<std::int64_t> triangles(0, 2000000);
   std::uniform_int_distribution<std::int64_t> samples(0, 4000000);
-  const auto cost = [](const FrameWork& work)
+  const auto cost = [](const FrameLoad& work)
   {
     return 0.01 + 2e-8 * static_cast<double>(work.MaximumTriangles) +
       1e-8 * static_cast<double>(work.MaximumSamples) + 5e-9 * static_cast<double>(work.AllSamples);
@@ -299,13 +299,13 @@ TEST(FrameTimeModel, LearnsWhatTrianglesAndSamplesCost)
   for (int frame = 0; frame < 300; ++frame)
   {
     const std::int64_t maximum = samples(random);
-    const FrameWork work{ triangles(random), maximum, 2 * maximum + samples(random) };
+    const FrameLoad work{ triangles(random), maximum, 2 * maximum + samples(random) };
     model.Learn(work, cost(work));
   }
   for (int frame = 0; frame < 20; ++frame)
   {
     const std::int64_t maximum = samples(random);
-    const FrameWork work{ triangles(random), maximum, 2 * maximum + samples(random) };
+    const FrameLoad work{ triangles(random), maximum, 2 * maximum + samples(random) };
     EXPECT_NEAR(model.Predict(work), cost(work), 0.15 * cost(work));
   }
   EXPECT_LT(model.GetHighRatio(), 1.1);
