@@ -5,6 +5,8 @@
 #include "Coding/BlockCoding/Quantizer.h"
 #include "Coding/EdgeIndex/IsovalueJoin.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
+#include "Ground/Base/WithinMemory.h"
+#include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/ValueKey.h"
 
 #include <algorithm>
@@ -14,7 +16,6 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -290,14 +291,8 @@ Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record
       "The code of an edge-index block has values on the wrong side of the isovalue.");
   }
   BlockSamples samples;
-  SampleView& view = samples.Scalars;
-  const Index3 size = record.Block.Vertices.GetSize();
-  view.Type = this->Header.GetDecodedType();
-  view.First = memory->Samples.GetData();
-  view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
-    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-  view.Box = record.Block.Vertices;
-  view.Available = record.Block.Vertices;
+  samples.Scalars =
+    MakeSampleView(this->Header.GetDecodedType(), record.Block.Vertices, memory->Samples.GetData());
   if (record.Block.Coding == CodedGeometry::Crossings)
   {
     samples.Crossings = &memory->View;
@@ -341,14 +336,8 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
 Result<Surface> DecodeSurface(const std::uint8_t* bytes, std::size_t size,
   const ContourRequest& request, int threads, const Progress& progress)
 {
-  try
-  {
-    return DecodeWithinMemory(bytes, size, request, threads, progress);
-  }
-  catch (const std::bad_alloc&)
-  {
-    return Status(StatusCode::OutOfMemory, "There is not enough memory to decode the isosurface.");
-  }
+  return RunWithinMemory("", "There is not enough memory to decode the isosurface.",
+    [&] { return DecodeWithinMemory(bytes, size, request, threads, progress); });
 }
 
 } // namespace isosurface

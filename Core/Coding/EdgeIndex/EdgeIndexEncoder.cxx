@@ -5,12 +5,11 @@
 #include "Coding/EdgeIndex/BlockRecordFormat.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
 #include "Coding/EdgeIndex/SampledBlock.h"
+#include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/WithinMemory.h"
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
-#include <new>
 #include <optional>
 #include <utility>
 
@@ -271,34 +270,21 @@ private:
   Status EncodeBatch(std::size_t first, std::size_t size, const Progress& progress)
   {
     this->Blocks.assign(size, {});
-    Status error;
-    std::atomic<bool> failed{ false };
-    std::mutex mutex;
+    FirstFailure failure;
     const bool finished = ParallelFor(
       size, this->Threads,
       [&](std::size_t block, int thread)
       {
-        if (failed)
-        {
-          return;
-        }
-        Status status = this->Encode(
-          first + block, this->Encoders[static_cast<std::size_t>(thread)], this->Blocks[block]);
-        if (!status.IsOk())
-        {
-          const std::lock_guard<std::mutex> lock(mutex);
-          if (!failed.exchange(true))
+        failure.Run(
+          [&]
           {
-            error = std::move(status);
-          }
-        }
+            return this->Encode(
+              first + block, this->Encoders[static_cast<std::size_t>(thread)], this->Blocks[block]);
+          });
       },
       progress);
-    if (error.IsOk() && !finished)
-    {
-      return { StatusCode::Aborted, "The encoding was aborted." };
-    }
-    return error;
+    ISOSURFACE_RETURN_IF_ERROR(failure.Get());
+    return finished ? Status::Ok() : Status(StatusCode::Aborted, "The encoding was aborted.");
   }
 
   Status Encode(
@@ -332,14 +318,8 @@ Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int thre
   const Progress& progress)
 {
   ISOSURFACE_RETURN_IF_ERROR(header.Check());
-  try
-  {
-    return BatchEncoding(header, source, threads).Run(take, progress);
-  }
-  catch (const std::bad_alloc&)
-  {
-    return { StatusCode::OutOfMemory, "There is not enough memory to encode the isosurface." };
-  }
+  return RunWithinMemory("", "There is not enough memory to encode the isosurface.",
+    [&] { return BatchEncoding(header, source, threads).Run(take, progress); });
 }
 
 Result<std::vector<std::uint8_t>> EncodeSurface(

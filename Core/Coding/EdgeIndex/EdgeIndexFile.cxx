@@ -5,11 +5,11 @@
 #include "Coding/EdgeIndex/IsovalueJoin.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
+#include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/WithinMemory.h"
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
 #include <new>
 #include <utility>
 
@@ -342,7 +342,7 @@ Result<Surface> EdgeIndexFile::ReadWithinMemory(const EdgeIndexSelection& select
 Result<Surface> EdgeIndexFile::Read(const EdgeIndexSelection& selection,
   const ContourRequest& request, int threads, const Progress& progress) const
 {
-  try
+  const auto read = [&]() -> Result<Surface>
   {
     Result<Surface> surface = this->ReadWithinMemory(selection, request, threads, progress);
     if (!surface.IsOk())
@@ -350,19 +350,13 @@ Result<Surface> EdgeIndexFile::Read(const EdgeIndexSelection& selection,
       return this->NameFile(surface.GetStatus());
     }
     return surface;
-  }
-  catch (const std::bad_alloc&)
-  {
-    return Status(StatusCode::OutOfMemory,
-      this->GetPath() + ": there is not enough memory for the isosurface.");
-  }
+  };
+  return RunWithinMemory(this->GetPath(), ": there is not enough memory for the isosurface.", read);
 }
 
 Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
 {
-  Status error;
-  std::atomic<bool> failed{ false };
-  std::mutex mutex;
+  FirstFailure failure;
   EdgeIndexBlockDecoder fine(this->Header);
   EdgeIndexBlockDecoder coarse(this->Preview);
   const auto verify = [&](std::size_t entry) -> Status
@@ -372,29 +366,15 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
     ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     return this->NameFile((record->Block.IsPreview ? coarse : fine).Decode(*record).GetStatus());
   };
-  bool finished = false;
-  try
-  {
-    finished = ParallelFor(
-      this->Entries.size(), threads,
-      [&](std::size_t entry, int)
-      {
-        Status status = failed ? Status::Ok() : verify(entry);
-        if (!status.IsOk())
-        {
-          const std::lock_guard<std::mutex> lock(mutex);
-          error = failed.exchange(true) ? error : std::move(status);
-        }
-      },
-      progress);
-  }
-  catch (const std::bad_alloc&)
-  {
-    return { StatusCode::OutOfMemory,
-      this->GetPath() + ": there is not enough memory to verify it." };
-  }
-  ISOSURFACE_RETURN_IF_ERROR(error);
-  if (!finished)
+  const auto verifyNext = [&](std::size_t entry, int)
+  { failure.Run([&] { return verify(entry); }); };
+  const auto finished =
+    RunWithinMemory(this->GetPath(), ": there is not enough memory to verify it.",
+      [&]() -> Result<bool>
+      { return ParallelFor(this->Entries.size(), threads, verifyNext, progress); });
+  ISOSURFACE_RETURN_IF_ERROR(finished.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
+  if (!*finished)
   {
     return { StatusCode::Aborted, this->GetPath() + ": the verification was aborted." };
   }

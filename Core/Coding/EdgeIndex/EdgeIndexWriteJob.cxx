@@ -3,13 +3,12 @@
 
 #include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
 #include "Ground/Base/Coding.h"
+#include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/WithinMemory.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
-#include <mutex>
-#include <new>
 #include <utility>
 
 namespace isosurface
@@ -21,12 +20,14 @@ constexpr std::size_t BlocksPerThread = 16;
 constexpr std::size_t MaximumOutputBytes = std::size_t{ 4 } << 20;
 constexpr std::int64_t EndOfNumbers = std::numeric_limits<std::int64_t>::max();
 
-Status MakeOutOfMemory(const std::string& path)
+// Runs a step of this rank. Collective.
+template <typename Step>
+Status AgreeWithinMemory(Communicator& ranks, const std::string& path, const Step& step)
 {
-  return { StatusCode::OutOfMemory,
-    path +
-      ": there is not enough memory to write the isosurface; a lower MemoryLimit or fewer "
-      "threads take less." };
+  return ranks.Agree(RunWithinMemory(path,
+    ": there is not enough memory to write the isosurface; a lower MemoryLimit or fewer "
+    "threads take less.",
+    step));
 }
 
 } // namespace
@@ -112,16 +113,8 @@ Status EdgeIndexWriteJob::WriteRounds(const Progress& progress)
   std::int64_t end = 0;
   while (end != EndOfNumbers)
   {
-    Status status;
-    try
-    {
-      status = this->EncodeAhead(progress);
-    }
-    catch (const std::bad_alloc&)
-    {
-      status = MakeOutOfMemory(this->Path);
-    }
-    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
+    ISOSURFACE_RETURN_IF_ERROR(
+      AgreeWithinMemory(this->Ranks, this->Path, [&] { return this->EncodeAhead(progress); }));
     const bool isDone = this->NextBlock == this->Numbers.size();
     std::vector<std::uint64_t> next = { static_cast<std::uint64_t>(
       isDone ? EndOfNumbers : this->Numbers[this->NextBlock]) };
@@ -168,23 +161,13 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
     }
     return Status::Ok();
   };
-  Status error;
-  std::atomic<bool> failed{ false };
-  std::mutex mutex;
+  FirstFailure failure;
   const bool finished = ParallelFor(
     size, static_cast<int>(this->Encoders.size()),
     [&](std::size_t n, int thread)
-    {
-      Status status =
-        failed ? Status::Ok() : encode(n, this->Encoders[static_cast<std::size_t>(thread)]);
-      if (!status.IsOk())
-      {
-        const std::lock_guard<std::mutex> lock(mutex);
-        error = failed.exchange(true) ? error : std::move(status);
-      }
-    },
+    { failure.Run([&] { return encode(n, this->Encoders[static_cast<std::size_t>(thread)]); }); },
     progress);
-  ISOSURFACE_RETURN_IF_ERROR(error);
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
   if (!finished)
   {
     return { StatusCode::Aborted, this->Path + ": writing was aborted." };
@@ -277,16 +260,7 @@ Status EdgeIndexWriteJob::WriteRound(std::int64_t end)
     }
     return this->FlushOutput();
   };
-  Status status;
-  try
-  {
-    status = write();
-  }
-  catch (const std::bad_alloc&)
-  {
-    status = MakeOutOfMemory(this->Path);
-  }
-  return this->Ranks.Agree(status);
+  return AgreeWithinMemory(this->Ranks, this->Path, write);
 }
 
 // Does what EdgeIndexFileWriter::Append does, but writes only the own records.
@@ -382,21 +356,9 @@ Status EdgeIndexWriteJob::Finish()
     }
     return this->File->SyncAndClose();
   };
-  Status status;
-  try
-  {
-    status = complete();
-  }
-  catch (const std::bad_alloc&)
-  {
-    status = MakeOutOfMemory(this->Path);
-  }
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
-  if (isFirst)
-  {
-    status = PutEdgeIndexFileInPlace(this->Files, this->Path, this->Lock);
-  }
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(status));
+  ISOSURFACE_RETURN_IF_ERROR(AgreeWithinMemory(this->Ranks, this->Path, complete));
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
+    isFirst ? PutEdgeIndexFileInPlace(this->Files, this->Path, this->Lock) : Status::Ok()));
   std::vector<std::uint64_t> bytes = { this->Summary.Bytes };
   this->Ranks.ReduceMaximum(bytes);
   this->Summary.Bytes = bytes.front();

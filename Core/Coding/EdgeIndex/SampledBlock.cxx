@@ -2,7 +2,7 @@
 #include "Coding/EdgeIndex/SampledBlock.h"
 
 #include "Ground/Volume/ValueKey.h"
-#include "Surface/Contour/BrickKernel.h"
+#include "Surface/Contour/InsideRows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,20 +45,12 @@ SampledBlock::SampledBlock(
   , Intervals(intervals)
 {
   const Index3 size = view.Box.GetSize();
+  this->First = view.AtBytes(view.Box.Low);
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     this->Size[axis] = static_cast<int>(size[axis]);
+    this->Stride[axis] = view.Stride[axis] * static_cast<std::ptrdiff_t>(GetValueSize(view.Type));
   }
-  DispatchValueType(view.Type,
-    [this](auto zero)
-    {
-      using T = decltype(zero);
-      this->First = reinterpret_cast<const std::uint8_t*>(this->View.At<T>(this->View.Box.Low));
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        this->Stride[axis] = this->View.Stride[axis] * static_cast<std::ptrdiff_t>(sizeof(T));
-      }
-    });
   this->Classify();
 }
 
@@ -297,20 +289,15 @@ void SampledBlock::Classify()
 
 void SampledBlock::ClassifyColumns(int begin, const void* threshold)
 {
-  BrickSamples samples{};
-  const int columns = std::min(32, this->Size[0] - begin);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    samples.Stride[axis] = this->View.Stride[axis];
-    samples.Size[axis] = this->Size[axis];
-  }
-  samples.Size[0] = columns;
-  samples.Size[2] = 1;
+  VertexBox box = this->View.Box;
+  box.Low[0] += begin;
+  box.High[0] = std::min(box.High[0], box.Low[0] + 32);
   std::array<std::uint64_t, MaximumCodedVertices> inside;
   for (int z = 0; z < this->Size[2]; ++z)
   {
-    samples.First = this->At(begin, 0, z);
-    GetBrickKernels().ClassifyRows(this->View.Type, samples, threshold, inside.data());
+    box.Low[2] = this->View.Box.Low[2] + z;
+    box.High[2] = box.Low[2] + 1;
+    FindInsideRows(this->View, box, threshold, inside.data());
     SignSlice& slice = this->Signs[static_cast<std::size_t>(z)];
     for (int y = 0; y < this->Size[1]; ++y)
     {

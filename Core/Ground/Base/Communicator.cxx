@@ -2,6 +2,7 @@
 #include "Ground/Base/Communicator.h"
 
 #include "Ground/Base/Coding.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <string>
@@ -21,6 +22,12 @@ void Communicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& 
       arrived(static_cast<int>(rank));
     }
   }
+}
+
+int Communicator::ChooseThreads(int wanted)
+{
+  const int ranksOnNode = this->GetRanksOnNode();
+  return wanted > 0 ? wanted : ChooseThreadCount(ranksOnNode);
 }
 
 CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint)

@@ -41,6 +41,9 @@ public:
   virtual int GetSize() const = 0;
   /// The number of ranks on this rank's node, itself included. Collective, too.
   virtual int GetRanksOnNode() = 0;
+  /// As many threads as `wanted`, or, if that is 0, this rank's share of the node. Collective, too,
+  /// so that what one rank wants does not leave it out.
+  int ChooseThreads(int wanted);
 
   /// Reduce element by element, in place. The vectors have the same length on all ranks.
   virtual void ReduceMinimum(std::vector<std::uint64_t>& values) = 0;

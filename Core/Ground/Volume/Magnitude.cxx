@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Volume/Magnitude.h"
 
+#include "Ground/Volume/SampleCopy.h"
+
 #include <cmath>
 
 namespace isosurface
@@ -53,15 +55,7 @@ void ComputeMagnitudes(
 
 SampleView MakeMagnitudeView(const VertexBox& box, const double* magnitudes)
 {
-  const Index3 size = box.GetSize();
-  SampleView view;
-  view.Type = ValueType::Float64;
-  view.First = magnitudes;
-  view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
-    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-  view.Available = box;
-  view.Box = box;
-  return view;
+  return MakeSampleView(ValueType::Float64, box, magnitudes);
 }
 
 } // namespace isosurface

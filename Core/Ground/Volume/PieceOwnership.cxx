@@ -65,6 +65,29 @@ std::vector<VertexBox> SubtractBox(const std::vector<VertexBox>& boxes, const Ve
   return rest;
 }
 
+std::vector<Supply> FindSupplies(
+  const std::vector<VertexBox>& pieces, std::vector<VertexBox>& missing)
+{
+  std::vector<Supply> supplies;
+  for (std::size_t piece = 0; piece < pieces.size() && !missing.empty(); ++piece)
+  {
+    const std::size_t before = supplies.size();
+    for (const VertexBox& rest : missing)
+    {
+      const VertexBox part = rest.Intersect(pieces[piece]);
+      if (!part.IsEmpty())
+      {
+        supplies.push_back({ piece, part });
+      }
+    }
+    if (supplies.size() > before)
+    {
+      missing = SubtractBox(missing, pieces[piece]);
+    }
+  }
+  return supplies;
+}
+
 std::vector<VertexBox> FindOwnedBoxes(const std::vector<VertexBox>& pieces, std::size_t rank)
 {
   const VertexBox& mine = pieces[rank];

@@ -14,6 +14,18 @@ namespace isosurface
 std::vector<VertexBox> SubtractBox(const VertexBox& box, const VertexBox& hole);
 std::vector<VertexBox> SubtractBox(const std::vector<VertexBox>& boxes, const VertexBox& hole);
 
+/// A box of vertices, and which of some pieces supplies them.
+struct Supply
+{
+  std::size_t Piece = 0;
+  VertexBox Box;
+};
+
+/// Takes each vertex of the boxes in `missing` from the first piece that has it. What no piece has
+/// is left in `missing`.
+std::vector<Supply> FindSupplies(
+  const std::vector<VertexBox>& pieces, std::vector<VertexBox>& missing);
+
 /**
  * Finds the vertices that a rank owns, as boxes that do not overlap. The ranks' pieces may overlap:
  * a vertex belongs to the first piece that contains it. Ranks with the same piece divide it among

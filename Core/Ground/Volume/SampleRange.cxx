@@ -11,12 +11,6 @@ namespace isosurface
 namespace
 {
 
-void Extend(KeyRange& range, const KeyRange& other)
-{
-  range.Minimum = std::min(range.Minimum, other.Minimum);
-  range.Maximum = std::max(range.Maximum, other.Maximum);
-}
-
 template <typename T, bool OnlyFinite>
 class RangeOf
 {
@@ -95,8 +89,8 @@ RangeOf<T, OnlyFinite> FindRange(const SampleView& samples, const VertexBox& box
 
 void SampleRange::Add(const SampleRange& other)
 {
-  Extend(this->All, other.All);
-  Extend(this->Finite, other.Finite);
+  this->All.Add(other.All);
+  this->Finite.Add(other.Finite);
 }
 
 SampleRange FindSampleRange(const SampleView& samples, const VertexBox& box)
@@ -118,11 +112,47 @@ SampleRange FindSampleRange(const SampleView& samples, const VertexBox& box)
         }
         if (range.HasNaN())
         {
-          Extend(result.All, { NotANumberKey, NotANumberKey });
+          result.All.Add({ NotANumberKey, NotANumberKey });
         }
       }
       return result;
     });
+}
+
+std::vector<ValueKey> FindThresholdKeys(ValueType type, const std::vector<double>& isovalues)
+{
+  std::vector<ValueKey> keys;
+  DispatchValueType(type,
+    [&](auto zero)
+    {
+      for (const double isovalue : isovalues)
+      {
+        if (const auto threshold = FindThreshold<decltype(zero)>(isovalue))
+        {
+          keys.push_back(MakeValueKey(*threshold));
+        }
+      }
+    });
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  return keys;
+}
+
+void CommonRanges::Add(KeyRange& range)
+{
+  this->Ranges.push_back(&range);
+  this->Minima.push_back(range.Minimum);
+  this->Maxima.push_back(range.Maximum);
+}
+
+void CommonRanges::Join(Communicator& ranks)
+{
+  ranks.ReduceMinimum(this->Minima);
+  ranks.ReduceMaximum(this->Maxima);
+  for (std::size_t n = 0; n < this->Ranges.size(); ++n)
+  {
+    *this->Ranges[n] = { this->Minima[n], this->Maxima[n] };
+  }
 }
 
 } // namespace isosurface

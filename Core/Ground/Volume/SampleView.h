@@ -32,8 +32,19 @@ struct SampleView
   template <typename T>
   const T* At(const Index3& vertex) const
   {
-    return static_cast<const T*>(this->First) +
-      (vertex[0] - this->Available.Low[0]) * this->Stride[0] +
+    return static_cast<const T*>(this->First) + this->FindOffset(vertex);
+  }
+  /// The same of any type.
+  const std::uint8_t* AtBytes(const Index3& vertex) const
+  {
+    return static_cast<const std::uint8_t*>(this->First) +
+      this->FindOffset(vertex) * static_cast<std::ptrdiff_t>(GetValueSize(this->Type));
+  }
+
+private:
+  std::ptrdiff_t FindOffset(const Index3& vertex) const
+  {
+    return (vertex[0] - this->Available.Low[0]) * this->Stride[0] +
       (vertex[1] - this->Available.Low[1]) * this->Stride[1] +
       (vertex[2] - this->Available.Low[2]) * this->Stride[2];
   }

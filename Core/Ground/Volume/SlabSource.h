@@ -48,9 +48,9 @@ public:
   /// The maximum memory of the source between reads.
   virtual std::uint64_t GetHeldBytes() const { return 0; }
 
-  /// The rows of a slice, counted from a multiple of this number on, that are best read from all
-  /// slices before the next rows: those of the chunks that the source can keep. More than any slice
-  /// has if that does not matter.
+  /// How many rows to read from all slices before the next rows, beginning at multiples of this
+  /// number: as many as the chunks have that the source can keep. More than any slice has if the
+  /// order does not matter.
   virtual std::int64_t GetRowsAtOnce() const { return std::numeric_limits<std::int64_t>::max(); }
 
   /// The vertices on x, y and z that are best read together, in boxes that begin at multiples of

@@ -4,6 +4,7 @@
 
 #include "Ground/Volume/ValueType.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -127,6 +128,11 @@ struct KeyRange
   ValueKey Maximum = 0;
 
   bool IsEmpty() const { return this->Minimum > this->Maximum; }
+  void Add(const KeyRange& other)
+  {
+    this->Minimum = std::min(this->Minimum, other.Minimum);
+    this->Maximum = std::max(this->Maximum, other.Maximum);
+  }
 
   /// Whether the range has values on both sides of the threshold: Minimum < threshold <= Maximum.
   /// If not, no isosurface crosses a block of this range.

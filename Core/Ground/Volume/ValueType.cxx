@@ -16,6 +16,16 @@ std::size_t GetValueSize(ValueType type)
   return DispatchValueType(type, [](auto zero) { return sizeof(zero); });
 }
 
+std::uint64_t SumValueSizes(const std::vector<ValueType>& types)
+{
+  std::uint64_t bytes = 0;
+  for (const ValueType type : types)
+  {
+    bytes += GetValueSize(type);
+  }
+  return bytes;
+}
+
 const char* GetValueTypeName(ValueType type)
 {
   return Names[static_cast<std::size_t>(type)];

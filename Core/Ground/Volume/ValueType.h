@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
@@ -27,6 +28,7 @@ enum class ValueType : std::uint8_t
 
 /// Bytes of one sample.
 std::size_t GetValueSize(ValueType type);
+std::uint64_t SumValueSizes(const std::vector<ValueType>& types);
 
 /// The type's name in file headers: "int8", "uint8", ... "float32", "float64".
 const char* GetValueTypeName(ValueType type);

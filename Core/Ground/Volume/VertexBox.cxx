@@ -17,6 +17,26 @@ VertexBox VertexBox::Intersect(const VertexBox& other) const
   return box;
 }
 
+void VertexBox::Extend(const VertexBox& other)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    this->Low[axis] = std::min(this->Low[axis], other.Low[axis]);
+    this->High[axis] = std::max(this->High[axis], other.High[axis]);
+  }
+}
+
+VertexBox VertexBox::Translate(const Index3& offset) const
+{
+  VertexBox box = *this;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    box.Low[axis] += offset[axis];
+    box.High[axis] += offset[axis];
+  }
+  return box;
+}
+
 VertexBox VertexBox::AddLayer(const VertexBox& known) const
 {
   VertexBox box = *this;

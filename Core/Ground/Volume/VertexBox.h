@@ -36,6 +36,9 @@ struct VertexBox
   VertexBox Intersect(const VertexBox& other) const;
   /// Whether all vertices of `part`, which is not empty, are in the box.
   bool Contains(const VertexBox& part) const { return this->Intersect(part) == part; }
+  /// Makes the box the smallest that contains both, neither of which is empty.
+  void Extend(const VertexBox& other);
+  VertexBox Translate(const Index3& offset) const;
   /// The box with one more layer of vertices on each side, where `known` has one.
   VertexBox AddLayer(const VertexBox& known) const;
   /// The same; the known vertices are those of a grid.

@@ -4,8 +4,6 @@
 #include "Ground/Base/ThreadPriority.h"
 
 #include <chrono>
-#include <exception>
-#include <new>
 #include <utility>
 
 namespace isosurface
@@ -40,14 +38,8 @@ void BackgroundExtraction::Run()
     this->Done = fraction;
     return !this->Stopped;
   };
-  try
-  {
-    this->EndStatus = ExtractLevel(task, this->Level, this->Outcome);
-  }
-  catch (const std::exception& error)
-  {
-    this->EndStatus = MakeExceptionError("the isosurface cannot be extracted", error);
-  }
+  this->EndStatus = Attempt("the isosurface cannot be extracted",
+    [&] { return ExtractLevel(task, this->Level, this->Outcome); });
   const std::lock_guard<std::mutex> lock(this->Mutex);
   this->HasEnded = true;
   this->Ended.notify_all();

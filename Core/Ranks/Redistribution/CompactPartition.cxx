@@ -73,20 +73,17 @@ private:
 
   std::size_t FindLongestAxis(std::size_t begin, std::size_t end) const
   {
+    VertexBox bounds = begin < end ? this->Blocks[this->Order[begin]].Vertices : VertexBox();
+    for (std::size_t n = begin; n < end; ++n)
+    {
+      bounds.Extend(this->Blocks[this->Order[n]].Vertices);
+    }
     std::size_t longest = 0;
     double maximum = -1;
-    for (std::size_t axis = 0; axis < 3 && begin < end; ++axis)
+    for (std::size_t axis = 0; axis < 3; ++axis)
     {
-      const VertexBox& box = this->Blocks[this->Order[begin]].Vertices;
-      std::int64_t low = box.Low[axis];
-      std::int64_t high = box.High[axis];
-      for (std::size_t n = begin; n < end; ++n)
-      {
-        const VertexBox& other = this->Blocks[this->Order[n]].Vertices;
-        low = std::min(low, other.Low[axis]);
-        high = std::max(high, other.High[axis]);
-      }
-      const double length = static_cast<double>(high - 1 - low) * std::abs(this->Spacing[axis]);
+      const double length =
+        static_cast<double>(bounds.GetSize()[axis] - 1) * std::abs(this->Spacing[axis]);
       if (length > maximum)
       {
         maximum = length;

@@ -2,12 +2,12 @@
 #include "Ranks/Redistribution/SurfaceExchange.h"
 
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/WithinMemory.h"
 #include "Ranks/Redistribution/BlockPacking.h"
 #include "Ranks/Redistribution/SurfaceUnpacking.h"
 
 #include <algorithm>
 #include <chrono>
-#include <new>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -29,16 +29,11 @@ double GetSecondsSince(Clock::time_point begin)
 
 // Returns what `step` returns, or an error if memory or threads run out.
 template <typename Step>
-Status RunWithinMemory(Step&& step)
+Status RunWithThreads(Step&& step)
 {
   try
   {
-    return step();
-  }
-  catch (const std::bad_alloc&)
-  {
-    return { StatusCode::OutOfMemory,
-      "There is not enough memory to redistribute the isosurface." };
+    return RunWithinMemory("", "There is not enough memory to redistribute the isosurface.", step);
   }
   catch (const std::system_error& error)
   {
@@ -79,7 +74,7 @@ SurfaceExchange::SurfaceExchange(Communicator& ranks, const EdgeIndexHeader& hea
 Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progress)
 {
   Clock::time_point begin = Clock::now();
-  Status status = this->Ranks.Agree(RunWithinMemory(
+  Status status = this->Ranks.Agree(RunWithThreads(
     [&] { return this->Encode(source, MakePartOfProgress(progress, 0, EncodingShare)); }));
   this->Spent.EncodeSeconds = GetSecondsSince(begin);
   ISOSURFACE_RETURN_IF_ERROR(status);
@@ -89,7 +84,7 @@ Result<Surface> SurfaceExchange::Run(BlockSource& source, const Progress& progre
   ISOSURFACE_RETURN_IF_ERROR(status);
   begin = Clock::now();
   std::optional<SurfaceUnpacking> unpacking;
-  status = this->Ranks.Agree(RunWithinMemory(
+  status = this->Ranks.Agree(RunWithThreads(
     [&]
     {
       std::vector<BlockDescription> blocks;
@@ -130,7 +125,7 @@ Status SurfaceExchange::Encode(BlockSource& source, const Progress& progress)
 Status SurfaceExchange::MakePlan()
 {
   Message mine;
-  const Status described = RunWithinMemory(
+  const Status described = RunWithThreads(
     [&]
     {
       mine = ExchangePlan::Describe(this->Descriptions);
@@ -143,7 +138,7 @@ Status SurfaceExchange::MakePlan()
   // With different plans, ranks would wait for each other forever.
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
     IsSameOnAllRanks(this->Ranks, messages) ? Status::Ok() : MakeDamagedMessage()));
-  return this->Ranks.Agree(RunWithinMemory(
+  return this->Ranks.Agree(RunWithThreads(
     [&]
     {
       auto plan = ExchangePlan::Make(messages, static_cast<std::size_t>(this->Ranks.GetRank()),
@@ -175,7 +170,7 @@ Status SurfaceExchange::SendRounds(SurfaceUnpacking& unpacking, const Progress& 
     std::vector<Message> incoming;
     if (status.IsOk())
     {
-      status = RunWithinMemory(
+      status = RunWithThreads(
         [&]
         {
           this->FillRound(round, outgoing, incoming);

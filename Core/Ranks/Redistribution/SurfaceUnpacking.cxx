@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ranks/Redistribution/SurfaceUnpacking.h"
 
+#include "Ground/Base/WithinMemory.h"
 #include "Ranks/Redistribution/BlockPacking.h"
 
 #include <chrono>
-#include <new>
 #include <utility>
 
 namespace isosurface
@@ -34,20 +34,13 @@ SurfaceUnpacking::~SurfaceUnpacking()
 Result<Surface> SurfaceUnpacking::Unpack(
   const EdgeIndexHeader& header, const ContourRequest& request, int threads)
 {
-  try
+  const auto progress = [this](double share)
   {
-    return UnpackBlocks(header, request, this->Blocks, threads,
-      [this](double share)
-      {
-        this->Share = share;
-        return !this->Stopped;
-      });
-  }
-  catch (const std::bad_alloc&)
-  {
-    return Status(
-      StatusCode::OutOfMemory, "There is not enough memory to redistribute the isosurface.");
-  }
+    this->Share = share;
+    return !this->Stopped;
+  };
+  return RunWithinMemory("", "There is not enough memory to redistribute the isosurface.",
+    [&] { return UnpackBlocks(header, request, this->Blocks, threads, progress); });
 }
 
 Result<Surface> SurfaceUnpacking::Finish(const Progress& progress)

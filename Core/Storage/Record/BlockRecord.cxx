@@ -73,15 +73,11 @@ std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t 
   auto decoded = std::make_shared<DecodedBlock>();
   decoded->Block = block;
   decoded->Level = level;
-  SampleView& view = decoded->View;
-  view.Type = type;
-  view.Box = grid.GetVertices(block, level);
-  view.Available = grid.GetGhostedVertices(block, level);
-  const Index3 extent = view.Available.GetSize();
-  view.Stride = { 1, extent[0], extent[0] * extent[1] };
+  const VertexBox available = grid.GetGhostedVertices(block, level);
   decoded->Bytes =
-    Buffer<std::uint8_t>(static_cast<std::size_t>(view.Available.GetNumberOfVertices()) * size);
-  view.First = decoded->Bytes.GetData();
+    Buffer<std::uint8_t>(static_cast<std::size_t>(available.GetNumberOfVertices()) * size);
+  decoded->View = MakeSampleView(type, available, decoded->Bytes.GetData());
+  decoded->View.Box = grid.GetVertices(block, level);
 
   const int coarsest = grid.GetNumberOfLevels() - 1;
   for (int from = coarsest; from >= level; --from)
@@ -93,11 +89,9 @@ std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t 
     segment.VisitRows(shift == 0 ? segment.GetBox() : segment.GetOwnBox(),
       [&](const SegmentRow& row)
       {
-        const Index3 to = { (row.I << shift) - view.Available.Low[0],
-          (row.J << shift) - view.Available.Low[1], (row.K << shift) - view.Available.Low[2] };
-        const std::ptrdiff_t offset = to[0] + to[1] * view.Stride[1] + to[2] * view.Stride[2];
-        CopySamples(decoded->Bytes.GetData() + static_cast<std::size_t>(offset) * size,
-          row.Step << shift, samples + row.Offset * size, 1, row.Count, size);
+        const Index3 to = { row.I << shift, row.J << shift, row.K << shift };
+        CopySamples(decoded->Bytes.GetData() + available.FindIndex(to) * size, row.Step << shift,
+          samples + row.Offset * size, 1, row.Count, size);
       });
   }
   return decoded;

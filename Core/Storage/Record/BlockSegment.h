@@ -3,6 +3,7 @@
 #define isosurface_BlockSegment_h
 
 #include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -92,10 +93,6 @@ private:
   VertexBox OwnBox;
   bool IsWhole;
 };
-
-/// Copies `count` samples of `size` bytes (1, 2, 4 or 8); strides are in samples.
-void CopySamples(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
-  std::int64_t count, std::size_t size);
 
 /// The vertices of a level within a box of level 0, in the level's coordinates; it may be empty.
 VertexBox CoarsenBox(const VertexBox& box, int level);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/BlockAssembly.h"
 
+#include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
-#include "Storage/Record/BlockSegment.h"
+#include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
 
@@ -36,31 +37,12 @@ VertexBox FindContribution(
   return part;
 }
 
-void CopyBox(const SampleView& from, const VertexBox& part, std::size_t valueSize,
-  const VertexBox& whole, std::uint8_t* to, std::ptrdiff_t stride)
-{
-  VisitRows(part,
-    [&](const Index3& first, std::int64_t count)
-    {
-      std::ptrdiff_t source = 0;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        source += (first[axis] - from.Available.Low[axis]) * from.Stride[axis];
-      }
-      CopySamples(to + whole.FindIndex(first) * static_cast<std::size_t>(stride) * valueSize,
-        stride,
-        static_cast<const std::uint8_t*>(from.First) +
-          source * static_cast<std::ptrdiff_t>(valueSize),
-        from.Stride[0], count, valueSize);
-    });
-}
-
 // The memory that the vertices of a box of blocks, or some of them, are copied to.
 struct Target
 {
   BlockBox Box;
   VertexBox Vertices;
-  std::uint8_t* Samples;
+  void* Samples;
   std::ptrdiff_t Stride;
 };
 
@@ -70,46 +52,29 @@ Status FillTarget(BlockedVolume& volume, std::size_t timeStep, std::size_t varia
 {
   const StoredLevel stored = volume.FindLevel(level);
   const BlockGrid& grid = *stored.Grid;
-  const std::size_t valueSize = GetValueSize(volume.GetVariables()[variable].Type);
 
   std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
-  std::vector<Status> failures(static_cast<std::size_t>(threads));
+  FirstFailure failure;
+  const auto fill = [&](const BlockReference& block, QueryStatistics& cost) -> Status
+  {
+    const auto decoded = volume.ReadBlock(block, timeStep, variable, level, cost);
+    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
+    const VertexBox part =
+      FindContribution(grid, target.Box, block.Block, stored.Level).Intersect(target.Vertices);
+    CopyBox((*decoded)->View, part, target.Vertices, target.Samples, target.Stride);
+    return Status::Ok();
+  };
   const bool finished = ParallelFor(
     blocks.size(), threads,
     [&](std::size_t index, int thread)
-    {
-      const auto own = static_cast<std::size_t>(thread);
-      if (!failures[own].IsOk())
-      {
-        return;
-      }
-      const auto decoded = volume.ReadBlock(blocks[index], timeStep, variable, level, costs[own]);
-      if (!decoded.IsOk())
-      {
-        failures[own] = decoded.GetStatus();
-        return;
-      }
-      const VertexBox part = FindContribution(grid, target.Box, blocks[index].Block, stored.Level)
-                               .Intersect(target.Vertices);
-      if (!part.IsEmpty())
-      {
-        CopyBox((*decoded)->View, part, valueSize, target.Vertices, target.Samples, target.Stride);
-      }
-    },
+    { failure.Run([&] { return fill(blocks[index], costs[static_cast<std::size_t>(thread)]); }); },
     progress);
   for (const QueryStatistics& cost : costs)
   {
     statistics.Add(cost);
   }
-  for (const Status& failure : failures)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(failure);
-  }
-  if (!finished)
-  {
-    return Status(StatusCode::Aborted, "Reading was aborted.");
-  }
-  return Status::Ok();
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
+  return finished ? Status::Ok() : Status(StatusCode::Aborted, "Reading was aborted.");
 }
 
 } // namespace
@@ -206,7 +171,7 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t v
 {
   const StoredLevel stored = volume.FindLevel(level);
   const VertexBox whole = box.GetGhostedVertices(*stored.Grid, stored.Level);
-  const Target target = { box, whole, static_cast<std::uint8_t*>(samples), stride };
+  const Target target = { box, whole, samples, stride };
   return FillTarget(
     volume, timeStep, variable, level, blocks, threads, target, statistics, progress);
 }
@@ -216,7 +181,7 @@ Status AssembleVertices(BlockedVolume& volume, std::size_t timeStep, std::size_t
   QueryStatistics& statistics, const Progress& progress)
 {
   const BlockBox cover = FindCover(volume.GetBlockGrid(), vertices);
-  const Target target = { cover, vertices, static_cast<std::uint8_t*>(samples), 1 };
+  const Target target = { cover, vertices, samples, 1 };
   return FillTarget(volume, timeStep, variable, 0, blocks, threads, target, statistics, progress);
 }
 

@@ -3,6 +3,7 @@
 
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
+#include "Ground/Volume/SampleRange.h"
 #include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/RecordCodec.h"
 #include "Storage/Store/SourceSegment.h"
@@ -14,26 +15,6 @@ namespace isosurface
 {
 namespace
 {
-
-/// The keys of the isovalues' thresholds; isovalues above all values of the type have none.
-std::vector<ValueKey> FindThresholdKeys(ValueType type, const std::vector<double>& isovalues)
-{
-  std::vector<ValueKey> keys;
-  DispatchValueType(type,
-    [&](auto zero)
-    {
-      for (const double isovalue : isovalues)
-      {
-        if (const auto threshold = FindThreshold<decltype(zero)>(isovalue))
-        {
-          keys.push_back(MakeValueKey(*threshold));
-        }
-      }
-    });
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  return keys;
-}
 
 } // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/StoredSlabSource.h"
 
+#include "Ground/Volume/SampleCopy.h"
 #include "Storage/Store/BlockAssembly.h"
 
 #include <algorithm>
@@ -65,18 +66,12 @@ Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
   constexpr std::size_t alignment = sizeof(double);
   auto samples = std::make_shared<std::vector<std::uint8_t>>(
     this->GetReadBytes(box) + alignment * this->Variables.size());
-  const Index3 size = box.GetSize();
   SampleSlab slab;
   std::uint8_t* first = samples->data();
   QueryStatistics statistics;
   for (const std::size_t variable : this->Variables)
   {
-    SampleView view;
-    view.Type = this->Volume->GetVariables()[variable].Type;
-    view.First = first;
-    view.Stride = { 1, size[0], size[0] * size[1] };
-    view.Available = box;
-    view.Box = box;
+    const SampleView view = MakeSampleView(this->Volume->GetVariables()[variable].Type, box, first);
     ISOSURFACE_RETURN_IF_ERROR(AssembleVertices(
       *this->Volume, this->TimeStep, variable, box, blocks, this->Threads, first, statistics));
     const std::size_t bytes =

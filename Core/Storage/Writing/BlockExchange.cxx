@@ -60,26 +60,6 @@ void PrefetchNextBlock(const SampleView& layer, const SegmentRow& row, std::int6
 #endif
 }
 
-void StoreBox(std::uint8_t* bytes, const VertexBox& box)
-{
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    StoreLittleEndian(bytes + 8 * axis, box.Low[axis]);
-    StoreLittleEndian(bytes + 24 + 8 * axis, box.High[axis]);
-  }
-}
-
-VertexBox LoadBox(const std::uint8_t* bytes)
-{
-  VertexBox box;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    box.Low[axis] = LoadLittleEndian<std::int64_t>(bytes + 8 * axis);
-    box.High[axis] = LoadLittleEndian<std::int64_t>(bytes + 24 + 8 * axis);
-  }
-  return box;
-}
-
 } // namespace
 
 PendingBlock::PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
@@ -107,9 +87,9 @@ BlockExchange::BlockExchange(const BlockGrid& grid, const std::vector<ValueType>
 }
 
 template <typename Visitor>
-void BlockExchange::VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const
+void BlockExchange::VisitParts(const BlockSpan& span, std::size_t rank, Visitor&& visit) const
 {
-  for (std::int64_t block = run.Begin; block < run.End && !this->ToSend[rank].empty(); ++block)
+  for (std::int64_t block = span.Begin; block < span.End && !this->ToSend[rank].empty(); ++block)
   {
     for (int level = 0; level < this->Grid.GetNumberOfLevels(); ++level)
     {
@@ -126,7 +106,7 @@ void BlockExchange::VisitParts(const BlockRun& run, std::size_t rank, Visitor&& 
   }
 }
 
-std::vector<VertexBox> BlockExchange::FindBoxes(const BlockRun& run, std::size_t rank) const
+std::vector<VertexBox> BlockExchange::FindBoxes(const BlockSpan& span, std::size_t rank) const
 {
   if (this->ToSend[rank].empty())
   {
@@ -135,43 +115,36 @@ std::vector<VertexBox> BlockExchange::FindBoxes(const BlockRun& run, std::size_t
   VertexBox bounds = this->ToSend[rank].front();
   for (const VertexBox& box : this->ToSend[rank])
   {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      bounds.Low[axis] = std::min(bounds.Low[axis], box.Low[axis]);
-      bounds.High[axis] = std::max(bounds.High[axis], box.High[axis]);
-    }
+    bounds.Extend(box);
   }
-  return RunSamples::FindBoxes(this->Grid, run, bounds);
+  return SpanSamples::FindBoxes(this->Grid, span, bounds);
 }
 
-std::uint64_t BlockExchange::GetMessageBytes(const BlockRun& run, std::size_t rank) const
+std::uint64_t BlockExchange::GetMessageBytes(const BlockSpan& span, std::size_t rank) const
 {
-  std::uint64_t valueSize = 0;
-  for (const ValueType type : this->Types)
-  {
-    valueSize += GetValueSize(type);
-  }
+  const std::uint64_t valueSize = SumValueSizes(this->Types);
   std::uint64_t bytes = 0;
-  this->VisitParts(run, rank,
+  this->VisitParts(span, rank,
     [&](const BlockSegment&, const VertexBox& part, std::int64_t, int) {
       bytes += PartHeaderSize + static_cast<std::uint64_t>(part.GetNumberOfVertices()) * valueSize;
     });
   return bytes;
 }
 
-Message BlockExchange::Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const
+Message BlockExchange::Pack(
+  const BlockSpan& span, std::size_t rank, const SpanSamples& samples) const
 {
   Message message;
   // A growing vector would take twice the memory at times.
-  message.reserve(static_cast<std::size_t>(this->GetMessageBytes(run, rank)));
-  this->VisitParts(run, rank,
+  message.reserve(static_cast<std::size_t>(this->GetMessageBytes(span, rank)));
+  this->VisitParts(span, rank,
     [&](const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level)
     { this->PackPart(segment, part, block, level, samples, message); });
   return message;
 }
 
 void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block,
-  int level, const RunSamples& samples, Message& message) const
+  int level, const SpanSamples& samples, Message& message) const
 {
   std::int64_t count = 0;
   segment.VisitRows(part, [&](const SegmentRow& row) { count += row.Count; });
@@ -179,17 +152,12 @@ void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part,
   {
     return;
   }
-  std::size_t size = PartHeaderSize;
-  for (const ValueType type : this->Types)
-  {
-    size += static_cast<std::size_t>(count) * GetValueSize(type);
-  }
-  message.resize(message.size() + size);
-  std::uint8_t* to = message.data() + message.size() - size;
-  StoreLittleEndian(to, static_cast<std::uint64_t>(block));
-  StoreLittleEndian(to + 8, static_cast<std::uint64_t>(level));
-  StoreBox(to + 16, part);
-  to += PartHeaderSize;
+  AppendLittleEndian(message, static_cast<std::uint64_t>(block));
+  AppendLittleEndian(message, static_cast<std::uint64_t>(level));
+  AppendBox(message, part);
+  const std::size_t begin = message.size();
+  message.resize(begin + static_cast<std::size_t>(count) * SumValueSizes(this->Types));
+  std::uint8_t* to = message.data() + begin;
   for (std::size_t array = 0; array < this->Types.size(); ++array)
   {
     segment.VisitRows(part,
@@ -201,7 +169,7 @@ void BlockExchange::PackPart(const BlockSegment& segment, const VertexBox& part,
   }
 }
 
-Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
+Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const SpanSamples& samples,
   const std::vector<Message>& messages, RecordBuffers& buffers,
   const std::function<void(std::size_t index, int thread)>& whenFilled) const
 {
@@ -245,7 +213,7 @@ Status BlockExchange::Fill(std::vector<PendingBlock>& blocks, const RunSamples& 
   return Status::Ok();
 }
 
-std::uint64_t BlockExchange::FillFromSource(PendingBlock& block, const RunSamples& samples) const
+std::uint64_t BlockExchange::FillFromSource(PendingBlock& block, const SpanSamples& samples) const
 {
   std::uint64_t filled = 0;
   for (int level = 0; level < this->Grid.GetNumberOfLevels(); ++level)
@@ -278,22 +246,16 @@ Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const M
   std::atomic<std::uint64_t>& count) const
 {
   Status damaged(StatusCode::Corrupt, "a message between ranks arrived damaged");
-  const std::uint8_t* from = message.data();
-  const std::uint8_t* end = from + message.size();
+  ByteReader reader(message);
   std::uint64_t filled = 0;
-  while (from != end)
+  while (reader.GetRemaining() > 0)
   {
-    if (static_cast<std::size_t>(end - from) < PartHeaderSize)
-    {
-      return damaged;
-    }
-    const auto number = static_cast<std::int64_t>(LoadLittleEndian<std::uint64_t>(from));
-    const auto level = LoadLittleEndian<std::uint64_t>(from + 8);
-    const VertexBox part = LoadBox(from + 16);
-    from += PartHeaderSize;
+    const auto number = static_cast<std::int64_t>(reader.Read<std::uint64_t>());
+    const auto level = reader.Read<std::uint64_t>();
+    const VertexBox part = ReadBox(reader);
     const auto block = std::lower_bound(blocks.begin(), blocks.end(), number,
       [](const PendingBlock& a, std::int64_t b) { return a.Block < b; });
-    if (block == blocks.end() || block->Block != number ||
+    if (reader.HasFailed() || block == blocks.end() || block->Block != number ||
       level >= static_cast<std::uint64_t>(this->Grid.GetNumberOfLevels()))
     {
       return damaged;
@@ -305,23 +267,20 @@ Status BlockExchange::FillFromMessage(std::vector<PendingBlock>& blocks, const M
       std::uint8_t* to =
         block->Record.GetData() + block->Layout.Offsets[index] + BlockRecord::SegmentHeaderSize;
       const std::size_t size = GetValueSize(this->Types[array]);
-      bool isComplete = true;
       segment.VisitRows(part,
         [&](const SegmentRow& row)
         {
           const std::size_t bytes = static_cast<std::size_t>(row.Count) * size;
-          isComplete = isComplete && bytes <= static_cast<std::size_t>(end - from);
-          if (isComplete)
+          if (const std::uint8_t* from = reader.ReadBytes(bytes))
           {
             std::memcpy(to + row.Offset * size, from, bytes);
-            from += bytes;
             filled += static_cast<std::uint64_t>(row.Count);
           }
         });
-      if (!isComplete)
-      {
-        return damaged;
-      }
+    }
+    if (reader.HasFailed())
+    {
+      return damaged;
     }
   }
   count += filled;

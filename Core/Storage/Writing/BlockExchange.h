@@ -9,7 +9,7 @@
 #include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/BlockSegment.h"
 #include "Storage/Writing/RecordBuffers.h"
-#include "Storage/Writing/RunSamples.h"
+#include "Storage/Writing/SpanSamples.h"
 
 #include <atomic>
 #include <cstdint>
@@ -66,28 +66,28 @@ public:
   /// Whether any rank needs samples of another one.
   bool IsNeeded() const { return this->HasParts; }
 
-  /// The boxes that this rank reads to supply another rank's run.
-  std::vector<VertexBox> FindBoxes(const BlockRun& run, std::size_t rank) const;
+  /// The boxes that this rank reads to supply another rank's span.
+  std::vector<VertexBox> FindBoxes(const BlockSpan& span, std::size_t rank) const;
   /// A bound of the bytes of Pack()'s message.
-  std::uint64_t GetMessageBytes(const BlockRun& run, std::size_t rank) const;
-  /// The samples of FindBoxes() for that rank's run.
-  Message Pack(const BlockRun& run, std::size_t rank, const RunSamples& samples) const;
+  std::uint64_t GetMessageBytes(const BlockSpan& span, std::size_t rank) const;
+  /// The samples of FindBoxes() for that rank's span.
+  Message Pack(const BlockSpan& span, std::size_t rank, const SpanSamples& samples) const;
 
-  /// Fills the records of this rank's run from its own samples and from the messages of all ranks.
+  /// Fills the records of this rank's span from its own samples and from the messages of all ranks.
   /// Takes their memory from `buffers`. Fails if samples are missing. For each block that needs no
   /// messages, `whenFilled` is called with its index in `blocks`, by several threads at once, while
   /// its samples are in the processor's cache. Then its record may be taken away.
-  Status Fill(std::vector<PendingBlock>& blocks, const RunSamples& samples,
+  Status Fill(std::vector<PendingBlock>& blocks, const SpanSamples& samples,
     const std::vector<Message>& messages, RecordBuffers& buffers,
     const std::function<void(std::size_t index, int thread)>& whenFilled) const;
 
 private:
   template <typename Visitor>
-  void VisitParts(const BlockRun& run, std::size_t rank, Visitor&& visit) const;
+  void VisitParts(const BlockSpan& span, std::size_t rank, Visitor&& visit) const;
   void PackPart(const BlockSegment& segment, const VertexBox& part, std::int64_t block, int level,
-    const RunSamples& samples, Message& message) const;
+    const SpanSamples& samples, Message& message) const;
   /// Returns the number of samples taken from the source.
-  std::uint64_t FillFromSource(PendingBlock& block, const RunSamples& samples) const;
+  std::uint64_t FillFromSource(PendingBlock& block, const SpanSamples& samples) const;
   Status FillFromMessage(std::vector<PendingBlock>& blocks, const Message& message,
     std::atomic<std::uint64_t>& count) const;
 

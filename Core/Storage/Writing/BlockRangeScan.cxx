@@ -17,12 +17,6 @@ namespace
 /// Larger reads are not faster.
 constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 8 } << 20;
 
-void Extend(KeyRange& range, const KeyRange& other)
-{
-  range.Minimum = std::min(range.Minimum, other.Minimum);
-  range.Maximum = std::max(range.Maximum, other.Maximum);
-}
-
 /// The part [begin, end) of a box on an axis.
 VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::int64_t end)
 {
@@ -228,7 +222,7 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
              ++variable)
         {
           const SampleRange range = this->FindRange(slab, variable, part);
-          Extend(this->Ranges[variable][static_cast<std::size_t>(block)], range.All);
+          this->Ranges[variable][static_cast<std::size_t>(block)].Add(range.All);
           totals[static_cast<std::size_t>(thread)][variable].Add(range);
         }
       }
@@ -237,7 +231,7 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
   {
     for (std::size_t variable = 0; variable < ofThread.size(); ++variable)
     {
-      Extend(this->FiniteRanges[variable], ofThread[variable].Finite);
+      this->FiniteRanges[variable].Add(ofThread[variable].Finite);
     }
   }
 }
@@ -246,24 +240,13 @@ void BlockRangeScan::Reduce(Communicator& communicator)
 {
   for (std::size_t variable = 0; variable < this->Ranges.size(); ++variable)
   {
-    std::vector<KeyRange>& ranges = this->Ranges[variable];
-    KeyRange& finite = this->FiniteRanges[variable];
-    std::vector<std::uint64_t> minima = { finite.Minimum };
-    std::vector<std::uint64_t> maxima = { finite.Maximum };
-    minima.reserve(ranges.size() + 1);
-    maxima.reserve(ranges.size() + 1);
-    for (const KeyRange& range : ranges)
+    CommonRanges common;
+    common.Add(this->FiniteRanges[variable]);
+    for (KeyRange& range : this->Ranges[variable])
     {
-      minima.push_back(range.Minimum);
-      maxima.push_back(range.Maximum);
+      common.Add(range);
     }
-    communicator.ReduceMinimum(minima);
-    communicator.ReduceMaximum(maxima);
-    finite = { minima[0], maxima[0] };
-    for (std::size_t block = 0; block < ranges.size(); ++block)
-    {
-      ranges[block] = { minima[block + 1], maxima[block + 1] };
-    }
+    common.Join(communicator);
   }
   if (this->Profiles)
   {

@@ -61,35 +61,35 @@ BlockRounds::BlockRounds(Communicator& ranks, SlabSource& source, const BlockGri
 }
 
 std::vector<VertexBox> BlockRounds::FindBoxes(
-  const std::vector<BlockRun>& runs, std::size_t rank) const
+  const std::vector<BlockSpan>& spans, std::size_t rank) const
 {
-  return rank == this->Rank ? RunSamples::FindBoxes(this->Grid, runs[rank], this->Source.GetBox())
-                            : this->Exchange.FindBoxes(runs[rank], rank);
+  return rank == this->Rank ? SpanSamples::FindBoxes(this->Grid, spans[rank], this->Source.GetBox())
+                            : this->Exchange.FindBoxes(spans[rank], rank);
 }
 
-std::uint64_t BlockRounds::GetLoad(const std::vector<BlockRun>& runs) const
+std::uint64_t BlockRounds::GetLoad(const std::vector<BlockSpan>& spans) const
 {
   std::uint64_t samples = 0;
   std::uint64_t messages = 0;
-  for (std::size_t rank = 0; rank < runs.size(); ++rank)
+  for (std::size_t rank = 0; rank < spans.size(); ++rank)
   {
-    samples += RunSamples::GetReadBytes(this->Source, this->FindBoxes(runs, rank));
-    messages += rank == this->Rank ? 0 : this->Exchange.GetMessageBytes(runs[rank], rank);
+    samples += SpanSamples::GetReadBytes(this->Source, this->FindBoxes(spans, rank));
+    messages += rank == this->Rank ? 0 : this->Exchange.GetMessageBytes(spans[rank], rank);
   }
   const std::uint64_t record = PendingBlock::GetBytes(this->RecordBytes);
-  const auto made = static_cast<std::uint64_t>(runs[this->Rank].GetCount());
+  const auto made = static_cast<std::uint64_t>(spans[this->Rank].GetCount());
   if (this->Exchange.IsNeeded())
   {
     messages += made * record; // received: at most all samples
   }
-  const BlockShipment::Load load = this->Shipment.GetLoad(runs);
+  const BlockShipment::Load load = this->Shipment.GetLoad(spans);
   // The samples of two rounds, since the next are read meanwhile. The blocks as made, in messages
   // and as received, and those of the round before, which are being written.
   return 2 * samples + messages +
     record * (made + load.Sent + 2 * load.Received + (load.Received + load.Kept));
 }
 
-Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRun>& runs)
+Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSpan>& spans)
 {
   for (;; this->BlocksAtOnce /= 2)
   {
@@ -97,15 +97,15 @@ Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRu
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
       [&]
       {
-        runs = this->Plan.Propose(this->BlocksAtOnce);
-        load = this->GetLoad(runs);
+        spans = this->Plan.Propose(this->BlocksAtOnce);
+        load = this->GetLoad(spans);
         return Status::Ok();
       })));
     std::vector<std::uint64_t> largest = { load };
     this->Ranks.ReduceMaximum(largest);
     if (largest[0] <= this->MemoryBytes)
     {
-      this->Plan.Take(runs);
+      this->Plan.Take(spans);
       this->LargestBytes = std::max(this->LargestBytes, largest[0]);
       ++this->Rounds;
       return Status::Ok();
@@ -121,18 +121,18 @@ Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRu
 
 Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->PlanRound(steps, round.Runs));
-  const auto read = [this, runs = round.Runs]
+  ISOSURFACE_RETURN_IF_ERROR(this->PlanRound(steps, round.Spans));
+  const auto read = [this, spans = round.Spans]
   {
     RoundSamples samples;
-    samples.OfRank.resize(runs.size());
+    samples.OfRank.resize(spans.size());
     samples.Outcome = Attempt(
       [&]
       {
-        for (std::size_t rank = 0; rank < runs.size(); ++rank)
+        for (std::size_t rank = 0; rank < spans.size(); ++rank)
         {
           ISOSURFACE_RETURN_IF_ERROR(
-            samples.OfRank[rank].Read(this->Source, this->FindBoxes(runs, rank), this->Types));
+            samples.OfRank[rank].Read(this->Source, this->FindBoxes(spans, rank), this->Types));
         }
         return Status::Ok();
       });
@@ -147,31 +147,31 @@ Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
     }));
 }
 
-std::vector<PendingBlock> BlockRounds::MakeBlocks(const BlockRun& run) const
+std::vector<PendingBlock> BlockRounds::MakeBlocks(const BlockSpan& span) const
 {
   std::vector<PendingBlock> blocks;
-  blocks.reserve(static_cast<std::size_t>(run.GetCount()));
-  for (std::int64_t block = run.Begin; block < run.End; ++block)
+  blocks.reserve(static_cast<std::size_t>(span.GetCount()));
+  for (std::int64_t block = span.Begin; block < span.End; ++block)
   {
     blocks.emplace_back(this->Grid, block, this->Shipment.FindStore(block), this->Types);
   }
   return blocks;
 }
 
-Status BlockRounds::MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
+Status BlockRounds::MakeRecords(const std::vector<BlockSpan>& spans, RoundSamples samples,
   const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks,
   const std::function<void(std::size_t)>& whenFinished)
 {
   std::vector<Message> messages;
   if (this->Exchange.IsNeeded())
   {
-    messages.resize(runs.size());
+    messages.resize(spans.size());
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
       [&]
       {
-        ParallelFor(runs.size(), this->Threads,
+        ParallelFor(spans.size(), this->Threads,
           [&](std::size_t rank, int)
-          { messages[rank] = this->Exchange.Pack(runs[rank], rank, samples.OfRank[rank]); });
+          { messages[rank] = this->Exchange.Pack(spans[rank], rank, samples.OfRank[rank]); });
         return Status::Ok();
       })));
     messages = this->Ranks.Exchange(std::move(messages));
@@ -222,10 +222,10 @@ Status BlockRounds::WorkAlone(const BlockRoundsSteps& steps, Round round, RoundS
   ISOSURFACE_RETURN_IF_ERROR(Attempt(
     [&]
     {
-      writing = this->StartWriting(steps, this->MakeBlocks(round.Runs[this->Rank]), before);
+      writing = this->StartWriting(steps, this->MakeBlocks(round.Spans[this->Rank]), before);
       return Status::Ok();
     }));
-  ISOSURFACE_RETURN_IF_ERROR(this->MakeRecords(round.Runs, std::move(samples), steps,
+  ISOSURFACE_RETURN_IF_ERROR(this->MakeRecords(round.Spans, std::move(samples), steps,
     writing->GetBlocks(), [&](std::size_t index) { writing->MarkFinished(index); }));
   return before ? before->Wait() : Status::Ok();
 }
@@ -237,11 +237,11 @@ Status BlockRounds::WorkOnRound(const BlockRoundsSteps& steps, Round round, Roun
   ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
     [&]
     {
-      blocks = this->MakeBlocks(round.Runs[this->Rank]);
+      blocks = this->MakeBlocks(round.Spans[this->Rank]);
       return Status::Ok();
     })));
   ISOSURFACE_RETURN_IF_ERROR(
-    this->MakeRecords(round.Runs, std::move(samples), steps, blocks, [](std::size_t) {}));
+    this->MakeRecords(round.Spans, std::move(samples), steps, blocks, [](std::size_t) {}));
   ISOSURFACE_RETURN_IF_ERROR(this->Ship(steps, blocks));
   return steps.Agree(Attempt(
     [&]
@@ -284,7 +284,7 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->StartRound(steps, next));
     }
-    ISOSURFACE_RETURN_IF_ERROR(round.Runs.size() > 1
+    ISOSURFACE_RETURN_IF_ERROR(round.Spans.size() > 1
         ? this->WorkOnRound(steps, std::move(round), std::move(samples), writing)
         : this->WorkAlone(steps, std::move(round), std::move(samples), writing));
     const bool goesOn = !steps.Tell || steps.Tell(share);

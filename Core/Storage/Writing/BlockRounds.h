@@ -11,7 +11,7 @@
 #include "Storage/Writing/RecordBuffers.h"
 #include "Storage/Writing/RoundPlan.h"
 #include "Storage/Writing/RoundWriting.h"
-#include "Storage/Writing/RunSamples.h"
+#include "Storage/Writing/SpanSamples.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -59,28 +59,28 @@ public:
   std::uint64_t GetLargestBytes() const { return this->LargestBytes; }
 
 private:
-  /// The samples for this rank's own run, and for its messages to each other rank.
+  /// The samples for this rank's own span, and for its messages to each other rank.
   struct RoundSamples
   {
     Status Outcome;
-    std::vector<RunSamples> OfRank;
+    std::vector<SpanSamples> OfRank;
   };
 
   struct Round
   {
-    std::vector<BlockRun> Runs; ///< per rank
+    std::vector<BlockSpan> Spans; ///< per rank
     std::future<RoundSamples> Reading;
   };
 
   /// Plans the next round, and starts reading for it.
   Status StartRound(const BlockRoundsSteps& steps, Round& round);
-  Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockRun>& runs);
-  std::uint64_t GetLoad(const std::vector<BlockRun>& runs) const;
-  std::vector<VertexBox> FindBoxes(const std::vector<BlockRun>& runs, std::size_t rank) const;
-  std::vector<PendingBlock> MakeBlocks(const BlockRun& run) const;
+  Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSpan>& spans);
+  std::uint64_t GetLoad(const std::vector<BlockSpan>& spans) const;
+  std::vector<VertexBox> FindBoxes(const std::vector<BlockSpan>& spans, std::size_t rank) const;
+  std::vector<PendingBlock> MakeBlocks(const BlockSpan& span) const;
   /// Fills the records of a round's blocks. Those that stay on this rank are finished at once.
   /// `whenFinished` is called for each by its index, by several threads at once.
-  Status MakeRecords(const std::vector<BlockRun>& runs, RoundSamples samples,
+  Status MakeRecords(const std::vector<BlockSpan>& spans, RoundSamples samples,
     const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks,
     const std::function<void(std::size_t)>& whenFinished);
   Status Ship(const BlockRoundsSteps& steps, std::vector<PendingBlock>& blocks);

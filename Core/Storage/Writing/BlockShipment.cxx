@@ -16,12 +16,12 @@ constexpr std::size_t BlockHeaderSize = 8;
 
 } // namespace
 
-BlockShipment::Load BlockShipment::GetLoad(const std::vector<BlockRun>& runs) const
+BlockShipment::Load BlockShipment::GetLoad(const std::vector<BlockSpan>& spans) const
 {
   Load load;
-  for (std::size_t maker = 0; maker < runs.size(); ++maker)
+  for (std::size_t maker = 0; maker < spans.size(); ++maker)
   {
-    for (std::int64_t block = runs[maker].Begin; block < runs[maker].End; ++block)
+    for (std::int64_t block = spans[maker].Begin; block < spans[maker].End; ++block)
     {
       const bool isMade = maker == this->Rank;
       const bool isWritten = this->FindWriter(block) == this->Rank;

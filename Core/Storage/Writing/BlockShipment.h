@@ -49,14 +49,14 @@ public:
   }
 
   /// The blocks of a round that this rank sends to others, receives from them, and keeps. Rank r
-  /// makes the records of runs[r].
+  /// makes the records of spans[r].
   struct Load
   {
     std::uint64_t Sent = 0;
     std::uint64_t Received = 0;
     std::uint64_t Kept = 0;
   };
-  Load GetLoad(const std::vector<BlockRun>& runs) const;
+  Load GetLoad(const std::vector<BlockSpan>& spans) const;
 
   /// Packs the messages to all ranks. The blocks that this rank writes stay in `blocks`.
   std::vector<Message> Pack(std::vector<PendingBlock>& blocks, RecordBuffers& buffers) const;

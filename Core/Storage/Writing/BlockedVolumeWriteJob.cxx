@@ -71,11 +71,8 @@ Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
 Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
-  const int ranksOnNode = this->Context.Ranks.GetRanksOnNode();
-  if (this->Context.Settings.Threads <= 0)
-  {
-    this->Context.Settings.Threads = ChooseThreadCount(ranksOnNode);
-  }
+  this->Context.Settings.Threads =
+    this->Context.Ranks.ChooseThreads(this->Context.Settings.Threads);
   std::uint64_t fingerprint = 0;
   const auto plan = [&]() -> Status
   {
@@ -87,7 +84,7 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
     fingerprint = this->ComputeFingerprint(*header);
-    this->Volume = std::make_unique<GridWriter>(this->Context, this->Source, *header,
+    this->Volume = std::make_unique<ResolutionWriter>(this->Context, this->Source, *header,
       !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
     return Status::Ok();
   };
@@ -153,7 +150,7 @@ Status BlockedVolumeWriteJob::MakeGeneration()
 /// Writes each overview as the volume was, from the samples that the grid before it has left.
 Status BlockedVolumeWriteJob::WriteOverviews()
 {
-  std::unique_ptr<GridWriter> coarsest;
+  std::unique_ptr<ResolutionWriter> coarsest;
   const std::size_t overviews = this->Volume->GetHeader().Overviews.size();
   for (std::size_t overview = 0; overview < overviews; ++overview)
   {
@@ -168,18 +165,19 @@ Status BlockedVolumeWriteJob::WriteOverviews()
   return Status::Ok();
 }
 
-Result<std::unique_ptr<GridWriter>> BlockedVolumeWriteJob::WriteOverview(
-  std::size_t overview, GridWriter& finer)
+Result<std::unique_ptr<ResolutionWriter>> BlockedVolumeWriteJob::WriteOverview(
+  std::size_t overview, ResolutionWriter& finer)
 {
   std::unique_ptr<OverviewSource> source;
-  std::unique_ptr<GridWriter> writer;
+  std::unique_ptr<ResolutionWriter> writer;
   const BlockedVolumeHeader& volume = this->Volume->GetHeader();
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
       source = finer.MakeOverviewSource();
-      writer = std::make_unique<GridWriter>(this->Context, *source, volume.MakeOverview(overview),
-        overview + 1 < volume.Overviews.size(), this->MakeProgress(VolumeDone, 1));
+      writer =
+        std::make_unique<ResolutionWriter>(this->Context, *source, volume.MakeOverview(overview),
+          overview + 1 < volume.Overviews.size(), this->MakeProgress(VolumeDone, 1));
       return Status::Ok();
     })));
   ISOSURFACE_RETURN_IF_ERROR(writer->Prepare());

@@ -9,7 +9,7 @@
 #include "Ground/Volume/SlabSource.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
-#include "Storage/Writing/GridWriter.h"
+#include "Storage/Writing/ResolutionWriter.h"
 #include "Storage/Writing/WriteContext.h"
 
 #include <cstddef>
@@ -59,7 +59,8 @@ private:
   Status CheckEqualArguments(std::uint64_t fingerprint) const;
   Status MakeGeneration();
   Status WriteOverviews();
-  Result<std::unique_ptr<GridWriter>> WriteOverview(std::size_t overview, GridWriter& finer);
+  Result<std::unique_ptr<ResolutionWriter>> WriteOverview(
+    std::size_t overview, ResolutionWriter& finer);
   Status Commit();
   /// Progress within [begin, end] of the whole work.
   Progress MakeProgress(double begin, double end) const;
@@ -67,7 +68,7 @@ private:
   WriteContext Context;
   SlabSource& Source;
   Progress Tell;
-  std::unique_ptr<GridWriter> Volume;
+  std::unique_ptr<ResolutionWriter> Volume;
   std::unique_ptr<PathLock> Lock; ///< of rank 0
   std::string NewFolder;          ///< of rank 0; empty until it is made
   bool IsVisible = false;

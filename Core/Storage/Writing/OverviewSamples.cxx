@@ -10,28 +10,6 @@
 
 namespace isosurface
 {
-namespace
-{
-
-std::uint64_t SumValueSizes(const std::vector<ValueType>& types)
-{
-  std::uint64_t bytes = 0;
-  for (const ValueType type : types)
-  {
-    bytes += GetValueSize(type);
-  }
-  return bytes;
-}
-
-/// The position of a vertex in a raster of the box.
-std::int64_t FindPosition(const VertexBox& box, const Index3& vertex)
-{
-  const Index3 size = box.GetSize();
-  return vertex[0] - box.Low[0] +
-    size[0] * (vertex[1] - box.Low[1] + size[1] * (vertex[2] - box.Low[2]));
-}
-
-} // namespace
 
 VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block)
 {
@@ -52,26 +30,23 @@ std::vector<std::uint8_t> PickOverviewSamples(
   const int levels = finer.GetNumberOfLevels();
   const VertexBox box = BlockSegment(finer, block.Block, levels - 1).GetBox();
   const VertexBox part = FindOverviewPart(finer, block.Block);
-  const Index3 size = part.GetSize();
   std::vector<std::uint8_t> samples(
     static_cast<std::size_t>(part.GetNumberOfVertices()) * SumValueSizes(types));
   std::uint8_t* to = samples.data();
   for (std::size_t array = 0; array < types.size(); ++array)
   {
-    const std::size_t valueSize = GetValueSize(types[array]);
-    const std::uint8_t* from = block.Record.GetData() +
-      block.Layout.Offsets[array * static_cast<std::size_t>(levels)] +
-      BlockRecord::SegmentHeaderSize;
-    for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
+    // Every second vertex, so the view is in the overview's coordinates.
+    SampleView from = MakeSampleView(types[array], box,
+      block.Record.GetData() + block.Layout.Offsets[array * static_cast<std::size_t>(levels)] +
+        BlockRecord::SegmentHeaderSize);
+    from.First = from.AtBytes({ 2 * part.Low[0], 2 * part.Low[1], 2 * part.Low[2] });
+    from.Available = part;
+    for (std::ptrdiff_t& stride : from.Stride)
     {
-      for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
-      {
-        const auto position =
-          static_cast<std::size_t>(FindPosition(box, { 2 * part.Low[0], 2 * j, 2 * k }));
-        CopySamples(to, 1, from + position * valueSize, 2, size[0], valueSize);
-        to += static_cast<std::size_t>(size[0]) * valueSize;
-      }
+      stride *= 2;
     }
+    CopyBox(from, part, part, to);
+    to += static_cast<std::size_t>(part.GetNumberOfVertices()) * GetValueSize(types[array]);
   }
   return samples;
 }
@@ -178,22 +153,12 @@ Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const Vertex
   for (const std::int64_t block : part.Blocks)
   {
     const VertexBox has = FindOverviewPart(this->Finer, block);
-    const VertexBox wanted = has.Intersect(box);
     for (std::size_t array = 0; array < this->Types.size(); ++array)
     {
-      const std::size_t valueSize = GetValueSize(this->Types[array]);
-      std::uint8_t* to = samples[array].GetData();
-      for (std::int64_t k = wanted.Low[2]; k < wanted.High[2] && !wanted.IsEmpty(); ++k)
-      {
-        for (std::int64_t j = wanted.Low[1]; j < wanted.High[1]; ++j)
-        {
-          const Index3 first = { wanted.Low[0], j, k };
-          CopySamples(to + static_cast<std::size_t>(FindPosition(box, first)) * valueSize, 1,
-            from + static_cast<std::size_t>(FindPosition(has, first)) * valueSize, 1,
-            wanted.GetSize()[0], valueSize);
-        }
-      }
-      from += static_cast<std::size_t>(has.GetNumberOfVertices()) * valueSize;
+      CopyBox(MakeSampleView(this->Types[array], has, from), has.Intersect(box), box,
+        samples[array].GetData());
+      from +=
+        static_cast<std::size_t>(has.GetNumberOfVertices()) * GetValueSize(this->Types[array]);
     }
   }
   return Status::Ok();
@@ -201,20 +166,13 @@ Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const Vertex
 
 Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
 {
-  const Index3 size = box.GetSize();
   const auto vertices = static_cast<std::size_t>(box.GetNumberOfVertices());
   auto samples = std::make_shared<std::vector<Buffer<std::uint8_t>>>();
   SampleSlab slab;
   for (const ValueType type : this->Types)
   {
     samples->emplace_back(vertices * GetValueSize(type));
-    SampleView view;
-    view.Type = type;
-    view.First = samples->back().GetData();
-    view.Stride = { 1, size[0], size[0] * size[1] };
-    view.Available = box;
-    view.Box = box;
-    slab.Arrays.push_back(view);
+    slab.Arrays.push_back(MakeSampleView(type, box, samples->back().GetData()));
   }
   const std::int64_t beginRow = this->FindBlock(box.Low[1], 1);
   const std::int64_t endRow = this->FindBlock(box.High[1] - 1, 1) + 1;

@@ -14,7 +14,7 @@ RoundPlan::RoundPlan(const BlockGrid& grid, std::size_t ranks)
 {
 }
 
-BlockRun RoundPlan::CutRun(std::int64_t begin, std::int64_t blocks) const
+BlockSpan RoundPlan::CutSpan(std::int64_t begin, std::int64_t blocks) const
 {
   std::int64_t count = blocks;
   if (begin % this->Layer == 0 && blocks >= this->Layer)
@@ -31,25 +31,25 @@ BlockRun RoundPlan::CutRun(std::int64_t begin, std::int64_t blocks) const
   return { begin, std::min(this->Blocks, begin + count) };
 }
 
-std::vector<BlockRun> RoundPlan::Propose(std::int64_t blocks) const
+std::vector<BlockSpan> RoundPlan::Propose(std::int64_t blocks) const
 {
   // The remaining blocks are divided evenly.
   const auto ranks = static_cast<std::int64_t>(this->Ranks);
   const std::int64_t remaining = this->Blocks - this->Next;
   const std::int64_t share = std::max<std::int64_t>(1, (remaining + ranks - 1) / ranks);
-  std::vector<BlockRun> runs;
+  std::vector<BlockSpan> spans;
   std::int64_t begin = this->Next;
   for (std::size_t rank = 0; rank < this->Ranks; ++rank)
   {
-    runs.push_back(this->CutRun(begin, std::min(blocks, share)));
-    begin = runs.back().End;
+    spans.push_back(this->CutSpan(begin, std::min(blocks, share)));
+    begin = spans.back().End;
   }
-  return runs;
+  return spans;
 }
 
-void RoundPlan::Take(const std::vector<BlockRun>& runs)
+void RoundPlan::Take(const std::vector<BlockSpan>& spans)
 {
-  this->Next = runs.back().End;
+  this->Next = spans.back().End;
 }
 
 } // namespace isosurface

@@ -3,7 +3,7 @@
 #define isosurface_RoundPlan_h
 
 #include "Ground/Volume/BlockGrid.h"
-#include "Storage/Writing/RunSamples.h"
+#include "Storage/Writing/SpanSamples.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace isosurface
 {
 
 /// Plans which rank makes the records of which blocks in which round; equal on all ranks. A round
-/// is a run of blocks, divided among the ranks. So blocks come in the order of their indices, and
+/// is a span of blocks, divided among the ranks. So blocks come in the order of their indices, and
 /// stores are written by appending records of any size.
 class RoundPlan
 {
@@ -24,14 +24,14 @@ public:
   /// How many blocks are planned.
   std::int64_t GetCount() const { return this->Next; }
 
-  /// The runs of the next round, one for each rank, of at most `blocks` (> 0) blocks: whole layers
+  /// The spans of the next round, one for each rank, of at most `blocks` (> 0) blocks: whole layers
   /// of blocks, whole rows, or parts of a row, so that few samples are read twice.
-  std::vector<BlockRun> Propose(std::int64_t blocks) const;
-  /// Continues after these runs.
-  void Take(const std::vector<BlockRun>& runs);
+  std::vector<BlockSpan> Propose(std::int64_t blocks) const;
+  /// Continues after these spans.
+  void Take(const std::vector<BlockSpan>& spans);
 
 private:
-  BlockRun CutRun(std::int64_t begin, std::int64_t blocks) const;
+  BlockSpan CutSpan(std::int64_t begin, std::int64_t blocks) const;
 
   std::size_t Ranks;
   std::int64_t Row;

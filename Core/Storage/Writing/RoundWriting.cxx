@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Writing/RoundWriting.h"
 
-#include <exception>
 #include <utility>
 
 namespace isosurface
@@ -57,7 +56,7 @@ bool RoundWriting::WaitFor(std::size_t index)
 
 Status RoundWriting::WriteAll(RoundWriting* before)
 {
-  try
+  const auto write = [&]() -> Status
   {
     if (before)
     {
@@ -74,11 +73,8 @@ Status RoundWriting::WriteAll(RoundWriting* before)
       this->Records.Return(std::move(block.Record));
     }
     return Status::Ok();
-  }
-  catch (const std::exception& exception)
-  {
-    return MakeExceptionError("a round of blocks cannot be written", exception);
-  }
+  };
+  return Attempt("a round of blocks cannot be written", write);
 }
 
 } // namespace isosurface

@@ -2,6 +2,7 @@
 #include "Surface/Contour/BlockRanges.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/SampleRange.h"
 #include "Surface/Contour/BrickKernel.h"
 
 #include <algorithm>
@@ -108,18 +109,7 @@ template <typename Predicate>
 std::vector<std::int64_t> BlockRanges::FindBlocks(
   const std::vector<double>& isovalues, const Predicate& isWanted) const
 {
-  std::vector<ValueKey> thresholds;
-  DispatchValueType(this->Type,
-    [&](auto zero)
-    {
-      for (const double isovalue : isovalues)
-      {
-        if (const auto threshold = FindThreshold<decltype(zero)>(isovalue))
-        {
-          thresholds.push_back(MakeValueKey(*threshold));
-        }
-      }
-    });
+  const std::vector<ValueKey> thresholds = FindThresholdKeys(this->Type, isovalues);
   std::vector<std::int64_t> blocks;
   for (std::size_t block = 0; block < this->Ranges.size(); ++block)
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Surface/Contour/BrickScan.h"
 
+#include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Surface/Contour/AttributeInterpolator.h"
@@ -8,10 +9,8 @@
 #include "Surface/Contour/LinePlacement.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstring>
-#include <mutex>
 #include <string>
 
 namespace isosurface
@@ -154,29 +153,14 @@ void BrickScan::Allocate(const BrickLattice& lattice, Parts& parts) const
 Status BrickScan::Run(const BrickLattice& lattice, const Progress& progress)
 {
   this->Allocate(lattice, this->AllParts);
-  Status failure;
-  std::atomic<bool> failed{ false };
-  std::mutex failureMutex;
+  FirstFailure failure;
   const bool finished = ParallelFor(
     this->Source.GetNumberOfBlocks(), static_cast<int>(this->Workers.size()),
-    [&](std::size_t block, int thread)
-    {
-      if (failed)
-      {
-        return;
-      }
-      Status status = this->ScanBlock(lattice, block, block, this->AllParts, thread);
-      if (!status.IsOk())
-      {
-        const std::lock_guard<std::mutex> lock(failureMutex);
-        if (!failed.exchange(true))
-        {
-          failure = std::move(status);
-        }
-      }
+    [&](std::size_t block, int thread) {
+      failure.Run([&] { return this->ScanBlock(lattice, block, block, this->AllParts, thread); });
     },
     progress);
-  ISOSURFACE_RETURN_IF_ERROR(failure);
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
   return finished ? Status::Ok() : Status(StatusCode::Aborted, "The extraction was aborted.");
 }
 

@@ -61,13 +61,7 @@ VertexBox GridBlockSource::GetVertices(std::size_t block) const
 
 VertexBox GridBlockSource::FindVertices(std::int64_t block) const
 {
-  VertexBox vertices = this->Grid.GetVertices(block);
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    vertices.Low[axis] += this->Samples.Box.Low[axis];
-    vertices.High[axis] += this->Samples.Box.Low[axis];
-  }
-  return vertices;
+  return this->Grid.GetVertices(block).Translate(this->Samples.Box.Low);
 }
 
 Result<BlockSamples> GridBlockSource::Acquire(std::size_t block)

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Surface/Contour/QueuedScan.h"
 
+#include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Base/ParallelQueue.h"
 #include "Surface/Contour/ChosenBlocks.h"
 #include "Surface/Contour/PointRestriction.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 
 namespace isosurface
@@ -34,36 +34,21 @@ Result<BrickLattice> QueuedScan::Run(BlockQueue& queue, int threads, const Progr
 
 Status QueuedScan::ScanAll(BlockQueue& queue, int threads, const Progress& progress)
 {
-  Status failure;
-  std::atomic<bool> failed{ false };
-  const auto fail = [&](Status status)
-  {
-    const std::lock_guard<std::mutex> lock(this->Mutex);
-    if (!failed.exchange(true))
-    {
-      failure = std::move(status);
-    }
-  };
+  FirstFailure failure;
   const auto take = [&]() -> std::vector<std::size_t>
   {
-    auto blocks = failed ? std::vector<std::size_t>() : queue.Take();
+    auto blocks = failure.IsFound() ? std::vector<std::size_t>() : queue.Take();
     if (!blocks.IsOk())
     {
-      fail(blocks.GetStatus());
+      failure.Keep(blocks.GetStatus());
       return {};
     }
     return std::move(*blocks);
   };
   const auto scan = [&](std::size_t block, int thread)
-  {
-    Status status = failed ? Status::Ok() : this->ScanBlock(block, thread);
-    if (!status.IsOk())
-    {
-      fail(std::move(status));
-    }
-  };
+  { failure.Run([&] { return this->ScanBlock(block, thread); }); };
   const bool finished = ParallelQueue(take, queue.GetExpectedBlocks(), threads, scan, progress);
-  ISOSURFACE_RETURN_IF_ERROR(failure);
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
   return finished ? Status::Ok() : Status(StatusCode::Aborted, "The extraction was aborted.");
 }
 

@@ -235,12 +235,8 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
   const BrickPart& part = this->Scan.GetParts()[number];
   const std::size_t bricks = this->Lattice.GetBricks().size();
   const auto isovalue = static_cast<std::int64_t>(number / bricks);
-  VertexBox vertices = this->Lattice.GetBricks()[number % bricks].Vertices;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    vertices.Low[axis] += this->FirstVertex;
-    vertices.High[axis] += this->FirstVertex;
-  }
+  const VertexBox vertices = this->Lattice.GetBricks()[number % bricks].Vertices.Translate(
+    { this->FirstVertex, this->FirstVertex, this->FirstVertex });
   const BrickSamples position = MakeBrickSamples(this->NumberedGrid, vertices);
   PointOutput output{};
   output.Codes = part.Codes;

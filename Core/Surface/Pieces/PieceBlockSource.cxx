@@ -3,72 +3,14 @@
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Base/ParallelFor.h"
-#include "Ground/Volume/PieceOwnership.h"
+#include "Ground/Base/WithinMemory.h"
+#include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
-#include <cstring>
-#include <new>
 #include <utility>
 
 namespace isosurface
 {
-namespace
-{
-
-// The message of GatherPieces, all int64. With n pieces on the rank, 0 without:
-//
-//     +--------------------------------------------------+
-//     | components of all arrays, scalars first      (c) |
-//     | attributes                                   (a) |
-//     | types of the components                      x c |
-//     | components of each attribute                 x a |
-//     | box of each piece: low x, y, z, high x, y, z x n |
-//     +--------------------------------------------------+
-// Appends the samples of a box, x fastest.
-void AppendSamples(const SampleView& view, const VertexBox& box, Message& message)
-{
-  DispatchValueType(view.Type,
-    [&](auto zero)
-    {
-      using T = decltype(zero);
-      VisitRows(box,
-        [&](const Index3& first, std::int64_t size)
-        {
-          const std::size_t at = message.size();
-          message.resize(at + static_cast<std::size_t>(size) * sizeof(T));
-          const T* row = view.At<T>(first);
-          for (std::int64_t i = 0; i < size; ++i)
-          {
-            const T value = row[i * view.Stride[0]];
-            std::memcpy(
-              message.data() + at + static_cast<std::size_t>(i) * sizeof(T), &value, sizeof(T));
-          }
-        });
-    });
-}
-
-// Puts such samples into an array of all vertices of `whole`; returns how many bytes were used.
-std::size_t PlaceSamples(const std::uint8_t* bytes, std::size_t valueSize, const VertexBox& box,
-  const VertexBox& whole, std::uint8_t* array)
-{
-  std::size_t used = 0;
-  VisitRows(box,
-    [&](const Index3& first, std::int64_t count)
-    {
-      const std::size_t row = static_cast<std::size_t>(count) * valueSize;
-      std::memcpy(array + whole.FindIndex(first) * valueSize, bytes + used, row);
-      used += row;
-    });
-  return used;
-}
-
-void Extend(KeyRange& range, const KeyRange& other)
-{
-  range.Minimum = std::min(range.Minimum, other.Minimum);
-  range.Maximum = std::max(range.Maximum, other.Maximum);
-}
-
-} // namespace
 
 PieceBlockSource::PieceBlockSource(
   const GridGeometry& geometry, std::vector<GridPiece> pieces, const PieceBlockSelection& selection)
@@ -118,20 +60,19 @@ Status PieceBlockSource::GatherPieces(Communicator& ranks)
   {
     return { StatusCode::InvalidArgument, "the input has no samples" };
   }
-  DispatchValueType(this->Types.front(),
-    [this](auto zero)
-    {
-      for (const double isovalue : this->Isovalues)
-      {
-        if (const auto threshold = FindThreshold<decltype(zero)>(isovalue))
-        {
-          this->Thresholds.push_back(MakeValueKey(*threshold));
-        }
-      }
-    });
+  this->Thresholds = FindThresholdKeys(this->Types.front(), this->Isovalues);
   return Status::Ok();
 }
 
+// The message of GatherPieces, all int64. With n pieces on the rank, 0 without:
+//
+//     +--------------------------------------------------+
+//     | components of all arrays, scalars first      (c) |
+//     | attributes                                   (a) |
+//     | types of the components                      x c |
+//     | components of each attribute                 x a |
+//     | box of each piece: low x, y, z, high x, y, z x n |
+//     +--------------------------------------------------+
 Status PieceBlockSource::DescribePieces(Message& message) const
 {
   for (std::size_t n = 0; n < this->Pieces.size(); ++n)
@@ -186,11 +127,8 @@ Status PieceBlockSource::AddPieces(const Message& message, int rank)
   this->AttributeSizes = std::move(sizes);
   for (std::size_t number = 0; reader.GetRemaining() > 0; ++number)
   {
-    PlacedPiece piece;
-    piece.Rank = rank;
-    piece.Number = number;
-    piece.Box = ReadBox(reader);
-    this->AllPieces.push_back(piece);
+    this->AllPieces.push_back({ rank, number });
+    this->Boxes.push_back(ReadBox(reader));
   }
   return Status::Ok();
 }
@@ -199,31 +137,6 @@ bool PieceBlockSource::IsActive(const KeyRange& range) const
 {
   return std::any_of(this->Thresholds.begin(), this->Thresholds.end(),
     [&range](ValueKey threshold) { return range.Straddles(threshold); });
-}
-
-std::vector<std::pair<std::size_t, VertexBox>> PieceBlockSource::FindParts(
-  const VertexBox& box, std::vector<VertexBox>& missing) const
-{
-  std::vector<std::pair<std::size_t, VertexBox>> parts;
-  missing = { box };
-  for (std::size_t n = 0; n < this->AllPieces.size() && !missing.empty(); ++n)
-  {
-    const VertexBox& piece = this->AllPieces[n].Box;
-    if (piece.Intersect(box).IsEmpty())
-    {
-      continue;
-    }
-    for (const VertexBox& rest : missing)
-    {
-      const VertexBox part = rest.Intersect(piece);
-      if (!part.IsEmpty())
-      {
-        parts.emplace_back(n, part);
-      }
-    }
-    missing = SubtractBox(missing, piece);
-  }
-  return parts;
 }
 
 // Sorts the blocks of the region into those within a piece, of which the own ones are kept, and
@@ -240,28 +153,31 @@ void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int
     }
     const VertexBox samples =
       this->WithLayer ? vertices.AddLayer(this->Grid.GetDimensions()) : vertices;
-    const PlacedPiece* owner = nullptr;
-    const PlacedPiece* first = nullptr;
-    for (const PlacedPiece& piece : this->AllPieces)
+    const auto find = [this](const auto& isWanted)
     {
-      if (piece.Box.Contains(samples))
+      return static_cast<std::size_t>(
+        std::find_if(this->Boxes.begin(), this->Boxes.end(), isWanted) - this->Boxes.begin());
+    };
+    const std::size_t owner = find([&](const VertexBox& box) { return box.Contains(samples); });
+    if (owner < this->Boxes.size())
+    {
+      if (this->AllPieces[owner].Rank == ranks.GetRank())
       {
-        owner = &piece;
-        break;
+        whole.emplace_back(number, this->AllPieces[owner].Number);
       }
-      first = !first && !piece.Box.Intersect(vertices).IsEmpty() ? &piece : first;
+      continue;
     }
-    if (owner && owner->Rank == ranks.GetRank())
+    const std::size_t first =
+      find([&](const VertexBox& box) { return !box.Intersect(vertices).IsEmpty(); });
+    if (first < this->Boxes.size())
     {
-      whole.emplace_back(number, owner->Number);
-    }
-    else if (!owner && first)
-    {
-      SharedBlock block;
+      SharedBlock& block = this->Shared.emplace_back();
       block.Number = number;
-      block.Owner = first->Rank;
+      block.Owner = this->AllPieces[first].Rank;
       block.Samples = samples;
-      this->Shared.push_back(std::move(block));
+      std::vector<VertexBox> missing = { samples };
+      block.Supplies = FindSupplies(this->Boxes, missing);
+      block.HasGap = !missing.empty();
     }
   }
   std::vector<SampleRange> ranges(whole.size());
@@ -273,51 +189,39 @@ void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int
     }));
   for (std::size_t n = 0; n < whole.size(); ++n)
   {
-    Extend(this->Finite, ranges[n].Finite);
+    this->Finite.Add(ranges[n].Finite);
     if (this->IsActive(ranges[n].All))
     {
       this->Numbers.push_back(whole[n].first);
       this->Places.push_back({ false, whole[n].second });
     }
   }
-  this->JoinRanges(ranks);
+  this->KeepActive(ranks);
 }
 
-void PieceBlockSource::JoinRanges(Communicator& ranks)
+// Finds the ranges of the shared blocks, and drops those that are not active.
+void PieceBlockSource::KeepActive(Communicator& ranks)
 {
-  std::vector<std::uint64_t> minima = { this->Finite.Minimum };
-  std::vector<std::uint64_t> maxima = { this->Finite.Maximum };
+  CommonRanges common;
+  common.Add(this->Finite);
   for (SharedBlock& block : this->Shared)
   {
-    std::vector<VertexBox> missing;
-    for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+    for (const Supply& supply : block.Supplies)
     {
-      const PlacedPiece& piece = this->AllPieces[number];
-      const VertexBox own = part.Intersect(this->Grid.GetVertices(block.Number));
+      const PlacedPiece& piece = this->AllPieces[supply.Piece];
+      const VertexBox own = supply.Box.Intersect(this->Grid.GetVertices(block.Number));
       if (piece.Rank == ranks.GetRank() && !own.IsEmpty())
       {
         block.Range.Add(FindSampleRange(this->Pieces[piece.Number].Scalars, own));
       }
     }
-    block.HasGap = !missing.empty();
-    for (const KeyRange* range : { &block.Range.All, &block.Range.Finite })
-    {
-      minima.push_back(range->Minimum);
-      maxima.push_back(range->Maximum);
-    }
+    common.Add(block.Range.All);
+    common.Add(block.Range.Finite);
   }
-  ranks.ReduceMinimum(minima);
-  ranks.ReduceMaximum(maxima);
-  this->Finite = { minima.front(), maxima.front() };
-  std::size_t next = 1;
-  for (SharedBlock& block : this->Shared)
+  common.Join(ranks);
+  for (const SharedBlock& block : this->Shared)
   {
-    for (KeyRange* range : { &block.Range.All, &block.Range.Finite })
-    {
-      *range = { minima[next], maxima[next] };
-      ++next;
-    }
-    Extend(this->Finite, block.Range.Finite);
+    this->Finite.Add(block.Range.Finite);
   }
   this->Shared.erase(
     std::remove_if(this->Shared.begin(), this->Shared.end(),
@@ -335,17 +239,13 @@ Status PieceBlockSource::CollectShared(Communicator& ranks)
       "the images of the input leave gaps in their grid where the isosurface passes" };
   }
   std::vector<Message> outgoing(static_cast<std::size_t>(ranks.GetSize()));
-  Status status;
-  try
+  const auto pack = [&]
   {
     this->PackShared(ranks.GetRank(), outgoing);
-  }
-  catch (const std::bad_alloc&)
-  {
-    status =
-      Status(StatusCode::OutOfMemory, "there is not enough memory for the blocks that ranks share");
-  }
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(
+    RunWithinMemory("", "there is not enough memory for the blocks that ranks share", pack)));
   this->PlaceShared(ranks.GetRank(), ranks.Exchange(std::move(outgoing)));
   return Status::Ok();
 }
@@ -353,16 +253,19 @@ Status PieceBlockSource::CollectShared(Communicator& ranks)
 // Packs the samples for each rank, and makes room for those that this rank will get.
 void PieceBlockSource::PackShared(int rank, std::vector<Message>& outgoing)
 {
-  std::vector<VertexBox> missing;
   for (SharedBlock& block : this->Shared)
   {
-    for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+    Message& message = outgoing[static_cast<std::size_t>(block.Owner)];
+    for (const Supply& supply : block.Supplies)
     {
-      const PlacedPiece& piece = this->AllPieces[number];
+      const PlacedPiece& piece = this->AllPieces[supply.Piece];
       for (const SampleView& view :
         piece.Rank == rank ? this->GetViews(piece.Number) : std::vector<SampleView>())
       {
-        AppendSamples(view, part, outgoing[static_cast<std::size_t>(block.Owner)]);
+        const std::size_t begin = message.size();
+        message.resize(begin +
+          static_cast<std::size_t>(supply.Box.GetNumberOfVertices()) * GetValueSize(view.Type));
+        CopyBox(view, supply.Box, supply.Box, message.data() + begin);
       }
     }
     for (std::size_t n = 0; block.Owner == rank && n < this->Types.size(); ++n)
@@ -376,8 +279,7 @@ void PieceBlockSource::PackShared(int rank, std::vector<Message>& outgoing)
 // Adds the shared blocks of this rank to its own, with the samples that all ranks sent.
 void PieceBlockSource::PlaceShared(int rank, const std::vector<Message>& incoming)
 {
-  std::vector<VertexBox> missing;
-  std::vector<std::size_t> used(incoming.size(), 0);
+  std::vector<ByteReader> readers(incoming.begin(), incoming.end());
   for (std::size_t index = 0; index < this->Shared.size(); ++index)
   {
     SharedBlock& block = this->Shared[index];
@@ -385,13 +287,15 @@ void PieceBlockSource::PlaceShared(int rank, const std::vector<Message>& incomin
     {
       continue;
     }
-    for (const auto& [number, part] : this->FindParts(block.Samples, missing))
+    for (const Supply& supply : block.Supplies)
     {
-      const auto from = static_cast<std::size_t>(this->AllPieces[number].Rank);
+      ByteReader& reader = readers[static_cast<std::size_t>(this->AllPieces[supply.Piece].Rank)];
+      const auto count = static_cast<std::size_t>(supply.Box.GetNumberOfVertices());
       for (std::size_t n = 0; n < this->Types.size(); ++n)
       {
-        used[from] += PlaceSamples(incoming[from].data() + used[from], GetValueSize(this->Types[n]),
-          part, block.Samples, block.Arrays[n].GetData());
+        const std::uint8_t* bytes = reader.ReadBytes(count * GetValueSize(this->Types[n]));
+        CopyBox(MakeSampleView(this->Types[n], supply.Box, bytes), supply.Box, block.Samples,
+          block.Arrays[n].GetData());
       }
     }
     const auto place = std::lower_bound(this->Numbers.begin(), this->Numbers.end(), block.Number);
@@ -412,15 +316,9 @@ Result<BlockSamples> PieceBlockSource::Acquire(std::size_t block)
   else
   {
     const SharedBlock& shared = this->Shared[place.Index];
-    const Index3 size = shared.Samples.GetSize();
     for (std::size_t n = 0; n < this->Types.size(); ++n)
     {
-      SampleView& view = views.emplace_back();
-      view.Type = this->Types[n];
-      view.First = shared.Arrays[n].GetData();
-      view.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
-        static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-      view.Available = shared.Samples;
+      views.push_back(MakeSampleView(this->Types[n], shared.Samples, shared.Arrays[n].GetData()));
     }
   }
   for (SampleView& view : views)

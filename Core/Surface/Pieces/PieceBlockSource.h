@@ -7,6 +7,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/PieceOwnership.h"
 #include "Ground/Volume/Region.h"
 #include "Ground/Volume/SampleRange.h"
 #include "Ground/Volume/ValueKey.h"
@@ -79,12 +80,11 @@ public:
   Result<BlockSamples> Acquire(std::size_t block) override;
 
 private:
-  /// A piece of some rank's.
+  /// Whose a piece is.
   struct PlacedPiece
   {
     int Rank = 0;
     std::size_t Number = 0; ///< of that rank's
-    VertexBox Box;          ///< of all samples that it has
   };
 
   /// A block that no piece has as a whole.
@@ -93,8 +93,9 @@ private:
     std::int64_t Number = 0;
     int Owner = 0;
     VertexBox Samples; ///< that the owner needs
-    SampleRange Range;
+    std::vector<Supply> Supplies;
     bool HasGap = false;
+    SampleRange Range;
     std::vector<Buffer<std::uint8_t>> Arrays; ///< on the owner: one a component
   };
 
@@ -112,14 +113,11 @@ private:
   Status DescribePieces(Message& message) const;
   Status AddPieces(const Message& message, int rank);
   void FindBlocks(Communicator& ranks, const Region& region, int threads);
-  void JoinRanges(Communicator& ranks);
+  void KeepActive(Communicator& ranks);
   Status CollectShared(Communicator& ranks);
   void PackShared(int rank, std::vector<Message>& outgoing);
   void PlaceShared(int rank, const std::vector<Message>& incoming);
   bool IsActive(const KeyRange& range) const;
-  /// The part of the box that each piece supplies, and what none has.
-  std::vector<std::pair<std::size_t, VertexBox>> FindParts(
-    const VertexBox& box, std::vector<VertexBox>& missing) const;
   /// The views of all components of a piece: scalars first.
   std::vector<SampleView> GetViews(std::size_t piece) const;
 
@@ -130,6 +128,7 @@ private:
   std::vector<ValueKey> Thresholds;
   std::vector<GridPiece> Pieces;
   std::vector<PlacedPiece> AllPieces; ///< of all ranks, by rank
+  std::vector<VertexBox> Boxes;       ///< of all samples that these pieces have
   std::vector<ValueType> Types;       ///< of the scalars, then of each attribute's components
   std::vector<int> AttributeSizes;    ///< components of each attribute
   std::vector<SharedBlock> Shared;

@@ -3,6 +3,7 @@
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Volume/PieceOwnership.h"
+#include "Ground/Volume/SampleCopy.h"
 #include "Surface/Contour/CellVisibility.h"
 
 #include <algorithm>
@@ -18,23 +19,16 @@ namespace
 // What all ranks know of a piece.
 struct PlacedPiece
 {
+  std::size_t Rank = 0;
+  std::size_t Number = 0; ///< of that rank's
   std::int64_t Grid = 0;
   std::int64_t Type = 0;
   VertexBox Needed; ///< with the layer
   VertexBox Available;
 };
 
-// A part of a piece's layer, and who has it.
-struct Supply
-{
-  VertexBox Box;
-  int Rank = 0;
-  std::size_t Piece = 0; ///< of that rank
-};
-
 // By rank, then by number. A message has for each piece: grid and type as int64, both boxes.
-std::vector<std::vector<PlacedPiece>> GatherPieces(
-  Communicator& ranks, const std::vector<LayeredPiece>& pieces)
+std::vector<PlacedPiece> GatherPieces(Communicator& ranks, const std::vector<LayeredPiece>& pieces)
 {
   Message mine;
   for (const LayeredPiece& piece : pieces)
@@ -45,14 +39,16 @@ std::vector<std::vector<PlacedPiece>> GatherPieces(
     AppendBox(mine, box.IsEmpty() ? box : box.AddLayer(piece.Dimensions));
     AppendBox(mine, piece.Scalars.Available);
   }
-  std::vector<std::vector<PlacedPiece>> all;
-  for (const Message& message : ranks.AllGather(mine))
+  std::vector<PlacedPiece> all;
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  for (std::size_t rank = 0; rank < messages.size(); ++rank)
   {
-    std::vector<PlacedPiece>& placed = all.emplace_back();
-    ByteReader reader(message);
-    while (reader.GetRemaining() > 0)
+    ByteReader reader(messages[rank]);
+    for (std::size_t number = 0; reader.GetRemaining() > 0; ++number)
     {
-      PlacedPiece& piece = placed.emplace_back();
+      PlacedPiece& piece = all.emplace_back();
+      piece.Rank = rank;
+      piece.Number = number;
       piece.Grid = reader.Read<std::int64_t>();
       piece.Type = reader.Read<std::int64_t>();
       piece.Needed = ReadBox(reader);
@@ -62,74 +58,48 @@ std::vector<std::vector<PlacedPiece>> GatherPieces(
   return all;
 }
 
-// The parts of the layer that a piece needs, each from the first piece that has it.
-std::vector<Supply> FindSupplies(
-  const std::vector<std::vector<PlacedPiece>>& all, const PlacedPiece& piece)
+// The parts of the layer that a piece needs, each from the first piece of its grid that has it.
+std::vector<Supply> FindLayer(const std::vector<PlacedPiece>& all, const PlacedPiece& piece)
 {
-  std::vector<Supply> supplies;
   if (piece.Needed.IsEmpty())
   {
-    return supplies;
+    return {};
+  }
+  std::vector<VertexBox> boxes;
+  boxes.reserve(all.size());
+  for (const PlacedPiece& other : all)
+  {
+    const bool isOfGrid = other.Grid == piece.Grid && other.Type == piece.Type;
+    boxes.push_back(isOfGrid ? other.Available : VertexBox());
   }
   std::vector<VertexBox> missing = SubtractBox(piece.Needed, piece.Available);
-  for (std::size_t rank = 0; rank < all.size() && !missing.empty(); ++rank)
-  {
-    for (std::size_t n = 0; n < all[rank].size() && !missing.empty(); ++n)
-    {
-      const PlacedPiece& other = all[rank][n];
-      if (other.Grid != piece.Grid || other.Type != piece.Type)
-      {
-        continue;
-      }
-      for (const VertexBox& rest : missing)
-      {
-        const VertexBox part = rest.Intersect(other.Available);
-        if (!part.IsEmpty())
-        {
-          supplies.push_back({ part, static_cast<int>(rank), n });
-        }
-      }
-      missing = SubtractBox(missing, other.Available);
-    }
-  }
-  return supplies;
+  return FindSupplies(boxes, missing);
 }
 
-// Appends the samples of a box, then a byte for each that says whether it is known.
+// Appends the samples of a box, then a byte for each that says whether it is hidden.
 void AppendPart(const LayeredPiece& piece, const VertexBox& box, Message& message)
 {
   BlockSamples samples;
   samples.Scalars = piece.Scalars;
   samples.Hidden = &piece.Hidden;
   const CellVisibility visibility(samples, false);
-  const std::size_t valueSize = GetValueSize(piece.Scalars.Type);
   const std::size_t first = message.size();
-  const auto count = static_cast<std::size_t>(box.GetNumberOfVertices());
-  message.resize(first + count * (valueSize + 1));
-  std::uint8_t* to = &message[first];
-  std::uint8_t* known = to + count * valueSize;
-  DispatchValueType(piece.Scalars.Type,
-    [&](auto zero)
-    {
-      VisitVertices(box,
-        [&](const Index3& vertex)
-        {
-          std::memcpy(to, piece.Scalars.At<decltype(zero)>(vertex), valueSize);
-          to += valueSize;
-          *known++ = visibility.IsKnown(vertex) ? 1 : 0;
-        });
-    });
+  message.resize(
+    first + static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(piece.Scalars.Type));
+  CopyBox(piece.Scalars, box, box, message.data() + first);
+  VisitVertices(
+    box, [&](const Index3& vertex) { message.push_back(visibility.IsKnown(vertex) ? 0 : 1); });
 }
 
 // A part for the samples of a supply, before they arrive.
-PieceLayers::Part MakeRoom(const LayeredPiece& piece, const Supply& supply)
+PieceLayers::Part MakeRoom(const LayeredPiece& piece, const Supply& supply, std::size_t rank)
 {
   const auto count = static_cast<std::size_t>(supply.Box.GetNumberOfVertices());
   PieceLayers::Part part;
-  part.Rank = supply.Rank;
+  part.Rank = static_cast<int>(rank);
   part.Box = supply.Box;
   part.Samples = Buffer<std::uint8_t>(count * GetValueSize(piece.Scalars.Type));
-  part.Known.resize(count);
+  part.Hidden.resize(count);
   return part;
 }
 
@@ -138,30 +108,28 @@ PieceLayers::Part MakeRoom(const LayeredPiece& piece, const Supply& supply)
 Result<PieceLayers> PieceLayers::Collect(
   Communicator& ranks, const std::vector<LayeredPiece>& pieces)
 {
-  const std::vector<std::vector<PlacedPiece>> all = GatherPieces(ranks, pieces);
-  std::vector<Message> outgoing(all.size());
+  const std::vector<PlacedPiece> all = GatherPieces(ranks, pieces);
+  const auto own = static_cast<std::size_t>(ranks.GetRank());
+  std::vector<Message> outgoing(static_cast<std::size_t>(ranks.GetSize()));
   bool isAnyNeeded = false; // the same on all ranks
   PieceLayers layers;
   layers.Parts.resize(pieces.size());
   // Packs what other pieces need of this rank's, and makes room for what its own ones need.
   const auto pack = [&]
   {
-    for (std::size_t rank = 0; rank < all.size(); ++rank)
+    for (const PlacedPiece& piece : all)
     {
-      for (std::size_t number = 0; number < all[rank].size(); ++number)
+      for (const Supply& supply : FindLayer(all, piece))
       {
-        const std::vector<Supply> supplies = FindSupplies(all, all[rank][number]);
-        isAnyNeeded = isAnyNeeded || !supplies.empty();
-        for (const Supply& supply : supplies)
+        const PlacedPiece& from = all[supply.Piece];
+        isAnyNeeded = true;
+        if (from.Rank == own)
         {
-          if (supply.Rank == ranks.GetRank())
-          {
-            AppendPart(pieces[supply.Piece], supply.Box, outgoing[rank]);
-          }
-          if (rank == static_cast<std::size_t>(ranks.GetRank()))
-          {
-            layers.Parts[number].push_back(MakeRoom(pieces[number], supply));
-          }
+          AppendPart(pieces[from.Number], supply.Box, outgoing[piece.Rank]);
+        }
+        if (piece.Rank == own)
+        {
+          layers.Parts[piece.Number].push_back(MakeRoom(pieces[piece.Number], supply, from.Rank));
         }
       }
     }
@@ -178,17 +146,15 @@ Result<PieceLayers> PieceLayers::Collect(
 
 void PieceLayers::Place(const std::vector<Message>& incoming)
 {
-  std::vector<std::size_t> used(incoming.size(), 0);
+  std::vector<ByteReader> readers(incoming.begin(), incoming.end());
   for (std::vector<Part>& parts : this->Parts)
   {
     for (Part& part : parts)
     {
-      const auto rank = static_cast<std::size_t>(part.Rank);
-      const std::uint8_t* from = &incoming[rank][used[rank]];
+      ByteReader& reader = readers[static_cast<std::size_t>(part.Rank)];
       const std::size_t bytes = part.Samples.GetSize();
-      std::memcpy(part.Samples.GetData(), from, bytes);
-      std::memcpy(part.Known.data(), from + bytes, part.Known.size());
-      used[rank] += bytes + part.Known.size();
+      std::memcpy(part.Samples.GetData(), reader.ReadBytes(bytes), bytes);
+      reader.ReadAll(part.Hidden);
     }
   }
 }
@@ -199,13 +165,61 @@ void PieceLayers::Place(const std::vector<Message>& incoming)
 /// A block's samples with the layer around it, and what is not known of them.
 struct LayeredBlockSource::Copy
 {
+  Copy(const VertexBox& box, ValueType type)
+    : Box(box)
+    , Samples(static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type))
+    , HiddenVertices(static_cast<std::size_t>(box.GetNumberOfVertices()), 1)
+  {
+    std::memset(this->Samples.GetData(), 0, this->Samples.GetSize());
+  }
+
+  void Add(const SampleView& samples)
+  {
+    CopyBox(samples, this->Box.Intersect(samples.Available), this->Box, this->Samples.GetData());
+  }
+  void AddHidden(const VertexBox& box, const std::uint8_t* hidden)
+  {
+    CopyBox(MakeSampleView(ValueType::UInt8, box, hidden), this->Box.Intersect(box), this->Box,
+      this->HiddenVertices.data());
+  }
+  /// The flags of a piece that has the samples in `available`.
+  void AddPiece(const Blanking& hidden, const VertexBox& available);
+
   VertexBox Box;
-  std::size_t ValueSize = 0;
   Buffer<std::uint8_t> Samples;
   std::vector<std::uint8_t> HiddenVertices;
   std::vector<std::uint8_t> HiddenCells;
   Blanking Hidden;
 };
+
+void LayeredBlockSource::Copy::AddPiece(const Blanking& hidden, const VertexBox& available)
+{
+  VisitVertices(this->Box.Intersect(available),
+    [&](const Index3& vertex)
+    {
+      const bool isHidden = hidden.Vertices && (*hidden.AtVertex(vertex) & hidden.HidesVertex) != 0;
+      this->HiddenVertices[this->Box.FindIndex(vertex)] = isHidden ? 1 : 0;
+    });
+  if (!hidden.Cells)
+  {
+    return;
+  }
+  VertexBox cells = this->Box;
+  for (std::int64_t& high : cells.High)
+  {
+    --high;
+  }
+  this->HiddenCells.assign(static_cast<std::size_t>(cells.GetNumberOfVertices()), 0);
+  VisitVertices(cells,
+    [&](const Index3& cell)
+    {
+      if (hidden.HasCell(cell) && (*hidden.AtCell(cell) & hidden.HidesCell) != 0)
+      {
+        this->HiddenCells[cells.FindIndex(cell)] = 1;
+      }
+    });
+  this->Hidden.Cells = this->HiddenCells.data();
+}
 
 LayeredBlockSource::LayeredBlockSource(
   BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::Part>& layer)
@@ -225,25 +239,23 @@ Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
   auto samples = this->Inner.Acquire(block);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   SampleView& scalars = samples->Scalars;
-  const auto copy = std::make_shared<Copy>();
-  copy->Box = scalars.Box.AddLayer(this->Piece.Dimensions).Intersect(this->GetKnownSamples());
-  if (scalars.Available.Contains(copy->Box))
+  const VertexBox box =
+    scalars.Box.AddLayer(this->Piece.Dimensions).Intersect(this->GetKnownSamples());
+  if (scalars.Available.Contains(box))
   {
     return samples;
   }
-  const auto count = static_cast<std::size_t>(copy->Box.GetNumberOfVertices());
-  copy->ValueSize = GetValueSize(scalars.Type);
-  copy->Samples = Buffer<std::uint8_t>(count * copy->ValueSize);
-  std::memset(copy->Samples.GetData(), 0, count * copy->ValueSize);
-  copy->HiddenVertices.assign(count, 1);
-  this->CopyPiece(scalars, *copy);
-  this->CopyParts(*copy);
-  this->CopyHiddenCells(*copy);
-  const Index3 size = copy->Box.GetSize();
-  scalars.First = copy->Samples.GetData();
-  scalars.Stride = { 1, static_cast<std::ptrdiff_t>(size[0]),
-    static_cast<std::ptrdiff_t>(size[0] * size[1]) };
-  scalars.Available = copy->Box;
+  const auto copy = std::make_shared<Copy>(box, scalars.Type);
+  copy->Add(scalars);
+  copy->AddPiece(this->Piece.Hidden, scalars.Available);
+  for (const PieceLayers::Part& part : this->Layer)
+  {
+    copy->Add(MakeSampleView(scalars.Type, part.Box, part.Samples.GetData()));
+    copy->AddHidden(part.Box, part.Hidden.data());
+  }
+  const VertexBox own = scalars.Box;
+  scalars = MakeSampleView(scalars.Type, box, copy->Samples.GetData());
+  scalars.Box = own;
   copy->Hidden.Box = copy->Box;
   copy->Hidden.HidesCell = 1;
   copy->Hidden.HidesVertex = 1;
@@ -257,65 +269,6 @@ Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
   samples->Owner = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<Copy>>>(
     samples->Owner, copy);
   return samples;
-}
-
-void LayeredBlockSource::CopyPiece(const SampleView& scalars, Copy& copy) const
-{
-  const Blanking& hidden = this->Piece.Hidden;
-  DispatchValueType(scalars.Type,
-    [&](auto zero)
-    {
-      VisitVertices(copy.Box.Intersect(scalars.Available),
-        [&](const Index3& vertex)
-        {
-          const std::size_t to = copy.Box.FindIndex(vertex);
-          std::memcpy(copy.Samples.GetData() + to * copy.ValueSize,
-            scalars.At<decltype(zero)>(vertex), copy.ValueSize);
-          const bool isHidden =
-            hidden.Vertices && (*hidden.AtVertex(vertex) & hidden.HidesVertex) != 0;
-          copy.HiddenVertices[to] = isHidden ? 1 : 0;
-        });
-    });
-}
-
-void LayeredBlockSource::CopyParts(Copy& copy) const
-{
-  for (const PieceLayers::Part& part : this->Layer)
-  {
-    VisitVertices(copy.Box.Intersect(part.Box),
-      [&](const Index3& vertex)
-      {
-        const std::size_t to = copy.Box.FindIndex(vertex);
-        const std::size_t from = part.Box.FindIndex(vertex);
-        std::memcpy(copy.Samples.GetData() + to * copy.ValueSize,
-          part.Samples.GetData() + from * copy.ValueSize, copy.ValueSize);
-        copy.HiddenVertices[to] = part.Known[from] != 0 ? 0 : 1;
-      });
-  }
-}
-
-void LayeredBlockSource::CopyHiddenCells(Copy& copy) const
-{
-  const Blanking& hidden = this->Piece.Hidden;
-  if (!hidden.Cells)
-  {
-    return;
-  }
-  VertexBox cells = copy.Box;
-  for (std::int64_t& high : cells.High)
-  {
-    --high;
-  }
-  copy.HiddenCells.assign(static_cast<std::size_t>(cells.GetNumberOfVertices()), 0);
-  VisitVertices(cells,
-    [&](const Index3& cell)
-    {
-      if (hidden.HasCell(cell) && (*hidden.AtCell(cell) & hidden.HidesCell) != 0)
-      {
-        copy.HiddenCells[cells.FindIndex(cell)] = 1;
-      }
-    });
-  copy.Hidden.Cells = copy.HiddenCells.data();
 }
 
 } // namespace isosurface

@@ -44,8 +44,8 @@ public:
   {
     int Rank = 0; ///< that had the samples
     VertexBox Box;
-    Buffer<std::uint8_t> Samples;    ///< x fastest
-    std::vector<std::uint8_t> Known; ///< 1 for a sample that is not hidden
+    Buffer<std::uint8_t> Samples;     ///< x fastest
+    std::vector<std::uint8_t> Hidden; ///< 1 for a sample that is hidden
   };
 
   /// Those of this rank's piece; empty if it needs none, or if nobody has any.
@@ -82,9 +82,6 @@ public:
 
 private:
   struct Copy;
-  void CopyPiece(const SampleView& scalars, Copy& copy) const;
-  void CopyParts(Copy& copy) const;
-  void CopyHiddenCells(Copy& copy) const;
 
   BlockSource& Inner;
   const LayeredPiece& Piece;

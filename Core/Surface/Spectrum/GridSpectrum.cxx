@@ -27,12 +27,6 @@ Status AttemptOnAll(Communicator& ranks, Step&& step)
   return ranks.Agree(Attempt("the samples of the spectrum cannot be counted", step));
 }
 
-void Join(KeyRange& range, const KeyRange& other)
-{
-  range.Minimum = std::min(range.Minimum, other.Minimum);
-  range.Maximum = std::max(range.Maximum, other.Maximum);
-}
-
 } // namespace
 
 /// The counts of one thread.
@@ -111,39 +105,27 @@ Status GridSpectrum::FindOwnRanges(const Progress& progress)
   }
   for (std::size_t index = 0; index < found.size(); ++index)
   {
-    Join(this->Ranges[static_cast<std::size_t>(this->Parts[index].Block)], found[index].All);
-    Join(this->FiniteRange, found[index].Finite);
+    this->Ranges[static_cast<std::size_t>(this->Parts[index].Block)].Add(found[index].All);
+    this->FiniteRange.Add(found[index].Finite);
   }
   return Status::Ok();
 }
 
 Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
 {
-  // Of the blocks, then of the finite values.
-  std::vector<std::uint64_t> minima;
-  std::vector<std::uint64_t> maxima;
+  CommonRanges common;
   const auto find = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(this->FindOwnRanges(progress));
-    minima.reserve(this->Ranges.size() + 1);
-    maxima.reserve(this->Ranges.size() + 1);
-    for (const KeyRange& range : this->Ranges)
+    common.Add(this->FiniteRange);
+    for (KeyRange& range : this->Ranges)
     {
-      minima.push_back(range.Minimum);
-      maxima.push_back(range.Maximum);
+      common.Add(range);
     }
-    minima.push_back(this->FiniteRange.Minimum);
-    maxima.push_back(this->FiniteRange.Maximum);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, find));
-  ranks.ReduceMinimum(minima);
-  ranks.ReduceMaximum(maxima);
-  for (std::size_t block = 0; block < this->Ranges.size(); ++block)
-  {
-    this->Ranges[block] = { minima[block], maxima[block] };
-  }
-  this->FiniteRange = { minima.back(), maxima.back() };
+  common.Join(ranks);
   return Status::Ok();
 }
 

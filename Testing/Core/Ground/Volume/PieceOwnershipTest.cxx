@@ -53,6 +53,25 @@ TEST(PieceOwnership, EveryVertexOfTheUnionBelongsToOneRankWhosePieceHasIt)
     {
       ASSERT_EQ(owners[vertex], holders[vertex] > 0 ? 1 : 0);
     }
+
+    // Each vertex of a box is supplied by the first piece that has it, or is missing.
+    std::vector<VertexBox> missing = { { { 1, 0, 2 }, { 8, 9, 6 } } };
+    std::vector<int> supplied(owners.size(), 0);
+    for (const Supply& supply : FindSupplies(pieces, missing))
+    {
+      ASSERT_TRUE(pieces[supply.Piece].Contains(supply.Box));
+      for (std::size_t before = 0; before < supply.Piece; ++before)
+      {
+        ASSERT_TRUE(pieces[before].Intersect(supply.Box).IsEmpty());
+      }
+      fill(supplied, supply.Box);
+    }
+    for (const VertexBox& box : missing)
+    {
+      fill(supplied, box);
+    }
+    ASSERT_EQ(std::count(supplied.begin(), supplied.end(), 1), 7 * 9 * 4);
+    ASSERT_EQ(std::count(supplied.begin(), supplied.end(), 0), 9 * 9 * 9 - 7 * 9 * 4);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Writing/GridWriter.h"
+#include "Storage/Writing/ResolutionWriter.h"
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Base/ParallelFor.h"
@@ -29,7 +29,7 @@ constexpr std::uint64_t MaximumTreeBytes = std::uint64_t{ 64 } << 20;
 
 } // namespace
 
-GridWriter::GridWriter(const WriteContext& context, SlabSource& source,
+ResolutionWriter::ResolutionWriter(const WriteContext& context, SlabSource& source,
   const BlockedVolumeHeader& header, bool hasCoarser, Progress progress)
   : Context(context)
   , Source(source)
@@ -42,39 +42,26 @@ GridWriter::GridWriter(const WriteContext& context, SlabSource& source,
 {
 }
 
-std::string GridWriter::GetFolder() const
+std::string ResolutionWriter::GetFolder() const
 {
   return GetStoresFolder(this->Context.Path) + "/" + this->Header.TimeSteps.back().Folder;
 }
 
 /// The boxes that the sources of the ranks have.
-std::vector<VertexBox> GridWriter::GatherBoxes() const
+std::vector<VertexBox> ResolutionWriter::GatherBoxes() const
 {
-  std::vector<std::int64_t> mine;
-  for (const Index3& corner : { this->Source.GetBox().Low, this->Source.GetBox().High })
-  {
-    mine.insert(mine.end(), corner.begin(), corner.end());
-  }
-  Message message(mine.size() * sizeof(std::int64_t));
-  for (std::size_t index = 0; index < mine.size(); ++index)
-  {
-    StoreLittleEndian(message.data() + 8 * index, mine[index]);
-  }
+  Message mine;
+  AppendBox(mine, this->Source.GetBox());
   std::vector<VertexBox> boxes;
-  for (const Message& other : this->Context.Ranks.AllGather(message))
+  for (const Message& other : this->Context.Ranks.AllGather(mine))
   {
-    VertexBox box;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      box.Low[axis] = LoadLittleEndian<std::int64_t>(other.data() + 8 * axis);
-      box.High[axis] = LoadLittleEndian<std::int64_t>(other.data() + 24 + 8 * axis);
-    }
-    boxes.push_back(box);
+    ByteReader reader(other);
+    boxes.push_back(ReadBox(reader));
   }
   return boxes;
 }
 
-Status GridWriter::Prepare()
+Status ResolutionWriter::Prepare()
 {
   this->Exchange.emplace(this->Grid, this->Types, this->GatherBoxes(), this->Context.Rank,
     this->Context.Settings.Threads);
@@ -93,7 +80,7 @@ Status GridWriter::Prepare()
 }
 
 /// The bytes of tables of blocks and bins that are held during the rounds.
-std::uint64_t GridWriter::GetTableBytes() const
+std::uint64_t ResolutionWriter::GetTableBytes() const
 {
   const auto blocks = static_cast<std::uint64_t>(this->Grid.GetNumberOfBlocks());
   // Ranges, three more of them while they are joined; stores and the memory of distributing.
@@ -121,7 +108,7 @@ std::uint64_t GridWriter::GetTableBytes() const
 }
 
 /// The bytes that the threads take for a block each.
-std::uint64_t GridWriter::GetThreadBytes() const
+std::uint64_t ResolutionWriter::GetThreadBytes() const
 {
   const auto side = static_cast<std::uint64_t>(this->Header.BlockSize) + 3;
   // A decoded block and twice that to compress it, or a magnitude and its components; and the
@@ -138,7 +125,7 @@ std::uint64_t GridWriter::GetThreadBytes() const
   return static_cast<std::uint64_t>(this->Context.Settings.Threads) * bytes;
 }
 
-Result<std::uint64_t> GridWriter::GetMemoryLeft(std::uint64_t taken) const
+Result<std::uint64_t> ResolutionWriter::GetMemoryLeft(std::uint64_t taken) const
 {
   // An eighth is left to what cannot be planned: the heap's overhead, stacks, files.
   const std::uint64_t usable =
@@ -154,24 +141,21 @@ Result<std::uint64_t> GridWriter::GetMemoryLeft(std::uint64_t taken) const
   return usable - taken;
 }
 
-Status GridWriter::FindRanges()
+Status ResolutionWriter::FindRanges()
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
-    [&]() -> Status
+  const auto find = [&]() -> Status
+  {
+    const auto left = this->GetMemoryLeft(this->GetTableBytes());
+    ISOSURFACE_RETURN_IF_ERROR(left.GetStatus());
+    this->Scan.emplace(this->Grid, this->Variables, this->Context.Settings.Threads);
+    if (this->Header.Distribution == DistributionMethod::Balanced)
     {
-      const auto left = this->GetMemoryLeft(this->GetTableBytes());
-      if (!left.IsOk())
-      {
-        return left.GetStatus();
-      }
-      this->Scan.emplace(this->Grid, this->Variables, this->Context.Settings.Threads);
-      if (this->Header.Distribution == DistributionMethod::Balanced)
-      {
-        this->Scan->AddProfiles();
-      }
-      return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
-        [&](double share) { return this->TellShare(share * RangesDone); });
-    })));
+      this->Scan->AddProfiles();
+    }
+    return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
+      [&](double share) { return this->TellShare(share * RangesDone); });
+  };
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(find)));
   this->Scan->Reduce(this->Context.Ranks);
   if (this->GetStep().Ranges.empty())
   {
@@ -188,7 +172,7 @@ Status GridWriter::FindRanges()
     }));
 }
 
-void GridWriter::CreateSpectra()
+void ResolutionWriter::CreateSpectra()
 {
   std::vector<SpectrumBins> bins;
   for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
@@ -202,7 +186,7 @@ void GridWriter::CreateSpectra()
     this->Context.Size);
 }
 
-Status GridWriter::CreateStores()
+Status ResolutionWriter::CreateStores()
 {
   this->Writers.resize(this->Header.NumberOfStores);
   const std::size_t segments =
@@ -235,7 +219,7 @@ Status GridWriter::CreateStores()
   return Status::Ok();
 }
 
-Status GridWriter::Write()
+Status ResolutionWriter::Write()
 {
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
@@ -250,7 +234,7 @@ Status GridWriter::Write()
   return this->ShareSpectra();
 }
 
-Status GridWriter::WriteBlocks()
+Status ResolutionWriter::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
   std::vector<std::vector<BlockCounters>> counters;
@@ -297,7 +281,7 @@ Status GridWriter::WriteBlocks()
 }
 
 /// Adds a filled block to the spectra, then encodes its record.
-void GridWriter::FinishBlock(
+void ResolutionWriter::FinishBlock(
   PendingBlock& block, const std::vector<SampleView>& views, std::vector<BlockCounters>& counters)
 {
   const auto& ranges = this->Scan->GetRanges();
@@ -332,7 +316,7 @@ void GridWriter::FinishBlock(
 }
 
 /// The samples of a filled block at full resolution.
-std::shared_ptr<DecodedBlock> GridWriter::AssembleVariable(
+std::shared_ptr<DecodedBlock> ResolutionWriter::AssembleVariable(
   const PendingBlock& block, std::size_t variable) const
 {
   const Variable& wanted = this->Variables[variable];
@@ -356,7 +340,7 @@ std::shared_ptr<DecodedBlock> GridWriter::AssembleVariable(
   return AssembleLevel(this->Grid, block.Block, 0, wanted.Type, segments);
 }
 
-Status GridWriter::FinishStores()
+Status ResolutionWriter::FinishStores()
 {
   this->GetStep().Stores.resize(this->Header.NumberOfStores);
   std::vector<std::uint32_t> mine;
@@ -406,7 +390,7 @@ Status GridWriter::FinishStores()
   return isDone ? Status::Ok() : this->Context.MakeAborted();
 }
 
-void GridWriter::ShareDescriptions()
+void ResolutionWriter::ShareDescriptions()
 {
   // A store is described by its writer, by zeros elsewhere.
   std::vector<std::uint64_t> values;
@@ -426,7 +410,7 @@ void GridWriter::ShareDescriptions()
 }
 
 /// Brings the spectra of all stores to rank 0, which writes them.
-Status GridWriter::ShareSpectra()
+Status ResolutionWriter::ShareSpectra()
 {
   std::vector<Message> outgoing(this->Context.Size);
   std::vector<WorkloadSpectrum> totals;
@@ -450,7 +434,7 @@ Status GridWriter::ShareSpectra()
     }));
 }
 
-std::unique_ptr<OverviewSource> GridWriter::MakeOverviewSource()
+std::unique_ptr<OverviewSource> ResolutionWriter::MakeOverviewSource()
 {
   this->Scan.reset();
   this->Spectra.reset();
@@ -458,7 +442,7 @@ std::unique_ptr<OverviewSource> GridWriter::MakeOverviewSource()
     this->Types, std::move(this->BlockStores), this->Context.Size);
 }
 
-Status GridWriter::RemoveOverviewSamples()
+Status ResolutionWriter::RemoveOverviewSamples()
 {
   return this->Context.AgreeOn(this->Context.Attempt(
     [&]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_RunSamples_h
-#define isosurface_RunSamples_h
+#ifndef isosurface_SpanSamples_h
+#define isosurface_SpanSamples_h
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
@@ -14,7 +14,7 @@ namespace isosurface
 {
 
 /// Blocks [Begin, End), in the order of their indices.
-struct BlockRun
+struct BlockSpan
 {
   std::int64_t Begin = 0;
   std::int64_t End = 0;
@@ -23,7 +23,7 @@ struct BlockRun
 };
 
 /**
- * The samples for the records of a run of blocks, as far as one source has them.
+ * The samples for the records of a span of blocks, as far as one source has them.
  *
  * A block needs its own slices with one more on either side and, for the ghost layers of its
  * coarser levels, the slices 2, 4, ... BlockSize before and after. Only these are read, one by one:
@@ -31,13 +31,13 @@ struct BlockRun
  *     z   -32        -16   -8 -4 -2 -1 [0 ... 32] +1 +2 +4  +8    +16         +32
  *          |          |     |  |  |====================|  |  |      |           |
  */
-class RunSamples
+class SpanSamples
 {
 public:
-  /// The boxes that a run needs of a part of the volume: whole rows, by ascending z. None for an
-  /// empty run.
+  /// The boxes that a span needs of a part of the volume: whole rows, by ascending z. None for an
+  /// empty span.
   static std::vector<VertexBox> FindBoxes(
-    const BlockGrid& grid, const BlockRun& run, const VertexBox& part);
+    const BlockGrid& grid, const BlockSpan& span, const VertexBox& part);
 
   /// The memory that reading some boxes takes.
   static std::uint64_t GetReadBytes(const SlabSource& source, const std::vector<VertexBox>& boxes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Writing/RunSamples.h"
+#include "Storage/Writing/SpanSamples.h"
 
 #include <algorithm>
 #include <set>
@@ -26,15 +26,15 @@ std::pair<std::int64_t, std::int64_t> FindReach(
 
 } // namespace
 
-std::vector<VertexBox> RunSamples::FindBoxes(
-  const BlockGrid& grid, const BlockRun& run, const VertexBox& part)
+std::vector<VertexBox> SpanSamples::FindBoxes(
+  const BlockGrid& grid, const BlockSpan& span, const VertexBox& part)
 {
-  if (run.Begin >= run.End)
+  if (span.Begin >= span.End)
   {
     return {};
   }
-  const std::int64_t first = run.Begin;
-  const std::int64_t last = run.End - 1;
+  const std::int64_t first = span.Begin;
+  const std::int64_t last = span.End - 1;
   VertexBox rows = { { 0, 0, 0 }, grid.GetDimensions() };
   if (grid.GetBlockCoordinates(first)[2] == grid.GetBlockCoordinates(last)[2])
   {
@@ -70,7 +70,7 @@ std::vector<VertexBox> RunSamples::FindBoxes(
   return boxes;
 }
 
-std::uint64_t RunSamples::GetReadBytes(
+std::uint64_t SpanSamples::GetReadBytes(
   const SlabSource& source, const std::vector<VertexBox>& boxes)
 {
   std::uint64_t bytes = 0;
@@ -81,7 +81,7 @@ std::uint64_t RunSamples::GetReadBytes(
   return bytes;
 }
 
-Status RunSamples::Read(
+Status SpanSamples::Read(
   SlabSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types)
 {
   this->FirstSlice = boxes.empty() ? 0 : boxes.front().Low[2];
@@ -101,7 +101,7 @@ Status RunSamples::Read(
   return Status::Ok();
 }
 
-std::vector<SampleView> RunSamples::FindViews(const VertexBox& box) const
+std::vector<SampleView> SpanSamples::FindViews(const VertexBox& box) const
 {
   for (const SampleSlab& slab : this->Slabs)
   {

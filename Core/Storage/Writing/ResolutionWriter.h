@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_GridWriter_h
-#define isosurface_GridWriter_h
+#ifndef isosurface_ResolutionWriter_h
+#define isosurface_ResolutionWriter_h
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Progress.h"
@@ -30,14 +30,14 @@ namespace isosurface
 
 /// Writes the stores and spectra of one grid, the volume's or an overview's, with all ranks. Call
 /// the collective functions in their order; the time step needs a folder before Write().
-class GridWriter
+class ResolutionWriter
 {
 public:
   /// `header`: its last time step is written. An overview's has the ranges of the volume, so that
   /// all spectra have the same bins. `hasCoarser`: whether an overview is made of this grid, so
   /// that its samples are kept. The references must outlive this object.
-  GridWriter(const WriteContext& context, SlabSource& source, const BlockedVolumeHeader& header,
-    bool hasCoarser, Progress progress);
+  ResolutionWriter(const WriteContext& context, SlabSource& source,
+    const BlockedVolumeHeader& header, bool hasCoarser, Progress progress);
 
   /// Collective. Plans who sends which samples; fails if the ranks do not have all of them.
   Status Prepare();
