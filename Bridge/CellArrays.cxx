@@ -39,17 +39,9 @@ Result<vtkSmartPointer<vtkDataArray>> AverageToPoints(
         std::to_string(cells->GetNumberOfTuples()) + " values for " +
         std::to_string(image->GetNumberOfCells()) + " cells");
   }
-  const auto create = [cells]
-  {
-    return vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(cells->GetDataType()));
-  };
-  vtkSmartPointer<vtkDataArray> plain = cells;
-  if (!cells->HasStandardMemoryLayout())
-  {
-    plain = create();
-    plain->DeepCopy(cells);
-  }
-  const auto points = create();
+  const vtkSmartPointer<vtkDataArray> plain = MakePlainArray(cells);
+  const auto points =
+    vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(cells->GetDataType()));
   points->SetName(cells->GetName());
   points->SetNumberOfComponents(cells->GetNumberOfComponents());
   points->CopyComponentNames(cells);

@@ -83,6 +83,15 @@ bool IsAborted(vtkAlgorithm& algorithm)
 #endif
 }
 
+Progress MakeProgress(vtkAlgorithm& algorithm, double first, double last)
+{
+  return [&algorithm, first, last](double share)
+  {
+    algorithm.UpdateProgress(first + share * (last - first));
+    return !IsAborted(algorithm);
+  };
+}
+
 void MarkAborted(vtkAlgorithm& algorithm)
 {
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)

@@ -5,6 +5,7 @@
 #include "IsosurfaceBridgeModule.h"
 
 #include "Ground/Base/Communicator.h"
+#include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 
 #include <string>
@@ -38,6 +39,11 @@ ISOSURFACEBRIDGE_EXPORT unsigned long FindErrorCode(const Status& error);
 
 /// Whether an algorithm, or since VTK 9.2 one before it in the pipeline, has been told to stop.
 ISOSURFACEBRIDGE_EXPORT bool IsAborted(vtkAlgorithm& algorithm);
+
+/// Tells observers of an algorithm how far it is, from `first` to `last`, and Core whether it goes
+/// on.
+ISOSURFACEBRIDGE_EXPORT Progress MakeProgress(
+  vtkAlgorithm& algorithm, double first = 0, double last = 1);
 
 /// Tells the pipeline that an algorithm has stopped, on ranks that were not told to stop, too: since
 /// VTK 9.2 what has stopped executes at the next update, which all ranks have to do together. Call

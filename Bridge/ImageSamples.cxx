@@ -13,6 +13,8 @@
 #include "vtkUniformGrid.h"
 #include "vtkUnsignedCharArray.h"
 
+#include "Ground/Volume/SampleCopy.h"
+
 #include <algorithm>
 #include <string>
 
@@ -47,6 +49,30 @@ Result<ValueType> GetValueTypeOf(vtkDataArray* array)
       NameOf(array) + " is of type " + array->GetDataTypeAsString() + ", which has no isosurfaces");
   }
   return *integer;
+}
+
+vtkSmartPointer<vtkDataArray> MakePlainArray(vtkDataArray* array)
+{
+  if (array->HasStandardMemoryLayout())
+  {
+    return array;
+  }
+  auto plain =
+    vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
+  plain->DeepCopy(array);
+  return plain;
+}
+
+std::vector<SampleView> MakeComponentViews(
+  vtkDataArray* array, ValueType type, const VertexBox& box)
+{
+  std::vector<SampleView> views;
+  const int components = array->GetNumberOfComponents();
+  for (int component = 0; component < components; ++component)
+  {
+    views.push_back(MakeSampleView(type, box, array->GetVoidPointer(component), components));
+  }
+  return views;
 }
 
 int GetVTKType(ValueType type)
@@ -233,29 +259,15 @@ Result<ImageSamples> MakeImageSamples(
   const Result<ValueType> type = GetValueTypeOf(array);
   ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
   ImageSamples samples;
-  samples.Array = array;
-  if (!array->HasStandardMemoryLayout())
-  {
-    samples.Array =
-      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
-    samples.Array->DeepCopy(array);
-  }
+  samples.Array = MakePlainArray(array);
   samples.Time = std::max(image->GetMTime(), samples.Array->GetMTime());
   samples.Hidden = FindBlanking(grid, image);
-  const VertexBox all = MakeVertexBox(grid, image->GetExtent());
-  const Index3 size = all.GetSize();
+  samples.Components =
+    MakeComponentViews(samples.Array, *type, MakeVertexBox(grid, image->GetExtent()));
   const VertexBox own = FindOwnVertices(grid, image);
-  const int components = samples.Array->GetNumberOfComponents();
-  for (int component = 0; component < components; ++component)
+  for (SampleView& view : samples.Components)
   {
-    SampleView view;
-    view.Type = *type;
-    view.First = samples.Array->GetVoidPointer(component);
-    view.Stride = { components, static_cast<std::ptrdiff_t>(components * size[0]),
-      static_cast<std::ptrdiff_t>(components * size[0] * size[1]) };
-    view.Available = all;
     view.Box = own;
-    samples.Components.push_back(view);
   }
   return samples;
 }

@@ -25,6 +25,13 @@ namespace isosurface
 /// The Core type of an array's values; Unsupported for VTK_BIT.
 ISOSURFACEBRIDGE_EXPORT Result<ValueType> GetValueTypeOf(vtkDataArray* array);
 
+/// The array, or a copy of it if its memory is not laid out in the standard way.
+ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkDataArray> MakePlainArray(vtkDataArray* array);
+
+/// Views of the components of such an array, which has a tuple for each vertex of a box.
+ISOSURFACEBRIDGE_EXPORT std::vector<SampleView> MakeComponentViews(
+  vtkDataArray* array, ValueType type, const VertexBox& box);
+
 /// The VTK data type of a Core type.
 ISOSURFACEBRIDGE_EXPORT int GetVTKType(ValueType type);
 

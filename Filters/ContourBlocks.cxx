@@ -2,7 +2,7 @@
 #include "ContourBlocks.h"
 
 #include "ChosenScalars.h"
-#include "ContourWork.h"
+#include "ContourExecution.h"
 #include "ErrorReport.h"
 #include "ImagePieces.h"
 
@@ -114,7 +114,7 @@ Status Explain(const Status& error)
 Status CollectContourBlocks(vtkStabbingContour* contour, int piece, int pieces,
   const std::optional<double>& time, ContourBlocks& blocks)
 {
-  return ContourWork::Of(*contour).CollectBlocks(piece, pieces, time, blocks);
+  return ContourExecution::Of(*contour).CollectBlocks(piece, pieces, time, blocks);
 }
 
 Status RunWithContourBlocks(

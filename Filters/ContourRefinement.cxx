@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of ContourWork that goes from coarse surfaces to finer ones.
+// The part of ContourExecution that goes from coarse surfaces to finer ones.
 #include "ContourRefinement.h"
 
-#include "ContourWork.h"
+#include "ContourExecution.h"
 #include "vtkStabbingContour.h"
 
 #include "Ground/Base/AvailableMemory.h"
@@ -27,7 +27,7 @@ constexpr double MebiByte = 1 << 20;
 } // namespace
 
 //------------------------------------------------------------------------------
-Result<int> ContourWork::ChoosePassLevel(
+Result<int> ContourExecution::ChoosePassLevel(
   const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
 {
   ControllerCommunicator ranks = this->GetRanks();
@@ -64,21 +64,21 @@ Result<int> ContourWork::ChoosePassLevel(
 }
 
 //------------------------------------------------------------------------------
-void ContourWork::SetShown(bool shown, std::size_t triangles)
+void ContourExecution::SetShown(bool shown, std::size_t triangles)
 {
   this->LastPass.Shown = shown;
   this->LastPass.Triangles = triangles;
 }
 
 //------------------------------------------------------------------------------
-int ContourWork::GetLevelAfterPass(const BlockedVolume& volume)
+int ContourExecution::GetLevelAfterPass(const BlockedVolume& volume)
 {
   const int finest = std::min(this->Contour.GetLevel(), volume.GetNumberOfLevels() - 1);
   return this->LastPass.Direct ? finest : GetNextLevel(volume, this->LastPass.Level, finest);
 }
 
 //------------------------------------------------------------------------------
-bool ContourWork::Refine()
+bool ContourExecution::Refine()
 {
   Pass& pass = this->LastPass;
   const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
@@ -92,7 +92,7 @@ bool ContourWork::Refine()
 }
 
 //------------------------------------------------------------------------------
-bool ContourWork::MayRefine(Communicator& ranks)
+bool ContourExecution::MayRefine(Communicator& ranks)
 {
   const Pass& pass = this->LastPass;
   const bool may = !this->Contour.GetFinal() && pass.Shown &&
@@ -103,7 +103,7 @@ bool ContourWork::MayRefine(Communicator& ranks)
 }
 
 //------------------------------------------------------------------------------
-Refinement ContourWork::PrepareRefinement(double seconds)
+Refinement ContourExecution::PrepareRefinement(double seconds)
 {
   ControllerCommunicator ranks = this->GetRanks();
   if (!this->MayRefine(ranks))
@@ -139,7 +139,7 @@ Refinement ContourWork::PrepareRefinement(double seconds)
 }
 
 //------------------------------------------------------------------------------
-Status ContourWork::BeginRefinement(Communicator& ranks, Refinement& refinement)
+Status ContourExecution::BeginRefinement(Communicator& ranks, Refinement& refinement)
 {
   const Pass& pass = this->LastPass;
   const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
@@ -171,7 +171,8 @@ Status ContourWork::BeginRefinement(Communicator& ranks, Refinement& refinement)
 }
 
 //------------------------------------------------------------------------------
-Status ContourWork::Prepare(const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice)
+Status ContourExecution::Prepare(
+  const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice)
 {
   const Pass& pass = this->LastPass;
   const int threads = this->ChooseThreads();
@@ -184,7 +185,7 @@ Status ContourWork::Prepare(const std::shared_ptr<BlockedVolume>& volume, const 
 }
 
 //------------------------------------------------------------------------------
-Status ContourWork::FindFittingLevel(
+Status ContourExecution::FindFittingLevel(
   Communicator& ranks, BlockedVolume& volume, Refinement& refinement)
 {
   const Pass& pass = this->LastPass;

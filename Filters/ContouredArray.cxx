@@ -16,6 +16,9 @@
 namespace isosurface
 {
 
+namespace
+{
+
 Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* array, int association,
   int component, CellAverages& averages, int threads)
 {
@@ -38,20 +41,6 @@ Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* arra
         "array \"" + name + "\" is neither a point array nor a cell array");
 }
 
-bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
-{
-  const int association = array->Get(vtkDataObject::FIELD_ASSOCIATION());
-  const auto hasScalars = [inInfo](int ofWhat)
-  {
-    return vtkDataObject::GetActiveFieldInformation(
-             inInfo, ofWhat, vtkDataSetAttributes::SCALARS) != nullptr;
-  };
-  return association == vtkDataObject::FIELD_ASSOCIATION_CELLS ||
-    (association == vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS &&
-      !hasScalars(vtkDataObject::FIELD_ASSOCIATION_POINTS) &&
-      hasScalars(vtkDataObject::FIELD_ASSOCIATION_CELLS));
-}
-
 Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)
 {
   std::string text = "the input has no point array " +
@@ -66,6 +55,41 @@ Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)
     }
   }
   return { StatusCode::NotFound, text };
+}
+
+} // namespace
+
+Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
+  const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,
+  int threads)
+{
+  vtkDataObject* input = vtkDataObject::GetData(inInfo);
+  const auto find = [&](vtkImageData* image)
+  {
+    int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+    vtkDataArray* array = choose(image, association);
+    return TakeContouredArray(image, array, association, component, averages, threads);
+  };
+  auto pieces = CollectImagePieces(ranks, input, inInfo, find);
+  if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
+  {
+    return MakeMissingArrayError(input, name);
+  }
+  return pieces;
+}
+
+bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
+{
+  const int association = array->Get(vtkDataObject::FIELD_ASSOCIATION());
+  const auto hasScalars = [inInfo](int ofWhat)
+  {
+    return vtkDataObject::GetActiveFieldInformation(
+             inInfo, ofWhat, vtkDataSetAttributes::SCALARS) != nullptr;
+  };
+  return association == vtkDataObject::FIELD_ASSOCIATION_CELLS ||
+    (association == vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS &&
+      !hasScalars(vtkDataObject::FIELD_ASSOCIATION_POINTS) &&
+      hasScalars(vtkDataObject::FIELD_ASSOCIATION_CELLS));
 }
 
 } // namespace isosurface

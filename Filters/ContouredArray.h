@@ -3,34 +3,39 @@
 #define isosurface_ContouredArray_h
 
 #include "CellArrays.h"
+#include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
+#include "ImagePieces.h"
 
+#include <functional>
 #include <string>
 
 class vtkDataArray;
-class vtkDataObject;
 class vtkImageData;
 class vtkInformation;
 
 namespace isosurface
 {
 
+/// Gives the array of an image that is to be contoured, or null, and its association, as
+/// vtkAlgorithm::GetInputArrayToProcess does.
+using ArrayChooser = std::function<vtkDataArray*(vtkImageData* image, int& association)>;
+
 /**
- * The array of an image that a filter is to contour, at the points: `array` itself, or the average
- * of a cell array. `association` is what vtkAlgorithm::GetInputArrayToProcess gave with it. A null
- * array stays one. Errors, which name the array: InvalidArgument for an array without the chosen
- * component, or one of neither points nor cells; those of AverageToPoints.
+ * Collects the array to contour of the input's images over all ranks: point arrays themselves, and
+ * the averages of cell arrays. Collective.
+ *
+ * Errors: those of CollectImagePieces and AverageToPoints; InvalidArgument, which names the array,
+ * for one without the chosen component, or one of neither points nor cells; NotFound if no image
+ * has the array `name`, or any array if it is empty, which tells what cell arrays there are instead.
  */
-Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* array, int association,
-  int component, CellAverages& averages, int threads);
+Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
+  const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,
+  int threads);
 
 /// Whether the array that is to be contoured is one of cells, as far as this can be told before
 /// there is data. `array` is the filter's GetInputArrayInformation().
 bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo);
-
-/// NotFound: no image of the input has the point array `name`, or any if it is empty. Tells which
-/// cell arrays there are instead.
-Status MakeMissingArrayError(vtkDataObject* input, const std::string& name);
 
 } // namespace isosurface
 

@@ -3,29 +3,14 @@
 
 #include "Ranks/Query/QueryCost.h"
 
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkIdTypeArray.h"
-#include "vtkNew.h"
-#include "vtkPolyData.h"
 #include "vtkStringArray.h"
-
-#include <type_traits>
 
 namespace isosurface
 {
 
 void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
 {
-  auto add = [output](const char* name, auto value)
-  {
-    using Array =
-      std::conditional_t<std::is_floating_point_v<decltype(value)>, vtkDoubleArray, vtkIdTypeArray>;
-    vtkNew<Array> array;
-    array->SetName(name);
-    array->InsertNextValue(static_cast<typename Array::ValueType>(value));
-    output->GetFieldData()->AddArray(array);
-  };
+  const auto add = [output](const char* name, auto value) { AddToFieldData(output, name, value); };
   add("Rank", rank);
   add("TreePagesRead", cost.Reading.TreePagesRead);
   add("DirectoryPagesRead", cost.Reading.DirectoryPagesRead);

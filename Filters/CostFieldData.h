@@ -2,12 +2,29 @@
 #ifndef isosurface_CostFieldData_h
 #define isosurface_CostFieldData_h
 
-class vtkPolyData;
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIdTypeArray.h"
+#include "vtkNew.h"
+#include "vtkPolyData.h"
+
+#include <type_traits>
 
 namespace isosurface
 {
 
 struct QueryCost;
+
+/// Adds an array of one number to the output's field data.
+template <typename T>
+void AddToFieldData(vtkPolyData* output, const char* name, T value)
+{
+  using Array = std::conditional_t<std::is_floating_point_v<T>, vtkDoubleArray, vtkIdTypeArray>;
+  vtkNew<Array> array;
+  array->SetName(name);
+  array->InsertNextValue(static_cast<typename Array::ValueType>(value));
+  output->GetFieldData()->AddArray(array);
+}
 
 /**
  * Adds what the query cost this rank to the output's field data, one array of one value a quantity:

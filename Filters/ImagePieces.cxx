@@ -216,30 +216,18 @@ Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
     }
     const Result<ValueType> type = GetValueTypeOf(array);
     ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
-    attributes.Owners.emplace_back(array);
-    if (!array->HasStandardMemoryLayout())
+    attributes.Owners.push_back(MakePlainArray(array));
+    InterpolatedArray description{ name, {}, { *type, array->GetNumberOfComponents() } };
+    for (int n = 0; array->HasAComponentName() && n < array->GetNumberOfComponents(); ++n)
     {
-      attributes.Owners.back() =
-        vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
-      attributes.Owners.back()->DeepCopy(array);
+      const char* componentName = array->GetComponentName(n);
+      description.ComponentNames.emplace_back(componentName ? componentName : "");
     }
-    const int components = array->GetNumberOfComponents();
-    InterpolatedArray description{ name, {}, { *type, components } };
-    AttributeView view;
-    for (int component = 0; component < components; ++component)
+    const SampleView& scalars = piece.Samples.Components.front();
+    AttributeView view{ MakeComponentViews(attributes.Owners.back(), *type, scalars.Available) };
+    for (SampleView& component : view.Components)
     {
-      if (array->HasAComponentName())
-      {
-        const char* componentName = array->GetComponentName(component);
-        description.ComponentNames.emplace_back(componentName ? componentName : "");
-      }
-      SampleView samples = piece.Samples.Components.front();
-      const Index3 size = samples.Available.GetSize();
-      samples.Type = *type;
-      samples.First = attributes.Owners.back()->GetVoidPointer(component);
-      samples.Stride = { components, static_cast<std::ptrdiff_t>(components * size[0]),
-        static_cast<std::ptrdiff_t>(components * size[0] * size[1]) };
-      view.Components.push_back(samples);
+      component.Box = scalars.Box;
     }
     attributes.Arrays.push_back(std::move(description));
     attributes.Views.push_back(std::move(view));

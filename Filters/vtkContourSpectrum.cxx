@@ -27,7 +27,6 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Surface/Spectrum/GridSpectrum.h"
 
@@ -120,8 +119,6 @@ struct vtkContourSpectrum::Steps
   Status ReadFromVolume(const isosurface::VolumeInput& input) const;
   /// Fills it with the spectra of images that all ranks have pieces of. Collective.
   Status CountInImages(vtkInformation* inInfo) const;
-  Result<isosurface::ImagePieces> CollectPieces(
-    vtkInformation* inInfo, isosurface::CellAverages& averages, int threads) const;
   /// The spectra of the grids, in equal bins. Collective.
   Result<std::vector<WorkloadSpectrum>> Count(
     ValueType type, std::vector<GridSpectrum> grids) const;
@@ -275,34 +272,15 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
 }
 
 //------------------------------------------------------------------------------
-Result<isosurface::ImagePieces> vtkContourSpectrum::Steps::CollectPieces(
-  vtkInformation* inInfo, isosurface::CellAverages& averages, int threads) const
-{
-  auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
-  {
-    int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
-    vtkDataArray* array = this->Filter.GetInputArrayToProcess(0, image, association);
-    return isosurface::TakeContouredArray(
-      image, array, association, this->Filter.Component, averages, threads);
-  };
-  auto pieces =
-    isosurface::CollectImagePieces(this->Ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
-  if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
-  {
-    return isosurface::MakeMissingArrayError(vtkDataObject::GetData(inInfo), this->GetArrayName());
-  }
-  return pieces;
-}
-
-//------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
-  // Collective, so that no property of one rank may leave it out.
-  const int ranksOnNode = this->Ranks.GetRanksOnNode();
-  const int threads = this->Filter.NumberOfThreads > 0 ? this->Filter.NumberOfThreads
-                                                       : isosurface::ChooseThreadCount(ranksOnNode);
+  const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
   isosurface::CellAverages averages;
-  const auto pieces = this->CollectPieces(inInfo, averages, threads);
+  const auto pieces = isosurface::CollectContouredPieces(
+    this->Ranks, inInfo,
+    [this](vtkImageData* image, int& association)
+    { return this->Filter.GetInputArrayToProcess(0, image, association); },
+    this->GetArrayName(), this->Filter.Component, averages, threads);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
   std::vector<isosurface::ChosenScalars> chosen;
   std::vector<isosurface::SampleView> scalars;
@@ -338,29 +316,26 @@ Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
   ValueType type, std::vector<GridSpectrum> grids) const
 {
   // Ranges, then counts, of each grid.
-  std::size_t done = 0;
-  const auto progress = [&](double share)
+  double begin = 0;
+  const double part = 0.5 / static_cast<double>(grids.size());
+  const auto makeProgress = [&]
   {
-    this->Filter.UpdateProgress(
-      (static_cast<double>(done) + share) / static_cast<double>(2 * grids.size()));
-    return !isosurface::IsAborted(this->Filter);
+    begin += part;
+    return isosurface::MakeProgress(this->Filter, begin - part, begin);
   };
   KeyRange finite;
   for (GridSpectrum& grid : grids)
   {
-    ISOSURFACE_RETURN_IF_ERROR(grid.FindRanges(this->Ranks, progress));
-    finite.Minimum = std::min(finite.Minimum, grid.GetFiniteRange().Minimum);
-    finite.Maximum = std::max(finite.Maximum, grid.GetFiniteRange().Maximum);
-    ++done;
+    ISOSURFACE_RETURN_IF_ERROR(grid.FindRanges(this->Ranks, makeProgress()));
+    finite.Add(grid.GetFiniteRange());
   }
   const auto bins = isosurface::SpectrumBins::Choose(type, finite);
   std::vector<WorkloadSpectrum> spectra;
   for (const GridSpectrum& grid : grids)
   {
-    auto spectrum = grid.Count(this->Ranks, bins, progress);
+    auto spectrum = grid.Count(this->Ranks, bins, makeProgress());
     ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
     spectra.push_back(std::move(*spectrum));
-    ++done;
   }
   return spectra;
 }

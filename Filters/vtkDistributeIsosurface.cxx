@@ -6,14 +6,10 @@
 #include "vtkStabbingContour.h"
 
 #include "vtkAlgorithmOutput.h"
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -22,8 +18,8 @@
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
 #include "ControllerCommunicator.h"
+#include "CostFieldData.h"
 #include "ErrorReport.h"
-#include "Ground/Base/ParallelFor.h"
 #include "NormalRounding.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
@@ -31,7 +27,6 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 vtkStandardNewMacro(vtkDistributeIsosurface);
@@ -54,33 +49,23 @@ double GetSecondsSince(std::chrono::steady_clock::time_point begin)
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-template <typename T>
-void AddToFieldData(vtkPolyData* output, const char* name, T value)
-{
-  using Array = std::conditional_t<std::is_floating_point_v<T>, vtkDoubleArray, vtkIdTypeArray>;
-  vtkNew<Array> array;
-  array->SetName(name);
-  array->InsertNextValue(static_cast<typename Array::ValueType>(value));
-  output->GetFieldData()->AddArray(array);
-}
-
 void AddCost(int rank, const SurfaceExchange& exchange, const Surface& surface, double querySeconds,
   vtkPolyData* output)
 {
   const SurfaceExchange::Cost& cost = exchange.GetCost();
-  AddToFieldData(output, "Rank", rank);
-  AddToFieldData(output, "ExtractedPoints", cost.EncodedPoints);
-  AddToFieldData(output, "ReceivedPoints", cost.ReceivedPoints);
-  AddToFieldData(output, "EncodedBytes", cost.EncodedBytes);
-  AddToFieldData(output, "SentBytes", cost.SentBytes);
-  AddToFieldData(output, "Rounds", cost.Rounds);
-  AddToFieldData(output, "EncodeSeconds", cost.EncodeSeconds);
-  AddToFieldData(output, "ChooseSeconds", cost.ChooseSeconds);
-  AddToFieldData(output, "ExchangeSeconds", cost.ExchangeSeconds);
-  AddToFieldData(output, "DecodeSeconds", cost.DecodeSeconds);
-  AddToFieldData(output, "Triangles", surface.NumberOfTriangles);
-  AddToFieldData(output, "RawBytes", isosurface::GetSurfaceBytes(surface));
-  AddToFieldData(output, "QuerySeconds", querySeconds);
+  isosurface::AddToFieldData(output, "Rank", rank);
+  isosurface::AddToFieldData(output, "ExtractedPoints", cost.EncodedPoints);
+  isosurface::AddToFieldData(output, "ReceivedPoints", cost.ReceivedPoints);
+  isosurface::AddToFieldData(output, "EncodedBytes", cost.EncodedBytes);
+  isosurface::AddToFieldData(output, "SentBytes", cost.SentBytes);
+  isosurface::AddToFieldData(output, "Rounds", cost.Rounds);
+  isosurface::AddToFieldData(output, "EncodeSeconds", cost.EncodeSeconds);
+  isosurface::AddToFieldData(output, "ChooseSeconds", cost.ChooseSeconds);
+  isosurface::AddToFieldData(output, "ExchangeSeconds", cost.ExchangeSeconds);
+  isosurface::AddToFieldData(output, "DecodeSeconds", cost.DecodeSeconds);
+  isosurface::AddToFieldData(output, "Triangles", surface.NumberOfTriangles);
+  isosurface::AddToFieldData(output, "RawBytes", isosurface::GetSurfaceBytes(surface));
+  isosurface::AddToFieldData(output, "QuerySeconds", querySeconds);
   vtkLogF(1,
     "Distribute Isosurface: rank %d: %llu points encoded to %llu bytes, %llu bytes sent, %zu "
     "triangles; query %.4f s, encode %.4f s, choose %.4f s, exchange %.4f s, decode %.4f s",
@@ -237,9 +222,7 @@ Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
 SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
 {
   SurfaceExchange::Settings settings;
-  const int ranksOnNode = this->Ranks.GetRanksOnNode();
-  settings.Threads = this->Filter.NumberOfThreads > 0 ? this->Filter.NumberOfThreads
-                                                      : isosurface::ChooseThreadCount(ranksOnNode);
+  settings.Threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
   settings.DrawingRanks = this->Filter.DrawingRanks;
   settings.RoundBytes = static_cast<std::uint64_t>(this->Filter.RoundBytes);
   return settings;
@@ -281,12 +264,11 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
     MakeRequest(*header, blocks, this->Contour->GetGenerateTriangles() == 0);
   SurfaceExchange exchange(ranks, *header, request, settings);
   const double querySeconds = GetSecondsSince(begin);
-  Result<Surface> surface =
-    exchange.Run(*blocks.Source, [this](double share) { return this->Filter.TellProgress(share); });
+  Result<Surface> surface = exchange.Run(*blocks.Source, isosurface::MakeProgress(this->Filter));
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
 
   AddCost(ranks.GetRank(), exchange, *surface, querySeconds, output);
-  AddToFieldData(output, "Level", blocks.Level);
+  isosurface::AddToFieldData(output, "Level", blocks.Level);
   isosurface::MoveToPolyData(
     *surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header->Array : "", output);
   isosurface::StoreRanges(output, settings.Threads);
@@ -295,13 +277,6 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
     output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header->Time);
   }
   return Status::Ok();
-}
-
-//------------------------------------------------------------------------------
-bool vtkDistributeIsosurface::TellProgress(double share)
-{
-  this->UpdateProgress(share);
-  return !isosurface::IsAborted(*this);
 }
 
 //------------------------------------------------------------------------------

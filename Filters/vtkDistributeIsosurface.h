@@ -143,8 +143,6 @@ private:
 
   struct Steps; ///< of RequestData
 
-  bool TellProgress(double share);
-
   int Mode;
   double MaximumError;
   int Profile;

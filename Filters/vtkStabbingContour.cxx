@@ -3,7 +3,7 @@
 #include "vtkStabbingContour.h"
 
 #include "ArrayRanges.h"
-#include "ContourWork.h"
+#include "ContourExecution.h"
 #include "ContouredArray.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
@@ -34,7 +34,7 @@ vtkStandardNewMacro(vtkStabbingContour);
 vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
 vtkCxxSetObjectMacro(vtkStabbingContour, Frustum, vtkPlanes);
 
-using isosurface::ContourWork;
+using isosurface::ContourExecution;
 using isosurface::Status;
 using isosurface::StatusCode;
 
@@ -81,7 +81,7 @@ vtkStabbingContour::vtkStabbingContour()
   , Frustum(nullptr)
   , NumberOfThreads(0)
   , Controller(nullptr)
-  , Work(new ContourWork(*this))
+  , Work(new ContourExecution(*this))
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(

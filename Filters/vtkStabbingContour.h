@@ -37,7 +37,7 @@
 
 namespace isosurface
 {
-class ContourWork;
+class ContourExecution;
 }
 
 class vtkAlgorithmOutput;
@@ -336,7 +336,7 @@ private:
   vtkStabbingContour(const vtkStabbingContour&) = delete;
   void operator=(const vtkStabbingContour&) = delete;
 
-  friend class isosurface::ContourWork;
+  friend class isosurface::ContourExecution;
 
   /// Asks the input for what a piece of the output needs; until ReleaseInput, which is called when
   /// the input is up to date.
@@ -369,7 +369,7 @@ private:
   vtkPlanes* Frustum;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
-  std::unique_ptr<isosurface::ContourWork> Work;
+  std::unique_ptr<isosurface::ContourExecution> Work;
 };
 
 #endif

@@ -22,7 +22,6 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -303,11 +302,9 @@ int vtkBlockedVolumeReader::RequestData(
     return 0;
   }
   using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const int ranksOnNode = ranks.GetRanksOnNode();
   const Reading reading = { this, *this->Handle->GetVolume(), this->Handle->FindTimeStep(outInfo),
     outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
-    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())),
-    isosurface::ChooseThreadCount(ranksOnNode) };
+    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), ranks.ChooseThreads(0) };
   if (const auto time = reading.Volume.GetHeader().TimeSteps[reading.Step].Time)
   {
     partitions->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *time);
@@ -330,20 +327,15 @@ int vtkBlockedVolumeReader::RequestData(
   const isosurface::StoreNews news = reading.Volume.ShareStoreFaults(ranks);
   status = ranks.Agree(status);
   isosurface::ReportWarning(this, ranks, status, news.Warning);
-  if (status.GetCode() == StatusCode::Aborted)
-  {
-    partitions->Initialize();
-    isosurface::MarkAborted(*this);
-    return 1;
-  }
   if (!status.IsOk())
   {
     partitions->Initialize();
-    this->Handle->EndTaking();
-    isosurface::ReportError(this, output, status);
-    return 0;
+    if (status.GetCode() != StatusCode::Aborted)
+    {
+      this->Handle->EndTaking();
+    }
   }
-  return 1;
+  return isosurface::EndExecution(this, output, status);
 }
 
 //------------------------------------------------------------------------------
@@ -395,13 +387,6 @@ void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions)
 }
 
 //------------------------------------------------------------------------------
-bool vtkBlockedVolumeReader::TellProgress(double share)
-{
-  this->UpdateProgress(share);
-  return !isosurface::IsAborted(*this);
-}
-
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitions) const
 {
   vtkBlockedVolumeReader* reader = this->Reader;
@@ -425,7 +410,7 @@ Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitio
   }
   isosurface::QueryStatistics statistics;
   const auto part = isosurface::ReadSlab(this->Volume, slab, this->Step, arrays, *level,
-    this->Threads, statistics, [reader](double share) { return reader->TellProgress(share); });
+    this->Threads, statistics, isosurface::MakeProgress(*reader));
   ISOSURFACE_RETURN_IF_ERROR(part.GetStatus());
   partitions->SetNumberOfPartitions(1);
   partitions->SetPartition(0, *part);

@@ -141,7 +141,6 @@ private:
   bool OpenVolume();
   /// Tells the pipeline about the arrays and times of the open volume.
   void TellVolume(vtkInformation* outInfo);
-  bool TellProgress(double share);
 
   char* FileName;
   bool LocalStores;

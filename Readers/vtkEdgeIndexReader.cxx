@@ -17,7 +17,6 @@
 #include "ErrorReport.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Ground/Base/ParallelFor.h"
 #include "NormalRounding.h"
 #include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
@@ -201,9 +200,7 @@ int vtkEdgeIndexReader::RequestData(
   Status status = ranks.Agree(opened, this->Internal->MakeCommonValues());
   if (status.IsOk())
   {
-    const int ranksOnNode = ranks.GetRanksOnNode();
-    const int threads = this->NumberOfThreads > 0 ? this->NumberOfThreads
-                                                  : isosurface::ChooseThreadCount(ranksOnNode);
+    const int threads = ranks.ChooseThreads(this->NumberOfThreads);
     if (ranks.GetRank() == 0 && !this->Internal->File->IsComplete())
     {
       vtkWarningMacro(<< this->Internal->File->GetMissing());
@@ -275,8 +272,8 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
       arrays.push_back({ attribute.Name, {}, { attribute.Type, attribute.NumberOfComponents } });
     }
   }
-  auto surface = this->File->Read(
-    selection, request, threads, [this](double share) { return this->Reader.TellProgress(share); });
+  auto surface =
+    this->File->Read(selection, request, threads, isosurface::MakeProgress(this->Reader));
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
   vtkLogF(1, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->Reader.FileName,
     selection.Piece, selection.NumberOfPieces, surface->NumberOfBlocks, surface->NumberOfTriangles,
@@ -293,13 +290,6 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
     output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);
   }
   return Status::Ok();
-}
-
-//------------------------------------------------------------------------------
-bool vtkEdgeIndexReader::TellProgress(double share)
-{
-  this->UpdateProgress(share);
-  return !isosurface::IsAborted(*this);
 }
 
 //------------------------------------------------------------------------------

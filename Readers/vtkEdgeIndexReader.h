@@ -126,8 +126,6 @@ private:
 
   struct Internals; ///< the open file, and the steps of RequestData
 
-  bool TellProgress(double share);
-
   char* FileName;
   vtkTypeBool Preview;
   vtkTypeBool UseRegion;

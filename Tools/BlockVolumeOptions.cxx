@@ -132,15 +132,13 @@ struct RawTexts
 
 void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
 {
-  const char* group = "Writing";
+  app.option_defaults()->group("Writing");
   BlockedVolumeSettings& settings = options.Settings;
   app.add_option("--block-size", settings.BlockSize, "Cells along the side of a block: 16, 32, 64")
-    ->group(group)
     ->capture_default_str();
   app
     .add_option("--stores", settings.NumberOfStores,
       "Stores that the blocks are distributed over; 0: the number of ranks")
-    ->group(group)
     ->check(CLI::Range(0, 65536))
     ->capture_default_str();
   app
@@ -148,128 +146,100 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
       "Stores that have each block. With 2 or more a lost or damaged store costs nothing but "
       "speed,\n"
       "and --repair restores it. Default: 1, or as many as the volume that is appended to")
-    ->group(group)
     ->check(CLI::Range(1, 16));
   app
     .add_option("--distribution", texts.Distribution,
       "How blocks are distributed: greedy (similar blocks in turn), balanced (equal shares of\n"
       "the estimated triangles), random (by a seeded hash), slab (neighbours together; the\n"
       "default with --in-place, because neighbours share chunks)")
-    ->group(group)
     ->capture_default_str();
   app.add_option("--seed", settings.RandomSeed, "Seed of the random distribution")
-    ->group(group)
     ->capture_default_str();
   app
     .add_option("--compression", texts.Compression,
       "Lossless: none, lz4[:1-12] (fast) or zstd[:1-19] (small)")
-    ->group(group)
     ->capture_default_str();
   app
     .add_option("--memory", texts.MemoryMebibytes,
       "MiB that a rank may use, without the memory of VTK's readers")
-    ->group(group)
     ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
     ->capture_default_str();
-  app
-    .add_option("--arrays", texts.Arrays,
-      "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
-      "Default: all numeric point arrays, with any number of components")
-    ->group(group);
-  app
-    .add_flag("--in-place", options.IsInPlace,
-      "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
-      "HDF5, NetCDF, Zarr, N5 and uncompressed raw samples with a header")
-    ->group(group);
-  app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points")
-    ->group(group);
-  app
-    .add_flag("--append", settings.Append,
-      "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options")
-    ->group(group);
-  app.add_option("--time", settings.Time, "The time of the time step, instead of that of IN")
-    ->group(group);
+  app.add_option("--arrays", texts.Arrays,
+    "Names of the arrays to write, A,B,...; the first one decides the distribution.\n"
+    "Default: all numeric point arrays, with any number of components");
+  app.add_flag("--in-place", options.IsInPlace,
+    "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
+    "HDF5, NetCDF, Zarr, N5 and uncompressed raw samples with a header");
+  app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points");
+  app.add_flag("--append", settings.Append,
+    "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options");
+  app.add_option("--time", settings.Time, "The time of the time step, instead of that of IN");
+  app.option_defaults()->group("General");
   app
     .add_option(
       "--threads", settings.Threads, "Threads of a rank; 0: its share of the node's cores")
-    ->group("General")
     ->check(CLI::Range(0, 4096))
     ->capture_default_str();
-  app.add_flag("--quiet", options.IsQuiet, "No progress and no summary, only errors")
-    ->group("General");
+  app.add_flag("--quiet", options.IsQuiet, "No progress and no summary, only errors");
 }
 
 void AddDatasetOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
 {
-  const char* group = "Files of several volumes (HDF5, NetCDF, Zarr, DICOM)";
-  app.add_flag("--list", texts.IsList, "Print what is in IN: names, samples on each axis, types")
-    ->group(group);
-  app
-    .add_option("--axes", options.Axes,
-      "What the axes of a dataset are, the slowest first, of the letters x y z t c.\n"
-      "Default: as the file says; otherwise zyx, tzyx or tczyx. Channels (c) are components if\n"
-      "they come last, otherwise arrays")
-    ->group(group);
-  app.add_option("--step", options.Step, "Write this time step of IN, counted from 0, not all")
-    ->group(group);
+  app.option_defaults()->group("Files of several volumes (HDF5, NetCDF, Zarr, DICOM)");
+  app.add_flag("--list", texts.IsList, "Print what is in IN: names, samples on each axis, types");
+  app.add_option("--axes", options.Axes,
+    "What the axes of a dataset are, the slowest first, of the letters x y z t c.\n"
+    "Default: as the file says; otherwise zyx, tzyx or tczyx. Channels (c) are components if\n"
+    "they come last, otherwise arrays");
+  app.add_option("--step", options.Step, "Write this time step of IN, counted from 0, not all");
 }
 
 void AddInputOptions(CLI::App& app, RawTexts& texts)
 {
-  const char* group = "Geometry, instead of that of IN";
-  app.add_option("--spacing", texts.Spacing, "Distances between samples, X,Y,Z")->group(group);
-  app.add_option("--origin", texts.Origin, "Position of sample (0, 0, 0), X,Y,Z")->group(group);
-  group = "Samples without a header (x fastest, one array)";
-  app.add_option("--dimensions", texts.Dimensions, "Number of samples, X,Y,Z")->group(group);
+  app.option_defaults()->group("Geometry, instead of that of IN");
+  app.add_option("--spacing", texts.Spacing, "Distances between samples, X,Y,Z");
+  app.add_option("--origin", texts.Origin, "Position of sample (0, 0, 0), X,Y,Z");
+  app.option_defaults()->group("Samples without a header (x fastest, one array)");
+  app.add_option("--dimensions", texts.Dimensions, "Number of samples, X,Y,Z");
   app
     .add_option(
       "--type", texts.Type, "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64")
-    ->group(group)
     ->capture_default_str();
   app.add_option("--header-bytes", texts.HeaderBytes, "Bytes before the samples")
-    ->group(group)
     ->capture_default_str();
-  app.add_flag("--big-endian", texts.IsBigEndian, "The high byte of a sample comes first")
-    ->group(group);
-  app
-    .add_flag(
-      "--gzip", texts.IsGzip, "The samples after the header bytes are a gzip or zlib stream")
-    ->group(group);
-  app.add_option("--name", texts.Name, "Name of the array")->group(group)->capture_default_str();
+  app.add_flag("--big-endian", texts.IsBigEndian, "The high byte of a sample comes first");
+  app.add_flag(
+    "--gzip", texts.IsGzip, "The samples after the header bytes are a gzip or zlib stream");
+  app.add_option("--name", texts.Name, "Name of the array")->capture_default_str();
 }
 
 void AddSourceOptions(CLI::App& app, BlockVolumeOptions& options)
 {
-  app
-    .add_option("--source", options.Source,
-      "Write nothing, but tell IN.bvol, which was written in place, where its IN is now")
-    ->group("Volumes in place");
+  app.option_defaults()->group("Volumes in place");
+  app.add_option("--source", options.Source,
+    "Write nothing, but tell IN.bvol, which was written in place, where its IN is now");
 }
 
 void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
 {
-  const char* group = "Inspecting a blocked volume";
+  app.option_defaults()->group("Inspecting a blocked volume");
   CLI::Option* info = app.add_flag("--info", texts.IsInfo,
     "Print grid, arrays, time steps, stores, compression, balance and contour spectrum of IN.bvol");
-  info->group(group);
-  app.add_flag("--json", options.IsJson, "... as JSON")->group(group)->needs(info);
+  app.add_flag("--json", options.IsJson, "... as JSON")->needs(info);
   app
     .add_flag("--spectrum", options.WithSpectrum,
       "... with the contour spectrum at all isovalues: triangles, active cells, active blocks, "
       "bytes, area, volume")
-    ->group(group)
     ->needs(info);
   app
     .add_flag("--verify", texts.IsVerify,
       "Read all of IN.bvol, check every checksum and decode every block; print every fault")
-    ->group(group)
     ->excludes(info);
   app
     .add_flag("--repair", texts.IsRepair,
       "Restore lost and damaged stores of IN.bvol from the other stores that have their blocks, if "
       "it\n"
       "was written with --replicas; print what cannot be restored")
-    ->group(group)
     ->excludes(info)
     ->excludes("--verify");
 }

@@ -192,10 +192,9 @@ Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
   const auto bytes = static_cast<double>((*file)->GetSize());
-  {
-    ProgressDisplay display(options.Input, bytes, !options.IsQuiet);
-    ISOSURFACE_RETURN_IF_ERROR((*file)->Verify(threads, display.GetProgress()));
-  }
+  ProgressDisplay display(options.Input, bytes, !options.IsQuiet);
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Verify(threads, display.GetProgress()));
+  display.Clear();
   if (!options.IsQuiet)
   {
     std::printf("%s: sound: %zu records, %s\n", options.Input.c_str(), (*file)->GetEntries().size(),

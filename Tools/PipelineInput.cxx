@@ -34,6 +34,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -125,21 +126,17 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
 {
   const std::filesystem::path name(path);
   const std::string extension = LowerText(name.extension().string());
-  if (extension == ".vti")
+  using Maker = vtkSmartPointer<vtkAlgorithm> (*)(const std::string&);
+  static const std::map<std::string, Maker> makers = {
+    { ".vti", MakeReader<vtkXMLImageDataReader> }, { ".pvti", MakeReader<vtkXMLPImageDataReader> },
+    { ".vtr", MakeReader<vtkXMLRectilinearGridReader> },
+    { ".pvtr", MakeReader<vtkXMLPRectilinearGridReader> },
+    { ".hdr", MakeReader<vtkNIFTIImageReader> }, { ".img", MakeReader<vtkNIFTIImageReader> }
+  };
+  const auto maker = makers.find(extension);
+  if (maker != makers.end())
   {
-    return MakeReader<vtkXMLImageDataReader>(path);
-  }
-  if (extension == ".pvti")
-  {
-    return MakeReader<vtkXMLPImageDataReader>(path);
-  }
-  if (extension == ".vtr")
-  {
-    return MakeReader<vtkXMLRectilinearGridReader>(path);
-  }
-  if (extension == ".pvtr")
-  {
-    return MakeReader<vtkXMLPRectilinearGridReader>(path);
+    return maker->second(path);
   }
   if (extension == ".vtk")
   {
@@ -147,10 +144,6 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
     reader->SetFileName(path.c_str());
     return reader->IsFileRectilinearGrid() != 0 ? MakeReader<vtkRectilinearGridReader>(path)
                                                 : MakeReader<vtkStructuredPointsReader>(path);
-  }
-  if (extension == ".hdr" || extension == ".img")
-  {
-    return MakeReader<vtkNIFTIImageReader>(path);
   }
   auto reader = vtkSmartPointer<vtkImageReader2>::Take(
     vtkImageReader2Factory::CreateImageReader2(path.c_str()));

@@ -45,7 +45,12 @@ ProgressDisplay::ProgressDisplay(std::string name, double bytes, bool isShown)
 
 ProgressDisplay::~ProgressDisplay()
 {
-  if (this->IsDrawn)
+  this->Clear();
+}
+
+void ProgressDisplay::Clear()
+{
+  if (std::exchange(this->IsDrawn, false))
   {
     std::fputs("\r\033[K", stderr);
     std::fflush(stderr);

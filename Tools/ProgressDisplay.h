@@ -32,6 +32,8 @@ public:
   Progress GetProgress();
 
   double GetSeconds() const;
+  /// Ends the display before something else is printed.
+  void Clear();
 
 private:
   void Show(double share);

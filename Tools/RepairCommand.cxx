@@ -16,15 +16,10 @@ Status RunRepairCommand(const BlockVolumeOptions& options)
 {
   const int threads =
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
-  double seconds = 0;
-  const auto done = [&]
-  {
-    ProgressDisplay display(options.Input, 0, !options.IsQuiet);
-    auto result =
-      RepairBlockedVolume(options.Input, GetLocalFileSystem(), threads, display.GetProgress());
-    seconds = display.GetSeconds();
-    return result;
-  }();
+  ProgressDisplay display(options.Input, 0, !options.IsQuiet);
+  const auto done =
+    RepairBlockedVolume(options.Input, GetLocalFileSystem(), threads, display.GetProgress());
+  display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(done.GetStatus());
   if (!options.IsQuiet)
   {
@@ -48,7 +43,7 @@ Status RunRepairCommand(const BlockVolumeOptions& options)
       done->Restored.empty()
         ? "nothing to restore"
         : (FormatBytes(static_cast<double>(done->Bytes)) + " restored").c_str(),
-      seconds);
+      display.GetSeconds());
   }
   return Status::Ok();
 }

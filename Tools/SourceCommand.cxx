@@ -16,11 +16,10 @@ Status RunSourceCommand(const BlockVolumeOptions& options)
 {
   const int threads =
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
-  {
-    ProgressDisplay display(options.Input, 0, !options.IsQuiet);
-    ISOSURFACE_RETURN_IF_ERROR(RelocateSource(GetLocalFileSystem(), OpenForeignVolume,
-      options.Input, options.Source, threads, display.GetProgress()));
-  }
+  ProgressDisplay display(options.Input, 0, !options.IsQuiet);
+  ISOSURFACE_RETURN_IF_ERROR(RelocateSource(GetLocalFileSystem(), OpenForeignVolume, options.Input,
+    options.Source, threads, display.GetProgress()));
+  display.Clear();
   if (!options.IsQuiet)
   {
     std::printf("%s: has its samples in %s\n", options.Input.c_str(), options.Source.c_str());

@@ -64,11 +64,7 @@ SurfacePiece MakePiece(const Blocks& blocks, bool beginsLayer)
   SurfacePiece piece{ blocks.front()->Vertices, CountPoints(blocks), beginsLayer };
   for (const EdgeIndexBlock* block : blocks)
   {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      piece.Box.Low[axis] = std::min(piece.Box.Low[axis], block->Vertices.Low[axis]);
-      piece.Box.High[axis] = std::max(piece.Box.High[axis], block->Vertices.High[axis]);
-    }
+    piece.Box.Extend(block->Vertices);
   }
   return piece;
 }

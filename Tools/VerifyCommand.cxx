@@ -41,15 +41,11 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
 {
   const int threads =
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
-  double seconds = 0;
-  const auto found = [&]
-  {
-    ProgressDisplay display(options.Input, CountBytes(options.Input), !options.IsQuiet);
-    auto result = VerifyBlockedVolume(
-      options.Input, GetLocalFileSystem(), threads, display.GetProgress(), OpenForeignVolume);
-    seconds = display.GetSeconds();
-    return result;
-  }();
+  ProgressDisplay display(options.Input, CountBytes(options.Input), !options.IsQuiet);
+  const auto found = VerifyBlockedVolume(
+    options.Input, GetLocalFileSystem(), threads, display.GetProgress(), OpenForeignVolume);
+  const double seconds = display.GetSeconds();
+  display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
   for (const Status& fault : found->Faults)
   {

@@ -77,15 +77,11 @@ Status WriteStep(
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(source.GetStatus()));
   settings.InPlace = std::move(*source);
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
-  double seconds = 0;
-  const auto written = [&]
-  {
-    ProgressDisplay display(options.Output, sampleBytes, isTold);
-    auto result = BlockedVolumeWriter(ranks).Write(
-      options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, display.GetProgress());
-    seconds = display.GetSeconds();
-    return result;
-  }();
+  ProgressDisplay display(options.Output, sampleBytes, isTold);
+  const auto written = BlockedVolumeWriter(ranks).Write(
+    options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, display.GetProgress());
+  const double seconds = display.GetSeconds();
+  display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   if (isTold)
   {

@@ -20,7 +20,6 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
-#include "Ground/Base/ParallelFor.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
@@ -390,9 +389,8 @@ Result<std::unique_ptr<isosurface::SlabSource>> vtkBlockedVolumeWriter::Session:
     {
       arrays.push_back(*handle->GetVolume()->GetHeader().FindArray(array.Name));
     }
-    auto source =
-      isosurface::StoredSlabSource::Make(handle->GetVolume(), handle->FindTimeStep(inInfo), arrays,
-        isosurface::ChooseThreadCount(this->Ranks.GetRanksOnNode()));
+    auto source = isosurface::StoredSlabSource::Make(
+      handle->GetVolume(), handle->FindTimeStep(inInfo), arrays, this->Ranks.ChooseThreads(0));
     ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
     return std::unique_ptr<isosurface::SlabSource>(std::move(*source));
   }
@@ -411,13 +409,10 @@ Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume&
   const auto opened = this->OpenSource(local);
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(opened.GetStatus()));
   const double steps = static_cast<double>(std::max<std::size_t>(1, this->Owner.TimeSteps.size()));
+  const auto step = static_cast<double>(this->Owner.TimeIndex);
   const auto written = this->Writer.Write(this->Owner.FileName, local.Grid, local.Arrays, **opened,
     this->MakeSettings(local),
-    [this, steps](double share)
-    {
-      this->Owner.UpdateProgress((static_cast<double>(this->Owner.TimeIndex) + share) / steps);
-      return !isosurface::IsAborted(this->Owner);
-    });
+    isosurface::MakeProgress(this->Owner, step / steps, (step + 1) / steps));
   if (written.IsOk() && this->Ranks.GetRank() == 0)
   {
     vtkLogF(1, "%s: %llu blocks of %d cells a side in %zu stores, %llu bytes", this->Owner.FileName,

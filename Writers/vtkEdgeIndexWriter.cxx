@@ -19,7 +19,6 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
-#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +127,6 @@ struct vtkEdgeIndexWriter::Steps
     const std::optional<double>& time, const std::string& path, ContourBlocks& blocks);
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks);
   isosurface::EdgeIndexWriteJob::Settings MakeSettings();
-  bool TellProgress(double share) const;
 };
 
 //------------------------------------------------------------------------------
@@ -279,9 +277,7 @@ Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(const ContourBlock
 isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings()
 {
   isosurface::EdgeIndexWriteJob::Settings settings;
-  const int ranksOnNode = this->Ranks.GetRanksOnNode();
-  settings.Threads = this->Writer.NumberOfThreads > 0 ? this->Writer.NumberOfThreads
-                                                      : isosurface::ChooseThreadCount(ranksOnNode);
+  settings.Threads = this->Ranks.ChooseThreads(this->Writer.NumberOfThreads);
   settings.MemoryBytes = static_cast<std::uint64_t>(this->Writer.MemoryLimit) << 20;
   return settings;
 }
@@ -306,7 +302,8 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, *header,
     *blocks.Source, blocks.Numbers, this->MakeSettings());
-  const auto written = job.Run([this](double share) { return this->TellProgress(share); });
+  const auto written =
+    job.Run(isosurface::MakeProgress(this->Writer, this->FirstShare, this->LastShare));
   if (written.IsOk() && this->Ranks.GetRank() == 0)
   {
     vtkLogF(1, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
@@ -315,13 +312,6 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
       static_cast<unsigned long long>(written->Bytes));
   }
   return written.GetStatus();
-}
-
-//------------------------------------------------------------------------------
-bool vtkEdgeIndexWriter::Steps::TellProgress(double share) const
-{
-  this->Writer.UpdateProgress(this->FirstShare + share * (this->LastShare - this->FirstShare));
-  return !isosurface::IsAborted(this->Writer);
 }
 
 //------------------------------------------------------------------------------

@@ -68,34 +68,26 @@ struct vtkInPlaceVolumeReader::Indexing
   explicit Indexing(vtkInPlaceVolumeReader& reader)
     : Reader(reader)
   {
-    try
-    {
-      this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
-        ToText(reader.Dataset) == Automatic ? "" : ToText(reader.Dataset), ToText(reader.Axes),
-        ToText(reader.IndexFolder));
-    }
-    catch (const std::exception& exception)
-    {
-      this->Failure = isosurface::MakeExceptionError(ToText(reader.SourceName), exception);
-    }
+    this->Failure = isosurface::Attempt(ToText(reader.SourceName),
+      [&]
+      {
+        this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
+          ToText(reader.Dataset) == Automatic ? "" : ToText(reader.Dataset), ToText(reader.Axes),
+          ToText(reader.IndexFolder));
+        return Status::Ok();
+      });
   }
 
   /// The state of the index on this rank.
   Result<IndexState> FindState() const
   {
     ISOSURFACE_RETURN_IF_ERROR(this->Failure);
-    try
+    if (ToText(this->Reader.SourceName).empty())
     {
-      if (ToText(this->Reader.SourceName).empty())
-      {
-        return Status(StatusCode::NotFound, "No file name is set.");
-      }
-      return isosurface::FindIndexState(isosurface::GetLocalFileSystem(), this->Index);
+      return Status(StatusCode::NotFound, "No file name is set.");
     }
-    catch (const std::exception& exception)
-    {
-      return isosurface::MakeExceptionError(this->Index.Path, exception);
-    }
+    return isosurface::Attempt(this->Index.Path,
+      [&] { return isosurface::FindIndexState(isosurface::GetLocalFileSystem(), this->Index); });
   }
 
   /// Collective. Makes the index if one rank finds it missing or out of date.
@@ -124,13 +116,9 @@ Status vtkInPlaceVolumeReader::Indexing::Update(isosurface::Communicator& ranks)
   }
   vtkInPlaceVolumeReader& reader = this->Reader;
   constexpr std::uint64_t mebibyte = 1024 * 1024;
-  const auto written = isosurface::WriteSourceIndex(ranks, isosurface::GetLocalFileSystem(),
-    this->Index, static_cast<std::uint64_t>(reader.IndexMemory) * mebibyte,
-    [&reader](double share)
-    {
-      reader.UpdateProgress(share);
-      return !isosurface::IsAborted(reader);
-    });
+  const auto written =
+    isosurface::WriteSourceIndex(ranks, isosurface::GetLocalFileSystem(), this->Index,
+      static_cast<std::uint64_t>(reader.IndexMemory) * mebibyte, isosurface::MakeProgress(reader));
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   if (!written->empty() && ranks.GetRank() == 0)
   {
@@ -237,18 +225,13 @@ int vtkInPlaceVolumeReader::RequestData(
     if (!status.IsOk())
     {
       vtkPartitionedDataSet::GetData(output, 0)->Initialize();
-      if (status.GetCode() == StatusCode::Aborted)
-      {
-        isosurface::MarkAborted(*this);
-        return 1;
-      }
       // A consumer that takes blocks is not executed behind an error.
-      if (auto* handle = BLOCKED_VOLUME()->GetHandle(output->GetInformationObject(0)))
+      auto* handle = BLOCKED_VOLUME()->GetHandle(output->GetInformationObject(0));
+      if (handle && status.GetCode() != StatusCode::Aborted)
       {
         handle->EndTaking();
       }
-      isosurface::ReportError(this, output, status);
-      return 0;
+      return isosurface::EndExecution(this, output, status);
     }
     this->SetFileName(nullptr); // a new file under the same path is opened again
     this->SetFileName(indexing.Index.Path.c_str());

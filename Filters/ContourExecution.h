@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_ContourWork_h
-#define isosurface_ContourWork_h
+#ifndef isosurface_ContourExecution_h
+#define isosurface_ContourExecution_h
 
 #include "CellArrays.h"
 #include "ContourRefinement.h"
@@ -37,11 +37,11 @@ struct ContourBlocks;
  * the blocks that the surface is made of. Keeps what a later execution can use: value ranges of
  * images, how fast this machine extracts, and the level of a progressive surface.
  */
-class ContourWork
+class ContourExecution
 {
 public:
-  explicit ContourWork(vtkStabbingContour& contour);
-  static ContourWork& Of(vtkStabbingContour& contour);
+  explicit ContourExecution(vtkStabbingContour& contour);
+  static ContourExecution& Of(vtkStabbingContour& contour);
 
   /// This rank's piece of the surface. The caller has all ranks agree on the status. Collective.
   Status Extract(vtkInformation* inInfo, vtkInformation* outInfo, ContourOutcome& outcome);
@@ -90,7 +90,6 @@ private:
   Region MakeRegion();
   std::string GetArrayToContour();
   std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
-  bool TellProgress(double share);
 
   /// Whether the input is a blocked volume, and what is asked of it, are the same on all ranks; so
   /// all go the same way. `query` is made for a volume alone. `blocks`: those that are asked for, if

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ContourWork.h"
+#include "ContourExecution.h"
 
 #include "ContourBlocks.h"
 #include "ContouredArray.h"
@@ -37,12 +37,12 @@ namespace
 using Pipeline = vtkStreamingDemandDrivenPipeline;
 }
 
-ContourWork::ContourWork(vtkStabbingContour& contour)
+ContourExecution::ContourExecution(vtkStabbingContour& contour)
   : Contour(contour)
 {
 }
 
-ContourWork& ContourWork::Of(vtkStabbingContour& contour)
+ContourExecution& ContourExecution::Of(vtkStabbingContour& contour)
 {
   return *contour.Work;
 }
@@ -50,12 +50,12 @@ ContourWork& ContourWork::Of(vtkStabbingContour& contour)
 //------------------------------------------------------------------------------
 // What the properties mean
 
-ControllerCommunicator ContourWork::GetRanks()
+ControllerCommunicator ContourExecution::GetRanks()
 {
   return ControllerCommunicator(this->Contour.GetController());
 }
 
-int ContourWork::ChooseThreads()
+int ContourExecution::ChooseThreads()
 {
   if (this->RanksOnNode == 0)
   {
@@ -65,13 +65,7 @@ int ContourWork::ChooseThreads()
   return threads > 0 ? threads : ChooseThreadCount(this->RanksOnNode);
 }
 
-bool ContourWork::TellProgress(double share)
-{
-  this->Contour.UpdateProgress(share);
-  return !isosurface::IsAborted(this->Contour);
-}
-
-ContourRequest ContourWork::MakeRequest()
+ContourRequest ContourExecution::MakeRequest()
 {
   ContourRequest request;
   for (vtkIdType n = 0; n < this->Contour.GetNumberOfContours(); ++n)
@@ -92,7 +86,7 @@ ContourRequest ContourWork::MakeRequest()
   return request;
 }
 
-Region ContourWork::MakeRegion()
+Region ContourExecution::MakeRegion()
 {
   Region region;
   if (this->Contour.GetUseRegion())
@@ -121,13 +115,13 @@ Region ContourWork::MakeRegion()
   return region.Intersect(Region(halfSpaces));
 }
 
-std::string ContourWork::GetArrayToContour()
+std::string ContourExecution::GetArrayToContour()
 {
   vtkInformation* array = this->Contour.GetInputArrayInformation(0);
   return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
 }
 
-std::vector<std::string> ContourWork::ChooseInterpolatedArrays(const std::string& contoured)
+std::vector<std::string> ContourExecution::ChooseInterpolatedArrays(const std::string& contoured)
 {
   std::vector<std::string> names;
   names.reserve(static_cast<std::size_t>(this->Contour.GetNumberOfInterpolatedArrays()));
@@ -145,7 +139,7 @@ std::vector<std::string> ContourWork::ChooseInterpolatedArrays(const std::string
 //------------------------------------------------------------------------------
 // A surface
 
-Status ContourWork::Extract(
+Status ContourExecution::Extract(
   vtkInformation* inInfo, vtkInformation* outInfo, ContourOutcome& outcome)
 {
   const VolumeInput input(inInfo);
@@ -156,8 +150,8 @@ Status ContourWork::Extract(
                : this->ExtractFromImages(inInfo, outcome);
 }
 
-Status ContourWork::AgreeOnQuery(const VolumeInput& input, Communicator& ranks, SurfaceQuery& query,
-  ContourOutcome& outcome, const ContourBlocks* blocks)
+Status ContourExecution::AgreeOnQuery(const VolumeInput& input, Communicator& ranks,
+  SurfaceQuery& query, ContourOutcome& outcome, const ContourBlocks* blocks)
 {
   Status status = input.GetStatus();
   if (status.IsOk() && input)
@@ -171,7 +165,7 @@ Status ContourWork::AgreeOnQuery(const VolumeInput& input, Communicator& ranks, 
   return ranks.Agree(status, values);
 }
 
-std::uint64_t ContourWork::ComputeFingerprint(
+std::uint64_t ContourExecution::ComputeFingerprint(
   const SurfaceQuery& query, const ContourBlocks* blocks)
 {
   Fingerprint fingerprint;
@@ -208,7 +202,7 @@ std::uint64_t ContourWork::ComputeFingerprint(
   return fingerprint.Get();
 }
 
-Status ContourWork::MakeQuery(
+Status ContourExecution::MakeQuery(
   const VolumeInput& input, SurfaceQuery& query, ContourOutcome& outcome)
 {
   const auto variable = input.FindVariable(this->GetArrayToContour(), this->Contour.GetComponent());
@@ -232,13 +226,12 @@ Status ContourWork::MakeQuery(
   return Status::Ok();
 }
 
-Status ContourWork::ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& agreed,
+Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& agreed,
   vtkInformation* outInfo, ContourOutcome& outcome)
 {
   ControllerCommunicator ranks = this->GetRanks();
   ExtractionTask task = { input.GetVolume(), agreed, this->MakeRequest(), this->ChooseThreads(),
-    [this](double share) { return this->TellProgress(share); },
-    this->Contour.GetDynamicBalance() ? &ranks : nullptr };
+    isosurface::MakeProgress(this->Contour), this->Contour.GetDynamicBalance() ? &ranks : nullptr };
   task.Query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   task.Query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   for (const InterpolatedArray& array : outcome.Arrays)
@@ -253,7 +246,7 @@ Status ContourWork::ExtractFromVolume(const VolumeInput& input, const SurfaceQue
   return status;
 }
 
-Status ContourWork::ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome)
+Status ContourExecution::ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome)
 {
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
@@ -276,49 +269,42 @@ Status ContourWork::ExtractOnce(const ExtractionTask& task, ContourOutcome& outc
   return this->OfVolumes.ExtractAtLevel(task, choice, outcome);
 }
 
-Status ContourWork::ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome)
+Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome)
 {
   ControllerCommunicator ranks = this->GetRanks();
   const int threads = this->ChooseThreads();
   const auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
   ContourRequest request = this->MakeRequest();
-  ISOSURFACE_RETURN_IF_ERROR(this->OfImages.Extract(
-    ranks, *pieces,
+  ISOSURFACE_RETURN_IF_ERROR(this->OfImages.Extract(ranks, *pieces,
     { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
       this->MakeRegion(), threads, &this->Averages },
-    request, [this](double share) { return this->TellProgress(share); }, outcome));
+    request, isosurface::MakeProgress(this->Contour), outcome));
   this->Averages.DropUnused();
   return Status::Ok();
 }
 
-Result<ImagePieces> ContourWork::CollectPieces(
+Result<ImagePieces> ContourExecution::CollectPieces(
   Communicator& ranks, vtkInformation* inInfo, std::string& arrayName)
 {
   const int threads = this->ChooseThreads();
-  auto findArray = [&](vtkImageData* image) -> Result<vtkDataArray*>
+  const auto choose = [&](vtkImageData* image, int& association)
   {
-    int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
     vtkDataArray* array = this->Contour.GetInputArrayToProcess(0, image, association);
     if (array && array->GetName())
     {
       arrayName = array->GetName();
     }
-    return TakeContouredArray(
-      image, array, association, this->Contour.GetComponent(), this->Averages, threads);
+    return array;
   };
-  auto pieces = CollectImagePieces(ranks, vtkDataObject::GetData(inInfo), inInfo, findArray);
-  if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
-  {
-    return MakeMissingArrayError(vtkDataObject::GetData(inInfo), this->GetArrayToContour());
-  }
-  return pieces;
+  return CollectContouredPieces(ranks, inInfo, choose, this->GetArrayToContour(),
+    this->Contour.GetComponent(), this->Averages, threads);
 }
 
 //------------------------------------------------------------------------------
 // The blocks of a surface
 
-Status ContourWork::CollectBlocks(
+Status ContourExecution::CollectBlocks(
   int piece, int pieces, const std::optional<double>& time, ContourBlocks& blocks)
 {
   ControllerCommunicator ranks = this->GetRanks();
@@ -340,7 +326,7 @@ Status ContourWork::CollectBlocks(
                : this->CollectBlocksOfImages(ranks, inInfo, blocks);
 }
 
-Status ContourWork::UpdateInput(int piece, int pieces, const std::optional<double>& time)
+Status ContourExecution::UpdateInput(int piece, int pieces, const std::optional<double>& time)
 {
   vtkAlgorithmOutput* connection = this->Contour.GetInputConnection(0, 0);
   this->Contour.UpdateInformation();
@@ -362,7 +348,7 @@ Status ContourWork::UpdateInput(int piece, int pieces, const std::optional<doubl
     : Status::Ok();
 }
 
-Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input,
+Status ContourExecution::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input,
   SurfaceQuery query, ContourOutcome& outcome, ContourBlocks& blocks)
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
@@ -399,7 +385,7 @@ Status ContourWork::CollectBlocksOfVolume(Communicator& ranks, const VolumeInput
   return status;
 }
 
-Status ContourWork::CollectBlocksOfImages(
+Status ContourExecution::CollectBlocksOfImages(
   Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks)
 {
   const int threads = this->ChooseThreads();
