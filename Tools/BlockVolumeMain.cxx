@@ -11,15 +11,18 @@
 
 #include "vtkMPIController.h"
 #include "vtkMultiProcessController.h"
-#include "vtkNew.h"
+#include "vtkSmartPointer.h"
 
 #include "ControllerCommunicator.h"
 
 #include <malloc.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <iterator>
 #include <new>
 
 using namespace isosurface;
@@ -83,6 +86,17 @@ int FailAtOnce(const char* reason, int ranks)
   return 1;
 }
 
+/// Whether this process may be one of several. Each launcher of MPI, and each scheduler that starts ranks
+/// by itself, sets one of these variables.
+bool IsStartedAsRank()
+{
+  constexpr const char* variables[] = { "OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_FD",
+    "MV2_COMM_WORLD_RANK", "MPI_LOCALRANKID", "SLURM_PROCID", "ALPS_APP_PE", "PALS_RANKID",
+    "FLUX_TASK_RANK" };
+  return std::any_of(std::begin(variables), std::end(variables),
+    [](const char* variable) { return std::getenv(variable) != nullptr; });
+}
+
 /// Libraries decode chunks in memory of the heap, in one thread after another. Freed chunks would
 /// stay in the heaps of the threads, beyond the limit of memory.
 void ReturnLargeMemory()
@@ -98,17 +112,22 @@ void ReturnLargeMemory()
 int main(int argc, char** argv)
 {
   ReturnLargeMemory();
-  vtkNew<vtkMPIController> controller;
-  controller->Initialize(&argc, &argv);
-  vtkMultiProcessController::SetGlobalController(controller);
+  // One process needs no MPI, which takes longer to start than most commands take.
+  vtkSmartPointer<vtkMPIController> controller;
+  if (IsStartedAsRank())
+  {
+    controller = vtkSmartPointer<vtkMPIController>::New();
+    controller->Initialize(&argc, &argv);
+    vtkMultiProcessController::SetGlobalController(controller);
+  }
   CatchStopSignals("blockvolume");
-  const int ranks = controller->GetNumberOfProcesses();
+  const int ranks = controller ? controller->GetNumberOfProcesses() : 1;
   int code = 1;
   try
   {
     ControllerCommunicator communicator(controller);
     const auto options = BlockVolumeOptions::Parse(argc, argv);
-    code = Finish(Run(options, communicator), controller->GetLocalProcessId());
+    code = Finish(Run(options, communicator), communicator.GetRank());
   }
   catch (const std::bad_alloc&)
   {
@@ -118,7 +137,10 @@ int main(int argc, char** argv)
   {
     code = FailAtOnce(error.what(), ranks);
   }
-  vtkMultiProcessController::SetGlobalController(nullptr);
-  controller->Finalize();
+  if (controller)
+  {
+    vtkMultiProcessController::SetGlobalController(nullptr);
+    controller->Finalize();
+  }
   return code;
 }

@@ -2,6 +2,7 @@
 // Ranks that write one file together write the one that a single writer does.
 #include "Fixtures/CodedVolumes.h"
 
+#include "Fixtures/LongTests.h"
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/ThreadCommunicator.h"
 
@@ -137,7 +138,7 @@ TEST(EdgeIndexWriteJob, RanksThreadsAndMemoryDoNotChangeTheBytes)
   const MemoryDisk::Bytes expected = writing.WriteAlone();
   for (const Deal deal : { DealInTurn, DealSlabs, DealToLast })
   {
-    for (const int ranks : { 1, 2, 3, 4, 7 })
+    for (const int ranks : GetNumbersOfRanks())
     {
       MemoryDisk disk;
       // Little enough memory for many rounds.

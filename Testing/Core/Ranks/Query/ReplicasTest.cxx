@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A store that is lost or damaged costs nothing but speed, if other stores have its blocks.
 #include "Fixtures/LocalDisk.h"
+#include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 
@@ -173,7 +174,7 @@ const std::vector<Ways>& GetWays()
   static const std::vector<Ways> ways = []
   {
     std::vector<Ways> all;
-    for (const int ranks : { 1, 2, 3, 4, 7 })
+    for (const int ranks : GetNumbersOfRanks())
     {
       all.insert(all.end(), { { ranks, true, false }, { ranks, false, false } });
       all.push_back({ ranks, false, true });

@@ -2,6 +2,7 @@
 // Ranks that take blocks from each other's shares while they extract: all together have the surface
 // that they have without, whoever is slow, fails or is stopped.
 #include "Fixtures/ActiveBlocks.h"
+#include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/VolumeContour.h"
@@ -174,7 +175,7 @@ TEST_F(SharedExtraction, IsTheSurfaceOfOneRankOnAnyNumberOfRanksAndThreads)
   {
     const auto alone = Run(1, false, {}, 1, level);
     const PlainSurface whole = Unite(alone);
-    for (const int ranks : { 1, 2, 3, 4, 7 })
+    for (const int ranks : GetNumbersOfRanks())
     {
       for (const int threads : { 1, 3 })
       {

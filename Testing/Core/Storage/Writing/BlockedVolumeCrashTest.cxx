@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The state of a volume on disk after the process that writes it was killed, or refused by the
 // system, or takes more memory than it may. Writers run in processes of their own.
+#include "Fixtures/LongTests.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Formats/Plain/RawVolume.h"
 #include "Storage/Verification/VolumeVerification.h"
@@ -123,7 +124,8 @@ TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
   std::mt19937 random(3);
   bool isEven = true;
   int killed = 0;
-  for (int turn = 0; turn < 50; ++turn)
+  const int turns = LongTests ? 50 : 20;
+  for (int turn = 0; turn < turns; ++turn)
   {
     const auto& next = isEven ? odd : even;
     const pid_t child =
@@ -139,7 +141,7 @@ TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
     ASSERT_TRUE(isReplaced || outcome != 0);
     isEven = isReplaced != isEven;
   }
-  EXPECT_GT(killed, 10);
+  EXPECT_GT(killed, turns / 5);
   // The next run removes whatever the killed ones left.
   ASSERT_TRUE(this->Write(even).IsOk());
   EXPECT_TRUE(this->Holds(even));
@@ -160,7 +162,8 @@ TEST_F(BlockedVolumeCrash, LeavesAllTimeStepsWheneverAnAppendIsKilled)
   std::mt19937 random(5);
   std::size_t steps = 2;
   int killed = 0;
-  for (int turn = 0; turn < 30; ++turn)
+  const int turns = LongTests ? 30 : 12;
+  for (int turn = 0; turn < turns; ++turn)
   {
     const pid_t child =
       Start([&] { return this->Append(later, static_cast<double>(steps)).IsOk() ? 0 : 1; });
@@ -177,7 +180,7 @@ TEST_F(BlockedVolumeCrash, LeavesAllTimeStepsWheneverAnAppendIsKilled)
     ASSERT_TRUE(this->Holds(first, 0)) << "after turn " << turn;
     ASSERT_TRUE(this->Holds(later, steps - 1)) << "after turn " << turn;
   }
-  EXPECT_GT(killed, 5);
+  EXPECT_GT(killed, turns / 6);
   ASSERT_TRUE(this->Append(later, static_cast<double>(steps)).IsOk());
   EXPECT_EQ(this->CountGenerations(), steps + 1);
   for (std::size_t step = 0; step <= steps; ++step)

@@ -4,6 +4,7 @@
 // the error, the next run succeeds.
 #include "DiskFaults.h"
 #include "Fixtures/ActiveBlocks.h"
+#include "Fixtures/LongTests.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Fixtures/VolumeOnDisk.h"
 
@@ -177,21 +178,24 @@ protected:
 
   /**
    * Does something with a fault at operation 0, 1, ... until there is none left, and each time
-   * looks at what is there then.
+   * looks at what is there then. Each kind of fault is at every third operation, the next kind at the
+   * one after it, so that all operations fail in some way; in long tests, in every way.
    */
   void ForEachOperation(const std::vector<Fault>& faults,
     const std::function<std::vector<Status>(int ranks)>& act,
     const std::function<void(bool isDone)>& look)
   {
-    for (const Fault& fault : faults)
+    for (std::size_t kind = 0; kind < faults.size(); ++kind)
     {
-      std::uint64_t operation = 0;
-      for (bool isLast = false; !isLast; ++operation)
+      const Fault& fault = faults[kind];
+      std::uint64_t operation = LongTests ? 0 : kind % 3;
+      for (bool isLast = false; !isLast; operation += LongTests ? 1 : 3)
       {
         ASSERT_LT(operation, 5000u);
         DiskFaults::Arm(fault.What, fault.Error, operation);
         const std::vector<Status> outcomes = act(fault.Ranks);
         isLast = DiskFaults::GetOperations() <= operation;
+        this->Faults += isLast ? 0 : 1;
         DiskFaults::Disarm();
         SCOPED_TRACE("operation " + std::to_string(operation) + " with " +
           std::strerror(fault.Error) + " on " + std::to_string(fault.Ranks) + " ranks");
@@ -207,25 +211,24 @@ protected:
         }
       }
       EXPECT_GT(operation, 5u) << "the test watches nothing";
-      this->Faults += operation - 1;
     }
   }
 
-  /// The same in a process that dies there.
+  /// The same in a process that dies there: killed before, or torn within, every second operation.
   void ForEachDeath(
     const std::function<std::vector<Status>()>& act, const std::function<void(bool isDone)>& look)
   {
-    for (const Fault& fault : Kills)
+    for (std::size_t kind = 0; kind < Kills.size(); ++kind)
     {
       bool isDone = false;
-      for (std::uint64_t operation = 0; !isDone; ++operation)
+      for (std::uint64_t operation = LongTests ? 0 : kind; !isDone; operation += LongTests ? 1 : 2)
       {
         ASSERT_LT(operation, 5000u);
         const pid_t child = ::fork();
         ASSERT_GE(child, 0);
         if (child == 0)
         {
-          DiskFaults::Arm(fault.What, 0, operation);
+          DiskFaults::Arm(Kills[kind].What, 0, operation);
           ::_exit(act().front().IsOk() ? 0 : 1);
         }
         int state = 0;
