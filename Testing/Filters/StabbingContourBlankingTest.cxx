@@ -74,7 +74,7 @@ vtkSmartPointer<vtkPolyData> ContourByStockFilter(vtkUniformGrid* grid, double i
 #endif
   vtkNew<vtkContourFilter> contour;
   contour->SetInputData(cells);
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(contour, "density");
   contour->SetValue(0, isovalue);
   contour->ComputeNormalsOff();
   contour->Update();
@@ -200,7 +200,7 @@ TEST(StabbingContourBlanking, CoarseCellsUnderFinerGridsHaveNoSurface)
     [&](int i, int j, int k) { return noise->GetScalarComponentAsDouble(i, j, k, 0); });
   vtkNew<vtkContourFilter> stock;
   stock->SetInputData(amr);
-  stock->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(stock, "density");
   stock->SetValue(0, 4e5);
   stock->ComputeNormalsOff();
   stock->Update();

@@ -51,12 +51,11 @@ vtkSmartPointer<vtkImageData> ConvertByStockFilter(vtkImageData* image)
 vtkSmartPointer<vtkPolyData> ContourCells(vtkDataObject* input, double isovalue)
 {
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors errors(contour);
   contour->SetInputDataObject(input);
   contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "density");
   contour->SetValue(0, isovalue);
   contour->Update();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
 }
 
@@ -190,7 +189,7 @@ TEST(StabbingContourCells, CellArraysAreInterpolatedAsAverages)
   {
     vtkNew<vtkStabbingContour> filter;
     filter->SetInputData(input);
-    filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+    SelectPoints(filter, "density");
     filter->AddInterpolatedArray("material");
     filter->SetValue(0, 8.0);
     filter->Update();
@@ -207,8 +206,7 @@ TEST(StabbingContourCells, ChangedCellsGiveAChangedSurface)
   contour->Update();
   contour->SetValue(0, 101.5);
   contour->Update();
-  EXPECT_TRUE(AreEqual(
-    ToEdges(contour->GetOutput()), ContourByFlyingEdges(ConvertByStockFilter(image), 101.5)));
+  EXPECT_TRUE(IsSurfaceOf(contour->GetOutput(), ConvertByStockFilter(image), 101.5));
   vtkDataArray* cells = image->GetCellData()->GetScalars();
   for (vtkIdType cell = 0; cell < cells->GetNumberOfTuples(); ++cell)
   {
@@ -217,6 +215,5 @@ TEST(StabbingContourCells, ChangedCellsGiveAChangedSurface)
   cells->Modified();
   image->Modified();
   contour->Update();
-  EXPECT_TRUE(AreEqual(
-    ToEdges(contour->GetOutput()), ContourByFlyingEdges(ConvertByStockFilter(image), 101.5)));
+  EXPECT_TRUE(IsSurfaceOf(contour->GetOutput(), ConvertByStockFilter(image), 101.5));
 }

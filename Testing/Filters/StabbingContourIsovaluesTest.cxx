@@ -5,7 +5,6 @@
 #include "vtkPointData.h"
 
 #include <limits>
-#include <set>
 
 using namespace isosurface;
 
@@ -22,8 +21,7 @@ std::int64_t CountEdges(vtkImageData* image)
 // The part of a contour that belongs to the number-th isovalue.
 EdgeSurface GetPart(vtkPolyData* contour, vtkImageData* image, int number)
 {
-  EdgeSurface part = ToEdges(contour, number * CountEdges(image), (number + 1) * CountEdges(image));
-  return part;
+  return ToEdges(contour, number * CountEdges(image), (number + 1) * CountEdges(image));
 }
 
 } // namespace
@@ -83,14 +81,7 @@ TEST(StabbingContourIsovalues, GlobalIdsAreUnique)
 {
   const auto image = MakeImage(IsovaluesGrid, VTK_SHORT, MakeNoise(50, 13));
   const auto output = Contour(image, { 10, 10, 24.5, 40 });
-  vtkDataArray* ids = output->GetPointData()->GetGlobalIds();
-  ASSERT_NE(ids, nullptr);
-  std::set<double> distinct;
-  for (vtkIdType point = 0; point < ids->GetNumberOfTuples(); ++point)
-  {
-    distinct.insert(ids->GetTuple1(point));
-  }
-  EXPECT_EQ(static_cast<vtkIdType>(distinct.size()), output->GetNumberOfPoints());
+  ExpectDistinctIds(output);
 }
 
 TEST(StabbingContourIsovalues, ScalarsTellTheIsovalueOfEachPoint)

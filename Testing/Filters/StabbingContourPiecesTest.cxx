@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 using namespace isosurface;
 
@@ -85,25 +84,22 @@ std::vector<vtkSmartPointer<vtkImageData>> CutIntoPiecesWithGhosts(vtkImageData*
   return pieces;
 }
 
-// Points of one output must be distinct already.
-void ExpectPointsAreShared(vtkPolyData* output)
+vtkSmartPointer<vtkPartitionedDataSet> JoinPiecesWithGhosts(vtkImageData* image)
 {
-  vtkDataArray* ids = output->GetPointData()->GetGlobalIds();
-  std::set<double> distinct;
-  for (vtkIdType point = 0; ids && point < ids->GetNumberOfTuples(); ++point)
+  auto pieces = vtkSmartPointer<vtkPartitionedDataSet>::New();
+  for (const auto& piece : CutIntoPiecesWithGhosts(image))
   {
-    distinct.insert(ids->GetTuple1(point));
+    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
   }
-  EXPECT_EQ(static_cast<vtkIdType>(distinct.size()), output->GetNumberOfPoints());
+  return pieces;
 }
 
 // The surface of the pieces of an image must be that of the image, bit for bit.
 void ExpectWholeSurface(vtkDataObject* pieces, vtkImageData* whole)
 {
   const auto output = Contour(pieces, { 50.5 });
-  ExpectPointsAreShared(output);
-  EdgeSurface surface = ToEdges(output);
-  EXPECT_TRUE(AreEqual(surface, ContourToEdges(whole, 50.5)));
+  ExpectDistinctIds(output);
+  EXPECT_TRUE(AreEqual(ToEdges(output), ContourToEdges(whole, 50.5)));
 }
 
 } // namespace
@@ -157,51 +153,28 @@ TEST(StabbingContourPieces, AnyNumberOfUpdatePiecesGivesTheWholeSurface)
   source->Update();
   vtkNew<vtkImageData> whole;
   whole->DeepCopy(source->GetOutput());
-  const EdgeSurface expected = ContourByFlyingEdges(whole, 157.0);
-
-  vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
-  contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, 157.0);
+  EdgeSurface expected = ContourByFlyingEdges(whole, 157.0);
+  const auto contour = MakeContour(source, 157.0);
+  const ExpectNoErrors errors(contour);
+  const auto expectWhole = [&](int pieces, int ghosts)
+  {
+    EdgeSurface surface;
+    for (int piece = 0; piece < pieces; ++piece)
+    {
+      contour->UpdatePiece(piece, pieces, ghosts);
+      surface.Add(contour->GetOutput());
+    }
+    surface.MergeEqualPoints();
+    EXPECT_TRUE(AreEqual(surface, expected)) << pieces << " pieces, " << ghosts << " ghosts";
+  };
   for (int pieces = 1; pieces <= 7; ++pieces)
   {
-    for (const int ghosts : { 0, 1 })
-    {
-      EdgeSurface surface;
-      for (int piece = 0; piece < pieces; ++piece)
-      {
-        contour->UpdatePiece(piece, pieces, ghosts);
-        surface.Add(contour->GetOutput());
-      }
-      surface.MergeEqualPoints();
-      EXPECT_TRUE(AreEqual(surface, expected)) << pieces << " pieces, " << ghosts << " ghosts";
-    }
+    expectWhole(pieces, 0);
+    expectWhole(pieces, 1);
   }
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
-}
-
-TEST(StabbingContourPieces, UpdatePiecesWithoutNormalsGiveTheWholeSurface)
-{
-  vtkNew<vtkRTAnalyticSource> source;
-  source->SetWholeExtent(-20, 21, -13, 27, -9, 30);
-  source->Update();
-  vtkNew<vtkImageData> whole;
-  whole->DeepCopy(source->GetOutput());
-  EdgeSurface expected = ContourByFlyingEdges(whole, 157.0);
-  expected.DropNormals();
-
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, 157.0);
   contour->ComputeNormalsOff();
-  EdgeSurface surface;
-  for (int piece = 0; piece < 5; ++piece)
-  {
-    contour->UpdatePiece(piece, 5, 0);
-    surface.Add(contour->GetOutput());
-  }
-  surface.MergeEqualPoints();
-  EXPECT_TRUE(AreEqual(surface, expected));
+  expected.DropNormals();
+  expectWhole(5, 0);
 }
 
 // A cut-out knows its extent in the whole, but nothing of the samples beyond it: normals differ
@@ -220,7 +193,7 @@ TEST(StabbingContourPieces, AdjacentExtentsGiveTheWholeSurface)
   }
   const std::vector<double> isovalues{ 50.5, 70.0 };
   const auto output = Contour(pieces, isovalues);
-  ExpectPointsAreShared(output);
+  ExpectDistinctIds(output);
   const vtkIdType edges = 3 * whole->GetNumberOfPoints();
   for (int number = 0; number < 2; ++number)
   {
@@ -258,12 +231,7 @@ TEST(StabbingContourPieces, NormalsWhereExtentsEndAreOneSided)
 TEST(StabbingContourPieces, PartitionedDataSetEqualsTheWholeImage)
 {
   const auto whole = MakeWhole();
-  vtkNew<vtkPartitionedDataSet> pieces;
-  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
-  {
-    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
-  }
-  ExpectWholeSurface(pieces, whole);
+  ExpectWholeSurface(JoinPiecesWithGhosts(whole), whole);
 }
 
 TEST(StabbingContourPieces, MultiBlockDataSetEqualsTheWholeImage)
@@ -329,11 +297,7 @@ TEST(StabbingContourPieces, PiecesWithoutSurfaceDoNotMatter)
 {
   const auto whole =
     MakeImage(Whole, VTK_FLOAT, [](int i, int, int) { return i > 8 && i < 12 ? 100.0 : 0.0; });
-  vtkNew<vtkPartitionedDataSet> pieces;
-  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
-  {
-    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
-  }
+  const auto pieces = JoinPiecesWithGhosts(whole);
   ExpectWholeSurface(pieces, whole);
   EXPECT_EQ(Contour(pieces, { 200.0 })->GetNumberOfPoints(), 0);
 }
@@ -349,18 +313,12 @@ TEST(StabbingContourPieces, CompositeWithoutImagesHasNoSurface)
 TEST(StabbingContourPieces, SeveralIsovaluesOfACompositeEqualThoseOfTheWholeImage)
 {
   const auto whole = MakeWhole();
-  vtkNew<vtkPartitionedDataSet> pieces;
-  for (const auto& piece : CutIntoPiecesWithGhosts(whole))
-  {
-    pieces->SetPartition(pieces->GetNumberOfPartitions(), piece);
-  }
+  const auto pieces = JoinPiecesWithGhosts(whole);
   const auto output = Contour(pieces, { 80.0, 30.5 });
-  ExpectPointsAreShared(output);
+  ExpectDistinctIds(output);
   const vtkIdType edges = 3 * whole->GetNumberOfPoints();
-  EdgeSurface first = ToEdges(output, 0, edges);
-  EXPECT_TRUE(AreEqual(first, ContourToEdges(whole, 80.0)));
-  EdgeSurface second = ToEdges(output, edges, 2 * edges);
-  EXPECT_TRUE(AreEqual(second, ContourToEdges(whole, 30.5)));
+  EXPECT_TRUE(AreEqual(ToEdges(output, 0, edges), ContourToEdges(whole, 80.0)));
+  EXPECT_TRUE(AreEqual(ToEdges(output, edges, 2 * edges), ContourToEdges(whole, 30.5)));
 }
 
 TEST(StabbingContourPieces, ImagesOfDifferentSpacingHaveConsecutiveIds)
@@ -373,10 +331,8 @@ TEST(StabbingContourPieces, ImagesOfDifferentSpacingHaveConsecutiveIds)
   blocks->SetBlock(0, coarse);
   blocks->SetBlock(1, fine);
   const auto output = Contour(blocks, { 50.5 });
-  ExpectPointsAreShared(output);
+  ExpectDistinctIds(output);
   const vtkIdType fineEdges = 3 * fine->GetNumberOfPoints();
-  EdgeSurface first = ToEdges(output, 0, fineEdges);
-  EXPECT_TRUE(AreEqual(first, ContourToEdges(fine, 50.5)));
-  EdgeSurface second = ToEdges(output, fineEdges);
-  EXPECT_TRUE(AreEqual(second, ContourToEdges(coarse, 50.5)));
+  EXPECT_TRUE(AreEqual(ToEdges(output, 0, fineEdges), ContourToEdges(fine, 50.5)));
+  EXPECT_TRUE(AreEqual(ToEdges(output, fineEdges), ContourToEdges(coarse, 50.5)));
 }

@@ -128,18 +128,6 @@ std::vector<std::int64_t> FindEdges(vtkPolyData* middles, vtkImageData* image)
   return edges;
 }
 
-vtkSmartPointer<vtkPolyData> RunFlyingEdges(vtkImageData* image, double isovalue, bool normals)
-{
-  vtkNew<vtkFlyingEdges3D> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, isovalue);
-  contour->SetComputeNormals(normals);
-  contour->SetComputeGradients(false);
-  contour->SetComputeScalars(false);
-  contour->Update();
-  return contour->GetOutput();
-}
-
 // The first item that is in `a` but not in `b`, as text.
 template <typename T>
 std::string FindExtra(const std::vector<T>& a, const std::vector<T>& b)
@@ -215,6 +203,18 @@ void EdgeSurface::ClearZeroNormals(bool isNan)
   std::sort(this->Points.begin(), this->Points.end());
 }
 
+vtkSmartPointer<vtkPolyData> RunFlyingEdges(vtkImageData* image, double isovalue, bool normals)
+{
+  vtkNew<vtkFlyingEdges3D> contour;
+  contour->SetInputData(image);
+  contour->SetValue(0, isovalue);
+  contour->SetComputeNormals(normals);
+  contour->SetComputeGradients(false);
+  contour->SetComputeScalars(false);
+  contour->Update();
+  return contour->GetOutput();
+}
+
 EdgeSurface ContourByFlyingEdges(vtkImageData* image, double isovalue)
 {
   vtkDataArray* samples = image->GetPointData()->GetScalars();
@@ -250,6 +250,21 @@ testing::AssertionResult AreEqual(const EdgeSurface& surface, const EdgeSurface&
     << "\nmissing points: " << FindExtra(expected.Points, surface.Points)
     << "\nsurplus triangles: " << FindExtra(surface.Triangles, expected.Triangles)
     << "\nmissing triangles: " << FindExtra(expected.Triangles, surface.Triangles);
+}
+
+bool IsClosed(const EdgeSurface& surface)
+{
+  std::map<std::pair<std::int64_t, std::int64_t>, int> sides;
+  for (const EdgeSurface::Triangle& triangle : surface.Triangles)
+  {
+    for (std::size_t n = 0; n < 3; ++n)
+    {
+      const std::int64_t from = triangle[n];
+      const std::int64_t to = triangle[(n + 1) % 3];
+      sides[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+  }
+  return std::all_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 0; });
 }
 
 testing::AssertionResult IsClosedManifold(const EdgeSurface& surface)

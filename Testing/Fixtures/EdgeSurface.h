@@ -2,11 +2,12 @@
 #ifndef isosurface_EdgeSurface_h
 #define isosurface_EdgeSurface_h
 
+#include "vtkSmartPointer.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 class vtkImageData;
@@ -53,6 +54,9 @@ struct EdgeSurface
   void ClearZeroNormals(bool isNan);
 };
 
+/// What vtkFlyingEdges3D makes, without scalars.
+vtkSmartPointer<vtkPolyData> RunFlyingEdges(vtkImageData* image, double isovalue, bool normals);
+
 /**
  * The surface as vtkFlyingEdges3D has it. The grid edge of each of its points is found by
  * contouring, in the same way, a copy of the image with samples of 0 (outside) and 1 (inside) on a
@@ -63,6 +67,9 @@ EdgeSurface ContourByFlyingEdges(vtkImageData* image, double isovalue);
 
 /// Success, or the first differences.
 testing::AssertionResult AreEqual(const EdgeSurface& surface, const EdgeSurface& expected);
+
+/// Whether each side of a triangle is there as often in one direction as in the other.
+bool IsClosed(const EdgeSurface& surface);
 
 /// Whether every side of a triangle is the side of exactly one other triangle, the other way round.
 testing::AssertionResult IsClosedManifold(const EdgeSurface& surface);

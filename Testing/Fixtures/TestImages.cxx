@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TestImages.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
+#include "vtkExecutive.h"
 #include "vtkLogger.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <random>
+#include <set>
 
 namespace isosurface
 {
@@ -85,24 +86,33 @@ vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent
   return part;
 }
 
-ErrorCounter::ErrorCounter(vtkObject* object)
+MessageKeeper::MessageKeeper(vtkObject* object, unsigned long event)
   : Object(object)
+  , Tag(object->AddObserver(event, this, &MessageKeeper::Keep))
 {
-  vtkNew<vtkCallbackCommand> command;
-  command->SetClientData(this);
-  command->SetCallback(
-    [](vtkObject*, unsigned long, void* self, void* message) {
-      static_cast<ErrorCounter*>(self)->Messages.emplace_back(static_cast<const char*>(message));
-    });
-  this->Tag = object->AddObserver(vtkCommand::ErrorEvent, command);
 }
 
-ErrorCounter::~ErrorCounter()
+MessageKeeper::~MessageKeeper()
 {
   this->Object->RemoveObserver(this->Tag);
 }
 
-void ExpectOneError(const ErrorCounter& errors, const std::vector<std::string>& words)
+void MessageKeeper::Keep(vtkObject*, unsigned long, void* text)
+{
+  this->Messages.emplace_back(static_cast<const char*>(text));
+}
+
+ErrorCounter::ErrorCounter(vtkObject* object)
+  : MessageKeeper(object, vtkCommand::ErrorEvent)
+{
+  if (auto* algorithm = vtkAlgorithm::SafeDownCast(object))
+  {
+    this->OfExecutive =
+      std::make_unique<MessageKeeper>(algorithm->GetExecutive(), vtkCommand::ErrorEvent);
+  }
+}
+
+void ExpectOneError(const MessageKeeper& errors, const std::vector<std::string>& words)
 {
   ASSERT_EQ(errors.Messages.size(), 1u) << testing::PrintToString(errors.Messages);
   for (const std::string& word : words)
@@ -118,6 +128,19 @@ vtkSmartPointer<vtkStabbingContour> MakeContour(vtkDataObject* input, double iso
   contour->SetInputDataObject(input);
   contour->SetValue(0, isovalue);
   return contour;
+}
+
+vtkSmartPointer<vtkStabbingContour> MakeContour(vtkAlgorithm* input, double isovalue)
+{
+  auto contour = vtkSmartPointer<vtkStabbingContour>::New();
+  contour->SetInputConnection(input->GetOutputPort());
+  contour->SetValue(0, isovalue);
+  return contour;
+}
+
+void SelectPoints(vtkAlgorithm* algorithm, const char* array)
+{
+  algorithm->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, array);
 }
 
 void SetIsovalues(vtkStabbingContour* contour, const std::vector<double>& isovalues)
@@ -139,11 +162,10 @@ EdgeSurface ToEdges(vtkPolyData* surface, std::int64_t firstId, std::int64_t end
 vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<double>& isovalues)
 {
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors errors(contour);
   contour->SetInputDataObject(input);
   SetIsovalues(contour, isovalues);
   contour->Update();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
 }
 
@@ -161,9 +183,26 @@ void ExpectNormal(vtkPolyData* surface, const std::array<double, 3>& normal)
   }
 }
 
+void ExpectDistinctIds(vtkPolyData* surface)
+{
+  vtkDataArray* ids = surface->GetPointData()->GetGlobalIds();
+  ASSERT_NE(ids, nullptr);
+  std::set<double> distinct;
+  for (vtkIdType point = 0; point < ids->GetNumberOfTuples(); ++point)
+  {
+    distinct.insert(ids->GetTuple1(point));
+  }
+  EXPECT_EQ(static_cast<vtkIdType>(distinct.size()), surface->GetNumberOfPoints());
+}
+
 EdgeSurface ContourToEdges(vtkDataObject* input, double isovalue)
 {
   return ToEdges(Contour(input, { isovalue }));
+}
+
+testing::AssertionResult IsSurfaceOf(vtkPolyData* surface, vtkImageData* image, double isovalue)
+{
+  return AreEqual(ToEdges(surface), ContourByFlyingEdges(image, isovalue));
 }
 
 } // namespace isosurface

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,27 +38,52 @@ Field MakeNoise(int levels, unsigned int seed);
 vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent, Extent own);
 vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent);
 
-/// Counts the errors that an algorithm reports, and keeps them from being printed.
-class ErrorCounter
+/// Keeps what an object tells by an event, instead of its being printed.
+class MessageKeeper
 {
 public:
-  explicit ErrorCounter(vtkObject* object);
-  ~ErrorCounter();
-  ErrorCounter(const ErrorCounter&) = delete;
-  ErrorCounter& operator=(const ErrorCounter&) = delete;
+  MessageKeeper(vtkObject* object, unsigned long event);
+  ~MessageKeeper();
+  MessageKeeper(const MessageKeeper&) = delete;
+  MessageKeeper& operator=(const MessageKeeper&) = delete;
 
   std::vector<std::string> Messages;
 
 private:
+  void Keep(vtkObject*, unsigned long, void* text);
+
   vtkSmartPointer<vtkObject> Object;
   unsigned long Tag;
 };
 
-/// Expects one message, in which all the words are.
-void ExpectOneError(const ErrorCounter& errors, const std::vector<std::string>& words);
+/// Keeps the errors of an object. What the executive of an algorithm adds, that there was an error,
+/// is not printed either.
+class ErrorCounter : public MessageKeeper
+{
+public:
+  explicit ErrorCounter(vtkObject* object);
 
-/// A contour of an image, or of another data object, with default options.
+private:
+  std::unique_ptr<MessageKeeper> OfExecutive;
+};
+
+/// Expects, at its end, that an object has reported no errors.
+class ExpectNoErrors : public ErrorCounter
+{
+public:
+  using ErrorCounter::ErrorCounter;
+  ~ExpectNoErrors() { EXPECT_EQ(this->Messages, std::vector<std::string>()); }
+};
+
+/// Expects one message, in which all the words are.
+void ExpectOneError(const MessageKeeper& errors, const std::vector<std::string>& words);
+
+/// A contour of a data object, or of what an algorithm gives, with default options.
 vtkSmartPointer<vtkStabbingContour> MakeContour(vtkDataObject* input, double isovalue);
+vtkSmartPointer<vtkStabbingContour> MakeContour(vtkAlgorithm* input, double isovalue);
+
+/// Lets an algorithm work on a point array.
+void SelectPoints(vtkAlgorithm* algorithm, const char* array);
 
 void SetIsovalues(vtkStabbingContour* contour, const std::vector<double>& isovalues);
 
@@ -70,8 +96,14 @@ vtkSmartPointer<vtkPolyData> Contour(vtkDataObject* input, const std::vector<dou
 /// Expects this normal, up to 1e-5, at every point of a surface, and more than 1000 points.
 void ExpectNormal(vtkPolyData* surface, const std::array<double, 3>& normal);
 
+/// Expects GlobalIds, of which each is there once.
+void ExpectDistinctIds(vtkPolyData* surface);
+
 /// The output of Contour() as an EdgeSurface.
 EdgeSurface ContourToEdges(vtkDataObject* input, double isovalue);
+
+/// Whether a contour's output is the surface that vtkFlyingEdges3D makes of an image.
+testing::AssertionResult IsSurfaceOf(vtkPolyData* surface, vtkImageData* image, double isovalue);
 
 } // namespace isosurface
 

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace isosurface
 {
@@ -91,7 +90,7 @@ void TurnObliquely(vtkImageData* image)
 void WriteVolume(
   vtkBlockedVolumeWriter* writer, const std::string& path, const VolumeSettings& settings)
 {
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   writer->SetFileName(path.c_str());
   writer->SetBlockSize(settings.BlockSize);
   writer->SetNumberOfStores(settings.NumberOfStores);
@@ -99,7 +98,6 @@ void WriteVolume(
   writer->SetDistribution(settings.Distribution);
   writer->SetCompression(settings.Compression);
   EXPECT_EQ(writer->Write(), 1);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSettings& settings)
@@ -108,6 +106,19 @@ void WriteVolume(vtkDataObject* input, const std::string& path, const VolumeSett
   writer->SetController(nullptr);
   writer->SetInputDataObject(input);
   WriteVolume(writer, path, settings);
+}
+
+ScratchVolume::ScratchVolume(vtkDataObject* input, const VolumeSettings& settings)
+  : Path(Folder.GetPath("volume.bvol"))
+{
+  WriteVolume(input, this->Path, settings);
+}
+
+vtkSmartPointer<vtkBlockedVolumeReader> MakeReader(const std::string& path)
+{
+  auto reader = vtkSmartPointer<vtkBlockedVolumeReader>::New();
+  reader->SetFileName(path.c_str());
+  return reader;
 }
 
 vtkSmartPointer<vtkImageData> SubsampleImage(vtkImageData* image, int level)

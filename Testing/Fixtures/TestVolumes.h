@@ -2,8 +2,10 @@
 #ifndef isosurface_TestVolumes_h
 #define isosurface_TestVolumes_h
 
+#include "ScratchFolder.h"
 #include "TestImages.h"
 
+#include "vtkBlockedVolumeReader.h"
 #include "vtkBlockedVolumeWriter.h"
 
 #include <cstdint>
@@ -40,6 +42,17 @@ void WriteVolume(
 /// error.
 void WriteVolume(
   vtkDataObject* input, const std::string& path, const VolumeSettings& settings = {});
+
+/// A volume of a data object in a folder of the running test.
+struct ScratchVolume
+{
+  explicit ScratchVolume(vtkDataObject* input, const VolumeSettings& settings = {});
+
+  const ScratchFolder Folder;
+  const std::string Path;
+};
+
+vtkSmartPointer<vtkBlockedVolumeReader> MakeReader(const std::string& path);
 
 /// Every 2^level-th vertex of an image, by vtkExtractVOI; as a level of a blocked volume of it.
 vtkSmartPointer<vtkImageData> SubsampleImage(vtkImageData* image, int level);

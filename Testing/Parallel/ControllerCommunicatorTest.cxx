@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -214,4 +214,3 @@ TEST(ControllerCommunicator, DISABLED_SendsMessagesBeyondTwoGibibytes)
 }
 
 } // namespace
-} // namespace isosurface

@@ -26,8 +26,8 @@
 #include <ostream>
 #include <set>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -87,9 +87,6 @@ public:
     const ErrorCounter errors(this->Filter);
     const ErrorCounter contourErrors(this->Contour);
     const ErrorCounter readerErrors(this->Reader);
-    const ErrorCounter executiveErrors(this->Filter->GetExecutive());
-    const ErrorCounter contourExecutiveErrors(this->Contour->GetExecutive());
-    const ErrorCounter readerExecutiveErrors(this->Reader->GetExecutive());
     this->Filter->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     std::vector<std::string> all = errors.Messages;
     all.insert(all.end(), contourErrors.Messages.begin(), contourErrors.Messages.end());
@@ -536,4 +533,3 @@ TEST(DistributeErrors, StoppingOneRankStopsAll)
 }
 
 } // namespace
-} // namespace isosurface

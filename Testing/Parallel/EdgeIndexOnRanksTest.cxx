@@ -9,13 +9,12 @@
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <ostream>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -64,9 +63,8 @@ EdgeSurface GetExpected(int type, double isovalue)
 
 void ExpectSuccess(vtkEdgeIndexWriter* writer)
 {
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   EXPECT_EQ(writer->Write(), 1);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 class EdgeIndexOnRanks : public testing::TestWithParam<FileCase>
@@ -91,11 +89,7 @@ protected:
         << "the contour made the surface";
       return;
     }
-    vtkNew<PieceSource> source;
-    source->SetImage(GetFileVolume(one.Type));
-    source->SetLayout(one.Layout);
-    vtkNew<vtkStabbingContour> contour;
-    contour->SetInputConnection(source->GetOutputPort());
+    const auto contour = MakeContour(MakeSource(GetFileVolume(one.Type), one.Layout), 0);
     SetIsovalues(contour, FileIsovalues);
     writer->SetInputConnection(contour->GetOutputPort());
     ExpectSuccess(writer);
@@ -181,10 +175,9 @@ TEST_P(EdgeIndexOnRanks, FileIsTheSameAndHoldsTheWholeSurface)
   this->WriteFile(path);
   this->CheckBytes(path);
   vtkNew<vtkEdgeIndexReader> reader;
-  const ErrorCounter errors(reader);
+  const ExpectNoErrors errors(reader);
   reader->SetFileName(path.c_str());
   EXPECT_TRUE(reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0));
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   this->CheckSurface(reader->GetOutput());
   const std::uint64_t all =
     SumOverRanks(static_cast<std::uint64_t>(reader->GetOutput()->GetNumberOfPolys()));
@@ -203,17 +196,15 @@ TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
 {
   const SharedFolder folder("EdgeIndexStopOnRanks");
   const std::string path = folder.GetPath("surface.eix");
-  vtkNew<PieceSource> source;
-  source->SetImage(GetFileVolume(VTK_SHORT));
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(source->GetOutputPort());
+  const auto source = MakeSource(GetFileVolume(VTK_SHORT));
+  const auto contour = MakeContour(source, 0);
   SetIsovalues(contour, FileIsovalues);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   writer->SetFileName(path.c_str());
   ExpectSuccess(writer);
   vtkNew<vtkEdgeIndexReader> reader;
-  const ErrorCounter errors(reader);
+  const ExpectNoErrors errors(reader);
   reader->SetFileName(path.c_str());
   reader->SetAbortExecute(GetRank() == 0 ? 1 : 0);
   for (int turn = 0; turn < 2; ++turn) // the second one unmodified
@@ -223,7 +214,6 @@ TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
   }
   reader->SetAbortExecute(0);
   reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(reader->GetOutput()->GetNumberOfPoints())), 0u);
 }
 
@@ -231,10 +221,8 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
 {
   const SharedFolder folder("EdgeIndexErrorsOnRanks");
   const std::string path = folder.GetPath("surface.eix");
-  vtkNew<PieceSource> source;
-  source->SetImage(GetFileVolume(VTK_SHORT));
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(source->GetOutputPort());
+  const auto source = MakeSource(GetFileVolume(VTK_SHORT));
+  const auto contour = MakeContour(source, 0);
   SetIsovalues(contour, FileIsovalues);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
@@ -291,5 +279,3 @@ TEST(EdgeIndexErrorsOnRanks, AreToldByAll)
   ExpectOneError(errors, { "surface.eix: " });
   EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
 }
-
-} // namespace isosurface

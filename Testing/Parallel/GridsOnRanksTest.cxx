@@ -25,8 +25,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -54,33 +54,32 @@ vtkSmartPointer<vtkPolyData> ContourPiece(
   vtkDataObject* input, int association = vtkDataObject::FIELD_ASSOCIATION_POINTS)
 {
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors errors(contour);
   contour->SetController(GetRanks());
   contour->SetInputDataObject(input);
   contour->SetInputArrayToProcess(0, 0, 0, association, "density");
   contour->SetValue(0, 8.0);
   contour->Update();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
 }
 
-void ExpectSurfaceOfOneRank(const EdgeSurface& surface, vtkDataObject* whole, int association)
+/// Collective.
+void ExpectSurfaceOfOneRank(vtkPolyData* mine, vtkDataObject* whole,
+  int association = vtkDataObject::FIELD_ASSOCIATION_POINTS)
 {
+  const EdgeSurface all = GatherSurface(mine);
+  if (GetRank() != 0)
+  {
+    return;
+  }
   vtkNew<vtkStabbingContour> alone;
   alone->SetController(nullptr);
   alone->SetInputDataObject(whole);
   alone->SetInputArrayToProcess(0, 0, 0, association, "density");
   alone->SetValue(0, 8.0);
   alone->Update();
-  EdgeSurface expected = ToEdges(alone->GetOutput());
-  EXPECT_FALSE(expected.Triangles.empty());
-  EXPECT_TRUE(AreEqual(surface, expected));
-}
-
-EdgeSurface Gather(vtkPolyData* mine)
-{
-  const EdgeSurface all = GatherSurface(mine);
-  return all;
+  EXPECT_FALSE(all.Triangles.empty());
+  EXPECT_TRUE(AreEqual(all, ToEdges(alone->GetOutput())));
 }
 
 // A composite is contoured by all ranks together, whatever its whole extent.
@@ -96,39 +95,13 @@ vtkSmartPointer<vtkMultiBlockDataSet> MakeBlocks(vtkDataSet* piece)
 TEST(GridsOnRanks, ImagesThatMeetWithoutGhostLayersHaveTheSurfaceOfTheWhole)
 {
   const auto whole = MakeRough();
-  const EdgeSurface all = Gather(ContourPiece(MakeBlocks(CutImage(whole, CutSlab(0)))));
-  if (GetRank() == 0)
-  {
-    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(whole, 8.0)));
-  }
+  ExpectSurfaceOf(ContourPiece(MakeBlocks(CutImage(whole, CutSlab(0)))), whole, 8.0);
 }
 
 TEST(GridsOnRanks, RectilinearGridsThatMeetHaveTheSurfaceOfTheWhole)
 {
-  const auto whole = MakeRough();
-  const auto makeLined = [](vtkImageData* image)
-  {
-    auto grid = vtkSmartPointer<vtkRectilinearGrid>::New();
-    grid->SetExtent(image->GetExtent());
-    grid->GetPointData()->ShallowCopy(image->GetPointData());
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      vtkNew<vtkDoubleArray> lines;
-      for (int n = image->GetExtent()[2 * axis]; n <= image->GetExtent()[2 * axis + 1]; ++n)
-      {
-        lines->InsertNextValue(n + 0.3 * std::sin(n));
-      }
-      axis == 0     ? grid->SetXCoordinates(lines)
-        : axis == 1 ? grid->SetYCoordinates(lines)
-                    : grid->SetZCoordinates(lines);
-    }
-    return grid;
-  };
-  const EdgeSurface all = Gather(ContourPiece(MakeBlocks(makeLined(CutImage(whole, CutSlab(0))))));
-  if (GetRank() == 0)
-  {
-    ExpectSurfaceOfOneRank(all, makeLined(whole), vtkDataObject::FIELD_ASSOCIATION_POINTS);
-  }
+  const auto whole = MakeLinedGrid(MakeRough());
+  ExpectSurfaceOfOneRank(ContourPiece(MakeBlocks(CutLinedGrid(whole, CutSlab(0)))), whole);
 }
 
 TEST(GridsOnRanks, RectilinearGridInPiecesIsWrittenAsAWholeAndContouredByAll)
@@ -146,7 +119,7 @@ TEST(GridsOnRanks, RectilinearGridInPiecesIsWrittenAsAWholeAndContouredByAll)
   for (const int memoryLimit : { 64, 0 })
   {
     vtkNew<vtkBlockedVolumeWriter> writer;
-    const ErrorCounter errors(writer);
+    const ExpectNoErrors errors(writer);
     writer->SetController(GetRanks());
     writer->SetInputConnection(source->GetOutputPort());
     writer->SetFileName(path.c_str());
@@ -154,7 +127,6 @@ TEST(GridsOnRanks, RectilinearGridInPiecesIsWrittenAsAWholeAndContouredByAll)
     writer->SetNumberOfStores(5);
     writer->SetMemoryLimit(memoryLimit);
     writer->Write();
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
     if (GetRank() == 0)
     {
       // The header has the checksums of all stores. Folders are numbered.
@@ -168,11 +140,7 @@ TEST(GridsOnRanks, RectilinearGridInPiecesIsWrittenAsAWholeAndContouredByAll)
     }
   }
   ContourPipeline pipeline(path);
-  const EdgeSurface all = Gather(pipeline.Update({ 8.0 }));
-  if (GetRank() == 0)
-  {
-    ExpectSurfaceOfOneRank(all, whole, vtkDataObject::FIELD_ASSOCIATION_POINTS);
-  }
+  ExpectSurfaceOfOneRank(pipeline.Update({ 8.0 }), whole);
 }
 
 TEST(GridsOnRanks, PiecesAtOtherCoordinatesAreAnErrorOfAll)
@@ -213,19 +181,14 @@ TEST(GridsOnRanks, CellArraysWithGhostLayersHaveTheSurfaceOfTheWhole)
   }
   piece->Crop(grown.data());
   piece->GenerateGhostArray(own.data(), true);
-  const EdgeSurface all =
-    Gather(ContourPiece(MakeBlocks(piece), vtkDataObject::FIELD_ASSOCIATION_CELLS));
-  if (GetRank() == 0)
-  {
-    ExpectSurfaceOfOneRank(all, whole, vtkDataObject::FIELD_ASSOCIATION_CELLS);
-  }
+  ExpectSurfaceOfOneRank(ContourPiece(MakeBlocks(piece), vtkDataObject::FIELD_ASSOCIATION_CELLS),
+    whole, vtkDataObject::FIELD_ASSOCIATION_CELLS);
 }
 
 TEST(GridsOnRanks, UnstructuredDataOnOneRankIsAnErrorOfAll)
 {
   vtkNew<vtkStabbingContour> contour;
   const ErrorCounter errors(contour);
-  const ErrorCounter pipelineErrors(contour->GetExecutive());
   contour->SetController(GetRanks());
   const bool isLast = GetRank() == GetNumberOfRanks() - 1;
   vtkNew<vtkUnstructuredGrid> other;
@@ -237,5 +200,3 @@ TEST(GridsOnRanks, UnstructuredDataOnOneRankIsAnErrorOfAll)
   EXPECT_TRUE(!errors.Messages.empty() &&
     errors.Messages.front().find("vtkUnstructuredGrid") != std::string::npos);
 }
-
-} // namespace isosurface

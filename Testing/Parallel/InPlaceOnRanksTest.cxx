@@ -21,8 +21,8 @@
 #include <filesystem>
 #include <fstream>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -83,16 +83,10 @@ TEST(InPlaceOnRanks, SurfaceIsThatOfWholeVolumeAndAMissingSourceIsToldByAll)
   ContourPipeline pipeline(path);
   vtkPolyData* const mine = pipeline.Update({ InPlaceIsovalue });
   const auto triangles = SumOverRanks(static_cast<std::uint64_t>(mine->GetNumberOfPolys()));
-  const EdgeSurface all = GatherSurface(mine);
-  if (GetRank() == 0)
-  {
-    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, InPlaceIsovalue)));
-  }
+  ExpectSurfaceOf(mine, image, InPlaceIsovalue);
 
   const ErrorCounter readerErrors(pipeline.Reader);
-  const ErrorCounter readerExecutiveErrors(pipeline.Reader->GetExecutive());
   ErrorCounter contourErrors(pipeline.Contour);
-  const ErrorCounter contourExecutiveErrors(pipeline.Contour->GetExecutive());
   for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
   {
     const std::string blind = folder.GetPath("blind/volume.bvol");
@@ -122,12 +116,9 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
   OnFirstRank([&] { WriteSource(MakeNoisyImage(), source); });
   vtkNew<vtkInPlaceVolumeReader> reader;
   reader->SetSourceName(source.c_str());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetValue(0, InPlaceIsovalue);
-  const ErrorCounter readerErrors(reader);
-  const ErrorCounter contourErrors(contour);
-  const ErrorCounter contourExecutiveErrors(contour->GetExecutive());
+  const auto contour = MakeContour(reader, InPlaceIsovalue);
+  const ExpectNoErrors readerErrors(reader);
+  const ExpectNoErrors contourErrors(contour);
   reader->SetAbortExecute(GetRank() == 0 ? 1 : 0);
   for (int turn = 0; turn < 2; ++turn)
   {
@@ -136,8 +127,6 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
   }
   reader->SetAbortExecute(0);
   contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
-  EXPECT_EQ(contourErrors.Messages, std::vector<std::string>());
   EXPECT_GT(
     SumOverRanks(static_cast<std::uint64_t>(contour->GetOutput()->GetNumberOfPoints())), 0u);
 }
@@ -150,23 +139,18 @@ TEST(InPlaceOnRanks, OutputOfAReaderThatFailedBeforeIsWhole)
   const auto image = MakeNoisyImage();
   vtkNew<vtkInPlaceVolumeReader> reader;
   reader->SetSourceName(source.c_str());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetValue(0, InPlaceIsovalue);
+  const auto contour = MakeContour(reader, InPlaceIsovalue);
   {
     const ErrorCounter errors(reader);
-    const ErrorCounter executiveErrors(reader->GetExecutive());
     contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     EXPECT_EQ(errors.Messages.size(), 1u);
   }
   OnFirstRank([&] { WriteSource(image, source); });
   reader->Modified();
-  const ErrorCounter errors(reader);
+  const ExpectNoErrors errors(reader);
   reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_GE(SumOverRanks(static_cast<std::uint64_t>(reader->GetOutput()->GetNumberOfCells())),
     40u * 36 * 44);
 }
 
 } // namespace
-} // namespace isosurface

@@ -32,12 +32,34 @@ std::string SharedFolder::GetPath(const std::string& name) const
 void WriteFromPieces(
   vtkImageData* image, int layout, const std::string& path, const VolumeSettings& settings)
 {
-  vtkNew<PieceSource> source;
+  vtkNew<vtkBlockedVolumeWriter> writer;
+  writer->SetInputConnection(MakeSource(image, layout)->GetOutputPort());
+  WriteVolume(writer, path, settings);
+}
+
+SharedVolume::SharedVolume(
+  const std::string& name, vtkImageData* image, const VolumeSettings& settings, int layout)
+  : Folder(name)
+  , Path(this->Folder.GetPath("volume.bvol"))
+{
+  WriteFromPieces(image, layout, this->Path, settings);
+}
+
+vtkSmartPointer<PieceSource> MakeSource(vtkImageData* image, int layout)
+{
+  auto source = vtkSmartPointer<PieceSource>::New();
   source->SetImage(image);
   source->SetLayout(layout);
-  vtkNew<vtkBlockedVolumeWriter> writer;
-  writer->SetInputConnection(source->GetOutputPort());
-  WriteVolume(writer, path, settings);
+  return source;
+}
+
+void ExpectSurfaceOf(vtkPolyData* mine, vtkImageData* image, double isovalue)
+{
+  const EdgeSurface all = GatherSurface(mine);
+  if (GetRank() == 0)
+  {
+    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, isovalue))) << "at " << isovalue;
+  }
 }
 
 ContourPipeline::ContourPipeline(const std::string& path)
@@ -52,12 +74,10 @@ ContourPipeline::~ContourPipeline() = default;
 
 vtkPolyData* ContourPipeline::Update(const std::vector<double>& isovalues)
 {
-  const ErrorCounter readerErrors(this->Reader);
-  const ErrorCounter contourErrors(this->Contour);
+  const ExpectNoErrors readerErrors(this->Reader);
+  const ExpectNoErrors contourErrors(this->Contour);
   SetIsovalues(this->Contour, isovalues);
   EXPECT_TRUE(this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0));
-  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
-  EXPECT_EQ(contourErrors.Messages, std::vector<std::string>());
   return this->Contour->GetOutput();
 }
 

@@ -35,6 +35,23 @@ private:
 void WriteFromPieces(
   vtkImageData* image, int layout, const std::string& path, const VolumeSettings& settings);
 
+/// A volume of an image in a shared folder; collective.
+struct SharedVolume
+{
+  SharedVolume(const std::string& name, vtkImageData* image, const VolumeSettings& settings,
+    int layout = PieceSource::SUB_EXTENTS);
+
+  const SharedFolder Folder;
+  const std::string Path;
+};
+
+/// A source of pieces of an image.
+vtkSmartPointer<PieceSource> MakeSource(vtkImageData* image, int layout = PieceSource::SUB_EXTENTS);
+
+/// Expects the surface that vtkFlyingEdges3D makes of the whole image in the parts of all ranks;
+/// collective.
+void ExpectSurfaceOf(vtkPolyData* mine, vtkImageData* image, double isovalue);
+
 /// A reader and a contour behind it, on every rank.
 class ContourPipeline
 {

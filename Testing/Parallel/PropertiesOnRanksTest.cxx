@@ -20,8 +20,8 @@
 #include <memory>
 #include <ostream>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -53,7 +53,6 @@ public:
   void Add(vtkAlgorithm* algorithm)
   {
     this->Counters.push_back(std::make_unique<ErrorCounter>(algorithm));
-    this->Silenced.push_back(std::make_unique<ErrorCounter>(algorithm->GetExecutive()));
   }
   /// What was told since the last call.
   std::vector<std::string> Take()
@@ -69,7 +68,6 @@ public:
 
 private:
   std::vector<std::unique_ptr<ErrorCounter>> Counters;
-  std::vector<std::unique_ptr<ErrorCounter>> Silenced; ///< VTK's own, that there was an error
 };
 
 /// Each rank has been told once, if there are several, that they differ.
@@ -107,10 +105,7 @@ std::vector<ContourProperty> MakeContourProperties()
     { "DropDegenerateTriangles", [](Contour* contour) { contour->DropDegenerateTrianglesOn(); } },
     { "AllowCoarse", [](Contour* contour) { contour->AllowCoarse(1); } },
     { "InterpolatedArray", [](Contour* contour) { contour->AddInterpolatedArray("height"); } },
-    { "Array",
-      [](Contour* contour) {
-        contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "height");
-      } },
+    { "Array", [](Contour* contour) { SelectPoints(contour, "height"); } },
   };
 }
 
@@ -121,7 +116,7 @@ protected:
   static void ExpectErrorUntilAllHaveIt(vtkAlgorithm* source, vtkStabbingContour* contour)
   {
     contour->SetInputConnection(source->GetOutputPort());
-    contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+    SelectPoints(contour, "density");
     contour->SetValue(0, AgreedIsovalue);
     Listener listener;
     listener.Add(source);
@@ -141,9 +136,7 @@ protected:
 
 TEST_P(ContourPropertiesOnRanks, OfAContourOfImagesAreAgreedOn)
 {
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeTwoArrays());
-  source->SetLayout(PieceSource::EVERYWHERE);
+  const auto source = MakeSource(MakeTwoArrays(), PieceSource::EVERYWHERE);
   vtkNew<vtkStabbingContour> contour;
   ExpectErrorUntilAllHaveIt(source, contour);
 }
@@ -162,11 +155,8 @@ INSTANTIATE_TEST_SUITE_P(Properties, ContourPropertiesOnRanks,
 
 TEST(PropertiesOnRanks, TimesOfImagesAreAgreedOn)
 {
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeTwoArrays());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, AgreedIsovalue);
+  const auto source = MakeSource(MakeTwoArrays());
+  const auto contour = MakeContour(source, AgreedIsovalue);
   Listener listener;
   listener.Add(contour);
   contour->UpdateTimeStep(IsOdd() ? 2 : 1, GetRank(), GetNumberOfRanks());
@@ -178,11 +168,8 @@ TEST(PropertiesOnRanks, TimesOfImagesAreAgreedOn)
 
 TEST(PropertiesOnRanks, OfADistributedContourAreAgreedOn)
 {
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeTwoArrays());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, AgreedIsovalue);
+  const auto source = MakeSource(MakeTwoArrays());
+  const auto contour = MakeContour(source, AgreedIsovalue);
   contour->SetComputeNormals(IsOdd() ? 0 : 1);
   vtkNew<vtkDistributeIsosurface> distribute;
   distribute->SetInputConnection(contour->GetOutputPort());
@@ -196,12 +183,10 @@ TEST(PropertiesOnRanks, OfAnEdgeIndexWriterAreAgreedOn)
 {
   const SharedFolder folder("PropertiesOfEdgeIndexWriter");
   const std::string path = folder.GetPath("surface.eix");
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeTwoArrays());
-  source->SetLayout(PieceSource::EVERYWHERE);
+  const auto source = MakeSource(MakeTwoArrays(), PieceSource::EVERYWHERE);
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(source->GetOutputPort());
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(contour, "density");
   contour->AddInterpolatedArray("height");
   contour->SetValue(0, AgreedIsovalue);
   vtkNew<vtkEdgeIndexWriter> writer;
@@ -228,11 +213,8 @@ TEST(PropertiesOnRanks, OfAnEdgeIndexReaderAreAgreedOn)
 {
   const SharedFolder folder("PropertiesOfEdgeIndexReader");
   const std::string path = folder.GetPath("surface.eix");
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeTwoArrays());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(source->GetOutputPort());
-  contour->SetValue(0, AgreedIsovalue);
+  const auto source = MakeSource(MakeTwoArrays());
+  const auto contour = MakeContour(source, AgreedIsovalue);
   vtkNew<vtkEdgeIndexWriter> writer;
   writer->SetInputConnection(contour->GetOutputPort());
   writer->SetFileName(path.c_str());
@@ -265,17 +247,14 @@ TEST(PropertiesOnRanks, OfAnEdgeIndexReaderAreAgreedOn)
 
 TEST(PropertiesOnRanks, OfASpectrumAreAgreedOn)
 {
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeTwoArrays());
-  source->SetLayout(PieceSource::EVERYWHERE);
+  const auto source = MakeSource(MakeTwoArrays(), PieceSource::EVERYWHERE);
   vtkNew<vtkContourSpectrum> spectrum;
   spectrum->SetInputConnection(source->GetOutputPort());
   Listener listener;
   listener.Add(spectrum);
   const auto choose = [&](bool other)
   {
-    spectrum->SetInputArrayToProcess(
-      0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, other ? "height" : "density");
+    SelectPoints(spectrum, other ? "height" : "density");
     spectrum->Modified();
     spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   };
@@ -385,8 +364,7 @@ TEST_F(VolumePropertiesOnRanks, TimesThatAWriterAsksForAreAgreedOn)
 {
   const std::string path = this->Folder.GetPath("small.bvol");
   this->WriteSteps(path, { 0, 9, 0, 9, 0, 9 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const auto reader = MakeReader(path);
   vtkNew<vtkBlockedVolumeWriter> writer;
   writer->SetInputConnection(reader->GetOutputPort());
   writer->SetFileName(this->Folder.GetPath("copy.bvol").c_str());
@@ -402,4 +380,3 @@ TEST_F(VolumePropertiesOnRanks, TimesThatAWriterAsksForAreAgreedOn)
 }
 
 } // namespace
-} // namespace isosurface

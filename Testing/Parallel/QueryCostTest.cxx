@@ -8,8 +8,8 @@
 
 #include <algorithm>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -32,24 +32,21 @@ class QueryCost : public testing::TestWithParam<int>
 {
 protected:
   QueryCost()
-    : Folder("QueryCost-" + std::to_string(GetParam()))
-    , Image(MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT))
-    , Path(this->Folder.GetPath("volume.bvol"))
-  {
+    : Image(MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT))
     // Not compressed, so that the size of a block can be told from the image.
-    WriteFromPieces(this->Image, PieceSource::SUB_EXTENTS, this->Path,
-      { 16, GetParam(), vtkBlockedVolumeWriter::GREEDY, vtkBlockedVolumeWriter::NONE });
+    , Volume("QueryCost-" + std::to_string(GetParam()), this->Image,
+        { 16, GetParam(), vtkBlockedVolumeWriter::GREEDY, vtkBlockedVolumeWriter::NONE })
+  {
   }
-  ~QueryCost() override { ContourPipeline(this->Path).Reader->SetCacheSize(WarmCache); }
+  ~QueryCost() override { ContourPipeline(this->Volume.Path).Reader->SetCacheSize(WarmCache); }
 
-  const SharedFolder Folder;
   const vtkSmartPointer<vtkImageData> Image;
-  const std::string Path;
+  const SharedVolume Volume;
 };
 
 TEST_P(QueryCost, WithoutCacheIsTheActiveBlocks)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Reader->SetCacheSize(0);
   bool isSeveral = false;
   for (const double isovalue : { 200.0, 60.5, 1.0, 0.0, -1.0, 1e4 })
@@ -68,7 +65,7 @@ TEST_P(QueryCost, WithoutCacheIsTheActiveBlocks)
 
 TEST_P(QueryCost, OfSeveralIsovaluesHasEachBlockOnce)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Reader->SetCacheSize(0);
   const Cost together = SumCost(pipeline.Update({ 60.5, 61.0, 62.0 }));
   EXPECT_EQ(together.BlocksRead, together.ActiveBlocks);
@@ -78,7 +75,7 @@ TEST_P(QueryCost, OfSeveralIsovaluesHasEachBlockOnce)
 
 TEST_P(QueryCost, WithWarmCacheIsNothing)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Reader->SetCacheSize(WarmCache);
   const Cost first = SumCost(pipeline.Update({ 60.5 }));
   EXPECT_EQ(first.BlocksRead, first.ActiveBlocks);
@@ -93,13 +90,13 @@ TEST_P(QueryCost, WithWarmCacheIsNothing)
 
 TEST_P(QueryCost, TreePagesAreFew)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   const Cost cost = SumCost(pipeline.Update({ 60.5 }));
   // A tree of so few blocks is one leaf below its header. Every rank queries all stores.
   EXPECT_GT(cost.TreePagesRead, 0u);
   EXPECT_LE(cost.TreePagesRead, 2u * static_cast<unsigned int>(GetParam() * GetNumberOfRanks()));
   // A rank with stores of its own opens these; where there are more ranks than stores, one.
-  ContourPipeline ofLocalStores(this->Path);
+  ContourPipeline ofLocalStores(this->Volume.Path);
   ofLocalStores.Reader->LocalStoresOn();
   const Cost local = SumCost(ofLocalStores.Update({ 60.5 }));
   const int opened = std::max(GetParam(), GetNumberOfRanks());
@@ -110,4 +107,3 @@ TEST_P(QueryCost, TreePagesAreFew)
 INSTANTIATE_TEST_SUITE_P(Stores, QueryCost, testing::Values(1, 4, 7));
 
 } // namespace
-} // namespace isosurface

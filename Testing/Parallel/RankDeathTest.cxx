@@ -14,8 +14,8 @@
 #include <csignal>
 #include <filesystem>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -54,11 +54,7 @@ std::ptrdiff_t CountFiles(const std::string& folder)
 void ExpectVolume(vtkImageData* image)
 {
   ContourPipeline pipeline(GetVolume());
-  const EdgeSurface all = GatherSurface(pipeline.Update({ 120.0 }));
-  if (GetRank() == 0)
-  {
-    EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(image, 120.0)));
-  }
+  ExpectSurfaceOf(pipeline.Update({ 120.0 }), image, 120.0);
 }
 
 /// Kills this rank as if the system had, when a share of the writing is done.
@@ -85,10 +81,8 @@ TEST(RankDeath, DISABLED_WhileAllWrite)
       std::filesystem::create_directories(GetFolder());
     });
   WriteFromPieces(MakeOldImage(), PieceSource::SUB_EXTENTS, GetVolume(), Settings);
-  vtkNew<PieceSource> source;
-  source->SetImage(MakeNewImage());
   vtkNew<vtkBlockedVolumeWriter> writer;
-  writer->SetInputConnection(source->GetOutputPort());
+  writer->SetInputConnection(MakeSource(MakeNewImage())->GetOutputPort());
   writer->SetFileName(GetVolume().c_str());
   writer->SetBlockSize(Settings.BlockSize);
   writer->SetNumberOfStores(Settings.NumberOfStores);
@@ -190,5 +184,3 @@ TEST(RankDeath, DISABLED_LeavesOldVolumeAndIsClearedAway)
     std::filesystem::remove_all(GetFolder());
   }
 }
-
-} // namespace isosurface

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RankGroup.h"
 
+#include "TestImages.h"
+
 #include "vtkCommunicator.h"
 #include "vtkMultiProcessController.h"
 
@@ -69,9 +71,7 @@ EdgeSurface GatherSurfaces(const EdgeSurface& mine)
 
 EdgeSurface GatherSurface(vtkPolyData* mine, std::int64_t firstId, std::int64_t endId)
 {
-  EdgeSurface part;
-  part.Add(mine, firstId, endId);
-  EdgeSurface all = GatherSurfaces(part);
+  EdgeSurface all = GatherSurfaces(ToEdges(mine, firstId, endId));
   all.MergeEqualPoints();
   return all;
 }

@@ -13,8 +13,8 @@
 
 #include <filesystem>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -26,9 +26,7 @@ struct ListenedPipeline
   explicit ListenedPipeline(const std::string& path)
     : Pipeline(path)
     , ReaderErrors(this->Pipeline.Reader)
-    , ReaderExecutiveErrors(this->Pipeline.Reader->GetExecutive())
     , ContourErrors(this->Pipeline.Contour)
-    , ContourExecutiveErrors(this->Pipeline.Contour->GetExecutive())
   {
     this->Pipeline.Contour->SetValue(0, ReadIsovalue);
   }
@@ -49,9 +47,7 @@ struct ListenedPipeline
 
   ContourPipeline Pipeline;
   ErrorCounter ReaderErrors;
-  ErrorCounter ReaderExecutiveErrors; ///< VTK's own, that there was an error
   ErrorCounter ContourErrors;
-  ErrorCounter ContourExecutiveErrors;
 };
 
 vtkSmartPointer<vtkImageData> MakeImageToRead()
@@ -70,19 +66,17 @@ class ReadErrors : public testing::TestWithParam<VolumeDamage>
 
 TEST_P(ReadErrors, AreToldOnceByEveryRank)
 {
-  const SharedFolder folder("ReadErrors-" + GetParam().Name);
-  const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeImageToRead();
-  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  const SharedVolume volume("ReadErrors-" + GetParam().Name, image, { 16, 3, 1 });
   OnFirstRank(
     [&]
     {
-      std::filesystem::create_directory(folder.GetPath("good"));
-      CopyVolume(path, folder.GetPath("good/volume.bvol"));
-      GetParam().Apply(path);
+      std::filesystem::create_directory(volume.Folder.GetPath("good"));
+      CopyVolume(volume.Path, volume.Folder.GetPath("good/volume.bvol"));
+      GetParam().Apply(volume.Path);
     });
 
-  ListenedPipeline listened(path);
+  ListenedPipeline listened(volume.Path);
   const std::vector<std::string> messages = listened.Update();
   EXPECT_TRUE(IsOneMessageAbout(messages, GetParam())) << testing::PrintToString(messages);
   EXPECT_EQ(listened.GetNumberOfPolys(), 0);
@@ -91,9 +85,9 @@ TEST_P(ReadErrors, AreToldOnceByEveryRank)
   OnFirstRank(
     [&]
     {
-      std::filesystem::remove(path);
-      std::filesystem::remove_all(path + ".stores");
-      CopyVolume(folder.GetPath("good/volume.bvol"), path);
+      std::filesystem::remove(volume.Path);
+      std::filesystem::remove_all(volume.Path + ".stores");
+      CopyVolume(volume.Folder.GetPath("good/volume.bvol"), volume.Path);
     });
   listened.Pipeline.Reader->Modified();
   EXPECT_EQ(listened.Update(), std::vector<std::string>());
@@ -110,21 +104,19 @@ INSTANTIATE_TEST_SUITE_P(Damages, ReadErrors, testing::ValuesIn(MakeDamages()), 
 
 TEST(ReadErrorsOfOneRank, AreToldOnceByEveryRank)
 {
-  const SharedFolder folder("ReadErrorsOfOneRank");
-  const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeImageToRead();
-  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
-  ListenedPipeline listened(path);
+  const SharedVolume volume("ReadErrorsOfOneRank", image, { 16, 3, 1 });
+  ListenedPipeline listened(volume.Path);
   for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
   {
-    const std::string wrong = folder.GetPath("wrong.bvol");
-    listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : path).c_str());
+    const std::string wrong = volume.Folder.GetPath("wrong.bvol");
+    listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : volume.Path).c_str());
     listened.Pipeline.Reader->Modified();
     const std::vector<std::string> messages = listened.Update();
     EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "wrong.bvol", "No such file" }))
       << testing::PrintToString(messages);
 
-    listened.Pipeline.Reader->SetFileName(path.c_str());
+    listened.Pipeline.Reader->SetFileName(volume.Path.c_str());
     listened.Pipeline.Reader->Modified();
     EXPECT_EQ(listened.Update(), std::vector<std::string>());
     EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);
@@ -134,15 +126,13 @@ TEST(ReadErrorsOfOneRank, AreToldOnceByEveryRank)
 // An empty folder on one rank in place of the dataset: the user changes the isovalue, and again.
 TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
 {
-  const SharedFolder folder("FurtherIsovalues");
-  const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeImageToRead();
-  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  const SharedVolume volume("FurtherIsovalues", image, { 16, 3, 1 });
   for (int failing = 0; failing < GetNumberOfRanks(); ++failing)
   {
-    ListenedPipeline listened(path);
-    const std::string wrong = folder.GetPath("empty/volume.bvol");
-    listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : path).c_str());
+    ListenedPipeline listened(volume.Path);
+    const std::string wrong = volume.Folder.GetPath("empty/volume.bvol");
+    listened.Pipeline.Reader->SetFileName((failing == GetRank() ? wrong : volume.Path).c_str());
     for (const double isovalue : { ReadIsovalue, 90.0, 60.0 })
     {
       listened.Pipeline.Contour->SetValue(0, isovalue);
@@ -151,7 +141,7 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
         << "at " << isovalue << ": " << testing::PrintToString(messages);
       EXPECT_EQ(listened.GetNumberOfPolys(), 0);
     }
-    listened.Pipeline.Reader->SetFileName(path.c_str());
+    listened.Pipeline.Reader->SetFileName(volume.Path.c_str());
     listened.Pipeline.Reader->Modified(); // on all ranks, as a reload does
     listened.Pipeline.Contour->SetValue(0, ReadIsovalue);
     EXPECT_EQ(listened.Update(), std::vector<std::string>());
@@ -162,18 +152,14 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherIsovalue)
 
 TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherSpectrum)
 {
-  const SharedFolder folder("FurtherSpectra");
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
+  const SharedVolume volume("FurtherSpectra", MakeImageToRead(), { 16, 3, 1 });
   const int last = GetNumberOfRanks() - 1;
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName((GetRank() == last ? folder.GetPath("wrong.bvol") : path).c_str());
+  const auto reader =
+    MakeReader((GetRank() == last ? volume.Folder.GetPath("wrong.bvol") : volume.Path));
   vtkNew<vtkContourSpectrum> spectrum;
   spectrum->SetInputConnection(reader->GetOutputPort());
   const ErrorCounter readerErrors(reader);
-  const ErrorCounter executiveErrors(reader->GetExecutive());
   const ErrorCounter spectrumErrors(spectrum);
-  const ErrorCounter spectrumExecutiveErrors(spectrum->GetExecutive());
   spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   EXPECT_EQ(readerErrors.Messages.size(), 1u);
   spectrum->SetStoreQuantity(0);
@@ -182,7 +168,7 @@ TEST(ReadErrorsOfOneRank, AreToldAtEveryFurtherSpectrum)
     << testing::PrintToString(spectrumErrors.Messages);
 }
 
-// The ranks of one job may see different disks under one path.
+// The ranks of one job may see different disks under one volume.Path.
 TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
 {
   if (GetNumberOfRanks() == 1)
@@ -220,12 +206,10 @@ TEST(RanksThatSeeDifferentVolumes, AreToldAndGiveNoSurface)
 
 TEST(ReadErrorsOfOneRank, MissingFileNameIsToldByEveryRank)
 {
-  const SharedFolder folder("NoFileName");
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
-  ListenedPipeline listened(path);
+  const SharedVolume volume("NoFileName", MakeImageToRead(), { 16, 3, 1 });
+  ListenedPipeline listened(volume.Path);
   const int last = GetNumberOfRanks() - 1;
-  listened.Pipeline.Reader->SetFileName(GetRank() == last ? "" : path.c_str());
+  listened.Pipeline.Reader->SetFileName(GetRank() == last ? "" : volume.Path.c_str());
   const std::vector<std::string> messages = listened.Update();
   EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "", "No file name is set" }))
     << testing::PrintToString(messages);
@@ -233,19 +217,15 @@ TEST(ReadErrorsOfOneRank, MissingFileNameIsToldByEveryRank)
 
 TEST(ReadErrorsOfOneRank, ArrayThatIsNotThereIsToldByEveryRank)
 {
-  const SharedFolder folder("NoArray");
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 3, 1 });
-  ListenedPipeline listened(path);
+  const SharedVolume volume("NoArray", MakeImageToRead(), { 16, 3, 1 });
+  ListenedPipeline listened(volume.Path);
   const int last = GetNumberOfRanks() - 1;
-  listened.Pipeline.Contour->SetInputArrayToProcess(
-    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, GetRank() == last ? "pressure" : "density");
+  SelectPoints(listened.Pipeline.Contour, GetRank() == last ? "pressure" : "density");
   const std::vector<std::string> messages = listened.Update();
   EXPECT_TRUE(IsOneMessageAbout(messages, { "", {}, "volume.bvol", "no array \"pressure\"" }))
     << testing::PrintToString(messages);
 
-  listened.Pipeline.Contour->SetInputArrayToProcess(
-    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(listened.Pipeline.Contour, "density");
   listened.Pipeline.Contour->Modified();
   EXPECT_EQ(listened.Update(), std::vector<std::string>());
   EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(listened.GetNumberOfPolys())), 0u);
@@ -254,11 +234,9 @@ TEST(ReadErrorsOfOneRank, ArrayThatIsNotThereIsToldByEveryRank)
 TEST(ReadErrorsOfOneRank, BlocksOfOneRankFailOnAll)
 {
   // The reader alone, no contour: ranks that have read their blocks do not keep them.
-  const SharedFolder folder("BlocksOfOneRank");
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeImageToRead(), PieceSource::SUB_EXTENTS, path, { 16, 7, 1 });
-  OnFirstRank([&] { FlipBit(GetFirstStore(path) + "/blocks", 2000); });
-  ListenedPipeline listened(path);
+  const SharedVolume volume("BlocksOfOneRank", MakeImageToRead(), { 16, 7, 1 });
+  OnFirstRank([&] { FlipBit(GetFirstStore(volume.Path) + "/blocks", 2000); });
+  ListenedPipeline listened(volume.Path);
   vtkBlockedVolumeReader* reader = listened.Pipeline.Reader;
   reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   EXPECT_TRUE(
@@ -268,4 +246,3 @@ TEST(ReadErrorsOfOneRank, BlocksOfOneRankFailOnAll)
 }
 
 } // namespace
-} // namespace isosurface

@@ -9,7 +9,6 @@
 
 #include <atomic>
 #include <cerrno>
-#include <filesystem>
 
 #include <dlfcn.h>
 #include <pthread.h>
@@ -28,11 +27,9 @@ class Refinement : public testing::TestWithParam<int>
 {
 protected:
   Refinement()
-    : Folder("Refinement-" + std::to_string(GetParam()))
-    , Image(MakeClosedVolume({ -41, 68, -7, 103, -90, 28 }, VTK_SHORT))
-    , Path(this->Folder.GetPath("volume.bvol"))
+    : Image(MakeClosedVolume({ -41, 68, -7, 103, -90, 28 }, VTK_SHORT))
+    , Volume("Refinement-" + std::to_string(GetParam()), this->Image, { 16, GetParam() })
   {
-    WriteFromPieces(this->Image, PieceSource::SUB_EXTENTS, this->Path, { 16, GetParam() });
   }
 
   /// Collective. Whether all ranks have the same of a number.
@@ -59,23 +56,24 @@ protected:
     return static_cast<int>(contour->GetRefinement()[0]);
   }
 
-  void ExpectSurface(vtkPolyData* mine, double isovalue)
+  /// Collective. The surface after all refinements.
+  static vtkPolyData* Finish(ContourPipeline& pipeline, double isovalue)
   {
-    const EdgeSurface all = GatherSurface(mine);
-    if (GetRank() == 0)
+    for (int passes = 0; !pipeline.Contour->GetFinal() && passes < 10; ++passes)
     {
-      EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(this->Image, isovalue)));
+      pipeline.Contour->Refine();
+      pipeline.Update({ isovalue });
     }
+    return pipeline.Contour->GetOutput();
   }
 
-  const SharedFolder Folder;
   const vtkSmartPointer<vtkImageData> Image;
-  const std::string Path;
+  const SharedVolume Volume;
 };
 
 TEST_P(Refinement, EndsWithTheSurfaceOfTheWholeVolume)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
   vtkPolyData* mine = pipeline.Update({ 60.5 });
   EXPECT_FALSE(pipeline.Contour->GetFinal());
@@ -87,12 +85,12 @@ TEST_P(Refinement, EndsWithTheSurfaceOfTheWholeVolume)
     EXPECT_TRUE(IsSame(static_cast<double>(GetCost(mine, "Level"))));
   }
   EXPECT_TRUE(pipeline.Contour->GetFinal());
-  this->ExpectSurface(mine, 60.5);
+  ExpectSurfaceOf(mine, this->Image, 60.5);
 }
 
 TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
   pipeline.Update({ 60.5 });
   pipeline.Contour->PrepareRefinement(0);
@@ -106,18 +104,12 @@ TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)
   {
     pipeline.Contour->DropRefinement();
   }
-  vtkPolyData* mine = pipeline.Contour->GetOutput();
-  for (int passes = 0; !pipeline.Contour->GetFinal() && passes < 10; ++passes)
-  {
-    pipeline.Contour->Refine();
-    mine = pipeline.Update({ 100.5 });
-  }
-  this->ExpectSurface(mine, 100.5);
+  ExpectSurfaceOf(Finish(pipeline, 100.5), this->Image, 100.5);
 }
 
 TEST_P(Refinement, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
   pipeline.Contour->SetRefinementMemory(0.001);
   pipeline.Update({ 60.5 });
@@ -134,20 +126,14 @@ TEST_P(Refinement, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
 // Refine extracts without preparation then.
 TEST_P(Refinement, WithoutAThreadOnOneRankIsLeftToAllRanks)
 {
-  ContourPipeline pipeline(this->Path);
+  ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
   pipeline.Contour->SetNumberOfThreads(1);
   pipeline.Update({ 60.5 });
   AreThreadsRefused = GetRank() == GetNumberOfRanks() - 1;
   EXPECT_EQ(Prepare(pipeline.Contour), Ready);
   AreThreadsRefused = false;
-  vtkPolyData* mine = pipeline.Contour->GetOutput();
-  for (int passes = 0; !pipeline.Contour->GetFinal() && passes < 10; ++passes)
-  {
-    pipeline.Contour->Refine();
-    mine = pipeline.Update({ 60.5 });
-  }
-  this->ExpectSurface(mine, 60.5);
+  ExpectSurfaceOf(Finish(pipeline, 60.5), this->Image, 60.5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, Refinement, testing::Values(1, 3));

@@ -14,44 +14,12 @@
 #include <filesystem>
 #include <fstream>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
 constexpr double ReplicatedIsovalue = 120.0;
-
-// Keeps warnings from being printed.
-class WarningKeeper
-{
-public:
-  explicit WarningKeeper(vtkObject* object)
-    : Object(object)
-    , Tag(object->AddObserver(vtkCommand::WarningEvent, this, &WarningKeeper::Keep))
-  {
-  }
-  ~WarningKeeper() { this->Object->RemoveObserver(this->Tag); }
-  WarningKeeper(const WarningKeeper&) = delete;
-  WarningKeeper& operator=(const WarningKeeper&) = delete;
-
-  std::vector<std::string> Messages;
-
-private:
-  void Keep(vtkObject*, unsigned long, void* text)
-  {
-    this->Messages.emplace_back(static_cast<const char*>(text));
-  }
-
-  vtkSmartPointer<vtkObject> Object;
-  unsigned long Tag;
-};
-
-// Collective; the surface of all ranks, on rank 0.
-EdgeSurface ExtractReplicated(ContourPipeline& pipeline, double isovalue)
-{
-  const EdgeSurface all = GatherSurface(pipeline.Update({ isovalue }));
-  return all;
-}
 
 void FlipBytes(const std::string& path)
 {
@@ -79,14 +47,14 @@ protected:
     WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, settings);
     ContourPipeline pipeline(path);
     pipeline.Reader->SetLocalStores(isLocal);
-    const WarningKeeper warnings(pipeline.Contour);
+    const MessageKeeper warnings(pipeline.Contour, vtkCommand::WarningEvent);
     // A cache without room: the next query reads again.
     pipeline.Reader->SetCacheSize(0);
-    const EdgeSurface first = ExtractReplicated(pipeline, ReplicatedIsovalue);
+    const EdgeSurface first = GatherSurface(pipeline.Update({ ReplicatedIsovalue }));
     EXPECT_EQ(warnings.Messages, std::vector<std::string>());
     OnFirstRank([&] { spoil(path + ".stores/000001/store-00002"); });
-    const EdgeSurface second = ExtractReplicated(pipeline, ReplicatedIsovalue + 10);
-    const EdgeSurface third = ExtractReplicated(pipeline, ReplicatedIsovalue);
+    const EdgeSurface second = GatherSurface(pipeline.Update({ ReplicatedIsovalue + 10 }));
+    const EdgeSurface third = GatherSurface(pipeline.Update({ ReplicatedIsovalue }));
     std::string told;
     for (const std::string& message : warnings.Messages)
     {
@@ -149,9 +117,9 @@ TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
   pipeline.Contour->SetValue(0, ReplicatedIsovalue);
   vtkNew<vtkDistributeIsosurface> distribute;
   distribute->SetInputConnection(pipeline.Contour->GetOutputPort());
-  const WarningKeeper warnings(distribute);
+  const MessageKeeper warnings(distribute, vtkCommand::WarningEvent);
   // A rank alone takes the contour's surface, and its warning.
-  const WarningKeeper warningsOfContour(pipeline.Contour);
+  const MessageKeeper warningsOfContour(pipeline.Contour, vtkCommand::WarningEvent);
   distribute->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   const auto triangles =
     SumOverRanks(static_cast<std::uint64_t>(distribute->GetOutput()->GetNumberOfPolys()));
@@ -168,4 +136,3 @@ std::string NameOfStores(const testing::TestParamInfo<bool>& info)
 INSTANTIATE_TEST_SUITE_P(Stores, ReplicasOnRanks, testing::Bool(), NameOfStores);
 
 } // namespace
-} // namespace isosurface

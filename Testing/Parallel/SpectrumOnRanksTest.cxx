@@ -9,17 +9,16 @@
 #include "vtkNew.h"
 #include "vtkTable.h"
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
 void UpdatePiece(vtkContourSpectrum* spectrum)
 {
-  const ErrorCounter errors(spectrum);
+  const ExpectNoErrors errors(spectrum);
   spectrum->SetController(GetRanks());
   spectrum->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 // The ranks' table is that of one process that has all, on rank 0; others have none.
@@ -54,11 +53,8 @@ TEST(SpectrumOnRanks, OfImagePiecesIsThatOfTheWhole)
     const auto image = MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, type);
     for (const int layout : { PieceSource::SUB_EXTENTS, PieceSource::FIRST_RANK })
     {
-      vtkNew<PieceSource> source;
-      source->SetImage(image);
-      source->SetLayout(layout);
       vtkNew<vtkContourSpectrum> spectrum;
-      spectrum->SetInputConnection(source->GetOutputPort());
+      spectrum->SetInputConnection(MakeSource(image, layout)->GetOutputPort());
       UpdatePiece(spectrum);
       ExpectEqualsThatOfWhole(spectrum->GetOutput(), image);
     }
@@ -68,12 +64,9 @@ TEST(SpectrumOnRanks, OfImagePiecesIsThatOfTheWhole)
 TEST(SpectrumOnRanks, OfAVolumeIsOnTheFirstRank)
 {
   const auto image = MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT);
-  const SharedFolder folder("SpectrumOnRanks");
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(image, PieceSource::SUB_EXTENTS, path,
+  const SharedVolume volume("SpectrumOnRanks", image,
     { 32, 4, vtkBlockedVolumeWriter::GREEDY, vtkBlockedVolumeWriter::LZ4 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const auto reader = MakeReader(volume.Path);
   vtkNew<vtkContourSpectrum> spectrum;
   spectrum->SetInputConnection(reader->GetOutputPort());
   UpdatePiece(spectrum);
@@ -81,4 +74,3 @@ TEST(SpectrumOnRanks, OfAVolumeIsOnTheFirstRank)
 }
 
 } // namespace
-} // namespace isosurface

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <cstring>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -52,24 +52,6 @@ void Apply(int options, vtkImageData* image, vtkStabbingContour* contour)
     bounds[2 * axis + 1] = bounds[2 * axis] + 0.6 * (bounds[2 * axis + 1] - bounds[2 * axis]);
   }
   contour->SetRegionBounds(bounds);
-}
-
-/// Whether each side of a triangle is there as often in one direction as in the other.
-bool IsClosed(const EdgeSurface& surface)
-{
-  std::vector<std::pair<std::int64_t, std::int64_t>> there;
-  std::vector<std::pair<std::int64_t, std::int64_t>> back;
-  for (const EdgeSurface::Triangle& triangle : surface.Triangles)
-  {
-    for (std::size_t n = 0; n < 3; ++n)
-    {
-      there.emplace_back(triangle[n], triangle[(n + 1) % 3]);
-      back.emplace_back(triangle[(n + 1) % 3], triangle[n]);
-    }
-  }
-  std::sort(there.begin(), there.end());
-  std::sort(back.begin(), back.end());
-  return there == back;
 }
 
 /// The surface of one rank that has the image as a whole.
@@ -153,4 +135,3 @@ TEST_P(SurfaceQuality, IsThatOfTheWholeImageWithAnyOptions)
 INSTANTIATE_TEST_SUITE_P(Stores, SurfaceQuality, testing::Values(1, 3, 4));
 
 } // namespace
-} // namespace isosurface

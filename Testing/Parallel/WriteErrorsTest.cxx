@@ -8,12 +8,8 @@
 #include "vtkExecutive.h"
 #include "vtkMultiProcessController.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <functional>
+using namespace isosurface;
 
-namespace isosurface
-{
 namespace
 {
 
@@ -49,7 +45,6 @@ protected:
   void ExpectFailure(const std::string& reason, const std::string& file = "volume.bvol")
   {
     const ErrorCounter errors(this->Writer);
-    const ErrorCounter executiveErrors(this->Writer->GetExecutive());
     EXPECT_EQ(this->Writer->Write(), 0);
     if (reason.empty())
     {
@@ -70,15 +65,10 @@ protected:
   void ExpectSuccess()
   {
     this->Writer->Modified();
-    const ErrorCounter errors(this->Writer);
+    const ExpectNoErrors errors(this->Writer);
     EXPECT_EQ(this->Writer->Write(), 1);
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
     ContourPipeline pipeline(this->Path);
-    const EdgeSurface all = GatherSurface(pipeline.Update({ 120.0 }));
-    if (GetRank() == 0)
-    {
-      EXPECT_TRUE(AreEqual(all, ContourByFlyingEdges(MakeImageToWrite(), 120.0)));
-    }
+    ExpectSurfaceOf(pipeline.Update({ 120.0 }), MakeImageToWrite(), 120.0);
   }
 
   const SharedFolder Folder;
@@ -187,4 +177,3 @@ TEST_F(WriteErrors, StopByOneRank)
 }
 
 } // namespace
-} // namespace isosurface

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The isovalue is animated and the frames are saved: each shows the exact surface of its isovalue."""
-import unittest
 
 from paraview import simple
 
@@ -9,7 +8,7 @@ import plugin_testing as testing
 FIRST, LAST, FRAMES = 120.0, 180.0, 4
 
 
-class Animation(unittest.TestCase):
+class Animation(testing.TestCase):
     def test_each_frame_is_the_image_of_its_isovalue(self):
         contour = testing.contour(testing.open_volume("wave.bvol"), FIRST)
         view = testing.make_view()
@@ -32,9 +31,7 @@ class Animation(unittest.TestCase):
             isovalue = FIRST + frame * (LAST - FIRST) / (FRAMES - 1)
             with self.subTest(isovalue=isovalue):
                 contour.Isosurfaces = [isovalue]
-                self.assertEqual(
-                    testing.count_cells(contour), testing.count_expected_triangles(isovalue)
-                )
+                self.check_triangles(contour, isovalue)
                 still = testing.output(f"still-{frame}.png")
                 simple.SaveScreenshot(still, view, ImageResolution=size)
                 still = testing.read_image(still)
@@ -43,7 +40,4 @@ class Animation(unittest.TestCase):
                 self.assertGreater((still != still[0, 0]).any(axis=2).mean(), 0.05)
 
 
-if __name__ == "__main__":
-    testing.parse_arguments(lambda parser: parser.add_argument("--ranks"))
-    testing.load_plugin()
-    testing.run()
+testing.run()

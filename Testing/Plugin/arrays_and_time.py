@@ -1,16 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Vectors, chosen arrays, and time steps in ParaView: saved, animated, appended, reloaded."""
-import json
-import unittest
 
 from paraview import simple
 
 import plugin_testing
-
-
-def read_header(path):
-    with open(path) as file:
-        return json.load(file)
 
 
 def make_vectors():
@@ -19,12 +12,12 @@ def make_vectors():
     return vectors
 
 
-class Arrays(unittest.TestCase):
+class Arrays(plugin_testing.TestCase):
     def test_vectors_are_contoured_by_component_and_by_magnitude(self):
         vectors = make_vectors()
         path = plugin_testing.output("vectors.bvol")
         simple.SaveData(path, proxy=vectors, BlockSize=16, NumberOfStores=3)
-        header = read_header(path)
+        header = plugin_testing.read_header(path)
         components = {array["name"]: array["components"] for array in header["arrays"]}
         self.assertEqual(components, {"RTData": 1, "Gradient": 3})
         reader = plugin_testing.open_volume(path)
@@ -36,9 +29,7 @@ class Arrays(unittest.TestCase):
         ):
             with self.subTest(function=function):
                 surface.Component = component
-                self.assertEqual(
-                    plugin_testing.count_cells(surface), plugin_testing.count_expected_triangles(5.0, function)
-                )
+                self.check_triangles(surface, 5.0, function)
 
     def test_vectors_are_interpolated_with_all_components(self):
         path = plugin_testing.output("interpolated.bvol")
@@ -75,10 +66,10 @@ class Arrays(unittest.TestCase):
         simple.SaveData(
             path, proxy=make_vectors(), ChooseArraysToWrite=1, PointDataArrays=["Gradient"]
         )
-        self.assertEqual([array["name"] for array in read_header(path)["arrays"]], ["Gradient"])
+        self.assertEqual([array["name"] for array in plugin_testing.read_header(path)["arrays"]], ["Gradient"])
 
 
-class TimeSteps(unittest.TestCase):
+class TimeSteps(plugin_testing.TestCase):
     def check_steps(self, reader, times):
         """In an animation, each step shows its own surface."""
         self.assertEqual(list(reader.TimestepValues), times)
@@ -105,7 +96,7 @@ class TimeSteps(unittest.TestCase):
             path, proxy=plugin_testing.make_series(), WriteAllTimeSteps=1, BlockSize=16, NumberOfStores=2
         )
         self.assertEqual(
-            [step["time"] for step in read_header(path)["timeSteps"]], [0.0, 1.0, 2.0, 3.0]
+            [step["time"] for step in plugin_testing.read_header(path)["timeSteps"]], [0.0, 1.0, 2.0, 3.0]
         )
         reader = simple.OpenDataFile(path)
         reader.UpdatePipelineInformation()
@@ -131,6 +122,4 @@ class TimeSteps(unittest.TestCase):
         simple.Delete(reader)
 
 
-plugin_testing.parse_arguments()
-plugin_testing.load_plugin()
 plugin_testing.run()

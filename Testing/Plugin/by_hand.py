@@ -2,8 +2,6 @@
 """What GuiByHand.xml did is in its files and in the window's log."""
 import csv
 import os
-import re
-import unittest
 
 from paraview import simple
 
@@ -12,26 +10,12 @@ import plugin_testing as testing
 FIRST, LAST, FRAMES = 120.0, 180.0, 4  # animated_isovalue.py's
 
 
-def find(name):
-    return os.path.join(testing.arguments.states, name)
-
-
 def read_ids(name):
-    with open(find(name), newline="") as table:
+    with open(testing.state(name), newline="") as table:
         return [int(row["GlobalIds"]) for row in csv.DictReader(table)]
 
 
-def read_log():
-    with open(find("window.log"), encoding="utf-8", errors="replace") as file:
-        return file.read()
-
-
-def count_triangles(log):
-    """Of the surfaces that were extracted, in their order."""
-    return [int(count) for count in re.findall(r"rank 0: .* (\d+) triangles", log)]
-
-
-class ByHand(unittest.TestCase):
+class ByHand(testing.TestCase):
     def setUp(self):
         surface = testing.contour(testing.open_volume("wave.bvol"))
         path = testing.output("points.csv")
@@ -39,19 +23,19 @@ class ByHand(unittest.TestCase):
         self.ids = set(read_ids(path))
 
     def test_each_view_shows_the_surface(self):
-        image = testing.read_image(find("views.png"))
+        image = testing.read_image(testing.state("views.png"))
         rows, columns, _ = image.shape
         right = image[:, columns // 2 :]
         for part in (image[:, : columns // 2], right[: rows // 2], right[rows // 2 :]):
             self.assertGreater((part != part[0, 0]).any(axis=2).mean(), 0.05)
 
     def test_a_change_is_extracted_once_for_all_views(self):
-        log = read_log().split("Surfaces are finished before they are saved")[0]
+        log = testing.read_window_log().split("Surfaces are finished before they are saved")[0]
         full = {
             isovalue: testing.count_expected_triangles(isovalue)
             for isovalue in (FIRST, testing.ISOVALUE, testing.OTHER_ISOVALUE)
         }
-        surfaces = [count for count in count_triangles(log) if count in full.values()]
+        surfaces = [count for count in testing.find_triangles(log) if count in full.values()]
         this, other = full[testing.ISOVALUE], full[testing.OTHER_ISOVALUE]
         # Applied, applied; undone, redone, undone.
         self.assertEqual(surfaces, [full[FIRST], this, other, this, other, this])
@@ -66,24 +50,21 @@ class ByHand(unittest.TestCase):
         self.assertEqual(read_ids("found.csv"), [max(self.ids)])
 
     def test_a_script_gets_the_exact_surface_while_a_filter_waits_for_apply(self):
-        surfaces = count_triangles(read_log())
+        surfaces = testing.find_triangles(testing.read_window_log())
         exact = [testing.count_expected_triangles(isovalue) for isovalue in (140, testing.ISOVALUE)]
         at = surfaces.index(exact[0])
         self.assertEqual(surfaces[at : at + 2], exact)
         self.assertEqual(surfaces[at - 1], testing.count_expected_triangles())
 
     def test_frames_are_of_exact_surfaces(self):
-        log = read_log().split("Surfaces are finished before they are saved")[-1]
+        log = testing.read_window_log().split("Surfaces are finished before they are saved")[-1]
         expected = [
             testing.count_expected_triangles(FIRST + frame * (LAST - FIRST) / (FRAMES - 1))
             for frame in range(FRAMES)
         ]
-        self.assertEqual(count_triangles(log)[:FRAMES], expected)
+        self.assertEqual(testing.find_triangles(log)[:FRAMES], expected)
         for frame in range(FRAMES):
-            self.assertTrue(os.path.exists(find(f"frame.{frame:04}.png")))
+            self.assertTrue(os.path.exists(testing.state(f"frame.{frame:04}.png")))
 
 
-if __name__ == "__main__":
-    testing.parse_arguments(lambda parser: parser.add_argument("--states"))
-    testing.load_plugin()
-    testing.run()
+testing.run()

@@ -9,7 +9,6 @@ import re
 import socket
 import subprocess
 import time
-import unittest
 
 import plugin_testing as testing
 
@@ -20,7 +19,7 @@ def find_free_port():
         return probe.getsockname()[1]
 
 
-class ClientAndServer(unittest.TestCase):
+class ClientAndServer(testing.TestCase):
     def read_log(self):
         with open(testing.output("server.log"), errors="replace") as file:
             return file.read()
@@ -178,14 +177,4 @@ class ClientAndServer(unittest.TestCase):
                 self.assertIn(part, lines[0])
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--pvserver", required=True)
-    parser.add_argument("--pvpython", required=True)
-    parser.add_argument("--paraview", required=True)
-    parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
-    parser.add_argument("--window-python-path", required=True, help="PYTHONPATH of the GUI")
-
-
-testing.parse_arguments(add_arguments)
-testing.run()
+testing.run(with_plugin=False)

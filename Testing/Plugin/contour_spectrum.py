@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Apply on Contour Spectrum makes a line chart over the isovalue, with the right numbers."""
-import unittest
 
 from paraview import servermanager, simple
 
@@ -26,11 +25,10 @@ def find_series(view):
     return {chart.GetPlot(index).GetLabel() for index in range(chart.GetNumberOfPlots())}
 
 
-class ContourSpectrum(unittest.TestCase):
+class ContourSpectrum(testing.TestCase):
     def test_of_a_volume_is_that_of_its_image(self):
         stored = fetch(simple.ContourSpectrum(Input=testing.open_volume("wave.bvol")))
-        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        source.UpdatePipeline()
+        source = testing.open_image()
         counted = fetch(simple.ContourSpectrum(Input=source))
         self.assertEqual(list(stored), COLUMNS)
         self.assertGreater(len(stored["Isovalue"]), 1000)
@@ -81,7 +79,4 @@ class ContourSpectrum(unittest.TestCase):
             self.assertEqual(sum(table[name][row] for name in stores), triangles)
 
 
-if __name__ == "__main__":
-    testing.parse_arguments()
-    testing.load_plugin()
-    testing.run()
+testing.run()

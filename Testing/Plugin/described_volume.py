@@ -2,7 +2,6 @@
 """The reader describes the volume, whatever level of detail it gives; several files are a series."""
 import os
 import shutil
-import unittest
 
 from paraview import simple
 
@@ -25,7 +24,7 @@ def make_large_volume(name, scale):
     return marked.PointData["Marked"].GetRange()
 
 
-class DescribedVolume(unittest.TestCase):
+class DescribedVolume(testing.TestCase):
     def test_range_is_that_of_the_volume(self):
         expected = make_large_volume("large.bvol", 1)
         reader = simple.OpenDataFile(testing.output("large.bvol"), MemoryLimit=1)
@@ -78,7 +77,4 @@ class DescribedVolume(unittest.TestCase):
         self.assertNotAlmostEqual(first[1], second[1], places=2)
 
 
-if __name__ == "__main__":
-    testing.parse_arguments()
-    testing.load_plugin()
-    testing.run()
+testing.run()

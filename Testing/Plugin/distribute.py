@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Distribute Isosurface in ParaView: the contour's surface and image, in compact parts. On any
 number of ranks, and through a server (--port)."""
-import csv
-import unittest
 
 from paraview import simple
 
 import plugin_testing
 
 
-class DistributeIsosurface(unittest.TestCase):
+class DistributeIsosurface(plugin_testing.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.volume = plugin_testing.open_volume("wave.bvol")
@@ -27,12 +25,6 @@ class DistributeIsosurface(unittest.TestCase):
         surface = simple.DistributeIsosurface(Input=self.contour, **properties)
         self.addCleanup(simple.Delete, surface)
         return surface
-
-    def read_costs(self, surface):
-        path = plugin_testing.output("costs.csv")
-        simple.SaveData(path, proxy=surface, FieldAssociation="Field Data")
-        with open(path, newline="") as table:
-            return list(csv.DictReader(table))
 
     def test_surface_is_the_contours_in_every_mode(self):
         for mode in ("Lossless", "Bounded", "Smallest"):
@@ -58,7 +50,7 @@ class DistributeIsosurface(unittest.TestCase):
             self.skipTest("nothing travels")
         surface = self.distribute(DrawingRanks=2)
         self.assertEqual(plugin_testing.count_cells(surface), self.triangles)
-        costs = self.read_costs(surface)
+        costs = plugin_testing.read_costs(surface)
         self.assertEqual(len(costs), ranks)
         triangles = [int(row["Triangles"]) for row in costs]
         self.assertEqual(sum(triangles), self.triangles)
@@ -122,13 +114,4 @@ class DistributeIsosurface(unittest.TestCase):
         self.assertLess((difference > 1).mean(), 0.02)
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, default=1)
-    parser.add_argument("--port", type=int, help="of a pvserver to be its client")
-
-
-plugin_testing.parse_arguments(add_arguments)
-if plugin_testing.arguments.port:
-    simple.Connect("localhost", plugin_testing.arguments.port)
-plugin_testing.load_plugin()
 plugin_testing.run()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Edge-index files in Save Data and Open: the surface comes back. On any number of ranks."""
 import os
-import unittest
 
 from paraview import servermanager, simple
 
@@ -14,7 +13,7 @@ def reopen(path):
     return surface
 
 
-class EdgeIndexFiles(unittest.TestCase):
+class EdgeIndexFiles(plugin_testing.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.volume = plugin_testing.open_volume("wave.bvol")
@@ -36,7 +35,7 @@ class EdgeIndexFiles(unittest.TestCase):
         self.assertLess(sizes["Bounded"], sizes["Lossless"])
 
     def test_image_data_give_the_same_surface(self):
-        wave = simple.XMLImageDataReader(FileName=[plugin_testing.volume("wave.vti")])
+        wave = plugin_testing.open_image()
         path = plugin_testing.output("image.eix")
         simple.SaveData(path, proxy=plugin_testing.contour(wave))
         self.assertEqual(plugin_testing.count_cells(reopen(path)), self.triangles)
@@ -103,6 +102,4 @@ class EdgeIndexFiles(unittest.TestCase):
         self.assertFalse(os.path.exists(path))
 
 
-plugin_testing.parse_arguments()
-plugin_testing.load_plugin()
 plugin_testing.run()

@@ -6,7 +6,6 @@ the good volume, on the server at a port.
 """
 import os
 import shutil
-import unittest
 
 from paraview import simple
 
@@ -20,7 +19,7 @@ CONSUMERS = {
 }
 
 
-class ErrorsOnServer(unittest.TestCase):
+class ErrorsOnServer(testing.TestCase):
     def delete_all(self):
         for proxy in reversed(list(simple.GetSources().values())):
             simple.Delete(proxy)
@@ -29,10 +28,8 @@ class ErrorsOnServer(unittest.TestCase):
         surface = testing.contour(testing.open_volume("wave.bvol"))
         view = testing.make_view()
         testing.show_surface(surface, view)
-        self.assertLess(
-            testing.compare_image(view, "StabbingContour.png", name), testing.LARGEST_DIFFERENCE
-        )
-        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
+        self.check_image(view, "StabbingContour.png", name)
+        self.check_triangles(surface)
         simple.Delete(view)
 
     def test_good_volumes_have_their_surface_after_every_damage_behind_every_filter(self):
@@ -61,7 +58,7 @@ class ErrorsOnServer(unittest.TestCase):
         simple.ReloadFiles(reader)
         surface = testing.contour(reader)
         surface.UpdatePipeline()
-        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
+        self.check_triangles(surface)
 
     def test_edge_index_files_that_are_damaged_leave_the_server_usable(self):
         surface = testing.contour(testing.open_volume("wave.bvol"))
@@ -85,12 +82,4 @@ class ErrorsOnServer(unittest.TestCase):
         self.check_good_surface("after_edge_indices.png")
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--port", type=int, required=True, help="of a pvserver on this machine")
-
-
-testing.parse_arguments(add_arguments)
-simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
 testing.run()

@@ -9,7 +9,6 @@ import os
 import shutil
 import subprocess
 import time
-import unittest
 
 import numpy
 from paraview import simple
@@ -67,7 +66,7 @@ def count_triangles(reader, isovalue=testing.ISOVALUE):
     return testing.count_cells(testing.contour(reader, isovalue, array))
 
 
-class InPlaceReader(unittest.TestCase):
+class InPlaceReader(testing.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.samples = read_samples()
@@ -141,10 +140,4 @@ class InPlaceReader(unittest.TestCase):
         self.assertEqual(testing.count_cells(surface), self.expected)
 
 
-def add_arguments(parser):
-    parser.add_argument("--python", required=True, help="a Python with h5py")
-
-
-testing.parse_arguments(add_arguments)
-testing.load_plugin()
 testing.run()

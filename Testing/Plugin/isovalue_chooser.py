@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What GuiIsovalues.xml did by hand is in the property, and so in states, undo steps and the trace."""
-import os
-import unittest
-import xml.etree.ElementTree as ElementTree
 
 from paraview import simple
 
@@ -11,17 +8,14 @@ import plugin_testing as testing
 
 def read_isovalues(name):
     """Of the one Stabbing Contour in a state file that the GUI saved."""
-    state = ElementTree.parse(os.path.join(testing.arguments.states, name))
-    contour = state.find(".//Proxy[@type='StabbingContour']")
-    values = contour.find("Property[@name='ContourValues']")
-    return [float(element.get("value")) for element in values.findall("Element")]
+    (isovalues,) = testing.read_state(name, "StabbingContour", "ContourValues")
+    return isovalues
 
 
-class IsovalueChooser(unittest.TestCase):
+class IsovalueChooser(testing.TestCase):
     def test_adds_an_isovalue_where_the_mouse_was(self):
         first, second = read_isovalues("added.pvsm")
-        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        source.UpdatePipeline()
+        source = testing.open_image()
         low, high = source.PointData["RTData"].GetRange()
         self.assertAlmostEqual(first, (low + high) / 2, places=3)
         self.assertGreater(second, low)
@@ -40,7 +34,7 @@ class IsovalueChooser(unittest.TestCase):
     def test_the_trace_does_the_same_again(self):
         reader = simple.OpenDataFile(testing.volume("wave.bvol"))
         simple.RenameSource("wave.bvol", reader)
-        with open(os.path.join(testing.arguments.states, "trace.py"), encoding="utf-8") as file:
+        with open(testing.state("trace.py"), encoding="utf-8") as file:
             trace = file.read()
         values = ", ".join(repr(value) for value in read_isovalues("dragged.pvsm"))
         self.assertIn(f"stabbingContour1.Isosurfaces = [{values}]", trace)
@@ -49,17 +43,13 @@ class IsovalueChooser(unittest.TestCase):
         exec(compile(trace, "trace.py", "exec"), vars(simple).copy())
         contour = simple.FindSource("StabbingContour1")
         self.assertEqual(list(contour.Isosurfaces), [testing.ISOVALUE])
-        self.assertEqual(testing.count_cells(contour), testing.count_expected_triangles())
+        self.check_triangles(contour)
 
     def test_nobody_sees_the_spectrum_behind_the_chart(self):
         for name in ("added.pvsm", "trace.py"):
             with self.subTest(name=name):
-                path = os.path.join(testing.arguments.states, name)
-                with open(path, encoding="utf-8") as file:
+                with open(testing.state(name), encoding="utf-8") as file:
                     self.assertNotIn("ContourSpectrum", file.read())
 
 
-if __name__ == "__main__":
-    testing.parse_arguments(lambda parser: parser.add_argument("--states"))
-    testing.load_plugin()
-    testing.run()
+testing.run()

@@ -6,7 +6,6 @@ Translucent surfaces are left out: on several ranks stock compositing of them fa
 the ParaView that these tests were made with.
 """
 import glob
-import unittest
 
 from paraview import simple
 
@@ -23,7 +22,7 @@ CAMERAS = {
 }
 
 
-class MetabufferView(unittest.TestCase):
+class MetabufferView(testing.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.wave = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
@@ -193,23 +192,12 @@ class MetabufferView(unittest.TestCase):
         images = []
         for _ in range(3):
             view.SMProxy.InteractiveRender()
-            images.append(self.read_window(view))
+            images.append(testing.read_window(view))
         # The coarsest resolution: in the middle of blocks of 16 pixels neighbors are equal.
         changes = (images[-1][:, 1:] != images[-1][:, :-1]).any(axis=2)
         self.assertGreater(int(changes[:, 15::16].sum()), 100)
         self.assertEqual(int(changes.sum()), int(changes[:, 15::16].sum()))
         self.check_same(self.save(view, "rests"), full)
-
-    def read_window(self, view):
-        """What the view's window shows, without drawing again."""
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-
-        window = view.GetRenderWindow()
-        columns, rows = window.GetSize()
-        pixels = vtkUnsignedCharArray()
-        window.GetPixelData(0, 0, columns - 1, rows - 1, 1, pixels, 0)
-        return vtk_to_numpy(pixels).reshape(rows, columns, 3).astype(int)
 
     def test_supersampled_pixels_are_means_of_those_of_a_larger_image(self):
         self.require_several_ranks()
@@ -300,13 +288,4 @@ class MetabufferView(unittest.TestCase):
         simple.Delete(view)
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--port", type=int, help="of a pvserver; without it there is none")
-
-
-testing.parse_arguments(add_arguments)
-if testing.arguments.port:
-    simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
 testing.run()

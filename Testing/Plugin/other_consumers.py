@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Stabbing Contour beside and behind ParaView's own filters. Any number of ranks."""
-import unittest
 
 from paraview import simple
 
 import plugin_testing as testing
 
 
-class Beside(unittest.TestCase):
+class Beside(testing.TestCase):
     """Consumers of the same reader see the whole volume, whatever Stabbing Contour asks for."""
 
     def setUp(self):
-        self.image = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        self.image.UpdatePipeline()
+        self.image = testing.open_image()
         self.reader = simple.OpenDataFile(testing.volume("wave.bvol"))
 
     def slice_of(self, source):
@@ -46,33 +44,31 @@ class Beside(unittest.TestCase):
         surface.Isosurfaces = [270.0]
         surface.UpdatePipeline()
         self.assert_whole(self.reader)
-        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles(270.0))
+        self.check_triangles(surface, 270.0)
 
     def test_slice_after_the_contour_is_whole(self):
         surface = testing.contour(self.reader, 270.0)
         self.assert_whole(self.reader)
         surface.Isosurfaces = [testing.ISOVALUE]
-        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
+        self.check_triangles(surface)
         self.assert_whole(self.reader)
 
     def test_two_contours_do_not_disturb_each_other(self):
         first = testing.contour(self.reader, 270.0)
         second = testing.contour(self.reader, testing.ISOVALUE)
-        self.assertEqual(testing.count_cells(first), testing.count_expected_triangles(270.0))
-        self.assertEqual(testing.count_cells(second), testing.count_expected_triangles())
+        self.check_triangles(first, 270.0)
+        self.check_triangles(second)
         first.Isosurfaces = [testing.OTHER_ISOVALUE]
-        self.assertEqual(
-            testing.count_cells(first), testing.count_expected_triangles(testing.OTHER_ISOVALUE)
-        )
-        self.assertEqual(testing.count_cells(second), testing.count_expected_triangles())
+        self.check_triangles(first, testing.OTHER_ISOVALUE)
+        self.check_triangles(second)
 
     def test_filter_between_serves_contour_and_slice(self):
         between = simple.PassArrays(Input=self.reader, PointDataArrays=["RTData"])
         surface = testing.contour(between, 270.0)
         self.assert_whole(between)
-        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles(270.0))
+        self.check_triangles(surface, 270.0)
         surface.Isosurfaces = [testing.ISOVALUE]
-        self.assertEqual(testing.count_cells(surface), testing.count_expected_triangles())
+        self.check_triangles(surface)
         self.assert_whole(between)
 
     def test_volume_of_cells_counts_none_twice(self):
@@ -88,18 +84,16 @@ class Beside(unittest.TestCase):
         )
 
 
-class Behind(unittest.TestCase):
+class Behind(testing.TestCase):
     """Behind a filter the surface is that of the filter's output: no silent wrong result."""
 
     def setUp(self):
-        self.image = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+        self.image = testing.open_image()
         self.reader = simple.OpenDataFile(testing.volume("wave.bvol"))
 
     def test_pass_arrays_gives_the_same_surface(self):
         passed = simple.PassArrays(Input=self.reader, PointDataArrays=["RTData"])
-        self.assertEqual(
-            testing.count_cells(testing.contour(passed)), testing.count_expected_triangles()
-        )
+        self.check_triangles(testing.contour(passed))
 
     def test_calculator_is_contoured_by_its_own_values(self):
         calculator = simple.Calculator(
@@ -107,19 +101,14 @@ class Behind(unittest.TestCase):
         )
         for isovalue in (30.0, testing.ISOVALUE, 250.0):
             with self.subTest(isovalue=isovalue):
-                self.assertEqual(
-                    testing.count_cells(testing.contour(calculator, isovalue)),
-                    testing.count_expected_triangles(isovalue, "300-RTData"),
-                )
+                self.check_triangles(testing.contour(calculator, isovalue), isovalue, "300-RTData")
 
     def test_calculated_array_is_contoured(self):
         calculator = simple.Calculator(
             Input=self.reader, ResultArrayName="Shifted", Function="RTData+1000"
         )
         surface = testing.contour(calculator, 1150.0, "Shifted")
-        self.assertEqual(
-            testing.count_cells(surface), testing.count_expected_triangles(1150.0, "RTData+1000")
-        )
+        self.check_triangles(surface, 1150.0, "RTData+1000")
 
     def test_filter_that_needs_neighbours_has_no_seams_between_blocks(self):
         gradient = simple.Gradient(
@@ -129,17 +118,10 @@ class Behind(unittest.TestCase):
             Input=gradient, ResultArrayName="Steepness", Function="mag(Gradient)"
         )
         steepness.ResultArrayType = "Float"
-        self.assertEqual(
-            testing.count_cells(testing.contour(steepness, 12.0, "Steepness")),
-            testing.count_expected_triangles(12.0, "mag(Gradient)"),
-        )
+        self.check_triangles(testing.contour(steepness, 12.0, "Steepness"), 12.0, "mag(Gradient)")
 
     def test_image_in_memory_gives_the_stock_surface(self):
-        self.assertEqual(
-            testing.count_cells(testing.contour(self.image)), testing.count_expected_triangles()
-        )
+        self.check_triangles(testing.contour(self.image))
 
 
-testing.parse_arguments()
-testing.load_plugin()
 testing.run()

@@ -5,38 +5,31 @@ import glob
 import os
 import re
 import sqlite3
-import unittest
 import xml.etree.ElementTree as ElementTree
 import zlib
 
 import plugin_testing as testing
 
 
-def read(path, proxy, name):
-    state = ElementTree.parse(os.path.join(testing.arguments.states, path))
-    elements = state.findall(f".//Proxy[@type='{proxy}']/Property[@name='{name}']/Element")
-    return [float(element.get("value")) for element in elements]
-
-
-class Panels(unittest.TestCase):
+class Panels(testing.TestCase):
     def test_a_budget_of_triangles_is_a_64_bit_number(self):
         path = "GuiNumbers/numbers.pvsm"
-        self.assertEqual(read(path, "StabbingContour", "MaximumTriangles"), [6e9])
+        self.assertEqual(testing.read_state(path, "StabbingContour", "MaximumTriangles"), [[6e9]])
 
     def test_region_of_an_edge_index_file_is_a_box_of_the_world(self):
         # The bounds of the surface's box: the grid of wave.vti.
         path = "GuiEdgeIndexRegion/reset.pvsm"
-        self.assertEqual(read(path, "EdgeIndexReader", "RegionPosition"), [-40, -35, -30])
-        self.assertEqual(read(path, "EdgeIndexReader", "RegionLength"), [81, 75, 66])
+        self.assertEqual(testing.read_state(path, "EdgeIndexReader", "RegionPosition"), [[-40, -35, -30]])
+        self.assertEqual(testing.read_state(path, "EdgeIndexReader", "RegionLength"), [[81, 75, 66]])
         path = "GuiEdgeIndexRegion/typed.pvsm"
-        self.assertEqual(read(path, "EdgeIndexReader", "RegionPosition"), [-40, -35, -30])
-        self.assertEqual(read(path, "EdgeIndexReader", "RegionLength"), [30, 75, 66])
+        self.assertEqual(testing.read_state(path, "EdgeIndexReader", "RegionPosition"), [[-40, -35, -30]])
+        self.assertEqual(testing.read_state(path, "EdgeIndexReader", "RegionLength"), [[30, 75, 66]])
 
     def read_help(self):
         """The names and the contents of all pages and images."""
-        if not os.path.exists(testing.arguments.help):
+        if not os.path.exists(testing.arguments.help_file):
             self.skipTest("this ParaView makes no help for plugins")
-        pages = sqlite3.connect(testing.arguments.help)
+        pages = sqlite3.connect(testing.arguments.help_file)
         contents = "SELECT Name, Data FROM FileNameTable JOIN FileDataTable ON FileId = Id"
         return {name: zlib.decompress(data[4:]) for name, data in pages.execute(contents) if name}
 
@@ -64,13 +57,4 @@ class Panels(unittest.TestCase):
                             self.assertIn(f"{group.get('name')}.{proxy.get('name')}.html", names)
 
 
-def add_arguments(parser):
-    parser.add_argument("--states", required=True, help="the folder of the GUI tests' output")
-    parser.add_argument("--xml", required=True, help="the folder of the plugin's XML files")
-    parser.add_argument("--documentation", required=True, help="the folder of the pages for users")
-    parser.add_argument("--help-file", dest="help", required=True, help="the .qch of the plugin")
-
-
-if __name__ == "__main__":
-    testing.parse_arguments(add_arguments)
-    testing.run()
+testing.run(with_plugin=False)

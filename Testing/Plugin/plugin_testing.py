@@ -8,10 +8,14 @@ VOLUMES is what write_volumes.py wrote; OUTPUT is the test's own folder, emptied
 import argparse
 import csv
 import functools
+import json
 import os
+import re
 import shutil
+import subprocess
 import sys
 import unittest
+import xml.etree.ElementTree
 
 from paraview import simple
 
@@ -39,15 +43,25 @@ def baseline(name):
     return os.path.join(arguments.baselines, name)
 
 
-def parse_arguments(add_arguments=None):
+def parse_arguments():
+    """Tests take those of them that they need."""
     global arguments
     parser = argparse.ArgumentParser()
-    parser.add_argument("--plugin", required=True)
-    parser.add_argument("--volumes", required=True)
-    parser.add_argument("--output", required=True)
+    for name in ("plugin", "volumes", "output"):
+        parser.add_argument("--" + name, required=True)
     parser.add_argument("--baselines")
-    if add_arguments:
-        add_arguments(parser)
+    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--port", type=int, help="of a pvserver on this machine, to be its client")
+    parser.add_argument("--states", help="the folder of the GUI tests' output")
+    parser.add_argument("--xml", help="the folder of the plugin's XML files")
+    parser.add_argument("--documentation", help="the folder of the pages for users")
+    parser.add_argument("--help-file", help="the .qch of the plugin")
+    parser.add_argument("--mpiexec", help="up to the number of ranks")
+    for name in ("pvbatch", "pvserver", "pvpython", "paraview"):
+        parser.add_argument("--" + name)
+    parser.add_argument("--window-python-path", help="PYTHONPATH of the GUI")
+    parser.add_argument("--python", help="a Python with h5py")
+    parser.add_argument("--wall", action="store_true", help="write the tiles of a wall")
     arguments = parser.parse_args()
     arguments.output = os.path.abspath(arguments.output)
     shutil.rmtree(arguments.output, ignore_errors=True)
@@ -56,6 +70,8 @@ def parse_arguments(add_arguments=None):
 
 def load_plugin():
     """Into the servers, this process, and paraview.simple."""
+    if arguments.port:
+        simple.Connect("localhost", arguments.port)
     simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
     if simple.servermanager.ActiveConnection.IsRemote():
         simple.LoadPlugin(arguments.plugin, remote=False, ns=vars(simple))
@@ -74,6 +90,18 @@ def read_image(path):
     return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1).astype(int)
 
 
+def read_window(view):
+    """What a view's window shows, without drawing again."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+    window = view.GetRenderWindow()
+    columns, rows = window.GetSize()
+    pixels = vtkUnsignedCharArray()
+    window.GetPixelData(0, 0, columns - 1, rows - 1, 1, pixels, 0)
+    return vtk_to_numpy(pixels).reshape(rows, columns, 3).astype(int)
+
+
 def make_mpi_environment():
     """For programs that are started under mpiexec: pvpython, itself a rank, leaves Open MPI's
     variables in the environment, with which a second mpiexec does nothing. How ranks reach each other
@@ -86,8 +114,32 @@ def make_mpi_environment():
     }
 
 
-def run():
-    """Runs the tests of the main script, whose arguments are parsed and plugin is loaded."""
+def run_on_ranks(script, *script_arguments, options=(), **popen):
+    """Starts a script beside this one in pvbatch, on all ranks, with the plugin as its first argument."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    return subprocess.Popen(
+        [
+            *arguments.mpiexec.split(),
+            str(popen.pop("ranks", arguments.ranks)),
+            *popen.pop("before", ()),
+            arguments.pvbatch,
+            *options,
+            os.path.join(here, script),
+            arguments.plugin,
+            *script_arguments,
+        ],
+        env=make_mpi_environment(),
+        text=True,
+        errors="replace",
+        **popen,
+    )
+
+
+def run(with_plugin=True):
+    """Runs the tests of the main script."""
+    parse_arguments()
+    if with_plugin:
+        load_plugin()
     # ParaView's own scripts give warnings, of which nobody here can do anything.
     result = unittest.main(
         argv=sys.argv[:1], verbosity=2, exit=False, warnings="ignore"
@@ -95,6 +147,51 @@ def run():
     # Only a failure may end in sys.exit(): pvbatch then leaves without finalizing MPI.
     if not result.wasSuccessful():
         sys.exit(1)
+
+
+class TestCase(unittest.TestCase):
+    def check_triangles(self, surface, isovalue=ISOVALUE, function=None):
+        """A surface of all ranks has the triangles of vtkFlyingEdges3D."""
+        expected = count_expected_triangles(isovalue, function)
+        self.assertEqual(count_cells(surface), expected, f"at {isovalue}")
+
+    def check_image(self, view, baseline_name, image_name):
+        self.assertLess(compare_image(view, baseline_name, image_name), LARGEST_DIFFERENCE)
+
+
+def state(name):
+    """The path of what a test of the GUI has saved."""
+    return os.path.join(arguments.states, name)
+
+
+def read_state(name, proxy, property_name):
+    """A property's numbers in a state file, of each proxy of a type in the order they were made."""
+    proxies = xml.etree.ElementTree.parse(state(name)).findall(f".//Proxy[@type='{proxy}']")
+    proxies.sort(key=lambda element: int(element.get("id")))
+    path = f"Property[@name='{property_name}']/Element"
+    return [[float(value.get("value")) for value in one.findall(path)] for one in proxies]
+
+
+def read_window_log():
+    with open(state("window.log"), encoding="utf-8", errors="replace") as file:
+        return file.read()
+
+
+def find_triangles(log):
+    """Of the surfaces that a window's contours made, in their order."""
+    return [int(count) for count in re.findall(r"rank 0: .* (\d+) triangles", log)]
+
+
+def read_header(path):
+    """Of a blocked volume."""
+    with open(path) as file:
+        return json.load(file)
+
+
+def open_image():
+    image = simple.XMLImageDataReader(FileName=[volume("wave.vti")])
+    image.UpdatePipeline()
+    return image
 
 
 def open_volume(name):
@@ -106,8 +203,7 @@ def open_volume(name):
 
 def make_series():
     """A volume that changes with time: RTData + 10 t at t = 0, 1, 2, 3."""
-    wave = simple.XMLImageDataReader(FileName=[volume("wave.vti")])
-    series = simple.ProgrammableFilter(Input=wave)
+    series = simple.ProgrammableFilter(Input=open_image())
     series.RequestInformationScript = """
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
 info = self.GetOutputInformation(0)

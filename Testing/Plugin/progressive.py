@@ -3,14 +3,13 @@
 
     progressive.py ... --ranks N [--port PORT]
 """
-import unittest
 
 from paraview import simple
 
 import plugin_testing as testing
 
 
-class Progressive(unittest.TestCase):
+class Progressive(testing.TestCase):
     def make_surface(self):
         surface = testing.contour(testing.open_volume("wave.bvol"))
         surface.Progressive = 1
@@ -86,16 +85,7 @@ class Progressive(unittest.TestCase):
             surface.Refine()
             testing.count_cells(behind)
         self.assertLessEqual(20 * first, testing.count_cells(behind))
-        self.assertEqual(testing.count_cells(behind), testing.count_expected_triangles())
+        self.check_triangles(behind)
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--port", type=int, help="of a pvserver on this machine")
-
-
-testing.parse_arguments(add_arguments)
-if testing.arguments.port:
-    simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
 testing.run()

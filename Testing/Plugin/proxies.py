@@ -2,7 +2,6 @@
 """What the plugin's proxies offer: names, defaults, and a tooltip for each property."""
 import glob
 import os
-import unittest
 import xml.etree.ElementTree
 
 from paraview import simple
@@ -10,7 +9,7 @@ from paraview import simple
 import plugin_testing as testing
 
 
-class Proxies(unittest.TestCase):
+class Proxies(testing.TestCase):
     def test_every_proxy_and_property_has_a_documentation(self):
         files = glob.glob(os.path.join(testing.arguments.xml, "*.xml"))
         self.assertTrue(files)
@@ -72,8 +71,7 @@ class Proxies(unittest.TestCase):
         options += ["Level", "TimeBudget", "MaximumTriangles", "Progressive", "Refine", "Final"]
         options += ["RefinementMemory"]
         self.check_properties(ours, options)
-        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        source.UpdatePipeline()
+        source = testing.open_image()
         stock = simple.Contour(Input=source)
         self.assertEqual(ours.Level, 0)
         for name in names:
@@ -90,13 +88,11 @@ class Proxies(unittest.TestCase):
         contour.UpdatePipeline()
         self.assertEqual(contour.FieldData["Level"].GetRange(), (coarsest, coarsest))
         self.assertGreaterEqual(coarsest, 4, "blocks of 16 cells have levels of 16 to 1 cells")
-        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        source.UpdatePipeline()
+        source = testing.open_image()
         self.assertEqual(get_maximum(simple.StabbingContour(Input=source)), 0)
 
     def test_writer_has_its_properties_in_save_data(self):
-        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        source.UpdatePipeline()
+        source = testing.open_image()
         writer = simple.CreateWriter(testing.output("new.bvol"), source)
         self.check_properties(
             writer, ["FileName", "BlockSize", "NumberOfStores", "Distribution", "RandomSeed"]
@@ -127,10 +123,4 @@ class Proxies(unittest.TestCase):
         self.check_properties(reader, names + ["ComputeScalars", "ComputeNormals"])
 
 
-def add_arguments(parser):
-    parser.add_argument("--xml", required=True, help="the folder of the plugin's XML files")
-
-
-testing.parse_arguments(add_arguments)
-testing.load_plugin()
 testing.run()

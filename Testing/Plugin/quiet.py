@@ -1,39 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Queries in pvbatch print nothing, unless the verbosity asks for it."""
-import os
 import re
 import subprocess
-import unittest
 
 import plugin_testing as testing
 
 
 def run_queries(*options):
     """All that pvbatch prints, of all ranks."""
-    here = os.path.dirname(os.path.abspath(__file__))
-    done = subprocess.run(
-        [
-            *testing.arguments.mpiexec.split(),
-            str(testing.arguments.ranks),
-            testing.arguments.pvbatch,
-            *options,
-            os.path.join(here, "run_queries.py"),
-            testing.arguments.plugin,
-            testing.volume("wave.bvol"),
-            testing.arguments.output,
-        ],
+    with testing.run_on_ranks(
+        "run_queries.py",
+        testing.volume("wave.bvol"),
+        testing.arguments.output,
+        options=options,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        env=testing.make_mpi_environment(),
-        timeout=600,  # else it hangs
-        check=True,
-        text=True,
-        errors="replace",
-    )
-    return done.stdout
+    ) as job:
+        printed, _ = job.communicate(timeout=600)  # else it hangs
+    assert job.returncode == 0
+    return printed
 
 
-class Quiet(unittest.TestCase):
+class Quiet(testing.TestCase):
     def test_queries_print_nothing(self):
         self.assertEqual(run_queries(), "")
 
@@ -44,11 +32,4 @@ class Quiet(unittest.TestCase):
         self.assertTrue(re.search(r"surface\.eix: [0-9]+ blocks", log))
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--pvbatch", required=True)
-    parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
-
-
-testing.parse_arguments(add_arguments)
-testing.run()
+testing.run(with_plugin=False)

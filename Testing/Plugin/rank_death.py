@@ -8,29 +8,22 @@ import shutil
 import signal
 import subprocess
 import time
-import unittest
 
 import plugin_testing as testing
 
 
-class RankDeath(unittest.TestCase):
+class RankDeath(testing.TestCase):
     def check(self, view, ranks, victim):
         folder = testing.output(f"{view}-{ranks}-{victim}")
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder)
-        job = subprocess.Popen(
-            [
-                *testing.arguments.mpiexec.split(),
-                str(ranks),
-                testing.arguments.pvbatch,
-                os.path.join(os.path.dirname(os.path.abspath(__file__)), "draw_forever.py"),
-                testing.arguments.plugin,
-                testing.volume("wave.bvol"),
-                view,
-                folder,
-            ],
+        job = testing.run_on_ranks(
+            "draw_forever.py",
+            testing.volume("wave.bvol"),
+            view,
+            folder,
+            ranks=ranks,
             stdout=subprocess.DEVNULL,
-            env=testing.make_mpi_environment(),
         )
         try:
             deadline = time.monotonic() + 600
@@ -52,10 +45,4 @@ class RankDeath(unittest.TestCase):
                 self.check("MetabufferRenderView", ranks, victim)
 
 
-def add_arguments(parser):
-    parser.add_argument("--pvbatch", required=True)
-    parser.add_argument("--mpiexec", required=True, help="up to the number of ranks")
-
-
-testing.parse_arguments(add_arguments)
-testing.run()
+testing.run(with_plugin=False)

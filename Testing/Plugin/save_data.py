@@ -1,23 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Save Data: its properties arrive in the file; a file can be saved over. On any number of ranks."""
-import json
 import os
-import unittest
 
 from paraview import simple
 
 import plugin_testing as testing
 
 
-def read_header(path):
-    with open(path) as file:
-        return json.load(file)
-
-
-class SaveData(unittest.TestCase):
+class SaveData(testing.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.wave = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
+        cls.wave = testing.open_image()
         cls.triangles = testing.count_expected_triangles()
 
     def save(self, name, source=None, **properties):
@@ -37,7 +30,7 @@ class SaveData(unittest.TestCase):
                     Distribution=method,
                     RandomSeed=seed,
                 )
-                header = read_header(path)
+                header = testing.read_header(path)
                 self.assertEqual(header["blockSize"], size)
                 self.assertEqual(header["stores"], stores)
                 self.assertEqual(len(header["timeSteps"][0]["stores"]), stores)
@@ -46,7 +39,7 @@ class SaveData(unittest.TestCase):
                 self.assertEqual(testing.count_cells(surface), self.triangles)
 
     def test_default_is_a_store_a_rank_and_blocks_of_32(self):
-        header = read_header(self.save("default.bvol"))
+        header = testing.read_header(self.save("default.bvol"))
         self.assertEqual(header["blockSize"], 32)
         self.assertEqual(header["stores"], testing.arguments.ranks)
         self.assertEqual(header["distribution"]["method"], "greedy")
@@ -56,7 +49,7 @@ class SaveData(unittest.TestCase):
             path = self.save(
                 name, BlockSize=16, NumberOfStores=4, Distribution="Random", RandomSeed=seed
             )
-            return [store["checksum"] for store in read_header(path)["timeSteps"][0]["stores"]]
+            return [store["checksum"] for store in testing.read_header(path)["timeSteps"][0]["stores"]]
 
         first = stores("seed1.bvol", 1)
         self.assertEqual(first, stores("seed1_again.bvol", 1))
@@ -75,9 +68,7 @@ class SaveData(unittest.TestCase):
         )
         self.save("over.bvol", source=shifted)
         simple.ReloadFiles(reader)
-        self.assertEqual(
-            testing.count_cells(surface), testing.count_expected_triangles(testing.ISOVALUE - 20)
-        )
+        self.check_triangles(surface, testing.ISOVALUE - 20)
         low, high = reader.PointData["RTData"].GetRange()
         old_low, old_high = self.wave.PointData["RTData"].GetRange()
         self.assertAlmostEqual(low, old_low + 20, places=3)
@@ -93,9 +84,9 @@ class SaveData(unittest.TestCase):
                 copy = self.save(
                     name, source=reader, BlockSize=16, NumberOfStores=3, Compression="Zstd"
                 )
-                header = read_header(copy)
+                header = testing.read_header(copy)
                 self.assertEqual((header["blockSize"], header["stores"]), (16, 3))
-                self.assertEqual(header["grid"], read_header(path)["grid"])
+                self.assertEqual(header["grid"], testing.read_header(path)["grid"])
                 simple.Delete(reader)
                 surface = testing.contour(testing.open_volume(copy))
                 self.assertEqual(testing.count_cells(surface), self.triangles)
@@ -115,7 +106,7 @@ class SaveData(unittest.TestCase):
     def test_time_steps_of_a_blocked_volume_are_saved_anew_within_a_memory_limit(self):
         series = testing.open_volume("series.bvol")
         copy = self.save("series.bvol", source=series, WriteAllTimeSteps=1, MemoryLimit=64)
-        old, new = read_header(testing.volume("series.bvol")), read_header(copy)
+        old, new = testing.read_header(testing.volume("series.bvol")), testing.read_header(copy)
         self.assertEqual(
             [step["time"] for step in new["timeSteps"]], [step["time"] for step in old["timeSteps"]]
         )
@@ -139,10 +130,4 @@ class SaveData(unittest.TestCase):
         self.assertEqual(testing.count_cells(surface), self.triangles)
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-
-
-testing.parse_arguments(add_arguments)
-testing.load_plugin()
 testing.run()

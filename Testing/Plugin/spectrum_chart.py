@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The chart that GuiContourSpectrum.xml made by Apply alone, as its state file has it."""
-import os
-import unittest
 import xml.etree.ElementTree as ElementTree
 
 import plugin_testing as testing
 
 
-class SpectrumChart(unittest.TestCase):
+class SpectrumChart(testing.TestCase):
     def setUp(self):
-        state = ElementTree.parse(os.path.join(testing.arguments.states, "chart.pvsm"))
+        state = ElementTree.parse(testing.state("chart.pvsm"))
         self.view = state.find(".//Proxy[@type='XYChartView']")
         self.lines = state.find(".//Proxy[@type='ContourSpectrumRepresentation']")
 
@@ -33,6 +31,4 @@ class SpectrumChart(unittest.TestCase):
         self.assertEqual(self.read(self.view, "BottomAxisTitle"), ["RTData"])
 
 
-if __name__ == "__main__":
-    testing.parse_arguments(lambda parser: parser.add_argument("--states"))
-    testing.run()
+testing.run(with_plugin=False)

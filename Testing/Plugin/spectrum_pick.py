@@ -1,24 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The isovalues that GuiSpectrumPick.xml and pick_rows.py picked, as their state files have them."""
-import os
-import unittest
-import xml.etree.ElementTree as ElementTree
 
 import plugin_testing as testing
 
 
 def read_isovalues(name):
-    """Of each contour of a state, in the order in which they were made."""
-    state = ElementTree.parse(os.path.join(testing.arguments.states, name))
-    contours = state.findall(".//Proxy[@type='StabbingContour']")
-    contours.sort(key=lambda proxy: int(proxy.get("id")))
-    return [
-        [float(value.get("value")) for value in contour.findall("Property[@name='ContourValues']/Element")]
-        for contour in contours
-    ]
+    return testing.read_state(name, "StabbingContour", "ContourValues")
 
 
-class SpectrumPick(unittest.TestCase):
+class SpectrumPick(testing.TestCase):
     def test_a_double_click_sets_the_isovalue_under_the_mouse(self):
         ((isovalue,),) = read_isovalues("set.pvsm")
         # At 0.4 of a chart's width, whose axis goes from 20 to 300 between its margins.
@@ -47,7 +37,4 @@ class SpectrumPick(unittest.TestCase):
         self.assertNotEqual(other, expected, "a contour of another input")
 
 
-if __name__ == "__main__":
-    testing.parse_arguments(lambda parser: parser.add_argument("--states"))
-    testing.load_plugin()
-    testing.run()
+testing.run()

@@ -3,22 +3,15 @@
 
     surface_images.py ... --ranks N [--port PORT]
 """
-import unittest
-
-from paraview import simple
-
 import plugin_testing as testing
 
 
-class SurfaceImages(unittest.TestCase):
+class SurfaceImages(testing.TestCase):
     def test_surface_looks_as_in_the_gui_and_costs_a_row_a_rank(self):
         view = testing.make_view()
         surface = testing.contour(testing.open_volume("wave.bvol"))
         testing.show_surface(surface, view)
-        self.assertLess(
-            testing.compare_image(view, "StabbingContour.png", "surface.png"),
-            testing.LARGEST_DIFFERENCE,
-        )
+        self.check_image(view, "StabbingContour.png", "surface.png")
         self.check_costs(surface, testing.ISOVALUE)
 
         # The comparison would see another surface.
@@ -42,13 +35,4 @@ class SurfaceImages(unittest.TestCase):
             )
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--port", type=int, help="of a pvserver on this machine")
-
-
-testing.parse_arguments(add_arguments)
-if testing.arguments.port:
-    simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
 testing.run()

@@ -3,14 +3,10 @@
 
     surface_quality.py ... --ranks N
 """
-import unittest
-
-from paraview import simple
-
 import plugin_testing as testing
 
 
-class SurfaceQuality(unittest.TestCase):
+class SurfaceQuality(testing.TestCase):
     def test_closed_surface_looks_like_a_body(self):
         view = testing.make_view()
         # wave.vti reaches this value at its border.
@@ -20,10 +16,7 @@ class SurfaceQuality(unittest.TestCase):
         surface.CloseBoundary = 1
         surface.DropDegenerateTriangles = 1
         self.assertGreater(testing.count_cells(surface), opened)
-        self.assertLess(
-            testing.compare_image(view, "ClosedSurface.png", "closed.png"),
-            testing.LARGEST_DIFFERENCE,
-        )
+        self.check_image(view, "ClosedSurface.png", "closed.png")
 
         # The comparison would see an open surface.
         surface.CloseBoundary = 0
@@ -68,8 +61,7 @@ class SurfaceQuality(unittest.TestCase):
             self.assertIsNone(surface.PointData.GetArray("RTData"))
 
     def open_image(self):
-        source = simple.XMLImageDataReader(FileName=[testing.volume("wave.vti")])
-        source.UpdatePipeline()
+        source = testing.open_image()
         return source
 
     def count_active_blocks(self, surface):
@@ -77,10 +69,4 @@ class SurfaceQuality(unittest.TestCase):
         return sum(int(row["ActiveBlocks"]) for row in testing.read_costs(surface))
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-
-
-testing.parse_arguments(add_arguments)
-testing.load_plugin()
 testing.run()

@@ -5,7 +5,6 @@ session: same images, pixel for pixel, on any number of ranks and in both views.
 Translucent surfaces are compared on one rank alone: stock compositing of them fails on several ranks
 of the ParaView that these tests were made with.
 """
-import unittest
 
 from paraview import simple
 
@@ -93,7 +92,7 @@ ON_SEVERAL_RANKS = ("as shown", "one color", "wireframe", "edges", "component", 
 IN_BOTH_VIEWS = ("as shown", "wireframe", "categories")
 
 
-class SurfaceRepresentation(unittest.TestCase):
+class SurfaceRepresentation(testing.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.views = {}
@@ -125,7 +124,7 @@ class SurfaceRepresentation(unittest.TestCase):
 
     def draw(self, view):
         simple.Render(view)
-        return self.read_window(view)
+        return testing.read_window(view)
 
     def get_tolerance(self):
         """Pixels. From a server, images of the stock representation differ from each other, by 39."""
@@ -290,17 +289,6 @@ class SurfaceRepresentation(unittest.TestCase):
             self.assertGreater(found[0][0], 50)
             self.assertLessEqual(self.count_different(*images), self.get_tolerance())
 
-    def read_window(self, view):
-        """What the view's window shows, without drawing again."""
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-
-        window = view.GetRenderWindow()
-        columns, rows = window.GetSize()
-        pixels = vtkUnsignedCharArray()
-        window.GetPixelData(0, 0, columns - 1, rows - 1, 1, pixels, 0)
-        return vtk_to_numpy(pixels).reshape(rows, columns, 3).astype(int)
-
     def test_while_the_camera_moves_a_thinned_surface_is_shown(self):
         surface = simple.StabbingContour(
             Input=self.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0]
@@ -312,7 +300,7 @@ class SurfaceRepresentation(unittest.TestCase):
             view.LODThreshold, view.LODResolution = 0, 0.05
             full = self.draw(view)
             view.SMProxy.InteractiveRender()
-            moving = self.read_window(view)
+            moving = testing.read_window(view)
             covered = [int((image != image[0, 0]).any(axis=2).sum())
                        for image in (full, moving)]
             self.assertGreater(covered[1], 0.8 * covered[0])
@@ -349,19 +337,10 @@ class SurfaceRepresentation(unittest.TestCase):
                 surface.Isosurfaces = [isovalue]
                 self.draw(view)
                 view.SMProxy.InteractiveRender()
-            moving.append(self.read_window(view))
+            moving.append(testing.read_window(view))
             simple.Delete(view)
         self.assertGreater(surface.GetDataInformation().GetNumberOfCells(), 600000)
         self.assertEqual(self.count_different(*moving), 0)
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True)
-    parser.add_argument("--port", type=int, help="of a pvserver; without it there is none")
-
-
-testing.parse_arguments(add_arguments)
-if testing.arguments.port:
-    simple.Connect("localhost", testing.arguments.port)
-testing.load_plugin()
 testing.run()

@@ -49,14 +49,7 @@ def make_view(size):
     return view, wave
 
 
-def add_arguments(parser):
-    parser.add_argument("--ranks", type=int, required=True, help="tiles, side by side")
-    parser.add_argument("--port", type=int, required=True)
-    parser.add_argument("--wall", action="store_true")
-
-
-plugin_testing.parse_arguments(add_arguments)
-simple.Connect("localhost", plugin_testing.arguments.port)
+plugin_testing.parse_arguments()
 plugin_testing.load_plugin()
 SIZE = [TILE * plugin_testing.arguments.ranks, TILE]
 VIEW, WAVE = make_view(SIZE)

@@ -28,8 +28,8 @@
 #include "vtkThreshold.h"
 #include "vtkUnstructuredGrid.h"
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -56,12 +56,10 @@ protected:
   // Updates a contour and compares.
   void ExpectSurface(vtkStabbingContour* contour, double isovalue)
   {
-    const ErrorCounter errors(contour);
+    const ExpectNoErrors errors(contour);
     contour->SetValue(0, isovalue);
     contour->Update();
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
-    EdgeSurface surface;
-    surface.Add(contour->GetOutput());
+    const EdgeSurface surface = ToEdges(contour->GetOutput());
     EXPECT_FALSE(surface.Triangles.empty());
     EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(this->Image, isovalue)))
       << "at " << isovalue;
@@ -91,7 +89,7 @@ protected:
 void Connect(vtkStabbingContour* contour, vtkAlgorithm* input)
 {
   contour->SetInputConnection(input->GetOutputPort());
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(contour, "density");
 }
 
 TEST_F(BlockedVolumeHandle, PassesPassThrough)
@@ -151,13 +149,11 @@ TEST_F(BlockedVolumeHandle, ArraysThatPassArraysLeavesOutAreErrors)
     }
     vtkNew<vtkStabbingContour> contour;
     ErrorCounter errors(contour);
-    const ErrorCounter executiveErrors(contour->GetExecutive());
     Connect(contour, pass);
     contour->SetValue(0, High);
     contour->Update();
     EXPECT_EQ(contour->GetOutput()->GetNumberOfPoints(), 0);
-    ASSERT_EQ(errors.Messages.size(), 1u);
-    EXPECT_NE(errors.Messages[0].find("no point array \"density\""), std::string::npos);
+    ExpectOneError(errors, { "no point array \"density\"" });
 
     pass->ClearArrays();
     errors.Messages.clear();
@@ -170,11 +166,10 @@ TEST_F(BlockedVolumeHandle, NothingActiveGivesAnEmptySurface)
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(this->Reader->GetOutputPort());
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors errors(contour);
   Connect(contour, pass);
   contour->SetValue(0, 1e4);
   contour->Update();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(contour->GetOutput()->GetNumberOfPoints(), 0);
   EXPECT_EQ(GetCost(contour->GetOutput(), "ActiveBlocks"), 0u);
 }
@@ -205,8 +200,7 @@ TEST_F(BlockedVolumeHandle, DoesNotPassFiltersThatChangeValues)
   {
     contour->SetValue(0, isovalue);
     contour->Update();
-    EdgeSurface surface;
-    surface.Add(contour->GetOutput());
+    const EdgeSurface surface = ToEdges(contour->GetOutput());
     EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(whole, isovalue))) << "at " << isovalue;
     EXPECT_FALSE(surface.Triangles.empty());
     EXPECT_TRUE((BlockChecks{ this->Image }.HaveEachCellOnce({ this->Reader->GetOutput() })));
@@ -338,8 +332,7 @@ TEST_P(HandleBesideStock, StockConsumersSeeAllCells)
   this->Threshold->SetInputConnection(input->GetOutputPort());
   this->Threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
   this->Threshold->SetLowerThreshold(1e9);
-  this->Threshold->SetInputArrayToProcess(
-    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(this->Threshold, "density");
 
   this->ExpectAllCellsInThreshold();
   this->ExpectSurface(contour, High);
@@ -369,8 +362,7 @@ TEST_P(HandleBesideStock, StockConsumerAfterContourSeesAllCells)
   this->Threshold->SetInputConnection(input->GetOutputPort());
   this->Threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
   this->Threshold->SetLowerThreshold(1e9);
-  this->Threshold->SetInputArrayToProcess(
-    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(this->Threshold, "density");
   this->ExpectAllCellsInThreshold();
   // The reader itself, asked by nobody in particular.
   this->ExpectSurface(contour, Low);
@@ -396,7 +388,7 @@ TEST_F(BlockedVolumeHandle, ContoursAndStockConsumersShareOneUpdate)
     threshold->SetInputConnection(this->Reader->GetOutputPort());
     threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
     threshold->SetLowerThreshold(1e9);
-    threshold->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+    SelectPoints(threshold, "density");
     threshold->Update();
     this->Reader->Modified();
     for (vtkStabbingContour* contour : { contours[0].Get(), contours[1].Get() })
@@ -424,12 +416,9 @@ TEST_F(BlockedVolumeHandle, ContoursAndStockConsumersShareOneUpdate)
       << contourFirst;
     for (vtkStabbingContour* contour : { contours[0].Get(), contours[1].Get() })
     {
-      EdgeSurface surface;
-      surface.Add(contour->GetOutput());
-      EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(this->Image, High)));
+      EXPECT_TRUE(IsSurfaceOf(contour->GetOutput(), this->Image, High));
     }
   }
 }
 
 } // namespace
-} // namespace isosurface

@@ -13,10 +13,8 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkVersionMacros.h"
 
-#include <filesystem>
+using namespace isosurface;
 
-namespace isosurface
-{
 namespace
 {
 
@@ -32,13 +30,10 @@ vtkSmartPointer<vtkImageData> MakeLargeImage()
 
 TEST(BlockedVolumeReader, GivesFinestLevelThatFitsMemoryLimit)
 {
-  const ScratchFolder folder;
   const auto image = MakeLargeImage();
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(image, path, { 32, 4 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  const ErrorCounter errors(reader);
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(image, { 32, 4 });
+  const auto reader = MakeReader(volume.Path);
+  const ExpectNoErrors errors(reader);
   int expectedLevel = 0;
   for (const int limit : { 16, 4, 1 })
   {
@@ -57,22 +52,18 @@ TEST(BlockedVolumeReader, GivesFinestLevelThatFitsMemoryLimit)
     EXPECT_TRUE(checks.HaveEachCellOnce({ blocks }));
     ++expectedLevel;
   }
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0) // whose attributes have ranges
 
 TEST(BlockedVolumeReader, TellsRangesOfTheVolumeThroughItsAttributesToo)
 {
-  const ScratchFolder folder;
   const auto image = MakeLargeImage();
   image->SetScalarComponentFromDouble(-19, 4, 1, 0, 1e6); // of level 0 alone
   double expected[2];
   image->GetPointData()->GetScalars()->GetRange(expected);
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(image, path, { 32, 4 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(image, { 32, 4 });
+  const auto reader = MakeReader(volume.Path);
   reader->SetMemoryLimit(1);
   const auto blocks = ReadPiece(reader, 1, 2); // with ghosts
   ASSERT_GT(reader->GetLevel(), 0);
@@ -92,11 +83,8 @@ TEST(BlockedVolumeReader, TellsRangesOfTheVolumeThroughItsAttributesToo)
 
 TEST(BlockedVolumeReader, GivesFinerLevelToPiecesThanToWhole)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(MakeLargeImage(), path, { 32, 7 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(MakeLargeImage(), { 32, 7 });
+  const auto reader = MakeReader(volume.Path);
   reader->SetMemoryLimit(2);
   ReadPiece(reader, 0, 1);
   EXPECT_EQ(reader->GetLevel(), 1);
@@ -114,8 +102,7 @@ TEST(BlockedVolumeReader, PiecesTogetherHaveEachCellOnce)
     WriteVolume(image, path, { 16, stores, vtkBlockedVolumeWriter::RANDOM });
     for (const int pieces : { 1, 2, 3, 7 })
     {
-      vtkNew<vtkBlockedVolumeReader> reader;
-      reader->SetFileName(path.c_str());
+      const auto reader = MakeReader(path);
       std::vector<vtkSmartPointer<vtkPartitionedDataSet>> kept;
       std::vector<vtkPartitionedDataSet*> all;
       for (int piece = 0; piece < pieces; ++piece)
@@ -132,16 +119,13 @@ TEST(BlockedVolumeReader, PiecesTogetherHaveEachCellOnce)
 
 TEST(BlockedVolumeReader, GivesSelectedArraysAlone)
 {
-  const ScratchFolder folder;
   const auto image = MakeImage({ 0, 30, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(3000, 2));
   const auto other = MakeImage({ 0, 30, 0, 20, 0, 20 }, VTK_DOUBLE, MakeNoise(99, 3));
   other->GetPointData()->GetScalars()->SetName("pressure");
   image->GetPointData()->AddArray(other->GetPointData()->GetScalars());
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(image, path);
+  const ScratchVolume volume(image);
 
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const auto reader = MakeReader(volume.Path);
   reader->UpdateInformation();
   ASSERT_EQ(reader->GetNumberOfPointArrays(), 2);
   EXPECT_STREQ(reader->GetPointArrayName(0), "density");
@@ -201,18 +185,15 @@ TEST(BlockedVolumeReader, CanReadBlockedVolumesAlone)
 
 TEST(BlockedVolumeReader, ReadsRewrittenFileWhenModified)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
   const auto first = MakeImage({ 0, 30, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(3000, 2));
   const auto second = MakeImage({ 0, 25, -3, 20, 0, 33 }, VTK_FLOAT, MakeNoise(3000, 3));
   second->GetPointData()->GetScalars()->SetName("pressure");
-  WriteVolume(first, path);
-  vtkNew<vtkBlockedVolumeReader> reader;
-  const ErrorCounter errors(reader);
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(first);
+  const auto reader = MakeReader(volume.Path);
+  const ExpectNoErrors errors(reader);
   EXPECT_TRUE((BlockChecks{ first }.HaveValues({ ReadPiece(reader, 0, 1) }, "density")));
 
-  WriteVolume(second, path, { 32, 2 });
+  WriteVolume(second, volume.Path, { 32, 2 });
   reader->Modified();
   const auto blocks = ReadPiece(reader, 0, 1);
   EXPECT_TRUE((BlockChecks{ second }.HaveValues({ blocks }, "pressure")));
@@ -222,29 +203,23 @@ TEST(BlockedVolumeReader, ReadsRewrittenFileWhenModified)
   // The same grid and array with other values: nothing may come from the cache of the old one.
   const auto third = MakeImage({ 0, 25, -3, 20, 0, 33 }, VTK_FLOAT, MakeNoise(3000, 4));
   third->GetPointData()->GetScalars()->SetName("pressure");
-  WriteVolume(third, path, { 32, 2 });
+  WriteVolume(third, volume.Path, { 32, 2 });
   reader->Modified();
   EXPECT_TRUE((BlockChecks{ third }.HaveValues({ ReadPiece(reader, 0, 1) }, "pressure")));
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 TEST(BlockedVolumeReader, RewrittenFileIsNeverMixedWithOldOne)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
   const auto first = MakeImage({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT, MakeNoise(3000, 2));
   const auto second = MakeImage({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT, MakeNoise(3000, 3));
-  WriteVolume(first, path, { 16, 3 });
-  vtkNew<vtkBlockedVolumeReader> reader;
+  const ScratchVolume volume(first, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
   const ErrorCounter errors(reader);
-  const ErrorCounter executiveErrors(reader->GetExecutive());
-  reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   // Nobody tells the reader, which has seen the header of the first one.
-  WriteVolume(second, path, { 16, 3 });
+  WriteVolume(second, volume.Path, { 16, 3 });
   reader->UpdatePiece(0, 1, 0);
-  ASSERT_EQ(errors.Messages.size(), 1u);
-  EXPECT_NE(errors.Messages[0].find("rewritten"), std::string::npos) << errors.Messages[0];
+  ExpectOneError(errors, { "rewritten" });
   EXPECT_EQ(reader->GetOutput()->GetNumberOfPartitions(), 0u);
   reader->Modified();
   EXPECT_TRUE((BlockChecks{ second }.HaveValues({ ReadPiece(reader, 0, 1) }, "density")));
@@ -252,13 +227,10 @@ TEST(BlockedVolumeReader, RewrittenFileIsNeverMixedWithOldOne)
 
 TEST(BlockedVolumeReader, TellsTimeOfTheOneStep)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
   const auto image = MakeImage({ 0, 9, 0, 9, 0, 9 }, VTK_SHORT, MakeNoise(3000, 2));
   image->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), 2.5);
-  WriteVolume(image, path);
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(image);
+  const auto reader = MakeReader(volume.Path);
   reader->Update();
   vtkInformation* info = reader->GetOutputInformation(0);
   ASSERT_EQ(info->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()), 1);
@@ -267,4 +239,3 @@ TEST(BlockedVolumeReader, TellsTimeOfTheOneStep)
 }
 
 } // namespace
-} // namespace isosurface

@@ -4,7 +4,6 @@
 #include "SeenText.h"
 #include "TestVolumes.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkCellArray.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
@@ -19,38 +18,12 @@
 #include <filesystem>
 #include <set>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
 constexpr Extent Grid{ -3, 140, 0, 90, 5, 113 };
-
-// Keeps warnings from being printed.
-class WarningKeeper
-{
-public:
-  explicit WarningKeeper(vtkObject* object)
-    : Object(object)
-  {
-    vtkNew<vtkCallbackCommand> command;
-    command->SetClientData(this);
-    command->SetCallback(
-      [](vtkObject*, unsigned long, void* self, void* message) {
-        static_cast<WarningKeeper*>(self)->Messages.emplace_back(static_cast<const char*>(message));
-      });
-    this->Tag = object->AddObserver(vtkCommand::WarningEvent, command);
-  }
-  ~WarningKeeper() { this->Object->RemoveObserver(this->Tag); }
-  WarningKeeper(const WarningKeeper&) = delete;
-  WarningKeeper& operator=(const WarningKeeper&) = delete;
-
-  std::vector<std::string> Messages;
-
-private:
-  vtkSmartPointer<vtkObject> Object;
-  unsigned long Tag;
-};
 
 class EdgeIndexReader : public testing::Test
 {
@@ -60,9 +33,7 @@ protected:
     // A region is a box of the world: straight axes, but neither unit spacing nor origin 0.
     this->Image->SetOrigin(-20, 3, 100);
     this->Image->SetSpacing(0.5, 2, 1);
-    vtkNew<vtkStabbingContour> contour;
-    contour->SetInputData(this->Image);
-    contour->SetValue(0, 60);
+    const auto contour = MakeContour(this->Image, 60);
     contour->SetValue(1, 120.25);
     vtkNew<vtkEdgeIndexWriter> writer;
     writer->SetInputConnection(contour->GetOutputPort());
@@ -77,11 +48,9 @@ protected:
 
   EdgeSurface Read(int piece = 0, int pieces = 1)
   {
-    const ErrorCounter errors(this->Reader);
+    const ExpectNoErrors errors(this->Reader);
     this->Reader->UpdatePiece(piece, pieces, 0);
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
-    EdgeSurface surface;
-    surface.Add(this->Reader->GetOutput());
+    EdgeSurface surface = ToEdges(this->Reader->GetOutput());
     surface.DropNormals();
     return surface;
   }
@@ -229,11 +198,9 @@ TEST_F(EdgeIndexReader, ThePreviewIsCoarseAndInTheSamePlace)
 TEST_F(EdgeIndexReader, AFileThatWasCutOffGivesItsCompleteBlocksAndAWarning)
 {
   Truncate(this->Path, std::filesystem::file_size(this->Path) * 2 / 3);
-  const WarningKeeper warnings(this->Reader);
+  const MessageKeeper warnings(this->Reader, vtkCommand::WarningEvent);
   const EdgeSurface part = this->Read();
-  ASSERT_EQ(warnings.Messages.size(), 1u);
-  EXPECT_NE(warnings.Messages[0].find("surface.eix"), std::string::npos);
-  EXPECT_NE(warnings.Messages[0].find("blocks are complete"), std::string::npos);
+  ExpectOneError(warnings, { "surface.eix", "blocks are complete" });
   EXPECT_GT(part.Triangles.size(), this->Whole.Triangles.size() / 10);
   EXPECT_TRUE(std::includes(this->Whole.Triangles.begin(), this->Whole.Triangles.end(),
     part.Triangles.begin(), part.Triangles.end()));
@@ -266,5 +233,3 @@ TEST_F(EdgeIndexReader, DamageIsAnErrorThatNamesTheFile)
   this->Reader->SetFileName("/no/such/file.eix");
   EXPECT_NE(this->ReadInVain().find("/no/such/file.eix"), std::string::npos);
 }
-
-} // namespace isosurface

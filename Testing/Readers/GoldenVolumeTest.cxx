@@ -22,13 +22,12 @@
 #include "Storage/Verification/VolumeVerification.h"
 
 #include <array>
-#include <filesystem>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -82,16 +81,14 @@ vtkSmartPointer<vtkPolyData> ContourFile(
 {
   vtkNew<vtkBlockedVolumeReader> reader;
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter readerErrors(reader);
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors readerErrors(reader);
+  const ExpectNoErrors errors(contour);
   reader->SetFileName(path.c_str());
   contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, array);
+  SelectPoints(contour, array);
   contour->SetValue(0, isovalue);
   contour->SetLevel(level);
   contour->Update();
-  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   return contour->GetOutput();
 }
 
@@ -99,11 +96,9 @@ const std::string GoldenPath = GetDataPath("blocked-volume/golden.bvol");
 
 TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
 {
-  vtkNew<vtkBlockedVolumeReader> reader;
-  const ErrorCounter errors(reader);
-  reader->SetFileName(GoldenPath.c_str());
+  const auto reader = MakeReader(GoldenPath);
+  const ExpectNoErrors errors(reader);
   const auto blocks = ReadPiece(reader, 0, 1);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(reader->GetLevel(), 0);
   const auto image = MakeGoldenImage();
   const BlockChecks checks{ image };
@@ -122,19 +117,16 @@ TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
   EXPECT_EQ(distance->GetNumberOfPolys(), DistanceTriangles);
   EXPECT_EQ(distance->GetNumberOfPoints(), DistancePoints);
 
-  EdgeSurface surface;
-  surface.Add(density);
-  EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(MakeGoldenImage(), 15.5)));
+  EXPECT_TRUE(IsSurfaceOf(density, MakeGoldenImage(), 15.5));
 }
 
 TEST(GoldenVolume, HasTheSurfaceOfTheSubsampledImageAtEveryLevel)
 {
   for (int level = 0; level < 5; ++level)
   {
-    EdgeSurface surface;
-    surface.Add(ContourFile(GoldenPath, "density", 15.5, level));
     const auto expected = ContourByFlyingEdges(SubsampleImage(MakeGoldenImage(), level), 15.5);
-    EXPECT_TRUE(AreEqual(surface, expected)) << "level " << level;
+    EXPECT_TRUE(AreEqual(ToEdges(ContourFile(GoldenPath, "density", 15.5, level)), expected))
+      << "level " << level;
   }
 }
 
@@ -152,15 +144,13 @@ TEST(GoldenVolume, TakesAnotherTimeStep)
   const auto image = MakeGoldenImage();
   image->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), 1);
   vtkNew<vtkBlockedVolumeWriter> writer;
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   writer->SetInputData(image);
   writer->SetFileName(path.c_str());
   writer->SetBlockSize(16);
   writer->SetCompression(vtkBlockedVolumeWriter::NONE);
   writer->AppendTimeStepOn();
   writer->Write();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
-
   const auto after = BlockedVolumeHeader::Read(files, path);
   ASSERT_TRUE(after.IsOk()) << after.GetStatus().GetMessage();
   EXPECT_EQ(after->NumberOfLevels, before->NumberOfLevels);
@@ -244,10 +234,8 @@ TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)
   CopyVolume(GoldenPath, path);
   const std::string good = ReadBytes(path);
   const auto image = MakeGoldenImage();
-  vtkNew<vtkBlockedVolumeReader> reader;
+  const auto reader = MakeReader(path);
   const ErrorCounter errors(reader);
-  const ErrorCounter executiveErrors(reader->GetExecutive());
-  reader->SetFileName(path.c_str());
   int accepted = 0;
   for (std::size_t byte = 0; byte < good.size(); ++byte)
   {
@@ -282,10 +270,8 @@ TEST(BadVolumes, AreRefusedWithFileAndReason)
   for (const VolumeDamage& file : files)
   {
     EXPECT_TRUE(vtkBlockedVolumeReader::CanReadFile(GetDataPath(file.Name).c_str()));
-    vtkNew<vtkBlockedVolumeReader> reader;
+    const auto reader = MakeReader(GetDataPath(file.Name));
     const ErrorCounter errors(reader);
-    const ErrorCounter executiveErrors(reader->GetExecutive());
-    reader->SetFileName(GetDataPath(file.Name).c_str());
     reader->Update();
     EXPECT_TRUE(IsOneMessageAbout(errors.Messages, file))
       << testing::PrintToString(errors.Messages);
@@ -293,4 +279,3 @@ TEST(BadVolumes, AreRefusedWithFileAndReason)
 }
 
 } // namespace
-} // namespace isosurface

@@ -11,8 +11,8 @@
 #include "vtkExecutive.h"
 #include "vtkPartitionedDataSet.h"
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -39,8 +39,8 @@ protected:
 bool StopBeyond(vtkAlgorithm* algorithm, double stop)
 {
   bool isTold = false;
-  const ErrorCounter errors(algorithm);
-  const ErrorCounter executiveErrors(algorithm->GetExecutive());
+  const ExpectNoErrors errors(algorithm);
+  const ExpectNoErrors executiveErrors(algorithm->GetExecutive());
   const ProgressKeeper progress(algorithm,
     [&](double share)
     {
@@ -54,8 +54,6 @@ bool StopBeyond(vtkAlgorithm* algorithm, double stop)
   algorithm->Update();
   // Not every version of VTK takes this back by itself.
   algorithm->SetAbortExecute(0);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
-  EXPECT_EQ(executiveErrors.Messages, std::vector<std::string>());
   return isTold;
 }
 
@@ -97,10 +95,7 @@ TEST_F(Progress, ContourStopsWhenToldTo)
   }
   this->Contour->Modified();
   this->Contour->Update();
-  EdgeSurface surface;
-  surface.Add(this->Contour->GetOutput());
-  EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(this->Image, 1500)));
+  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Image, 1500));
 }
 
 } // namespace
-} // namespace isosurface

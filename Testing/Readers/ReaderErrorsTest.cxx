@@ -16,8 +16,8 @@
 
 #include <filesystem>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -27,18 +27,14 @@ class ReaderErrors : public testing::TestWithParam<VolumeDamage>
 
 TEST_P(ReaderErrors, NameFileAndReasonOnce)
 {
-  const ScratchFolder folder;
   const auto image = MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(image, path, { 16, 2 });
-  std::filesystem::create_directory(folder.GetPath("good"));
-  CopyVolume(path, folder.GetPath("good/volume.bvol"));
-  GetParam().Apply(path);
+  const ScratchVolume volume(image, { 16, 2 });
+  std::filesystem::create_directory(volume.Folder.GetPath("good"));
+  CopyVolume(volume.Path, volume.Folder.GetPath("good/volume.bvol"));
+  GetParam().Apply(volume.Path);
 
-  vtkNew<vtkBlockedVolumeReader> reader;
+  const auto reader = MakeReader(volume.Path);
   const ErrorCounter errors(reader);
-  const ErrorCounter executiveErrors(reader->GetExecutive());
-  reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   reader->Update();
   if (GetParam().IsOfIndex)
@@ -51,9 +47,9 @@ TEST_P(ReaderErrors, NameFileAndReasonOnce)
     << testing::PrintToString(errors.Messages);
   EXPECT_EQ(reader->GetOutput()->GetNumberOfPartitions(), 0u);
 
-  std::filesystem::remove(path);
-  std::filesystem::remove_all(path + ".stores");
-  CopyVolume(folder.GetPath("good/volume.bvol"), path);
+  std::filesystem::remove(volume.Path);
+  std::filesystem::remove_all(volume.Path + ".stores");
+  CopyVolume(volume.Folder.GetPath("good/volume.bvol"), volume.Path);
   reader->Modified();
   const auto blocks = ReadPiece(reader, 0, 1);
   EXPECT_TRUE((BlockChecks{ image }.HaveValues({ blocks }, "density")));
@@ -74,14 +70,12 @@ TEST(ReaderErrorsOfName, AreToldOnce)
   {
     vtkNew<vtkBlockedVolumeReader> reader;
     const ErrorCounter errors(reader);
-    const ErrorCounter executiveErrors(reader->GetExecutive());
     reader->SetFileName(name);
     reader->Update();
     EXPECT_TRUE(IsOneMessageAbout(errors.Messages, { "", {}, "", "No file name is set" }));
   }
   vtkNew<vtkBlockedVolumeReader> reader;
   const ErrorCounter errors(reader);
-  const ErrorCounter executiveErrors(reader->GetExecutive());
   const std::string path = folder.GetPath("folder.bvol");
   std::filesystem::create_directory(path);
   reader->SetFileName(path.c_str());
@@ -92,14 +86,11 @@ TEST(ReaderErrorsOfName, AreToldOnce)
 
 TEST(ReaderErrorText, HasNoWordOfThePipeline)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(
-    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), path, { 16, 2 });
-  Truncate(path, 500);
+  const ScratchVolume volume(
+    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), { 16, 2 });
+  Truncate(volume.Path, 500);
   SeenText seen;
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const auto reader = MakeReader(volume.Path);
   reader->Update();
   EXPECT_NE(seen.Get().find("volume.bvol: was cut off, or is not a"), std::string::npos)
     << seen.Get();
@@ -109,17 +100,12 @@ TEST(ReaderErrorText, HasNoWordOfThePipeline)
 
 TEST(ReaderErrorText, OfAContourHasNoWordOfThePipeline)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(
-    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), path, { 16, 2 });
-  FlipBit(GetFirstStore(path) + "/blocks", 2000);
+  const ScratchVolume volume(
+    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), { 16, 2 });
+  FlipBit(GetFirstStore(volume.Path) + "/blocks", 2000);
   SeenText seen;
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetValue(0, 120.0);
+  const auto reader = MakeReader(volume.Path);
+  const auto contour = MakeContour(reader, 120.0);
   contour->Update();
   EXPECT_NE(seen.Get().find("checksum"), std::string::npos) << seen.Get();
   EXPECT_EQ(seen.Get().find("returned failure"), std::string::npos) << seen.Get();
@@ -130,16 +116,12 @@ TEST(ReaderErrorText, OfAContourHasNoWordOfThePipeline)
 
 TEST(ReaderMemoryLimit, LimitIsAtLeastAMebibyte)
 {
-  const ScratchFolder folder;
   const auto image = MakeImage({ 0, 9, 0, 9, 0, 9 }, VTK_DOUBLE, MakeNoise(250, 3));
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteVolume(image, path, { 16, 2 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(image, { 16, 2 });
+  const auto reader = MakeReader(volume.Path);
   reader->SetMemoryLimit(-3);
   EXPECT_EQ(reader->GetMemoryLimit(), 1) << "the least there is";
   EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce({ ReadPiece(reader, 0, 1) })));
 }
 
 } // namespace
-} // namespace isosurface

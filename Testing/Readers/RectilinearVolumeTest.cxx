@@ -20,8 +20,8 @@
 
 #include <cmath>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -96,9 +96,7 @@ TEST_F(RectilinearVolume, SurfaceHasThePointsAndIdsOfTheGridInMemory)
 {
   const auto grid = MakeWhole();
   WriteVolume(grid, this->Path, { 32, 2 });
-  vtkNew<vtkStabbingContour> inMemory;
-  inMemory->SetInputData(grid);
-  inMemory->SetValue(0, Isovalue);
+  const auto inMemory = MakeContour(grid, Isovalue);
   for (const int option : { 0, 1, 2, 3 })
   {
     EdgeSurface surfaces[2];
@@ -129,8 +127,7 @@ TEST_F(RectilinearVolume, OtherConsumersGetARectilinearGrid)
   EXPECT_TRUE(std::equal(whole->GetExtent(), whole->GetExtent() + 6, Whole.begin()));
 
   // A contour behind a filter that the volume is not seen through joins the pieces of the ranks.
-  EdgeSurface expected;
-  expected.Add(Contour(grid, { Isovalue }));
+  const EdgeSurface expected = ToEdges(Contour(grid, { Isovalue }));
   EdgeSurface pieces;
   for (int piece = 0; piece < 3; ++piece)
   {
@@ -197,14 +194,13 @@ TEST_F(RectilinearVolume, WrittenInSlabsHasTheFilesOfTheWholeGrid)
   vtkNew<LinedGridSource> source;
   source->Grid = grid;
   vtkNew<vtkBlockedVolumeWriter> writer;
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   writer->SetInputConnection(source->GetOutputPort());
   writer->SetFileName(this->Folder.GetPath("slabs.bvol").c_str());
   writer->SetBlockSize(16);
   writer->SetNumberOfStores(3);
   writer->SetMemoryLimit(64);
   writer->Write();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(ReadBytes(this->Folder.GetPath("slabs.bvol")), ReadBytes(this->Path));
 }
 
@@ -213,15 +209,13 @@ TEST_F(RectilinearVolume, WrittenAnewKeepsItsCoordinates)
   const auto grid = MakeWhole();
   WriteVolume(grid, this->Path, { 16, 3 });
   vtkNew<vtkBlockedVolumeWriter> writer;
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   writer->SetInputConnection(this->Reader->GetOutputPort());
   const std::string anew = this->Folder.GetPath("anew.bvol");
   writer->SetFileName(anew.c_str());
   writer->SetNumberOfStores(2);
   writer->Write();
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(anew.c_str());
+  const auto reader = MakeReader(anew);
   reader->Update();
   EXPECT_TRUE(HaveEqualPoints(reader->GetOutput()->GetPartition(0), grid));
 }
@@ -259,8 +253,7 @@ TEST_F(RectilinearVolume, EdgeIndexRecordsCannotTellTheCoordinates)
   writer->SetInputConnection(this->Behind->GetOutputPort());
   writer->SetFileName(this->Folder.GetPath("surface.eix").c_str());
   writer->Write();
-  ASSERT_EQ(errors.Messages.size(), 1u);
-  EXPECT_NE(errors.Messages[0].find("volume.bvol has a rectilinear grid"), std::string::npos);
+  ExpectOneError(errors, { "volume.bvol has a rectilinear grid" });
 }
 
 TEST_F(RectilinearVolume, CoordinatesThatAreNoneAreRefused)
@@ -278,10 +271,8 @@ TEST_F(RectilinearVolume, CoordinatesThatAreNoneAreRefused)
     writer->SetInputData(grid);
     writer->SetFileName(this->Folder.GetPath("faulty.bvol").c_str());
     writer->Write();
-    ASSERT_EQ(errors.Messages.size(), 1u);
-    EXPECT_NE(errors.Messages[0].find("on axis z"), std::string::npos) << errors.Messages[0];
+    ExpectOneError(errors, { "on axis z" });
   }
 }
 
 } // namespace
-} // namespace isosurface

@@ -11,8 +11,8 @@
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -135,5 +135,3 @@ TEST_F(StabbingContourBudget, OfTimeGoesFromTheCoarsestLevelToTheFinest)
   this->Contour->Update();
   EXPECT_EQ(this->GetLevel(), 2) << "the finest that is wanted";
 }
-
-} // namespace isosurface

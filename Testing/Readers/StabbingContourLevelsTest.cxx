@@ -12,11 +12,10 @@
 #include "vtkPassThrough.h"
 #include "vtkPolyData.h"
 
-#include <algorithm>
 #include <cmath>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -55,8 +54,8 @@ TEST_P(StabbingContourLevels, HaveTheSurfaceOfTheSubsampledImage)
 {
   vtkNew<vtkBlockedVolumeReader> reader;
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter readerErrors(reader);
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors readerErrors(reader);
+  const ExpectNoErrors errors(contour);
   reader->SetFileName(this->Path.c_str());
   contour->SetInputConnection(reader->GetOutputPort());
   contour->SetValue(0, 80);
@@ -83,8 +82,6 @@ TEST_P(StabbingContourLevels, HaveTheSurfaceOfTheSubsampledImage)
   EXPECT_EQ(
     GetCost(contour->GetOutput(), "Level"), static_cast<std::uint64_t>(GetParam().Levels - 1))
     << "the coarsest one";
-  EXPECT_EQ(readerErrors.Messages, std::vector<std::string>());
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 TEST_P(StabbingContourLevels, AreThoseOfTheVolumeBehindAFilterThatPassesSamples)
@@ -92,7 +89,7 @@ TEST_P(StabbingContourLevels, AreThoseOfTheVolumeBehindAFilterThatPassesSamples)
   vtkNew<vtkBlockedVolumeReader> reader;
   vtkNew<vtkPassThrough> between;
   vtkNew<vtkStabbingContour> contour;
-  const ErrorCounter errors(contour);
+  const ExpectNoErrors errors(contour);
   reader->SetFileName(this->Path.c_str());
   between->SetInputConnection(reader->GetOutputPort());
   contour->SetInputConnection(between->GetOutputPort());
@@ -101,13 +98,10 @@ TEST_P(StabbingContourLevels, AreThoseOfTheVolumeBehindAFilterThatPassesSamples)
   {
     contour->SetLevel(level);
     contour->Update();
-    EdgeSurface surface;
-    surface.Add(contour->GetOutput());
-    EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(SubsampleImage(this->Image, level), 80)))
+    EXPECT_TRUE(IsSurfaceOf(contour->GetOutput(), SubsampleImage(this->Image, level), 80))
       << "level " << level;
     EXPECT_EQ(GetCost(contour->GetOutput(), "Level"), static_cast<std::uint64_t>(level));
   }
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, StabbingContourLevels, testing::ValuesIn(Volumes));
@@ -120,8 +114,7 @@ TEST(StabbingContourLevel, OfAVolumeWithNotANumberHasTheHolesOfItsImage)
     [waves = MakeWaves(100.0), noise = MakeNoise(50, 4)](int i, int j, int k) mutable
     { return noise(i, j, k) == 0 ? std::nan("") : waves(i, j, k); });
   WriteVolume(image, folder.GetPath("volume.bvol"), { 16, 3 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(folder.GetPath("volume.bvol").c_str());
+  const auto reader = MakeReader(folder.GetPath("volume.bvol"));
   for (int level = 0; level < 3; ++level)
   {
     vtkNew<vtkStabbingContour> ofImage;
@@ -135,8 +128,7 @@ TEST(StabbingContourLevel, OfAVolumeWithNotANumberHasTheHolesOfItsImage)
       contour->SkipNotANumberOn();
     }
     ofImage->Update();
-    EdgeSurface expected;
-    expected.Add(ofImage->GetOutput());
+    const EdgeSurface expected = ToEdges(ofImage->GetOutput());
     EXPECT_FALSE(expected.Triangles.empty());
     for (const int pieces : { 1, 3, 5 })
     {
@@ -155,27 +147,20 @@ TEST(StabbingContourLevel, OfAVolumeWithNotANumberHasTheHolesOfItsImage)
 TEST(StabbingContourLevel, IsFullResolutionForImageData)
 {
   const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(200, 3));
-  vtkNew<vtkStabbingContour> contour;
-  contour->SetInputData(image);
-  contour->SetValue(0, 80);
+  const auto contour = MakeContour(image, 80);
   contour->SetLevel(2);
   contour->Update();
-  EdgeSurface surface;
-  surface.Add(contour->GetOutput());
-  EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(image, 80)));
+  EXPECT_TRUE(IsSurfaceOf(contour->GetOutput(), image, 80));
   EXPECT_EQ(GetCost(contour->GetOutput(), "Level"), 0u);
 }
 
 TEST(BlockedVolumeReaderLevels, AreTheSubsampledImageDownToASingleBlock)
 {
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
   // A quarter of a mebibyte at level 2.
   const auto image = MakeImage({ 3, 262, 0, 200, -5, 190 }, VTK_FLOAT, MakeNoise(200, 3));
-  WriteVolume(image, path, { 32, 4 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  const ErrorCounter errors(reader);
-  reader->SetFileName(path.c_str());
+  const ScratchVolume volume(image, { 32, 4 });
+  const auto reader = MakeReader(volume.Path);
+  const ExpectNoErrors errors(reader);
   reader->SetMemoryLimit(1);
   for (const int pieces : { 1, 2, 3 })
   {
@@ -191,8 +176,6 @@ TEST(BlockedVolumeReaderLevels, AreTheSubsampledImageDownToASingleBlock)
     EXPECT_TRUE(checks.HaveValues(all, "density")) << pieces;
     EXPECT_TRUE(checks.HaveEachCellOnce(all)) << pieces;
   }
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 } // namespace
-} // namespace isosurface

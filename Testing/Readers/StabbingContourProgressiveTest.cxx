@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -81,10 +81,8 @@ protected:
 
   void ExpectSurfaceOfItsLevel(double isovalue)
   {
-    EdgeSurface surface;
-    surface.Add(this->Contour->GetOutput());
-    EXPECT_TRUE(AreEqual(
-      surface, ContourByFlyingEdges(SubsampleImage(this->Image, this->GetLevel()), isovalue)))
+    EXPECT_TRUE(IsSurfaceOf(
+      this->Contour->GetOutput(), SubsampleImage(this->Image, this->GetLevel()), isovalue))
       << "level " << this->GetLevel();
   }
 
@@ -249,9 +247,7 @@ TEST_F(StabbingContourProgressive, IsFinalAtOnceWhereItCannotBeProgressive)
 
 TEST_F(StabbingContourProgressive, ExtractsBesideAndThenTakesTheSameSurface)
 {
-  vtkNew<vtkStabbingContour> atOnce;
-  atOnce->SetInputConnection(this->Reader->GetOutputPort());
-  atOnce->SetValue(0, 0.3);
+  const auto atOnce = MakeContour(this->Reader, 0.3);
   const ProgressKeeper extraction(atOnce);
   atOnce->Update();
   ASSERT_GT(extraction.Shares.size(), 10u);
@@ -385,8 +381,7 @@ TEST_F(StabbingContourProgressive, TellsOfErrorsOfWhatWasExtractedBeside)
   this->Contour->Refine();
   this->Contour->Update();
   this->Reader->SetCacheSize(256);
-  ASSERT_EQ(this->Errors.Messages.size(), 1u);
-  EXPECT_NE(this->Errors.Messages[0].find("blocks"), std::string::npos);
+  ExpectOneError(this->Errors, { "blocks" });
   EXPECT_TRUE(this->Contour->GetFinal());
 }
 
@@ -405,8 +400,7 @@ TEST_F(StabbingContourProgressive, TellsOfADamagedSpectrumAndGoesOnAfterItsRepai
   const std::string bytes = ReadBytes(spectra.string());
   Truncate(spectra.string(), bytes.size() / 2);
   this->Contour->Update();
-  ASSERT_EQ(this->Errors.Messages.size(), 1u);
-  EXPECT_NE(this->Errors.Messages[0].find("spectra"), std::string::npos);
+  ExpectOneError(this->Errors, { "spectra" });
   EXPECT_TRUE(this->Contour->GetFinal()) << "there is nothing to refine";
   EXPECT_EQ(this->Contour->GetOutput()->GetNumberOfPolys(), 0);
 
@@ -419,4 +413,3 @@ TEST_F(StabbingContourProgressive, TellsOfADamagedSpectrumAndGoesOnAfterItsRepai
 }
 
 } // namespace
-} // namespace isosurface

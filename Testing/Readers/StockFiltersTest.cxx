@@ -19,10 +19,9 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <functional>
-#include <memory>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -65,7 +64,7 @@ TEST_F(StockFilters, ThresholdSeesEachCellOnce)
     threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_BETWEEN);
     threshold->SetLowerThreshold(200);
     threshold->SetUpperThreshold(2900);
-    threshold->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+    SelectPoints(threshold, "density");
     if (source)
     {
       threshold->SetInputConnection(source->GetOutputPort());
@@ -98,7 +97,7 @@ TEST_F(StockFilters, ContourHasEachCellOnce)
   };
   vtkNew<vtkContourFilter> contour;
   contour->SetValue(0, 1500.5);
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "density");
+  SelectPoints(contour, "density");
   contour->SetInputConnection(this->Reader->GetOutputPort());
   const double blocks = integrate(contour);
   contour->SetInputData(this->Image);
@@ -156,4 +155,3 @@ TEST_F(StockFilters, AllLevelsHaveEachCellOnce)
 }
 
 } // namespace
-} // namespace isosurface

@@ -17,8 +17,8 @@
 #include <random>
 #include <thread>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -117,4 +117,3 @@ TEST_F(Soak, ManyQueriesGiveTheRightSurfacesWithinWhatTheFirstOnesUsed)
 }
 
 } // namespace
-} // namespace isosurface

@@ -88,7 +88,7 @@ void SoakVolume::Write()
 {
   const VolumeSettings& settings = Kinds[this->Kind].Settings;
   vtkNew<vtkBlockedVolumeWriter> writer;
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   writer->SetController(nullptr);
   writer->SetFileName(this->Path.c_str());
   writer->SetBlockSize(settings.BlockSize);
@@ -101,7 +101,6 @@ void SoakVolume::Write()
     writer->SetAppendTimeStep(step > 0);
     EXPECT_EQ(writer->Write(), 1);
   }
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 void SoakVolume::Replace()
@@ -161,8 +160,7 @@ void SoakVolume::ExpectSurface(const SoakQuery& query)
 {
   vtkPolyData* output = this->Pipes->Consumers[query.Consumer].Contour->GetOutput();
   const int level = static_cast<int>(GetCost(output, "Level"));
-  EdgeSurface surface;
-  surface.Add(output);
+  EdgeSurface surface = ToEdges(output);
   surface.ClearZeroNormals(false);
   EXPECT_EQ(ComputeHash(surface), this->GetExpectedHash(query, level))
     << "volume " << this->Kind << ", generation " << this->Generation << ", step " << query.Step

@@ -25,8 +25,8 @@
 #include <numeric>
 #include <vector>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -87,8 +87,8 @@ vtkSmartPointer<vtkImageData> MakeScalar(vtkImageData* image, int component)
 /// Surfaces of "velocity" from an input, each compared with vtkFlyingEdges3D on the scalar alone.
 void ExpectSurfaces(vtkStabbingContour* contour, vtkImageData* image)
 {
-  const ErrorCounter errors(contour);
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "velocity");
+  const ExpectNoErrors errors(contour);
+  SelectPoints(contour, "velocity");
   const int components = image->GetPointData()->GetArray("velocity")->GetNumberOfComponents();
   for (int component = 0; component <= components; ++component)
   {
@@ -107,7 +107,6 @@ void ExpectSurfaces(vtkStabbingContour* contour, vtkImageData* image)
         << "component " << component << " at " << isovalue;
     }
   }
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
 }
 
 class ArraysOfType : public testing::TestWithParam<int>
@@ -140,8 +139,7 @@ protected:
 
   std::vector<std::string> ListArrays()
   {
-    vtkNew<vtkBlockedVolumeReader> reader;
-    reader->SetFileName(this->Path.c_str());
+    const auto reader = MakeReader(this->Path);
     reader->UpdateInformation();
     std::vector<std::string> names;
     for (int index = 0; index < reader->GetNumberOfPointArrays(); ++index)
@@ -177,8 +175,7 @@ TEST_P(ArraysOfType, OfSeveralComponentsAreReadAndContouredByEachAndByMagnitude)
     const auto image = MakeVectors(GetParam(), components);
     WriteVolume(image, path, { 16, 2 });
 
-    vtkNew<vtkBlockedVolumeReader> reader;
-    reader->SetFileName(path.c_str());
+    const auto reader = MakeReader(path);
     vtkNew<vtkStabbingContour> contour;
     contour->SetInputConnection(reader->GetOutputPort());
     ExpectSurfaces(contour, image);
@@ -220,8 +217,7 @@ TEST_F(Arrays, OfSeveralComponentsAreInterpolatedAsOneArrayOfTuples)
 {
   const auto image = MakeVectors(VTK_SHORT, 3);
   WriteVolume(image, this->Path, { 16, 2 });
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(this->Path.c_str());
+  const auto reader = MakeReader(this->Path);
   vtkNew<vtkPassThrough> pass;
   pass->SetInputConnection(reader->GetOutputPort());
   vtkNew<vtkTrivialProducer> inMemory;
@@ -231,7 +227,7 @@ TEST_F(Arrays, OfSeveralComponentsAreInterpolatedAsOneArrayOfTuples)
   {
     vtkNew<vtkStabbingContour> contour;
     contour->SetInputConnection(input->GetOutputPort());
-    contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "velocity");
+    SelectPoints(contour, "velocity");
     contour->SetComponent(1);
     contour->SetValue(0, 30.5);
     contour->ComputeScalarsOff();
@@ -259,8 +255,7 @@ TEST_F(Arrays, HaveNoComponentBehindTheMagnitude)
 {
   const auto image = MakeVectors(VTK_FLOAT, 3);
   WriteVolume(image, this->Path);
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(this->Path.c_str());
+  const auto reader = MakeReader(this->Path);
   for (const bool isInMemory : { true, false })
   {
     vtkNew<vtkStabbingContour> contour;
@@ -285,8 +280,7 @@ TEST_F(Arrays, OfOneComponentAreContouredWhateverComponentIsChosen)
 {
   const auto image = MakeImage(Grid, VTK_SHORT, MakeWaves(100));
   WriteVolume(image, this->Path);
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(this->Path.c_str());
+  const auto reader = MakeReader(this->Path);
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(reader->GetOutputPort());
   contour->SetComponent(2);
@@ -343,18 +337,16 @@ TEST_F(Arrays, OfCellsAreAveragedOnRequest)
   auto* expected = vtkImageData::SafeDownCast(convert->GetOutput());
 
   vtkNew<vtkBlockedVolumeWriter> writer;
-  const ErrorCounter errors(writer);
+  const ExpectNoErrors errors(writer);
   writer->SetInputData(image);
   writer->SetFileName(this->Path.c_str());
   writer->WriteCellArraysOn();
   EXPECT_EQ(writer->Write(), 1);
-  EXPECT_EQ(errors.Messages, std::vector<std::string>());
   EXPECT_EQ(this->ListArrays(), (std::vector<std::string>{ "density", "pressure" }));
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(this->Path.c_str());
+  const auto reader = MakeReader(this->Path);
   vtkNew<vtkStabbingContour> contour;
   contour->SetInputConnection(reader->GetOutputPort());
-  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "pressure");
+  SelectPoints(contour, "pressure");
   contour->SetValue(0, 0.25);
   contour->Update();
   EdgeSurface surface = ToEdges(contour->GetOutput());
@@ -382,5 +374,3 @@ TEST_F(Arrays, AreChosenByName)
   // What was there before is there still.
   EXPECT_EQ(this->ListArrays(), (std::vector<std::string>{ "velocity", "b" }));
 }
-
-} // namespace isosurface

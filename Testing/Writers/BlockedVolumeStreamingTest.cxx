@@ -27,8 +27,8 @@
 #include <map>
 #include <string>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -192,5 +192,3 @@ TEST_F(BlockedVolumeStreaming, SaysWhichInputDoesNotDeliverWhatItIsAskedFor)
   EXPECT_EQ(errors.Count, 1);
   EXPECT_FALSE(std::filesystem::exists(this->Folder.GetPath("volume.bvol")));
 }
-
-} // namespace isosurface

@@ -19,8 +19,8 @@
 #include <filesystem>
 #include <limits>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -32,8 +32,7 @@ protected:
   // Reads the file back and compares an array.
   void ExpectRead(vtkImageData* image, const char* array)
   {
-    vtkNew<vtkBlockedVolumeReader> reader;
-    reader->SetFileName(this->GetPath().c_str());
+    const auto reader = MakeReader(this->GetPath());
     const auto blocks = ReadPiece(reader, 0, 1);
     EXPECT_TRUE((BlockChecks{ image }.HaveValues({ blocks }, array))) << array;
     EXPECT_TRUE((BlockChecks{ image }.HaveEachCellOnce({ blocks })));
@@ -101,8 +100,7 @@ TEST_F(BlockedVolumeWriter, WritesAllNumericArraysActiveScalarsFirst)
     MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1))->GetPointData()->GetScalars());
   WriteVolume(image, this->GetPath());
 
-  vtkNew<vtkBlockedVolumeReader> reader;
-  reader->SetFileName(this->GetPath().c_str());
+  const auto reader = MakeReader(this->GetPath());
   reader->UpdateInformation();
   ASSERT_EQ(reader->GetNumberOfPointArrays(), 3);
   EXPECT_STREQ(reader->GetPointArrayName(0), "temperature");
@@ -170,10 +168,9 @@ TEST_F(BlockedVolumeWriter, StopsWhenToldToAndLeavesOldFile)
   writer->SetNumberOfStores(3);
   for (const double stop : { 0.0, 0.1, 0.5, 0.9 })
   {
-    const ErrorCounter errors(writer);
+    const ExpectNoErrors errors(writer);
     const ProgressKeeper progress(writer, StopAbove(writer, stop));
     EXPECT_EQ(writer->Write(), 0) << stop;
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
     EXPECT_EQ(ComputeFingerprint(this->GetPath()), before) << stop;
     writer->SetAbortExecute(0);
   }
@@ -205,4 +202,3 @@ TEST_F(BlockedVolumeWriter, FullDiskLeavesOldFile)
 }
 
 } // namespace
-} // namespace isosurface

@@ -62,11 +62,9 @@ protected:
 
   void Write()
   {
-    const ErrorCounter errors(this->Writer);
-    const ErrorCounter contourErrors(this->Contour);
+    const ExpectNoErrors errors(this->Writer);
+    const ExpectNoErrors contourErrors(this->Contour);
     EXPECT_EQ(this->Writer->Write(), 1);
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
-    EXPECT_EQ(contourErrors.Messages, std::vector<std::string>());
   }
 
   // Tries to write over another file; what the writer says.
@@ -84,10 +82,9 @@ protected:
   vtkSmartPointer<vtkPolyData> Read(const std::string& path)
   {
     vtkNew<vtkEdgeIndexReader> reader;
-    const ErrorCounter errors(reader);
+    const ExpectNoErrors errors(reader);
     reader->SetFileName(path.c_str());
     reader->Update();
-    EXPECT_EQ(errors.Messages, std::vector<std::string>());
     return reader->GetOutput();
   }
 
@@ -455,7 +452,7 @@ TEST_F(EdgeIndexWriter, ErrorsOfTheInputAreTold)
   this->WriteInVain();
   EXPECT_GE(readerErrors.Messages.size(), 1u);
   this->Contour->SetInputData(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
-  this->Contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "none");
+  SelectPoints(this->Contour, "none");
   const std::string message = this->WriteInVain();
   EXPECT_NE(message.find("\"none\""), std::string::npos) << message;
 }

@@ -16,8 +16,8 @@
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -71,8 +71,7 @@ protected:
     EXPECT_EQ(
       this->Contour->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), step);
 
-    vtkNew<vtkBlockedVolumeReader> alone;
-    alone->SetFileName(this->Path.c_str());
+    const auto alone = MakeReader(this->Path);
     alone->UpdateTimeStep(asked);
     auto* image = vtkImageData::SafeDownCast(alone->GetOutput()->GetPartition(0));
     ASSERT_NE(image, nullptr);
@@ -206,5 +205,3 @@ TEST_F(TimeSteps, StoppedOnTheWayLeaveTheOldFile)
   ASSERT_EQ(this->Writer->Write(), 1);
   EXPECT_EQ(this->ListTimes().size(), 4u);
 }
-
-} // namespace isosurface

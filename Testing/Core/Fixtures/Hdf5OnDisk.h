@@ -206,7 +206,7 @@ inline void ExpectWords(const Status& status, const std::vector<std::string>& wo
   ASSERT_FALSE(status.IsOk());
   for (const std::string& word : words)
   {
-    EXPECT_NE(status.GetMessage().find(word), std::string::npos) << status.GetMessage();
+    ExpectMessage(status, word);
   }
 }
 

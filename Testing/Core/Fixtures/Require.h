@@ -4,7 +4,10 @@
 
 #include "Ground/Base/Status.h"
 
+#include <gtest/gtest.h>
+
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace isosurface
@@ -20,6 +23,19 @@ T Require(Result<T> result)
     throw std::runtime_error(result.GetStatus().GetMessage());
   }
   return std::move(*result);
+}
+
+/// Expects an error whose message has a text.
+inline void ExpectMessage(const Status& status, const std::string& text)
+{
+  EXPECT_NE(status.GetMessage().find(text), std::string::npos)
+    << '"' << text << "\" is not in: " << status.GetMessage();
+}
+
+inline void ExpectError(const Status& status, StatusCode code, const std::string& text)
+{
+  EXPECT_EQ(status.GetCode(), code) << status.GetMessage();
+  ExpectMessage(status, text);
 }
 
 } // namespace isosurface

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <vector>
@@ -40,17 +41,9 @@ struct SampleVolume
   SampleVolume(const Index3& dimensions, Function&& function)
     : SampleVolume(dimensions)
   {
-    std::size_t vertex = 0;
-    for (std::int64_t k = 0; k < dimensions[2]; ++k)
-    {
-      for (std::int64_t j = 0; j < dimensions[1]; ++j)
-      {
-        for (std::int64_t i = 0; i < dimensions[0]; ++i)
-        {
-          this->Samples[vertex++] = static_cast<T>(function(i, j, k));
-        }
-      }
-    }
+    auto sample = this->Samples.begin();
+    VisitVertices({ { 0, 0, 0 }, dimensions },
+      [&](const Index3& at) { *sample++ = static_cast<T>(function(at[0], at[1], at[2])); });
   }
 
   Index3 GetDimensions() const { return this->Dimensions; }
@@ -84,6 +77,22 @@ struct SampleVolume
 private:
   Index3 Dimensions;
 };
+
+/// Expects a box of a view to have the samples of a volume, subsampled to a level, bit by bit.
+template <typename T>
+void ExpectSamples(
+  const SampleView& view, const VertexBox& box, const SampleVolume<T>& volume, int level = 0)
+{
+  ASSERT_EQ(view.Type, ValueTypeOf<T>::Value);
+  std::size_t wrong = 0;
+  VisitVertices(box,
+    [&](const Index3& vertex)
+    {
+      const T expected = volume.At(vertex[0] << level, vertex[1] << level, vertex[2] << level);
+      wrong += std::memcmp(view.At<T>(vertex), &expected, sizeof(T)) != 0;
+    });
+  EXPECT_EQ(wrong, 0u);
+}
 
 /// The types of samples, for typed tests.
 using AllValueTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,

@@ -128,6 +128,15 @@ inline std::shared_ptr<BlockedVolume> OpenVolume(FileSystem& disk,
     BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(cacheBytes), opener));
 }
 
+/// Writes a volume and opens it, as above.
+template <typename T>
+std::shared_ptr<BlockedVolume> WriteAndOpen(FileSystem& disk, const SampleVolume<T>& volume,
+  const BlockedVolumeSettings& settings, int ranks = 1, const Layout& layout = SlabOfEach)
+{
+  WriteVolumeOk(disk, volume, settings, ranks, layout);
+  return OpenVolume(disk);
+}
+
 /// Expects each block of a variable, at a level, to have the samples of the subsampled volume,
 /// ghost layers included, bit by bit. Returns the bytes of the blocks.
 template <typename T>
@@ -142,19 +151,11 @@ std::uint64_t ExpectReadsBack(BlockedVolume& opened, const SampleVolume<T>& volu
   {
     const auto block = Require(opened.ReadBlock(reference, step, variable, level, statistics));
     const SampleView& view = block->View;
-    EXPECT_EQ(view.Type, ValueTypeOf<T>::Value);
     EXPECT_EQ(view.Box, stored.Grid->GetVertices(reference.Block, stored.Level));
     EXPECT_EQ(view.Available, stored.Grid->GetGhostedVertices(reference.Block, stored.Level));
     bytes += block->Bytes.GetSize();
-    std::size_t wrong = 0;
-    VisitVertices(view.Available,
-      [&](const Index3& vertex)
-      {
-        const auto [i, j, k] = vertex;
-        const T expected = volume.At(i << level, j << level, k << level);
-        wrong += std::memcmp(view.At<T>(vertex), &expected, sizeof(T)) != 0;
-      });
-    EXPECT_EQ(wrong, 0u) << "block " << reference.Block << ", level " << level;
+    SCOPED_TRACE("block " + std::to_string(reference.Block) + ", level " + std::to_string(level));
+    ExpectSamples(view, view.Available, volume, level);
   }
   return bytes;
 }

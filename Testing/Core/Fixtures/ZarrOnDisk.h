@@ -5,11 +5,9 @@
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/SampleVolume.h"
 
-#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <string>
-#include <vector>
 
 namespace isosurface
 {

@@ -87,8 +87,7 @@ TEST(SourceIndex, IsNeverMadeOfAnotherVolume)
   const SourceIndex index = { SourcePath, "", VolumePath };
   WriteZarr(disk, SourcePath, volume, { 16, 16, 16 });
   const auto copied = FindIndexState(disk, index);
-  EXPECT_EQ(copied.GetStatus().GetCode(), StatusCode::InvalidArgument);
-  EXPECT_NE(copied.GetStatus().GetMessage().find(VolumePath), std::string::npos);
+  ExpectError(copied.GetStatus(), StatusCode::InvalidArgument, VolumePath);
   // Nor is the index of one source that of another.
   const SourceIndex mine = Find(disk, SourcePath);
   WriteOk(disk, mine, 1);
@@ -105,8 +104,7 @@ TEST(SourceIndex, StopAndErrorsLeaveNothing)
     [&](Communicator& communicator)
     {
       const auto missing = WriteSourceIndex(communicator, disk, index, Memory);
-      EXPECT_FALSE(missing.IsOk());
-      EXPECT_NE(missing.GetStatus().GetMessage().find("scan.zarr"), std::string::npos);
+      ExpectMessage(missing.GetStatus(), "scan.zarr");
     });
   WriteZarr(disk, SourcePath, MakeVolume<std::int16_t>({ 40, 33, 36 }), { 16, 16, 16 });
   ThreadCommunicator::Run(2,

@@ -113,10 +113,9 @@ TEST(VolumeInPlace, WithoutAnOpenerIsOneClearError)
   const std::string reason = "/data/scan.zarr: has the samples of " + VolumePath +
     ", but this program reads no files of its format";
   EXPECT_EQ(FindError(*OpenVolume(made.Disk)), reason);
-  const auto found = VerifyBlockedVolume(VolumePath, made.Disk, 2);
-  ASSERT_TRUE(found.IsOk());
-  ASSERT_EQ(found->Faults.size(), 1u);
-  EXPECT_EQ(found->Faults[0].GetMessage().find(reason), 0u);
+  const auto found = Require(VerifyBlockedVolume(VolumePath, made.Disk, 2));
+  ASSERT_EQ(found.Faults.size(), 1u);
+  EXPECT_EQ(found.Faults[0].GetMessage().find(reason), 0u);
 }
 
 TEST(VolumeInPlace, SurfacesAreThoseOfTheCopiedVolume)
@@ -317,8 +316,7 @@ TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
   made.Disk.GetFile(moved + "/2.1.1")[500] ^= 4;
   const auto before = made.Disk.GetFile(VolumePath);
   const Status changed = RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2);
-  EXPECT_EQ(changed.GetCode(), StatusCode::Corrupt);
-  EXPECT_NE(changed.GetMessage().find("has other samples"), std::string::npos);
+  ExpectError(changed, StatusCode::Corrupt, "has other samples");
   EXPECT_EQ(made.Disk.GetFile(VolumePath), before);
 
   WriteZarr(made.Disk, "/archive/chunks.zarr", made.Volume, { 10, 10, 10 });
@@ -347,8 +345,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
   settings.Time = 3;
   settings.InPlace.reset();
   const auto copied = WriteVolume(disk, volume, settings);
-  EXPECT_EQ(copied[0].GetStatus().GetCode(), StatusCode::InvalidArgument);
-  EXPECT_NE(copied[0].GetStatus().GetMessage().find("it is indexed in place"), std::string::npos);
+  ExpectError(copied[0].GetStatus(), StatusCode::InvalidArgument, "it is indexed in place");
   const auto opened = OpenInPlace(disk);
   ASSERT_EQ(opened->GetHeader().TimeSteps.size(), 2u);
   QueryStatistics statistics;
@@ -392,8 +389,7 @@ TEST(VolumeInPlace, SourcesThatCanOnlyBeReadInOrderAreRefused)
   grid.Extent = { 0, 3, 0, 3, 0, 3 };
   const auto record = DescribeSource(disk, OpenForeignVolume, VolumePath, "/data/a.mha", {}, grid,
     { { "density", ValueType::UInt8 } });
-  EXPECT_EQ(record.GetStatus().GetCode(), StatusCode::Unsupported);
-  EXPECT_NE(record.GetStatus().GetMessage().find("only be read in order"), std::string::npos);
+  ExpectError(record.GetStatus(), StatusCode::Unsupported, "only be read in order");
 }
 
 TEST(VolumeInPlace, HeadersWithImpossibleSourcesAreRefused)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Libraries of formats are loaded when a file needs them. This program is linked with none of them.
 #include "Fixtures/MemoryDisk.h"
+#include "Fixtures/Require.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
 
@@ -31,9 +32,8 @@ bool IsLoaded(const std::string& text)
 
 void PutText(MemoryDisk& disk, const std::string& path, const std::string& text)
 {
-  auto file = disk.CreateForWriting(path);
-  ASSERT_TRUE(file.IsOk());
-  ASSERT_TRUE((*file)->Append(text.data(), text.size()).IsOk());
+  auto file = Require(disk.CreateForWriting(path));
+  ASSERT_TRUE(file->Append(text.data(), text.size()).IsOk());
 }
 
 } // namespace

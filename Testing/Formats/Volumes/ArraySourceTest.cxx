@@ -79,33 +79,26 @@ TEST(ArraySource, AxesOfAnyOrderTimesAndChannelsAreFound)
 {
   // x, c, z, t, y.
   const StoredArray::Numbers shape = { 5, 2, 4, 3, 6 };
-  const auto axes = ArrayAxes::Parse("xczty", 5);
-  ASSERT_TRUE(axes.IsOk());
-  const auto parts = MakeParts("a", std::make_shared<MemoryArray>(shape), *axes, 2);
-  ASSERT_TRUE(parts.IsOk());
-  ASSERT_EQ(parts->size(), 2U);
-  EXPECT_EQ((*parts)[1].Name, "a 1");
-  ArraySource source(*parts);
+  const auto axes = Require(ArrayAxes::Parse("xczty", 5));
+  const auto parts = Require(MakeParts("a", std::make_shared<MemoryArray>(shape), axes, 2));
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[1].Name, "a 1");
+  ArraySource source(parts);
   EXPECT_EQ(source.GetHeldBytes(), 100U); // of one array
   EXPECT_EQ(source.GetBox().GetSize(), (Index3{ 5, 6, 4 }));
   const VertexBox box = { { 1, 2, 1 }, { 4, 6, 3 } };
-  const auto slab = source.Read(box);
-  ASSERT_TRUE(slab.IsOk());
-  ASSERT_TRUE(slab->Fits({ ValueType::Int32, ValueType::Int32 }, box));
-  for (std::int64_t k = 1; k < 3; ++k)
-  {
-    for (std::int64_t j = 2; j < 6; ++j)
+  const auto slab = Require(source.Read(box));
+  ASSERT_TRUE(slab.Fits({ ValueType::Int32, ValueType::Int32 }, box));
+  VisitVertices({ { 1, 2, 1 }, { 4, 6, 3 } },
+    [&](const Index3& vertex)
     {
-      for (std::int64_t i = 1; i < 4; ++i)
+      const auto [i, j, k] = vertex;
+      for (std::int64_t channel = 0; channel < 2; ++channel)
       {
-        for (std::int64_t channel = 0; channel < 2; ++channel)
-        {
-          EXPECT_EQ(*slab->Arrays[static_cast<std::size_t>(channel)].At<std::int32_t>({ i, j, k }),
-            MemoryArray::At(shape, { i, channel, k, 2, j }));
-        }
+        EXPECT_EQ(*slab.Arrays[static_cast<std::size_t>(channel)].At<std::int32_t>({ i, j, k }),
+          MemoryArray::At(shape, { i, channel, k, 2, j }));
       }
-    }
-  }
+    });
 }
 
 TEST(ArraySource, TheFastestAxisOfChannelsIsComponents)
@@ -128,24 +121,22 @@ TEST(ArraySource, AxesThatMakeNoVolumeAreErrors)
   {
     EXPECT_FALSE(ArrayAxes::Parse(letters, rank).IsOk()) << letters;
   }
-  const auto axes = ArrayAxes::Parse("", 4);
-  ASSERT_TRUE(axes.IsOk());
-  EXPECT_EQ(axes->Time, 0);
+  const auto axes = Require(ArrayAxes::Parse("", 4));
+  EXPECT_EQ(axes.Time, 0);
   const auto array = std::make_shared<MemoryArray>(StoredArray::Numbers{ 2, 3, 4, 5 });
-  const auto parts = MakeParts("a", array, *axes, 2);
+  const auto parts = MakeParts("a", array, axes, 2);
   EXPECT_EQ(
     parts.GetStatus().GetMessage(), "/data/a:array: has 2 time steps, and none of number 2");
 }
 
 TEST(ArraySource, MoreTimeStepsThanAFileMayHaveAreRefused)
 {
-  const auto axes = ArrayAxes::Parse("tzyx", 4);
-  ASSERT_TRUE(axes.IsOk());
+  const auto axes = Require(ArrayAxes::Parse("tzyx", 4));
   for (const std::int64_t more : { 0, 1 })
   {
     const auto array =
       std::make_shared<MemoryArray>(StoredArray::Numbers{ MaximumTimeSteps + more, 2, 2, 2 });
-    EXPECT_EQ(MakeParts("a", array, *axes, 0).IsOk(), more == 0);
+    EXPECT_EQ(MakeParts("a", array, axes, 0).IsOk(), more == 0);
   }
 }
 
@@ -191,11 +182,10 @@ TEST(ConvertedSource, ScalesRowsWithAndWithoutGaps)
   ConvertedSource source(
     std::make_unique<ArraySource>(*parts), ValueType::Int32, { 0.5, -3 }, ValueType::Float32);
   const VertexBox box = { { 1, 0, 1 }, { 5, 3, 3 } };
-  const auto slab = source.Read(box);
-  ASSERT_TRUE(slab.IsOk());
+  const auto slab = Require(source.Read(box));
   for (std::int64_t i = 1; i < 5; ++i)
   {
-    EXPECT_EQ(*slab->Arrays[0].At<float>({ i, 2, 1 }),
+    EXPECT_EQ(*slab.Arrays[0].At<float>({ i, 2, 1 }),
       0.5F * static_cast<float>(MemoryArray::At(shape, { i, 2, 1 })) - 3);
   }
 }

@@ -122,11 +122,10 @@ TEST(Hdf5Volume, FilesThatHaveTheSamplesAreNamed)
   ListPaths(master); // leaves no trace
   for (const auto& [name, other] : expected)
   {
-    const auto volume = OpenLocal(master + ":/" + name);
-    ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
-    ASSERT_EQ(volume->Files.size(), other ? 2U : 1U) << name;
-    EXPECT_EQ(volume->Files[0], master);
-    EXPECT_TRUE(!other || std::filesystem::equivalent(volume->Files.back(), folder / other));
+    const auto volume = Require(OpenLocal(master + ":/" + name));
+    ASSERT_EQ(volume.Files.size(), other ? 2U : 1U) << name;
+    EXPECT_EQ(volume.Files[0], master);
+    EXPECT_TRUE(!other || std::filesystem::equivalent(volume.Files.back(), folder / other));
   }
 }
 
@@ -243,8 +242,7 @@ TEST(Hdf5Volume, ExternalSamplesAreListedAndReadWhileTheyAreOpen)
   const ScratchFolder folder;
   WriteRawSamples(folder / "a.raw");
   Hdf5OnDisk(folder / "a.h5").AddExternal("data", "a.raw");
-  const auto first = OpenLocal(folder / "a.h5");
-  ASSERT_TRUE(first.IsOk()) << first.GetStatus().GetMessage();
+  const auto first = Require(OpenLocal(folder / "a.h5"));
   EXPECT_EQ(ListPaths(folder / "a.h5"), std::vector<std::string>{ "/data" });
   ExpectVolume(folder / "a.h5");
   ExpectVolume(folder / "a.h5:/data");

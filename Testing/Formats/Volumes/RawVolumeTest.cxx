@@ -27,10 +27,9 @@ void ExpectRoundTrip(bool isBigEndian)
   RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueTypeOf<T>::Value);
   raw.Offset = 13;
   raw.IsBigEndian = isBigEndian;
-  const auto source = raw.Open(disk);
-  ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
-  ExpectSamples(**source, volume);
-  EXPECT_EQ((*source)->GetReadBytes({ { 0, 0, 1 }, { 9, 7, 3 } }), 126 * sizeof(T));
+  const auto source = Require(raw.Open(disk));
+  ExpectSamples(*source, volume);
+  EXPECT_EQ(source->GetReadBytes({ { 0, 0, 1 }, { 9, 7, 3 } }), 126 * sizeof(T));
 }
 
 } // namespace
@@ -57,15 +56,13 @@ TEST(RawVolume, ReadsSlicesOfAMultipleOf4096BytesIntoASlabWithGaps)
     WriteFile(disk, "/data/a.raw", MakeBytes(volume, isBigEndian));
     RawVolume raw = DescribeRaw(volume.GetDimensions(), ValueType::UInt16);
     raw.IsBigEndian = isBigEndian;
-    const auto source = raw.Open(disk);
-    ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
-    ExpectSamples(**source, volume);
+    const auto source = Require(raw.Open(disk));
+    ExpectSamples(*source, volume);
     const VertexBox three = { { 0, 0, 1 }, { 64, 32, 4 } };
-    const auto slab = (*source)->Read(three);
-    ASSERT_TRUE(slab.IsOk());
-    const std::int64_t pitch = slab->Arrays[0].Stride[2];
+    const auto slab = Require(source->Read(three));
+    const std::int64_t pitch = slab.Arrays[0].Stride[2];
     EXPECT_NE(pitch * 2 % 4096, 0);
-    EXPECT_EQ((*source)->GetReadBytes(three), static_cast<std::uint64_t>(2 * pitch + 64 * 32) * 2);
+    EXPECT_EQ(source->GetReadBytes(three), static_cast<std::uint64_t>(2 * pitch + 64 * 32) * 2);
   }
 }
 
@@ -89,13 +86,11 @@ TEST(RawVolume, ReadsAFileForEachSliceOrSlab)
       raw.Paths.push_back("/data/" + std::to_string(file) + ".raw");
       WriteFile(disk, raw.Paths.back(), bytes);
     }
-    const auto source = raw.Open(disk);
-    ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
-    ExpectSamples(**source, volume);
+    const auto source = Require(raw.Open(disk));
+    ExpectSamples(*source, volume);
     ASSERT_TRUE(disk.RemoveAll(raw.Paths[2]).IsOk());
-    const auto missing = (*source)->Read((*source)->GetBox());
-    ASSERT_FALSE(missing.IsOk());
-    EXPECT_NE(missing.GetStatus().GetMessage().find(raw.Paths[2]), std::string::npos);
+    const auto missing = source->Read(source->GetBox());
+    ExpectMessage(missing.GetStatus(), raw.Paths[2]);
     raw.Paths.pop_back();
     EXPECT_FALSE(raw.Open(disk).IsOk());
   }
@@ -108,9 +103,7 @@ TEST(RawVolume, MissingAndTruncatedFilesAreErrors)
   EXPECT_EQ(raw.Open(disk).GetStatus().GetCode(), StatusCode::NotFound);
   WriteFile(disk, "/data/a.raw", Bytes(9 * 7 * 5 * 4 - 1));
   const auto source = raw.Open(disk);
-  ASSERT_FALSE(source.IsOk());
-  EXPECT_EQ(source.GetStatus().GetCode(), StatusCode::Corrupt);
-  EXPECT_NE(source.GetStatus().GetMessage().find("/data/a.raw: truncated"), std::string::npos);
+  ExpectError(source.GetStatus(), StatusCode::Corrupt, "/data/a.raw: truncated");
   const std::int64_t huge = std::int64_t{ 1 } << 40;
   EXPECT_FALSE(DescribeRaw({ huge, huge, 1 }, ValueType::UInt8).Open(disk).IsOk());
   EXPECT_FALSE(DescribeRaw({ 0, 7, 5 }, ValueType::UInt8).Open(disk).IsOk());

@@ -3,7 +3,6 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Tiff/TiffSource.h"
-#include "Formats/Tiff/TiffStack.h"
 #include "Ground/Base/Coding.h"
 
 #include <tiffio.h>
@@ -128,11 +127,10 @@ void WriteStack(
 template <typename T>
 void ExpectStack(const std::string& path, const SampleVolume<T>& volume)
 {
-  auto file = OpenForeignVolume(GetLocalFileSystem(), path);
-  ASSERT_TRUE(file.IsOk()) << file.GetStatus().GetMessage();
-  EXPECT_EQ(file->Grid.GetDimensions(), volume.GetDimensions());
-  EXPECT_EQ(file->Arrays[0].Type, ValueTypeOf<T>::Value);
-  ExpectSamples(*file->Source, volume);
+  auto file = Require(OpenForeignVolume(GetLocalFileSystem(), path));
+  EXPECT_EQ(file.Grid.GetDimensions(), volume.GetDimensions());
+  EXPECT_EQ(file.Arrays[0].Type, ValueTypeOf<T>::Value);
+  ExpectSamples(*file.Source, volume);
 }
 
 template <typename T>
@@ -270,9 +268,8 @@ TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
   const auto part = MakeRamp<std::uint8_t>({ 12, 9, 2 });
   WriteStack(folder / "x1.tif", part);
   WriteStack(folder / "x2.tif", part);
-  const auto both = OpenForeignVolume(GetLocalFileSystem(), folder / "x?.tif");
-  ASSERT_TRUE(both.IsOk());
-  EXPECT_EQ(both->Grid.GetDimensions(), (Index3{ 12, 9, 4 }));
+  const auto both = Require(OpenForeignVolume(GetLocalFileSystem(), folder / "x?.tif"));
+  EXPECT_EQ(both.Grid.GetDimensions(), (Index3{ 12, 9, 4 }));
 }
 
 TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
@@ -406,10 +403,9 @@ TEST(TiffSource, AStripThatIsNotThereTakesNoMemory)
   bytes.resize(bytes.size() - 50);
   MemoryDisk disk;
   WriteFile(disk, "/data/a.tif", bytes);
-  auto volume = OpenForeignVolume(disk, "/data/a.tif");
-  ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
+  auto volume = Require(OpenForeignVolume(disk, "/data/a.tif"));
   const auto before = findPeak();
-  const auto slab = volume->Source->Read({ { 0, 0, 0 }, { 1, 1, 1 } });
+  const auto slab = volume.Source->Read({ { 0, 0, 0 }, { 1, 1, 1 } });
   EXPECT_EQ(slab.GetStatus().GetCode(), StatusCode::Corrupt);
   EXPECT_LT(findPeak() - before, 64 << 10);
 }

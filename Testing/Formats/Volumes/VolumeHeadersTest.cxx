@@ -3,8 +3,6 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 
-#include <cmath>
-
 using namespace isosurface;
 
 namespace
@@ -211,9 +209,8 @@ TEST(NrrdHeader, SkipsLinesAndBytes)
   ExpectVolume(disk, "/data/d.nrrd", volume);
   WriteFile(disk, "/data/short.raw", MakeBytes(std::string("one\ntwo\n")));
   WriteFile(disk, "/data/e.nhdr", MakeBytes(lines + "encoding: raw\ndata file: short.raw\n"));
-  const auto raw = RawVolume::ReadHeader(disk, "/data/e.nhdr");
-  ASSERT_TRUE(raw.IsOk());
-  EXPECT_EQ(raw->Open(disk).GetStatus().GetCode(), StatusCode::Corrupt);
+  const auto raw = Require(RawVolume::ReadHeader(disk, "/data/e.nhdr"));
+  EXPECT_EQ(raw.Open(disk).GetStatus().GetCode(), StatusCode::Corrupt);
 }
 
 TEST(NrrdHeader, SkipsLinesOfEachCompressedFile)

@@ -119,7 +119,6 @@ TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)
     ASSERT_EQ(bytes[8], 1);
     bytes[8] = version;
     const Status status = DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus();
-    EXPECT_EQ(status.GetCode(), StatusCode::Unsupported);
-    EXPECT_NE(status.GetMessage().find("version " + std::to_string(version)), std::string::npos);
+    ExpectError(status, StatusCode::Unsupported, "version " + std::to_string(version));
   }
 }

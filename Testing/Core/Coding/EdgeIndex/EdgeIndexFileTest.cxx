@@ -309,14 +309,12 @@ TEST(EdgeIndexFile, AShortFileIsCutOffOnlyIfItHasTheMagicNumber)
   const std::string text = "A note that has nothing to do with surfaces.";
   disk.GetFile(Path).assign(text.begin(), text.end());
   const Status other = EdgeIndexFile::Open(disk, Path).GetStatus();
-  EXPECT_EQ(other.GetCode(), StatusCode::Corrupt);
-  EXPECT_NE(other.GetMessage().find("not an edge-index stream"), std::string::npos);
+  ExpectError(other, StatusCode::Corrupt, "not an edge-index stream");
   for (const std::ptrdiff_t size : { 9, 12, 100, 263 })
   {
     disk.GetFile(Path).assign(good.begin(), good.begin() + size);
     const Status status = EdgeIndexFile::Open(disk, Path).GetStatus();
-    EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
-    EXPECT_NE(status.GetMessage().find("cut off"), std::string::npos) << status.GetMessage();
+    ExpectError(status, StatusCode::Corrupt, "cut off");
   }
 }
 
@@ -415,8 +413,7 @@ TEST(EdgeIndexFile, ASecondWriterIsRefusedUntilTheFirstOneIsGone)
     {
       EXPECT_EQ(status.GetCode(), StatusCode::IoError);
       EXPECT_EQ(status.GetMessage().find(path), 0u) << status.GetMessage();
-      EXPECT_NE(status.GetMessage().find("another program is writing there"), std::string::npos)
-        << status.GetMessage();
+      ExpectMessage(status, "another program is writing there");
     }
     EXPECT_EQ(size(), whole) << "the old file was touched";
     EXPECT_TRUE(disk.Exists(EdgeIndexFileWriter::GetPartialPath(path)))

@@ -12,7 +12,6 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <string>
 #include <vector>
 
@@ -195,7 +194,7 @@ TEST(EdgeIndexWriteJob, AFailedRankLeavesTheOldFileAndAllRanksReportIt)
     for (const Status& status : writing.WriteTogether(disk, ranks, DealInTurn, { 2, 500 }, 31))
     {
       EXPECT_FALSE(status.IsOk());
-      EXPECT_NE(status.GetMessage().find("block is damaged"), std::string::npos);
+      ExpectMessage(status, "block is damaged");
     }
     EXPECT_EQ(disk.GetFile(JobPath), old);
     EXPECT_EQ(disk.GetFiles().size(), 1u);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/Status.h"
+#include "Fixtures/Require.h"
 #include "Ground/Base/DescriptorPool.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,6 @@
 #include <cerrno>
 #include <new>
 #include <system_error>
-#include <vector>
 
 using namespace isosurface;
 
@@ -46,8 +46,7 @@ TEST(Status, AnExceptionOfTheSystemKeepsItsWords)
       throw std::system_error(
         std::make_error_code(std::errc::resource_unavailable_try_again), "thread");
     });
-  EXPECT_EQ(error.GetCode(), StatusCode::IoError);
-  EXPECT_NE(error.GetMessage().find("a.bvol: thread"), std::string::npos) << error.GetMessage();
+  ExpectError(error, StatusCode::IoError, "a.bvol: thread");
 }
 
 TEST(Status, OnlyADiskWithoutRoomIsAFullDisk)

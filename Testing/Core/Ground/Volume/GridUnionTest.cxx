@@ -7,8 +7,8 @@
 
 #include <array>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -47,5 +47,3 @@ TEST(GridUnion, NoPiecesAreNoGrids)
   ThreadCommunicator::Run(
     2, [](Communicator& ranks) { EXPECT_TRUE(UniteGrids(ranks, {}).empty()); });
 }
-
-} // namespace isosurface

@@ -108,8 +108,7 @@ TEST_F(BackgroundExtractionTest, TellsOfErrorsWhenItIsTaken)
   BackgroundExtraction extraction(MakeTask(volume), 0);
   ExtractionOutcome outcome;
   const Status status = extraction.Take({}, outcome);
-  EXPECT_EQ(status.GetCode(), StatusCode::IoError);
-  EXPECT_NE(status.GetMessage().find("/data/volume.bvol"), std::string::npos);
+  ExpectError(status, StatusCode::IoError, "/data/volume.bvol");
   EXPECT_TRUE(extraction.Wait(0));
 }
 

@@ -54,11 +54,7 @@ std::ostream& operator<<(std::ostream& out, const Way& way)
 
 SurfaceQuery MakeQuery(const Communicator& ranks)
 {
-  SurfaceQuery query;
-  query.Isovalues = { RepeatedIsovalue };
-  query.Rank = ranks.GetRank();
-  query.Ranks = ranks.GetSize();
-  return query;
+  return { { 0, 0, { RepeatedIsovalue } }, ranks.GetRank(), ranks.GetSize() };
 }
 
 void WriteEdgeIndexFile(

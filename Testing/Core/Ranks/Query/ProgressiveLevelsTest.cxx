@@ -34,8 +34,7 @@ int ChooseAlone(BlockedVolume& volume, const std::vector<double>& isovalues, int
 TEST(ProgressiveLevels, BeginAtTheFinestOneWithATwentiethOfTheTriangles)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
   const auto count = [&](int level)
   {
     return *opened->EstimateTriangles(0, 0, 100, level) +
@@ -79,8 +78,7 @@ TEST(ProgressiveLevels, NeverBeginWithAnEmptySurface)
 TEST(ProgressiveLevels, EndWithTheFinestOneAndSkipThoseInItsBlocks)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
   for (int finest = 0; finest < opened->GetNumberOfLevels(); ++finest)
   {
     for (int level = opened->GetNumberOfLevels() - 1; level > finest;)
@@ -101,8 +99,7 @@ TEST(ProgressiveLevels, EndWithTheFinestOneAndSkipThoseInItsBlocks)
 TEST(ProgressiveLevels, BetweenTheFirstAndTheLastAreForLargeSurfacesAlone)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
   SerialCommunicator alone;
   EXPECT_TRUE(*IsDirectSurface(*opened, MakeQuery({ 100 }), 0, alone));
   const double triangles = *opened->EstimateTriangles(0, 0, 100, 0);
@@ -139,6 +136,6 @@ TEST(ProgressiveLevels, AreEqualOnAllRanksAndSoAreErrors)
         ChooseFirstLevel(isBroken ? *broken : *sound, MakeQuery({ 100 }), 0, communicator);
       EXPECT_EQ(
         error.GetStatus().GetCode(), isBroken ? StatusCode::Corrupt : StatusCode::RemoteFailure);
-      EXPECT_NE(error.GetStatus().GetMessage().find("spectra"), std::string::npos);
+      ExpectMessage(error.GetStatus(), "spectra");
     });
 }

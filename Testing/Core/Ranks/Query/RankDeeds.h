@@ -8,12 +8,11 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Query/ProgressiveLevels.h"
-#include "Storage/Store/StoredBlockSource.h"
 #include "Ranks/Query/VolumeContour.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
+#include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Spectrum/GridSpectrum.h"
 
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -128,11 +127,7 @@ struct RankDeeds
 private:
   static SurfaceQuery MakeQuery(const Communicator& ranks)
   {
-    SurfaceQuery query;
-    query.Isovalues = { Isovalue };
-    query.Rank = ranks.GetRank();
-    query.Ranks = ranks.GetSize();
-    return query;
+    return { { 0, 0, { Isovalue } }, ranks.GetRank(), ranks.GetSize() };
   }
 
   /// As the reader does.

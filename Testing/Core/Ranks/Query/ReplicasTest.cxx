@@ -98,14 +98,8 @@ public:
       {
         const auto rank = static_cast<std::size_t>(ranks.GetRank());
         const auto& volume = this->Volumes[rank];
-        SurfaceQuery query;
-        query.Isovalues = { isovalue };
-        query.Rank = ranks.GetRank();
-        query.Ranks = ranks.GetSize();
-        ContourRequest request;
-        request.Isovalues = query.Isovalues;
-        request.Normals = true;
-        request.GlobalIds = true;
+        SurfaceQuery query{ { 0, 0, { isovalue } }, ranks.GetRank(), ranks.GetSize() };
+        ContourRequest request = MakePlainRequest(query.Isovalues);
         ExtractionOutcome outcome;
         answer.Statuses[rank] = RunWithReplicas(
           ranks, [&volume] { return volume.get(); }, answer.Warnings[rank],
@@ -115,13 +109,7 @@ public:
         answer.Triangles[rank] = outcome.Extracted.NumberOfTriangles;
         parts[rank] = MakePlain(outcome.Extracted);
       });
-    for (const PlainSurface& part : parts)
-    {
-      answer.Surface.Triangles.insert(
-        answer.Surface.Triangles.end(), part.Triangles.begin(), part.Triangles.end());
-      answer.Surface.Points.insert(part.Points.begin(), part.Points.end());
-    }
-    std::sort(answer.Surface.Triangles.begin(), answer.Surface.Triangles.end());
+    answer.Surface = UniteRanks(parts);
     return answer;
   }
 
@@ -152,10 +140,7 @@ void ExpectWhole(const RankGroup::Answer& answer, const std::string& warning)
     EXPECT_TRUE(answer.Statuses[rank].IsOk()) << answer.Statuses[rank].GetMessage();
     EXPECT_EQ(answer.Warnings[rank], answer.Warnings[0]);
   }
-  if (warning.empty())
-  {
-    EXPECT_EQ(answer.Warnings[0], "");
-  }
+  EXPECT_EQ(answer.Warnings[0].empty(), warning.empty());
   EXPECT_NE(answer.Warnings[0].find(warning), std::string::npos) << answer.Warnings[0];
   EXPECT_FALSE(answer.Surface.Triangles.empty());
 }
@@ -187,6 +172,17 @@ const std::vector<Ways>& GetWays()
 std::ostream& operator<<(std::ostream& out, const Ways& way)
 {
   return out << way.Ranks << " ranks, dealt " << way.IsDealt << ", local " << way.IsLocal;
+}
+
+void ExpectWholeInAllWays(
+  MemoryDisk& disk, const std::string& warning, double isovalue = ReplicatedIsovalue)
+{
+  for (const Ways& way : GetWays())
+  {
+    const auto answer = RankGroup(disk, way.Ranks, way.IsDealt, way.IsLocal).Query(isovalue);
+    ExpectWhole(answer, warning);
+    EXPECT_TRUE(answer.Surface == GetExpected(isovalue)) << way;
+  }
 }
 
 } // namespace
@@ -237,12 +233,7 @@ TEST(Replicas, TheSurfaceIsTheSameOnAnyRanksWhetherStoresAreLocalOrNot)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, GetSamples(), MakeReplicated(2));
-  for (const Ways& way : GetWays())
-  {
-    const auto answer = RankGroup(disk, way.Ranks, way.IsDealt, way.IsLocal).Query();
-    ExpectWhole(answer, "");
-    EXPECT_TRUE(answer.Surface == GetExpected()) << way;
-  }
+  ExpectWholeInAllWays(disk, "");
 }
 
 TEST(Replicas, AStoreThatIsLostBetweenTwoQueriesIsReadElsewhereWithOneWarning)
@@ -302,12 +293,7 @@ TEST(Replicas, ReplicasThatMissDifferentBlocksGiveTheWholeSurface)
   FlipBytes(disk, StorePath(1));
   MemoryDisk::Bytes& other = disk.GetFile(StorePath(2) + "/replica-1/blocks");
   other[other.size() - 4000] ^= 1;
-  for (const Ways& way : GetWays())
-  {
-    const auto answer = RankGroup(disk, way.Ranks, way.IsDealt, way.IsLocal).Query(50);
-    ExpectWhole(answer, "store 1");
-    EXPECT_TRUE(answer.Surface == GetExpected(50)) << way;
-  }
+  ExpectWholeInAllWays(disk, "store 1", 50);
 }
 
 TEST(Replicas, DamagedSpectraCostBalanceAlone)
@@ -315,12 +301,7 @@ TEST(Replicas, DamagedSpectraCostBalanceAlone)
   MemoryDisk disk;
   WriteVolumeOk(disk, GetSamples(), MakeReplicated(2));
   disk.GetFile(Folder + "/spectra")[200] ^= 1;
-  for (const Ways& way : GetWays())
-  {
-    const auto answer = RankGroup(disk, way.Ranks, way.IsDealt, way.IsLocal).Query();
-    ExpectWhole(answer, "");
-    EXPECT_TRUE(answer.Surface == GetExpected()) << way;
-  }
+  ExpectWholeInAllWays(disk, "");
 }
 
 TEST(Replicas, ABlockThatAllReplicasHaveLostIsOneErrorOnAllRanks)
@@ -403,18 +384,13 @@ TEST(Replicas, AnAppendedTimeStepHasThoseOfTheVolume)
   settings.NumberOfReplicas = 3;
   settings.Time = 3;
   const auto refused = WriteVolume(disk, GetSamples(), settings);
-  ASSERT_FALSE(refused[0].IsOk());
-  EXPECT_NE(refused[0].GetStatus().GetMessage().find("each block in 2 stores"), std::string::npos)
-    << refused[0].GetStatus().GetMessage();
+  ExpectMessage(refused[0].GetStatus(), "each block in 2 stores");
 }
 
 TEST(Replicas, MoreReplicasThanStoresAreRefused)
 {
   MemoryDisk disk;
   const auto refused = WriteVolume(disk, GetSamples(), MakeReplicated(3, 2));
-  ASSERT_FALSE(refused[0].IsOk());
-  EXPECT_NE(refused[0].GetStatus().GetMessage().find("takes as many stores; there are 2"),
-    std::string::npos)
-    << refused[0].GetStatus().GetMessage();
+  ExpectMessage(refused[0].GetStatus(), "takes as many stores; there are 2");
   EXPECT_TRUE(disk.GetFiles().empty());
 }

@@ -105,14 +105,8 @@ protected:
         FillDisk(disk);
         const auto volume = OpenVolume(disk);
         volume->SetLocalStores(false);
-        SurfaceQuery query;
-        query.Isovalues = { SharedIsovalue };
-        query.Rank = rank;
-        query.Ranks = ranks;
-        ContourRequest request;
-        request.Isovalues = query.Isovalues;
-        request.Normals = true;
-        request.GlobalIds = true;
+        SurfaceQuery query{ { 0, 0, { SharedIsovalue } }, rank, ranks };
+        ContourRequest request = MakePlainRequest(query.Isovalues);
         QueryStatistics statistics;
         result.Share =
           FindActiveBlocks(*volume, { { 0, 0, query.Isovalues }, rank, ranks }, statistics, level)
@@ -138,20 +132,13 @@ protected:
 
   static PlainSurface Unite(const std::vector<RankResult>& results)
   {
-    PlainSurface united;
+    std::vector<PlainSurface> parts;
     for (const RankResult& result : results)
     {
       EXPECT_TRUE(result.End.IsOk()) << result.End.GetMessage();
-      united.Triangles.insert(
-        united.Triangles.end(), result.Plain.Triangles.begin(), result.Plain.Triangles.end());
-      for (const auto& [id, bits] : result.Plain.Points)
-      {
-        const auto added = united.Points.emplace(id, bits);
-        EXPECT_EQ(added.first->second, bits) << "two ranks disagree on point " << id;
-      }
+      parts.push_back(result.Plain);
     }
-    std::sort(united.Triangles.begin(), united.Triangles.end());
-    return united;
+    return UniteRanks(parts);
   }
 
   static std::uint64_t CountBlocks(const std::vector<RankResult>& results)
@@ -251,16 +238,12 @@ TEST_F(SharedExtraction, AFailedQueryIsAnErrorThatKeepsNobodyWaiting)
       FillDisk(mine);
       const auto volume = OpenVolume(mine);
       volume->SetLocalStores(false);
-      SurfaceQuery query;
-      query.Isovalues = { SharedIsovalue };
-      query.Rank = communicator.GetRank();
-      query.Ranks = 3;
+      SurfaceQuery query{ { 0, 0, { SharedIsovalue } }, communicator.GetRank(), 3 };
       if (query.Rank == 2)
       {
         mine.FailFromRead(0);
       }
-      ContourRequest request;
-      request.Isovalues = query.Isovalues;
+      const ContourRequest request = MakePlainRequest(query.Isovalues);
       ExtractionOutcome outcome;
       const Status status =
         ExtractLevel({ volume, query, request, 1, {}, &communicator }, 0, outcome);
@@ -296,12 +279,8 @@ TEST_F(SharedExtraction, RanksKeepTheirOwnBlocksWhereStoresAreLocalToOne)
       const int rank = communicator.GetRank();
       const auto volume = OpenVolume(disk);
       volume->SetLocalStores(rank == 1);
-      SurfaceQuery query;
-      query.Isovalues = { SharedIsovalue };
-      query.Rank = rank;
-      query.Ranks = ranks;
-      ContourRequest request;
-      request.Isovalues = query.Isovalues;
+      SurfaceQuery query{ { 0, 0, { SharedIsovalue } }, rank, ranks };
+      const ContourRequest request = MakePlainRequest(query.Isovalues);
       ExtractionOutcome outcome;
       EXPECT_TRUE(
         ExtractLevel({ volume, query, request, 1, {}, &communicator }, 0, outcome).IsOk());

@@ -32,10 +32,7 @@ TEST(VolumeContour, RanksWithoutActiveBlocksGoTheWayOfTheOthers)
     {
       const auto rank = static_cast<std::size_t>(communicator.GetRank());
       const auto volume = OpenVolume(disk);
-      SurfaceQuery query;
-      query.Isovalues = { 100 };
-      query.Rank = communicator.GetRank();
-      query.Ranks = ranks;
+      SurfaceQuery query{ { 0, 0, { 100 } }, communicator.GetRank(), ranks };
       ContourRequest request;
       request.Isovalues = query.Isovalues;
       VolumeContour contour;

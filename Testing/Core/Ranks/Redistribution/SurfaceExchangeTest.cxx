@@ -353,7 +353,7 @@ TEST(SurfaceExchange, AFailedRankStopsAllRanks)
   for (std::size_t rank = 0; rank < 4; ++rank)
   {
     EXPECT_EQ(errors[rank].GetCode(), rank == 2 ? StatusCode::IoError : StatusCode::RemoteFailure);
-    EXPECT_NE(errors[rank].GetMessage().find("no medium"), std::string::npos);
+    ExpectMessage(errors[rank], "no medium");
   }
 }
 

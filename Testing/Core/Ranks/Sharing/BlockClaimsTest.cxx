@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ranks that claim blocks of each other's shares.
 #include "Ranks/Sharing/BlockClaims.h"
+#include "Fixtures/Require.h"
 
 #include <gtest/gtest.h>
 
@@ -113,13 +114,12 @@ TEST(BlockClaims, RanksThatTakeTurnsAtRandomClaimEachBlockOnce)
     {
       // The first ones have more turns.
       const std::size_t turn = random() % (1 + random() % ranks.size());
-      const auto blocks = ranks[turn]->Take();
-      ASSERT_TRUE(blocks.IsOk());
-      for (const std::size_t block : *blocks)
+      const auto blocks = Require(ranks[turn]->Take());
+      for (const std::size_t block : blocks)
       {
         ++taken.at(block);
       }
-      if (blocks->empty())
+      if (blocks.empty())
       {
         ranks.erase(ranks.begin() + static_cast<std::ptrdiff_t>(turn));
       }
@@ -159,9 +159,8 @@ TEST(BlockClaims, OthersTakeAllButWhatAHeldRankHasClaimed)
   LocalCounters counters(4);
   std::vector<std::atomic<int>> taken(2000);
   BlockClaims held(counters, 2, firsts, 1);
-  const auto batch = held.Take();
-  ASSERT_TRUE(batch.IsOk());
-  EXPECT_EQ(*batch, (std::vector<std::size_t>{ 1000, 1001, 1002, 1003 })) << "its first blocks";
+  const auto batch = Require(held.Take());
+  EXPECT_EQ(batch, (std::vector<std::size_t>{ 1000, 1001, 1002, 1003 })) << "its first blocks";
   std::size_t ofOthers = 0;
   for (const int rank : { 0, 1, 3 })
   {
@@ -174,7 +173,7 @@ TEST(BlockClaims, OthersTakeAllButWhatAHeldRankHasClaimed)
   }
   EXPECT_EQ(ofOthers, 1996u);
   EXPECT_EQ(TakeAll(held, taken), 0u);
-  for (const std::size_t block : *batch)
+  for (const std::size_t block : batch)
   {
     ++taken[block];
   }
@@ -186,11 +185,10 @@ TEST(BlockClaims, ARankThatHasTakenItsShareTakesFromTheEndOfTheLongestOne)
   const std::vector<std::size_t> firsts = MakeFirsts({ 0, 50, 400, 90 });
   LocalCounters counters(4);
   BlockClaims claims(counters, 0, firsts, 1);
-  const auto blocks = claims.Take();
-  ASSERT_TRUE(blocks.IsOk());
-  EXPECT_EQ(blocks->size(), 32u) << "at most 32 a thread";
-  EXPECT_EQ(blocks->front(), 50u + 400u - 32u);
-  EXPECT_EQ(blocks->back(), 449u);
+  const auto blocks = Require(claims.Take());
+  EXPECT_EQ(blocks.size(), 32u) << "at most 32 a thread";
+  EXPECT_EQ(blocks.front(), 50u + 400u - 32u);
+  EXPECT_EQ(blocks.back(), 449u);
 }
 
 TEST(BlockClaims, NobodyTakesWhatARankHasWithdrawn)
@@ -237,11 +235,10 @@ TEST(BlockClaims, CostsFewAdditionsIfAllAreEquallyFast)
         --busy[rank];
         continue;
       }
-      const auto blocks = owned[rank]->Take();
-      ASSERT_TRUE(blocks.IsOk());
-      busy[rank] = blocks->size();
-      ended += blocks->empty() ? 1 : 0;
-      moves += !blocks->empty() && blocks->front() / 1000 != rank ? blocks->size() : 0;
+      const auto blocks = Require(owned[rank]->Take());
+      busy[rank] = blocks.size();
+      ended += blocks.empty() ? 1 : 0;
+      moves += !blocks.empty() && blocks.front() / 1000 != rank ? blocks.size() : 0;
     }
   }
   EXPECT_LE(counters.Additions, ranks * 320);

@@ -65,8 +65,7 @@ TEST(BlockDealing, EveryActiveBlockIsThatOfOneRankAndOfNearlyAlwaysTheSame)
   for (const std::uint32_t stores : { 1u, 4u, 7u })
   {
     MemoryDisk disk;
-    WriteVolumeOk(disk, volume, MakeSettings(BlockSize, stores), 3);
-    const auto opened = OpenVolume(disk);
+    const auto opened = WriteAndOpen(disk, volume, MakeSettings(BlockSize, stores), 3);
     ASSERT_NE(opened, nullptr);
     opened->SetLocalStores(false);
     for (const int ranks : { 1, 2, 3, 5, 16, 20 })
@@ -110,8 +109,7 @@ TEST(BlockDealing, RanksHaveEqualPartsOfASurfaceWhateverTheStores)
   for (const std::uint32_t stores : { 1u, 2u, 3u, 16u })
   {
     MemoryDisk disk;
-    WriteVolumeOk(disk, volume, MakeSettings(BlockSize, stores), 2);
-    const auto opened = OpenVolume(disk);
+    const auto opened = WriteAndOpen(disk, volume, MakeSettings(BlockSize, stores), 2);
     ASSERT_NE(opened, nullptr);
     opened->SetLocalStores(false);
     for (const double isovalue : { 100.0, 128.0 })

@@ -45,8 +45,7 @@ TEST(QueryPlan, RanksShareTheActiveBlocksOfAnyNumberOfStores)
   for (const std::uint32_t stores : { 1u, 4u, 7u })
   {
     MemoryDisk disk;
-    WriteVolumeOk(disk, volume, MakeSettings(16, stores), 3);
-    const auto opened = OpenVolume(disk);
+    const auto opened = WriteAndOpen(disk, volume, MakeSettings(16, stores), 3);
     ASSERT_NE(opened, nullptr);
     const auto expected = Sort(Plan(*opened, 0, 1).Blocks);
     for (int ranks = 1; ranks <= 20; ++ranks)
@@ -73,8 +72,8 @@ TEST(QueryPlan, RanksShareTheActiveBlocksOfAnyNumberOfStores)
 TEST(QueryPlan, AllRanksKnowTheSharesThatEachWouldBeDealt)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 70, 60, 50 }), MakeSettings(16, 4), 3);
-  const auto opened = OpenVolume(disk);
+  const auto opened =
+    WriteAndOpen(disk, MakeVolume<std::uint8_t>({ 70, 60, 50 }), MakeSettings(16, 4), 3);
   ASSERT_NE(opened, nullptr);
   opened->SetLocalStores(false);
   for (const int ranks : { 1, 2, 3, 4, 7 })

@@ -5,7 +5,6 @@
 #include "IntervalSets.h"
 
 #include <filesystem>
-#include <memory>
 
 #include <unistd.h>
 

@@ -109,9 +109,7 @@ TEST(ExternalIntervalTreeCorruption, NewerVersionsAreUnsupportedAndOtherFilesCor
     ++newer[offset];
     Reseal(newer);
     const auto tree = OpenBytes(disk, newer);
-    ASSERT_FALSE(tree.IsOk());
-    EXPECT_EQ(tree.GetStatus().GetCode(), StatusCode::Unsupported);
-    EXPECT_NE(tree.GetStatus().GetMessage().find("newer version"), std::string::npos);
+    ExpectError(tree.GetStatus(), StatusCode::Unsupported, "newer version");
   }
   for (const std::size_t offset : { 0, 24 }) // magic, kind
   {
@@ -253,9 +251,7 @@ TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyListsAreTheSameRecords)
   PageStatistics statistics;
   const Status status = tree->FindStabbed(
     5005, [](const KeyInterval&) {}, statistics);
-  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
-  EXPECT_NE(status.GetMessage().find("more intervals than its pages hold"), std::string::npos)
-    << status.GetMessage();
+  ExpectError(status, StatusCode::Corrupt, "more intervals than its pages hold");
 }
 
 TEST(ExternalIntervalTreeCorruption, VerifyFindsEveryForgedBound)

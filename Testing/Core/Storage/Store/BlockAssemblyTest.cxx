@@ -2,10 +2,8 @@
 #include "Storage/Store/BlockAssembly.h"
 #include "Fixtures/VolumeOnDisk.h"
 
-#include <algorithm>
+using namespace isosurface;
 
-namespace isosurface
-{
 namespace
 {
 
@@ -36,8 +34,7 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
     for (const int blockSize : { 16, 32 })
     {
       MemoryDisk disk;
-      WriteVolumeOk(disk, source, MakeSettings(blockSize, 3));
-      const auto volume = OpenVolume(disk);
+      const auto volume = WriteAndOpen(disk, source, MakeSettings(blockSize, 3));
       for (int level = 0; level < volume->GetNumberOfLevels(); ++level)
       {
         const StoredLevel stored = volume->FindLevel(level);
@@ -61,17 +58,12 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
               AssembleBlocks(*volume, 0, 0, level, box, blocks, 2, samples.data(), 1, statistics);
             ASSERT_TRUE(status.IsOk()) << status.GetMessage();
             EXPECT_EQ(statistics.BlocksRead + statistics.BlockCacheHits, blocks.size());
-            std::size_t at = 0;
-            for (std::int64_t k = vertices.Low[2]; k < vertices.High[2]; ++k)
-            {
-              for (std::int64_t j = vertices.Low[1]; j < vertices.High[1]; ++j)
-              {
-                for (std::int64_t i = vertices.Low[0]; i < vertices.High[0]; ++i)
-                {
-                  ASSERT_EQ(samples[at++], source.At(i << level, j << level, k << level));
-                }
-              }
-            }
+            auto read = samples.begin();
+            std::size_t wrong = 0;
+            VisitVertices(vertices,
+              [&](const Index3& at)
+              { wrong += *read++ != source.At(at[0] << level, at[1] << level, at[2] << level); });
+            EXPECT_EQ(wrong, 0u);
             const Index3 own = box.GetVertices(grid, stored.Level).GetSize();
             cells += (own[0] - 1) * (own[1] - 1) * (own[2] - 1);
           }
@@ -85,9 +77,8 @@ TEST(BlockAssembly, SlabsOfAllPiecesAreTheSubsampledVolume)
 
 TEST(BlockAssembly, ReportsTheErrorOfABlock)
 {
-  const auto source = MakeVolume<std::uint8_t>({ 40, 40, 40 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, source, MakeSettings(16, 1));
+  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
   disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
   const auto volume = OpenVolume(disk);
   const BlockBox box = PartitionBlocks(volume->GetBlockGrid(), 0, 1);
@@ -96,16 +87,14 @@ TEST(BlockAssembly, ReportsTheErrorOfABlock)
   QueryStatistics statistics;
   const Status status = AssembleBlocks(
     *volume, 0, 0, 0, box, FindBlocks(*volume, box), 2, samples.data(), 1, statistics);
-  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
-  EXPECT_NE(status.GetMessage().find("blocks"), std::string::npos);
+  ExpectError(status, StatusCode::Corrupt, "blocks");
 }
 
 TEST(BlockAssembly, StopsOnRequest)
 {
-  const auto source = MakeVolume<std::uint8_t>({ 40, 40, 40 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, source, MakeSettings(16, 1));
-  const auto volume = OpenVolume(disk);
+  const auto volume =
+    WriteAndOpen(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
   const BlockBox box = PartitionBlocks(volume->GetBlockGrid(), 0, 1);
   std::vector<std::uint8_t> samples(40 * 40 * 40);
   QueryStatistics statistics;
@@ -117,8 +106,8 @@ TEST(BlockAssembly, StopsOnRequest)
 TEST(BlockAssembly, LevelWithinALimitIsTheFinestThatFits)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeVolume<std::int16_t>({ 70, 33, 50 }), MakeSettings(16, 3));
-  const auto volume = OpenVolume(disk);
+  const auto volume =
+    WriteAndOpen(disk, MakeVolume<std::int16_t>({ 70, 33, 50 }), MakeSettings(16, 3));
   for (const int pieces : { 1, 3 })
   {
     for (int level = 0; level < 3; ++level)
@@ -134,5 +123,3 @@ TEST(BlockAssembly, LevelWithinALimitIsTheFinestThatFits)
   EXPECT_EQ(FindLevelWithin(*volume, { 0 }, 1, 0), std::nullopt);
   EXPECT_EQ(FindLevelWithin(*volume, {}, 1, 0), 0) << "no array takes no memory";
 }
-
-} // namespace isosurface

@@ -51,8 +51,7 @@ TEST(BlockedVolumeCompression, ReadsBackWithFewerBytesAtEveryLevel)
     BlockedVolumeSettings settings = MakeCompressed(codec);
     settings.BlockSize = 32;
     MemoryDisk disk;
-    WriteVolumeOk(disk, volume, settings, 2);
-    const auto opened = OpenVolume(disk);
+    const auto opened = WriteAndOpen(disk, volume, settings, 2);
     EXPECT_EQ(opened->GetHeader().Compression.Codec, codec);
     for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
     {
@@ -93,7 +92,7 @@ TEST(BlockedVolumeCompression, RefusesLevelsThatACodecDoesNotHave)
   {
     const auto result = WriteVolume(disk, volume, settings)[0];
     ASSERT_EQ(result.GetStatus().GetCode(), StatusCode::InvalidArgument);
-    EXPECT_NE(result.GetStatus().GetMessage().find("compressionLevel"), std::string::npos);
+    ExpectMessage(result.GetStatus(), "compressionLevel");
   }
   EXPECT_TRUE(disk.GetFiles().empty());
 }

@@ -57,7 +57,7 @@ protected:
   {
     const Status status = ReadAll(this->Disk);
     ASSERT_EQ(status.GetCode(), StatusCode::Corrupt) << path << ' ' << status.GetMessage();
-    EXPECT_NE(status.GetMessage().find(path), std::string::npos) << status.GetMessage();
+    ExpectMessage(status, path);
     this->Disk.GetFile(path) = this->Intact.at(path);
   }
 
@@ -123,10 +123,7 @@ TEST_F(BlockedVolumeCorruption, EveryDamagedByteOfABlockIsDetected)
   {
     this->Disk.GetFile(path)[position] ^= 128;
     const auto block = opened->ReadBlock(share[0], 0, 0, 0, statistics);
-    ASSERT_FALSE(block.IsOk()) << position;
-    EXPECT_EQ(block.GetStatus().GetCode(), StatusCode::Corrupt);
-    EXPECT_NE(block.GetStatus().GetMessage().find(path + ": block "), std::string::npos)
-      << block.GetStatus().GetMessage();
+    ExpectError(block.GetStatus(), StatusCode::Corrupt, path + ": block ");
     this->Disk.GetFile(path)[position] = this->Intact.at(path)[position];
   }
   // A whole record in the place of another one is found, too.
@@ -169,9 +166,7 @@ TEST_F(BlockedVolumeCorruption, AMissingStoreIsNamed)
 {
   ASSERT_TRUE(this->Disk.RemoveAll(Folder + "/store-00001").IsOk());
   const Status status = ReadAll(this->Disk);
-  EXPECT_EQ(status.GetCode(), StatusCode::NotFound);
-  EXPECT_NE(status.GetMessage().find(Folder + "/store-00001: this store"), std::string::npos)
-    << status.GetMessage();
+  ExpectError(status, StatusCode::NotFound, Folder + "/store-00001: this store");
   // The other store's rank goes on.
   const auto opened = OpenVolume(this->Disk);
   QueryStatistics statistics;
@@ -183,9 +178,7 @@ TEST_F(BlockedVolumeCorruption, DamagedOverviewsLeaveTheFinerLevelsReadable)
   const std::string overview = Folder + "/overview-1";
   ASSERT_TRUE(this->Disk.RemoveAll(overview + "/store-00000").IsOk());
   const Status status = ReadAll(this->Disk);
-  EXPECT_EQ(status.GetCode(), StatusCode::NotFound);
-  EXPECT_NE(status.GetMessage().find(overview + "/store-00000: this store"), std::string::npos)
-    << status.GetMessage();
+  ExpectError(status, StatusCode::NotFound, overview + "/store-00000: this store");
   const auto opened = OpenVolume(this->Disk);
   QueryStatistics statistics;
   EXPECT_TRUE(opened->ListBlocks(0, statistics, 1).IsOk());

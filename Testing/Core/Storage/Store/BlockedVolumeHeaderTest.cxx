@@ -98,7 +98,7 @@ TEST(BlockedVolumeHeader, RefusesMoreReplicasThanCanBeChecked)
   header.NumberOfStores = 1U << 20;
   EXPECT_TRUE(header.ValidateVolume().IsOk());
   header.NumberOfReplicas = 2;
-  EXPECT_NE(header.ValidateVolume().GetMessage().find("above 2^20"), std::string::npos);
+  ExpectMessage(header.ValidateVolume(), "above 2^20");
   header.NumberOfStores = 1U << 19;
   EXPECT_TRUE(header.ValidateVolume().IsOk());
 }

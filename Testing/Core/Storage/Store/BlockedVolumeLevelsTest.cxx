@@ -55,8 +55,8 @@ PlainSurface ContourLevel(
 TEST(BlockedVolumeLevels, GoDownToASingleBlock)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 300, 70, 20 }), MakeSettings(16, 3), 2);
-  const auto opened = OpenVolume(disk);
+  const auto opened =
+    WriteAndOpen(disk, MakeVolume<std::uint8_t>({ 300, 70, 20 }), MakeSettings(16, 3), 2);
   // 19 x 5 x 2 blocks, 5 x 2 x 1, 2 x 1 x 1, one.
   const BlockedVolumeHeader& header = opened->GetHeader();
   ASSERT_EQ(header.Overviews.size(), 3u);
@@ -76,8 +76,8 @@ TEST(BlockedVolumeLevels, GoDownToASingleBlock)
   {
     EXPECT_EQ(file.first.find(".tmp"), std::string::npos) << file.first;
   }
-  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 17, 17, 1 }), MakeSettings(16, 3), 2);
-  const auto single = OpenVolume(disk);
+  const auto single =
+    WriteAndOpen(disk, MakeVolume<std::uint8_t>({ 17, 17, 1 }), MakeSettings(16, 3), 2);
   EXPECT_TRUE(single->GetHeader().Overviews.empty());
   EXPECT_EQ(single->GetNumberOfLevels(), 5);
 }
@@ -91,8 +91,8 @@ TEST(BlockedVolumeLevels, HaveTheSurfaceOfTheSubsampledVolumeWithoutSeams)
     {
       const auto volume = MakeVolume<std::int16_t>(size);
       MemoryDisk disk;
-      WriteVolumeOk(disk, volume, MakeSettings(blockSize, 5, DistributionMethod::Random), 3);
-      const auto opened = OpenVolume(disk);
+      const auto opened =
+        WriteAndOpen(disk, volume, MakeSettings(blockSize, 5, DistributionMethod::Random), 3);
       for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
       {
         const PlainSurface expected = ContourPlainly(Subsample(volume, level), { 49.5, 20 });
@@ -114,8 +114,7 @@ TEST(BlockedVolumeLevels, HaveTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 150, 61, 90 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(16, 3), 2);
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, volume, MakeSettings(16, 3), 2);
   double finer = 1e300;
   for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
   {
@@ -148,9 +147,8 @@ TEST(BlockedVolumeLevels, HaveTheActiveBlocksAndTrianglesOfTheSubsampledVolume)
 
 TEST(BlockedVolumeLevels, CostRequestsAndBytesInProportion)
 {
-  const auto volume = MakeVolume<std::uint16_t>({ 257, 257, 257 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(32, 2));
+  WriteVolumeOk(disk, MakeVolume<std::uint16_t>({ 257, 257, 257 }), MakeSettings(32, 2));
   const auto opened = OpenVolume(disk, 0);
   for (int level = 0; level < 5; ++level)
   {
@@ -170,8 +168,8 @@ TEST(BlockedVolumeLevels, CostRequestsAndBytesInProportion)
 TEST(BlockedVolumeLevels, AreRefusedForBlocksOfOtherLevels)
 {
   MemoryDisk disk;
-  WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 70, 70, 70 }), MakeSettings(16, 2));
-  const auto opened = OpenVolume(disk);
+  const auto opened =
+    WriteAndOpen(disk, MakeVolume<std::uint8_t>({ 70, 70, 70 }), MakeSettings(16, 2));
   QueryStatistics statistics;
   const auto fine = opened->ListBlocks(0, statistics, 1);
   const auto coarse = opened->ListBlocks(0, statistics, 2);
@@ -240,18 +238,15 @@ TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
     const auto slab = Require(source.Read(box));
     ASSERT_TRUE(slab.Fits({ ValueType::UInt8, ValueType::Float64 }, box));
     EXPECT_GE(source.GetReadBytes(box), static_cast<std::uint64_t>(9 * box.GetNumberOfVertices()));
-    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-    {
-      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
+    std::size_t wrong = 0;
+    VisitVertices(box,
+      [&](const Index3& vertex)
       {
-        for (std::int64_t i = box.Low[0]; i < box.High[0]; ++i)
-        {
-          ASSERT_EQ(*slab.Arrays[0].At<std::uint8_t>({ i, j, k }),
-            static_cast<std::uint8_t>(value(i, j, k)));
-          ASSERT_EQ(*slab.Arrays[1].At<double>({ i, j, k }), static_cast<double>(value(i, j, k)));
-        }
-      }
-    }
+        const std::int64_t expected = value(vertex[0], vertex[1], vertex[2]);
+        wrong += *slab.Arrays[0].At<std::uint8_t>(vertex) != static_cast<std::uint8_t>(expected);
+        wrong += *slab.Arrays[1].At<double>(vertex) != static_cast<double>(expected);
+      });
+    EXPECT_EQ(wrong, 0u);
   }
   disk.GetFile(OverviewSource::GetPath("/data", 1)).pop_back();
   EXPECT_EQ(source.Read(source.GetBox()).GetStatus().GetCode(), StatusCode::Corrupt);

@@ -43,8 +43,7 @@ TYPED_TEST(BlockedVolumeOfType, ReadsBackWhatWasWritten)
                                          : static_cast<T>(random());
     });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(16, 3), 2);
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, volume, MakeSettings(16, 3), 2);
   ExpectSamplesReadBack(*opened, volume);
   KeyRange range;
   for (const T value : volume.Samples)
@@ -68,8 +67,8 @@ TEST(BlockedVolumeRoundTrip, HoldsForAnyDimensionsAndBlockSizes)
         std::to_string(size[2]) + ", blocks of " + std::to_string(blockSize));
       const auto volume = MakeVolume<std::uint16_t>(size);
       MemoryDisk disk;
-      WriteVolumeOk(disk, volume, MakeSettings(blockSize, 2), 3, OverlappingColumns);
-      const auto opened = OpenVolume(disk);
+      const auto opened =
+        WriteAndOpen(disk, volume, MakeSettings(blockSize, 2), 3, OverlappingColumns);
       EXPECT_EQ(opened->GetHeader().Grid, MakeGeometry(size));
       ExpectSamplesReadBack(*opened, volume);
     }
@@ -116,25 +115,22 @@ TEST(BlockedVolumeRoundTrip, HoldsForNaNAndInfinities)
                     : static_cast<float>(i) - 4.5f;
     });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(16, 2), 2);
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, volume, MakeSettings(16, 2), 2);
   ExpectSamplesReadBack(*opened, volume);
   EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Minimum, MakeValueKey(-4.5f));
   EXPECT_EQ(opened->GetHeader().TimeSteps[0].Ranges[0].Maximum, MakeValueKey(12.5f));
 
   const SampleVolume<float> nothing({ 5, 5, 5 }, [&](auto...) { return std::nanf(""); });
-  WriteVolumeOk(disk, nothing, MakeSettings(16, 2));
-  const auto reopened = OpenVolume(disk);
+  const auto reopened = WriteAndOpen(disk, nothing, MakeSettings(16, 2));
   EXPECT_TRUE(reopened->GetHeader().TimeSteps[0].Ranges[0].IsEmpty());
   ExpectSamplesReadBack(*reopened, nothing);
 }
 
 TEST(BlockedVolumeRoundTrip, ReadsACoarseLevelAsAShortPrefix)
 {
-  const auto volume = MakeVolume<std::uint16_t>({ 129, 129, 129 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(64, 1));
-  const auto opened = OpenVolume(disk);
+  const auto opened =
+    WriteAndOpen(disk, MakeVolume<std::uint16_t>({ 129, 129, 129 }), MakeSettings(64, 1));
   std::uint64_t finer = 0;
   for (int level = 0; level < 4; ++level)
   {

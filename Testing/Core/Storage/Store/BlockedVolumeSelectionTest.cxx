@@ -79,8 +79,7 @@ TEST(BlockedVolumeSelection, BlocksEqualBruteForceForAnyNumberOfRanks)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(SelectedBlockSize, 3));
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, volume, MakeSettings(SelectedBlockSize, 3));
   const std::array<double, 6> bounds{ 0.1, 15.0, 10.0, 30.5, 12380.0, 12420.0 };
   for (const std::vector<double>& isovalues :
     { std::vector<double>{ 50.0 }, { 2.0 }, { 3.0, 90.0 }, { 0.0 }, { 200.0 }, { -1e30, 1e30 } })
@@ -115,8 +114,7 @@ TEST(BlockedVolumeSelection, BlocksOutsideOfTheRegionAreNotRead)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 70, 60, 50 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(SelectedBlockSize, 3));
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, volume, MakeSettings(SelectedBlockSize, 3));
   const std::array<double, 6> bounds{ 0.1, 5.0, 10.0, 20.5, 12370.0, 12400.0 };
   BlockSelection selection;
   selection.Region = Region::FromBounds(bounds);
@@ -134,10 +132,9 @@ TEST(BlockedVolumeSelection, BlocksOutsideOfTheRegionAreNotRead)
 
 TEST(BlockedVolumeSelection, ClosedSurfaceOfAllRanksIsClosedAtEveryLevel)
 {
-  const auto volume = MakeVolume<std::uint8_t>({ 70, 52, 35 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(SelectedBlockSize, 3));
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(
+    disk, MakeVolume<std::uint8_t>({ 70, 52, 35 }), MakeSettings(SelectedBlockSize, 3));
   BlockSelection selection;
   selection.ClosedSides = GridSides::All();
   ContourRequest request;
@@ -255,6 +252,5 @@ TEST(BlockedVolumeSelection, MissingFurtherArrayIsAnError)
   request.Isovalues = { 30.25 };
   request.Attributes = { { ValueType::Float32, 1 } };
   const auto surface = ExtractSurface(opened->GetHeader().Grid, source, request, 2);
-  ASSERT_FALSE(surface.IsOk());
-  EXPECT_NE(surface.GetStatus().GetMessage().find(VolumePath), std::string::npos);
+  ExpectMessage(surface.GetStatus(), VolumePath);
 }

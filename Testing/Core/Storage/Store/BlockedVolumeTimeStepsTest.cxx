@@ -46,8 +46,7 @@ void ExpectSteps(FileSystem& disk, unsigned count)
     for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
     {
       ExpectReadsBack(*opened, volume, level, statistics, 0, step);
-      const auto spectrum = opened->GetSpectrum(step, 0, level);
-      ASSERT_TRUE(spectrum.IsOk()) << spectrum.GetStatus().GetMessage();
+      const auto spectrum = Require(opened->GetSpectrum(step, 0, level));
     }
   }
 }
@@ -57,11 +56,8 @@ void ExpectRefused(FileSystem& disk, const BlockedVolumeSettings& settings, cons
 {
   for (const auto& result : WriteVolume(disk, MakeVolume<std::uint16_t>(size), settings, 2))
   {
-    ASSERT_FALSE(result.IsOk()) << part;
-    EXPECT_EQ(result.GetStatus().GetCode(), StatusCode::InvalidArgument);
-    EXPECT_NE(result.GetStatus().GetMessage().find(VolumePath), std::string::npos);
-    EXPECT_NE(result.GetStatus().GetMessage().find(part), std::string::npos)
-      << result.GetStatus().GetMessage();
+    ExpectError(result.GetStatus(), StatusCode::InvalidArgument, VolumePath);
+    ExpectMessage(result.GetStatus(), part);
   }
 }
 
@@ -138,7 +134,7 @@ TEST(BlockedVolumeTimeSteps, MustFitTheVolumeThatTheyAreAppendedTo)
   for (const auto& result :
     WriteVolume(disk, MakeVolume<float>(SizeOfSteps), MakeStepSettings(1), 2))
   {
-    EXPECT_NE(result.GetStatus().GetMessage().find("types"), std::string::npos);
+    ExpectMessage(result.GetStatus(), "types");
   }
   EXPECT_EQ(disk.Copy(), before);
 }

@@ -169,8 +169,7 @@ TEST_F(SpectraFileOnDisk, OfANewerVersionIsNotRead)
 {
   StoreLittleEndian<std::uint32_t>(this->Disk.GetFile(SpectraPath).data() + 8, 2);
   const Status status = this->ReadAll();
-  EXPECT_EQ(status.GetCode(), StatusCode::Unsupported);
-  EXPECT_NE(status.GetMessage().find("newer version"), std::string::npos);
+  ExpectError(status, StatusCode::Unsupported, "newer version");
 }
 
 TEST_F(SpectraFileOnDisk, MustFitTheHeader)

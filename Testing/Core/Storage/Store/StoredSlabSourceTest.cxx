@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <random>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -23,21 +23,6 @@ VertexBox MakeRandomBox(const Index3& size, std::mt19937& random)
   return box;
 }
 
-template <typename T>
-void ExpectSamples(const SampleView& view, const SampleVolume<T>& expected)
-{
-  for (std::int64_t k = view.Box.Low[2]; k < view.Box.High[2]; ++k)
-  {
-    for (std::int64_t j = view.Box.Low[1]; j < view.Box.High[1]; ++j)
-    {
-      for (std::int64_t i = view.Box.Low[0]; i < view.Box.High[0]; ++i)
-      {
-        ASSERT_EQ(*view.At<T>({ i, j, k }), expected.At(i, j, k)) << i << " " << j << " " << k;
-      }
-    }
-  }
-}
-
 } // namespace
 
 TEST(StoredSlabSource, BoxesHaveTheSamplesThatWereWritten)
@@ -49,16 +34,14 @@ TEST(StoredSlabSource, BoxesHaveTheSamplesThatWereWritten)
     const auto written = MakeVolume<std::int16_t>(size);
     MemoryDisk disk;
     WriteVolumeOk(disk, written, MakeSettings(16, 3));
-    const auto source = StoredSlabSource::Make(OpenVolume(disk), 0, { 0 }, 2);
-    ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
-    EXPECT_EQ((*source)->GetBox(), (VertexBox{ { 0, 0, 0 }, size }));
+    const auto source = Require(StoredSlabSource::Make(OpenVolume(disk), 0, { 0 }, 2));
+    EXPECT_EQ(source->GetBox(), (VertexBox{ { 0, 0, 0 }, size }));
     for (int repeat = 0; repeat < 20; ++repeat)
     {
-      const VertexBox box = repeat == 0 ? (*source)->GetBox() : MakeRandomBox(size, random);
-      const auto slab = (*source)->Read(box);
-      ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
-      ASSERT_TRUE(slab->Fits({ ValueType::Int16 }, box));
-      ExpectSamples(slab->Arrays[0], written);
+      const VertexBox box = repeat == 0 ? source->GetBox() : MakeRandomBox(size, random);
+      const auto slab = Require(source->Read(box));
+      ASSERT_TRUE(slab.Fits({ ValueType::Int16 }, box));
+      ExpectSamples(slab.Arrays[0], slab.Arrays[0].Box, written);
     }
   }
 }
@@ -79,22 +62,20 @@ TEST(StoredSlabSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
                              { "shorts", ValueType::Int16 } },
                            piece, MakeSettings(16, 2));
   ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
-  const auto source = StoredSlabSource::Make(OpenVolume(disk), 0, { 2, 0, 1 }, 2);
-  ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
+  const auto source = Require(StoredSlabSource::Make(OpenVolume(disk), 0, { 2, 0, 1 }, 2));
   // Boxes of an odd number of vertices: what follows the bytes would not be aligned by itself.
   const VertexBox odd{ { 1, 2, 3 }, { 4, 7, 18 } };
-  for (const VertexBox& box : { (*source)->GetBox(), odd })
+  for (const VertexBox& box : { source->GetBox(), odd })
   {
-    const auto slab = (*source)->Read(box);
-    ASSERT_TRUE(slab.IsOk()) << slab.GetStatus().GetMessage();
-    ASSERT_TRUE(slab->Fits({ ValueType::Int16, ValueType::UInt8, ValueType::Float64 }, box));
-    for (const SampleView& view : slab->Arrays)
+    const auto slab = Require(source->Read(box));
+    ASSERT_TRUE(slab.Fits({ ValueType::Int16, ValueType::UInt8, ValueType::Float64 }, box));
+    for (const SampleView& view : slab.Arrays)
     {
       EXPECT_EQ(reinterpret_cast<std::uintptr_t>(view.First) % GetValueSize(view.Type), 0u);
     }
-    ExpectSamples(slab->Arrays[0], shorts);
-    ExpectSamples(slab->Arrays[1], bytes);
-    ExpectSamples(slab->Arrays[2], doubles);
+    ExpectSamples(slab.Arrays[0], slab.Arrays[0].Box, shorts);
+    ExpectSamples(slab.Arrays[1], slab.Arrays[1].Box, bytes);
+    ExpectSamples(slab.Arrays[2], slab.Arrays[2].Box, doubles);
   }
 }
 
@@ -104,8 +85,7 @@ TEST(StoredSlabSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
   MemoryDisk first;
   WriteVolumeOk(first, written, MakeSettings(32, 2));
   MemoryDisk other;
-  WriteVolumeOk(other, written, MakeSettings(16, 5, DistributionMethod::Slab));
-  const auto volume = OpenVolume(other);
+  const auto volume = WriteAndOpen(other, written, MakeSettings(16, 5, DistributionMethod::Slab));
   for (const int ranks : { 1, 3 })
   {
     MemoryDisk again;
@@ -129,11 +109,7 @@ TEST(StoredSlabSource, TellsOfADamagedBlock)
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
   disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
-  const auto source = StoredSlabSource::Make(OpenVolume(disk), 0, { 0 }, 2);
-  ASSERT_TRUE(source.IsOk());
-  const auto slab = (*source)->Read((*source)->GetBox());
-  EXPECT_EQ(slab.GetStatus().GetCode(), StatusCode::Corrupt);
-  EXPECT_NE(slab.GetStatus().GetMessage().find("blocks"), std::string::npos);
+  const auto source = Require(StoredSlabSource::Make(OpenVolume(disk), 0, { 0 }, 2));
+  const auto slab = source->Read(source->GetBox());
+  ExpectError(slab.GetStatus(), StatusCode::Corrupt, "blocks");
 }
-
-} // namespace isosurface

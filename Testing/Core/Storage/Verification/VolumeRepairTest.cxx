@@ -4,8 +4,6 @@
 #include "Storage/Verification/VolumeRepair.h"
 #include "Storage/Verification/VolumeVerification.h"
 
-#include <algorithm>
-
 using namespace isosurface;
 
 namespace
@@ -155,8 +153,7 @@ TEST(VolumeRepair, RefusesBlocksThatNoReplicaHasAndRestoresTheRest)
   EXPECT_NE(found.Repairs[2].find("can restore it"), std::string::npos);
   const VolumeRepair done = Repair(disk);
   ASSERT_EQ(done.Refused.size(), 1u);
-  EXPECT_NE(done.Refused[0].GetMessage().find("no replica has block "), std::string::npos)
-    << done.Refused[0].GetMessage();
+  ExpectMessage(done.Refused[0], "no replica has block ");
   EXPECT_EQ(done.Restored, std::vector<std::string>{ Folder + "store-00003" });
   EXPECT_TRUE(disk.GetFile(Folder + "store-00003/array-0.tree") ==
     files.at(Folder + "store-00003/array-0.tree"));
@@ -170,7 +167,7 @@ TEST(VolumeRepair, RefusesAStoreThatIsLostWithItsReplicas)
   Remove(disk, "store-00002");
   const VolumeRepair done = Repair(disk);
   ASSERT_EQ(done.Refused.size(), 1u);
-  EXPECT_NE(done.Refused[0].GetMessage().find("store-00001"), std::string::npos);
+  ExpectMessage(done.Refused[0], "store-00001");
   // What the two had besides is there again.
   EXPECT_TRUE(disk.Exists(Folder + "store-00001/replica-1/blocks"));
   EXPECT_TRUE(disk.Exists(Folder + "store-00002/blocks"));
@@ -181,8 +178,7 @@ TEST(VolumeRepair, NeedsReplicas)
   MemoryDisk disk;
   WriteReplicated(disk, 1);
   const auto done = RepairBlockedVolume(VolumePath, disk, 1);
-  ASSERT_FALSE(done.IsOk());
-  EXPECT_NE(done.GetStatus().GetMessage().find("without replicas"), std::string::npos);
+  ExpectMessage(done.GetStatus(), "without replicas");
 }
 
 TEST(VolumeRepair, GoesOnAfterItWasKilledAtAnyTime)

@@ -289,10 +289,8 @@ TEST_F(BlockedVolumeCrash, RefusesASecondWriterUntilTheFirstOneIsGone)
   char byte = 0;
   ASSERT_EQ(::read(ready[0], &byte, 1), 1);
   const Status refused = this->Write(after);
-  EXPECT_EQ(refused.GetCode(), StatusCode::IoError);
-  EXPECT_NE(refused.GetMessage().find("volume.bvol"), std::string::npos) << refused.GetMessage();
-  EXPECT_NE(refused.GetMessage().find("another program is writing"), std::string::npos)
-    << refused.GetMessage();
+  ExpectError(refused, StatusCode::IoError, "volume.bvol");
+  ExpectMessage(refused, "another program is writing");
   EXPECT_EQ(this->CountGenerations(), 2u) << "the second writer touched the first one's folder";
   EXPECT_TRUE(this->Holds(before));
   ::kill(first, SIGKILL);

@@ -117,8 +117,7 @@ TEST(BlockedVolumeWriter, RefusesAMemoryLimitThatIsTooSmall)
     MemoryDisk disk;
     for (const auto& result : WriteVolume(disk, MakeVolume<float>({ 50, 50, 50 }), settings, 3))
     {
-      ASSERT_FALSE(result.IsOk());
-      EXPECT_NE(result.GetStatus().GetMessage().find("memory limit"), std::string::npos);
+      ExpectMessage(result.GetStatus(), "memory limit");
     }
     EXPECT_TRUE(disk.GetFiles().empty());
   }
@@ -128,8 +127,7 @@ TEST(BlockedVolumeWriter, WritesTheSpectrumOfTheWholeVolumeAndOfEachStore)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 60, 44, 37 });
   MemoryDisk disk;
-  WriteVolumeOk(disk, volume, MakeSettings(16, 4), 3);
-  const auto opened = OpenVolume(disk);
+  const auto opened = WriteAndOpen(disk, volume, MakeSettings(16, 4), 3);
   const auto total = Require(opened->GetSpectrum(0, 0));
   BlockWorkload whole(total->Bins);
   whole.Count(volume.GetView());
@@ -213,10 +211,7 @@ TEST(BlockedVolumeWriter, RefusesPiecesThatDoNotCoverTheGrid)
       });
   for (const auto& result : results)
   {
-    ASSERT_FALSE(result.IsOk());
-    EXPECT_EQ(result.GetStatus().GetCode(), StatusCode::InvalidArgument);
-    EXPECT_NE(result.GetStatus().GetMessage().find("7860 of 8000"), std::string::npos)
-      << result.GetStatus().GetMessage();
+    ExpectError(result.GetStatus(), StatusCode::InvalidArgument, "7860 of 8000");
   }
   EXPECT_TRUE(disk.GetFiles().empty());
 }

@@ -17,7 +17,6 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -169,9 +168,8 @@ protected:
       EXPECT_EQ(status.IsOk(), outcomes.front().IsOk()) << status.GetMessage();
       if (!status.IsOk())
       {
-        EXPECT_NE(status.GetMessage().find(this->Folder), std::string::npos) << status.GetMessage();
-        EXPECT_NE(status.GetMessage().find(std::strerror(fault.Error)), std::string::npos)
-          << status.GetMessage();
+        ExpectMessage(status, this->Folder);
+        ExpectMessage(status, std::strerror(fault.Error));
       }
     }
   }

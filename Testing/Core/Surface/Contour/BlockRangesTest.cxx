@@ -6,8 +6,8 @@
 
 #include <random>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -71,18 +71,9 @@ TEST(BlockRanges, ABlockOfNaNOnlyIsNeverActive)
 TEST(GridBlockSource, TheActiveBlocksGiveTheWholeSurface)
 {
   // A ball in a corner of the volume, so that most blocks are left out.
-  SampleVolume<std::int32_t> volume({ 100, 70, 80 });
-  for (std::int64_t k = 0; k < 80; ++k)
-  {
-    for (std::int64_t j = 0; j < 70; ++j)
-    {
-      for (std::int64_t i = 0; i < 100; ++i)
-      {
-        volume.At(i, j, k) =
-          static_cast<std::int32_t>(1000 - (i - 30) * (i - 30) - (j - 31) * (j - 31) - k * k);
-      }
-    }
-  }
+  const SampleVolume<std::int32_t> volume({ 100, 70, 80 },
+    [](auto i, auto j, auto k)
+    { return 1000 - (i - 30) * (i - 30) - (j - 31) * (j - 31) - k * k; });
   const auto ranges = Require(BlockRanges::Compute(volume.GetView(), 2));
   const ContourRequest request = MakePlainRequest({ 900.0, 200.0 });
   GridBlockSource source(volume.GetView(), ranges, request.Isovalues);
@@ -115,5 +106,3 @@ TEST(GridBlockSource, PiecesWithGhostsEqualTheWhole)
   }
   EXPECT_TRUE(UniteRanks(ranks) == ContourPlainly(volume, request.Isovalues));
 }
-
-} // namespace isosurface

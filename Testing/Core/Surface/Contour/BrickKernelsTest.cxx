@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -216,5 +216,3 @@ TYPED_TEST(BrickKernelsOfType, BothKernelsAreBitwiseEqual)
     EXPECT_EQ(one.NotANumber, other.NotANumber);
   }
 }
-
-} // namespace isosurface

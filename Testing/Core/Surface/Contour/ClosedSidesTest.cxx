@@ -5,11 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <random>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -316,5 +315,3 @@ TEST(BlockSelection, BlocksOfSamplesInMemoryEqualBruteForce)
     }
   }
 }
-
-} // namespace isosurface

@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -221,5 +221,3 @@ TEST(DegenerateTriangles, AMergedPointHasTheNormalAndAttributesOfItsVertex)
     EXPECT_EQ(surface.GlobalIds[point], static_cast<std::int64_t>(3 * 600 + vertex));
   }
 }
-
-} // namespace isosurface

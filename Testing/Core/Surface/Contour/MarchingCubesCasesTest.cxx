@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -160,5 +160,3 @@ TEST(MarchingCubesCases, PolygonsHaveTheOutlineOfTheTriangles)
     EXPECT_EQ(polygons.NumberOfCorners, triangles.size() + 2u * polygons.NumberOfPolygons);
   }
 }
-
-} // namespace isosurface

@@ -9,13 +9,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <random>
 #include <utility>
 #include <vector>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -148,8 +147,7 @@ TEST(QueuedSurface, OfNoBlocksIsEmpty)
   std::mt19937 random(53);
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 9, 9 }, 100);
   TestBlockSource<std::uint8_t> source(volume, 4);
-  ContourRequest request;
-  request.Isovalues = { 60 };
+  const ContourRequest request = MakePlainRequest({ 60 });
   TestQueue queue({});
   const auto queued = Require(ExtractQueuedSurface(volume.Geometry, source, request, queue, 2));
   EXPECT_EQ(queued.NumberOfTriangles, 0u);
@@ -162,8 +160,7 @@ TEST(QueuedSurface, TellsTheErrorsOfTheQueueAndOfABlock)
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 19, 19, 19 }, 100);
   TestBlockSource<std::uint8_t> source(volume, 4);
   const std::vector<std::size_t> blocks = ListAll(source);
-  ContourRequest request;
-  request.Isovalues = { 60 };
+  const ContourRequest request = MakePlainRequest({ 60 });
   for (const int threads : { 1, 3 })
   {
     TestQueue broken(blocks);
@@ -188,8 +185,7 @@ TEST(QueuedSurface, LetsOthersInAndEndsWhenProgressSaysSo)
   const auto volume = MakeRandomVolume<std::uint8_t>(random, { 19, 19, 19 }, 100);
   TestBlockSource<std::uint8_t> source(volume, 4);
   const std::vector<std::size_t> blocks = ListAll(source);
-  ContourRequest request;
-  request.Isovalues = { 60 };
+  const ContourRequest request = MakePlainRequest({ 60 });
   TestQueue queue(blocks);
   EXPECT_TRUE(ExtractQueuedSurface(volume.Geometry, source, request, queue, 1).IsOk());
   EXPECT_GT(queue.Calls, 1) << "in both phases";
@@ -198,5 +194,3 @@ TEST(QueuedSurface, LetsOthersInAndEndsWhenProgressSaysSo)
     volume.Geometry, source, request, stopped, 1, [](double) { return false; });
   EXPECT_EQ(surface.GetStatus().GetCode(), StatusCode::Aborted);
 }
-
-} // namespace isosurface

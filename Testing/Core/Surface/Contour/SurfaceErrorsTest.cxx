@@ -8,8 +8,8 @@
 #include <new>
 #include <random>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -168,5 +168,3 @@ TEST_F(SurfaceErrors, ProgressCanAbortTheComputationOfRanges)
     BlockRanges::Compute(this->Volume.GetView(), 1, [](double) { return false; });
   EXPECT_EQ(ranges.GetStatus().GetCode(), StatusCode::Aborted);
 }
-
-} // namespace isosurface

@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -284,5 +284,3 @@ TEST(SurfaceExtractor, WideIndicesEqualNarrowOnes)
     }
   }
 }
-
-} // namespace isosurface

@@ -8,8 +8,8 @@
 #include <random>
 #include <utility>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -229,5 +229,3 @@ TEST(SurfaceSharing, AttributesAreInterpolatedAlongTheEdges)
     }
   }
 }
-
-} // namespace isosurface

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-namespace isosurface
-{
+using namespace isosurface;
+
 namespace
 {
 
@@ -83,5 +83,3 @@ TEST(TupleRanges, ValuesThatAreNotFiniteAreTold)
     EXPECT_FALSE(FindTupleRanges(values.data(), values.size(), 1, 2).AreFinite);
   }
 }
-
-} // namespace isosurface

@@ -11,7 +11,6 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <vector>
 
 using namespace isosurface;
 

@@ -255,16 +255,12 @@ TEST(BlockWorkload, HonoursStrides)
   SampleView view = dense.GetView();
   view.First = scattered.data();
   view.Stride = { 3 * 8 * 9, 3 * 8, 3 };
-  for (std::int64_t k = 0; k < 8; ++k)
-  {
-    for (std::int64_t j = 0; j < 9; ++j)
+  VisitVertices({ { 0, 0, 0 }, { 20, 9, 8 } },
+    [&](const Index3& vertex)
     {
-      for (std::int64_t i = 0; i < 20; ++i)
-      {
-        scattered[static_cast<std::size_t>(3 * (k + 8 * (j + 9 * i)))] = dense.At(i, j, k);
-      }
-    }
-  }
+      const auto [i, j, k] = vertex;
+      scattered[static_cast<std::size_t>(3 * (k + 8 * (j + 9 * i)))] = dense.At(i, j, k);
+    });
   const SpectrumBins bins = ChooseWorkloadBins(dense);
   BlockWorkload workload(bins);
   workload.Count(view);
