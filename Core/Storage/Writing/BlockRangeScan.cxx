@@ -14,8 +14,23 @@ namespace isosurface
 namespace
 {
 
-/// Larger reads are not faster.
-constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 8 } << 20;
+/// What a slab may take.
+struct SlabLimit
+{
+  /// Larger reads are not faster. But a source that decodes much for any slab does so for each.
+  bool Allows(const VertexBox& box) const
+  {
+    constexpr std::uint64_t enough = std::uint64_t{ 8 } << 20;
+    const std::uint64_t samples =
+      static_cast<std::uint64_t>(box.GetNumberOfVertices()) * this->VertexBytes;
+    return std::min(samples, this->Source.GetReadBytes(box)) <= enough &&
+      this->Source.GetReadBytes(box) <= this->Memory;
+  }
+
+  const SlabSource& Source;
+  std::uint64_t VertexBytes; ///< of the samples at a vertex
+  std::uint64_t Memory;
+};
 
 /// The part [begin, end) of a box on an axis.
 VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::int64_t end)
@@ -26,15 +41,13 @@ VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::i
   return part;
 }
 
-/// The maximum thickness on an axis, at least 1, with which a box, cut into nearly equal parts, is
-/// read within `bytes`.
-std::int64_t FindThickness(
-  const SlabSource& source, const VertexBox& box, std::size_t axis, std::uint64_t bytes)
+/// The maximum thickness on an axis, at least 1, with which a box is cut into nearly equal slabs.
+std::int64_t FindThickness(const SlabLimit& limit, const VertexBox& box, std::size_t axis)
 {
   const std::int64_t size = box.GetSize()[axis];
   std::int64_t thickness = size;
-  for (std::int64_t parts = 2; thickness > 1 &&
-       source.GetReadBytes(Cut(box, axis, box.Low[axis], box.Low[axis] + thickness)) > bytes;
+  for (std::int64_t parts = 2;
+       thickness > 1 && !limit.Allows(Cut(box, axis, box.Low[axis], box.Low[axis] + thickness));
        ++parts)
   {
     thickness = (size + parts - 1) / parts;
@@ -44,17 +57,17 @@ std::int64_t FindThickness(
 
 /// Cuts a box, or a part of its rows, into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
 /// rows of a slice. Most have equal sizes, so that memory is reused.
-void CutRowsIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
-  std::uint64_t bytes, std::vector<VertexBox>& slabs)
+void CutRowsIntoSlabs(const SlabLimit& limit, const VertexBox& box, std::int64_t blockSize,
+  std::vector<VertexBox>& slabs)
 {
   for (std::int64_t layer = box.Low[2]; layer < box.High[2];)
   {
     const std::int64_t end = std::min(box.High[2], (layer / blockSize + 1) * blockSize);
-    const std::int64_t slices = FindThickness(source, Cut(box, 2, layer, end), 2, bytes);
+    const std::int64_t slices = FindThickness(limit, Cut(box, 2, layer, end), 2);
     for (; layer < end; layer += slices)
     {
       const VertexBox slab = Cut(box, 2, layer, std::min(end, layer + slices));
-      const std::int64_t rows = FindThickness(source, slab, 1, bytes);
+      const std::int64_t rows = FindThickness(limit, slab, 1);
       for (std::int64_t row = box.Low[1]; row < box.High[1]; row += rows)
       {
         slabs.push_back(Cut(slab, 1, row, std::min(box.High[1], row + rows)));
@@ -65,15 +78,15 @@ void CutRowsIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64
 }
 
 /// Cuts a box into slabs. Those of the rows that the source reads best together come first.
-void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
-  std::uint64_t bytes, std::vector<VertexBox>& slabs)
+void CutIntoSlabs(const SlabLimit& limit, const VertexBox& box, std::int64_t blockSize,
+  std::vector<VertexBox>& slabs)
 {
-  const std::int64_t rows = std::max<std::int64_t>(1, source.GetRowsAtOnce());
+  const std::int64_t rows = std::max<std::int64_t>(1, limit.Source.GetRowsAtOnce());
   for (std::int64_t row = box.Low[1]; row < box.High[1];)
   {
     const std::int64_t left = rows - row % rows;
     const std::int64_t end = left < box.High[1] - row ? row + left : box.High[1];
-    CutRowsIntoSlabs(source, Cut(box, 1, row, end), blockSize, bytes, slabs);
+    CutRowsIntoSlabs(limit, Cut(box, 1, row, end), blockSize, slabs);
     row = end;
   }
 }
@@ -119,11 +132,11 @@ std::vector<BlockProfile> BlockRangeScan::TakeProfiles()
 Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& owned,
   std::uint64_t memoryBytes, const Progress& progress)
 {
+  const SlabLimit limit{ source, SumValueSizes(this->Variables.GetStoredTypes()), memoryBytes / 2 };
   std::vector<VertexBox> slabs;
   for (const VertexBox& box : owned)
   {
-    CutIntoSlabs(
-      source, box, this->Grid.GetBlockSize(), std::min(memoryBytes / 2, LargestSlabBytes), slabs);
+    CutIntoSlabs(limit, box, this->Grid.GetBlockSize(), slabs);
   }
   const auto read = [&](std::size_t slab)
   {

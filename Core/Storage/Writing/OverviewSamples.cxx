@@ -143,13 +143,18 @@ std::vector<OverviewSource::Part> OverviewSource::FindParts(
 }
 
 Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
-  std::vector<Buffer<std::uint8_t>>& samples) const
+  std::vector<Buffer<std::uint8_t>>& samples)
 {
   const auto file = this->Files.OpenForReading(GetPath(this->Folder, rank));
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(part.Size));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, bytes.GetSize(), bytes.GetData()));
-  const std::uint8_t* from = bytes.GetData();
+  const auto size = static_cast<std::size_t>(part.Size);
+  if (this->PartBytes.GetSize() < size)
+  {
+    this->PartBytes = Buffer<std::uint8_t>();
+    this->PartBytes = Buffer<std::uint8_t>(size);
+  }
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, size, this->PartBytes.GetData()));
+  const std::uint8_t* from = this->PartBytes.GetData();
   for (const std::int64_t block : part.Blocks)
   {
     const VertexBox has = FindOverviewPart(this->Finer, block);

@@ -67,7 +67,7 @@ private:
   std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
   /// Copies the samples of a part within a box to their places in samples[array].
   Status ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
-    std::vector<Buffer<std::uint8_t>>& samples) const;
+    std::vector<Buffer<std::uint8_t>>& samples);
 
   FileSystem& Files;
   std::string Folder;
@@ -78,6 +78,7 @@ private:
   std::vector<std::uint32_t> Stores;
   std::size_t Ranks;
   std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and rank: where its parts begin
+  Buffer<std::uint8_t> PartBytes;          ///< of the last part, for the next one
 };
 
 } // namespace isosurface
