@@ -2,11 +2,12 @@
 #include "Storage/Writing/BlockRangeScan.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/ThreadTeam.h"
 #include "Ground/Volume/Magnitude.h"
+#include "Ground/Volume/SampleRange.h"
 
 #include <algorithm>
 #include <array>
-#include <future>
 #include <utility>
 
 namespace isosurface
@@ -106,9 +107,7 @@ BlockRangeScan::BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, 
   : Grid(grid)
   , Variables(std::move(variables))
   , Threads(threads)
-  , Ranges(Variables.GetCount(),
-      std::vector<KeyRange>(static_cast<std::size_t>(grid.GetNumberOfBlocks())))
-  , FiniteRanges(Variables.GetCount())
+  , Ranges(static_cast<std::size_t>(grid.GetNumberOfBlocks()))
 {
 }
 
@@ -140,17 +139,17 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
   }
   const auto read = [&](std::size_t slab)
   {
-    return std::async(source.CanReadAhead() ? std::launch::async : std::launch::deferred,
-      [&source, box = slabs[slab]] { return source.Read(box); });
+    return StartTask(
+      [&source, box = slabs[slab]] { return source.Read(box); }, source.CanReadAhead());
   };
-  std::future<Result<SampleSlab>> next;
+  Task<Result<SampleSlab>> next;
   if (!slabs.empty())
   {
     next = read(0);
   }
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
-    const auto samples = next.get();
+    const auto samples = next.Get();
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     if (slab + 1 < slabs.size())
     {
@@ -174,21 +173,17 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
   return Status::Ok();
 }
 
-SampleRange BlockRangeScan::FindRange(
-  const SampleSlab& slab, std::size_t variable, const VertexBox& part) const
+KeyRange BlockRangeScan::FindRange(const SampleSlab& slab, const VertexBox& part) const
 {
-  const Variable& wanted = this->Variables[variable];
-  if (!wanted.IsMagnitude())
+  const int count = this->Variables.GetComponents(0);
+  if (count == 1)
   {
-    return FindSampleRange(slab.Arrays[variable], part);
+    return FindSampleRange(slab.Arrays[0], part).All;
   }
-  const auto first =
-    slab.Arrays.begin() + static_cast<std::ptrdiff_t>(this->Variables.GetFirst(wanted.Array));
-  const std::vector<SampleView> components(
-    first, first + this->Variables.GetComponents(wanted.Array));
+  const std::vector<SampleView> components(slab.Arrays.begin(), slab.Arrays.begin() + count);
   std::vector<double> magnitudes(static_cast<std::size_t>(part.GetNumberOfVertices()));
   ComputeMagnitudes(components, part, magnitudes.data());
-  return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part);
+  return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part).All;
 }
 
 void BlockRangeScan::AddToProfiles(const SampleSlab& slab, const VertexBox& box)
@@ -220,10 +215,8 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
   const auto y = FindBlocks(this->Grid, box.Low[1], box.High[1], 1);
   const auto z = FindBlocks(this->Grid, box.Low[2], box.High[2], 2);
   const std::int64_t rows = y[1] - y[0];
-  std::vector<std::vector<SampleRange>> totals(
-    static_cast<std::size_t>(this->Threads), std::vector<SampleRange>(this->Ranges.size()));
   ParallelFor(static_cast<std::size_t>(rows * (z[1] - z[0])), this->Threads,
-    [&](std::size_t index, int thread)
+    [&](std::size_t index, int)
     {
       const std::int64_t row = static_cast<std::int64_t>(index) % rows;
       const std::int64_t layer = static_cast<std::int64_t>(index) / rows;
@@ -231,36 +224,22 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
       {
         const std::int64_t block = this->Grid.GetBlockIndex({ i, y[0] + row, z[0] + layer });
         const VertexBox part = this->Grid.GetVertices(block).Intersect(box);
-        for (std::size_t variable = 0; variable < this->Ranges.size() && !part.IsEmpty();
-             ++variable)
+        if (!part.IsEmpty())
         {
-          const SampleRange range = this->FindRange(slab, variable, part);
-          this->Ranges[variable][static_cast<std::size_t>(block)].Add(range.All);
-          totals[static_cast<std::size_t>(thread)][variable].Add(range);
+          this->Ranges[static_cast<std::size_t>(block)].Add(this->FindRange(slab, part));
         }
       }
     });
-  for (const std::vector<SampleRange>& ofThread : totals)
-  {
-    for (std::size_t variable = 0; variable < ofThread.size(); ++variable)
-    {
-      this->FiniteRanges[variable].Add(ofThread[variable].Finite);
-    }
-  }
 }
 
 void BlockRangeScan::Reduce(Communicator& communicator)
 {
-  for (std::size_t variable = 0; variable < this->Ranges.size(); ++variable)
+  CommonRanges common;
+  for (KeyRange& range : this->Ranges)
   {
-    CommonRanges common;
-    common.Add(this->FiniteRanges[variable]);
-    for (KeyRange& range : this->Ranges[variable])
-    {
-      common.Add(range);
-    }
-    common.Join(communicator);
+    common.Add(range);
   }
+  common.Join(communicator);
   if (this->Profiles)
   {
     this->Profiles->Reduce(communicator);
