@@ -53,6 +53,15 @@ std::optional<Index3> RawSource::GetChunk() const
   return Index3{ size[0], std::min(rows, size[1]), std::min(rows, size[2]) };
 }
 
+void RawSource::Prefetch(const VertexBox& box) const
+{
+  const Index3 whole = this->Box.GetSize();
+  const std::uint64_t slice =
+    static_cast<std::uint64_t>(whole[0] * whole[1]) * GetValueSize(this->Type);
+  this->File->Prefetch(static_cast<std::uint64_t>(box.Low[2]) * slice,
+    static_cast<std::uint64_t>(box.GetSize()[2]) * slice);
+}
+
 Result<SampleSlab> RawSource::Read(const VertexBox& box)
 {
   auto samples = this->Pool->Take(this->GetReadBytes(box));

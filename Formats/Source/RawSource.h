@@ -29,6 +29,9 @@ public:
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
   std::optional<Index3> GetChunk() const override;
+  bool HasCheapRows() const override { return this->HeldBytes == 0; } // no stream
+  /// Whole slices.
+  void Prefetch(const VertexBox& box) const override;
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:

@@ -27,6 +27,10 @@ public:
   {
     return this->File->Read(this->Begin + offset, size, bytes);
   }
+  void Prefetch(std::uint64_t offset, std::uint64_t size) const override
+  {
+    this->File->Prefetch(this->Begin + offset, size);
+  }
   std::uint64_t GetSize() const override { return this->Size; }
   const std::string& GetPath() const override { return this->File->GetPath(); }
 

@@ -58,6 +58,12 @@ public:
   /// read in the order of z: a stream, or slices that are decoded as a whole.
   virtual std::optional<Index3> GetChunk() const { return std::nullopt; }
 
+  /// Whether some rows of each slice cost little more alone than with the others: they are not
+  /// decoded.
+  virtual bool HasCheapRows() const { return false; }
+  /// Hints that the samples of a box will be read soon. Does not wait for them.
+  virtual void Prefetch(const VertexBox&) const {}
+
   /// Whether another thread than the one that made the source may call Read(). Two threads never
   /// call it at the same time.
   virtual bool CanReadAhead() const { return true; }

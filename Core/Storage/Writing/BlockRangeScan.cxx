@@ -2,11 +2,12 @@
 #include "Storage/Writing/BlockRangeScan.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/ThreadTeam.h"
 #include "Ground/Volume/Magnitude.h"
+#include "Ground/Volume/SampleRange.h"
 
 #include <algorithm>
 #include <array>
-#include <future>
 #include <utility>
 
 namespace isosurface
@@ -14,8 +15,23 @@ namespace isosurface
 namespace
 {
 
-/// Larger reads are not faster.
-constexpr std::uint64_t LargestSlabBytes = std::uint64_t{ 8 } << 20;
+/// What a slab may take.
+struct SlabLimit
+{
+  /// Larger reads are not faster. But a source that decodes much for any slab does so for each.
+  bool Allows(const VertexBox& box) const
+  {
+    constexpr std::uint64_t enough = std::uint64_t{ 8 } << 20;
+    const std::uint64_t samples =
+      static_cast<std::uint64_t>(box.GetNumberOfVertices()) * this->VertexBytes;
+    return std::min(samples, this->Source.GetReadBytes(box)) <= enough &&
+      this->Source.GetReadBytes(box) <= this->Memory;
+  }
+
+  const SlabSource& Source;
+  std::uint64_t VertexBytes; ///< of the samples at a vertex
+  std::uint64_t Memory;
+};
 
 /// The part [begin, end) of a box on an axis.
 VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::int64_t end)
@@ -26,15 +42,13 @@ VertexBox Cut(const VertexBox& box, std::size_t axis, std::int64_t begin, std::i
   return part;
 }
 
-/// The maximum thickness on an axis, at least 1, with which a box, cut into nearly equal parts, is
-/// read within `bytes`.
-std::int64_t FindThickness(
-  const SlabSource& source, const VertexBox& box, std::size_t axis, std::uint64_t bytes)
+/// The maximum thickness on an axis, at least 1, with which a box is cut into nearly equal slabs.
+std::int64_t FindThickness(const SlabLimit& limit, const VertexBox& box, std::size_t axis)
 {
   const std::int64_t size = box.GetSize()[axis];
   std::int64_t thickness = size;
-  for (std::int64_t parts = 2; thickness > 1 &&
-       source.GetReadBytes(Cut(box, axis, box.Low[axis], box.Low[axis] + thickness)) > bytes;
+  for (std::int64_t parts = 2;
+       thickness > 1 && !limit.Allows(Cut(box, axis, box.Low[axis], box.Low[axis] + thickness));
        ++parts)
   {
     thickness = (size + parts - 1) / parts;
@@ -44,17 +58,17 @@ std::int64_t FindThickness(
 
 /// Cuts a box, or a part of its rows, into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
 /// rows of a slice. Most have equal sizes, so that memory is reused.
-void CutRowsIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
-  std::uint64_t bytes, std::vector<VertexBox>& slabs)
+void CutRowsIntoSlabs(const SlabLimit& limit, const VertexBox& box, std::int64_t blockSize,
+  std::vector<VertexBox>& slabs)
 {
   for (std::int64_t layer = box.Low[2]; layer < box.High[2];)
   {
     const std::int64_t end = std::min(box.High[2], (layer / blockSize + 1) * blockSize);
-    const std::int64_t slices = FindThickness(source, Cut(box, 2, layer, end), 2, bytes);
+    const std::int64_t slices = FindThickness(limit, Cut(box, 2, layer, end), 2);
     for (; layer < end; layer += slices)
     {
       const VertexBox slab = Cut(box, 2, layer, std::min(end, layer + slices));
-      const std::int64_t rows = FindThickness(source, slab, 1, bytes);
+      const std::int64_t rows = FindThickness(limit, slab, 1);
       for (std::int64_t row = box.Low[1]; row < box.High[1]; row += rows)
       {
         slabs.push_back(Cut(slab, 1, row, std::min(box.High[1], row + rows)));
@@ -65,15 +79,15 @@ void CutRowsIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64
 }
 
 /// Cuts a box into slabs. Those of the rows that the source reads best together come first.
-void CutIntoSlabs(const SlabSource& source, const VertexBox& box, std::int64_t blockSize,
-  std::uint64_t bytes, std::vector<VertexBox>& slabs)
+void CutIntoSlabs(const SlabLimit& limit, const VertexBox& box, std::int64_t blockSize,
+  std::vector<VertexBox>& slabs)
 {
-  const std::int64_t rows = std::max<std::int64_t>(1, source.GetRowsAtOnce());
+  const std::int64_t rows = std::max<std::int64_t>(1, limit.Source.GetRowsAtOnce());
   for (std::int64_t row = box.Low[1]; row < box.High[1];)
   {
     const std::int64_t left = rows - row % rows;
     const std::int64_t end = left < box.High[1] - row ? row + left : box.High[1];
-    CutRowsIntoSlabs(source, Cut(box, 1, row, end), blockSize, bytes, slabs);
+    CutRowsIntoSlabs(limit, Cut(box, 1, row, end), blockSize, slabs);
     row = end;
   }
 }
@@ -93,9 +107,7 @@ BlockRangeScan::BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, 
   : Grid(grid)
   , Variables(std::move(variables))
   , Threads(threads)
-  , Ranges(Variables.GetCount(),
-      std::vector<KeyRange>(static_cast<std::size_t>(grid.GetNumberOfBlocks())))
-  , FiniteRanges(Variables.GetCount())
+  , Ranges(static_cast<std::size_t>(grid.GetNumberOfBlocks()))
 {
 }
 
@@ -119,25 +131,25 @@ std::vector<BlockProfile> BlockRangeScan::TakeProfiles()
 Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& owned,
   std::uint64_t memoryBytes, const Progress& progress)
 {
+  const SlabLimit limit{ source, SumValueSizes(this->Variables.GetStoredTypes()), memoryBytes / 2 };
   std::vector<VertexBox> slabs;
   for (const VertexBox& box : owned)
   {
-    CutIntoSlabs(
-      source, box, this->Grid.GetBlockSize(), std::min(memoryBytes / 2, LargestSlabBytes), slabs);
+    CutIntoSlabs(limit, box, this->Grid.GetBlockSize(), slabs);
   }
   const auto read = [&](std::size_t slab)
   {
-    return std::async(source.CanReadAhead() ? std::launch::async : std::launch::deferred,
-      [&source, box = slabs[slab]] { return source.Read(box); });
+    return StartTask(
+      [&source, box = slabs[slab]] { return source.Read(box); }, source.CanReadAhead());
   };
-  std::future<Result<SampleSlab>> next;
+  Task<Result<SampleSlab>> next;
   if (!slabs.empty())
   {
     next = read(0);
   }
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
-    const auto samples = next.get();
+    const auto samples = next.Get();
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     if (slab + 1 < slabs.size())
     {
@@ -161,21 +173,17 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
   return Status::Ok();
 }
 
-SampleRange BlockRangeScan::FindRange(
-  const SampleSlab& slab, std::size_t variable, const VertexBox& part) const
+KeyRange BlockRangeScan::FindRange(const SampleSlab& slab, const VertexBox& part) const
 {
-  const Variable& wanted = this->Variables[variable];
-  if (!wanted.IsMagnitude())
+  const int count = this->Variables.GetComponents(0);
+  if (count == 1)
   {
-    return FindSampleRange(slab.Arrays[variable], part);
+    return FindSampleRange(slab.Arrays[0], part).All;
   }
-  const auto first =
-    slab.Arrays.begin() + static_cast<std::ptrdiff_t>(this->Variables.GetFirst(wanted.Array));
-  const std::vector<SampleView> components(
-    first, first + this->Variables.GetComponents(wanted.Array));
+  const std::vector<SampleView> components(slab.Arrays.begin(), slab.Arrays.begin() + count);
   std::vector<double> magnitudes(static_cast<std::size_t>(part.GetNumberOfVertices()));
   ComputeMagnitudes(components, part, magnitudes.data());
-  return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part);
+  return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part).All;
 }
 
 void BlockRangeScan::AddToProfiles(const SampleSlab& slab, const VertexBox& box)
@@ -207,10 +215,8 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
   const auto y = FindBlocks(this->Grid, box.Low[1], box.High[1], 1);
   const auto z = FindBlocks(this->Grid, box.Low[2], box.High[2], 2);
   const std::int64_t rows = y[1] - y[0];
-  std::vector<std::vector<SampleRange>> totals(
-    static_cast<std::size_t>(this->Threads), std::vector<SampleRange>(this->Ranges.size()));
   ParallelFor(static_cast<std::size_t>(rows * (z[1] - z[0])), this->Threads,
-    [&](std::size_t index, int thread)
+    [&](std::size_t index, int)
     {
       const std::int64_t row = static_cast<std::int64_t>(index) % rows;
       const std::int64_t layer = static_cast<std::int64_t>(index) / rows;
@@ -218,36 +224,22 @@ void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
       {
         const std::int64_t block = this->Grid.GetBlockIndex({ i, y[0] + row, z[0] + layer });
         const VertexBox part = this->Grid.GetVertices(block).Intersect(box);
-        for (std::size_t variable = 0; variable < this->Ranges.size() && !part.IsEmpty();
-             ++variable)
+        if (!part.IsEmpty())
         {
-          const SampleRange range = this->FindRange(slab, variable, part);
-          this->Ranges[variable][static_cast<std::size_t>(block)].Add(range.All);
-          totals[static_cast<std::size_t>(thread)][variable].Add(range);
+          this->Ranges[static_cast<std::size_t>(block)].Add(this->FindRange(slab, part));
         }
       }
     });
-  for (const std::vector<SampleRange>& ofThread : totals)
-  {
-    for (std::size_t variable = 0; variable < ofThread.size(); ++variable)
-    {
-      this->FiniteRanges[variable].Add(ofThread[variable].Finite);
-    }
-  }
 }
 
 void BlockRangeScan::Reduce(Communicator& communicator)
 {
-  for (std::size_t variable = 0; variable < this->Ranges.size(); ++variable)
+  CommonRanges common;
+  for (KeyRange& range : this->Ranges)
   {
-    CommonRanges common;
-    common.Add(this->FiniteRanges[variable]);
-    for (KeyRange& range : this->Ranges[variable])
-    {
-      common.Add(range);
-    }
-    common.Join(communicator);
+    common.Add(range);
   }
+  common.Join(communicator);
   if (this->Profiles)
   {
     this->Profiles->Reduce(communicator);

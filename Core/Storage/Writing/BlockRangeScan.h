@@ -7,7 +7,6 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/BlockGrid.h"
-#include "Ground/Volume/SampleRange.h"
 #include "Ground/Volume/SlabSource.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Storage/Writing/BlockProfileScan.h"
@@ -20,13 +19,14 @@
 namespace isosurface
 {
 
-/// Finds the range of values at every block's own vertices, for every variable, on all ranks.
+/// Finds the range of values at every block's own vertices on all ranks, of the first array or its
+/// magnitude: what decides where blocks are stored.
 class BlockRangeScan
 {
 public:
   BlockRangeScan(const BlockGrid& grid, ArrayVariables variables, int threads);
 
-  /// Makes Scan() compute profiles of the first array, or of its magnitude, as well.
+  /// Makes Scan() compute profiles as well.
   void AddProfiles();
 
   /// Reads this rank's vertices, the boxes `owned` of the source, once, in slabs of at least a row
@@ -38,23 +38,20 @@ public:
   /// Collective. Joins the ranges of all ranks.
   void Reduce(Communicator& communicator);
 
-  /// Per variable and block.
-  const std::vector<std::vector<KeyRange>>& GetRanges() const { return this->Ranges; }
-  /// Per variable: of the whole volume's finite values.
-  const std::vector<KeyRange>& GetFiniteRanges() const { return this->FiniteRanges; }
+  /// Per block.
+  const std::vector<KeyRange>& GetRanges() const { return this->Ranges; }
   /// Per block; none without AddProfiles(). May be called once.
   std::vector<BlockProfile> TakeProfiles();
 
 private:
   void AddSlab(const SampleSlab& slab, const VertexBox& box);
   void AddToProfiles(const SampleSlab& slab, const VertexBox& box);
-  SampleRange FindRange(const SampleSlab& slab, std::size_t variable, const VertexBox& part) const;
+  KeyRange FindRange(const SampleSlab& slab, const VertexBox& part) const;
 
   BlockGrid Grid;
   ArrayVariables Variables;
   int Threads;
-  std::vector<std::vector<KeyRange>> Ranges;
-  std::vector<KeyRange> FiniteRanges;
+  std::vector<KeyRange> Ranges;
   std::optional<BlockProfileScan> Profiles;
 };
 

@@ -15,6 +15,8 @@ namespace
 
 /// Rounds with more bytes of records than this and more than a layer of blocks are not faster.
 constexpr std::uint64_t EnoughRecordBytes = std::uint64_t{ 32 } << 20;
+/// With fewer blocks for each thread in a round, threads would wait for the last one.
+constexpr std::int64_t BlocksOfThread = 16;
 
 /// Runs a step. A shortage of memory or threads is an error like others.
 template <typename Step>
@@ -54,10 +56,33 @@ BlockRounds::BlockRounds(Communicator& ranks, SlabSource& source, const BlockGri
   , RecordBytes(FindLargestRecord(grid, types))
   , Records(static_cast<std::size_t>(BlockRecord::AlignUp(RecordBytes)))
 {
-  const Index3& blocks = grid.GetNumberOfBlocksPerAxis();
-  const std::uint64_t layer = static_cast<std::uint64_t>(blocks[0] * blocks[1]) * RecordBytes;
-  const std::uint64_t enough = std::min(memoryBytes / 4, std::max(layer, EnoughRecordBytes));
-  this->BlocksAtOnce = std::max<std::int64_t>(1, static_cast<std::int64_t>(enough / RecordBytes));
+  this->BlocksAtOnce = this->ChooseBlocksAtOnce();
+}
+
+std::int64_t BlockRounds::ChooseBlocksAtOnce() const
+{
+  const Index3& blocks = this->Grid.GetNumberOfBlocksPerAxis();
+  const std::uint64_t layer = static_cast<std::uint64_t>(blocks[0] * blocks[1]) * this->RecordBytes;
+  const std::uint64_t enough = std::min(this->MemoryBytes / 4, std::max(layer, EnoughRecordBytes));
+  const auto most = static_cast<std::int64_t>(enough / this->RecordBytes);
+  // A row of blocks at once, and its samples stay in the processor's cache. Several ranks would wait
+  // for each other in each round.
+  const std::int64_t few = std::max<std::int64_t>(blocks[0], BlocksOfThread * this->Threads);
+  const bool isByRows = this->Source.HasCheapRows() && this->Ranks.GetSize() == 1;
+  return std::max<std::int64_t>(1, isByRows ? std::min(few, most) : most);
+}
+
+void BlockRounds::PrefetchLayer(const BlockSpan& span) const
+{
+  const Index3& blocks = this->Grid.GetNumberOfBlocksPerAxis();
+  const std::int64_t layer = blocks[0] * blocks[1];
+  if (span.Begin % layer == 0 && span.GetCount() < layer)
+  {
+    VertexBox box = this->Source.GetBox();
+    box.Low[2] = this->Grid.GetVertices(span.Begin).Low[2];
+    box.High[2] = std::min(box.High[2], box.Low[2] + 2 * this->Grid.GetBlockSize());
+    this->Source.Prefetch(box);
+  }
 }
 
 std::vector<VertexBox> BlockRounds::FindBoxes(
@@ -141,8 +166,8 @@ Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
   return steps.Agree(Attempt(
     [&]
     {
-      round.Reading =
-        std::async(this->Source.CanReadAhead() ? std::launch::async : std::launch::deferred, read);
+      this->PrefetchLayer(round.Spans[this->Rank]);
+      round.Reading = StartTask(read, this->Source.CanReadAhead());
       return Status::Ok();
     }));
 }
@@ -276,7 +301,7 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
       [&]
       {
-        samples = round.Reading.get();
+        samples = round.Reading.Get();
         return samples.Outcome;
       })));
     isLast = this->Plan.IsDone();

@@ -5,6 +5,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Base/ThreadTeam.h"
 #include "Ground/Volume/SlabSource.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockShipment.h"
@@ -16,7 +17,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <future>
 #include <vector>
 
 namespace isosurface
@@ -69,11 +69,14 @@ private:
   struct Round
   {
     std::vector<BlockSpan> Spans; ///< per rank
-    std::future<RoundSamples> Reading;
+    Task<RoundSamples> Reading;
   };
 
   /// Plans the next round, and starts reading for it.
   Status StartRound(const BlockRoundsSteps& steps, Round& round);
+  std::int64_t ChooseBlocksAtOnce() const;
+  /// Tells the source what is read soon, when a layer of blocks begins that is read row by row.
+  void PrefetchLayer(const BlockSpan& span) const;
   Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSpan>& spans);
   std::uint64_t GetLoad(const std::vector<BlockSpan>& spans) const;
   std::vector<VertexBox> FindBoxes(const std::vector<BlockSpan>& spans, std::size_t rank) const;

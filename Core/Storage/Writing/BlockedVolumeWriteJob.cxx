@@ -3,6 +3,7 @@
 
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/ThreadTeam.h"
 #include "Storage/Writing/GenerationFolder.h"
 #include "Storage/Writing/VolumePlan.h"
 
@@ -22,6 +23,7 @@ constexpr double VolumeDone = 0.97;
 Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
+  const ThreadTeam team; // rounds are short
   // First of all, so that a second writer fails before it has done any work.
   ISOSURFACE_RETURN_IF_ERROR(
     this->Context.AgreeOn(this->Context.Rank == 0 ? this->LockVolume() : Status::Ok()));
@@ -60,7 +62,7 @@ Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
-  ISOSURFACE_RETURN_IF_ERROR(this->Volume->FindRanges());
+  ISOSURFACE_RETURN_IF_ERROR(this->Volume->Distribute());
   ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->Write());
   this->Statistics = this->Volume->GetStatistics();
@@ -181,7 +183,7 @@ Result<std::unique_ptr<ResolutionWriter>> BlockedVolumeWriteJob::WriteOverview(
       return Status::Ok();
     })));
   ISOSURFACE_RETURN_IF_ERROR(writer->Prepare());
-  ISOSURFACE_RETURN_IF_ERROR(writer->FindRanges());
+  ISOSURFACE_RETURN_IF_ERROR(writer->Distribute());
   ISOSURFACE_RETURN_IF_ERROR(writer->Write());
   ISOSURFACE_RETURN_IF_ERROR(finer.RemoveOverviewSamples());
   return writer;

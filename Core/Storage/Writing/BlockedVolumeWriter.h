@@ -78,10 +78,11 @@ struct WriteStatistics
  * On an error of any rank, or if any rank's progress asks to stop, all ranks return an error, and
  * the volume at `path` stays as it was. Another writer to the same path fails at once.
  *
- * Cost: two passes over the samples, one for the blocks' value ranges and one to write. Memory:
- * within MemoryLimit; InvalidArgument if that does not suffice for a block on each rank and about
- * 100 bytes for every block of the volume. Source: X. Zhang, C. Bajaj, "Scalable isosurface
- * visualization of massive datasets on commodity off-the-shelf clusters", 2009, section 4.1.1.
+ * Cost: one pass over the samples; one more before it, for the blocks' value ranges, if these decide
+ * where blocks are stored (Greedy and Balanced, with several stores). Memory: within MemoryLimit;
+ * InvalidArgument if that does not suffice for a block on each rank and about 100 bytes for every
+ * block of the volume. Source: X. Zhang, C. Bajaj, "Scalable isosurface visualization of massive
+ * datasets on commodity off-the-shelf clusters", 2009, section 4.1.1.
  */
 class BlockedVolumeWriter
 {

@@ -51,6 +51,35 @@ std::vector<std::uint8_t> PickOverviewSamples(
   return samples;
 }
 
+std::shared_ptr<std::uint8_t> SlabMemory::Take(std::size_t size)
+{
+  auto buffer = std::make_shared<Buffer<std::uint8_t>>();
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto found = std::find_if(this->Idle.begin(), this->Idle.end(),
+      [size](const Buffer<std::uint8_t>& idle) { return idle.GetSize() >= size; });
+    if (found != this->Idle.end())
+    {
+      *buffer = std::move(*found);
+    }
+    // What is too small is not needed again, since most slabs have one size.
+    this->Idle.erase(std::remove_if(this->Idle.begin(), this->Idle.end(),
+                       [size](const Buffer<std::uint8_t>& idle) { return idle.GetSize() < size; }),
+      this->Idle.end());
+    this->Idle.reserve(this->Idle.size() + 2); // so that returning needs no memory
+  }
+  if (buffer->GetSize() < size)
+  {
+    *buffer = Buffer<std::uint8_t>(size);
+  }
+  return { buffer->GetData(),
+    [memory = this->shared_from_this(), buffer](std::uint8_t*)
+    {
+      const std::lock_guard<std::mutex> lock(memory->Mutex);
+      memory->Idle.push_back(std::move(*buffer));
+    } };
+}
+
 std::string OverviewSource::GetPath(const std::string& folder, std::size_t rank)
 {
   return folder + "/overview-samples-" + std::to_string(rank) + ".tmp";
@@ -65,6 +94,7 @@ OverviewSource::OverviewSource(FileSystem& files, std::string folder, const Bloc
   , VertexBytes(SumValueSizes(this->Types))
   , Stores(std::move(stores))
   , Ranks(ranks)
+  , Memory(std::make_shared<SlabMemory>())
 {
   const Index3& blocks = finer.GetNumberOfBlocksPerAxis();
   this->Box.High = FindOverviewPart(finer, finer.GetNumberOfBlocks() - 1).High;
@@ -110,6 +140,7 @@ std::uint64_t OverviewSource::GetReadBytes(const VertexBox& box) const
   const std::int64_t vertices =
     size[0] * std::min(size[1], rows * blockVertices) * std::min(size[2], blockVertices);
   return static_cast<std::uint64_t>(box.GetNumberOfVertices() + vertices) * this->VertexBytes +
+    8 * this->Types.size() +
     static_cast<std::uint64_t>(rows * this->Finer.GetNumberOfBlocksPerAxis()[0]) *
     (2 * sizeof(std::int64_t)) +
     this->Ranks * sizeof(Part);
@@ -143,20 +174,25 @@ std::vector<OverviewSource::Part> OverviewSource::FindParts(
 }
 
 Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
-  std::vector<Buffer<std::uint8_t>>& samples) const
+  const std::vector<std::uint8_t*>& samples)
 {
   const auto file = this->Files.OpenForReading(GetPath(this->Folder, rank));
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(part.Size));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, bytes.GetSize(), bytes.GetData()));
-  const std::uint8_t* from = bytes.GetData();
+  const auto size = static_cast<std::size_t>(part.Size);
+  if (this->PartBytes.GetSize() < size)
+  {
+    this->PartBytes = Buffer<std::uint8_t>();
+    this->PartBytes = Buffer<std::uint8_t>(size);
+  }
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, size, this->PartBytes.GetData()));
+  const std::uint8_t* from = this->PartBytes.GetData();
   for (const std::int64_t block : part.Blocks)
   {
     const VertexBox has = FindOverviewPart(this->Finer, block);
     for (std::size_t array = 0; array < this->Types.size(); ++array)
     {
-      CopyBox(MakeSampleView(this->Types[array], has, from), has.Intersect(box), box,
-        samples[array].GetData());
+      CopyBox(
+        MakeSampleView(this->Types[array], has, from), has.Intersect(box), box, samples[array]);
       from +=
         static_cast<std::size_t>(has.GetNumberOfVertices()) * GetValueSize(this->Types[array]);
     }
@@ -167,12 +203,23 @@ Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const Vertex
 Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
 {
   const auto vertices = static_cast<std::size_t>(box.GetNumberOfVertices());
-  auto samples = std::make_shared<std::vector<Buffer<std::uint8_t>>>();
-  SampleSlab slab;
+  // Every array at an address that suits all types.
+  const auto align = [](std::size_t size) { return (size + 7) / 8 * 8; };
+  std::size_t bytes = 0;
   for (const ValueType type : this->Types)
   {
-    samples->emplace_back(vertices * GetValueSize(type));
-    slab.Arrays.push_back(MakeSampleView(type, box, samples->back().GetData()));
+    bytes += align(vertices * GetValueSize(type));
+  }
+  const std::shared_ptr<std::uint8_t> memory = this->Memory->Take(bytes);
+  std::vector<std::uint8_t*> samples;
+  SampleSlab slab;
+  slab.Owner = memory;
+  std::uint8_t* next = memory.get();
+  for (const ValueType type : this->Types)
+  {
+    samples.push_back(next);
+    slab.Arrays.push_back(MakeSampleView(type, box, next));
+    next += align(vertices * GetValueSize(type));
   }
   const std::int64_t beginRow = this->FindBlock(box.Low[1], 1);
   const std::int64_t endRow = this->FindBlock(box.High[1] - 1, 1) + 1;
@@ -184,11 +231,10 @@ Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
     {
       if (parts[rank].Size > 0)
       {
-        ISOSURFACE_RETURN_IF_ERROR(this->ReadPart(parts[rank], rank, box, *samples));
+        ISOSURFACE_RETURN_IF_ERROR(this->ReadPart(parts[rank], rank, box, samples));
       }
     }
   }
-  slab.Owner = std::move(samples);
   return slab;
 }
 

@@ -10,6 +10,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,18 @@ VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block);
 /// its segments are encoded.
 std::vector<std::uint8_t> PickOverviewSamples(
   const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block);
+
+/// The memory of slabs that nobody uses any longer, for the next ones. Any thread may release a slab.
+class SlabMemory : public std::enable_shared_from_this<SlabMemory>
+{
+public:
+  /// At least `size` bytes, which return to this object.
+  std::shared_ptr<std::uint8_t> Take(std::size_t size);
+
+private:
+  std::mutex Mutex;
+  std::vector<Buffer<std::uint8_t>> Idle;
+};
 
 /**
  * The samples of an overview, for the writer of the overview. The writers of the finer volume leave
@@ -67,7 +81,7 @@ private:
   std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
   /// Copies the samples of a part within a box to their places in samples[array].
   Status ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
-    std::vector<Buffer<std::uint8_t>>& samples) const;
+    const std::vector<std::uint8_t*>& samples);
 
   FileSystem& Files;
   std::string Folder;
@@ -78,6 +92,8 @@ private:
   std::vector<std::uint32_t> Stores;
   std::size_t Ranks;
   std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and rank: where its parts begin
+  Buffer<std::uint8_t> PartBytes;          ///< of the last part, for the next one
+  std::shared_ptr<SlabMemory> Memory;
 };
 
 } // namespace isosurface

@@ -2,7 +2,9 @@
 #include "Storage/Writing/ResolutionWriter.h"
 
 #include "Ground/Base/Coding.h"
+#include "Ground/Base/GatheringFile.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/SampleRange.h"
 #include "Storage/Distribution/BlockBalancer.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/BlockRecord.h"
@@ -141,49 +143,60 @@ Result<std::uint64_t> ResolutionWriter::GetMemoryLeft(std::uint64_t taken) const
   return usable - taken;
 }
 
-Status ResolutionWriter::FindRanges()
+/// Whether what is in a block decides where it is stored.
+bool ResolutionWriter::NeedsRanges() const
 {
-  const auto find = [&]() -> Status
+  return this->Header.NumberOfStores > 1 &&
+    (this->Header.Distribution == DistributionMethod::Greedy ||
+      this->Header.Distribution == DistributionMethod::Balanced);
+}
+
+Status ResolutionWriter::ScanRanges(BlockRangeScan& scan)
+{
+  const auto read = [&]() -> Status
   {
     const auto left = this->GetMemoryLeft(this->GetTableBytes());
     ISOSURFACE_RETURN_IF_ERROR(left.GetStatus());
-    this->Scan.emplace(this->Grid, this->Variables, this->Context.Settings.Threads);
     if (this->Header.Distribution == DistributionMethod::Balanced)
     {
-      this->Scan->AddProfiles();
+      scan.AddProfiles();
     }
-    return this->Scan->Scan(this->Source, this->Exchange->GetOwned(), *left,
+    return scan.Scan(this->Source, this->Exchange->GetOwned(), *left,
       [&](double share) { return this->TellShare(share * RangesDone); });
   };
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(find)));
-  this->Scan->Reduce(this->Context.Ranks);
-  if (this->GetStep().Ranges.empty())
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(read)));
+  scan.Reduce(this->Context.Ranks);
+  return Status::Ok();
+}
+
+Status ResolutionWriter::Distribute()
+{
+  std::optional<BlockRangeScan> scan;
+  if (this->NeedsRanges())
   {
-    this->GetStep().Ranges = this->Scan->GetFiniteRanges();
+    ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+      [&]
+      {
+        scan.emplace(this->Grid, this->Variables, this->Context.Settings.Threads);
+        return Status::Ok();
+      })));
+    ISOSURFACE_RETURN_IF_ERROR(this->ScanRanges(*scan));
   }
   return this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
       const std::size_t variable = *this->Variables.Find(0, Variable::Magnitude);
-      this->BlockStores = DistributeBlocks(this->Header.Distribution,
-        this->Variables[variable].Type, this->Scan->GetRanges()[variable],
-        this->Header.NumberOfStores, this->Header.RandomSeed, this->Scan->TakeProfiles());
+      const auto blocks = static_cast<std::size_t>(this->Grid.GetNumberOfBlocks());
+      const std::vector<KeyRange> unknown(scan ? 0 : blocks);
+      // A single store has all blocks, whatever the method.
+      const bool isSingle = this->Header.NumberOfStores == 1;
+      this->BlockStores =
+        DistributeBlocks(isSingle ? DistributionMethod::Slab : this->Header.Distribution,
+          this->Variables[variable].Type, scan ? scan->GetRanges() : unknown,
+          this->Header.NumberOfStores, this->Header.RandomSeed,
+          scan ? scan->TakeProfiles() : std::vector<BlockProfile>());
       return Status::Ok();
     }));
-}
-
-void ResolutionWriter::CreateSpectra()
-{
-  std::vector<SpectrumBins> bins;
-  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
-  {
-    bins.push_back(
-      SpectrumBins::Choose(this->Variables[variable].Type, this->GetStep().Ranges[variable]));
-  }
-  this->Spectra.emplace(
-    MeasuredGrid{ this->Header.Grid, this->Header.Lines ? &*this->Header.Lines : nullptr },
-    this->Variables, std::move(bins), this->Header.NumberOfStores, this->Context.Rank,
-    this->Context.Size);
 }
 
 Status ResolutionWriter::CreateStores()
@@ -214,7 +227,7 @@ Status ResolutionWriter::CreateStores()
     auto samples = this->Context.Files.CreateForWriting(
       OverviewSource::GetPath(this->GetFolder(), this->Context.Rank));
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->OverviewSamples = std::move(*samples);
+    this->OverviewSamples = std::make_unique<GatheringFile>(std::move(*samples));
   }
   return Status::Ok();
 }
@@ -224,7 +237,11 @@ Status ResolutionWriter::Write()
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
-      this->CreateSpectra();
+      this->Spectra.emplace(
+        MeasuredGrid{ this->Header.Grid, this->Header.Lines ? &*this->Header.Lines : nullptr },
+        this->Variables, this->Header.NumberOfStores, this->Context.Rank, this->Context.Size);
+      this->Ranges.assign(this->Variables.GetCount(),
+        std::vector<KeyRange>(static_cast<std::size_t>(this->Grid.GetNumberOfBlocks())));
       return this->CreateStores();
     })));
   ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
@@ -237,7 +254,7 @@ Status ResolutionWriter::Write()
 Status ResolutionWriter::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
-  std::vector<std::vector<BlockCounters>> counters;
+  std::vector<Counters> counters;
   std::optional<BlockShipment> shipment;
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
@@ -245,7 +262,7 @@ Status ResolutionWriter::WriteBlocks()
       counters.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
       for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
       {
-        counters.push_back(this->Spectra->MakeCounters());
+        counters.push_back(this->MakeCounters());
       }
       shipment.emplace(
         this->Grid, this->Types, this->BlockStores, this->Context.Rank, this->Context.Size);
@@ -269,42 +286,63 @@ Status ResolutionWriter::WriteBlocks()
     }
     return this->Writers[block.Store]->Append(block);
   };
-  steps.Tell = [&](double share)
-  { return this->TellShare(RangesDone + (BlocksDone - RangesDone) * share); };
+  const double begin = this->NeedsRanges() ? RangesDone : 0;
+  steps.Tell = [&](double share) { return this->TellShare(begin + (BlocksDone - begin) * share); };
   const Status status = rounds.Run(steps);
   this->Statistics.Rounds = rounds.GetRounds();
   this->Statistics.MemoryBytes =
     this->Context.Settings.MemoryLimit - memory[0] + rounds.GetLargestBytes();
-  return status.IsOk() || status.GetCode() == StatusCode::Aborted
+  if (status.IsOk())
+  {
+    this->ShareRanges(counters);
+    return status;
+  }
+  return status.GetCode() == StatusCode::Aborted
     ? status
     : Status(status.GetCode(), this->Context.Path + ": cannot be written: " + status.GetMessage());
 }
 
-/// Adds a filled block to the spectra, then encodes its record.
-void ResolutionWriter::FinishBlock(
-  PendingBlock& block, const std::vector<SampleView>& views, std::vector<BlockCounters>& counters)
+ResolutionWriter::Counters ResolutionWriter::MakeCounters() const
 {
-  const auto& ranges = this->Scan->GetRanges();
+  const std::size_t variables = this->Variables.GetCount();
+  return { std::vector<BlockSpectrum>(variables, BlockSpectrum(this->Spectra->GetGrid())),
+    std::vector<KeyRange>(variables) };
+}
+
+/// Joins the ranges of the finite values of all ranks, which decide the bins of all spectra.
+void ResolutionWriter::ShareRanges(const std::vector<Counters>& counters)
+{
+  std::vector<KeyRange> finite(this->Variables.GetCount());
+  CommonRanges common;
+  for (std::size_t variable = 0; variable < finite.size(); ++variable)
+  {
+    for (const Counters& ofThread : counters)
+    {
+      finite[variable].Add(ofThread.FiniteRanges[variable]);
+    }
+    common.Add(finite[variable]);
+  }
+  common.Join(this->Context.Ranks);
+  if (this->GetStep().Ranges.empty())
+  {
+    this->GetStep().Ranges = std::move(finite);
+  }
+}
+
+/// Adds a filled block to the ranges and spectra, then encodes its record.
+void ResolutionWriter::FinishBlock(
+  PendingBlock& block, const std::vector<SampleView>& views, Counters& counters)
+{
   for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
-    const KeyRange& range = ranges[variable][static_cast<std::size_t>(block.Block)];
-    if (range.Minimum < range.Maximum)
+    if (variable < views.size())
     {
-      if (variable < views.size())
-      {
-        counters[variable].Count(views[variable]);
-      }
-      else
-      {
-        counters[variable].Count(this->AssembleVariable(block, variable)->View);
-      }
+      this->CountVariable(block, variable, views[variable], counters);
     }
     else
     {
-      counters[variable].Measure.CountUniform(
-        this->Variables[variable].Type, range.Minimum, this->Grid.GetVertices(block.Block));
+      this->CountVariable(block, variable, this->AssembleVariable(block, variable)->View, counters);
     }
-    this->Spectra->Add(block.Store, variable, counters[variable]);
   }
   if (this->OverviewSamples)
   {
@@ -313,6 +351,15 @@ void ResolutionWriter::FinishBlock(
   // Samples in place have the checksums of uncompressed ones.
   EncodeRecord(this->Header.IsInPlace() ? BlockCompression() : this->Header.Compression, this->Grid,
     block.Block, this->Types, block.Layout, block.Record);
+}
+
+void ResolutionWriter::CountVariable(
+  const PendingBlock& block, std::size_t variable, const SampleView& samples, Counters& counters)
+{
+  const SampleRange range = FindSampleRange(samples, samples.Box);
+  this->Ranges[variable][static_cast<std::size_t>(block.Block)] = range.All;
+  counters.FiniteRanges[variable].Add(range.Finite);
+  this->Spectra->Add(block.Store, variable, counters.Spectra[variable].Count(samples, range));
 }
 
 /// The samples of a filled block at full resolution.
@@ -342,6 +389,7 @@ std::shared_ptr<DecodedBlock> ResolutionWriter::AssembleVariable(
 
 Status ResolutionWriter::FinishStores()
 {
+  this->Spectra->SetRanges(this->GetStep().Ranges);
   this->GetStep().Stores.resize(this->Header.NumberOfStores);
   std::vector<std::uint32_t> mine;
   for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
@@ -363,8 +411,8 @@ Status ResolutionWriter::FinishStores()
     [&](std::size_t index, int)
     {
       std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
-      this->Spectra->FinishStore(mine[index], writer->GetEntries(), this->Scan->GetRanges());
-      const auto description = writer->Finish(this->Variables, this->Scan->GetRanges(), memory);
+      this->Spectra->FinishStore(mine[index], writer->GetEntries(), this->Ranges);
+      const auto description = writer->Finish(this->Variables, this->Ranges, memory);
       outcomes[index] = description.GetStatus();
       if (description.IsOk())
       {
@@ -436,7 +484,7 @@ Status ResolutionWriter::ShareSpectra()
 
 std::unique_ptr<OverviewSource> ResolutionWriter::MakeOverviewSource()
 {
-  this->Scan.reset();
+  this->Ranges.clear();
   this->Spectra.reset();
   return std::make_unique<OverviewSource>(this->Context.Files, this->GetFolder(), this->Grid,
     this->Types, std::move(this->BlockStores), this->Context.Size);

@@ -41,8 +41,9 @@ public:
 
   /// Collective. Plans who sends which samples; fails if the ranks do not have all of them.
   Status Prepare();
-  /// Collective. Finds the ranges of all blocks and distributes these over the stores.
-  Status FindRanges();
+  /// Collective. Distributes the blocks over the stores. Reads the source only where their ranges
+  /// decide.
+  Status Distribute();
   /// Collective. Writes the stores and the spectra.
   Status Write();
 
@@ -60,12 +61,23 @@ public:
   Status RemoveOverviewSamples();
 
 private:
+  /// What a thread counts in blocks.
+  struct Counters
+  {
+    std::vector<BlockSpectrum> Spectra; ///< per variable
+    std::vector<KeyRange> FiniteRanges; ///< per variable, of all blocks
+  };
+
   std::vector<VertexBox> GatherBoxes() const;
-  void CreateSpectra();
+  bool NeedsRanges() const;
+  Status ScanRanges(BlockRangeScan& scan);
   Status CreateStores();
   Status WriteBlocks();
-  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views,
-    std::vector<BlockCounters>& counters);
+  Counters MakeCounters() const;
+  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, Counters& counters);
+  void CountVariable(
+    const PendingBlock& block, std::size_t variable, const SampleView& samples, Counters& counters);
+  void ShareRanges(const std::vector<Counters>& counters);
   std::shared_ptr<DecodedBlock> AssembleVariable(
     const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();
@@ -88,8 +100,8 @@ private:
   std::vector<ValueType> Types; ///< of the components
   std::optional<BlockExchange> Exchange;
   std::optional<RoundPlan> Plan;
-  std::optional<BlockRangeScan> Scan;
   std::vector<std::uint32_t> BlockStores;                 ///< per block
+  std::vector<std::vector<KeyRange>> Ranges;              ///< per variable and block of this rank
   std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
   std::unique_ptr<WritableFile> OverviewSamples;          ///< null without a coarser grid
   std::optional<StoreSpectra> Spectra;

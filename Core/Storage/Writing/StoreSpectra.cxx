@@ -8,12 +8,21 @@
 
 namespace isosurface
 {
+namespace
+{
 
-StoreSpectra::StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables,
-  std::vector<SpectrumBins> bins, std::uint32_t stores, std::size_t rank, std::size_t ranks)
+/// The maximum number of bins of a spectrum.
+std::uint64_t CountBins(ValueType type)
+{
+  return GetValueSize(type) == 1 ? 256 : SpectrumBins::MaximumCount;
+}
+
+} // namespace
+
+StoreSpectra::StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables, std::uint32_t stores,
+  std::size_t rank, std::size_t ranks)
   : Grid(grid)
   , Variables(std::move(variables))
-  , Bins(std::move(bins))
   , Stores(stores)
   , Rank(rank)
   , Ranks(ranks)
@@ -21,17 +30,25 @@ StoreSpectra::StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables,
   for (std::size_t store = rank; store < stores; store += ranks)
   {
     this->Mine.push_back(std::make_unique<Store>());
-    for (const SpectrumBins& ofVariable : this->Bins)
+    for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
     {
-      Sums sums;
-      sums.Spectrum.Bins = ofVariable;
-      sums.Spectrum.Triangles.resize(ofVariable.Count);
-      sums.Spectrum.ActiveCells.resize(ofVariable.Count);
-      sums.Measure = MeasureSums(ofVariable);
-      this->Mine.back()->Arrays.push_back(std::move(sums));
+      this->Mine.back()->Sums.emplace_back(this->Variables[variable].Type);
     }
   }
-  for (std::size_t variable = 0; variable < this->Bins.size(); ++variable)
+}
+
+void StoreSpectra::Add(std::uint32_t store, std::size_t variable, const EdgeSums& counted)
+{
+  Store& mine = *this->Mine[store / this->Ranks];
+  const std::lock_guard<std::mutex> lock(mine.Mutex);
+  mine.Sums[variable].Add(counted);
+}
+
+void StoreSpectra::SetRanges(const std::vector<KeyRange>& ranges)
+{
+  this->FiniteRanges = ranges;
+  this->Totals.clear();
+  for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
     this->Totals.push_back(this->MakeSpectrum(variable));
   }
@@ -39,35 +56,18 @@ StoreSpectra::StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables,
 
 WorkloadSpectrum StoreSpectra::MakeSpectrum(std::size_t variable) const
 {
-  WorkloadSpectrum spectrum(this->Bins[variable]);
+  WorkloadSpectrum spectrum(
+    SpectrumBins::Choose(this->Variables[variable].Type, this->FiniteRanges[variable]));
   spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
   spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
   return spectrum;
-}
-
-std::vector<BlockCounters> StoreSpectra::MakeCounters() const
-{
-  std::vector<BlockCounters> counters;
-  for (const SpectrumBins& bins : this->Bins)
-  {
-    counters.emplace_back(bins, this->Grid);
-  }
-  return counters;
-}
-
-void StoreSpectra::Add(std::uint32_t store, std::size_t variable, BlockCounters& counted)
-{
-  Store& mine = *this->Mine[store / this->Ranks];
-  const std::lock_guard<std::mutex> lock(mine.Mutex);
-  counted.Workload.MoveTo(mine.Arrays[variable].Spectrum);
-  counted.Measure.MoveTo(mine.Arrays[variable].Measure);
 }
 
 void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
   const std::vector<std::vector<KeyRange>>& ranges)
 {
   Store& mine = *this->Mine[store / this->Ranks];
-  for (std::size_t variable = 0; variable < this->Bins.size(); ++variable)
+  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
     // A query reads the segments of all levels; for a magnitude those of all components.
     const Variable& counted = this->Variables[variable];
@@ -77,20 +77,18 @@ void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirec
       (counted.IsMagnitude()
           ? static_cast<std::size_t>(this->Variables.GetComponents(counted.Array))
           : 1);
-    BlockActivity activity(counted.Type, this->Bins[variable]);
+    WorkloadSpectrum spectrum = this->MakeSpectrum(variable);
+    BlockActivity activity(counted.Type, spectrum.Bins);
     for (const BlockDirectoryEntry& entry : entries)
     {
       const std::size_t levels = entry.Lengths.size() / this->Variables.GetNumberOfStored();
       activity.Add(ranges[variable][static_cast<std::size_t>(entry.Block)],
         entry.FindSegment(end * levels) - entry.FindSegment(first * levels));
     }
-    Sums sums = std::exchange(mine.Arrays[variable], {});
-    WorkloadSpectrum spectrum = this->MakeSpectrum(variable);
-    spectrum.Triangles = std::move(sums.Spectrum.Triangles);
-    spectrum.ActiveCells = std::move(sums.Spectrum.ActiveCells);
     activity.SetActivity(spectrum);
-    sums.Measure.SetMeasures(spectrum);
-    mine.Arrays[variable].Packed = SpectraFile::Pack(spectrum);
+    std::exchange(mine.Sums[variable], GrowingSpectrum(counted.Type))
+      .SetSums(spectrum, this->FiniteRanges[variable]);
+    mine.Packed.push_back(SpectraFile::Pack(spectrum));
     const std::lock_guard<std::mutex> lock(this->TotalsMutex);
     static_cast<void>(this->Totals[variable].Add(spectrum));
   }
@@ -112,12 +110,12 @@ Message StoreSpectra::Pack() const
   Message message;
   for (const std::unique_ptr<Store>& store : this->Mine)
   {
-    for (const Sums& sums : store->Arrays)
+    for (const SpectraFile::Section& packed : store->Packed)
     {
       message.resize(message.size() + sizeof(std::uint64_t));
       StoreLittleEndian<std::uint64_t>(
-        message.data() + message.size() - sizeof(std::uint64_t), sums.Packed.size());
-      message.insert(message.end(), sums.Packed.begin(), sums.Packed.end());
+        message.data() + message.size() - sizeof(std::uint64_t), packed.size());
+      message.insert(message.end(), packed.begin(), packed.end());
     }
   }
   return message;
@@ -125,17 +123,18 @@ Message StoreSpectra::Pack() const
 
 std::vector<SpectraFile::Section> StoreSpectra::Unpack(const std::vector<Message>& messages) const
 {
-  std::vector<SpectraFile::Section> sections(this->Bins.size() * this->Stores);
+  const std::size_t variables = this->Variables.GetCount();
+  std::vector<SpectraFile::Section> sections(variables * this->Stores);
   for (std::size_t rank = 0; rank < this->Ranks; ++rank)
   {
     const std::uint8_t* next = messages[rank].data();
     for (std::size_t store = rank; store < this->Stores; store += this->Ranks)
     {
-      for (std::size_t variable = 0; variable < this->Bins.size(); ++variable)
+      for (std::size_t variable = 0; variable < variables; ++variable)
       {
         const std::uint8_t* begin = next + sizeof(std::uint64_t);
         next = begin + LoadLittleEndian<std::uint64_t>(next);
-        sections[store * this->Bins.size() + variable].assign(begin, next);
+        sections[store * variables + variable].assign(begin, next);
       }
     }
   }
@@ -144,15 +143,16 @@ std::vector<SpectraFile::Section> StoreSpectra::Unpack(const std::vector<Message
 
 std::uint64_t StoreSpectra::GetBytes() const
 {
-  // The triangles, cells and changes of measures of a spectrum. A packed one takes about half of
-  // that; rank 0 has it as a section and in a message.
-  constexpr std::uint64_t sums = 2 * sizeof(std::uint64_t) + sizeof(MeasureSums::Change);
-  constexpr std::uint64_t packed = sums / 2;
+  // The sums at each edge, and twice that while the bins grow. A packed spectrum takes about half of
+  // the numbers of a spectrum; rank 0 has it as a section and in a message.
+  constexpr std::uint64_t sums = sizeof(SurfaceSums);
+  constexpr std::uint64_t packed = sizeof(SurfaceSums) / 2;
   std::uint64_t bytes = 0;
-  for (const SpectrumBins& ofVariable : this->Bins)
+  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
-    bytes += ofVariable.Count * (this->Stores / this->Ranks + 1) * sums;
-    bytes += this->Rank == 0 ? ofVariable.Count * std::uint64_t{ this->Stores } * 2 * packed : 0;
+    const std::uint64_t bins = CountBins(this->Variables[variable].Type);
+    bytes += bins * (this->Stores / this->Ranks + 3) * sums;
+    bytes += this->Rank == 0 ? bins * std::uint64_t{ this->Stores } * 2 * packed : 0;
   }
   return bytes;
 }
@@ -160,10 +160,11 @@ std::uint64_t StoreSpectra::GetBytes() const
 std::uint64_t StoreSpectra::GetCounterBytes(std::size_t variables, std::uint64_t blockSize)
 {
   const std::uint64_t side = blockSize + 1;
-  const std::uint64_t workload = 4 * side * side * side + 16 * SpectrumBins::MaximumCount;
+  const std::uint64_t workload = 8 * side * side * side + 32 * SpectrumBins::MaximumCount;
   const std::uint64_t measure =
-    8 * side * side + sizeof(MeasureSums::Change) * SpectrumBins::MaximumCount;
-  return variables * (workload + measure);
+    8 * side * side + 2 * sizeof(MeasureSums::Change) * SpectrumBins::MaximumCount;
+  const std::uint64_t sums = 3 * sizeof(SurfaceSums) * SpectrumBins::MaximumCount;
+  return variables * (workload + measure + sums);
 }
 
 } // namespace isosurface

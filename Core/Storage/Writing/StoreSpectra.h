@@ -7,8 +7,7 @@
 #include "Ground/Volume/ValueKey.h"
 #include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/SpectraFile.h"
-#include "Surface/Spectrum/BlockMeasure.h"
-#include "Surface/Spectrum/BlockWorkload.h"
+#include "Surface/Spectrum/GrowingSpectrum.h"
 #include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
@@ -20,38 +19,24 @@
 namespace isosurface
 {
 
-/// Counts one variable in the blocks that one thread finishes.
-struct BlockCounters
-{
-  BlockCounters(const SpectrumBins& bins, const MeasuredGrid& grid)
-    : Workload(bins)
-    , Measure(bins, grid)
-  {
-  }
-  void Count(const SampleView& samples)
-  {
-    this->Workload.Count(samples);
-    this->Measure.Count(samples);
-  }
-  BlockWorkload Workload;
-  BlockMeasure Measure;
-};
-
 /// The spectra of the stores while these are written. Each rank has those of its own stores
 /// (d mod P == r), which several threads add to, and packs them when the store is finished. Then
 /// rank 0 gets the packed spectra, and all ranks those of the whole volume.
 class StoreSpectra
 {
 public:
-  /// bins[variable]. The grid's lines must outlive this object.
-  StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables, std::vector<SpectrumBins> bins,
-    std::uint32_t stores, std::size_t rank, std::size_t ranks);
+  /// The grid's lines must outlive this object.
+  StoreSpectra(const MeasuredGrid& grid, ArrayVariables variables, std::uint32_t stores,
+    std::size_t rank, std::size_t ranks);
 
-  /// Counters of all variables, for one thread.
-  std::vector<BlockCounters> MakeCounters() const;
+  const MeasuredGrid& GetGrid() const { return this->Grid; }
 
-  /// Adds what was counted in blocks of one of this rank's stores, and resets the counters.
-  void Add(std::uint32_t store, std::size_t variable, BlockCounters& counted);
+  /// Adds what was counted in a block of one of this rank's stores.
+  void Add(std::uint32_t store, std::size_t variable, const EdgeSums& counted);
+
+  /// When all blocks are added: ranges[variable] is that of the finite values of all stores, which
+  /// decides the bins.
+  void SetRanges(const std::vector<KeyRange>& ranges);
 
   /// Adds a store's active blocks and packs its spectra. `entries`: those of its blocks;
   /// ranges[variable][block]: the value ranges of all blocks of the volume. Threads may finish
@@ -75,15 +60,10 @@ public:
   static std::uint64_t GetCounterBytes(std::size_t variables, std::uint64_t blockSize);
 
 private:
-  struct Sums
-  {
-    WorkloadSpectrum Spectrum; ///< triangles and cells, until the store is finished
-    MeasureSums Measure;
-    SpectraFile::Section Packed;
-  };
   struct Store
   {
-    std::vector<Sums> Arrays;
+    std::vector<GrowingSpectrum> Sums; ///< per variable, until the store is finished
+    std::vector<SpectraFile::Section> Packed;
     std::mutex Mutex;
   };
 
@@ -91,7 +71,7 @@ private:
 
   MeasuredGrid Grid;
   ArrayVariables Variables;
-  std::vector<SpectrumBins> Bins;
+  std::vector<KeyRange> FiniteRanges; ///< per variable
   std::uint32_t Stores;
   std::size_t Rank;
   std::size_t Ranks;

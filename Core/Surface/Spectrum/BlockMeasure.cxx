@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace isosurface
 {
@@ -132,22 +133,21 @@ void MeasureSums::SetNumbers(const std::vector<std::uint64_t>& numbers)
   }
 }
 
+std::uint64_t MeasureSums::Round(std::uint64_t sum)
+{
+  // The rounding of slopes may make the sum slightly negative.
+  const auto whole = std::max<std::int64_t>(0, static_cast<std::int64_t>(sum));
+  return (static_cast<std::uint64_t>(whole) + (1u << (DroppedBits - 1))) >> DroppedBits;
+}
+
 void MeasureSums::SetMeasures(WorkloadSpectrum& spectrum) const
 {
-  const auto round = [](std::uint64_t sum)
-  {
-    // The rounding of slopes may make the sum slightly negative.
-    const auto whole = std::max<std::int64_t>(0, static_cast<std::int64_t>(sum));
-    return (static_cast<std::uint64_t>(whole) + (1u << (DroppedBits - 1))) >> DroppedBits;
-  };
   Change sum;
   for (std::size_t bin = 0; bin < spectrum.Bins.Count; ++bin)
   {
-    sum.Area += this->Changes[bin].Area;
-    sum.Constant += this->Changes[bin].Constant;
-    sum.Slope += this->Changes[bin].Slope;
-    spectrum.Area[bin] = round(sum.Area);
-    spectrum.Volume[bin] = round(sum.Constant - sum.Slope * bin);
+    sum += this->Changes[bin];
+    spectrum.Area[bin] = Round(sum.Area);
+    spectrum.Volume[bin] = Round(sum.Constant - sum.Slope * bin);
   }
 }
 
@@ -189,6 +189,14 @@ BlockMeasure::BlockMeasure(
 {
   const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid.Geometry));
   this->Weights = MakeWeights(faces, *std::max_element(faces.begin(), faces.end()));
+}
+
+void BlockMeasure::SetBins(const SpectrumBins& bins)
+{
+  this->Bins = bins;
+  this->Sums.Changes.resize(std::max(this->Sums.Changes.size(), bins.Count + std::size_t{ 1 }));
+  this->MinimumBin = bins.Count;
+  this->MaximumBin = 0;
 }
 
 double BlockMeasure::GetLength(std::size_t axis, std::int64_t cell, std::int64_t cells) const
@@ -474,13 +482,7 @@ std::uint64_t BlockMeasure::GetVolume(const VertexBox& box) const
 void BlockMeasure::MoveTo(MeasureSums& sums)
 {
   const auto move = [&](std::size_t bin)
-  {
-    MeasureSums::Change& mine = this->Sums.Changes[bin];
-    sums.Changes[bin].Area += mine.Area;
-    sums.Changes[bin].Constant += mine.Constant;
-    sums.Changes[bin].Slope += mine.Slope;
-    mine = {};
-  };
+  { sums.Changes[bin] += std::exchange(this->Sums.Changes[bin], {}); };
   move(0);
   for (std::size_t bin = std::max<std::size_t>(1, this->MinimumBin); bin <= this->MaximumBin; ++bin)
   {

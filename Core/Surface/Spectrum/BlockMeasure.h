@@ -30,6 +30,14 @@ struct MeasureSums
     std::uint64_t Area = 0;
     std::uint64_t Constant = 0;
     std::uint64_t Slope = 0;
+
+    Change& operator+=(const Change& other)
+    {
+      this->Area += other.Area;
+      this->Constant += other.Constant;
+      this->Slope += other.Slope;
+      return *this;
+    }
   };
 
   /// 2^FractionBits units are the area of the largest face of a cell, or the volume of a cell.
@@ -45,6 +53,8 @@ struct MeasureSums
   std::vector<std::uint64_t> GetNumbers() const;
   void SetNumbers(const std::vector<std::uint64_t>& numbers);
 
+  /// The area or volume in a spectrum, of a sum of changes.
+  static std::uint64_t Round(std::uint64_t sum);
   /// Sets Area and Volume of a spectrum that has the bins of these sums.
   void SetMeasures(WorkloadSpectrum& spectrum) const;
 
@@ -98,6 +108,9 @@ public:
   /// and fall with the side of the grid: the error of a surface across the grid is about 3 %, that
   /// of a small surface more.
   static std::int64_t ChooseRowStride(const GridGeometry& grid);
+
+  /// Changes the bins. Nothing is counted that was not moved.
+  void SetBins(const SpectrumBins& bins);
 
   /// Adds the cells of the samples' Box, which is in coordinates of the grid.
   void Count(const SampleView& samples);

@@ -194,12 +194,18 @@ void CountEdges(const SpectrumBins& bins, const SampleView& samples, std::int16_
 } // namespace
 
 BlockWorkload::BlockWorkload(const SpectrumBins& bins)
-  : Bins(bins)
-  , Changes(bins.Count + 1)
-  , PackedChanges(Changes.size() * PackedSums, 0)
-  , MinimumValue(bins.Count)
 {
-  static_assert(SpectrumBins::MaximumCount <= 32767, "numbers of edges are compared as int16");
+  static_assert(SpectrumBins::MaximumCount < 32767, "numbers of edges are compared as int16");
+  this->SetBins(bins);
+}
+
+void BlockWorkload::SetBins(const SpectrumBins& bins)
+{
+  this->Bins = bins;
+  this->Changes.resize(std::max(this->Changes.size(), bins.Count + std::size_t{ 1 }));
+  this->PackedChanges.resize(this->Changes.size() * PackedSums, 0);
+  this->MinimumValue = bins.Count;
+  this->MaximumValue = 0;
 }
 
 void BlockWorkload::Count(const SampleView& samples)
@@ -229,10 +235,11 @@ void BlockWorkload::Count(const SampleView& samples)
     this->PackedVertices += end - begin;
     this->AddChanges(begin, end);
   }
-  for (const VertexChanges::Diagonal& diagonal : this->Vertices.GetDiagonals())
+  const VertexChanges::Diagonal* const diagonals = this->Vertices.GetDiagonals();
+  for (std::size_t index = 0; index < this->Vertices.GetNumberOfDiagonals(); ++index)
   {
-    this->Changes[static_cast<std::size_t>(diagonal.Second)].Triangles -= 4;
-    this->Changes[static_cast<std::size_t>(diagonal.Third)].Triangles += 4;
+    this->Changes[static_cast<std::size_t>(diagonals[index].Second)].Triangles -= 4;
+    this->Changes[static_cast<std::size_t>(diagonals[index].Third)].Triangles += 4;
   }
 }
 

@@ -31,6 +31,9 @@ class BlockWorkload
 public:
   explicit BlockWorkload(const SpectrumBins& bins);
 
+  /// Changes the bins. Nothing is counted that was not moved.
+  void SetBins(const SpectrumBins& bins);
+
   /// Adds the cells of the samples' Box. May be called for several blocks.
   void Count(const SampleView& samples);
 

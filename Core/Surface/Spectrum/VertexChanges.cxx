@@ -4,7 +4,6 @@
 #include "Ground/Base/ProcessorClones.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace isosurface
 {
@@ -80,29 +79,29 @@ ISOSURFACE_CLONES void PassOnMaxima(Input low, Input high, Input cells, Output l
   }
 }
 
-/// Finds the cells with a diagonal whose ends are below all other corners. found: the diagonal (1
-/// to 4, by the end in the lower slice) or 0. Returns false if there is none.
-ISOSURFACE_CLONES bool FindDiagonals(
-  Input low, Input high, Input cells, Output found, std::ptrdiff_t row, std::ptrdiff_t count)
+/// Finds the cells with a diagonal whose ends are below all other corners, and the second and third
+/// values of their corners; the two are equal for other cells. Returns false if there are none.
+ISOSURFACE_CLONES bool FindDiagonals(Input low, Input high, Input cells,
+  VertexChanges::Diagonal* __restrict__ found, std::ptrdiff_t row, std::ptrdiff_t count)
 {
   std::int16_t any = 0;
   for (std::ptrdiff_t i = 0; i < count; ++i)
   {
+    // The lower and the upper ends of the four diagonals. If the minimum of the upper ends is below
+    // all but one of the lower ends, both belong to one diagonal.
     const std::int16_t a[4] = { low[i], low[i + 1], low[i + row], low[i + row + 1] };
     const std::int16_t b[4] = { high[i + row + 1], high[i + row], high[i + 1], high[i] };
-    const std::int16_t minimum01 = Minimum(Minimum(a[0], b[0]), Minimum(a[1], b[1]));
-    const std::int16_t minimum23 = Minimum(Minimum(a[2], b[2]), Minimum(a[3], b[3]));
-    // At most one of these conditions is true.
-    const std::int16_t which0 =
-      If(Maximum(a[0], b[0]) < Minimum(Minimum(a[1], b[1]), minimum23), 1);
-    const std::int16_t which1 =
-      If(Maximum(a[1], b[1]) < Minimum(Minimum(a[0], b[0]), minimum23), 2);
-    const std::int16_t which2 =
-      If(Maximum(a[2], b[2]) < Minimum(Minimum(a[3], b[3]), minimum01), 3);
-    const std::int16_t which3 =
-      If(Maximum(a[3], b[3]) < Minimum(Minimum(a[2], b[2]), minimum01), 4);
-    found[i] = static_cast<std::int16_t>(cells[i] & (which0 | which1 | which2 | which3));
-    any = static_cast<std::int16_t>(any | found[i]);
+    const std::int16_t lower[4] = { Minimum(a[0], b[0]), Minimum(a[1], b[1]), Minimum(a[2], b[2]),
+      Minimum(a[3], b[3]) };
+    const std::int16_t upper = Minimum(Minimum(Maximum(a[0], b[0]), Maximum(a[1], b[1])),
+      Minimum(Maximum(a[2], b[2]), Maximum(a[3], b[3])));
+    const std::int16_t secondLower =
+      Minimum(Maximum(Minimum(lower[0], lower[1]), Minimum(lower[2], lower[3])),
+        Minimum(Maximum(lower[0], lower[1]), Maximum(lower[2], lower[3])));
+    const std::int16_t fall = Narrow((secondLower - Minimum(upper, secondLower)) & cells[i]);
+    found[i].Second = Narrow(secondLower - fall);
+    found[i].Third = secondLower;
+    any = static_cast<std::int16_t>(any | fall);
   }
   return any != 0;
 }
@@ -204,7 +203,7 @@ void VertexChanges::FillUnits(std::size_t rows)
 
 void VertexChanges::Compute()
 {
-  this->Diagonals.clear();
+  this->NumberOfDiagonals = 0;
   for (std::vector<std::int16_t>* part :
     { &this->Lower.LowFace, &this->Lower.LowEdgeX, &this->Lower.LowEdgeY, &this->Lower.HighFace })
   {
@@ -235,28 +234,21 @@ void VertexChanges::VisitCells(std::size_t slice)
     begin(this->Upper.HighFace), row, count);
   if (FindDiagonals(low, high, this->Cells.data(), this->Found.data(), row, count))
   {
-    this->AddDiagonals(low, high);
+    this->AddDiagonals();
   }
 }
 
-void VertexChanges::AddDiagonals(const std::int16_t* low, const std::int16_t* high)
+void VertexChanges::AddDiagonals()
 {
-  const std::size_t row = this->Columns;
-  const auto end = this->Found.begin() + static_cast<std::ptrdiff_t>(this->SliceSize);
-  const auto isFound = [](std::int16_t diagonal) { return diagonal != 0; };
-  for (auto at = std::find_if(this->Found.begin(), end, isFound); at != end;
-       at = std::find_if(at + 1, end, isFound))
+  this->Diagonals.resize(std::max(this->Diagonals.size(), this->SliceSize * this->Slices));
+  Diagonal* next = this->Diagonals.data() + this->NumberOfDiagonals;
+  for (const Diagonal& found : this->Found)
   {
-    const auto i = static_cast<std::size_t>(at - this->Found.begin());
-    std::int16_t a[4] = { low[i], low[i + 1], low[i + row], low[i + row + 1] };
-    std::int16_t b[4] = { high[i + row + 1], high[i + row], high[i + 1], high[i] };
-    const auto which = static_cast<std::size_t>(this->Found[i] - 1);
-    const std::int16_t second = Maximum(a[which], b[which]);
-    a[which] = b[which] = std::numeric_limits<std::int16_t>::max();
-    const std::int16_t third = Minimum(Minimum(Minimum(a[0], a[1]), Minimum(a[2], a[3])),
-      Minimum(Minimum(b[0], b[1]), Minimum(b[2], b[3])));
-    this->Diagonals.push_back({ second, third });
+    // Without a branch, which would often be mispredicted.
+    *next = found;
+    next += found.Second != found.Third ? 1 : 0;
   }
+  this->NumberOfDiagonals = static_cast<std::size_t>(next - this->Diagonals.data());
 }
 
 void VertexChanges::FinishSlice(std::size_t slice)

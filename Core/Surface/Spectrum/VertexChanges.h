@@ -24,7 +24,8 @@ namespace isosurface
  * weight, which is passed on to the half with the minimum (maximum), down to one vertex: from cells
  * to faces, to edges, to vertices. Where values are smooth, the weights of a vertex cancel out.
  *
- * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex, and a few slices. For
+ * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex,
+ * in noise 8, and a few slices. For
  * one thread at a time; an object can be used for several lattices.
  */
 class VertexChanges
@@ -52,7 +53,8 @@ public:
   const std::int16_t* GetValues() const { return this->Values.data() + this->Margin; }
   /// The changes by vertex, without those of the diagonals.
   const std::int16_t* GetChanges() const { return this->Changes.data(); }
-  const std::vector<Diagonal>& GetDiagonals() const { return this->Diagonals; }
+  std::size_t GetNumberOfDiagonals() const { return this->NumberOfDiagonals; }
+  const Diagonal* GetDiagonals() const { return this->Diagonals.data(); }
 
 private:
   /// Weights passed on to a slice of vertices. Each vector begins with a margin of zeros.
@@ -68,7 +70,7 @@ private:
   void FillUnits(std::size_t rows);
   void VisitCells(std::size_t slice);
   void FinishSlice(std::size_t slice);
-  void AddDiagonals(const std::int16_t* low, const std::int16_t* high);
+  void AddDiagonals();
 
   std::size_t Columns = 0;
   std::size_t SliceSize = 0;
@@ -76,7 +78,8 @@ private:
   std::size_t Margin = 0;           ///< a row and a vertex: the maximum offset of neighbours
   std::vector<std::int16_t> Values; ///< between two margins
   std::vector<std::int16_t> Changes;
-  std::vector<Diagonal> Diagonals;
+  std::vector<Diagonal> Diagonals; ///< with room for one a vertex, once there are any
+  std::size_t NumberOfDiagonals = 0;
 
   // By vertex of a slice; 0 if it is not the low corner of a cell or face.
   std::vector<std::int16_t> Cells;   ///< all bits set if it is the low corner of a cell
@@ -88,7 +91,7 @@ private:
   SliceWeights Upper;
   std::vector<std::int16_t> LowEdge;  ///< weights for the minima of edges along x
   std::vector<std::int16_t> HighEdge; ///< weights for their maxima
-  std::vector<std::int16_t> Found;    ///< the diagonal of each cell of a slice, or 0
+  std::vector<Diagonal> Found;        ///< of each cell of a slice; two equal values if it has none
 };
 
 } // namespace isosurface

@@ -52,7 +52,76 @@ bool IsReadable(MemoryDisk& disk, const SampleVolume<T>& volume)
   return equal;
 }
 
+/// A source that counts the samples that are read from it.
+class CountingSource : public MemorySource
+{
+public:
+  CountingSource(const SampleView& samples, bool hasCheapRows)
+    : MemorySource({ samples.Box, { samples } })
+    , IsByRows(hasCheapRows)
+  {
+  }
+  bool HasCheapRows() const override { return this->IsByRows; }
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    this->Samples += box.GetNumberOfVertices();
+    this->Largest = std::max(this->Largest, box.GetNumberOfVertices());
+    return MemorySource::Read(box);
+  }
+
+  std::int64_t Samples = 0;
+  std::int64_t Largest = 0; ///< of a read
+
+private:
+  bool IsByRows;
+};
+
 } // namespace
+
+TEST(BlockedVolumeWriter, ReadsEachSampleOnceUnlessRangesDecideWhereBlocksAre)
+{
+  const auto volume = MakeVolume<float>({ 70, 49, 52 });
+  const std::int64_t samples = volume.GetView().Box.GetNumberOfVertices();
+  for (const DistributionMethod method : Methods)
+  {
+    for (const std::uint32_t stores : { 1u, 3u })
+    {
+      const bool isDecided = stores > 1 &&
+        (method == DistributionMethod::Greedy || method == DistributionMethod::Balanced);
+      CountingSource source(volume.GetView(), false);
+      MemoryDisk disk;
+      SerialCommunicator serial;
+      ASSERT_TRUE(
+        BlockedVolumeWriter(serial, disk)
+          .Write(VolumePath, MakeGeometry(volume.GetDimensions()),
+            { { "density", ValueType::Float32 } }, source, MakeSettings(16, stores, method))
+          .IsOk());
+      EXPECT_EQ(source.Samples, isDecided ? 2 * samples : samples)
+        << GetDistributionName(method) << ", " << stores << " stores";
+    }
+  }
+}
+
+TEST(BlockedVolumeWriter, WritesTheSameBytesRowByRow)
+{
+  const auto volume = MakeVolume<std::int16_t>({ 70, 149, 52 });
+  BlockedVolumeSettings settings = MakeSettings(16, 2, DistributionMethod::Slab);
+  settings.Threads = 1;
+  MemoryDisk disks[2];
+  for (const bool isByRows : { false, true })
+  {
+    CountingSource source(volume.GetView(), isByRows);
+    SerialCommunicator serial;
+    ASSERT_TRUE(BlockedVolumeWriter(serial, disks[isByRows ? 1 : 0])
+                  .Write(VolumePath, MakeGeometry(volume.GetDimensions()),
+                    { { "density", ValueType::Int16 } }, source, settings)
+                  .IsOk());
+    const std::int64_t samples = volume.GetView().Box.GetNumberOfVertices();
+    EXPECT_EQ(source.Largest < samples / 4, isByRows);
+    EXPECT_LT(source.Samples, samples * 7 / 4);
+  }
+  EXPECT_TRUE(disks[0].Copy() == disks[1].Copy());
+}
 
 TEST(BlockedVolumeWriter, WritesTheSameBytesOnAnyNumberOfRanks)
 {

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Surface/Spectrum/GrowingSpectrum.h"
+
+#include <algorithm>
+
+namespace isosurface
+{
+
+SurfaceSums& SurfaceSums::operator+=(const SurfaceSums& other)
+{
+  this->Triangles += other.Triangles;
+  this->Cells += other.Cells;
+  this->Area += other.Area;
+  this->Volume += other.Volume;
+  return *this;
+}
+
+SurfaceSums SurfaceSums::operator-(const SurfaceSums& other) const
+{
+  return { this->Triangles - other.Triangles, this->Cells - other.Cells, this->Area - other.Area,
+    this->Volume - other.Volume };
+}
+
+const EdgeSums& BlockSpectrum::Count(const SampleView& samples, const SampleRange& range)
+{
+  this->Sums.Range = range.Finite;
+  this->Sums.Bins = SpectrumBins::Choose(samples.Type, range.Finite);
+  // One more edge is above all finite samples.
+  SpectrumBins bins = this->Sums.Bins;
+  ++bins.Count;
+  this->Counts.Bins = bins;
+  this->Counts.Triangles.assign(bins.Count, 0);
+  this->Counts.ActiveCells.assign(bins.Count, 0);
+  this->Measure.SetBins(bins);
+  if (range.All.Minimum < range.All.Maximum)
+  {
+    this->Workload.SetBins(bins);
+    this->Workload.Count(samples);
+    this->Workload.MoveTo(this->Counts);
+    this->Measure.Count(samples);
+  }
+  else
+  {
+    this->Measure.CountUniform(samples.Type, range.All.Minimum, samples.Box);
+  }
+  this->SumEdges();
+  return this->Sums;
+}
+
+void BlockSpectrum::SumEdges()
+{
+  const SpectrumBins& bins = this->Counts.Bins;
+  this->Measures.Changes.assign(bins.Count + std::size_t{ 1 }, {});
+  this->Measure.MoveTo(this->Measures);
+  this->Sums.Edges.resize(bins.Count);
+  MeasureSums::Change sum;
+  for (std::size_t bin = 0; bin < bins.Count; ++bin)
+  {
+    sum += this->Measures.Changes[bin];
+    this->Sums.Edges[bin] = { this->Counts.Triangles[bin], this->Counts.ActiveCells[bin], sum.Area,
+      sum.Constant - sum.Slope * bin };
+  }
+  // All finite samples are above the first edge, and none above the last one.
+  this->Sums.Below = this->Sums.Edges.front();
+  this->Sums.Above = this->Sums.Edges.back();
+  this->Sums.Edges.pop_back();
+}
+
+void GrowingSpectrum::Add(const EdgeSums& sums)
+{
+  this->Grow(sums.Range);
+  this->AddInBins(sums);
+}
+
+void GrowingSpectrum::AddInBins(const EdgeSums& sums)
+{
+  this->Below += sums.Below;
+  if (sums.Range.IsEmpty())
+  {
+    return;
+  }
+  // The edges of these bins are multiples of a width, in units of the narrower bins of `sums`.
+  constexpr int beyondAll = 62;
+  const std::int64_t width = std::int64_t{ 1 }
+    << std::min(this->Bins.Exponent - sums.Bins.Exponent, beyondAll);
+  const std::int64_t first = sums.Bins.First;
+  const std::int64_t last = first + static_cast<std::int64_t>(sums.Bins.Count) - 1;
+  // Quotients are rounded up for the first one, down for the last one.
+  std::int64_t multiple = first / width + (first > 0 && first % width != 0 ? 1 : 0);
+  const std::int64_t lastMultiple = last / width - (last < 0 && last % width != 0 ? 1 : 0);
+  const auto changeAt = [&](std::int64_t number) -> SurfaceSums&
+  { return this->Changes[static_cast<std::size_t>(number - this->Bins.First)]; };
+  SurfaceSums before = sums.Below;
+  for (; multiple <= lastMultiple; ++multiple)
+  {
+    const SurfaceSums& edge = sums.Edges[static_cast<std::size_t>(multiple * width - first)];
+    changeAt(multiple) += edge - before;
+    before = edge;
+  }
+  changeAt(multiple) += sums.Above - before;
+}
+
+void GrowingSpectrum::Grow(const KeyRange& range)
+{
+  KeyRange all = this->Range;
+  all.Add(range);
+  if (all.Minimum == this->Range.Minimum && all.Maximum == this->Range.Maximum)
+  {
+    return;
+  }
+  const SpectrumBins bins = SpectrumBins::Choose(this->Type, all);
+  if (bins != this->Bins)
+  {
+    const EdgeSums sums = this->Resolve();
+    this->Bins = bins;
+    this->Below = {};
+    this->Changes.assign(bins.Count + std::size_t{ 1 }, {});
+    this->AddInBins(sums);
+  }
+  this->Range = all;
+}
+
+EdgeSums GrowingSpectrum::Resolve() const
+{
+  EdgeSums sums{ this->Range, this->Bins, this->Below, {}, this->Below };
+  for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)
+  {
+    sums.Edges.push_back(sums.Above += this->Changes[bin]);
+  }
+  sums.Above += this->Changes[this->Bins.Count];
+  return sums;
+}
+
+void GrowingSpectrum::SetSums(WorkloadSpectrum& spectrum, const KeyRange& range)
+{
+  this->Grow(range);
+  SurfaceSums sum = this->Below;
+  for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)
+  {
+    sum += this->Changes[bin];
+    spectrum.Triangles[bin] = sum.Triangles;
+    spectrum.ActiveCells[bin] = sum.Cells;
+    spectrum.Area[bin] = MeasureSums::Round(sum.Area);
+    spectrum.Volume[bin] = MeasureSums::Round(sum.Volume);
+  }
+}
+
+} // namespace isosurface
