@@ -10,8 +10,9 @@ using namespace isosurface;
 TEST(GatheringFile, WritesTheSameBytesInFewerWrites)
 {
   MemoryDisk disk;
+  ASSERT_TRUE(disk.MakeDirectories("/data").IsOk());
   std::vector<std::uint8_t> expected;
-  GatheringFile file(std::move(*disk.CreateForWriting("/gathered")));
+  GatheringFile file(std::move(*disk.CreateForWriting("/data/gathered")));
   for (std::size_t size = 0; size < 2000; ++size)
   {
     // One of them is larger than what may wait.
@@ -24,6 +25,6 @@ TEST(GatheringFile, WritesTheSameBytesInFewerWrites)
   expected[3] = 77;
   ASSERT_TRUE(file.WriteAt(3, &expected[3], 1).IsOk());
   ASSERT_TRUE(file.SyncAndClose().IsOk());
-  EXPECT_TRUE(disk.GetFile("/gathered") == expected);
+  EXPECT_TRUE(disk.GetFile("/data/gathered") == expected);
   EXPECT_LT(disk.GetWrites(), 20u);
 }
