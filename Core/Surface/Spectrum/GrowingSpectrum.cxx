@@ -79,10 +79,11 @@ void GrowingSpectrum::AddInBins(const EdgeSums& sums)
   {
     return;
   }
-  // The edges of these bins are multiples of a width, in units of the narrower bins of `sums`.
+  // The edges of these bins are multiples of a width, in units of the narrower bins of `sums`. Bins of
+  // zeros alone may be wider (SpectrumBins::Choose), but their only edge is 0 in all units.
   constexpr int beyondAll = 62;
   const std::int64_t width = std::int64_t{ 1 }
-    << std::min(this->Bins.Exponent - sums.Bins.Exponent, beyondAll);
+    << std::clamp(this->Bins.Exponent - sums.Bins.Exponent, 0, beyondAll);
   const std::int64_t first = sums.Bins.First;
   const std::int64_t last = first + static_cast<std::int64_t>(sums.Bins.Count) - 1;
   // Quotients are rounded up for the first one, down for the last one.

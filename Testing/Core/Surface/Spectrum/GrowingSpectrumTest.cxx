@@ -147,3 +147,11 @@ TEST(GrowingSpectrum, CountsSurfacesAroundSamplesThatAreNotFinite)
   const SampleVolume<float> volume({ 45, 40, 33 }, sample);
   ExpectMeasures(volume, ExpectKnowsTheBins(volume));
 }
+
+TEST(GrowingSpectrum, BlocksOfZerosMayComeFirst)
+{
+  const SampleVolume<float> volume({ 60, 20, 18 },
+    [](auto i, auto j, auto k)
+    { return i <= 32 ? 0.0F : static_cast<float>((i - 32) * 40 + 3 * j + k) / 8192; });
+  ExpectMeasures(volume, ExpectKnowsTheBins(volume));
+}
