@@ -157,7 +157,7 @@ TEST(BlockedVolumeWriter, WritesTheSameBytesInAnyMemoryAndThreads)
   WriteVolumeOk(expected, volume, settings);
   settings.Threads = 4;
   std::uint64_t most = 0;
-  for (const std::uint64_t bytes : { 4200000ull, 6000000ull, 1000000000ull })
+  for (const std::uint64_t bytes : { 3800000ull, 6000000ull, 1000000000ull })
   {
     for (const Layout& layout : { Layout(OverlappingColumns), Layout(WholeOnAll) })
     {
