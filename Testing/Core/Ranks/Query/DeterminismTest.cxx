@@ -38,7 +38,7 @@ Way DrawWay(std::mt19937& random)
   Way way;
   way.Ranks = static_cast<int>(draw(1, 7));
   way.Threads = static_cast<int>(draw(1, 5));
-  way.WriterMemory = draw(3, 40) * 1000000;
+  way.WriterMemory = draw(6, 40) * 1000000;
   way.CacheBytes = draw(0, 1) * draw(1000, 2000000);
   way.RecordMemory = draw(200, 100000);
   way.LayoutNumber = draw(0, 3);
