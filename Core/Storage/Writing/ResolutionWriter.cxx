@@ -122,8 +122,7 @@ std::uint64_t ResolutionWriter::GetThreadBytes() const
     vertexBytes = std::max(vertexBytes, components * GetValueSize(array.Type) + sizeof(double));
   }
   const std::uint64_t bytes = side * side * side * vertexBytes +
-    StoreSpectra::GetCounterBytes(
-      this->Variables.GetCount(), static_cast<std::uint64_t>(this->Header.BlockSize));
+    StoreSpectra::GetCounterBytes(static_cast<std::uint64_t>(this->Header.BlockSize));
   return static_cast<std::uint64_t>(this->Context.Settings.Threads) * bytes;
 }
 
@@ -304,9 +303,8 @@ Status ResolutionWriter::WriteBlocks()
 
 ResolutionWriter::Counters ResolutionWriter::MakeCounters() const
 {
-  const std::size_t variables = this->Variables.GetCount();
-  return { std::vector<BlockSpectrum>(variables, BlockSpectrum(this->Spectra->GetGrid())),
-    std::vector<KeyRange>(variables) };
+  return { BlockSpectrum(this->Spectra->GetGrid()),
+    std::vector<KeyRange>(this->Variables.GetCount()) };
 }
 
 /// Joins the ranges of the finite values of all ranks, which decide the bins of all spectra.
@@ -359,7 +357,7 @@ void ResolutionWriter::CountVariable(
   const SampleRange range = FindSampleRange(samples, samples.Box);
   this->Ranges[variable][static_cast<std::size_t>(block.Block)] = range.All;
   counters.FiniteRanges[variable].Add(range.Finite);
-  this->Spectra->Add(block.Store, variable, counters.Spectra[variable].Count(samples, range));
+  this->Spectra->Add(block.Store, variable, counters.Spectrum.Count(samples, range));
 }
 
 /// The samples of a filled block at full resolution.

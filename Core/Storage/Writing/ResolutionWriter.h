@@ -64,7 +64,7 @@ private:
   /// What a thread counts in blocks.
   struct Counters
   {
-    std::vector<BlockSpectrum> Spectra; ///< per variable
+    BlockSpectrum Spectrum;             ///< of one variable after the other
     std::vector<KeyRange> FiniteRanges; ///< per variable, of all blocks
   };
 

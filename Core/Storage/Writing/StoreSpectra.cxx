@@ -157,14 +157,14 @@ std::uint64_t StoreSpectra::GetBytes() const
   return bytes;
 }
 
-std::uint64_t StoreSpectra::GetCounterBytes(std::size_t variables, std::uint64_t blockSize)
+std::uint64_t StoreSpectra::GetCounterBytes(std::uint64_t blockSize)
 {
   const std::uint64_t side = blockSize + 1;
   const std::uint64_t workload = 8 * side * side * side + 32 * SpectrumBins::MaximumCount;
   const std::uint64_t measure =
     8 * side * side + 2 * sizeof(MeasureSums::Change) * SpectrumBins::MaximumCount;
   const std::uint64_t sums = 3 * sizeof(SurfaceSums) * SpectrumBins::MaximumCount;
-  return variables * (workload + measure + sums);
+  return workload + measure + sums;
 }
 
 } // namespace isosurface

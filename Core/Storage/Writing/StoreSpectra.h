@@ -57,7 +57,7 @@ public:
   /// The memory of this rank's spectra; on rank 0 also that of writing all of them.
   std::uint64_t GetBytes() const;
   /// The memory of a thread's counters, for blocks of so many cells a side.
-  static std::uint64_t GetCounterBytes(std::size_t variables, std::uint64_t blockSize);
+  static std::uint64_t GetCounterBytes(std::uint64_t blockSize);
 
 private:
   struct Store
