@@ -2,7 +2,7 @@
 #include "Formats/Dicom/DicomVolume.h"
 
 #include "Formats/Dicom/DicomSlice.h"
-#include "Formats/Source/PageBuffer.h"
+#include "Ground/Volume/PageBuffer.h"
 
 #include <algorithm>
 #include <cmath>

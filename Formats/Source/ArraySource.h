@@ -3,8 +3,8 @@
 #define isosurface_ArraySource_h
 
 #include "Formats/Source/FormatFunctions.h"
-#include "Formats/Source/PageBuffer.h"
 #include "Formats/Source/StoredArray.h"
+#include "Ground/Volume/PageBuffer.h"
 #include "Ground/Volume/SlabSource.h"
 
 #include <cstdint>

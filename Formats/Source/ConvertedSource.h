@@ -2,7 +2,7 @@
 #ifndef isosurface_ConvertedSource_h
 #define isosurface_ConvertedSource_h
 
-#include "Formats/Source/PageBuffer.h"
+#include "Ground/Volume/PageBuffer.h"
 #include "Ground/Volume/SlabSource.h"
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 #ifndef isosurface_RawSource_h
 #define isosurface_RawSource_h
 
-#include "Formats/Source/PageBuffer.h"
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Volume/PageBuffer.h"
 #include "Ground/Volume/SlabSource.h"
 
 #include <cstdint>

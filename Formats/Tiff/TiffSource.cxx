@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Tiff/TiffSource.h"
 
-#include "Formats/Source/PageBuffer.h"
+#include "Ground/Volume/PageBuffer.h"
 
 #include <algorithm>
 #include <utility>

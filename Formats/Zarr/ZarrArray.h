@@ -2,9 +2,9 @@
 #ifndef isosurface_ZarrArray_h
 #define isosurface_ZarrArray_h
 
-#include "Formats/Source/PageBuffer.h"
 #include "Formats/Zarr/ZarrMetadata.h"
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Volume/PageBuffer.h"
 
 #include <cstdint>
 #include <list>

@@ -51,35 +51,6 @@ std::vector<std::uint8_t> PickOverviewSamples(
   return samples;
 }
 
-std::shared_ptr<std::uint8_t> SlabMemory::Take(std::size_t size)
-{
-  auto buffer = std::make_shared<Buffer<std::uint8_t>>();
-  {
-    const std::lock_guard<std::mutex> lock(this->Mutex);
-    const auto found = std::find_if(this->Idle.begin(), this->Idle.end(),
-      [size](const Buffer<std::uint8_t>& idle) { return idle.GetSize() >= size; });
-    if (found != this->Idle.end())
-    {
-      *buffer = std::move(*found);
-    }
-    // What is too small is not needed again, since most slabs have one size.
-    this->Idle.erase(std::remove_if(this->Idle.begin(), this->Idle.end(),
-                       [size](const Buffer<std::uint8_t>& idle) { return idle.GetSize() < size; }),
-      this->Idle.end());
-    this->Idle.reserve(this->Idle.size() + 2); // so that returning needs no memory
-  }
-  if (buffer->GetSize() < size)
-  {
-    *buffer = Buffer<std::uint8_t>(size);
-  }
-  return { buffer->GetData(),
-    [memory = this->shared_from_this(), buffer](std::uint8_t*)
-    {
-      const std::lock_guard<std::mutex> lock(memory->Mutex);
-      memory->Idle.push_back(std::move(*buffer));
-    } };
-}
-
 std::string OverviewSource::GetPath(const std::string& folder, std::size_t rank)
 {
   return folder + "/overview-samples-" + std::to_string(rank) + ".tmp";
@@ -94,7 +65,7 @@ OverviewSource::OverviewSource(FileSystem& files, std::string folder, const Bloc
   , VertexBytes(SumValueSizes(this->Types))
   , Stores(std::move(stores))
   , Ranks(ranks)
-  , Memory(std::make_shared<SlabMemory>())
+  , Pool(std::make_shared<PageBufferPool>())
 {
   const Index3& blocks = finer.GetNumberOfBlocksPerAxis();
   this->Box.High = FindOverviewPart(finer, finer.GetNumberOfBlocks() - 1).High;
@@ -210,11 +181,12 @@ Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
   {
     bytes += align(vertices * GetValueSize(type));
   }
-  const std::shared_ptr<std::uint8_t> memory = this->Memory->Take(bytes);
+  const auto buffer = this->Pool->Take(bytes);
+  ISOSURFACE_RETURN_IF_ERROR(buffer.GetStatus());
   std::vector<std::uint8_t*> samples;
   SampleSlab slab;
-  slab.Owner = memory;
-  std::uint8_t* next = memory.get();
+  slab.Owner = *buffer;
+  std::uint8_t* next = (*buffer)->GetData();
   for (const ValueType type : this->Types)
   {
     samples.push_back(next);

@@ -5,13 +5,13 @@
 #include "Ground/Base/Buffer.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/PageBuffer.h"
 #include "Ground/Volume/SlabSource.h"
 #include "Storage/Writing/BlockExchange.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -26,18 +26,6 @@ VertexBox FindOverviewPart(const BlockGrid& finer, std::int64_t block);
 /// its segments are encoded.
 std::vector<std::uint8_t> PickOverviewSamples(
   const BlockGrid& finer, const std::vector<ValueType>& types, const PendingBlock& block);
-
-/// The memory of slabs that nobody uses any longer, for the next ones. Any thread may release a slab.
-class SlabMemory : public std::enable_shared_from_this<SlabMemory>
-{
-public:
-  /// At least `size` bytes, which return to this object.
-  std::shared_ptr<std::uint8_t> Take(std::size_t size);
-
-private:
-  std::mutex Mutex;
-  std::vector<Buffer<std::uint8_t>> Idle;
-};
 
 /**
  * The samples of an overview, for the writer of the overview. The writers of the finer volume leave
@@ -93,7 +81,7 @@ private:
   std::size_t Ranks;
   std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and rank: where its parts begin
   Buffer<std::uint8_t> PartBytes;          ///< of the last part, for the next one
-  std::shared_ptr<SlabMemory> Memory;
+  std::shared_ptr<PageBufferPool> Pool;
 };
 
 } // namespace isosurface

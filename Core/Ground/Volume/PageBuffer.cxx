@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Source/PageBuffer.h"
+#include "Ground/Volume/PageBuffer.h"
 
 #include "Ground/Base/HugePages.h"
 
