@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/ParallelFor.h"
 
-#include "Ground/Base/ThreadTeam.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -120,13 +118,13 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
   IndexLoop loop(count, body, progress);
   const std::size_t useful =
     std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));
-  std::vector<Task<void>> helpers;
+  std::vector<std::thread> helpers;
   helpers.reserve(useful);
   try
   {
     for (std::size_t thread = 1; thread < useful; ++thread)
     {
-      helpers.push_back(StartTask([&loop, thread] { loop.Run(static_cast<int>(thread)); }));
+      helpers.emplace_back([&loop, thread] { loop.Run(static_cast<int>(thread)); });
     }
   }
   catch (const std::system_error&)
@@ -134,7 +132,10 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
     // The system gives no more threads: those that are there do the work.
   }
   loop.Run(0);
-  helpers.clear(); // waits
+  for (std::thread& helper : helpers)
+  {
+    helper.join();
+  }
   return loop.Finish();
 }
 

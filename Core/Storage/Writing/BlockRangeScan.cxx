@@ -2,12 +2,12 @@
 #include "Storage/Writing/BlockRangeScan.h"
 
 #include "Ground/Base/ParallelFor.h"
-#include "Ground/Base/ThreadTeam.h"
 #include "Ground/Volume/Magnitude.h"
 #include "Ground/Volume/SampleRange.h"
 
 #include <algorithm>
 #include <array>
+#include <future>
 #include <utility>
 
 namespace isosurface
@@ -139,17 +139,17 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
   }
   const auto read = [&](std::size_t slab)
   {
-    return StartTask(
-      [&source, box = slabs[slab]] { return source.Read(box); }, source.CanReadAhead());
+    return std::async(source.CanReadAhead() ? std::launch::async : std::launch::deferred,
+      [&source, box = slabs[slab]] { return source.Read(box); });
   };
-  Task<Result<SampleSlab>> next;
+  std::future<Result<SampleSlab>> next;
   if (!slabs.empty())
   {
     next = read(0);
   }
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
-    const auto samples = next.Get();
+    const auto samples = next.get();
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     if (slab + 1 < slabs.size())
     {

@@ -167,7 +167,8 @@ Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
     [&]
     {
       this->PrefetchLayer(round.Spans[this->Rank]);
-      round.Reading = StartTask(read, this->Source.CanReadAhead());
+      round.Reading =
+        std::async(this->Source.CanReadAhead() ? std::launch::async : std::launch::deferred, read);
       return Status::Ok();
     }));
 }
@@ -301,7 +302,7 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
       [&]
       {
-        samples = round.Reading.Get();
+        samples = round.Reading.get();
         return samples.Outcome;
       })));
     isLast = this->Plan.IsDone();

@@ -5,7 +5,6 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Base/ThreadTeam.h"
 #include "Ground/Volume/SlabSource.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockShipment.h"
@@ -17,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <vector>
 
 namespace isosurface
@@ -69,7 +69,7 @@ private:
   struct Round
   {
     std::vector<BlockSpan> Spans; ///< per rank
-    Task<RoundSamples> Reading;
+    std::future<RoundSamples> Reading;
   };
 
   /// Plans the next round, and starts reading for it.

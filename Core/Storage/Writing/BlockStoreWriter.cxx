@@ -3,7 +3,6 @@
 
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
-#include "Ground/Base/GatheringFile.h"
 #include "Storage/Index/ExternalIntervalTreeBuilder.h"
 #include "Storage/Record/BlockRecord.h"
 #include "Storage/Store/BlockStore.h"
@@ -30,10 +29,6 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& f
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
   auto blocksFile = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
   ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
-  if (place == SamplePlace::Source)
-  {
-    *blocksFile = std::make_unique<GatheringFile>(std::move(*blocksFile));
-  }
   return std::unique_ptr<BlockStoreWriter>(
     new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
 }

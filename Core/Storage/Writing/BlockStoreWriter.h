@@ -41,10 +41,10 @@ public:
   Result<StoreDescription> Finish(const ArrayVariables& variables,
     const std::vector<std::vector<KeyRange>>& ranges, std::size_t memoryBytes);
 
-  /// The memory of a block's entry, and of its headers if these wait to be written.
+  /// The memory of a block's entry.
   static std::uint64_t GetEntryBytes(std::size_t segments)
   {
-    return sizeof(BlockDirectoryEntry) + (4 + BlockRecord::SegmentHeaderSize) * segments + 16;
+    return sizeof(BlockDirectoryEntry) + 4 * segments + 16;
   }
 
 private:

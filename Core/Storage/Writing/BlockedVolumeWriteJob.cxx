@@ -3,7 +3,6 @@
 
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/ParallelFor.h"
-#include "Ground/Base/ThreadTeam.h"
 #include "Storage/Writing/GenerationFolder.h"
 #include "Storage/Writing/VolumePlan.h"
 
@@ -23,7 +22,6 @@ constexpr double VolumeDone = 0.97;
 Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
-  const ThreadTeam team; // rounds are short
   // First of all, so that a second writer fails before it has done any work.
   ISOSURFACE_RETURN_IF_ERROR(
     this->Context.AgreeOn(this->Context.Rank == 0 ? this->LockVolume() : Status::Ok()));

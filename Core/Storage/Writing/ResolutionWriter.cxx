@@ -2,7 +2,6 @@
 #include "Storage/Writing/ResolutionWriter.h"
 
 #include "Ground/Base/Coding.h"
-#include "Ground/Base/GatheringFile.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/SampleRange.h"
 #include "Storage/Distribution/BlockBalancer.h"
@@ -226,7 +225,7 @@ Status ResolutionWriter::CreateStores()
     auto samples = this->Context.Files.CreateForWriting(
       OverviewSource::GetPath(this->GetFolder(), this->Context.Rank));
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->OverviewSamples = std::make_unique<GatheringFile>(std::move(*samples));
+    this->OverviewSamples = std::move(*samples);
   }
   return Status::Ok();
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Writing/RoundWriting.h"
 
-#include "Ground/Base/ThreadTeam.h"
-
 #include <utility>
 
 namespace isosurface
@@ -14,12 +12,12 @@ RoundWriting::RoundWriting(std::vector<PendingBlock> blocks, Write write, Record
   , WriteBlock(std::move(write))
   , Records(records)
   , Finished(Blocks.size(), false)
-  , Outcome(StartTask(
+  , Outcome(std::async(std::launch::async,
       [this, before = std::move(before)]() mutable
       {
         const std::shared_ptr<RoundWriting> held = std::move(before);
         return this->WriteAll(held.get());
-      }).Share())
+      }))
 {
 }
 
