@@ -56,8 +56,8 @@ std::int64_t FindThickness(const SlabLimit& limit, const VertexBox& box, std::si
   return thickness;
 }
 
-/// Cuts a box, or a part of its rows, into slabs of whole layers of blocks, or thinner ones where a layer is too large, or
-/// rows of a slice. Most have equal sizes, so that memory is reused.
+/// Cuts a box, or a part of its rows, into slabs of whole layers of blocks, or thinner ones where a
+/// layer is too large, or rows of a slice. Most have equal sizes, so that memory is reused.
 void CutRowsIntoSlabs(const SlabLimit& limit, const VertexBox& box, std::int64_t blockSize,
   std::vector<VertexBox>& slabs)
 {

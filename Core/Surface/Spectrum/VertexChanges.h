@@ -24,9 +24,8 @@ namespace isosurface
  * weight, which is passed on to the half with the minimum (maximum), down to one vertex: from cells
  * to faces, to edges, to vertices. Where values are smooth, the weights of a vertex cancel out.
  *
- * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex,
- * in noise 8, and a few slices. For
- * one thread at a time; an object can be used for several lattices.
+ * Cost: about 1 ns a cell with vectors of 32 bytes. Memory: 4 bytes a vertex, in noise 8, and a few
+ * slices. For one thread at a time; an object can be used for several lattices.
  */
 class VertexChanges
 {
