@@ -24,7 +24,13 @@
 #include "vtkPartitionedDataSetAlgorithm.h"
 #include "vtkSmartPointer.h" // For the handle
 
+#include <memory> // For a stand-in
 #include <string> // For the last error
+
+namespace isosurface
+{
+class BlockedVolume;
+}
 
 class vtkBlockedVolumeHandle;
 class vtkDataArraySelection;
@@ -132,6 +138,12 @@ protected:
    */
   virtual bool IsPending() { return false; }
 
+  /**
+   * Reads this volume in place of FileName's, from the next modification on; null: no longer.
+   * `text` says what it is, for ShownText.
+   */
+  void SetStandIn(std::shared_ptr<isosurface::BlockedVolume> volume, const std::string& text);
+
 private:
   vtkBlockedVolumeReader(const vtkBlockedVolumeReader&) = delete;
   void operator=(const vtkBlockedVolumeReader&) = delete;
@@ -155,6 +167,8 @@ private:
   bool IsErrorTold;      ///< whether OpenVolume has just reported the handle's error
   bool IsToldLate;       ///< whether RequestData tells what RequestInformation could not
   std::string ShownText;
+  std::shared_ptr<isosurface::BlockedVolume> StandIn;
+  std::string StandInText;
 };
 
 #endif

@@ -9,6 +9,9 @@
  * reader is a vtkBlockedVolumeReader of that index, which opens at once. If the source has changed
  * since, the next update after a modification indexes it anew.
  *
+ * In ParaView's window nobody waits for the index (AllowCoarse): the reader shows a sample of the
+ * file, and writes the index beside the calling thread.
+ *
  * Indexing is collective: all ranks of the controller update together. It reports progress and
  * stops when the reader is told to abort; then an older index stays as it was, and the output is
  * empty. Errors name file and reason, on every rank. A .bvol that is not an index of the source is
@@ -21,7 +24,15 @@
 #include "IsosurfaceWritersModule.h" // For export macro
 #include "vtkBlockedVolumeReader.h"
 
+#include <memory> // For the index that grows
 #include <string> // For the paths
+
+namespace isosurface
+{
+class Communicator;
+class GrowingIndex;
+class Status;
+}
 
 class vtkStringArray;
 
@@ -90,6 +101,33 @@ public:
    */
   vtkGetCharFromStdStringMacro(IndexText);
 
+  /**
+   * While on, an execution that finds no index does not wait for one: its output is a sample of the
+   * first time step, of at most 2 million vertices, which takes about a second, whatever the size
+   * of the file. The index is written beside the calling thread. Not a property: it neither
+   * modifies the reader nor is it saved. ParaView's window switches it on while it applies what the
+   * user has changed by hand, so scripts never see it.
+   */
+  void AllowCoarse(vtkTypeBool allowed);
+
+  ///@{
+  /**
+   * For a window, while the index is written: AdvanceIndex waits for it, but not longer than so many
+   * milliseconds. When all ranks have it, the execution after TakeIndex reads the volume. An error
+   * is reported once, and the sample stays. Where there are several ranks, the index is written only
+   * while all ranks are in AdvanceIndex, which they call together. An execution that may not be
+   * coarse waits for the index.
+   *
+   * Indexing has what the last call found: a stage (0: no index is being written, 1: at work, 2: it
+   * is there, 3: it could not be written), the finished fraction, and the seconds that are left
+   * (negative: unknown).
+   */
+  void AdvanceIndex(int milliseconds);
+  void TakeIndex();
+  void StopIndex(); ///< this is no error: the next modification begins anew
+  vtkGetVector3Macro(Indexing, double);
+  ///@}
+
 protected:
   vtkInPlaceVolumeReader();
   ~vtkInPlaceVolumeReader() override;
@@ -102,7 +140,10 @@ private:
   vtkInPlaceVolumeReader(const vtkInPlaceVolumeReader&) = delete;
   void operator=(const vtkInPlaceVolumeReader&) = delete;
 
-  struct Indexing; ///< the steps of RequestData
+  struct Steps; ///< of UpdateIndex
+
+  /// Makes what is to be read: the volume in place, or a sample of the file. Collective.
+  isosurface::Status UpdateIndex(isosurface::Communicator& ranks);
 
   char* SourceName;
   char* Dataset;
@@ -111,7 +152,10 @@ private:
   int IndexMemory;
   std::string IndexText;
   vtkStringArray* Datasets;
-  vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date
+  vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date, or a sample read
+  bool CoarseAllowed;
+  double Indexing[3];
+  std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown
 };
 
 #endif

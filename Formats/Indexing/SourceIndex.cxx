@@ -134,6 +134,15 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
   return IndexState::Current;
 }
 
+bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
+{
+  const std::string path = index.Path + ".partial"; // which the writer would replace, too
+  const bool canWrite =
+    files.MakeDirectories(std::filesystem::path(path).parent_path().string()).IsOk() &&
+    files.CreateForWriting(path).IsOk();
+  return files.RemoveAll(path).IsOk() && canWrite;
+}
+
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress)
 {

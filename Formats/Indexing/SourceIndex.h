@@ -29,6 +29,11 @@ struct SourceIndex
    */
   static SourceIndex Find(FileSystem& files, const std::string& chosen, const std::string& dataset,
     const std::string& axes, const std::string& folder);
+
+  bool operator==(const SourceIndex& other) const
+  {
+    return this->Source == other.Source && this->Axes == other.Axes && this->Path == other.Path;
+  }
 };
 
 enum class IndexState : std::uint8_t
@@ -41,6 +46,9 @@ enum class IndexState : std::uint8_t
 /// Looks whether there is an index. Error: InvalidArgument if the file at its path is not an index
 /// of this source, so that it must not be replaced.
 Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
+
+/// Whether files can be written where the index will be.
+bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
 
 /**
  * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores

@@ -4,7 +4,6 @@
 The oracle is vtkFlyingEdges3D on the samples that were written.
 """
 import filecmp
-import json
 import os
 import shutil
 import subprocess
@@ -12,7 +11,6 @@ import time
 
 import numpy
 from paraview import simple
-from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 
 import plugin_testing as testing
@@ -24,22 +22,11 @@ def read_samples():
     reader = vtkXMLImageDataReader()
     reader.SetFileName(testing.volume("wave.vti"))
     reader.Update()
-    image = reader.GetOutput()
-    samples = vtk_to_numpy(image.GetPointData().GetArray("RTData"))
-    return samples.reshape(image.GetDimensions()[::-1]).astype("f4")
+    return testing.read_samples(reader.GetOutput()).astype("f4")
 
 
 def write_zarr(folder, samples):
-    """An array of version 2 without compression, its last chunks partial."""
-    os.makedirs(folder, exist_ok=True)
-    with open(os.path.join(folder, ".zarray"), "w") as file:
-        json.dump({"zarr_format": 2, "shape": samples.shape, "chunks": [CHUNK] * 3, "dtype": "<f4",
-                   "compressor": None, "fill_value": 0, "order": "C", "filters": None}, file)
-    for place in numpy.ndindex(*[-(-count // CHUNK) for count in samples.shape]):
-        part = samples[tuple(slice(at * CHUNK, (at + 1) * CHUNK) for at in place)]
-        whole = numpy.zeros((CHUNK,) * 3, "f4")
-        whole[tuple(slice(count) for count in part.shape)] = part
-        whole.tofile(os.path.join(folder, ".".join(map(str, place))))
+    testing.write_zarr(folder, samples, CHUNK)
 
 
 def write_hdf5(path, samples):

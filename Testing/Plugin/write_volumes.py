@@ -7,13 +7,16 @@
     series.bvol four time steps: RTData + 10 t
     pair.vtm    two images, of RTData and of RTData + 100
     noise.bvol  129^3 samples without order: an isosurface of six million triangles
+    large.zarr  161 x 131 x 111 samples of the Wavelet, more than a sample of a file has
     vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
 """
 import argparse
+import glob
 import os
+import shutil
 import sys
 
-from paraview import simple
+from paraview import servermanager, simple
 
 import plugin_testing as testing
 
@@ -34,6 +37,10 @@ simple.SaveData(os.path.join(folder, "wave.eix"), proxy=contour)
 testing.arguments = argparse.Namespace(volumes=folder)
 series = testing.make_series()
 simple.SaveData(os.path.join(folder, "series.bvol"), proxy=series, WriteAllTimeSteps=1)
+samples = testing.read_samples(servermanager.Fetch(testing.make_large_image()))
+testing.write_zarr(os.path.join(folder, "large.zarr"), samples, 64)
+for index in glob.glob(os.path.join(folder, "large.zarr.bvol*")):
+    (shutil.rmtree if os.path.isdir(index) else os.remove)(index)  # of an earlier run
 image = simple.XMLImageDataReader(FileName=[os.path.join(folder, "wave.vti")])
 raised = simple.Calculator(Input=image, ResultArrayName="RTData", Function="RTData + 100")
 raised.ResultArrayType = "Float"

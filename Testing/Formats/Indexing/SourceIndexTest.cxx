@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Indices of sources: their names, when they are out of date, and what they have.
 #include "Formats/Indexing/SourceIndex.h"
+#include "Fixtures/SampleFiles.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 
@@ -11,11 +12,6 @@ namespace
 
 const std::string SourcePath = "/data/scan.zarr";
 constexpr std::uint64_t Memory = std::uint64_t{ 64 } << 20;
-
-MemoryDisk::Bytes MakeBytes(const std::string& text)
-{
-  return { text.begin(), text.end() };
-}
 
 SourceIndex Find(MemoryDisk& disk, const std::string& chosen, const std::string& dataset = "",
   const std::string& folder = "")

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Indexing/GrowingIndex.h"
+
+#include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/RelayedCommunicator.h"
+#include "Storage/Store/BlockedVolume.h"
+
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// Before this share is written, its time says little about that of the rest.
+constexpr double ShareToEstimate = 0.02;
+
+} // namespace
+
+GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index,
+  SourceSample sample, std::uint64_t memoryBytes)
+  : Index(std::move(index))
+  , Sample(std::move(sample))
+  , Relay(ranks.GetSize() > 1 ? std::make_unique<RelayedCommunicator>(ranks) : nullptr)
+{
+  if (!this->Relay && !CanWriteIndex(files, this->Index))
+  {
+    this->Memory = std::make_shared<MemoryFileSystem>(files, this->Index.Path, memoryBytes);
+  }
+  FileSystem& place = this->Memory ? *this->Memory : files;
+  this->Writing = std::make_unique<BackgroundTask>(this->Index.Source,
+    [this, &place, memoryBytes](const Progress& advance) -> Status
+    {
+      SerialCommunicator alone;
+      Communicator& all = this->Relay ? static_cast<Communicator&>(*this->Relay) : alone;
+      const auto leftOut = WriteSourceIndex(all, place, this->Index, memoryBytes, advance);
+      ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
+      this->LeftOut = *leftOut;
+      return Status::Ok();
+    });
+}
+
+GrowingIndex::~GrowingIndex()
+{
+  this->Writing->Stop();
+  if (this->Relay)
+  {
+    this->Relay->Close();
+  }
+}
+
+bool GrowingIndex::Advance(Communicator& ranks, double seconds)
+{
+  return this->Relay ? this->Relay->Serve(ranks, seconds, [this] { return this->Writing->Wait(0); })
+                     : this->Writing->Wait(seconds);
+}
+
+Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
+{
+  if (!this->Memory)
+  {
+    return std::shared_ptr<BlockedVolume>();
+  }
+  const auto opened = BlockedVolume::Open(
+    this->Index.Path, *this->Memory, BlockCache::GetProcessCache(), OpenForeignVolume);
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  const auto kept =
+    std::make_shared<std::pair<std::shared_ptr<MemoryFileSystem>, std::shared_ptr<BlockedVolume>>>(
+      this->Memory, *opened);
+  return std::shared_ptr<BlockedVolume>(kept, kept->second.get());
+}
+
+double GrowingIndex::EstimateSeconds() const
+{
+  const double done = this->GetProgress();
+  const double seconds =
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
+  return done < ShareToEstimate ? -1 : seconds * (1 - done) / done;
+}
+
+} // namespace isosurface

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_GrowingIndex_h
+#define isosurface_GrowingIndex_h
+
+#include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Indexing/SourceSample.h"
+#include "Ground/Base/BackgroundTask.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/MemoryFileSystem.h"
+#include "Ground/Base/Status.h"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace isosurface
+{
+
+class BlockedVolume;
+class RelayedCommunicator;
+
+/**
+ * An index that is written beside the calling thread, and a sample of the source that is shown until
+ * then. The index is that of WriteSourceIndex, bit for bit. Its threads have a low priority. Where
+ * there are several ranks, they work only while all of them are in Advance(): the calling threads
+ * communicate for them.
+ *
+ * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
+ * writing it may be.
+ *
+ * The destructor stops the writing. Then an older index stays as it was.
+ */
+class GrowingIndex
+{
+public:
+  /// Begins to write. Collective.
+  GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index, SourceSample sample,
+    std::uint64_t memoryBytes);
+  ~GrowingIndex();
+  GrowingIndex(const GrowingIndex&) = delete;
+  GrowingIndex& operator=(const GrowingIndex&) = delete;
+
+  const SourceIndex& GetIndex() const { return this->Index; }
+  const SourceSample& GetSample() const { return this->Sample; }
+
+  /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
+  /// Collective.
+  bool Advance(Communicator& ranks, double seconds);
+  /// Asks it to stop, without waiting for that. Then it ends with StatusCode::Aborted.
+  void Stop() { this->Writing->Stop(); }
+  /// The finished fraction, 0 to 1.
+  double GetProgress() const { return this->Writing->GetProgress(); }
+  /// Seconds until the end, if it goes on as before; negative if nobody knows yet.
+  double EstimateSeconds() const;
+
+  /// How it ended, and what of the source is left out (WriteSourceIndex). Only after Advance() has
+  /// returned true.
+  const Status& GetStatus() const { return this->Writing->GetStatus(); }
+  const std::string& GetLeftOut() const { return this->LeftOut; }
+  /// The volume of an index in memory, which stays valid without this object; null if the index is
+  /// in its place. Only after it has ended well.
+  Result<std::shared_ptr<BlockedVolume>> OpenInMemory() const;
+
+private:
+  const SourceIndex Index;
+  const SourceSample Sample;
+  std::shared_ptr<MemoryFileSystem> Memory; ///< null if the index can be written to its place
+  const std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
+  std::string LeftOut;                        ///< the thread's until it has ended
+  std::unique_ptr<RelayedCommunicator> Relay; ///< null for one rank
+  std::unique_ptr<BackgroundTask> Writing;
+};
+
+} // namespace isosurface
+
+#endif
