@@ -16,6 +16,7 @@
 
 #include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
 #include "Ground/Base/FileSystem.h"
@@ -220,6 +221,10 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
   reader.IndexText = this->Index.Path + ": up to date";
   if (reader.Growing && !reader.Growing->Advance(ranks, 0))
   {
+    if (reader.Growing->HasLargerSample())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(reader.Growing->EnlargeSample());
+    }
     volume = reader.Growing->GetSample().Volume;
     text = reader.Growing->GetSample().Text;
     reader.Indexing[0] = Working;
@@ -389,7 +394,7 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(isosurface::Communicator&
     this->Growing.reset();
     status = isCoarse ? steps.Begin(ranks) : steps.Update(ranks);
   }
-  else if (!isCoarse || this->Indexing[0] != Working)
+  else if (!isCoarse || this->Growing->Advance(ranks, 0))
   {
     status = steps.Finish(ranks);
   }
@@ -432,6 +437,10 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
       this->IndexText = status.GetMessage();
       vtkErrorMacro(<< status.GetMessage());
     }
+  }
+  else if (this->Growing->HasLargerSample())
+  {
+    this->Indexing[0] = Ready;
   }
   this->Indexing[1] = this->Growing->GetProgress();
   this->Indexing[2] = this->Growing->EstimateSeconds();

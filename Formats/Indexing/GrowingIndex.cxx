@@ -14,13 +14,19 @@ namespace
 
 /// Before this share is written, its time says little about that of the rest.
 constexpr double ShareToEstimate = 0.02;
+/// A sample takes the place of one that is so many times smaller.
+constexpr double EnoughLarger = 1.5;
 
 } // namespace
 
 GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index,
   SourceSample sample, std::uint64_t memoryBytes)
   : Index(std::move(index))
+  , Files(files)
   , Sample(std::move(sample))
+  , Collector(ranks.GetSize() == 1 && this->Sample.Volume && this->Sample.Share < 1
+        ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
+        : nullptr)
   , Relay(ranks.GetSize() > 1 ? std::make_unique<RelayedCommunicator>(ranks) : nullptr)
 {
   if (!this->Relay && !CanWriteIndex(files, this->Index))
@@ -33,7 +39,8 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
     {
       SerialCommunicator alone;
       Communicator& all = this->Relay ? static_cast<Communicator&>(*this->Relay) : alone;
-      const auto leftOut = WriteSourceIndex(all, place, this->Index, memoryBytes, advance);
+      const auto leftOut =
+        WriteSourceIndex(all, place, this->Index, memoryBytes, advance, this->Collector.get());
       ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
       this->LeftOut = *leftOut;
       return Status::Ok();
@@ -68,6 +75,20 @@ Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
     std::make_shared<std::pair<std::shared_ptr<MemoryFileSystem>, std::shared_ptr<BlockedVolume>>>(
       this->Memory, *opened);
   return std::shared_ptr<BlockedVolume>(kept, kept->second.get());
+}
+
+bool GrowingIndex::HasLargerSample() const
+{
+  const double share = this->Collector ? this->Collector->GetShare() : 0;
+  return share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
+}
+
+Status GrowingIndex::EnlargeSample()
+{
+  auto sample = this->Collector->MakeSample(this->Files, this->Index);
+  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
+  this->Sample = std::move(*sample);
+  return Status::Ok();
 }
 
 double GrowingIndex::EstimateSeconds() const

@@ -2,6 +2,7 @@
 #ifndef isosurface_GrowingIndex_h
 #define isosurface_GrowingIndex_h
 
+#include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Indexing/SourceSample.h"
 #include "Ground/Base/BackgroundTask.h"
@@ -44,6 +45,11 @@ public:
 
   const SourceIndex& GetIndex() const { return this->Index; }
   const SourceSample& GetSample() const { return this->Sample; }
+  /// Whether a sample could be had that is much larger than the last one: what is being indexed is
+  /// sampled, too. Never where there are several ranks.
+  bool HasLargerSample() const;
+  /// Makes that the sample.
+  Status EnlargeSample();
 
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
   /// Collective.
@@ -65,8 +71,10 @@ public:
 
 private:
   const SourceIndex Index;
-  const SourceSample Sample;
-  std::shared_ptr<MemoryFileSystem> Memory; ///< null if the index can be written to its place
+  FileSystem& Files;
+  SourceSample Sample;
+  std::unique_ptr<SampleCollector> Collector; ///< null if the sample is of all of the volume
+  std::shared_ptr<MemoryFileSystem> Memory;   ///< null if the index can be written to its place
   const std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
   std::string LeftOut;                        ///< the thread's until it has ended
   std::unique_ptr<RelayedCommunicator> Relay; ///< null for one rank

@@ -96,7 +96,7 @@ public:
         std::max<std::int64_t>(1, step[2] / 2) })
     , Box(box)
     , Chunk(chunk)
-    , LastStep(step)
+    , WholeStep(step)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
@@ -126,8 +126,9 @@ public:
   {
     const VertexBox vertices = this->GetVertices(this->Read);
     const bool isSmall = vertices.GetNumberOfVertices() <= this->Box.GetNumberOfVertices() / 8;
-    return { vertices, isSmall ? this->Step : this->LastStep };
+    return { vertices, isSmall ? this->Step : this->WholeStep };
   }
+  const Index3& GetWholeStep() const override { return this->WholeStep; }
 
 private:
   VertexBox GetVertices(const VertexBox& chunks) const
@@ -171,7 +172,7 @@ private:
 
   const VertexBox Box;
   const Index3 Chunk;
-  const Index3 LastStep;
+  const Index3 WholeStep;
   VertexBox Chunks; ///< all, by number
   VertexBox Read;   ///< those of the boxes so far
 };

@@ -39,6 +39,8 @@ public:
   virtual Lattice GetLattice() const = 0;
   /// The multiples of this step are all that any lattice has.
   const Index3& GetStep() const { return this->Step; }
+  /// That of a lattice of all vertices.
+  virtual const Index3& GetWholeStep() const { return this->Step; }
   /// Whether boxes are best read row by row, each row of the lattice alone.
   virtual bool IsByRows() const { return false; }
   /// Whether only one thread of one rank may read, in this order.

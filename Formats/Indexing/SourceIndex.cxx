@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Indexing/SourceIndex.h"
 
+#include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
@@ -144,7 +145,8 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
 }
 
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
-  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress)
+  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress,
+  SampleCollector* collector)
 {
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
@@ -157,6 +159,10 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
+    if (collector && step == 0)
+    {
+      collector->Attach(opened->Volume);
+    }
     opened->Settings.Publish = step + 1 == steps;
     const Progress tell = [&](double share) {
       return !progress ||

@@ -13,6 +13,8 @@
 namespace isosurface
 {
 
+class SampleCollector;
+
 /// A file of another format, and the volume in place that is its index.
 struct SourceIndex
 {
@@ -56,7 +58,8 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  * or stop, an older index stays as it was. Cost and errors: as BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
-  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {});
+  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},
+  SampleCollector* collector = nullptr);
 
 } // namespace isosurface
 

@@ -2,52 +2,59 @@
 #ifndef isosurface_SourceSample_h
 #define isosurface_SourceSample_h
 
+#include "Formats/Indexing/ReadingOrder.h"
 #include "Formats/Indexing/SourceIndex.h"
-#include "Ground/Base/Communicator.h"
 #include "Ground/Base/FileSystem.h"
-#include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/VolumeOpener.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
 
 class BlockedVolume;
 
-/// What a sample may cost.
-struct SampleLimits
-{
-  double Seconds = 1; ///< of reading; a first part of the file is read however long it takes
-  std::int64_t Vertices = std::int64_t{ 1 } << 21;
-};
-
 /// A coarse volume in memory that stands for a file until it is indexed.
 struct SourceSample
 {
-  std::shared_ptr<BlockedVolume> Volume;
-  bool IsWhole = false; ///< whether it has all samples of the file
-  std::string Text;     ///< what it is of the file: "one of 16 x 16 x 16 samples"
+  std::shared_ptr<BlockedVolume> Volume; ///< valid without anything else
+  Lattice Vertices;                      ///< of the file, that it has
+  Index3 WholeStep{ 1, 1, 1 };           ///< with which a sample of the whole file is as large
+  double Share = 0;                      ///< of the file that its box is
+  bool IsWhole = false;                  ///< whether it has all samples of the file
+  std::string Text;                      ///< what it is of the file: "one of 16 x 16 x 16 samples"
+};
+
+/// What a sample needs to know of the volume that it is of.
+struct SampledVolume
+{
+  SampledVolume() = default;
+  explicit SampledVolume(const OpenedVolume& volume);
+
+  GridGeometry Grid;
+  std::optional<GridLines> Lines;
+  std::vector<ArrayDescription> Arrays;
+  std::vector<ValueType> Types; ///< of the variables that are stored
+  VertexBox Box;
+  int Level = 0; ///< OpenedVolume::Level
 };
 
 /**
- * Reads a sample of the first time step of a file, and makes a blocked volume of it in the memory of
- * each rank; the same on all ranks. What is read, whatever the size of the file:
- *
- *     its own coarse level   of a pyramid (OME-Zarr); its samples are averages
- *     every n-th row of every m-th slice     of files whose rows can be read alone
- *     every m-th slice       of files whose slices are decoded one by one
- *     a box of whole chunks  of other files, which grows from the middle
- *     the first slices       of streams
- *
- * Slices are read in such an order, m from large to small, that they can end at any time; so can
- * boxes. Collective. Errors: those of the source;
- * Aborted. Memory: some times the sample; and a chunk, or a slice, for each thread.
+ * Makes a sample of the samples on a lattice: for each variable those of the lattice's vertices, x
+ * fastest. `part` says which part of the volume the lattice is if it is not all: "middle". `files`
+ * must outlive the sample. Cost: that of writing a blocked volume to memory.
  */
-Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
-  const SourceIndex& index, const SampleLimits& limits, const Progress& progress = {});
+Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& index,
+  const SampledVolume& of, const Lattice& lattice,
+  const std::vector<std::vector<std::uint8_t>>& samples, const std::string& part);
 
 } // namespace isosurface
 

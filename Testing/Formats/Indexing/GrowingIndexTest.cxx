@@ -4,6 +4,7 @@
 #include "Fixtures/SampleFiles.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
+#include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Volume/SampleCopy.h"
 
@@ -217,6 +218,36 @@ TEST_P(GrowingIndexTest, IsTheIndexThatIsWrittenAtOnce)
       EXPECT_GE(growing->EstimateSeconds(), 0);
     });
   EXPECT_EQ(this->Disk.Copy(), atOnce.Copy());
+}
+
+TEST_P(GrowingIndexTest, GivesLargerSamplesOfWhatIsIndexed)
+{
+  const auto samples = ReadSamplesOf(this->Disk, GrowingSource, { 0, 20000 }, this->GetParam());
+  ThreadCommunicator::Run(this->GetParam(),
+    [&](Communicator& ranks)
+    {
+      GrowingIndex growing(
+        ranks, this->Disk, FindIndex(this->Disk, GrowingSource), samples[0], GrowingMemory);
+      double share = growing.GetSample().Share;
+      EXPECT_LT(share, 0.1);
+      while (!growing.Advance(ranks, 0.001))
+      {
+        if (growing.HasLargerSample())
+        {
+          EXPECT_TRUE(growing.EnlargeSample().IsOk());
+          EXPECT_GT(growing.GetSample().Share, share);
+          share = growing.GetSample().Share;
+          ExpectSample(growing.GetSample(), this->Volume, { 0, 0, 0 }, { 4, 2, 2 });
+        }
+      }
+      ASSERT_EQ(growing.HasLargerSample(), ranks.GetSize() == 1 && share < 1);
+      if (growing.HasLargerSample())
+      {
+        EXPECT_TRUE(growing.EnlargeSample().IsOk());
+        EXPECT_EQ(growing.GetSample().Text, "one of 4 x 2 x 2 samples");
+        ExpectSample(growing.GetSample(), this->Volume, { 0, 0, 0 }, { 4, 2, 2 });
+      }
+    });
 }
 
 TEST_P(GrowingIndexTest, LeavesTheOlderIndexAsItWasWhereverItIsDropped)
