@@ -458,7 +458,7 @@ void vtkInPlaceVolumeReader::StopIndex()
 //------------------------------------------------------------------------------
 void vtkInPlaceVolumeReader::TakeIndex()
 {
-  if (this->Indexing[0] == Ready)
+  if (this->Growing)
   {
     this->Modified();
   }

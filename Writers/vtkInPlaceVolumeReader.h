@@ -115,9 +115,9 @@ public:
    * For a window, while the index is written: AdvanceIndex waits for it, but not longer than so many
    * milliseconds. When all ranks have it, the execution after TakeIndex reads the volume. The same
    * holds for a larger sample, where the first one was of a part of the file: it is of what has been
-   * indexed. An error is reported once, and the sample stays. Where there are several ranks, the index is written only
-   * while all ranks are in AdvanceIndex, which they call together. An execution that may not be
-   * coarse waits for the index.
+   * indexed. An error is reported once, and the sample stays. Where there are several ranks, the
+   * index is written only while all ranks are in AdvanceIndex, which they call together. An
+   * execution that may not be coarse waits for the index.
    *
    * Indexing has what the last call found: a stage (0: no index is being written, 1: at work, 2:
    * something can be taken, 3: it could not be written), the finished fraction, and the seconds that are left

@@ -6,7 +6,11 @@
 
 #include "pqPipelineSource.h"
 #include "pqServer.h"
+#include "pqTimeKeeper.h"
 #include "pqTimer.h"
+#include "pqView.h"
+#include "vtkBoundingBox.h"
+#include "vtkPVDataInformation.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
@@ -38,6 +42,14 @@ struct IndexReport
   double Share = 0;
   double Seconds = -1;
 };
+
+/// What views show of the reader's volume.
+vtkBoundingBox FindBounds(pqPipelineSource* reader)
+{
+  double bounds[6];
+  reader->getSourceProxy()->GetDataInformation(0)->GetBounds(bounds);
+  return vtkBoundingBox(bounds);
+}
 
 IndexReport ReadReport(vtkSMProxy* reader)
 {
@@ -104,13 +116,13 @@ void pqIndexStatus::Watch(pqPipelineSource* source)
 //------------------------------------------------------------------------------
 void pqIndexStatus::Advance()
 {
-  bool isIndexed = false;
+  Sources changed;
   int wait = PollMilliseconds;
-  std::vector<QPointer<pqPipelineSource>> readers;
+  Sources readers;
   std::swap(readers, this->Readers);
   for (const QPointer<pqPipelineSource>& reader : readers)
   {
-    if (reader && (reader->getServer()->isProgressPending() || this->AdvanceOne(reader, isIndexed)))
+    if (reader && (reader->getServer()->isProgressPending() || this->AdvanceOne(reader, changed)))
     {
       wait = reader->getServer()->getNumberOfPartitions() > 1 ? PollRanksMilliseconds : wait;
       this->Readers.push_back(reader);
@@ -121,14 +133,37 @@ void pqIndexStatus::Advance()
   {
     this->Timer->start(wait);
   }
-  if (isIndexed)
+  this->Update(changed);
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::Update(const Sources& changed)
+{
+  std::vector<vtkBoundingBox> before;
+  for (const QPointer<pqPipelineSource>& reader : changed)
+  {
+    before.push_back(FindBounds(reader));
+  }
+  if (!changed.empty())
   {
     Q_EMIT this->indexed();
+  }
+  for (std::size_t number = 0; number < changed.size(); ++number)
+  {
+    const QPointer<pqPipelineSource>& reader = changed[number];
+    // The last slice of a sample may be a little before that of the volume.
+    if (reader && FindBounds(reader).GetDiagonalLength() > 1.1 * before[number].GetDiagonalLength())
+    {
+      for (pqView* view : reader->getViews())
+      {
+        view->resetDisplay();
+      }
+    }
   }
 }
 
 //------------------------------------------------------------------------------
-bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, bool& isIndexed)
+bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
 {
   vtkSMProxy* reader = source->getProxy();
   const bool isAlone = source->getServer()->getNumberOfPartitions() == 1;
@@ -137,7 +172,7 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, bool& isIndexed)
   if (report.Stage == IndexReport::Ready)
   {
     reader->InvokeCommand("TakeIndex");
-    isIndexed = true;
+    changed.emplace_back(source);
   }
   const QString left = report.Seconds < 0
     ? QString()
@@ -152,20 +187,18 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, bool& isIndexed)
 //------------------------------------------------------------------------------
 void pqIndexStatus::Finish()
 {
-  bool isIndexed = false;
-  for (const QPointer<pqPipelineSource>& reader : std::exchange(this->Readers, {}))
+  const Sources readers = std::exchange(this->Readers, {});
+  for (const QPointer<pqPipelineSource>& reader : readers)
   {
-    while (reader && reader->getProxy()->GetSession()->GetIsAlive() &&
-      this->AdvanceOne(reader, isIndexed))
+    if (reader && reader->getProxy()->GetSession()->GetIsAlive())
     {
-      CallOnServer(reader->getProxy(), "AdvanceIndex", SliceMilliseconds);
+      // Since it may not be coarse now, its update waits.
+      reader->getProxy()->InvokeCommand("TakeIndex");
+      reader->getSourceProxy()->UpdatePipeline(reader->getServer()->getTimeKeeper()->getTime());
     }
   }
   this->hide();
-  if (isIndexed)
-  {
-    Q_EMIT this->indexed();
-  }
+  this->Update(readers);
 }
 
 //------------------------------------------------------------------------------

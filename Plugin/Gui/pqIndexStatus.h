@@ -56,11 +56,15 @@ private Q_SLOTS:
 private:
   Q_DISABLE_COPY(pqIndexStatus)
 
-  /// Whether the index is to be watched further.
-  bool AdvanceOne(pqPipelineSource* source, bool& isIndexed);
+  using Sources = std::vector<QPointer<pqPipelineSource>>;
 
-  pqTimer* Timer;                                  ///< ParaView's test player waits for such timers
-  std::vector<QPointer<pqPipelineSource>> Readers; ///< whose index is being written
+  /// Whether the index is to be watched further. Readers that have taken something new are added.
+  bool AdvanceOne(pqPipelineSource* source, Sources& changed);
+  /// Has views updated, and shows all of a volume of which a part was shown before.
+  void Update(const Sources& changed);
+
+  pqTimer* Timer;  ///< ParaView's test player waits for such timers
+  Sources Readers; ///< whose index is being written
 };
 
 #endif
