@@ -2,7 +2,6 @@
 #include "Formats/Indexing/GrowingIndex.h"
 
 #include "Formats/Opener/ForeignVolume.h"
-#include "Ground/Base/RelayedCommunicator.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <utility>
@@ -27,39 +26,21 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   , Collector(ranks.GetSize() == 1 && this->Sample.Volume && this->Sample.Share < 1
         ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
         : nullptr)
-  , Relay(ranks.GetSize() > 1 ? std::make_unique<RelayedCommunicator>(ranks) : nullptr)
 {
-  if (!this->Relay && !CanWriteIndex(files, this->Index))
+  if (ranks.GetSize() == 1 && !CanWriteIndex(files, this->Index))
   {
     this->Memory = std::make_shared<MemoryFileSystem>(files, this->Index.Path, memoryBytes);
   }
   FileSystem& place = this->Memory ? *this->Memory : files;
-  this->Writing = std::make_unique<BackgroundTask>(this->Index.Source,
-    [this, &place, memoryBytes](const Progress& advance) -> Status
+  this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
+    [this, &place, memoryBytes](Communicator& all, const Progress& advance) -> Status
     {
-      SerialCommunicator alone;
-      Communicator& all = this->Relay ? static_cast<Communicator&>(*this->Relay) : alone;
       const auto leftOut =
         WriteSourceIndex(all, place, this->Index, memoryBytes, advance, this->Collector.get());
       ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
       this->LeftOut = *leftOut;
       return Status::Ok();
     });
-}
-
-GrowingIndex::~GrowingIndex()
-{
-  this->Writing->Stop();
-  if (this->Relay)
-  {
-    this->Relay->Close();
-  }
-}
-
-bool GrowingIndex::Advance(Communicator& ranks, double seconds)
-{
-  return this->Relay ? this->Relay->Serve(ranks, seconds, [this] { return this->Writing->Wait(0); })
-                     : this->Writing->Wait(seconds);
 }
 
 Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const

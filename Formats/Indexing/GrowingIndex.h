@@ -5,7 +5,7 @@
 #include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Indexing/SourceSample.h"
-#include "Ground/Base/BackgroundTask.h"
+#include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/MemoryFileSystem.h"
@@ -20,7 +20,6 @@ namespace isosurface
 {
 
 class BlockedVolume;
-class RelayedCommunicator;
 
 /**
  * An index that is written beside the calling thread, and a sample of the source that is shown until
@@ -39,9 +38,6 @@ public:
   /// Begins to write. Collective.
   GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index, SourceSample sample,
     std::uint64_t memoryBytes);
-  ~GrowingIndex();
-  GrowingIndex(const GrowingIndex&) = delete;
-  GrowingIndex& operator=(const GrowingIndex&) = delete;
 
   const SourceIndex& GetIndex() const { return this->Index; }
   const SourceSample& GetSample() const { return this->Sample; }
@@ -53,7 +49,10 @@ public:
 
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
   /// Collective.
-  bool Advance(Communicator& ranks, double seconds);
+  bool Advance(Communicator& ranks, double seconds)
+  {
+    return this->Writing->Advance(ranks, seconds);
+  }
   /// Asks it to stop, without waiting for that. Then it ends with StatusCode::Aborted.
   void Stop() { this->Writing->Stop(); }
   /// The finished fraction, 0 to 1.
@@ -76,9 +75,8 @@ private:
   std::unique_ptr<SampleCollector> Collector; ///< null if the sample is of all of the volume
   std::shared_ptr<MemoryFileSystem> Memory;   ///< null if the index can be written to its place
   const std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
-  std::string LeftOut;                        ///< the thread's until it has ended
-  std::unique_ptr<RelayedCommunicator> Relay; ///< null for one rank
-  std::unique_ptr<BackgroundTask> Writing;
+  std::string LeftOut;                     ///< the thread's until it has ended
+  std::unique_ptr<CollectiveTask> Writing; ///< the last member: it uses the others
 };
 
 } // namespace isosurface
