@@ -22,6 +22,7 @@
 #include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <memory>
 #include <string>
@@ -55,6 +56,27 @@ enum Stages
 std::string ToText(const char* text)
 {
   return text ? text : "";
+}
+
+/// The reader's progress, which is also told in the log now and then: who waits at a terminal has no
+/// status bar.
+isosurface::Progress MakeLoggedProgress(
+  vtkInPlaceVolumeReader& reader, const std::string& source, const isosurface::Communicator& ranks)
+{
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::seconds interval(10);
+  return [advance = isosurface::MakeProgress(reader), source, isTold = ranks.GetRank() == 0,
+           begin = Clock::now(), next = Clock::now() + interval](double share) mutable
+  {
+    if (isTold && share > 0 && Clock::now() >= next)
+    {
+      next = Clock::now() + interval;
+      const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+      vtkLogF(INFO, "%s: is being indexed: %.0f %%, about %.0f s left", source.c_str(), 100 * share,
+        seconds * (1 - share) / share);
+    }
+    return advance(share);
+  };
 }
 
 /// Whether the reader offers to open files of a format.
@@ -171,8 +193,9 @@ Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
     ISOSURFACE_RETURN_IF_ERROR(this->Grow(ranks, {}));
     return this->Finish(ranks);
   }
-  const auto written = isosurface::WriteSourceIndex(ranks, isosurface::GetLocalFileSystem(),
-    this->Index, this->GetMemoryBytes(), isosurface::MakeProgress(this->Reader));
+  const auto written =
+    isosurface::WriteSourceIndex(ranks, isosurface::GetLocalFileSystem(), this->Index,
+      this->GetMemoryBytes(), MakeLoggedProgress(this->Reader, this->Index.Source, ranks));
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   this->TellLeftOut(ranks, *written);
   return Status::Ok();
@@ -181,7 +204,7 @@ Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
 Status vtkInPlaceVolumeReader::Steps::Finish(isosurface::Communicator& ranks)
 {
   GrowingIndex& growing = *this->Reader.Growing;
-  const isosurface::Progress advance = isosurface::MakeProgress(this->Reader);
+  const isosurface::Progress advance = MakeLoggedProgress(this->Reader, this->Index.Source, ranks);
   std::vector<std::uint64_t> stops = { 0 };
   while (!growing.Advance(ranks, PollSeconds))
   {
