@@ -37,7 +37,8 @@ struct VolumeFormat
 };
 
 /// The format of a name: of a folder by the names in it, of a file by its extension or its first
-/// bytes, or because the name says what its samples are. Null if it has none. Files that do not exist have one if their extension tells.
+/// bytes, or because the name says what its samples are. Null if it has none. Files that do not
+/// exist have one if their extension tells.
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
 
 } // namespace isosurface

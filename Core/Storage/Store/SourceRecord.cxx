@@ -151,8 +151,7 @@ Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
     return Status(StatusCode::Unsupported,
       text +
         ": cannot be indexed in place: its samples are a compressed stream, which can only be read "
-        "in "
-        "order; copy it: blockvolume " +
+        "in order; copy it: blockvolume " +
         text + " " + header);
   }
   record.Chunk = *chunk;
