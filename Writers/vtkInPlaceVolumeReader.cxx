@@ -17,8 +17,6 @@
 #include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Indexing/SourceSampler.h"
-#include "Formats/Opener/ForeignVolume.h"
-#include "Formats/Opener/VolumeFormat.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
@@ -78,27 +76,6 @@ isosurface::Progress MakeLoggedProgress(
     return advance(share);
   };
 }
-
-/// Whether the reader offers to open files of a format.
-bool IsIndexed(const isosurface::VolumeFormat* format)
-{
-  return format && (format->Name == "Zarr" || format->Name == "HDF5");
-}
-
-/// The names of the volumes in a file; none if it cannot be read.
-std::vector<std::string> FindNames(const std::string& fileName)
-{
-  std::vector<std::string> names;
-  isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
-  const SourceIndex index = SourceIndex::Find(files, fileName, "", "", "");
-  const auto listed =
-    isosurface::ListForeignVolumes(files, isosurface::VolumeName::Parse(files, index.Source).Path);
-  for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
-  {
-    names.push_back((*listed)[entry].Name);
-  }
-  return names;
-}
 } // namespace
 
 /// Finds, checks and writes the index of a reader's source.
@@ -110,9 +87,10 @@ struct vtkInPlaceVolumeReader::Steps
     this->Failure = isosurface::Attempt(ToText(reader.SourceName),
       [&]
       {
+        const std::string dataset =
+          ToText(ToText(reader.RawSamples).empty() ? reader.Dataset : reader.RawSamples);
         this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
-          ToText(reader.Dataset) == Automatic ? "" : ToText(reader.Dataset), ToText(reader.Axes),
-          ToText(reader.IndexFolder));
+          dataset == Automatic ? "" : dataset, ToText(reader.Axes), ToText(reader.IndexFolder));
         return Status::Ok();
       });
   }
@@ -293,6 +271,7 @@ Status vtkInPlaceVolumeReader::Steps::Grow(
 vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
   : SourceName(nullptr)
   , Dataset(nullptr)
+  , RawSamples(nullptr)
   , Axes(nullptr)
   , IndexFolder(nullptr)
   , IndexMemory(1024)
@@ -308,6 +287,7 @@ vtkInPlaceVolumeReader::~vtkInPlaceVolumeReader()
 {
   this->SetSourceName(nullptr);
   this->SetDataset(nullptr);
+  this->SetRawSamples(nullptr);
   this->SetAxes(nullptr);
   this->SetIndexFolder(nullptr);
   this->Datasets->Delete();
@@ -319,12 +299,7 @@ int vtkInPlaceVolumeReader::CanReadFile(const char* fileName)
   // The dialog that asks cannot catch what a damaged file may throw.
   try
   {
-    isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
-    const SourceIndex index = SourceIndex::Find(files, ToText(fileName), "", "", "");
-    return IsIndexed(isosurface::FindVolumeFormat(
-             files, isosurface::VolumeName::Parse(files, index.Source)))
-      ? 1
-      : 0;
+    return isosurface::CanBeIndexed(isosurface::GetLocalFileSystem(), ToText(fileName)) ? 1 : 0;
   }
   catch (const std::exception&)
   {
@@ -339,7 +314,8 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
   this->Datasets->InsertNextValue(Automatic);
   try
   {
-    for (const std::string& name : FindNames(ToText(this->SourceName)))
+    for (const std::string& name :
+      isosurface::ListVolumes(isosurface::GetLocalFileSystem(), ToText(this->SourceName)))
     {
       this->Datasets->InsertNextValue(name);
     }
@@ -350,6 +326,16 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
       exception.what());
   }
   return this->Datasets;
+}
+
+//------------------------------------------------------------------------------
+int vtkInPlaceVolumeReader::GetIsRaw()
+{
+  const std::string source = ToText(this->SourceName);
+  const auto isRaw = isosurface::Attempt(source,
+    [&]
+    { return Result<bool>(isosurface::IsRawSource(isosurface::GetLocalFileSystem(), source)); });
+  return !source.empty() && isRaw.IsOk() && *isRaw ? 1 : 0;
 }
 
 //------------------------------------------------------------------------------
@@ -493,6 +479,7 @@ void vtkInPlaceVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "SourceName: " << ToText(this->SourceName) << "\n";
   os << indent << "Dataset: " << ToText(this->Dataset) << "\n";
+  os << indent << "RawSamples: " << ToText(this->RawSamples) << "\n";
   os << indent << "Axes: " << ToText(this->Axes) << "\n";
   os << indent << "IndexFolder: " << ToText(this->IndexFolder) << "\n";
   os << indent << "IndexMemory: " << this->IndexMemory << " MiB\n";

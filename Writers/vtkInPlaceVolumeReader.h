@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkInPlaceVolumeReader
- * @brief   reads Zarr, N5 and HDF5 as volumes in place, which it indexes first
+ * @brief   reads files of other formats as volumes in place, which it indexes first
  *
  * The first update indexes the source: it writes a blocked volume (.bvol) beside it, or into
  * IndexFolder, without the samples at full resolution, which stay in the source. From then on the
@@ -45,15 +45,18 @@ public:
 
   ///@{
   /**
-   * An HDF5 file, a folder of Zarr or N5, or a file of metadata in such a folder (.zgroup, .zattrs,
-   * .zarray, zarr.json, attributes.json). FileName is that of the index, set by the update.
+   * A file of MetaImage, NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF or raw samples; a folder of Zarr
+   * or N5, or a file of metadata in it (.zgroup, .zattrs, .zarray, zarr.json, attributes.json); a
+   * folder with a series of DICOM or a stack of TIFF. FileName is that of the index, set by the
+   * update.
    */
   vtkSetFilePathMacro(SourceName);
   vtkGetFilePathMacro(SourceName);
   ///@}
 
   /**
-   * Whether a file is a source that can be indexed in place.
+   * Whether a file or a folder has a volume that can be indexed in place. Also true of a damaged one,
+   * and of a .gz, which cannot: the update tells what is wrong, and what to do. Cost: reading headers.
    */
   static int CanReadFile(const char* fileName);
 
@@ -65,6 +68,20 @@ public:
   vtkSetStringMacro(Dataset);
   vtkGetStringMacro(Dataset);
   ///@}
+
+  ///@{
+  /**
+   * What the samples of a raw file are: XxYxZ,TYPE[,big-endian][,header-bytes=N], as in
+   * "512x512x300,uint16". Empty: what the file's name says, NAME_XxYxZ_TYPE.raw.
+   */
+  vtkSetStringMacro(RawSamples);
+  vtkGetStringMacro(RawSamples);
+  ///@}
+
+  /**
+   * Whether the source is a raw file.
+   */
+  int GetIsRaw();
 
   /**
    * "automatic" and the datasets of the source. Owned by the reader. Cost: reading metadata.
@@ -148,6 +165,7 @@ private:
 
   char* SourceName;
   char* Dataset;
+  char* RawSamples;
   char* Axes;
   char* IndexFolder;
   int IndexMemory;

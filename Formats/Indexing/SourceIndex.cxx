@@ -3,6 +3,7 @@
 
 #include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Formats/Opener/VolumeFormat.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -39,6 +40,19 @@ VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
   }
   const std::string within = chosen.lexically_relative(outermost).generic_string();
   return { outermost.string(), within == "." ? "" : within };
+}
+
+/// Whether it is a volume that can be indexed. Images of one slice are left to readers of images,
+/// streams to those that read them as a whole, if there are any.
+bool IsWanted(const Result<OpenedVolume>& volume, const std::string& path)
+{
+  if (!volume.IsOk())
+  {
+    return false;
+  }
+  const Index3 size = volume->Grid.GetDimensions();
+  return *std::min_element(size.begin(), size.end()) > 1 &&
+    (volume->Source->GetChunk() || std::filesystem::path(path).extension() == ".gz");
 }
 
 struct OpenedStep
@@ -103,6 +117,61 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
   }
   const std::filesystem::path parent = folder.empty() ? source.parent_path() : MakeAbsolute(folder);
   return { name.GetText(), axes, (parent / (file + ".bvol")).string() };
+}
+
+bool CanBeIndexed(FileSystem& files, const std::string& chosen)
+{
+  const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
+  const VolumeName name = VolumeName::Parse(files, index.Source);
+  const VolumeFormat* const format = FindVolumeFormat(files, name);
+  // HDF5 and NetCDF of other extensions are mostly meshes, which have readers of their own.
+  if (!format || !(format->IsFolder || format->HasExtension(name.Path)))
+  {
+    return false;
+  }
+  const auto whole = OpenForeignVolume(files, index.Source);
+  if (whole.IsOk())
+  {
+    return IsWanted(whole, name.Path);
+  }
+  if (whole.GetStatus().GetCode() == StatusCode::Corrupt)
+  {
+    return format->Name != "MRC"; // other files, too, are called .map or .rec
+  }
+  constexpr std::size_t most = 64;
+  const std::vector<std::string> names = ListVolumes(files, chosen);
+  return std::any_of(names.begin(),
+    names.begin() + static_cast<std::ptrdiff_t>(std::min(most, names.size())),
+    [&](const std::string& within)
+    {
+      return within.compare(0, name.Within.size(), name.Within) == 0 &&
+        IsWanted(OpenForeignVolume(files, name.Path + ":" + within), name.Path);
+    });
+}
+
+std::vector<std::string> ListVolumes(FileSystem& files, const std::string& chosen)
+{
+  const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
+  const auto listed = ListForeignVolumes(files, VolumeName::Parse(files, index.Source).Path);
+  std::vector<std::string> names;
+  for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
+  {
+    const std::string& shape = (*listed)[entry].Shape;
+    const auto axes = 1 + std::count(shape.begin(), shape.end(), 'x');
+    if (axes >= 3 && axes <= 5)
+    {
+      names.push_back((*listed)[entry].Name);
+    }
+  }
+  return names;
+}
+
+bool IsRawSource(FileSystem& files, const std::string& chosen)
+{
+  const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
+  const VolumeFormat* const format =
+    FindVolumeFormat(files, VolumeName::Parse(files, index.Source));
+  return !format || format->Name == "raw";
 }
 
 Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
@@ -37,6 +38,22 @@ struct SourceIndex
     return this->Source == other.Source && this->Axes == other.Axes && this->Path == other.Path;
   }
 };
+
+/**
+ * Whether a program that opens files should offer to index `chosen` (SourceIndex::Find): it has a
+ * volume, of more than one slice, whose samples can be read where they lie; a .gz, too, which nobody
+ * else reads. So is a damaged file of such a format, of which WriteSourceIndex() tells what is wrong.
+ * Cost: reading headers.
+ */
+bool CanBeIndexed(FileSystem& files, const std::string& chosen);
+
+/// The arrays in `chosen` that have as many axes as a volume may have, by their names (`dataset` of
+/// SourceIndex::Find). None if there is but one volume, or if it cannot be read.
+std::vector<std::string> ListVolumes(FileSystem& files, const std::string& chosen);
+
+/// Whether `chosen` is a file of which only a person may know what its samples are, and says so as its
+/// `dataset`: "512x512x300,uint16" (RawSamples.h).
+bool IsRawSource(FileSystem& files, const std::string& chosen);
 
 enum class IndexState : std::uint8_t
 {

@@ -96,8 +96,8 @@ pqIndexStatus::~pqIndexStatus() = default;
 //------------------------------------------------------------------------------
 bool pqIndexStatus::IsReader(vtkSMProxy* proxy)
 {
-  return proxy && proxy->GetXMLName() &&
-    std::strcmp(proxy->GetXMLName(), "InPlaceVolumeReader") == 0;
+  return proxy && proxy->GetVTKClassName() &&
+    std::strcmp(proxy->GetVTKClassName(), "vtkInPlaceVolumeReader") == 0;
 }
 
 //------------------------------------------------------------------------------

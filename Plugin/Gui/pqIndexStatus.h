@@ -3,7 +3,7 @@
  * @class   pqIndexStatus
  * @brief   files that are opened by hand are shown at once, and exactly when they are indexed
  *
- * A button in the status bar, visible while an In-Place Volume Reader shows a sample of a file and
+ * A button in the status bar, visible while a Volume Reader (Any Size) shows a sample of a file and
  * the index is written beside the window: how far it is, how long it still takes, and a menu that
  * stops it. A timer lets the servers work and asks how far they are (AdvanceIndex). At the end the
  * reader takes the index, and `indexed` tells that views are to be updated.

@@ -5,7 +5,7 @@
  *
  * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time
  * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface, and every
- * In-Place Volume Reader a sample of its file (AllowCoarse). pqIndexStatus sees to the latter.
+ * Volume Reader (Any Size) a sample of its file (AllowCoarse). pqIndexStatus sees to the latter.
  * Scripts, state files and saved animations get exact ones. Afterwards each contour whose surface
  * is not final extracts the next level beside the window (PrepareRefinement); a timer asks how far
  * it is. When it is there on all ranks, and no mouse button is down, Refine and a rendering show

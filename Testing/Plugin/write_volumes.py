@@ -2,6 +2,7 @@
 """Writes the volumes that the tests of the plugin read: write_volumes.py PLUGIN FOLDER
 
     wave.vti    82 x 76 x 67 samples of ParaView's Wavelet, float, at a negative extent
+    wave.mhd    the same, which two readers take
     wave.bvol   the same as a blocked volume of 4 stores and blocks of 16 cells
     wave.eix    its isosurface of 150
     series.bvol four time steps: RTData + 10 t
@@ -17,6 +18,8 @@ import shutil
 import sys
 
 from paraview import servermanager, simple
+from vtkmodules.vtkIOImage import vtkMetaImageWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 
 import plugin_testing as testing
 
@@ -25,6 +28,13 @@ os.makedirs(folder, exist_ok=True)
 simple.LoadPlugin(plugin, ns=vars(simple))
 wave = simple.Wavelet(WholeExtent=[-40, 41, -35, 40, -30, 36])
 simple.SaveData(os.path.join(folder, "wave.vti"), proxy=wave, DataMode="Binary")
+reader = vtkXMLImageDataReader()
+reader.SetFileName(os.path.join(folder, "wave.vti"))
+writer = vtkMetaImageWriter()
+writer.SetInputConnection(reader.GetOutputPort())
+writer.SetFileName(os.path.join(folder, "wave.mhd"))
+writer.SetCompression(False)
+writer.Write()
 vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
 simple.SaveData(os.path.join(folder, "vectors.vti"), proxy=vectors, DataMode="Binary")
 simple.SaveData(
