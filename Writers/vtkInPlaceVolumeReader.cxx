@@ -62,7 +62,7 @@ isosurface::Progress MakeLoggedProgress(
   vtkInPlaceVolumeReader& reader, const std::string& source, const isosurface::Communicator& ranks)
 {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::seconds interval(10);
+  static constexpr std::chrono::seconds interval(10);
   return [advance = isosurface::MakeProgress(reader), source, isTold = ranks.GetRank() == 0,
            begin = Clock::now(), next = Clock::now() + interval](double share) mutable
   {

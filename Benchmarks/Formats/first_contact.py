@@ -16,7 +16,7 @@ folder. Then, each in a process of its own, without the file in the system's cac
               before the index was there
     processor, peak memory: of all of that
 
-of In-Place Volume Reader and Stabbing Contour, as ParaView's window uses them, and of VTK's own reader,
+of Volume Reader (Any Size) and Stabbing Contour, as ParaView's window uses them, and of VTK's own reader,
 zarr or h5py with vtkFlyingEdges3D, whose first picture is exact. Needs an X display, python3-h5py,
 python3-zarr (version 2) and the package scalable_isosurface on PYTHONPATH.
 """
