@@ -64,14 +64,15 @@ isosurface::Progress MakeLoggedProgress(
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::seconds interval(10);
   return [advance = isosurface::MakeProgress(reader), source, isTold = ranks.GetRank() == 0,
-           begin = Clock::now(), next = Clock::now() + interval](double share) mutable
+           begin = Clock::now(), next = Clock::now() + interval, first = 2.0](double share) mutable
   {
-    if (isTold && share > 0 && Clock::now() >= next)
+    first = std::min(first, share);
+    if (isTold && share > first && Clock::now() >= next)
     {
       next = Clock::now() + interval;
       const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
       vtkLogF(INFO, "%s: is being indexed: %.0f %%, about %.0f s left", source.c_str(), 100 * share,
-        seconds * (1 - share) / share);
+        seconds * (1 - share) / (share - first));
     }
     return advance(share);
   };
@@ -397,8 +398,10 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(isosurface::Communicator&
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
   ranks.ReduceMinimum(all);
   const bool isCoarse = all[0] != 0;
+  // One in memory stays when it has been taken.
+  const bool isOld = all[1] != 0 && this->Indexing[0] == Nothing && !this->Growing->IsCurrent();
   Status status;
-  if (all[1] == 0 || this->Indexing[0] == Failed)
+  if (all[1] == 0 || this->Indexing[0] == Failed || isOld)
   {
     this->Growing.reset();
     status = isCoarse ? steps.Begin(ranks) : steps.Update(ranks);

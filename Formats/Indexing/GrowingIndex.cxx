@@ -43,6 +43,12 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
     });
 }
 
+bool GrowingIndex::IsCurrent() const
+{
+  const auto state = FindIndexState(this->Memory ? *this->Memory : this->Files, this->Index);
+  return state.IsOk() && *state == IndexState::Current;
+}
+
 Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
 {
   if (!this->Memory)

@@ -64,6 +64,8 @@ public:
   /// returned true.
   const Status& GetStatus() const { return this->Writing->GetStatus(); }
   const std::string& GetLeftOut() const { return this->LeftOut; }
+  /// Whether the index is of the source as it is now. Only after it has ended well.
+  bool IsCurrent() const;
   /// The volume of an index in memory, which stays valid without this object; null if the index is
   /// in its place. Only after it has ended well.
   Result<std::shared_ptr<BlockedVolume>> OpenInMemory() const;

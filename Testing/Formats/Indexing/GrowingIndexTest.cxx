@@ -296,6 +296,35 @@ TEST_P(GrowingIndexTest, CanBeStopped)
   EXPECT_FALSE(this->Disk.Exists(GrowingSource + ".bvol"));
 }
 
+TEST_P(GrowingIndexTest, IsKeptInMemoryByOneRankThatCannotWriteIt)
+{
+  this->Disk.FailFromWrite(0);
+  ThreadCommunicator::Run(this->GetParam(),
+    [&](Communicator& ranks)
+    {
+      std::shared_ptr<BlockedVolume> volume;
+      {
+        const auto growing = Begin(ranks, this->Disk);
+        while (!growing->Advance(ranks, 0.01))
+        {
+        }
+        if (ranks.GetSize() > 1)
+        {
+          ExpectMessage(growing->GetStatus(), "No space left on device");
+          return;
+        }
+        ASSERT_TRUE(growing->GetStatus().IsOk()) << growing->GetStatus().GetMessage();
+        EXPECT_TRUE(growing->IsCurrent());
+        volume = Require(growing->OpenInMemory());
+        EXPECT_EQ(ReadSamples(*volume), this->Volume.Samples);
+        this->Disk.SetFile(GrowingSource + "/more", { 1 });
+        EXPECT_FALSE(growing->IsCurrent());
+      }
+      EXPECT_TRUE(volume->GetHeader().IsInPlace()) << "it needs nothing else";
+    });
+  EXPECT_FALSE(this->Disk.Exists(GrowingSource + ".bvol"));
+}
+
 TEST_P(GrowingIndexTest, TellsAllRanksWhyItFailed)
 {
   this->Disk.FailFromWrite(3);
