@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the project on Debian 12 or 13 and runs it. Usage:
+# Builds the project on Debian 12, 13 or 14 and runs it. Usage:
 #   ./build.sh example   build what the main job needs, run it on two real scans, say where the image is
 #   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
 #   ./build.sh package   make Debian packages in build/release: the plugin, the commands, Python, C++
@@ -15,11 +15,11 @@ say() { # step
 
 # "paraview" or "vtk"; "all", or nothing to leave out those that only development needs
 install_packages() {
-  release=$(. /etc/os-release && echo "${VERSION_ID:-13}")
+  release=$(. /etc/os-release && echo "${VERSION_ID:-14}") # Debian's next release has no number yet
   packages=$(awk -v all="${2:-}" -v release="$release" -v beside="$1" \
     '/^# For development alone/ && !all { exit }
      /^#/ { next }
-     { for (i = 2; i <= NF; ++i) if ($i != release && $i != beside) next; print $1 }' \
+     { for (i = 2; i <= NF; ++i) if (release !~ "^(" $i ")$" && $i != beside) next; print $1 }' \
     CMake/debian-packages.txt)
   missing=
   for package in $packages; do
@@ -61,7 +61,7 @@ case "${1:-}" in
     install_packages paraview
     configure release
     compile release ScalableIsosurface blockvolume edgeindex
-    say "Running Examples/main_job.py on two ranks: isosurfaces of a head MRI and a head CT"
+    say "Running Examples/main_job.py on two ranks: isosurfaces of two scans"
     Examples/run_main_job.sh build/release build/main_job
     say "Done"
     echo "The image:  $PWD/build/main_job/main_job.png"

@@ -7,6 +7,8 @@ Any number of ranks will do. Writes into FOLDER (default: the current one):
     head.bvol, cranium.bvol   the blocked volumes, of 4 stores each
     main_job.png              the head's skin from the MRI; skin and bone from the CT
     main_job.csv              what each query cost each rank
+Where Debian has no package with the CT (invesalius-examples, up to Debian 13), a macaque's brain MRI
+takes its place (macaque.bvol).
 """
 import argparse
 import csv
@@ -22,13 +24,15 @@ STORES = 4
 
 SKIN = (0.93, 0.76, 0.65)
 BONE = (0.92, 0.90, 0.82)
+BRAIN = (0.88, 0.66, 0.63)
 
 # blocked volume, array, isovalue, what it is, colour, where it stands in the image (mm)
-SURFACES = [
-    ("head.bvol", "T1", 40.5, "skin (MRI)", SKIN, (220, 0, 0)),
+HEAD = [("head.bvol", "T1", 40.5, "skin (MRI)", SKIN, (220, 0, 0))]
+CRANIUM = [
     ("cranium.bvol", "HU", -300.5, "skin (CT)", SKIN, (-40, 0, 15)),
     ("cranium.bvol", "HU", 250.5, "bone (CT)", BONE, (-290, 0, 15)),
 ]
+MACAQUE = [("macaque.bvol", "T1", 60.5, "brain (MRI)", BRAIN, (-90, 70, 60))]
 
 
 def write_blocked_volume(image, path):
@@ -51,11 +55,11 @@ def read_costs(contour, folder):
     return rows
 
 
-def extract(folder, view):
-    """Shows all surfaces in the view; returns the rows of the table."""
+def extract(surfaces, folder, view):
+    """Shows the surfaces in the view; returns the rows of the table."""
     readers = {}
     table = []
-    for file_name, array, isovalue, name, color, position in SURFACES:
+    for file_name, array, isovalue, name, color, position in surfaces:
         if file_name not in readers:
             readers[file_name] = simple.OpenDataFile(os.path.join(folder, file_name))
         contour = simple.StabbingContour(
@@ -83,12 +87,18 @@ def main():
         simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
 
     write_blocked_volume(debian_scans.head_mri(), os.path.join(arguments.output, "head.bvol"))
-    write_blocked_volume(debian_scans.cranium_ct(), os.path.join(arguments.output, "cranium.bvol"))
+    if os.path.exists(debian_scans.CRANIUM_CT):
+        other, path, surfaces = debian_scans.cranium_ct(), "cranium.bvol", HEAD + CRANIUM
+    else:
+        print(f"{debian_scans.CRANIUM_CT} is missing (package invesalius-examples, up to Debian 13)")
+        print("A macaque's brain MRI (package mricron-data) takes the place of the head CT")
+        other, path, surfaces = debian_scans.macaque_mri(), "macaque.bvol", HEAD + MACAQUE
+    write_blocked_volume(other, os.path.join(arguments.output, path))
 
     view = simple.CreateRenderView(ViewSize=[1200, 480], OrientationAxesVisibility=0)
     view.UseColorPaletteForBackground = 0
     view.Background = [0.16, 0.18, 0.22]
-    table = extract(arguments.output, view)
+    table = extract(surfaces, arguments.output, view)
     with open(os.path.join(arguments.output, "main_job.csv"), "w", newline="") as file:
         writer = csv.DictWriter(file, fieldnames=list(table[0]))
         writer.writeheader()

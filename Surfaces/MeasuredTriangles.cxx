@@ -8,8 +8,6 @@
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkTypeInt32Array.h"
-#include "vtkTypeInt64Array.h"
 
 #include "Ground/Base/ParallelFor.h"
 
@@ -35,18 +33,28 @@ vtkCellArray* GetPolygonsAlone(vtkPolyData* surface)
   return alone ? polygons : nullptr;
 }
 
-/// VTK's 64-bit integers may be another type of this size than the standard library's.
-const std::int64_t* GetValues64(vtkCellArray::ArrayType64* array)
+/// The values of an array of integers of the size of T, if they are in memory one behind the other; else
+/// null, as for the offsets that VTK 9.6 computes where all cells have the same size.
+template <typename T>
+const T* GetIntegers(vtkDataArray* array)
 {
-  return reinterpret_cast<const std::int64_t*>(array->GetPointer(0));
+  const bool has = array->HasStandardMemoryLayout() && array->IsIntegral() &&
+    array->GetDataTypeSize() == static_cast<int>(sizeof(T));
+  return has ? static_cast<const T*>(array->GetVoidPointer(0)) : nullptr;
 }
 
 bool AreTriangles(vtkCellArray* polygons, int threads)
 {
   const auto cells = static_cast<std::size_t>(polygons->GetNumberOfCells());
-  return polygons->IsStorage64Bit()
-    ? AreTriangleOffsets(GetValues64(polygons->GetOffsetsArray64()), cells, threads)
-    : AreTriangleOffsets(polygons->GetOffsetsArray32()->GetPointer(0), cells, threads);
+  if (const auto* offsets = GetIntegers<std::int64_t>(polygons->GetOffsetsArray()))
+  {
+    return AreTriangleOffsets(offsets, cells, threads);
+  }
+  if (const auto* offsets = GetIntegers<std::int32_t>(polygons->GetOffsetsArray()))
+  {
+    return AreTriangleOffsets(offsets, cells, threads);
+  }
+  return polygons->IsHomogeneous() == 3;
 }
 
 TriangleSurface View(vtkDataArray* points, vtkCellArray* triangles)
@@ -55,14 +63,8 @@ TriangleSurface View(vtkDataArray* points, vtkCellArray* triangles)
   view.Points = vtkFloatArray::FastDownCast(points)->GetPointer(0);
   view.NumberOfPoints = static_cast<std::size_t>(points->GetNumberOfTuples());
   view.NumberOfTriangles = static_cast<std::size_t>(triangles->GetNumberOfCells());
-  if (triangles->IsStorage64Bit())
-  {
-    view.Connectivity.Values64 = GetValues64(triangles->GetConnectivityArray64());
-  }
-  else
-  {
-    view.Connectivity.Values32 = triangles->GetConnectivityArray32()->GetPointer(0);
-  }
+  view.Connectivity.Values32 = GetIntegers<std::int32_t>(triangles->GetConnectivityArray());
+  view.Connectivity.Values64 = GetIntegers<std::int64_t>(triangles->GetConnectivityArray());
   return view;
 }
 
@@ -113,10 +115,13 @@ bool MeasuredTriangles::Measure(vtkPolyData* surface, int threads)
   const Key key{ points->GetMTime(), polygons->GetOffsetsArray()->GetMTime(),
     polygons->GetConnectivityArray()->GetMTime() };
   const bool isNew = !(key == this->Measured);
+  this->Surface = View(points, polygons);
   if (isNew)
   {
     this->Measured = key;
-    this->IsCovered = polygons->GetNumberOfConnectivityIds() == 3 * polygons->GetNumberOfCells() &&
+    this->IsCovered =
+      (this->Surface.Connectivity.Values32 || this->Surface.Connectivity.Values64) &&
+      polygons->GetNumberOfConnectivityIds() == 3 * polygons->GetNumberOfCells() &&
       polygons->GetNumberOfConnectivityIds() <= MaximumIndices &&
       points->GetNumberOfTuples() <= MaximumIndices && AreTriangles(polygons, threads);
   }
@@ -124,7 +129,6 @@ bool MeasuredTriangles::Measure(vtkPolyData* surface, int threads)
   {
     return false;
   }
-  this->Surface = View(points, polygons);
   if (isNew)
   {
     this->Found = MeasureTriangles(this->Surface, threads);

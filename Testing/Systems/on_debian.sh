@@ -5,7 +5,7 @@
 #   on_debian.sh RELEASE FOLDER ctest ARGS...  builds all, and runs the tests that ARGS select
 #   on_debian.sh RELEASE FOLDER vtk            ./build.sh vtk: beside VTK alone, without ParaView
 #   on_debian.sh RELEASE FOLDER run COMMAND... any command, in the folder of the copied repository
-# RELEASE is a name (bookworm, trixie). FOLDER gets the root folder, RELEASE or, for VTK alone, RELEASE-vtk
+# RELEASE is a name (bookworm, trixie, forky). FOLDER gets the root folder, RELEASE or, for VTK alone, RELEASE-vtk
 # (4 GiB with all packages), which is kept, so that the next run is quick, and a report. Needs to be root,
 # mmdebstrap and Debian's archive keys. The files that git knows are copied as they are now. Packages come
 # from where this machine's apt has its own. If CCACHE_DIR is set, ccache works there and keeps its files in
@@ -37,7 +37,9 @@ name=$release
 root=$folder/$name
 if [ ! -e "$root/etc/debian_version" ]; then
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' | grep '/debian/*$' | head -n 1)
-  mmdebstrap --variant=apt --include=ca-certificates,git,mount "$release" "$root" "${mirror:-http://deb.debian.org/debian}"
+  # A mirror's copy of a release that still changes may be older than its signed lists are valid.
+  mmdebstrap --variant=apt --aptopt='Acquire::Check-Valid-Until "false"' --include=ca-certificates,git,mount \
+    "$release" "$root" "${mirror:-http://deb.debian.org/debian}"
 fi
 
 # The sources, beside the build folders of earlier runs. Files that did not change keep their times; others
