@@ -200,7 +200,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
     Status(StatusCode::NotFound, "No file name is set.");
   if (this->StandIn)
   {
-    volume = this->StandIn;
+    volume = this->StandIn->GetVolume();
   }
   else if (this->FileName && *this->FileName)
   {
@@ -220,10 +220,9 @@ bool vtkBlockedVolumeReader::OpenVolume()
 }
 
 //------------------------------------------------------------------------------
-void vtkBlockedVolumeReader::SetStandIn(
-  std::shared_ptr<isosurface::BlockedVolume> volume, const std::string& text)
+void vtkBlockedVolumeReader::SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text)
 {
-  this->StandIn = std::move(volume);
+  this->StandIn = standIn;
   this->StandInText = text;
   this->OpenTime = 0;
 }

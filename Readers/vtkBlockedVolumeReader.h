@@ -24,13 +24,7 @@
 #include "vtkPartitionedDataSetAlgorithm.h"
 #include "vtkSmartPointer.h" // For the handle
 
-#include <memory> // For a stand-in
 #include <string> // For the last error
-
-namespace isosurface
-{
-class BlockedVolume;
-}
 
 class vtkBlockedVolumeHandle;
 class vtkDataArraySelection;
@@ -139,10 +133,10 @@ protected:
   virtual bool IsPending() { return false; }
 
   /**
-   * Reads this volume in place of FileName's, from the next modification on; null: no longer.
-   * `text` says what it is, for ShownText.
+   * Reads the volume of this handle in place of FileName's, from the next execution on; null: no
+   * longer. `text` says what it is, for ShownText.
    */
-  void SetStandIn(std::shared_ptr<isosurface::BlockedVolume> volume, const std::string& text);
+  void SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text);
 
 private:
   vtkBlockedVolumeReader(const vtkBlockedVolumeReader&) = delete;
@@ -167,7 +161,7 @@ private:
   bool IsErrorTold;      ///< whether OpenVolume has just reported the handle's error
   bool IsToldLate;       ///< whether RequestData tells what RequestInformation could not
   std::string ShownText;
-  std::shared_ptr<isosurface::BlockedVolume> StandIn;
+  vtkSmartPointer<vtkBlockedVolumeHandle> StandIn;
   std::string StandInText;
 };
 

@@ -7,6 +7,7 @@
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkStringArray.h"
@@ -239,7 +240,9 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(inMemory.GetStatus()));
     volume = *inMemory;
   }
-  reader.SetStandIn(volume, text);
+  vtkNew<vtkBlockedVolumeHandle> standIn;
+  standIn->SetVolume(volume);
+  reader.SetStandIn(volume ? standIn.Get() : nullptr, text);
   if (!volume)
   {
     reader.Growing.reset();
