@@ -12,8 +12,8 @@ system's cache (that takes root; --warm leaves it there):
     picture   seconds from opening the file to the first picture of the surface, that of a sample
     index     until the file is indexed beside the window
     exact     until the picture of the whole surface
-    freeze    the longest time for which a window could not have answered after the first picture and
-              before the index was there
+    freeze    after the first picture, the longest call for which a window would have waited until it had
+              a coarse surface of the indexed file
     processor, peak memory: of all of that
 
 of Volume Reader (Any Size) and Stabbing Contour, as ParaView's window uses them, and of VTK's own reader,
@@ -140,7 +140,7 @@ def show_at_once(path, isovalue, begin):
         reader.AdvanceIndex(0)
         if reader.GetIndexing()[0] == 2:  # the index, or a larger sample
             reader.TakeIndex()
-            reader.Update()
+            contour.Update()
         times["freeze"] = max(times["freeze"], time.perf_counter() - call)
     times["index"] = time.perf_counter() - begin
     contour.AllowCoarse(False)
