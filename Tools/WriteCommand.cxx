@@ -76,6 +76,10 @@ Status WriteStep(
   auto source = DescribeInput(options, volume, step);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(source.GetStatus()));
   settings.InPlace = std::move(*source);
+  if (settings.InPlace)
+  {
+    settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
+  }
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
   const auto written = BlockedVolumeWriter(ranks).Write(

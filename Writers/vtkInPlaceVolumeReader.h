@@ -142,7 +142,7 @@ public:
    */
   void AdvanceIndex(int milliseconds);
   void TakeIndex();
-  void StopIndex(); ///< this is no error: the next modification begins anew
+  void StopIndex(); ///< this is no error: the next execution after a modification goes on
   vtkGetVector3Macro(Indexing, double);
   ///@}
 

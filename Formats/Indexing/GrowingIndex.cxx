@@ -4,6 +4,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/BlockedVolume.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace isosurface
@@ -35,8 +36,17 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
     [this, &place, memoryBytes](Communicator& all, const Progress& advance) -> Status
     {
+      const Progress tell = [&](double done)
+      {
+        if (this->FirstProgress < 0)
+        {
+          this->FirstTime = std::chrono::steady_clock::now();
+          this->FirstProgress = done;
+        }
+        return advance(done);
+      };
       const auto leftOut =
-        WriteSourceIndex(all, place, this->Index, memoryBytes, advance, this->Collector.get());
+        WriteSourceIndex(all, place, this->Index, memoryBytes, tell, this->Collector.get());
       ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
       this->LeftOut = *leftOut;
       return Status::Ok();
@@ -93,10 +103,15 @@ Status GrowingIndex::EnlargeSample()
 
 double GrowingIndex::EstimateSeconds() const
 {
-  const double done = this->GetProgress();
+  const double first = this->FirstProgress;
+  const double done = this->GetProgress() - first;
+  if (first < 0 || done < ShareToEstimate)
+  {
+    return -1;
+  }
   const double seconds =
-    std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
-  return done < ShareToEstimate ? -1 : seconds * (1 - done) / done;
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - this->FirstTime).count();
+  return seconds * std::max(0.0, 1 - first - done) / done;
 }
 
 } // namespace isosurface

@@ -12,6 +12,7 @@
 #include "Ground/Base/MemoryFileSystem.h"
 #include "Ground/Base/Status.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -31,7 +32,8 @@ class BlockedVolume;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
- * The destructor stops the writing. Then an older index stays as it was.
+ * The destructor stops the writing. Then an older index stays as it was, and what is written of this
+ * one is kept for the next try (WriteSourceIndex).
  */
 class GrowingIndex
 {
@@ -63,7 +65,8 @@ public:
   void Stop() { this->Writing->Stop(); }
   /// The finished fraction, 0 to 1.
   double GetProgress() const { return this->Writing->GetProgress(); }
-  /// Seconds until the end, if it goes on as before; negative if nobody knows yet.
+  /// Seconds until the end, if it goes on as before; negative if nobody knows yet. What an earlier
+  /// try has left, and this one goes on with, is no pace.
   double EstimateSeconds() const;
 
   /// How it ended, and what of the source is left out (WriteSourceIndex). Only after Advance() has
@@ -82,11 +85,12 @@ private:
   SourceSample Sample;
   std::unique_ptr<SampleCollector> Collector; ///< null if the sample is of all of the volume
   std::shared_ptr<MemoryFileSystem> Memory;   ///< null if the index can be written to its place
-  const std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
-  SourceSample Larger;                       ///< the thread's until it has ended
-  std::unique_ptr<BackgroundTask> Enlarging; ///< makes it; null if nothing is much larger
-  std::string LeftOut;                       ///< the thread's until it has ended
-  std::unique_ptr<CollectiveTask> Writing;   ///< the last member: it uses the others
+  std::chrono::steady_clock::time_point FirstTime; ///< that of FirstProgress, written before it
+  SourceSample Larger;                             ///< the thread's until it has ended
+  std::unique_ptr<BackgroundTask> Enlarging;       ///< makes it; null if nothing is much larger
+  std::string LeftOut;                             ///< the thread's until it has ended
+  std::atomic<double> FirstProgress = -1;          ///< negative before the first round
+  std::unique_ptr<CollectiveTask> Writing;         ///< the last member: it uses the others
 };
 
 } // namespace isosurface

@@ -84,6 +84,7 @@ Result<OpenedStep> OpenStep(
   opened.Settings.Distribution = DistributionMethod::Slab;
   opened.Settings.Lines = opened.Volume.Lines;
   opened.Settings.InPlace = std::move(*record);
+  opened.Settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   opened.Settings.MemoryLimit = memoryBytes;
   opened.Settings.Append = step > 0;
   if (step < opened.Volume.Times.size())

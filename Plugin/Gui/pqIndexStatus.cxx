@@ -80,8 +80,10 @@ pqIndexStatus::pqIndexStatus(QWidget* parent)
                       "indexed."));
   auto* stop = new QAction(tr("Stop indexing"), this);
   stop->setObjectName("StopIndexing");
+  stop->setToolTip(tr("The next Apply goes on where it stopped."));
   QObject::connect(stop, &QAction::triggered, this, &pqIndexStatus::Stop);
   auto* menu = new QMenu(this);
+  menu->setToolTipsVisible(true);
   menu->setObjectName("Menu");
   menu->addAction(stop);
   this->setMenu(menu);

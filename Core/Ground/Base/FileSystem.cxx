@@ -91,6 +91,23 @@ public:
   {
   }
 
+  /// Cuts off what is beyond so many bytes; then Append() goes on there.
+  Status CutTo(std::uint64_t size)
+  {
+    const auto descriptor = this->File->Use();
+    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+    if (size > this->File->GetSize())
+    {
+      return Status(StatusCode::Corrupt, this->Path + ": truncated");
+    }
+    if (::ftruncate((*descriptor)->Get(), static_cast<off_t>(size)) != 0)
+    {
+      return MakeSystemError(this->Path, "write", errno);
+    }
+    this->Size = size;
+    return Status::Ok();
+  }
+
   Status Append(const void* bytes, std::size_t size) override
   {
     ISOSURFACE_RETURN_IF_ERROR(this->WriteAt(this->Size, bytes, size));
@@ -125,15 +142,20 @@ public:
 
   std::uint64_t GetSize() const override { return this->Size; }
 
-  Status SyncAndClose() override
+  Status Sync() override
   {
     const auto descriptor = this->File->Use();
     ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
-    const int failed = Synchronise((*descriptor)->Get());
-    const int error = errno;
+    return Synchronise((*descriptor)->Get()) != 0
+      ? MakeSystemError(this->Path, "write to stable storage", errno)
+      : Status::Ok();
+  }
+
+  Status SyncAndClose() override
+  {
+    const Status synced = this->Sync();
     this->File.reset();
-    return failed != 0 ? MakeSystemError(this->Path, "write to stable storage", error)
-                       : Status::Ok();
+    return synced;
   }
   const std::string& GetPath() const override { return this->Path; }
 
@@ -237,6 +259,16 @@ public:
   Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path) override
   {
     return this->OpenForWriting(path, O_RDWR, "open");
+  }
+
+  Result<std::unique_ptr<WritableFile>> OpenForAppending(
+    const std::string& path, std::uint64_t size) override
+  {
+    auto file = PooledFile::Open(this->Descriptors, path, O_RDWR, "open");
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+    auto writable = std::make_unique<LocalWritableFile>(std::move(*file));
+    ISOSURFACE_RETURN_IF_ERROR(writable->CutTo(size));
+    return std::unique_ptr<WritableFile>(std::move(writable));
   }
 
   Status Rename(const std::string& from, const std::string& to) override

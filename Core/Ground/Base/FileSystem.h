@@ -35,6 +35,8 @@ public:
   virtual Status WriteAt(std::uint64_t offset, const void* bytes, std::size_t size) = 0;
   /// The number of bytes appended so far.
   virtual std::uint64_t GetSize() const = 0;
+  /// Flushes to stable storage.
+  virtual Status Sync() = 0;
   /// Flushes to stable storage, then closes. Without this call the file may be incomplete.
   virtual Status SyncAndClose() = 0;
   virtual const std::string& GetPath() const = 0;
@@ -79,6 +81,13 @@ public:
   virtual Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path)
   {
     return Status(StatusCode::Unsupported, path + ": cannot be written by several programs");
+  }
+  /// Opens an existing file to append to it. What is beyond `size` bytes is cut off; Corrupt
+  /// ("truncated") if it has fewer.
+  virtual Result<std::unique_ptr<WritableFile>> OpenForAppending(
+    const std::string& path, std::uint64_t)
+  {
+    return Status(StatusCode::Unsupported, path + ": cannot be appended to");
   }
   /// Replaces `to` atomically: a program that opens it gets the old file or the new one.
   virtual Status Rename(const std::string& from, const std::string& to) = 0;

@@ -87,6 +87,7 @@ public:
     const std::lock_guard<std::mutex> lock(this->Files.Mutex);
     return this->Bytes->size();
   }
+  Status Sync() override { return Status::Ok(); }
   Status SyncAndClose() override { return Status::Ok(); }
   const std::string& GetPath() const override { return this->Path; }
 

@@ -291,13 +291,17 @@ Status BlockRounds::WorkOnRound(const BlockRoundsSteps& steps, Round round, Roun
 Status BlockRounds::Run(const BlockRoundsSteps& steps)
 {
   const auto blocks = static_cast<double>(this->Grid.GetNumberOfBlocks());
+  if (this->Plan.IsDone())
+  {
+    return Status::Ok(); // an earlier write has done all
+  }
   std::shared_ptr<RoundWriting> writing; // of the last round
   Round next;
   ISOSURFACE_RETURN_IF_ERROR(this->StartRound(steps, next));
   for (bool isLast = false; !isLast;)
   {
     Round round = std::exchange(next, {});
-    const double share = static_cast<double>(this->Plan.GetCount()) / blocks;
+    const std::int64_t finished = this->Plan.GetCount();
     RoundSamples samples;
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
       [&]
@@ -313,9 +317,12 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     ISOSURFACE_RETURN_IF_ERROR(round.Spans.size() > 1
         ? this->WorkOnRound(steps, std::move(round), std::move(samples), writing)
         : this->WorkAlone(steps, std::move(round), std::move(samples), writing));
-    const bool goesOn = !steps.Tell || steps.Tell(share);
+    const bool goesOn = !steps.Tell || steps.Tell(static_cast<double>(finished) / blocks);
+    const Status going =
+      steps.Agree(goesOn ? Status::Ok() : Status(StatusCode::Aborted, "writing was aborted"));
     ISOSURFACE_RETURN_IF_ERROR(
-      steps.Agree(goesOn ? Status::Ok() : Status(StatusCode::Aborted, "writing was aborted")));
+      steps.AfterRound(finished, !going.IsOk(), [&] { return writing->Wait(); }));
+    ISOSURFACE_RETURN_IF_ERROR(going);
   }
   return steps.Agree(Attempt([&] { return writing->Wait(); }));
 }

@@ -32,6 +32,11 @@ struct BlockRoundsSteps
   std::function<void(PendingBlock&, const std::vector<SampleView>&, int thread)> Finish;
   /// Writes a finished block; called by one thread at a time, in the order of the blocks.
   std::function<Status(const PendingBlock&)> Write;
+  /// Called by all ranks after each round: `blocks` are finished, from the first one on. It may wait
+  /// until they are written. `isStopping`: whether no round follows, since the user asks to stop.
+  std::function<Status(
+    std::int64_t blocks, bool isStopping, const std::function<Status()>& waitUntilWritten)>
+    AfterRound;
   Progress Tell;
 };
 

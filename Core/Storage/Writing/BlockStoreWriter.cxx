@@ -8,6 +8,7 @@
 #include "Storage/Store/BlockStore.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace isosurface
 {
@@ -31,6 +32,20 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& f
   ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
   return std::unique_ptr<BlockStoreWriter>(
     new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
+}
+
+Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Open(FileSystem& files,
+  const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place,
+  std::vector<BlockDirectoryEntry> entries, std::uint64_t bytes, std::uint64_t checksum)
+{
+  auto blocksFile = files.OpenForAppending(BlockStore::GetBlocksPath(folder), bytes);
+  ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
+  std::unique_ptr<BlockStoreWriter> writer(
+    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
+  writer->Entries.insert(writer->Entries.end(), std::make_move_iterator(entries.begin()),
+    std::make_move_iterator(entries.end()));
+  writer->Checksum = checksum;
+  return writer;
 }
 
 Status BlockStoreWriter::Append(const PendingBlock& block)

@@ -30,11 +30,23 @@ public:
   static Result<std::unique_ptr<BlockStoreWriter>> Create(FileSystem& files,
     const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place);
 
+  /// Goes on with a store whose first `entries` were appended by another writer, which left so many
+  /// bytes of records. Their checksum is GetChecksum() of that writer.
+  static Result<std::unique_ptr<BlockStoreWriter>> Open(FileSystem& files,
+    const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place,
+    std::vector<BlockDirectoryEntry> entries, std::uint64_t bytes, std::uint64_t checksum);
+
   /// Appends a record whose segments are sealed.
   Status Append(const PendingBlock& block);
 
   /// Of the blocks appended so far, in the order of their ordinals.
   const std::vector<BlockDirectoryEntry>& GetEntries() const { return this->Entries; }
+
+  /// Of the records appended so far.
+  std::uint64_t GetBytes() const { return this->Blocks->GetSize(); }
+  std::uint64_t GetChecksum() const { return this->Checksum; }
+  /// Brings the records appended so far to stable storage.
+  Status Sync() { return this->Blocks->Sync(); }
 
   /// Writes the directory and the trees, and brings all files to stable storage.
   /// ranges[variable][block]: the value ranges of all blocks of the volume.

@@ -31,7 +31,8 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
     this->Volume.reset();
     // All ranks have closed their files before the folder is removed.
     static_cast<void>(this->Context.Ranks.Agree(Status::Ok()));
-    if (this->Context.Rank == 0 && !this->IsVisible)
+    const bool isKept = this->KeepsJournal() && this->Journal.Blocks > 0;
+    if (this->Context.Rank == 0 && !this->IsVisible && !isKept)
     {
       GenerationFolder::Discard(this->Context.Files, this->Context.Path, this->NewFolder);
     }
@@ -59,13 +60,78 @@ Status BlockedVolumeWriteJob::LockVolume()
 Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& pending)
 {
+  this->ReadJournal();
   ISOSURFACE_RETURN_IF_ERROR(this->Prepare(grid, arrays, pending));
+  if (this->IsFinished)
+  {
+    return Status::Ok();
+  }
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->Distribute());
   ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->Write());
   this->Statistics = this->Volume->GetStatistics();
   ISOSURFACE_RETURN_IF_ERROR(this->WriteOverviews());
   return this->Commit();
+}
+
+/// Finds what an earlier write has left, for all ranks. What cannot be read is nothing.
+void BlockedVolumeWriteJob::ReadJournal()
+{
+  Message mine;
+  // Where nobody keeps others out, another writer may be at work on it, so there is no journal.
+  if (this->Context.Rank == 0 && this->Context.Settings.JournalSeconds && this->Lock->IsExclusive())
+  {
+    mine.push_back(1);
+    const auto read = [&]() -> Status
+    {
+      const auto file =
+        this->Context.Files.OpenForReading(WriteJournal::GetPath(this->Context.Path));
+      ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+      mine.resize(1 + static_cast<std::size_t>((*file)->GetSize()));
+      return (*file)->Read(0, mine.size() - 1, mine.data() + 1);
+    };
+    mine.resize(this->Context.Attempt(read).IsOk() ? mine.size() : 1);
+  }
+  const Message shared = this->Context.Ranks.AllGather(mine)[0];
+  if (shared.empty())
+  {
+    this->Context.Settings.JournalSeconds.reset();
+    return;
+  }
+  const auto journal =
+    WriteJournal::Parse(std::string(shared.begin() + 1, shared.end()), this->Context.Path);
+  this->HasJournal = journal.IsOk();
+  this->Journal = journal.IsOk() ? *journal : WriteJournal{};
+}
+
+/// The header of what is written. If an earlier write of that has left a journal, that of the same
+/// stores; else there is no journal any longer.
+Result<BlockedVolumeHeader> BlockedVolumeWriteJob::Plan(const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, const std::optional<BlockedVolumeHeader>& existing)
+{
+  const auto plan = [&](const BlockedVolumeSettings& settings)
+  { return PlanVolume(this->Context.Path, grid, arrays, settings, existing, this->Context.Size); };
+  if (this->HasJournal)
+  {
+    BlockedVolumeSettings same = this->Context.Settings;
+    same.NumberOfStores =
+      same.NumberOfStores == 0 && !existing ? this->Journal.NumberOfStores : same.NumberOfStores;
+    const auto planned = plan(same);
+    const auto finished = planned.IsOk() && !same.Publish ? this->Journal.FindFinished(*planned)
+                                                          : std::optional<BlockedVolumeHeader>();
+    this->IsFinished = finished.has_value();
+    if (finished)
+    {
+      return *finished;
+    }
+    if (planned.IsOk() && this->Journal.IsInProgress(*planned))
+    {
+      return planned;
+    }
+  }
+  this->HasJournal = false;
+  this->Journal = WriteJournal{};
+  return plan(this->Context.Settings);
 }
 
 Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
@@ -79,13 +145,19 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     const auto existing = FindVolumeToAppendTo(
       this->Context.Files, this->Context.Path, this->Context.Settings, pending);
     ISOSURFACE_RETURN_IF_ERROR(existing.GetStatus());
-    const auto header = PlanVolume(
-      this->Context.Path, grid, arrays, this->Context.Settings, *existing, this->Context.Size);
+    const auto header = this->Plan(grid, arrays, *existing);
     ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+    this->Journal.Finished = pending;
+    this->Journal.NumberOfStores = header->NumberOfStores;
+    this->Journal.Plan = WriteJournal::ComputePlan(*header);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
     fingerprint = this->ComputeFingerprint(*header);
     this->Volume = std::make_unique<ResolutionWriter>(this->Context, this->Source, *header,
       !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
+    if (this->KeepsJournal())
+    {
+      this->Volume->KeepJournal(this->Journal);
+    }
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(plan)));
@@ -107,7 +179,8 @@ std::uint64_t BlockedVolumeWriteJob::ComputeFingerprint(const BlockedVolumeHeade
   // The header has everything else that matters.
   const BlockedVolumeSettings& settings = this->Context.Settings;
   const std::string text = this->Context.Path + "\n" + header.Format() + "\n" +
-    std::to_string(settings.MemoryLimit) + (settings.Publish ? "" : "\n");
+    std::to_string(settings.MemoryLimit) + (settings.Publish ? "" : "\n") +
+    (settings.JournalSeconds ? "\n" : "");
   return ComputeChecksum(text.data(), text.size());
 }
 
@@ -128,22 +201,28 @@ Status BlockedVolumeWriteJob::MakeGeneration()
   Message name;
   if (this->Context.Rank == 0)
   {
+    BlockedVolumeHeader wanted = this->Volume->GetHeader();
+    wanted.TimeSteps.back().Folder = this->Journal.Folder;
     if (this->Lock->IsExclusive())
     {
-      GenerationFolder::RemoveUnnamed(
-        this->Context.Files, this->Context.Path, this->Volume->GetHeader());
+      // Of time steps before, the journal has to stay, too.
+      GenerationFolder::RemoveUnnamed(this->Context.Files, this->Context.Path, wanted,
+        this->HasJournal || (this->Journal.Finished && this->KeepsJournal()));
     }
-    const auto created = GenerationFolder::Create(this->Context.Files, this->Context.Path);
-    status = created.GetStatus();
-    if (created.IsOk())
+    const auto folder = this->HasJournal
+      ? Result<std::string>(this->Journal.Folder)
+      : GenerationFolder::Create(this->Context.Files, this->Context.Path);
+    status = folder.GetStatus();
+    if (folder.IsOk())
     {
-      this->NewFolder = *created;
-      name.assign(created->begin(), created->end());
+      this->NewFolder = *folder;
+      name.assign(folder->begin(), folder->end());
     }
   }
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(status));
   const Message shared = this->Context.Ranks.AllGather(name)[0];
   this->Volume->GetStep().Folder.assign(shared.begin(), shared.end());
+  this->Journal.Folder = this->Volume->GetStep().Folder;
   return Status::Ok();
 }
 
@@ -162,7 +241,8 @@ Status BlockedVolumeWriteJob::WriteOverviews()
     this->Statistics.MemoryBytes =
       std::max(this->Statistics.MemoryBytes, coarsest->GetStatistics().MemoryBytes);
   }
-  return Status::Ok();
+  // Until here a write that is killed could go on.
+  return this->Volume->RemoveTemporaryFiles();
 }
 
 Result<std::unique_ptr<ResolutionWriter>> BlockedVolumeWriteJob::WriteOverview(
@@ -183,7 +263,10 @@ Result<std::unique_ptr<ResolutionWriter>> BlockedVolumeWriteJob::WriteOverview(
   ISOSURFACE_RETURN_IF_ERROR(writer->Prepare());
   ISOSURFACE_RETURN_IF_ERROR(writer->Distribute());
   ISOSURFACE_RETURN_IF_ERROR(writer->Write());
-  ISOSURFACE_RETURN_IF_ERROR(finer.RemoveOverviewSamples());
+  if (&finer != this->Volume.get())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(finer.RemoveTemporaryFiles());
+  }
   return writer;
 }
 
@@ -208,9 +291,16 @@ Status BlockedVolumeWriteJob::Commit()
       ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(this->Volume->GetFolder()));
       if (!this->Context.Settings.Publish)
       {
-        return Status::Ok();
+        WriteJournal journal;
+        journal.Finished = header;
+        journal.NumberOfStores = header.NumberOfStores;
+        return this->KeepsJournal() ? journal.Write(files, path) : Status::Ok();
       }
       ISOSURFACE_RETURN_IF_ERROR(GenerationFolder::Commit(files, path, header, this->IsVisible));
+      if (this->KeepsJournal())
+      {
+        static_cast<void>(files.RemoveAll(WriteJournal::GetPath(path)));
+      }
       GenerationFolder::RemoveOlder(files, path, folder, header);
       return Status::Ok();
     }));

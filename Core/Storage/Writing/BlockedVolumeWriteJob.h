@@ -11,6 +11,7 @@
 #include "Storage/Writing/BlockedVolumeWriter.h"
 #include "Storage/Writing/ResolutionWriter.h"
 #include "Storage/Writing/WriteContext.h"
+#include "Storage/Writing/WriteJournal.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -44,11 +45,17 @@ public:
   void HoldLock(std::unique_ptr<PathLock> lock) { this->Lock = std::move(lock); }
   std::unique_ptr<PathLock> TakeLock() { return std::move(this->Lock); }
 
+  /// Whether a later write can go on with what is on disk. Known in Run().
+  bool KeepsJournal() const { return this->Context.Settings.JournalSeconds.has_value(); }
   /// After Run(): what was written, with the time steps before.
   const BlockedVolumeHeader& GetHeader() const { return this->Volume->GetHeader(); }
 
 private:
   Status LockVolume();
+  void ReadJournal();
+  Result<BlockedVolumeHeader> Plan(const GridGeometry& grid,
+    const std::vector<ArrayDescription>& arrays,
+    const std::optional<BlockedVolumeHeader>& existing);
   Status WriteVolume(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
     const std::optional<BlockedVolumeHeader>& pending);
   Status Prepare(const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
@@ -71,6 +78,9 @@ private:
   std::unique_ptr<ResolutionWriter> Volume;
   std::unique_ptr<PathLock> Lock; ///< of rank 0
   std::string NewFolder;          ///< of rank 0; empty until it is made
+  WriteJournal Journal;           ///< of an earlier write, until this one makes its own
+  bool HasJournal = false;        ///< whether an earlier write of the same has left one
+  bool IsFinished = false;        ///< whether that write has finished the time step
   bool IsVisible = false;
   WriteStatistics Statistics;
 };

@@ -18,6 +18,7 @@ Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
   BlockedVolumeWriteJob job(this->Ranks, this->Files, path, source, settings, progress);
   job.HoldLock(std::move(this->PendingLock));
   auto written = job.Run(grid, arrays, this->Pending);
+  this->IsPendingKept = job.KeepsJournal();
   if (!written.IsOk())
   {
     this->PendingLock = job.TakeLock();
@@ -43,7 +44,7 @@ BlockedVolumeWriter::~BlockedVolumeWriter()
 
 void BlockedVolumeWriter::DiscardPending()
 {
-  if (this->Pending && this->Ranks.GetRank() == 0)
+  if (this->Pending && !this->IsPendingKept && this->Ranks.GetRank() == 0)
   {
     GenerationFolder::DiscardUnnamed(this->Files, this->PendingPath, *this->Pending);
   }

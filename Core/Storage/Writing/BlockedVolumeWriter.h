@@ -48,6 +48,13 @@ struct BlockedVolumeSettings
   /// Whether the time step is visible at the end. If not, it becomes visible together with the next
   /// one that the same writer appends and publishes.
   bool Publish = true;
+  /// Keeps what is written if the write ends before all is, even if the program is killed: with at
+  /// least so many seconds between two checkpoints (0: after each round). The next write of the same
+  /// volume in place, from the same source, goes on there, with any number of ranks; it keeps the
+  /// stores, unless the settings name a number. Only for volumes in place on file systems with locks.
+  std::optional<double> JournalSeconds;
+  /// Of these, a write that takes less need not wait for the disk.
+  static constexpr double UsualJournalSeconds = 10;
   /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores
@@ -76,7 +83,8 @@ struct WriteStatistics
  * replicas cost reading the store's files once more, and writing them, for each.
  *
  * On an error of any rank, or if any rank's progress asks to stop, all ranks return an error, and
- * the volume at `path` stays as it was. Another writer to the same path fails at once.
+ * the volume at `path` stays as it was. Another writer to the same path fails at once. With
+ * JournalSeconds what was written remains beside it, for the next one.
  *
  * Cost: one pass over the samples; one more before it, for the blocks' value ranges, if these decide
  * where blocks are stored (Greedy and Balanced, with several stores). Memory: within MemoryLimit;
@@ -115,6 +123,7 @@ private:
   FileSystem& Files;
   std::string PendingPath;
   std::optional<BlockedVolumeHeader> Pending; ///< with time steps that are not published yet
+  bool IsPendingKept = false;                 ///< on disk, by a journal
   std::unique_ptr<PathLock> PendingLock;      ///< keeps other writers out meanwhile, on rank 0
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Writing/GenerationFolder.h"
 
+#include "Storage/Writing/WriteJournal.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -35,7 +37,7 @@ std::string GetParent(const std::string& path)
 } // namespace
 
 void GenerationFolder::RemoveUnnamed(
-  FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending)
+  FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending, bool isJournaled)
 {
   std::vector<TimeStepDescription> named = pending.TimeSteps;
   if (files.Exists(path))
@@ -46,6 +48,10 @@ void GenerationFolder::RemoveUnnamed(
       return;
     }
     named.insert(named.end(), header->TimeSteps.begin(), header->TimeSteps.end());
+  }
+  if (!isJournaled)
+  {
+    static_cast<void>(files.RemoveAll(WriteJournal::GetPath(path)));
   }
   const auto names = files.List(GetStoresFolder(path));
   for (std::size_t index = 0; names.IsOk() && index < names->size(); ++index)

@@ -23,17 +23,20 @@ namespace isosurface
  *         spectra
  *         store-00000/  store-00001/  ...
  *
+ *     NAME.bvol.stores/journal            what is finished of it (WriteJournal), if anybody wants that
+ *
  * A writer that is killed leaves the header and its generation unchanged, and folders that no
- * header names. The next write removes them first, to free space. One rank does all of this, and
+ * header names. The next write goes on with them, or removes them first, to free space. One rank does all of this, and
  * holds the lock of NAME.bvol.stores/ (FileSystem::LockFolder) meanwhile.
  */
 class GenerationFolder
 {
 public:
   /// Removes the folders that neither the header on disk nor `pending` names, which killed writers
-  /// have left. Removes nothing if the header on disk cannot be read.
-  static void RemoveUnnamed(
-    FileSystem& files, const std::string& path, const BlockedVolumeHeader& pending);
+  /// have left, and the journal, unless `isJournaled`. Removes nothing if the header on disk cannot
+  /// be read.
+  static void RemoveUnnamed(FileSystem& files, const std::string& path,
+    const BlockedVolumeHeader& pending, bool isJournaled);
 
   /// Makes a folder with a number above all existing ones; returns its name. An error if another
   /// process makes the same one meanwhile.

@@ -51,33 +51,33 @@ std::vector<std::uint8_t> PickOverviewSamples(
   return samples;
 }
 
-std::string OverviewSource::GetPath(const std::string& folder, std::size_t rank)
+std::string OverviewSource::GetPath(const std::string& folder, std::size_t store)
 {
-  return folder + "/overview-samples-" + std::to_string(rank) + ".tmp";
+  return folder + "/overview-samples-" + std::to_string(store) + ".tmp";
 }
 
 OverviewSource::OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
-  std::vector<ValueType> types, std::vector<std::uint32_t> stores, std::size_t ranks)
+  std::vector<ValueType> types, std::vector<std::uint32_t> blockStores, std::size_t stores)
   : Files(files)
   , Folder(std::move(folder))
   , Finer(finer)
   , Types(std::move(types))
   , VertexBytes(SumValueSizes(this->Types))
-  , Stores(std::move(stores))
-  , Ranks(ranks)
+  , BlockStores(std::move(blockStores))
+  , Stores(stores)
   , Pool(std::make_shared<PageBufferPool>())
 {
   const Index3& blocks = finer.GetNumberOfBlocksPerAxis();
   this->Box.High = FindOverviewPart(finer, finer.GetNumberOfBlocks() - 1).High;
-  this->LayerOffsets.reserve(static_cast<std::size_t>(blocks[2]) * ranks);
-  std::vector<std::uint64_t> offsets(ranks, 0);
+  this->LayerOffsets.reserve(static_cast<std::size_t>(blocks[2]) * stores);
+  std::vector<std::uint64_t> offsets(stores, 0);
   for (std::int64_t block = 0; block < finer.GetNumberOfBlocks(); ++block)
   {
     if (block % (blocks[0] * blocks[1]) == 0)
     {
       this->LayerOffsets.insert(this->LayerOffsets.end(), offsets.begin(), offsets.end());
     }
-    offsets[this->FindRank(block)] += this->GetPartBytes(block);
+    offsets[this->FindStore(block)] += this->GetPartBytes(block);
   }
 }
 
@@ -96,7 +96,7 @@ std::int64_t OverviewSource::FindBlock(std::int64_t vertex, std::size_t axis) co
 
 std::uint64_t OverviewSource::GetHeldBytes() const
 {
-  return this->Stores.size() * sizeof(std::uint32_t) +
+  return this->BlockStores.size() * sizeof(std::uint32_t) +
     this->LayerOffsets.size() * sizeof(std::uint64_t);
 }
 
@@ -114,24 +114,25 @@ std::uint64_t OverviewSource::GetReadBytes(const VertexBox& box) const
     8 * this->Types.size() +
     static_cast<std::uint64_t>(rows * this->Finer.GetNumberOfBlocksPerAxis()[0]) *
     (2 * sizeof(std::int64_t)) +
-    this->Ranks * sizeof(Part);
+    this->Stores * sizeof(Part);
 }
 
 std::vector<OverviewSource::Part> OverviewSource::FindParts(
   std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const
 {
   const Index3& blocks = this->Finer.GetNumberOfBlocksPerAxis();
-  std::vector<Part> parts(this->Ranks);
-  for (std::size_t rank = 0; rank < this->Ranks; ++rank)
+  std::vector<Part> parts(this->Stores);
+  for (std::size_t store = 0; store < this->Stores; ++store)
   {
-    parts[rank].Offset = this->LayerOffsets[static_cast<std::size_t>(layer) * this->Ranks + rank];
+    parts[store].Offset =
+      this->LayerOffsets[static_cast<std::size_t>(layer) * this->Stores + store];
   }
   for (std::int64_t row = 0; row < endRow; ++row)
   {
     for (std::int64_t column = 0; column < blocks[0]; ++column)
     {
       const std::int64_t block = this->Finer.GetBlockIndex({ column, row, layer });
-      Part& part = parts[this->FindRank(block)];
+      Part& part = parts[this->FindStore(block)];
       if (row < beginRow)
       {
         part.Offset += this->GetPartBytes(block);
@@ -144,10 +145,10 @@ std::vector<OverviewSource::Part> OverviewSource::FindParts(
   return parts;
 }
 
-Status OverviewSource::ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
+Status OverviewSource::ReadPart(const Part& part, std::size_t store, const VertexBox& box,
   const std::vector<std::uint8_t*>& samples)
 {
-  const auto file = this->Files.OpenForReading(GetPath(this->Folder, rank));
+  const auto file = this->Files.OpenForReading(GetPath(this->Folder, store));
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const auto size = static_cast<std::size_t>(part.Size);
   if (this->PartBytes.GetSize() < size)
@@ -199,11 +200,11 @@ Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
        layer <= this->FindBlock(box.High[2] - 1, 2); ++layer)
   {
     const std::vector<Part> parts = this->FindParts(layer, beginRow, endRow);
-    for (std::size_t rank = 0; rank < this->Ranks; ++rank)
+    for (std::size_t store = 0; store < this->Stores; ++store)
     {
-      if (parts[rank].Size > 0)
+      if (parts[store].Size > 0)
       {
-        ISOSURFACE_RETURN_IF_ERROR(this->ReadPart(parts[rank], rank, box, samples));
+        ISOSURFACE_RETURN_IF_ERROR(this->ReadPart(parts[store], store, box, samples));
       }
     }
   }

@@ -29,21 +29,21 @@ std::vector<std::uint8_t> PickOverviewSamples(
 
 /**
  * The samples of an overview, for the writer of the overview. The writers of the finer volume leave
- * them in temporary files: one a rank, in the finer volume's folder, with the samples
- * (PickOverviewSamples) of the blocks that the rank wrote, by ascending block index, without gaps.
+ * them in temporary files: one a store, in the finer volume's folder, with the samples
+ * (PickOverviewSamples) of the blocks of the store, by ascending block index, without gaps.
  *
- * Each rank reads from all files: one read for each layer of blocks and rank. Memory: 4 bytes a
- * block of the finer volume, 8 a layer of blocks and rank.
+ * Each rank reads from all files: one read for each layer of blocks and store. Memory: 4 bytes a
+ * block of the finer volume, 8 a layer of blocks and store.
  */
 class OverviewSource : public SlabSource
 {
 public:
-  static std::string GetPath(const std::string& folder, std::size_t rank);
+  static std::string GetPath(const std::string& folder, std::size_t store);
 
-  /// `stores`: the store of each block of the finer volume; rank r wrote the stores d with
-  /// d mod ranks == r. `folder`: where the files are.
+  /// `blockStores`: the store of each block of the finer volume, which has so many `stores`.
+  /// `folder`: where the files are.
   OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
-    std::vector<ValueType> types, std::vector<std::uint32_t> stores, std::size_t ranks);
+    std::vector<ValueType> types, std::vector<std::uint32_t> blockStores, std::size_t stores);
 
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
@@ -51,24 +51,24 @@ public:
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:
-  /// Blocks of one layer, in whole rows [Begin, End), that one rank wrote.
+  /// Blocks of one layer, in whole rows [Begin, End), of one store.
   struct Part
   {
-    std::uint64_t Offset = 0; ///< in the rank's file
+    std::uint64_t Offset = 0; ///< in the store's file
     std::uint64_t Size = 0;
     std::vector<std::int64_t> Blocks;
   };
 
   std::uint64_t GetPartBytes(std::int64_t block) const;
-  std::size_t FindRank(std::int64_t block) const
+  std::size_t FindStore(std::int64_t block) const
   {
-    return this->Stores[static_cast<std::size_t>(block)] % this->Ranks;
+    return this->BlockStores[static_cast<std::size_t>(block)];
   }
   /// The block on an axis that supplies a vertex.
   std::int64_t FindBlock(std::int64_t vertex, std::size_t axis) const;
   std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
   /// Copies the samples of a part within a box to their places in samples[array].
-  Status ReadPart(const Part& part, std::size_t rank, const VertexBox& box,
+  Status ReadPart(const Part& part, std::size_t store, const VertexBox& box,
     const std::vector<std::uint8_t*>& samples);
 
   FileSystem& Files;
@@ -77,9 +77,9 @@ private:
   VertexBox Box;
   std::vector<ValueType> Types;
   std::uint64_t VertexBytes = 0; ///< of all arrays
-  std::vector<std::uint32_t> Stores;
-  std::size_t Ranks;
-  std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and rank: where its parts begin
+  std::vector<std::uint32_t> BlockStores;
+  std::size_t Stores;
+  std::vector<std::uint64_t> LayerOffsets; ///< per layer of blocks and store: where its parts begin
   Buffer<std::uint8_t> PartBytes;          ///< of the last part, for the next one
   std::shared_ptr<PageBufferPool> Pool;
 };

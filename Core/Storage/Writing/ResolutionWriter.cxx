@@ -28,6 +28,10 @@ constexpr double BlocksDone = 0.98;
 /// More memory does not make sorting a store's intervals faster.
 constexpr std::uint64_t MaximumTreeBytes = std::uint64_t{ 64 } << 20;
 
+/// The share of the time so far that passes between two checkpoints, if that is more than the
+/// settings want: so they take the less of a long write.
+constexpr double CheckpointShare = 0.1;
+
 } // namespace
 
 ResolutionWriter::ResolutionWriter(const WriteContext& context, SlabSource& source,
@@ -66,7 +70,6 @@ Status ResolutionWriter::Prepare()
 {
   this->Exchange.emplace(this->Grid, this->Types, this->GatherBoxes(), this->Context.Rank,
     this->Context.Settings.Threads);
-  this->Plan.emplace(this->Grid, this->Context.Size);
   std::vector<std::uint64_t> covered = { 0 };
   for (const VertexBox& box : this->Exchange->GetOwned())
   {
@@ -98,9 +101,7 @@ std::uint64_t ResolutionWriter::GetTableBytes() const
   {
     mine += this->Context.IsMine(store) ? 1 : 0;
   }
-  const std::size_t segments =
-    this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  bytes += mine * BlockStoreWriter::GetEntryBytes(segments);
+  bytes += mine * BlockStoreWriter::GetEntryBytes(this->GetSegments());
   if (this->Spectra)
   {
     bytes += this->Spectra->GetBytes();
@@ -197,51 +198,137 @@ Status ResolutionWriter::Distribute()
     }));
 }
 
+/// How many blocks before `end` each store has.
+std::vector<std::size_t> ResolutionWriter::CountBlocks(std::int64_t end) const
+{
+  std::vector<std::size_t> blocks(this->Header.NumberOfStores, 0);
+  for (std::int64_t block = 0; block < end; ++block)
+  {
+    ++blocks[this->BlockStores[static_cast<std::size_t>(block)]];
+  }
+  return blocks;
+}
+
 Status ResolutionWriter::CreateStores()
 {
-  this->Writers.resize(this->Header.NumberOfStores);
-  const std::size_t segments =
-    this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  std::vector<std::size_t> blocks(this->Header.NumberOfStores, 0);
-  for (const std::uint32_t store : this->BlockStores)
-  {
-    ++blocks[store];
-  }
+  const std::vector<std::size_t> blocks = this->CountBlocks(this->Grid.GetNumberOfBlocks());
   for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
   {
     if (!this->Context.IsMine(store))
     {
       continue;
     }
-    auto writer = BlockStoreWriter::Create(this->Context.Files,
-      GetStoreFolder(this->Context.Path, this->GetStep().Folder, store), segments, blocks[store],
-      this->Header.IsInPlace() ? SamplePlace::Source : SamplePlace::Store);
+    OpenStore& open = this->Stores[store];
+    auto writer = BlockStoreWriter::Create(this->Context.Files, this->GetStorePath(store),
+      this->GetSegments(), blocks[store], this->GetSamplePlace());
     ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
-    this->Writers[store] = std::move(*writer);
-  }
-  // A rank without stores has no blocks, and no folder to write to.
-  if (this->HasCoarser && this->Context.Rank < this->Header.NumberOfStores)
-  {
-    auto samples = this->Context.Files.CreateForWriting(
-      OverviewSource::GetPath(this->GetFolder(), this->Context.Rank));
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->OverviewSamples = std::move(*samples);
+    open.Writer = std::move(*writer);
+    if (this->HasCoarser)
+    {
+      auto samples =
+        this->Context.Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), store));
+      ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+      open.OverviewSamples = std::move(*samples);
+    }
+    if (this->Journal)
+    {
+      open.Journal = std::make_unique<StoreJournal>(this->Context.Files, this->GetStorePath(store));
+    }
   }
   return Status::Ok();
 }
 
+/// Opens this rank's stores as the journal says.
+Status ResolutionWriter::TakeStores()
+{
+  if (this->Journal->Blocks > this->Grid.GetNumberOfBlocks())
+  {
+    return Status(StatusCode::Corrupt, "the journal has too many blocks");
+  }
+  const std::vector<std::size_t> blocks = this->CountBlocks(this->Journal->Blocks);
+  for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
+  {
+    if (this->Context.IsMine(store))
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->TakeStore(store, blocks[store]));
+    }
+  }
+  return Status::Ok();
+}
+
+Status ResolutionWriter::TakeStore(std::uint32_t store, std::size_t blocks)
+{
+  OpenStore& open = this->Stores[store];
+  FileSystem& files = this->Context.Files;
+  open.Journal = std::make_unique<StoreJournal>(files, this->GetStorePath(store));
+  std::vector<BlockDirectoryEntry> entries;
+  const auto checkpoint =
+    open.Journal->Take(this->Journal->Checkpoint, this->GetSegments(), entries, this->Ranges);
+  ISOSURFACE_RETURN_IF_ERROR(checkpoint.GetStatus());
+  const bool isMine = std::all_of(entries.begin(), entries.end(),
+    [&](const BlockDirectoryEntry& entry)
+    { return this->BlockStores[static_cast<std::size_t>(entry.Block)] == store; });
+  if (!isMine || entries.size() != blocks || !this->Spectra->UnpackSums(store, checkpoint->Spectra))
+  {
+    return Status(StatusCode::Corrupt, this->GetStorePath(store) + ": its journal is of others");
+  }
+  for (std::size_t variable = 0; variable < checkpoint->FiniteRanges.size(); ++variable)
+  {
+    this->Threads[0].FiniteRanges[variable].Add(checkpoint->FiniteRanges[variable]);
+  }
+  auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->GetSegments(),
+    this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
+    std::move(entries), checkpoint->BlocksBytes, checkpoint->BlocksChecksum);
+  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
+  open.Writer = std::move(*writer);
+  if (this->HasCoarser)
+  {
+    auto samples = files.OpenForAppending(
+      OverviewSource::GetPath(this->GetFolder(), store), checkpoint->OverviewBytes);
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    open.OverviewSamples = std::move(*samples);
+  }
+  return Status::Ok();
+}
+
+/// Goes on with the stores as a journal says, or creates them. Collective.
+Status ResolutionWriter::OpenStores()
+{
+  const auto clear = [&]
+  {
+    this->Stores.clear();
+    this->Spectra.emplace(
+      MeasuredGrid{ this->Header.Grid, this->Header.Lines ? &*this->Header.Lines : nullptr },
+      this->Variables, this->Header.NumberOfStores, this->Context.Rank, this->Context.Size);
+    this->Ranges.assign(this->Variables.GetCount(),
+      std::vector<KeyRange>(static_cast<std::size_t>(this->Grid.GetNumberOfBlocks())));
+    this->Threads.clear();
+    this->Threads.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
+    for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
+    {
+      this->Threads.push_back({ BlockSpectrum(this->Spectra->GetGrid()),
+        std::vector<KeyRange>(this->Variables.GetCount()) });
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(clear)));
+  if (this->Journal && this->Journal->Blocks > 0)
+  {
+    if (this->Context.AgreeOn(this->Context.Attempt([&] { return this->TakeStores(); })).IsOk())
+    {
+      return Status::Ok();
+    }
+    // What is left of it cannot be used. It begins anew.
+    this->Journal->Blocks = 0;
+    ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(clear)));
+  }
+  return this->Context.AgreeOn(this->Context.Attempt([&] { return this->CreateStores(); }));
+}
+
 Status ResolutionWriter::Write()
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
-    [&]
-    {
-      this->Spectra.emplace(
-        MeasuredGrid{ this->Header.Grid, this->Header.Lines ? &*this->Header.Lines : nullptr },
-        this->Variables, this->Header.NumberOfStores, this->Context.Rank, this->Context.Size);
-      this->Ranges.assign(this->Variables.GetCount(),
-        std::vector<KeyRange>(static_cast<std::size_t>(this->Grid.GetNumberOfBlocks())));
-      return this->CreateStores();
-    })));
+  this->Begin = this->LastCheckpoint = Clock::now();
+  ISOSURFACE_RETURN_IF_ERROR(this->OpenStores());
   ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
   ISOSURFACE_RETURN_IF_ERROR(
     this->Context.AgreeOn(this->Context.Attempt([&] { return this->FinishStores(); })));
@@ -249,19 +336,77 @@ Status ResolutionWriter::Write()
   return this->ShareSpectra();
 }
 
+/// Whether a checkpoint is made after a round. Collective: the first rank's clock decides.
+bool ResolutionWriter::IsCheckpointDue(std::int64_t blocks, bool isStopping)
+{
+  if (isStopping)
+  {
+    return true;
+  }
+  const Clock::time_point now = Clock::now();
+  const auto count = [&](Clock::time_point from)
+  { return std::chrono::duration<double>(now - from).count(); };
+  const double seconds = *this->Context.Settings.JournalSeconds;
+  // The last blocks are always kept: sorting intervals and the overviews can take long.
+  const bool isLast = blocks == this->Grid.GetNumberOfBlocks();
+  const double wanted = isLast ? seconds : std::max(seconds, CheckpointShare * count(this->Begin));
+  const bool isDue =
+    this->Context.Rank == 0 && count(isLast ? this->Begin : this->LastCheckpoint) >= wanted;
+  std::vector<std::uint64_t> due = { isDue ? std::uint64_t{ 1 } : 0 };
+  this->Context.Ranks.ReduceMaximum(due);
+  return due[0] != 0;
+}
+
+/// Brings all that is known of the first `blocks` blocks, which are written, to stable storage.
+/// Collective.
+Status ResolutionWriter::MakeCheckpoint(std::int64_t blocks)
+{
+  WriteJournal next = *this->Journal;
+  next.Blocks = blocks;
+  ++next.Checkpoint;
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(
+    this->Context.Attempt([&] { return this->AddCheckpoints(next.Checkpoint); })));
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&]
+    {
+      return this->Context.Rank == 0 ? next.Write(this->Context.Files, this->Context.Path)
+                                     : Status::Ok();
+    })));
+  *this->Journal = std::move(next);
+  this->LastCheckpoint = Clock::now();
+  return Status::Ok();
+}
+
+/// Adds a checkpoint to the journals of this rank's stores.
+Status ResolutionWriter::AddCheckpoints(std::int64_t number)
+{
+  StoreCheckpoint checkpoint;
+  checkpoint.FiniteRanges = this->JoinFiniteRanges();
+  for (const auto& [store, open] : this->Stores)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(open.Writer->Sync());
+    checkpoint.BlocksBytes = open.Writer->GetBytes();
+    checkpoint.BlocksChecksum = open.Writer->GetChecksum();
+    if (open.OverviewSamples)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(open.OverviewSamples->Sync());
+      checkpoint.OverviewBytes = open.OverviewSamples->GetSize();
+    }
+    checkpoint.Spectra = this->Spectra->PackSums(store);
+    ISOSURFACE_RETURN_IF_ERROR(
+      open.Journal->Add(number, checkpoint, open.Writer->GetEntries(), this->Ranges));
+  }
+  return Status::Ok();
+}
+
 Status ResolutionWriter::WriteBlocks()
 {
   const auto left = this->GetMemoryLeft(this->GetTableBytes() + this->GetThreadBytes());
-  std::vector<Counters> counters;
   std::optional<BlockShipment> shipment;
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
-      counters.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
-      for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
-      {
-        counters.push_back(this->MakeCounters());
-      }
+      this->Plan.emplace(this->Grid, this->Context.Size, this->Journal ? this->Journal->Blocks : 0);
       shipment.emplace(
         this->Grid, this->Types, this->BlockStores, this->Context.Rank, this->Context.Size);
       return left.GetStatus();
@@ -274,15 +419,26 @@ Status ResolutionWriter::WriteBlocks()
   BlockRoundsSteps steps;
   steps.Agree = [&](const Status& mine) { return this->Context.AgreeOn(mine); };
   steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
-  { this->FinishBlock(block, views, counters[static_cast<std::size_t>(thread)]); };
+  { this->FinishBlock(block, views, this->Threads[static_cast<std::size_t>(thread)]); };
   steps.Write = [&](const PendingBlock& block)
   {
-    if (this->OverviewSamples)
+    const OpenStore& store = this->Stores.at(block.Store);
+    if (store.OverviewSamples)
     {
       ISOSURFACE_RETURN_IF_ERROR(
-        this->OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
+        store.OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
     }
-    return this->Writers[block.Store]->Append(block);
+    return store.Writer->Append(block);
+  };
+  steps.AfterRound = [&](std::int64_t blocks, bool isStopping,
+                       const std::function<Status()>& waitUntilWritten) -> Status
+  {
+    if (!this->Journal || !this->IsCheckpointDue(blocks, isStopping))
+    {
+      return Status::Ok();
+    }
+    ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(waitUntilWritten)));
+    return this->MakeCheckpoint(blocks);
   };
   const double begin = this->NeedsRanges() ? RangesDone : 0;
   steps.Tell = [&](double share) { return this->TellShare(begin + (BlocksDone - begin) * share); };
@@ -292,7 +448,7 @@ Status ResolutionWriter::WriteBlocks()
     this->Context.Settings.MemoryLimit - memory[0] + rounds.GetLargestBytes();
   if (status.IsOk())
   {
-    this->ShareRanges(counters);
+    this->ShareRanges();
     return status;
   }
   return status.GetCode() == StatusCode::Aborted
@@ -300,24 +456,28 @@ Status ResolutionWriter::WriteBlocks()
     : Status(status.GetCode(), this->Context.Path + ": cannot be written: " + status.GetMessage());
 }
 
-ResolutionWriter::Counters ResolutionWriter::MakeCounters() const
-{
-  return { BlockSpectrum(this->Spectra->GetGrid()),
-    std::vector<KeyRange>(this->Variables.GetCount()) };
-}
-
-/// Joins the ranges of the finite values of all ranks, which decide the bins of all spectra.
-void ResolutionWriter::ShareRanges(const std::vector<Counters>& counters)
+/// The ranges of the finite values of the blocks so far, per variable.
+std::vector<KeyRange> ResolutionWriter::JoinFiniteRanges() const
 {
   std::vector<KeyRange> finite(this->Variables.GetCount());
-  CommonRanges common;
-  for (std::size_t variable = 0; variable < finite.size(); ++variable)
+  for (const Counters& ofThread : this->Threads)
   {
-    for (const Counters& ofThread : counters)
+    for (std::size_t variable = 0; variable < finite.size(); ++variable)
     {
       finite[variable].Add(ofThread.FiniteRanges[variable]);
     }
-    common.Add(finite[variable]);
+  }
+  return finite;
+}
+
+/// Joins the ranges of the finite values of all ranks, which decide the bins of all spectra.
+void ResolutionWriter::ShareRanges()
+{
+  std::vector<KeyRange> finite = this->JoinFiniteRanges();
+  CommonRanges common;
+  for (KeyRange& range : finite)
+  {
+    common.Add(range);
   }
   common.Join(this->Context.Ranks);
   if (this->GetStep().Ranges.empty())
@@ -341,7 +501,7 @@ void ResolutionWriter::FinishBlock(
       this->CountVariable(block, variable, this->AssembleVariable(block, variable)->View, counters);
     }
   }
-  if (this->OverviewSamples)
+  if (this->HasCoarser)
   {
     block.OverviewSamples = PickOverviewSamples(this->Grid, this->Types, block);
   }
@@ -389,12 +549,9 @@ Status ResolutionWriter::FinishStores()
   this->Spectra->SetRanges(this->GetStep().Ranges);
   this->GetStep().Stores.resize(this->Header.NumberOfStores);
   std::vector<std::uint32_t> mine;
-  for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
+  for (const auto& store : this->Stores)
   {
-    if (this->Writers[store])
-    {
-      mine.push_back(store);
-    }
+    mine.push_back(store.first);
   }
   // Together, so that the disk is waited for once rather than once a store.
   const auto threads = std::min<std::size_t>(std::max<std::size_t>(1, mine.size()),
@@ -407,15 +564,19 @@ Status ResolutionWriter::FinishStores()
     mine.size(), static_cast<int>(threads),
     [&](std::size_t index, int)
     {
-      std::unique_ptr<BlockStoreWriter>& writer = this->Writers[mine[index]];
-      this->Spectra->FinishStore(mine[index], writer->GetEntries(), this->Ranges);
-      const auto description = writer->Finish(this->Variables, this->Ranges, memory);
+      OpenStore& store = this->Stores.at(mine[index]);
+      this->Spectra->FinishStore(mine[index], store.Writer->GetEntries(), this->Ranges);
+      const auto description = store.Writer->Finish(this->Variables, this->Ranges, memory);
       outcomes[index] = description.GetStatus();
       if (description.IsOk())
       {
         this->GetStep().Stores[mine[index]] = *description;
       }
-      writer.reset();
+      if (outcomes[index].IsOk() && store.OverviewSamples)
+      {
+        outcomes[index] = store.OverviewSamples->SyncAndClose();
+      }
+      store = OpenStore{};
       if (outcomes[index].IsOk())
       {
         outcomes[index] =
@@ -426,11 +587,6 @@ Status ResolutionWriter::FinishStores()
   for (const Status& outcome : outcomes)
   {
     ISOSURFACE_RETURN_IF_ERROR(outcome);
-  }
-  if (this->OverviewSamples)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(this->OverviewSamples->SyncAndClose());
-    this->OverviewSamples.reset();
   }
   return isDone ? Status::Ok() : this->Context.MakeAborted();
 }
@@ -484,16 +640,25 @@ std::unique_ptr<OverviewSource> ResolutionWriter::MakeOverviewSource()
   this->Ranges.clear();
   this->Spectra.reset();
   return std::make_unique<OverviewSource>(this->Context.Files, this->GetFolder(), this->Grid,
-    this->Types, std::move(this->BlockStores), this->Context.Size);
+    this->Types, std::move(this->BlockStores), this->Header.NumberOfStores);
 }
 
-Status ResolutionWriter::RemoveOverviewSamples()
+Status ResolutionWriter::RemoveTemporaryFiles()
 {
   return this->Context.AgreeOn(this->Context.Attempt(
-    [&]
+    [&]() -> Status
     {
-      return this->Context.Files.RemoveAll(
-        OverviewSource::GetPath(this->GetFolder(), this->Context.Rank));
+      FileSystem& files = this->Context.Files;
+      for (const auto& store : this->Stores)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(
+          files.RemoveAll(OverviewSource::GetPath(this->GetFolder(), store.first)));
+        if (this->Journal)
+        {
+          ISOSURFACE_RETURN_IF_ERROR(StoreJournal::Remove(files, this->GetStorePath(store.first)));
+        }
+      }
+      return Status::Ok();
     }));
 }
 

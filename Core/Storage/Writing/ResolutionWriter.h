@@ -15,11 +15,15 @@
 #include "Storage/Writing/BlockStoreWriter.h"
 #include "Storage/Writing/OverviewSamples.h"
 #include "Storage/Writing/RoundPlan.h"
+#include "Storage/Writing/StoreJournal.h"
 #include "Storage/Writing/StoreSpectra.h"
 #include "Storage/Writing/WriteContext.h"
+#include "Storage/Writing/WriteJournal.h"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +43,10 @@ public:
   ResolutionWriter(const WriteContext& context, SlabSource& source,
     const BlockedVolumeHeader& header, bool hasCoarser, Progress progress);
 
+  /// Makes Write() go on where a journal says, and keep it at checkpoints, with the settings'
+  /// seconds between them. The journal must outlive this object.
+  void KeepJournal(WriteJournal& journal) { this->Journal = &journal; }
+
   /// Collective. Plans who sends which samples; fails if the ranks do not have all of them.
   Status Prepare();
   /// Collective. Distributes the blocks over the stores. Reads the source only where their ranges
@@ -57,10 +65,12 @@ public:
 
   /// After Write(), the samples of the next overview. Frees what else is held of this grid.
   std::unique_ptr<OverviewSource> MakeOverviewSource();
-  /// Collective. Removes the files of these samples.
-  Status RemoveOverviewSamples();
+  /// Collective. Removes the files of these samples, and those of the stores' journals.
+  Status RemoveTemporaryFiles();
 
 private:
+  using Clock = std::chrono::steady_clock;
+
   /// What a thread counts in blocks.
   struct Counters
   {
@@ -68,16 +78,43 @@ private:
     std::vector<KeyRange> FiniteRanges; ///< per variable, of all blocks
   };
 
+  /// A store while this rank writes it.
+  struct OpenStore
+  {
+    std::unique_ptr<BlockStoreWriter> Writer;
+    std::unique_ptr<WritableFile> OverviewSamples; ///< null without a coarser grid
+    std::unique_ptr<StoreJournal> Journal;         ///< null without a journal
+  };
+
   std::vector<VertexBox> GatherBoxes() const;
   bool NeedsRanges() const;
   Status ScanRanges(BlockRangeScan& scan);
+  Status OpenStores();
   Status CreateStores();
+  Status TakeStores();
+  Status TakeStore(std::uint32_t store, std::size_t blocks);
+  std::vector<std::size_t> CountBlocks(std::int64_t end) const;
+  std::size_t GetSegments() const
+  {
+    return this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
+  }
+  SamplePlace GetSamplePlace() const
+  {
+    return this->Header.IsInPlace() ? SamplePlace::Source : SamplePlace::Store;
+  }
+  std::string GetStorePath(std::uint32_t store) const
+  {
+    return GetStoreFolder(this->Context.Path, this->Header.TimeSteps.back().Folder, store);
+  }
   Status WriteBlocks();
-  Counters MakeCounters() const;
+  bool IsCheckpointDue(std::int64_t blocks, bool isStopping);
+  Status MakeCheckpoint(std::int64_t blocks);
+  Status AddCheckpoints(std::int64_t number);
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, Counters& counters);
   void CountVariable(
     const PendingBlock& block, std::size_t variable, const SampleView& samples, Counters& counters);
-  void ShareRanges(const std::vector<Counters>& counters);
+  std::vector<KeyRange> JoinFiniteRanges() const;
+  void ShareRanges();
   std::shared_ptr<DecodedBlock> AssembleVariable(
     const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();
@@ -100,11 +137,14 @@ private:
   std::vector<ValueType> Types; ///< of the components
   std::optional<BlockExchange> Exchange;
   std::optional<RoundPlan> Plan;
-  std::vector<std::uint32_t> BlockStores;                 ///< per block
-  std::vector<std::vector<KeyRange>> Ranges;              ///< per variable and block of this rank
-  std::vector<std::unique_ptr<BlockStoreWriter>> Writers; ///< per store; null for another rank's
-  std::unique_ptr<WritableFile> OverviewSamples;          ///< null without a coarser grid
+  std::vector<std::uint32_t> BlockStores;    ///< per block
+  std::vector<std::vector<KeyRange>> Ranges; ///< per variable and block of this rank
+  std::map<std::uint32_t, OpenStore> Stores; ///< those of this rank
+  std::vector<Counters> Threads;             ///< per thread
   std::optional<StoreSpectra> Spectra;
+  WriteJournal* Journal = nullptr;
+  Clock::time_point Begin;          ///< of Write()
+  Clock::time_point LastCheckpoint; ///< or Begin
   WriteStatistics Statistics;
 };
 

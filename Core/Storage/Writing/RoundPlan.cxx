@@ -6,11 +6,12 @@
 namespace isosurface
 {
 
-RoundPlan::RoundPlan(const BlockGrid& grid, std::size_t ranks)
+RoundPlan::RoundPlan(const BlockGrid& grid, std::size_t ranks, std::int64_t begin)
   : Ranks(ranks)
   , Row(grid.GetNumberOfBlocksPerAxis()[0])
   , Layer(Row * grid.GetNumberOfBlocksPerAxis()[1])
   , Blocks(grid.GetNumberOfBlocks())
+  , Next(begin)
 {
 }
 

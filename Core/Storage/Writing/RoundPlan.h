@@ -18,10 +18,11 @@ namespace isosurface
 class RoundPlan
 {
 public:
-  RoundPlan(const BlockGrid& grid, std::size_t ranks);
+  /// `begin`: the first block that is planned.
+  RoundPlan(const BlockGrid& grid, std::size_t ranks, std::int64_t begin);
 
   bool IsDone() const { return this->Next == this->Blocks; }
-  /// How many blocks are planned.
+  /// How many blocks are planned, with those before the first one.
   std::int64_t GetCount() const { return this->Next; }
 
   /// The spans of the next round, one for each rank, of at most `blocks` (> 0) blocks: whole layers
@@ -37,7 +38,7 @@ private:
   std::int64_t Row;
   std::int64_t Layer;
   std::int64_t Blocks;
-  std::int64_t Next = 0;
+  std::int64_t Next;
 };
 
 } // namespace isosurface

@@ -4,6 +4,7 @@
 #include "Ground/Base/Coding.h"
 #include "Surface/Spectrum/BlockActivity.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace isosurface
@@ -42,6 +43,25 @@ void StoreSpectra::Add(std::uint32_t store, std::size_t variable, const EdgeSums
   Store& mine = *this->Mine[store / this->Ranks];
   const std::lock_guard<std::mutex> lock(mine.Mutex);
   mine.Sums[variable].Add(counted);
+}
+
+std::vector<std::uint8_t> StoreSpectra::PackSums(std::uint32_t store) const
+{
+  std::vector<std::uint8_t> packed;
+  for (const GrowingSpectrum& sums : this->Mine[store / this->Ranks]->Sums)
+  {
+    sums.AppendTo(packed);
+  }
+  return packed;
+}
+
+bool StoreSpectra::UnpackSums(std::uint32_t store, const std::vector<std::uint8_t>& packed)
+{
+  ByteReader reader(packed);
+  std::vector<GrowingSpectrum>& sums = this->Mine[store / this->Ranks]->Sums;
+  return std::all_of(sums.begin(), sums.end(),
+           [&](GrowingSpectrum& ofVariable) { return ofVariable.ReadFrom(reader); }) &&
+    reader.GetRemaining() == 0;
 }
 
 void StoreSpectra::SetRanges(const std::vector<KeyRange>& ranges)

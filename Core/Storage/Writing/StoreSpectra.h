@@ -34,6 +34,11 @@ public:
   /// Adds what was counted in a block of one of this rank's stores.
   void Add(std::uint32_t store, std::size_t variable, const EdgeSums& counted);
 
+  /// What was counted so far in one of this rank's stores, and the way back: false if that is of
+  /// other variables.
+  std::vector<std::uint8_t> PackSums(std::uint32_t store) const;
+  bool UnpackSums(std::uint32_t store, const std::vector<std::uint8_t>& packed);
+
   /// When all blocks are added: ranges[variable] is that of the finite values of all stores, which
   /// decides the bins.
   void SetRanges(const std::vector<KeyRange>& ranges);

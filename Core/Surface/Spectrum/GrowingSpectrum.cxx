@@ -146,4 +146,49 @@ void GrowingSpectrum::SetSums(WorkloadSpectrum& spectrum, const KeyRange& range)
   }
 }
 
+void GrowingSpectrum::AppendTo(std::vector<std::uint8_t>& bytes) const
+{
+  const auto append = [&](std::uint64_t value) { AppendLittleEndian(bytes, value); };
+  const auto appendSums = [&](const SurfaceSums& sums)
+  {
+    for (const std::uint64_t value : { sums.Triangles, sums.Cells, sums.Area, sums.Volume })
+    {
+      append(value);
+    }
+  };
+  append(this->Range.Minimum);
+  append(this->Range.Maximum);
+  appendSums(this->Below);
+  append(this->Changes.size());
+  for (const SurfaceSums& change : this->Changes)
+  {
+    appendSums(change);
+  }
+}
+
+bool GrowingSpectrum::ReadFrom(ByteReader& reader)
+{
+  const auto read = [&] { return reader.Read<std::uint64_t>(); };
+  const auto readSums = [&]
+  {
+    SurfaceSums sums;
+    sums.Triangles = read();
+    sums.Cells = read();
+    sums.Area = read();
+    sums.Volume = read();
+    return sums;
+  };
+  this->Range.Minimum = read();
+  this->Range.Maximum = read();
+  this->Bins = SpectrumBins::Choose(this->Type, this->Range);
+  this->Below = readSums();
+  if (read() != this->Bins.Count + std::uint64_t{ 1 })
+  {
+    return false;
+  }
+  this->Changes.resize(this->Bins.Count + std::size_t{ 1 });
+  std::generate(this->Changes.begin(), this->Changes.end(), readSums);
+  return !reader.HasFailed();
+}
+
 } // namespace isosurface

@@ -2,6 +2,7 @@
 #ifndef isosurface_GrowingSpectrum_h
 #define isosurface_GrowingSpectrum_h
 
+#include "Ground/Base/Coding.h"
 #include "Ground/Volume/SampleRange.h"
 #include "Surface/Spectrum/BlockMeasure.h"
 #include "Surface/Spectrum/BlockWorkload.h"
@@ -84,6 +85,11 @@ public:
   /// Sets triangles, cells, area and volume of a spectrum whose bins are those of this range, which
   /// contains the ranges of all blocks.
   void SetSums(WorkloadSpectrum& spectrum, const KeyRange& range);
+
+  /// Appends all it knows, about 32 bytes a bin, and sets another one of the type by that. False if
+  /// the bytes are of no spectrum of the type.
+  void AppendTo(std::vector<std::uint8_t>& bytes) const;
+  bool ReadFrom(ByteReader& reader);
 
 private:
   void AddInBins(const EdgeSums& sums);

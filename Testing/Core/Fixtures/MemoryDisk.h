@@ -136,6 +136,21 @@ public:
     }
     return std::unique_ptr<WritableFile>(new Writer(*this, path, found->second));
   }
+  Result<std::unique_ptr<WritableFile>> OpenForAppending(
+    const std::string& path, std::uint64_t size) override
+  {
+    auto file = this->OpenForUpdate(path);
+    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    ISOSURFACE_RETURN_IF_ERROR(this->CountWrite(path));
+    Bytes& bytes = *this->Files.at(path);
+    if (size > bytes.size())
+    {
+      return Status(StatusCode::Corrupt, path + ": truncated");
+    }
+    bytes.resize(static_cast<std::size_t>(size));
+    return file;
+  }
   Status Rename(const std::string& from, const std::string& to) override
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
@@ -302,11 +317,12 @@ private:
       return Status::Ok();
     }
     std::uint64_t GetSize() const override { return this->Content->size(); }
-    Status SyncAndClose() override
+    Status Sync() override
     {
       const std::lock_guard<std::mutex> lock(this->Disk.Mutex);
       return this->Disk.CountWrite(this->Path);
     }
+    Status SyncAndClose() override { return this->Sync(); }
     const std::string& GetPath() const override { return this->Path; }
 
   private:

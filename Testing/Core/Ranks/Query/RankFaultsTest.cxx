@@ -119,6 +119,11 @@ private:
       return this->File->WriteAt(offset, bytes, size);
     }
     std::uint64_t GetSize() const override { return this->File->GetSize(); }
+    Status Sync() override
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->Disk.Ask(this->GetPath()));
+      return this->File->Sync();
+    }
     Status SyncAndClose() override
     {
       ISOSURFACE_RETURN_IF_ERROR(this->Disk.Ask(this->GetPath()));

@@ -189,7 +189,7 @@ TEST(BlockedVolumeLevels, AreRefusedForBlocksOfOtherLevels)
 
 TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
 {
-  // Two arrays in parts of blocks that three ranks wrote.
+  // Two arrays in parts of blocks of five stores.
   const BlockGrid finer({ 70, 35, 50 }, 16, 2);
   const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k)
   { return i + 100 * (j + 100 * k); };
@@ -197,9 +197,9 @@ TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
   std::vector<std::unique_ptr<WritableFile>> files;
   MemoryDisk disk;
   ASSERT_TRUE(disk.MakeDirectories("/data").IsOk());
-  for (std::size_t rank = 0; rank < 3; ++rank)
+  for (std::size_t store = 0; store < 5; ++store)
   {
-    files.push_back(std::move(*disk.CreateForWriting(OverviewSource::GetPath("/data", rank))));
+    files.push_back(std::move(*disk.CreateForWriting(OverviewSource::GetPath("/data", store))));
   }
   for (std::int64_t block = 0; block < finer.GetNumberOfBlocks(); ++block)
   {
@@ -217,13 +217,13 @@ TEST(OverviewSource, ReadsTheSamplesOfTheVolumeInEveryBox)
         others.insert(others.end(), raw, raw + sizeof(real));
       });
     bytes.insert(bytes.end(), others.begin(), others.end());
-    ASSERT_TRUE(files[stores.back() % 3]->Append(bytes.data(), bytes.size()).IsOk());
+    ASSERT_TRUE(files[stores.back()]->Append(bytes.data(), bytes.size()).IsOk());
   }
   for (const auto& file : files)
   {
     ASSERT_TRUE(file->SyncAndClose().IsOk());
   }
-  OverviewSource source(disk, "/data", finer, { ValueType::UInt8, ValueType::Float64 }, stores, 3);
+  OverviewSource source(disk, "/data", finer, { ValueType::UInt8, ValueType::Float64 }, stores, 5);
   EXPECT_EQ(source.GetBox(), (VertexBox{ { 0, 0, 0 }, { 18, 9, 13 } }));
   std::mt19937 random(2);
   for (int trial = 0; trial < 100; ++trial)

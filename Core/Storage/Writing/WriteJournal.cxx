@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/WriteJournal.h"
+
+#include "Ground/Base/Checksum.h"
+#include "Storage/Store/JsonDocument.h"
+
+#include <nlohmann/json.hpp>
+
+#include <limits>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr const char* JournalFormat = "ScalableIsosurface unfinished write";
+constexpr std::int64_t JournalVersion = 1;
+
+} // namespace
+
+std::string WriteJournal::GetPath(const std::string& volumePath)
+{
+  return GetStoresFolder(volumePath) + "/journal";
+}
+
+std::uint64_t WriteJournal::ComputePlan(const BlockedVolumeHeader& planned)
+{
+  const std::string text = planned.Format();
+  return ComputeChecksum(text.data(), text.size());
+}
+
+Status WriteJournal::Write(FileSystem& files, const std::string& volumePath) const
+{
+  const std::string text =
+    FormatDocument({ { "format", JournalFormat }, { "formatVersion", JournalVersion },
+      { "finished", this->Finished ? this->Finished->Format() : "" },
+      { "stores", this->NumberOfStores }, { "folder", this->Folder },
+      { "plan", FormatChecksum(this->Plan) }, { "blocks", this->Blocks },
+      { "checkpoint", this->Checkpoint } });
+  const std::string path = GetPath(volumePath);
+  const std::string partial = path + ".partial";
+  auto file = files.CreateForWriting(partial);
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
+  ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
+  ISOSURFACE_RETURN_IF_ERROR(files.Rename(partial, path));
+  return files.SyncDirectory(GetStoresFolder(volumePath));
+}
+
+Result<WriteJournal> WriteJournal::Parse(const std::string& text, const std::string& volumePath)
+{
+  const std::string path = GetPath(volumePath);
+  const auto document = ParseDocument(text, path, JournalFormat, JournalVersion);
+  ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
+  constexpr std::int64_t any = std::numeric_limits<std::int64_t>::max();
+  Status status;
+  JsonMembers members(*document, path, "", status);
+  WriteJournal journal;
+  journal.NumberOfStores = static_cast<std::uint32_t>(
+    members.GetInteger("stores", 1, std::numeric_limits<std::uint32_t>::max()));
+  journal.Folder = members.GetString("folder");
+  journal.Plan = members.GetChecksum("plan");
+  journal.Blocks = members.GetInteger("blocks", 0, any);
+  journal.Checkpoint = members.GetInteger("checkpoint", 0, any);
+  if (journal.Folder.find_first_not_of("0123456789") != std::string::npos)
+  {
+    members.Fail("folder", "is no number");
+  }
+  const std::string finished = members.GetString("finished");
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  if (!finished.empty())
+  {
+    const auto header = BlockedVolumeHeader::Parse(finished, path);
+    ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+    journal.Finished = *header;
+  }
+  return journal;
+}
+
+std::optional<BlockedVolumeHeader> WriteJournal::FindFinished(
+  const BlockedVolumeHeader& planned) const
+{
+  if (!this->Finished || this->Finished->TimeSteps.size() < planned.TimeSteps.size())
+  {
+    return std::nullopt;
+  }
+  BlockedVolumeHeader finished = *this->Finished;
+  finished.TimeSteps.resize(planned.TimeSteps.size());
+  BlockedVolumeHeader asPlanned = finished;
+  TimeStepDescription& step = asPlanned.TimeSteps.back();
+  step = TimeStepDescription{};
+  step.Time = finished.TimeSteps.back().Time;
+  step.Source = finished.TimeSteps.back().Source;
+  step.Overviews.resize(planned.Overviews.size());
+  return asPlanned.Format() == planned.Format() ? std::optional(finished) : std::nullopt;
+}
+
+} // namespace isosurface
