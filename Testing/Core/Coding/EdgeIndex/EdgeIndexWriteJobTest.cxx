@@ -88,7 +88,7 @@ class Writing
 {
 public:
   Writing()
-    : Volume(MakeWaves<T>({ 70, 60, 50 }, 0.2))
+    : Volume(MakeWaves<T>({ 70, 40, 34 }, 0.2))
     , Header(MakeHeader(Volume, { 120.5, 150 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast))
   {
     this->Header.PreviewLevel = 1;

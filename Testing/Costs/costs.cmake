@@ -1,0 +1,85 @@
+# Seconds of the longest tests, roughly: ctest begins with them, so that none is left at the end. It knows by
+# itself what it has run before; a build from nothing has not.
+foreach(test IN ITEMS
+    Plugin.ServerOfTwoRanksShowsTheSameAndLogsItsCost=165
+    Core.EdgeIndexWriteJob=104
+    Install.DebianPackagesInstallWorkAndGo=87
+    Core.RankFaults=85
+    Core.DiskFaultsOfWriting=77
+    Core.RankWithoutMemory=75
+    Core.DiskFaultsAtEveryOperation=74
+    Formats.ReaderMadeFromTheSpecificationFindsTheSource=72
+    Core.ExternalIntervalTreeCorruption=69
+    Core.SharedExtraction=65
+    Plugin.SurfacesHaveTheStockImageOn1Ranks=60
+    Core.EdgeIndexBounded=51
+    Core.Replicas=49
+    Formats.EdgeIndexReaderMadeFromTheSpecificationFindsTheSurface=48
+    Core.EdgeIndex=48
+    Core.BlockedVolumeCrash=46
+    Plugin.GuiViewsSelectionsUndoAndFramesAreByHand=46
+    Core.SurfaceExchange=44
+    Plugin.GuiSavesTheFullSurfaceAndAsksAboutMemory=41
+    Tools.EdgeIndexPiecesAreOneSurface=41
+    Plugin.MetabufferViewShowsTheStockImageOn1Ranks=40
+    Tools.hdf5ErrorsAndLists=40
+    Core.BlockedVolumeWriter=39
+    Core.EdgeIndexOfType=36
+    Plugin.MetabufferViewShowsTheStockImageOn4Ranks=33
+    Plugin.SurfacesHaveTheStockImageOn4Ranks=31
+    Core.BlockDealing=29
+    Soak.Soak=29
+    Plugin.FilesOfVolumesAreIndexedInPlaceOn3Ranks=28
+    Core.Determinism=28
+    Core.ExternalIntervalTreeBuilder=27
+    Plugin.GuiIsovaluesAreChosenByHandOnTheSpectrum=27
+    Plugin.FilesOfVolumesAreIndexedInPlace=27
+    Plugin.GuiIsovaluesFollowImagesAndTimeSteps=27
+    Core.EdgeIndexAttributes=27
+    Fuzz.VolumeSource=26
+    Core.ExternalIntervalTree=26
+    Readers.StabbingContourLevels=25
+    Plugin.RankThatDiesWhileAllDrawEndsTheJob=24
+    Plugin.GuiDoesTheMainJobAndShowsTheSurface=23
+    Tools.niftiSamples=23
+    Tools.WritesWhatTheWriterWrites=22
+    Core.CellVisibility=22
+    Core.GzipFile=22
+    Tools.zarrVersionTwoAndN5=21
+    Core.VolumeInPlace=21
+    Tools.in_placeSamples=20
+    Plugin.GuiShowsTheFullSurfaceWhenTheHandRests=19
+    Plugin.GuiPicksIsovaluesInTheChartOfASpectrum=19
+    Readers.StabbingContourProgressive=19
+    Plugin.ProgressiveSurfacesEndWithTheFullOneOn3Ranks=18
+    Install.OtherProjectsUseWhatIsInstalled=18
+    Filters.StabbingContourScans=18
+    Parallel.RefinementIsThatOfAllRanksOn3Ranks=17
+    Rendering.ViewportsGiveTheSameImageOn4Ranks=17
+    InTree.ModulesAreFoundInAnotherProjectsTree=16
+    Parallel.SurfaceIsThatOfWholeVolumeOn3Ranks=16
+    Examples.ProgressiveSurfaceGoesFromCoarseToFull=16
+    Plugin.GuiStockFiltersTellTheirLevel=16
+    Tools.EdgeIndexVerifyFindsAnyFault=16
+    Parallel.SurfaceIsThatOfWholeVolumeOn1Ranks=16
+    Plugin.EdgeIndexFilesGiveTheSurfaceBackOn1Ranks=16
+    Tools.hdf5Datasets=16
+    Plugin.GuiRegionIsABoxOfTheWorld=15
+    Plugin.GuiIsovaluesFollowArrayAndComponent=15
+    Tools.EdgeIndexDecodeWritesTriangles=14
+    Plugin.GuiOffersTheMetabufferViewAndShowsTheSurfaceInIt=14
+    Plugin.StateFileGivesTheSameImageInTheGui=14
+    Plugin.GuiSpectrumIsAChartOfTriangles=14
+    Rendering.ViewportsGiveTheSameImageOn3Ranks=14
+    Filters.StabbingContourLines=13
+    Plugin.GuiNumbersArriveAsTyped=13
+    Plugin.WhatIsDoneByHandIsOfExactSurfaces=13
+    Plugin.GuiEdgeIndexRegionArriveAsTyped=12
+    Examples.ScalingStudyRuns=12
+    Plugin.SurfaceOptionsWorkOn1Ranks=12
+    Plugin.IsTheOneThatAScanOfTheRepositoryFinds=12)
+  string(REPLACE "=" ";" test "${test}")
+  list(GET test 0 name)
+  list(GET test 1 seconds)
+  set_tests_properties("${name}" PROPERTIES COST ${seconds})
+endforeach()
