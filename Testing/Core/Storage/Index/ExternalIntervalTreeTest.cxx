@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AllocationCounter.h"
+#include "Fixtures/LongTests.h"
 #include "Fixtures/Require.h"
 #include "IntervalSets.h"
 
