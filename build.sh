@@ -48,9 +48,9 @@ compile() { # preset, targets
   ninja -C "build/$preset" "$@"
 }
 
-run_tests() { # preset
+run_tests() { # preset, how many at a time
   say "Running the tests of build/$1"
-  ctest --preset "$1" -j 3 # on two cores: windows and ranks wait for each other
+  ctest --preset "$1" -j "$2"
 }
 
 case "${1:-}" in
@@ -84,17 +84,17 @@ case "${1:-}" in
     install_packages vtk
     configure vtk
     compile vtk
-    run_tests vtk
+    run_tests vtk 3
     say "All tests passed"
     ;;
   test)
     install_packages paraview
     configure asan
     compile asan
-    run_tests asan
+    run_tests asan 3
     configure release -DISOSURFACE_CORE_TESTS=OPTIMISED # the others have just run
     compile release
-    run_tests release
+    run_tests release 4 # on two cores: windows and ranks wait for each other
     say "All tests passed"
     ;;
   *)

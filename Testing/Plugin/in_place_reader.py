@@ -158,6 +158,9 @@ class InPlaceReader(testing.TestCase):
         cls.expected = testing.count_expected_triangles()
 
     def setUp(self):
+        of_one = ("every_format", "left_to_other_readers", "states")
+        if testing.arguments.ranks > 1 and any(name in self.id() for name in of_one):
+            self.skipTest("a format is opened on one rank as on several")
         simple.ResetSession()
         self.source = testing.output(self.id().split(".")[-1] + ".zarr")
         self.index = self.source + ".bvol"
@@ -208,8 +211,11 @@ class InPlaceReader(testing.TestCase):
         """A file of each format; their paths."""
         paths = []
         for name, write in WRITERS.items():
+            written = testing.output(name)
+            if not os.path.exists(written):
+                write(written, self.samples)
             paths.append(testing.output(self.id().split(".")[-1] + "_" + name))
-            write(paths[-1], self.samples)
+            shutil.copy(written, paths[-1])
         return paths
 
     def test_every_format_is_opened_and_indexed(self):

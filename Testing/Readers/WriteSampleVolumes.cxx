@@ -238,7 +238,7 @@ bool WriteAll(const std::string& folder)
   settings.BlockSize = 16;
   settings.NumberOfStores = 1;
   settings.Distribution = DistributionMethod::Greedy;
-  size = { 1, 1300, 1300 };
+  size = { 1, 2, 105000 }; // many blocks of few samples
   const bool highTree = WriteVolume(folder + "/high-tree", MakeGrid({ 0, 0, 0 }, size),
     { MakeArray<std::uint16_t>("patches", size, MakePatches) }, settings);
 

@@ -22,7 +22,7 @@ using namespace isosurface;
 namespace
 {
 
-constexpr int Queries = 1000;
+constexpr int Queries = ISOSURFACE_LONG_TESTS ? 1000 : 500;
 constexpr rlim_t Descriptors = 64;
 constexpr std::size_t PooledFiles = Descriptors / 4; ///< and those that are in use
 constexpr int CacheSizes[] = { 1, 3, 64 };           ///< MiB; a volume has from 0.2 to 0.8

@@ -305,7 +305,7 @@ class PiecesAreOneSurface(unittest.TestCase):
     def test_stl_and_glb_have_the_triangles_of_ply(self):
         normals = 0
         for name in NAMES:
-            for memory in ("1", "1024"):
+            for memory in ("1", "1024") if name == "lossless-int16.eix" else ("1",):
                 with self.subTest(name=name, memory=memory):
                     for output in (["o.ply"], ["o.stl"], ["o.glb"], ["c.glb", "--compress"]):
                         code, _, err = run("decode", golden(name), *output, "--memory", memory,

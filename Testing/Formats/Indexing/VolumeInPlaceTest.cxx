@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Volumes in place. The oracle is the volume that has copies of the same samples.
 #include "Fixtures/ActiveBlocks.h"
+#include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
@@ -127,7 +128,7 @@ TEST(VolumeInPlace, SurfacesAreThoseOfTheCopiedVolume)
     { Index3{ 33, 20, 11 }, Index3{ 7, 9, 50 }, Index3{ 70, 45, 1 }, Index3{ 128, 64, 64 } })
   {
     InPlaceDisk made(chunk, 2, 3);
-    for (const int ranks : { 1, 2, 3, 4, 7 })
+    for (const int ranks : GetNumbersOfRanks())
     {
       for (const bool isDealt : { false, true })
       {

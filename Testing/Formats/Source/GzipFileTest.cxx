@@ -31,7 +31,7 @@ std::unique_ptr<GzipFile> OpenGzip(
 
 TEST(GzipFile, ReadsAnyPartInAnyOrder)
 {
-  const Bytes content = MakeContent(30000000);
+  const Bytes content = MakeContent(18000000);
   Bytes prefixed = MakeBytes("header\n");
   const Bytes compressed = Deflate(content);
   prefixed.insert(prefixed.end(), compressed.begin(), compressed.end());

@@ -93,7 +93,7 @@ std::map<std::int64_t, std::array<float, 3>> CodePoints(
 
 TEST(EdgeIndexBounded, PointsOnFacesThatBlocksShareAreThoseInsideOfLargerBlocks)
 {
-  const auto volume = MakeWaves<std::int16_t>({ 65, 50, 40 }, 0.3);
+  const auto volume = MakeWaves<std::int16_t>({ 65, 34, 20 }, 0.3);
   for (const EdgeIndexProfile profile : AllProfiles)
   {
     const auto whole = CodePoints(volume, 100.5, 64, profile);
@@ -107,12 +107,12 @@ TEST(EdgeIndexBounded, PointsOnFacesThatBlocksShareAreThoseInsideOfLargerBlocks)
 
 TEST(EdgeIndexBounded, NoPointIsFurtherFromItsExactCrossingThanTheMaximumError)
 {
-  auto smooth = MakeWaves<std::int16_t>({ 70, 40, 30 }, 0);
-  smooth.Geometry.Extent = { -1000, -931, 2000, 2039, 0, 29 };
+  auto smooth = MakeWaves<std::int16_t>({ 50, 30, 20 }, 0);
+  smooth.Geometry.Extent = { -1000, -951, 2000, 2029, 0, 19 };
   ExpectBounded(smooth, 100.5, 32);
-  ExpectBounded(MakeWaves<std::uint8_t>({ 50, 40, 30 }, 3), 127.5, 64);
-  ExpectBounded(MakeWaves<float>({ 40, 40, 30 }, 0.3), 0.01, 16);
-  ExpectBounded(MakeWaves<double>({ 40, 30, 30 }, 1), 0.01, 32);
+  ExpectBounded(MakeWaves<std::uint8_t>({ 66, 20, 20 }, 3), 127.5, 64);
+  ExpectBounded(MakeWaves<float>({ 30, 30, 20 }, 0.3), 0.01, 16);
+  ExpectBounded(MakeWaves<double>({ 40, 20, 20 }, 1), 0.01, 32);
 }
 
 TEST(EdgeIndexBounded, IntegersOf64BitsAreBoundedUpToThePrecisionOfDoubles)

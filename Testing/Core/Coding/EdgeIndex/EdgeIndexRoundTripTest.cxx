@@ -53,7 +53,7 @@ void FillWithExtremes(SampleVolume<T>& volume)
 
 TYPED_TEST(EdgeIndexOfType, SmoothVolumesComeBackBitByBit)
 {
-  SampleVolume<TypeParam> volume = MakeWaves<TypeParam>({ 70, 41, 37 }, 0);
+  SampleVolume<TypeParam> volume = MakeWaves<TypeParam>({ 70, 21, 17 }, 0);
   Displace(volume);
   for (const EdgeIndexProfile profile : AllProfiles)
   {
@@ -93,7 +93,7 @@ TYPED_TEST(EdgeIndexOfType, FewLevelsAndValuesOnTheIsovalueComeBackBitByBit)
 
 TEST(EdgeIndex, EveryBlockSizeGivesTheExtractedSurface)
 {
-  const auto volume = MakeWaves<std::uint8_t>({ 131, 67, 66 }, 0.2);
+  const auto volume = MakeWaves<std::uint8_t>({ 131, 35, 34 }, 0.2);
   for (const int blockSize : { 16, 32, 64 })
   {
     for (const EdgeIndexProfile profile : AllProfiles)
@@ -198,7 +198,7 @@ TEST(EdgeIndex, LeavingOutBlocksDoesNotChangeTheOthers)
 
 TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
 {
-  const auto volume = MakeWaves<std::int16_t>({ 100, 70, 65 }, 0.2);
+  const auto volume = MakeWaves<std::int16_t>({ 100, 40, 35 }, 0.2);
   TestBlockSource<std::int16_t> source(volume, 32);
   const EdgeIndexHeader header =
     MakeHeader(volume, { 10.5, 4000 }, EdgeIndexMode::Smallest, EdgeIndexProfile::Default);

@@ -127,7 +127,7 @@ TEST(Determinism, ManyWaysGiveTheSameBytesAndTheSameSurface)
   const PlainSurface one = DoAll(first, samples, { 1, 1, 1000000000, 0, 100000, 0 });
   EXPECT_TRUE(DropNormals(one) == DropNormals(expected));
   std::mt19937 random(20261122);
-  const int runs = LongTests ? 100 : 30;
+  const int runs = LongTests ? 100 : 15;
   for (int run = 0; run < runs && !testing::Test::HasFailure(); ++run)
   {
     const Way way = DrawWay(random);

@@ -251,4 +251,4 @@ TEST_P(RankFaults, OfSurfacesThatAreDistributedAreThoseOfAll)
   this->ForEachOperation(RankDeeds::Distribute, [](bool) {});
 }
 
-INSTANTIATE_TEST_SUITE_P(Ranks, RankFaults, testing::Values(2, 3, 4, 7));
+INSTANTIATE_TEST_SUITE_P(Ranks, RankFaults, testing::ValuesIn(RankDeeds::GetNumbersOfRanks()));

@@ -172,4 +172,5 @@ TEST_P(RankWithoutMemory, FailsWithAllWhenCountingASpectrum)
   this->ForEachAllocation(RankDeeds::CountSpectrum, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Ranks, RankWithoutMemory, testing::Values(2, 3, 4, 7));
+INSTANTIATE_TEST_SUITE_P(
+  Ranks, RankWithoutMemory, testing::ValuesIn(RankDeeds::GetNumbersOfRanks()));

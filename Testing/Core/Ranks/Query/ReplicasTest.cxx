@@ -161,8 +161,11 @@ const std::vector<Ways>& GetWays()
     std::vector<Ways> all;
     for (const int ranks : GetNumbersOfRanks())
     {
-      all.insert(all.end(), { { ranks, true, false }, { ranks, false, false } });
-      all.push_back({ ranks, false, true });
+      all.push_back({ ranks, true, false });
+      if (ranks > 1) // one reads all in any way
+      {
+        all.insert(all.end(), { { ranks, false, false }, { ranks, false, true } });
+      }
     }
     return all;
   }();

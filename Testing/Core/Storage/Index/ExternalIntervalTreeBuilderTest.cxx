@@ -167,7 +167,7 @@ TEST(ExternalIntervalTreeBuilder, AFailingDiskGivesAnErrorAndLeavesNoFile)
   for (const bool reads : { false, true })
   {
     const std::uint64_t operations = reads ? whole.GetReads() : whole.GetWrites();
-    const std::uint64_t step = std::max<std::uint64_t>(1, operations / 150);
+    const std::uint64_t step = std::max<std::uint64_t>(1, operations / 50);
     for (std::uint64_t left = 0; left < operations;
          left += left + step < operations - 20 ? step : 1)
     {

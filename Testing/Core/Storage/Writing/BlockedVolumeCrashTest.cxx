@@ -113,7 +113,7 @@ int Wait(pid_t child)
 
 TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
 {
-  const Index3 size = { 130, 120, 110 };
+  const Index3 size = { 98, 90, 82 };
   const auto even = MakeVolume<std::uint8_t>(size, 1);
   const auto odd = MakeVolume<std::uint8_t>(size, 2);
   ASSERT_TRUE(this->Write(odd).IsOk());
@@ -152,7 +152,7 @@ TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
 
 TEST_F(BlockedVolumeCrash, LeavesAllTimeStepsWheneverAnAppendIsKilled)
 {
-  const Index3 size = { 100, 90, 80 };
+  const Index3 size = { 70, 60, 50 };
   const auto first = MakeVolume<std::uint8_t>(size, 1);
   const auto later = MakeVolume<std::uint8_t>(size, 2);
   ASSERT_TRUE(this->Append(first, 0).IsOk());

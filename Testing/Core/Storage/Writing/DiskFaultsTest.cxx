@@ -51,7 +51,7 @@ const std::vector<Fault> Disturbances = {
 };
 const std::vector<Fault> Kills = { { Kind::Kill }, { Kind::Tear } };
 
-const Index3 Size = { 34, 20, 18 };
+const Index3 Size = { 34, 18, 17 };
 constexpr double Isovalue = 20;
 
 class DiskFaultsAtEveryOperation : public testing::Test
@@ -176,8 +176,8 @@ protected:
 
   /**
    * Does something with a fault at operation 0, 1, ... until there is none left, and each time
-   * looks at what is there then. Each kind of fault is at every third operation, the next kind at the
-   * one after it, so that all operations fail in some way; in long tests, in every way.
+   * looks at what is there then. Each kind of fault is at every fifth operation, the next kind at the
+   * one after it, so that all operations fail in one of the five fatal ways; in long tests, in every way.
    */
   void ForEachOperation(const std::vector<Fault>& faults,
     const std::function<std::vector<Status>(int ranks)>& act,
@@ -186,8 +186,8 @@ protected:
     for (std::size_t kind = 0; kind < faults.size(); ++kind)
     {
       const Fault& fault = faults[kind];
-      std::uint64_t operation = LongTests ? 0 : kind % 3;
-      for (bool isLast = false; !isLast; operation += LongTests ? 1 : 3)
+      std::uint64_t operation = LongTests ? 0 : kind % 5;
+      for (bool isLast = false; !isLast; operation += LongTests ? 1 : 5)
       {
         ASSERT_LT(operation, 5000u);
         DiskFaults::Arm(fault.What, fault.Error, operation);

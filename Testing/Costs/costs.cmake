@@ -1,0 +1,81 @@
+# Seconds of the longest tests, roughly: ctest begins with them, so that none is left at the end. It knows by
+# itself what it has run before; a build from nothing has not.
+foreach(test IN ITEMS
+    Plugin.ServerOfTwoRanksShowsTheSameAndLogsItsCost=165
+    Install.DebianPackagesInstallWorkAndGo=87
+    Plugin.SurfacesHaveTheStockImageOn1Ranks=60
+    Formats.EdgeIndexReaderMadeFromTheSpecificationFindsTheSurface=48
+    Plugin.GuiViewsSelectionsUndoAndFramesAreByHand=46
+    Core.EdgeIndexWriteJob=45
+    Plugin.GuiSavesTheFullSurfaceAndAsksAboutMemory=41
+    Formats.ReaderMadeFromTheSpecificationFindsTheSource=40
+    Tools.hdf5ErrorsAndLists=40
+    Core.Replicas=38
+    Core.DiskFaultsAtEveryOperation=36
+    Plugin.MetabufferViewShowsTheStockImageOn4Ranks=33
+    Core.DiskFaultsOfWriting=32
+    Plugin.SurfacesHaveTheStockImageOn4Ranks=31
+    Tools.EdgeIndexPiecesAreOneSurface=28
+    Plugin.GuiIsovaluesAreChosenByHandOnTheSpectrum=27
+    Plugin.FilesOfVolumesAreIndexedInPlace=27
+    Plugin.GuiIsovaluesFollowImagesAndTimeSteps=27
+    Core.EdgeIndexAttributes=27
+    Core.BlockedVolumeWriter=26
+    Fuzz.VolumeSource=26
+    Core.ExternalIntervalTree=26
+    Readers.StabbingContourLevels=25
+    Core.SurfaceExchange=24
+    Plugin.RankThatDiesWhileAllDrawEndsTheJob=24
+    Core.SharedExtraction=23
+    Plugin.GuiDoesTheMainJobAndShowsTheSurface=23
+    Tools.niftiSamples=23
+    Core.RankFaults=22
+    Core.EdgeIndex=22
+    Core.BlockedVolumeCrash=22
+    Tools.WritesWhatTheWriterWrites=22
+    Core.CellVisibility=22
+    Core.GzipFile=22
+    Tools.zarrVersionTwoAndN5=21
+    Core.VolumeInPlace=21
+    Core.ExternalIntervalTreeCorruption=20
+    Core.EdgeIndexBounded=20
+    Core.ExternalIntervalTreeBuilder=20
+    Tools.in_placeSamples=20
+    Core.RankWithoutMemory=19
+    Plugin.GuiShowsTheFullSurfaceWhenTheHandRests=19
+    Plugin.GuiPicksIsovaluesInTheChartOfASpectrum=19
+    Readers.StabbingContourProgressive=19
+    Core.EdgeIndexOfType=18
+    Plugin.FilesOfVolumesAreIndexedInPlaceOn3Ranks=18
+    Plugin.ProgressiveSurfacesEndWithTheFullOneOn3Ranks=18
+    Install.OtherProjectsUseWhatIsInstalled=18
+    Filters.StabbingContourScans=18
+    Soak.Soak=17
+    Parallel.RefinementIsThatOfAllRanksOn3Ranks=17
+    Rendering.ViewportsGiveTheSameImageOn4Ranks=17
+    InTree.ModulesAreFoundInAnotherProjectsTree=16
+    Parallel.SurfaceIsThatOfWholeVolumeOn3Ranks=16
+    Examples.ProgressiveSurfaceGoesFromCoarseToFull=16
+    Plugin.GuiStockFiltersTellTheirLevel=16
+    Tools.EdgeIndexVerifyFindsAnyFault=16
+    Parallel.SurfaceIsThatOfWholeVolumeOn1Ranks=16
+    Tools.hdf5Datasets=16
+    Core.Determinism=15
+    Plugin.GuiRegionIsABoxOfTheWorld=15
+    Plugin.GuiIsovaluesFollowArrayAndComponent=15
+    Tools.EdgeIndexDecodeWritesTriangles=14
+    Plugin.GuiOffersTheMetabufferViewAndShowsTheSurfaceInIt=14
+    Plugin.StateFileGivesTheSameImageInTheGui=14
+    Plugin.GuiSpectrumIsAChartOfTriangles=14
+    Rendering.ViewportsGiveTheSameImageOn3Ranks=14
+    Filters.StabbingContourLines=13
+    Plugin.GuiNumbersArriveAsTyped=13
+    Plugin.WhatIsDoneByHandIsOfExactSurfaces=13
+    Plugin.GuiEdgeIndexRegionArriveAsTyped=12
+    Examples.ScalingStudyRuns=12
+    Plugin.IsTheOneThatAScanOfTheRepositoryFinds=12)
+  string(REPLACE "=" ";" test "${test}")
+  list(GET test 0 name)
+  list(GET test 1 seconds)
+  set_tests_properties("${name}" PROPERTIES COST ${seconds})
+endforeach()
