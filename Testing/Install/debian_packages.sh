@@ -1,6 +1,6 @@
 #!/bin/sh
-# Packs the build tree as debian/ says and installs, uses and removes them on a copy of this machine: a mount namespace
-# of its own, in which what is written to / goes to memory. Usage:
+# Packs the build tree as debian/ says, and installs, uses and removes the packages on a copy of this machine: a
+# mount namespace of its own, in which what is written to / goes to memory. Usage:
 #   debian_packages.sh BUILD SOURCE FOLDER
 # BUILD is the build tree, SOURCE this repository, FOLDER for scratch files. Needs to be root; exits with 77
 # where the copy cannot be made.
