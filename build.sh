@@ -73,7 +73,8 @@ case "${1:-}" in
     configure release
     compile release ScalableIsosurface blockvolume edgeindex IsosurfacePythonHints IsosurfaceManualPages
     say "Making packages"
-    (cd build/release && cpack -G DEB)
+    ISOSURFACE_BUILD=build/release DEB_RULES_REQUIRES_ROOT=no debian/rules binary
+    debian/rules clean ISOSURFACE_BUILD=build/release
     echo "Install them: sudo apt install $PWD/build/release/*.deb"
     ;;
   vtk)

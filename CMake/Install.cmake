@@ -44,7 +44,8 @@ foreach(header IN LISTS headers)
 endforeach()
 
 foreach(library IN ITEMS Core Formats)
-  set_target_properties(Isosurface${library} PROPERTIES EXPORT_NAME ${library} VERSION "${PROJECT_VERSION}")
+  set_target_properties(Isosurface${library} PROPERTIES
+    EXPORT_NAME ${library} VERSION "${PROJECT_VERSION}" SOVERSION "${PROJECT_VERSION_MAJOR}")
   target_compile_features(Isosurface${library} PUBLIC cxx_std_17)
   target_include_directories(Isosurface${library} INTERFACE "$<INSTALL_INTERFACE:${ISOSURFACE_HEADERS}/core>")
   install(TARGETS Isosurface${library} EXPORT ScalableIsosurfaceCore

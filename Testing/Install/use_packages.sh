@@ -39,7 +39,9 @@ case "$depends" in
   *"paraview (>= "*"paraview (<< "*) echo "They depend on the ParaView that they were built with" ;;
   *) fail "They depend on: $depends" ;;
 esac
-! printf '%s' "$depends" | grep -E 'gdcm|hdf5|netcdf' || fail "The plugin depends on libraries of formats"
+for package in scalable-isosurface libscalable-isosurface1 scalable-isosurface-tools; do
+  ! dpkg-query -W -f '${Depends}' $package | grep -E 'gdcm|hdf5|netcdf' || fail "$package depends on libraries of formats"
+done
 for library in /usr/lib/*/libIsosurface*.so* /usr/lib/*/paraview-*/plugins/ScalableIsosurface/*.so; do
   ! LC_ALL=C ldd "$library" | grep "not found" || fail "$library misses a library"
   ! readelf -d "$library" | grep "$build" || fail "$library knows where it was built"
@@ -48,7 +50,7 @@ done
 cd /tmp
 expect "The commands are in the path" "^blockvolume [0-9]" blockvolume --version
 for page in blockvolume edgeindex edgeindex-info edgeindex-verify edgeindex-decode; do
-  [ -s "/usr/share/man/man1/$page.1" ] || fail "There is no manual page of $page"
+  [ -s "/usr/share/man/man1/$page.1.gz" ] || fail "There is no manual page of $page"
 done
 cat >complete.sh <<'X'
 . /usr/share/bash-completion/bash_completion
@@ -82,7 +84,8 @@ done
 echo "Without the suggested packages, their formats are refused by name"
 
 expect "The packages can be removed" "Removing scalable-isosurface " \
-  dpkg -r scalable-isosurface python3-scalable-isosurface scalable-isosurface-dev
+  dpkg -r scalable-isosurface libscalable-isosurface1 scalable-isosurface-tools python3-scalable-isosurface \
+  scalable-isosurface-dev scalable-isosurface-doc
 list_files >/after.txt
 diff /before.txt /after.txt || fail "Files were left or lost"
 [ "$(cat "$conf")" = "$(cat /before.conf)" ] || fail "$conf is not what it was: $(cat "$conf")"

@@ -8,7 +8,7 @@ include(GNUInstallDirs)
 
 set(repository "${CMAKE_CURRENT_SOURCE_DIR}/Plugins/ScalableIsosurface")
 paraview_plugin_find_plugins(manifests "${repository}")
-if(NOT manifests STREQUAL "${repository}/Plugin/paraview.plugin")
+if(NOT manifests STREQUAL "${repository}/paraview.plugin")
   message(FATAL_ERROR "Not one plugin, but: ${manifests}")
 endif()
 paraview_plugin_scan(

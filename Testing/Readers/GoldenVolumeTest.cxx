@@ -94,7 +94,7 @@ vtkSmartPointer<vtkPolyData> ContourFile(
 
 const std::string GoldenPath = GetDataPath("blocked-volume/golden.bvol");
 
-TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
+TEST(VolumesOfRelease1, HaveTheValuesTheyWereWrittenWith)
 {
   const auto reader = MakeReader(GoldenPath);
   const ExpectNoErrors errors(reader);
@@ -107,7 +107,7 @@ TEST(GoldenVolume, HasTheValuesItWasWrittenWith)
   EXPECT_TRUE(checks.HaveEachCellOnce({ blocks }));
 }
 
-TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
+TEST(VolumesOfRelease1, HaveTheSurfaceTheyWereWrittenWith)
 {
   const auto density = ContourFile(GoldenPath, "density", 15.5);
   EXPECT_EQ(density->GetNumberOfPolys(), DensityTriangles);
@@ -120,7 +120,24 @@ TEST(GoldenVolume, HasTheSurfaceItWasWrittenWith)
   EXPECT_TRUE(IsSurfaceOf(density, MakeGoldenImage(), 15.5));
 }
 
-TEST(GoldenVolume, HasTheSurfaceOfTheSubsampledImageAtEveryLevel)
+// What the libraries of compression write may change; what they read may not.
+TEST(VolumesOfRelease1, AreReadWithEachCodec)
+{
+  for (const char* volume : { "lz4.bvol", "zstd.bvol" })
+  {
+    const std::string path = GetDataPath(std::string("blocked-volume/") + volume);
+    const auto header = BlockedVolumeHeader::Read(GetLocalFileSystem(), path);
+    ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
+    EXPECT_NE(header->Compression.Codec, SegmentCodec::None);
+    const auto verified = VerifyBlockedVolume(path, GetLocalFileSystem(), 2);
+    ASSERT_TRUE(verified.IsOk());
+    EXPECT_EQ(verified->FaultCount, 0u);
+    EXPECT_TRUE(IsSurfaceOf(ContourFile(path, "density", 15.5), MakeGoldenImage(), 15.5));
+    EXPECT_EQ(ContourFile(path, "distance", 12)->GetNumberOfPolys(), DistanceTriangles);
+  }
+}
+
+TEST(VolumesOfRelease1, HaveTheSurfaceOfTheSubsampledImageAtEveryLevel)
 {
   for (int level = 0; level < 5; ++level)
   {
@@ -130,7 +147,7 @@ TEST(GoldenVolume, HasTheSurfaceOfTheSubsampledImageAtEveryLevel)
   }
 }
 
-TEST(GoldenVolume, TakesAnotherTimeStep)
+TEST(VolumesOfRelease1, TakeAnotherTimeStep)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");
@@ -181,17 +198,17 @@ void ExpectFilesOf(vtkDataObject* input, const std::string& volume)
   EXPECT_EQ(ListVolumeFiles(path), names);
 }
 
-TEST(GoldenVolume, IsWrittenByteForByteToday)
+TEST(VolumesOfRelease1, AreWrittenByteForByteToday)
 {
   ExpectFilesOf(MakeGoldenImage(), "golden.bvol");
 }
 
-TEST(GoldenVolume, OfARectilinearGridIsWrittenByteForByteToday)
+TEST(VolumesOfRelease1, OfRectilinearGridsAreWrittenByteForByteToday)
 {
   ExpectFilesOf(MakeGoldenRectilinearGrid(), "rectilinear.bvol");
 }
 
-TEST(GoldenVolume, OfARectilinearGridHasTheSurfaceItWasWrittenWith)
+TEST(VolumesOfRelease1, OfRectilinearGridsHaveTheSurfaceTheyWereWrittenWith)
 {
   const auto surface = ContourFile(GetDataPath("blocked-volume/rectilinear.bvol"), "density", 15.5);
   EXPECT_EQ(surface->GetNumberOfPolys(), DensityTriangles);
@@ -203,7 +220,7 @@ TEST(GoldenVolume, OfARectilinearGridHasTheSurfaceItWasWrittenWith)
 }
 
 // The samples of "density" in a MetaImage of that time.
-TEST(GoldenVolume, IsReadInPlace)
+TEST(VolumesOfRelease1, AreReadInPlace)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("in-place.bvol");
@@ -227,7 +244,7 @@ TEST(GoldenVolume, IsReadInPlace)
   EXPECT_EQ(density->GetNumberOfPoints(), DensityPoints);
 }
 
-TEST(GoldenVolume, EveryFlippedBitOfItsHeaderIsNoticed)
+TEST(VolumesOfRelease1, EveryFlippedBitOfTheirHeaderIsNoticed)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath("golden.bvol");

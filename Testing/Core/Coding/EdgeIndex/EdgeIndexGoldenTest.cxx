@@ -130,7 +130,7 @@ void CheckGolden(
 
 } // namespace
 
-TEST(EdgeIndexGolden, LosslessSurfaces)
+TEST(EdgeIndexFilesOfRelease1, LosslessSurfaces)
 {
   CheckGolden<std::int16_t>(
     "lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
@@ -140,7 +140,7 @@ TEST(EdgeIndexGolden, LosslessSurfaces)
   CheckGolden<float>("compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
 }
 
-TEST(EdgeIndexGolden, BoundedByCrossings)
+TEST(EdgeIndexFilesOfRelease1, BoundedByCrossings)
 {
   CheckGolden<std::uint16_t>("bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
   CheckGolden<double>("bounded-fast.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
@@ -148,17 +148,17 @@ TEST(EdgeIndexGolden, BoundedByCrossings)
     "compact-bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Compact);
 }
 
-TEST(EdgeIndexGolden, QuantizedValues)
+TEST(EdgeIndexFilesOfRelease1, QuantizedValues)
 {
   CheckGolden<std::int32_t>("quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Default);
 }
 
-TEST(EdgeIndexGolden, SmallestOfBothModes)
+TEST(EdgeIndexFilesOfRelease1, SmallestOfBothModes)
 {
   CheckGolden<double>("smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
 }
 
-TEST(EdgeIndexGolden, PointAttributes)
+TEST(EdgeIndexFilesOfRelease1, PointAttributes)
 {
   CheckGolden<std::uint16_t>("normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
 }
