@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqIsosurfaceMenuBehavior.h"
 
+#include "WindowCall.h"
+
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
 #include "pqDataRepresentation.h"
@@ -13,7 +15,9 @@
 #include "vtkSMSourceProxy.h"
 
 #include <QAction>
+#include <QMainWindow>
 #include <QTimer>
+#include <QToolBar>
 
 #include <algorithm>
 #include <cstddef>
@@ -78,18 +82,31 @@ void pqIsosurfaceMenuBehavior::OnStartup()
   const pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   QObject::connect(
     model, &pqServerManagerModel::viewAdded, this, &pqIsosurfaceMenuBehavior::ObserveView);
-  // The menus learn of the plugin's filters after this.
-  QTimer::singleShot(0, this,
-    [this]
-    {
-      const QWidget* window = pqCoreUtilities::mainWidget();
-      for (pqProxyGroupMenuManager* menus : window->findChildren<pqProxyGroupMenuManager*>())
-      {
-        QObject::connect(menus, &pqProxyGroupMenuManager::menuPopulated, this,
-          &pqIsosurfaceMenuBehavior::NameActions);
-      }
-      this->NameActions();
-    });
+  isosurface::CallWithWindow(this, &pqIsosurfaceMenuBehavior::ObserveMenus);
+  QObject::connect(pqApplicationCore::instance(), &pqApplicationCore::clientEnvironmentDone, this,
+    &pqIsosurfaceMenuBehavior::MoveToolBar);
+}
+
+//------------------------------------------------------------------------------
+void pqIsosurfaceMenuBehavior::ObserveMenus()
+{
+  const QWidget* window = pqCoreUtilities::mainWidget();
+  for (pqProxyGroupMenuManager* menus : window->findChildren<pqProxyGroupMenuManager*>())
+  {
+    QObject::connect(
+      menus, &pqProxyGroupMenuManager::menuPopulated, this, &pqIsosurfaceMenuBehavior::NameActions);
+  }
+  this->NameActions();
+}
+
+//------------------------------------------------------------------------------
+void pqIsosurfaceMenuBehavior::MoveToolBar()
+{
+  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
+  if (auto* bar = window ? window->findChild<QToolBar*>("Scalable Isosurface") : nullptr)
+  {
+    window->addToolBar(bar);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -102,6 +119,9 @@ void pqIsosurfaceMenuBehavior::NameActions()
     {
       if (action->objectName() == "StabbingContour")
       {
+        // The label of the server manager comes back with each look at a tool bar's actions.
+        QObject::connect(action, &QAction::changed, this, &pqIsosurfaceMenuBehavior::NameActions,
+          Qt::UniqueConnection);
         action->setText(tr("Isosurface (Stabbing Contour)"));
       }
     }

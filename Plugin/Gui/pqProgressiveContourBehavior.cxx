@@ -2,6 +2,7 @@
 #include "pqProgressiveContourBehavior.h"
 
 #include "SurfaceSizeQuestion.h"
+#include "WindowCall.h"
 #include "pqIndexStatus.h"
 #include "pqRefinementStatus.h"
 
@@ -173,8 +174,7 @@ void pqProgressiveContourBehavior::OnStartup()
     QObject::connect(
       stack, &pqUndoStack::redone, this, &pqProgressiveContourBehavior::RenderByHand);
   }
-  // With --plugins, the window is made after this.
-  QTimer::singleShot(0, this, &pqProgressiveContourBehavior::ObserveWindow);
+  isosurface::CallWithWindow(this, &pqProgressiveContourBehavior::ObserveWindow);
   QCoreApplication::instance()->installEventFilter(this);
 }
 

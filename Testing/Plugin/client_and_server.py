@@ -76,13 +76,16 @@ class ClientAndServer(testing.TestCase):
             server.kill()
             server.wait()
 
-    def run_gui(self, script):
-        """The GUI as client, which plays the script and compares its view with the baseline."""
+    def run_gui(self, script, baseline="StabbingContour.png"):
+        """The GUI as client, which plays the script and compares its view with the baseline, if any."""
         here = os.path.dirname(os.path.abspath(__file__))
         folder = os.path.dirname(testing.arguments.plugin)
         plugin = [f"--plugin-search-paths={folder}", "--plugins=ScalableIsosurface"]
         window_environment = {"PYTHONPATH": testing.arguments.window_python_path}
         os.makedirs(testing.output("gui"), exist_ok=True)
+        compared = []
+        if baseline:
+            compared = [f"--test-baseline={testing.baseline(baseline)}", "--test-threshold=3"]
         port = find_free_port()
         server = self.start_server(port, *plugin)
         try:
@@ -95,8 +98,7 @@ class ClientAndServer(testing.TestCase):
                     f"--data-directory={testing.arguments.volumes}",
                     f"--test-directory={testing.output('gui')}",
                     f"--test-script={os.path.join(here, script)}",
-                    f"--test-baseline={testing.baseline('StabbingContour.png')}",
-                    "--test-threshold=3",
+                    *compared,
                     "--exit",
                 ],
                 env={**testing.make_mpi_environment(), **window_environment},
@@ -132,6 +134,9 @@ class ClientAndServer(testing.TestCase):
 
     def test_gui_chooses_isovalues_on_the_spectrum(self):
         self.run_gui("GuiIsovalues.xml")
+
+    def test_gui_is_the_same_as_without_a_server(self):
+        self.run_gui("GuiLoaded.xml", baseline=None)
 
     def test_progressive_surface_ends_with_the_full_one(self):
         self.run_client_and_server("progressive.py")
