@@ -11,6 +11,7 @@
 #include "vtkNew.h"
 #include "vtkOverlappingAMR.h"
 #include "vtkPointData.h"
+#include "vtkStructuredData.h"
 #include "vtkUniformGrid.h"
 #include "vtkVersion.h"
 
@@ -105,11 +106,16 @@ void ExpectEqualsStockFilter(vtkUniformGrid* grid, vtkImageData* whole, double i
 vtkSmartPointer<vtkOverlappingAMR> MakeTwoLevels(const Field& field)
 {
   auto amr = vtkSmartPointer<vtkOverlappingAMR>::New();
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+  amr->Initialize({ 1, 1 });
+#else
   const int blocksPerLevel[] = { 1, 1 };
   amr->Initialize(2, blocksPerLevel);
+#endif
   double origin[3] = { 0, 0, 0 };
   amr->SetOrigin(origin);
-  amr->SetGridDescription(VTK_XYZ_GRID);
+  int cube[] = { 2, 2, 2 };
+  amr->SetGridDescription(vtkStructuredData::GetDataDescription(cube));
   amr->SetRefinementRatio(0, 2);
   for (unsigned int level = 0; level < 2; ++level)
   {
