@@ -98,9 +98,9 @@ int GetVTKType(ValueType type)
     case ValueType::Float32:
       return VTK_FLOAT;
     case ValueType::Float64:
-    default:
-      return VTK_DOUBLE;
+      break;
   }
+  return VTK_DOUBLE;
 }
 
 GridGeometry MakeGridGeometry(vtkImageData* image, const int wholeExtent[6])

@@ -273,15 +273,23 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
 {
   ControllerCommunicator ranks = this->GetRanks();
   const int threads = this->ChooseThreads();
-  const auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
+  auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
   ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
-  ContourRequest request = this->MakeRequest();
-  ISOSURFACE_RETURN_IF_ERROR(this->OfImages.Extract(ranks, *pieces,
+  auto query = ImageContour::Query::Make(ranks, std::move(*pieces),
     { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
       this->MakeRegion(), threads, &this->Averages },
-    request, isosurface::MakeProgress(this->Contour), outcome));
+    this->MakeRequest());
+  ISOSURFACE_RETURN_IF_ERROR(query.GetStatus());
   this->Averages.DropUnused();
-  return Status::Ok();
+  this->ChooseImagePass(ranks, std::move(*query));
+  const int level = this->LastImages.Level;
+  outcome.Final = level == 0;
+  outcome.Cost.Level = level;
+  // What may be refined keeps its arrays alive.
+  return level == 0
+    ? this->ExtractExactly(ranks, std::exchange(this->LastImages.Exact, {}), outcome)
+    : this->OfCoarseImages.Extract(ranks, this->LastImages.Exact.Coarsen(level),
+        isosurface::MakeProgress(this->Contour), outcome);
 }
 
 Result<ImagePieces> ContourExecution::CollectPieces(

@@ -11,6 +11,7 @@
 
 #include "vtkType.h"
 
+#include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/Region.h"
 #include "Ranks/Query/VolumeContour.h"
@@ -53,7 +54,11 @@ public:
   /// Makes the next execution one of a finer level; false if the surface is final.
   bool Refine();
   /// Tells that the filter was modified by Refine alone.
-  void KeepPass(vtkMTimeType time) { this->LastPass.Time = time; }
+  void KeepPass(vtkMTimeType time)
+  {
+    this->LastPass.Time = time;
+    this->LastImages.Time = time;
+  }
   /// Tells whether the surface of the level was extracted, and the triangles of this rank's part.
   void SetShown(bool shown, std::size_t triangles);
   /// Whether surfaces after a change may be coarse though the filter is not progressive.
@@ -63,7 +68,9 @@ public:
   /// seconds meanwhile. Returns how far it is. Collective.
   Refinement PrepareRefinement(double seconds);
   /// Forgets what was prepared.
-  void DropRefinement() { this->OfVolumes.DropPrepared(); }
+  void DropRefinement();
+  /// Stops what reads images beside the calling thread: what is before the filter may execute.
+  void ReleaseImages();
   /// Lets surfaces of the current volume and isovalues be larger than the memory.
   void AcceptSize() { this->LastPass.SizeAccepted = true; }
 
@@ -84,6 +91,24 @@ private:
     std::size_t Triangles = 0; ///< of the surface that was extracted, on this rank
     bool SizeAccepted = false;
     bool Direct = false; ///< whether the final level follows the first one
+  };
+
+  /// The same of images in memory.
+  struct ImagePass
+  {
+    int Level = 0; ///< 0: nothing is finer
+    bool Shown = false;
+    vtkMTimeType Time = 0;
+    std::uint64_t Input = 0; ///< a fingerprint of the images
+    ImageContour::Query Exact;
+    std::size_t Triangles = 0;
+  };
+
+  /// The exact surface of images, made beside the calling thread.
+  struct ImageRefinement
+  {
+    ContourOutcome Outcome;               ///< the thread's until it has ended
+    std::unique_ptr<CollectiveTask> Work; ///< the last member: it uses the other one
   };
 
   ContourRequest MakeRequest();
@@ -108,8 +133,9 @@ private:
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
   /// The level that follows the last one.
   int GetLevelAfterPass(const BlockedVolume& volume);
-  /// Whether the last surface can be refined; the same on all ranks. Collective.
-  bool MayRefine(Communicator& ranks);
+  /// Whether the last surface, of a volume or of images, can be refined; the same on all ranks.
+  /// Collective.
+  bool MayRefine(Communicator& ranks, bool& ofImages);
   /// Begins to extract a finer surface, unless it is too large. Collective.
   Status BeginRefinement(Communicator& ranks, Refinement& refinement);
   /// Begins to extract it, which takes memory and a thread; this rank alone.
@@ -117,6 +143,14 @@ private:
   /// What the next level takes, and the finest level that fits into memory. Collective.
   Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);
+  /// Decides what this execution extracts of the images. Collective.
+  void ChooseImagePass(Communicator& ranks, ImageContour::Query query);
+  /// The exact surface, the prepared one if there is one. Collective.
+  Status ExtractExactly(
+    Communicator& ranks, const ImageContour::Query& query, ContourOutcome& outcome);
+  /// PrepareRefinement of images. Collective.
+  Refinement PrepareImages(Communicator& ranks, double seconds);
+  Status BeginImages(Communicator& ranks);
   /// The images of all ranks that are to be contoured. Collective.
   Result<ImagePieces> CollectPieces(
     Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
@@ -130,9 +164,12 @@ private:
   vtkStabbingContour& Contour;
   CellAverages Averages;
   ImageContour OfImages;
+  ImageContour OfCoarseImages; ///< of its own, so that ranges of exact ones stay
   VolumeContour OfVolumes;
   Pass LastPass;
-  Refinement LastRefinement; ///< of LastPass
+  ImagePass LastImages;
+  std::unique_ptr<ImageRefinement> Prepared; ///< of LastImages; uses OfImages
+  Refinement LastRefinement;                 ///< of LastPass
   bool CoarseAllowed = false;
   int RanksOnNode = 0; ///< 0: not known yet
 };

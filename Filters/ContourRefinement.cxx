@@ -5,7 +5,9 @@
 #include "ContourExecution.h"
 #include "vtkStabbingContour.h"
 
+#include "ErrorReport.h"
 #include "Ground/Base/AvailableMemory.h"
+#include "Ground/Base/Fingerprint.h"
 #include "Ranks/Query/ProgressiveLevels.h"
 #include "Ranks/Query/SurfaceMemory.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -23,6 +25,9 @@ namespace
 
 constexpr double Millionths = 1e6;
 constexpr double MebiByte = 1 << 20;
+constexpr double PollSeconds = 0.02;
+/// Of a coarse surface of images: two cores extract and draw it within some 0.1 s.
+constexpr std::uint64_t CoarseVertices = 1 << 20;
 
 } // namespace
 
@@ -41,7 +46,8 @@ Result<int> ContourExecution::ChoosePassLevel(
   {
     return pass.Level;
   }
-  this->OfVolumes.DropPrepared();
+  this->DropRefinement();
+  this->LastImages = {};
   this->LastPass = {};
   this->LastRefinement = {};
   pass.Level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
@@ -66,6 +72,8 @@ Result<int> ContourExecution::ChoosePassLevel(
 //------------------------------------------------------------------------------
 void ContourExecution::SetShown(bool shown, std::size_t triangles)
 {
+  this->LastImages.Shown = shown;
+  this->LastImages.Triangles = triangles;
   this->LastPass.Shown = shown;
   this->LastPass.Triangles = triangles;
 }
@@ -78,8 +86,151 @@ int ContourExecution::GetLevelAfterPass(const BlockedVolume& volume)
 }
 
 //------------------------------------------------------------------------------
+// Images
+
+void ContourExecution::ChooseImagePass(Communicator& ranks, ImageContour::Query query)
+{
+  ImagePass& pass = this->LastImages;
+  Fingerprint input;
+  std::vector<std::uint64_t> vertices = { 0 };
+  bool isHidden = false;
+  for (const ImagePiece& piece : query.Pieces.Pieces)
+  {
+    const VertexBox& box = piece.Samples.Components.front().Box;
+    input.AddNumber(reinterpret_cast<std::uintptr_t>(piece.Samples.Array.Get()));
+    input.AddNumber(piece.Samples.Time);
+    input.AddNumber(static_cast<std::uint64_t>(box.GetNumberOfVertices()));
+    vertices[0] += static_cast<std::uint64_t>(box.GetNumberOfVertices());
+    isHidden = isHidden || !piece.Samples.Hidden.IsEmpty();
+  }
+  const vtkMTimeType time = this->Contour.GetMTime();
+  const bool isNew = pass.Time != time || pass.Input != input.Get();
+  std::vector<std::uint64_t> decisive = { isNew ? 1U : 0U,
+    this->CoarseAllowed && !isHidden ? 0U : 1U };
+  ranks.ReduceMaximum(decisive);
+  ranks.ReduceSum(vertices);
+  this->LastPass = {};
+  if (decisive[0] != 0)
+  {
+    this->DropRefinement();
+    pass = {};
+    while (decisive[1] == 0 && (vertices[0] >> (3 * pass.Level)) > CoarseVertices)
+    {
+      ++pass.Level;
+    }
+    // Images for which level 1 would be coarse enough are quick to contour as they are.
+    pass.Level = pass.Level > 1 ? pass.Level : 0;
+  }
+  pass.Time = time;
+  pass.Input = input.Get();
+  pass.Exact = std::move(query);
+}
+
+//------------------------------------------------------------------------------
+Status ContourExecution::ExtractExactly(
+  Communicator& ranks, const ImageContour::Query& query, ContourOutcome& outcome)
+{
+  std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
+  ranks.ReduceMinimum(prepared);
+  const Progress progress = isosurface::MakeProgress(this->Contour);
+  if (prepared[0] == 0)
+  {
+    this->Prepared.reset();
+    return this->OfImages.Extract(ranks, query, progress, outcome);
+  }
+  const std::unique_ptr<ImageRefinement> refinement = std::move(this->Prepared);
+  std::vector<std::uint64_t> stops = { 0 };
+  while (!refinement->Work->Advance(ranks, PollSeconds))
+  {
+    stops[0] = progress(refinement->Work->GetProgress()) ? 0 : 1;
+    ranks.ReduceMaximum(stops);
+    if (stops[0] != 0)
+    {
+      return { StatusCode::Aborted, "The contour was aborted." };
+    }
+  }
+  ISOSURFACE_RETURN_IF_ERROR(refinement->Work->GetStatus());
+  refinement->Outcome.ArrayName = outcome.ArrayName;
+  outcome = std::move(refinement->Outcome);
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Refinement ContourExecution::PrepareImages(Communicator& ranks, double seconds)
+{
+  const ImagePass& pass = this->LastImages;
+  std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
+  ranks.ReduceMinimum(prepared);
+  Refinement& refinement = this->LastRefinement;
+  if (prepared[0] == 0)
+  {
+    this->Prepared.reset();
+    refinement = {};
+    refinement.ShownLevel = pass.Level;
+    std::vector<std::uint64_t> triangles = { pass.Triangles };
+    ranks.ReduceSum(triangles);
+    refinement.Triangles = static_cast<double>(triangles[0] << (2 * pass.Level));
+    if (!this->BeginImages(ranks).IsOk())
+    {
+      // Refine extracts without preparation, and tells of the error.
+      this->Prepared.reset();
+      refinement.Stage = RefinementStage::Ready;
+      return refinement;
+    }
+  }
+  const bool isReady = this->Prepared->Work->Advance(ranks, seconds);
+  std::vector<std::uint64_t> slowest = { static_cast<std::uint64_t>(
+    this->Prepared->Work->GetProgress() * Millionths) };
+  ranks.ReduceMinimum(slowest);
+  refinement.Stage = isReady ? RefinementStage::Ready : RefinementStage::Working;
+  refinement.Share = static_cast<double>(slowest[0]) / Millionths;
+  return refinement;
+}
+
+//------------------------------------------------------------------------------
+Status ContourExecution::BeginImages(Communicator& ranks)
+{
+  this->Prepared = std::make_unique<ImageRefinement>();
+  ImageRefinement& prepared = *this->Prepared;
+  return ranks.Agree(Attempt("the next surface cannot be prepared",
+    [&]
+    {
+      prepared.Work = std::make_unique<CollectiveTask>(ranks, "the isosurface cannot be extracted",
+        [this, &prepared, query = this->LastImages.Exact](
+          Communicator& all, const Progress& advance)
+        { return this->OfImages.Extract(all, query, advance, prepared.Outcome); });
+      return Status::Ok();
+    }));
+}
+
+//------------------------------------------------------------------------------
+void ContourExecution::ReleaseImages()
+{
+  if (this->Prepared && !this->Prepared->Work->HasEnded())
+  {
+    this->Prepared.reset();
+  }
+}
+
+//------------------------------------------------------------------------------
+void ContourExecution::DropRefinement()
+{
+  this->OfVolumes.DropPrepared();
+  this->Prepared.reset();
+}
+
+//------------------------------------------------------------------------------
+// Passes
+
 bool ContourExecution::Refine()
 {
+  ImagePass& images = this->LastImages;
+  if (images.Level > 0 && images.Shown && images.Time == this->Contour.GetMTime())
+  {
+    images.Level = 0;
+    images.Shown = false;
+    return true;
+  }
   Pass& pass = this->LastPass;
   const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
   if (this->Contour.GetFinal() || !pass.Shown || pass.Time != this->Contour.GetMTime() || !volume)
@@ -92,25 +243,34 @@ bool ContourExecution::Refine()
 }
 
 //------------------------------------------------------------------------------
-bool ContourExecution::MayRefine(Communicator& ranks)
+bool ContourExecution::MayRefine(Communicator& ranks, bool& ofImages)
 {
   const Pass& pass = this->LastPass;
-  const bool may = !this->Contour.GetFinal() && pass.Shown &&
-    pass.Time == this->Contour.GetMTime() && !pass.Volume.expired();
-  std::vector<std::uint64_t> all = { may ? 1U : 0U };
+  const vtkMTimeType time = this->Contour.GetMTime();
+  const bool may =
+    !this->Contour.GetFinal() && pass.Shown && pass.Time == time && !pass.Volume.expired();
+  const ImagePass& images = this->LastImages;
+  const bool mayImages = images.Level > 0 && images.Shown && images.Time == time;
+  std::vector<std::uint64_t> all = { may || mayImages ? 1U : 0U, mayImages ? 1U : 0U };
   ranks.ReduceMinimum(all);
-  return all.front() != 0;
+  ofImages = all[1] != 0;
+  return all[0] != 0;
 }
 
 //------------------------------------------------------------------------------
 Refinement ContourExecution::PrepareRefinement(double seconds)
 {
   ControllerCommunicator ranks = this->GetRanks();
-  if (!this->MayRefine(ranks))
+  bool ofImages = false;
+  if (!this->MayRefine(ranks, ofImages))
   {
     this->DropRefinement();
     this->LastRefinement = {};
     return {};
+  }
+  if (ofImages)
+  {
+    return this->PrepareImages(ranks, seconds);
   }
   Refinement& refinement = this->LastRefinement;
   std::vector<std::uint64_t> prepared = { this->OfVolumes.GetPrepared() ? 1U : 0U };

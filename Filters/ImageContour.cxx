@@ -4,6 +4,7 @@
 #include "vtkDataArray.h"
 
 #include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/SampleCopy.h"
 #include "Surface/Contour/GridBlockSource.h"
 #include "Surface/Contour/SurfaceMerge.h"
 
@@ -50,90 +51,144 @@ Result<ImageContour::Entry> ImageContour::TakeEntry(
   return entry;
 }
 
-Result<Surface> ImageContour::ExtractPiece(const ImagePieces& pieces, std::size_t number,
-  const Prepared& prepared, const Settings& settings, ContourRequest request,
-  const Progress& progress)
+Result<ImageContour::Query> ImageContour::Query::Make(
+  Communicator& ranks, ImagePieces pieces, const Settings& settings, const ContourRequest& request)
+{
+  Query query{ std::move(pieces), {}, {}, request, settings };
+  const auto find = [&]() -> Status
+  {
+    for (const ImagePiece& piece : query.Pieces.Pieces)
+    {
+      auto attributes =
+        FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
+      ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
+      if (query.Attributes.empty())
+      {
+        query.Arrays = attributes->Arrays;
+      }
+      else if (attributes->Arrays != query.Arrays)
+      {
+        return Status(StatusCode::InvalidArgument,
+          "the arrays to interpolate are not of the same types in all images of the input");
+      }
+      query.Attributes.push_back(std::move(*attributes));
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(Attempt("the images of the input cannot be contoured", find)));
+  query.Request.Attributes.clear();
+  for (const InterpolatedArray& array : query.Arrays)
+  {
+    query.Request.Attributes.push_back(array.Layout);
+  }
+  return query;
+}
+
+ImageContour::Query ImageContour::Query::Coarsen(int level) const
+{
+  Query coarse = *this;
+  for (std::size_t grid = 0; grid < coarse.Pieces.Grids.size(); ++grid)
+  {
+    coarse.Pieces.Grids[grid] = this->Pieces.Grids[grid].Coarsen(level);
+    if (auto& lines = coarse.Pieces.Lines[grid])
+    {
+      lines = lines->Coarsen(level);
+    }
+  }
+  coarse.Pieces.Pieces.clear();
+  coarse.Attributes.clear();
+  for (std::size_t number = 0; number < this->Pieces.Pieces.size(); ++number)
+  {
+    ImagePiece piece = this->Pieces.Pieces[number];
+    PieceAttributes attributes = this->Attributes[number];
+    for (SampleView& view : piece.Samples.Components)
+    {
+      view = isosurface::Coarsen(view, level);
+    }
+    for (AttributeView& attribute : attributes.Views)
+    {
+      for (SampleView& view : attribute.Components)
+      {
+        view = isosurface::Coarsen(view, level);
+      }
+    }
+    if (!piece.Samples.Components.front().Box.IsEmpty())
+    {
+      coarse.Pieces.Pieces.push_back(std::move(piece));
+      coarse.Attributes.push_back(std::move(attributes));
+    }
+  }
+  return coarse;
+}
+
+Result<Surface> ImageContour::ExtractPiece(
+  const Query& query, std::size_t number, const Prepared& prepared, const Progress& progress)
 {
   const LayeredPiece& piece = prepared.Pieces[number];
-  const GridGeometry& grid = pieces.Grids[piece.Grid];
-  const std::optional<GridLines>& lines = pieces.Lines[piece.Grid];
+  const GridGeometry& grid = query.Pieces.Grids[piece.Grid];
+  const std::optional<GridLines>& lines = query.Pieces.Lines[piece.Grid];
+  ContourRequest request = query.Request;
   request.KnownSamples = piece.Scalars.Available;
   request.Lines = lines ? &*lines : nullptr;
   GridBlockSource source(piece.Scalars, prepared.Entries[number].Ranges, request.Isovalues,
-    { request.ClosedSides, settings.Region, request.Lines }, grid);
-  source.SetAttributes(prepared.Attributes[number].Views);
+    { request.ClosedSides, query.Choice.Region, request.Lines }, grid);
+  source.SetAttributes(query.Attributes[number].Views);
   source.SetBlanking(piece.Hidden);
   const std::vector<PieceLayers::Part>& layer = prepared.Layers.GetParts(number);
   if (layer.empty())
   {
-    return ExtractSurface(grid, source, request, settings.Threads, progress);
+    return ExtractSurface(grid, source, request, query.Choice.Threads, progress);
   }
   LayeredBlockSource layered(source, piece, layer);
   request.KnownSamples = layered.GetKnownSamples();
-  return ExtractSurface(grid, layered, request, settings.Threads, progress);
+  return ExtractSurface(grid, layered, request, query.Choice.Threads, progress);
 }
 
-Status ImageContour::Prepare(const ImagePieces& pieces, const Settings& settings,
-  Prepared& prepared, std::vector<InterpolatedArray>& arrays)
+Status ImageContour::Prepare(const Query& query, Prepared& prepared)
 {
-  for (const ImagePiece& piece : pieces.Pieces)
+  for (const ImagePiece& piece : query.Pieces.Pieces)
   {
-    auto attributes = FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
-    ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
-    if (prepared.Pieces.empty())
-    {
-      arrays = attributes->Arrays;
-    }
-    else if (attributes->Arrays != arrays)
-    {
-      return Status(StatusCode::InvalidArgument,
-        "the arrays to interpolate are not of the same types in all images of the input");
-    }
-    const int component =
-      *FindChosenComponent(static_cast<int>(piece.Samples.Components.size()), settings.Component);
-    auto entry = this->TakeEntry(piece.Samples, component, settings.Threads);
+    const int component = *FindChosenComponent(
+      static_cast<int>(piece.Samples.Components.size()), query.Choice.Component);
+    auto entry = this->TakeEntry(piece.Samples, component, query.Choice.Threads);
     ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
     prepared.Entries.push_back(std::move(*entry));
-    prepared.Attributes.push_back(std::move(*attributes));
-    prepared.Pieces.push_back({ piece.Grid, pieces.Grids[piece.Grid].GetDimensions(),
+    prepared.Pieces.push_back({ piece.Grid, query.Pieces.Grids[piece.Grid].GetDimensions(),
       prepared.Entries.back().Scalars.GetView(piece.Samples), piece.Samples.Hidden });
   }
   return Status::Ok();
 }
 
-Status ImageContour::Extract(Communicator& ranks, const ImagePieces& pieces,
-  const Settings& settings, ContourRequest& request, const Progress& progress,
-  ContourOutcome& outcome)
+Status ImageContour::Extract(
+  Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome)
 {
   Prepared prepared;
-  const auto prepare = [&] { return this->Prepare(pieces, settings, prepared, outcome.Arrays); };
+  const auto prepare = [&] { return this->Prepare(query, prepared); };
   ISOSURFACE_RETURN_IF_ERROR(
     ranks.Agree(Attempt("the images of the input cannot be contoured", prepare)));
-  prepared.Layers.Resize(pieces.Pieces.size());
-  if (request.Normals)
+  const std::vector<ImagePiece>& pieces = query.Pieces.Pieces;
+  prepared.Layers.Resize(pieces.size());
+  if (query.Request.Normals)
   {
     auto layers = PieceLayers::Collect(ranks, prepared.Pieces);
     ISOSURFACE_RETURN_IF_ERROR(layers.GetStatus());
     prepared.Layers = std::move(*layers);
   }
-  request.Attributes.clear();
-  for (const InterpolatedArray& array : outcome.Arrays)
-  {
-    request.Attributes.push_back(array.Layout);
-  }
-  const std::vector<std::int64_t> firstIds = FindFirstIds(pieces, request);
+  outcome.Arrays = query.Arrays;
+  const std::vector<std::int64_t> firstIds = FindFirstIds(query.Pieces, query.Request);
   std::vector<Surface> surfaces;
-  for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
+  for (std::size_t number = 0; number < pieces.size(); ++number)
   {
     const auto advance = [&](double share)
     {
       return !progress ||
-        progress((static_cast<double>(number) + share) / static_cast<double>(pieces.Pieces.size()));
+        progress((static_cast<double>(number) + share) / static_cast<double>(pieces.size()));
     };
-    auto extracted = ExtractPiece(pieces, number, prepared, settings, request, advance);
+    auto extracted = ExtractPiece(query, number, prepared, advance);
     ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
     outcome.Cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
-    ShiftGlobalIds(firstIds[pieces.Pieces[number].Grid], *extracted);
+    ShiftGlobalIds(firstIds[pieces[number].Grid], *extracted);
     surfaces.push_back(std::move(*extracted));
   }
   this->Entries = std::move(prepared.Entries);

@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 class vtkDataArray;
@@ -52,16 +53,34 @@ public:
     CellAverages* Averages = nullptr; ///< of the arrays to interpolate; must be there
   };
 
+  /// What is to be extracted. The arrays stay alive with it; what is hidden needs the images.
+  struct Query
+  {
+    /// Collective. Errors: those of FindAttributes; InvalidArgument for arrays that are not of the
+    /// same types in all images of a rank.
+    static Result<Query> Make(Communicator& ranks, ImagePieces pieces, const Settings& settings,
+      const ContourRequest& request);
+
+    /// The same of every 2^level-th vertex of the grids, without a copy of samples. Where pieces of
+    /// several ranks meet, the surface may have a gap of a cell.
+    Query Coarsen(int level) const;
+
+    ImagePieces Pieces;
+    std::vector<PieceAttributes> Attributes; ///< of each piece
+    std::vector<InterpolatedArray> Arrays;
+    ContourRequest Request; ///< its attributes are those of Arrays
+    Settings Choice;
+  };
+
   /**
-   * The surface of this rank's pieces. The request's attributes are set to what the arrays are; the
-   * ids of several grids follow each other. Normals where pieces of a grid meet are those of the
-   * whole grid. Collective.
+   * The surface of this rank's pieces. The ids of several grids follow each other. Normals where
+   * pieces of a grid meet are those of the whole grid. Collective. It touches arrays alone, so
+   * another thread may call it than the one that runs the pipeline.
    *
-   * Errors: those of FindAttributes and BlockRanges::Compute; InvalidArgument for arrays that are
-   * not of the same types in all images; Aborted when `progress` says so.
+   * Errors: those of BlockRanges::Compute; Aborted when `progress` says so.
    */
-  Status Extract(Communicator& ranks, const ImagePieces& pieces, const Settings& settings,
-    ContourRequest& request, const Progress& progress, ContourOutcome& outcome);
+  Status Extract(
+    Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome);
 
 private:
   /// An array is known by its address and by when it or its image was modified.
@@ -80,19 +99,16 @@ private:
   /// What the pieces are contoured with.
   struct Prepared
   {
-    std::vector<PieceAttributes> Attributes;
     std::vector<Entry> Entries;
     std::vector<LayeredPiece> Pieces;
     PieceLayers Layers;
   };
 
   /// Not collective.
-  Status Prepare(const ImagePieces& pieces, const Settings& settings, Prepared& prepared,
-    std::vector<InterpolatedArray>& arrays);
+  Status Prepare(const Query& query, Prepared& prepared);
 
-  static Result<Surface> ExtractPiece(const ImagePieces& pieces, std::size_t number,
-    const Prepared& prepared, const Settings& settings, ContourRequest request,
-    const Progress& progress);
+  static Result<Surface> ExtractPiece(
+    const Query& query, std::size_t number, const Prepared& prepared, const Progress& progress);
 
   std::vector<Entry> Entries; ///< of the last extraction
 };

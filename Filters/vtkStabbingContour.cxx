@@ -235,6 +235,7 @@ int vtkStabbingContour::RequestUpdateExtent(
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   using Pipeline = vtkStreamingDemandDrivenPipeline;
+  this->Work->ReleaseImages();
   this->AskInput(input[0]->GetInformationObject(0), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
     outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   return 1;

@@ -163,7 +163,7 @@ public:
    *
    * After a change of a property, the volume or the time step, the next surface is coarse again.
    * Refine has no effect if the surface is final, or if nothing was extracted since the last
-   * change. Surfaces of image data are always final; with a budget the surface is final at the
+   * change. Surfaces of image data are final (but see AllowCoarse); with a budget the surface is final at the
    * level that the budget allows. All ranks extract the same level. Default off.
    */
   vtkSetMacro(Progressive, vtkTypeBool);
@@ -174,9 +174,11 @@ public:
   ///@}
 
   /**
-   * While on, the first execution after a change is as if the filter were progressive. Not a
-   * property: it neither modifies the filter nor is it saved. ParaView's window switches it on while
-   * it applies what the user has changed by hand, so scripts and animations never see it.
+   * While on, the first execution after a change is as if the filter were progressive. Of image data
+   * with more than 8 million vertices it gives the surface of every 2^l-th vertex on each axis, l
+   * such that about a million are left. Not a property: it neither modifies the filter nor is it
+   * saved. ParaView's window switches it on while it applies what the user has changed by hand, so
+   * scripts and animations never see it.
    */
   void AllowCoarse(vtkTypeBool allowed);
 

@@ -198,7 +198,11 @@ bool vtkBlockedVolumeReader::OpenVolume()
   this->IsErrorTold = false;
   isosurface::Result<std::shared_ptr<isosurface::BlockedVolume>> volume =
     Status(StatusCode::NotFound, "No file name is set.");
-  if (this->FileName && *this->FileName)
+  if (this->StandIn)
+  {
+    volume = this->StandIn->GetVolume();
+  }
+  else if (this->FileName && *this->FileName)
   {
     volume = isosurface::BlockedVolume::Open(this->FileName, isosurface::GetLocalFileSystem(),
       isosurface::BlockCache::GetProcessCache(), isosurface::OpenForeignVolume);
@@ -213,6 +217,14 @@ bool vtkBlockedVolumeReader::OpenVolume()
   (*volume)->SetLocalStores(this->LocalStores);
   this->Handle->SetVolume(*volume);
   return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text)
+{
+  this->StandIn = standIn;
+  this->StandInText = text;
+  this->OpenTime = 0;
 }
 
 //------------------------------------------------------------------------------
@@ -319,6 +331,10 @@ int vtkBlockedVolumeReader::RequestData(
     status = reading.ReadSlab(partitions);
   }
   this->Handle->FinishOutput(isBox);
+  if (!this->StandInText.empty())
+  {
+    this->ShownText = this->StandInText;
+  }
   // Progress is told by one of the threads: a stop may have come when others did the last blocks.
   if (status.IsOk() && isosurface::IsAborted(*this))
   {

@@ -132,6 +132,12 @@ protected:
    */
   virtual bool IsPending() { return false; }
 
+  /**
+   * Reads the volume of this handle in place of FileName's, from the next execution on; null: no
+   * longer. `text` says what it is, for ShownText.
+   */
+  void SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text);
+
 private:
   vtkBlockedVolumeReader(const vtkBlockedVolumeReader&) = delete;
   void operator=(const vtkBlockedVolumeReader&) = delete;
@@ -155,6 +161,8 @@ private:
   bool IsErrorTold;      ///< whether OpenVolume has just reported the handle's error
   bool IsToldLate;       ///< whether RequestData tells what RequestInformation could not
   std::string ShownText;
+  vtkSmartPointer<vtkBlockedVolumeHandle> StandIn;
+  std::string StandInText;
 };
 
 #endif

@@ -33,13 +33,14 @@ vtkCellArray* GetPolygonsAlone(vtkPolyData* surface)
   return alone ? polygons : nullptr;
 }
 
-/// The values of an array of integers of the size of T, if they are in memory one behind the other; else
-/// null, as for the offsets that VTK 9.6 computes where all cells have the same size.
+/// The values of an array of a vtkCellArray, which are integers, if they have the size of T and lie in
+/// memory one behind the other; else null, as for the offsets that VTK 9.6 computes where all cells
+/// have the same size.
 template <typename T>
 const T* GetIntegers(vtkDataArray* array)
 {
-  const bool has = array->HasStandardMemoryLayout() && array->IsIntegral() &&
-    array->GetDataTypeSize() == static_cast<int>(sizeof(T));
+  const bool has =
+    array->HasStandardMemoryLayout() && array->GetDataTypeSize() == static_cast<int>(sizeof(T));
   return has ? static_cast<const T*>(array->GetVoidPointer(0)) : nullptr;
 }
 

@@ -31,7 +31,8 @@ constexpr const char* Footer = R"(IN is one of:
   .nc FILE:variable         NetCDF on a regular grid, time steps included: read slab by slab
   a folder[:path]           Zarr, OME-Zarr (the finest level), N5: read chunk by chunk
   a folder or .dcm          a DICOM series, slice by slice; folder:UID chooses one
-  any file --dimensions     samples without a header: read slab by slab
+  any file --dimensions     samples without a header: read slab by slab. The same in the name:
+                            FILE:512x512x300,uint16[,big-endian][,header-bytes=128]
   .vti .vtr .vtk .png ...   formats of VTK's readers; some always read the whole file (user guide)
 
 Examples:
@@ -169,7 +170,7 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     "Default: all numeric point arrays, with any number of components");
   app.add_flag("--in-place", options.IsInPlace,
     "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
-    "HDF5, NetCDF, Zarr, N5 and uncompressed raw samples with a header");
+    "all formats but gzip streams");
   app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points");
   app.add_flag("--append", settings.Append,
     "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options");
@@ -352,7 +353,8 @@ Status CheckNames(const CLI::App& app, BlockVolumeOptions& options)
   if (options.IsInPlace && app.count("--dimensions") > 0)
   {
     return MakeError("--in-place",
-      "needs a file that says what its samples are; a MetaImage header (.mhd) does for raw ones");
+      "needs a name that says what the samples are, as in ct.raw:512x512x300,uint16; a MetaImage "
+      "header (.mhd) does, too");
   }
   for (const char* option : { "--type", "--header-bytes", "--big-endian", "--gzip", "--name" })
   {

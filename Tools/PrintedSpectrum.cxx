@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -44,12 +45,13 @@ std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum
   {
     isovalues.push_back(spectrum.Bins.GetEdge(bin));
   }
-  const std::vector<SpectrumColumn> quantities = { { "triangles", spectrum.Triangles },
+  const SpectrumColumn quantities[] = { { "triangles", spectrum.Triangles },
     { "activeCells", spectrum.ActiveCells }, { "activeBlocks", spectrum.ActiveBlocks },
     { "bytes", spectrum.Bytes }, { "area", Scale(spectrum.Area, spectrum.AreaUnit) },
     { "volume", Scale(spectrum.Volume, spectrum.VolumeUnit) } };
   std::vector<SpectrumColumn> columns = { { "isovalue", std::move(isovalues) } };
-  std::copy_if(quantities.begin(), quantities.end(), std::back_inserter(columns),
+  static_assert(std::size(quantities) == WorkloadSpectrum::NumberOfQuantities);
+  std::copy_if(std::begin(quantities), std::end(quantities), std::back_inserter(columns),
     [&](const SpectrumColumn& column) { return column.Values.size() == spectrum.Bins.Count; });
   return columns;
 }

@@ -7,6 +7,7 @@
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkStringArray.h"
@@ -14,19 +15,24 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 
+#include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceIndex.h"
-#include "Formats/Opener/ForeignVolume.h"
-#include "Formats/Opener/VolumeFormat.h"
+#include "Formats/Indexing/SourceSampler.h"
 #include "Ground/Base/FileSystem.h"
 
+#include <algorithm>
+#include <chrono>
 #include <exception>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkInPlaceVolumeReader);
 
 namespace
 {
+using isosurface::GrowingIndex;
 using isosurface::IndexState;
 using isosurface::Result;
 using isosurface::SourceIndex;
@@ -34,46 +40,59 @@ using isosurface::Status;
 using isosurface::StatusCode;
 
 constexpr const char* Automatic = "automatic";
+constexpr std::uint64_t Mebibyte = 1024 * 1024;
+/// Between two looks whether a script is told to stop.
+constexpr double PollSeconds = 0.1;
+
+enum Stages
+{
+  Nothing,
+  Working,
+  Ready,
+  Failed
+};
 
 std::string ToText(const char* text)
 {
   return text ? text : "";
 }
 
-/// Whether the reader offers to open files of a format.
-bool IsIndexed(const isosurface::VolumeFormat* format)
+/// The reader's progress, which is also told in the log now and then: who waits at a terminal has no
+/// status bar.
+isosurface::Progress MakeLoggedProgress(
+  vtkInPlaceVolumeReader& reader, const std::string& source, const isosurface::Communicator& ranks)
 {
-  return format && (format->Name == "Zarr" || format->Name == "HDF5");
-}
-
-/// The names of the volumes in a file; none if it cannot be read.
-std::vector<std::string> FindNames(const std::string& fileName)
-{
-  std::vector<std::string> names;
-  isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
-  const SourceIndex index = SourceIndex::Find(files, fileName, "", "", "");
-  const auto listed =
-    isosurface::ListForeignVolumes(files, isosurface::VolumeName::Parse(files, index.Source).Path);
-  for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds interval(10);
+  return [advance = isosurface::MakeProgress(reader), source, isTold = ranks.GetRank() == 0,
+           begin = Clock::now(), next = Clock::now() + interval, first = 2.0](double share) mutable
   {
-    names.push_back((*listed)[entry].Name);
-  }
-  return names;
+    first = std::min(first, share);
+    if (isTold && share > first && Clock::now() >= next)
+    {
+      next = Clock::now() + interval;
+      const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+      vtkLogF(INFO, "%s: is being indexed: %.0f %%, about %.0f s left", source.c_str(), 100 * share,
+        seconds * (1 - share) / (share - first));
+    }
+    return advance(share);
+  };
 }
 } // namespace
 
 /// Finds, checks and writes the index of a reader's source.
-struct vtkInPlaceVolumeReader::Indexing
+struct vtkInPlaceVolumeReader::Steps
 {
-  explicit Indexing(vtkInPlaceVolumeReader& reader)
+  explicit Steps(vtkInPlaceVolumeReader& reader)
     : Reader(reader)
   {
     this->Failure = isosurface::Attempt(ToText(reader.SourceName),
       [&]
       {
+        const std::string dataset =
+          ToText(ToText(reader.RawSamples).empty() ? reader.Dataset : reader.RawSamples);
         this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
-          ToText(reader.Dataset) == Automatic ? "" : ToText(reader.Dataset), ToText(reader.Axes),
-          ToText(reader.IndexFolder));
+          dataset == Automatic ? "" : dataset, ToText(reader.Axes), ToText(reader.IndexFolder));
         return Status::Ok();
       });
   }
@@ -90,40 +109,165 @@ struct vtkInPlaceVolumeReader::Indexing
       [&] { return isosurface::FindIndexState(isosurface::GetLocalFileSystem(), this->Index); });
   }
 
-  /// Collective. Makes the index if one rank finds it missing or out of date.
+  /// Collective. Whether there is no index, or one that is out of date, on any rank.
+  Result<bool> IsIndexWanted(isosurface::Communicator& ranks) const;
+  /// Collective. Makes the index, if it is wanted.
   Status Update(isosurface::Communicator& ranks);
+  /// Collective. Begins to write the index beside this thread.
+  Status Grow(isosurface::Communicator& ranks, isosurface::SourceSample sample);
+  /// Collective. Waits for the index that is being written.
+  Status Finish(isosurface::Communicator& ranks);
+  /// Collective. Shows a sample and begins to write the index, if it is wanted.
+  Status Begin(isosurface::Communicator& ranks);
+
+  /// Collective. Has the reader read the volume in place, or the sample.
+  Status Choose(isosurface::Communicator& ranks);
+
+  bool IsGrowing() const
+  {
+    return this->Reader.Growing && this->Reader.Growing->GetIndex() == this->Index;
+  }
+  std::uint64_t GetMemoryBytes() const
+  {
+    return static_cast<std::uint64_t>(this->Reader.IndexMemory) * Mebibyte;
+  }
+  void TellLeftOut(isosurface::Communicator& ranks, const std::string& leftOut) const
+  {
+    if (!leftOut.empty() && ranks.GetRank() == 0)
+    {
+      vtkLogF(INFO, "%s: %s", this->Index.Source.c_str(), leftOut.c_str());
+    }
+  }
 
   vtkInPlaceVolumeReader& Reader;
   SourceIndex Index;
   Status Failure; ///< of finding the index
 };
 
-Status vtkInPlaceVolumeReader::Indexing::Update(isosurface::Communicator& ranks)
+Result<bool> vtkInPlaceVolumeReader::Steps::IsIndexWanted(isosurface::Communicator& ranks) const
 {
   const auto state = this->FindState();
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(state.GetStatus()));
   std::vector<std::uint64_t> wanted = { *state != IndexState::Current ? 1u : 0u,
     *state == IndexState::Changed ? 1u : 0u };
   ranks.ReduceMaximum(wanted);
-  if (wanted[0] == 0)
-  {
-    return Status::Ok();
-  }
   if (wanted[1] != 0 && ranks.GetRank() == 0)
   {
     vtkLogF(
       INFO, "%s: has changed since it was indexed; it is indexed anew", this->Index.Source.c_str());
   }
-  vtkInPlaceVolumeReader& reader = this->Reader;
-  constexpr std::uint64_t mebibyte = 1024 * 1024;
+  return wanted[0] != 0;
+}
+
+Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
+{
+  const auto wanted = this->IsIndexWanted(ranks);
+  ISOSURFACE_RETURN_IF_ERROR(wanted.GetStatus());
+  if (!*wanted)
+  {
+    return Status::Ok();
+  }
+  if (ranks.GetSize() == 1 &&
+    !isosurface::CanWriteIndex(isosurface::GetLocalFileSystem(), this->Index))
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->Grow(ranks, {}));
+    return this->Finish(ranks);
+  }
   const auto written =
     isosurface::WriteSourceIndex(ranks, isosurface::GetLocalFileSystem(), this->Index,
-      static_cast<std::uint64_t>(reader.IndexMemory) * mebibyte, isosurface::MakeProgress(reader));
+      this->GetMemoryBytes(), MakeLoggedProgress(this->Reader, this->Index.Source, ranks));
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  if (!written->empty() && ranks.GetRank() == 0)
+  this->TellLeftOut(ranks, *written);
+  return Status::Ok();
+}
+
+Status vtkInPlaceVolumeReader::Steps::Finish(isosurface::Communicator& ranks)
+{
+  GrowingIndex& growing = *this->Reader.Growing;
+  const isosurface::Progress advance = MakeLoggedProgress(this->Reader, this->Index.Source, ranks);
+  std::vector<std::uint64_t> stops = { 0 };
+  while (!growing.Advance(ranks, PollSeconds))
   {
-    vtkLogF(INFO, "%s: %s", this->Index.Source.c_str(), written->c_str());
+    stops[0] = advance(growing.GetProgress()) ? 0 : 1;
+    ranks.ReduceMaximum(stops);
+    if (stops[0] != 0)
+    {
+      return { StatusCode::Aborted, "Indexing was aborted." };
+    }
   }
+  ISOSURFACE_RETURN_IF_ERROR(growing.GetStatus());
+  this->TellLeftOut(ranks, growing.GetLeftOut());
+  return Status::Ok();
+}
+
+Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks)
+{
+  const auto wanted = this->IsIndexWanted(ranks);
+  ISOSURFACE_RETURN_IF_ERROR(wanted.GetStatus());
+  if (!*wanted)
+  {
+    return Status::Ok();
+  }
+  auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
+    {}, isosurface::MakeProgress(this->Reader));
+  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
+  // What is as quick is exact.
+  return sample->IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(*sample));
+}
+
+Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
+{
+  vtkInPlaceVolumeReader& reader = this->Reader;
+  std::shared_ptr<isosurface::BlockedVolume> volume;
+  std::string text;
+  reader.Indexing[0] = Nothing;
+  reader.IndexText = this->Index.Path + ": up to date";
+  if (reader.Growing && !reader.Growing->Advance(ranks, 0))
+  {
+    if (reader.Growing->HasLargerSample())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(reader.Growing->EnlargeSample());
+    }
+    volume = reader.Growing->GetSample().Volume;
+    text = reader.Growing->GetSample().Text;
+    reader.Indexing[0] = Working;
+    reader.IndexText = this->Index.Path + ": is being written";
+  }
+  else if (reader.Growing)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(reader.Growing->GetStatus()));
+    const auto inMemory = reader.Growing->OpenInMemory();
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(inMemory.GetStatus()));
+    volume = *inMemory;
+  }
+  vtkNew<vtkBlockedVolumeHandle> standIn;
+  standIn->SetVolume(volume);
+  reader.SetStandIn(volume ? standIn.Get() : nullptr, text);
+  if (!volume)
+  {
+    reader.Growing.reset();
+    reader.SetFileName(nullptr); // a new file under the same path is opened again
+    reader.SetFileName(this->Index.Path.c_str());
+  }
+  else if (text.empty())
+  {
+    reader.IndexText = this->Index.Path + ": cannot be written; the index is kept in memory";
+  }
+  vtkLogF(1, "%s", reader.IndexText.c_str());
+  return Status::Ok();
+}
+
+Status vtkInPlaceVolumeReader::Steps::Grow(
+  isosurface::Communicator& ranks, isosurface::SourceSample sample)
+{
+  auto begun = isosurface::Attempt(this->Index.Source,
+    [&]() -> Result<std::unique_ptr<GrowingIndex>>
+    {
+      return std::make_unique<GrowingIndex>(ranks, isosurface::GetLocalFileSystem(), this->Index,
+        std::move(sample), this->GetMemoryBytes());
+    });
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(begun.GetStatus()));
+  this->Reader.Growing = std::move(*begun);
   return Status::Ok();
 }
 
@@ -131,11 +275,14 @@ Status vtkInPlaceVolumeReader::Indexing::Update(isosurface::Communicator& ranks)
 vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
   : SourceName(nullptr)
   , Dataset(nullptr)
+  , RawSamples(nullptr)
   , Axes(nullptr)
   , IndexFolder(nullptr)
   , IndexMemory(1024)
   , Datasets(vtkStringArray::New())
   , CheckTime(0)
+  , CoarseAllowed(false)
+  , Indexing{ Nothing, 0, -1 }
 {
 }
 
@@ -144,6 +291,7 @@ vtkInPlaceVolumeReader::~vtkInPlaceVolumeReader()
 {
   this->SetSourceName(nullptr);
   this->SetDataset(nullptr);
+  this->SetRawSamples(nullptr);
   this->SetAxes(nullptr);
   this->SetIndexFolder(nullptr);
   this->Datasets->Delete();
@@ -155,12 +303,7 @@ int vtkInPlaceVolumeReader::CanReadFile(const char* fileName)
   // The dialog that asks cannot catch what a damaged file may throw.
   try
   {
-    isosurface::FileSystem& files = isosurface::GetLocalFileSystem();
-    const SourceIndex index = SourceIndex::Find(files, ToText(fileName), "", "", "");
-    return IsIndexed(isosurface::FindVolumeFormat(
-             files, isosurface::VolumeName::Parse(files, index.Source)))
-      ? 1
-      : 0;
+    return isosurface::CanBeIndexed(isosurface::GetLocalFileSystem(), ToText(fileName)) ? 1 : 0;
   }
   catch (const std::exception&)
   {
@@ -175,7 +318,8 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
   this->Datasets->InsertNextValue(Automatic);
   try
   {
-    for (const std::string& name : FindNames(ToText(this->SourceName)))
+    for (const std::string& name :
+      isosurface::ListVolumes(isosurface::GetLocalFileSystem(), ToText(this->SourceName)))
     {
       this->Datasets->InsertNextValue(name);
     }
@@ -189,23 +333,37 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
 }
 
 //------------------------------------------------------------------------------
+int vtkInPlaceVolumeReader::GetIsRaw()
+{
+  const std::string source = ToText(this->SourceName);
+  const auto isRaw = isosurface::Attempt(source,
+    [&]
+    { return Result<bool>(isosurface::IsRawSource(isosurface::GetLocalFileSystem(), source)); });
+  return !source.empty() && isRaw.IsOk() && *isRaw ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
 bool vtkInPlaceVolumeReader::IsPending()
 {
   if (this->CheckTime == this->vtkAlgorithm::GetMTime())
   {
     return false;
   }
-  const Indexing indexing(*this);
-  const auto state = indexing.FindState();
+  const Steps steps(*this);
+  if (steps.IsGrowing())
+  {
+    return true;
+  }
+  const auto state = steps.FindState();
   const bool isCurrent = state.IsOk() && *state == IndexState::Current;
-  this->IndexText = indexing.Index.Path +
+  this->IndexText = steps.Index.Path +
     (isCurrent                          ? ": up to date"
         : !state.IsOk()                 ? ": " + state.GetStatus().GetMessage()
         : *state == IndexState::Changed ? ": out of date, Apply indexes anew"
                                         : ": Apply indexes the file in place");
   if (isCurrent)
   {
-    this->SetFileName(indexing.Index.Path.c_str());
+    this->SetFileName(steps.Index.Path.c_str());
     this->CheckTime = this->vtkAlgorithm::GetMTime();
   }
   return !isCurrent;
@@ -220,8 +378,7 @@ int vtkInPlaceVolumeReader::RequestData(
   ranks.ReduceMaximum(pending);
   if (pending[0] != 0)
   {
-    Indexing indexing(*this);
-    const Status status = indexing.Update(ranks);
+    const Status status = this->UpdateIndex(ranks);
     if (!status.IsOk())
     {
       vtkPartitionedDataSet::GetData(output, 0)->Initialize();
@@ -233,12 +390,93 @@ int vtkInPlaceVolumeReader::RequestData(
       }
       return isosurface::EndExecution(this, output, status);
     }
-    this->SetFileName(nullptr); // a new file under the same path is opened again
-    this->SetFileName(indexing.Index.Path.c_str());
-    this->IndexText = indexing.Index.Path + ": up to date";
-    this->CheckTime = this->vtkAlgorithm::GetMTime();
   }
   return this->Superclass::RequestData(request, input, output);
+}
+
+//------------------------------------------------------------------------------
+isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(isosurface::Communicator& ranks)
+{
+  Steps steps(*this);
+  std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
+  ranks.ReduceMinimum(all);
+  const bool isCoarse = all[0] != 0;
+  // One in memory stays when it has been taken.
+  const bool isOld = all[1] != 0 && this->Indexing[0] == Nothing && !this->Growing->IsCurrent();
+  Status status;
+  if (all[1] == 0 || this->Indexing[0] == Failed || isOld)
+  {
+    this->Growing.reset();
+    status = isCoarse ? steps.Begin(ranks) : steps.Update(ranks);
+  }
+  else if (!isCoarse || this->Growing->Advance(ranks, 0))
+  {
+    status = steps.Finish(ranks);
+  }
+  status = status.IsOk() ? steps.Choose(ranks) : status;
+  if (!status.IsOk())
+  {
+    this->Growing.reset();
+    return status;
+  }
+  this->CheckTime = this->vtkAlgorithm::GetMTime();
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+void vtkInPlaceVolumeReader::AllowCoarse(vtkTypeBool allowed)
+{
+  this->CoarseAllowed = allowed != 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
+{
+  isosurface::ControllerCommunicator ranks(this->GetController());
+  std::vector<std::uint64_t> isWorking = { this->Indexing[0] == Working ? 1u : 0u };
+  ranks.ReduceMinimum(isWorking);
+  if (isWorking[0] == 0)
+  {
+    return;
+  }
+  if (this->Growing->Advance(ranks, std::max(0, milliseconds) / 1000.0))
+  {
+    const Status status = ranks.Agree(this->Growing->GetStatus());
+    this->Indexing[0] = status.IsOk() ? Ready : Failed;
+    if (status.GetCode() == StatusCode::Aborted)
+    {
+      this->IndexText = this->Growing->GetIndex().Path + ": writing it was stopped";
+    }
+    else if (!status.IsOk())
+    {
+      this->IndexText = status.GetMessage();
+      vtkErrorMacro(<< status.GetMessage());
+    }
+  }
+  else if (this->Growing->HasLargerSample())
+  {
+    this->Indexing[0] = Ready;
+  }
+  this->Indexing[1] = this->Growing->GetProgress();
+  this->Indexing[2] = this->Growing->EstimateSeconds();
+}
+
+//------------------------------------------------------------------------------
+void vtkInPlaceVolumeReader::StopIndex()
+{
+  if (this->Growing)
+  {
+    this->Growing->Stop();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkInPlaceVolumeReader::TakeIndex()
+{
+  if (this->Growing)
+  {
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -247,6 +485,7 @@ void vtkInPlaceVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "SourceName: " << ToText(this->SourceName) << "\n";
   os << indent << "Dataset: " << ToText(this->Dataset) << "\n";
+  os << indent << "RawSamples: " << ToText(this->RawSamples) << "\n";
   os << indent << "Axes: " << ToText(this->Axes) << "\n";
   os << indent << "IndexFolder: " << ToText(this->IndexFolder) << "\n";
   os << indent << "IndexMemory: " << this->IndexMemory << " MiB\n";

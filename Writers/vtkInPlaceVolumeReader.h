@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkInPlaceVolumeReader
- * @brief   reads Zarr, N5 and HDF5 as volumes in place, which it indexes first
+ * @brief   reads files of other formats as volumes in place, which it indexes first
  *
  * The first update indexes the source: it writes a blocked volume (.bvol) beside it, or into
  * IndexFolder, without the samples at full resolution, which stay in the source. From then on the
  * reader is a vtkBlockedVolumeReader of that index, which opens at once. If the source has changed
  * since, the next update after a modification indexes it anew.
+ *
+ * In ParaView's window nobody waits for the index (AllowCoarse): the reader shows a sample of the
+ * file, and writes the index beside the calling thread.
  *
  * Indexing is collective: all ranks of the controller update together. It reports progress and
  * stops when the reader is told to abort; then an older index stays as it was, and the output is
@@ -21,7 +24,15 @@
 #include "IsosurfaceWritersModule.h" // For export macro
 #include "vtkBlockedVolumeReader.h"
 
+#include <memory> // For the index that grows
 #include <string> // For the paths
+
+namespace isosurface
+{
+class Communicator;
+class GrowingIndex;
+class Status;
+}
 
 class vtkStringArray;
 
@@ -34,15 +45,18 @@ public:
 
   ///@{
   /**
-   * An HDF5 file, a folder of Zarr or N5, or a file of metadata in such a folder (.zgroup, .zattrs,
-   * .zarray, zarr.json, attributes.json). FileName is that of the index, set by the update.
+   * A file of MetaImage, NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF or raw samples; a folder of Zarr
+   * or N5, or a file of metadata in it (.zgroup, .zattrs, .zarray, zarr.json, attributes.json); a
+   * folder with a series of DICOM or a stack of TIFF. FileName is that of the index, set by the
+   * update.
    */
   vtkSetFilePathMacro(SourceName);
   vtkGetFilePathMacro(SourceName);
   ///@}
 
   /**
-   * Whether a file is a source that can be indexed in place.
+   * Whether a file or a folder has a volume that can be indexed in place. Also true of a damaged one,
+   * and of a .gz, which cannot: the update tells what is wrong, and what to do. Cost: reading headers.
    */
   static int CanReadFile(const char* fileName);
 
@@ -54,6 +68,20 @@ public:
   vtkSetStringMacro(Dataset);
   vtkGetStringMacro(Dataset);
   ///@}
+
+  ///@{
+  /**
+   * What the samples of a raw file are: XxYxZ,TYPE[,big-endian][,header-bytes=N], as in
+   * "512x512x300,uint16". Empty: what the file's name says, NAME_XxYxZ_TYPE.raw.
+   */
+  vtkSetStringMacro(RawSamples);
+  vtkGetStringMacro(RawSamples);
+  ///@}
+
+  /**
+   * Whether the source is a raw file.
+   */
+  int GetIsRaw();
 
   /**
    * "automatic" and the datasets of the source. Owned by the reader. Cost: reading metadata.
@@ -90,6 +118,34 @@ public:
    */
   vtkGetCharFromStdStringMacro(IndexText);
 
+  /**
+   * While on, an execution that finds no index does not wait for one: its output is a sample of the
+   * first time step, of at most 2 million vertices, which takes about a second, whatever the size
+   * of the file. The index is written beside the calling thread. Not a property: it neither
+   * modifies the reader nor is it saved. ParaView's window switches it on while it applies what the
+   * user has changed by hand, so scripts never see it.
+   */
+  void AllowCoarse(vtkTypeBool allowed);
+
+  ///@{
+  /**
+   * For a window, while the index is written: AdvanceIndex waits for it, but not longer than so many
+   * milliseconds. When all ranks have it, the execution after TakeIndex reads the volume. The same
+   * holds for a larger sample, where the first one was of a part of the file: it is of what has been
+   * indexed. An error is reported once, and the sample stays. Where there are several ranks, the
+   * index is written only while all ranks are in AdvanceIndex, which they call together. An
+   * execution that may not be coarse waits for the index.
+   *
+   * Indexing has what the last call found: a stage (0: no index is being written, 1: at work, 2:
+   * something can be taken, 3: it could not be written), the finished fraction, and the seconds that are left
+   * (negative: unknown).
+   */
+  void AdvanceIndex(int milliseconds);
+  void TakeIndex();
+  void StopIndex(); ///< this is no error: the next modification begins anew
+  vtkGetVector3Macro(Indexing, double);
+  ///@}
+
 protected:
   vtkInPlaceVolumeReader();
   ~vtkInPlaceVolumeReader() override;
@@ -102,16 +158,23 @@ private:
   vtkInPlaceVolumeReader(const vtkInPlaceVolumeReader&) = delete;
   void operator=(const vtkInPlaceVolumeReader&) = delete;
 
-  struct Indexing; ///< the steps of RequestData
+  struct Steps; ///< of UpdateIndex
+
+  /// Makes what is to be read: the volume in place, or a sample of the file. Collective.
+  isosurface::Status UpdateIndex(isosurface::Communicator& ranks);
 
   char* SourceName;
   char* Dataset;
+  char* RawSamples;
   char* Axes;
   char* IndexFolder;
   int IndexMemory;
   std::string IndexText;
   vtkStringArray* Datasets;
-  vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date
+  vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date, or a sample read
+  bool CoarseAllowed;
+  double Indexing[3];
+  std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown
 };
 
 #endif

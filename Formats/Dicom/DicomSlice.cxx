@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <exception>
 #include <istream>
+#include <mutex>
 #include <optional>
 #include <streambuf>
 
@@ -183,6 +184,9 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
   ISOSURFACE_RETURN_IF_ERROR(tags.ReadHeader());
   DicomImageFile plain(*this);
   ISOSURFACE_RETURN_IF_ERROR(plain.TakePixels(tags));
+  // GDCM promises nothing about threads.
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
   BeQuiet();
   try
   {

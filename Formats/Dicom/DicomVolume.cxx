@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -66,6 +67,11 @@ public:
     return 5 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
       GetValueSize(this->Series[0].Type) +
       this->Series.size() * 1024;
+  }
+  /// An image.
+  std::optional<Index3> GetChunk() const override
+  {
+    return Index3{ this->Box.High[0], this->Box.High[1], 1 };
   }
 
   Result<SampleSlab> Read(const VertexBox& box) override
@@ -330,6 +336,10 @@ Result<OpenedVolume> OpenDicomVolume(
   ISOSURFACE_RETURN_IF_ERROR(TakeGrid(*slices, volume));
   const ValueType type = FindType(*slices);
   volume.Arrays = { { "DICOM", type, 1 } };
+  for (const DicomSlice& slice : *slices)
+  {
+    volume.Files.push_back(slice.Path);
+  }
   volume.Source = std::make_unique<DicomSource>(std::move(*slices), type);
   return volume;
 }

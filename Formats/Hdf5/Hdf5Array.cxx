@@ -35,9 +35,9 @@ hid_t GetNativeType(ValueType type)
     case ValueType::Float32:
       return H5T_NATIVE_FLOAT;
     case ValueType::Float64:
-    default:
-      return H5T_NATIVE_DOUBLE;
+      break;
   }
+  return H5T_NATIVE_DOUBLE;
 }
 
 } // namespace

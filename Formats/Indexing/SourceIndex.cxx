@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Indexing/SourceIndex.h"
 
+#include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Formats/Opener/VolumeFormat.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -38,6 +40,19 @@ VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
   }
   const std::string within = chosen.lexically_relative(outermost).generic_string();
   return { outermost.string(), within == "." ? "" : within };
+}
+
+/// Whether it is a volume that can be indexed. Images of one slice are left to readers of images,
+/// streams to those that read them as a whole, if there are any.
+bool IsWanted(const Result<OpenedVolume>& volume, const std::string& path)
+{
+  if (!volume.IsOk())
+  {
+    return false;
+  }
+  const Index3 size = volume->Grid.GetDimensions();
+  return *std::min_element(size.begin(), size.end()) > 1 &&
+    (volume->Source->GetChunk() || std::filesystem::path(path).extension() == ".gz");
 }
 
 struct OpenedStep
@@ -104,6 +119,61 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
   return { name.GetText(), axes, (parent / (file + ".bvol")).string() };
 }
 
+bool CanBeIndexed(FileSystem& files, const std::string& chosen)
+{
+  const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
+  const VolumeName name = VolumeName::Parse(files, index.Source);
+  const VolumeFormat* const format = FindVolumeFormat(files, name);
+  // HDF5 and NetCDF of other extensions are mostly meshes, which have readers of their own.
+  if (!format || !(format->IsFolder || format->HasExtension(name.Path)))
+  {
+    return false;
+  }
+  const auto whole = OpenForeignVolume(files, index.Source);
+  if (whole.IsOk())
+  {
+    return IsWanted(whole, name.Path);
+  }
+  if (whole.GetStatus().GetCode() == StatusCode::Corrupt)
+  {
+    return format->Name != "MRC"; // other files, too, are called .map or .rec
+  }
+  constexpr std::size_t most = 64;
+  const std::vector<std::string> names = ListVolumes(files, chosen);
+  return std::any_of(names.begin(),
+    names.begin() + static_cast<std::ptrdiff_t>(std::min(most, names.size())),
+    [&](const std::string& within)
+    {
+      return within.compare(0, name.Within.size(), name.Within) == 0 &&
+        IsWanted(OpenForeignVolume(files, name.Path + ":" + within), name.Path);
+    });
+}
+
+std::vector<std::string> ListVolumes(FileSystem& files, const std::string& chosen)
+{
+  const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
+  const auto listed = ListForeignVolumes(files, VolumeName::Parse(files, index.Source).Path);
+  std::vector<std::string> names;
+  for (std::size_t entry = 0; listed.IsOk() && entry < listed->size(); ++entry)
+  {
+    const std::string& shape = (*listed)[entry].Shape;
+    const auto axes = 1 + std::count(shape.begin(), shape.end(), 'x');
+    if (axes >= 3 && axes <= 5)
+    {
+      names.push_back((*listed)[entry].Name);
+    }
+  }
+  return names;
+}
+
+bool IsRawSource(FileSystem& files, const std::string& chosen)
+{
+  const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
+  const VolumeFormat* const format =
+    FindVolumeFormat(files, VolumeName::Parse(files, index.Source));
+  return !format || format->Name == "raw";
+}
+
 Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
 {
   if (!files.Exists(index.Path))
@@ -134,8 +204,18 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
   return IndexState::Current;
 }
 
+bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
+{
+  const std::string path = index.Path + ".partial"; // which the writer would replace, too
+  const bool canWrite =
+    files.MakeDirectories(std::filesystem::path(path).parent_path().string()).IsOk() &&
+    files.CreateForWriting(path).IsOk();
+  return files.RemoveAll(path).IsOk() && canWrite;
+}
+
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
-  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress)
+  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress,
+  SampleCollector* collector)
 {
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
@@ -148,6 +228,10 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
+    if (collector && step == 0)
+    {
+      collector->Attach(opened->Volume);
+    }
     opened->Settings.Publish = step + 1 == steps;
     const Progress tell = [&](double share) {
       return !progress ||

@@ -9,9 +9,12 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
+
+class SampleCollector;
 
 /// A file of another format, and the volume in place that is its index.
 struct SourceIndex
@@ -29,7 +32,28 @@ struct SourceIndex
    */
   static SourceIndex Find(FileSystem& files, const std::string& chosen, const std::string& dataset,
     const std::string& axes, const std::string& folder);
+
+  bool operator==(const SourceIndex& other) const
+  {
+    return this->Source == other.Source && this->Axes == other.Axes && this->Path == other.Path;
+  }
 };
+
+/**
+ * Whether a program that opens files should offer to index `chosen` (SourceIndex::Find): it has a
+ * volume, of more than one slice, whose samples can be read where they lie; a .gz, too, which nobody
+ * else reads. So is a damaged file of such a format, of which WriteSourceIndex() tells what is wrong.
+ * Cost: reading headers.
+ */
+bool CanBeIndexed(FileSystem& files, const std::string& chosen);
+
+/// The arrays in `chosen` that have as many axes as a volume may have, by their names (`dataset` of
+/// SourceIndex::Find). None if there is but one volume, or if it cannot be read.
+std::vector<std::string> ListVolumes(FileSystem& files, const std::string& chosen);
+
+/// Whether `chosen` is a file of which only a person may know what its samples are, and says so as its
+/// `dataset`: "512x512x300,uint16" (RawSamples.h).
+bool IsRawSource(FileSystem& files, const std::string& chosen);
 
 enum class IndexState : std::uint8_t
 {
@@ -42,13 +66,17 @@ enum class IndexState : std::uint8_t
 /// of this source, so that it must not be replaced.
 Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
 
+/// Whether files can be written where the index will be.
+bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
+
 /**
  * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores
  * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an error
  * or stop, an older index stays as it was. Cost and errors: as BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
-  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {});
+  const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},
+  SampleCollector* collector = nullptr);
 
 } // namespace isosurface
 

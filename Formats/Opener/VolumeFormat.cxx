@@ -3,6 +3,7 @@
 
 #include "Formats/Plain/MrcVolume.h"
 #include "Formats/Plain/NiftiVolume.h"
+#include "Formats/Plain/RawSamples.h"
 #include "Formats/Plain/RawVolume.h"
 #include "Formats/Source/FileNames.h"
 #include "Formats/Source/FormatModule.h"
@@ -20,6 +21,7 @@ namespace
 using Names = std::vector<std::string>;
 using Mark = VolumeFormat::Mark;
 
+constexpr std::string_view RawName = "raw";
 constexpr Mark DicomMark = { "DICM", 128 };
 
 /// The first bytes of a file; fewer, or none, if it does not have them.
@@ -79,6 +81,7 @@ const std::vector<VolumeFormat>& GetFormats()
     { "Zarr", {}, {}, IsZarr, { OpenZarrVolume, ListZarr } },
     { "DICOM", { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
     { "TIFF", { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat" },
+    { RawName, { ".raw" }, {}, nullptr, RawSamplesFormat },
   };
   return formats;
 }
@@ -92,6 +95,12 @@ const VolumeFormat* FindFormat(const Fits& fits)
 }
 
 } // namespace
+
+bool VolumeFormat::HasExtension(const std::string& path) const
+{
+  return std::find(this->Extensions.begin(), this->Extensions.end(), FindExtension(path)) !=
+    this->Extensions.end();
+}
 
 Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
 {
@@ -112,24 +121,22 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
     return FindFormat([&](const VolumeFormat& format)
       { return format.IsFolder && format.IsFolder(files, name.Path, names); });
   }
-  const std::string extension = FindExtension(name.Path);
-  const VolumeFormat* const named = FindFormat(
-    [&extension](const VolumeFormat& format)
-    {
-      return std::find(format.Extensions.begin(), format.Extensions.end(), extension) !=
-        format.Extensions.end();
-    });
+  const VolumeFormat* const named =
+    FindFormat([&name](const VolumeFormat& format) { return format.HasExtension(name.Path); });
   if (named)
   {
     return named;
   }
   const std::string start = ReadStart(files, name.Path);
-  return FindFormat(
+  const VolumeFormat* const marked = FindFormat(
     [&start](const VolumeFormat& format)
     {
       return std::any_of(format.Marks.begin(), format.Marks.end(),
         [&start](const Mark& mark) { return HasMark(start, mark); });
     });
+  return marked || !IsRawDescription(name.Within)
+    ? marked
+    : FindFormat([](const VolumeFormat& format) { return format.Name == RawName; });
 }
 
 } // namespace isosurface

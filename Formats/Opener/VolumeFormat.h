@@ -30,12 +30,15 @@ struct VolumeFormat
   FormatFunctions Functions;    ///< if this library has them
   const char* Module = nullptr; ///< which has them otherwise (LoadFormatModule)
 
+  /// Whether a file of this name is of the format, whatever is in it.
+  bool HasExtension(const std::string& path) const;
   /// The functions, of the module that is loaded if need be. Error: names the file and the module.
   Result<FormatFunctions> Load(const std::string& path) const;
 };
 
 /// The format of a name: of a folder by the names in it, of a file by its extension or its first
-/// bytes. Null if it has none. Files that do not exist have one if their extension tells.
+/// bytes, or because the name says what its samples are. Null if it has none. Files that do not
+/// exist have one if their extension tells.
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
 
 } // namespace isosurface

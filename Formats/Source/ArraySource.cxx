@@ -231,6 +231,16 @@ std::optional<Index3> ArraySource::GetChunk() const
   return size;
 }
 
+bool ArraySource::HasCheapRows() const
+{
+  return std::all_of(this->Parts.begin(), this->Parts.end(),
+    [](const ArrayPart& part)
+    {
+      return part.Array->GetChunk().empty() && part.Axes.Z < part.Axes.Y &&
+        part.Axes.Y < part.Axes.X;
+    });
+}
+
 Result<SampleSlab> ArraySource::Read(const VertexBox& box)
 {
   auto samples = this->Pool->Take(this->GetReadBytes(box));

@@ -58,6 +58,8 @@ public:
   std::int64_t GetRowsAtOnce() const override;
   /// That of the first part.
   std::optional<Index3> GetChunk() const override;
+  /// Whether no part has chunks, and z is the slowest of the axes of each.
+  bool HasCheapRows() const override;
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:

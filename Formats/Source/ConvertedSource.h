@@ -49,6 +49,8 @@ public:
   std::uint64_t GetHeldBytes() const override { return this->Source->GetHeldBytes(); }
   std::int64_t GetRowsAtOnce() const override { return this->Source->GetRowsAtOnce(); }
   std::optional<Index3> GetChunk() const override { return this->Source->GetChunk(); }
+  bool HasCheapRows() const override { return this->Source->HasCheapRows(); }
+  void Prefetch(const VertexBox& box) const override { this->Source->Prefetch(box); }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
   Result<SampleSlab> Read(const VertexBox& box) override;
 

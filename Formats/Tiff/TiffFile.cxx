@@ -258,6 +258,21 @@ Result<TiffFormat> TiffFile::ReadFormat()
   return TiffFormat{ static_cast<std::int64_t>(width), static_cast<std::int64_t>(height), *type };
 }
 
+std::array<std::int64_t, 2> TiffFile::FindUnit() const
+{
+  const Handle& tiff = *this->Tiff;
+  const bool isTiled = ::TIFFIsTiled(tiff.Tiff) != 0;
+  const bool isPlain =
+    tiff.Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) == COMPRESSION_NONE;
+  const std::int64_t width =
+    isTiled ? tiff.Get<std::uint32_t>(TIFFTAG_TILEWIDTH, 1) : this->Format.Width;
+  const std::int64_t height = isTiled ? tiff.Get<std::uint32_t>(TIFFTAG_TILELENGTH, 1)
+    : isPlain                         ? 1
+                                      : tiff.Get<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, 1);
+  return { std::clamp<std::int64_t>(width, 1, this->Format.Width),
+    std::clamp<std::int64_t>(height, 1, this->Format.Height) };
+}
+
 Result<std::vector<TiffPage>> TiffFile::FindPages()
 {
   ::TIFF* tiff = this->Tiff->Tiff;
@@ -273,6 +288,7 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
         StatusCode::Unsupported, "its size or type differs from that of the pages before");
     }
     this->Format = *format;
+    this->Unit = pages.empty() ? this->FindUnit() : this->Unit;
     if (pages.size() == MaximumPages)
     {
       return this->MakeError(StatusCode::Unsupported,

@@ -6,6 +6,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ValueType.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -71,6 +72,9 @@ public:
   const TiffFormat& GetFormat() const { return this->Format; }
   /// Sets the format that FindPages() found before, when a file is opened again.
   void SetFormat(const TiffFormat& format) { this->Format = format; }
+  /// The width and height of what is decoded at once of the first page, after FindPages(): a strip
+  /// or a tile, or a row if nothing is decoded.
+  const std::array<std::int64_t, 2>& GetUnit() const { return this->Unit; }
   /// The maximum memory for reading, besides the samples, after FindPages().
   std::uint64_t GetScratchBytes() const { return this->ScratchBytes; }
 
@@ -83,6 +87,8 @@ private:
 
   /// The format of the current directory. Errors: Corrupt, Unsupported.
   Result<TiffFormat> ReadFormat();
+  /// The unit of the current directory.
+  std::array<std::int64_t, 2> FindUnit() const;
   /// The pages of a file of ImageJ, whose single directory stands for several pages.
   Result<std::vector<TiffPage>> ExpandImageJ(const TiffPage& first) const;
   Status SelectPage(const TiffPage& page);
@@ -97,6 +103,7 @@ private:
 
   std::unique_ptr<Handle> Tiff;
   TiffFormat Format;
+  std::array<std::int64_t, 2> Unit = { 1, 1 };
   std::uint64_t ScratchBytes = 0;
   std::vector<std::uint8_t> Scratch; ///< a strip or tile
 };

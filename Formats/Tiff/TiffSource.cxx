@@ -60,6 +60,12 @@ Status TiffSource::FindSlices()
   }
   this->Box.High = { this->Format.Width, this->Format.Height,
     static_cast<std::int64_t>(this->Slices.size()) };
+  const std::array<std::int64_t, 2>& unit = this->Opened->GetUnit();
+  for (std::size_t axis = 0; axis < 2; ++axis)
+  {
+    constexpr std::int64_t block = 32;
+    this->Chunk[axis] = std::min(unit[axis] * ((block - 1) / unit[axis] + 1), this->Box.High[axis]);
+  }
   return Status::Ok();
 }
 

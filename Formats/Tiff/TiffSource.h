@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ public:
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override;
+  /// Of one page, so many strips or tiles that a block needs few chunks of it.
+  std::optional<Index3> GetChunk() const override { return this->Chunk; }
   Result<SampleSlab> Read(const VertexBox& box) override;
 
 private:
@@ -56,6 +59,7 @@ private:
   std::vector<Slice> Slices;
   TiffFormat Format;
   VertexBox Box;
+  Index3 Chunk = { 1, 1, 1 };
   std::uint64_t ScratchBytes = 0;
   std::size_t OpenNumber = 0;
   std::unique_ptr<TiffFile> Opened;

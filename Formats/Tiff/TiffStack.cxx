@@ -165,6 +165,7 @@ Result<OpenedVolume> OpenTiff(
   volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
   volume.Arrays = { { "Tiff Scalars", (*source)->GetType(), 1 } };
   volume.Source = std::move(*source);
+  volume.Files = *paths;
   return volume;
 }
 

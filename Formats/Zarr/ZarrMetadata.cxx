@@ -167,8 +167,7 @@ private:
 
   Status StoreFill(const Json& fill, const std::string& hex, double number)
   {
-    const bool isFloat =
-      this->Metadata.Type == ValueType::Float32 || this->Metadata.Type == ValueType::Float64;
+    const bool isFloat = IsFloatingType(this->Metadata.Type);
     if (!hex.empty())
     {
       return this->StoreBits(hex);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 namespace isosurface
@@ -238,17 +239,53 @@ private:
     return Status::Ok();
   }
 
+  /// The path of a level, the finest one first; empty if there is none.
+  static std::string GetLevelPath(const Json& datasets, std::size_t level)
+  {
+    const std::string path = datasets.is_array() && level < datasets.size()
+      ? GetJsonText(FindJson(datasets[level], "path"))
+      : std::string();
+    return path.find("..") == std::string::npos ? path : std::string();
+  }
+
+  /// The level that is chosen (VolumeChoice::Vertices). One that cannot be read ends the search.
+  std::size_t FindLevel(const Json& datasets)
+  {
+    std::size_t level = 0;
+    while (this->Choice.Vertices > 0)
+    {
+      const std::string path = GetLevelPath(datasets, level);
+      const auto node = ZarrNode::Read(this->Files, this->Folder + "/" + path);
+      const auto metadata = node.IsOk() && node->IsArray && !path.empty()
+        ? ParseZarrMetadata(*node, this->Folder + "/" + path)
+        : Result<ZarrMetadata>(Status(StatusCode::NotFound, path));
+      if (!metadata.IsOk())
+      {
+        return level == 0 ? 0 : level - 1;
+      }
+      // Channels and times count, too: they make it a little coarser.
+      const double samples = std::accumulate(metadata->Shape.begin(), metadata->Shape.end(), 1.0,
+        [](double product, std::int64_t size) { return product * static_cast<double>(size); });
+      if (samples <= static_cast<double>(this->Choice.Vertices))
+      {
+        return level;
+      }
+      ++level;
+    }
+    return level;
+  }
+
   Status OpenImage(const Json& image, const Json& omero)
   {
     const Json& datasets = FindJson(image, "datasets");
-    const std::string path = datasets.is_array() && !datasets.empty()
-      ? GetJsonText(FindJson(datasets[0], "path"))
-      : std::string();
-    if (path.empty() || path.find("..") != std::string::npos)
+    const std::size_t level = this->FindLevel(datasets);
+    const std::string path = GetLevelPath(datasets, level);
+    if (path.empty())
     {
       return this->MakeError(
         StatusCode::Corrupt, this->Folder, "its multiscales have no datasets with a path");
     }
+    this->Volume.Level = static_cast<int>(level);
     std::vector<std::string> channels;
     const Json& known = FindJson(omero, "channels");
     const Json& axes = FindJson(image, "axes");
@@ -274,7 +311,7 @@ private:
       return this->MakeError(StatusCode::Corrupt, folder, "there is no array");
     }
     ISOSURFACE_RETURN_IF_ERROR(this->OpenArray(folder, *node, letters, channels));
-    return this->TakePlace(image, datasets[0]);
+    return this->TakePlace(image, datasets[level]);
   }
 
   Status TakePlace(const Json& image, const Json& dataset)

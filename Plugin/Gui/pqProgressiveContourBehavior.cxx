@@ -2,6 +2,7 @@
 #include "pqProgressiveContourBehavior.h"
 
 #include "SurfaceSizeQuestion.h"
+#include "pqIndexStatus.h"
 #include "pqRefinementStatus.h"
 
 #include "pqApplicationCore.h"
@@ -48,17 +49,24 @@ const pqServerManagerModel* GetModel()
   return pqApplicationCore::instance()->getServerManagerModel();
 }
 
-QList<pqPipelineSource*> FindContours()
+template <typename Fits>
+QList<pqPipelineSource*> FindSources(const Fits& fits)
 {
-  QList<pqPipelineSource*> contours;
+  QList<pqPipelineSource*> sources;
   for (pqPipelineSource* source : GetModel()->findItems<pqPipelineSource*>())
   {
-    if (isosurface::IsStabbingContour(source->getProxy()))
+    if (fits(source->getProxy()))
     {
-      contours.push_back(source);
+      sources.push_back(source);
     }
   }
-  return contours;
+  return sources;
+}
+
+/// Whether what it makes can be coarse (AllowCoarse).
+bool CanBeCoarse(vtkSMProxy* proxy)
+{
+  return isosurface::IsStabbingContour(proxy) || pqIndexStatus::IsReader(proxy);
 }
 
 bool IsAnyServerWorking()
@@ -155,6 +163,9 @@ void pqProgressiveContourBehavior::OnStartup()
   }
   QObject::connect(application->getObjectBuilder(), &pqObjectBuilder::filterCreated, this,
     &pqProgressiveContourBehavior::ObserveFirst);
+  QObject::connect(application->getObjectBuilder(),
+    QOverload<pqPipelineSource*, const QStringList&>::of(&pqObjectBuilder::readerCreated), this,
+    &pqProgressiveContourBehavior::ObserveFirst);
   if (pqUndoStack* stack = application->getUndoStack())
   {
     QObject::connect(
@@ -185,6 +196,10 @@ void pqProgressiveContourBehavior::ObserveWindow()
   }
   this->Status = new pqRefinementStatus(window);
   window->statusBar()->insertPermanentWidget(0, this->Status);
+  this->Indices = new pqIndexStatus(window);
+  window->statusBar()->insertPermanentWidget(0, this->Indices);
+  QObject::connect(
+    this->Indices, &pqIndexStatus::indexed, this, &pqProgressiveContourBehavior::RenderByHand);
   QObject::connect(
     this->Status, &pqRefinementStatus::stopped, this, &pqProgressiveContourBehavior::Stop);
   // ParaView's own slots are connected already: views are up to date when the last signal comes.
@@ -236,7 +251,7 @@ bool pqProgressiveContourBehavior::eventFilter(QObject* object, QEvent* event)
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Observe(pqPipelineSource* source)
 {
-  if (isosurface::IsStabbingContour(source->getProxy()))
+  if (CanBeCoarse(source->getProxy()))
   {
     QObject::connect(source,
       static_cast<void (pqPipelineSource::*)(pqPipelineSource*)>(&pqPipelineSource::dataUpdated),
@@ -256,17 +271,17 @@ bool pqProgressiveContourBehavior::IsCoarseFirst() const
 void pqProgressiveContourBehavior::AllowCoarse(bool allowed)
 {
   const bool coarse = allowed && this->IsCoarseFirst();
-  for (pqPipelineSource* contour : FindContours())
+  for (pqPipelineSource* source : FindSources(CanBeCoarse))
   {
-    CallOnServer(contour->getProxy(), "AllowCoarse", coarse ? 1 : 0);
+    CallOnServer(source->getProxy(), "AllowCoarse", coarse ? 1 : 0);
   }
 }
 
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::ObserveFirst(pqPipelineSource* source)
 {
-  // No other contour: until Apply scripts may ask them for their surfaces.
-  if (isosurface::IsStabbingContour(source->getProxy()) && this->IsCoarseFirst())
+  // No others: until Apply scripts may ask them for their surfaces.
+  if (CanBeCoarse(source->getProxy()) && this->IsCoarseFirst())
   {
     CallOnServer(source->getProxy(), "AllowCoarse", 1);
   }
@@ -318,6 +333,14 @@ void pqProgressiveContourBehavior::RenderByHand()
 
 void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
 {
+  if (!isosurface::IsStabbingContour(source->getProxy()))
+  {
+    if (this->Indices)
+    {
+      this->Indices->Watch(source);
+    }
+    return;
+  }
   const auto known = std::find_if(this->All.begin(), this->All.end(),
     [source](const Watched& watched) { return watched.Source == source; });
   if (known == this->All.end())
@@ -404,6 +427,8 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       {
         vtkLogF(1, "%s: the surface is final", contour->GetLogNameOrDefault());
         this->Status->ShowEnd(isosurface::ReadLevel(contour), false);
+        // The level of a sample would say that it is exact.
+        this->Status->setVisible(!this->Indices || !this->Indices->isVisible());
         PrepareDrag(watched.Source);
       }
       // Else it was changed since, and is watched again when it has been updated.
@@ -444,9 +469,13 @@ void pqProgressiveContourBehavior::Finish()
   vtkLogF(1, "Surfaces are finished before they are saved");
   this->Finishing = true;
   QGuiApplication::setOverrideCursor(Qt::WaitCursor);
+  if (this->Indices)
+  {
+    this->Indices->Finish();
+  }
   // An update may process events.
   QList<QPointer<pqPipelineSource>> contours;
-  for (pqPipelineSource* source : FindContours())
+  for (pqPipelineSource* source : FindSources(isosurface::IsStabbingContour))
   {
     contours.push_back(source);
   }

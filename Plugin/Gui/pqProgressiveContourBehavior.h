@@ -4,7 +4,8 @@
  * @brief   surfaces that the user asks for by hand are coarse at once, and exact soon
  *
  * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time
- * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface (AllowCoarse).
+ * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface, and every
+ * Volume Reader (Any Size) a sample of its file (AllowCoarse). pqIndexStatus sees to the latter.
  * Scripts, state files and saved animations get exact ones. Afterwards each contour whose surface
  * is not final extracts the next level beside the window (PrepareRefinement); a timer asks how far
  * it is. When it is there on all ranks, and no mouse button is down, Refine and a rendering show
@@ -29,6 +30,7 @@
 
 class QDialog;
 class QMainWindow;
+class pqIndexStatus;
 class pqPipelineSource;
 class pqRefinementStatus;
 class pqTimer;
@@ -63,7 +65,7 @@ protected:
 private Q_SLOTS:
   void ObserveWindow();
   void Observe(pqPipelineSource* source);
-  /// A contour that the user has chosen executes before it tells that it is applied.
+  /// A contour or reader that the user has chosen executes before it tells that it is applied.
   void ObserveFirst(pqPipelineSource* source);
   void BeginByHand();
   void EndByHand();
@@ -104,6 +106,7 @@ private:
 
   pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
   QPointer<pqRefinementStatus> Status; ///< belongs to the window; null without one
+  QPointer<pqIndexStatus> Indices;     ///< the same
   QPointer<QDialog> Question;          ///< about a surface that is too large
   std::vector<Watched> All;
   QElapsedTimer LastInput; ///< since the mouse or a key was last used

@@ -2,11 +2,15 @@
 #include "SpectrumCurve.h"
 
 #include "CountWords.h"
+#include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <gtest/gtest.h>
 
 using isosurface::SpectrumCurve;
 using Quantity = SpectrumCurve::Quantity;
+
+static_assert(
+  SpectrumCurve::NumberOfQuantities == isosurface::WorkloadSpectrum::NumberOfQuantities);
 
 namespace
 {

@@ -39,7 +39,9 @@ void WriteSource(vtkImageData* image, const std::string& path)
   std::ofstream raw(path + ".raw", std::ios::binary);
   raw.write(static_cast<const char*>(image->GetScalarPointer()),
     static_cast<std::streamsize>(image->GetNumberOfPoints()));
-  std::ofstream(path) << "ObjectType = Image\nNDims = 3\nDimSize = 41 37 45\n"
+  const int* size = image->GetDimensions();
+  std::ofstream(path) << "ObjectType = Image\nNDims = 3\nDimSize = " << size[0] << " " << size[1]
+                      << " " << size[2] << "\n"
                       << "ElementType = MET_UCHAR\nElementDataFile = "
                       << std::filesystem::path(path).filename().string() << ".raw\n";
 }
@@ -129,6 +131,91 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
   contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   EXPECT_GT(
     SumOverRanks(static_cast<std::uint64_t>(contour->GetOutput()->GetNumberOfPoints())), 0u);
+}
+
+/// A volume that is larger than a sample, opened as a window does.
+class FirstContact : public testing::Test
+{
+protected:
+  FirstContact()
+  {
+    OnFirstRank([&] { WriteSource(this->Image, this->Folder.GetPath("scan.mhd")); });
+    this->Reader->SetSourceName(this->Folder.GetPath("scan.mhd").c_str());
+    this->Reader->AllowCoarse(1);
+    this->Update();
+    this->Reader->AllowCoarse(0);
+  }
+
+  vtkPolyData* Update()
+  {
+    this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    return this->Contour->GetOutput();
+  }
+  std::uint64_t CountTriangles()
+  {
+    return SumOverRanks(static_cast<std::uint64_t>(this->Contour->GetOutput()->GetNumberOfPolys()));
+  }
+  /// Lets the index grow to its end; the stage then.
+  double Advance()
+  {
+    do
+    {
+      this->Reader->AdvanceIndex(5);
+    } while (this->Reader->GetIndexing()[0] == 1);
+    return this->Reader->GetIndexing()[0];
+  }
+
+  static constexpr double Isovalue = 60.5;
+  const SharedFolder Folder{ "FirstContact" };
+  const vtkSmartPointer<vtkImageData> Image =
+    MakeClosedVolume({ 0, 160, 0, 130, 0, 110 }, VTK_UNSIGNED_CHAR);
+  const vtkNew<vtkInPlaceVolumeReader> Reader;
+  const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Reader, Isovalue);
+  const ExpectNoErrors ReaderErrors{ this->Reader };
+  const ExpectNoErrors ContourErrors{ this->Contour };
+};
+
+TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
+{
+  const std::uint64_t coarse = this->CountTriangles();
+  EXPECT_GT(coarse, 0u);
+  EXPECT_STREQ(this->Reader->GetShownText(), "one of 2 x 1 x 1 samples");
+  EXPECT_EQ(this->Reader->GetIndexing()[0], 1);
+  EXPECT_EQ(this->Advance(), 2);
+  this->Update();
+  EXPECT_EQ(this->CountTriangles(), coarse) << "nobody has taken the index";
+  this->Reader->TakeIndex();
+  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+  EXPECT_GT(this->CountTriangles(), coarse);
+  EXPECT_EQ(this->Reader->GetIndexing()[0], 0);
+}
+
+TEST_F(FirstContact, WaitsForTheIndexOnceItMayNotBeCoarse)
+{
+  this->Reader->SetMemoryLimit(255);
+  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+}
+
+TEST_F(FirstContact, CanBeStoppedAndBegunAnew)
+{
+  this->Reader->StopIndex();
+  EXPECT_EQ(this->Advance(), 3);
+  this->Reader->SetMemoryLimit(255);
+  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+}
+
+TEST_F(FirstContact, LeavesNothingThatKeepsTheNextReaderFromIndexing)
+{
+  this->Reader->AdvanceIndex(1);
+  OnFirstRank([&] { WriteSource(MakeNoisyImage(), this->Folder.GetPath("other.mhd")); });
+  this->Reader->SetSourceName(this->Folder.GetPath("other.mhd").c_str());
+  this->Reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  vtkNew<vtkInPlaceVolumeReader> next;
+  next->SetSourceName(this->Folder.GetPath("scan.mhd").c_str());
+  const auto contour = MakeContour(next, Isovalue);
+  const ExpectNoErrors errors(next);
+  contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  ExpectSurfaceOf(contour->GetOutput(), this->Image, Isovalue);
 }
 
 // A consumer of blocks that was not executed must not keep a later slice from its samples.

@@ -42,6 +42,7 @@ protected:
     return lowest == highest;
   }
 
+public:
   /// Collective. The stage after work, which is the same on all ranks in each slice.
   static int Prepare(vtkStabbingContour* contour)
   {
@@ -56,6 +57,7 @@ protected:
     return static_cast<int>(contour->GetRefinement()[0]);
   }
 
+protected:
   /// Collective. The surface after all refinements.
   static vtkPolyData* Finish(ContourPipeline& pipeline, double isovalue)
   {
@@ -86,6 +88,65 @@ TEST_P(Refinement, EndsWithTheSurfaceOfTheWholeVolume)
   }
   EXPECT_TRUE(pipeline.Contour->GetFinal());
   ExpectSurfaceOf(mine, this->Image, 60.5);
+}
+
+/// Images in memory that are large enough for a coarse surface first.
+class ImageRefinement : public testing::Test
+{
+protected:
+  vtkPolyData* Update()
+  {
+    this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    return this->Contour->GetOutput();
+  }
+  std::uint64_t CountTriangles()
+  {
+    return SumOverRanks(static_cast<std::uint64_t>(this->Update()->GetNumberOfPolys()));
+  }
+
+  static constexpr double Isovalue = 60.5;
+  const vtkSmartPointer<vtkImageData> Image =
+    MakeClosedVolume({ -3, 207, 5, 214, 0, 203 }, VTK_UNSIGNED_CHAR);
+  const vtkSmartPointer<PieceSource> Source = MakeSource(this->Image);
+  const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Source, Isovalue);
+  const ExpectNoErrors Errors{ this->Contour };
+};
+
+TEST_F(ImageRefinement, IsCoarseAtOnceAndExactAtTheEnd)
+{
+  this->Contour->AllowCoarse(1);
+  const std::uint64_t coarse = this->CountTriangles();
+  this->Contour->AllowCoarse(0);
+  EXPECT_GT(coarse, 0u);
+  EXPECT_FALSE(this->Contour->GetFinal());
+  EXPECT_EQ(GetCost(this->Contour->GetOutput(), "Level"), 2);
+  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  EXPECT_EQ(this->CountTriangles(), coarse) << "nobody has asked for a finer one";
+  this->Contour->Refine();
+  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+  EXPECT_TRUE(this->Contour->GetFinal());
+  EXPECT_GT(this->CountTriangles(), 8 * coarse);
+}
+
+TEST_F(ImageRefinement, IsDroppedByAChangeWhileItIsMade)
+{
+  this->Contour->AllowCoarse(1);
+  this->Update();
+  this->Contour->PrepareRefinement(0);
+  this->Contour->AllowCoarse(0);
+  this->Contour->SetValue(0, 100.5);
+  ExpectSurfaceOf(this->Update(), this->Image, 100.5);
+  EXPECT_TRUE(this->Contour->GetFinal());
+}
+
+TEST_F(ImageRefinement, IsDroppedWhenTheImagesChange)
+{
+  this->Contour->AllowCoarse(1);
+  this->Update();
+  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  this->Contour->AllowCoarse(0);
+  this->Source->Modified();
+  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
 }
 
 TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)

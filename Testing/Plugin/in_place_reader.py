@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Zarr and HDF5 are opened by the reader that indexes them in place: --python PATH (with h5py)
+"""Files of volumes are opened by the reader that indexes them in place: --python PATH (with h5py and others)
 
 The oracle is vtkFlyingEdges3D on the samples that were written.
 """
 import filecmp
-import json
 import os
 import shutil
 import subprocess
 import time
 
 import numpy
-from paraview import simple
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from paraview import simple, smstate
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOImage import vtkTIFFWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 
 import plugin_testing as testing
@@ -24,35 +25,110 @@ def read_samples():
     reader = vtkXMLImageDataReader()
     reader.SetFileName(testing.volume("wave.vti"))
     reader.Update()
-    image = reader.GetOutput()
-    samples = vtk_to_numpy(image.GetPointData().GetArray("RTData"))
-    return samples.reshape(image.GetDimensions()[::-1]).astype("f4")
+    return testing.read_samples(reader.GetOutput()).astype("f4")
 
 
 def write_zarr(folder, samples):
-    """An array of version 2 without compression, its last chunks partial."""
-    os.makedirs(folder, exist_ok=True)
-    with open(os.path.join(folder, ".zarray"), "w") as file:
-        json.dump({"zarr_format": 2, "shape": samples.shape, "chunks": [CHUNK] * 3, "dtype": "<f4",
-                   "compressor": None, "fill_value": 0, "order": "C", "filters": None}, file)
-    for place in numpy.ndindex(*[-(-count // CHUNK) for count in samples.shape]):
-        part = samples[tuple(slice(at * CHUNK, (at + 1) * CHUNK) for at in place)]
-        whole = numpy.zeros((CHUNK,) * 3, "f4")
-        whole[tuple(slice(count) for count in part.shape)] = part
-        whole.tofile(os.path.join(folder, ".".join(map(str, place))))
+    testing.write_zarr(folder, samples, CHUNK)
 
 
-def write_hdf5(path, samples):
+def write_with_python(program, path, samples):
+    """Runs a program in the other Python: it has the samples, and the path."""
     numpy.save(path + ".npy", samples)
     subprocess.run(
         [testing.arguments.python, "-c",
-         "import h5py, numpy, sys\n"
-         "samples = numpy.load(sys.argv[1] + '.npy')\n"
-         "with h5py.File(sys.argv[1], 'w') as file:\n"
-         "    for name, factor in (('run/half', 0.5), ('run/whole', 1)):\n"
-         "        file.create_dataset(name, data=samples * factor, chunks=(11, 13, 17), compression='gzip')\n",
-         path],
+         "import numpy, sys; path = sys.argv[1]; samples = numpy.load(path + '.npy')\n" + program, path],
         check=True, env=testing.make_mpi_environment())
+
+
+def write_hdf5(path, samples):
+    write_with_python(
+        "import h5py\n"
+        "with h5py.File(path, 'w') as file:\n"
+        "    for name, factor in (('run/half', 0.5), ('run/whole', 1)):\n"
+        "        file.create_dataset(name, data=samples * factor, chunks=(11, 13, 17), compression='gzip')\n",
+        path, samples)
+
+
+def write_nifti(path, samples):
+    write_with_python("import nibabel\n"
+                      "nibabel.save(nibabel.Nifti1Image(samples.transpose(), numpy.eye(4)), path)\n",
+                      path, samples)
+
+
+def write_mrc(path, samples):
+    write_with_python("import mrcfile\nmrcfile.write(path, samples)\n", path, samples)
+
+
+def write_netcdf(path, samples):
+    write_with_python(
+        "import netCDF4\n"
+        "with netCDF4.Dataset(path, 'w') as file:\n"
+        "    for name, size in zip('zyx', samples.shape):\n"
+        "        file.createDimension(name, size)\n"
+        "    file.createVariable('density', 'f4', ('z', 'y', 'x'), zlib=True)[:] = samples\n",
+        path, samples)
+
+
+def write_dicom(folder, samples):
+    """A slice a file, without extensions."""
+    os.makedirs(folder)
+    write_with_python(
+        "from pydicom.dataset import Dataset, FileDataset, FileMetaDataset\n"
+        "for number, pixels in enumerate(samples.astype('<i2')):\n"
+        "    meta = FileMetaDataset()\n"
+        "    meta.MediaStorageSOPClassUID = '1.2.840.10008.5.1.4.1.1.2'\n"
+        "    meta.MediaStorageSOPInstanceUID = f'1.2.{number + 1}'\n"
+        "    meta.TransferSyntaxUID = '1.2.840.10008.1.2.1'\n"
+        "    file = FileDataset('', Dataset(), file_meta=meta, preamble=bytes(128))\n"
+        "    file.is_little_endian, file.is_implicit_VR = True, False\n"
+        "    file.SOPClassUID = meta.MediaStorageSOPClassUID\n"
+        "    file.SOPInstanceUID = meta.MediaStorageSOPInstanceUID\n"
+        "    file.SeriesInstanceUID = '1.2'\n"
+        "    file.ImagePositionPatient = [0, 0, number]\n"
+        "    file.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]\n"
+        "    file.PixelSpacing = [1, 1]\n"
+        "    file.Rows, file.Columns = pixels.shape\n"
+        "    file.SamplesPerPixel = file.PixelRepresentation = 1\n"
+        "    file.PhotometricInterpretation = 'MONOCHROME2'\n"
+        "    file.BitsAllocated = file.BitsStored = 16\n"
+        "    file.HighBit = 15\n"
+        "    file.PixelData = pixels.tobytes()\n"
+        "    file['PixelData'].VR = 'OW'\n"
+        "    file.save_as(f'{path}/IM{number:04}', write_like_original=False)\n",
+        folder, samples)
+
+
+def write_header(path, text, samples):
+    with open(path, "wb") as file:
+        file.write(text.encode() + samples.tobytes())
+
+
+def write_metaimage(path, samples):
+    write_header(path, "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\nElementType = MET_FLOAT\n"
+                 "ElementDataFile = LOCAL\n" % samples.shape[::-1], samples)
+
+
+def write_nrrd(path, samples):
+    write_header(path, "NRRD0004\ntype: float\ndimension: 3\nsizes: %d %d %d\nencoding: raw\n"
+                 "endian: little\n\n" % samples.shape[::-1], samples)
+
+
+def write_tiff(path, samples):
+    """A page a slice, compressed."""
+    image = vtkImageData()
+    image.SetDimensions(samples.shape[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(samples.ravel(), deep=True))
+    writer = vtkTIFFWriter()
+    writer.SetInputData(image)
+    writer.SetFileName(path)
+    writer.SetCompressionToPackBits()
+    writer.Write()
+
+
+# Of formats that ParaView's readers load as a whole, or not at all.
+WRITERS = {"scan.mha": write_metaimage, "scan.nrrd": write_nrrd, "scan.nii": write_nifti,
+           "scan.mrc": write_mrc, "scan.nc": write_netcdf, "scan.tif": write_tiff}
 
 
 def list_stores(index):
@@ -64,6 +140,15 @@ def count_triangles(reader, isovalue=testing.ISOVALUE):
     names = [reader.PointData.GetArray(n).Name for n in range(reader.PointData.GetNumberOfArrays())]
     array = next(name for name in names if name != "vtkGhostType")
     return testing.count_cells(testing.contour(reader, isovalue, array))
+
+
+def list_readers(path):
+    """The readers among which the window lets choose."""
+    manager = simple.servermanager
+    factory = manager.vtkSMProxyManager.GetProxyManager().GetReaderFactory()
+    factory.UpdateAvailableReaders()
+    readers = factory.GetReaders(path, manager.ActiveConnection.Session)
+    return [readers.GetString(at + 1) for at in range(0, readers.GetLength(), 3)]
 
 
 class InPlaceReader(testing.TestCase):
@@ -79,7 +164,7 @@ class InPlaceReader(testing.TestCase):
 
     def open(self, path, **properties):
         reader = simple.OpenDataFile(path, **properties)
-        self.assertEqual(reader.GetXMLName(), "InPlaceVolumeReader")
+        self.assertEqual(reader.GetXMLName(), "AnySizeVolumeReader")
         return reader
 
     def test_zarr_is_indexed_once_and_opens_at_once_then(self):
@@ -119,6 +204,67 @@ class InPlaceReader(testing.TestCase):
         self.assertEqual(sorted(name for name in os.listdir(folder) if name.endswith(".bvol")),
                          ["run.h5-run-half.bvol", "run.h5-run-whole.bvol"])
 
+    def write_all(self):
+        """A file of each format; their paths."""
+        paths = []
+        for name, write in WRITERS.items():
+            paths.append(testing.output(self.id().split(".")[-1] + "_" + name))
+            write(paths[-1], self.samples)
+        return paths
+
+    def test_every_format_is_opened_and_indexed(self):
+        for path in self.write_all():
+            with self.subTest(path=path):
+                self.assertEqual(list_readers(path).count("AnySizeVolumeReader"), 1)
+                self.assertNotIn("InPlaceVolumeReader", list_readers(path))
+                self.assertEqual(count_triangles(self.open(path)), self.expected)
+                self.assertTrue(os.path.exists(path + ".bvol"))
+
+    def test_folder_and_slice_of_dicom_are_the_series(self):
+        folder = testing.output("series")
+        write_dicom(folder, self.samples)
+        expected = testing.count_expected_triangles(150.5, "floor(RTData)")
+        for path in (folder, folder + "/IM0003"):
+            with self.subTest(path=path):
+                self.assertEqual(count_triangles(self.open(path), 150.5), expected)
+                self.assertTrue(os.path.exists(path + ".bvol"))
+
+    def test_raw_samples_are_described_by_the_name_or_the_property(self):
+        size = "x".join(map(str, self.samples.shape[::-1]))
+        named, other = testing.output(f"scan_{size}_float32.raw"), testing.output("scan.raw")
+        self.samples.tofile(named)
+        self.assertEqual(count_triangles(self.open(named)), self.expected)
+        write_header(other, "header", self.samples.astype(">f4"))
+        self.assertNotIn("AnySizeVolumeReader", list_readers(other))
+        reader = simple.VolumeReaderAnySize(FileName=other)
+        reader.UpdatePipelineInformation()
+        self.assertEqual(reader.SMProxy.GetProperty("IsRaw").GetElement(0), 1)
+        reader.RawSamples = size + ",float32,big-endian,header-bytes=6"
+        self.assertEqual(count_triangles(reader), self.expected)
+
+    def test_damaged_files_and_streams_are_opened_and_give_no_surface(self):
+        damaged, stream = testing.output("truncated.nii"), testing.output("stream.nii.gz")
+        write_nifti(damaged, self.samples)
+        os.truncate(damaged, os.path.getsize(damaged) // 2)
+        write_nifti(stream, self.samples)
+        for path in (damaged, stream):
+            with self.subTest(path=path):
+                self.assertEqual(testing.count_cells(self.open(path)), 0)
+                self.assertFalse(os.path.exists(path + ".bvol"))
+
+    def test_files_without_a_volume_are_left_to_other_readers(self):
+        names = ["table.h5", "page.tif", "scan.map", "volume.vti"]
+        table, page, other, image = (testing.output(name) for name in names)
+        write_with_python("import h5py\n"
+                          "with h5py.File(path, 'w') as file:\n"
+                          "    file['table'] = samples[0]\n", table, self.samples)
+        write_tiff(page, self.samples[:1])
+        write_header(other, "no MRC file", self.samples)
+        shutil.copy(testing.volume("wave.vti"), image)
+        for path in (table, page, other, image, testing.arguments.volumes):
+            with self.subTest(path=path):
+                self.assertNotIn("AnySizeVolumeReader", list_readers(path))
+
     def test_other_volume_at_the_place_of_the_index_is_kept(self):
         write_zarr(self.source, self.samples)
         shutil.copy(testing.volume("wave.bvol"), self.index)
@@ -129,15 +275,35 @@ class InPlaceReader(testing.TestCase):
         self.assertIn("is no index of", reader.Index)
         self.assertTrue(filecmp.cmp(self.index, testing.volume("wave.bvol"), shallow=False))
 
-    def test_state_file_opens_the_indexed_source(self):
-        write_zarr(self.source, self.samples)
-        self.assertEqual(count_triangles(self.open(self.source)), self.expected)
+    def check_surfaces(self, count):
+        surfaces = [proxy for key, proxy in simple.GetSources().items() if key[0].startswith("StabbingContour")]
+        self.assertEqual([testing.count_cells(surface) for surface in surfaces], [self.expected] * count)
+
+    def test_states_open_every_format_again(self):
+        paths = self.write_all()
+        for path in paths:
+            self.assertEqual(count_triangles(self.open(path)), self.expected)
         state = testing.output("in_place.pvsm")
         simple.SaveState(state)
+        script = smstate.get_state()
         simple.ResetSession()
         simple.LoadState(state)
-        surface = next(proxy for key, proxy in simple.GetSources().items() if key[0].startswith("StabbingContour"))
-        self.assertEqual(testing.count_cells(surface), self.expected)
+        self.check_surfaces(len(paths))
+        simple.ResetSession()
+        self.assertIn("VolumeReaderAnySize(", script)
+        exec(script, {})
+        self.check_surfaces(len(paths))
+
+    def test_states_and_scripts_of_before_open_the_source(self):
+        write_zarr(self.source, self.samples)
+        count_triangles(simple.InPlaceVolumeReader(FileName=self.source))
+        state = testing.output("before.pvsm")
+        simple.SaveState(state)
+        with open(state) as file:
+            self.assertIn('type="InPlaceVolumeReader"', file.read())
+        simple.ResetSession()
+        simple.LoadState(state)
+        self.check_surfaces(1)
 
 
 testing.run()

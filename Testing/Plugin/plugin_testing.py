@@ -201,6 +201,36 @@ def open_volume(name):
     return reader
 
 
+def read_samples(image):
+    """Of the array RTData, z slowest."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    samples = vtk_to_numpy(image.GetPointData().GetArray("RTData"))
+    return samples.reshape(image.GetDimensions()[::-1])
+
+
+def write_zarr(folder, samples, chunk):
+    """An array of version 2 without compression, its last chunks partial."""
+    import numpy
+
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, ".zarray"), "w") as file:
+        json.dump({"zarr_format": 2, "shape": samples.shape, "chunks": [chunk] * 3, "dtype": "<f4",
+                   "compressor": None, "fill_value": 0, "order": "C", "filters": None}, file)
+    for place in numpy.ndindex(*[-(-count // chunk) for count in samples.shape]):
+        part = samples[tuple(slice(at * chunk, (at + 1) * chunk) for at in place)]
+        whole = numpy.zeros((chunk,) * 3, "f4")
+        whole[tuple(slice(count) for count in part.shape)] = part
+        whole.tofile(os.path.join(folder, ".".join(map(str, place))))
+
+
+def make_large_image():
+    """Of more samples than a sample of a file has."""
+    wavelet = simple.Wavelet(WholeExtent=[-80, 80, -65, 65, -55, 55])
+    wavelet.UpdatePipeline()
+    return wavelet
+
+
 def make_series():
     """A volume that changes with time: RTData + 10 t at t = 0, 1, 2, 3."""
     series = simple.ProgrammableFilter(Input=open_image())

@@ -2,18 +2,24 @@
 """Writes the volumes that the tests of the plugin read: write_volumes.py PLUGIN FOLDER
 
     wave.vti    82 x 76 x 67 samples of ParaView's Wavelet, float, at a negative extent
+    wave.mhd    the same, which two readers take
     wave.bvol   the same as a blocked volume of 4 stores and blocks of 16 cells
     wave.eix    its isosurface of 150
     series.bvol four time steps: RTData + 10 t
     pair.vtm    two images, of RTData and of RTData + 100
     noise.bvol  129^3 samples without order: an isosurface of six million triangles
+    large.zarr  161 x 131 x 111 samples of the Wavelet, more than a sample of a file has
     vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
 """
 import argparse
+import glob
 import os
+import shutil
 import sys
 
-from paraview import simple
+from paraview import servermanager, simple
+from vtkmodules.vtkIOImage import vtkMetaImageWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 
 import plugin_testing as testing
 
@@ -22,6 +28,13 @@ os.makedirs(folder, exist_ok=True)
 simple.LoadPlugin(plugin, ns=vars(simple))
 wave = simple.Wavelet(WholeExtent=[-40, 41, -35, 40, -30, 36])
 simple.SaveData(os.path.join(folder, "wave.vti"), proxy=wave, DataMode="Binary")
+reader = vtkXMLImageDataReader()
+reader.SetFileName(os.path.join(folder, "wave.vti"))
+writer = vtkMetaImageWriter()
+writer.SetInputConnection(reader.GetOutputPort())
+writer.SetFileName(os.path.join(folder, "wave.mhd"))
+writer.SetCompression(False)
+writer.Write()
 vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
 simple.SaveData(os.path.join(folder, "vectors.vti"), proxy=vectors, DataMode="Binary")
 simple.SaveData(
@@ -34,6 +47,10 @@ simple.SaveData(os.path.join(folder, "wave.eix"), proxy=contour)
 testing.arguments = argparse.Namespace(volumes=folder)
 series = testing.make_series()
 simple.SaveData(os.path.join(folder, "series.bvol"), proxy=series, WriteAllTimeSteps=1)
+samples = testing.read_samples(servermanager.Fetch(testing.make_large_image()))
+testing.write_zarr(os.path.join(folder, "large.zarr"), samples, 64)
+for index in glob.glob(os.path.join(folder, "large.zarr.bvol*")):
+    (shutil.rmtree if os.path.isdir(index) else os.remove)(index)  # of an earlier run
 image = simple.XMLImageDataReader(FileName=[os.path.join(folder, "wave.vti")])
 raised = simple.Calculator(Input=image, ResultArrayName="RTData", Function="RTData + 100")
 raised.ResultArrayType = "Float"

@@ -107,6 +107,19 @@ class Series(Files):
                 self.assert_equal_volumes(self.write("r", "o.bvol"),
                                           self.write_raw(values, "DICOM"))
 
+    def test_in_place(self):
+        samples = make_samples("int16", SHAPE)
+        last = self.save("p", samples, syntax=RLELossless)
+        path = self.write("p", "o.bvol", "--in-place")
+        code, _, err = self.run_tool("--verify", "--quiet", path)
+        self.assertEqual((code, err), (0, ""))
+        with open(last, "r+b") as file:
+            file.seek(-9, os.SEEK_END)
+            file.write(b"\1")
+        code, _, err = self.run_tool("--verify", "--quiet", path)
+        self.assertEqual(code, 1)
+        self.assertIn("was changed since", err)
+
     def test_choice_of_series(self):
         head, other = make_samples("int16", SHAPE), make_samples("int16", SHAPE, phase=1)
         last = self.save("two", head, series="1.2.3")

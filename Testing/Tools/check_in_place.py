@@ -114,6 +114,11 @@ class Samples(InPlaceCase):
                                  compressor=numcodecs.GZip(3))[:] = samples
         self.check("n.n5", samples)
 
+    def test_raw_samples_that_their_name_describes(self):
+        samples = make_samples("int16")
+        samples.astype(">i2").tofile(self.path("s.dat"))
+        self.check("s.dat:70x37x41,int16,big-endian", samples)
+
     def test_shards_and_missing_chunks(self):
         samples = make_samples("int16")
         samples[:20, :20] = -3

@@ -174,6 +174,7 @@ ValueDomain::ValueDomain(ValueType type, double isovalue, int scale)
       }
       else
       {
+        static_assert(sizeof(T) == 8 || std::is_same_v<T, float>, "others have no DecomposeCode");
         this->Codes = Kind::Bits;
         this->IsNarrow = sizeof(T) == 4;
       }

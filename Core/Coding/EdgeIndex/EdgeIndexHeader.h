@@ -46,7 +46,7 @@ struct EdgeIndexSettings
   Quantizer MakeQuantizer(ValueType type, double isovalue) const
   {
     return { this->QuantizationMinimum, this->QuantizationMaximum, this->QuantizationBits, isovalue,
-      type == ValueType::Float32 || type == ValueType::Float64 };
+      IsFloatingType(type) };
   }
 };
 

@@ -116,7 +116,7 @@ public:
 private:
   void ReadSettings(EdgeIndexHeader& header)
   {
-    header.Type = this->ReadEnumerator(ValueType::Float64);
+    header.Type = this->ReadValueType();
     header.Settings.Mode = this->ReadEnumerator(EdgeIndexMode::Smallest);
     header.Settings.Profile = this->ReadEnumerator(EdgeIndexProfile::Compact);
     header.Settings.QuantizationBits = this->Reader.Read<std::uint8_t>();
@@ -151,13 +151,21 @@ private:
   EdgeIndexAttribute ReadAttribute()
   {
     EdgeIndexAttribute attribute;
-    attribute.Type = this->ReadEnumerator(ValueType::Float64);
+    attribute.Type = this->ReadValueType();
     attribute.NumberOfComponents = this->Reader.Read<std::uint8_t>();
     attribute.IsNormals = this->ReadFlag();
     this->IsValid = this->Reader.Read<std::uint8_t>() == 0 && this->IsValid;
     attribute.MaximumError = this->Reader.Read<double>();
     attribute.Name = this->ReadText();
     return attribute;
+  }
+
+  ValueType ReadValueType()
+  {
+    const auto type = static_cast<ValueType>(this->Reader.Read<std::uint8_t>());
+    const bool isKnown = GetValueTypeName(type) != nullptr;
+    this->IsValid = this->IsValid && isKnown;
+    return isKnown ? type : ValueType::Float64;
   }
 
   template <typename Enumeration>

@@ -214,7 +214,7 @@ int SampledBlock::ChooseLosslessScale() const
 
 bool SampledBlock::HasMissingCrossings() const
 {
-  if (this->View.Type != ValueType::Float32 && this->View.Type != ValueType::Float64)
+  if (!IsFloatingType(this->View.Type))
   {
     return false;
   }

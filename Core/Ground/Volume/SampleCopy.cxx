@@ -57,6 +57,33 @@ SampleView MakeSampleView(
     box };
 }
 
+SampleView Coarsen(const SampleView& view, int level)
+{
+  const std::int64_t step = std::int64_t{ 1 } << level;
+  const auto coarsen = [step](VertexBox box)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      box.Low[axis] = (box.Low[axis] + step - 1) / step;
+      box.High[axis] = (box.High[axis] + step - 1) / step;
+    }
+    return box;
+  };
+  SampleView coarse = view;
+  coarse.Available = coarsen(view.Available);
+  coarse.Box = coarsen(view.Box);
+  const Index3& low = coarse.Available.Low;
+  if (!coarse.Available.IsEmpty())
+  {
+    coarse.First = view.AtBytes({ low[0] * step, low[1] * step, low[2] * step });
+  }
+  for (std::ptrdiff_t& stride : coarse.Stride)
+  {
+    stride *= static_cast<std::ptrdiff_t>(step);
+  }
+  return coarse;
+}
+
 void CopySamples(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
   std::int64_t count, std::size_t size)
 {

@@ -15,6 +15,10 @@ namespace isosurface
 SampleView MakeSampleView(
   ValueType type, const VertexBox& box, const void* first, std::int64_t components = 1);
 
+/// The same samples, but only those of vertices whose coordinates are multiples of 2^level: a view of
+/// that level's grid. May be empty.
+SampleView Coarsen(const SampleView& view, int level);
+
 /// Copies `count` samples of `size` bytes (1, 2, 4 or 8); strides are in samples.
 void CopySamples(void* to, std::ptrdiff_t toStride, const void* from, std::ptrdiff_t fromStride,
   std::int64_t count, std::size_t size);

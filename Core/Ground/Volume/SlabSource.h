@@ -55,7 +55,7 @@ public:
 
   /// The vertices on x, y and z that are best read together, in boxes that begin at multiples of
   /// them: those of a chunk of the file, or as much as costs few reads. Nothing if boxes are best
-  /// read in the order of z: a stream, or slices that are decoded as a whole.
+  /// read in the order of z: a stream.
   virtual std::optional<Index3> GetChunk() const { return std::nullopt; }
 
   /// Whether some rows of each slice cost little more alone than with the others: they are not

@@ -36,6 +36,7 @@ ValueKey MakeValueKey(T value)
   if constexpr (std::is_floating_point_v<T>)
   {
     using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    static_assert(sizeof(T) == sizeof(Bits));
     if (std::isnan(value))
     {
       return NotANumberKey;
@@ -49,6 +50,7 @@ ValueKey MakeValueKey(T value)
   else
   {
     using Unsigned = std::make_unsigned_t<T>;
+    static_assert(sizeof(T) <= sizeof(ValueKey));
     const auto shifted = static_cast<Unsigned>(
       static_cast<Unsigned>(value) - static_cast<Unsigned>(std::numeric_limits<T>::min()));
     const auto key = static_cast<ValueKey>(shifted);

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Volume/ValueType.h"
 
-#include <array>
+#include "Ground/Base/EnumeratorNames.h"
+
+#include <type_traits>
 
 namespace isosurface
 {
-namespace
-{
-constexpr std::array<const char*, 10> Names = { "int8", "uint8", "int16", "uint16", "int32",
-  "uint32", "int64", "uint64", "float32", "float64" };
-}
 
 std::size_t GetValueSize(ValueType type)
 {
@@ -26,21 +23,43 @@ std::uint64_t SumValueSizes(const std::vector<ValueType>& types)
   return bytes;
 }
 
+bool IsFloatingType(ValueType type)
+{
+  return DispatchValueType(
+    type, [](auto zero) { return std::is_floating_point_v<decltype(zero)>; });
+}
+
 const char* GetValueTypeName(ValueType type)
 {
-  return Names[static_cast<std::size_t>(type)];
+  switch (type)
+  {
+    case ValueType::Int8:
+      return "int8";
+    case ValueType::UInt8:
+      return "uint8";
+    case ValueType::Int16:
+      return "int16";
+    case ValueType::UInt16:
+      return "uint16";
+    case ValueType::Int32:
+      return "int32";
+    case ValueType::UInt32:
+      return "uint32";
+    case ValueType::Int64:
+      return "int64";
+    case ValueType::UInt64:
+      return "uint64";
+    case ValueType::Float32:
+      return "float32";
+    case ValueType::Float64:
+      return "float64";
+  }
+  return nullptr;
 }
 
 std::optional<ValueType> FindValueType(const std::string& name)
 {
-  for (std::size_t index = 0; index < Names.size(); ++index)
-  {
-    if (name == Names[index])
-    {
-      return static_cast<ValueType>(index);
-    }
-  }
-  return std::nullopt;
+  return FindEnumerator(name, GetValueTypeName);
 }
 
 std::optional<ValueType> FindIntegerType(std::size_t size, bool isSigned)

@@ -30,7 +30,9 @@ enum class ValueType : std::uint8_t
 std::size_t GetValueSize(ValueType type);
 std::uint64_t SumValueSizes(const std::vector<ValueType>& types);
 
-/// The type's name in file headers: "int8", "uint8", ... "float32", "float64".
+bool IsFloatingType(ValueType type);
+/// The type's name in file headers: "int8", "uint8", ... "float32", "float64". Null: no type has this
+/// number.
 const char* GetValueTypeName(ValueType type);
 /// The type of that name; nothing if there is none.
 std::optional<ValueType> FindValueType(const std::string& name);
@@ -79,9 +81,9 @@ decltype(auto) DispatchValueType(ValueType type, Functor&& functor)
     case ValueType::Float32:
       return functor(float{});
     case ValueType::Float64:
-    default:
-      return functor(double{});
+      break;
   }
+  return functor(double{}); // not a default case: the compiler shall name a type that is missing
 }
 
 } // namespace isosurface

@@ -26,6 +26,8 @@ struct VolumeChoice
   std::string Axes;                ///< of a dataset, a letter each; empty: as it says
   bool IgnoresPlaces = false;      ///< whether the caller places the samples, on a regular grid
   std::vector<std::string> Arrays; ///< names; empty: all. Unknown names choose nothing
+  /// Of a pyramid, the finest level of at most so many vertices, or the coarsest; 0: the finest.
+  std::int64_t Vertices = 0;
   /// What decoded chunks may take between reads.
   std::uint64_t CacheBytes = std::uint64_t{ 256 } << 20;
 };
@@ -38,6 +40,7 @@ struct OpenedVolume
   std::vector<ArrayDescription> Arrays; ///< the components of each have views of their own
   std::unique_ptr<SlabSource> Source;
   std::vector<double> Times;      ///< of all time steps of the file; empty if it has none
+  int Level = 0;                  ///< of a pyramid; above 0, samples are averages
   std::string LeftOut;            ///< says what of the file is not read; empty if everything is
   std::vector<std::string> Files; ///< that have the samples, or folders of them
   std::string Storage; ///< the file's own words of how it stores the samples; perhaps empty

@@ -2,6 +2,7 @@
 #include "Storage/Distribution/BlockDistribution.h"
 
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/EnumeratorNames.h"
 #include "Storage/Distribution/BlockBalancer.h"
 
 #include <algorithm>
@@ -15,8 +16,6 @@ namespace isosurface
 {
 namespace
 {
-
-constexpr std::array<const char*, 4> Names = { "greedy", "random", "slab", "balanced" };
 
 /// What Greedy looks at: the element of the matrix and the size of a block's range.
 struct Span
@@ -102,17 +101,23 @@ std::vector<std::uint32_t> Deal(std::vector<Span> spans, std::uint32_t stores)
 
 const char* GetDistributionName(DistributionMethod method)
 {
-  return Names[static_cast<std::size_t>(method)];
+  switch (method)
+  {
+    case DistributionMethod::Greedy:
+      return "greedy";
+    case DistributionMethod::Random:
+      return "random";
+    case DistributionMethod::Slab:
+      return "slab";
+    case DistributionMethod::Balanced:
+      return "balanced";
+  }
+  return nullptr;
 }
 
 std::optional<DistributionMethod> FindDistribution(const std::string& name)
 {
-  const auto found = std::find(Names.begin(), Names.end(), name);
-  if (found == Names.end())
-  {
-    return std::nullopt;
-  }
-  return static_cast<DistributionMethod>(found - Names.begin());
+  return FindEnumerator(name, GetDistributionName);
 }
 
 std::vector<std::uint32_t> DistributeBlocks(DistributionMethod method, ValueType type,
@@ -120,21 +125,27 @@ std::vector<std::uint32_t> DistributeBlocks(DistributionMethod method, ValueType
   const std::vector<BlockProfile>& profiles)
 {
   assert(stores >= 1 && ranges.size() <= std::numeric_limits<std::uint32_t>::max());
-  if (method == DistributionMethod::Greedy)
-  {
-    return Deal(MakeSpans(type, ranges), stores);
-  }
-  if (method == DistributionMethod::Balanced)
-  {
-    assert(profiles.size() == ranges.size());
-    return BlockBalancer(profiles, stores).Distribute();
-  }
   std::vector<std::uint32_t> result(ranges.size());
-  for (std::uint64_t block = 0; block < result.size(); ++block)
+  switch (method)
   {
-    result[block] = static_cast<std::uint32_t>(method == DistributionMethod::Random
-        ? ComputeChecksum(&block, sizeof(block), seed) % stores
-        : block * stores / result.size());
+    case DistributionMethod::Greedy:
+      return Deal(MakeSpans(type, ranges), stores);
+    case DistributionMethod::Balanced:
+      assert(profiles.size() == ranges.size());
+      return BlockBalancer(profiles, stores).Distribute();
+    case DistributionMethod::Random:
+      for (std::uint64_t block = 0; block < result.size(); ++block)
+      {
+        result[block] =
+          static_cast<std::uint32_t>(ComputeChecksum(&block, sizeof(block), seed) % stores);
+      }
+      break;
+    case DistributionMethod::Slab:
+      for (std::uint64_t block = 0; block < result.size(); ++block)
+      {
+        result[block] = static_cast<std::uint32_t>(block * stores / result.size());
+      }
+      break;
   }
   return result;
 }

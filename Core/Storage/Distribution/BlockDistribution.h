@@ -23,7 +23,7 @@ enum class DistributionMethod : std::uint8_t
   Balanced ///< every store gets the same estimated triangles at every isovalue
 };
 
-/// The name in file headers: "greedy", "random", "slab", "balanced".
+/// The name in file headers: "greedy", "random", "slab", "balanced". Null: no method has this number.
 const char* GetDistributionName(DistributionMethod method);
 /// The method of that name; nothing if there is none.
 std::optional<DistributionMethod> FindDistribution(const std::string& name);

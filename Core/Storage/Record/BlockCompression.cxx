@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Record/BlockCompression.h"
 
+#include "Ground/Base/EnumeratorNames.h"
+
 #include <algorithm>
-#include <array>
-#include <cstddef>
 
 namespace isosurface
 {
@@ -16,24 +16,31 @@ struct CodecTraits
   int MaximumLevel;
 };
 
-constexpr std::array<CodecTraits, 3> Codecs = { { { "none", 0 }, { "lz4", 12 }, { "zstd", 19 } } };
+/// Without a name if no codec has this number.
+CodecTraits GetTraits(SegmentCodec codec)
+{
+  switch (codec)
+  {
+    case SegmentCodec::None:
+      return { "none", 0 };
+    case SegmentCodec::Lz4:
+      return { "lz4", 12 };
+    case SegmentCodec::Zstd:
+      return { "zstd", 19 };
+  }
+  return { nullptr, 0 };
+}
 
 } // namespace
 
 const char* GetCodecName(SegmentCodec codec)
 {
-  return Codecs[static_cast<std::size_t>(codec)].Name;
+  return GetTraits(codec).Name;
 }
 
 std::optional<SegmentCodec> FindCodec(const std::string& name)
 {
-  const auto found = std::find_if(
-    Codecs.begin(), Codecs.end(), [&](const CodecTraits& codec) { return codec.Name == name; });
-  if (found == Codecs.end())
-  {
-    return std::nullopt;
-  }
-  return static_cast<SegmentCodec>(found - Codecs.begin());
+  return FindEnumerator(name, GetCodecName);
 }
 
 int BlockCompression::GetEffectiveLevel() const
@@ -43,9 +50,9 @@ int BlockCompression::GetEffectiveLevel() const
 
 bool BlockCompression::IsValid() const
 {
-  const auto index = static_cast<std::size_t>(this->Codec);
-  return index < Codecs.size() && this->Level >= 0 &&
-    (this->Codec == SegmentCodec::None || this->Level <= Codecs[index].MaximumLevel);
+  const CodecTraits traits = GetTraits(this->Codec);
+  return traits.Name && this->Level >= 0 &&
+    (this->Codec == SegmentCodec::None || this->Level <= traits.MaximumLevel);
 }
 
 } // namespace isosurface

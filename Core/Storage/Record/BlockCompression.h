@@ -17,7 +17,7 @@ enum class SegmentCodec : std::uint8_t
   Zstd = 2  ///< one Zstandard frame
 };
 
-/// "none", "lz4", "zstd", as in the file header.
+/// "none", "lz4", "zstd", as in the file header. Null: no codec has this number.
 const char* GetCodecName(SegmentCodec codec);
 /// The codec of a name, or nothing.
 std::optional<SegmentCodec> FindCodec(const std::string& name);

@@ -54,16 +54,16 @@ Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const Seg
 
 std::optional<SegmentCoding> LoadSegmentCoding(const std::uint8_t* segment)
 {
-  const std::uint8_t codec = segment[12];
+  const auto codec = static_cast<SegmentCodec>(segment[12]);
   const std::uint8_t predictor = segment[13];
-  const bool isKnown = codec == static_cast<std::uint8_t>(SegmentCodec::None)
+  const bool isKnown = codec == SegmentCodec::None
     ? predictor == 0
-    : codec <= static_cast<std::uint8_t>(SegmentCodec::Zstd) && IsPredictor(predictor);
+    : GetCodecName(codec) != nullptr && IsPredictor(predictor);
   if (!isKnown)
   {
     return std::nullopt;
   }
-  return SegmentCoding{ static_cast<SegmentCodec>(codec), static_cast<SamplePredictor>(predictor) };
+  return SegmentCoding{ codec, static_cast<SamplePredictor>(predictor) };
 }
 
 std::shared_ptr<DecodedBlock> AssembleLevel(const BlockGrid& grid, std::int64_t block, int level,

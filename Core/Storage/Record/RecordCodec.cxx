@@ -120,8 +120,7 @@ SamplePredictor ChoosePredictor(SegmentCodec codec, ValueType type, bool isCoars
   {
     return SamplePredictor::None;
   }
-  const bool isFloat = type == ValueType::Float32 || type == ValueType::Float64;
-  return isFloat || isCoarsest ? SamplePredictor::Previous : SamplePredictor::Coarser;
+  return IsFloatingType(type) || isCoarsest ? SamplePredictor::Previous : SamplePredictor::Coarser;
 }
 
 void EncodeRecord(const BlockCompression& compression, const BlockGrid& grid, std::int64_t block,

@@ -150,8 +150,9 @@ Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
   {
     return Status(StatusCode::Unsupported,
       text +
-        ": cannot be indexed in place: its samples can only be read in order (a compressed stream, "
-        "or slices that are decoded as a whole)");
+        ": cannot be indexed in place: its samples are a compressed stream, which can only be read "
+        "in order; copy it: blockvolume " +
+        text + " " + header);
   }
   record.Chunk = *chunk;
   for (const ArrayDescription& array : volume->Arrays)

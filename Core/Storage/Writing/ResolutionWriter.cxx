@@ -145,8 +145,8 @@ Result<std::uint64_t> ResolutionWriter::GetMemoryLeft(std::uint64_t taken) const
 bool ResolutionWriter::NeedsRanges() const
 {
   return this->Header.NumberOfStores > 1 &&
-    (this->Header.Distribution == DistributionMethod::Greedy ||
-      this->Header.Distribution == DistributionMethod::Balanced);
+    this->Header.Distribution != DistributionMethod::Random &&
+    this->Header.Distribution != DistributionMethod::Slab;
 }
 
 Status ResolutionWriter::ScanRanges(BlockRangeScan& scan)

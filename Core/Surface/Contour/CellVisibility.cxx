@@ -23,17 +23,12 @@ Index3 Step(Index3 vertex, std::size_t axis, std::int64_t step)
   return vertex;
 }
 
-bool IsFloating(ValueType type)
-{
-  return type == ValueType::Float32 || type == ValueType::Float64;
-}
-
 } // namespace
 
 CellVisibility::CellVisibility(const BlockSamples& samples, bool skipNotANumber)
   : Scalars(samples.Scalars)
   , Hidden(samples.Hidden && !samples.Hidden->IsEmpty() ? samples.Hidden : nullptr)
-  , SkipsNotANumber(skipNotANumber && IsFloating(samples.Scalars.Type))
+  , SkipsNotANumber(skipNotANumber && IsFloatingType(samples.Scalars.Type))
 {
 }
 

@@ -121,15 +121,15 @@ WorkloadSpectrum::WorkloadSpectrum(const SpectrumBins& bins)
 std::array<WorkloadSpectrum::Counts*, WorkloadSpectrum::NumberOfQuantities>
 WorkloadSpectrum::GetQuantities()
 {
-  return { &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes, &this->Area,
-    &this->Volume };
+  return std::array{ &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes,
+    &this->Area, &this->Volume };
 }
 
 std::array<const WorkloadSpectrum::Counts*, WorkloadSpectrum::NumberOfQuantities>
 WorkloadSpectrum::GetQuantities() const
 {
-  return { &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes, &this->Area,
-    &this->Volume };
+  return std::array{ &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes,
+    &this->Area, &this->Volume };
 }
 
 std::size_t WorkloadSpectrum::FindBin(double isovalue) const

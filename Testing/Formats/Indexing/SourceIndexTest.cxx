@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Indices of sources: their names, when they are out of date, and what they have.
 #include "Formats/Indexing/SourceIndex.h"
+#include "Fixtures/SampleFiles.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 
@@ -11,11 +12,6 @@ namespace
 
 const std::string SourcePath = "/data/scan.zarr";
 constexpr std::uint64_t Memory = std::uint64_t{ 64 } << 20;
-
-MemoryDisk::Bytes MakeBytes(const std::string& text)
-{
-  return { text.begin(), text.end() };
-}
 
 SourceIndex Find(MemoryDisk& disk, const std::string& chosen, const std::string& dataset = "",
   const std::string& folder = "")
@@ -59,6 +55,54 @@ TEST(SourceIndex, MetadataAndGroupsBelongToTheOutermostFolder)
   const SourceIndex run = Find(disk, "/data/run.h5", "/entry/data", "/scratch");
   EXPECT_EQ(run.Source, "/data/run.h5:/entry/data");
   EXPECT_EQ(run.Path, "/scratch/run.h5-entry-data.bvol");
+}
+
+TEST(SourceIndex, VolumesAreOfferedAndOtherFilesAreNot)
+{
+  MemoryDisk disk;
+  WriteZarr(disk, SourcePath, MakeVolume<std::int16_t>({ 40, 33, 36 }), { 16, 11, 20 });
+  EXPECT_TRUE(CanBeIndexed(disk, SourcePath));
+  EXPECT_TRUE(CanBeIndexed(disk, SourcePath + "/.zarray"));
+  const auto offers = [&disk](const std::string& name, const std::string& text, std::size_t samples)
+  {
+    MemoryDisk::Bytes bytes = MakeBytes(text);
+    bytes.resize(bytes.size() + samples);
+    disk.SetFile("/data/" + name, bytes);
+    return CanBeIndexed(disk, "/data/" + name);
+  };
+  const std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n";
+  EXPECT_TRUE(offers("a.nrrd", volume, 64));
+  EXPECT_TRUE(offers("damaged.nrrd", volume, 63));
+  EXPECT_TRUE(CanBeIndexed(disk, "/data/damaged.nrrd"));
+  EXPECT_FALSE(offers("a.txt", volume, 64));
+  EXPECT_FALSE(offers(
+    "slice.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 1\nencoding: raw\n\n", 64));
+  EXPECT_FALSE(offers(
+    "stream.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: gzip\n\n", 64));
+  EXPECT_FALSE(offers("a.map", "no MRC", 4096));
+  EXPECT_FALSE(offers("a.raw", "", 64)) << "nobody knows what it is";
+  EXPECT_TRUE(IsRawSource(disk, "/data/a.raw"));
+  EXPECT_TRUE(offers("a_4x4x4_uint8.raw", "", 64));
+  EXPECT_TRUE(IsRawSource(disk, "/data/a.txt"));
+  EXPECT_FALSE(IsRawSource(disk, "/data/a.nrrd"));
+  EXPECT_FALSE(CanBeIndexed(disk, "/data")) << "a folder without a volume";
+  EXPECT_FALSE(CanBeIndexed(disk, "/data/nothing.zarr"));
+}
+
+TEST(SourceIndex, ArraysThatMayBeVolumesAreListed)
+{
+  MemoryDisk disk;
+  const std::string folder = "/data/two.zarr";
+  disk.SetFile(folder + "/.zgroup", MakeBytes("{\"zarr_format\": 2}"));
+  const auto volume = MakeVolume<std::int16_t>({ 40, 33, 36 });
+  WriteZarr(disk, folder + "/a", volume, { 16, 11, 20 });
+  WriteZarr(disk, folder + "/b", volume, { 16, 11, 20 });
+  disk.SetFile(folder + "/c/.zarray",
+    MakeBytes("{\"zarr_format\": 2, \"shape\": [4, 4], \"chunks\": [4, 4], \"dtype\": \"<i2\", "
+              "\"compressor\": null, \"fill_value\": 0, \"order\": \"C\", \"filters\": null}"));
+  EXPECT_EQ(ListVolumes(disk, folder), (std::vector<std::string>{ "a", "b" }));
+  EXPECT_TRUE(CanBeIndexed(disk, folder)) << "one of them has to be chosen";
+  EXPECT_FALSE(CanBeIndexed(disk, folder + "/c/.zarray"));
 }
 
 TEST(SourceIndex, IsCurrentUntilTheSourceChanges)

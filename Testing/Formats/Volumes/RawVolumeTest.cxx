@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/SampleFiles.h"
 
+#include "Formats/Opener/ForeignVolume.h"
+
 using namespace isosurface;
 
 namespace
@@ -109,4 +111,39 @@ TEST(RawVolume, MissingAndTruncatedFilesAreErrors)
   EXPECT_FALSE(DescribeRaw({ 0, 7, 5 }, ValueType::UInt8).Open(disk).IsOk());
   raw.Paths.clear();
   EXPECT_FALSE(raw.Open(disk).IsOk());
+}
+
+TEST(RawSamples, AreDescribedByTheNameOfTheVolumeOrOfTheFile)
+{
+  const auto volume = MakeRamp<std::uint16_t>({ 9, 7, 5 });
+  MemoryDisk disk;
+  Bytes bytes(13, 0xee);
+  const Bytes swapped = MakeBytes(volume, true);
+  bytes.insert(bytes.end(), swapped.begin(), swapped.end());
+  WriteFile(disk, "/data/a.dat", bytes);
+  WriteFile(disk, "/data/a b_9x7x5_uint16.raw", MakeBytes(volume, false));
+  for (const char* name : { "/data/a.dat:9x7x5,uint16,big-endian,header-bytes=13",
+         "/data/a b_9x7x5_uint16.raw", "/data/a b_9x7x5_uint16.raw:9x7x5,uint16" })
+  {
+    const auto opened = Require(OpenForeignVolume(disk, name));
+    ExpectSamples(*opened.Source, volume);
+  }
+  const auto listed = Require(ListForeignVolumes(disk, "/data/a b_9x7x5_uint16.raw"));
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_EQ(listed[0].Name, "9x7x5,uint16");
+  EXPECT_EQ(listed[0].Shape, "5 x 7 x 9");
+}
+
+TEST(RawSamples, WithoutADescriptionAreAnErrorThatTellsHow)
+{
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a_9x7x5_uint16.raw", Bytes(629)); // 9 x 7 x 5 samples are 630 bytes
+  for (const char* within : { "", ":9x7x5", ":9x7,uint16", ":9x7x0,uint16", ":9x7x5,uint15",
+         ":9x7x5,uint8,little", ":9x7x5,uint8,header-bytes=-1", ":9x7x5x2,uint8" })
+  {
+    const auto opened = OpenForeignVolume(disk, std::string("/data/a_9x7x5_uint16.raw") + within);
+    ExpectError(opened.GetStatus(), StatusCode::InvalidArgument, "512x512x300,uint16");
+  }
+  const auto truncated = OpenForeignVolume(disk, "/data/a_9x7x5_uint16.raw:9x7x5,uint16");
+  ExpectError(truncated.GetStatus(), StatusCode::Corrupt, "truncated");
 }

@@ -248,6 +248,23 @@ TEST(TiffSource, ReadsStripsAndTilesOfEveryCompression)
   }
 }
 
+TEST(TiffSource, ChunksAreWholeStripsAndTilesOfAPage)
+{
+  const Folder folder;
+  const auto volume = MakeRamp<std::uint16_t>({ 100, 90, 3 });
+  const auto findChunk = [&](const TiffLayout& layout)
+  {
+    WriteStack(folder / "a.tif", volume, layout);
+    return Require(OpenForeignVolume(GetLocalFileSystem(), folder / "a.tif")).Source->GetChunk();
+  };
+  using Chunk = std::optional<Index3>;
+  EXPECT_EQ(findChunk({ "w", COMPRESSION_NONE, 90 }), (Chunk{ { 100, 32, 1 } }));
+  EXPECT_EQ(findChunk({ "w", COMPRESSION_LZW, 7 }), (Chunk{ { 100, 35, 1 } }));
+  EXPECT_EQ(findChunk({ "w", COMPRESSION_LZW, 90 }), (Chunk{ { 100, 90, 1 } }));
+  EXPECT_EQ(findChunk({ "w", COMPRESSION_NONE, 1, 48 }), (Chunk{ { 48, 48, 1 } }));
+  EXPECT_EQ(findChunk({ "w", COMPRESSION_LZW, 1, 16 }), (Chunk{ { 32, 32, 1 } }));
+}
+
 TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
 {
   const Folder folder;

@@ -302,5 +302,6 @@ TEST(BlockDistribution, NamesRoundTrip)
   {
     EXPECT_EQ(FindDistribution(GetDistributionName(method)), method);
   }
+  EXPECT_EQ(GetDistributionName(static_cast<DistributionMethod>(std::size(Methods))), nullptr);
   EXPECT_FALSE(FindDistribution("Greedy").has_value());
 }

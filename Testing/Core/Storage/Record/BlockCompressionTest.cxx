@@ -171,6 +171,16 @@ TYPED_TEST(CompressionOfType, StoresNoiseUncompressedAndConstantsInAFewBytes)
   }
 }
 
+TEST(BlockCompression, EachCodecHasANameAndIsTested)
+{
+  for (const SegmentCodec codec : Codecs)
+  {
+    EXPECT_EQ(FindCodec(GetCodecName(codec)), codec);
+  }
+  EXPECT_EQ(GetCodecName(static_cast<SegmentCodec>(std::size(Codecs))), nullptr);
+  EXPECT_FALSE(FindCodec("LZ4").has_value());
+}
+
 TEST(BlockCompression, IsExactAtEveryLevelOfACodec)
 {
   const auto volume = MakeVolume<std::int16_t>({ 35, 35, 35 });

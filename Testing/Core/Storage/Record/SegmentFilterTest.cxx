@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Record/SegmentFilter.h"
 
+#include "Fixtures/SampleVolume.h"
 #include "Storage/Record/OrderedSample.h"
 
 #include <gtest/gtest.h>
@@ -20,9 +21,7 @@ template <typename T>
 class FilterOfType : public ::testing::Test
 {
 };
-using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
-  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(FilterOfType, Types, );
+TYPED_TEST_SUITE(FilterOfType, AllValueTypes, );
 
 template <typename T>
 T FromBits(std::uint64_t bits)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Record/SegmentPrediction.h"
 
+#include "Fixtures/SampleVolume.h"
 #include "Storage/Record/OrderedSample.h"
 
 #include <gtest/gtest.h>
@@ -18,9 +19,7 @@ template <typename T>
 class PredictionOfType : public ::testing::Test
 {
 };
-using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
-  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(PredictionOfType, Types, );
+TYPED_TEST_SUITE(PredictionOfType, AllValueTypes, );
 
 template <typename U>
 U Mean(U a, U b)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Surface/Spectrum/BlockActivity.h"
 
+#include "Fixtures/SampleVolume.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -72,9 +74,7 @@ template <typename T>
 class BlockActivityOfType : public ::testing::Test
 {
 };
-using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
-  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
-TYPED_TEST_SUITE(BlockActivityOfType, Types, );
+TYPED_TEST_SUITE(BlockActivityOfType, AllValueTypes, );
 
 template <typename T>
 std::vector<Block<T>> MakeBlocks(T origin, std::uint64_t spread)

@@ -1,0 +1,234 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a file that nobody has indexed to a picture, beside programs that read the file first.
+
+    first_contact.py [FOLDER] [--sides N N N] [--formats mhd zarr ome h5] [--isovalue V] [--no-peers] [--warm]
+
+Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, Zarr
+(blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64, into the
+folder. Then, each in a process of its own, without the file in the system's cache (that takes root;
+--warm leaves it there):
+
+    picture   seconds from opening the file to the first picture of the surface, that of a sample
+    index     until the file is indexed beside the window
+    exact     until the picture of the whole surface
+    freeze    the longest time for which a window could not have answered after the first picture and
+              before the index was there
+    processor, peak memory: of all of that
+
+of Volume Reader (Any Size) and Stabbing Contour, as ParaView's window uses them, and of VTK's own reader,
+zarr or h5py with vtkFlyingEdges3D, whose first picture is exact. Needs an X display, python3-h5py,
+python3-zarr (version 2) and the package scalable_isosurface on PYTHONPATH.
+"""
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+CHUNK = 64
+SLAB = 64
+POLL_SECONDS = 0.1
+
+
+def make_slabs(sides):
+    """Numbers of first slices, and the samples from there on: distances from the centre, with noise."""
+    import numpy
+
+    random = numpy.random.default_rng(1)
+    noise = random.integers(-3, 4, (SLAB, sides[1], sides[0]), "i2")
+    place = [(numpy.arange(side) - side / 2) / side for side in sides]
+    across = place[0][None, :] ** 2 + place[1][:, None] ** 2
+    for first in range(0, sides[2], SLAB):
+        deep = place[2][first:first + SLAB, None, None] ** 2
+        ball = (4000 * numpy.sqrt(across[None] + deep)).astype("i2")
+        yield first, ball + noise[:len(ball)]
+        noise = numpy.roll(noise, 37, 2)
+
+
+def write_volume(kind, folder, sides):
+    """Returns the path."""
+    import h5py
+    import numcodecs
+    import numpy
+    import zarr
+
+    shape, chunks, codec = sides[::-1], (CHUNK,) * 3, numcodecs.Blosc("lz4", 1, 1)
+    path = os.path.join(folder, "scan." + kind)
+    if kind == "mhd":
+        with open(path, "w") as header:
+            header.write("ObjectType = Image\nNDims = 3\nDimSize = {} {} {}\nElementType = MET_SHORT\n"
+                         "ElementDataFile = scan.raw\n".format(*sides))
+        with open(os.path.join(folder, "scan.raw"), "wb") as file:
+            for _, samples in make_slabs(sides):
+                samples.astype("<i2").tofile(file)
+    elif kind == "h5":
+        with h5py.File(path, "w") as file:
+            dataset = file.create_dataset("scan", shape=shape, dtype="i2", chunks=chunks,
+                                          compression="gzip", compression_opts=1, shuffle=True)
+            for first, samples in make_slabs(sides):
+                dataset[first:first + len(samples)] = samples
+    elif kind == "zarr":
+        array = zarr.open(path, mode="w", shape=shape, chunks=chunks, dtype="i2", compressor=codec)
+        for first, samples in make_slabs(sides):
+            array[first:first + len(samples)] = samples
+    else:
+        path = os.path.join(folder, "scan-ome.zarr")
+        group = zarr.open_group(path, mode="w")
+        levels = [group.create_dataset(str(level), shape=[-(-side >> level) for side in shape], chunks=chunks,
+                                       dtype="i2", compressor=codec) for level in range(5)]
+        for first, samples in make_slabs(sides):
+            for level, array in enumerate(levels):
+                array[first >> level:(first >> level) + len(samples)] = samples
+                samples = numpy.pad(samples, [(0, side % 2) for side in samples.shape], mode="edge")
+                samples = (sum(samples[z::2, y::2, x::2].astype("f4")
+                               for z, y, x in numpy.ndindex(2, 2, 2)) / 8).astype("i2")
+        group.attrs["multiscales"] = [{
+            "version": "0.4", "axes": [{"name": name, "type": "space"} for name in "zyx"],
+            "datasets": [{"path": str(level), "coordinateTransformations": [
+                {"type": "scale", "scale": [2.0 ** level] * 3},
+                {"type": "translation", "translation": [2.0 ** level / 2 - 0.5] * 3}]} for level in range(5)]}]
+    return path
+
+
+class Picture:
+    """A window that shows what a filter makes."""
+
+    def __init__(self, contour):
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401: makes the classes below draw
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow
+
+        mapper = vtkPolyDataMapper()
+        mapper.ScalarVisibilityOff()
+        mapper.SetInputConnection(contour.GetOutputPort())
+        actor = vtkActor()
+        actor.SetMapper(mapper)
+        self.renderer = vtkRenderer()
+        self.renderer.AddActor(actor)
+        self.window = vtkRenderWindow()
+        self.window.SetOffScreenRendering(True)
+        self.window.SetSize(1280, 800)
+        self.window.AddRenderer(self.renderer)
+
+    def show(self):
+        self.renderer.ResetCamera()
+        self.window.Render()
+        self.window.WaitForCompletion()
+
+
+def show_at_once(path, isovalue, begin):
+    """The times of ours."""
+    from scalable_isosurface import vtkInPlaceVolumeReader, vtkStabbingContour
+
+    reader = vtkInPlaceVolumeReader()
+    reader.SetSourceName(path)
+    contour = vtkStabbingContour()
+    contour.SetInputConnection(reader.GetOutputPort())
+    contour.SetValue(0, isovalue)
+    picture = Picture(contour)
+    reader.AllowCoarse(True)
+    contour.AllowCoarse(True)
+    picture.show()
+    times = {"picture": time.perf_counter() - begin, "freeze": 0.0,
+             "coarse": contour.GetOutput().GetNumberOfPolys(), "shown": reader.GetShownText()}
+    while reader.GetIndexing()[0] == 1:
+        time.sleep(POLL_SECONDS)
+        call = time.perf_counter()
+        reader.AdvanceIndex(0)
+        times["freeze"] = max(times["freeze"], time.perf_counter() - call)
+    times["index"] = time.perf_counter() - begin
+    reader.TakeIndex()
+    contour.AllowCoarse(False)
+    picture.show()
+    return contour, times
+
+
+def read_first(path, isovalue):
+    """The peers' contour, behind all samples."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
+
+    contour = vtkFlyingEdges3D()
+    contour.SetValue(0, isovalue)
+    if path.endswith(".mhd"):
+        from vtkmodules.vtkIOImage import vtkMetaImageReader
+
+        reader = vtkMetaImageReader()
+        reader.SetFileName(path)
+        contour.SetInputConnection(reader.GetOutputPort())
+        return contour, reader
+    if path.endswith(".h5"):
+        import h5py
+
+        samples = h5py.File(path)["scan"][:]
+    else:
+        import zarr
+
+        array = zarr.open(path, mode="r")
+        samples = (array if hasattr(array, "shape") else array["0"])[:]
+    image = vtkImageData()
+    image.SetDimensions(*samples.shape[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(samples.ravel()))
+    contour.SetInputData(image)
+    return contour, samples
+
+
+def measure(who, path, isovalue):
+    begin, processor = time.perf_counter(), time.process_time()
+    if who == "ours":
+        contour, times = show_at_once(path, isovalue, begin)
+    else:
+        contour, kept = read_first(path, isovalue)
+        Picture(contour).show()
+        times = {}
+    times["exact"] = time.perf_counter() - begin
+    times["processor"] = time.process_time() - processor
+    times["triangles"] = contour.GetOutput().GetNumberOfPolys()
+    with open("/proc/self/status") as file:
+        times["MiB"] = next(int(line.split()[1]) for line in file if line.startswith("VmHWM")) / 1024
+    print(json.dumps(times))
+
+
+def run(who, path, arguments):
+    if not arguments.warm:
+        os.sync()
+        with open("/proc/sys/vm/drop_caches", "w") as file:
+            file.write("3")
+    done = subprocess.run([sys.executable, __file__, "--measure", who, path, str(arguments.isovalue)],
+                          stdout=subprocess.PIPE, check=True)
+    times = json.loads(done.stdout.splitlines()[-1])
+    print(f"  {who:6} " + "  ".join(
+        f"{name} {times[name]:.2f}" for name in ("picture", "index", "exact", "freeze", "processor") if name in times) +
+        f"  peak {times['MiB']:.0f} MiB  {times['triangles']:,} triangles" +
+        (f" ({times['coarse']:,} first: {times['shown']})" if "coarse" in times else ""), flush=True)
+
+
+def main():
+    if sys.argv[1:2] == ["--measure"]:
+        measure(sys.argv[2], sys.argv[3], float(sys.argv[4]))
+        return
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folder", nargs="?")
+    parser.add_argument("--sides", type=int, nargs=3, default=[816, 816, 816])
+    parser.add_argument("--formats", nargs="+", default=["mhd", "zarr", "ome", "h5"])
+    parser.add_argument("--isovalue", type=float, default=1500)
+    parser.add_argument("--no-peers", action="store_true", help="for volumes larger than memory")
+    parser.add_argument("--warm", action="store_true")
+    arguments = parser.parse_args()
+    for kind in arguments.formats:
+        folder = tempfile.mkdtemp(dir=arguments.folder)
+        try:
+            path = write_volume(kind, folder, arguments.sides)
+            print(f"{kind}, {' x '.join(map(str, arguments.sides))} int16", flush=True)
+            run("ours", path, arguments)
+            if not arguments.no_peers:
+                run("peer", path, arguments)
+        finally:
+            shutil.rmtree(folder)
+
+
+main()

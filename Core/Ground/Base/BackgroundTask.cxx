@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ground/Base/BackgroundTask.h"
+
+#include "Ground/Base/ThreadPriority.h"
+
+#include <chrono>
+#include <utility>
+
+namespace isosurface
+{
+
+BackgroundTask::BackgroundTask(std::string context, Work work)
+  : Thread(
+      [this, context = std::move(context), work = std::move(work)] { this->Run(context, work); })
+{
+}
+
+BackgroundTask::~BackgroundTask()
+{
+  this->Stop();
+  this->Thread.join();
+}
+
+void BackgroundTask::Run(const std::string& context, const Work& work)
+{
+  LowerThreadPriority();
+  const Progress advance = [this](double fraction)
+  {
+    this->Done = fraction;
+    return !this->Stopped;
+  };
+  this->EndStatus = Attempt(context, [&] { return work(advance); });
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->HasEnded = true;
+  this->Ended.notify_all();
+}
+
+bool BackgroundTask::Wait(double seconds)
+{
+  std::unique_lock<std::mutex> lock(this->Mutex);
+  return this->Ended.wait_for(
+    lock, std::chrono::duration<double>(seconds), [this] { return this->HasEnded; });
+}
+
+} // namespace isosurface

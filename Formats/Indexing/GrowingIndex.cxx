@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Indexing/GrowingIndex.h"
+
+#include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Store/BlockedVolume.h"
+
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// Before this share is written, its time says little about that of the rest.
+constexpr double ShareToEstimate = 0.02;
+/// A sample takes the place of one that is so many times smaller.
+constexpr double EnoughLarger = 1.5;
+
+} // namespace
+
+GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index,
+  SourceSample sample, std::uint64_t memoryBytes)
+  : Index(std::move(index))
+  , Files(files)
+  , Sample(std::move(sample))
+  , Collector(ranks.GetSize() == 1 && this->Sample.Volume && this->Sample.Share < 1
+        ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
+        : nullptr)
+{
+  if (ranks.GetSize() == 1 && !CanWriteIndex(files, this->Index))
+  {
+    this->Memory = std::make_shared<MemoryFileSystem>(files, this->Index.Path, memoryBytes);
+  }
+  FileSystem& place = this->Memory ? *this->Memory : files;
+  this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
+    [this, &place, memoryBytes](Communicator& all, const Progress& advance) -> Status
+    {
+      const auto leftOut =
+        WriteSourceIndex(all, place, this->Index, memoryBytes, advance, this->Collector.get());
+      ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
+      this->LeftOut = *leftOut;
+      return Status::Ok();
+    });
+}
+
+bool GrowingIndex::IsCurrent() const
+{
+  const auto state = FindIndexState(this->Memory ? *this->Memory : this->Files, this->Index);
+  return state.IsOk() && *state == IndexState::Current;
+}
+
+Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
+{
+  if (!this->Memory)
+  {
+    return std::shared_ptr<BlockedVolume>();
+  }
+  const auto opened = BlockedVolume::Open(
+    this->Index.Path, *this->Memory, BlockCache::GetProcessCache(), OpenForeignVolume);
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  const auto kept =
+    std::make_shared<std::pair<std::shared_ptr<MemoryFileSystem>, std::shared_ptr<BlockedVolume>>>(
+      this->Memory, *opened);
+  return std::shared_ptr<BlockedVolume>(kept, kept->second.get());
+}
+
+bool GrowingIndex::HasLargerSample() const
+{
+  const double share = this->Collector ? this->Collector->GetShare() : 0;
+  return share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
+}
+
+Status GrowingIndex::EnlargeSample()
+{
+  auto sample = this->Collector->MakeSample(this->Files, this->Index);
+  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
+  this->Sample = std::move(*sample);
+  return Status::Ok();
+}
+
+double GrowingIndex::EstimateSeconds() const
+{
+  const double done = this->GetProgress();
+  const double seconds =
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
+  return done < ShareToEstimate ? -1 : seconds * (1 - done) / done;
+}
+
+} // namespace isosurface

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_GrowingIndex_h
+#define isosurface_GrowingIndex_h
+
+#include "Formats/Indexing/SampleCollector.h"
+#include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Indexing/SourceSample.h"
+#include "Ground/Base/CollectiveTask.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/MemoryFileSystem.h"
+#include "Ground/Base/Status.h"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace isosurface
+{
+
+class BlockedVolume;
+
+/**
+ * An index that is written beside the calling thread, and a sample of the source that is shown until
+ * then. The index is that of WriteSourceIndex, bit for bit. Its threads have a low priority. Where
+ * there are several ranks, they work only while all of them are in Advance(): the calling threads
+ * communicate for them.
+ *
+ * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
+ * writing it may be.
+ *
+ * The destructor stops the writing. Then an older index stays as it was.
+ */
+class GrowingIndex
+{
+public:
+  /// Begins to write. Collective.
+  GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index, SourceSample sample,
+    std::uint64_t memoryBytes);
+
+  const SourceIndex& GetIndex() const { return this->Index; }
+  const SourceSample& GetSample() const { return this->Sample; }
+  /// Whether a sample could be had that is much larger than the last one: what is being indexed is
+  /// sampled, too. Never where there are several ranks.
+  bool HasLargerSample() const;
+  /// Makes that the sample.
+  Status EnlargeSample();
+
+  /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
+  /// Collective.
+  bool Advance(Communicator& ranks, double seconds)
+  {
+    return this->Writing->Advance(ranks, seconds);
+  }
+  /// Asks it to stop, without waiting for that. Then it ends with StatusCode::Aborted.
+  void Stop() { this->Writing->Stop(); }
+  /// The finished fraction, 0 to 1.
+  double GetProgress() const { return this->Writing->GetProgress(); }
+  /// Seconds until the end, if it goes on as before; negative if nobody knows yet.
+  double EstimateSeconds() const;
+
+  /// How it ended, and what of the source is left out (WriteSourceIndex). Only after Advance() has
+  /// returned true.
+  const Status& GetStatus() const { return this->Writing->GetStatus(); }
+  const std::string& GetLeftOut() const { return this->LeftOut; }
+  /// Whether the index is of the source as it is now. Only after it has ended well.
+  bool IsCurrent() const;
+  /// The volume of an index in memory, which stays valid without this object; null if the index is
+  /// in its place. Only after it has ended well.
+  Result<std::shared_ptr<BlockedVolume>> OpenInMemory() const;
+
+private:
+  const SourceIndex Index;
+  FileSystem& Files;
+  SourceSample Sample;
+  std::unique_ptr<SampleCollector> Collector; ///< null if the sample is of all of the volume
+  std::shared_ptr<MemoryFileSystem> Memory;   ///< null if the index can be written to its place
+  const std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
+  std::string LeftOut;                     ///< the thread's until it has ended
+  std::unique_ptr<CollectiveTask> Writing; ///< the last member: it uses the others
+};
+
+} // namespace isosurface
+
+#endif

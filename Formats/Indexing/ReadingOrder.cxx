@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Indexing/ReadingOrder.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+namespace isosurface
+{
+namespace
+{
+
+/// The first slices are at most so many times as far apart as the last ones.
+constexpr std::int64_t CoarsestSlices = 8;
+
+std::int64_t DivideUp(std::int64_t number, std::int64_t by)
+{
+  return (number + by - 1) / by;
+}
+
+/// Powers of two, so that a lattice of the whole source has at most `vertices`, about as many on each
+/// axis.
+Index3 ChooseStep(const Index3& size, std::int64_t vertices)
+{
+  Index3 step{ 1, 1, 1 };
+  Index3 count = size;
+  while (count[0] * count[1] * count[2] > vertices)
+  {
+    const auto longest =
+      static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin());
+    step[longest] *= 2;
+    count[longest] = DivideUp(size[longest], step[longest]);
+  }
+  return step;
+}
+
+/// Slices from the first to the last, far apart first and then in between.
+class SliceOrder : public ReadingOrder
+{
+public:
+  SliceOrder(const VertexBox& box, const Index3& step, bool isByRows)
+    : ReadingOrder(step)
+    , Box(box)
+    , ByRows(isByRows)
+    , Slices(DivideUp(box.High[2], step[2]))
+  {
+    for (this->Apart = 1; this->Apart<CoarsestSlices&& this->Slices> 2 * this->Apart;)
+    {
+      this->Apart *= 2;
+    }
+  }
+
+  std::vector<VertexBox> FindNext() override
+  {
+    std::vector<VertexBox> slices;
+    if (this->HasBegun && this->Apart == 1)
+    {
+      return slices;
+    }
+    this->Apart /= this->HasBegun ? 2 : 1;
+    for (std::int64_t slice = 0; slice < this->Slices; slice += this->Apart)
+    {
+      if (!this->HasBegun || slice % (2 * this->Apart) != 0)
+      {
+        VertexBox box = this->Box;
+        box.Low[2] = slice * this->Step[2];
+        box.High[2] = box.Low[2] + 1;
+        slices.push_back(box);
+      }
+    }
+    this->HasBegun = true;
+    return slices;
+  }
+
+  Lattice GetLattice() const override
+  {
+    return { this->Box, { this->Step[0], this->Step[1], this->Step[2] * this->Apart } };
+  }
+  bool IsByRows() const override { return this->ByRows; }
+
+private:
+  const VertexBox Box;
+  const bool ByRows;
+  const std::int64_t Slices;
+  std::int64_t Apart = 1; ///< in slices of the last lattice
+  bool HasBegun = false;
+};
+
+/// A box of whole chunks, which grows from the middle.
+class ChunkOrder : public ReadingOrder
+{
+public:
+  /// While the box is an eighth of the source, the lattice has half of the step.
+  ChunkOrder(const VertexBox& box, const Index3& chunk, const Index3& step)
+    : ReadingOrder({ std::max<std::int64_t>(1, step[0] / 2), std::max<std::int64_t>(1, step[1] / 2),
+        std::max<std::int64_t>(1, step[2] / 2) })
+    , Box(box)
+    , Chunk(chunk)
+    , WholeStep(step)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Chunks.High[axis] = DivideUp(box.High[axis], chunk[axis]);
+      this->Read.Low[axis] = this->Read.High[axis] = this->Chunks.High[axis] / 2;
+    }
+  }
+
+  std::vector<VertexBox> FindNext() override
+  {
+    const VertexBox before = this->Read;
+    this->Grow();
+    std::vector<VertexBox> boxes;
+    VisitVertices(this->Read,
+      [&](const Index3& chunk)
+      {
+        const VertexBox one{ chunk, { chunk[0] + 1, chunk[1] + 1, chunk[2] + 1 } };
+        if (before.IsEmpty() || !before.Contains(one))
+        {
+          boxes.push_back(this->GetVertices(one));
+        }
+      });
+    return boxes;
+  }
+
+  Lattice GetLattice() const override
+  {
+    const VertexBox vertices = this->GetVertices(this->Read);
+    const bool isSmall = vertices.GetNumberOfVertices() <= this->Box.GetNumberOfVertices() / 8;
+    return { vertices, isSmall ? this->Step : this->WholeStep };
+  }
+  const Index3& GetWholeStep() const override { return this->WholeStep; }
+
+private:
+  VertexBox GetVertices(const VertexBox& chunks) const
+  {
+    VertexBox box;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      box.Low[axis] = chunks.Low[axis] * this->Chunk[axis];
+      box.High[axis] = std::min(chunks.High[axis] * this->Chunk[axis], this->Box.High[axis]);
+    }
+    return box;
+  }
+
+  /// By a layer of chunks on both sides of the axis on which the box is shortest. The first box is
+  /// the chunk in the middle.
+  void Grow()
+  {
+    if (this->Read.IsEmpty())
+    {
+      this->Read.High = { this->Read.Low[0] + 1, this->Read.Low[1] + 1, this->Read.Low[2] + 1 };
+      return;
+    }
+    std::optional<std::size_t> shortest;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const Index3 size = this->GetVertices(this->Read).GetSize();
+      if (this->Read.GetSize()[axis] < this->Chunks.High[axis] &&
+        (!shortest || size[axis] < size[*shortest]))
+      {
+        shortest = axis;
+      }
+    }
+    if (shortest)
+    {
+      std::int64_t& low = this->Read.Low[*shortest];
+      std::int64_t& high = this->Read.High[*shortest];
+      low = std::max<std::int64_t>(0, low - 1);
+      high = std::min(this->Chunks.High[*shortest], high + 1);
+    }
+  }
+
+  const VertexBox Box;
+  const Index3 Chunk;
+  const Index3 WholeStep;
+  VertexBox Chunks; ///< all, by number
+  VertexBox Read;   ///< those of the boxes so far
+};
+
+/// One slice after the other.
+class StreamOrder : public ReadingOrder
+{
+public:
+  StreamOrder(const VertexBox& box, const Index3& step)
+    : ReadingOrder(step)
+    , Box(box)
+  {
+  }
+
+  std::vector<VertexBox> FindNext() override
+  {
+    const std::int64_t slice = this->Slices * this->Step[2];
+    if (slice >= this->Box.High[2])
+    {
+      return {};
+    }
+    ++this->Slices;
+    VertexBox box = this->Box;
+    box.Low[2] = slice;
+    box.High[2] = slice + 1;
+    return { box };
+  }
+
+  Lattice GetLattice() const override
+  {
+    Lattice lattice{ this->Box, this->Step };
+    lattice.Box.High[2] = std::min(this->Box.High[2], this->Slices * this->Step[2]);
+    return lattice;
+  }
+  bool IsStream() const override { return true; }
+
+private:
+  const VertexBox Box;
+  std::int64_t Slices = 0; ///< that are read
+};
+
+} // namespace
+
+VertexBox Lattice::GetNumbers() const
+{
+  VertexBox numbers;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    numbers.Low[axis] = DivideUp(this->Box.Low[axis], this->Step[axis]);
+    numbers.High[axis] = DivideUp(this->Box.High[axis], this->Step[axis]);
+  }
+  return numbers;
+}
+
+std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const SlabSource& source, std::int64_t vertices)
+{
+  const VertexBox& box = source.GetBox();
+  const Index3 step = ChooseStep(box.High, vertices);
+  const auto chunk = source.GetChunk();
+  if (source.HasCheapRows() || (chunk && (*chunk)[2] * 2 <= step[2]))
+  {
+    return std::make_unique<SliceOrder>(box, step, source.HasCheapRows());
+  }
+  if (chunk)
+  {
+    return std::make_unique<ChunkOrder>(box, *chunk, step);
+  }
+  return std::make_unique<StreamOrder>(box, step);
+}
+
+} // namespace isosurface

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_ReadingOrder_h
+#define isosurface_ReadingOrder_h
+
+#include "Ground/Volume/SlabSource.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The vertices of a box whose coordinates are multiples of a step.
+struct Lattice
+{
+  VertexBox Box;
+  Index3 Step{ 1, 1, 1 };
+
+  /// The same vertices by number: their coordinates divided by the step.
+  VertexBox GetNumbers() const;
+};
+
+/**
+ * In which order to read boxes of a source, so that what has been read after any part of the order
+ * is the finest lattice, or the largest one, that so much reading gives.
+ */
+class ReadingOrder
+{
+public:
+  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`.
+  static std::unique_ptr<ReadingOrder> Choose(const SlabSource& source, std::int64_t vertices);
+  virtual ~ReadingOrder() = default;
+
+  /// The boxes of the next part; none if all is read. They have no vertex in common with those of
+  /// other parts.
+  virtual std::vector<VertexBox> FindNext() = 0;
+  /// What can be shown when all parts that FindNext() has returned are read.
+  virtual Lattice GetLattice() const = 0;
+  /// The multiples of this step are all that any lattice has.
+  const Index3& GetStep() const { return this->Step; }
+  /// That of a lattice of all vertices.
+  virtual const Index3& GetWholeStep() const { return this->Step; }
+  /// Whether boxes are best read row by row, each row of the lattice alone.
+  virtual bool IsByRows() const { return false; }
+  /// Whether only one thread of one rank may read, in this order.
+  virtual bool IsStream() const { return false; }
+
+protected:
+  explicit ReadingOrder(const Index3& step)
+    : Step(step)
+  {
+  }
+
+  const Index3 Step;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Indexing/SampleCollector.h"
+
+#include "Ground/Volume/SampleCopy.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace isosurface
+{
+
+/// Hands on what another source gives, and shows it to the collector.
+class SampleCollector::Source : public SlabSource
+{
+public:
+  Source(SampleCollector& collector, std::unique_ptr<SlabSource> source)
+    : Collector(collector)
+    , Wrapped(std::move(source))
+  {
+  }
+
+  const VertexBox& GetBox() const override { return this->Wrapped->GetBox(); }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override
+  {
+    return this->Wrapped->GetReadBytes(box);
+  }
+  std::uint64_t GetHeldBytes() const override { return this->Wrapped->GetHeldBytes(); }
+  std::int64_t GetRowsAtOnce() const override { return this->Wrapped->GetRowsAtOnce(); }
+  std::optional<Index3> GetChunk() const override { return this->Wrapped->GetChunk(); }
+  bool HasCheapRows() const override { return this->Wrapped->HasCheapRows(); }
+  void Prefetch(const VertexBox& box) const override { this->Wrapped->Prefetch(box); }
+  bool CanReadAhead() const override { return this->Wrapped->CanReadAhead(); }
+  Result<SampleSlab> Read(const VertexBox& box) override
+  {
+    auto slab = this->Wrapped->Read(box);
+    if (slab.IsOk())
+    {
+      this->Collector.Add(*slab, box);
+    }
+    return slab;
+  }
+
+private:
+  SampleCollector& Collector;
+  std::unique_ptr<SlabSource> Wrapped;
+};
+
+void SampleCollector::Attach(OpenedVolume& volume)
+{
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->Volume = SampledVolume(volume);
+    this->Numbers = Lattice{ this->Volume.Box, this->Step }.GetNumbers();
+    const auto vertices = static_cast<std::size_t>(this->Numbers.GetNumberOfVertices());
+    for (const ValueType type : this->Volume.Types)
+    {
+      this->Samples.emplace_back(vertices * GetValueSize(type));
+    }
+    this->IsKnown.resize(vertices);
+    this->KnownOfSlice.resize(static_cast<std::size_t>(this->Numbers.High[2]));
+  }
+  volume.Source = std::make_unique<Source>(*this, std::move(volume.Source));
+}
+
+void SampleCollector::Add(const SampleSlab& slab, const VertexBox& box)
+{
+  const VertexBox part = Lattice{ box, this->Step }.GetNumbers();
+  if (part.IsEmpty() || !slab.Fits(this->Volume.Types, box))
+  {
+    return;
+  }
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  VisitRows(part,
+    [&](const Index3& number, std::int64_t count)
+    {
+      const std::size_t first = this->Numbers.FindIndex(number);
+      const Index3 vertex{ number[0] * this->Step[0], number[1] * this->Step[1],
+        number[2] * this->Step[2] };
+      for (std::size_t variable = 0; variable < this->Samples.size(); ++variable)
+      {
+        const SampleView& view = slab.Arrays[variable];
+        const std::size_t size = GetValueSize(view.Type);
+        CopySamples(this->Samples[variable].data() + first * size, 1, view.AtBytes(vertex),
+          view.Stride[0] * this->Step[0], count, size);
+      }
+      for (std::size_t at = first; at < first + static_cast<std::size_t>(count); ++at)
+      {
+        this->KnownOfSlice[static_cast<std::size_t>(number[2])] += this->IsKnown[at] ? 0 : 1;
+        this->IsKnown[at] = true;
+      }
+    });
+}
+
+std::int64_t SampleCollector::CountSlices() const
+{
+  const std::int64_t whole = this->Numbers.High[0] * this->Numbers.High[1];
+  const auto end = std::find_if(this->KnownOfSlice.begin(), this->KnownOfSlice.end(),
+    [whole](std::int64_t known) { return known < whole; });
+  return end - this->KnownOfSlice.begin();
+}
+
+Lattice SampleCollector::FindComplete() const
+{
+  Lattice lattice{ this->Volume.Box, this->Step };
+  lattice.Box.High[2] = std::min(lattice.Box.High[2], this->CountSlices() * this->Step[2]);
+  return lattice;
+}
+
+double SampleCollector::GetShare() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const std::int64_t all = this->Volume.Box.GetNumberOfVertices();
+  return all == 0 ? 0
+                  : static_cast<double>(this->FindComplete().Box.GetNumberOfVertices()) /
+      static_cast<double>(all);
+}
+
+Result<SourceSample> SampleCollector::MakeSample(FileSystem& files, const SourceIndex& index) const
+{
+  Lattice lattice;
+  std::vector<std::vector<std::uint8_t>> samples;
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    lattice = this->FindComplete();
+    samples = this->Samples;
+  }
+  if (lattice.Box.IsEmpty())
+  {
+    return Status(StatusCode::InvalidArgument, index.Source + ": nothing of it has been read yet");
+  }
+  return MakeSourceSample(files, index, this->Volume, lattice, samples, "first");
+}
+
+} // namespace isosurface

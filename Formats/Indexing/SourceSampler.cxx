@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Indexing/SourceSampler.h"
+
+#include "Formats/Indexing/ReadingOrder.h"
+#include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/FirstFailure.h"
+#include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/SampleCopy.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+namespace
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr double Millionths = 1e6;
+constexpr std::uint64_t Mebibyte = 1 << 20;
+/// Enough reads at once to keep a disk busy.
+constexpr std::uint64_t MostThreads = 8;
+/// What all threads of a rank may have read at once, if a chunk is not larger.
+constexpr std::uint64_t ReadBytes = 256 * Mebibyte;
+/// Rows that are closer than this in a file are read together.
+constexpr std::int64_t CloseBytes = 16384;
+
+/// The samples of all variables on the lattice vertices of a box.
+struct Tile
+{
+  VertexBox Box;
+  std::vector<Bytes> Samples;
+};
+
+/// Reads the boxes of an order, until the time is over.
+class Sampler
+{
+public:
+  Sampler(Communicator& ranks, FileSystem& files, const SourceIndex& index,
+    const SampleLimits& limits, const Progress& progress)
+    : Ranks(ranks)
+    , Files(files)
+    , Index(index)
+    , Limits(limits)
+    , Advance(progress)
+  {
+    this->Choice.Axes = index.Axes;
+    this->Choice.CacheBytes = ReadBytes / MostThreads;
+    this->Choice.Vertices = limits.Vertices;
+  }
+
+  /// Collective.
+  Status Read();
+  /// What this rank has read.
+  Message PackTiles() const;
+  /// The volume of what all ranks have read.
+  Result<SourceSample> MakeVolume(const std::vector<Message>& messages) const;
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  Status Open();
+  double GetSeconds() const
+  {
+    return std::chrono::duration<double>(Clock::now() - this->Begin).count();
+  }
+  /// Reads this rank's share of the boxes.
+  Status ReadBoxes(const std::vector<VertexBox>& boxes);
+  Status ReadBox(OpenedVolume& volume, Tile& tile) const;
+  /// The parts of a box that are worth reading.
+  std::vector<VertexBox> FindReads(const VertexBox& box) const;
+  std::size_t FindSampleSize(std::size_t variable) const
+  {
+    return GetValueSize(this->Volume.Types[variable]);
+  }
+
+  std::vector<Tile> UnpackTiles(const std::vector<Message>& messages) const;
+  /// The samples of a variable on a lattice.
+  Bytes Assemble(
+    const std::vector<Tile>& tiles, const Lattice& lattice, std::size_t variable) const;
+
+  Communicator& Ranks;
+  FileSystem& Files;
+  const SourceIndex& Index;
+  const SampleLimits& Limits;
+  const Progress& Advance;
+  VolumeChoice Choice;
+  const Clock::time_point Begin = Clock::now();
+  std::vector<std::optional<OpenedVolume>> Volumes; ///< of each thread; the first is open
+  SampledVolume Volume;
+  std::unique_ptr<ReadingOrder> Order;
+  Lattice Complete;        ///< of the tiles of all ranks
+  std::vector<Tile> Tiles; ///< of this rank
+};
+
+Status Sampler::Open()
+{
+  auto volume = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  this->Volume = SampledVolume(*volume);
+  this->Order = ReadingOrder::Choose(*volume->Source, this->Limits.Vertices);
+  const VertexBox& box = volume->Source->GetBox();
+  const auto chunk = volume->Source->GetChunk();
+  const std::uint64_t bytes = std::max<std::uint64_t>(
+    1, volume->Source->GetReadBytes(chunk ? VertexBox{ { 0, 0, 0 }, *chunk }.Intersect(box) : box));
+  this->Volumes.resize(static_cast<std::size_t>(
+    this->Order->IsStream() ? 1 : std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads)));
+  this->Volumes.front() = std::move(*volume);
+  return Status::Ok();
+}
+
+Status Sampler::Read()
+{
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->Ranks.Agree(Attempt(this->Index.Source, [this] { return this->Open(); })));
+  double secondsPerBox = 0;
+  for (bool isFirst = true;; isFirst = false)
+  {
+    const std::vector<VertexBox> boxes = this->Order->FindNext();
+    const double before = this->GetSeconds();
+    const double expected = before + secondsPerBox * static_cast<double>(boxes.size());
+    std::vector<std::uint64_t> ends = {
+      boxes.empty() || (!isFirst && expected > this->Limits.Seconds) ? 1U : 0U
+    };
+    this->Ranks.ReduceMaximum(ends);
+    if (ends[0] != 0)
+    {
+      return Status::Ok();
+    }
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Ranks.Agree(Attempt(this->Index.Source, [&] { return this->ReadBoxes(boxes); })));
+    this->Complete = this->Order->GetLattice();
+    secondsPerBox = (this->GetSeconds() - before) / static_cast<double>(boxes.size());
+  }
+}
+
+Status Sampler::ReadBoxes(const std::vector<VertexBox>& boxes)
+{
+  const std::size_t ranks = this->Order->IsStream() ? 1 : this->Ranks.GetSize();
+  const auto rank = static_cast<std::size_t>(this->Ranks.GetRank());
+  const std::size_t first = this->Tiles.size();
+  for (std::size_t box = rank; rank < ranks && box < boxes.size(); box += ranks)
+  {
+    this->Tiles.push_back({ boxes[box], {} });
+  }
+  FirstFailure failure;
+  const bool isDone = ParallelFor(
+    this->Tiles.size() - first, static_cast<int>(this->Volumes.size()),
+    [&](std::size_t tile, int thread)
+    {
+      failure.Run(
+        [&]() -> Status
+        {
+          std::optional<OpenedVolume>& volume = this->Volumes[static_cast<std::size_t>(thread)];
+          if (!volume)
+          {
+            auto opened = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
+            ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+            volume = std::move(*opened);
+          }
+          return this->ReadBox(*volume, this->Tiles[first + tile]);
+        });
+    },
+    [this](double)
+    {
+      return !this->Advance ||
+        this->Advance(std::min(1.0, this->GetSeconds() / this->Limits.Seconds));
+    });
+  return isDone ? failure.Get() : Status(StatusCode::Aborted, "The sample was aborted.");
+}
+
+std::vector<VertexBox> Sampler::FindReads(const VertexBox& box) const
+{
+  const Index3& step = this->Order->GetStep();
+  const std::int64_t rowBytes =
+    box.GetSize()[0] * static_cast<std::int64_t>(this->FindSampleSize(0));
+  if (!this->Order->IsByRows() || step[1] * rowBytes < CloseBytes)
+  {
+    return { box };
+  }
+  std::vector<VertexBox> rows;
+  VisitRows(Lattice{ box, step }.GetNumbers(),
+    [&](const Index3& number, std::int64_t)
+    {
+      VertexBox row = box;
+      row.Low[1] = number[1] * step[1];
+      row.High[1] = row.Low[1] + 1;
+      row.Low[2] = number[2] * step[2];
+      row.High[2] = row.Low[2] + 1;
+      rows.push_back(row);
+    });
+  return rows;
+}
+
+Status Sampler::ReadBox(OpenedVolume& volume, Tile& tile) const
+{
+  const Index3& step = this->Order->GetStep();
+  const VertexBox numbers = Lattice{ tile.Box, step }.GetNumbers();
+  const auto count = static_cast<std::size_t>(numbers.GetNumberOfVertices());
+  for (std::size_t variable = 0; variable < this->Volume.Types.size(); ++variable)
+  {
+    tile.Samples.emplace_back(count * this->FindSampleSize(variable));
+  }
+  for (const VertexBox& read : count > 0 ? this->FindReads(tile.Box) : std::vector<VertexBox>())
+  {
+    const auto slab = volume.Source->Read(read);
+    ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
+    if (!slab->Fits(this->Volume.Types, read))
+    {
+      return Status(StatusCode::Corrupt, this->Index.Source + ": was changed while it was read");
+    }
+    for (std::size_t variable = 0; variable < this->Volume.Types.size(); ++variable)
+    {
+      const SampleView& view = slab->Arrays[variable];
+      const std::size_t size = this->FindSampleSize(variable);
+      VisitRows(Lattice{ read, step }.GetNumbers(),
+        [&](const Index3& number, std::int64_t row)
+        {
+          const Index3 vertex{ number[0] * step[0], number[1] * step[1], number[2] * step[2] };
+          CopySamples(tile.Samples[variable].data() + numbers.FindIndex(number) * size, 1,
+            view.AtBytes(vertex), view.Stride[0] * step[0], row, size);
+        });
+    }
+  }
+  return Status::Ok();
+}
+
+Message Sampler::PackTiles() const
+{
+  Message message;
+  for (const Tile& tile : this->Tiles)
+  {
+    AppendBox(message, tile.Box);
+    for (const Bytes& samples : tile.Samples)
+    {
+      message.insert(message.end(), samples.begin(), samples.end());
+    }
+  }
+  return message;
+}
+
+std::vector<Tile> Sampler::UnpackTiles(const std::vector<Message>& messages) const
+{
+  std::vector<Tile> tiles;
+  for (const Message& message : messages)
+  {
+    ByteReader reader(message);
+    while (reader.GetRemaining() > 0)
+    {
+      Tile tile{ isosurface::ReadBox(reader), {} };
+      const VertexBox numbers = Lattice{ tile.Box, this->Order->GetStep() }.GetNumbers();
+      for (std::size_t variable = 0; variable < this->Volume.Types.size(); ++variable)
+      {
+        const std::size_t size =
+          static_cast<std::size_t>(numbers.GetNumberOfVertices()) * this->FindSampleSize(variable);
+        const std::uint8_t* samples = reader.ReadBytes(size);
+        tile.Samples.emplace_back(samples, samples + size);
+      }
+      tiles.push_back(std::move(tile));
+    }
+  }
+  return tiles;
+}
+
+Bytes Sampler::Assemble(
+  const std::vector<Tile>& tiles, const Lattice& lattice, std::size_t variable) const
+{
+  const Index3& step = this->Order->GetStep();
+  const VertexBox whole = lattice.GetNumbers();
+  const std::size_t size = this->FindSampleSize(variable);
+  Bytes samples(static_cast<std::size_t>(whole.GetNumberOfVertices()) * size);
+  for (const Tile& tile : tiles)
+  {
+    const VertexBox numbers = Lattice{ tile.Box, step }.GetNumbers();
+    const Lattice part{ tile.Box.Intersect(lattice.Box), lattice.Step };
+    VisitRows(part.GetNumbers(),
+      [&](const Index3& number, std::int64_t row)
+      {
+        Index3 ofTile;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+        {
+          ofTile[axis] = number[axis] * lattice.Step[axis] / step[axis];
+        }
+        CopySamples(samples.data() + whole.FindIndex(number) * size, 1,
+          tile.Samples[variable].data() + numbers.FindIndex(ofTile) * size,
+          lattice.Step[0] / step[0], row, size);
+      });
+  }
+  return samples;
+}
+
+Result<SourceSample> Sampler::MakeVolume(const std::vector<Message>& messages) const
+{
+  const std::vector<Tile> tiles = this->UnpackTiles(messages);
+  std::vector<Bytes> samples;
+  for (std::size_t variable = 0; variable < this->Volume.Types.size(); ++variable)
+  {
+    samples.push_back(this->Assemble(tiles, this->Complete, variable));
+  }
+  auto sample = MakeSourceSample(this->Files, this->Index, this->Volume, this->Complete, samples,
+    this->Order->IsStream() ? "first" : "middle");
+  if (sample.IsOk())
+  {
+    sample->WholeStep = this->Order->GetWholeStep();
+  }
+  return sample;
+}
+
+} // namespace
+
+Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
+  const SourceIndex& index, const SampleLimits& limits, const Progress& progress)
+{
+  Sampler sampler(ranks, files, index, limits, progress);
+  ISOSURFACE_RETURN_IF_ERROR(sampler.Read());
+  const std::vector<Message> messages = ranks.AllGather(sampler.PackTiles());
+  auto sample = Attempt(index.Source, [&] { return sampler.MakeVolume(messages); });
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(sample.GetStatus()));
+  return sample;
+}
+
+} // namespace isosurface

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SourceSampler_h
+#define isosurface_SourceSampler_h
+
+#include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Indexing/SourceSample.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+
+#include <cstdint>
+
+namespace isosurface
+{
+
+/// What a sample may cost.
+struct SampleLimits
+{
+  double Seconds = 1; ///< of reading; a first part of the file is read however long it takes
+  std::int64_t Vertices = std::int64_t{ 1 } << 21;
+};
+
+/**
+ * Reads a sample of the first time step of a file, and makes a blocked volume of it in the memory of
+ * each rank; the same on all ranks. What is read, whatever the size of the file:
+ *
+ *     its own coarse level   of a pyramid (OME-Zarr); its samples are averages
+ *     every n-th row of every m-th slice     of files whose rows can be read alone
+ *     every m-th slice       of files whose slices are decoded one by one
+ *     a box of whole chunks  of other files, which grows from the middle
+ *     the first slices       of streams
+ *
+ * Slices are read in such an order, m from large to small, that they can end at any time; so can
+ * boxes. Collective. Errors: those of the source;
+ * Aborted. Memory: some times the sample; and a chunk, or a slice, for each thread.
+ */
+Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
+  const SourceIndex& index, const SampleLimits& limits, const Progress& progress = {});
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Plain/RawSamples.h"
+
+#include "Formats/Plain/RawVolume.h"
+#include "Formats/Source/TextFields.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr const char* BigEndian = "big-endian";
+constexpr const char* HeaderBytes = "header-bytes=";
+constexpr std::int64_t MaximumRawSize = 2147483647;
+
+std::vector<std::string> SplitText(const std::string& text, char separator)
+{
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1)
+  {
+    end = text.find(separator, begin);
+    words.push_back(TrimText(text.substr(begin, end - begin)));
+  }
+  return words;
+}
+
+/// Takes "512x512x300".
+bool TakeDimensions(const std::string& text, RawVolume& raw)
+{
+  const std::vector<std::string> words = SplitText(text, 'x');
+  for (std::size_t axis = 0; words.size() == 3 && axis < 3; ++axis)
+  {
+    const auto size = ParseInteger(words[axis]);
+    if (!size || *size < 1 || *size > MaximumRawSize)
+    {
+      return false;
+    }
+    raw.Grid.Extent[2 * axis] = 0;
+    raw.Grid.Extent[2 * axis + 1] = *size - 1;
+  }
+  return words.size() == 3;
+}
+
+std::optional<RawVolume> ParseDescription(const std::string& text)
+{
+  const std::vector<std::string> words = SplitText(text, ',');
+  const auto type = words.size() < 2 ? std::nullopt : FindValueType(words[1]);
+  RawVolume raw;
+  if (!type || !TakeDimensions(words[0], raw))
+  {
+    return std::nullopt;
+  }
+  raw.Type = *type;
+  for (std::size_t word = 2; word < words.size(); ++word)
+  {
+    const std::string head = HeaderBytes;
+    const bool hasBytes = words[word].compare(0, head.size(), head) == 0;
+    const auto bytes = hasBytes ? ParseInteger(words[word].substr(head.size())) : std::nullopt;
+    if (words[word] != BigEndian && (!bytes || *bytes < 0))
+    {
+      return std::nullopt;
+    }
+    raw.IsBigEndian = raw.IsBigEndian || words[word] == BigEndian;
+    raw.Offset = bytes ? static_cast<std::uint64_t>(*bytes) : raw.Offset;
+  }
+  return raw;
+}
+
+/// The description that a file's name has and its size confirms; "" if there is none.
+std::string FindDescription(FileSystem& files, const std::string& path)
+{
+  RawVolume raw;
+  std::string dimensions;
+  std::string type;
+  for (const std::string& word : SplitText(std::filesystem::path(path).stem().string(), '_'))
+  {
+    dimensions = TakeDimensions(word, raw) ? word : dimensions;
+    type = FindValueType(word) ? word : type;
+  }
+  const std::string description = dimensions + "," + type;
+  const auto parsed = ParseDescription(description);
+  const auto file = files.OpenForReading(path);
+  if (!parsed || !file.IsOk())
+  {
+    return "";
+  }
+  const Index3 size = parsed->Grid.GetDimensions();
+  const double bytes = static_cast<double>(size[0]) * static_cast<double>(size[1]) *
+    static_cast<double>(size[2]) * static_cast<double>(GetValueSize(parsed->Type));
+  return static_cast<double>((*file)->GetSize()) == bytes ? description : "";
+}
+
+Result<OpenedVolume> OpenRawSamples(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& /*choice*/)
+{
+  auto raw =
+    ParseDescription(name.Within.empty() ? FindDescription(files, name.Path) : name.Within);
+  if (!raw)
+  {
+    return Status(StatusCode::InvalidArgument,
+      name.GetText() + ": cannot be read: say what its samples are, as in " + name.Path +
+        ":512x512x300,uint16 and perhaps ,big-endian or ,header-bytes=128");
+  }
+  raw->Paths = { name.Path };
+  return raw->OpenVolume(files);
+}
+
+Result<std::vector<VolumeListing>> ListRawSamples(FileSystem& files, const VolumeName& name)
+{
+  const std::string description = FindDescription(files, name.Path);
+  std::vector<VolumeListing> list;
+  if (const auto raw = ParseDescription(description))
+  {
+    const Index3 size = raw->Grid.GetDimensions();
+    list.push_back({ description,
+      std::to_string(size[2]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[0]),
+      GetValueTypeName(raw->Type), "raw" });
+  }
+  return list;
+}
+
+} // namespace
+
+bool IsRawDescription(const std::string& text)
+{
+  return ParseDescription(text).has_value();
+}
+
+const FormatFunctions RawSamplesFormat = { OpenRawSamples, ListRawSamples };
+
+} // namespace isosurface

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqIndexStatus.h"
+
+#include "ContourProxy.h"
+#include "CountWords.h"
+
+#include "pqPipelineSource.h"
+#include "pqServer.h"
+#include "pqTimeKeeper.h"
+#include "pqTimer.h"
+#include "pqView.h"
+#include "vtkBoundingBox.h"
+#include "vtkPVDataInformation.h"
+#include "vtkSMPropertyHelper.h"
+#include "vtkSMSession.h"
+#include "vtkSMSourceProxy.h"
+
+#include <QAction>
+#include <QMenu>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+using isosurface::CallOnServer;
+
+namespace
+{
+
+/// vtkInPlaceVolumeReader's Indexing, as its documentation says.
+struct IndexReport
+{
+  enum Stages
+  {
+    Nothing,
+    Working,
+    Ready,
+    Failed
+  };
+  int Stage = Nothing;
+  double Share = 0;
+  double Seconds = -1;
+};
+
+/// What views show of the reader's volume.
+vtkBoundingBox FindBounds(pqPipelineSource* reader)
+{
+  double bounds[6];
+  reader->getSourceProxy()->GetDataInformation(0)->GetBounds(bounds);
+  return vtkBoundingBox(bounds);
+}
+
+IndexReport ReadReport(vtkSMProxy* reader)
+{
+  reader->UpdatePropertyInformation(reader->GetProperty("Indexing"));
+  const std::vector<double> values = vtkSMPropertyHelper(reader, "Indexing").GetDoubleArray();
+  IndexReport report;
+  if (values.size() == 3)
+  {
+    report.Stage = static_cast<int>(values[0]);
+    report.Share = values[1];
+    report.Seconds = values[2];
+  }
+  return report;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+pqIndexStatus::pqIndexStatus(QWidget* parent)
+  : Superclass(parent)
+  , Timer(new pqTimer(this))
+{
+  this->setObjectName("IndexStatus");
+  this->setAutoRaise(true);
+  this->setPopupMode(QToolButton::InstantPopup);
+  this->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  this->setToolTip(tr("A sample of the file is shown. What is shown will be exact when the file is "
+                      "indexed."));
+  auto* stop = new QAction(tr("Stop indexing"), this);
+  stop->setObjectName("StopIndexing");
+  QObject::connect(stop, &QAction::triggered, this, &pqIndexStatus::Stop);
+  auto* menu = new QMenu(this);
+  menu->setObjectName("Menu");
+  menu->addAction(stop);
+  this->setMenu(menu);
+  this->hide();
+  this->Timer->setSingleShot(true);
+  QObject::connect(this->Timer, &QTimer::timeout, this, &pqIndexStatus::Advance);
+}
+
+//------------------------------------------------------------------------------
+pqIndexStatus::~pqIndexStatus() = default;
+
+//------------------------------------------------------------------------------
+bool pqIndexStatus::IsReader(vtkSMProxy* proxy)
+{
+  return proxy && proxy->GetVTKClassName() &&
+    std::strcmp(proxy->GetVTKClassName(), "vtkInPlaceVolumeReader") == 0;
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::Watch(pqPipelineSource* source)
+{
+  const bool isKnown =
+    std::find(this->Readers.begin(), this->Readers.end(), source) != this->Readers.end();
+  if (IsReader(source->getProxy()) && !isKnown &&
+    ReadReport(source->getProxy()).Stage == IndexReport::Working)
+  {
+    this->Readers.emplace_back(source);
+    this->Timer->start(0);
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::Advance()
+{
+  Sources changed;
+  int wait = PollMilliseconds;
+  Sources readers;
+  std::swap(readers, this->Readers);
+  for (const QPointer<pqPipelineSource>& reader : readers)
+  {
+    if (reader && (reader->getServer()->isProgressPending() || this->AdvanceOne(reader, changed)))
+    {
+      wait = reader->getServer()->getNumberOfPartitions() > 1 ? PollRanksMilliseconds : wait;
+      this->Readers.push_back(reader);
+    }
+  }
+  this->setVisible(!this->Readers.empty());
+  if (!this->Readers.empty())
+  {
+    this->Timer->start(wait);
+  }
+  this->Update(changed);
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::Update(const Sources& changed)
+{
+  std::vector<vtkBoundingBox> before;
+  for (const QPointer<pqPipelineSource>& reader : changed)
+  {
+    before.push_back(FindBounds(reader));
+  }
+  if (!changed.empty())
+  {
+    Q_EMIT this->indexed();
+  }
+  for (std::size_t number = 0; number < changed.size(); ++number)
+  {
+    const QPointer<pqPipelineSource>& reader = changed[number];
+    // The last slice of a sample may be a little before that of the volume.
+    if (reader && FindBounds(reader).GetDiagonalLength() > 1.1 * before[number].GetDiagonalLength())
+    {
+      for (pqView* view : reader->getViews())
+      {
+        view->resetDisplay();
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
+{
+  vtkSMProxy* reader = source->getProxy();
+  const bool isAlone = source->getServer()->getNumberOfPartitions() == 1;
+  CallOnServer(reader, "AdvanceIndex", isAlone ? 0 : SliceMilliseconds);
+  const IndexReport report = ReadReport(reader);
+  if (report.Stage == IndexReport::Ready)
+  {
+    reader->InvokeCommand("TakeIndex");
+    changed.emplace_back(source);
+  }
+  const QString left = report.Seconds < 0
+    ? QString()
+    : tr(", %1 left").arg(isosurface::FormatSeconds(std::max(1.0, std::round(report.Seconds))));
+  this->setText(tr("Sample of %1 shown, indexing: %2 %%3")
+                  .arg(source->getSMName())
+                  .arg(std::floor(100 * report.Share))
+                  .arg(left));
+  return report.Stage == IndexReport::Working;
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::Finish()
+{
+  const Sources readers = std::exchange(this->Readers, {});
+  for (const QPointer<pqPipelineSource>& reader : readers)
+  {
+    if (reader && reader->getProxy()->GetSession()->GetIsAlive())
+    {
+      // Since it may not be coarse now, its update waits.
+      reader->getProxy()->InvokeCommand("TakeIndex");
+      reader->getSourceProxy()->UpdatePipeline(reader->getServer()->getTimeKeeper()->getTime());
+    }
+  }
+  this->hide();
+  this->Update(readers);
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::Stop()
+{
+  for (const QPointer<pqPipelineSource>& reader : this->Readers)
+  {
+    if (reader)
+    {
+      CallOnServer(reader->getProxy(), "StopIndex");
+    }
+  }
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   pqIndexStatus
+ * @brief   files that are opened by hand are shown at once, and exactly when they are indexed
+ *
+ * A button in the status bar, visible while a Volume Reader (Any Size) shows a sample of a file and
+ * the index is written beside the window: how far it is, how long it still takes, and a menu that
+ * stops it. A timer lets the servers work and asks how far they are (AdvanceIndex). At the end the
+ * reader takes the index, and `indexed` tells that views are to be updated.
+ */
+
+#ifndef pqIndexStatus_h
+#define pqIndexStatus_h
+
+#include <QPointer>
+#include <QToolButton>
+
+#include <vector>
+
+class pqPipelineSource;
+class pqTimer;
+class vtkSMProxy;
+
+class pqIndexStatus : public QToolButton
+{
+  Q_OBJECT
+  typedef QToolButton Superclass;
+
+public:
+  explicit pqIndexStatus(QWidget* parent = nullptr);
+  ~pqIndexStatus() override;
+
+  /// Between two questions how far an index is.
+  static constexpr int PollMilliseconds = 100;
+  /// The same where several ranks write an index, which they do only while they are asked.
+  static constexpr int PollRanksMilliseconds = 5;
+  /// How long these write before they answer.
+  static constexpr int SliceMilliseconds = 60;
+
+  static bool IsReader(vtkSMProxy* proxy);
+
+  /// Waits until no index is written any more, before something is saved.
+  void Finish();
+
+public Q_SLOTS:
+  /// Watches a reader that has executed; other sources are left alone.
+  void Watch(pqPipelineSource* source);
+
+Q_SIGNALS:
+  void indexed();
+
+private Q_SLOTS:
+  void Advance();
+  void Stop();
+
+private:
+  Q_DISABLE_COPY(pqIndexStatus)
+
+  using Sources = std::vector<QPointer<pqPipelineSource>>;
+
+  /// Whether the index is to be watched further. Readers that have taken something new are added.
+  bool AdvanceOne(pqPipelineSource* source, Sources& changed);
+  /// Has views updated, and shows all of a volume of which a part was shown before.
+  void Update(const Sources& changed);
+
+  pqTimer* Timer;  ///< ParaView's test player waits for such timers
+  Sources Readers; ///< whose index is being written
+};
+
+#endif
