@@ -6,14 +6,14 @@
 
 Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, Zarr
 (blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64, into the
-folder. Then, each in a process of its own, without the file in the system's cache (that takes root;
---warm leaves it there):
+folder. Then, each in a process of its own that has loaded its libraries, without the file in the
+system's cache (that takes root; --warm leaves it there):
 
     picture   seconds from opening the file to the first picture of the surface, that of a sample
     index     until the file is indexed beside the window
     exact     until the picture of the whole surface
-    freeze    the longest time for which a window could not have answered after the first picture and
-              before the index was there
+    freeze    after the first picture, the longest call for which a window would have waited until it had
+              a coarse surface of the indexed file
     processor, peak memory: of all of that
 
 of Volume Reader (Any Size) and Stabbing Contour, as ParaView's window uses them, and of VTK's own reader,
@@ -138,10 +138,13 @@ def show_at_once(path, isovalue, begin):
         time.sleep(POLL_SECONDS)
         call = time.perf_counter()
         reader.AdvanceIndex(0)
+        if reader.GetIndexing()[0] == 2:  # the index, or a larger sample
+            reader.TakeIndex()
+            contour.Update()
         times["freeze"] = max(times["freeze"], time.perf_counter() - call)
     times["index"] = time.perf_counter() - begin
-    reader.TakeIndex()
     contour.AllowCoarse(False)
+    contour.Modified()
     picture.show()
     return contour, times
 
@@ -177,7 +180,24 @@ def read_first(path, isovalue):
     return contour, samples
 
 
-def measure(who, path, isovalue):
+def start_programs(who, is_cold):
+    """Loads libraries, as those of a window that is open, and then drops the files from the cache."""
+    from vtkmodules.vtkFiltersSources import vtkSphereSource
+
+    if who == "ours":
+        import scalable_isosurface  # noqa: F401
+    else:
+        import h5py  # noqa: F401
+        import zarr  # noqa: F401
+    Picture(vtkSphereSource()).show()
+    if is_cold:
+        os.sync()
+        with open("/proc/sys/vm/drop_caches", "w") as file:
+            file.write("3")
+
+
+def measure(who, path, isovalue, is_cold):
+    start_programs(who, is_cold)
     begin, processor = time.perf_counter(), time.process_time()
     if who == "ours":
         contour, times = show_at_once(path, isovalue, begin)
@@ -194,12 +214,8 @@ def measure(who, path, isovalue):
 
 
 def run(who, path, arguments):
-    if not arguments.warm:
-        os.sync()
-        with open("/proc/sys/vm/drop_caches", "w") as file:
-            file.write("3")
-    done = subprocess.run([sys.executable, __file__, "--measure", who, path, str(arguments.isovalue)],
-                          stdout=subprocess.PIPE, check=True)
+    done = subprocess.run([sys.executable, __file__, "--measure", who, path, str(arguments.isovalue),
+                           "warm" if arguments.warm else "cold"], stdout=subprocess.PIPE, check=True)
     times = json.loads(done.stdout.splitlines()[-1])
     print(f"  {who:6} " + "  ".join(
         f"{name} {times[name]:.2f}" for name in ("picture", "index", "exact", "freeze", "processor") if name in times) +
@@ -209,7 +225,7 @@ def run(who, path, arguments):
 
 def main():
     if sys.argv[1:2] == ["--measure"]:
-        measure(sys.argv[2], sys.argv[3], float(sys.argv[4]))
+        measure(sys.argv[2], sys.argv[3], float(sys.argv[4]), sys.argv[5] == "cold")
         return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", nargs="?")

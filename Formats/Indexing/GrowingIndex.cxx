@@ -64,17 +64,30 @@ Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
   return std::shared_ptr<BlockedVolume>(kept, kept->second.get());
 }
 
-bool GrowingIndex::HasLargerSample() const
+bool GrowingIndex::HasLargerSample()
 {
   const double share = this->Collector ? this->Collector->GetShare() : 0;
-  return share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
+  const bool isWorth =
+    share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
+  if (isWorth && !this->Enlarging)
+  {
+    this->Enlarging = std::make_unique<BackgroundTask>(this->Index.Source,
+      [this](const Progress&) -> Status
+      {
+        auto larger = this->Collector->MakeSample(this->Files, this->Index);
+        ISOSURFACE_RETURN_IF_ERROR(larger.GetStatus());
+        this->Larger = std::move(*larger);
+        return Status::Ok();
+      });
+  }
+  return this->Enlarging && this->Enlarging->Wait(0);
 }
 
 Status GrowingIndex::EnlargeSample()
 {
-  auto sample = this->Collector->MakeSample(this->Files, this->Index);
-  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
-  this->Sample = std::move(*sample);
+  const std::unique_ptr<BackgroundTask> made = std::move(this->Enlarging);
+  ISOSURFACE_RETURN_IF_ERROR(made->GetStatus());
+  this->Sample = std::move(this->Larger);
   return Status::Ok();
 }
 

@@ -5,6 +5,7 @@
 #include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Indexing/SourceSample.h"
+#include "Ground/Base/BackgroundTask.h"
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/FileSystem.h"
@@ -41,9 +42,9 @@ public:
 
   const SourceIndex& GetIndex() const { return this->Index; }
   const SourceSample& GetSample() const { return this->Sample; }
-  /// Whether a sample could be had that is much larger than the last one: what is being indexed is
-  /// sampled, too. Never where there are several ranks.
-  bool HasLargerSample() const;
+  /// Whether there is a sample that is much larger than the last one: what is being indexed is
+  /// sampled, too, and made a volume beside the calling thread. Never where there are several ranks.
+  bool HasLargerSample();
   /// Makes that the sample.
   Status EnlargeSample();
 
@@ -77,8 +78,10 @@ private:
   std::unique_ptr<SampleCollector> Collector; ///< null if the sample is of all of the volume
   std::shared_ptr<MemoryFileSystem> Memory;   ///< null if the index can be written to its place
   const std::chrono::steady_clock::time_point Begin = std::chrono::steady_clock::now();
-  std::string LeftOut;                     ///< the thread's until it has ended
-  std::unique_ptr<CollectiveTask> Writing; ///< the last member: it uses the others
+  SourceSample Larger;                       ///< the thread's until it has ended
+  std::unique_ptr<BackgroundTask> Enlarging; ///< makes it; null if nothing is much larger
+  std::string LeftOut;                       ///< the thread's until it has ended
+  std::unique_ptr<CollectiveTask> Writing;   ///< the last member: it uses the others
 };
 
 } // namespace isosurface

@@ -8,6 +8,9 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Volume/SampleCopy.h"
 
+#include <chrono>
+#include <thread>
+
 using namespace isosurface;
 
 namespace
@@ -240,9 +243,13 @@ TEST_P(GrowingIndexTest, GivesLargerSamplesOfWhatIsIndexed)
           ExpectSample(growing.GetSample(), this->Volume, { 0, 0, 0 }, { 4, 2, 2 });
         }
       }
-      ASSERT_EQ(growing.HasLargerSample(), ranks.GetSize() == 1 && share < 1);
-      if (growing.HasLargerSample())
+      EXPECT_FALSE(ranks.GetSize() > 1 && growing.HasLargerSample());
+      if (ranks.GetSize() == 1 && share < 1)
       {
+        while (!growing.HasLargerSample())
+        {
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
         EXPECT_TRUE(growing.EnlargeSample().IsOk());
         EXPECT_EQ(growing.GetSample().Text, "one of 4 x 2 x 2 samples");
         ExpectSample(growing.GetSample(), this->Volume, { 0, 0, 0 }, { 4, 2, 2 });
