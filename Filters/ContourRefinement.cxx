@@ -25,7 +25,6 @@ namespace
 
 constexpr double Millionths = 1e6;
 constexpr double MebiByte = 1 << 20;
-constexpr double PollSeconds = 0.02;
 /// Of a coarse surface of images: two cores extract and draw it within some 0.1 s.
 constexpr std::uint64_t CoarseVertices = 1 << 20;
 
@@ -139,17 +138,7 @@ Status ContourExecution::ExtractExactly(
     return this->OfImages.Extract(ranks, query, progress, outcome);
   }
   const std::unique_ptr<ImageRefinement> refinement = std::move(this->Prepared);
-  std::vector<std::uint64_t> stops = { 0 };
-  while (!refinement->Work->Advance(ranks, PollSeconds))
-  {
-    stops[0] = progress(refinement->Work->GetProgress()) ? 0 : 1;
-    ranks.ReduceMaximum(stops);
-    if (stops[0] != 0)
-    {
-      return { StatusCode::Aborted, "The contour was aborted." };
-    }
-  }
-  ISOSURFACE_RETURN_IF_ERROR(refinement->Work->GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(refinement->Work->Finish(ranks, progress));
   refinement->Outcome.ArrayName = outcome.ArrayName;
   outcome = std::move(refinement->Outcome);
   return Status::Ok();

@@ -41,8 +41,6 @@ using isosurface::StatusCode;
 
 constexpr const char* Automatic = "automatic";
 constexpr std::uint64_t Mebibyte = 1024 * 1024;
-/// Between two looks whether a script is told to stop.
-constexpr double PollSeconds = 0.1;
 
 enum Stages
 {
@@ -184,18 +182,8 @@ Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
 Status vtkInPlaceVolumeReader::Steps::Finish(isosurface::Communicator& ranks)
 {
   GrowingIndex& growing = *this->Reader.Growing;
-  const isosurface::Progress advance = MakeLoggedProgress(this->Reader, this->Index.Source, ranks);
-  std::vector<std::uint64_t> stops = { 0 };
-  while (!growing.Advance(ranks, PollSeconds))
-  {
-    stops[0] = advance(growing.GetProgress()) ? 0 : 1;
-    ranks.ReduceMaximum(stops);
-    if (stops[0] != 0)
-    {
-      return { StatusCode::Aborted, "Indexing was aborted." };
-    }
-  }
-  ISOSURFACE_RETURN_IF_ERROR(growing.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(
+    growing.Finish(ranks, MakeLoggedProgress(this->Reader, this->Index.Source, ranks)));
   this->TellLeftOut(ranks, growing.GetLeftOut());
   return Status::Ok();
 }
@@ -210,9 +198,16 @@ Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks)
   }
   auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
     {}, isosurface::MakeProgress(this->Reader));
+  std::vector<std::uint64_t> isSample = {
+    sample.GetStatus().GetCode() == StatusCode::Unsupported ? 0U : 1U
+  };
+  ranks.ReduceMaximum(isSample);
+  if (isSample[0] == 0 || (sample.IsOk() && sample->IsWhole))
+  {
+    return this->Update(ranks); // which is as quick, or tells what to do with a stream
+  }
   ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
-  // What is as quick is exact.
-  return sample->IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(*sample));
+  return this->Grow(ranks, std::move(*sample));
 }
 
 Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
@@ -489,5 +484,6 @@ void vtkInPlaceVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Axes: " << ToText(this->Axes) << "\n";
   os << indent << "IndexFolder: " << ToText(this->IndexFolder) << "\n";
   os << indent << "IndexMemory: " << this->IndexMemory << " MiB\n";
+  os << indent << "CoarseAllowed: " << this->CoarseAllowed << "\n";
   os << indent << "IndexText: " << this->IndexText << "\n";
 }

@@ -54,6 +54,11 @@ public:
   {
     return this->Writing->Advance(ranks, seconds);
   }
+  /// Waits for the end (CollectiveTask::Finish). Collective.
+  Status Finish(Communicator& ranks, const Progress& progress)
+  {
+    return this->Writing->Finish(ranks, progress);
+  }
   /// Asks it to stop, without waiting for that. Then it ends with StatusCode::Aborted.
   void Stop() { this->Writing->Stop(); }
   /// The finished fraction, 0 to 1.

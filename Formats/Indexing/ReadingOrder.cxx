@@ -177,43 +177,6 @@ private:
   VertexBox Read;   ///< those of the boxes so far
 };
 
-/// One slice after the other.
-class StreamOrder : public ReadingOrder
-{
-public:
-  StreamOrder(const VertexBox& box, const Index3& step)
-    : ReadingOrder(step)
-    , Box(box)
-  {
-  }
-
-  std::vector<VertexBox> FindNext() override
-  {
-    const std::int64_t slice = this->Slices * this->Step[2];
-    if (slice >= this->Box.High[2])
-    {
-      return {};
-    }
-    ++this->Slices;
-    VertexBox box = this->Box;
-    box.Low[2] = slice;
-    box.High[2] = slice + 1;
-    return { box };
-  }
-
-  Lattice GetLattice() const override
-  {
-    Lattice lattice{ this->Box, this->Step };
-    lattice.Box.High[2] = std::min(this->Box.High[2], this->Slices * this->Step[2]);
-    return lattice;
-  }
-  bool IsStream() const override { return true; }
-
-private:
-  const VertexBox Box;
-  std::int64_t Slices = 0; ///< that are read
-};
-
 } // namespace
 
 VertexBox Lattice::GetNumbers() const
@@ -236,11 +199,7 @@ std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const SlabSource& source, std
   {
     return std::make_unique<SliceOrder>(box, step, source.HasCheapRows());
   }
-  if (chunk)
-  {
-    return std::make_unique<ChunkOrder>(box, *chunk, step);
-  }
-  return std::make_unique<StreamOrder>(box, step);
+  return chunk ? std::make_unique<ChunkOrder>(box, *chunk, step) : nullptr;
 }
 
 } // namespace isosurface

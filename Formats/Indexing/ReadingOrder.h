@@ -28,7 +28,8 @@ struct Lattice
 class ReadingOrder
 {
 public:
-  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`.
+  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`; null for
+  /// a stream, of which nothing can be skipped.
   static std::unique_ptr<ReadingOrder> Choose(const SlabSource& source, std::int64_t vertices);
   virtual ~ReadingOrder() = default;
 
@@ -43,8 +44,6 @@ public:
   virtual const Index3& GetWholeStep() const { return this->Step; }
   /// Whether boxes are best read row by row, each row of the lattice alone.
   virtual bool IsByRows() const { return false; }
-  /// Whether only one thread of one rank may read, in this order.
-  virtual bool IsStream() const { return false; }
 
 protected:
   explicit ReadingOrder(const Index3& step)

@@ -206,7 +206,7 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
 
 bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
 {
-  const std::string path = index.Path + ".partial"; // which the writer would replace, too
+  const std::string path = index.Path + ".try"; // another program may be writing the index now
   const bool canWrite =
     files.MakeDirectories(std::filesystem::path(path).parent_path().string()).IsOk() &&
     files.CreateForWriting(path).IsOk();

@@ -65,9 +65,8 @@ struct VolumeInMemory
   std::shared_ptr<BlockedVolume> Volume; ///< goes before its files
 };
 
-std::string Describe(const SourceSample& sample, int level, const std::string& part)
+std::string Describe(const Index3& step, double share, int level, const std::string& part)
 {
-  const Index3& step = sample.Vertices.Step;
   std::string text =
     level > 0 ? "level " + std::to_string(level) + " of the file, whose samples are averages" : "";
   if (step != Index3{ 1, 1, 1 })
@@ -75,10 +74,10 @@ std::string Describe(const SourceSample& sample, int level, const std::string& p
     text += (text.empty() ? "one of " : ", one of ") + std::to_string(step[0]) + " x " +
       std::to_string(step[1]) + " x " + std::to_string(step[2]) + " samples";
   }
-  if (sample.Share < 1)
+  if (share < 1)
   {
     text += (text.empty() ? "" : ", ") + ("the " + part) + " " +
-      std::to_string(static_cast<int>(std::ceil(100 * sample.Share))) + " %";
+      std::to_string(static_cast<int>(std::ceil(100 * share))) + " %";
   }
   return text.empty() ? "all samples" : text;
 }
@@ -124,12 +123,11 @@ Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& inde
   memory->Volume = *opened;
   SourceSample sample;
   sample.Volume = std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
-  sample.Vertices = lattice;
   sample.WholeStep = lattice.Step;
   sample.Share = static_cast<double>(lattice.Box.GetNumberOfVertices()) /
     static_cast<double>(of.Box.GetNumberOfVertices());
   sample.IsWhole = of.Level == 0 && lattice.Step == Index3{ 1, 1, 1 } && lattice.Box == of.Box;
-  sample.Text = Describe(sample, of.Level, part);
+  sample.Text = Describe(lattice.Step, sample.Share, of.Level, part);
   return sample;
 }
 

@@ -26,7 +26,6 @@ class BlockedVolume;
 struct SourceSample
 {
   std::shared_ptr<BlockedVolume> Volume; ///< valid without anything else
-  Lattice Vertices;                      ///< of the file, that it has
   Index3 WholeStep{ 1, 1, 1 };           ///< with which a sample of the whole file is as large
   double Share = 0;                      ///< of the file that its box is
   bool IsWhole = false;                  ///< whether it has all samples of the file

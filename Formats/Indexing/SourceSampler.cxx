@@ -20,7 +20,6 @@ namespace
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr double Millionths = 1e6;
 constexpr std::uint64_t Mebibyte = 1 << 20;
 /// Enough reads at once to keep a disk busy.
 constexpr std::uint64_t MostThreads = 8;
@@ -103,12 +102,16 @@ Status Sampler::Open()
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   this->Volume = SampledVolume(*volume);
   this->Order = ReadingOrder::Choose(*volume->Source, this->Limits.Vertices);
+  if (!this->Order)
+  {
+    return { StatusCode::Unsupported,
+      this->Index.Source + ": cannot be sampled: it can only be read in order" };
+  }
   const VertexBox& box = volume->Source->GetBox();
-  const auto chunk = volume->Source->GetChunk();
+  const Index3 chunk = volume->Source->GetChunk().value_or(box.High);
   const std::uint64_t bytes = std::max<std::uint64_t>(
-    1, volume->Source->GetReadBytes(chunk ? VertexBox{ { 0, 0, 0 }, *chunk }.Intersect(box) : box));
-  this->Volumes.resize(static_cast<std::size_t>(
-    this->Order->IsStream() ? 1 : std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads)));
+    1, volume->Source->GetReadBytes(VertexBox{ { 0, 0, 0 }, chunk }.Intersect(box)));
+  this->Volumes.resize(std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads));
   this->Volumes.front() = std::move(*volume);
   return Status::Ok();
 }
@@ -140,10 +143,10 @@ Status Sampler::Read()
 
 Status Sampler::ReadBoxes(const std::vector<VertexBox>& boxes)
 {
-  const std::size_t ranks = this->Order->IsStream() ? 1 : this->Ranks.GetSize();
+  const auto ranks = static_cast<std::size_t>(this->Ranks.GetSize());
   const auto rank = static_cast<std::size_t>(this->Ranks.GetRank());
   const std::size_t first = this->Tiles.size();
-  for (std::size_t box = rank; rank < ranks && box < boxes.size(); box += ranks)
+  for (std::size_t box = rank; box < boxes.size(); box += ranks)
   {
     this->Tiles.push_back({ boxes[box], {} });
   }
@@ -301,8 +304,8 @@ Result<SourceSample> Sampler::MakeVolume(const std::vector<Message>& messages) c
   {
     samples.push_back(this->Assemble(tiles, this->Complete, variable));
   }
-  auto sample = MakeSourceSample(this->Files, this->Index, this->Volume, this->Complete, samples,
-    this->Order->IsStream() ? "first" : "middle");
+  auto sample =
+    MakeSourceSample(this->Files, this->Index, this->Volume, this->Complete, samples, "middle");
   if (sample.IsOk())
   {
     sample->WholeStep = this->Order->GetWholeStep();

@@ -142,7 +142,7 @@ void pqIndexStatus::Update(const Sources& changed)
   std::vector<vtkBoundingBox> before;
   for (const QPointer<pqPipelineSource>& reader : changed)
   {
-    before.push_back(FindBounds(reader));
+    before.push_back(reader ? FindBounds(reader) : vtkBoundingBox());
   }
   if (!changed.empty())
   {
@@ -187,18 +187,19 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
 //------------------------------------------------------------------------------
 void pqIndexStatus::Finish()
 {
-  const Sources readers = std::exchange(this->Readers, {});
-  for (const QPointer<pqPipelineSource>& reader : readers)
+  Sources finished;
+  for (const QPointer<pqPipelineSource>& reader : std::exchange(this->Readers, {}))
   {
     if (reader && reader->getProxy()->GetSession()->GetIsAlive())
     {
       // Since it may not be coarse now, its update waits.
       reader->getProxy()->InvokeCommand("TakeIndex");
       reader->getSourceProxy()->UpdatePipeline(reader->getServer()->getTimeKeeper()->getTime());
+      finished.push_back(reader);
     }
   }
   this->hide();
-  this->Update(readers);
+  this->Update(finished);
 }
 
 //------------------------------------------------------------------------------

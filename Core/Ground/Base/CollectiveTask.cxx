@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/CollectiveTask.h"
 
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace isosurface
 {
@@ -24,6 +26,22 @@ CollectiveTask::~CollectiveTask()
   {
     this->Relay->Close();
   }
+}
+
+Status CollectiveTask::Finish(Communicator& ranks, const Progress& progress)
+{
+  constexpr double pollSeconds = 0.02;
+  std::vector<std::uint64_t> stops = { 0 };
+  while (!this->Advance(ranks, pollSeconds))
+  {
+    stops[0] = progress && !progress(this->GetProgress()) ? 1 : 0;
+    ranks.ReduceMaximum(stops);
+    if (stops[0] != 0)
+    {
+      return { StatusCode::Aborted, "The work was stopped." };
+    }
+  }
+  return this->GetStatus();
 }
 
 bool CollectiveTask::Advance(Communicator& ranks, double seconds)

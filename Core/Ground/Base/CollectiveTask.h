@@ -37,6 +37,9 @@ public:
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
   /// Collective.
   bool Advance(Communicator& ranks, double seconds);
+  /// Waits for the end, and tells how it ended; Aborted if the progress of any rank says so before.
+  /// Collective.
+  Status Finish(Communicator& ranks, const Progress& progress);
   /// Whether this rank has come to the end.
   bool HasEnded() { return this->Task->Wait(0); }
   /// The finished fraction, 0 to 1.

@@ -135,16 +135,6 @@ Result<std::unique_ptr<WritableFile>> MemoryFileSystem::CreateForWriting(const s
   return std::unique_ptr<WritableFile>(new Writer(*this, path, std::move(content)));
 }
 
-Result<std::unique_ptr<WritableFile>> MemoryFileSystem::OpenForUpdate(const std::string& path)
-{
-  auto content = this->Find(path);
-  if (!content)
-  {
-    return Status(StatusCode::NotFound, path + ": cannot be opened: there is no such file");
-  }
-  return std::unique_ptr<WritableFile>(new Writer(*this, path, std::move(content)));
-}
-
 Status MemoryFileSystem::Rename(const std::string& from, const std::string& to)
 {
   auto content = this->Find(from);

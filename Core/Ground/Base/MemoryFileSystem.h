@@ -29,7 +29,6 @@ public:
 
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override;
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override;
-  Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path) override;
   Status Rename(const std::string& from, const std::string& to) override;
   Status MakeDirectories(const std::string& path) override;
   Status RemoveAll(const std::string& path) override;

@@ -49,7 +49,6 @@ std::vector<Source> MakeSources()
     { "slices", { DescribedSize, Index3{ 40, 33, 1 }, false } },
     { "chunks", { DescribedSize, Index3{ 7, 16, 9 }, false } },
     { "one chunk", { DescribedSize, DescribedSize, false } },
-    { "stream", { DescribedSize, std::nullopt, false } },
   };
 }
 
@@ -110,6 +109,12 @@ TEST(ReadingOrder, SlicesCanEndEarlyAndShowTheWholeVolume)
     EXPECT_LT(first, 10u);
     EXPECT_EQ(order->FindNext().size() + first, 2 * first - first % 2);
   }
+}
+
+TEST(ReadingOrder, AStreamHasNone)
+{
+  EXPECT_EQ(ReadingOrder::Choose(DescribedSource(DescribedSize, std::nullopt, false), MostVertices),
+    nullptr);
 }
 
 TEST(ReadingOrder, ChunksAreWholeAndGrowFromTheMiddle)

@@ -79,5 +79,4 @@ TEST_F(MemoryFileSystemTest, TellsWhatIsTruncatedOrMissing)
   ExpectError(file->Read(2, 3, bytes), StatusCode::Corrupt, Prefix + ": truncated");
   ExpectError(
     this->Files.Rename(Prefix + "-2", Prefix), StatusCode::NotFound, Prefix + "-2: cannot be");
-  ExpectError(this->Files.OpenForUpdate(Prefix + "-2").GetStatus(), StatusCode::NotFound, "-2");
 }
