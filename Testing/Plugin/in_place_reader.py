@@ -293,7 +293,7 @@ class InPlaceReader(testing.TestCase):
         simple.SaveState(state)
         script = smstate.get_state()
         simple.ResetSession()
-        simple.LoadState(state)
+        self.load_state(state)
         self.check_surfaces(len(paths))
         simple.ResetSession()
         self.assertIn("VolumeReaderAnySize(", script)
@@ -308,7 +308,7 @@ class InPlaceReader(testing.TestCase):
         with open(state) as file:
             self.assertIn('type="InPlaceVolumeReader"', file.read())
         simple.ResetSession()
-        simple.LoadState(state)
+        self.load_state(state)
         self.check_surfaces(1)
 
 

@@ -19,7 +19,7 @@ class StateFiles(testing.TestCase):
         self.check_image(view, "StabbingContour.png", image)
 
     def test_pvsm_gives_the_same_image(self):
-        simple.LoadState(testing.state("gui.pvsm"))
+        self.load_state(testing.state("gui.pvsm"))
         self.check_session("pvsm.png")
 
     def test_python_state_gives_the_same_image(self):

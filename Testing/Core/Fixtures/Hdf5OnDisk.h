@@ -62,8 +62,8 @@ inline std::vector<std::int16_t> MakeHdf5Samples()
 class Hdf5OnDisk
 {
 public:
-  explicit Hdf5OnDisk(const std::string& path)
-    : File(::H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT))
+  explicit Hdf5OnDisk(const std::string& path, hid_t access = H5P_DEFAULT)
+    : File(::H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access))
   {
     EXPECT_GE(this->File, 0);
   }

@@ -301,7 +301,11 @@ TEST(Hdf5Volume, ChunksThatWereShuffledAsValuesOfAnotherSizeAreReadAsTheLibraryD
 {
   const ScratchFolder folder;
   const std::string path = folder / "a.h5";
-  Hdf5OnDisk(path).AddDataset("data", MakeChunks({ 4, 5, 6 }));
+  // Since HDF5 2.0 files are, unless told otherwise, of later versions, which give no name and a checksum.
+  const hid_t access = ::H5Pcreate(H5P_FILE_ACCESS);
+  ::H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+  Hdf5OnDisk(path, access).AddDataset("data", MakeChunks({ 4, 5, 6 }));
+  ::H5Pclose(access);
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
   const std::size_t size = bytes.find("shuffle") + 8; // the parameter follows the name
