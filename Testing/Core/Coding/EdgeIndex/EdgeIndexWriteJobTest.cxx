@@ -157,12 +157,12 @@ TEST(EdgeIndexWriteJob, PreviewsAreWhereASingleWriterPutsThem)
 {
   // More than what is kept back of a preview at a time.
   Writing<float> writing;
-  writing.Volume = MakeWaves<float>({ 193, 193, 193 }, 1.5);
+  writing.Volume = MakeWaves<float>({ 145, 145, 145 }, 1.5);
   writing.Header = MakeHeader(
     writing.Volume, { -0.1, 0, 0.1, 0.2 }, EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
   writing.Header.Settings.MaximumError = 0.5;
   writing.Header.PreviewLevel = 1;
-  writing.Header.PreviewMaximumError = 0.001;
+  writing.Header.PreviewMaximumError = 0.00002;
   const MemoryDisk::Bytes expected = writing.WriteAlone();
   MemoryDisk disk;
   static_cast<void>(writing.WriteTogether(disk, 2, DealInTurn, { 2, std::uint64_t{ 1 } << 18 }));
