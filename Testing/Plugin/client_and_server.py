@@ -2,7 +2,7 @@
 """A pvserver of N ranks with other tests in pvpython as its clients; the server's log.
 
     client_and_server.py ... --ranks N --pvserver PATH --pvpython PATH --paraview PATH --mpiexec "mpiexec -n"
-        --window-python-path FOLDER
+        --window-python-path FOLDER [--in-window]
 """
 import os
 import re
@@ -20,6 +20,10 @@ def find_free_port():
 
 
 class ClientAndServer(testing.TestCase):
+    def setUp(self):
+        if ("test_gui" in self.id()) != testing.arguments.in_window:
+            self.skipTest("in a run of its own")
+
     def read_log(self):
         with open(testing.output("server.log"), errors="replace") as file:
             return file.read()

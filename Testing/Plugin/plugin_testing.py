@@ -60,6 +60,7 @@ def parse_arguments():
     for name in ("pvbatch", "pvserver", "pvpython", "paraview"):
         parser.add_argument("--" + name)
     parser.add_argument("--window-python-path", help="PYTHONPATH of the GUI")
+    parser.add_argument("--in-window", action="store_true", help="run the tests of the GUI alone")
     parser.add_argument("--python", help="a Python with h5py")
     parser.add_argument("--wall", action="store_true", help="write the tiles of a wall")
     arguments = parser.parse_args()
