@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   pqIsosurfaceMenuBehavior
- * @brief   makes what the plugin offers findable and its charts readable
+ * @brief   makes what the plugin offers findable, and what it shows readable
  *
  * - Menus and the quick search call Stabbing Contour "Isosurface (Stabbing Contour)". Its label in
  *   the server manager stays, since scripts call the filter by that.
  * - The tool bar of the filters is the last one. ParaView makes that of a plugin which is loaded at its
  *   start (PV_PLUGIN_PATH, Auto Load) before its own, in a full line, where its buttons do not show.
+ * - A surface of one isovalue is shown in one color: all of it has the same value, and a legend of that
+ *   would have a range of rounding errors.
  * - A new chart of a contour spectrum shows the triangles alone, on a logarithmic axis where they
  *   span more than two decades, with the axes' titles.
  *
@@ -19,6 +21,7 @@
 #include <QObject>
 
 class pqDataRepresentation;
+class pqPipelineSource;
 class pqRepresentation;
 class pqView;
 
@@ -37,6 +40,7 @@ private Q_SLOTS:
   void ObserveMenus();
   void MoveToolBar();
   void NameActions();
+  void ObserveFilter(pqPipelineSource* filter);
   void ObserveView(pqView* view);
   void ArrangeChart(pqRepresentation* representation);
   void ExpectReset();
