@@ -42,11 +42,13 @@ using isosurface::StatusCode;
 constexpr const char* Automatic = "automatic";
 constexpr std::uint64_t Mebibyte = 1024 * 1024;
 
-// The stages of an index, doubles as the progress and the seconds that they are told with.
-constexpr double Nothing = 0;
-constexpr double Working = 1;
-constexpr double Ready = 2;
-constexpr double Failed = 3;
+enum Stages
+{
+  Nothing,
+  Working,
+  Ready,
+  Failed
+};
 
 std::string ToText(const char* text)
 {
