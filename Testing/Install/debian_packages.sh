@@ -40,7 +40,7 @@ done
 mkdir "$folder/source" "$root/packages"
 cp -r "$source/debian" "$source"/*.md "$source/CITATION.cff" "$source/Documentation" "$source/Examples" "$folder/source"
 (cd "$folder/source" && PATH=/usr/sbin:/usr/bin:/sbin:/bin ISOSURFACE_BUILD=$build ISOSURFACE_PACKAGES=$root/packages \
-  DEB_RULES_REQUIRES_ROOT=no debian/rules binary >"$folder/log" 2>&1) || {
+  ISOSURFACE_DEB_OPTIONS=-Znone DEB_RULES_REQUIRES_ROOT=no debian/rules binary >"$folder/log" 2>&1) || {
   cat "$folder/log"
   exit 1
 }
