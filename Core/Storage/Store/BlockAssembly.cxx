@@ -37,46 +37,6 @@ VertexBox FindContribution(
   return part;
 }
 
-// The memory that the vertices of a box of blocks, or some of them, are copied to.
-struct Target
-{
-  BlockBox Box;
-  VertexBox Vertices;
-  void* Samples;
-  std::ptrdiff_t Stride;
-};
-
-Status FillTarget(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
-  const std::vector<BlockReference>& blocks, int threads, const Target& target,
-  QueryStatistics& statistics, const Progress& progress)
-{
-  const StoredLevel stored = volume.FindLevel(level);
-  const BlockGrid& grid = *stored.Grid;
-
-  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
-  FirstFailure failure;
-  const auto fill = [&](const BlockReference& block, QueryStatistics& cost) -> Status
-  {
-    const auto decoded = volume.ReadBlock(block, timeStep, variable, level, cost);
-    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
-    const VertexBox part =
-      FindContribution(grid, target.Box, block.Block, stored.Level).Intersect(target.Vertices);
-    CopyBox((*decoded)->View, part, target.Vertices, target.Samples, target.Stride);
-    return Status::Ok();
-  };
-  const bool finished = ParallelFor(
-    blocks.size(), threads,
-    [&](std::size_t index, int thread)
-    { failure.Run([&] { return fill(blocks[index], costs[static_cast<std::size_t>(thread)]); }); },
-    progress);
-  for (const QueryStatistics& cost : costs)
-  {
-    statistics.Add(cost);
-  }
-  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
-  return finished ? Status::Ok() : Status(StatusCode::Aborted, "Reading was aborted.");
-}
-
 } // namespace
 
 bool BlockBox::IsEmpty() const
@@ -152,37 +112,45 @@ std::optional<int> FindLevelWithin(const BlockedVolume& volume,
   return std::nullopt;
 }
 
-BlockBox FindCover(const BlockGrid& grid, const VertexBox& vertices)
-{
-  BlockBox cover;
-  for (std::size_t axis = 0; axis < 3 && !vertices.IsEmpty(); ++axis)
-  {
-    // The vertices on the volume's high faces belong to the last blocks.
-    const std::int64_t last = grid.GetNumberOfBlocksPerAxis()[axis] - 1;
-    cover.Low[axis] = std::min(last, vertices.Low[axis] / grid.GetBlockSize());
-    cover.High[axis] = std::min(last, (vertices.High[axis] - 1) / grid.GetBlockSize()) + 1;
-  }
-  return cover;
-}
-
 Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress)
 {
   const StoredLevel stored = volume.FindLevel(level);
   const VertexBox whole = box.GetGhostedVertices(*stored.Grid, stored.Level);
-  const Target target = { box, whole, samples, stride };
-  return FillTarget(
-    volume, timeStep, variable, level, blocks, threads, target, statistics, progress);
+  const auto copy = [&](const BlockReference& block, const SampleView& view)
+  {
+    CopyBox(
+      view, FindContribution(*stored.Grid, box, block.Block, stored.Level), whole, samples, stride);
+  };
+  return VisitBlocks(
+    volume, timeStep, variable, level, blocks, threads, copy, statistics, progress);
 }
 
-Status AssembleVertices(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
-  const VertexBox& vertices, const std::vector<BlockReference>& blocks, int threads, void* samples,
+Status VisitBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+  const std::vector<BlockReference>& blocks, int threads, const BlockVisitor& visit,
   QueryStatistics& statistics, const Progress& progress)
 {
-  const BlockBox cover = FindCover(volume.GetBlockGrid(), vertices);
-  const Target target = { cover, vertices, samples, 1 };
-  return FillTarget(volume, timeStep, variable, 0, blocks, threads, target, statistics, progress);
+  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
+  FirstFailure failure;
+  const auto read = [&](const BlockReference& block, QueryStatistics& cost) -> Status
+  {
+    const auto decoded = volume.ReadBlock(block, timeStep, variable, level, cost);
+    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
+    visit(block, (*decoded)->View);
+    return Status::Ok();
+  };
+  const bool finished = ParallelFor(
+    blocks.size(), threads,
+    [&](std::size_t index, int thread)
+    { failure.Run([&] { return read(blocks[index], costs[static_cast<std::size_t>(thread)]); }); },
+    progress);
+  for (const QueryStatistics& cost : costs)
+  {
+    statistics.Add(cost);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
+  return finished ? Status::Ok() : Status(StatusCode::Aborted, "Reading was aborted.");
 }
 
 } // namespace isosurface

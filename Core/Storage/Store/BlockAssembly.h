@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -54,13 +55,13 @@ Status AssembleBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t v
   const BlockBox& box, const std::vector<BlockReference>& blocks, int threads, void* samples,
   std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress = {});
 
-/// The blocks that have the vertices of a box at full resolution, of the volume's own grid.
-BlockBox FindCover(const BlockGrid& grid, const VertexBox& vertices);
+/// Takes the samples of a block; called by several threads at once.
+using BlockVisitor = std::function<void(const BlockReference&, const SampleView&)>;
 
-/// The same as AssembleBlocks for the vertices of a box at full resolution, x fastest; `blocks` are
-/// those of FindCover.
-Status AssembleVertices(BlockedVolume& volume, std::size_t timeStep, std::size_t variable,
-  const VertexBox& vertices, const std::vector<BlockReference>& blocks, int threads, void* samples,
+/// Calls `visit` with one variable of each block, which is read once, through the block cache, on
+/// `threads` threads. Errors: of ReadBlock; Aborted.
+Status VisitBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t variable, int level,
+  const std::vector<BlockReference>& blocks, int threads, const BlockVisitor& visit,
   QueryStatistics& statistics, const Progress& progress = {});
 
 } // namespace isosurface

@@ -2,23 +2,18 @@
 #include "Storage/Store/StoredSlabSource.h"
 
 #include "Ground/Volume/SampleCopy.h"
-#include "Storage/Store/BlockAssembly.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace isosurface
 {
 
 Result<std::unique_ptr<StoredSlabSource>> StoredSlabSource::Make(
-  std::shared_ptr<BlockedVolume> volume, std::size_t timeStep,
+  const std::shared_ptr<BlockedVolume>& volume, std::size_t timeStep,
   const std::vector<std::size_t>& arrays, int threads)
 {
-  QueryStatistics statistics;
-  auto blocks = volume->ListBlocks(timeStep, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  std::sort(blocks->begin(), blocks->end(),
-    [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
+  auto samples = LevelSamples::Open(volume, timeStep, 0);
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   std::unique_ptr<StoredSlabSource> source(new StoredSlabSource);
   for (const std::size_t array : arrays)
   {
@@ -27,10 +22,8 @@ Result<std::unique_ptr<StoredSlabSource>> StoredSlabSource::Make(
       source->Variables.push_back(*volume->GetVariables().Find(array, component));
     }
   }
-  source->Box = { { 0, 0, 0 }, volume->GetBlockGrid().GetDimensions() };
-  source->Volume = std::move(volume);
-  source->TimeStep = timeStep;
-  source->Blocks = std::move(*blocks);
+  source->Samples = std::move(*samples);
+  source->Box = source->Samples->GetBox();
   source->Threads = threads;
   return source;
 }
@@ -40,28 +33,18 @@ std::uint64_t StoredSlabSource::GetReadBytes(const VertexBox& box) const
   std::uint64_t bytes = 0;
   for (const std::size_t variable : this->Variables)
   {
-    bytes += GetValueSize(this->Volume->GetVariables()[variable].Type);
+    bytes += GetValueSize(this->Samples->GetVolume().GetVariables()[variable].Type);
   }
   return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
 
 std::uint64_t StoredSlabSource::GetHeldBytes() const
 {
-  return this->Blocks.capacity() * sizeof(BlockReference);
+  return this->Samples->GetMemory();
 }
 
 Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
 {
-  const BlockGrid& grid = this->Volume->GetBlockGrid();
-  const BlockBox cover = FindCover(grid, box);
-  std::vector<BlockReference> blocks;
-  for (const BlockReference& block : this->Blocks)
-  {
-    if (cover.Contains(grid.GetBlockCoordinates(block.Block)))
-    {
-      blocks.push_back(block);
-    }
-  }
   // Each array begins where values of any type may.
   constexpr std::size_t alignment = sizeof(double);
   auto samples = std::make_shared<std::vector<std::uint8_t>>(
@@ -71,9 +54,10 @@ Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
   QueryStatistics statistics;
   for (const std::size_t variable : this->Variables)
   {
-    const SampleView view = MakeSampleView(this->Volume->GetVariables()[variable].Type, box, first);
-    ISOSURFACE_RETURN_IF_ERROR(AssembleVertices(
-      *this->Volume, this->TimeStep, variable, box, blocks, this->Threads, first, statistics));
+    const ValueType type = this->Samples->GetVolume().GetVariables()[variable].Type;
+    const SampleView view = MakeSampleView(type, box, first);
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Samples->Read(variable, box, { 1, 1, 1 }, this->Threads, first, 1, statistics));
     const std::size_t bytes =
       GetValueSize(view.Type) * static_cast<std::size_t>(box.GetNumberOfVertices());
     first += (bytes + alignment - 1) / alignment * alignment;

@@ -5,6 +5,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/SlabSource.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/LevelSamples.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -26,9 +27,10 @@ class StoredSlabSource : public SlabSource
 public:
   /// Of the volume's arrays those with the given numbers, in that order: a view for each component.
   /// Boxes are read on `threads` threads. Reads the directories of all stores; errors as
-  /// BlockedVolume::ListBlocks. Shares the volume.
-  static Result<std::unique_ptr<StoredSlabSource>> Make(std::shared_ptr<BlockedVolume> volume,
-    std::size_t timeStep, const std::vector<std::size_t>& arrays, int threads);
+  /// LevelSamples::Open. Shares the volume.
+  static Result<std::unique_ptr<StoredSlabSource>> Make(
+    const std::shared_ptr<BlockedVolume>& volume, std::size_t timeStep,
+    const std::vector<std::size_t>& arrays, int threads);
 
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
@@ -38,10 +40,8 @@ public:
 private:
   StoredSlabSource() = default;
 
-  std::shared_ptr<BlockedVolume> Volume;
-  std::size_t TimeStep = 0;
+  std::shared_ptr<const LevelSamples> Samples;
   std::vector<std::size_t> Variables; ///< a view for each
-  std::vector<BlockReference> Blocks; ///< of the volume, sorted by block
   VertexBox Box;
   int Threads = 1;
 };

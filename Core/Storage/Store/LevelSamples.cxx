@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/LevelSamples.h"
+
+#include "Ground/Volume/SampleCopy.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+// Every step-th vertex of a box, numbered from its low corner on: number n is at Low + n * Step.
+struct Lattice
+{
+  VertexBox Box;
+  Index3 Step;
+
+  // The numbers of the lattice's vertices within a box.
+  VertexBox FindNumbers(const VertexBox& vertices) const
+  {
+    const VertexBox inside = vertices.Intersect(this->Box);
+    VertexBox numbers;
+    for (std::size_t axis = 0; axis < 3 && !inside.IsEmpty(); ++axis)
+    {
+      const std::int64_t step = this->Step[axis];
+      numbers.Low[axis] = (inside.Low[axis] - this->Box.Low[axis] + step - 1) / step;
+      numbers.High[axis] = (inside.High[axis] - this->Box.Low[axis] + step - 1) / step;
+    }
+    return numbers;
+  }
+};
+
+// The samples of a block at the lattice's vertices among `own`: a view of their numbers.
+SampleView ThinOut(const SampleView& view, const VertexBox& own, const Lattice& lattice)
+{
+  SampleView thin = view;
+  thin.Box = lattice.FindNumbers(own);
+  thin.Available = thin.Box;
+  if (!thin.Box.IsEmpty())
+  {
+    Index3 first = lattice.Box.Low;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      first[axis] += thin.Box.Low[axis] * lattice.Step[axis];
+      thin.Stride[axis] *= static_cast<std::ptrdiff_t>(lattice.Step[axis]);
+    }
+    thin.First = view.AtBytes(first);
+  }
+  return thin;
+}
+
+// The vertices of a block that no block after it has.
+VertexBox FindOwn(const BlockGrid& grid, const Index3& block, int level)
+{
+  VertexBox own = grid.GetVertices(grid.GetBlockIndex(block), level);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    if (block[axis] + 1 < grid.GetNumberOfBlocksPerAxis()[axis])
+    {
+      Index3 next = block;
+      ++next[axis];
+      // At a coarse level a block may share its only layer of vertices with the next one.
+      own.High[axis] = grid.GetVertices(grid.GetBlockIndex(next), level).Low[axis];
+    }
+  }
+  return own;
+}
+
+} // namespace
+
+Result<std::shared_ptr<const LevelSamples>> LevelSamples::Open(
+  std::shared_ptr<BlockedVolume> volume, std::size_t timeStep, int level)
+{
+  QueryStatistics unused;
+  auto blocks = volume->ListBlocks(timeStep, unused, level);
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
+  std::sort(blocks->begin(), blocks->end(),
+    [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
+  std::shared_ptr<LevelSamples> samples(new LevelSamples);
+  samples->Stored = volume->FindLevel(level);
+  std::int64_t expected = 0;
+  for (const BlockReference& block : *blocks)
+  {
+    expected += block.Block == expected;
+  }
+  if (expected < samples->Stored.Grid->GetNumberOfBlocks() ||
+    blocks->size() != static_cast<std::size_t>(expected))
+  {
+    return Status(StatusCode::Corrupt, volume->GetPath() + ": its stores have not each block once");
+  }
+  samples->Volume = std::move(volume);
+  samples->TimeStep = timeStep;
+  samples->Level = level;
+  samples->Blocks = std::move(*blocks);
+  return std::shared_ptr<const LevelSamples>(std::move(samples));
+}
+
+VertexBox LevelSamples::GetBox() const
+{
+  return { { 0, 0, 0 }, this->Volume->GetHeader().Grid.Coarsen(this->Level).GetDimensions() };
+}
+
+BlockBox LevelSamples::FindCover(const VertexBox& vertices) const
+{
+  const BlockGrid& grid = *this->Stored.Grid;
+  const std::int64_t size = grid.GetBlockSize() >> this->Stored.Level;
+  BlockBox cover;
+  for (std::size_t axis = 0; axis < 3 && !vertices.IsEmpty(); ++axis)
+  {
+    // The vertices on the volume's high faces belong to the last blocks.
+    const std::int64_t last = grid.GetNumberOfBlocksPerAxis()[axis] - 1;
+    cover.Low[axis] = std::min(last, vertices.Low[axis] / size);
+    cover.High[axis] = std::min(last, (vertices.High[axis] - 1) / size) + 1;
+  }
+  return cover;
+}
+
+const BlockReference& LevelSamples::GetBlock(const Index3& block) const
+{
+  return this->Blocks[static_cast<std::size_t>(this->Stored.Grid->GetBlockIndex(block))];
+}
+
+Status LevelSamples::Read(std::size_t variable, const VertexBox& box, const Index3& step,
+  int threads, void* samples, std::ptrdiff_t stride, QueryStatistics& statistics,
+  const Progress& progress) const
+{
+  const BlockGrid& grid = *this->Stored.Grid;
+  const Lattice lattice{ box, step };
+  const VertexBox whole = lattice.FindNumbers(box);
+  const BlockBox cover = this->FindCover(box);
+  std::vector<BlockReference> blocks;
+  VisitVertices({ cover.Low, cover.High },
+    [&](const Index3& block)
+    {
+      if (!lattice.FindNumbers(FindOwn(grid, block, this->Stored.Level)).IsEmpty())
+      {
+        blocks.push_back(this->GetBlock(block));
+      }
+    });
+
+  const auto copy = [&](const BlockReference& block, const SampleView& view)
+  {
+    const VertexBox own = FindOwn(grid, grid.GetBlockCoordinates(block.Block), this->Stored.Level);
+    const SampleView part = ThinOut(view, own, lattice);
+    CopyBox(part, part.Box, whole, samples, stride);
+  };
+  return VisitBlocks(*this->Volume, this->TimeStep, variable, this->Level, blocks, threads, copy,
+    statistics, progress);
+}
+
+} // namespace isosurface

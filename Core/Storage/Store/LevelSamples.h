@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_LevelSamples_h
+#define isosurface_LevelSamples_h
+
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/VertexBox.h"
+#include "Storage/Store/BlockAssembly.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/QueryStatistics.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * The samples of one level of a blocked volume at one time step, found by their place. Every store
+ * must be within this process's reach. Vertices are those of the level: level-0 coordinates /
+ * 2^level. Functions may be called by several threads at once.
+ */
+class LevelSamples
+{
+public:
+  /// Reads the directories of the stores that have the level. Errors: of BlockedVolume::ListBlocks;
+  /// Corrupt if a block is in no store.
+  static Result<std::shared_ptr<const LevelSamples>> Open(
+    std::shared_ptr<BlockedVolume> volume, std::size_t timeStep, int level);
+
+  BlockedVolume& GetVolume() const { return *this->Volume; }
+  std::size_t GetTimeStep() const { return this->TimeStep; }
+  int GetLevel() const { return this->Level; }
+  /// In bytes: 32 a block of the level.
+  std::uint64_t GetMemory() const { return this->Blocks.capacity() * sizeof(BlockReference); }
+  /// All vertices of the level.
+  VertexBox GetBox() const;
+
+  /// The blocks that have the vertices of a box within GetBox().
+  BlockBox FindCover(const VertexBox& vertices) const;
+  /// Where the block with these block coordinates is stored.
+  const BlockReference& GetBlock(const Index3& block) const;
+
+  /**
+   * Fills `samples` with one variable at every step-th vertex of a box within GetBox(), from the
+   * box's low corner on, x fastest. Successive samples are `stride` apart, so that the components of
+   * an array can be interleaved. `step`: at least 1 on each axis.
+   *
+   * Reads each block that has such a vertex once, through the block cache, on `threads` threads.
+   * Errors: of BlockedVolume::ReadBlock; Aborted.
+   */
+  Status Read(std::size_t variable, const VertexBox& box, const Index3& step, int threads,
+    void* samples, std::ptrdiff_t stride, QueryStatistics& statistics,
+    const Progress& progress = {}) const;
+
+private:
+  LevelSamples() = default;
+
+  std::shared_ptr<BlockedVolume> Volume;
+  std::size_t TimeStep = 0;
+  int Level = 0;
+  StoredLevel Stored;
+  std::vector<BlockReference> Blocks; ///< by block index
+};
+
+} // namespace isosurface
+
+#endif
