@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Sampling/PlaneLattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace isosurface
+{
+namespace
+{
+
+using Vector = std::array<double, 3>;
+
+double Dot(const Vector& a, const Vector& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector Cross(const Vector& a, const Vector& b)
+{
+  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+}
+
+Vector AddScaled(const Vector& a, double factor, const Vector& b)
+{
+  return { a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2] };
+}
+
+Vector Normalize(const Vector& a)
+{
+  const double length = std::sqrt(Dot(a, a));
+  return { a[0] / length, a[1] / length, a[2] / length };
+}
+
+void SetColumn(GridGeometry& grid, std::size_t column, const Vector& direction)
+{
+  for (std::size_t row = 0; row < 3; ++row)
+  {
+    grid.Direction[3 * row + column] = direction[row];
+  }
+}
+
+// How steep the axes of a grid are to a plane: 1 for a normal of the plane, 0 for an axis in it.
+class Steepness
+{
+public:
+  Steepness(const GridGeometry& grid, const Vector& normal)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Axes[axis] =
+        Normalize({ grid.Direction[axis], grid.Direction[3 + axis], grid.Direction[6 + axis] });
+      this->Values[axis] = std::abs(Dot(this->Axes[axis], normal));
+    }
+  }
+
+  const Vector& GetAxis(std::size_t axis) const { return this->Axes[axis]; }
+  std::size_t FindMaximum() const { return this->Find(std::max_element(begin(), end())); }
+  std::size_t FindMinimum() const { return this->Find(std::min_element(begin(), end())); }
+  // Whether two of the axes lie in the plane.
+  bool IsAligned() const
+  {
+    return std::count_if(begin(), end(), [](double value) { return value < 1e-9; }) == 2;
+  }
+
+private:
+  using Iterator = std::array<double, 3>::const_iterator;
+  Iterator begin() const { return this->Values.begin(); }
+  Iterator end() const { return this->Values.end(); }
+  std::size_t Find(Iterator value) const { return static_cast<std::size_t>(value - begin()); }
+
+  std::array<Vector, 3> Axes{};
+  std::array<double, 3> Values{};
+};
+
+// Where the plane cuts the edges of the box that the grid's vertices span.
+std::vector<Vector> CutEdges(
+  const VertexPlaces& places, const Index3& dimensions, const Vector& origin, const Vector& normal)
+{
+  Vector corners[8];
+  double heights[8];
+  double scale = 0;
+  for (std::size_t corner = 0; corner < 8; ++corner)
+  {
+    Vector vertex{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      vertex[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(dimensions[axis] - 1) : 0.0;
+    }
+    corners[corner] = places.FindPoint(vertex);
+    heights[corner] = Dot(AddScaled(corners[corner], -1, origin), normal);
+    scale = std::max(scale, std::abs(heights[corner]));
+  }
+  // A plane on a face of the grid cuts it, whatever the rounding.
+  for (double& height : heights)
+  {
+    height = std::abs(height) <= 1e-12 * scale ? 0 : height;
+  }
+  std::vector<Vector> cuts;
+  for (std::size_t corner = 0; corner < 8; ++corner)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const std::size_t other = corner | (std::size_t{ 1 } << axis);
+      const double low = heights[corner];
+      const double high = heights[other];
+      if (other == corner || std::min(low, high) > 0 || std::max(low, high) < 0)
+      {
+        continue;
+      }
+      const double part = low == high ? 0 : low / (low - high);
+      const Vector edge = AddScaled(corners[other], -1, corners[corner]);
+      cuts.push_back(AddScaled(corners[corner], part, edge));
+      if (low == high)
+      {
+        cuts.push_back(corners[other]);
+      }
+    }
+  }
+  return cuts;
+}
+
+// The smallest distance of neighbouring vertices of a regular grid; the smallest mean distance on
+// an axis of a rectilinear one. Axes of one vertex do not count.
+double FindSpacing(const VertexPlaces& places, const Index3& dimensions)
+{
+  double spacing = std::numeric_limits<double>::infinity();
+  const Vector first = places.FindPoint({ 0, 0, 0 });
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    if (dimensions[axis] > 1)
+    {
+      Vector end{};
+      end[axis] = static_cast<double>(dimensions[axis] - 1);
+      const Vector edge = AddScaled(places.FindPoint(end), -1, first);
+      spacing = std::min(spacing, std::sqrt(Dot(edge, edge)) / end[axis]);
+    }
+  }
+  return std::isfinite(spacing) ? spacing : 1;
+}
+
+} // namespace
+
+std::optional<PlaneLattice> PlaneLattice::Make(
+  const GridGeometry& grid, const GridLines* lines, const Plane& plane)
+{
+  const double length = std::sqrt(Dot(plane.Normal, plane.Normal));
+  if (grid.GetNumberOfVertices() == 0 || !(length > 0) || !std::isfinite(length))
+  {
+    return std::nullopt;
+  }
+  PlaneLattice lattice{ VertexPlaces(grid, lines) };
+  const Vector normal = Normalize(plane.Normal);
+  const std::vector<Vector> cuts =
+    CutEdges(lattice.Places, grid.GetDimensions(), plane.Origin, normal);
+  if (cuts.empty())
+  {
+    return std::nullopt;
+  }
+  const Steepness steepness(lines ? GridGeometry() : grid, normal);
+  if (!lines && steepness.IsAligned())
+  {
+    lattice.AlignTo(grid, steepness.FindMaximum(), plane.Origin);
+  }
+  else
+  {
+    const Vector axis = steepness.GetAxis(steepness.FindMinimum());
+    const Vector first = Normalize(AddScaled(axis, -Dot(axis, normal), normal));
+    lattice.Cover(cuts, { first, Cross(normal, first), normal },
+      FindSpacing(lattice.Places, grid.GetDimensions()));
+  }
+  return lattice;
+}
+
+void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vector& point)
+{
+  this->Axis = axis;
+  const double exact = this->Places.FindVertex(point)[axis];
+  const double nearest = std::round(exact);
+  constexpr double tolerance = 1e-6; // of a cell: rounded coordinates mean the vertices
+  this->Vertex = std::abs(exact - nearest) < tolerance ? nearest : exact;
+  const double moved = static_cast<double>(grid.Extent[2 * axis]) + this->Vertex;
+  for (std::size_t row = 0; row < 3; ++row)
+  {
+    this->Image.Origin[row] =
+      grid.Origin[row] + moved * (grid.Direction[3 * row + axis] * grid.Spacing[axis]);
+  }
+  this->Image.Extent[4] = this->Image.Extent[5] = 0;
+  for (std::size_t column = 0; column < 3; ++column)
+  {
+    const std::size_t from = (axis + 1 + column) % 3;
+    this->Image.Spacing[column] = grid.Spacing[from];
+    SetColumn(this->Image, column,
+      { grid.Direction[from], grid.Direction[3 + from], grid.Direction[6 + from] });
+    if (column < 2)
+    {
+      this->Image.Extent[2 * column] = grid.Extent[2 * from];
+      this->Image.Extent[2 * column + 1] = grid.Extent[2 * from + 1];
+    }
+  }
+}
+
+void PlaneLattice::Cover(
+  const std::vector<Vector>& cuts, const std::array<Vector, 3>& axes, double spacing)
+{
+  const Vector& start = cuts.front();
+  this->Image.Origin = start;
+  this->Image.Spacing = { spacing, spacing, spacing };
+  this->Image.Extent[4] = this->Image.Extent[5] = 0;
+  for (std::size_t column = 0; column < 3; ++column)
+  {
+    SetColumn(this->Image, column, axes[column]);
+  }
+  for (std::size_t column = 0; column < 2; ++column)
+  {
+    double low = 0;
+    double high = 0;
+    for (const Vector& cut : cuts)
+    {
+      const double place = Dot(AddScaled(cut, -1, start), axes[column]);
+      low = std::min(low, place);
+      high = std::max(high, place);
+    }
+    this->Image.Origin = AddScaled(this->Image.Origin, low, axes[column]);
+    this->Image.Extent[2 * column] = 0;
+    // Rounded, so that a length of whole cells ends at a vertex.
+    this->Image.Extent[2 * column + 1] =
+      static_cast<std::int64_t>(std::floor((high - low) / spacing + 1e-6));
+  }
+  this->ImagePlaces = VertexPlaces(this->Image);
+}
+
+Vector PlaneLattice::FindVertex(const Index3& imageVertex) const
+{
+  Vector place{ static_cast<double>(imageVertex[0]), static_cast<double>(imageVertex[1]), 0 };
+  if (this->Axis)
+  {
+    Vector vertex{};
+    vertex[*this->Axis] = this->Vertex;
+    vertex[(*this->Axis + 1) % 3] = place[0];
+    vertex[(*this->Axis + 2) % 3] = place[1];
+    return vertex;
+  }
+  return this->Places.FindVertex(this->ImagePlaces.FindPoint(place));
+}
+
+PointPortions PlaneLattice::MakePortions(const VertexBox& part) const
+{
+  constexpr std::int64_t side = 64;
+  const Index3 size = part.GetSize();
+  const std::int64_t tilesPerRow = (size[0] + side - 1) / side;
+  PointPortions portions;
+  portions.Count = static_cast<std::size_t>(tilesPerRow * ((size[1] + side - 1) / side));
+  portions.Give = [this, part, tilesPerRow](std::size_t tile, std::vector<SamplePoint>& points)
+  {
+    const auto number = static_cast<std::int64_t>(tile);
+    VertexBox box{ part.Low, part.High };
+    box.Low[0] += number % tilesPerRow * side;
+    box.Low[1] += number / tilesPerRow * side;
+    box.High[0] = std::min(part.High[0], box.Low[0] + side);
+    box.High[1] = std::min(part.High[1], box.Low[1] + side);
+    points.clear();
+    VisitVertices(box,
+      [&](const Index3& vertex)
+      {
+        points.push_back(
+          { this->FindVertex(vertex), static_cast<std::int64_t>(part.FindIndex(vertex)) });
+      });
+  };
+  return portions;
+}
+
+} // namespace isosurface

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PlaneLattice_h
+#define isosurface_PlaneLattice_h
+
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/VertexPlaces.h"
+#include "Storage/Sampling/PointSampling.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A plane in world coordinates. The normal has any length but 0.
+struct Plane
+{
+  std::array<double, 3> Origin{ 0, 0, 0 };
+  std::array<double, 3> Normal{ 0, 0, 1 };
+};
+
+/**
+ * The points at which a plane shows the samples of a grid: an image of one slice, as large as the
+ * part of the plane within the grid.
+ *
+ * A plane along two axes of a regular grid has the grid's own vertices on these axes: in the order
+ * y z, z x or x y, at the plane's place on the third axis. Any other plane has square cells of the
+ * smallest spacing of the grid. Its first axis is that of the grid that is the least steep to the
+ * plane, projected; the second is perpendicular to it. The corners of such an image may lie beyond
+ * the grid.
+ */
+class PlaneLattice
+{
+public:
+  /// Nothing if the plane has no point of the grid, or if the grid has no vertices. `lines`: of a
+  /// rectilinear grid.
+  static std::optional<PlaneLattice> Make(
+    const GridGeometry& grid, const GridLines* lines, const Plane& plane);
+
+  /// The image's geometry, with an extent of one vertex on the third axis.
+  const GridGeometry& GetImage() const { return this->Image; }
+
+  /// The points of a part of the image, in tiles; `part` counts the image's vertices from 0. Values
+  /// are numbered within the part, x fastest. The lattice must outlive what is returned.
+  PointPortions MakePortions(const VertexBox& part) const;
+
+private:
+  explicit PlaneLattice(const VertexPlaces& places)
+    : Places(places)
+    , ImagePlaces(GridGeometry())
+  {
+  }
+  /// Takes the grid's vertices on the axes but one, at the place of a point on that one.
+  void AlignTo(const GridGeometry& grid, std::size_t axis, const std::array<double, 3>& point);
+  /// Covers points of the plane; the axes have length 1.
+  void Cover(const std::vector<std::array<double, 3>>& points,
+    const std::array<std::array<double, 3>, 3>& axes, double spacing);
+  std::array<double, 3> FindVertex(const Index3& imageVertex) const;
+
+  VertexPlaces Places;
+  VertexPlaces ImagePlaces; ///< unless the plane is aligned
+  GridGeometry Image;
+  std::optional<std::size_t> Axis; ///< of the grid, to which an aligned plane is perpendicular
+  double Vertex = 0;               ///< the vertex coordinate of an aligned plane on that axis
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_PointSampling_h
+#define isosurface_PointSampling_h
+
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Storage/Store/LevelSamples.h"
+#include "Storage/Store/QueryStatistics.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace isosurface
+{
+
+/// How a value between vertices is made of the samples around it.
+enum class Interpolation
+{
+  Nearest, ///< the sample of the nearest vertex; of two, the one with the higher coordinate
+  Linear   ///< trilinear, as vtkVoxel interpolates; integers are rounded, halves away from 0
+};
+
+/// A point to sample: its vertex coordinates at the level (VertexPlaces), and the number of its
+/// value in the result.
+struct SamplePoint
+{
+  std::array<double, 3> Vertex{};
+  std::int64_t Number = 0;
+};
+
+/// Many points, a portion at a time. A portion has at most a few thousand points that are close to
+/// each other, since its blocks are held together.
+struct PointPortions
+{
+  std::size_t Count = 0;
+  /// Fills in the points of a portion; called by several threads at once.
+  std::function<void(std::size_t portion, std::vector<SamplePoint>& points)> Give;
+};
+
+/**
+ * Fills `values` with one variable at points, and `isInside` with 1 for each point within the grid,
+ * else with 0; there the value stays what it was. Points beyond the grid by less than a millionth of
+ * a cell count as inside. Values have the variable's type; successive ones are `stride` apart.
+ *
+ * A vertex of weight 0 has no part in a value: at a vertex the value is its sample, whatever is
+ * around it.
+ *
+ * Reads each block that has a cell with a point, through the block cache, on `threads` threads; a
+ * block once for each portion that it belongs to, if the cache cannot keep it. Errors: of
+ * BlockedVolume::ReadBlock; Aborted.
+ */
+Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpolation interpolation,
+  const PointPortions& points, int threads, void* values, std::ptrdiff_t stride,
+  std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress = {});
+
+} // namespace isosurface
+
+#endif
