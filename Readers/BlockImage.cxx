@@ -27,22 +27,6 @@ namespace isosurface
 namespace
 {
 
-vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const VertexBox& vertices)
-{
-  int extent[6];
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    extent[2 * axis] = static_cast<int>(geometry.Extent[2 * axis] + vertices.Low[axis]);
-    extent[2 * axis + 1] = static_cast<int>(geometry.Extent[2 * axis] + vertices.High[axis] - 1);
-  }
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetExtent(extent);
-  image->SetOrigin(geometry.Origin.data());
-  image->SetSpacing(geometry.Spacing.data());
-  image->SetDirectionMatrix(geometry.Direction.data());
-  return image;
-}
-
 // Marks what lies outside the block's own vertices; `layer` is 1 for cells, 0 for vertices, so
 // that both are counted by their low corner.
 vtkSmartPointer<vtkUnsignedCharArray> MakeGhosts(
@@ -102,18 +86,6 @@ vtkSmartPointer<vtkDataArray> MakeArray(vtkImageData* image, const ArrayDescript
   return values;
 }
 
-// Adds an array for the image's vertices, uninitialised; the first one becomes the active scalars.
-vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description)
-{
-  auto values = MakeArray(image, description);
-  image->GetPointData()->AddArray(values);
-  if (!image->GetPointData()->GetScalars())
-  {
-    image->GetPointData()->SetActiveScalars(description.Name.c_str());
-  }
-  return values;
-}
-
 // Gives the first vertex the minimum of a component, the last one its maximum.
 void FillWithRange(const KeyRange& range, ValueType type, int component, vtkDataArray* values)
 {
@@ -144,9 +116,54 @@ double GetValueOfKey(ValueKey key, ValueType type)
   return result;
 }
 
-/// Stores the ranges of the volume in an array of a level of it, where VTK keeps those it has
-/// computed: a level leaves out most samples, and ranges in panels and color maps are the volume's.
-/// Ranges that are empty or not finite are left to VTK. Call it when the samples are there.
+void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox& own)
+{
+  image->GetPointData()->AddArray(
+    MakeGhosts(available, own, 0, vtkDataSetAttributes::DUPLICATEPOINT));
+  image->GetCellData()->AddArray(
+    MakeGhosts(available, own, 1, vtkDataSetAttributes::DUPLICATECELL));
+}
+
+// What the reader gives: the image, or the rectilinear grid of these lines with its arrays.
+vtkSmartPointer<vtkDataSet> FinishGrid(
+  const vtkSmartPointer<vtkImageData>& image, const GridLines* lines, const VertexBox& vertices)
+{
+  if (!lines)
+  {
+    return image;
+  }
+  return MakeRectilinearGrid(image, lines->Cut(vertices));
+}
+
+} // namespace
+
+vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const VertexBox& vertices)
+{
+  int extent[6];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    extent[2 * axis] = static_cast<int>(geometry.Extent[2 * axis] + vertices.Low[axis]);
+    extent[2 * axis + 1] = static_cast<int>(geometry.Extent[2 * axis] + vertices.High[axis] - 1);
+  }
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetExtent(extent);
+  image->SetOrigin(geometry.Origin.data());
+  image->SetSpacing(geometry.Spacing.data());
+  image->SetDirectionMatrix(geometry.Direction.data());
+  return image;
+}
+
+vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description)
+{
+  auto values = MakeArray(image, description);
+  image->GetPointData()->AddArray(values);
+  if (!image->GetPointData()->GetScalars())
+  {
+    image->GetPointData()->SetActiveScalars(description.Name.c_str());
+  }
+  return values;
+}
+
 void StoreVolumeRanges(
   const BlockedVolume& volume, std::size_t timeStep, std::size_t array, vtkDataArray* values)
 {
@@ -185,26 +202,15 @@ void StoreVolumeRanges(
   }
 }
 
-void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox& own)
+void FillWithMinimum(const BlockedVolume& volume, std::size_t timeStep, std::size_t array,
+  int component, vtkDataArray* values)
 {
-  image->GetPointData()->AddArray(
-    MakeGhosts(available, own, 0, vtkDataSetAttributes::DUPLICATEPOINT));
-  image->GetCellData()->AddArray(
-    MakeGhosts(available, own, 1, vtkDataSetAttributes::DUPLICATECELL));
+  const ArrayDescription& description = volume.GetHeader().Arrays[array];
+  const KeyRange& range =
+    volume.GetHeader().TimeSteps[timeStep].Ranges[*volume.GetVariables().Find(array, component)];
+  values->FillComponent(
+    component, range.IsEmpty() ? 0 : GetValueOfKey(range.Minimum, description.Type));
 }
-
-// What the reader gives: the image, or the rectilinear grid of these lines with its arrays.
-vtkSmartPointer<vtkDataSet> FinishGrid(
-  const vtkSmartPointer<vtkImageData>& image, const GridLines* lines, const VertexBox& vertices)
-{
-  if (!lines)
-  {
-    return image;
-  }
-  return MakeRectilinearGrid(image, lines->Cut(vertices));
-}
-
-} // namespace
 
 Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,

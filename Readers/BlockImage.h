@@ -12,10 +12,28 @@
 #include <cstddef>
 #include <vector>
 
+class vtkDataArray;
 class vtkDataSet;
+class vtkImageData;
 
 namespace isosurface
 {
+
+/// An image of a box of a grid's vertices, without arrays yet.
+vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const VertexBox& vertices);
+
+/// Adds a point array, uninitialised; the first one becomes the active scalars.
+vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description);
+
+/// Gives one component of each tuple the minimum of the volume's array.
+void FillWithMinimum(const BlockedVolume& volume, std::size_t timeStep, std::size_t array,
+  int component, vtkDataArray* values);
+
+/// Stores the ranges of the volume in an array of some of its samples, where VTK keeps those it has
+/// computed: a level leaves out most samples, and ranges in panels and color maps are the volume's.
+/// Ranges that are empty or not finite are left to VTK. Call it when the samples are there.
+void StoreVolumeRanges(
+  const BlockedVolume& volume, std::size_t timeStep, std::size_t array, vtkDataArray* values);
 
 /**
  * A box of the blocks that have a level (BlockedVolume::FindLevel) as one vtkImageData, or as one

@@ -23,6 +23,8 @@
 #include <cstddef> // For std::size_t
 #include <memory>  // For std::shared_ptr
 #include <set>     // For the takers
+#include <utility> // For std::move
+#include <vector>  // For the arrays
 
 class vtkInformation;
 
@@ -51,6 +53,14 @@ public:
    * The volume; null if GetStatus() is an error.
    */
   const std::shared_ptr<isosurface::BlockedVolume>& GetVolume() const { return this->Volume; }
+
+  ///@{
+  /**
+   * The numbers of the volume's arrays that are chosen in the reader.
+   */
+  void SetArrays(std::vector<std::size_t> arrays) { this->Arrays = std::move(arrays); }
+  const std::vector<std::size_t>& GetArrays() const { return this->Arrays; }
+  ///@}
 
   /**
    * What tells ranks that see different volumes under one path. Without a volume, any value.
@@ -94,6 +104,7 @@ private:
 
   std::shared_ptr<isosurface::BlockedVolume> Volume;
   isosurface::Status Error;
+  std::vector<std::size_t> Arrays;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;
   bool IsBox = false;

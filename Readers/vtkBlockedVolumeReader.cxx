@@ -262,6 +262,7 @@ void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
       this->PointDataArraySelection->RemoveArrayByIndex(index);
     }
   }
+  this->Handle->SetArrays(Reading::FindEnabledArrays(*this));
 
   std::vector<double> times;
   for (const isosurface::TimeStepDescription& step : header.TimeSteps)

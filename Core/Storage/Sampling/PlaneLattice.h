@@ -44,6 +44,9 @@ public:
   /// The image's geometry, with an extent of one vertex on the third axis.
   const GridGeometry& GetImage() const { return this->Image; }
 
+  /// Whether the plane is along two axes of a regular grid: then no point is beyond the grid.
+  bool IsAligned() const { return this->Axis.has_value(); }
+
   /// The points of a part of the image, in tiles; `part` counts the image's vertices from 0. Values
   /// are numbered within the part, x fastest. The lattice must outlive what is returned.
   PointPortions MakePortions(const VertexBox& part) const;

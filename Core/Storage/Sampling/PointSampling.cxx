@@ -45,7 +45,10 @@ public:
       PointInCell cell;
       cell.Number = point.Number;
       const bool isFound = this->FindCell(point.Vertex, cell);
-      isInside[point.Number] = isFound ? 1 : 0;
+      if (isInside)
+      {
+        isInside[point.Number] = isFound ? 1 : 0;
+      }
       if (isFound)
       {
         cells.push_back(cell);

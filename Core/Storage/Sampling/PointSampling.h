@@ -43,7 +43,7 @@ struct PointPortions
 
 /**
  * Fills `values` with one variable at points, and `isInside` with 1 for each point within the grid,
- * else with 0; there the value stays what it was. Points beyond the grid by less than a millionth of
+ * else with 0; there the value stays what it was. `isInside` may be null. Points beyond the grid by less than a millionth of
  * a cell count as inside. Values have the variable's type; successive ones are `stride` apart.
  *
  * A vertex of weight 0 has no part in a value: at a vertex the value is its sample, whatever is

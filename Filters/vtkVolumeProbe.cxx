@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkVolumeProbe.h"
+
+#include "SampledImage.h"
+#include "VolumeInput.h"
+#include "vtkBlockedVolumeHandle.h"
+
+#include "vtkCharArray.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSet.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include "ControllerCommunicator.h"
+#include "ErrorReport.h"
+#include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/WithinMemory.h"
+#include "Ground/Volume/VertexPlaces.h"
+#include "ImageSamples.h"
+#include "Storage/Sampling/PointSampling.h"
+#include "Storage/Store/BlockedVolume.h"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+vtkStandardNewMacro(vtkVolumeProbe);
+vtkCxxSetObjectMacro(vtkVolumeProbe, Controller, vtkMultiProcessController);
+
+using isosurface::Status;
+
+namespace
+{
+
+// Copies a dataset without its samples: arrays that are added to the copy are not added to it.
+void CopyPoints(vtkDataObject* from, vtkDataObject* to)
+{
+  auto* composite = vtkCompositeDataSet::SafeDownCast(from);
+  if (!composite)
+  {
+    to->ShallowCopy(from);
+    return;
+  }
+  auto* copies = vtkCompositeDataSet::SafeDownCast(to);
+  copies->CopyStructure(composite);
+  const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    vtkDataObject* leaf = iterator->GetCurrentDataObject();
+    const auto copy = vtkSmartPointer<vtkDataObject>::Take(leaf->NewInstance());
+    copy->ShallowCopy(leaf);
+    copies->SetDataSet(iterator, copy);
+  }
+}
+
+// The points of a dataset in their order, as vertex coordinates of a grid.
+isosurface::PointPortions MakePortions(vtkDataSet* points, const isosurface::VertexPlaces& places)
+{
+  constexpr vtkIdType portionSize = 4096;
+  const vtkIdType count = points->GetNumberOfPoints();
+  isosurface::PointPortions portions;
+  portions.Count = static_cast<std::size_t>((count + portionSize - 1) / portionSize);
+  portions.Give = [=](std::size_t portion, std::vector<isosurface::SamplePoint>& given)
+  {
+    given.clear();
+    const vtkIdType first = static_cast<vtkIdType>(portion) * portionSize;
+    for (vtkIdType point = first; point < std::min(count, first + portionSize); ++point)
+    {
+      std::array<double, 3> place{};
+      points->GetPoint(point, place.data());
+      given.push_back({ places.FindVertex(place), point });
+    }
+  };
+  return portions;
+}
+
+// An array of the volume for the points of a dataset, filled with what points beyond the volume have.
+vtkSmartPointer<vtkDataArray> AddPointArray(
+  vtkDataSet* points, const isosurface::ArrayDescription& description)
+{
+  const auto values = vtkSmartPointer<vtkDataArray>::Take(
+    vtkDataArray::CreateDataArray(isosurface::GetVTKType(description.Type)));
+  values->SetName(description.Name.c_str());
+  values->SetNumberOfComponents(description.Components);
+  values->SetNumberOfTuples(points->GetNumberOfPoints());
+  values->Fill(
+    isosurface::IsFloatingType(description.Type) ? std::numeric_limits<double>::quiet_NaN() : 0.0);
+  points->GetPointData()->AddArray(values);
+  return values;
+}
+
+} // namespace
+
+struct vtkVolumeProbe::Steps
+{
+  vtkVolumeProbe& Filter;
+  const isosurface::VolumeInput& Input;
+  int Threads;
+  std::uint64_t Points = 0;
+  std::uint64_t PointsInside = 0;
+
+  /// Adds the arrays of the volume to datasets that have their own already.
+  Status Probe(const std::vector<vtkDataSet*>& datasets);
+  Status ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
+    isosurface::QueryStatistics& statistics, const isosurface::Progress& progress);
+};
+
+//------------------------------------------------------------------------------
+vtkVolumeProbe::vtkVolumeProbe()
+  : Interpolation(LINEAR)
+  , Controller(nullptr)
+{
+  this->SetNumberOfInputPorts(2);
+  this->SetController(vtkMultiProcessController::GetGlobalController());
+}
+
+//------------------------------------------------------------------------------
+vtkVolumeProbe::~vtkVolumeProbe()
+{
+  this->SetController(nullptr);
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeProbe::SetSourceConnection(vtkAlgorithmOutput* points)
+{
+  this->SetInputConnection(1, points);
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeProbe::SetSourceData(vtkDataObject* points)
+{
+  this->SetInputData(1, points);
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeProbe::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == 0)
+  {
+    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
+    return 1;
+  }
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeProbe::RequestDataObject(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  vtkDataObject* points = vtkDataObject::GetData(input[1], 0);
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  vtkDataObject* made = vtkDataObject::GetData(outInfo);
+  if (points && (!made || !made->IsA(points->GetClassName())))
+  {
+    const auto empty = vtkSmartPointer<vtkDataObject>::Take(points->NewInstance());
+    outInfo->Set(vtkDataObject::DATA_OBJECT(), empty);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeProbe::RequestInformation(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  // The extent and the place are those of the points.
+  output->GetInformationObject(0)->CopyEntry(
+    input[1]->GetInformationObject(0), vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeProbe::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  isosurface::SampledImage::AskVolume(
+    *this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeProbe::RequestData(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  const isosurface::VolumeInput volume(input[0]->GetInformationObject(0));
+  vtkDataObject* made = vtkDataObject::GetData(output, 0);
+  made->Initialize();
+  if (volume)
+  {
+    volume.GetHandle().EndTaking(this);
+  }
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  isosurface::Fingerprint properties;
+  properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
+  std::vector<isosurface::CommonValue> common = volume.MakeCommonValues();
+  common.push_back(
+    { properties.Get(), "the properties of the filter are not the same on all ranks" });
+  Status status = ranks.Agree(isosurface::SampledImage::CheckInput(volume), common);
+  if (status.IsOk())
+  {
+    CopyPoints(vtkDataObject::GetData(input[1], 0), made);
+    Steps steps = { *this, volume, ranks.ChooseThreads(0) };
+    status = isosurface::RunWithinMemory(volume.GetVolume()->GetPath(),
+      isosurface::BlockedVolume::NoMemoryReason,
+      [&] { return steps.Probe(vtkCompositeDataSet::GetDataSets<vtkDataSet>(made)); });
+    if (isosurface::IsAborted(*this))
+    {
+      status = Status(isosurface::StatusCode::Aborted, "reading was aborted");
+    }
+    const isosurface::StoreNews news = volume.GetVolume()->ShareStoreFaults(ranks);
+    status = ranks.Agree(status);
+    std::vector<std::uint64_t> counts = { steps.Points, steps.PointsInside };
+    ranks.ReduceSum(counts);
+    isosurface::ReportWarning(this, ranks, status, news.Warning);
+    if (counts[0] > 0 && counts[1] == 0)
+    {
+      isosurface::ReportWarning(this, ranks, status,
+        volume.GetVolume()->GetPath() + ": all " + std::to_string(counts[0]) +
+          " points are beyond the volume");
+    }
+  }
+  if (!status.IsOk())
+  {
+    made->Initialize();
+  }
+  return isosurface::EndExecution(this, output, status);
+}
+
+//------------------------------------------------------------------------------
+Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
+{
+  const auto samples =
+    isosurface::LevelSamples::Open(this->Input.GetVolume(), this->Input.GetTimeStep(), 0);
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  isosurface::QueryStatistics statistics;
+  for (vtkDataSet* dataset : datasets)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->ProbeOne(**samples, dataset, statistics, isosurface::MakeProgress(this->Filter)));
+  }
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
+  isosurface::QueryStatistics& statistics, const isosurface::Progress& progress)
+{
+  isosurface::BlockedVolume& volume = samples.GetVolume();
+  const isosurface::VertexPlaces places(volume.GetHeader().Grid, volume.GetLines(0));
+  if (dataset->GetNumberOfPoints() > 0)
+  {
+    double first[3];
+    dataset->GetPoint(0, first); // from then on several threads may ask for points
+  }
+  const auto interpolation = this->Filter.Interpolation == NEAREST
+    ? isosurface::Interpolation::Nearest
+    : isosurface::Interpolation::Linear;
+  vtkNew<vtkCharArray> mask;
+  mask->SetName("vtkValidPointMask");
+  mask->SetNumberOfTuples(dataset->GetNumberOfPoints());
+  mask->FillValue(0);
+  auto* isInside = reinterpret_cast<std::uint8_t*>(mask->GetPointer(0));
+  for (const std::size_t array : this->Input.GetHandle().GetArrays())
+  {
+    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[array];
+    vtkSmartPointer<vtkDataArray> values = AddPointArray(dataset, description);
+    for (int component = 0; component < description.Components; ++component)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(isosurface::SamplePoints(samples,
+        *volume.GetVariables().Find(array, component), interpolation, MakePortions(dataset, places),
+        this->Threads, values->GetVoidPointer(component), description.Components, isInside,
+        statistics, progress));
+    }
+  }
+  dataset->GetPointData()->AddArray(mask);
+  this->Points += static_cast<std::uint64_t>(dataset->GetNumberOfPoints());
+  this->PointsInside += static_cast<std::uint64_t>(
+    std::count(isInside, isInside + dataset->GetNumberOfPoints(), std::uint8_t{ 1 }));
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeProbe::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Interpolation: " << this->Interpolation << "\n";
+  os << indent << "Controller: " << this->Controller << "\n";
+}

@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkVolumeRegion.h"
+
+#include "SampledImage.h"
+
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+
+#include "Ground/Base/Fingerprint.h"
+#include "Ground/Volume/VertexPlaces.h"
+#include "Storage/Store/BlockedVolume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+vtkStandardNewMacro(vtkVolumeRegion);
+vtkCxxSetObjectMacro(vtkVolumeRegion, Controller, vtkMultiProcessController);
+
+using isosurface::ImagePlan;
+using isosurface::Index3;
+using isosurface::Result;
+using isosurface::Status;
+using isosurface::StatusCode;
+using isosurface::VertexBox;
+
+namespace
+{
+
+constexpr double Mebibyte = 1024.0 * 1024.0;
+
+std::string DescribeMemory(double bytes)
+{
+  char text[32];
+  std::snprintf(
+    text, sizeof(text), bytes < 10 * Mebibyte ? "%.1f MiB" : "%.0f MiB", bytes / Mebibyte);
+  return text;
+}
+
+} // namespace
+
+struct vtkVolumeRegion::Steps
+{
+  explicit Steps(vtkVolumeRegion& filter)
+    : Filter(filter)
+    , Image(filter)
+  {
+  }
+
+  vtkVolumeRegion& Filter;
+  isosurface::SampledImage Image;
+  Index3 Low{}; ///< of the last plan's box, among the vertices of its level
+
+  std::uint64_t SumProperties() const;
+  /// The vertices of a level around the box; may be empty.
+  VertexBox FindVertices(const isosurface::BlockedVolume& volume, int level) const;
+  /// The finest level that keeps the memory limit.
+  Result<ImagePlan> Plan(
+    const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays);
+};
+
+//------------------------------------------------------------------------------
+vtkVolumeRegion::vtkVolumeRegion()
+  : Position{ 0, 0, 0 }
+  , Length{ 1, 1, 1 }
+  , MemoryLimit(1024)
+  , Controller(nullptr)
+  , Internals(std::make_unique<Steps>(*this))
+{
+  this->SetController(vtkMultiProcessController::GetGlobalController());
+}
+
+//------------------------------------------------------------------------------
+vtkVolumeRegion::~vtkVolumeRegion()
+{
+  this->SetController(nullptr);
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeRegion::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+const char* vtkVolumeRegion::GetShownText()
+{
+  return this->Internals->Image.GetText().c_str();
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeRegion::RequestDataObject(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
+{
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  if (!vtkDataObject::GetData(outInfo))
+  {
+    outInfo->Set(vtkDataObject::DATA_OBJECT(), vtkNew<vtkImageData>());
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeRegion::RequestInformation(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
+    output->GetInformationObject(0), this->Controller,
+    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+    { return this->Internals->Plan(volume, arrays); });
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeRegion::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  isosurface::SampledImage::AskVolume(
+    *this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeRegion::RequestData(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  Steps& steps = *this->Internals;
+  return steps.Image.Make(
+    input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
+    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+    { return steps.Plan(volume, arrays); },
+    [&](const isosurface::LevelSamples& samples, std::size_t variable, const VertexBox& part,
+      int threads, void* values, std::ptrdiff_t stride, std::uint8_t*,
+      isosurface::QueryStatistics& statistics, const isosurface::Progress& progress)
+    {
+      return samples.Read(variable, part.Translate(steps.Low), { 1, 1, 1 }, threads, values, stride,
+        statistics, progress);
+    });
+}
+
+//------------------------------------------------------------------------------
+std::uint64_t vtkVolumeRegion::Steps::SumProperties() const
+{
+  isosurface::Fingerprint properties;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    properties.AddReal(this->Filter.Position[axis]);
+    properties.AddReal(this->Filter.Length[axis]);
+  }
+  properties.AddNumber(static_cast<std::uint64_t>(this->Filter.MemoryLimit));
+  return properties.Get();
+}
+
+//------------------------------------------------------------------------------
+VertexBox vtkVolumeRegion::Steps::FindVertices(
+  const isosurface::BlockedVolume& volume, int level) const
+{
+  const isosurface::GridGeometry grid = volume.GetHeader().Grid.Coarsen(level);
+  const isosurface::VertexPlaces places(grid, volume.GetLines(level));
+  std::array<double, 3> low{};
+  std::array<double, 3> high{};
+  for (unsigned corner = 0; corner < 8; ++corner)
+  {
+    std::array<double, 3> point{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const bool isHigh = (corner >> axis & 1U) != 0;
+      point[axis] = this->Filter.Position[axis] + (isHigh ? this->Filter.Length[axis] : 0);
+    }
+    const auto vertex = places.FindVertex(point);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      low[axis] = corner == 0 ? vertex[axis] : std::min(low[axis], vertex[axis]);
+      high[axis] = corner == 0 ? vertex[axis] : std::max(high[axis], vertex[axis]);
+    }
+  }
+  const Index3 dimensions = grid.GetDimensions();
+  VertexBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    constexpr double tolerance = 1e-6; // of a cell: a face on a vertex needs no vertex beyond it
+    const auto last = static_cast<double>(dimensions[axis] - 1);
+    if (!(high[axis] >= -tolerance && low[axis] <= last + tolerance))
+    {
+      return {};
+    }
+    box.Low[axis] =
+      static_cast<std::int64_t>(std::clamp(std::floor(low[axis] + tolerance), 0.0, last));
+    box.High[axis] =
+      static_cast<std::int64_t>(std::clamp(std::ceil(high[axis] - tolerance), 0.0, last)) + 1;
+  }
+  return box;
+}
+
+//------------------------------------------------------------------------------
+Result<ImagePlan> vtkVolumeRegion::Steps::Plan(
+  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+{
+  const int ranks = this->Filter.Controller ? this->Filter.Controller->GetNumberOfProcesses() : 1;
+  const auto bytesOfSample = static_cast<double>(isosurface::CountBytesOfSample(volume, arrays));
+  double finest = 0;
+  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
+  {
+    const VertexBox box = this->FindVertices(volume, level);
+    if (box.IsEmpty())
+    {
+      return Status(
+        StatusCode::InvalidArgument, volume.GetPath() + ": the box is beside the volume");
+    }
+    const double bytes = bytesOfSample * static_cast<double>(box.GetNumberOfVertices());
+    finest = level == 0 ? bytes : finest;
+    if (bytes > this->Filter.MemoryLimit * Mebibyte * ranks)
+    {
+      continue;
+    }
+    ImagePlan image;
+    image.Level = level;
+    image.Grid = volume.GetHeader().Grid.Coarsen(level);
+    const Index3 size = box.GetSize();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      image.Grid.Extent[2 * axis] += box.Low[axis];
+      image.Grid.Extent[2 * axis + 1] = image.Grid.Extent[2 * axis] + size[axis] - 1;
+    }
+    if (const isosurface::GridLines* lines = volume.GetLines(level))
+    {
+      image.Lines = lines->Cut(box);
+    }
+    this->Low = box.Low;
+    image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+      std::to_string(size[2]) + " samples, " + DescribeMemory(bytes) + ", " +
+      (level == 0
+          ? "full resolution"
+          : "level " + std::to_string(level) + "; full resolution takes " + DescribeMemory(finest));
+    return image;
+  }
+  return Status(StatusCode::InvalidArgument,
+    volume.GetPath() + ": not even the coarsest level of the box fits the memory limit of " +
+      std::to_string(this->Filter.MemoryLimit) + " MiB");
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeRegion::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Position: " << this->Position[0] << " " << this->Position[1] << " "
+     << this->Position[2] << "\n";
+  os << indent << "Length: " << this->Length[0] << " " << this->Length[1] << " " << this->Length[2]
+     << "\n";
+  os << indent << "MemoryLimit: " << this->MemoryLimit << "\n";
+  os << indent << "Controller: " << this->Controller << "\n";
+}

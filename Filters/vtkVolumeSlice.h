@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: Copyright (c) 2026, the ScalableIsosurface authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkVolumeSlice
+ * @brief   an image of the samples of a blocked volume on a plane, at full resolution
+ *
+ * Input: a blocked volume (vtkBlockedVolumeReader, vtkInPlaceVolumeReader), of which only the blocks
+ * that the plane crosses are read. Output: an image of one slice with the arrays that are chosen in
+ * the reader.
+ *
+ * A plane along two axes of the volume has the volume's own vertices on these axes, in the order y z,
+ * z x or x y. Any other plane has square cells as small as the smallest spacing of the volume; points
+ * beyond the volume are hidden (vtkGhostType) and have the minimum of the array. Of a rectilinear
+ * grid all planes are of that kind.
+ *
+ * All ranks of the controller execute together, each for a part of the image, and all must reach all
+ * stores. All report the errors of any. A plane beside the volume is an error.
+ */
+
+#ifndef vtkVolumeSlice_h
+#define vtkVolumeSlice_h
+
+#include "IsosurfaceFiltersModule.h" // For export macro
+#include "vtkImageAlgorithm.h"
+
+#include <memory> // For the steps
+#include <string> // For the text
+
+class vtkMultiProcessController;
+
+class ISOSURFACEFILTERS_EXPORT vtkVolumeSlice : public vtkImageAlgorithm
+{
+public:
+  static vtkVolumeSlice* New();
+  vtkTypeMacro(vtkVolumeSlice, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * A point of the plane and its normal, in world coordinates. Default: 0 0 0, 0 0 1.
+   */
+  vtkSetVector3Macro(Origin, double);
+  vtkGetVector3Macro(Origin, double);
+  vtkSetVector3Macro(Normal, double);
+  vtkGetVector3Macro(Normal, double);
+  ///@}
+
+  enum InterpolationType
+  {
+    NEAREST,
+    LINEAR
+  };
+
+  ///@{
+  /**
+   * How values between vertices are made: LINEAR (the default), integers being rounded, or NEAREST.
+   */
+  vtkSetClampMacro(Interpolation, int, NEAREST, LINEAR);
+  vtkGetMacro(Interpolation, int);
+  ///@}
+
+  ///@{
+  /**
+   * The maximum number of points of the image, in millions; the finest level of the volume that
+   * keeps it is shown. Default 16.
+   */
+  vtkSetClampMacro(MaximumPoints, double, 0.01, 2000);
+  vtkGetMacro(MaximumPoints, double);
+  ///@}
+
+  /**
+   * What the last image is, in words: "2048 x 2048 points at full resolution".
+   */
+  const char* GetShownText();
+
+  ///@{
+  /**
+   * The ranks that execute together, the global controller by default. Null: this rank alone.
+   */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkVolumeSlice();
+  ~vtkVolumeSlice() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  int RequestUpdateExtent(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+
+private:
+  vtkVolumeSlice(const vtkVolumeSlice&) = delete;
+  void operator=(const vtkVolumeSlice&) = delete;
+
+  struct Steps; ///< of the requests
+
+  double Origin[3];
+  double Normal[3];
+  int Interpolation;
+  double MaximumPoints;
+  vtkMultiProcessController* Controller;
+  std::unique_ptr<Steps> Internals;
+};
+
+#endif
