@@ -9,7 +9,7 @@
  * the reader.
  *
  * A plane along two axes of the volume has the volume's own vertices on these axes, in the order y z,
- * z x or x y. Any other plane has square cells as small as the smallest spacing of the volume; points
+ * x z or x y. Any other plane has square cells as small as the smallest spacing of the volume; points
  * beyond the volume are hidden (vtkGhostType) and have the minimum of the array. Of a rectilinear
  * grid all planes are of that kind.
  *

@@ -33,6 +33,12 @@ Vector Normalize(const Vector& a)
   return { a[0] / length, a[1] / length, a[2] / length };
 }
 
+// The first or the second of the two other axes.
+std::size_t GetOther(std::size_t axis, std::size_t number)
+{
+  return number < axis ? number : number + 1;
+}
+
 void SetColumn(GridGeometry& grid, std::size_t column, const Vector& direction)
 {
   for (std::size_t row = 0; row < 3; ++row)
@@ -189,7 +195,7 @@ void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vec
   this->Image.Extent[4] = this->Image.Extent[5] = 0;
   for (std::size_t column = 0; column < 3; ++column)
   {
-    const std::size_t from = (axis + 1 + column) % 3;
+    const std::size_t from = column < 2 ? GetOther(axis, column) : axis;
     this->Image.Spacing[column] = grid.Spacing[from];
     SetColumn(this->Image, column,
       { grid.Direction[from], grid.Direction[3 + from], grid.Direction[6 + from] });
@@ -238,8 +244,8 @@ Vector PlaneLattice::FindVertex(const Index3& imageVertex) const
   {
     Vector vertex{};
     vertex[*this->Axis] = this->Vertex;
-    vertex[(*this->Axis + 1) % 3] = place[0];
-    vertex[(*this->Axis + 2) % 3] = place[1];
+    vertex[GetOther(*this->Axis, 0)] = place[0];
+    vertex[GetOther(*this->Axis, 1)] = place[1];
     return vertex;
   }
   return this->Places.FindVertex(this->ImagePlaces.FindPoint(place));

@@ -28,7 +28,7 @@ struct Plane
  * part of the plane within the grid.
  *
  * A plane along two axes of a regular grid has the grid's own vertices on these axes: in the order
- * y z, z x or x y, at the plane's place on the third axis. Any other plane has square cells of the
+ * y z, x z or x y, at the plane's place on the third axis. Any other plane has square cells of the
  * smallest spacing of the grid. Its first axis is that of the grid that is the least steep to the
  * plane, projected; the second is perpendicular to it. The corners of such an image may lie beyond
  * the grid.

@@ -97,37 +97,47 @@ Value RoundTo(double value)
   }
 }
 
-// The samples of a block may be anywhere in memory.
-template <typename Value>
-Value Load(const SampleView& view, const Index3& vertex)
-{
-  Value value;
-  std::memcpy(&value, view.AtBytes(vertex), sizeof(value));
-  return value;
-}
-
-// The value at a point of a cell whose vertices of a weight above 0 are in the view.
+// The value at a point of a cell whose vertices of a weight above 0 are in the view. The samples of a
+// block may be anywhere in memory.
 template <typename Value>
 Value Interpolate(const SampleView& view, const PointInCell& point)
 {
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner)
+  const auto* first = static_cast<const std::uint8_t*>(view.AtBytes(point.Low));
+  const auto load = [&](std::ptrdiff_t offset)
   {
-    double weight = 1;
-    Index3 vertex = point.Low;
-    for (std::size_t axis = 0; axis < 3; ++axis)
+    Value value;
+    std::memcpy(&value, first + offset * static_cast<std::ptrdiff_t>(sizeof(Value)), sizeof(value));
+    return value;
+  };
+  // On each axis one vertex or two, with their weights.
+  int count[3];
+  double weights[3][2];
+  std::ptrdiff_t offset = 0; // of the only vertex, if there is but one
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double fraction = point.Fraction[axis];
+    const bool isBetween = fraction > 0 && fraction < 1;
+    count[axis] = isBetween ? 2 : 1;
+    offset += fraction == 1 ? view.Stride[axis] : 0;
+    weights[axis][0] = isBetween ? 1 - fraction : 1;
+    weights[axis][1] = fraction;
+  }
+  if (count[0] + count[1] + count[2] == 3)
+  {
+    return load(offset); // also where a double would not hold it
+  }
+  double sum = 0;
+  for (int z = 0; z < count[2]; ++z)
+  {
+    for (int y = 0; y < count[1]; ++y)
     {
-      const bool isHigh = (corner >> axis & 1) != 0;
-      weight *= isHigh ? point.Fraction[axis] : 1 - point.Fraction[axis];
-      vertex[axis] += isHigh ? 1 : 0;
-    }
-    if (weight == 1)
-    {
-      return Load<Value>(view, vertex); // also where a double would not hold it
-    }
-    if (weight > 0)
-    {
-      sum += weight * static_cast<double>(Load<Value>(view, vertex));
+      for (int x = 0; x < count[0]; ++x)
+      {
+        const double weight = weights[0][x] * weights[1][y] * weights[2][z];
+        sum += weight *
+          static_cast<double>(
+            load(offset + x * view.Stride[0] + y * view.Stride[1] + z * view.Stride[2]));
+      }
     }
   }
   return RoundTo<Value>(sum);
@@ -154,7 +164,8 @@ public:
         using Value = decltype(zero);
         for (std::size_t point = 0; point < points.size(); ++point)
         {
-          const Value value = Interpolate<Value>(*this->Views[point], points[point]);
+          const Value value =
+            Interpolate<Value>(this->Blocks[this->BlockOfPoint[point]]->View, points[point]);
           std::memcpy(static_cast<std::uint8_t*>(values) +
               points[point].Number * stride * static_cast<std::ptrdiff_t>(sizeof(Value)),
             &value, sizeof(value));
@@ -167,51 +178,52 @@ private:
   // Finds the block of each point, and keeps those of this portion alone.
   Status ReadBlocks(const std::vector<PointInCell>& points)
   {
-    std::map<Index3, std::shared_ptr<const DecodedBlock>> blocks;
-    this->Views.assign(points.size(), nullptr);
-    std::vector<BlockReference> ahead;
-    std::vector<decltype(blocks.begin())> found(points.size());
+    std::vector<BlockReference> references;
+    this->BlockOfPoint.resize(points.size());
+    std::map<Index3, std::size_t> numbers;
+    VertexBox cells; // of the block of the point before
     for (std::size_t point = 0; point < points.size(); ++point)
     {
-      const Index3 block = this->Samples.FindCover(FindCellVertices(points[point].Low)).Low;
-      const bool isSame = point > 0 && found[point - 1]->first == block;
-      const auto entry =
-        isSame ? std::make_pair(found[point - 1], false) : blocks.try_emplace(block, nullptr);
-      found[point] = entry.first;
+      const Index3& low = points[point].Low;
+      if (point > 0 && Contains(cells, low))
+      {
+        this->BlockOfPoint[point] = this->BlockOfPoint[point - 1];
+        continue;
+      }
+      const Index3 block = this->Samples.FindBlock(low);
+      cells = this->Samples.FindCells(block);
+      const auto entry = numbers.try_emplace(block, references.size());
+      this->BlockOfPoint[point] = entry.first->second;
       if (entry.second)
       {
-        ahead.push_back(this->Samples.GetBlock(block));
+        references.push_back(this->Samples.GetBlock(block));
       }
     }
     BlockedVolume& volume = this->Samples.GetVolume();
     const std::size_t step = this->Samples.GetTimeStep();
     const int level = this->Samples.GetLevel();
-    volume.Prefetch(ahead, 0, ahead.size(), step, { this->Variable }, level);
-    for (auto& [block, decoded] : blocks)
+    volume.Prefetch(references, 0, references.size(), step, { this->Variable }, level);
+    this->Blocks.clear();
+    for (const BlockReference& reference : references)
     {
-      auto read = volume.ReadBlock(
-        this->Samples.GetBlock(block), step, this->Variable, level, this->Statistics);
+      auto read = volume.ReadBlock(reference, step, this->Variable, level, this->Statistics);
       ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-      decoded = std::move(*read);
+      this->Blocks.push_back(std::move(*read));
     }
-    for (std::size_t point = 0; point < points.size(); ++point)
-    {
-      this->Views[point] = &found[point]->second->View;
-    }
-    this->Blocks = std::move(blocks);
     return Status::Ok();
   }
 
-  static VertexBox FindCellVertices(const Index3& low)
+  static bool Contains(const VertexBox& box, const Index3& vertex)
   {
-    return { low, { low[0] + 1, low[1] + 1, low[2] + 1 } };
+    return vertex[0] >= box.Low[0] && vertex[0] < box.High[0] && vertex[1] >= box.Low[1] &&
+      vertex[1] < box.High[1] && vertex[2] >= box.Low[2] && vertex[2] < box.High[2];
   }
 
   const LevelSamples& Samples;
   std::size_t Variable;
   QueryStatistics& Statistics;
-  std::map<Index3, std::shared_ptr<const DecodedBlock>> Blocks;
-  std::vector<const SampleView*> Views; ///< of each point
+  DecodedBlocks Blocks;
+  std::vector<std::size_t> BlockOfPoint; ///< among Blocks
 };
 
 } // namespace

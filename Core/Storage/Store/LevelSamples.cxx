@@ -103,17 +103,40 @@ VertexBox LevelSamples::GetBox() const
   return { { 0, 0, 0 }, this->Volume->GetHeader().Grid.Coarsen(this->Level).GetDimensions() };
 }
 
+Index3 LevelSamples::FindBlock(const Index3& vertex) const
+{
+  const Index3& blocks = this->Stored.Grid->GetNumberOfBlocksPerAxis();
+  const std::int64_t side = this->GetBlockSide();
+  return { std::min(blocks[0] - 1, vertex[0] / side), std::min(blocks[1] - 1, vertex[1] / side),
+    std::min(blocks[2] - 1, vertex[2] / side) };
+}
+
+VertexBox LevelSamples::FindCells(const Index3& block) const
+{
+  const Index3& blocks = this->Stored.Grid->GetNumberOfBlocksPerAxis();
+  const Index3 end = this->GetBox().High;
+  const std::int64_t side = this->GetBlockSide();
+  VertexBox cells;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    cells.Low[axis] = block[axis] * side;
+    cells.High[axis] = block[axis] + 1 < blocks[axis] ? cells.Low[axis] + side : end[axis];
+  }
+  return cells;
+}
+
 BlockBox LevelSamples::FindCover(const VertexBox& vertices) const
 {
-  const BlockGrid& grid = *this->Stored.Grid;
-  const std::int64_t size = grid.GetBlockSize() >> this->Stored.Level;
   BlockBox cover;
-  for (std::size_t axis = 0; axis < 3 && !vertices.IsEmpty(); ++axis)
+  if (!vertices.IsEmpty())
   {
-    // The vertices on the volume's high faces belong to the last blocks.
-    const std::int64_t last = grid.GetNumberOfBlocksPerAxis()[axis] - 1;
-    cover.Low[axis] = std::min(last, vertices.Low[axis] / size);
-    cover.High[axis] = std::min(last, (vertices.High[axis] - 1) / size) + 1;
+    cover.Low = this->FindBlock(vertices.Low);
+    cover.High =
+      this->FindBlock({ vertices.High[0] - 1, vertices.High[1] - 1, vertices.High[2] - 1 });
+    for (std::int64_t& high : cover.High)
+    {
+      ++high;
+    }
   }
   return cover;
 }

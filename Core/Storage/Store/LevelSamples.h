@@ -40,6 +40,11 @@ public:
 
   /// The blocks that have the vertices of a box within GetBox().
   BlockBox FindCover(const VertexBox& vertices) const;
+  /// The block coordinates of the first block that has the cell with this low vertex; of vertices
+  /// on the high faces, the last one.
+  Index3 FindBlock(const Index3& vertex) const;
+  /// The low vertices of the cells for which FindBlock gives a block.
+  VertexBox FindCells(const Index3& block) const;
   /// Where the block with these block coordinates is stored.
   const BlockReference& GetBlock(const Index3& block) const;
 
@@ -57,6 +62,12 @@ public:
 
 private:
   LevelSamples() = default;
+
+  /// Cells of a block on an axis, unless it is the last one.
+  std::int64_t GetBlockSide() const
+  {
+    return this->Stored.Grid->GetBlockSize() >> this->Stored.Level;
+  }
 
   std::shared_ptr<BlockedVolume> Volume;
   std::size_t TimeStep = 0;

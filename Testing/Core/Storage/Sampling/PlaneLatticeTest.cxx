@@ -69,8 +69,8 @@ TEST(PlaneLattice, APlaneAlongTwoAxesHasTheVerticesOfTheGrid)
       const auto lattice = PlaneLattice::Make(grid, nullptr, plane);
       ASSERT_TRUE(lattice);
       const VertexBox whole = MakeImageBox(*lattice);
-      const std::size_t first = (axis + 1) % 3;
-      const std::size_t second = (axis + 2) % 3;
+      const std::size_t first = axis == 0 ? 1 : 0;
+      const std::size_t second = axis == 2 ? 1 : 2;
       EXPECT_EQ(whole.High, (Index3{ size[first], size[second], 1 }));
       const auto points = CollectPoints(*lattice, whole);
       const VertexPlaces image(lattice->GetImage());
