@@ -8,6 +8,7 @@
 #include "vtkAlgorithm.h"
 #include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkExecutive.h"
 #include "vtkExtentTranslator.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -35,9 +36,11 @@ namespace
 
 using Pipeline = vtkStreamingDemandDrivenPipeline;
 
-// The piece that is asked for of an image.
-VertexBox FindPart(const ImagePlan& plan, vtkInformation* outInfo)
+// The piece that is asked for of an image, by whichever output.
+VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformationVector* output)
 {
+  vtkInformation* outInfo =
+    output->GetInformationObject(std::max(0, request->Get(vtkExecutive::FROM_OUTPUT_PORT())));
   int whole[6];
   std::copy(plan.Grid.Extent.begin(), plan.Grid.Extent.end(), whole);
   const int pieces = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
@@ -147,9 +150,9 @@ void SampledImage::AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkIn
   }
 }
 
-int SampledImage::Make(vtkInformation* inInfo, vtkInformationVector* output,
-  vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan,
-  const Filler& fill)
+bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
+  vtkInformationVector* output, vtkMultiProcessController* controller, std::uint64_t properties,
+  const Planner& plan, const Filler& fill, int& result)
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
@@ -171,7 +174,11 @@ int SampledImage::Make(vtkInformation* inInfo, vtkInformationVector* output,
     {
       this->Text = planned->Text;
       status = RunWithinMemory(input.GetVolume()->GetPath(), BlockedVolume::NoMemoryReason,
-        [&] { return this->FillPart(input, outInfo, threads, *planned, fill); });
+        [&]
+        {
+          return this->FillPart(
+            input, FindPart(*planned, request, output), outInfo, threads, *planned, fill);
+        });
     }
     if (IsAborted(this->Filter))
     {
@@ -185,7 +192,8 @@ int SampledImage::Make(vtkInformation* inInfo, vtkInformationVector* output,
   {
     vtkDataObject::GetData(outInfo)->Initialize();
   }
-  return EndExecution(&this->Filter, output, status);
+  result = EndExecution(&this->Filter, output, status);
+  return status.IsOk();
 }
 
 Result<std::shared_ptr<const LevelSamples>> SampledImage::OpenSamples(
@@ -202,12 +210,11 @@ Result<std::shared_ptr<const LevelSamples>> SampledImage::OpenSamples(
   return this->Samples;
 }
 
-Status SampledImage::FillPart(const VolumeInput& input, vtkInformation* outInfo, int threads,
-  const ImagePlan& plan, const Filler& fill)
+Status SampledImage::FillPart(const VolumeInput& input, const VertexBox& part,
+  vtkInformation* outInfo, int threads, const ImagePlan& plan, const Filler& fill)
 {
   const auto samples = this->OpenSamples(input, plan.Level);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  const VertexBox part = FindPart(plan, outInfo);
   if (part.IsEmpty())
   {
     return Status::Ok();

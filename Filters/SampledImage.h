@@ -77,17 +77,19 @@ public:
   /// Ok if there is an open volume at the input.
   static Status CheckInput(const VolumeInput& input);
 
-  /// RequestData. `properties`: a checksum of those of the filter. Collective.
-  int Make(vtkInformation* inInfo, vtkInformationVector* output,
+  /// RequestData: fills the first output. `properties`: a checksum of those of the filter. False if
+  /// there was an error, which is reported, or a stop: then the output is empty, and the caller
+  /// returns `result`. Collective.
+  bool Make(vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output,
     vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan,
-    const Filler& fill);
+    const Filler& fill, int& result);
 
   /// What the image is, once the pipeline's information is up to date.
   const std::string& GetText() const { return this->Text; }
 
 private:
-  Status FillPart(const VolumeInput& input, vtkInformation* outInfo, int threads,
-    const ImagePlan& plan, const Filler& fill);
+  Status FillPart(const VolumeInput& input, const VertexBox& part, vtkInformation* outInfo,
+    int threads, const ImagePlan& plan, const Filler& fill);
   /// The samples of a level, kept for the next time.
   Result<std::shared_ptr<const LevelSamples>> OpenSamples(const VolumeInput& input, int level);
 

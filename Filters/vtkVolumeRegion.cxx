@@ -128,11 +128,12 @@ int vtkVolumeRegion::RequestUpdateExtent(
 
 //------------------------------------------------------------------------------
 int vtkVolumeRegion::RequestData(
-  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+  vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   Steps& steps = *this->Internals;
-  return steps.Image.Make(
-    input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
+  int result = 0;
+  steps.Image.Make(
+    request, input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
     [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
     { return steps.Plan(volume, arrays); },
     [&](const isosurface::LevelSamples& samples, std::size_t variable, const VertexBox& part,
@@ -141,7 +142,9 @@ int vtkVolumeRegion::RequestData(
     {
       return samples.Read(variable, part.Translate(steps.Low), { 1, 1, 1 }, threads, values, stride,
         statistics, progress);
-    });
+    },
+    result);
+  return result;
 }
 
 //------------------------------------------------------------------------------

@@ -4,10 +4,20 @@
 
 #include "SampledImage.h"
 
+#include "vtkCellArray.h"
+#include "vtkDataArray.h"
+#include "vtkExecutive.h"
+#include "vtkFlyingEdges2D.h"
+#include "vtkIdList.h"
+#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkUnsignedCharArray.h"
 
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Sampling/PlaneLattice.h"
@@ -15,6 +25,10 @@
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
 vtkStandardNewMacro(vtkVolumeSlice);
 vtkCxxSetObjectMacro(vtkVolumeSlice, Controller, vtkMultiProcessController);
@@ -33,6 +47,43 @@ std::string DescribeLevel(int level)
   return level == 0 ? "full resolution" : "level " + std::to_string(level);
 }
 
+// Removes the lines in cells with a hidden point: one of their ends has no sample.
+void RemoveHiddenLines(vtkImageData* image, vtkPolyData* lines)
+{
+  vtkUnsignedCharArray* hidden = image->GetPointGhostArray();
+  const int* extent = image->GetExtent();
+  const vtkIdType row = extent[1] - extent[0] + 1;
+  const auto isHidden = [&](const double middle[3])
+  {
+    double index[3];
+    image->TransformPhysicalPointToContinuousIndex(middle, index);
+    const auto i = std::clamp<vtkIdType>(
+      static_cast<vtkIdType>(std::floor(index[0])) - extent[0], 0, extent[1] - extent[0] - 1);
+    const auto j = std::clamp<vtkIdType>(
+      static_cast<vtkIdType>(std::floor(index[1])) - extent[2], 0, extent[3] - extent[2] - 1);
+    const vtkIdType low = i + row * j;
+    return (hidden->GetValue(low) | hidden->GetValue(low + 1) | hidden->GetValue(low + row) |
+             hidden->GetValue(low + row + 1)) != 0;
+  };
+  vtkNew<vtkCellArray> kept;
+  vtkNew<vtkIdList> ends;
+  for (vtkIdType line = 0; line < lines->GetNumberOfLines(); ++line)
+  {
+    lines->GetLines()->GetCellAtId(line, ends);
+    double first[3];
+    double second[3];
+    lines->GetPoint(ends->GetId(0), first);
+    lines->GetPoint(ends->GetId(1), second);
+    const double middle[3] = { (first[0] + second[0]) / 2, (first[1] + second[1]) / 2,
+      (first[2] + second[2]) / 2 };
+    if (!isHidden(middle))
+    {
+      kept->InsertNextCell(ends);
+    }
+  }
+  lines->SetLines(kept);
+}
+
 } // namespace
 
 struct vtkVolumeSlice::Steps
@@ -48,6 +99,8 @@ struct vtkVolumeSlice::Steps
   std::optional<PlaneLattice> Lattice; ///< of the last plan
 
   std::uint64_t SumProperties() const;
+  /// The isolines of an array of the image, without those in cells with a hidden point.
+  void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
   /// The lattice at the finest level that has few enough points.
   Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume);
 };
@@ -61,6 +114,7 @@ vtkVolumeSlice::vtkVolumeSlice()
   , Controller(nullptr)
   , Internals(std::make_unique<Steps>(*this))
 {
+  this->SetNumberOfOutputPorts(2);
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
@@ -78,6 +132,36 @@ int vtkVolumeSlice::FillInputPortInformation(int, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+int vtkVolumeSlice::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkPolyData");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+vtkPolyData* vtkVolumeSlice::GetIsolines()
+{
+  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeSlice::SetIsolineArray(const char* name)
+{
+  const std::string changed = name ? name : "";
+  if (this->IsolineArray != changed)
+  {
+    this->IsolineArray = changed;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkVolumeSlice::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->Isovalues->GetMTime());
+}
+
+//------------------------------------------------------------------------------
 const char* vtkVolumeSlice::GetShownText()
 {
   return this->Internals->Image.GetText().c_str();
@@ -87,6 +171,7 @@ const char* vtkVolumeSlice::GetShownText()
 int vtkVolumeSlice::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
+  output->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   return this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
     output->GetInformationObject(0), this->Controller,
     [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&)
@@ -95,22 +180,26 @@ int vtkVolumeSlice::RequestInformation(
 
 //------------------------------------------------------------------------------
 int vtkVolumeSlice::RequestUpdateExtent(
-  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+  vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
+  const int port = std::max(0, request->Get(vtkExecutive::FROM_OUTPUT_PORT()));
   isosurface::SampledImage::AskVolume(
-    *this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
+    *this, input[0]->GetInformationObject(0), output->GetInformationObject(port));
   return 1;
 }
 
 //------------------------------------------------------------------------------
 int vtkVolumeSlice::RequestData(
-  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+  vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   Steps& steps = *this->Internals;
   const auto interpolation = this->Interpolation == NEAREST ? isosurface::Interpolation::Nearest
                                                             : isosurface::Interpolation::Linear;
-  return steps.Image.Make(
-    input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
+  auto* isolines = vtkPolyData::GetData(output, 1);
+  isolines->Initialize();
+  int result = 0;
+  const bool isMade = steps.Image.Make(
+    request, input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
     [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&)
     { return steps.Plan(volume); },
     [&](const isosurface::LevelSamples& samples, std::size_t variable,
@@ -120,7 +209,43 @@ int vtkVolumeSlice::RequestData(
     {
       return isosurface::SamplePoints(samples, variable, interpolation,
         steps.Lattice->MakePortions(part), threads, values, stride, isInside, statistics, progress);
-    });
+    },
+    result);
+  if (isMade)
+  {
+    steps.MakeIsolines(vtkImageData::GetData(output, 0), isolines);
+  }
+  return result;
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const
+{
+  const int* size = image->GetDimensions();
+  vtkContourValues* values = this->Filter.Isovalues;
+  const std::string& name = this->Filter.IsolineArray;
+  vtkDataArray* array = name.empty() ? image->GetPointData()->GetScalars()
+                                     : image->GetPointData()->GetArray(name.c_str());
+  if (values->GetNumberOfContours() == 0 || size[0] < 2 || size[1] < 2 || !array)
+  {
+    return;
+  }
+  vtkNew<vtkImageData> scalars;
+  scalars->CopyStructure(image);
+  scalars->GetPointData()->SetScalars(array);
+  vtkNew<vtkFlyingEdges2D> contour;
+  contour->SetInputData(scalars);
+  contour->SetNumberOfContours(static_cast<int>(values->GetNumberOfContours()));
+  for (int number = 0; number < values->GetNumberOfContours(); ++number)
+  {
+    contour->SetValue(number, values->GetValue(number));
+  }
+  contour->Update();
+  isolines->ShallowCopy(contour->GetOutput());
+  if (image->GetPointGhostArray())
+  {
+    RemoveHiddenLines(image, isolines);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -134,6 +259,11 @@ std::uint64_t vtkVolumeSlice::Steps::SumProperties() const
   }
   properties.AddNumber(static_cast<std::uint64_t>(this->Filter.Interpolation));
   properties.AddReal(this->Filter.MaximumPoints);
+  properties.AddText(this->Filter.IsolineArray);
+  for (int number = 0; number < this->Filter.GetNumberOfContours(); ++number)
+  {
+    properties.AddReal(this->Filter.GetValue(number));
+  }
   return properties.Get();
 }
 
@@ -179,5 +309,7 @@ void vtkVolumeSlice::PrintSelf(ostream& os, vtkIndent indent)
      << "\n";
   os << indent << "Interpolation: " << this->Interpolation << "\n";
   os << indent << "MaximumPoints: " << this->MaximumPoints << "\n";
+  os << indent << "IsolineArray: " << this->IsolineArray << "\n";
+  this->Isovalues->PrintSelf(os, indent);
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -11,7 +11,7 @@
  * A plane along two axes of the volume has the volume's own vertices on these axes, in the order y z,
  * x z or x y. Any other plane has square cells as small as the smallest spacing of the volume; points
  * beyond the volume are hidden (vtkGhostType) and have the minimum of the array. Of a rectilinear
- * grid all planes are of that kind.
+ * grid all planes are of that kind. Second output: isolines of that image.
  *
  * All ranks of the controller execute together, each for a part of the image, and all must reach all
  * stores. All report the errors of any. A plane beside the volume is an error.
@@ -21,12 +21,15 @@
 #define vtkVolumeSlice_h
 
 #include "IsosurfaceFiltersModule.h" // For export macro
+#include "vtkContourValues.h"        // For the isovalues
 #include "vtkImageAlgorithm.h"
+#include "vtkNew.h" // For the isovalues
 
 #include <memory> // For the steps
-#include <string> // For the text
+#include <string> // For the name
 
 class vtkMultiProcessController;
+class vtkPolyData;
 
 class ISOSURFACEFILTERS_EXPORT vtkVolumeSlice : public vtkImageAlgorithm
 {
@@ -68,6 +71,29 @@ public:
   vtkGetMacro(MaximumPoints, double);
   ///@}
 
+  ///@{
+  /**
+   * The isovalues of the second output, isolines of the image: lines of two points. On a plane through
+   * vertices they have the points that the isosurface has there. None by default.
+   */
+  void SetValue(int i, double value) { this->Isovalues->SetValue(i, value); }
+  double GetValue(int i) { return this->Isovalues->GetValue(i); }
+  void SetNumberOfContours(int number) { this->Isovalues->SetNumberOfContours(number); }
+  int GetNumberOfContours() { return static_cast<int>(this->Isovalues->GetNumberOfContours()); }
+  vtkPolyData* GetIsolines();
+  ///@}
+
+  ///@{
+  /**
+   * The array of the isolines, of which the first component counts. Empty, the default: the first
+   * array.
+   */
+  void SetIsolineArray(const char* name);
+  vtkGetCharFromStdStringMacro(IsolineArray);
+  ///@}
+
+  vtkMTimeType GetMTime() override;
+
   /**
    * What the last image is, in words: "2048 x 2048 points at full resolution".
    */
@@ -86,6 +112,7 @@ protected:
   ~vtkVolumeSlice() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   int RequestUpdateExtent(
@@ -103,6 +130,8 @@ private:
   double Normal[3];
   int Interpolation;
   double MaximumPoints;
+  vtkNew<vtkContourValues> Isovalues;
+  std::string IsolineArray;
   vtkMultiProcessController* Controller;
   std::unique_ptr<Steps> Internals;
 };

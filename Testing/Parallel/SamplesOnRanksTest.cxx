@@ -15,6 +15,7 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationVector.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkMultiProcessController.h"
@@ -28,7 +29,10 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <set>
+#include <string>
 
 using namespace isosurface;
 
@@ -187,6 +191,96 @@ TEST(SamplesOnRanks, ASliceThroughVerticesHasTheSamplesBitByBit)
       }
     }
     EXPECT_EQ(wrong, 0u);
+  }
+}
+
+// The points of lines that have cells, as bytes to compare; those of all ranks, on rank 0.
+std::set<std::array<float, 3>> GatherPoints(const std::set<std::array<float, 3>>& mine)
+{
+  std::string text;
+  for (const auto& point : mine)
+  {
+    text.append(reinterpret_cast<const char*>(point.data()), sizeof(point));
+  }
+  std::set<std::array<float, 3>> all;
+  for (const std::string& part : GatherTexts(text))
+  {
+    for (std::size_t at = 0; at < part.size(); at += sizeof(std::array<float, 3>))
+    {
+      std::array<float, 3> point{};
+      std::memcpy(point.data(), &part[at], sizeof(point));
+      all.insert(point);
+    }
+  }
+  return all;
+}
+
+TEST(SamplesOnRanks, IsolinesOfAPlaneThroughVerticesHaveThePointsOfTheIsosurface)
+{
+  const auto image = MakeImage(SampledExtent, VTK_SHORT, MakeWaves(100));
+  image->SetSpacing(0.5, 0.25, 2);
+  const SharedVolume volume("Isolines", image, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  constexpr double isovalue = 17;
+  constexpr double z = 34; // slice 17
+  const auto slice = MakeSlice(reader, image, { 0, 0, 1 });
+  slice->SetOrigin(0, 0, z);
+  slice->SetValue(0, isovalue);
+  slice->SetController(GetRanks());
+  // Whoever takes the isolines alone gets those of this rank's part.
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  vtkNew<vtkInformationVector> requests;
+  for (int port = 0; port < 2; ++port)
+  {
+    vtkNew<vtkInformation> request;
+    request->Set(Pipeline::UPDATE_PIECE_NUMBER(), GetRank());
+    request->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), GetNumberOfRanks());
+    requests->SetInformationObject(
+      port, port == 1 ? request.Get() : vtkNew<vtkInformation>().Get());
+  }
+  slice->Update(1, requests);
+  std::set<std::array<float, 3>> mine;
+  for (vtkIdType point = 0; point < slice->GetIsolines()->GetNumberOfPoints(); ++point)
+  {
+    const double* at = slice->GetIsolines()->GetPoint(point);
+    mine.insert(
+      { static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]) });
+  }
+  std::set<std::array<float, 3>> ofSurface;
+  const auto surface = Contour(image, { isovalue });
+  for (vtkIdType point = 0; point < surface->GetNumberOfPoints(); ++point)
+  {
+    const double* at = surface->GetPoint(point);
+    if (at[2] == z)
+    {
+      ofSurface.insert(
+        { static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]) });
+    }
+  }
+  EXPECT_GT(ofSurface.size(), 200u);
+  EXPECT_EQ(GatherPoints(mine), ofSurface);
+}
+
+TEST(SamplesOnRanks, IsolinesOfAnObliquePlaneDoNotFollowTheFacesOfTheVolume)
+{
+  // Everything is inside: the isosurface is empty, and the samples around are above the isovalue.
+  const auto image =
+    MakeImage(SampledExtent, VTK_SHORT, [](int i, int, int) { return i == 0 ? 0 : 200; });
+  const SharedVolume volume("BorderIsolines", image, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 1, 2, 3 });
+  slice->SetValue(0, 100);
+  UpdatePart(slice.Get());
+  const std::uint64_t lines =
+    SumOverRanks(static_cast<std::uint64_t>(slice->GetIsolines()->GetNumberOfLines()));
+  EXPECT_GT(lines, 10u);
+  for (vtkIdType cell = 0; cell < slice->GetIsolines()->GetNumberOfCells(); ++cell)
+  {
+    // The samples that are below the isovalue are those at x = 0.
+    const double* bounds = slice->GetIsolines()->GetCell(cell)->GetBounds();
+    ASSERT_LE(std::abs(bounds[0]), 1.5);
   }
 }
 
