@@ -207,8 +207,8 @@ int vtkVolumeSlice::RequestData(
       std::uint8_t* isInside, isosurface::QueryStatistics& statistics,
       const isosurface::Progress& progress)
     {
-      return isosurface::SamplePoints(samples, variable, interpolation,
-        steps.Lattice->MakePortions(part), threads, values, stride, isInside, statistics, progress);
+      return steps.Lattice->Sample(samples, variable, interpolation, part, threads, values, stride,
+        isInside, statistics, progress);
     },
     result);
   if (isMade)

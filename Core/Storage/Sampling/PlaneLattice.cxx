@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Sampling/PlaneLattice.h"
 
+#include "Ground/Volume/SampleCopy.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace isosurface
@@ -31,12 +34,6 @@ Vector Normalize(const Vector& a)
 {
   const double length = std::sqrt(Dot(a, a));
   return { a[0] / length, a[1] / length, a[2] / length };
-}
-
-// The first or the second of the two other axes.
-std::size_t GetOther(std::size_t axis, std::size_t number)
-{
-  return number < axis ? number : number + 1;
 }
 
 void SetColumn(GridGeometry& grid, std::size_t column, const Vector& direction)
@@ -79,6 +76,32 @@ private:
   std::array<Vector, 3> Axes{};
   std::array<double, 3> Values{};
 };
+
+// A row of samples, and the same row of the next layer.
+struct TwoRows
+{
+  const std::uint8_t* First;
+  std::ptrdiff_t ToSecond; ///< in samples
+  std::ptrdiff_t Stride;   ///< in samples
+  std::int64_t Count;
+};
+
+// What is `fraction` of the way from the first row to the second one.
+template <typename Value>
+void InterpolateRow(const TwoRows& rows, double fraction, Value* to, std::ptrdiff_t stride)
+{
+  constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(Value));
+  for (std::int64_t sample = 0; sample < rows.Count; ++sample)
+  {
+    Value low;
+    Value high; // may be anywhere in memory
+    const std::uint8_t* from = rows.First + sample * rows.Stride * size;
+    std::memcpy(&low, from, sizeof(low));
+    std::memcpy(&high, from + rows.ToSecond * size, sizeof(high));
+    to[sample * stride] = RoundInterpolated<Value>(
+      (1 - fraction) * static_cast<double>(low) + fraction * static_cast<double>(high));
+  }
+}
 
 // Where the plane cuts the edges of the box that the grid's vertices span.
 std::vector<Vector> CutEdges(
@@ -195,7 +218,7 @@ void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vec
   this->Image.Extent[4] = this->Image.Extent[5] = 0;
   for (std::size_t column = 0; column < 3; ++column)
   {
-    const std::size_t from = column < 2 ? GetOther(axis, column) : axis;
+    const std::size_t from = column < 2 ? this->GetImageAxis(column) : axis;
     this->Image.Spacing[column] = grid.Spacing[from];
     SetColumn(this->Image, column,
       { grid.Direction[from], grid.Direction[3 + from], grid.Direction[6 + from] });
@@ -244,11 +267,86 @@ Vector PlaneLattice::FindVertex(const Index3& imageVertex) const
   {
     Vector vertex{};
     vertex[*this->Axis] = this->Vertex;
-    vertex[GetOther(*this->Axis, 0)] = place[0];
-    vertex[GetOther(*this->Axis, 1)] = place[1];
+    vertex[this->GetImageAxis(0)] = place[0];
+    vertex[this->GetImageAxis(1)] = place[1];
     return vertex;
   }
   return this->Places.FindVertex(this->ImagePlaces.FindPoint(place));
+}
+
+Status PlaneLattice::Sample(const LevelSamples& samples, std::size_t variable,
+  Interpolation interpolation, const VertexBox& part, int threads, void* values,
+  std::ptrdiff_t stride, std::uint8_t* isInside, QueryStatistics& statistics,
+  const Progress& progress) const
+{
+  if (!this->IsAligned())
+  {
+    return SamplePoints(samples, variable, interpolation, this->MakePortions(part), threads, values,
+      stride, isInside, statistics, progress);
+  }
+  if (isInside)
+  {
+    std::fill_n(isInside, part.GetNumberOfVertices(), std::uint8_t{ 1 });
+  }
+  return this->SampleAligned(
+    samples, variable, interpolation, part, threads, values, stride, statistics, progress);
+}
+
+Status PlaneLattice::SampleAligned(const LevelSamples& samples, std::size_t variable,
+  Interpolation interpolation, const VertexBox& part, int threads, void* values,
+  std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress) const
+{
+  const std::size_t axis = *this->Axis;
+  const std::size_t first = this->GetImageAxis(0);
+  const std::size_t second = this->GetImageAxis(1);
+  const auto last = static_cast<double>(samples.GetBox().High[axis] - 1);
+  double place = std::clamp(this->Vertex, 0.0, last);
+  place = interpolation == Interpolation::Nearest ? std::floor(place + 0.5) : place;
+  const double layer = std::floor(place);
+
+  VertexBox vertices; // of the layer
+  vertices.Low[axis] = static_cast<std::int64_t>(layer);
+  vertices.High[axis] = vertices.Low[axis] + 1;
+  vertices.Low[first] = part.Low[0];
+  vertices.High[first] = part.High[0];
+  vertices.Low[second] = part.Low[1];
+  vertices.High[second] = part.High[1];
+  const BlockBox cover = samples.FindCover(vertices);
+  std::vector<BlockReference> blocks;
+  VisitVertices({ cover.Low, cover.High },
+    [&](const Index3& block) { blocks.push_back(samples.GetBlock(block)); });
+
+  const BlockGrid& grid = samples.GetBlockGrid();
+  const auto copy = [&](const BlockReference& block, const SampleView& view)
+  {
+    const VertexBox own =
+      samples.FindCells(grid.GetBlockCoordinates(block.Block)).Intersect(vertices);
+    DispatchValueType(view.Type,
+      [&](auto zero)
+      {
+        using Value = decltype(zero);
+        for (std::int64_t row = own.Low[second]; row < own.High[second]; ++row)
+        {
+          Index3 from = own.Low;
+          from[second] = row;
+          auto* to = static_cast<Value*>(values) +
+            static_cast<std::ptrdiff_t>(part.FindIndex({ own.Low[first], row, part.Low[2] })) *
+              stride;
+          const TwoRows rows = { view.AtBytes(from), view.Stride[axis], view.Stride[first],
+            own.High[first] - own.Low[first] };
+          if (place == layer)
+          {
+            CopySamples(to, stride, rows.First, rows.Stride, rows.Count, sizeof(Value));
+          }
+          else
+          {
+            InterpolateRow<Value>(rows, place - layer, to, stride);
+          }
+        }
+      });
+  };
+  return VisitBlocks(samples.GetVolume(), samples.GetTimeStep(), variable, samples.GetLevel(),
+    blocks, threads, copy, statistics, progress);
 }
 
 PointPortions PlaneLattice::MakePortions(const VertexBox& part) const

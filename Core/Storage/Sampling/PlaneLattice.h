@@ -46,6 +46,25 @@ public:
 
   /// Whether the plane is along two axes of a regular grid: then no point is beyond the grid.
   bool IsAligned() const { return this->Axis.has_value(); }
+  /// Of an aligned plane: the axis of the grid that it is perpendicular to, the plane's vertex
+  /// coordinate there, and the axis of the grid that is the first (0) or second (1) of the image.
+  std::size_t GetAxis() const { return *this->Axis; }
+  double GetVertex() const { return this->Vertex; }
+  std::size_t GetImageAxis(std::size_t number) const
+  {
+    return number < *this->Axis ? number : number + 1;
+  }
+
+  /**
+   * Fills `values` with one variable at the points of a part of the image, whose vertices are
+   * counted from 0, x fastest; `isInside` (may be null) tells which points are within the grid, as
+   * SamplePoints does. The samples must be those of the grid. Reads each block that the plane
+   * crosses once, or, if the plane is not aligned, once for each tile of 64 x 64 points, through the
+   * block cache. Errors: as SamplePoints.
+   */
+  Status Sample(const LevelSamples& samples, std::size_t variable, Interpolation interpolation,
+    const VertexBox& part, int threads, void* values, std::ptrdiff_t stride, std::uint8_t* isInside,
+    QueryStatistics& statistics, const Progress& progress = {}) const;
 
   /// The points of a part of the image, in tiles; `part` counts the image's vertices from 0. Values
   /// are numbered within the part, x fastest. The lattice must outlive what is returned.
@@ -63,6 +82,9 @@ private:
   void Cover(const std::vector<std::array<double, 3>>& points,
     const std::array<std::array<double, 3>, 3>& axes, double spacing);
   std::array<double, 3> FindVertex(const Index3& imageVertex) const;
+  Status SampleAligned(const LevelSamples& samples, std::size_t variable,
+    Interpolation interpolation, const VertexBox& part, int threads, void* values,
+    std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress) const;
 
   VertexPlaces Places;
   VertexPlaces ImagePlaces; ///< unless the plane is aligned

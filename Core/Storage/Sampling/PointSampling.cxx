@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <type_traits>
 #include <utility>
 
 namespace isosurface
@@ -84,19 +83,6 @@ private:
   Interpolation Interpolating;
 };
 
-template <typename Value>
-Value RoundTo(double value)
-{
-  if constexpr (std::is_integral_v<Value>)
-  {
-    return static_cast<Value>(std::round(value));
-  }
-  else
-  {
-    return static_cast<Value>(value);
-  }
-}
-
 // The value at a point of a cell whose vertices of a weight above 0 are in the view. The samples of a
 // block may be anywhere in memory.
 template <typename Value>
@@ -140,7 +126,7 @@ Value Interpolate(const SampleView& view, const PointInCell& point)
       }
     }
   }
-  return RoundTo<Value>(sum);
+  return RoundInterpolated<Value>(sum);
 }
 
 // Samples portions of points on one thread.

@@ -8,10 +8,11 @@
 #include "Storage/Store/QueryStatistics.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace isosurface
@@ -56,6 +57,20 @@ struct PointPortions
 Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpolation interpolation,
   const PointPortions& points, int threads, void* values, std::ptrdiff_t stride,
   std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress = {});
+
+/// The value that Interpolation::Linear stores: integers are rounded.
+template <typename Value>
+Value RoundInterpolated(double value)
+{
+  if constexpr (std::is_integral_v<Value>)
+  {
+    return static_cast<Value>(std::round(value));
+  }
+  else
+  {
+    return static_cast<Value>(value);
+  }
+}
 
 } // namespace isosurface
 

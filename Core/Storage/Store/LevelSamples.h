@@ -33,6 +33,8 @@ public:
   BlockedVolume& GetVolume() const { return *this->Volume; }
   std::size_t GetTimeStep() const { return this->TimeStep; }
   int GetLevel() const { return this->Level; }
+  /// The blocks that have the level.
+  const BlockGrid& GetBlockGrid() const { return *this->Stored.Grid; }
   /// In bytes: 32 a block of the level.
   std::uint64_t GetMemory() const { return this->Blocks.capacity() * sizeof(BlockReference); }
   /// All vertices of the level.

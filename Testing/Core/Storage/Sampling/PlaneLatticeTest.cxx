@@ -188,3 +188,56 @@ TEST(PlaneLattice, FacesAreCutAndAPlaneBesideTheGridIsNot)
   EXPECT_TRUE(PlaneLattice::Make(MakeGeometry({ 4, 5, 1 }), nullptr,
     { VertexPlaces(MakeGeometry({ 4, 5, 1 })).FindPoint({ 0, 0, 0 }), { 0, 0, 1 } }));
 }
+
+TEST(PlaneLattice, AlignedSlicesAreThoseOfTheirPointsAndReadEachBlockOnce)
+{
+  const Index3 size{ 50, 37, 70 };
+  const auto written = MakeVolume<std::int16_t>(size);
+  MemoryDisk disk;
+  const auto volume = WriteAndOpen(disk, written, MakeSettings(16, 2));
+  for (int level = 0; level < 2; ++level)
+  {
+    const auto samples = Require(LevelSamples::Open(volume, 0, level));
+    const GridGeometry grid = volume->GetHeader().Grid.Coarsen(level);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      // A vertex, between vertices, on a face of blocks and beside one, and the last vertex.
+      const auto last = static_cast<double>(grid.GetDimensions()[axis] - 1);
+      for (const double vertex : { 3.0, 3.25, 15.5, 16.0, 16.5, last - 0.5, last })
+      {
+        std::array<double, 3> place{ 1, 1, 1 };
+        place[axis] = vertex;
+        std::array<double, 3> normal{};
+        normal[axis] = 1;
+        const auto lattice =
+          PlaneLattice::Make(grid, nullptr, { VertexPlaces(grid).FindPoint(place), normal });
+        ASSERT_TRUE(lattice);
+        VertexBox part = MakeImageBox(*lattice);
+        part.Low = { 2, 5, 0 };
+        const auto count = static_cast<std::size_t>(part.GetNumberOfVertices());
+        for (const Interpolation interpolation : { Interpolation::Nearest, Interpolation::Linear })
+        {
+          std::vector<std::int16_t> expected(2 * count);
+          std::vector<std::int16_t> found(2 * count);
+          std::vector<std::uint8_t> isInside(count);
+          QueryStatistics ofPoints;
+          QueryStatistics ofSlice;
+          ASSERT_TRUE(SamplePoints(*samples, 0, interpolation, lattice->MakePortions(part), 2,
+            expected.data(), 2, isInside.data(), ofPoints)
+                        .IsOk());
+          ASSERT_TRUE(lattice
+                        ->Sample(*samples, 0, interpolation, part, 2, found.data(), 2,
+                          isInside.data(), ofSlice)
+                        .IsOk());
+          EXPECT_EQ(found, expected) << "axis " << axis << ", vertex " << vertex;
+          EXPECT_EQ(
+            std::count(isInside.begin(), isInside.end(), 1), static_cast<std::ptrdiff_t>(count));
+          const BlockBox cover = samples->FindCover(samples->GetBox());
+          const Index3 blocks = VertexBox{ cover.Low, cover.High }.GetSize();
+          EXPECT_LE(ofSlice.BlocksRead + ofSlice.BlockCacheHits,
+            static_cast<std::uint64_t>(blocks[0] * blocks[1] * blocks[2] / blocks[axis]));
+        }
+      }
+    }
+  }
+}
