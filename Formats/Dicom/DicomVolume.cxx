@@ -225,6 +225,15 @@ Status SortSlices(Slices& slices)
   return Status::Ok();
 }
 
+/// A distance that was computed from positions with a few decimals: 1 in place of
+/// 0.9999999999999998.
+double RemoveRoundingError(double distance)
+{
+  constexpr double digits = 1e6; // more than millimetres are written with
+  const double rounded = std::round(distance * digits) / digits;
+  return std::abs(rounded - distance) < 1e-10 * distance ? rounded : distance;
+}
+
 /// Sets the grid from slices in their order. Says how far a gantry is tilted.
 Status TakeGrid(const Slices& slices, OpenedVolume& volume)
 {
@@ -266,7 +275,7 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   GridGeometry& grid = volume.Grid;
   grid.Extent = { 0, first.Columns - 1, 0, first.Rows - 1, 0, count - 1 };
   grid.Origin = first.Position;
-  grid.Spacing = { first.ColumnDistance, first.RowDistance, distance };
+  grid.Spacing = { first.ColumnDistance, first.RowDistance, RemoveRoundingError(distance) };
   const bool isTilted = Dot(step, normal) < 1 - 1e-5;
   const Vector third = isTilted ? step : normal;
   for (std::size_t row = 0; row < 3; ++row)

@@ -154,6 +154,32 @@ class PlacesAndErrors(Files):
         numpy.testing.assert_allclose(grid["direction"], (1, 0, 0, 0, 1, 0.28, 0, 0, 0.96),
                                       atol=1e-9)
 
+    def test_distances_are_those_of_the_headers_without_rounding_errors(self):
+        samples = make_samples("int16", SHAPE)
+        for number, distance in enumerate((0.7, 0.625, 1.1, 1 / 3)):
+            folder = f"d{number}"
+            self.save(folder, samples, spacing=(0.5, 0.25, distance), origin=(0, 0, -113.7))
+            self.write(folder, "o.bvol")
+            grid = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["grid"]
+            if number < 3:
+                self.assertEqual(grid["spacing"], [0.5, 0.25, distance])
+            else:
+                self.assertAlmostEqual(grid["spacing"][2], distance, places=12)
+
+    def test_what_is_no_series_of_slices_is_told(self):
+        samples = make_samples("int16", SHAPE)
+        for key, values, reason in (
+            ("s", {"PixelRepresentation": 0}, "its size or type differs"),
+            ("f", {"NumberOfFrames": "2"}, "it has 2 frames"),
+            ("c", {"PhotometricInterpretation": "RGB", "SamplesPerPixel": 3}, "colours (RGB)"),
+        ):
+            path = self.save(key, samples)
+            file = dcmread(path)
+            for name, value in values.items():
+                setattr(file, name, value)
+            file.save_as(path)
+            self.assert_error(key, key + "/1.2.3-", reason)
+
     def test_errors_name_file_and_reason(self):
         samples = make_samples("int16", SHAPE)
         self.save("m", samples)
