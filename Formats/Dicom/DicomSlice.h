@@ -5,8 +5,8 @@
 #include "Formats/Source/ConvertedSource.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ValueType.h"
+#include "Ground/Volume/Vector3.h"
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,8 +17,6 @@ namespace isosurface
 /// What the header of a DICOM file says about its image.
 struct DicomSlice
 {
-  using Vector = std::array<double, 3>;
-
   std::string Path;
   std::string Series; ///< instance UID
   std::string Description;
@@ -32,9 +30,9 @@ struct DicomSlice
   int BitsStored = 8;
   SampleScale Scale;
   bool HasPlace = false;  ///< whether the next three are in the header
-  Vector Position{};      ///< of the first pixel, in millimetres: left, back, up
-  Vector AlongRow{};      ///< unit vector from column to column
-  Vector AlongColumn{};   ///< unit vector from row to row
+  Vector3 Position{};     ///< of the first pixel, in millimetres: left, back, up
+  Vector3 AlongRow{};     ///< unit vector from column to column
+  Vector3 AlongColumn{};  ///< unit vector from row to row
   double RowDistance = 1; ///< between rows
   double ColumnDistance = 1;
 

@@ -20,22 +20,6 @@ namespace
 {
 
 using Slices = std::vector<DicomSlice>;
-using Vector = DicomSlice::Vector;
-
-double Dot(const Vector& a, const Vector& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector Cross(const Vector& a, const Vector& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
-
-Vector Subtract(const Vector& a, const Vector& b)
-{
-  return { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
-}
 
 Status MakeError(StatusCode code, const DicomSlice& slice, const std::string& reason)
 {
@@ -208,7 +192,7 @@ Status SortSlices(Slices& slices)
       return MakeError(
         StatusCode::Unsupported, slice, "its size or type differs from that of " + first.Path);
     }
-    const auto differs = [](const Vector& a, const Vector& b)
+    const auto differs = [](const Vector3& a, const Vector3& b)
     { return !(std::abs(Dot(a, b) - 1) < 1e-3); };
     if (!slice.HasPlace || differs(slice.AlongRow, first.AlongRow) ||
       differs(slice.AlongColumn, first.AlongColumn))
@@ -218,7 +202,7 @@ Status SortSlices(Slices& slices)
                        : std::string("it has no position or orientation"));
     }
   }
-  const Vector normal = Cross(first.AlongRow, first.AlongColumn);
+  const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
   std::stable_sort(slices.begin(), slices.end(),
     [&normal](const DicomSlice& a, const DicomSlice& b)
     { return Dot(a.Position, normal) < Dot(b.Position, normal); });
@@ -239,8 +223,8 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
 {
   const DicomSlice& first = slices.front();
   const auto count = static_cast<std::int64_t>(slices.size());
-  const Vector normal = Cross(first.AlongRow, first.AlongColumn);
-  Vector step = normal;
+  const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
+  Vector3 step = normal;
   double distance = 1;
   if (count > 1)
   {
@@ -253,13 +237,13 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   }
   for (std::size_t slice = 1; slice < slices.size(); ++slice)
   {
-    const Vector moved = Subtract(slices[slice].Position, slices[slice - 1].Position);
+    const Vector3 moved = Subtract(slices[slice].Position, slices[slice - 1].Position);
     if (!(Dot(moved, normal) > 1e-6))
     {
       return MakeError(StatusCode::Unsupported, slices[slice],
         "it lies where " + slices[slice - 1].Path + " does; are there several times or echoes?");
     }
-    Vector fault = moved;
+    Vector3 fault = moved;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       fault[axis] -= step[axis] * distance;
@@ -277,7 +261,7 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   grid.Origin = first.Position;
   grid.Spacing = { first.ColumnDistance, first.RowDistance, RemoveRoundingError(distance) };
   const bool isTilted = Dot(step, normal) < 1 - 1e-5;
-  const Vector third = isTilted ? step : normal;
+  const Vector3 third = isTilted ? step : normal;
   for (std::size_t row = 0; row < 3; ++row)
   {
     grid.Direction[3 * row] = first.AlongRow[row];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Volume/Region.h"
 
+#include "Ground/Volume/Vector3.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,25 +13,13 @@ namespace isosurface
 namespace
 {
 
-using Vector = std::array<double, 3>;
-
-double Dot(const Vector& a, const Vector& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector Cross(const Vector& a, const Vector& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
-
 // Transforms a half-space to structured coordinates, with a normal of length 1.
 HalfSpace ToStructured(const GridGeometry& grid, const HalfSpace& world)
 {
   HalfSpace structured;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const Vector direction{ grid.Direction[axis], grid.Direction[3 + axis],
+    const Vector3 direction{ grid.Direction[axis], grid.Direction[3 + axis],
       grid.Direction[6 + axis] };
     structured.Normal[axis] = Dot(world.Normal, direction) * grid.Spacing[axis];
   }
@@ -46,7 +36,7 @@ HalfSpace ToStructured(const GridGeometry& grid, const HalfSpace& world)
   return structured;
 }
 
-bool AllContain(const std::vector<HalfSpace>& halfSpaces, const Vector& point, double tolerance)
+bool AllContain(const std::vector<HalfSpace>& halfSpaces, const Vector3& point, double tolerance)
 {
   return std::all_of(halfSpaces.begin(), halfSpaces.end(),
     [&](const HalfSpace& halfSpace)
@@ -61,7 +51,7 @@ bool HaveCommonPoint(const std::vector<HalfSpace>& halfSpaces, double tolerance)
   {
     for (std::size_t b = a + 1; b < halfSpaces.size(); ++b)
     {
-      const Vector line = Cross(halfSpaces[a].Normal, halfSpaces[b].Normal);
+      const Vector3 line = Cross(halfSpaces[a].Normal, halfSpaces[b].Normal);
       for (std::size_t c = b + 1; c < halfSpaces.size(); ++c)
       {
         const double determinant = Dot(line, halfSpaces[c].Normal);
@@ -69,9 +59,9 @@ bool HaveCommonPoint(const std::vector<HalfSpace>& halfSpaces, double tolerance)
         {
           continue;
         }
-        const Vector first = Cross(halfSpaces[b].Normal, halfSpaces[c].Normal);
-        const Vector second = Cross(halfSpaces[c].Normal, halfSpaces[a].Normal);
-        Vector corner{};
+        const Vector3 first = Cross(halfSpaces[b].Normal, halfSpaces[c].Normal);
+        const Vector3 second = Cross(halfSpaces[c].Normal, halfSpaces[a].Normal);
+        Vector3 corner{};
         for (std::size_t axis = 0; axis < 3; ++axis)
         {
           corner[axis] = (halfSpaces[a].Offset * first[axis] + halfSpaces[b].Offset * second[axis] +
@@ -125,8 +115,8 @@ bool Region::Intersects(const GridGeometry& grid, const VertexBox& vertices) con
   {
     return true;
   }
-  Vector low{};
-  Vector high{};
+  Vector3 low{};
+  Vector3 high{};
   double tolerance = 1e-9;
   std::vector<HalfSpace> cutting;
   for (std::size_t axis = 0; axis < 3; ++axis)

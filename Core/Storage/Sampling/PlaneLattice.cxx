@@ -2,6 +2,7 @@
 #include "Storage/Sampling/PlaneLattice.h"
 
 #include "Ground/Volume/SampleCopy.h"
+#include "Ground/Volume/Vector3.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,30 +14,18 @@ namespace isosurface
 namespace
 {
 
-using Vector = std::array<double, 3>;
-
-double Dot(const Vector& a, const Vector& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector Cross(const Vector& a, const Vector& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
-
-Vector AddScaled(const Vector& a, double factor, const Vector& b)
+Vector3 AddScaled(const Vector3& a, double factor, const Vector3& b)
 {
   return { a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2] };
 }
 
-Vector Normalize(const Vector& a)
+Vector3 Normalize(const Vector3& a)
 {
   const double length = std::sqrt(Dot(a, a));
   return { a[0] / length, a[1] / length, a[2] / length };
 }
 
-void SetColumn(GridGeometry& grid, std::size_t column, const Vector& direction)
+void SetColumn(GridGeometry& grid, std::size_t column, const Vector3& direction)
 {
   for (std::size_t row = 0; row < 3; ++row)
   {
@@ -48,7 +37,7 @@ void SetColumn(GridGeometry& grid, std::size_t column, const Vector& direction)
 class Steepness
 {
 public:
-  Steepness(const GridGeometry& grid, const Vector& normal)
+  Steepness(const GridGeometry& grid, const Vector3& normal)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
@@ -58,7 +47,7 @@ public:
     }
   }
 
-  const Vector& GetAxis(std::size_t axis) const { return this->Axes[axis]; }
+  const Vector3& GetAxis(std::size_t axis) const { return this->Axes[axis]; }
   std::size_t FindMaximum() const { return this->Find(std::max_element(begin(), end())); }
   std::size_t FindMinimum() const { return this->Find(std::min_element(begin(), end())); }
   // Whether two of the axes lie in the plane.
@@ -73,7 +62,7 @@ private:
   Iterator end() const { return this->Values.end(); }
   std::size_t Find(Iterator value) const { return static_cast<std::size_t>(value - begin()); }
 
-  std::array<Vector, 3> Axes{};
+  std::array<Vector3, 3> Axes{};
   std::array<double, 3> Values{};
 };
 
@@ -104,21 +93,21 @@ void InterpolateRow(const TwoRows& rows, double fraction, Value* to, std::ptrdif
 }
 
 // Where the plane cuts the edges of the box that the grid's vertices span.
-std::vector<Vector> CutEdges(
-  const VertexPlaces& places, const Index3& dimensions, const Vector& origin, const Vector& normal)
+std::vector<Vector3> CutEdges(const VertexPlaces& places, const Index3& dimensions,
+  const Vector3& origin, const Vector3& normal)
 {
-  Vector corners[8];
+  Vector3 corners[8];
   double heights[8];
   double scale = 0;
   for (std::size_t corner = 0; corner < 8; ++corner)
   {
-    Vector vertex{};
+    Vector3 vertex{};
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       vertex[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(dimensions[axis] - 1) : 0.0;
     }
     corners[corner] = places.FindPoint(vertex);
-    heights[corner] = Dot(AddScaled(corners[corner], -1, origin), normal);
+    heights[corner] = Dot(Subtract(corners[corner], origin), normal);
     scale = std::max(scale, std::abs(heights[corner]));
   }
   // A plane on a face of the grid cuts it, whatever the rounding.
@@ -126,7 +115,7 @@ std::vector<Vector> CutEdges(
   {
     height = std::abs(height) <= 1e-12 * scale ? 0 : height;
   }
-  std::vector<Vector> cuts;
+  std::vector<Vector3> cuts;
   for (std::size_t corner = 0; corner < 8; ++corner)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -139,7 +128,7 @@ std::vector<Vector> CutEdges(
         continue;
       }
       const double part = low == high ? 0 : low / (low - high);
-      const Vector edge = AddScaled(corners[other], -1, corners[corner]);
+      const Vector3 edge = Subtract(corners[other], corners[corner]);
       cuts.push_back(AddScaled(corners[corner], part, edge));
       if (low == high)
       {
@@ -155,14 +144,14 @@ std::vector<Vector> CutEdges(
 double FindSpacing(const VertexPlaces& places, const Index3& dimensions)
 {
   double spacing = std::numeric_limits<double>::infinity();
-  const Vector first = places.FindPoint({ 0, 0, 0 });
+  const Vector3 first = places.FindPoint({ 0, 0, 0 });
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     if (dimensions[axis] > 1)
     {
-      Vector end{};
+      Vector3 end{};
       end[axis] = static_cast<double>(dimensions[axis] - 1);
-      const Vector edge = AddScaled(places.FindPoint(end), -1, first);
+      const Vector3 edge = Subtract(places.FindPoint(end), first);
       spacing = std::min(spacing, std::sqrt(Dot(edge, edge)) / end[axis]);
     }
   }
@@ -180,8 +169,8 @@ std::optional<PlaneLattice> PlaneLattice::Make(
     return std::nullopt;
   }
   PlaneLattice lattice{ VertexPlaces(grid, lines) };
-  const Vector normal = Normalize(plane.Normal);
-  const std::vector<Vector> cuts =
+  const Vector3 normal = Normalize(plane.Normal);
+  const std::vector<Vector3> cuts =
     CutEdges(lattice.Places, grid.GetDimensions(), plane.Origin, normal);
   if (cuts.empty())
   {
@@ -194,15 +183,15 @@ std::optional<PlaneLattice> PlaneLattice::Make(
   }
   else
   {
-    const Vector axis = steepness.GetAxis(steepness.FindMinimum());
-    const Vector first = Normalize(AddScaled(axis, -Dot(axis, normal), normal));
+    const Vector3 axis = steepness.GetAxis(steepness.FindMinimum());
+    const Vector3 first = Normalize(AddScaled(axis, -Dot(axis, normal), normal));
     lattice.Cover(cuts, { first, Cross(normal, first), normal },
       FindSpacing(lattice.Places, grid.GetDimensions()));
   }
   return lattice;
 }
 
-void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vector& point)
+void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vector3& point)
 {
   this->Axis = axis;
   const double exact = this->Places.FindVertex(point)[axis];
@@ -231,9 +220,9 @@ void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vec
 }
 
 void PlaneLattice::Cover(
-  const std::vector<Vector>& cuts, const std::array<Vector, 3>& axes, double spacing)
+  const std::vector<Vector3>& cuts, const std::array<Vector3, 3>& axes, double spacing)
 {
-  const Vector& start = cuts.front();
+  const Vector3& start = cuts.front();
   this->Image.Origin = start;
   this->Image.Spacing = { spacing, spacing, spacing };
   this->Image.Extent[4] = this->Image.Extent[5] = 0;
@@ -245,9 +234,9 @@ void PlaneLattice::Cover(
   {
     double low = 0;
     double high = 0;
-    for (const Vector& cut : cuts)
+    for (const Vector3& cut : cuts)
     {
-      const double place = Dot(AddScaled(cut, -1, start), axes[column]);
+      const double place = Dot(Subtract(cut, start), axes[column]);
       low = std::min(low, place);
       high = std::max(high, place);
     }
@@ -260,12 +249,12 @@ void PlaneLattice::Cover(
   this->ImagePlaces = VertexPlaces(this->Image);
 }
 
-Vector PlaneLattice::FindVertex(const Index3& imageVertex) const
+Vector3 PlaneLattice::FindVertex(const Index3& imageVertex) const
 {
-  Vector place{ static_cast<double>(imageVertex[0]), static_cast<double>(imageVertex[1]), 0 };
+  Vector3 place{ static_cast<double>(imageVertex[0]), static_cast<double>(imageVertex[1]), 0 };
   if (this->Axis)
   {
-    Vector vertex{};
+    Vector3 vertex{};
     vertex[*this->Axis] = this->Vertex;
     vertex[this->GetImageAxis(0)] = place[0];
     vertex[this->GetImageAxis(1)] = place[1];

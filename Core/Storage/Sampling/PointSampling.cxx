@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Sampling/PointSampling.h"
 
-#include "Ground/Base/FirstFailure.h"
-#include "Ground/Base/ParallelFor.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -219,8 +216,6 @@ Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpola
   std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress)
 {
   const CellFinder finder(samples.GetBox().GetSize(), interpolation);
-  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
-  FirstFailure failure;
   const auto sample = [&](std::size_t portion, QueryStatistics& cost) -> Status
   {
     std::vector<SamplePoint> given;
@@ -229,17 +224,7 @@ Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpola
     finder.Find(given, cells, isInside);
     return PortionSampler(samples, variable, cost).Sample(cells, values, stride);
   };
-  const bool finished = ParallelFor(
-    points.Count, threads,
-    [&](std::size_t portion, int thread)
-    { failure.Run([&] { return sample(portion, costs[static_cast<std::size_t>(thread)]); }); },
-    progress);
-  for (const QueryStatistics& cost : costs)
-  {
-    statistics.Add(cost);
-  }
-  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
-  return finished ? Status::Ok() : Status(StatusCode::Aborted, "Reading was aborted.");
+  return ReadInParallel(points.Count, threads, sample, statistics, progress);
 }
 
 } // namespace isosurface

@@ -131,19 +131,25 @@ Status VisitBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t vari
   const std::vector<BlockReference>& blocks, int threads, const BlockVisitor& visit,
   QueryStatistics& statistics, const Progress& progress)
 {
-  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
-  FirstFailure failure;
-  const auto read = [&](const BlockReference& block, QueryStatistics& cost) -> Status
+  const auto read = [&](std::size_t block, QueryStatistics& cost) -> Status
   {
-    const auto decoded = volume.ReadBlock(block, timeStep, variable, level, cost);
+    const auto decoded = volume.ReadBlock(blocks[block], timeStep, variable, level, cost);
     ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
-    visit(block, (*decoded)->View);
+    visit(blocks[block], (*decoded)->View);
     return Status::Ok();
   };
+  return ReadInParallel(blocks.size(), threads, read, statistics, progress);
+}
+
+Status ReadInParallel(std::size_t count, int threads, const ReadingStep& step,
+  QueryStatistics& statistics, const Progress& progress)
+{
+  std::vector<QueryStatistics> costs(static_cast<std::size_t>(threads));
+  FirstFailure failure;
   const bool finished = ParallelFor(
-    blocks.size(), threads,
+    count, threads,
     [&](std::size_t index, int thread)
-    { failure.Run([&] { return read(blocks[index], costs[static_cast<std::size_t>(thread)]); }); },
+    { failure.Run([&] { return step(index, costs[static_cast<std::size_t>(thread)]); }); },
     progress);
   for (const QueryStatistics& cost : costs)
   {

@@ -64,6 +64,14 @@ Status VisitBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t vari
   const std::vector<BlockReference>& blocks, int threads, const BlockVisitor& visit,
   QueryStatistics& statistics, const Progress& progress = {});
 
+/// A step of a number of steps, with the statistics of its thread.
+using ReadingStep = std::function<Status(std::size_t index, QueryStatistics& statistics)>;
+
+/// Calls `step` for each index in [0, count), on `threads` threads. Errors: the first one of a step,
+/// after which no other one begins; Aborted.
+Status ReadInParallel(std::size_t count, int threads, const ReadingStep& step,
+  QueryStatistics& statistics, const Progress& progress = {});
+
 } // namespace isosurface
 
 #endif
