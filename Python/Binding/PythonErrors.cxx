@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds TimeBetweenLooks{ 100 };
 {
   const pybind11::object error =
     pybind11::reinterpret_borrow<pybind11::object>(PyExc_OSError)(number, message);
-  PyErr_SetObject(PyExc_OSError, error.ptr());
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
   throw pybind11::error_already_set();
 }
 

@@ -57,7 +57,7 @@ def open(
     Examples
     --------
     >>> si.open("waves.nrrd")
-    <Volume 'waves.nrrd', array 'waves': (20, 30, 40) float32, level 0 of 1>
+    <Volume 'waves.nrrd', array 'ImageFile': (20, 30, 40) float32, level 0 of 1>
     >>> with si.open("waves.bvol") as volume:
     ...     volume[10, 15, 20]
     -0.008...
@@ -97,7 +97,7 @@ def index(
     Examples
     --------
     >>> si.index("waves.nrrd", index_folder="indices")
-    <Volume 'waves.nrrd', array 'waves': (20, 30, 40) float32, level 0 of 6>
+    <Volume 'waves.nrrd', array 'ImageFile': (20, 30, 40) float32, level 0 of 7>
     """
     name = os.fspath(path)
     folder = os.fspath(index_folder)

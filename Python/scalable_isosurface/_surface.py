@@ -32,9 +32,9 @@ class Surface:
     --------
     >>> surface = si.open("waves.bvol").isosurface([0.2, 0.5])
     >>> surface.points.shape, surface.triangles.shape
-    ((1931, 3), (3585, 3))
+    ((9822, 3), (18296, 3))
     >>> surface.part(1)
-    <Surface of 0.5: 1660 triangles, 916 points>
+    <Surface of 0.5: 8398 triangles, 4510 points>
     """
 
     __slots__ = (
