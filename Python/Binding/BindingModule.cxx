@@ -269,6 +269,19 @@ py::dict ReadSurface(const SurfaceFile& file, const std::vector<std::size_t>& is
 //------------------------------------------------------------------------------
 // Writing
 
+/// The names of all types of samples.
+std::vector<std::string> ListValueTypes()
+{
+  std::vector<std::string> names;
+  std::uint8_t number = 0;
+  while (const char* name = GetValueTypeName(static_cast<ValueType>(number)))
+  {
+    names.emplace_back(name);
+    ++number;
+  }
+  return names;
+}
+
 VolumeWriting MakeWriting(const std::string& path, const Index3& dimensions,
   const std::array<double, 3>& spacing, const std::array<double, 3>& origin,
   const std::array<double, 9>& direction,
@@ -335,6 +348,7 @@ PYBIND11_MODULE(_core, module)
   using namespace pybind11::literals;
 
   module.attr("MAGNITUDE") = Variable::Magnitude;
+  module.attr("VALUE_TYPES") = ListValueTypes();
   module.def("find_kind", &FindKind, "name"_a);
   module.def("open_stored", &OpenStored, "path"_a);
   module.def("open_source", &OpenInPlace, "path"_a, "axes"_a);

@@ -4,6 +4,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import numpy
 
 MAGNITUDE: int
+VALUE_TYPES: List[str]
 
 def find_kind(name: str) -> str: ...
 def open_stored(path: str) -> VolumeFile: ...

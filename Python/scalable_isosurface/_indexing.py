@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, NamedTuple, Tuple
+from typing import Any, List, NamedTuple, Tuple
 
 import numpy
 
@@ -17,7 +17,7 @@ class AxisRange(NamedTuple):
     step: int
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         return (self.high - self.low + self.step - 1) // self.step
 
 
@@ -44,8 +44,8 @@ def parse_key(key: Any, shape: Tuple[int, ...], dtype: numpy.dtype) -> Selection
     items = tuple(_simplify(item) for item in (key if isinstance(key, tuple) else (key,)))
     # An array without memory of its own knows all of NumPy's rules, and its words.
     model = numpy.broadcast_to(numpy.zeros((), dtype), shape)[items]
-    axes = []
-    rest = []
+    axes: List[AxisRange] = []
+    rest: List[Any] = []
     sizes = iter(shape)
     for item in items:
         if item is Ellipsis:

@@ -150,12 +150,14 @@ class Volume:
     @property
     def spacing(self) -> Tuple[float, float, float]:
         """Between neighbours on x, y and z; of a rectilinear grid (`coordinates`) the mean."""
-        return tuple(self._description[1])
+        x, y, z = self._description[1]
+        return x, y, z
 
     @property
     def origin(self) -> Tuple[float, float, float]:
         """x, y, z of the first sample, ``volume[0, 0, 0]``."""
-        return tuple(self._description[2])
+        x, y, z = self._description[2]
+        return x, y, z
 
     @property
     def direction(self) -> numpy.ndarray:
@@ -256,7 +258,7 @@ class Volume:
         if selection.is_empty:
             return numpy.empty(selection.shape, self.dtype)
         axes = selection.axes
-        samples = numpy.empty([axis.count for axis in axes], self.dtype)
+        samples = numpy.empty([axis.size for axis in axes], self.dtype)
         components = list(range(*axes[3])) if len(axes) > 3 else [0]
         x_y_z = axes[2::-1]
         self._opened.file.read(

@@ -12,7 +12,6 @@ from . import _core
 from ._opening import MEMORY
 from ._volume import Volume, open_volume
 
-_TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -185,8 +184,8 @@ def _describe(array: Any, name: str) -> Tuple[str, Any, str, int]:
             f"{name!r} has the shape {shape}; that of a volume is (z, y, x) or (z, y, x, components)"
         )
     kind = numpy.dtype(array.dtype).newbyteorder("=").name
-    if kind not in _TYPES:
-        raise TypeError(f"{name!r} has the type {kind}; samples are of {', '.join(_TYPES)}")
+    if kind not in _core.VALUE_TYPES:
+        raise TypeError(f"{name!r} has the type {kind}; samples are of {', '.join(_core.VALUE_TYPES)}")
     return name, array, kind, shape[3] if len(shape) == 4 else 1
 
 

@@ -386,7 +386,7 @@ class Writing(VolumeTest):
     def test_zarr_arrays_come_back(self):
         samples = make_samples("uint16")
         path = self.path("v.zarr")
-        array = zarr.open(path, "w", shape=SHAPE, chunks=(16, 16, 16), dtype="u2")
+        array = zarr.open(path, mode="w", shape=SHAPE, chunks=(16, 16, 16), dtype="u2")
         array[:] = samples
         self.check_round_trip(array, samples)
         self.check_round_trip(path, samples)
