@@ -61,7 +61,7 @@ std::int64_t FindEndOfSlab(
 {
   const std::int64_t step = request.Step[2];
   const std::int64_t high = request.Box.High[2];
-  if (step >= layers)
+  if (step > 1 && step >= layers)
   {
     return low + 1;
   }

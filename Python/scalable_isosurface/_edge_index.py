@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from typing import Any, Optional, Tuple
 
@@ -61,7 +62,7 @@ class EdgeIndex:
         return f"<EdgeIndex {self.path!r} of {self.name!r}: isovalues {isovalues}>"
 
     def __reduce__(self) -> Any:
-        return EdgeIndex, (self.path, self._threads)
+        return EdgeIndex, (os.path.abspath(self.path), self._threads)
 
     def isosurface(self, isovalue: Any = None, *, preview: bool = False, normals: bool = True) -> Surface:
         """Decodes the surface.

@@ -428,7 +428,7 @@ class Volume:
 
     def __reduce__(self) -> Any:
         path, *how = self._opened.how
-        return _reopen, (os.path.abspath(path), *how, self._array, self._step, self._level)
+        return _reopen, (os.path.abspath(path), *how, self.name, self._step, self._level)
 
 
 def open_volume(
@@ -440,10 +440,10 @@ def open_volume(
 
 
 def _reopen(
-    path: str, axes: str, index_folder: str, threads: Optional[int], array: int, step: int, level: int
+    path: str, axes: str, index_folder: str, threads: Optional[int], name: str, step: int, level: int
 ) -> Volume:
-    """A volume that was pickled."""
-    return Volume(_Opened(path, axes, index_folder, threads), array, step, level)
+    """A volume that was pickled, of a file that may be another one by now."""
+    return open_volume(path, step, axes, index_folder, threads).array(name).level(level)
 
 
 def _list_isovalues(isovalue: Any) -> Sequence[float]:

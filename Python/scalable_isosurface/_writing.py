@@ -114,6 +114,8 @@ def create(
     True
     """
     target = os.fspath(path)
+    if not target.endswith(".bvol"):
+        raise ValueError(f"{target}: the name of a blocked volume ends with .bvol")
     codec, _, codec_level = compression.partition(":")
     if codec_level and not codec_level.isdecimal():
         raise ValueError(f"{compression!r} is no compression; levels are numbers")

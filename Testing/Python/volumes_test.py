@@ -467,18 +467,23 @@ class Writing(VolumeTest):
         ):
             with self.subTest(settings=settings), self.assertRaises(ValueError):
                 si.create(source, target, **settings)
+        self.assertRaisesRegex(ValueError, "ends with .bvol", si.create, samples, self.path("v.vti"))
         for dtype in ("bool", "float16", "complex64", "U3", "O"):
             self.assertRaisesRegex(TypeError, "samples are of int8", si.create, samples.astype(dtype), target)
         self.assertRaises(OSError, si.create, samples, "/proc/v.bvol")
         self.assertEqual(os.listdir(self.folder), [])
 
     def test_volumes_are_pickled_by_their_path(self):
-        samples = {"a": make_samples("int8"), "b": make_samples("uint8")}
+        samples = {"scalars": make_samples("int8"), "b": make_samples("uint8")}
         volume = si.create(samples, self.path("v.bvol"))
         chosen = pickle.loads(pickle.dumps(volume["b"].level(1)))
         numpy.testing.assert_array_equal(chosen[...], samples["b"][::2, ::2, ::2])
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             self.assertEqual(pool.apply(numpy.sum, (volume["b"],)), samples["b"].sum())
+        pickled = [pickle.dumps(volume["b"]), pickle.dumps(volume.level(5))]
+        si.create(samples["scalars"][:2, :2, :2], self.path("v.bvol"), block_size=16)
+        for content, error in zip(pickled, (KeyError, IndexError)):
+            self.assertRaises(error, pickle.loads, content)
 
 
 class Surfaces(VolumeTest):
