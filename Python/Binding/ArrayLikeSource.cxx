@@ -27,7 +27,7 @@ pybind11::array TakeSlice(const ArrayLike& array, const VertexBox& box)
     pybind11::make_tuple(MakeSlice(box, 2), MakeSlice(box, 1), MakeSlice(box, 0));
   const pybind11::object slice = array.Object[key];
   const pybind11::module_ numpy = pybind11::module_::import("numpy");
-  const pybind11::array samples = numpy.attr("asarray")(slice, MakeDtype(array.Type));
+  pybind11::array samples = numpy.attr("asarray")(slice, MakeDtype(array.Type));
   const Index3 size = box.GetSize();
   bool fits = samples.ndim() == (array.Components > 1 ? 4 : 3);
   for (pybind11::ssize_t axis = 0; fits && axis < 3; ++axis)

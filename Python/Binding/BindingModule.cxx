@@ -241,6 +241,7 @@ py::dict MakeIsosurface(VolumeFile& file, std::size_t array, int component, std:
       return ExtractSurface(file, { array, component, timeStep, level }, request, progress);
     });
   std::vector<std::string> names;
+  names.reserve(attributes.size());
   for (const std::size_t attribute : attributes)
   {
     names.push_back(file.GetArrays()[attribute].Name);

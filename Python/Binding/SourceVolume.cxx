@@ -54,6 +54,13 @@ SampleView TakeEvery(const SampleView& view, const Index3& first, const Index3& 
   return every;
 }
 
+bool HaveSameTypes(const std::vector<ArrayDescription>& a, const std::vector<ArrayDescription>& b)
+{
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+    [](const ArrayDescription& one, const ArrayDescription& other)
+    { return one.Type == other.Type && one.Components == other.Components; });
+}
+
 /// The end of the slices that are read together from slice `low` on: whole chunks if they are few
 /// bytes, a single slice if the next chosen one is in another chunk.
 std::int64_t FindEndOfSlab(
@@ -119,13 +126,14 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep) const
   choice.Axes = this->Axes;
   auto opened = OpenForeignVolume(GetLocalFileSystem(), this->Path, choice);
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  const bool isOther = timeStep > 0 &&
+  const bool isFirst = this->Arrays.empty();
+  if (!isFirst &&
     (opened->Grid.GetDimensions() != this->Grid.GetDimensions() ||
-      opened->Arrays.size() != this->Arrays.size());
-  if (isOther)
+      !HaveSameTypes(opened->Arrays, this->Arrays)))
   {
     return Status(StatusCode::Unsupported,
-      this->Path + ": time step " + std::to_string(timeStep) + " has another grid or other arrays");
+      this->Path + ": time step " + std::to_string(timeStep) +
+        " has not the grid and the arrays of the file when it was opened");
   }
   return opened;
 }
