@@ -11,7 +11,6 @@
 #include "VolumeWriting.h"
 
 #include "Formats/Indexing/SourceIndex.h"
-#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/VolumeName.h"

@@ -10,11 +10,16 @@ import warnings
 
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkRectilinearGrid
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
 
 import scalable_isosurface as si
-from scalable_isosurface import vtkBlockedVolumeReader, vtkEdgeIndexWriter, vtkStabbingContour
+from scalable_isosurface import (
+    vtkBlockedVolumeReader,
+    vtkBlockedVolumeWriter,
+    vtkEdgeIndexWriter,
+    vtkStabbingContour,
+)
 
 try:
     import pyvista
@@ -117,6 +122,31 @@ class BesideVTK(unittest.TestCase):
         mesh = surface.to_pyvista()
         self.assertEqual(mesh.n_cells, len(surface.triangles))
         numpy.testing.assert_array_equal(mesh.points, surface.points)
+
+    def test_rectilinear_grids_have_coordinates(self):
+        lines = [numpy.cumsum(1 + 0.1 * (numpy.arange(size) % 7)) for size in self.samples.shape[::-1]]
+        grid = vtkRectilinearGrid()
+        grid.SetDimensions(*self.samples.shape[::-1])
+        for set_line, line in zip((grid.SetXCoordinates, grid.SetYCoordinates, grid.SetZCoordinates), lines):
+            set_line(numpy_to_vtk(line, deep=True))
+        scalars = numpy_to_vtk(self.samples.ravel(), deep=True)
+        scalars.SetName("waves")
+        grid.GetPointData().SetScalars(scalars)
+        writer = vtkBlockedVolumeWriter()
+        writer.SetInputData(grid)
+        writer.SetFileName(os.path.join(self.folder.name, "lines.bvol"))
+        self.assertTrue(writer.Write())
+        volume = si.open(writer.GetFileName())
+        copy = si.create(volume, os.path.join(self.folder.name, "copy.bvol"))
+        for opened in (volume, copy):
+            for line, coordinates in zip(lines, opened.coordinates):
+                numpy.testing.assert_array_equal(coordinates, line)
+            numpy.testing.assert_array_equal(opened.level(1).coordinates[1], lines[1][::2])
+        numpy.testing.assert_array_equal(copy.isosurface(30.5).points, volume.isosurface(30.5).points)
+        ends = [line[-1] + 0.001 for line in lines]
+        self.assertTrue((volume.isosurface(30.5).points.max(axis=0) < ends).all())
+        regular = si.create(volume, os.path.join(self.folder.name, "regular.bvol"), spacing=(1, 1, 1))
+        self.assertIsNone(regular.coordinates)
 
     def test_edge_index_file_gives_the_surface_back(self):
         path = os.path.join(self.folder.name, "waves.eix")
