@@ -205,10 +205,12 @@ py::array_t<std::int64_t> MakeActiveBlocks(VolumeFile& file, std::size_t array, 
   SurfaceRequest request;
   request.Isovalues = isovalues;
   request.Bounds = bounds;
+  std::string warning;
+  const ContouredSamples samples{ array, component, timeStep, level };
   const auto boxes = RunWithoutGil(file.GetPath(),
-    [&](const Progress& progress) {
-      return FindActiveBlocks(file, { array, component, timeStep, level }, request, progress);
-    });
+    [&](const Progress& progress)
+    { return FindActiveBlocks(file, samples, request, progress, warning); });
+  Warn(warning);
   py::array_t<std::int64_t> result({ boxes.size(), std::size_t{ 3 }, std::size_t{ 2 } });
   auto ends = result.mutable_unchecked<3>();
   for (std::size_t box = 0; box < boxes.size(); ++box)
@@ -235,10 +237,12 @@ py::dict MakeIsosurface(VolumeFile& file, std::size_t array, int component, std:
   request.Normals = normals;
   request.Attributes = attributes;
   request.Threads = CountThreads(threads);
+  std::string warning;
+  const ContouredSamples samples{ array, component, timeStep, level };
   auto surface = RunWithoutGil(file.GetPath(),
-    [&](const Progress& progress) {
-      return ExtractSurface(file, { array, component, timeStep, level }, request, progress);
-    });
+    [&](const Progress& progress)
+    { return ExtractSurface(file, samples, request, progress, warning); });
+  Warn(warning);
   std::vector<std::string> names;
   names.reserve(attributes.size());
   for (const std::size_t attribute : attributes)

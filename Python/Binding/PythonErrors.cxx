@@ -52,6 +52,14 @@ void ThrowIfError(const Status& status)
   Raise(PyExc_OSError, message);
 }
 
+void Warn(const std::string& message)
+{
+  if (!message.empty() && PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 2) != 0)
+  {
+    throw pybind11::error_already_set(); // warnings are errors there
+  }
+}
+
 Progress SignalWatch::GetProgress()
 {
   return [this](double) { return this->Look(); };

@@ -22,6 +22,9 @@ namespace isosurface
  */
 void ThrowIfError(const Status& status);
 
+/// A UserWarning of Python, unless the message is empty. The GIL is held.
+void Warn(const std::string& message);
+
 /// The value of a result, or ThrowIfError.
 template <typename T>
 T TakeValue(Result<T> result)

@@ -45,10 +45,9 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
 
 /// Runs a step anew as long as it fails, and other replicas of stores are known.
 template <typename Step>
-Status RunAlone(BlockedVolume& volume, const Step& step)
+Status RunAlone(BlockedVolume& volume, std::string& warning, const Step& step)
 {
   SerialCommunicator alone;
-  std::string warning;
   return RunWithReplicas(
     alone, [&] { return &volume; }, warning, step);
 }
@@ -56,7 +55,7 @@ Status RunAlone(BlockedVolume& volume, const Step& step)
 } // namespace
 
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress)
+  const SurfaceRequest& request, const Progress& progress, std::string& warning)
 {
   auto searched = MakeQuery(file, samples, request, progress);
   ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
@@ -75,12 +74,12 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   }
   ExtractionOutcome outcome;
   ISOSURFACE_RETURN_IF_ERROR(
-    RunAlone(*task.Volume, [&] { return ExtractLevel(task, samples.Level, outcome); }));
+    RunAlone(*task.Volume, warning, [&] { return ExtractLevel(task, samples.Level, outcome); }));
   return std::move(outcome.Extracted);
 }
 
 Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress)
+  const SurfaceRequest& request, const Progress& progress, std::string& warning)
 {
   const auto searched = MakeQuery(file, samples, request, progress);
   ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
@@ -99,7 +98,7 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(RunAlone(volume, find));
+  ISOSURFACE_RETURN_IF_ERROR(RunAlone(volume, warning, find));
   return boxes;
 }
 

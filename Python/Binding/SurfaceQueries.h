@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -35,13 +36,14 @@ struct SurfaceRequest
   int Threads = 1;
 };
 
-/// The isosurfaces. Cost and errors: ExtractLevel, and GetBlocks of the file.
+/// The isosurfaces. `warning` names lost stores, whose replicas were read. Cost and errors:
+/// ExtractLevel, and GetBlocks of the file.
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress);
+  const SurfaceRequest& request, const Progress& progress, std::string& warning);
 
 /// The vertices of each block that the isosurfaces cross. Cost and errors: PlanQuery; GetBlocks.
 Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress);
+  const SurfaceRequest& request, const Progress& progress, std::string& warning);
 
 /// Cost and errors: BlockedVolume::GetSpectrum, and GetBlocks of the file.
 Result<std::shared_ptr<const WorkloadSpectrum>> ReadSpectrum(

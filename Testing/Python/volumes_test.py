@@ -8,6 +8,7 @@ import multiprocessing
 import os
 import pickle
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -328,6 +329,19 @@ class Files(VolumeTest):
         for read in (lambda: volume[...], lambda: volume.isosurface(0), lambda: volume.active_blocks(0)):
             with self.assertRaisesRegex(OSError, "v.bvol"):
                 read()
+
+    def test_a_lost_store_is_a_warning_where_there_are_replicas(self):
+        samples = make_waves()
+        expected = si.create(samples, self.path("v.bvol"), stores=3, replicas=2).isosurface(0.4)
+        shutil.rmtree(self.path("v.bvol.stores/000001/store-00001"))
+        numpy.testing.assert_array_equal(si.open(self.path("v.bvol"))[...], samples)
+        with self.assertWarnsRegex(UserWarning, "v.bvol"):
+            surface = si.open(self.path("v.bvol")).isosurface(0.4)
+        self.assertEqual(sorted(map(tuple, surface.points)), sorted(map(tuple, expected.points)))
+        shutil.rmtree(self.path("v.bvol.stores/000001/store-00002"))
+        for read in (lambda volume: volume[...], lambda volume: volume.isosurface(0.4)):
+            with self.assertRaisesRegex(OSError, "v.bvol"):
+                read(si.open(self.path("v.bvol")))
 
     def test_a_closed_volume_is_a_value_error(self):
         with si.create(make_samples("uint8"), self.path("v.bvol")) as volume:
