@@ -47,7 +47,7 @@ if(EXISTS "${FOLDER}/prefix/bin/blockvolume")
 endif()
 if(PYTHON_DESTINATION)
   run("${CMAKE_COMMAND}" -E env "PYTHONPATH=${FOLDER}/prefix/${PYTHON_DESTINATION}" "${PYTHON}" -B -c
-    "import scalable_isosurface as package\nprint(package.__file__, package.vtkStabbingContour())")
+    "import scalable_isosurface as package\nprint(package.__file__, package.open, package.vtkStabbingContour())")
   if(NOT output MATCHES "^${FOLDER}/prefix")
     message(FATAL_ERROR "The Python package came from ${output}")
   endif()

@@ -64,6 +64,13 @@ if [ -f /usr/share/bash-completion/bash_completion ]; then
 fi
 expect "The package is importable" "vtkStabbingContour" \
   /usr/bin/python3 -c "from scalable_isosurface import vtkStabbingContour; print(vtkStabbingContour())"
+expect "It reads files without VTK" "^8 False" /usr/bin/python3 -c "if True:
+    import sys, numpy, scalable_isosurface
+    samples = numpy.zeros((3, 3, 3), 'float32')
+    samples[1, 1, 1] = 1
+    volume = scalable_isosurface.create(samples, '/one.bvol')
+    print(len(volume.isosurface(0.5).triangles), any(name.startswith('vtk') for name in sys.modules))"
+rm -r /one.bvol /one.bvol.stores
 expect "Two ranks of pvbatch find the plugin by its name" "^Triangles: [1-9]" \
   mpiexec --oversubscribe -n 2 pvbatch "$here/plugin_by_name.py"
 expect "A server finds the plugin by its name" "^Triangles: [1-9]" pvpython "$here/plugin_by_name.py" --server

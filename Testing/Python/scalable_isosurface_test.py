@@ -159,7 +159,7 @@ class Package(unittest.TestCase):
         self.assertIn("isosurfaces of blocked volumes", vtkStabbingContour.__doc__)
 
     def import_beside(self, vtk_common_core):
-        """The last line of an import in a Python whose vtkmodules.vtkCommonCore has this source."""
+        """The last line of a use of a class in a Python whose vtkmodules.vtkCommonCore has this source."""
         with tempfile.TemporaryDirectory() as folder:
             os.mkdir(os.path.join(folder, "vtkmodules"))
             open(os.path.join(folder, "vtkmodules", "__init__.py"), "w").close()
@@ -169,7 +169,7 @@ class Package(unittest.TestCase):
             package = os.path.dirname(os.path.dirname(scalable_isosurface.__file__))
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join((folder, package))}
             result = subprocess.run(
-                ["python3", "-B", "-c", "import scalable_isosurface"],
+                ["python3", "-B", "-c", "import scalable_isosurface\nscalable_isosurface.vtkStabbingContour"],
                 env=environment,
                 capture_output=True,
                 text=True,

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PythonErrors.h"
+
+#include <cerrno>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::chrono::milliseconds TimeBetweenLooks{ 100 };
+
+/// Raises an OSError, or the kind of it that belongs to the number.
+[[noreturn]] void RaiseSystemError(int number, const std::string& message)
+{
+  const pybind11::object error =
+    pybind11::reinterpret_borrow<pybind11::object>(PyExc_OSError)(number, message);
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+  throw pybind11::error_already_set();
+}
+
+[[noreturn]] void Raise(PyObject* type, const std::string& message)
+{
+  PyErr_SetString(type, message.c_str());
+  throw pybind11::error_already_set();
+}
+
+} // namespace
+
+void ThrowIfError(const Status& status)
+{
+  const std::string& message = status.GetMessage();
+  switch (status.GetCode())
+  {
+    case StatusCode::Ok:
+      return;
+    case StatusCode::InvalidArgument:
+      Raise(PyExc_ValueError, message);
+    case StatusCode::NotFound:
+      RaiseSystemError(ENOENT, message);
+    case StatusCode::DiskFull:
+      RaiseSystemError(ENOSPC, message);
+    case StatusCode::OutOfMemory:
+      Raise(PyExc_MemoryError, message);
+    case StatusCode::IoError:
+    case StatusCode::Corrupt:
+    case StatusCode::Unsupported:
+    case StatusCode::Aborted:
+    case StatusCode::RemoteFailure:
+      break;
+  }
+  Raise(PyExc_OSError, message);
+}
+
+void Warn(const std::string& message)
+{
+  if (!message.empty() && PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 2) != 0)
+  {
+    throw pybind11::error_already_set(); // warnings are errors there
+  }
+}
+
+Progress SignalWatch::GetProgress()
+{
+  return [this](double) { return this->Look(); };
+}
+
+bool SignalWatch::Look()
+{
+  const auto now = std::chrono::steady_clock::now();
+  if (now - this->LastLook >= TimeBetweenLooks && !this->Raised)
+  {
+    this->LastLook = now;
+    const pybind11::gil_scoped_acquire held;
+    if (PyErr_CheckSignals() != 0)
+    {
+      this->Raised.emplace();
+    }
+  }
+  return !this->Raised;
+}
+
+void SignalWatch::Rethrow() const
+{
+  if (this->Raised)
+  {
+    throw pybind11::error_already_set(*this->Raised);
+  }
+}
+
+} // namespace isosurface

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SourceVolume.h"
+
+#include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/AvailableMemory.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/MemoryFileSystem.h"
+#include "Ground/Volume/SampleCopy.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// What a read may take beside its result, if a slice of the file needs no more.
+constexpr std::uint64_t ReadBytes = std::uint64_t{ 64 } << 20;
+/// Files in memory grow by doubling, and are joined by what is read of them.
+constexpr std::uint64_t SharesOfFreeMemory = 3;
+
+/// The blocks of a source, and the files in memory that have them.
+struct BlocksInMemory
+{
+  BlocksInMemory(const std::string& path)
+    : Files(GetLocalFileSystem(), path, std::numeric_limits<std::int64_t>::max())
+  {
+  }
+
+  MemoryFileSystem Files;
+  std::shared_ptr<BlockedVolume> Volume; ///< goes before its files
+};
+
+/// The samples of a view's Box at every step-th vertex from `first` on: a view of their numbers.
+SampleView TakeEvery(const SampleView& view, const Index3& first, const Index3& step)
+{
+  SampleView every = view;
+  Index3 corner = first;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    every.Box.Low[axis] = (view.Box.Low[axis] - first[axis] + step[axis] - 1) / step[axis];
+    every.Box.High[axis] = (view.Box.High[axis] - first[axis] + step[axis] - 1) / step[axis];
+    corner[axis] += every.Box.Low[axis] * step[axis];
+    every.Stride[axis] *= static_cast<std::ptrdiff_t>(step[axis]);
+  }
+  every.Available = every.Box;
+  if (!every.Box.IsEmpty())
+  {
+    every.First = view.AtBytes(corner);
+  }
+  return every;
+}
+
+bool HaveSameTypes(const std::vector<ArrayDescription>& a, const std::vector<ArrayDescription>& b)
+{
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+    [](const ArrayDescription& one, const ArrayDescription& other)
+    { return one.Type == other.Type && one.Components == other.Components; });
+}
+
+/// The end of the slices that are read together from slice `low` on: whole chunks if they are few
+/// bytes, a single slice if the next chosen one is in another chunk.
+std::int64_t FindEndOfSlab(
+  const SlabSource& source, const SampleRequest& request, std::int64_t low, std::int64_t layers)
+{
+  const std::int64_t step = request.Step[2];
+  const std::int64_t high = request.Box.High[2];
+  if (step > 1 && step >= layers)
+  {
+    return low + 1;
+  }
+  VertexBox slab = request.Box;
+  slab.Low[2] = low;
+  std::int64_t end = std::min(high, (low / layers + 1) * layers);
+  slab.High[2] = end;
+  while (end < high && source.GetReadBytes(slab) < ReadBytes)
+  {
+    end = std::min(high, end + layers);
+    slab.High[2] = end;
+  }
+  while (end > low + 1 && source.GetReadBytes(slab) > ReadBytes)
+  {
+    end = low + (end - low) / 2;
+    slab.High[2] = end;
+  }
+  return end;
+}
+
+} // namespace
+
+Result<std::shared_ptr<SourceVolume>> SourceVolume::Open(const std::string& path, std::string axes)
+{
+  std::shared_ptr<SourceVolume> volume(new SourceVolume);
+  volume->Path = path;
+  volume->Axes = std::move(axes);
+  auto opened = volume->OpenStep(0);
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  volume->Grid = opened->Grid;
+  volume->Lines = std::move(opened->Lines);
+  volume->Arrays = std::move(opened->Arrays);
+  volume->Times.assign(opened->Times.begin(), opened->Times.end());
+  volume->Times.resize(std::max<std::size_t>(1, volume->Times.size()));
+  const Index3 dimensions = volume->Grid.GetDimensions();
+  const Index3 chunk =
+    opened->Source->GetChunk().value_or(Index3{ dimensions[0], dimensions[1], 1 });
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    volume->Chunk[axis] = std::max<std::int64_t>(1, std::min(chunk[axis], dimensions[axis]));
+  }
+  volume->Source = std::move(opened->Source);
+  return volume;
+}
+
+LevelDescription SourceVolume::Describe(int) const
+{
+  return { this->Grid, this->Lines, this->Chunk };
+}
+
+Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep) const
+{
+  VolumeChoice choice;
+  choice.Step = timeStep;
+  choice.Axes = this->Axes;
+  auto opened = OpenForeignVolume(GetLocalFileSystem(), this->Path, choice);
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  const bool isFirst = this->Arrays.empty();
+  if (!isFirst &&
+    (opened->Grid.GetDimensions() != this->Grid.GetDimensions() ||
+      !HaveSameTypes(opened->Arrays, this->Arrays)))
+  {
+    return Status(StatusCode::Unsupported,
+      this->Path + ": time step " + std::to_string(timeStep) +
+        " has not the grid and the arrays of the file when it was opened");
+  }
+  return opened;
+}
+
+Result<SlabSource*> SourceVolume::FindSource(std::size_t timeStep)
+{
+  if (timeStep != this->SourceStep || !this->Source)
+  {
+    auto opened = this->OpenStep(timeStep);
+    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+    this->Source = std::move(opened->Source);
+    this->SourceStep = timeStep;
+  }
+  return this->Source.get();
+}
+
+Status SourceVolume::Read(const SampleRequest& request, void* samples, const Progress& progress)
+{
+  const std::lock_guard<std::mutex> lock(this->ReadMutex);
+  const auto source = this->FindSource(request.TimeStep);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  const std::size_t first = ArrayVariables(this->Arrays).GetFirst(request.Array);
+  const ValueType type = this->Arrays[request.Array].Type;
+  const auto stride = static_cast<std::ptrdiff_t>(request.Components.size());
+  const std::int64_t step = request.Step[2];
+  VertexBox whole;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    whole.High[axis] = (request.Box.GetSize()[axis] + request.Step[axis] - 1) / request.Step[axis];
+  }
+  VertexBox slab = request.Box;
+  while (slab.Low[2] < request.Box.High[2])
+  {
+    slab.High[2] = FindEndOfSlab(**source, request, slab.Low[2], this->Chunk[2]);
+    const auto read = (*source)->Read(slab);
+    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
+    for (std::size_t number = 0; number < request.Components.size(); ++number)
+    {
+      SampleView view = read->Arrays[first + static_cast<std::size_t>(request.Components[number])];
+      view.Box = slab;
+      const SampleView chosen = TakeEvery(view, request.Box.Low, request.Step);
+      CopyBox(chosen, chosen.Box, whole, request.FindPlace(samples, number, type), stride);
+    }
+    // The next chosen slice.
+    const std::int64_t taken = (slab.High[2] - request.Box.Low[2] + step - 1) / step;
+    slab.Low[2] = request.Box.Low[2] + taken * step;
+    if (!progress(static_cast<double>(taken) / static_cast<double>(whole.High[2])))
+    {
+      return { StatusCode::Aborted, this->Path + ": reading was stopped" };
+    }
+  }
+  return Status::Ok();
+}
+
+Result<std::unique_ptr<SlabSource>> SourceVolume::OpenSource(std::size_t timeStep, int)
+{
+  auto opened = this->OpenStep(timeStep);
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  return std::move(opened->Source);
+}
+
+Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
+  std::size_t timeStep, const Progress& progress, std::size_t& stepThere)
+{
+  const std::lock_guard<std::mutex> lock(this->BlocksMutex);
+  stepThere = 0;
+  std::shared_ptr<BlockedVolume>& kept = this->Blocks[timeStep];
+  if (!kept)
+  {
+    auto made = this->MakeBlocks(timeStep, progress);
+    ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
+    kept = std::move(*made);
+  }
+  return kept;
+}
+
+Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
+  std::size_t timeStep, const Progress& progress) const
+{
+  auto opened = this->OpenStep(timeStep);
+  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  const std::uint64_t bytes = static_cast<std::uint64_t>(this->Grid.GetNumberOfVertices()) *
+    SumValueSizes(ArrayVariables(this->Arrays).GetStoredTypes());
+  const std::uint64_t available = GetAvailableMemory();
+  if (available > 0 && bytes > available / SharesOfFreeMemory)
+  {
+    return Status(StatusCode::OutOfMemory,
+      this->Path +
+        ": has no index, and is too large to be searched in memory; "
+        "make one with scalable_isosurface.index(), or a volume with create()");
+  }
+  const std::string path = this->Path + ".bvol-in-memory";
+  const auto memory = std::make_shared<BlocksInMemory>(path);
+  SerialCommunicator alone;
+  BlockedVolumeSettings settings;
+  settings.NumberOfStores = 1;
+  settings.Distribution = DistributionMethod::Slab;
+  settings.Lines = this->Lines;
+  settings.Time = this->Times[timeStep];
+  const auto written =
+    BlockedVolumeWriter(alone, memory->Files)
+      .Write(path, this->Grid, this->Arrays, *opened->Source, settings, progress);
+  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+  auto volume = BlockedVolume::Open(path, memory->Files);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  memory->Volume = std::move(*volume);
+  return std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
+}
+
+} // namespace isosurface

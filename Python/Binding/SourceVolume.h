@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SourceVolume_h
+#define isosurface_SourceVolume_h
+
+#include "VolumeFile.h"
+
+#include "Ground/Volume/VolumeOpener.h"
+
+#include <map>
+#include <mutex>
+
+namespace isosurface
+{
+
+/// A volume in files of another format, without an index: it has one level.
+class SourceVolume : public VolumeFile
+{
+public:
+  /// The first time step is opened at once. Errors and cost: OpenForeignVolume.
+  static Result<std::shared_ptr<SourceVolume>> Open(const std::string& path, std::string axes);
+
+  const std::string& GetPath() const override { return this->Path; }
+  const std::vector<ArrayDescription>& GetArrays() const override { return this->Arrays; }
+  const std::vector<std::optional<double>>& GetTimes() const override { return this->Times; }
+  int GetNumberOfLevels() const override { return 1; }
+  LevelDescription Describe(int level) const override;
+  /// One thread reads at a time. Memory: 64 MiB, or what the file has to decode at once.
+  Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
+  Result<std::unique_ptr<SlabSource>> OpenSource(std::size_t timeStep, int threads) override;
+  /// Reads all samples of the time step into blocks in memory, at the first call; they stay there.
+  /// OutOfMemory if they take more than a third of the free memory.
+  Result<std::shared_ptr<BlockedVolume>> GetBlocks(
+    std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
+
+private:
+  SourceVolume() = default;
+  Result<OpenedVolume> OpenStep(std::size_t timeStep) const;
+  /// That of a time step. ReadMutex is held.
+  Result<SlabSource*> FindSource(std::size_t timeStep);
+  Result<std::shared_ptr<BlockedVolume>> MakeBlocks(
+    std::size_t timeStep, const Progress& progress) const;
+
+  std::string Path;
+  std::string Axes;
+  GridGeometry Grid;
+  std::optional<GridLines> Lines;
+  std::vector<ArrayDescription> Arrays;
+  std::vector<std::optional<double>> Times;
+  Index3 Chunk{ 1, 1, 1 };
+
+  std::mutex ReadMutex; ///< guards Source
+  std::size_t SourceStep = 0;
+  std::unique_ptr<SlabSource> Source; ///< of that time step
+  std::mutex BlocksMutex;             ///< guards Blocks
+  std::map<std::size_t, std::shared_ptr<BlockedVolume>> Blocks;
+};
+
+} // namespace isosurface
+
+#endif

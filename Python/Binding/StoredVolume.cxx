@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "StoredVolume.h"
+
+#include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Store/StoredSlabSource.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace isosurface
+{
+
+Result<std::shared_ptr<StoredVolume>> StoredVolume::Open(const std::string& path)
+{
+  auto volume = BlockedVolume::Open(
+    path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  if ((*volume)->GetHeader().TimeSteps.empty())
+  {
+    return Status(StatusCode::Corrupt, path + ": the volume has no time step");
+  }
+  return std::shared_ptr<StoredVolume>(new StoredVolume(std::move(*volume)));
+}
+
+StoredVolume::StoredVolume(std::shared_ptr<BlockedVolume> volume)
+  : Volume(std::move(volume))
+{
+  for (const TimeStepDescription& step : this->Volume->GetHeader().TimeSteps)
+  {
+    this->Times.push_back(step.Time);
+  }
+}
+
+LevelDescription StoredVolume::Describe(int level) const
+{
+  LevelDescription description;
+  description.Grid = this->Volume->GetHeader().Grid.Coarsen(level);
+  if (const GridLines* lines = this->Volume->GetLines(level))
+  {
+    description.Lines = *lines;
+  }
+  const StoredLevel stored = this->Volume->FindLevel(level);
+  // Blocks of a coarse level have few vertices: several of them then.
+  const std::int64_t size = std::max(stored.Grid->GetBlockSize() >> stored.Level, 16);
+  const Index3 dimensions = description.Grid.GetDimensions();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    description.Chunk[axis] = std::min(size, dimensions[axis]);
+  }
+  return description;
+}
+
+Result<std::shared_ptr<const LevelSamples>> StoredVolume::FindSamples(
+  std::size_t timeStep, int level)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  std::shared_ptr<const LevelSamples>& kept = this->Samples[{ timeStep, level }];
+  if (!kept)
+  {
+    auto opened = LevelSamples::Open(this->Volume, timeStep, level);
+    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+    kept = std::move(*opened);
+  }
+  return kept;
+}
+
+Status StoredVolume::Read(const SampleRequest& request, void* samples, const Progress& progress)
+{
+  const auto level = this->FindSamples(request.TimeStep, request.Level);
+  ISOSURFACE_RETURN_IF_ERROR(level.GetStatus());
+  const std::size_t first = this->Volume->GetVariables().GetFirst(request.Array);
+  const ValueType type = this->GetArrays()[request.Array].Type;
+  const auto stride = static_cast<std::ptrdiff_t>(request.Components.size());
+  QueryStatistics unused;
+  for (std::size_t number = 0; number < request.Components.size(); ++number)
+  {
+    const std::size_t variable = first + static_cast<std::size_t>(request.Components[number]);
+    ISOSURFACE_RETURN_IF_ERROR((*level)->Read(variable, request.Box, request.Step, request.Threads,
+      request.FindPlace(samples, number, type), stride, unused, progress));
+  }
+  return Status::Ok();
+}
+
+Result<std::unique_ptr<SlabSource>> StoredVolume::OpenSource(std::size_t timeStep, int threads)
+{
+  std::vector<std::size_t> arrays(this->GetArrays().size());
+  std::iota(arrays.begin(), arrays.end(), std::size_t{ 0 });
+  auto source = StoredSlabSource::Make(this->Volume, timeStep, arrays, threads);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  return std::unique_ptr<SlabSource>(std::move(*source));
+}
+
+Result<std::shared_ptr<BlockedVolume>> StoredVolume::GetBlocks(
+  std::size_t timeStep, const Progress&, std::size_t& stepThere)
+{
+  stepThere = timeStep;
+  return this->Volume;
+}
+
+} // namespace isosurface

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_StoredVolume_h
+#define isosurface_StoredVolume_h
+
+#include "VolumeFile.h"
+
+#include "Storage/Store/LevelSamples.h"
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace isosurface
+{
+
+/// A blocked volume, or the index of one in place.
+class StoredVolume : public VolumeFile
+{
+public:
+  /// Errors and cost: BlockedVolume::Open.
+  static Result<std::shared_ptr<StoredVolume>> Open(const std::string& path);
+
+  const std::string& GetPath() const override { return this->Volume->GetPath(); }
+  const std::vector<ArrayDescription>& GetArrays() const override
+  {
+    return this->Volume->GetHeader().Arrays;
+  }
+  const std::vector<std::optional<double>>& GetTimes() const override { return this->Times; }
+  int GetNumberOfLevels() const override { return this->Volume->GetNumberOfLevels(); }
+  LevelDescription Describe(int level) const override;
+  /// Cost: LevelSamples::Read for each component; LevelSamples::Open for the first of a level.
+  Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
+  Result<std::unique_ptr<SlabSource>> OpenSource(std::size_t timeStep, int threads) override;
+  Result<std::shared_ptr<BlockedVolume>> GetBlocks(
+    std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
+
+private:
+  explicit StoredVolume(std::shared_ptr<BlockedVolume> volume);
+  Result<std::shared_ptr<const LevelSamples>> FindSamples(std::size_t timeStep, int level);
+
+  std::shared_ptr<BlockedVolume> Volume;
+  std::vector<std::optional<double>> Times;
+  std::mutex Mutex; ///< guards Samples
+  std::map<std::pair<std::size_t, int>, std::shared_ptr<const LevelSamples>> Samples;
+};
+
+} // namespace isosurface
+
+#endif

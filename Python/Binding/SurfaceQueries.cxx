@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SurfaceQueries.h"
+
+#include "Ground/Base/Communicator.h"
+#include "Ranks/Query/LevelExtraction.h"
+#include "Ranks/Sharing/QueryPlan.h"
+#include "Ranks/Sharing/StoreRecovery.h"
+
+#include <string>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+/// What the file has of them in blocks.
+struct SearchedBlocks
+{
+  std::shared_ptr<BlockedVolume> Volume;
+  SurfaceQuery Query;
+};
+
+Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const Progress& progress)
+{
+  SearchedBlocks searched;
+  auto blocks = file.GetBlocks(samples.TimeStep, progress, searched.Query.TimeStep);
+  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
+  searched.Volume = std::move(*blocks);
+  const auto variable = searched.Volume->GetVariables().Find(samples.Array, samples.Component);
+  if (!variable)
+  {
+    return Status(StatusCode::InvalidArgument, file.GetPath() + ": has no such component");
+  }
+  searched.Query.Variable = *variable;
+  searched.Query.Isovalues = request.Isovalues;
+  searched.Query.Attributes = request.Attributes;
+  if (request.Bounds)
+  {
+    searched.Query.Selection.Region = Region::FromBounds(*request.Bounds);
+  }
+  return searched;
+}
+
+/// Runs a step anew as long as it fails, and other replicas of stores are known.
+template <typename Step>
+Status RunAlone(BlockedVolume& volume, std::string& warning, const Step& step)
+{
+  SerialCommunicator alone;
+  return RunWithReplicas(
+    alone, [&] { return &volume; }, warning, step);
+}
+
+} // namespace
+
+Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const Progress& progress, std::string& warning)
+{
+  auto searched = MakeQuery(file, samples, request, progress);
+  ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
+  ExtractionTask task;
+  task.Volume = searched->Volume;
+  task.Query = searched->Query;
+  task.Request.Isovalues = request.Isovalues;
+  task.Request.Normals = request.Normals;
+  task.Request.NormalsRoundedOnce = true;
+  task.Threads = request.Threads;
+  task.Advance = progress;
+  for (const std::size_t array : request.Attributes)
+  {
+    const ArrayDescription& description = file.GetArrays()[array];
+    task.Request.Attributes.push_back({ description.Type, description.Components });
+  }
+  ExtractionOutcome outcome;
+  ISOSURFACE_RETURN_IF_ERROR(
+    RunAlone(*task.Volume, warning, [&] { return ExtractLevel(task, samples.Level, outcome); }));
+  return std::move(outcome.Extracted);
+}
+
+Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const Progress& progress, std::string& warning)
+{
+  const auto searched = MakeQuery(file, samples, request, progress);
+  ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
+  BlockedVolume& volume = *searched->Volume;
+  const StoredLevel stored = volume.FindLevel(samples.Level);
+  std::vector<VertexBox> boxes;
+  const auto find = [&]() -> Status
+  {
+    QueryStatistics unused;
+    const auto plan = PlanQuery(volume, searched->Query, samples.Level, unused);
+    ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+    boxes.clear();
+    for (const BlockReference& block : plan->Blocks)
+    {
+      boxes.push_back(stored.Grid->GetVertices(block.Block, stored.Level));
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(RunAlone(volume, warning, find));
+  return boxes;
+}
+
+Result<std::shared_ptr<const WorkloadSpectrum>> ReadSpectrum(
+  VolumeFile& file, const ContouredSamples& samples, const Progress& progress)
+{
+  const auto searched = MakeQuery(file, samples, {}, progress);
+  ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
+  return searched->Volume->GetSpectrum(
+    searched->Query.TimeStep, searched->Query.Variable, samples.Level);
+}
+
+} // namespace isosurface

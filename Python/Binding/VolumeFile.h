@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VolumeFile_h
+#define isosurface_VolumeFile_h
+
+#include "Ground/Base/Progress.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/VertexBox.h"
+#include "Storage/Store/BlockedVolume.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// One level of a volume.
+struct LevelDescription
+{
+  GridGeometry Grid;
+  std::optional<GridLines> Lines; ///< of a rectilinear grid
+  Index3 Chunk{ 1, 1, 1 };        ///< the vertices that are best read together, not beyond the grid
+};
+
+/// Samples of an array at every Step-th vertex of a box, which is not empty, from its low corner.
+struct SampleRequest
+{
+  std::size_t Array = 0;
+  std::vector<int> Components; ///< in the order of the result; some of the array's
+  std::size_t TimeStep = 0;
+  int Level = 0;
+  VertexBox Box; ///< within the level
+  Index3 Step{ 1, 1, 1 };
+  int Threads = 1;
+
+  /// Where the chosen component's samples go in a result of tuples, x fastest.
+  void* FindPlace(void* samples, std::size_t number, ValueType type) const
+  {
+    return static_cast<char*>(samples) + number * GetValueSize(type);
+  }
+};
+
+/**
+ * A volume in a file, of which samples are read. All functions may be called by several threads at
+ * once. Errors name the file.
+ */
+class VolumeFile
+{
+public:
+  virtual ~VolumeFile() = default;
+
+  virtual const std::string& GetPath() const = 0;
+  virtual const std::vector<ArrayDescription>& GetArrays() const = 0;
+  /// Of all time steps, of which there is at least one.
+  virtual const std::vector<std::optional<double>>& GetTimes() const = 0;
+  virtual int GetNumberOfLevels() const = 0;
+  virtual LevelDescription Describe(int level) const = 0;
+
+  /// Fills `samples` with tuples of the chosen components. The request must be within the volume.
+  virtual Status Read(const SampleRequest& request, void* samples, const Progress& progress) = 0;
+
+  /// The samples of a time step, to write another volume of.
+  virtual Result<std::unique_ptr<SlabSource>> OpenSource(std::size_t timeStep, int threads) = 0;
+
+  /// The time step in blocks, to be searched for isosurfaces. `stepThere` becomes its number there.
+  virtual Result<std::shared_ptr<BlockedVolume>> GetBlocks(
+    std::size_t timeStep, const Progress& progress, std::size_t& stepThere) = 0;
+};
+
+} // namespace isosurface
+
+#endif

@@ -1,0 +1,105 @@
+# Core and Formats, as the modules of this package use them. Vertices and sizes are x, y, z.
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import numpy
+
+MAGNITUDE: int
+VALUE_TYPES: List[str]
+
+def find_kind(name: str) -> str: ...
+def open_stored(path: str) -> VolumeFile: ...
+def open_source(path: str, axes: str) -> VolumeFile: ...
+def open_surface(path: str) -> SurfaceFile: ...
+def find_index(path: str, axes: str, folder: str) -> Optional[str]: ...
+def write_index(path: str, axes: str, folder: str, memory: int) -> str: ...
+
+class VolumeFile:
+    @property
+    def path(self) -> str: ...
+    @property
+    def arrays(self) -> List[Tuple[str, str, int]]: ...
+    @property
+    def times(self) -> List[Optional[float]]: ...
+    @property
+    def levels(self) -> int: ...
+    def describe(self, level: int) -> Tuple[Any, ...]: ...
+    def read(
+        self,
+        samples: numpy.ndarray,
+        array: int,
+        components: Sequence[int],
+        step: int,
+        level: int,
+        low: Sequence[int],
+        high: Sequence[int],
+        stride: Sequence[int],
+        threads: int,
+    ) -> None: ...
+    def spectrum(self, array: int, component: int, step: int, level: int) -> Dict[str, Any]: ...
+    def active_blocks(
+        self,
+        array: int,
+        component: int,
+        step: int,
+        level: int,
+        isovalues: Sequence[float],
+        bounds: Optional[Sequence[float]],
+    ) -> numpy.ndarray: ...
+    def isosurface(
+        self,
+        array: int,
+        component: int,
+        step: int,
+        level: int,
+        isovalues: Sequence[float],
+        bounds: Optional[Sequence[float]],
+        normals: bool,
+        attributes: Sequence[int],
+        threads: int,
+    ) -> Dict[str, Any]: ...
+
+class SurfaceFile:
+    @property
+    def path(self) -> str: ...
+    @property
+    def missing(self) -> str: ...
+    @property
+    def attributes(self) -> List[str]: ...
+    @property
+    def isovalues(self) -> List[float]: ...
+    @property
+    def array(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def time(self) -> Optional[float]: ...
+    @property
+    def has_preview(self) -> bool: ...
+    def read(self, isovalues: Sequence[int], preview: bool, normals: bool, threads: int) -> Dict[str, Any]: ...
+
+class VolumeWriting:
+    def __init__(
+        self,
+        path: str,
+        dimensions: Sequence[int],
+        spacing: Sequence[float],
+        origin: Sequence[float],
+        direction: Sequence[float],
+        lines: Optional[Sequence[Sequence[float]]],
+    ) -> None: ...
+    def set(
+        self,
+        block_size: int,
+        stores: int,
+        replicas: int,
+        codec: str,
+        codec_level: int,
+        time: Optional[float],
+        append: bool,
+        memory: int,
+        threads: int,
+    ) -> None: ...
+    def write_arrays(
+        self, arrays: Sequence[Tuple[str, Any, str, int]], chunk: Optional[Sequence[int]]
+    ) -> None: ...
+    def write_file(self, file: VolumeFile, step: int) -> None: ...

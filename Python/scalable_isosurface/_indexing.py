@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the keys of NumPy's basic indexing choose of a volume."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, List, NamedTuple, Tuple
+
+import numpy
+
+
+class AxisRange(NamedTuple):
+    """Samples of an axis: every step-th one of [low, high), where step is at least 1."""
+
+    low: int
+    high: int
+    step: int
+
+    @property
+    def size(self) -> int:
+        return (self.high - self.low + self.step - 1) // self.step
+
+
+class Selection(NamedTuple):
+    """What a key chooses: a lattice to be read, and how the result is made of it."""
+
+    shape: Tuple[int, ...]  #: of the result
+    axes: Tuple[AxisRange, ...]  #: of the volume; without meaning if the result is empty
+    rest: Tuple[Any, ...]  #: the key of the lattice that gives the result: a view
+
+    @property
+    def is_empty(self) -> bool:
+        return 0 in self.shape
+
+
+def parse_key(key: Any, shape: Tuple[int, ...], dtype: numpy.dtype) -> Selection:
+    """The selection of a key of integers, slices, Ellipsis and numpy.newaxis.
+
+    Raises
+    ------
+    IndexError, TypeError, ValueError
+        As NumPy does for an array of the shape. TypeError also for arrays of integers or truth values.
+    """
+    items = tuple(_simplify(item) for item in (key if isinstance(key, tuple) else (key,)))
+    # An array without memory of its own knows all of NumPy's rules, and its words.
+    model = numpy.broadcast_to(numpy.zeros((), dtype), shape)[items]
+    axes: List[AxisRange] = []
+    rest: List[Any] = []
+    sizes = iter(shape)
+    for item in items:
+        if item is Ellipsis:
+            for _ in range(len(shape) - sum(other is not None and other is not Ellipsis for other in items)):
+                axes.append(AxisRange(0, next(sizes), 1))
+                rest.append(slice(None))
+            rest.append(Ellipsis)
+        elif item is None:
+            rest.append(None)
+        else:
+            chosen, place = _choose(item, next(sizes))
+            axes.append(chosen)
+            rest.append(place)
+    axes.extend(AxisRange(0, size, 1) for size in sizes)
+    return Selection(numpy.shape(model), tuple(axes), tuple(rest))
+
+
+def _simplify(item: Any) -> Any:
+    """An integer for what NumPy takes for one; a TypeError for what chooses elements one by one."""
+    is_flag = isinstance(item, (bool, numpy.bool_))
+    if not is_flag and (item is None or item is Ellipsis or isinstance(item, (slice, str))):
+        return item
+    if not is_flag and numpy.ndim(item) == 0 and getattr(item, "dtype", None) != bool:
+        try:
+            return operator.index(item)
+        except TypeError:
+            return item  # NumPy says what is wrong with it
+    raise TypeError(
+        "volumes are indexed by integers, slices, Ellipsis and numpy.newaxis alone; "
+        "read a box, and index that by arrays of integers or truth values"
+    )
+
+
+def _choose(item: Any, size: int) -> Tuple[AxisRange, Any]:
+    """The samples of an axis that an integer or a slice chooses, and its key among them."""
+    if not isinstance(item, slice):
+        first = item + size if item < 0 else item
+        return AxisRange(first, first + 1, 1), 0
+    start, stop, step = item.indices(size)
+    chosen = range(start, stop, step)
+    if step > 0 or len(chosen) == 0:
+        return AxisRange(start, max(start, stop), max(step, 1)), slice(None)
+    return AxisRange(chosen[-1], start + 1, -step), slice(None, None, -1)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files that are opened, and files that are indexed."""
+
+from __future__ import annotations
+
+import os
+from typing import Optional, Union
+
+from . import _core
+from ._edge_index import EdgeIndex
+from ._volume import Volume, open_volume
+
+#: Bytes that indexing and writing may take, as ParaView's writer.
+MEMORY = 1 << 30
+
+
+def open(
+    path: Union[str, os.PathLike],
+    step: int = 0,
+    *,
+    axes: str = "",
+    index_folder: Union[str, os.PathLike] = "",
+    threads: Optional[int] = None,
+) -> Union[Volume, EdgeIndex]:
+    """Opens a volume or a surface. Samples are read when the volume is indexed.
+
+    Parameters
+    ----------
+    path : str or path
+        A blocked volume (.bvol), an edge-index file (.eix), or a file or folder of another format: MetaImage,
+        NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF, Zarr, N5 or raw samples. What is meant within a file
+        follows a colon: ``"run.h5:/entry/data"``, ``"scan.raw:512x512x300,uint16"``.
+    step : int
+        The number of the time step; negative from the last one on.
+    axes : str
+        What the axes of a dataset are, the slowest first, of the letters x y z t c. Empty: as it says.
+    index_folder : str or path
+        Where the index of a file of another format may be (`index`). Empty: beside it.
+    threads : int, optional
+        Threads for each read and extraction; as many as there are cores if it is not given. One is best where
+        the caller has many threads itself, as Dask has.
+
+    Returns
+    -------
+    Volume or EdgeIndex
+        Of a file of another format, its index, if it has a current one. Without an index it has one level.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    OSError
+        It cannot be read; the message names the file and the reason.
+    IndexError
+        There is no such time step.
+
+    Examples
+    --------
+    >>> si.open("waves.nrrd")
+    <Volume 'waves.nrrd', array 'ImageFile': (20, 30, 40) float32, level 0 of 1>
+    >>> with si.open("waves.bvol") as volume:
+    ...     round(float(volume[10, 15, 20]), 3)
+    -0.009
+    """
+    name = os.fspath(path)
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a file is a str or a path, and not {type(path).__name__}")
+    if _core.find_kind(name) == "edge index":
+        return EdgeIndex(name, threads)
+    return open_volume(name, step, axes, os.fspath(index_folder), threads)
+
+
+def index(
+    path: Union[str, os.PathLike],
+    *,
+    axes: str = "",
+    index_folder: Union[str, os.PathLike] = "",
+    threads: Optional[int] = None,
+) -> Volume:
+    """Indexes a file of another format where it lies, and opens it by the index.
+
+    The index is a small blocked volume beside the file (``scan.nrrd.bvol``), the same that ParaView's reader
+    makes: what isosurfaces need to find their blocks, and all coarser levels. Samples stay in the file.
+    If there is a current index, nothing is written. Cost: one pass over the file.
+
+    Parameters
+    ----------
+    path, axes, index_folder, threads
+        As for `open`.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read, or is a stream (.gz), which `create` can make a volume of; or the index cannot
+        be written.
+
+    Examples
+    --------
+    >>> si.index("waves.nrrd", index_folder="indices")
+    <Volume 'waves.nrrd', array 'ImageFile': (20, 30, 40) float32, level 0 of 7>
+    """
+    name = os.fspath(path)
+    folder = os.fspath(index_folder)
+    _core.find_kind(name)  # says so if there is no such file
+    _core.write_index(name, axes, folder, MEMORY)
+    return open_volume(name, 0, axes, folder, threads)
