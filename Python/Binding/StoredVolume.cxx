@@ -9,6 +9,33 @@
 
 namespace isosurface
 {
+namespace
+{
+
+// The same samples at the coarsest level that has them: every second vertex is a vertex of the next
+// level, if the first one is.
+SampleRequest Coarsen(SampleRequest request, int levels)
+{
+  const Index3 size = request.Box.GetSize();
+  const auto hasEven = [&](std::size_t axis)
+  {
+    const bool isOne = size[axis] <= request.Step[axis];
+    return request.Box.Low[axis] % 2 == 0 && (isOne || request.Step[axis] % 2 == 0);
+  };
+  while (request.Level + 1 < levels && hasEven(0) && hasEven(1) && hasEven(2))
+  {
+    ++request.Level;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      request.Box.Low[axis] /= 2;
+      request.Box.High[axis] = (request.Box.High[axis] + 1) / 2;
+      request.Step[axis] = (request.Step[axis] + 1) / 2;
+    }
+  }
+  return request;
+}
+
+} // namespace
 
 Result<std::shared_ptr<StoredVolume>> StoredVolume::Open(const std::string& path)
 {
@@ -64,8 +91,9 @@ Result<std::shared_ptr<const LevelSamples>> StoredVolume::FindSamples(
   return kept;
 }
 
-Status StoredVolume::Read(const SampleRequest& request, void* samples, const Progress& progress)
+Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progress& progress)
 {
+  const SampleRequest request = Coarsen(given, this->GetNumberOfLevels());
   const auto level = this->FindSamples(request.TimeStep, request.Level);
   ISOSURFACE_RETURN_IF_ERROR(level.GetStatus());
   const std::size_t first = this->Volume->GetVariables().GetFirst(request.Array);
