@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace isosurface
@@ -304,37 +305,34 @@ private:
       }
     }
     const Surface& surface = this->Extracted;
-    const auto findIsland = [&](std::size_t cell)
-    {
-      const auto corner = surface.Connectivity[CellCorners(surface, cell).Begin];
-      return this->Labels[static_cast<std::size_t>(corner)];
-    };
-    std::vector<std::size_t> firsts(CountRanges(surface.NumberOfCells) + 1, 0);
-    ForRanges(surface.NumberOfCells, this->Threads,
-      [&](std::size_t begin, std::size_t end, std::size_t range)
+    WithCells(surface,
+      [&](const auto& cells)
       {
-        for (std::size_t cell = begin; cell < end; ++cell)
-        {
-          firsts[range + 1] += this->AreKept[findIsland(cell)];
-        }
-      });
-    for (std::size_t range = 1; range < firsts.size(); ++range)
-    {
-      firsts[range] += firsts[range - 1];
-    }
-    this->Chosen.Ids = Buffer<std::int64_t>(firsts.back());
-    ForRanges(surface.NumberOfCells, this->Threads,
-      [&](std::size_t begin, std::size_t end, std::size_t range)
-      {
-        std::size_t kept = firsts[range];
-        for (std::size_t cell = begin; cell < end; ++cell)
-        {
-          const std::size_t island = findIsland(cell);
-          if (this->AreKept[island] != 0)
+        const auto isKept = [&](std::size_t cell)
+        { return this->AreKept[this->Labels[cells.GetFirstPoint(cell)]] != 0; };
+        std::vector<std::size_t> firsts(CountRanges(surface.NumberOfCells) + 1, 0);
+        ForRanges(surface.NumberOfCells, this->Threads,
+          [&](std::size_t begin, std::size_t end, std::size_t range)
           {
-            this->Chosen.Ids[kept++] = ids[island];
-          }
-        }
+            for (std::size_t cell = begin; cell < end; ++cell)
+            {
+              firsts[range + 1] += isKept(cell) ? 1 : 0;
+            }
+          });
+        std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
+        this->Chosen.Ids = Buffer<std::int64_t>(firsts.back());
+        ForRanges(surface.NumberOfCells, this->Threads,
+          [&](std::size_t begin, std::size_t end, std::size_t range)
+          {
+            std::size_t kept = firsts[range];
+            for (std::size_t cell = begin; cell < end; ++cell)
+            {
+              if (isKept(cell))
+              {
+                this->Chosen.Ids[kept++] = ids[this->Labels[cells.GetFirstPoint(cell)]];
+              }
+            }
+          });
       });
   }
 

@@ -3,8 +3,8 @@
 
 #include "Surface/Islands/SurfaceRanges.h"
 
-#include <bitset>
-#include <cstring>
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace isosurface
@@ -12,189 +12,223 @@ namespace isosurface
 namespace
 {
 
-constexpr std::size_t WordBits = 64;
-
-std::size_t CountBits(std::uint64_t word)
+/// What was counted in each range becomes what was counted before it.
+void SumRanges(std::vector<std::size_t>& counts)
 {
-  return std::bitset<WordBits>(word).count();
+  std::size_t sum = 0;
+  for (std::size_t& count : counts)
+  {
+    sum += std::exchange(count, sum);
+  }
 }
 
-/// Some of the items 0, 1, ... and their new numbers.
-class Selection
+/// The points, cells and corners that are kept of a surface with indices of a type.
+template <typename Index>
+class KeptSurface
 {
 public:
-  template <typename Predicate>
-  Selection(std::size_t items, int threads, const Predicate& isSelected)
-    : Words(items / WordBits + 1, 0)
-    , Firsts(items / WordBits + 2, 0)
+  KeptSurface(Surface& surface, const SurfaceCells<Index>& cells, int threads)
+    : Extracted(surface)
+    , Cells(cells)
+    , Threads(threads)
+    , Numbers(surface.NumberOfPoints)
+    , PointsBefore(CountRanges(surface.NumberOfPoints) + 1, 0)
+    , CellsBefore(CountRanges(surface.NumberOfCells) + 1, 0)
+    , CornersBefore(CellsBefore)
   {
-    ForRanges(items, threads,
-      [&](std::size_t begin, std::size_t end, std::size_t)
-      {
-        for (std::size_t item = begin; item < end; ++item)
-        {
-          this->Words[item / WordBits] |= std::uint64_t{ isSelected(item) } << (item % WordBits);
-        }
-      });
-    for (std::size_t word = 0; word < this->Words.size(); ++word)
-    {
-      this->Firsts[word + 1] = this->Firsts[word] + CountBits(this->Words[word]);
-    }
   }
 
-  std::size_t GetCount() const { return this->Firsts.back(); }
-  bool Has(std::size_t item) const
+  void Make(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept,
+    Buffer<Index>& connectivity, Buffer<Index>& offsets)
   {
-    return (this->Words[item / WordBits] >> (item % WordBits) & 1) != 0;
-  }
-  /// How many of the items before this one are selected: the new number of a selected one.
-  std::size_t CountBefore(std::size_t item) const
-  {
-    const std::uint64_t before = (std::uint64_t{ 1 } << (item % WordBits)) - 1;
-    return this->Firsts[item / WordBits] + CountBits(this->Words[item / WordBits] & before);
+    this->NumberPoints(labels, areKept);
+    this->CountCells();
+    this->KeepParts();
+    this->KeepCells(connectivity, offsets);
+    this->KeepTuples(3, this->Extracted.Points);
+    this->KeepTuples(3, this->Extracted.Normals);
+    this->KeepTuples(1, this->Extracted.GlobalIds);
+    for (SurfaceAttribute& attribute : this->Extracted.Attributes)
+    {
+      this->KeepTuples(GetTupleSize(attribute.Layout), attribute.Bytes);
+    }
+    this->Extracted.NumberOfPoints = this->PointsBefore.back();
+    this->Extracted.NumberOfCells = this->CellsBefore.back();
+    this->Extracted.NumberOfTriangles =
+      this->CornersBefore.back() - 2 * this->Extracted.NumberOfCells;
   }
 
 private:
-  std::vector<std::uint64_t> Words;
-  std::vector<std::size_t> Firsts; ///< selected items before each word
+  bool HasPoint(std::size_t point) const { return this->Numbers[point] >= 0; }
+  bool HasCell(std::size_t cell) const { return this->HasPoint(this->Cells.GetFirstPoint(cell)); }
+
+  void NumberPoints(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept)
+  {
+    const std::size_t points = this->Extracted.NumberOfPoints;
+    ForRanges(points, this->Threads,
+      [&](std::size_t begin, std::size_t end, std::size_t range)
+      {
+        std::size_t count = 0;
+        for (std::size_t point = begin; point < end; ++point)
+        {
+          const bool isKept = areKept[labels[point]] != 0;
+          this->Numbers[point] = isKept ? 0 : -1;
+          count += isKept ? 1 : 0;
+        }
+        this->PointsBefore[range] = count;
+      });
+    SumRanges(this->PointsBefore);
+    ForRanges(points, this->Threads,
+      [&](std::size_t begin, std::size_t end, std::size_t range)
+      {
+        auto number = static_cast<Index>(this->PointsBefore[range]);
+        for (std::size_t point = begin; point < end; ++point)
+        {
+          this->Numbers[point] = this->HasPoint(point) ? number++ : -1;
+        }
+      });
+  }
+
+  void CountCells()
+  {
+    ForRanges(this->Extracted.NumberOfCells, this->Threads,
+      [&](std::size_t begin, std::size_t end, std::size_t range)
+      {
+        std::size_t cells = 0;
+        std::size_t corners = 0;
+        for (std::size_t cell = begin; cell < end; ++cell)
+        {
+          if (this->HasCell(cell))
+          {
+            ++cells;
+            corners += this->Cells.End(cell) - this->Cells.Begin(cell);
+          }
+        }
+        this->CellsBefore[range] = cells;
+        this->CornersBefore[range] = corners;
+      });
+    SumRanges(this->CellsBefore);
+    SumRanges(this->CornersBefore);
+  }
+
+  std::size_t CountPointsBefore(std::size_t point) const
+  {
+    const std::size_t range = point / SurfaceRangeSize;
+    std::size_t count = this->PointsBefore[range];
+    for (std::size_t n = range * SurfaceRangeSize; n < point; ++n)
+    {
+      count += this->HasPoint(n) ? 1 : 0;
+    }
+    return count;
+  }
+
+  std::size_t CountCellsBefore(std::size_t cell) const
+  {
+    const std::size_t range = cell / SurfaceRangeSize;
+    std::size_t count = this->CellsBefore[range];
+    for (std::size_t n = range * SurfaceRangeSize; n < cell; ++n)
+    {
+      count += this->HasCell(n) ? 1 : 0;
+    }
+    return count;
+  }
+
+  void KeepParts()
+  {
+    for (SurfacePart& part : this->Extracted.Parts)
+    {
+      const std::size_t endPoint = this->CountPointsBefore(part.FirstPoint + part.NumberOfPoints);
+      const std::size_t endCell = this->CountCellsBefore(part.FirstCell + part.NumberOfCells);
+      part.FirstPoint = this->CountPointsBefore(part.FirstPoint);
+      part.FirstCell = this->CountCellsBefore(part.FirstCell);
+      part.NumberOfPoints = endPoint - part.FirstPoint;
+      part.NumberOfCells = endCell - part.FirstCell;
+    }
+  }
+
+  void KeepCells(Buffer<Index>& connectivity, Buffer<Index>& offsets)
+  {
+    Buffer<Index> keptCorners(this->CornersBefore.back());
+    Buffer<Index> keptOffsets(offsets.IsEmpty() ? 0 : this->CellsBefore.back() + 1);
+    ForRanges(this->Extracted.NumberOfCells, this->Threads,
+      [&](std::size_t begin, std::size_t end, std::size_t range)
+      {
+        std::size_t corner = this->CornersBefore[range];
+        std::size_t number = this->CellsBefore[range];
+        for (std::size_t cell = begin; cell < end; ++cell)
+        {
+          if (!this->HasCell(cell))
+          {
+            continue;
+          }
+          if (!keptOffsets.IsEmpty())
+          {
+            keptOffsets[number++] = static_cast<Index>(corner);
+          }
+          const std::size_t last = this->Cells.End(cell);
+          for (std::size_t from = this->Cells.Begin(cell); from < last; ++from)
+          {
+            keptCorners[corner++] = this->Numbers[this->Cells[from]];
+          }
+        }
+      });
+    if (!keptOffsets.IsEmpty())
+    {
+      keptOffsets[this->CellsBefore.back()] = static_cast<Index>(this->CornersBefore.back());
+    }
+    connectivity = std::move(keptCorners);
+    offsets = std::move(keptOffsets);
+  }
+
+  /// Keeps what the points have: so many values each.
+  template <typename T>
+  void KeepTuples(std::size_t width, Buffer<T>& values)
+  {
+    if (values.IsEmpty())
+    {
+      return;
+    }
+    Buffer<T> kept(this->PointsBefore.back() * width);
+    ForRanges(this->Extracted.NumberOfPoints, this->Threads,
+      [&](std::size_t begin, std::size_t end, std::size_t range)
+      {
+        T* to = kept.GetData() + width * this->PointsBefore[range];
+        for (std::size_t point = begin; point < end; ++point)
+        {
+          if (this->HasPoint(point))
+          {
+            to = std::copy_n(values.GetData() + width * point, width, to);
+          }
+        }
+      });
+    values = std::move(kept);
+  }
+
+  Surface& Extracted;
+  const SurfaceCells<Index>& Cells; ///< of the old arrays
+  const int Threads;
+  Buffer<Index> Numbers;                 ///< of the points; -1 for those that are dropped
+  std::vector<std::size_t> PointsBefore; ///< kept, before each range, and all
+  std::vector<std::size_t> CellsBefore;
+  std::vector<std::size_t> CornersBefore;
 };
-
-/// Keeps the tuples of selected points, of so many values each.
-template <typename T>
-void KeepTuples(
-  const Selection& points, std::size_t items, std::size_t width, int threads, Buffer<T>& values)
-{
-  if (values.IsEmpty())
-  {
-    return;
-  }
-  Buffer<T> kept(points.GetCount() * width);
-  ForRanges(items, threads,
-    [&](std::size_t begin, std::size_t end, std::size_t)
-    {
-      T* to = kept.GetData() + width * points.CountBefore(begin);
-      for (std::size_t item = begin; item < end; ++item)
-      {
-        if (points.Has(item))
-        {
-          std::memcpy(to, values.GetData() + width * item, width * sizeof(T));
-          to += width;
-        }
-      }
-    });
-  values = std::move(kept);
-}
-
-/// Where the corners of the selected cells of each range begin, and where the last one ends.
-std::vector<std::size_t> FindFirstCorners(
-  const Surface& surface, const Selection& cells, int threads)
-{
-  std::vector<std::size_t> firsts(CountRanges(surface.NumberOfCells) + 1, 0);
-  ForRanges(surface.NumberOfCells, threads,
-    [&](std::size_t begin, std::size_t end, std::size_t range)
-    {
-      std::size_t corners = 0;
-      for (std::size_t cell = begin; cell < end; ++cell)
-      {
-        const CellCorners old(surface, cell);
-        corners += cells.Has(cell) ? old.End - old.Begin : 0;
-      }
-      firsts[range + 1] = corners;
-    });
-  for (std::size_t range = 1; range < firsts.size(); ++range)
-  {
-    firsts[range] += firsts[range - 1];
-  }
-  return firsts;
-}
-
-template <typename Index>
-void KeepCells(const Selection& points, const Selection& cells, int threads, Surface& surface,
-  Buffer<Index>& connectivity, Buffer<Index>& offsets)
-{
-  const std::vector<std::size_t> firsts = FindFirstCorners(surface, cells, threads);
-  Buffer<Index> keptCorners(firsts.back());
-  Buffer<Index> keptOffsets(offsets.IsEmpty() ? 0 : cells.GetCount() + 1);
-  ForRanges(surface.NumberOfCells, threads,
-    [&](std::size_t begin, std::size_t end, std::size_t range)
-    {
-      std::size_t corner = firsts[range];
-      std::size_t number = cells.CountBefore(begin);
-      for (std::size_t cell = begin; cell < end; ++cell)
-      {
-        if (!cells.Has(cell))
-        {
-          continue;
-        }
-        if (!keptOffsets.IsEmpty())
-        {
-          keptOffsets[number++] = static_cast<Index>(corner);
-        }
-        const CellCorners old(surface, cell);
-        for (std::size_t from = old.Begin; from < old.End; ++from)
-        {
-          keptCorners[corner++] =
-            static_cast<Index>(points.CountBefore(static_cast<std::size_t>(connectivity[from])));
-        }
-      }
-    });
-  if (!keptOffsets.IsEmpty())
-  {
-    keptOffsets[cells.GetCount()] = static_cast<Index>(firsts.back());
-  }
-  connectivity = std::move(keptCorners);
-  offsets = std::move(keptOffsets);
-  surface.NumberOfTriangles = firsts.back() - 2 * cells.GetCount();
-}
-
-void KeepParts(const Selection& points, const Selection& cells, Surface& surface)
-{
-  for (SurfacePart& part : surface.Parts)
-  {
-    const std::size_t endPoint = points.CountBefore(part.FirstPoint + part.NumberOfPoints);
-    const std::size_t endCell = cells.CountBefore(part.FirstCell + part.NumberOfCells);
-    part.FirstPoint = points.CountBefore(part.FirstPoint);
-    part.FirstCell = cells.CountBefore(part.FirstCell);
-    part.NumberOfPoints = endPoint - part.FirstPoint;
-    part.NumberOfCells = endCell - part.FirstCell;
-  }
-}
 
 } // namespace
 
 void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept, int threads,
   Surface& surface)
 {
-  const Selection points(surface.NumberOfPoints, threads,
-    [&](std::size_t point) { return areKept[labels[point]] != 0; });
-  const Selection cells(surface.NumberOfCells, threads,
-    [&](std::size_t cell)
-    {
-      const auto corner = surface.Connectivity[CellCorners(surface, cell).Begin];
-      return points.Has(static_cast<std::size_t>(corner));
-    });
-  if (surface.Connectivity.Is64Bit)
+  const auto keep = [&](const auto& cells, auto& connectivity, auto& offsets)
+  { KeptSurface(surface, cells, threads).Make(labels, areKept, connectivity, offsets); };
+  IndexArray& corners = surface.Connectivity;
+  if (corners.Is64Bit)
   {
-    KeepCells(
-      points, cells, threads, surface, surface.Connectivity.Values64, surface.Offsets.Values64);
+    keep(SurfaceCells<std::int64_t>(surface), corners.Values64, surface.Offsets.Values64);
   }
   else
   {
-    KeepCells(
-      points, cells, threads, surface, surface.Connectivity.Values32, surface.Offsets.Values32);
+    keep(SurfaceCells<std::int32_t>(surface), corners.Values32, surface.Offsets.Values32);
   }
-  const std::size_t items = surface.NumberOfPoints;
-  KeepTuples(points, items, 3, threads, surface.Points);
-  KeepTuples(points, items, 3, threads, surface.Normals);
-  KeepTuples(points, items, 1, threads, surface.GlobalIds);
-  for (SurfaceAttribute& attribute : surface.Attributes)
-  {
-    KeepTuples(
-      points, items, items == 0 ? 0 : attribute.Bytes.GetSize() / items, threads, attribute.Bytes);
-  }
-  KeepParts(points, cells, surface);
-  surface.NumberOfPoints = points.GetCount();
-  surface.NumberOfCells = cells.GetCount();
 }
 
 } // namespace isosurface

@@ -14,22 +14,27 @@ template <typename Index>
 using Forest = std::vector<std::atomic<Index>>;
 
 template <typename Index>
+Index GetParent(const Forest<Index>& forest, Index point)
+{
+  return forest[static_cast<std::size_t>(point)].load(std::memory_order_relaxed);
+}
+
+template <typename Index>
 Index FindRoot(Forest<Index>& forest, Index point)
 {
-  Index parent = forest[static_cast<std::size_t>(point)].load(std::memory_order_relaxed);
+  Index parent = GetParent(forest, point);
   while (parent != point)
   {
-    // Halves the path. A parent only ever becomes one of its own ancestors, so that whoever else
-    // changes it meanwhile is right, too.
-    const Index grandparent =
-      forest[static_cast<std::size_t>(parent)].load(std::memory_order_relaxed);
-    if (grandparent != parent)
+    const Index grandparent = GetParent(forest, parent);
+    if (grandparent == parent)
     {
-      forest[static_cast<std::size_t>(point)].compare_exchange_weak(
-        parent, grandparent, std::memory_order_relaxed);
+      return parent;
     }
+    // Halves the path. What was an ancestor once stays one, so that it does not matter if another
+    // thread has stored a higher one meanwhile. Only a root's parent needs more care.
+    forest[static_cast<std::size_t>(point)].store(grandparent, std::memory_order_relaxed);
     point = grandparent;
-    parent = forest[static_cast<std::size_t>(point)].load(std::memory_order_relaxed);
+    parent = GetParent(forest, point);
   }
   return point;
 }
@@ -37,6 +42,10 @@ Index FindRoot(Forest<Index>& forest, Index point)
 template <typename Index>
 void Join(Forest<Index>& forest, Index a, Index b)
 {
+  if (GetParent(forest, a) == GetParent(forest, b))
+  {
+    return; // most triangles, since their neighbours have joined their points
+  }
   while (true)
   {
     a = FindRoot(forest, a);
@@ -61,17 +70,16 @@ IslandLabels::IslandLabels(const Surface& surface, int threads)
 {
   if (this->Is64Bit)
   {
-    this->Label(surface, surface.Connectivity.Values64.GetData(), threads, this->Labels64);
+    this->Label(surface, threads, this->Labels64);
   }
   else
   {
-    this->Label(surface, surface.Connectivity.Values32.GetData(), threads, this->Labels32);
+    this->Label(surface, threads, this->Labels32);
   }
 }
 
 template <typename Index>
-void IslandLabels::Label(
-  const Surface& surface, const Index* corners, int threads, Forest<Index>& labels)
+void IslandLabels::Label(const Surface& surface, int threads, Forest<Index>& labels)
 {
   const std::size_t points = surface.NumberOfPoints;
   labels = Forest<Index>(points);
@@ -83,17 +91,21 @@ void IslandLabels::Label(
         labels[point].store(static_cast<Index>(point), std::memory_order_relaxed);
       }
     });
-  ForRanges(surface.NumberOfCells, threads,
-    [&](std::size_t begin, std::size_t end, std::size_t)
+  WithCells(surface,
+    [&](const auto& cells)
     {
-      for (std::size_t cell = begin; cell < end; ++cell)
-      {
-        const CellCorners range(surface, cell);
-        for (std::size_t corner = range.Begin + 1; corner < range.End; ++corner)
+      ForRanges(surface.NumberOfCells, threads,
+        [&](std::size_t begin, std::size_t end, std::size_t)
         {
-          Join(labels, corners[corner - 1], corners[corner]);
-        }
-      }
+          for (std::size_t corner = cells.Begin(begin); begin < end; ++begin)
+          {
+            for (++corner; corner < cells.End(begin); ++corner)
+            {
+              Join(
+                labels, static_cast<Index>(cells[corner - 1]), static_cast<Index>(cells[corner]));
+            }
+          }
+        });
     });
 
   // Each point gets its root; roots are counted. Then a root gets ~number, which is negative, so

@@ -39,8 +39,7 @@ public:
 
 private:
   template <typename Index>
-  void Label(const Surface& surface, const Index* corners, int threads,
-    std::vector<std::atomic<Index>>& labels);
+  void Label(const Surface& surface, int threads, std::vector<std::atomic<Index>>& labels);
 
   bool Is64Bit = false;
   std::size_t NumberOfIslands = 0;

@@ -31,42 +31,53 @@ Vector3 Cross(const Vector3& a, const Vector3& b)
   return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
 }
 
-Vector3 GetPoint(const Surface& surface, std::int64_t point)
+Vector3 GetPoint(const Surface& surface, std::size_t point)
 {
   const float* coordinates = surface.Points.GetData() + 3 * point;
   return { coordinates[0], coordinates[1], coordinates[2] };
 }
 
-/// Calls body(a, b, c) for the point numbers of the triangles of a cell.
-template <typename Body>
-void ForTriangles(const Surface& surface, std::size_t cell, const Body& body)
+/// The whole number of units, which are powers of two; not beyond a maximum, and 0 for NaN.
+std::int64_t Round(double value, double maximum, double unitsPerOne)
 {
-  const CellCorners corners(surface, cell);
-  for (std::size_t last = corners.Begin + 2; last < corners.End; ++last)
+  if (!(std::abs(value) <= maximum))
   {
-    body(surface.Connectivity[corners.Begin], surface.Connectivity[last - 1],
-      surface.Connectivity[last]);
+    value = std::isnan(value) ? 0 : std::copysign(maximum, value);
   }
+  return static_cast<std::int64_t>(value * unitsPerOne);
 }
 
-/// The whole number of units, within bounds; 0 for NaN.
-std::int64_t Round(double value, double maximum, double unit)
+/// Measures triangles.
+class TriangleRuler
 {
-  return std::isnan(value) ? 0 : std::llrint(std::clamp(value, -maximum, maximum) / unit);
-}
+public:
+  TriangleRuler(const Surface& surface, const IslandUnits& units)
+    : Measured(surface)
+    , Units(units)
+    , AreasPerOne(1 / units.Area)
+    , VolumesPerOne(1 / units.Volume)
+  {
+  }
 
-void AddTriangle(const Surface& surface, const IslandUnits& units, std::int64_t a, std::int64_t b,
-  std::int64_t c, IslandMeasure& sum)
-{
-  const Vector3 first = GetPoint(surface, a);
-  const Vector3 second = GetPoint(surface, b);
-  const Vector3 third = GetPoint(surface, c);
-  const Vector3 normal = Cross(Subtract(second, first), Subtract(third, first));
-  const double height = first[2] + second[2] + third[2] - 3 * units.MiddleZ;
-  ++sum.Triangles;
-  sum.Area += Round(std::sqrt(Dot(normal, normal)) / 2, units.MaximumArea, units.Area);
-  sum.Volume += Round(normal[2] * height / 6, units.MaximumVolume, units.Volume);
-}
+  void Add(std::size_t a, std::size_t b, std::size_t c, IslandMeasure& sum) const
+  {
+    const Vector3 first = GetPoint(this->Measured, a);
+    const Vector3 second = GetPoint(this->Measured, b);
+    const Vector3 third = GetPoint(this->Measured, c);
+    const Vector3 normal = Cross(Subtract(second, first), Subtract(third, first));
+    const double height = first[2] + second[2] + third[2] - 3 * this->Units.MiddleZ;
+    ++sum.Triangles;
+    sum.Area +=
+      Round(std::sqrt(Dot(normal, normal)) / 2, this->Units.MaximumArea, this->AreasPerOne);
+    sum.Volume += Round(normal[2] * height / 6, this->Units.MaximumVolume, this->VolumesPerOne);
+  }
+
+private:
+  const Surface& Measured;
+  const IslandUnits& Units;
+  double AreasPerOne;
+  double VolumesPerOne;
+};
 
 /// The sums of an island that several threads add to.
 struct SharedSums
@@ -277,19 +288,22 @@ std::vector<IslandMeasure> MeasureIslands(
   const Surface& surface, const IslandLabels& labels, const IslandUnits& units, int threads)
 {
   std::vector<SharedSums> sums(labels.GetNumberOfIslands());
-  ForRanges(surface.NumberOfCells, threads,
-    [&](std::size_t begin, std::size_t end, std::size_t)
+  const TriangleRuler ruler(surface, units);
+  WithCells(surface,
+    [&](const auto& cells)
     {
-      RecentSums recent(sums);
-      for (std::size_t cell = begin; cell < end; ++cell)
-      {
-        const auto corner = surface.Connectivity[CellCorners(surface, cell).Begin];
-        IslandMeasure& sum = recent.Of(labels[static_cast<std::size_t>(corner)]);
-        ForTriangles(surface, cell,
-          [&](std::int64_t a, std::int64_t b, std::int64_t c)
-          { AddTriangle(surface, units, a, b, c, sum); });
-      }
-      recent.AddAll();
+      ForRanges(surface.NumberOfCells, threads,
+        [&](std::size_t begin, std::size_t end, std::size_t)
+        {
+          RecentSums recent(sums);
+          for (std::size_t cell = begin; cell < end; ++cell)
+          {
+            IslandMeasure& sum = recent.Of(labels[cells.GetFirstPoint(cell)]);
+            cells.ForTriangles(
+              cell, [&](std::size_t a, std::size_t b, std::size_t c) { ruler.Add(a, b, c, sum); });
+          }
+          recent.AddAll();
+        });
     });
   ForRanges(surface.NumberOfPoints, threads,
     [&](std::size_t begin, std::size_t end, std::size_t)
@@ -322,31 +336,36 @@ NearestIsland FindNearestIsland(const Surface& surface, const IslandLabels& labe
 {
   NearestIsland nearest;
   std::mutex mutex;
-  ForRanges(surface.NumberOfCells, threads,
-    [&](std::size_t begin, std::size_t end, std::size_t)
+  const auto measure = [&](std::size_t a, std::size_t b, std::size_t c)
+  {
+    const Vector3 offset = Subtract(place,
+      FindNearestPoint(place, GetPoint(surface, a), GetPoint(surface, b), GetPoint(surface, c)));
+    return Dot(offset, offset);
+  };
+  WithCells(surface,
+    [&](const auto& cells)
     {
-      NearestIsland mine;
-      for (std::size_t cell = begin; cell < end; ++cell)
-      {
-        const auto corner = surface.Connectivity[CellCorners(surface, cell).Begin];
-        const std::size_t island = labels[static_cast<std::size_t>(corner)];
-        if (areKept[island] == 0)
+      ForRanges(surface.NumberOfCells, threads,
+        [&](std::size_t begin, std::size_t end, std::size_t)
         {
-          continue;
-        }
-        ForTriangles(surface, cell,
-          [&](std::int64_t a, std::int64_t b, std::int64_t c)
+          NearestIsland mine;
+          for (std::size_t cell = begin; cell < end; ++cell)
           {
-            const Vector3 offset = Subtract(place,
-              FindNearestPoint(
-                place, GetPoint(surface, a), GetPoint(surface, b), GetPoint(surface, c)));
-            const NearestIsland one{ Dot(offset, offset), measures[island].FirstId };
-            // A triangle without area may give NaN, which is not near.
-            mine = one.SquaredDistance >= 0 && one.IsNearerThan(mine) ? one : mine;
-          });
-      }
-      const std::lock_guard<std::mutex> lock(mutex);
-      nearest = mine.IsNearerThan(nearest) ? mine : nearest;
+            const std::size_t island = labels[cells.GetFirstPoint(cell)];
+            if (areKept[island] != 0)
+            {
+              cells.ForTriangles(cell,
+                [&](std::size_t a, std::size_t b, std::size_t c)
+                {
+                  // NaN is not near.
+                  const NearestIsland one{ measure(a, b, c), measures[island].FirstId };
+                  mine = one.SquaredDistance >= 0 && one.IsNearerThan(mine) ? one : mine;
+                });
+            }
+          }
+          const std::lock_guard<std::mutex> lock(mutex);
+          nearest = mine.IsNearerThan(nearest) ? mine : nearest;
+        });
     });
   return nearest;
 }
