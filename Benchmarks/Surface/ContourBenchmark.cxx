@@ -9,8 +9,8 @@
  *   filter   vtkStabbingContour with GlobalIds, the complete vtkPolyData, a new isovalue
  *   first    the first execution of the filter, which also computes the value ranges
  *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter
- *   islands  the filter that measures all islands, or keeps the largest; vtkPolyDataConnectivityFilter
- *            alone, on the filter's surface
+ *   islands  the filter that measures all islands, or keeps the largest;
+ *            vtkPolyDataConnectivityFilter alone, on the filter's surface
  */
 #include "Volumes/BenchmarkVolume.h"
 
