@@ -21,12 +21,14 @@
 
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/Stopwatch.h"
 #include "Ground/Volume/BlockSelection.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace isosurface
@@ -35,6 +37,18 @@ namespace isosurface
 namespace
 {
 using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+Status CheckIslands(const IslandRequest& request)
+{
+  const auto isFinite = [](double coordinate) { return std::isfinite(coordinate); };
+  if (std::isnan(request.MinimumSize))
+  {
+    return { StatusCode::InvalidArgument, "MinimumIslandSize is not a number" };
+  }
+  return request.Place && !std::all_of(request.Place->begin(), request.Place->end(), isFinite)
+    ? Status(StatusCode::InvalidArgument, "IslandPoint is not a place")
+    : Status::Ok();
+}
 }
 
 ContourExecution::ContourExecution(vtkStabbingContour& contour)
@@ -115,6 +129,32 @@ Region ContourExecution::MakeRegion()
   return region.Intersect(Region(halfSpaces));
 }
 
+IslandRequest ContourExecution::MakeIslandRequest(int level)
+{
+  IslandRequest request;
+  switch (this->Contour.GetIslandSize())
+  {
+    case vtkStabbingContour::AREA:
+      request.Size = IslandSize::Area;
+      break;
+    case vtkStabbingContour::VOLUME:
+      request.Size = IslandSize::Volume;
+      break;
+    default:
+      request.Size = IslandSize::Triangles;
+  }
+  request.MinimumSize = this->Contour.GetMinimumIslandSize();
+  request.MaximumIslands = static_cast<std::uint64_t>(this->Contour.GetMaximumIslands());
+  if (this->Contour.GetUseIslandPoint())
+  {
+    const double* point = this->Contour.GetIslandPoint();
+    request.Place = { point[0], point[1], point[2] };
+  }
+  request.Ids = this->Contour.GetComputeIslandIds() != 0;
+  request.Level = level;
+  return request;
+}
+
 std::string ContourExecution::GetArrayToContour()
 {
   vtkInformation* array = this->Contour.GetInputArrayInformation(0);
@@ -154,6 +194,10 @@ Status ContourExecution::AgreeOnQuery(const VolumeInput& input, Communicator& ra
   SurfaceQuery& query, ContourOutcome& outcome, const ContourBlocks* blocks)
 {
   Status status = input.GetStatus();
+  if (status.IsOk())
+  {
+    status = CheckIslands(this->MakeIslandRequest(0));
+  }
   if (status.IsOk() && input)
   {
     status = this->MakeQuery(input, query, outcome);
@@ -190,11 +234,17 @@ std::uint64_t ContourExecution::ComputeFingerprint(
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
   fingerprint.AddReal(this->Contour.GetTimeBudget());
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetIslandSize()));
+  fingerprint.AddReal(this->Contour.GetMinimumIslandSize());
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumIslands()));
+  const double* point = this->Contour.GetIslandPoint();
+  fingerprint.AddReals(std::array<double, 3>{ point[0], point[1], point[2] });
   for (const bool is :
     { this->Contour.GetComputeNormals() != 0, this->Contour.GetComputeScalars() != 0,
       this->Contour.GetGenerateTriangles() != 0, this->Contour.GetDropDegenerateTriangles() != 0,
       this->Contour.GetProgressive() != 0, this->Contour.GetCloseBoundary() != 0,
       this->Contour.GetSkipNotANumber() != 0, this->Contour.GetDynamicBalance() != 0,
+      this->Contour.GetUseIslandPoint() != 0, this->Contour.GetComputeIslandIds() != 0,
       this->CoarseAllowed, blocks && blocks->Normals, blocks && blocks->Attributes })
   {
     fingerprint.AddNumber(is ? 1 : 0);
@@ -243,7 +293,50 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
     ranks, [&] { return task.Volume.get(); }, warning,
     [&] { return this->ExtractOnce(task, outcome); });
   ReportWarning(&this->Contour, ranks, status, warning);
-  return status;
+  return this->ChooseIslands(
+    ranks, status,
+    [&]
+    {
+      BlockedVolume& volume = *task.Volume;
+      const int level = outcome.Cost.Level;
+      const StoredLevel stored = volume.FindLevel(level);
+      const GridGeometry grid = volume.GetHeader().Grid.Coarsen(level);
+      IslandGrids grids;
+      grids.Bounds = TriangleBounds::Of(grid, volume.GetLines(level));
+      grids.Shared.emplace_back(grid, task.Request);
+      if (ranks.GetSize() > 1)
+      {
+        grids.Shared.back().AddFacesOfBlocks(stored.Grid->GetBlockSize() >> stored.Level);
+      }
+      return grids;
+    },
+    outcome);
+}
+
+Status ContourExecution::ChooseIslands(Communicator& ranks, const Status& extracted,
+  const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome)
+{
+  outcome.ExtractedTriangles = outcome.Extracted.NumberOfTriangles;
+  if (!this->Contour.FindsIslands())
+  {
+    return extracted;
+  }
+  IslandGrids grids;
+  Status status = extracted;
+  if (status.IsOk())
+  {
+    status = Attempt("the islands of the isosurface cannot be found",
+      [&]
+      {
+        grids = makeGrids();
+        outcome.Islands.emplace();
+        return Status::Ok();
+      });
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  const Stopwatch stopwatch(outcome.IslandSeconds);
+  return isosurface::ChooseIslands(ranks, this->MakeIslandRequest(outcome.Cost.Level), grids,
+    this->ChooseThreads(), outcome.Extracted, *outcome.Islands);
 }
 
 Status ContourExecution::ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome)
@@ -286,10 +379,13 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
   outcome.Final = level == 0;
   outcome.Cost.Level = level;
   // What may be refined keeps its arrays alive.
-  return level == 0
-    ? this->ExtractExactly(ranks, std::exchange(this->LastImages.Exact, {}), outcome)
-    : this->OfCoarseImages.Extract(ranks, this->LastImages.Exact.Coarsen(level),
-        isosurface::MakeProgress(this->Contour), outcome);
+  const ImageContour::Query now =
+    level == 0 ? std::exchange(this->LastImages.Exact, {}) : this->LastImages.Exact.Coarsen(level);
+  const Status status = level == 0
+    ? this->ExtractExactly(ranks, now, outcome)
+    : this->OfCoarseImages.Extract(ranks, now, isosurface::MakeProgress(this->Contour), outcome);
+  return this->ChooseIslands(
+    ranks, status, [&] { return now.MakeIslandGrids(ranks); }, outcome);
 }
 
 Result<ImagePieces> ContourExecution::CollectPieces(

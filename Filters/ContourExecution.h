@@ -20,6 +20,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -113,6 +114,7 @@ private:
 
   ContourRequest MakeRequest();
   Region MakeRegion();
+  IslandRequest MakeIslandRequest(int level);
   std::string GetArrayToContour();
   std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
 
@@ -143,6 +145,10 @@ private:
   /// What the next level takes, and the finest level that fits into memory. Collective.
   Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);
+  /// Leaves out the islands that are not wanted, if any are wanted, of what ended with `extracted`
+  /// on this rank. `makeGrids` gives the grids of the surface. Collective.
+  Status ChooseIslands(Communicator& ranks, const Status& extracted,
+    const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome);
   /// Decides what this execution extracts of the images. Collective.
   void ChooseImagePass(Communicator& ranks, ImageContour::Query query);
   /// The exact surface, the prepared one if there is one. Collective.

@@ -122,6 +122,29 @@ ImageContour::Query ImageContour::Query::Coarsen(int level) const
   return coarse;
 }
 
+IslandGrids ImageContour::Query::MakeIslandGrids(const Communicator& ranks) const
+{
+  IslandGrids islands;
+  const std::vector<std::int64_t> firstIds = FindFirstIds(this->Pieces, this->Request);
+  for (std::size_t grid = 0; grid < this->Pieces.Grids.size(); ++grid)
+  {
+    const auto& lines = this->Pieces.Lines[grid];
+    islands.Bounds.Extend(TriangleBounds::Of(this->Pieces.Grids[grid], lines ? &*lines : nullptr));
+    islands.Shared.emplace_back(this->Pieces.Grids[grid], this->Request, firstIds[grid]);
+  }
+  const bool areAlone = ranks.GetSize() == 1 && this->Pieces.Pieces.size() == 1;
+  for (const ImagePiece& piece : this->Pieces.Pieces)
+  {
+    const VertexBox& box = piece.Samples.Components.front().Box;
+    for (std::size_t axis = 0; axis < 3 && !areAlone; ++axis)
+    {
+      islands.Shared[piece.Grid].Add(axis, box.Low[axis]);
+      islands.Shared[piece.Grid].Add(axis, box.High[axis] - 1);
+    }
+  }
+  return islands;
+}
+
 Result<Surface> ImageContour::ExtractPiece(
   const Query& query, std::size_t number, const Prepared& prepared, const Progress& progress)
 {

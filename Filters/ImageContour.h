@@ -12,6 +12,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/Region.h"
+#include "Ranks/Islands/IslandChoice.h"
 #include "Ranks/Query/LevelExtraction.h"
 #include "Surface/Contour/BlockRanges.h"
 #include "Surface/Contour/SurfaceExtractor.h"
@@ -20,6 +21,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +37,9 @@ struct ContourOutcome : ExtractionOutcome
   std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                 ///< of the contoured array
   bool Final = true;                     ///< whether a progressive surface is at its last level
+  std::size_t ExtractedTriangles = 0;    ///< before islands were left out
+  std::optional<ChosenIslands> Islands;  ///< if they were asked for
+  double IslandSeconds = 0;              ///< wall clock of finding and choosing them
 };
 
 /**
@@ -64,6 +69,9 @@ public:
     /// The same of every 2^level-th vertex of the grids, without a copy of samples. Where pieces of
     /// several ranks meet, the surface may have a gap of a cell.
     Query Coarsen(int level) const;
+
+    /// The grids, and the planes in which their pieces meet.
+    IslandGrids MakeIslandGrids(const Communicator& ranks) const;
 
     ImagePieces Pieces;
     std::vector<PieceAttributes> Attributes; ///< of each piece

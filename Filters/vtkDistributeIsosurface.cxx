@@ -102,6 +102,12 @@ Status CheckContour(vtkStabbingContour* contour)
                   "DropDegenerateTriangles of Stabbing Contour off, or put Clean behind Distribute "
                   "Isosurface.");
   }
+  if (contour->FindsIslands())
+  {
+    return refuse("A surface is distributed block by block, without knowing its islands: set "
+                  "MinimumIslandSize and MaximumIslands of Stabbing Contour to 0, and turn its "
+                  "UseIslandPoint and ComputeIslandIds off.");
+  }
   return Status::Ok();
 }
 

@@ -7,6 +7,7 @@
 #include "ContouredArray.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
+#include "IslandData.h"
 #include "PassingFilters.h"
 #include "SurfacePolyData.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -79,6 +80,13 @@ vtkStabbingContour::vtkStabbingContour()
   , RegionPosition{ 0, 0, 0 }
   , RegionLength{ 1, 1, 1 }
   , Frustum(nullptr)
+  , IslandSize(TRIANGLES)
+  , MinimumIslandSize(0)
+  , MaximumIslands(0)
+  , UseIslandPoint(0)
+  , IslandPoint{ 0, 0, 0 }
+  , ComputeIslandIds(0)
+  , IslandSummary(isosurface::SummariseIslands(nullptr))
   , NumberOfThreads(0)
   , Controller(nullptr)
   , Work(new ContourExecution(*this))
@@ -215,6 +223,13 @@ void vtkStabbingContour::AcceptSize()
 }
 
 //------------------------------------------------------------------------------
+bool vtkStabbingContour::FindsIslands()
+{
+  return this->MinimumIslandSize > 0 || this->MaximumIslands > 0 || this->UseIslandPoint ||
+    this->ComputeIslandIds;
+}
+
+//------------------------------------------------------------------------------
 void vtkStabbingContour::SetRefinementMemory(double mebibytes)
 {
   // The surface does not depend on it, so it does not modify the filter.
@@ -309,7 +324,9 @@ int vtkStabbingContour::RequestData(
   }
   status = ranks.Agree(status);
   this->Final = !status.IsOk() || made.Final;
-  this->Work->SetShown(status.IsOk(), made.Extracted.NumberOfTriangles);
+  this->Work->SetShown(status.IsOk(), made.ExtractedTriangles);
+  this->IslandSummary =
+    isosurface::SummariseIslands(status.IsOk() && made.Islands ? &*made.Islands : nullptr);
   if (!status.IsOk())
   {
     return isosurface::EndExecution(this, output, status);
@@ -322,6 +339,11 @@ int vtkStabbingContour::RequestData(
     made.Extracted, made.Arrays, this->ComputeScalars ? made.ArrayName : "", polyData);
   isosurface::StoreRanges(polyData, this->Work->ChooseThreads());
   isosurface::AddCostToFieldData(ranks.GetRank(), made.Cost, polyData);
+  if (made.Islands)
+  {
+    isosurface::AddIslands(
+      *made.Islands, this->ComputeIslandIds != 0, made.IslandSeconds, polyData);
+  }
   return 1;
 }
 
@@ -375,6 +397,14 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "RegionLength: " << this->RegionLength[0] << " " << this->RegionLength[1] << " "
      << this->RegionLength[2] << "\n";
   os << indent << "Frustum: " << this->Frustum << "\n";
+  os << indent << "IslandSize: " << this->IslandSize << "\n";
+  os << indent << "MinimumIslandSize: " << this->MinimumIslandSize << "\n";
+  os << indent << "MaximumIslands: " << this->MaximumIslands << "\n";
+  os << indent << "UseIslandPoint: " << this->UseIslandPoint << "\n";
+  os << indent << "IslandPoint: " << this->IslandPoint[0] << " " << this->IslandPoint[1] << " "
+     << this->IslandPoint[2] << "\n";
+  os << indent << "ComputeIslandIds: " << this->ComputeIslandIds << "\n";
+  os << indent << "IslandSummary: " << this->IslandSummary << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

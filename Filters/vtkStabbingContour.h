@@ -18,9 +18,10 @@
  * ghost layers.
  *
  * Point data: GlobalIds, by which the pieces of all ranks fit together, Normals, the isovalue under
- * the name of the contoured array, interpolated arrays. Field data: the cost of the query on this
- * rank, also logged at verbosity 1; see Documentation/reference/isosurfaces.md. All ranks of the controller
- * must execute together; all report the errors of any.
+ * the name of the contoured array, interpolated arrays. Cell data: IslandId, if asked for. Field
+ * data: the cost of the query on this rank, also logged at verbosity 1; see
+ * Documentation/reference/isosurfaces.md. All ranks of the controller must execute together; all
+ * report the errors of any.
  */
 
 #ifndef vtkStabbingContour_h
@@ -299,6 +300,56 @@ public:
   void SetFrustumPlanes(const double planes[24]);
   ///@}
 
+  /// By what islands are large or small: triangles (at level l, 4^l times those that there are, so
+  /// that a limit is that of the full resolution), area, or the volume that they enclose.
+  enum IslandSizes
+  {
+    TRIANGLES,
+    AREA,
+    VOLUME
+  };
+
+  ///@{
+  /**
+   * Which islands of the surface are in the output. An island is a connected part of the surface of
+   * one isovalue, on all ranks together: triangles with a common point are on the same one. Those
+   * smaller than MinimumIslandSize are left out, and all but the MaximumIslands largest; of the
+   * same size, that with the lowest global id comes first. IslandSize says what is compared;
+   * areas and volumes are those of the world. Of what is left, UseIslandPoint keeps the island
+   * alone that is nearest to IslandPoint. With ComputeIslandIds, cells carry the place of their
+   * island among all, by size, in IslandId; 0 is the largest. Defaults: TRIANGLES, 0 (no limit), 0
+   * (no limit), off, the origin, off.
+   *
+   * If any of these is set, the field data of the output, the same on all ranks, tells of all
+   * islands, those that are left out included: Islands, KeptIslands; IslandTriangles, IslandArea
+   * and IslandVolume of the 1000 largest; IslandBinSize, IslandBinIslands and IslandBinTriangles,
+   * how many have sizes from one power of two to the next.
+   *
+   * Volumes are those of closed islands: see CloseBoundary. MaximumTriangles and TimeBudget are
+   * about the surface before islands are left out. It is extracted as a whole. Finding islands
+   * takes 4 bytes a point and 64 an island; leaving them out 4 bytes a point more, and the largest
+   * array of what is left.
+   */
+  vtkSetClampMacro(IslandSize, int, TRIANGLES, VOLUME);
+  vtkGetMacro(IslandSize, int);
+  vtkSetClampMacro(MinimumIslandSize, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(MinimumIslandSize, double);
+  vtkSetClampMacro(MaximumIslands, vtkIdType, 0, VTK_ID_MAX);
+  vtkGetMacro(MaximumIslands, vtkIdType);
+  vtkSetMacro(UseIslandPoint, vtkTypeBool);
+  vtkGetMacro(UseIslandPoint, vtkTypeBool);
+  vtkBooleanMacro(UseIslandPoint, vtkTypeBool);
+  vtkSetVector3Macro(IslandPoint, double);
+  vtkGetVector3Macro(IslandPoint, double);
+  vtkSetMacro(ComputeIslandIds, vtkTypeBool);
+  vtkGetMacro(ComputeIslandIds, vtkTypeBool);
+  vtkBooleanMacro(ComputeIslandIds, vtkTypeBool);
+  /// Whether any of these is set. What takes the blocks of the surface does not know its islands.
+  bool FindsIslands();
+  /// What the last execution has kept, for people.
+  const char* GetIslandSummary() { return this->IslandSummary.c_str(); }
+  ///@}
+
   ///@{
   /**
    * Threads to extract with; 0 (the default): this rank's share of the node's cores.
@@ -369,6 +420,13 @@ private:
   double RegionPosition[3];
   double RegionLength[3];
   vtkPlanes* Frustum;
+  int IslandSize;
+  double MinimumIslandSize;
+  vtkIdType MaximumIslands;
+  vtkTypeBool UseIslandPoint;
+  double IslandPoint[3];
+  vtkTypeBool ComputeIslandIds;
+  std::string IslandSummary;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
   std::unique_ptr<isosurface::ContourExecution> Work;

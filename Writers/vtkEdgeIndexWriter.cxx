@@ -82,6 +82,12 @@ Status CheckContour(vtkStabbingContour* contour)
     return refuse("An edge-index file cannot hold the holes that SkipNotANumber leaves: turn "
                   "SkipNotANumber of Stabbing Contour off.");
   }
+  if (contour->FindsIslands())
+  {
+    return refuse("An edge-index file holds a surface with all its islands: set MinimumIslandSize "
+                  "and MaximumIslands of Stabbing Contour to 0, and turn its UseIslandPoint and "
+                  "ComputeIslandIds off; or save this surface in another format, such as .vtp.");
+  }
   if (!contour->GetGenerateTriangles())
   {
     return refuse("An edge-index file holds triangles, not polygons: turn GenerateTriangles of "

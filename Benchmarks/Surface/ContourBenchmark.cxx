@@ -9,6 +9,8 @@
  *   filter   vtkStabbingContour with GlobalIds, the complete vtkPolyData, a new isovalue
  *   first    the first execution of the filter, which also computes the value ranges
  *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter
+ *   islands  the filter that measures all islands, or keeps the largest;
+ *            vtkPolyDataConnectivityFilter alone, on the filter's surface
  */
 #include "Volumes/BenchmarkVolume.h"
 
@@ -20,6 +22,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkPolyDataConnectivityFilter.h"
 #include "vtkSMPTools.h"
 #include "vtkSmartPointer.h"
 #include "vtkStabbingContour.h"
@@ -56,6 +59,7 @@ struct Options
   int Repeats = 5;
   bool Attributes = false;
   bool Slow = false;
+  bool Islands = false;
 };
 
 struct Measurement
@@ -155,6 +159,25 @@ double FindIsovalue(const isosurface::BlockRanges& ranges, const double range[2]
   return best;
 }
 
+void MeasureIslands(vtkStabbingContour* contour, const Measurement& filter, const Options& options)
+{
+  contour->Update();
+  vtkNew<vtkPolyData> whole;
+  whole->ShallowCopy(contour->GetOutput());
+  contour->SetMinimumIslandSize(1);
+  Print("ours: islands measured", MeasureFilter(contour, options.Repeats), filter);
+  contour->SetMaximumIslands(1);
+  Print("ours: largest island", MeasureFilter(contour, options.Repeats), filter);
+  std::printf("  %s\n", contour->GetIslandSummary());
+  contour->SetMinimumIslandSize(0);
+  contour->SetMaximumIslands(0);
+  vtkNew<vtkPolyDataConnectivityFilter> connectivity;
+  connectivity->SetInputData(whole);
+  connectivity->SetExtractionModeToLargestRegion();
+  Print("vtkPolyDataConnectivityFilter", MeasureFilter(connectivity, std::min(options.Repeats, 3)),
+    filter);
+}
+
 void MeasureIsovalue(vtkImageData* image, const isosurface::GridGeometry& grid,
   const isosurface::SampleView& view, const isosurface::BlockRanges& ranges, double isovalue,
   int threads, const Options& options)
@@ -183,6 +206,10 @@ void MeasureIsovalue(vtkImageData* image, const isosurface::GridGeometry& grid,
   Print("ours: kernel", kernel, filter);
   Print("ours: filter", filter, filter);
   Print("ours: filter, first time", first, filter);
+  if (options.Islands)
+  {
+    MeasureIslands(kept, filter, options);
+  }
   Print("vtkFlyingEdges3D", MeasurePeer<vtkFlyingEdges3D>(image, isovalue, options), filter);
   if (options.Slow)
   {
@@ -260,6 +287,7 @@ int main(int argc, char** argv)
   application.add_option("--repeats", options.Repeats, "runs of which the median is taken");
   application.add_flag("--attributes", options.Attributes, "with normals and scalars");
   application.add_flag("--slow", options.Slow, "also the filters slower than vtkFlyingEdges3D");
+  application.add_flag("--islands", options.Islands, "also the connected parts of the surfaces");
   CLI11_PARSE(application, argc, argv);
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_WARNING);
   vtkSMPTools::SetBackend("STDThread");

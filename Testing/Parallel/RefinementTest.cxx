@@ -112,6 +112,22 @@ protected:
   const ExpectNoErrors Errors{ this->Contour };
 };
 
+TEST_F(ImageRefinement, KeepsItsIslandsAtEachStep)
+{
+  this->Contour->SetMaximumIslands(2);
+  const std::uint64_t exact = this->CountTriangles();
+  this->Contour->Modified();
+  this->Contour->AllowCoarse(1);
+  const std::uint64_t coarse = this->CountTriangles();
+  this->Contour->AllowCoarse(0);
+  EXPECT_GT(coarse, 0u);
+  EXPECT_LT(coarse, exact / 2);
+  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  this->Contour->Refine();
+  EXPECT_EQ(this->CountTriangles(), exact);
+  EXPECT_EQ(std::string(this->Contour->GetIslandSummary()).rfind("2 of ", 0), 0u);
+}
+
 TEST_F(ImageRefinement, IsCoarseAtOnceAndExactAtTheEnd)
 {
   this->Contour->AllowCoarse(1);

@@ -68,6 +68,8 @@ class Proxies(testing.TestCase):
         self.check_properties(ours, names + ["Component"])
         options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "UseRegion"]
         options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
+        options += ["IslandSize", "MinimumIslandSize", "MaximumIslands", "UseIslandPoint"]
+        options += ["IslandPoint", "ComputeIslandIds", "IslandSummary"]
         options += ["Level", "TimeBudget", "MaximumTriangles", "Progressive", "Refine", "Final"]
         options += ["RefinementMemory"]
         self.check_properties(ours, options)

@@ -44,6 +44,26 @@ class SurfaceQuality(testing.TestCase):
         surface.FrustumPlanes = [0] * 24
         self.assertEqual(testing.count_cells(surface), cells)
 
+    def test_islands_are_told_and_what_is_hidden_is_not_there(self):
+        surface = testing.contour(testing.open_volume("wave.bvol"), testing.OTHER_ISOVALUE)
+        cells = testing.count_cells(surface)
+        surface.UpdatePropertyInformation()
+        self.assertEqual(surface.IslandSummary, "all are shown")
+        surface.IslandSize = "Area"
+        surface.ComputeIslandIds = 1
+        self.assertEqual(testing.count_cells(surface), cells)
+        islands = int(surface.FieldData["Islands"].GetRange()[0])
+        self.assertGreater(islands, 1)
+        self.assertEqual(surface.CellData["IslandId"].GetRange(), (0, islands - 1))
+        surface.MaximumIslands = 1
+        kept = testing.count_cells(surface)
+        self.assertTrue(0 < kept < cells)
+        surface.UpdatePropertyInformation()
+        self.assertTrue(
+            surface.IslandSummary.startswith(f"1 of {islands:,} islands, {100 * kept / cells:.1f} %"),
+            surface.IslandSummary,
+        )
+
     def test_no_array_is_interpolated_until_it_is_asked_for(self):
         for source in (testing.open_volume("wave.bvol"), self.open_image()):
             surface = testing.contour(source)

@@ -8,10 +8,12 @@
 #include "Fixtures/VolumeOnDisk.h"
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Ranks/Islands/IslandChoice.h"
 #include "Ranks/Query/ProgressiveLevels.h"
 #include "Ranks/Query/VolumeContour.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "Storage/Store/StoredBlockSource.h"
+#include "Surface/Contour/SurfaceExtractor.h"
 #include "Surface/Spectrum/GridSpectrum.h"
 
 #include <string>
@@ -106,6 +108,35 @@ struct RankDeeds
     settings.Threads = 1;
     settings.RoundBytes = 500;
     return SurfaceExchange(ranks, header, request, settings).Run(source).GetStatus();
+  }
+
+  /// Of a surface whose blocks are dealt one by one.
+  static Status FindIslands(Communicator& ranks, FileSystem&)
+  {
+    TestBlockSource<std::uint8_t> source(GetSamples(), 16);
+    const auto blocks = std::exchange(source.Blocks, {});
+    for (const std::int64_t block : blocks)
+    {
+      if (block % ranks.GetSize() == ranks.GetRank())
+      {
+        source.Blocks.push_back(block);
+      }
+    }
+    ContourRequest request;
+    request.Isovalues = { Isovalue };
+    request.GlobalIds = true;
+    auto surface = ExtractSurface(GetSamples().Geometry, source, request, 1);
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(surface.GetStatus()));
+    IslandGrids grids;
+    grids.Bounds = TriangleBounds::Of(GetSamples().Geometry, nullptr);
+    grids.Shared.emplace_back(GetSamples().Geometry, request);
+    grids.Shared.back().AddFacesOfBlocks(16);
+    IslandRequest wanted;
+    wanted.MaximumIslands = 3;
+    wanted.Place = { 20, 20, 20 };
+    wanted.Ids = true;
+    ChosenIslands chosen;
+    return ChooseIslands(ranks, wanted, grids, 1, *surface, chosen);
   }
 
   /// Of a volume in memory, in slabs.

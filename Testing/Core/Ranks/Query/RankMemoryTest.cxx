@@ -172,5 +172,10 @@ TEST_P(RankWithoutMemory, FailsWithAllWhenCountingASpectrum)
   this->ForEachAllocation(RankDeeds::CountSpectrum, 1);
 }
 
+TEST_P(RankWithoutMemory, FailsWithAllWhenFindingIslands)
+{
+  this->ForEachAllocation(RankDeeds::FindIslands, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(
   Ranks, RankWithoutMemory, testing::ValuesIn(RankDeeds::GetNumbersOfRanks()));

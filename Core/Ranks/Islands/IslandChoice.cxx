@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Ranks/Islands/IslandChoice.h"
+
+#include "Ground/Base/Coding.h"
+#include "Ranks/Islands/IslandJoin.h"
+#include "Surface/Islands/IslandKeeping.h"
+#include "Surface/Islands/IslandLabels.h"
+#include "Surface/Islands/SurfaceRanges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+constexpr std::size_t NumberOfBins = 64;
+
+/// The size of islands, as whole numbers that compare as the sizes do.
+class SizeScale
+{
+public:
+  SizeScale(const IslandRequest& request, const IslandUnits& units)
+    : Size(request.Size)
+    , Unit(request.Size == IslandSize::Area    ? units.Area
+          : request.Size == IslandSize::Volume ? units.Volume
+                                               : std::ldexp(1.0, 2 * request.Level))
+  {
+  }
+
+  std::uint64_t Measure(const IslandMeasure& island) const
+  {
+    switch (this->Size)
+    {
+      case IslandSize::Area:
+        return static_cast<std::uint64_t>(island.Area);
+      case IslandSize::Volume:
+        return static_cast<std::uint64_t>(std::abs(island.Volume));
+      case IslandSize::Triangles:
+        break;
+    }
+    return island.Triangles;
+  }
+  double ToWorld(std::uint64_t size) const { return static_cast<double>(size) * this->Unit; }
+
+  /// Whether an island comes before another one: the larger one, then that with the lower id.
+  bool IsBefore(const IslandMeasure& a, const IslandMeasure& b) const
+  {
+    const std::uint64_t sizeOfA = this->Measure(a);
+    const std::uint64_t sizeOfB = this->Measure(b);
+    return sizeOfA != sizeOfB ? sizeOfA > sizeOfB : a.FirstId < b.FirstId;
+  }
+
+  /// 0 for a size of 0; else 1 + log2 of the size, rounded down.
+  static std::size_t FindBin(std::uint64_t size)
+  {
+    std::size_t bin = 0;
+    for (; size != 0 && bin < NumberOfBins - 1; size >>= 1)
+    {
+      ++bin;
+    }
+    return bin;
+  }
+  double GetBinBegin(std::size_t bin) const
+  {
+    return bin == 0 ? 0 : std::ldexp(this->Unit, static_cast<int>(bin) - 1);
+  }
+
+private:
+  IslandSize Size;
+  double Unit;
+};
+
+class IslandChoice
+{
+public:
+  IslandChoice(Communicator& ranks, const IslandRequest& request, const IslandGrids& grids,
+    int threads, Surface& surface, ChosenIslands& chosen)
+    : Ranks(ranks)
+    , Request(request)
+    , Grids(grids)
+    , Threads(threads)
+    , Extracted(surface)
+    , Chosen(chosen)
+  {
+  }
+
+  Status Run()
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->Find());
+    const SizeScale scale(this->Request, this->Units);
+    ISOSURFACE_RETURN_IF_ERROR(this->Count(scale));
+    std::vector<IslandMeasure> largest;
+    ISOSURFACE_RETURN_IF_ERROR(this->FindLargest(scale, largest));
+    this->ChooseBySize(scale, largest);
+    if (this->Request.Place)
+    {
+      this->ChooseByPlace();
+    }
+    this->CountKept();
+    return this->Keep(scale, largest);
+  }
+
+private:
+  /// Runs a step that needs memory on this rank. Collective.
+  template <typename Step>
+  Status Try(const Step& step)
+  {
+    return this->Ranks.Agree(Attempt("the connected parts of the isosurface cannot be found",
+      [&]
+      {
+        step();
+        return Status::Ok();
+      }));
+  }
+
+  /// The islands of all ranks, with their measures.
+  Status Find()
+  {
+    std::vector<std::uint64_t> triangles = { this->Extracted.NumberOfTriangles };
+    this->Ranks.ReduceSum(triangles);
+    this->Chosen.Triangles = triangles[0];
+    this->Units = IslandUnits(this->Grids.Bounds, triangles[0]);
+    std::vector<SharedPoint> shared;
+    ISOSURFACE_RETURN_IF_ERROR(this->Try(
+      [&]
+      {
+        this->Labels = IslandLabels(this->Extracted, this->Threads);
+        this->Measures = MeasureIslands(this->Extracted, this->Labels, this->Units, this->Threads);
+        shared = FindSharedPoints(this->Extracted, this->Labels, this->Grids.Shared, this->Threads);
+        this->AreKept.resize(this->Measures.size());
+        this->Counts.resize(2 * NumberOfBins);
+      }));
+    return JoinIslands(this->Ranks, std::move(shared), this->Measures, this->AreOwned);
+  }
+
+  /// How many there are, by their sizes.
+  Status Count(const SizeScale& scale)
+  {
+    for (std::size_t island = 0; island < this->Measures.size(); ++island)
+    {
+      if (this->AreOwned[island] != 0)
+      {
+        const std::size_t bin = SizeScale::FindBin(scale.Measure(this->Measures[island]));
+        this->Counts[2 * bin] += 1;
+        this->Counts[2 * bin + 1] += this->Measures[island].Triangles;
+      }
+    }
+    this->Ranks.ReduceSum(this->Counts);
+    return this->Try(
+      [&]
+      {
+        for (std::size_t bin = 0; bin < NumberOfBins; ++bin)
+        {
+          const std::uint64_t islands = this->Counts[2 * bin];
+          this->Chosen.Islands += islands;
+          if (islands > 0)
+          {
+            this->Chosen.Bins.push_back(
+              { scale.GetBinBegin(bin), islands, this->Counts[2 * bin + 1] });
+          }
+        }
+      });
+  }
+
+  /// As many of the largest islands of all ranks as are needed, in their order.
+  Status FindLargest(const SizeScale& scale, std::vector<IslandMeasure>& largest)
+  {
+    const std::uint64_t wanted = this->Request.MaximumIslands > 0 ? this->Request.MaximumIslands
+      : this->Request.Ids                                         ? this->Chosen.Islands
+                                                                  : 0;
+    const std::size_t count = std::min(
+      this->Chosen.Islands, std::max(wanted, static_cast<std::uint64_t>(MaximumListedIslands)));
+    const auto isBefore = [&](const IslandMeasure& a, const IslandMeasure& b)
+    { return scale.IsBefore(a, b); };
+    const auto keepFirst = [&](std::vector<IslandMeasure>& islands)
+    {
+      const auto middle =
+        islands.begin() + static_cast<std::ptrdiff_t>(std::min(count, islands.size()));
+      std::partial_sort(islands.begin(), middle, islands.end(), isBefore);
+      islands.erase(middle, islands.end());
+    };
+    Message mine;
+    ISOSURFACE_RETURN_IF_ERROR(this->Try(
+      [&]
+      {
+        std::vector<IslandMeasure> owned;
+        for (std::size_t island = 0; island < this->Measures.size(); ++island)
+        {
+          if (this->AreOwned[island] != 0)
+          {
+            owned.push_back(this->Measures[island]);
+          }
+        }
+        keepFirst(owned);
+        for (const IslandMeasure& island : owned)
+        {
+          AppendLittleEndian(mine, island);
+        }
+      }));
+    const std::vector<Message> all = this->Ranks.AllGather(mine);
+    return this->Try(
+      [&]
+      {
+        for (const Message& message : all)
+        {
+          ByteReader reader(message);
+          while (reader.GetRemaining() > 0)
+          {
+            largest.push_back(reader.Read<IslandMeasure>());
+          }
+        }
+        keepFirst(largest);
+        this->ListLargest(largest);
+      });
+  }
+
+  void ListLargest(const std::vector<IslandMeasure>& largest)
+  {
+    for (std::size_t n = 0; n < std::min(largest.size(), MaximumListedIslands); ++n)
+    {
+      this->Chosen.Largest.push_back(
+        { largest[n].Triangles, static_cast<double>(largest[n].Area) * this->Units.Area,
+          static_cast<double>(std::abs(largest[n].Volume)) * this->Units.Volume });
+    }
+  }
+
+  void ChooseBySize(const SizeScale& scale, const std::vector<IslandMeasure>& largest)
+  {
+    const std::uint64_t maximum = this->Request.MaximumIslands;
+    const IslandMeasure* last =
+      maximum > 0 && maximum < this->Chosen.Islands ? &largest[maximum - 1] : nullptr;
+    for (std::size_t island = 0; island < this->Measures.size(); ++island)
+    {
+      const IslandMeasure& measure = this->Measures[island];
+      const bool isLarge = scale.ToWorld(scale.Measure(measure)) >= this->Request.MinimumSize;
+      this->AreKept[island] = isLarge && !(last && scale.IsBefore(*last, measure)) ? 1 : 0;
+    }
+  }
+
+  void ChooseByPlace()
+  {
+    NearestIsland nearest = FindNearestIsland(this->Extracted, this->Labels, this->Measures,
+      this->AreKept, *this->Request.Place, this->Threads);
+    Message mine;
+    AppendLittleEndian(mine, nearest);
+    for (const Message& message : this->Ranks.AllGather(mine))
+    {
+      const auto other = LoadLittleEndian<NearestIsland>(message.data());
+      nearest = other.IsNearerThan(nearest) ? other : nearest;
+    }
+    for (std::size_t island = 0; island < this->Measures.size(); ++island)
+    {
+      this->AreKept[island] = this->Measures[island].FirstId == nearest.FirstId ? 1 : 0;
+    }
+  }
+
+  void CountKept()
+  {
+    std::vector<std::uint64_t> kept(2, 0);
+    for (std::size_t island = 0; island < this->Measures.size(); ++island)
+    {
+      if (this->AreKept[island] != 0 && this->AreOwned[island] != 0)
+      {
+        kept[0] += 1;
+        kept[1] += this->Measures[island].Triangles;
+      }
+    }
+    this->Ranks.ReduceSum(kept);
+    this->Chosen.KeptIslands = kept[0];
+    this->Chosen.KeptTriangles = kept[1];
+  }
+
+  Status Keep(const SizeScale& scale, const std::vector<IslandMeasure>& largest)
+  {
+    return this->Try(
+      [&]
+      {
+        if (this->Request.Ids)
+        {
+          this->FillIds(scale, largest);
+        }
+        if (this->Chosen.KeptIslands < this->Chosen.Islands)
+        {
+          KeepIslands(this->Labels, this->AreKept, this->Threads, this->Extracted);
+        }
+      });
+  }
+
+  /// Before islands are dropped.
+  void FillIds(const SizeScale& scale, const std::vector<IslandMeasure>& largest)
+  {
+    std::vector<std::int64_t> ids(this->Measures.size(), 0);
+    for (std::size_t island = 0; island < this->Measures.size(); ++island)
+    {
+      if (this->AreKept[island] != 0)
+      {
+        ids[island] =
+          std::lower_bound(largest.begin(), largest.end(), this->Measures[island],
+            [&](const IslandMeasure& a, const IslandMeasure& b) { return scale.IsBefore(a, b); }) -
+          largest.begin();
+      }
+    }
+    const Surface& surface = this->Extracted;
+    WithCells(surface,
+      [&](const auto& cells)
+      {
+        const auto isKept = [&](std::size_t cell)
+        { return this->AreKept[this->Labels[cells.GetFirstPoint(cell)]] != 0; };
+        std::vector<std::size_t> firsts(CountRanges(surface.NumberOfCells) + 1, 0);
+        ForRanges(surface.NumberOfCells, this->Threads,
+          [&](std::size_t begin, std::size_t end, std::size_t range)
+          {
+            for (std::size_t cell = begin; cell < end; ++cell)
+            {
+              firsts[range + 1] += isKept(cell) ? 1 : 0;
+            }
+          });
+        std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
+        this->Chosen.Ids = Buffer<std::int64_t>(firsts.back());
+        ForRanges(surface.NumberOfCells, this->Threads,
+          [&](std::size_t begin, std::size_t end, std::size_t range)
+          {
+            std::size_t kept = firsts[range];
+            for (std::size_t cell = begin; cell < end; ++cell)
+            {
+              if (isKept(cell))
+              {
+                this->Chosen.Ids[kept++] = ids[this->Labels[cells.GetFirstPoint(cell)]];
+              }
+            }
+          });
+      });
+  }
+
+  Communicator& Ranks;
+  const IslandRequest& Request;
+  const IslandGrids& Grids;
+  const int Threads;
+  Surface& Extracted;
+  ChosenIslands& Chosen;
+
+  IslandUnits Units;
+  IslandLabels Labels;
+  std::vector<IslandMeasure> Measures; ///< of this rank's islands, wherever their triangles are
+  std::vector<std::uint8_t> AreOwned;  ///< counted by this rank
+  std::vector<std::uint8_t> AreKept;
+  std::vector<std::uint64_t> Counts; ///< islands and triangles of each bin
+};
+
+} // namespace
+
+Status ChooseIslands(Communicator& ranks, const IslandRequest& request, const IslandGrids& grids,
+  int threads, Surface& surface, ChosenIslands& chosen)
+{
+  return IslandChoice(ranks, request, grids, threads, surface, chosen).Run();
+}
+
+} // namespace isosurface

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_IslandChoice_h
+#define isosurface_IslandChoice_h
+
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Surface/Contour/Surface.h"
+#include "Surface/Islands/IslandMeasures.h"
+#include "Surface/Islands/SharedPointIds.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace isosurface
+{
+
+/// By what islands are large or small.
+enum class IslandSize
+{
+  Triangles, ///< at full resolution: at level l, 4^l times those that there are
+  Area,      ///< in the world
+  Volume     ///< that the island encloses, in the world
+};
+
+/// Which islands are kept; equal on all ranks. An island has the isosurface of one isovalue.
+struct IslandRequest
+{
+  IslandSize Size = IslandSize::Triangles;
+  double MinimumSize = 0;           ///< smaller ones are dropped
+  std::uint64_t MaximumIslands = 0; ///< keep as many, the largest; 0: all
+  /// Of these, keep the one that is nearest to this place alone.
+  std::optional<std::array<double, 3>> Place;
+  bool Ids = false; ///< fill ChosenIslands::Ids
+  int Level = 0;    ///< of the surface
+};
+
+/// Where one rank's surface is from.
+struct IslandGrids
+{
+  TriangleBounds Bounds;            ///< of all grids; equal on all ranks
+  std::vector<SharedPlanes> Shared; ///< a grid each, in the order of their ids; empty if the
+                                    ///< surface has no points that another piece has, too
+};
+
+/// How many islands and triangles have sizes from Size to twice as much, before any was dropped.
+struct IslandBin
+{
+  double Size = 0;
+  std::uint64_t Islands = 0;
+  std::uint64_t Triangles = 0;
+};
+
+/// An island as people see it.
+struct ListedIsland
+{
+  std::uint64_t Triangles = 0;
+  double Area = 0;
+  double Volume = 0;
+};
+
+/// The rows of ChosenIslands::Largest, at most.
+constexpr std::size_t MaximumListedIslands = 1000;
+
+/// What was found and kept; equal on all ranks, but for Ids.
+struct ChosenIslands
+{
+  std::uint64_t Islands = 0;
+  std::uint64_t Triangles = 0;
+  std::uint64_t KeptIslands = 0;
+  std::uint64_t KeptTriangles = 0;
+  std::vector<ListedIsland> Largest; ///< of all, the largest first
+  std::vector<IslandBin> Bins;       ///< those that are not empty, the smallest first
+  /// Of this rank's kept cells: the place of the island among all, by size; 0 is the largest.
+  Buffer<std::int64_t> Ids;
+};
+
+/**
+ * Finds the islands of the surface that all ranks have together, and drops those that are not
+ * wanted. Neither islands nor their measures depend on ranks or threads. Islands of the same size
+ * are in the order of their lowest global ids. The surface has GlobalIds.
+ *
+ * Collective. Errors: OutOfMemory, on all ranks. Cost beside the surface: IslandLabels,
+ * MeasureIslands, JoinIslands, KeepIslands; 32 bytes for each of the MaximumIslands, and with Ids
+ * for each island of all ranks.
+ */
+Status ChooseIslands(Communicator& ranks, const IslandRequest& request, const IslandGrids& grids,
+  int threads, Surface& surface, ChosenIslands& chosen);
+
+} // namespace isosurface
+
+#endif

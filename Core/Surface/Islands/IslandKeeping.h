@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_IslandKeeping_h
+#define isosurface_IslandKeeping_h
+
+#include "Surface/Contour/Surface.h"
+#include "Surface/Islands/IslandLabels.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// Drops the points and cells of the islands that are not kept, by island. What is kept stays in
+/// its order, bit for bit, in indices as wide as before. Memory meanwhile: the largest of the new
+/// arrays, and an index a point. Throws std::bad_alloc; the surface is then lost.
+void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept, int threads,
+  Surface& surface);
+
+} // namespace isosurface
+
+#endif
