@@ -8,7 +8,7 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/VertexBox.h"
-#include "Storage/Store/LevelSamples.h"
+#include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/QueryStatistics.h"
 
 #include <cstddef>

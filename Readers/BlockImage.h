@@ -6,7 +6,7 @@
 
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
-#include "Storage/Store/BlockAssembly.h"
+#include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <cstddef>

@@ -22,7 +22,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Storage/Store/BlockAssembly.h"
+#include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>

@@ -23,7 +23,7 @@
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
-#include "Storage/Store/StoredSlabSource.h"
+#include "Storage/Sampling/StoredSlabSource.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 #include "WriterInput.h"
 

@@ -2,7 +2,7 @@
 #include "StoredVolume.h"
 
 #include "Formats/Opener/ForeignVolume.h"
-#include "Storage/Store/StoredSlabSource.h"
+#include "Storage/Sampling/StoredSlabSource.h"
 
 #include <algorithm>
 #include <numeric>

@@ -4,7 +4,7 @@
 
 #include "VolumeFile.h"
 
-#include "Storage/Store/LevelSamples.h"
+#include "Storage/Sampling/LevelSamples.h"
 
 #include <map>
 #include <mutex>

@@ -4,7 +4,7 @@
 
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
-#include "Storage/Store/LevelSamples.h"
+#include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/QueryStatistics.h"
 
 #include <array>

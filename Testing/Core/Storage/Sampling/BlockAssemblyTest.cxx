@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/BlockAssembly.h"
+#include "Storage/Sampling/BlockAssembly.h"
 #include "Fixtures/VolumeOnDisk.h"
 
 using namespace isosurface;

@@ -4,8 +4,8 @@
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/SlabSource.h"
+#include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/BlockedVolume.h"
-#include "Storage/Store/LevelSamples.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/StoredSlabSource.h"
+#include "Storage/Sampling/StoredSlabSource.h"
 
 #include "Ground/Volume/SampleCopy.h"
 

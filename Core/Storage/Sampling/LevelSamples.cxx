@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Store/LevelSamples.h"
+#include "Storage/Sampling/LevelSamples.h"
 
 #include "Ground/Volume/SampleCopy.h"
 

@@ -5,7 +5,7 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/VertexBox.h"
-#include "Storage/Store/BlockAssembly.h"
+#include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/QueryStatistics.h"
 
