@@ -119,6 +119,7 @@ def make_pictures(volume, folder):
         (SPECTRUM, "mouseDblClick", "(0.35,0.5,1,1,0)"),
         (SPECTRUM, "mouseRelease", "(0.35,0.5,1,0,0)"),
     ]
+    cut = [*contoured, reader, released, choose_filter("VolumeSlice"), APPLY, REST]
     distributed = [*contoured, choose_filter("DistributeIsosurface"), APPLY, REST]
     surface = os.path.join(folder, "surface.eix")
     ok = (f"{WINDOW}/WriterSettingsDialog/widget/OKButton", "activate", "")
@@ -131,6 +132,7 @@ def make_pictures(volume, folder):
         "panels/in-place": [*open_file(zarr), APPLY, ALL_PROPERTIES, REST],
         "panels/isosurface": [*contoured, ALL_PROPERTIES],
         "panels/isosurface-more": [*contoured, ALL_PROPERTIES, *scroll_to_end()],
+        "panels/slice": [*cut, ALL_PROPERTIES],
         "panels/spectrum": [*charted, ALL_PROPERTIES],
         "panels/distribute": [*distributed, ALL_PROPERTIES],
         "panels/edge-index": [*reopened, ALL_PROPERTIES],
