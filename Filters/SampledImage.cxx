@@ -103,6 +103,7 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   int extent[6] = { 0, -1, 0, -1, 0, -1 };
   ImagePlan image;
+  this->Text.clear();
   if (input && input.GetVolume())
   {
     const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays());
@@ -190,6 +191,7 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   }
   if (!status.IsOk())
   {
+    this->Text.clear();
     vtkDataObject::GetData(outInfo)->Initialize();
   }
   result = EndExecution(&this->Filter, output, status);

@@ -28,6 +28,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkVolumeSlice);
@@ -101,7 +102,8 @@ struct vtkVolumeSlice::Steps
   std::uint64_t SumProperties() const;
   /// The isolines of an array of the image, without those in cells with a hidden point.
   void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
-  /// The lattice at the finest level that has few enough points.
+  /// The lattice at the finest level that has few enough points, or at the coarsest one that the
+  /// plane meets.
   Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume);
 };
 
@@ -273,30 +275,33 @@ Result<ImagePlan> vtkVolumeSlice::Steps::Plan(const isosurface::BlockedVolume& v
   isosurface::Plane plane;
   std::copy_n(this->Filter.Origin, 3, plane.Origin.begin());
   std::copy_n(this->Filter.Normal, 3, plane.Normal.begin());
-  for (int level = 0;; ++level)
+  ImagePlan image;
+  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
   {
-    this->Lattice =
+    auto lattice =
       PlaneLattice::Make(volume.GetHeader().Grid.Coarsen(level), volume.GetLines(level), plane);
-    if (!this->Lattice)
+    if (!lattice && level == 0)
     {
       return Status(StatusCode::InvalidArgument,
         volume.GetPath() + ": the plane is beside the volume, or its normal is 0");
     }
-    const isosurface::GridGeometry& grid = this->Lattice->GetImage();
-    const bool isSmall =
-      static_cast<double>(grid.GetNumberOfVertices()) <= 1e6 * this->Filter.MaximumPoints;
-    if (isSmall || level + 1 == volume.GetNumberOfLevels())
+    if (!lattice)
     {
-      ImagePlan image;
-      image.Level = level;
-      image.Grid = grid;
-      image.HasOutside = !this->Lattice->IsAligned();
-      const isosurface::Index3 size = grid.GetDimensions();
-      image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " +
-        DescribeLevel(level);
-      return image;
+      break; // the last vertices of a coarse level may lie before those of the volume
+    }
+    this->Lattice = std::move(lattice);
+    image.Level = level;
+    image.Grid = this->Lattice->GetImage();
+    image.HasOutside = !this->Lattice->IsAligned();
+    if (static_cast<double>(image.Grid.GetNumberOfVertices()) <= 1e6 * this->Filter.MaximumPoints)
+    {
+      break;
     }
   }
+  const isosurface::Index3 size = image.Grid.GetDimensions();
+  image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " +
+    DescribeLevel(image.Level);
+  return image;
 }
 
 //------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 // image, on any number of ranks.
 #include "ParallelVolumes.h"
 #include "RectilinearFixtures.h"
+#include "TimeSource.h"
 
 #include "vtkBlockedVolumeReader.h"
 #include "vtkVolumeProbe.h"
@@ -298,6 +299,33 @@ TEST(SamplesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
     slice->GetOutput(), SubsampleImage(CutImage(image, { 0, 149, 0, 149, 0, 0 }), 1)->GetExtent());
 }
 
+TEST(SamplesOnRanks, WhatLiesBeyondTheLastVerticesOfCoarseLevelsIsShown)
+{
+  // Coarse levels have no vertices at z = 1.
+  const auto image = MakeImage({ 0, 599, 0, 599, 0, 1 }, VTK_FLOAT, MakeWaves());
+  const SharedVolume volume("LastVertices", image, { 16, 2 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 0, 0, 1 });
+  slice->SetOrigin(0, 0, 1);
+  slice->SetMaximumPoints(0.1);
+  UpdatePart(slice.Get());
+  EXPECT_EQ(std::string(slice->GetShownText()), "600 x 600 points, full resolution");
+  if (slice->GetOutput()->GetNumberOfPoints() > 0)
+  {
+    ExpectStockValues(slice->GetOutput(), image);
+  }
+  vtkNew<vtkVolumeRegion> region;
+  region->SetInputConnection(reader->GetOutputPort());
+  region->SetPosition(0, 0, 1);
+  region->SetLength(599, 599, 0);
+  region->SetMemoryLimit(1);
+  UpdatePart(region.Get());
+  const int level = GetNumberOfRanks() > 1 ? 0 : 1;
+  ExpectWhole(vtkImageData::SafeDownCast(region->GetOutput()),
+    SubsampleImage(CutImage(image, { 0, 599, 0, 599, 0, 0 }), level)->GetExtent());
+}
+
 TEST(SamplesOnRanks, ABoxHasTheSamplesOfTheImage)
 {
   const auto image = MakeSampledImage(VTK_SHORT);
@@ -438,6 +466,37 @@ TEST(SamplesOnRanks, ValuesAtPointsAreThoseOfStock)
   }
 }
 
+TEST(SamplesOnRanks, PointsFollowTheTime)
+{
+  const SharedVolume volume("ProbeTimes", TimeSource::MakeImageAt(0), { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  vtkNew<TimeSource> points;
+  points->SetTimes({ 1, 2, 5 });
+  vtkNew<vtkVolumeProbe> probe;
+  probe->SetInputConnection(reader->GetOutputPort());
+  probe->SetSourceConnection(points->GetOutputPort());
+  probe->SetController(GetRanks());
+  probe->UpdateInformation();
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  vtkInformation* info = probe->GetOutputInformation(0);
+  ASSERT_EQ(info->Length(Pipeline::TIME_STEPS()), 3);
+  for (const double time : { 1.0, 5.0, 2.0 })
+  {
+    probe->UpdateTimeStep(time, GetRank(), GetNumberOfRanks(), 0);
+    EXPECT_EQ(probe->GetOutput()->GetNumberOfElements(vtkDataObject::POINT),
+      points->GetOutput()->GetNumberOfPoints());
+    vtkImageData* part = points->GetOutput(); // that was probed
+    const auto whole = TimeSource::MakeImageAt(time);
+    for (vtkIdType point = 0; point < part->GetNumberOfPoints(); ++point)
+    {
+      const vtkIdType same = whole->FindPoint(part->GetPoint(point));
+      ASSERT_EQ(part->GetPointData()->GetScalars()->GetTuple1(point),
+        whole->GetPointData()->GetScalars()->GetTuple1(same));
+    }
+  }
+}
+
 TEST(SamplesOnRanks, WhatIsBesideTheVolumeIsToldByAllAndTheNextRequestSucceeds)
 {
   const auto image = MakeSampledImage(VTK_SHORT);
@@ -458,6 +517,8 @@ TEST(SamplesOnRanks, WhatIsBesideTheVolumeIsToldByAllAndTheNextRequestSucceeds)
     const ErrorCounter ofRegion(region);
     update(region);
     ExpectOneError(ofRegion, { volume.Path, "the box is beside the volume" });
+    EXPECT_STREQ(slice->GetShownText(), "");
+    EXPECT_STREQ(region->GetShownText(), "");
   }
   slice->SetOrigin(image->GetCenter());
   UpdatePart(slice.Get());
