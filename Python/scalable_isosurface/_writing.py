@@ -38,7 +38,7 @@ class _Place(NamedTuple):
         if self.spacing is not None:
             spacing, lines = _list_three("spacing", self.spacing), None
         elif lines is not None and (self.origin is not None or self.direction is not None):
-            raise ValueError("the coordinates of a rectilinear grid say where it lies; with spacing it is a regular one")
+            raise ValueError("the coordinates of a rectilinear grid say where it lies; spacing makes it regular")
         if self.origin is not None:
             origin = _list_three("origin", self.origin)
         if self.direction is not None:
