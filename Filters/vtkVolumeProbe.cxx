@@ -65,26 +65,26 @@ void CopyPoints(vtkDataObject* from, vtkDataObject* to)
 // The times of the volume and those of the points: at each of them the values may be others.
 void TellTimes(vtkInformationVector** input, vtkInformation* outInfo)
 {
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  using Keys = vtkStreamingDemandDrivenPipeline;
   std::set<double> steps;
   std::set<double> ends;
   for (int port = 0; port < 2; ++port)
   {
     vtkInformation* inInfo = input[port]->GetInformationObject(0);
-    const double* own = inInfo->Get(Pipeline::TIME_STEPS());
-    steps.insert(own, own + inInfo->Length(Pipeline::TIME_STEPS()));
-    const double* range = inInfo->Get(Pipeline::TIME_RANGE());
-    ends.insert(range, range + inInfo->Length(Pipeline::TIME_RANGE()));
+    const double* own = inInfo->Get(Keys::TIME_STEPS());
+    steps.insert(own, own + inInfo->Length(Keys::TIME_STEPS()));
+    const double* range = inInfo->Get(Keys::TIME_RANGE());
+    ends.insert(range, range + inInfo->Length(Keys::TIME_RANGE()));
   }
   if (!steps.empty())
   {
     const std::vector<double> all(steps.begin(), steps.end());
-    outInfo->Set(Pipeline::TIME_STEPS(), all.data(), static_cast<int>(all.size()));
+    outInfo->Set(Keys::TIME_STEPS(), all.data(), static_cast<int>(all.size()));
   }
   if (!ends.empty())
   {
     const double range[2] = { *ends.begin(), *ends.rbegin() };
-    outInfo->Set(Pipeline::TIME_RANGE(), range, 2);
+    outInfo->Set(Keys::TIME_RANGE(), range, 2);
   }
 }
 

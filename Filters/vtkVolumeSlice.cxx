@@ -48,14 +48,23 @@ std::string DescribeLevel(int level)
   return level == 0 ? "full resolution" : "level " + std::to_string(level);
 }
 
-// Removes the lines in cells with a hidden point: one of their ends has no sample.
-void RemoveHiddenLines(vtkImageData* image, vtkPolyData* lines)
+// Removes the lines in cells with a hidden point: one of their ends has no sample. So have the lines
+// beside NaN: an end of them is nowhere.
+void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
 {
   vtkUnsignedCharArray* hidden = image->GetPointGhostArray();
   const int* extent = image->GetExtent();
   const vtkIdType row = extent[1] - extent[0] + 1;
   const auto isHidden = [&](const double middle[3])
   {
+    if (std::isnan(middle[0] + middle[1] + middle[2]))
+    {
+      return true;
+    }
+    if (!hidden)
+    {
+      return false;
+    }
     double index[3];
     image->TransformPhysicalPointToContinuousIndex(middle, index);
     const auto i = std::clamp<vtkIdType>(
@@ -244,10 +253,7 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   }
   contour->Update();
   isolines->ShallowCopy(contour->GetOutput());
-  if (image->GetPointGhostArray())
-  {
-    RemoveHiddenLines(image, isolines);
-  }
+  RemoveLinesWithoutSamples(image, isolines);
 }
 
 //------------------------------------------------------------------------------

@@ -32,6 +32,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string>
 
@@ -283,6 +284,35 @@ TEST(SamplesOnRanks, IsolinesOfAnObliquePlaneDoNotFollowTheFacesOfTheVolume)
     const double* bounds = slice->GetIsolines()->GetCell(cell)->GetBounds();
     ASSERT_LE(std::abs(bounds[0]), 1.5);
   }
+}
+
+TEST(SamplesOnRanks, IsolinesBesideNaNAreLeftOut)
+{
+  const auto makeImage = [](float above)
+  {
+    return MakeImage({ 0, 40, 0, 40, 0, 1 }, VTK_FLOAT,
+      [above](int i, int j, int) -> float { return i > 30 ? above : static_cast<float>(i + j); });
+  };
+  std::uint64_t lines[2];
+  int number = 0;
+  for (const float above : { 100.0F, std::numeric_limits<float>::quiet_NaN() })
+  {
+    const SharedVolume volume("NaNIsolines" + std::to_string(number), makeImage(above), { 16, 3 });
+    const auto reader = MakeReader(volume.Path);
+    reader->SetController(GetRanks());
+    const auto slice = MakeSlice(reader, makeImage(above), { 0, 0, 1 });
+    slice->SetOrigin(0, 0, 0);
+    slice->SetValue(0, 10.5); // crosses i + j far from i = 30, and between 30 and NaN
+    UpdatePart(slice.Get());
+    for (vtkIdType cell = 0; cell < slice->GetIsolines()->GetNumberOfCells(); ++cell)
+    {
+      EXPECT_LT(slice->GetIsolines()->GetCell(cell)->GetBounds()[1], 11);
+    }
+    lines[number++] =
+      SumOverRanks(static_cast<std::uint64_t>(slice->GetIsolines()->GetNumberOfCells()));
+  }
+  EXPECT_GT(lines[0], 10u);
+  EXPECT_EQ(lines[0], lines[1]);
 }
 
 TEST(SamplesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
