@@ -19,6 +19,8 @@
 #include "vtkPolyData.h"
 #include "vtkUnsignedCharArray.h"
 
+#include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Sampling/PlaneLattice.h"
 #include "Storage/Sampling/PointSampling.h"
@@ -237,8 +239,15 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   const std::string& name = this->Filter.IsolineArray;
   vtkDataArray* array = name.empty() ? image->GetPointData()->GetScalars()
                                      : image->GetPointData()->GetArray(name.c_str());
-  if (values->GetNumberOfContours() == 0 || size[0] < 2 || size[1] < 2 || !array)
+  if (values->GetNumberOfContours() == 0 || size[0] < 2 || size[1] < 2)
   {
+    return;
+  }
+  if (!array)
+  {
+    isosurface::ReportWarning(&this->Filter,
+      isosurface::ControllerCommunicator(this->Filter.Controller), Status::Ok(),
+      "there are no isolines: the slice has no array \"" + name + "\"");
     return;
   }
   vtkNew<vtkImageData> scalars;

@@ -315,6 +315,22 @@ TEST(SamplesOnRanks, IsolinesBesideNaNAreLeftOut)
   EXPECT_EQ(lines[0], lines[1]);
 }
 
+TEST(SamplesOnRanks, IsolinesOfAnArrayThatIsNotThereAreAWarning)
+{
+  const auto image = MakeSampledImage(VTK_SHORT);
+  const SharedVolume volume("NoIsolines", image, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 1, 2, 3 });
+  slice->SetValue(0, 1);
+  slice->SetIsolineArray("mass");
+  const MessageKeeper warnings(slice, vtkCommand::WarningEvent);
+  UpdatePart(slice.Get());
+  EXPECT_EQ(SumOverRanks(warnings.Messages.size()), 1u);
+  EXPECT_EQ(slice->GetIsolines()->GetNumberOfLines(), 0);
+  EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(slice->GetOutput()->GetNumberOfPoints())), 0u);
+}
+
 TEST(SamplesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
 {
   const auto image = MakeImage({ 0, 149, 0, 149, 0, 5 }, VTK_FLOAT, MakeWaves());
