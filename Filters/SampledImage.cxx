@@ -61,9 +61,10 @@ VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformatio
 }
 
 // Hides the points that are not within the volume from filters and from the Surface representation.
+// Parts without such points have the array, too: what joins or writes parts takes arrays of all.
 void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
 {
-  if (std::find(isInside.begin(), isInside.end(), 0) == isInside.end())
+  if (isInside.empty())
   {
     return;
   }

@@ -331,6 +331,21 @@ TEST(SamplesOnRanks, IsolinesOfAnArrayThatIsNotThereAreAWarning)
   EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(slice->GetOutput()->GetNumberOfPoints())), 0u);
 }
 
+TEST(SamplesOnRanks, PartsOfAnObliqueSliceHaveTheSameArrays)
+{
+  const auto image = MakeImage({ 0, 40, 0, 40, 0, 8 }, VTK_FLOAT, MakeWaves());
+  const SharedVolume volume("SameArrays", image, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 1, 1, 0 }); // all points are within the volume
+  slice->SetOrigin(20, 20, 0);
+  UpdatePart(slice.Get());
+  if (slice->GetOutput()->GetNumberOfPoints() > 0)
+  {
+    EXPECT_TRUE(slice->GetOutput()->GetPointGhostArray());
+  }
+}
+
 TEST(SamplesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
 {
   const auto image = MakeImage({ 0, 149, 0, 149, 0, 5 }, VTK_FLOAT, MakeWaves());
