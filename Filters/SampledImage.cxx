@@ -61,9 +61,10 @@ VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformatio
 }
 
 // Hides the points that are not within the volume from filters and from the Surface representation.
+// Parts without such points have the array, too: what joins or writes parts takes arrays of all.
 void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
 {
-  if (std::find(isInside.begin(), isInside.end(), 0) == isInside.end())
+  if (isInside.empty())
   {
     return;
   }
@@ -103,6 +104,7 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   int extent[6] = { 0, -1, 0, -1, 0, -1 };
   ImagePlan image;
+  this->Text.clear();
   if (input && input.GetVolume())
   {
     const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays());
@@ -190,6 +192,7 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   }
   if (!status.IsOk())
   {
+    this->Text.clear();
     vtkDataObject::GetData(outInfo)->Initialize();
   }
   result = EndExecution(&this->Filter, output, status);

@@ -30,6 +30,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <vector>
 
 vtkStandardNewMacro(vtkVolumeProbe);
@@ -58,6 +59,32 @@ void CopyPoints(vtkDataObject* from, vtkDataObject* to)
     const auto copy = vtkSmartPointer<vtkDataObject>::Take(leaf->NewInstance());
     copy->ShallowCopy(leaf);
     copies->SetDataSet(iterator, copy);
+  }
+}
+
+// The times of the volume and those of the points: at each of them the values may be others.
+void TellTimes(vtkInformationVector** input, vtkInformation* outInfo)
+{
+  using Keys = vtkStreamingDemandDrivenPipeline;
+  std::set<double> steps;
+  std::set<double> ends;
+  for (int port = 0; port < 2; ++port)
+  {
+    vtkInformation* inInfo = input[port]->GetInformationObject(0);
+    const double* own = inInfo->Get(Keys::TIME_STEPS());
+    steps.insert(own, own + inInfo->Length(Keys::TIME_STEPS()));
+    const double* range = inInfo->Get(Keys::TIME_RANGE());
+    ends.insert(range, range + inInfo->Length(Keys::TIME_RANGE()));
+  }
+  if (!steps.empty())
+  {
+    const std::vector<double> all(steps.begin(), steps.end());
+    outInfo->Set(Keys::TIME_STEPS(), all.data(), static_cast<int>(all.size()));
+  }
+  if (!ends.empty())
+  {
+    const double range[2] = { *ends.begin(), *ends.rbegin() };
+    outInfo->Set(Keys::TIME_RANGE(), range, 2);
   }
 }
 
@@ -173,8 +200,10 @@ int vtkVolumeProbe::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   // The extent and the place are those of the points.
-  output->GetInformationObject(0)->CopyEntry(
+  vtkInformation* outInfo = output->GetInformationObject(0);
+  outInfo->CopyEntry(
     input[1]->GetInformationObject(0), vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+  TellTimes(input, outInfo);
   return 1;
 }
 

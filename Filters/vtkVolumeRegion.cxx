@@ -58,7 +58,7 @@ struct vtkVolumeRegion::Steps
   Index3 Low{}; ///< of the last plan's box, among the vertices of its level
 
   std::uint64_t SumProperties() const;
-  /// The vertices of a level around the box; may be empty.
+  /// The vertices of a level around the box; empty if it is beside the volume.
   VertexBox FindVertices(const isosurface::BlockedVolume& volume, int level) const;
   /// The finest level that keeps the memory limit.
   Result<ImagePlan> Plan(
@@ -189,7 +189,8 @@ VertexBox vtkVolumeRegion::Steps::FindVertices(
   {
     constexpr double tolerance = 1e-6; // of a cell: a face on a vertex needs no vertex beyond it
     const auto last = static_cast<double>(dimensions[axis] - 1);
-    if (!(high[axis] >= -tolerance && low[axis] <= last + tolerance))
+    // The last vertices of a coarse level may lie before those of the volume, and before the box.
+    if (!(high[axis] >= -tolerance && (level > 0 || low[axis] <= last + tolerance)))
     {
       return {};
     }

@@ -19,6 +19,8 @@
 #include "vtkPolyData.h"
 #include "vtkUnsignedCharArray.h"
 
+#include "ControllerCommunicator.h"
+#include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Sampling/PlaneLattice.h"
 #include "Storage/Sampling/PointSampling.h"
@@ -28,6 +30,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkVolumeSlice);
@@ -47,14 +50,23 @@ std::string DescribeLevel(int level)
   return level == 0 ? "full resolution" : "level " + std::to_string(level);
 }
 
-// Removes the lines in cells with a hidden point: one of their ends has no sample.
-void RemoveHiddenLines(vtkImageData* image, vtkPolyData* lines)
+// Removes the lines in cells with a hidden point: one of their ends has no sample. So have the lines
+// beside NaN: an end of them is nowhere.
+void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
 {
   vtkUnsignedCharArray* hidden = image->GetPointGhostArray();
   const int* extent = image->GetExtent();
   const vtkIdType row = extent[1] - extent[0] + 1;
   const auto isHidden = [&](const double middle[3])
   {
+    if (std::isnan(middle[0] + middle[1] + middle[2]))
+    {
+      return true;
+    }
+    if (!hidden)
+    {
+      return false;
+    }
     double index[3];
     image->TransformPhysicalPointToContinuousIndex(middle, index);
     const auto i = std::clamp<vtkIdType>(
@@ -101,7 +113,8 @@ struct vtkVolumeSlice::Steps
   std::uint64_t SumProperties() const;
   /// The isolines of an array of the image, without those in cells with a hidden point.
   void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
-  /// The lattice at the finest level that has few enough points.
+  /// The lattice at the finest level that has few enough points, or at the coarsest one that the
+  /// plane meets.
   Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume);
 };
 
@@ -226,8 +239,15 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   const std::string& name = this->Filter.IsolineArray;
   vtkDataArray* array = name.empty() ? image->GetPointData()->GetScalars()
                                      : image->GetPointData()->GetArray(name.c_str());
-  if (values->GetNumberOfContours() == 0 || size[0] < 2 || size[1] < 2 || !array)
+  if (values->GetNumberOfContours() == 0 || size[0] < 2 || size[1] < 2)
   {
+    return;
+  }
+  if (!array)
+  {
+    isosurface::ReportWarning(&this->Filter,
+      isosurface::ControllerCommunicator(this->Filter.Controller), Status::Ok(),
+      "there are no isolines: the slice has no array \"" + name + "\"");
     return;
   }
   vtkNew<vtkImageData> scalars;
@@ -242,10 +262,7 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   }
   contour->Update();
   isolines->ShallowCopy(contour->GetOutput());
-  if (image->GetPointGhostArray())
-  {
-    RemoveHiddenLines(image, isolines);
-  }
+  RemoveLinesWithoutSamples(image, isolines);
 }
 
 //------------------------------------------------------------------------------
@@ -273,30 +290,35 @@ Result<ImagePlan> vtkVolumeSlice::Steps::Plan(const isosurface::BlockedVolume& v
   isosurface::Plane plane;
   std::copy_n(this->Filter.Origin, 3, plane.Origin.begin());
   std::copy_n(this->Filter.Normal, 3, plane.Normal.begin());
-  for (int level = 0;; ++level)
+  ImagePlan image;
+  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
   {
-    this->Lattice =
-      PlaneLattice::Make(volume.GetHeader().Grid.Coarsen(level), volume.GetLines(level), plane);
-    if (!this->Lattice)
+    // An oblique slice of the last level has larger pixels, if need be.
+    const double maximum = 1e6 * this->Filter.MaximumPoints;
+    auto lattice = PlaneLattice::Make(volume.GetHeader().Grid.Coarsen(level),
+      volume.GetLines(level), plane, level + 1 < volume.GetNumberOfLevels() ? 1e12 : maximum);
+    if (!lattice && level == 0)
     {
       return Status(StatusCode::InvalidArgument,
         volume.GetPath() + ": the plane is beside the volume, or its normal is 0");
     }
-    const isosurface::GridGeometry& grid = this->Lattice->GetImage();
-    const bool isSmall =
-      static_cast<double>(grid.GetNumberOfVertices()) <= 1e6 * this->Filter.MaximumPoints;
-    if (isSmall || level + 1 == volume.GetNumberOfLevels())
+    if (!lattice)
     {
-      ImagePlan image;
-      image.Level = level;
-      image.Grid = grid;
-      image.HasOutside = !this->Lattice->IsAligned();
-      const isosurface::Index3 size = grid.GetDimensions();
-      image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " +
-        DescribeLevel(level);
-      return image;
+      break; // the last vertices of a coarse level may lie before those of the volume
+    }
+    this->Lattice = std::move(lattice);
+    image.Level = level;
+    image.Grid = this->Lattice->GetImage();
+    image.HasOutside = !this->Lattice->IsAligned();
+    if (static_cast<double>(image.Grid.GetNumberOfVertices()) <= maximum)
+    {
+      break;
     }
   }
+  const isosurface::Index3 size = image.Grid.GetDimensions();
+  image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " +
+    DescribeLevel(image.Level);
+  return image;
 }
 
 //------------------------------------------------------------------------------

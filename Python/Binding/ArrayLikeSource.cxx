@@ -29,12 +29,14 @@ pybind11::array TakeSlice(const ArrayLike& array, const VertexBox& box)
   const pybind11::module_ numpy = pybind11::module_::import("numpy");
   pybind11::array samples = numpy.attr("asarray")(slice, MakeDtype(array.Type));
   const Index3 size = box.GetSize();
-  bool fits = samples.ndim() == (array.Components > 1 ? 4 : 3);
+  // Of one component the last axis may be there or not.
+  const bool hasComponents = samples.ndim() == 4;
+  bool fits = hasComponents || (samples.ndim() == 3 && array.Components == 1);
   for (pybind11::ssize_t axis = 0; fits && axis < 3; ++axis)
   {
     fits = samples.shape(axis) == size[static_cast<std::size_t>(2 - axis)];
   }
-  if (!fits || (array.Components > 1 && samples.shape(3) != array.Components))
+  if (!fits || (hasComponents && samples.shape(3) != array.Components))
   {
     throw pybind11::value_error("a slice of the array has not the shape that was asked for");
   }

@@ -36,12 +36,14 @@ class _Place(NamedTuple):
         """`description`: of the source, as that of a VolumeFile."""
         dimensions, spacing, origin, direction, lines, _ = description
         if self.spacing is not None:
-            spacing, lines = self.spacing, None
+            spacing, lines = _list_three("spacing", self.spacing), None
+        elif lines is not None and (self.origin is not None or self.direction is not None):
+            raise ValueError("the coordinates of a rectilinear grid say where it lies; spacing makes it regular")
+        if self.origin is not None:
+            origin = _list_three("origin", self.origin)
         if self.direction is not None:
             direction = numpy.reshape(numpy.asarray(self.direction, float), 9).tolist()
-        return _core.VolumeWriting(
-            path, dimensions, spacing, origin if self.origin is None else self.origin, direction, lines
-        )
+        return _core.VolumeWriting(path, dimensions, spacing, origin, direction, lines)
 
 
 def create(
@@ -70,11 +72,13 @@ def create(
         An array of the shape (z, y, x), or (z, y, x, components): of NumPy, Zarr, h5py or Dask, a `Volume`, or
         anything that has ``shape``, ``dtype`` and slices. It is read box by box, some of them more than once.
         A mapping of names to such arrays of one shape is a volume of several arrays. The name of a file stands
-        for all of its arrays and time steps (see `open`).
+        for all of its arrays and time steps (see `open`); with several steps it cannot be `path` itself.
     path : str or path
-        Of the volume, ``NAME.bvol``. One that is there is replaced when the new one is complete.
+        Of the volume, ``NAME.bvol``. One that is there is replaced when the new one, or its first time step,
+        is complete; the others are appended one by one.
     spacing, origin : sequence of three float, optional
-        On x, y, z. If they are not given, those of the file or the `Volume`; else 1 and 0.
+        On x, y, z. If they are not given, those of the file or the `Volume`; else 1 and 0. Of a rectilinear
+        grid, origin and direction can be given only with spacing, which makes a regular grid of it.
     direction : array of 3 x 3, optional
         Its columns are the directions of x, y, z.
     name : str, optional
@@ -138,6 +142,9 @@ def _write_file(
         file = volume._opened.file
         if time is not None and volume.steps > 1:
             raise ValueError(f"time: {volume.path} has {volume.steps} time steps")
+        if volume.steps > 1 and os.path.exists(path) and os.path.samefile(volume.path, path):
+            # Its first time step would replace all of it.
+            raise ValueError(f"{path}: is its own source, and has several time steps; write another file")
         for step in range(volume.steps):
             writing = place.make_writing(path, file.describe(0))
             own = volume.times[step] if time is None else time
@@ -174,6 +181,13 @@ def _write_arrays(
     writing = place.make_writing(path, description)
     writing.set(**settings._asdict(), time=time, append=append)
     writing.write_arrays(arrays, _find_chunk(first))
+
+
+def _list_three(what: str, numbers: Any) -> List[float]:
+    """Numbers on x, y, z."""
+    if numpy.shape(numbers) != (3,):
+        raise ValueError(f"{what} is three numbers, on x, y, z, and not {numbers!r}")
+    return numpy.asarray(numbers, float).tolist()
 
 
 def _describe(array: Any, name: str) -> Tuple[str, Any, str, int]:

@@ -3,6 +3,7 @@
 // image, on any number of ranks.
 #include "ParallelVolumes.h"
 #include "RectilinearFixtures.h"
+#include "TimeSource.h"
 
 #include "vtkBlockedVolumeReader.h"
 #include "vtkVolumeProbe.h"
@@ -31,6 +32,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string>
 
@@ -284,6 +286,66 @@ TEST(SamplesOnRanks, IsolinesOfAnObliquePlaneDoNotFollowTheFacesOfTheVolume)
   }
 }
 
+TEST(SamplesOnRanks, IsolinesBesideNaNAreLeftOut)
+{
+  const auto makeImage = [](float above)
+  {
+    return MakeImage({ 0, 40, 0, 40, 0, 1 }, VTK_FLOAT,
+      [above](int i, int j, int) -> float { return i > 30 ? above : static_cast<float>(i + j); });
+  };
+  std::uint64_t lines[2];
+  int number = 0;
+  for (const float above : { 100.0F, std::numeric_limits<float>::quiet_NaN() })
+  {
+    const SharedVolume volume("NaNIsolines" + std::to_string(number), makeImage(above), { 16, 3 });
+    const auto reader = MakeReader(volume.Path);
+    reader->SetController(GetRanks());
+    const auto slice = MakeSlice(reader, makeImage(above), { 0, 0, 1 });
+    slice->SetOrigin(0, 0, 0);
+    slice->SetValue(0, 10.5); // crosses i + j far from i = 30, and between 30 and NaN
+    UpdatePart(slice.Get());
+    for (vtkIdType cell = 0; cell < slice->GetIsolines()->GetNumberOfCells(); ++cell)
+    {
+      EXPECT_LT(slice->GetIsolines()->GetCell(cell)->GetBounds()[1], 11);
+    }
+    lines[number++] =
+      SumOverRanks(static_cast<std::uint64_t>(slice->GetIsolines()->GetNumberOfCells()));
+  }
+  EXPECT_GT(lines[0], 10u);
+  EXPECT_EQ(lines[0], lines[1]);
+}
+
+TEST(SamplesOnRanks, IsolinesOfAnArrayThatIsNotThereAreAWarning)
+{
+  const auto image = MakeSampledImage(VTK_SHORT);
+  const SharedVolume volume("NoIsolines", image, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 1, 2, 3 });
+  slice->SetValue(0, 1);
+  slice->SetIsolineArray("mass");
+  const MessageKeeper warnings(slice, vtkCommand::WarningEvent);
+  UpdatePart(slice.Get());
+  EXPECT_EQ(SumOverRanks(warnings.Messages.size()), 1u);
+  EXPECT_EQ(slice->GetIsolines()->GetNumberOfLines(), 0);
+  EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(slice->GetOutput()->GetNumberOfPoints())), 0u);
+}
+
+TEST(SamplesOnRanks, PartsOfAnObliqueSliceHaveTheSameArrays)
+{
+  const auto image = MakeImage({ 0, 40, 0, 40, 0, 8 }, VTK_FLOAT, MakeWaves());
+  const SharedVolume volume("SameArrays", image, { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 1, 1, 0 }); // all points are within the volume
+  slice->SetOrigin(20, 20, 0);
+  UpdatePart(slice.Get());
+  if (slice->GetOutput()->GetNumberOfPoints() > 0)
+  {
+    EXPECT_TRUE(slice->GetOutput()->GetPointGhostArray());
+  }
+}
+
 TEST(SamplesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
 {
   const auto image = MakeImage({ 0, 149, 0, 149, 0, 5 }, VTK_FLOAT, MakeWaves());
@@ -296,6 +358,33 @@ TEST(SamplesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
   EXPECT_EQ(std::string(slice->GetShownText()), "75 x 75 points, level 1");
   ExpectWhole(
     slice->GetOutput(), SubsampleImage(CutImage(image, { 0, 149, 0, 149, 0, 0 }), 1)->GetExtent());
+}
+
+TEST(SamplesOnRanks, WhatLiesBeyondTheLastVerticesOfCoarseLevelsIsShown)
+{
+  // Coarse levels have no vertices at z = 1.
+  const auto image = MakeImage({ 0, 599, 0, 599, 0, 1 }, VTK_FLOAT, MakeWaves());
+  const SharedVolume volume("LastVertices", image, { 16, 2 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  const auto slice = MakeSlice(reader, image, { 0, 0, 1 });
+  slice->SetOrigin(0, 0, 1);
+  slice->SetMaximumPoints(0.1);
+  UpdatePart(slice.Get());
+  EXPECT_EQ(std::string(slice->GetShownText()), "600 x 600 points, full resolution");
+  if (slice->GetOutput()->GetNumberOfPoints() > 0)
+  {
+    ExpectStockValues(slice->GetOutput(), image);
+  }
+  vtkNew<vtkVolumeRegion> region;
+  region->SetInputConnection(reader->GetOutputPort());
+  region->SetPosition(0, 0, 1);
+  region->SetLength(599, 599, 0);
+  region->SetMemoryLimit(1);
+  UpdatePart(region.Get());
+  const int level = GetNumberOfRanks() > 1 ? 0 : 1;
+  ExpectWhole(vtkImageData::SafeDownCast(region->GetOutput()),
+    SubsampleImage(CutImage(image, { 0, 599, 0, 599, 0, 0 }), level)->GetExtent());
 }
 
 TEST(SamplesOnRanks, ABoxHasTheSamplesOfTheImage)
@@ -438,6 +527,37 @@ TEST(SamplesOnRanks, ValuesAtPointsAreThoseOfStock)
   }
 }
 
+TEST(SamplesOnRanks, PointsFollowTheTime)
+{
+  const SharedVolume volume("ProbeTimes", TimeSource::MakeImageAt(0), { 16, 3 });
+  const auto reader = MakeReader(volume.Path);
+  reader->SetController(GetRanks());
+  vtkNew<TimeSource> points;
+  points->SetTimes({ 1, 2, 5 });
+  vtkNew<vtkVolumeProbe> probe;
+  probe->SetInputConnection(reader->GetOutputPort());
+  probe->SetSourceConnection(points->GetOutputPort());
+  probe->SetController(GetRanks());
+  probe->UpdateInformation();
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  vtkInformation* info = probe->GetOutputInformation(0);
+  ASSERT_EQ(info->Length(Pipeline::TIME_STEPS()), 3);
+  for (const double time : { 1.0, 5.0, 2.0 })
+  {
+    probe->UpdateTimeStep(time, GetRank(), GetNumberOfRanks(), 0);
+    EXPECT_EQ(probe->GetOutput()->GetNumberOfElements(vtkDataObject::POINT),
+      points->GetOutput()->GetNumberOfPoints());
+    vtkImageData* part = points->GetOutput(); // that was probed
+    const auto whole = TimeSource::MakeImageAt(time);
+    for (vtkIdType point = 0; point < part->GetNumberOfPoints(); ++point)
+    {
+      const vtkIdType same = whole->FindPoint(part->GetPoint(point));
+      ASSERT_EQ(part->GetPointData()->GetScalars()->GetTuple1(point),
+        whole->GetPointData()->GetScalars()->GetTuple1(same));
+    }
+  }
+}
+
 TEST(SamplesOnRanks, WhatIsBesideTheVolumeIsToldByAllAndTheNextRequestSucceeds)
 {
   const auto image = MakeSampledImage(VTK_SHORT);
@@ -458,6 +578,8 @@ TEST(SamplesOnRanks, WhatIsBesideTheVolumeIsToldByAllAndTheNextRequestSucceeds)
     const ErrorCounter ofRegion(region);
     update(region);
     ExpectOneError(ofRegion, { volume.Path, "the box is beside the volume" });
+    EXPECT_STREQ(slice->GetShownText(), "");
+    EXPECT_STREQ(region->GetShownText(), "");
   }
   slice->SetOrigin(image->GetCenter());
   UpdatePart(slice.Get());

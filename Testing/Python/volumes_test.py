@@ -392,6 +392,7 @@ class Writing(VolumeTest):
         record = numpy.zeros(samples.shape, [("a", "u1"), ("b", "i2")])
         record["b"] = samples
         self.check_round_trip(record["b"], samples)
+        self.check_round_trip(samples[..., None], samples)  # of one component
         self.check_round_trip(samples[:4, :5, :6].tolist(), samples[:4, :5, :6].astype("int64"))
 
     @unittest.skipUnless(zarr, "there is no Zarr")
@@ -441,6 +442,29 @@ class Writing(VolumeTest):
         self.assertEqual(coarse.spacing, (6, 4, 2))
         numpy.testing.assert_array_equal(coarse[...], make_samples("int8", seed=2)[::2, ::2, ::2])
 
+    def test_a_file_of_several_steps_is_not_replaced_by_its_first_one(self):
+        for number in range(2):
+            si.create(make_samples("int8", seed=number), self.path("a.bvol"), time=number, append=number > 0)
+        with self.assertRaisesRegex(ValueError, "a.bvol: is its own source"):
+            si.create(self.path("a.bvol"), self.path("a.bvol"), compression="zstd")
+        numpy.testing.assert_array_equal(si.open(self.path("a.bvol"), 1)[...], make_samples("int8", seed=1))
+
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_a_rectilinear_grid_lies_where_its_coordinates_are(self):
+        with h5py.File(self.path("lined.nc"), "w") as file:
+            for name, size in (("x", 6), ("y", 5), ("z", 4)):
+                file[name] = numpy.arange(size, dtype=float) ** 2
+                file[name].make_scale(name)
+            file["v"] = make_samples("float32", (4, 5, 6))
+            for axis, name in enumerate("zyx"):
+                file["v"].dims[axis].attach_scale(file[name])
+        lined = si.open(self.path("lined.nc"))
+        numpy.testing.assert_array_equal(lined.coordinates[0], [0, 1, 4, 9, 16, 25])
+        for place in ({"origin": (1, 2, 3)}, {"direction": numpy.diag([-1, 1, 1])}):
+            self.assertRaisesRegex(ValueError, "rectilinear", si.create, lined, self.path("a.bvol"), **place)
+        even = si.create(lined, self.path("a.bvol"), spacing=(1, 1, 1), origin=(1, 2, 3))
+        self.assertEqual((even.coordinates, even.origin), (None, (1, 2, 3)))
+
     def test_what_a_slice_raises_is_raised(self):
         class Broken:
             shape = SHAPE
@@ -474,6 +498,8 @@ class Writing(VolumeTest):
             (samples, {"compression": "zstd:x"}),
             (samples, {"replicas": 2}),
             (samples, {"spacing": (0, 1, 1)}),
+            (samples, {"spacing": 1}),
+            (samples, {"origin": (1, 2)}),
             (samples, {"direction": numpy.zeros((3, 3))}),
             (samples, {"direction": numpy.eye(2)}),
         ):

@@ -158,10 +158,18 @@ double FindSpacing(const VertexPlaces& places, const Index3& dimensions)
   return std::isfinite(spacing) ? spacing : 1;
 }
 
+// The smallest spacing at which a rectangle has at most so many vertices, of which there are more
+// than one: (width / spacing + 1) * (height / spacing + 1) = points.
+double FindSpacingWithin(double width, double height, double points)
+{
+  const double sum = width + height;
+  return (sum + std::sqrt(sum * sum + 4 * (points - 1) * width * height)) / (2 * (points - 1));
+}
+
 } // namespace
 
 std::optional<PlaneLattice> PlaneLattice::Make(
-  const GridGeometry& grid, const GridLines* lines, const Plane& plane)
+  const GridGeometry& grid, const GridLines* lines, const Plane& plane, double maximumPoints)
 {
   const double length = std::sqrt(Dot(plane.Normal, plane.Normal));
   if (grid.GetNumberOfVertices() == 0 || !(length > 0) || !std::isfinite(length))
@@ -186,7 +194,7 @@ std::optional<PlaneLattice> PlaneLattice::Make(
     const Vector3 axis = steepness.GetAxis(steepness.FindMinimum());
     const Vector3 first = Normalize(AddScaled(axis, -Dot(axis, normal), normal));
     lattice.Cover(cuts, { first, Cross(normal, first), normal },
-      FindSpacing(lattice.Places, grid.GetDimensions()));
+      FindSpacing(lattice.Places, grid.GetDimensions()), maximumPoints);
   }
   return lattice;
 }
@@ -219,11 +227,27 @@ void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vec
   }
 }
 
-void PlaneLattice::Cover(
-  const std::vector<Vector3>& cuts, const std::array<Vector3, 3>& axes, double spacing)
+void PlaneLattice::Cover(const std::vector<Vector3>& cuts, const std::array<Vector3, 3>& axes,
+  double spacing, double maximumPoints)
 {
   const Vector3& start = cuts.front();
+  std::array<double, 2> low{};
+  std::array<double, 2> length{};
   this->Image.Origin = start;
+  for (std::size_t column = 0; column < 2; ++column)
+  {
+    double high = 0;
+    for (const Vector3& cut : cuts)
+    {
+      const double place = Dot(Subtract(cut, start), axes[column]);
+      low[column] = std::min(low[column], place);
+      high = std::max(high, place);
+    }
+    length[column] = high - low[column];
+    this->Image.Origin = AddScaled(this->Image.Origin, low[column], axes[column]);
+  }
+  const double fit = FindSpacingWithin(length[0], length[1], maximumPoints);
+  spacing = std::max(spacing, fit);
   this->Image.Spacing = { spacing, spacing, spacing };
   this->Image.Extent[4] = this->Image.Extent[5] = 0;
   for (std::size_t column = 0; column < 3; ++column)
@@ -232,19 +256,10 @@ void PlaneLattice::Cover(
   }
   for (std::size_t column = 0; column < 2; ++column)
   {
-    double low = 0;
-    double high = 0;
-    for (const Vector3& cut : cuts)
-    {
-      const double place = Dot(Subtract(cut, start), axes[column]);
-      low = std::min(low, place);
-      high = std::max(high, place);
-    }
-    this->Image.Origin = AddScaled(this->Image.Origin, low, axes[column]);
     this->Image.Extent[2 * column] = 0;
     // Rounded, so that a length of whole cells ends at a vertex.
     this->Image.Extent[2 * column + 1] =
-      static_cast<std::int64_t>(std::floor((high - low) / spacing + 1e-6));
+      static_cast<std::int64_t>(std::floor(length[column] / spacing + 1e-6));
   }
   this->ImagePlaces = VertexPlaces(this->Image);
 }

@@ -37,24 +37,16 @@ class PlaneLattice
 {
 public:
   /// Nothing if the plane has no point of the grid, or if the grid has no vertices. `lines`: of a
-  /// rectilinear grid.
-  static std::optional<PlaneLattice> Make(
-    const GridGeometry& grid, const GridLines* lines, const Plane& plane);
+  /// rectilinear grid. `maximumPoints`, more than 1: a plane that is not aligned has larger cells if
+  /// it would have more points.
+  static std::optional<PlaneLattice> Make(const GridGeometry& grid, const GridLines* lines,
+    const Plane& plane, double maximumPoints = 1e12);
 
   /// The image's geometry, with an extent of one vertex on the third axis.
   const GridGeometry& GetImage() const { return this->Image; }
 
   /// Whether the plane is along two axes of a regular grid: then no point is beyond the grid.
   bool IsAligned() const { return this->Axis.has_value(); }
-  /// Of an aligned plane: the axis of the grid that it is perpendicular to, the plane's vertex
-  /// coordinate there, and the axis of the grid that is the first (0) or second (1) of the image.
-  std::size_t GetAxis() const { return *this->Axis; }
-  double GetVertex() const { return this->Vertex; }
-  std::size_t GetImageAxis(std::size_t number) const
-  {
-    return number < *this->Axis ? number : number + 1;
-  }
-
   /**
    * Fills `values` with one variable at the points of a part of the image, whose vertices are
    * counted from 0, x fastest; `isInside` (may be null) tells which points are within the grid, as
@@ -80,8 +72,13 @@ private:
   void AlignTo(const GridGeometry& grid, std::size_t axis, const std::array<double, 3>& point);
   /// Covers points of the plane; the axes have length 1.
   void Cover(const std::vector<std::array<double, 3>>& points,
-    const std::array<std::array<double, 3>, 3>& axes, double spacing);
+    const std::array<std::array<double, 3>, 3>& axes, double spacing, double maximumPoints);
   std::array<double, 3> FindVertex(const Index3& imageVertex) const;
+  /// Of an aligned plane: the axis of the grid that is the first (0) or second (1) of the image.
+  std::size_t GetImageAxis(std::size_t number) const
+  {
+    return number < *this->Axis ? number : number + 1;
+  }
   Status SampleAligned(const LevelSamples& samples, std::size_t variable,
     Interpolation interpolation, const VertexBox& part, int threads, void* values,
     std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress) const;

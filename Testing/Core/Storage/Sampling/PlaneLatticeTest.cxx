@@ -158,6 +158,21 @@ TEST(PlaneLattice, AnyPlaneIsCoveredWithinHalfACell)
   }
 }
 
+TEST(PlaneLattice, AnObliquePlaneHasNoMorePointsThanItMay)
+{
+  GridGeometry grid = MakeGeometry({ 40, 100, 70 });
+  grid.Spacing = { 1, 1, 1e-6 }; // the smallest spacing is that of the pixels
+  for (const double maximum : { 4.0, 100.0, 12345.0, 1e6 })
+  {
+    const auto lattice =
+      PlaneLattice::Make(grid, nullptr, { FindMiddle(grid), { 1, 0.3, 2e-5 } }, maximum);
+    ASSERT_TRUE(lattice);
+    const auto points = static_cast<double>(lattice->GetImage().GetNumberOfVertices());
+    EXPECT_LE(points, maximum);
+    EXPECT_GE(points, maximum / 4);
+  }
+}
+
 TEST(PlaneLattice, PartsHaveThePointsOfTheWhole)
 {
   const GridGeometry grid = MakeRotatedGrid();
