@@ -2,7 +2,7 @@
 #   isosurface_make_help_pages(<documentation folder> <output folder>)
 # The pages are in one folder, those of Documentation/reference, too.
 set(ISOSURFACE_HELP_PAGES tour window user-guide install writing in-place replicas command-line reading isosurfaces
-  levels choosing-isovalues edge-index many-ranks python cpp troubleshooting)
+  samples levels choosing-isovalues edge-index many-ranks python cpp troubleshooting)
 
 # Gives headings the names that links have for them.
 function(isosurface_name_headings variable)
@@ -40,6 +40,7 @@ function(isosurface_make_help_pages documentation output)
     endforeach()
     string(REGEX REPLACE "<a href=\"[^\"#]*(\\.md[^\"]*|[^l\"#])\">([^<]*)</a>" "\\2" text "${text}")
     string(REGEX REPLACE "<a href=\"\\.\\./[^\"]*\">([^<]*)</a>" "\\1" text "${text}")
+    string(REPLACE "src=\"../images/" "src=\"images/" text "${text}")
     string(REGEX MATCH "<h1>([^<]*)</h1>" title "${text}")
     set(text
       "<html><head><meta charset=\"utf-8\"/><title>${CMAKE_MATCH_1}</title></head><body>\n${text}</body></html>\n")
