@@ -113,7 +113,7 @@ isosurface::PointPortions MakePortions(vtkDataSet* points, const isosurface::Ver
 vtkSmartPointer<vtkDataArray> AddPointArray(
   vtkDataSet* points, const isosurface::ArrayDescription& description)
 {
-  const auto values = vtkSmartPointer<vtkDataArray>::Take(
+  auto values = vtkSmartPointer<vtkDataArray>::Take(
     vtkDataArray::CreateDataArray(isosurface::GetVTKType(description.Type)));
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);

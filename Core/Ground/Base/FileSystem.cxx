@@ -153,7 +153,7 @@ public:
 
   Status SyncAndClose() override
   {
-    const Status synced = this->Sync();
+    Status synced = this->Sync();
     this->File.reset();
     return synced;
   }

@@ -27,7 +27,7 @@ Status RunWithReplicas(
 {
   while (true)
   {
-    const Status mine = step();
+    Status mine = step();
     BlockedVolume* volume = getVolume();
     if (!volume || volume->GetHeader().NumberOfReplicas == 1)
     {
@@ -38,7 +38,7 @@ Status RunWithReplicas(
     {
       warning += (warning.empty() ? "" : "; ") + news.Warning;
     }
-    const Status all = ranks.Agree(mine);
+    Status all = ranks.Agree(mine);
     if (all.IsOk() || all.GetCode() == StatusCode::Aborted || !news.IsNew)
     {
       return all;
