@@ -36,6 +36,16 @@ namespace
 
 using Pipeline = vtkStreamingDemandDrivenPipeline;
 
+// "300 x 200 points, full resolution"
+std::string Describe(const ImagePlan& plan, const VolumeInput& input)
+{
+  const std::string& sample = input.GetHandle().GetSampleText();
+  const std::string level =
+    plan.Level == 0 ? "full resolution" : "level " + std::to_string(plan.Level);
+  return plan.Size + ", " + (sample.empty() ? level : sample) +
+    (plan.Note.empty() ? "" : "; " + plan.Note);
+}
+
 // The piece that is asked for of an image, by whichever output.
 VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformationVector* output)
 {
@@ -111,7 +121,7 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
     if (planned.IsOk()) // else RequestData tells why not
     {
       image = *planned;
-      this->Text = image.Text;
+      this->Text = Describe(image, input);
       std::copy(image.Grid.Extent.begin(), image.Grid.Extent.end(), extent);
     }
   }
@@ -174,7 +184,7 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
     status = planned.GetStatus();
     if (status.IsOk())
     {
-      this->Text = planned->Text;
+      this->Text = Describe(*planned, input);
       status = RunWithinMemory(input.GetVolume()->GetPath(), BlockedVolume::NoMemoryReason,
         [&]
         {

@@ -37,7 +37,8 @@ struct ImagePlan
   GridGeometry Grid;
   std::optional<GridLines> Lines; ///< of a rectilinear grid
   bool HasOutside = false;        ///< whether vertices may lie beyond the volume
-  std::string Text;               ///< what it is, for people
+  std::string Size;               ///< of it, for people
+  std::string Note;               ///< what else people need to know; perhaps empty
 };
 
 /// How many bytes one sample of each of the arrays takes.

@@ -237,11 +237,9 @@ Result<ImagePlan> vtkVolumeRegion::Steps::Plan(
       image.Lines = lines->Cut(box);
     }
     this->Low = box.Low;
-    image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
-      std::to_string(size[2]) + " samples, " + DescribeMemory(bytes) + ", " +
-      (level == 0
-          ? "full resolution"
-          : "level " + std::to_string(level) + "; full resolution takes " + DescribeMemory(finest));
+    image.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+      std::to_string(size[2]) + " samples, " + DescribeMemory(bytes);
+    image.Note = level == 0 ? "" : "full resolution takes " + DescribeMemory(finest);
     return image;
   }
   return Status(StatusCode::InvalidArgument,

@@ -45,11 +45,6 @@ using isosurface::StatusCode;
 namespace
 {
 
-std::string DescribeLevel(int level)
-{
-  return level == 0 ? "full resolution" : "level " + std::to_string(level);
-}
-
 // Removes the lines in cells with a hidden point: one of their ends has no sample. So have the lines
 // beside NaN: an end of them is nowhere.
 void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
@@ -316,8 +311,7 @@ Result<ImagePlan> vtkVolumeSlice::Steps::Plan(const isosurface::BlockedVolume& v
     }
   }
   const isosurface::Index3 size = image.Grid.GetDimensions();
-  image.Text = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " +
-    DescribeLevel(image.Level);
+  image.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points";
   return image;
 }
 

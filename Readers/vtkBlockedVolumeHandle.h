@@ -23,6 +23,7 @@
 #include <cstddef> // For std::size_t
 #include <memory>  // For std::shared_ptr
 #include <set>     // For the takers
+#include <string>  // For the text
 #include <utility> // For std::move
 #include <vector>  // For the arrays
 
@@ -60,6 +61,14 @@ public:
    */
   void SetArrays(std::vector<std::size_t> arrays) { this->Arrays = std::move(arrays); }
   const std::vector<std::size_t>& GetArrays() const { return this->Arrays; }
+  ///@}
+
+  ///@{
+  /**
+   * If the volume is a sample of a file that is being indexed: how much of it that is, for people.
+   */
+  void SetSampleText(const std::string& text) { this->SampleText = text; }
+  const std::string& GetSampleText() const { return this->SampleText; }
   ///@}
 
   /**
@@ -105,6 +114,7 @@ private:
   std::shared_ptr<isosurface::BlockedVolume> Volume;
   isosurface::Status Error;
   std::vector<std::size_t> Arrays;
+  std::string SampleText;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;
   bool IsBox = false;

@@ -216,6 +216,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
   }
   (*volume)->SetLocalStores(this->LocalStores);
   this->Handle->SetVolume(*volume);
+  this->Handle->SetSampleText(this->StandIn ? this->StandInText : "");
   return true;
 }
 

@@ -12,6 +12,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
+#include "vtkVolumeSlice.h"
 
 #include "ControllerCommunicator.h"
 #include "Formats/Opener/ForeignVolume.h"
@@ -188,6 +189,25 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
   EXPECT_GT(this->CountTriangles(), coarse);
   EXPECT_EQ(this->Reader->GetIndexing()[0], 0);
+}
+
+TEST_F(FirstContact, ASliceSaysThatItIsOfASampleUntilItIsOfTheIndex)
+{
+  vtkNew<vtkVolumeSlice> slice;
+  slice->SetInputConnection(this->Reader->GetOutputPort());
+  slice->SetOrigin(this->Image->GetCenter());
+  const ExpectNoErrors errors(slice);
+  const auto describe = [&]
+  {
+    this->Reader->AllowCoarse(1); // as a window does before it updates
+    slice->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    this->Reader->AllowCoarse(0);
+    return std::string(slice->GetShownText());
+  };
+  EXPECT_EQ(describe(), "81 x 131 points, one of 2 x 1 x 1 samples");
+  EXPECT_EQ(this->Advance(), 2);
+  this->Reader->TakeIndex();
+  EXPECT_EQ(describe(), "161 x 131 points, full resolution");
 }
 
 TEST_F(FirstContact, WaitsForTheIndexOnceItMayNotBeCoarse)
