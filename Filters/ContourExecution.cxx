@@ -325,7 +325,7 @@ Status ContourExecution::ChooseIslands(Communicator& ranks, const Status& extrac
   Status status = extracted;
   if (status.IsOk())
   {
-    status = Attempt("the islands of the isosurface cannot be found",
+    status = Attempt(NoMemoryForIslands,
       [&]
       {
         grids = makeGrids();

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace isosurface
@@ -109,7 +108,7 @@ private:
   template <typename Step>
   Status Try(const Step& step)
   {
-    return this->Ranks.Agree(Attempt("the connected parts of the isosurface cannot be found",
+    return this->Ranks.Agree(Attempt(NoMemoryForIslands,
       [&]
       {
         step();
@@ -316,10 +315,10 @@ private:
           {
             for (std::size_t cell = begin; cell < end; ++cell)
             {
-              firsts[range + 1] += isKept(cell) ? 1 : 0;
+              firsts[range] += isKept(cell) ? 1 : 0;
             }
           });
-        std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
+        SumRanges(firsts);
         this->Chosen.Ids = Buffer<std::int64_t>(firsts.back());
         ForRanges(surface.NumberOfCells, this->Threads,
           [&](std::size_t begin, std::size_t end, std::size_t range)

@@ -18,6 +18,9 @@
 namespace isosurface
 {
 
+/// What an error of a shortage of memory says.
+constexpr const char* NoMemoryForIslands = "the islands of the isosurface cannot be found";
+
 /// By what islands are large or small.
 enum class IslandSize
 {

@@ -2,12 +2,12 @@
 #include "Ranks/Islands/IslandJoin.h"
 
 #include "Ground/Base/Coding.h"
+#include "Ranks/Islands/IslandChoice.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
 #include <optional>
-#include <string>
 #include <tuple>
 #include <utility>
 
@@ -203,10 +203,9 @@ void AddMeasures(IslandGroups& groups, std::size_t rank, const std::vector<Messa
 Status JoinIslands(Communicator& ranks, std::vector<SharedPoint> points,
   std::vector<IslandMeasure>& measures, std::vector<std::uint8_t>& areOwned)
 {
-  const std::string context = "the connected parts of the isosurface cannot be found";
   const auto rank = static_cast<std::size_t>(ranks.GetRank());
   std::vector<Message> outgoing;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context,
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(NoMemoryForIslands,
     [&]
     {
       areOwned.assign(measures.size(), 1);
@@ -215,7 +214,7 @@ Status JoinIslands(Communicator& ranks, std::vector<SharedPoint> points,
     })));
   std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
   Message mine;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context,
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(NoMemoryForIslands,
     [&]
     {
       mine = PackMeetings(FindMeetings(incoming));
@@ -224,7 +223,7 @@ Status JoinIslands(Communicator& ranks, std::vector<SharedPoint> points,
     })));
   std::vector<Message> all = ranks.AllGather(mine);
   std::optional<IslandGroups> groups;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context,
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(NoMemoryForIslands,
     [&]
     {
       groups.emplace(UnpackMeetings(all));
@@ -232,7 +231,7 @@ Status JoinIslands(Communicator& ranks, std::vector<SharedPoint> points,
       return Status::Ok();
     })));
   all = ranks.AllGather(mine);
-  return ranks.Agree(Attempt(context,
+  return ranks.Agree(Attempt(NoMemoryForIslands,
     [&]
     {
       AddMeasures(*groups, rank, all, measures, areOwned);

@@ -12,16 +12,6 @@ namespace isosurface
 namespace
 {
 
-/// What was counted in each range becomes what was counted before it.
-void SumRanges(std::vector<std::size_t>& counts)
-{
-  std::size_t sum = 0;
-  for (std::size_t& count : counts)
-  {
-    sum += std::exchange(count, sum);
-  }
-}
-
 /// The points, cells and corners that are kept of a surface with indices of a type.
 template <typename Index>
 class KeptSurface

@@ -121,12 +121,9 @@ void IslandLabels::Label(const Surface& surface, int threads, Forest<Index>& lab
         labels[point].store(root, std::memory_order_relaxed);
         roots += static_cast<std::size_t>(root) == point ? 1 : 0;
       }
-      firsts[range + 1] = roots;
+      firsts[range] = roots;
     });
-  for (std::size_t range = 1; range < firsts.size(); ++range)
-  {
-    firsts[range] += firsts[range - 1];
-  }
+  SumRanges(firsts);
   this->NumberOfIslands = firsts.back();
   ForRanges(points, threads,
     [&](std::size_t begin, std::size_t end, std::size_t range)

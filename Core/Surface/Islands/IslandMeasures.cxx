@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Surface/Islands/IslandMeasures.h"
 
+#include "Ground/Volume/Vector3.h"
 #include "Surface/Contour/WorldTransform.h"
 #include "Surface/Islands/SurfaceRanges.h"
 
@@ -13,23 +14,6 @@ namespace isosurface
 {
 namespace
 {
-
-using Vector3 = std::array<double, 3>;
-
-Vector3 Subtract(const Vector3& a, const Vector3& b)
-{
-  return { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
-}
-
-double Dot(const Vector3& a, const Vector3& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector3 Cross(const Vector3& a, const Vector3& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
 
 Vector3 GetPoint(const Surface& surface, std::size_t point)
 {

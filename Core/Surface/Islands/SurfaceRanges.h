@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace isosurface
 {
@@ -30,6 +32,17 @@ void ForRanges(std::size_t items, int threads, const Body& body)
       const std::size_t begin = range * SurfaceRangeSize;
       body(begin, std::min(items, begin + SurfaceRangeSize), range);
     });
+}
+
+/// What was counted in each range becomes what was counted before it; what comes after the last
+/// range, and was 0, becomes the sum.
+inline void SumRanges(std::vector<std::size_t>& counts)
+{
+  std::size_t sum = 0;
+  for (std::size_t& count : counts)
+  {
+    sum += std::exchange(count, sum);
+  }
 }
 
 /// The cells of a surface, whose indices have the type Index.
