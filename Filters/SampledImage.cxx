@@ -3,6 +3,7 @@
 
 #include "BlockImage.h"
 #include "VolumeInput.h"
+#include "VolumeReading.h"
 #include "vtkBlockedVolumeHandle.h"
 
 #include "vtkAlgorithm.h"
@@ -22,7 +23,6 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
-#include "Ground/Base/WithinMemory.h"
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -88,19 +88,7 @@ void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
 
 } // namespace
 
-std::uint64_t CountBytesOfSample(
-  const BlockedVolume& volume, const std::vector<std::size_t>& arrays)
-{
-  std::uint64_t bytes = 0;
-  for (const std::size_t array : arrays)
-  {
-    const ArrayDescription& description = volume.GetHeader().Arrays[array];
-    bytes += GetValueSize(description.Type) * static_cast<std::uint64_t>(description.Components);
-  }
-  return bytes;
-}
-
-int SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
+void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   vtkMultiProcessController* controller, const Planner& plan)
 {
   const VolumeInput input(inInfo);
@@ -139,27 +127,6 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   {
     outInfo->Set(vtkDataObject::DATA_OBJECT(), vtkNew<vtkImageData>());
   }
-  return 1;
-}
-
-Status SampledImage::CheckInput(const VolumeInput& input)
-{
-  return input ? input.GetStatus()
-               : Status(StatusCode::InvalidArgument,
-                   "the input is no blocked volume or volume in place. For data in memory use "
-                   "ParaView's Slice, Extract Subset or Resample With Dataset");
-}
-
-void SampledImage::AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo)
-{
-  inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()));
-  inInfo->Set(
-    Pipeline::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-  if (const VolumeInput input(inInfo); input)
-  {
-    input.GetHandle().BeginTaking(&filter);
-  }
 }
 
 bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
@@ -169,37 +136,16 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
   const VolumeInput input(inInfo);
-  if (input)
-  {
-    input.GetHandle().EndTaking(&this->Filter);
-  }
   ControllerCommunicator ranks(controller);
-  std::vector<CommonValue> common = input.MakeCommonValues();
-  common.push_back({ properties, "the properties of the filter are not the same on all ranks" });
-  Status status = ranks.Agree(CheckInput(input), common);
-  if (status.IsOk())
-  {
-    const int threads = ranks.ChooseThreads(0);
-    const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays());
-    status = planned.GetStatus();
-    if (status.IsOk())
+  const Status status = ReadVolume(this->Filter, ranks, input, properties,
+    [&](int threads) -> Status
     {
+      const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays());
+      ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
       this->Text = Describe(*planned, input);
-      status = RunWithinMemory(input.GetVolume()->GetPath(), BlockedVolume::NoMemoryReason,
-        [&]
-        {
-          return this->FillPart(
-            input, FindPart(*planned, request, output), outInfo, threads, *planned, fill);
-        });
-    }
-    if (IsAborted(this->Filter))
-    {
-      status = Status(StatusCode::Aborted, "reading was aborted");
-    }
-    const StoreNews news = input.GetVolume()->ShareStoreFaults(ranks);
-    status = ranks.Agree(status);
-    ReportWarning(&this->Filter, ranks, status, news.Warning);
-  }
+      return this->FillPart(
+        input, FindPart(*planned, request, output), outInfo, threads, *planned, fill);
+    });
   if (!status.IsOk())
   {
     this->Text.clear();
@@ -238,11 +184,7 @@ Status SampledImage::FillPart(const VolumeInput& input, const VertexBox& part,
   std::vector<std::uint8_t> isInside(
     plan.HasOutside ? static_cast<std::size_t>(part.GetNumberOfVertices()) : 0, 1);
   QueryStatistics statistics;
-  int all = 0;
-  for (const std::size_t array : arrays)
-  {
-    all += volume.GetHeader().Arrays[array].Components;
-  }
+  const int all = CountComponents(volume, arrays);
   int done = 0;
   for (const std::size_t array : arrays)
   {

@@ -41,10 +41,6 @@ struct ImagePlan
   std::string Note;               ///< what else people need to know; perhaps empty
 };
 
-/// How many bytes one sample of each of the arrays takes.
-std::uint64_t CountBytesOfSample(
-  const BlockedVolume& volume, const std::vector<std::size_t>& arrays);
-
 /**
  * The common steps of filters that make an image of a blocked volume's samples, each rank a part of
  * it. All ranks of the controller execute together, and all must reach all stores.
@@ -69,14 +65,8 @@ public:
 
   /// Tells the pipeline the image's extent and place. Collective if the input's volume is made by
   /// its first update, as an index in place is: then that is done.
-  int TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
+  void TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
     vtkMultiProcessController* controller, const Planner& plan);
-
-  /// RequestUpdateExtent: the reader's own output is not needed.
-  static void AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo);
-
-  /// Ok if there is an open volume at the input.
-  static Status CheckInput(const VolumeInput& input);
 
   /// RequestData: fills the first output. `properties`: a checksum of those of the filter. False if
   /// there was an error, which is reported, or a stop: then the output is empty, and the caller

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkVolumeProbe.h"
 
-#include "SampledImage.h"
+#include "BlockImage.h"
 #include "VolumeInput.h"
+#include "VolumeReading.h"
 #include "vtkBlockedVolumeHandle.h"
 
 #include "vtkCharArray.h"
@@ -22,7 +23,6 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Ground/Base/WithinMemory.h"
 #include "Ground/Volume/VertexPlaces.h"
 #include "ImageSamples.h"
 #include "Storage/Sampling/PointSampling.h"
@@ -133,11 +133,13 @@ struct vtkVolumeProbe::Steps
   int Threads;
   std::uint64_t Points = 0;
   std::uint64_t PointsInside = 0;
+  int Parts = 0; ///< components of arrays, in all datasets
+  int Done = 0;
 
   /// Adds the arrays of the volume to datasets that have their own already.
   Status Probe(const std::vector<vtkDataSet*>& datasets);
   Status ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
-    isosurface::QueryStatistics& statistics, const isosurface::Progress& progress);
+    isosurface::QueryStatistics& statistics);
 };
 
 //------------------------------------------------------------------------------
@@ -211,8 +213,7 @@ int vtkVolumeProbe::RequestInformation(
 int vtkVolumeProbe::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  isosurface::SampledImage::AskVolume(
-    *this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
+  isosurface::AskVolume(*this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
   return 1;
 }
 
@@ -223,39 +224,27 @@ int vtkVolumeProbe::RequestData(
   const isosurface::VolumeInput volume(input[0]->GetInformationObject(0));
   vtkDataObject* made = vtkDataObject::GetData(output, 0);
   made->Initialize();
-  if (volume)
-  {
-    volume.GetHandle().EndTaking(this);
-  }
   isosurface::ControllerCommunicator ranks(this->Controller);
   isosurface::Fingerprint properties;
   properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
-  std::vector<isosurface::CommonValue> common = volume.MakeCommonValues();
-  common.push_back(
-    { properties.Get(), "the properties of the filter are not the same on all ranks" });
-  Status status = ranks.Agree(isosurface::SampledImage::CheckInput(volume), common);
+  std::vector<std::uint64_t> counts(2, 0); // points, and those inside
+  const Status status = isosurface::ReadVolume(*this, ranks, volume, properties.Get(),
+    [&](int threads) -> Status
+    {
+      CopyPoints(vtkDataObject::GetData(input[1], 0), made);
+      Steps steps = { *this, volume, threads };
+      ISOSURFACE_RETURN_IF_ERROR(steps.Probe(vtkCompositeDataSet::GetDataSets<vtkDataSet>(made)));
+      counts = { steps.Points, steps.PointsInside };
+      return Status::Ok();
+    });
   if (status.IsOk())
   {
-    CopyPoints(vtkDataObject::GetData(input[1], 0), made);
-    Steps steps = { *this, volume, ranks.ChooseThreads(0) };
-    status = isosurface::RunWithinMemory(volume.GetVolume()->GetPath(),
-      isosurface::BlockedVolume::NoMemoryReason,
-      [&] { return steps.Probe(vtkCompositeDataSet::GetDataSets<vtkDataSet>(made)); });
-    if (isosurface::IsAborted(*this))
-    {
-      status = Status(isosurface::StatusCode::Aborted, "reading was aborted");
-    }
-    const isosurface::StoreNews news = volume.GetVolume()->ShareStoreFaults(ranks);
-    status = ranks.Agree(status);
-    std::vector<std::uint64_t> counts = { steps.Points, steps.PointsInside };
     ranks.ReduceSum(counts);
-    isosurface::ReportWarning(this, ranks, status, news.Warning);
-    if (counts[0] > 0 && counts[1] == 0)
-    {
-      isosurface::ReportWarning(this, ranks, status,
-        volume.GetVolume()->GetPath() + ": all " + std::to_string(counts[0]) +
-          " points are beyond the volume");
-    }
+    const bool areOutside = counts[0] > 0 && counts[1] == 0;
+    isosurface::ReportWarning(this, ranks, status,
+      areOutside ? volume.GetVolume()->GetPath() + ": all " + std::to_string(counts[0]) +
+          " points are beyond the volume"
+                 : "");
   }
   if (!status.IsOk())
   {
@@ -270,18 +259,19 @@ Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
   const auto samples =
     isosurface::LevelSamples::Open(this->Input.GetVolume(), this->Input.GetTimeStep(), 0);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  this->Parts = static_cast<int>(datasets.size()) *
+    isosurface::CountComponents(*this->Input.GetVolume(), this->Input.GetHandle().GetArrays());
   isosurface::QueryStatistics statistics;
   for (vtkDataSet* dataset : datasets)
   {
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->ProbeOne(**samples, dataset, statistics, isosurface::MakeProgress(this->Filter)));
+    ISOSURFACE_RETURN_IF_ERROR(this->ProbeOne(**samples, dataset, statistics));
   }
   return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
 Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
-  isosurface::QueryStatistics& statistics, const isosurface::Progress& progress)
+  isosurface::QueryStatistics& statistics)
 {
   isosurface::BlockedVolume& volume = samples.GetVolume();
   const isosurface::VertexPlaces places(volume.GetHeader().Grid, volume.GetLines(0));
@@ -302,8 +292,11 @@ Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, 
   {
     const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[array];
     vtkSmartPointer<vtkDataArray> values = AddPointArray(dataset, description);
-    for (int component = 0; component < description.Components; ++component)
+    for (int component = 0; component < description.Components; ++component, ++this->Done)
     {
+      const auto progress =
+        isosurface::MakeProgress(this->Filter, static_cast<double>(this->Done) / this->Parts,
+          static_cast<double>(this->Done + 1) / this->Parts);
       ISOSURFACE_RETURN_IF_ERROR(isosurface::SamplePoints(samples,
         *volume.GetVariables().Find(array, component), interpolation, MakePortions(dataset, places),
         this->Threads, values->GetVoidPointer(component), description.Components, isInside,

@@ -3,6 +3,7 @@
 #include "vtkVolumeRegion.h"
 
 #include "SampledImage.h"
+#include "VolumeReading.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -16,7 +17,6 @@
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -43,6 +43,35 @@ std::string DescribeMemory(double bytes)
   return text;
 }
 
+// The vertices of a level around a box of vertices of full resolution. The last ones of the level may
+// lie before the box.
+VertexBox CoarsenAround(const VertexBox& finest, int level, const Index3& dimensions)
+{
+  VertexBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t last = dimensions[axis] - 1;
+    const std::int64_t step = std::int64_t{ 1 } << level;
+    box.Low[axis] = std::min(last, finest.Low[axis] / step);
+    box.High[axis] = std::min(last, (finest.High[axis] + step - 2) / step) + 1;
+  }
+  return box;
+}
+
+// How many bytes one sample of each of the arrays takes.
+std::uint64_t CountBytesOfSample(
+  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+{
+  std::uint64_t bytes = 0;
+  for (const std::size_t array : arrays)
+  {
+    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[array];
+    bytes += isosurface::GetValueSize(description.Type) *
+      static_cast<std::uint64_t>(description.Components);
+  }
+  return bytes;
+}
+
 } // namespace
 
 struct vtkVolumeRegion::Steps
@@ -59,7 +88,8 @@ struct vtkVolumeRegion::Steps
 
   std::uint64_t SumProperties() const;
   /// The vertices of a level around the box; empty if it is beside the volume.
-  VertexBox FindVertices(const isosurface::BlockedVolume& volume, int level) const;
+  /// The vertices of full resolution around the box; empty if it is beside the volume.
+  VertexBox FindVertices(const isosurface::BlockedVolume& volume) const;
   /// The finest level that keeps the memory limit.
   Result<ImagePlan> Plan(
     const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays);
@@ -111,18 +141,18 @@ int vtkVolumeRegion::RequestDataObject(
 int vtkVolumeRegion::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
+  this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
     output->GetInformationObject(0), this->Controller,
     [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
     { return this->Internals->Plan(volume, arrays); });
+  return 1;
 }
 
 //------------------------------------------------------------------------------
 int vtkVolumeRegion::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  isosurface::SampledImage::AskVolume(
-    *this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
+  isosurface::AskVolume(*this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
   return 1;
 }
 
@@ -161,45 +191,17 @@ std::uint64_t vtkVolumeRegion::Steps::SumProperties() const
 }
 
 //------------------------------------------------------------------------------
-VertexBox vtkVolumeRegion::Steps::FindVertices(
-  const isosurface::BlockedVolume& volume, int level) const
+VertexBox vtkVolumeRegion::Steps::FindVertices(const isosurface::BlockedVolume& volume) const
 {
-  const isosurface::GridGeometry grid = volume.GetHeader().Grid.Coarsen(level);
-  const isosurface::VertexPlaces places(grid, volume.GetLines(level));
   std::array<double, 3> low{};
   std::array<double, 3> high{};
-  for (unsigned corner = 0; corner < 8; ++corner)
-  {
-    std::array<double, 3> point{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      const bool isHigh = (corner >> axis & 1U) != 0;
-      point[axis] = this->Filter.Position[axis] + (isHigh ? this->Filter.Length[axis] : 0);
-    }
-    const auto vertex = places.FindVertex(point);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      low[axis] = corner == 0 ? vertex[axis] : std::min(low[axis], vertex[axis]);
-      high[axis] = corner == 0 ? vertex[axis] : std::max(high[axis], vertex[axis]);
-    }
-  }
-  const Index3 dimensions = grid.GetDimensions();
-  VertexBox box;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    constexpr double tolerance = 1e-6; // of a cell: a face on a vertex needs no vertex beyond it
-    const auto last = static_cast<double>(dimensions[axis] - 1);
-    // The last vertices of a coarse level may lie before those of the volume, and before the box.
-    if (!(high[axis] >= -tolerance && (level > 0 || low[axis] <= last + tolerance)))
-    {
-      return {};
-    }
-    box.Low[axis] =
-      static_cast<std::int64_t>(std::clamp(std::floor(low[axis] + tolerance), 0.0, last));
-    box.High[axis] =
-      static_cast<std::int64_t>(std::clamp(std::ceil(high[axis] - tolerance), 0.0, last)) + 1;
+    low[axis] = this->Filter.Position[axis];
+    high[axis] = low[axis] + this->Filter.Length[axis];
   }
-  return box;
+  return isosurface::VertexPlaces(volume.GetHeader().Grid, volume.GetLines(0))
+    .FindVerticesAround(low, high);
 }
 
 //------------------------------------------------------------------------------
@@ -207,25 +209,26 @@ Result<ImagePlan> vtkVolumeRegion::Steps::Plan(
   const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
 {
   const int ranks = this->Filter.Controller ? this->Filter.Controller->GetNumberOfProcesses() : 1;
-  const auto bytesOfSample = static_cast<double>(isosurface::CountBytesOfSample(volume, arrays));
-  double finest = 0;
+  const auto bytesOfSample = static_cast<double>(CountBytesOfSample(volume, arrays));
+  const VertexBox finest = this->FindVertices(volume);
+  if (finest.IsEmpty())
+  {
+    return Status(StatusCode::InvalidArgument, volume.GetPath() + ": the box is beside the volume");
+  }
+  const auto countBytes = [&](const VertexBox& box)
+  { return bytesOfSample * static_cast<double>(box.GetNumberOfVertices()); };
   for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
   {
-    const VertexBox box = this->FindVertices(volume, level);
-    if (box.IsEmpty())
-    {
-      return Status(
-        StatusCode::InvalidArgument, volume.GetPath() + ": the box is beside the volume");
-    }
-    const double bytes = bytesOfSample * static_cast<double>(box.GetNumberOfVertices());
-    finest = level == 0 ? bytes : finest;
+    const isosurface::GridGeometry grid = volume.GetHeader().Grid.Coarsen(level);
+    const VertexBox box = CoarsenAround(finest, level, grid.GetDimensions());
+    const double bytes = countBytes(box);
     if (bytes > this->Filter.MemoryLimit * Mebibyte * ranks)
     {
       continue;
     }
     ImagePlan image;
     image.Level = level;
-    image.Grid = volume.GetHeader().Grid.Coarsen(level);
+    image.Grid = grid;
     const Index3 size = box.GetSize();
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
@@ -239,7 +242,7 @@ Result<ImagePlan> vtkVolumeRegion::Steps::Plan(
     this->Low = box.Low;
     image.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
       std::to_string(size[2]) + " samples, " + DescribeMemory(bytes);
-    image.Note = level == 0 ? "" : "full resolution takes " + DescribeMemory(finest);
+    image.Note = level == 0 ? "" : "full resolution takes " + DescribeMemory(countBytes(finest));
     return image;
   }
   return Status(StatusCode::InvalidArgument,

@@ -3,6 +3,7 @@
 #include "vtkVolumeSlice.h"
 
 #include "SampledImage.h"
+#include "VolumeReading.h"
 
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
@@ -180,10 +181,11 @@ int vtkVolumeSlice::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   output->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
+  this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
     output->GetInformationObject(0), this->Controller,
     [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&)
     { return this->Internals->Plan(volume); });
+  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -191,7 +193,7 @@ int vtkVolumeSlice::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   const int port = std::max(0, request->Get(vtkExecutive::FROM_OUTPUT_PORT()));
-  isosurface::SampledImage::AskVolume(
+  isosurface::AskVolume(
     *this, input[0]->GetInformationObject(0), output->GetInformationObject(port));
   return 1;
 }
@@ -290,8 +292,9 @@ Result<ImagePlan> vtkVolumeSlice::Steps::Plan(const isosurface::BlockedVolume& v
   {
     // An oblique slice of the last level has larger pixels, if need be.
     const double maximum = 1e6 * this->Filter.MaximumPoints;
-    auto lattice = PlaneLattice::Make(volume.GetHeader().Grid.Coarsen(level),
-      volume.GetLines(level), plane, level + 1 < volume.GetNumberOfLevels() ? 1e12 : maximum);
+    auto lattice =
+      PlaneLattice::Make(volume.GetHeader().Grid.Coarsen(level), volume.GetLines(level), plane,
+        level + 1 < volume.GetNumberOfLevels() ? PlaneLattice::Unlimited : maximum);
     if (!lattice && level == 0)
     {
       return Status(StatusCode::InvalidArgument,

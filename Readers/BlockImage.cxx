@@ -202,6 +202,16 @@ void StoreVolumeRanges(
   }
 }
 
+int CountComponents(const BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+{
+  int components = 0;
+  for (const std::size_t array : arrays)
+  {
+    components += volume.GetHeader().Arrays[array].Components;
+  }
+  return components;
+}
+
 void FillWithMinimum(const BlockedVolume& volume, std::size_t timeStep, std::size_t array,
   int component, vtkDataArray* values)
 {
@@ -226,11 +236,7 @@ Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockB
 
   const VertexBox available = box.GetGhostedVertices(grid, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
-  int all = 0;
-  for (const std::size_t array : arrays)
-  {
-    all += volume.GetHeader().Arrays[array].Components;
-  }
+  const int all = CountComponents(volume, arrays);
   int done = 0;
   const auto partProgress = [&](double share) { return progress((done + share) / all); };
   for (const std::size_t array : arrays)

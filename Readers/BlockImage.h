@@ -25,6 +25,9 @@ vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const Vert
 /// Adds a point array, uninitialised; the first one becomes the active scalars.
 vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description);
 
+/// The components of all of these arrays.
+int CountComponents(const BlockedVolume& volume, const std::vector<std::size_t>& arrays);
+
 /// Gives one component of each tuple the minimum of the volume's array.
 void FillWithMinimum(const BlockedVolume& volume, std::size_t timeStep, std::size_t array,
   int component, vtkDataArray* values);

@@ -113,4 +113,40 @@ Point VertexPlaces::FindPoint(const Point& vertex) const
   return point;
 }
 
+VertexBox VertexPlaces::FindVerticesAround(const Point& corner, const Point& opposite) const
+{
+  Point low{};
+  Point high{};
+  for (unsigned number = 0; number < 8; ++number)
+  {
+    Point point{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      point[axis] = (number >> axis & 1U) != 0 ? opposite[axis] : corner[axis];
+    }
+    const Point vertex = this->FindVertex(point);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      low[axis] = number == 0 ? vertex[axis] : std::min(low[axis], vertex[axis]);
+      high[axis] = number == 0 ? vertex[axis] : std::max(high[axis], vertex[axis]);
+    }
+  }
+  const Index3 dimensions = this->Grid.GetDimensions();
+  VertexBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    constexpr double tolerance = 1e-6;
+    const auto last = static_cast<double>(dimensions[axis] - 1);
+    if (!(high[axis] >= -tolerance && low[axis] <= last + tolerance)) // also if one is NaN
+    {
+      return {};
+    }
+    box.Low[axis] =
+      static_cast<std::int64_t>(std::clamp(std::floor(low[axis] + tolerance), 0.0, last));
+    box.High[axis] =
+      static_cast<std::int64_t>(std::clamp(std::ceil(high[axis] - tolerance), 0.0, last)) + 1;
+  }
+  return box;
+}
+
 } // namespace isosurface

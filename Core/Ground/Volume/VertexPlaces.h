@@ -4,6 +4,7 @@
 
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/VertexBox.h"
 
 #include <array>
 #include <optional>
@@ -27,6 +28,13 @@ public:
   std::array<double, 3> FindVertex(const std::array<double, 3>& point) const;
   /// The point with these vertex coordinates.
   std::array<double, 3> FindPoint(const std::array<double, 3>& vertex) const;
+
+  /// The grid's vertices around a box of the world, given by opposite corners: all in the box and,
+  /// unless a face lies on vertices, the next ones beyond it. If the grid's axes are not the world's,
+  /// those around all of the box's corners. Empty if the box is beside the grid. Rounding errors of
+  /// less than a millionth of a cell do not count.
+  VertexBox FindVerticesAround(
+    const std::array<double, 3>& corner, const std::array<double, 3>& opposite) const;
 
 private:
   GridGeometry Grid;

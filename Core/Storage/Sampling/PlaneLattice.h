@@ -36,11 +36,14 @@ struct Plane
 class PlaneLattice
 {
 public:
+  /// More points than any image has.
+  static constexpr double Unlimited = 1e12;
+
   /// Nothing if the plane has no point of the grid, or if the grid has no vertices. `lines`: of a
   /// rectilinear grid. `maximumPoints`, more than 1: a plane that is not aligned has larger cells if
   /// it would have more points.
   static std::optional<PlaneLattice> Make(const GridGeometry& grid, const GridLines* lines,
-    const Plane& plane, double maximumPoints = 1e12);
+    const Plane& plane, double maximumPoints = Unlimited);
 
   /// The image's geometry, with an extent of one vertex on the third axis.
   const GridGeometry& GetImage() const { return this->Image; }

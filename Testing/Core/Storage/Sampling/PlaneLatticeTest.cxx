@@ -97,7 +97,7 @@ TEST(PlaneLattice, APlaneAlongTwoAxesHasTheVerticesOfTheGrid)
   }
 }
 
-TEST(PlaneLattice, AnyPlaneIsCoveredWithinHalfACell)
+TEST(PlaneLattice, AnyPlaneIsCoveredWithinACell)
 {
   std::mt19937 random(3);
   const auto choose = [&](double low, double high)
@@ -137,10 +137,14 @@ TEST(PlaneLattice, AnyPlaneIsCoveredWithinHalfACell)
         }
       });
     EXPECT_EQ(wrong, 0u);
+    int tried = 0;
     // Points of the plane within the grid are no further from the image than a cell's edge.
     for (int trial = 0; trial < 200; ++trial)
     {
-      auto at = image.FindPoint({ choose(-100, 200), choose(-100, 200), 0 });
+      const auto width = static_cast<double>(whole.High[0]);
+      const auto height = static_cast<double>(whole.High[1]);
+      const auto at =
+        image.FindPoint({ choose(-width, 2 * width), choose(-height, 2 * height), 0 });
       const auto vertex = places.FindVertex(at);
       bool isWithin = true;
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -149,12 +153,14 @@ TEST(PlaneLattice, AnyPlaneIsCoveredWithinHalfACell)
           vertex[axis] >= 0 && vertex[axis] <= static_cast<double>(grid.GetDimensions()[axis] - 1);
       }
       const auto place = image.FindVertex(at);
+      tried += isWithin ? 1 : 0;
       for (std::size_t axis = 0; isWithin && axis < 2; ++axis)
       {
         EXPECT_GE(place[axis], -1e-6);
         EXPECT_LE(place[axis], static_cast<double>(whole.High[axis]));
       }
     }
+    EXPECT_GT(tried, 0);
   }
 }
 
