@@ -7,6 +7,7 @@ macaque_mri(): T1 brain MRI, the mean of 19 macaques, float32, 168 x 206 x 128 (
 cranium_ct():  head CT, int16 Hounsfield units, 256 x 256 x 108 (package invesalius-examples:
                Cranium.inv3, a gzipped tar with a raw matrix and a property list)
 """
+import os
 import plistlib
 import tarfile
 
@@ -66,3 +67,15 @@ def write(image, path):
     writer.SetCompressorTypeToZLib()
     if not writer.Write():
         raise RuntimeError(f"{path}: cannot be written")
+
+
+def write_blocked_volume(image, path, **settings):
+    """Writes an image as a blocked volume by ParaView: each rank reads and writes its part."""
+    from paraview import simple
+
+    vti = os.path.splitext(path)[0] + ".vti"
+    write(image, vti)
+    source = simple.XMLImageDataReader(FileName=[vti])
+    simple.SaveData(path, proxy=source, **settings)
+    simple.Delete(source)
+    os.remove(vti)

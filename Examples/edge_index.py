@@ -28,13 +28,8 @@ MODES = [
 
 
 def write_head(folder):
-    vti = os.path.join(folder, "edge_index.vti")
     path = os.path.join(folder, "edge_index.bvol")
-    debian_scans.write(debian_scans.head_mri(), vti)
-    source = simple.XMLImageDataReader(FileName=[vti])
-    simple.SaveData(path, proxy=source, BlockSize=64, NumberOfStores=4)
-    simple.Delete(source)
-    os.remove(vti)
+    debian_scans.write_blocked_volume(debian_scans.head_mri(), path, BlockSize=64, NumberOfStores=4)
     return path
 
 

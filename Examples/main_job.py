@@ -35,16 +35,6 @@ CRANIUM = [
 MACAQUE = [("macaque.bvol", "T1", 60.5, "brain (MRI)", BRAIN, (-90, 70, 60))]
 
 
-def write_blocked_volume(image, path):
-    """Image -> .vti -> (each rank reads its part) -> .bvol."""
-    vti = os.path.splitext(path)[0] + ".vti"
-    debian_scans.write(image, vti)
-    source = simple.XMLImageDataReader(FileName=[vti])
-    simple.SaveData(path, proxy=source, NumberOfStores=STORES, Distribution="Greedy")
-    simple.Delete(source)
-    os.remove(vti)
-
-
 def read_costs(contour, folder):
     """The contour's field data: a row (a dictionary of strings) for each rank."""
     path = os.path.join(folder, "query.csv")
@@ -86,14 +76,16 @@ def main():
     if arguments.plugin:
         simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
 
-    write_blocked_volume(debian_scans.head_mri(), os.path.join(arguments.output, "head.bvol"))
+    settings = {"NumberOfStores": STORES, "Distribution": "Greedy"}
+    head = os.path.join(arguments.output, "head.bvol")
+    debian_scans.write_blocked_volume(debian_scans.head_mri(), head, **settings)
     if os.path.exists(debian_scans.CRANIUM_CT):
         other, path, surfaces = debian_scans.cranium_ct(), "cranium.bvol", HEAD + CRANIUM
     else:
         print(f"{debian_scans.CRANIUM_CT} is missing (package invesalius-examples, up to Debian 13)")
         print("A macaque's brain MRI (package mricron-data) takes the place of the head CT")
         other, path, surfaces = debian_scans.macaque_mri(), "macaque.bvol", HEAD + MACAQUE
-    write_blocked_volume(other, os.path.join(arguments.output, path))
+    debian_scans.write_blocked_volume(other, os.path.join(arguments.output, path), **settings)
 
     view = simple.CreateRenderView(ViewSize=[1200, 480], OrientationAxesVisibility=0)
     view.UseColorPaletteForBackground = 0

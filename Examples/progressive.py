@@ -20,13 +20,8 @@ import debian_scans  # noqa: E402  (found beside this script)
 
 def write_head(folder):
     """The default volume, in blocks small enough for it to have several levels of them."""
-    vti = os.path.join(folder, "progressive.vti")
     path = os.path.join(folder, "progressive.bvol")
-    debian_scans.write(debian_scans.head_mri(), vti)
-    source = simple.XMLImageDataReader(FileName=[vti])
-    simple.SaveData(path, proxy=source, BlockSize=16, NumberOfStores=4)
-    simple.Delete(source)
-    os.remove(vti)
+    debian_scans.write_blocked_volume(debian_scans.head_mri(), path, BlockSize=16, NumberOfStores=4)
     return path
 
 

@@ -45,13 +45,8 @@ LINKS = (100, 1000)  # Mb/s
 
 def write_head(folder, block_size):
     """The default volume; its stores are dealt out to the ranks."""
-    vti = os.path.join(folder, "redistribution.vti")
     path = os.path.join(folder, "redistribution.bvol")
-    debian_scans.write(debian_scans.head_mri(), vti)
-    source = simple.XMLImageDataReader(FileName=[vti])
-    simple.SaveData(path, proxy=source, BlockSize=block_size, NumberOfStores=8)
-    simple.Delete(source)
-    os.remove(vti)
+    debian_scans.write_blocked_volume(debian_scans.head_mri(), path, BlockSize=block_size, NumberOfStores=8)
     return path
 
 

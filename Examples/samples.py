@@ -24,12 +24,7 @@ GRAY = [0, 0, 0, 0, 200, 1, 1, 1]  # "window and level": 0 is black, 200 is whit
 
 def open_head(folder):
     path = os.path.join(folder, "samples.bvol")
-    vti = os.path.join(folder, "samples.vti")
-    debian_scans.write(debian_scans.head_mri(), vti)
-    source = simple.XMLImageDataReader(FileName=[vti])
-    simple.SaveData(path, proxy=source, NumberOfStores=4)
-    simple.Delete(source)
-    os.remove(vti)
+    debian_scans.write_blocked_volume(debian_scans.head_mri(), path, NumberOfStores=4)
     reader = simple.OpenDataFile(path)
     reader.UpdatePipeline()
     return reader

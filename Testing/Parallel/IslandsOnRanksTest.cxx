@@ -128,6 +128,18 @@ vtkSmartPointer<vtkStabbingContour> MakeIslandContour(
   return contour;
 }
 
+// A contour of this process alone behind a reader of its own.
+vtkSmartPointer<vtkStabbingContour> MakeIslandContourAlone(
+  const std::string& path, const Change& change)
+{
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetController(nullptr);
+  reader->SetFileName(path.c_str());
+  auto contour = MakeIslandContour(nullptr, change);
+  contour->SetInputConnection(reader->GetOutputPort());
+  return contour;
+}
+
 } // namespace
 
 TEST(IslandsOnRanks, OfImagesAreThoseOfTheWhole)
@@ -184,11 +196,7 @@ TEST(IslandsOnRanks, AreTheSameWithDynamicBalance)
   contour->SetInputConnection(reader->GetOutputPort());
   contour->DynamicBalanceOn();
   contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
-  vtkNew<vtkBlockedVolumeReader> own;
-  own->SetController(nullptr);
-  own->SetFileName(volume.Path.c_str());
-  const auto alone = MakeIslandContour(nullptr, change);
-  alone->SetInputConnection(own->GetOutputPort());
+  const auto alone = MakeIslandContourAlone(volume.Path, change);
   ExpectIslandsOf(contour->GetOutput(), alone, "with dynamic balance");
 }
 
@@ -217,11 +225,7 @@ TEST(IslandsOnRanks, AreChosenAtEachStepOfARefinement)
     contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   }
   EXPECT_TRUE(contour->GetFinal());
-  vtkNew<vtkBlockedVolumeReader> own;
-  own->SetController(nullptr);
-  own->SetFileName(volume.Path.c_str());
-  const auto alone = MakeIslandContour(nullptr, change);
-  alone->SetInputConnection(own->GetOutputPort());
+  const auto alone = MakeIslandContourAlone(volume.Path, change);
   ExpectIslandsOf(contour->GetOutput(), alone, "refined");
 }
 
@@ -232,8 +236,7 @@ TEST(IslandsOnRanks, OfAnImageOnOneRankAreThoseOfTheWhole)
   const Change change = MakeIslandChanges()[5].second;
   const auto contour = MakeIslandContour(GetRanks(), change);
   const ExpectNoErrors errors(contour);
-  contour->SetInputDataObject(
-    GetRank() == 0 ? image : vtkSmartPointer<vtkImageData>::New());
+  contour->SetInputDataObject(GetRank() == 0 ? image : vtkSmartPointer<vtkImageData>::New());
   contour->Update();
   const auto alone = MakeIslandContour(nullptr, change);
   alone->SetInputDataObject(image);

@@ -1,108 +1,179 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Surfaces on the screen: vtkIsosurfaceMapper beside VTK's own mapper, and a surface in PyVista. Needs a display."""
+"""Isosurfaces of scalable_isosurface.open, without VTK."""
 
-import math
+import concurrent.futures
+import gc
+import subprocess
 import sys
+import threading
 import unittest
 
 import numpy
-import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 - makes windows
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkLookupTable, vtkUnsignedCharArray
-from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow
 
-from scalable_isosurface import vtkIsosurfaceMapper, vtkStabbingContour
+import scalable_isosurface as si
+from volume_fixtures import make_waves, SHAPE, VolumeTest, write_nrrd
 
 try:
-    import pyvista
+    import meshio
 except ImportError:
-    pyvista = None
-
-RADIUS = 12.5
-SIZE = (301, 233)  # odd ones
+    meshio = None
 
 
-def contour_ball():
-    """The sphere of RADIUS around the origin."""
-    axis = numpy.arange(-16, 17)
-    z, y, x = numpy.meshgrid(axis, axis, axis, indexing="ij")
-    image = vtkImageData()
-    image.SetExtent(-16, 16, -16, 16, -16, 16)
-    distances = numpy_to_vtk(numpy.sqrt(x * x + y * y + z * z).astype(numpy.float32).ravel(), deep=True)
-    distances.SetName("distance")
-    image.GetPointData().SetScalars(distances)
-    contour = vtkStabbingContour()
-    contour.SetInputData(image)
-    contour.SetValue(0, RADIUS)
-    contour.Update()
-    return contour
+class Surfaces(VolumeTest):
+    def setUp(self):
+        super().setUp()
+        self.samples = make_waves()
+        self.volume = si.create(self.samples, self.path("waves.bvol"), spacing=(0.5, 1, 2), name="waves")
 
+    def check_closed(self, surface):
+        """Corners are points, and normals have length 1."""
+        self.assertEqual(surface.triangles.min(), 0)
+        self.assertEqual(surface.triangles.max(), len(surface.points) - 1)
+        numpy.testing.assert_allclose(numpy.linalg.norm(surface.normals, axis=1), 1, rtol=1e-5)
 
-class Surfaces(unittest.TestCase):
-    def draw(self, mapper, surface, change):
-        mapper.SetInputDataObject(surface)
-        mapper.ScalarVisibilityOff()
-        actor = vtkActor()
-        actor.SetMapper(mapper)
-        actor.GetProperty().SetColor(0.9, 0.6, 0.3)
-        change(mapper, actor)
-        renderer = vtkRenderer()
-        renderer.AddActor(actor)
-        renderer.GetActiveCamera().SetPosition(40, 30, 50)
-        renderer.ResetCamera()
-        window = vtkRenderWindow()
-        window.OffScreenRenderingOn()
-        window.SetMultiSamples(0)
-        window.SetSize(*SIZE)
-        window.AddRenderer(renderer)
-        window.Render()
-        pixels = vtkUnsignedCharArray()
-        window.GetPixelData(0, 0, SIZE[0] - 1, SIZE[1] - 1, 1, pixels, 0)
-        return vtk_to_numpy(pixels).reshape(SIZE[1], SIZE[0], 3).astype(int)
+    def test_points_lie_on_edges_where_samples_cross_the_isovalue(self):
+        surface = self.volume.isosurface(0.4)
+        self.check_closed(surface)
+        grid = surface.points / numpy.float32([0.5, 1, 2])
+        low = numpy.floor(grid).astype(int)
+        part = grid - low
+        self.assertTrue(((part > 1e-4).sum(axis=1) <= 1).all())
+        high = numpy.minimum(low + (part > 1e-4), numpy.array(SHAPE[::-1]) - 1)
+        ends = [self.samples[tuple(corner.T[::-1])] for corner in (low, high)]
+        weight = part.max(axis=1)
+        numpy.testing.assert_allclose(ends[0] * (1 - weight) + ends[1] * weight, 0.4, atol=2e-3)
 
-    def color(self, mapper, actor):
-        table = vtkLookupTable()
-        table.SetRange(-1, 1)
-        table.SetVectorModeToComponent()
-        table.SetVectorComponent(0)
-        mapper.SetLookupTable(table)
-        mapper.UseLookupTableScalarRangeOn()
-        mapper.SetScalarModeToUsePointFieldData()
-        mapper.SelectColorArray("Normals")
-        mapper.InterpolateScalarsBeforeMappingOn()
-        mapper.ScalarVisibilityOn()
+    def test_several_isovalues_are_parts_of_one_surface(self):
+        surface = self.volume.isosurface([0.7, -0.2, 99])
+        self.assertEqual(surface.isovalues.tolist(), [0.7, -0.2, 99])
+        for number, isovalue in enumerate((0.7, -0.2)):
+            alone = self.volume.isosurface(isovalue)
+            part = surface.part(number)
+            for name in ("points", "triangles", "normals"):
+                numpy.testing.assert_array_equal(getattr(part, name), getattr(alone, name))
+        self.assertTrue(numpy.shares_memory(surface.part(1).points, surface.points))
+        self.assertEqual((surface.part(2).points.shape, surface.part(2).triangles.shape), ((0, 3), (0, 3)))
+        self.assertRaises(IndexError, surface.part, 3)
 
-    def test_mapper_draws_what_the_stock_mapper_draws(self):
-        surface = contour_ball().GetOutput()
-        scenes = {
-            "one color": lambda mapper, actor: None,
-            "colored": self.color,
-            "flat": lambda mapper, actor: actor.GetProperty().SetInterpolationToFlat(),
-            "wireframe": lambda mapper, actor: actor.GetProperty().SetRepresentationToWireframe(),
-            "moved": lambda mapper, actor: actor.SetPosition(5, 2, 1),
-        }
-        images = {}
-        for name, change in scenes.items():
-            with self.subTest(scene=name):
-                stock = self.draw(vtkPolyDataMapper(), surface, change)
-                images[name] = self.draw(vtkIsosurfaceMapper(), surface, change)
-                self.assertGreater(int((stock != stock[0, 0]).any(axis=2).sum()), 3000)
-                self.assertEqual(int((stock != images[name]).any(axis=2).sum()), 0)
-        self.assertGreater(int((images["one color"] != images["colored"]).any(axis=2).sum()), 3000)
+    def test_arrays_own_the_memory_and_outlive_the_surface(self):
+        surface = self.volume.isosurface(0.4, normals=False)
+        self.assertIsNone(surface.normals)
+        points, copy = surface.points, surface.points.copy()
+        self.assertFalse(points.flags.owndata)
+        self.assertTrue(points.flags.writeable)
+        del surface
+        self.volume.close()
+        gc.collect()
+        numpy.testing.assert_array_equal(points, copy)
 
-    @unittest.skipUnless(pyvista, "there is no PyVista")
-    def test_pyvista_takes_and_plots_a_surface(self):
-        contour = contour_ball()
-        mesh = pyvista.wrap(contour.GetOutput())
-        self.assertEqual(mesh.n_cells, contour.GetOutput().GetNumberOfPolys())
-        self.assertAlmostEqual(mesh.volume / (4 / 3 * math.pi * RADIUS**3), 1, delta=0.01)
-        self.assertEqual(mesh.n_open_edges, 0)
-        image = mesh.plot(off_screen=True, return_img=True, window_size=SIZE)
-        if isinstance(image, tuple):
-            image = image[-1]
-        self.assertEqual(image.shape[:2], SIZE[::-1])
-        self.assertGreater(int((image != image[0, 0]).any(axis=2).sum()), 10000)
+    def test_levels_regions_and_blocks(self):
+        coarse = si.create(self.samples[::2, ::2, ::2], self.path("coarse.bvol"), spacing=(1, 2, 4))
+        for surface in (self.volume.isosurface(0.4, level=1), self.volume.level(1).isosurface(0.4)):
+            self.assertEqual(
+                sorted(map(tuple, surface.points)), sorted(map(tuple, coarse.isosurface(0.4).points))
+            )
+        boxes = self.volume.active_blocks(0.4)
+        crossed = 0
+        for box in boxes:
+            block = self.volume[tuple(slice(*ends) for ends in box)]
+            crossed += block.min() < 0.4 <= block.max()
+        self.assertEqual(crossed, len(boxes))
+        self.assertEqual(len(self.volume.active_blocks(99)), 0)
+        region = (0, 3, 0, 3, 0, 3)
+        self.assertEqual(self.volume.active_blocks(0.4, region=region).tolist(), [[[0, 33], [0, 33], [0, 33]]])
+        inside = self.volume.isosurface(0.4, region=region)
+        self.assertTrue((inside.points.max(axis=0) <= (16, 32, 64)).all())
+        self.assertGreater(len(inside.triangles), 1000)
+
+    def test_spectrum_counts_the_triangles_of_each_isosurface(self):
+        bytes_of_waves = (60 * self.samples + 120).astype(numpy.uint8)
+        volume = si.create(bytes_of_waves, self.path("bytes.bvol"), spacing=(0.5, 1, 2))
+        spectrum = volume.spectrum()
+        for row in (40, 77, 130):
+            surface = volume.isosurface(spectrum.isovalues[row], normals=False)
+            self.assertEqual(len(surface.triangles), spectrum.triangles[row])
+            self.assertEqual(len(volume.active_blocks(spectrum.isovalues[row])), spectrum.blocks[row])
+            corners = surface.points[surface.triangles].astype(float)
+            area = numpy.linalg.norm(
+                numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+            ).sum() / 2
+            self.assertAlmostEqual(spectrum.area[row] / area, 1, delta=0.1)
+        self.assertTrue((numpy.diff(spectrum.volume) <= 0).all())
+
+    def test_components_magnitudes_and_attributes(self):
+        vectors = numpy.stack([self.samples, self.samples * 2, -self.samples], axis=-1)
+        volume = si.create({"v": vectors, "waves": self.samples}, self.path("v.bvol"), spacing=(0.5, 1, 2))
+        alone = self.volume.isosurface(0.4)
+        numpy.testing.assert_array_equal(volume.isosurface(0.4, component=0).points, alone.points)
+        self.assertEqual(len(volume.isosurface(0.8, component=1).points), len(alone.points))
+        magnitude = volume.isosurface(0.9, attributes=["waves", "v"])
+        self.assertEqual(magnitude.attributes["v"].shape, (len(magnitude.points), 3))
+        numpy.testing.assert_allclose(abs(magnitude.attributes["waves"]), 0.9 / numpy.sqrt(6), atol=0.02)
+        self.assertRaisesRegex(IndexError, "'v' has 3 components, and no 3", volume.isosurface, 1, component=3)
+        self.assertRaises(KeyError, volume.isosurface, 1, attributes=["mass"])
+
+    def test_bad_arguments_are_errors(self):
+        self.assertRaises(ValueError, self.volume.isosurface, [])
+        self.assertRaises(ValueError, self.volume.isosurface, "high")
+        self.assertRaises(ValueError, self.volume.isosurface, 1, region=(1, 2, 3))
+        self.assertRaises(IndexError, self.volume.isosurface, 1, level=99)
+        self.assertRaises(TypeError, self.volume.isosurface)
+        self.assertEqual(len(self.volume.isosurface(float("nan")).triangles), 0)
+
+    def test_many_threads_extract_at_once(self):
+        expected = {isovalue: self.volume.isosurface(isovalue).points for isovalue in (0.1, 0.2, 0.3, 0.4)}
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            for _ in range(5):
+                for isovalue, surface in zip(expected, pool.map(self.volume.isosurface, expected)):
+                    numpy.testing.assert_array_equal(surface.points, expected[isovalue])
+
+    def test_other_threads_run_meanwhile(self):
+        """Where Python takes the GIL from nobody, this thread goes on before the other one has ended."""
+        volume = si.create(make_waves((160, 160, 160)), self.path("large.bvol"))
+        write_nrrd(self.path("large.nrrd"), volume[...], packed=True)
+        foreign = si.open(self.path("large.nrrd"))
+        interval = sys.getswitchinterval()
+        self.addCleanup(sys.setswitchinterval, interval)
+        for work in (
+            lambda: volume.isosurface(0.4),
+            lambda: [volume[...] for _ in range(5)],
+            lambda: foreign[...],
+            lambda: foreign.spectrum(),
+            lambda: si.create(foreign, self.path("again.bvol")),
+        ):
+            order = []
+            worker = threading.Thread(target=lambda work=work: [order.append("begin"), work(), order.append("end")])
+            sys.setswitchinterval(1000)
+            worker.start()
+            order.append("meanwhile")
+            worker.join()
+            sys.setswitchinterval(interval)
+            self.assertEqual(order, ["begin", "meanwhile", "end"])
+
+    @unittest.skipUnless(meshio, "there is no meshio")
+    def test_meshio_writes_a_surface(self):
+        surface = self.volume.isosurface([0.4, 0.6])
+        surface.to_meshio().write(self.path("s.vtu"))
+        read = meshio.read(self.path("s.vtu"))
+        numpy.testing.assert_array_equal(read.points, surface.points)
+        numpy.testing.assert_array_equal(read.cells_dict["triangle"], surface.triangles)
+
+    def test_what_is_not_there_is_an_import_error(self):
+        script = (
+            "import sys\nfor name in ('vtkmodules', 'pyvista', 'meshio'): sys.modules[name] = None\n"
+            "import scalable_isosurface as si\n"
+            f"surface = si.open({self.path('waves.bvol')!r}).isosurface(0.4)\n"
+            "for name in ('vtk', 'pyvista', 'meshio'):\n"
+            "    try: getattr(surface, 'to_' + name)()\n"
+            "    except ImportError as error: print(error)\n"
+            "print(any(name.startswith('vtk') and module for name, module in sys.modules.items()))\n"
+        )
+        said = subprocess.run([sys.executable, "-B", "-c", script], capture_output=True, text=True, check=True).stdout
+        lines = said.splitlines()
+        self.assertRegex(lines[0], r"to_vtk\(\) needs the Python modules of VTK")
+        self.assertRegex(lines[1], r"to_pyvista\(\) needs PyVista")
+        self.assertRegex(lines[2], r"to_meshio\(\) needs meshio")
+        self.assertEqual(lines[3], "False")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What scalable_isosurface.create writes of arrays and files comes back."""
+
+import multiprocessing
+import os
+import pickle
+import sys
+import unittest
+
+import numpy
+
+import scalable_isosurface as si
+from volume_fixtures import make_samples, make_waves, SHAPE, VolumeTest, write_nrrd
+
+try:
+    import dask
+    import dask.array
+except ImportError:
+    dask = None
+try:
+    import h5py
+except ImportError:
+    h5py = None
+try:
+    import zarr
+except ImportError:
+    zarr = None
+
+
+class Writing(VolumeTest):
+    def check_round_trip(self, source, samples, **settings):
+        volume = si.create(source, self.path("out.bvol"), **settings)
+        numpy.testing.assert_array_equal(volume[...], samples)
+        self.assertEqual(volume.dtype, samples.dtype)
+
+    def test_numpy_arrays_of_any_layout_come_back(self):
+        samples = make_samples("int16", (40, 50, 60))
+        for array in (
+            samples,
+            samples[::-1, 1::2, :],
+            samples.transpose(2, 0, 1),
+            numpy.asfortranarray(samples),
+            samples.astype(">i2"),
+            samples[:1, :1, :1],
+        ):
+            self.check_round_trip(array, array.astype("<i2"))
+        record = numpy.zeros(samples.shape, [("a", "u1"), ("b", "i2")])
+        record["b"] = samples
+        self.check_round_trip(record["b"], samples)
+        self.check_round_trip(samples[..., None], samples)  # of one component
+        self.check_round_trip(samples[:4, :5, :6].tolist(), samples[:4, :5, :6].astype("int64"))
+
+    @unittest.skipUnless(zarr, "there is no Zarr")
+    def test_zarr_arrays_come_back(self):
+        samples = make_samples("uint16")
+        path = self.path("v.zarr")
+        array = zarr.open(path, mode="w", shape=SHAPE, chunks=(16, 16, 16), dtype="u2")
+        array[:] = samples
+        self.check_round_trip(array, samples)
+        self.check_round_trip(path, samples)
+
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_datasets_of_h5py_come_back(self):
+        samples = make_samples("float64", (*SHAPE, 2))
+        with h5py.File(self.path("v.h5"), "w") as file:
+            dataset = file.create_dataset("v", data=samples, chunks=(8, 8, 8, 2))
+            self.check_round_trip(dataset, samples, stores=3, replicas=2, compression="zstd:5")
+
+    @unittest.skipUnless(dask, "there is no Dask")
+    def test_dask_arrays_come_back_and_a_volume_is_one(self):
+        samples = make_samples("uint8", (100, 100, 100))
+        lazy = dask.array.from_array(samples, chunks=(40, 30, 100)) // 2
+        volume = si.create(lazy, self.path("half.bvol"))
+        numpy.testing.assert_array_equal(volume[...], samples // 2)
+        for options in ({"chunks": volume.chunks}, {}):
+            array = dask.array.from_array(volume, **options)
+            self.assertEqual(array.sum().compute(scheduler="threads"), (samples // 2).sum())
+            numpy.testing.assert_array_equal(array[10:90:7, 5].compute(), samples[10:90:7, 5] // 2)
+        self.assertEqual(dask.array.from_array(volume, chunks=volume.chunks).numblocks, (4, 4, 4))
+        array = dask.array.from_array(volume, chunks=64)
+        with multiprocessing.get_context("spawn").Pool(2) as pool:
+            self.assertEqual(
+                array.max(axis=0).sum().compute(scheduler="processes", pool=pool), (samples // 2).max(axis=0).sum()
+            )
+
+    def test_files_are_written_with_all_steps(self):
+        write_nrrd(self.path("waves.nrrd"), make_waves())
+        volume = si.create(self.path("waves.nrrd"), self.path("waves.bvol"))
+        self.assertEqual((volume.spacing, volume.name), ((0.5, 1, 2), si.open(self.path("waves.nrrd")).name))
+        numpy.testing.assert_array_equal(volume[...], make_waves())
+        for number in range(3):
+            si.create(make_samples("int8", seed=number), self.path("a.bvol"), time=number, append=number > 0)
+        again = si.create(self.path("a.bvol"), self.path("b.bvol"), compression="zstd", spacing=(3, 2, 1))
+        self.assertEqual((again.times, again.spacing), ((0, 1, 2), (3, 2, 1)))
+        numpy.testing.assert_array_equal(again.at(1)[...], make_samples("int8", seed=1))
+        coarse = si.create(again.level(1), self.path("coarse.bvol"))
+        self.assertEqual(coarse.spacing, (6, 4, 2))
+        numpy.testing.assert_array_equal(coarse[...], make_samples("int8", seed=2)[::2, ::2, ::2])
+
+    def test_a_file_of_several_steps_is_not_replaced_by_its_first_one(self):
+        for number in range(2):
+            si.create(make_samples("int8", seed=number), self.path("a.bvol"), time=number, append=number > 0)
+        with self.assertRaisesRegex(ValueError, "a.bvol: is its own source"):
+            si.create(self.path("a.bvol"), self.path("a.bvol"), compression="zstd")
+        numpy.testing.assert_array_equal(si.open(self.path("a.bvol"), 1)[...], make_samples("int8", seed=1))
+
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_a_rectilinear_grid_lies_where_its_coordinates_are(self):
+        with h5py.File(self.path("lined.nc"), "w") as file:
+            for name, size in (("x", 6), ("y", 5), ("z", 4)):
+                file[name] = numpy.arange(size, dtype=float) ** 2
+                file[name].make_scale(name)
+            file["v"] = make_samples("float32", (4, 5, 6))
+            for axis, name in enumerate("zyx"):
+                file["v"].dims[axis].attach_scale(file[name])
+        lined = si.open(self.path("lined.nc"))
+        numpy.testing.assert_array_equal(lined.coordinates[0], [0, 1, 4, 9, 16, 25])
+        for place in ({"origin": (1, 2, 3)}, {"direction": numpy.diag([-1, 1, 1])}):
+            self.assertRaisesRegex(ValueError, "rectilinear", si.create, lined, self.path("a.bvol"), **place)
+        even = si.create(lined, self.path("a.bvol"), spacing=(1, 1, 1), origin=(1, 2, 3))
+        self.assertEqual((even.coordinates, even.origin), (None, (1, 2, 3)))
+
+    def test_what_a_slice_raises_is_raised(self):
+        class Broken:
+            shape = SHAPE
+            dtype = numpy.dtype("uint8")
+
+            def __getitem__(self, key):
+                raise LookupError("no such slice")
+
+        class Wrong(Broken):
+            def __getitem__(self, key):
+                return numpy.zeros((1, 2, 3), "uint8")
+
+        samples = make_samples("uint8")
+        si.create(samples, self.path("v.bvol"))
+        self.assertRaisesRegex(LookupError, "no such slice", si.create, Broken(), self.path("v.bvol"))
+        self.assertRaisesRegex(ValueError, "shape", si.create, Wrong(), self.path("v.bvol"))
+        numpy.testing.assert_array_equal(si.open(self.path("v.bvol"))[...], samples)  # is as it was
+
+    def test_what_makes_no_sense_is_refused(self):
+        samples = make_samples("uint8", (4, 4, 4))
+        target = self.path("v.bvol")
+        for source, settings in (
+            (samples[0], {}),
+            (samples[:0], {}),
+            ({}, {}),
+            ({"a": samples, "b": samples[1:]}, {}),
+            ({"a": samples}, {"name": "b"}),
+            (samples, {"block_size": 17}),
+            (samples, {"compression": "gzip"}),
+            (samples, {"compression": "zstd:99"}),
+            (samples, {"compression": "zstd:x"}),
+            (samples, {"replicas": 2}),
+            (samples, {"spacing": (0, 1, 1)}),
+            (samples, {"spacing": 1}),
+            (samples, {"origin": (1, 2)}),
+            (samples, {"direction": numpy.zeros((3, 3))}),
+            (samples, {"direction": numpy.eye(2)}),
+        ):
+            with self.subTest(settings=settings), self.assertRaises(ValueError):
+                si.create(source, target, **settings)
+        self.assertRaisesRegex(ValueError, "ends with .bvol", si.create, samples, self.path("v.vti"))
+        for dtype in ("bool", "float16", "complex64", "U3", "O"):
+            self.assertRaisesRegex(TypeError, "samples are of int8", si.create, samples.astype(dtype), target)
+        self.assertEqual(os.listdir(self.folder), [])
+        with open(self.path("file"), "w"):
+            pass
+        self.assertRaises(OSError, si.create, samples, self.path("file/v.bvol"))
+
+    def test_volumes_are_pickled_by_their_path(self):
+        samples = {"scalars": make_samples("int8"), "b": make_samples("uint8")}
+        volume = si.create(samples, self.path("v.bvol"))
+        chosen = pickle.loads(pickle.dumps(volume["b"].level(1)))
+        numpy.testing.assert_array_equal(chosen[...], samples["b"][::2, ::2, ::2])
+        with multiprocessing.get_context("spawn").Pool(1) as pool:
+            self.assertEqual(pool.apply(numpy.sum, (volume["b"],)), samples["b"].sum())
+        pickled = [pickle.dumps(volume["b"]), pickle.dumps(volume.level(5))]
+        si.create(samples["scalars"][:2, :2, :2], self.path("v.bvol"), block_size=16)
+        for content, error in zip(pickled, (KeyError, IndexError)):
+            self.assertRaises(error, pickle.loads, content)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
