@@ -92,7 +92,7 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   vtkMultiProcessController* controller, const Planner& plan)
 {
   const VolumeInput input(inInfo);
-  if (input && !input.GetVolume())
+  if (input && input.GetHandle().IsUntried())
   {
     // The extent of an image cannot be told later.
     this->Filter.GetInputAlgorithm(0, 0)->UpdatePiece(

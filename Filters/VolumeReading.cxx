@@ -36,11 +36,18 @@ Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& 
   {
     input.GetHandle().EndTaking(&filter);
   }
-  const Status opened = input
-    ? input.GetStatus()
-    : Status(StatusCode::InvalidArgument,
-        "the input is no blocked volume or volume in place. For data in memory use ParaView's "
-        "Slice, Extract Subset or Resample With Dataset");
+  Status opened = input.GetStatus();
+  if (!input)
+  {
+    opened = Status(StatusCode::InvalidArgument,
+      "the input is no blocked volume or volume in place. For data in memory use ParaView's "
+      "Slice, Extract Subset or Resample With Dataset");
+  }
+  else if (input.GetHandle().IsUntried())
+  {
+    // Its reader could not make it, and has told why.
+    opened = Status(StatusCode::Aborted, "there is no volume to read");
+  }
   std::vector<CommonValue> common = input.MakeCommonValues();
   common.push_back({ properties, "the properties of the filter are not the same on all ranks" });
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(opened, common));

@@ -22,6 +22,7 @@ vtkBlockedVolumeHandle::~vtkBlockedVolumeHandle() = default;
 //------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::SetVolume(std::shared_ptr<isosurface::BlockedVolume> volume)
 {
+  this->Untried = false;
   if (this->Volume != volume)
   {
     this->Volume = std::move(volume);
@@ -33,6 +34,7 @@ void vtkBlockedVolumeHandle::SetVolume(std::shared_ptr<isosurface::BlockedVolume
 //------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::SetError(const isosurface::Status& error)
 {
+  this->Untried = false;
   this->Volume = nullptr;
   this->Error = error;
   this->Modified();

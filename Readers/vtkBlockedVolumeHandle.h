@@ -48,6 +48,10 @@ public:
   void SetVolume(std::shared_ptr<isosurface::BlockedVolume> volume);
   void SetError(const isosurface::Status& error);
   const isosurface::Status& GetStatus() const { return this->Error; }
+  /**
+   * Whether nobody has tried to open a volume yet: it may have to be made first.
+   */
+  bool IsUntried() const { return this->Untried; }
   ///@}
 
   /**
@@ -113,6 +117,7 @@ private:
 
   std::shared_ptr<isosurface::BlockedVolume> Volume;
   isosurface::Status Error;
+  bool Untried = true;
   std::vector<std::size_t> Arrays;
   std::string SampleText;
   std::set<const vtkObject*> Takers;

@@ -210,6 +210,25 @@ TEST_F(FirstContact, ASliceSaysThatItIsOfASampleUntilItIsOfTheIndex)
   EXPECT_EQ(describe(), "161 x 131 points, full resolution");
 }
 
+TEST(InPlaceOnRanks, AFileThatCannotBeIndexedIsToldOnceBehindASlice)
+{
+  const SharedFolder folder("NoIndex");
+  const std::string path = folder.GetPath("scan_40x30x20_uint16.raw");
+  OnFirstRank([&] { std::ofstream(path) << "too short"; });
+  vtkNew<vtkInPlaceVolumeReader> reader;
+  reader->SetController(GetRanks());
+  reader->SetSourceName(path.c_str());
+  vtkNew<vtkVolumeSlice> slice;
+  slice->SetController(GetRanks());
+  slice->SetInputConnection(reader->GetOutputPort());
+  const ErrorCounter ofReader(reader);
+  const ErrorCounter ofSlice(slice);
+  slice->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  ExpectOneError(ofReader, { path, "cannot be read" });
+  EXPECT_EQ(ofSlice.Messages, std::vector<std::string>());
+  EXPECT_EQ(slice->GetOutput()->GetNumberOfPoints(), 0);
+}
+
 TEST_F(FirstContact, WaitsForTheIndexOnceItMayNotBeCoarse)
 {
   this->Reader->SetMemoryLimit(255);
