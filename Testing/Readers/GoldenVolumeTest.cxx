@@ -22,6 +22,7 @@
 #include "Storage/Verification/VolumeVerification.h"
 
 #include <array>
+#include <filesystem>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -184,11 +185,13 @@ TEST(VolumesOfRelease1, TakeAnotherTimeStep)
   EXPECT_EQ(verified->FaultCount, 0u);
 }
 
-void ExpectFilesOf(vtkDataObject* input, const std::string& volume)
+void ExpectFilesOf(vtkDataObject* input, const std::string& volume, int replicas = 0)
 {
   const ScratchFolder folder;
   const std::string path = folder.GetPath(volume);
-  WriteVolume(input, path, GoldenSettings);
+  VolumeSettings settings = GoldenSettings;
+  settings.NumberOfReplicas = replicas;
+  WriteVolume(input, path, settings);
   const std::vector<std::string> names = ListVolumeFiles(GetDataPath("blocked-volume/" + volume));
   for (const std::string& name : names)
   {
@@ -206,6 +209,23 @@ TEST(VolumesOfRelease1, AreWrittenByteForByteToday)
 TEST(VolumesOfRelease1, OfRectilinearGridsAreWrittenByteForByteToday)
 {
   ExpectFilesOf(MakeGoldenRectilinearGrid(), "rectilinear.bvol");
+}
+
+TEST(VolumesOfRelease1, WithReplicasAreWrittenByteForByteToday)
+{
+  ExpectFilesOf(MakeGoldenImage(), "replicas.bvol", 2);
+}
+
+TEST(VolumesOfRelease1, WithReplicasHaveTheirSurfaceWithoutTheFilesOfAStore)
+{
+  for (const char* lost : { "store-00000", "store-00001" })
+  {
+    const ScratchFolder folder;
+    const std::string path = folder.GetPath("replicas.bvol");
+    CopyVolume(GetDataPath("blocked-volume/replicas.bvol"), path);
+    std::filesystem::remove_all(path + ".stores/000001/" + lost);
+    EXPECT_TRUE(IsSurfaceOf(ContourFile(path, "density", 15.5), MakeGoldenImage(), 15.5)) << lost;
+  }
 }
 
 TEST(VolumesOfRelease1, OfRectilinearGridsHaveTheSurfaceTheyWereWrittenWith)
