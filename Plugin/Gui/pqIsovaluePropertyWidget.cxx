@@ -32,6 +32,7 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QHBoxLayout>
+#include <QLabel>
 #include <QStyle>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -106,6 +107,10 @@ void pqIsovaluePropertyWidget::LayOut()
     delete item;
   }
   delete this->layout();
+  if (auto* range = this->findChild<QLabel*>("ScalarRangeLabel"))
+  {
+    range->setWordWrap(true); // in one line, it is wider than the panel
+  }
 
   this->Chart->setObjectName("IsovalueChart");
   this->Chart->setToolTip(tr("<p>The contour spectrum: what the isosurface of each isovalue is, "
