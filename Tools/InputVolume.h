@@ -5,8 +5,8 @@
 #include "BlockVolumeOptions.h"
 
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
-#include "Ground/Volume/SlabSource.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <cstddef>
@@ -30,7 +30,7 @@ struct InputVolume
   std::string LeftOut;         ///< says what cannot be written; empty if everything can
   std::uint64_t HeldBytes = 0; ///< of samples in memory
   std::shared_ptr<void> Owner; ///< of what the source reads from; destroyed after it
-  std::unique_ptr<SlabSource> Source;
+  std::unique_ptr<BoxSource> Source;
 
   /// Opens what the options name: samples without a header, a format that Core reads part by part,
   /// or one of VTK's. `step`: of the time steps of the input.

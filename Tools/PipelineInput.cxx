@@ -211,9 +211,9 @@ public:
   {
   }
 
-  Result<SampleSlab> Read(const VertexBox& box) override
+  Result<BoxSamples> Read(const VertexBox& box) override
   {
-    Result<SampleSlab> slab = SampleSlab();
+    Result<BoxSamples> slab = BoxSamples();
     ISOSURFACE_RETURN_IF_ERROR(
       RunReader(this->Path, this->Reader, [&] { slab = PipelineSource::Read(box); }));
     const std::string error = GetErrorKeeper()->TakeError();

@@ -103,7 +103,7 @@ vtkDataObject* PipelineSource::Update(
 }
 
 bool PipelineSource::TakeArrays(
-  const LocalVolume& local, const VertexBox& box, SampleSlab& slab) const
+  const LocalVolume& local, const VertexBox& box, BoxSamples& slab) const
 {
   for (const ArrayDescription& wanted : this->Arrays)
   {
@@ -133,7 +133,7 @@ bool PipelineSource::TakeArrays(
   return true;
 }
 
-Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
+Result<BoxSamples> PipelineSource::Read(const VertexBox& box)
 {
   const auto input = WriterInput::Take(this->UpdateInput(box));
   ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
@@ -150,7 +150,7 @@ Result<SampleSlab> PipelineSource::Read(const VertexBox& box)
       return std::any_of(this->Arrays.begin(), this->Arrays.end(),
         [&name](const ArrayDescription& array) { return array.Name == name; });
     }));
-  SampleSlab slab;
+  BoxSamples slab;
   if (!this->TakeArrays(*local, box, slab))
   {
     return Status(StatusCode::Unsupported,

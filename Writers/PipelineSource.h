@@ -4,8 +4,8 @@
 
 #include "IsosurfaceWritersModule.h"
 
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
-#include "Ground/Volume/SlabSource.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <vector>
@@ -25,7 +25,7 @@ struct LocalVolume;
  *
  * An input that delivers more than what it is asked for is not asked again for what it has.
  */
-class ISOSURFACEWRITERS_EXPORT PipelineSource : public SlabSource
+class ISOSURFACEWRITERS_EXPORT PipelineSource : public BoxSource
 {
 public:
   /// `input` is asked for what `information` (of the input) has for the time; both outlive this.
@@ -44,12 +44,12 @@ public:
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   bool CanReadAhead() const override { return false; }
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
   vtkDataObject* UpdateInput(const VertexBox& box);
   /// Takes the wanted arrays of a box; false if one is missing or does not cover the box.
-  bool TakeArrays(const LocalVolume& local, const VertexBox& box, SampleSlab& slab) const;
+  bool TakeArrays(const LocalVolume& local, const VertexBox& box, BoxSamples& slab) const;
 
   vtkAlgorithmOutput* Input;
   vtkInformation* Information;

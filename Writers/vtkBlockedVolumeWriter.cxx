@@ -23,7 +23,7 @@
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
-#include "Storage/Sampling/StoredSlabSource.h"
+#include "Storage/Sampling/StoredBoxSource.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 #include "WriterInput.h"
 
@@ -67,7 +67,7 @@ struct vtkBlockedVolumeWriter::Session
   Status CollectLines(
     const isosurface::WriterInput& input, const int whole[6], isosurface::LocalVolume& local) const;
   void SetTime(const std::optional<double>& time, isosurface::LocalVolume& local) const;
-  Result<std::unique_ptr<isosurface::SlabSource>> OpenSource(const isosurface::LocalVolume& local);
+  Result<std::unique_ptr<isosurface::BoxSource>> OpenSource(const isosurface::LocalVolume& local);
   isosurface::BlockedVolumeSettings MakeSettings(const isosurface::LocalVolume& local) const;
   /// Collective.
   Status WriteStep(const isosurface::LocalVolume& local);
@@ -378,7 +378,7 @@ isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
 }
 
 //------------------------------------------------------------------------------
-Result<std::unique_ptr<isosurface::SlabSource>> vtkBlockedVolumeWriter::Session::OpenSource(
+Result<std::unique_ptr<isosurface::BoxSource>> vtkBlockedVolumeWriter::Session::OpenSource(
   const isosurface::LocalVolume& local)
 {
   vtkInformation* inInfo = this->Owner.GetInputInformation();
@@ -389,17 +389,17 @@ Result<std::unique_ptr<isosurface::SlabSource>> vtkBlockedVolumeWriter::Session:
     {
       arrays.push_back(*handle->GetVolume()->GetHeader().FindArray(array.Name));
     }
-    auto source = isosurface::StoredSlabSource::Make(
+    auto source = isosurface::StoredBoxSource::Make(
       handle->GetVolume(), handle->FindTimeStep(inInfo), arrays, this->Ranks.ChooseThreads(0));
     ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-    return std::unique_ptr<isosurface::SlabSource>(std::move(*source));
+    return std::unique_ptr<isosurface::BoxSource>(std::move(*source));
   }
   if (this->Owner.MemoryLimit > 0)
   {
-    return std::unique_ptr<isosurface::SlabSource>(std::make_unique<isosurface::PipelineSource>(
+    return std::unique_ptr<isosurface::BoxSource>(std::make_unique<isosurface::PipelineSource>(
       this->Owner.GetInputConnection(0, 0), inInfo, local.Grid, local.Arrays, local.WithCells));
   }
-  return std::unique_ptr<isosurface::SlabSource>(
+  return std::unique_ptr<isosurface::BoxSource>(
     std::make_unique<isosurface::MemorySource>(local.Piece));
 }
 

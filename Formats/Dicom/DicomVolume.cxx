@@ -27,7 +27,7 @@ Status MakeError(StatusCode code, const DicomSlice& slice, const std::string& re
 }
 
 /// Boxes of the slices' images, decoded one after another.
-class DicomSource : public SlabSource
+class DicomSource : public BoxSource
 {
 public:
   DicomSource(Slices slices, ValueType type)
@@ -58,7 +58,7 @@ public:
     return Index3{ this->Box.High[0], this->Box.High[1], 1 };
   }
 
-  Result<SampleSlab> Read(const VertexBox& box) override
+  Result<BoxSamples> Read(const VertexBox& box) override
   {
     auto samples = this->Pool->Take(this->GetReadBytes(box));
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
@@ -78,7 +78,7 @@ public:
         to += static_cast<std::size_t>(size[0]) * GetValueSize(this->Type);
       }
     }
-    return MakeSlab(this->Type, box, std::move(*samples));
+    return MakeBoxSamples(this->Type, box, std::move(*samples));
   }
 
 private:

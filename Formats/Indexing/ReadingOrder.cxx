@@ -190,7 +190,7 @@ VertexBox Lattice::GetNumbers() const
   return numbers;
 }
 
-std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const SlabSource& source, std::int64_t vertices)
+std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const BoxSource& source, std::int64_t vertices)
 {
   const VertexBox& box = source.GetBox();
   const Index3 step = ChooseStep(box.High, vertices);

@@ -2,7 +2,7 @@
 #ifndef isosurface_ReadingOrder_h
 #define isosurface_ReadingOrder_h
 
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <cstdint>
 #include <memory>
@@ -30,7 +30,7 @@ class ReadingOrder
 public:
   /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`; null for
   /// a stream, of which nothing can be skipped.
-  static std::unique_ptr<ReadingOrder> Choose(const SlabSource& source, std::int64_t vertices);
+  static std::unique_ptr<ReadingOrder> Choose(const BoxSource& source, std::int64_t vertices);
   virtual ~ReadingOrder() = default;
 
   /// The boxes of the next part; none if all is read. They have no vertex in common with those of

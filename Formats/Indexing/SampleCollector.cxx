@@ -11,10 +11,10 @@ namespace isosurface
 {
 
 /// Hands on what another source gives, and shows it to the collector.
-class SampleCollector::Source : public SlabSource
+class SampleCollector::Source : public BoxSource
 {
 public:
-  Source(SampleCollector& collector, std::unique_ptr<SlabSource> source)
+  Source(SampleCollector& collector, std::unique_ptr<BoxSource> source)
     : Collector(collector)
     , Wrapped(std::move(source))
   {
@@ -31,7 +31,7 @@ public:
   bool HasCheapRows() const override { return this->Wrapped->HasCheapRows(); }
   void Prefetch(const VertexBox& box) const override { this->Wrapped->Prefetch(box); }
   bool CanReadAhead() const override { return this->Wrapped->CanReadAhead(); }
-  Result<SampleSlab> Read(const VertexBox& box) override
+  Result<BoxSamples> Read(const VertexBox& box) override
   {
     auto slab = this->Wrapped->Read(box);
     if (slab.IsOk())
@@ -43,7 +43,7 @@ public:
 
 private:
   SampleCollector& Collector;
-  std::unique_ptr<SlabSource> Wrapped;
+  std::unique_ptr<BoxSource> Wrapped;
 };
 
 void SampleCollector::Attach(OpenedVolume& volume)
@@ -63,7 +63,7 @@ void SampleCollector::Attach(OpenedVolume& volume)
   volume.Source = std::make_unique<Source>(*this, std::move(volume.Source));
 }
 
-void SampleCollector::Add(const SampleSlab& slab, const VertexBox& box)
+void SampleCollector::Add(const BoxSamples& slab, const VertexBox& box)
 {
   const VertexBox part = Lattice{ box, this->Step }.GetNumbers();
   if (part.IsEmpty() || !slab.Fits(this->Volume.Types, box))

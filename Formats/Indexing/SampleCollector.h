@@ -41,7 +41,7 @@ public:
 private:
   class Source;
 
-  void Add(const SampleSlab& slab, const VertexBox& box);
+  void Add(const BoxSamples& slab, const VertexBox& box);
   /// Complete slices of the lattice, and their vertices. Under the lock.
   std::int64_t CountSlices() const;
   Lattice FindComplete() const;

@@ -71,10 +71,11 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
 
 /**
  * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores
- * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an error
- * or stop, an older index stays as it was; what was written of this one is kept, too, and the next
- * call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds). `collector`, if there is one, sees what is read of the
- * first time step. Cost and errors: as BlockedVolumeWriter.
+ * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an
+ * error or stop, an older index stays as it was; what was written of this one is kept, too, and the
+ * next call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds).
+ * `collector`, if there is one, sees what is read of the first time step. Cost and errors: as
+ * BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},

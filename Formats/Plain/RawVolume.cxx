@@ -107,7 +107,7 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
     std::make_unique<SectionFile>(std::move(*file), begin, bytes));
 }
 
-Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
+Result<std::unique_ptr<BoxSource>> RawVolume::Open(FileSystem& files) const
 {
   const auto bytes = CountBytes(this->Grid, this->Type);
   if (this->Paths.empty() || !bytes || this->Skip > (std::uint64_t{ 1 } << 62))
@@ -134,7 +134,7 @@ Result<std::unique_ptr<SlabSource>> RawVolume::Open(FileSystem& files) const
     *samples = std::make_unique<SeriesFile>(openPart, this->Paths, ofFile);
   }
   const std::uint64_t held = this->IsGzip ? GzipFile::GetHeldBytes(this->Skip + ofFile) : 0;
-  return std::unique_ptr<SlabSource>(
+  return std::unique_ptr<BoxSource>(
     std::make_unique<RawSource>(std::move(*samples), size, this->Type, this->IsBigEndian, held));
 }
 

@@ -33,7 +33,7 @@ struct RawVolume
 
   /// Opens the file, or the first one of a series, and checks its size. `files` must outlive the
   /// source.
-  Result<std::unique_ptr<SlabSource>> Open(FileSystem& files) const;
+  Result<std::unique_ptr<BoxSource>> Open(FileSystem& files) const;
   /// The same, as a volume.
   Result<OpenedVolume> OpenVolume(FileSystem& files) const;
 

@@ -26,7 +26,7 @@ std::uint64_t CountBytes(const ArrayPart& part, const VertexBox& box)
 
 /// Adds the views of a part's samples of the box, one for each component.
 void AddViews(const ArrayPart& part, const VertexBox& box, const StoredArray::Numbers& size,
-  const std::uint8_t* samples, SampleSlab& slab)
+  const std::uint8_t* samples, BoxSamples& slab)
 {
   StoredArray::Numbers strides(size.size(), 1);
   for (std::size_t axis = size.size(); --axis > 0;)
@@ -186,7 +186,7 @@ std::uint64_t ArraySource::GetHeldBytes() const
 
 std::int64_t ArraySource::GetRowsAtOnce() const
 {
-  std::int64_t least = SlabSource::GetRowsAtOnce();
+  std::int64_t least = BoxSource::GetRowsAtOnce();
   for (const ArrayPart& part : this->Parts)
   {
     const StoredArray::Numbers chunk = part.Array->GetChunk();
@@ -241,7 +241,7 @@ bool ArraySource::HasCheapRows() const
     });
 }
 
-Result<SampleSlab> ArraySource::Read(const VertexBox& box)
+Result<BoxSamples> ArraySource::Read(const VertexBox& box)
 {
   auto samples = this->Pool->Take(this->GetReadBytes(box));
   if (!samples.IsOk())
@@ -250,7 +250,7 @@ Result<SampleSlab> ArraySource::Read(const VertexBox& box)
       this->Parts.front().Array->GetName() + ": cannot read: " + samples.GetStatus().GetMessage());
   }
   std::uint8_t* to = (*samples)->GetData();
-  SampleSlab slab;
+  BoxSamples slab;
   const Index3 boxSize = box.GetSize();
   for (const ArrayPart& part : this->Parts)
   {

@@ -4,8 +4,8 @@
 
 #include "Formats/Source/FormatFunctions.h"
 #include "Formats/Source/StoredArray.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/PageBuffer.h"
-#include "Ground/Volume/SlabSource.h"
 
 #include <cstdint>
 #include <memory>
@@ -46,7 +46,7 @@ Status TakeParts(
  * Boxes of stored arrays, whose axes may have any order: the samples stay in the order of the file,
  * and the views have its strides.
  */
-class ArraySource : public SlabSource
+class ArraySource : public BoxSource
 {
 public:
   /// The parts must have the same dimensions.
@@ -60,7 +60,7 @@ public:
   std::optional<Index3> GetChunk() const override;
   /// Whether no part has chunks, and z is the slowest of the axes of each.
   bool HasCheapRows() const override;
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
   std::vector<ArrayPart> Parts;

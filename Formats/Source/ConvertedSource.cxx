@@ -84,7 +84,7 @@ float WidenHalf(std::uint16_t bits)
 }
 
 ConvertedSource::ConvertedSource(
-  std::unique_ptr<SlabSource> source, ValueType stored, SampleScale scale, ValueType type)
+  std::unique_ptr<BoxSource> source, ValueType stored, SampleScale scale, ValueType type)
   : Source(std::move(source))
   , Stored(stored)
   , Scale(scale)
@@ -93,7 +93,7 @@ ConvertedSource::ConvertedSource(
 {
 }
 
-ConvertedSource::ConvertedSource(std::unique_ptr<SlabSource> halves)
+ConvertedSource::ConvertedSource(std::unique_ptr<BoxSource> halves)
   : ConvertedSource(std::move(halves), ValueType::UInt16, {}, ValueType::Float32)
 {
   this->IsHalf = true;
@@ -105,7 +105,7 @@ std::uint64_t ConvertedSource::GetReadBytes(const VertexBox& box) const
     static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
 }
 
-Result<SampleSlab> ConvertedSource::Read(const VertexBox& box)
+Result<BoxSamples> ConvertedSource::Read(const VertexBox& box)
 {
   const auto stored = this->Source->Read(box);
   ISOSURFACE_RETURN_IF_ERROR(stored.GetStatus());
@@ -137,7 +137,7 @@ Result<SampleSlab> ConvertedSource::Read(const VertexBox& box)
       }
     }
   }
-  return MakeSlab(this->Type, box, std::move(*samples));
+  return MakeBoxSamples(this->Type, box, std::move(*samples));
 }
 
 } // namespace isosurface

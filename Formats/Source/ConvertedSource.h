@@ -2,8 +2,8 @@
 #ifndef isosurface_ConvertedSource_h
 #define isosurface_ConvertedSource_h
 
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/PageBuffer.h"
-#include "Ground/Volume/SlabSource.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -35,14 +35,14 @@ void ScaleSamples(ValueType stored, const void* from, std::size_t count, SampleS
 float WidenHalf(std::uint16_t bits);
 
 /// The samples of another source of one component, converted. Scaling is done in double precision.
-class ConvertedSource : public SlabSource
+class ConvertedSource : public BoxSource
 {
 public:
   /// Scales samples of type `stored` to `type`.
   ConvertedSource(
-    std::unique_ptr<SlabSource> source, ValueType stored, SampleScale scale, ValueType type);
+    std::unique_ptr<BoxSource> source, ValueType stored, SampleScale scale, ValueType type);
   /// Widens floats of 16 bits, which the source has as uint16, to float32.
-  explicit ConvertedSource(std::unique_ptr<SlabSource> halves);
+  explicit ConvertedSource(std::unique_ptr<BoxSource> halves);
 
   const VertexBox& GetBox() const override { return this->Source->GetBox(); }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
@@ -52,10 +52,10 @@ public:
   bool HasCheapRows() const override { return this->Source->HasCheapRows(); }
   void Prefetch(const VertexBox& box) const override { this->Source->Prefetch(box); }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
-  std::unique_ptr<SlabSource> Source;
+  std::unique_ptr<BoxSource> Source;
   ValueType Stored;
   SampleScale Scale;
   ValueType Type;

@@ -2,7 +2,7 @@
 #ifndef isosurface_PermutedSource_h
 #define isosurface_PermutedSource_h
 
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <array>
 #include <cstddef>
@@ -15,11 +15,11 @@ namespace isosurface
 
 /// Another source with its axes in another order. The samples stay where they are: the views have
 /// other strides.
-class PermutedSource : public SlabSource
+class PermutedSource : public BoxSource
 {
 public:
   /// Axis `n` of the other source is axis `to[n]` of this one.
-  PermutedSource(std::unique_ptr<SlabSource> source, const std::array<std::size_t, 3>& to)
+  PermutedSource(std::unique_ptr<BoxSource> source, const std::array<std::size_t, 3>& to)
     : Source(std::move(source))
     , To(to)
     , Box(this->Permute(this->Source->GetBox()))
@@ -39,7 +39,7 @@ public:
   }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
 
-  Result<SampleSlab> Read(const VertexBox& box) override
+  Result<BoxSamples> Read(const VertexBox& box) override
   {
     auto slab = this->Source->Read(this->Restore(box));
     if (slab.IsOk())
@@ -80,7 +80,7 @@ private:
     return restored;
   }
 
-  std::unique_ptr<SlabSource> Source;
+  std::unique_ptr<BoxSource> Source;
   std::array<std::size_t, 3> To;
   VertexBox Box;
 };

@@ -62,7 +62,7 @@ void RawSource::Prefetch(const VertexBox& box) const
     static_cast<std::uint64_t>(box.GetSize()[2]) * slice);
 }
 
-Result<SampleSlab> RawSource::Read(const VertexBox& box)
+Result<BoxSamples> RawSource::Read(const VertexBox& box)
 {
   auto samples = this->Pool->Take(this->GetReadBytes(box));
   if (!samples.IsOk())
@@ -87,7 +87,7 @@ Result<SampleSlab> RawSource::Read(const VertexBox& box)
       ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(part, bytes + first * GetValueSize(this->Type)));
     }
   }
-  return MakeSlab(this->Type, box, std::move(*samples), pitch);
+  return MakeBoxSamples(this->Type, box, std::move(*samples), pitch);
 }
 
 Status RawSource::ReadSamples(const VertexBox& box, std::uint8_t* to) const

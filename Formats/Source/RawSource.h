@@ -3,8 +3,8 @@
 #define isosurface_RawSource_h
 
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/PageBuffer.h"
-#include "Ground/Volume/SlabSource.h"
 
 #include <cstdint>
 #include <memory>
@@ -18,7 +18,7 @@ namespace isosurface
  * slices, or one for each if their size is a multiple of 4096 bytes (ChooseSlicePitch); a read for
  * each slice for whole rows, otherwise a read for each row.
  */
-class RawSource : public SlabSource
+class RawSource : public BoxSource
 {
 public:
   /// The file contains all samples and nothing before them. `heldBytes`: the memory of `file`.
@@ -32,7 +32,7 @@ public:
   bool HasCheapRows() const override { return this->HeldBytes == 0; } // no stream
   /// Whole slices.
   void Prefetch(const VertexBox& box) const override;
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
   Status ReadSamples(const VertexBox& box, std::uint8_t* to) const;

@@ -92,7 +92,7 @@ std::uint64_t TiffSource::GetHeldBytes() const
   return this->ScratchBytes + this->Slices.size() * sizeof(Slice);
 }
 
-Result<SampleSlab> TiffSource::Read(const VertexBox& box)
+Result<BoxSamples> TiffSource::Read(const VertexBox& box)
 {
   auto samples = PageBuffer::Create(this->GetReadBytes(box));
   if (!samples.IsOk())
@@ -112,7 +112,7 @@ Result<SampleSlab> TiffSource::Read(const VertexBox& box)
     ISOSURFACE_RETURN_IF_ERROR(this->Opened->Read(slice.Page, rectangle, to));
     to += sliceBytes;
   }
-  return MakeSlab(this->Format.Type, box, std::move(*samples));
+  return MakeBoxSamples(this->Format.Type, box, std::move(*samples));
 }
 
 } // namespace isosurface

@@ -4,7 +4,7 @@
 
 #include "Formats/Tiff/TiffFile.h"
 #include "Ground/Base/FileSystem.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace isosurface
  *
  * Cost of a box: all strips or tiles that it touches are read and decoded.
  */
-class TiffSource : public SlabSource
+class TiffSource : public BoxSource
 {
 public:
   /// Reads the directories of all pages of all files, which must have the same format. Errors name
@@ -37,7 +37,7 @@ public:
   std::uint64_t GetHeldBytes() const override;
   /// Of one page, so many strips or tiles that a block needs few chunks of it.
   std::optional<Index3> GetChunk() const override { return this->Chunk; }
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
   struct Slice

@@ -92,7 +92,7 @@ std::uint64_t ArrayLikeSource::GetReadBytes(const VertexBox& box) const
   return 2 * bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
 
-Result<SampleSlab> ArrayLikeSource::Read(const VertexBox& box)
+Result<BoxSamples> ArrayLikeSource::Read(const VertexBox& box)
 {
   const pybind11::gil_scoped_acquire held;
   try
@@ -104,7 +104,7 @@ Result<SampleSlab> ArrayLikeSource::Read(const VertexBox& box)
         const pybind11::gil_scoped_acquire heldToFree;
         delete owned;
       });
-    SampleSlab slab;
+    BoxSamples slab;
     for (const ArrayLike& array : this->Arrays)
     {
       slices->push_back(TakeSlice(array, box));

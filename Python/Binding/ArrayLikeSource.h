@@ -2,7 +2,7 @@
 #ifndef isosurface_ArrayLikeSource_h
 #define isosurface_ArrayLikeSource_h
 
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <pybind11/pybind11.h>
 
@@ -26,7 +26,7 @@ struct ArrayLike
  * The samples of such objects: NumPy's, Zarr's, h5py's or Dask's arrays. Read() takes the GIL for
  * the time of the slice, in whatever thread. It is made and destroyed with the GIL held.
  */
-class ArrayLikeSource : public SlabSource
+class ArrayLikeSource : public BoxSource
 {
 public:
   /// `chunk`: the vertices on x, y and z that are best read together.
@@ -36,7 +36,7 @@ public:
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::optional<Index3> GetChunk() const override { return this->Chunk; }
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
   /// Throws what a slice has raised. The GIL is held.
   void Rethrow() const;

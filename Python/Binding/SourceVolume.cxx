@@ -64,7 +64,7 @@ bool HaveSameTypes(const std::vector<ArrayDescription>& a, const std::vector<Arr
 /// The end of the slices that are read together from slice `low` on: whole chunks if they are few
 /// bytes, a single slice if the next chosen one is in another chunk.
 std::int64_t FindEndOfSlab(
-  const SlabSource& source, const SampleRequest& request, std::int64_t low, std::int64_t layers)
+  const BoxSource& source, const SampleRequest& request, std::int64_t low, std::int64_t layers)
 {
   const std::int64_t step = request.Step[2];
   const std::int64_t high = request.Box.High[2];
@@ -138,7 +138,7 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep) const
   return opened;
 }
 
-Result<SlabSource*> SourceVolume::FindSource(std::size_t timeStep)
+Result<BoxSource*> SourceVolume::FindSource(std::size_t timeStep)
 {
   if (timeStep != this->SourceStep || !this->Source)
   {
@@ -188,7 +188,7 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
   return Status::Ok();
 }
 
-Result<std::unique_ptr<SlabSource>> SourceVolume::OpenSource(std::size_t timeStep, int)
+Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(std::size_t timeStep, int)
 {
   auto opened = this->OpenStep(timeStep);
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());

@@ -26,7 +26,7 @@ public:
   LevelDescription Describe(int level) const override;
   /// One thread reads at a time. Memory: 64 MiB, or what the file has to decode at once.
   Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
-  Result<std::unique_ptr<SlabSource>> OpenSource(std::size_t timeStep, int threads) override;
+  Result<std::unique_ptr<BoxSource>> OpenSource(std::size_t timeStep, int threads) override;
   /// Reads all samples of the time step into blocks in memory, at the first call; they stay there.
   /// OutOfMemory if they take more than a third of the free memory.
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
@@ -36,7 +36,7 @@ private:
   SourceVolume() = default;
   Result<OpenedVolume> OpenStep(std::size_t timeStep) const;
   /// That of a time step. ReadMutex is held.
-  Result<SlabSource*> FindSource(std::size_t timeStep);
+  Result<BoxSource*> FindSource(std::size_t timeStep);
   Result<std::shared_ptr<BlockedVolume>> MakeBlocks(
     std::size_t timeStep, const Progress& progress) const;
 
@@ -50,8 +50,8 @@ private:
 
   std::mutex ReadMutex; ///< guards Source
   std::size_t SourceStep = 0;
-  std::unique_ptr<SlabSource> Source; ///< of that time step
-  std::mutex BlocksMutex;             ///< guards Blocks
+  std::unique_ptr<BoxSource> Source; ///< of that time step
+  std::mutex BlocksMutex;            ///< guards Blocks
   std::map<std::size_t, std::shared_ptr<BlockedVolume>> Blocks;
 };
 

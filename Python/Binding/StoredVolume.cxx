@@ -2,7 +2,7 @@
 #include "StoredVolume.h"
 
 #include "Formats/Opener/ForeignVolume.h"
-#include "Storage/Sampling/StoredSlabSource.h"
+#include "Storage/Sampling/StoredBoxSource.h"
 
 #include <algorithm>
 #include <numeric>
@@ -109,13 +109,13 @@ Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progr
   return Status::Ok();
 }
 
-Result<std::unique_ptr<SlabSource>> StoredVolume::OpenSource(std::size_t timeStep, int threads)
+Result<std::unique_ptr<BoxSource>> StoredVolume::OpenSource(std::size_t timeStep, int threads)
 {
   std::vector<std::size_t> arrays(this->GetArrays().size());
   std::iota(arrays.begin(), arrays.end(), std::size_t{ 0 });
-  auto source = StoredSlabSource::Make(this->Volume, timeStep, arrays, threads);
+  auto source = StoredBoxSource::Make(this->Volume, timeStep, arrays, threads);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  return std::unique_ptr<SlabSource>(std::move(*source));
+  return std::unique_ptr<BoxSource>(std::move(*source));
 }
 
 Result<std::shared_ptr<BlockedVolume>> StoredVolume::GetBlocks(

@@ -5,9 +5,9 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
-#include "Ground/Volume/SlabSource.h"
 #include "Ground/Volume/VertexBox.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -66,7 +66,7 @@ public:
   virtual Status Read(const SampleRequest& request, void* samples, const Progress& progress) = 0;
 
   /// The samples of a time step, to write another volume of.
-  virtual Result<std::unique_ptr<SlabSource>> OpenSource(std::size_t timeStep, int threads) = 0;
+  virtual Result<std::unique_ptr<BoxSource>> OpenSource(std::size_t timeStep, int threads) = 0;
 
   /// The time step in blocks, to be searched for isosurfaces. `stepThere` becomes its number there.
   virtual Result<std::shared_ptr<BlockedVolume>> GetBlocks(

@@ -9,7 +9,7 @@ namespace isosurface
 {
 
 Status VolumeWriting::Write(
-  const std::vector<ArrayDescription>& arrays, SlabSource& source, const Progress& progress) const
+  const std::vector<ArrayDescription>& arrays, BoxSource& source, const Progress& progress) const
 {
   SerialCommunicator alone;
   return BlockedVolumeWriter(alone)

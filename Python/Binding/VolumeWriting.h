@@ -30,8 +30,8 @@ struct VolumeWriting
   void WriteFile(VolumeFile& file, std::size_t timeStep) const;
 
 private:
-  Status Write(const std::vector<ArrayDescription>& arrays, SlabSource& source,
-    const Progress& progress) const;
+  Status Write(
+    const std::vector<ArrayDescription>& arrays, BoxSource& source, const Progress& progress) const;
 };
 
 } // namespace isosurface

@@ -105,7 +105,7 @@ void OpenAndRead(MemoryDisk& disk, const std::string& path, const VolumeChoice& 
     Require(volume.GetStatus().GetMessage().find('/') == 0, "an error names the file");
     return;
   }
-  SlabSource& source = *volume->Source;
+  BoxSource& source = *volume->Source;
   const VertexBox& box = source.GetBox();
   Require(box.GetSize() == volume->Grid.GetDimensions(), "a source has the samples of its grid");
   Require(!box.IsEmpty(), "a volume has samples");

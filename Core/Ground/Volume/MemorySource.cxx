@@ -4,15 +4,15 @@
 namespace isosurface
 {
 
-Result<SampleSlab> MemorySource::Read(const VertexBox& box)
+Result<BoxSamples> MemorySource::Read(const VertexBox& box)
 {
-  SampleSlab slab;
-  slab.Arrays = this->Piece.Arrays;
-  for (SampleView& view : slab.Arrays)
+  BoxSamples samples;
+  samples.Arrays = this->Piece.Arrays;
+  for (SampleView& view : samples.Arrays)
   {
     view.Box = box;
   }
-  return slab;
+  return samples;
 }
 
 } // namespace isosurface

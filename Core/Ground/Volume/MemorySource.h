@@ -2,7 +2,7 @@
 #ifndef isosurface_MemorySource_h
 #define isosurface_MemorySource_h
 
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <vector>
 
@@ -20,7 +20,7 @@ struct VolumePiece
 };
 
 /// Samples in memory. Read() copies nothing. The samples must outlive the source.
-class MemorySource : public SlabSource
+class MemorySource : public BoxSource
 {
 public:
   explicit MemorySource(const VolumePiece& piece)
@@ -30,7 +30,7 @@ public:
 
   const VertexBox& GetBox() const override { return this->Piece.Box; }
   std::uint64_t GetReadBytes(const VertexBox&) const override { return 0; }
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
   VolumePiece Piece;

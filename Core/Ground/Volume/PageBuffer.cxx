@@ -24,7 +24,7 @@ Result<std::shared_ptr<PageBuffer>> PageBuffer::Create(std::uint64_t size)
     return Status(StatusCode::OutOfMemory,
       "no memory for " + std::to_string(size) + " bytes: " + std::strerror(errno));
   }
-  // The rows of a block are far apart in a slab: each would be on another small page.
+  // The rows of a block are far apart in a large box: each would be on another small page.
   AdviseHugePages(pages, mapped);
   return std::shared_ptr<PageBuffer>(new PageBuffer(pages, mapped));
 }
@@ -87,8 +87,8 @@ std::int64_t ChooseSlicePitch(const VertexBox& box, std::size_t valueSize)
   return slice + (slice * size % page == 0 ? gap / size : 0);
 }
 
-SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples,
-  std::int64_t slicePitch)
+BoxSamples MakeBoxSamples(ValueType type, const VertexBox& box,
+  std::shared_ptr<const PageBuffer> samples, std::int64_t slicePitch)
 {
   SampleView view;
   view.Type = type;
@@ -97,10 +97,10 @@ SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const 
   view.Box = box;
   const Index3 size = box.GetSize();
   view.Stride = { 1, size[0], slicePitch > 0 ? slicePitch : size[0] * size[1] };
-  SampleSlab slab;
-  slab.Arrays = { view };
-  slab.Owner = std::move(samples);
-  return slab;
+  BoxSamples result;
+  result.Arrays = { view };
+  result.Owner = std::move(samples);
+  return result;
 }
 
 } // namespace isosurface

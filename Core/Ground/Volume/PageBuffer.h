@@ -3,7 +3,7 @@
 #define isosurface_PageBuffer_h
 
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -40,7 +40,7 @@ private:
 };
 
 /**
- * A pool of unused page buffers. The next slab usually has the same size, and new memory for it
+ * A pool of unused page buffers. The next box usually has the same size, and new memory for it
  * would cost as much as copying its samples. Any number of threads may use a pool.
  */
 class PageBufferPool : public std::enable_shared_from_this<PageBufferPool>
@@ -58,10 +58,10 @@ private:
   std::vector<std::shared_ptr<PageBuffer>> Idle;
 };
 
-/// A slab of one array. The samples of the box are in a buffer, x fastest; a slice begins
+/// The samples of one array in a box. They are in a buffer, x fastest; a slice begins
 /// `slicePitch` samples after the one before it, without a gap if this is 0.
-SampleSlab MakeSlab(ValueType type, const VertexBox& box, std::shared_ptr<const PageBuffer> samples,
-  std::int64_t slicePitch = 0);
+BoxSamples MakeBoxSamples(ValueType type, const VertexBox& box,
+  std::shared_ptr<const PageBuffer> samples, std::int64_t slicePitch = 0);
 
 /// The distance of the slices of a box in samples, with which the rows of a block that lie above
 /// each other are in different sets of the processor's caches: where slices take a multiple of 4096

@@ -5,9 +5,9 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
-#include "Ground/Volume/SlabSource.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -38,7 +38,7 @@ struct OpenedVolume
   GridGeometry Grid;
   std::optional<GridLines> Lines;       ///< of a rectilinear grid; then Grid tells its extent alone
   std::vector<ArrayDescription> Arrays; ///< the components of each have views of their own
-  std::unique_ptr<SlabSource> Source;
+  std::unique_ptr<BoxSource> Source;
   std::vector<double> Times;      ///< of all time steps of the file; empty if it has none
   int Level = 0;                  ///< of a pyramid; above 0, samples are averages
   std::string LeftOut;            ///< says what of the file is not read; empty if everything is

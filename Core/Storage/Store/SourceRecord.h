@@ -36,7 +36,7 @@ struct SourceRecord
   std::string Axes;                ///< VolumeChoice::Axes
   std::size_t Step = 0;            ///< number of the time step in the source
   std::vector<std::string> Arrays; ///< the source's own names of the volume's arrays
-  Index3 Chunk = { 1, 1, 1 };      ///< SlabSource::GetChunk() of the first array
+  Index3 Chunk = { 1, 1, 1 };      ///< BoxSource::GetChunk() of the first array
   FileState State;                 ///< of all files that have the samples
   std::uint64_t Metadata = 0;      ///< checksum of shape, types, chunks and storage
 

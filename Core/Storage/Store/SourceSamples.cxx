@@ -80,7 +80,7 @@ Status SourceSamples::MakeChanged(std::int64_t block) const
       std::to_string(block) + " has other samples; index it again");
 }
 
-Result<std::unique_ptr<SlabSource>> SourceSamples::OpenArray(const Array& array) const
+Result<std::unique_ptr<BoxSource>> SourceSamples::OpenArray(const Array& array) const
 {
   VolumeChoice choice = this->Choice;
   choice.Arrays = { array.Name };
@@ -98,7 +98,7 @@ Result<std::unique_ptr<SlabSource>> SourceSamples::OpenArray(const Array& array)
   return std::move(volume->Source);
 }
 
-Result<std::unique_ptr<SlabSource>> SourceSamples::Take(Array& array)
+Result<std::unique_ptr<BoxSource>> SourceSamples::Take(Array& array)
 {
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
@@ -112,7 +112,7 @@ Result<std::unique_ptr<SlabSource>> SourceSamples::Take(Array& array)
   return this->OpenArray(array);
 }
 
-void SourceSamples::GiveBack(Array& array, std::unique_ptr<SlabSource> source)
+void SourceSamples::GiveBack(Array& array, std::unique_ptr<BoxSource> source)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   array.Idle.push_back(std::move(source));
@@ -133,9 +133,9 @@ Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox
 {
   auto source = this->Take(array);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  const auto slab = (*source)->Read(box);
-  ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
-  if (!slab->Fits(std::vector<ValueType>(array.Components, array.Type), box))
+  const auto samples = (*source)->Read(box);
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  if (!samples->Fits(std::vector<ValueType>(array.Components, array.Type), box))
   {
     return Status(StatusCode::Corrupt, this->Name + ": has other samples than it states");
   }
@@ -145,7 +145,7 @@ Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox
   decoded->Bytes = Buffer<std::uint8_t>(
     static_cast<std::size_t>(box.GetNumberOfVertices()) * array.Components * size);
   std::uint8_t* to = decoded->Bytes.GetData();
-  for (const SampleView& view : slab->Arrays)
+  for (const SampleView& view : samples->Arrays)
   {
     const auto* first = static_cast<const std::uint8_t*>(view.First);
     for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)

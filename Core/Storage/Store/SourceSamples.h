@@ -4,7 +4,7 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/VertexBox.h"
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Record/DecodedBlock.h"
@@ -72,7 +72,7 @@ private:
     Index3 Chunk = { 1, 1, 1 };
     Index3 Chunks = { 1, 1, 1 }; ///< on each axis
     /// Open ones that no thread reads at the moment.
-    std::vector<std::unique_ptr<SlabSource>> Idle;
+    std::vector<std::unique_ptr<BoxSource>> Idle;
   };
   using Chunk = std::shared_ptr<const DecodedBlock>;
 
@@ -86,9 +86,9 @@ private:
   {
   }
 
-  Result<std::unique_ptr<SlabSource>> OpenArray(const Array& array) const;
-  Result<std::unique_ptr<SlabSource>> Take(Array& array);
-  void GiveBack(Array& array, std::unique_ptr<SlabSource> source);
+  Result<std::unique_ptr<BoxSource>> OpenArray(const Array& array) const;
+  Result<std::unique_ptr<BoxSource>> Take(Array& array);
+  void GiveBack(Array& array, std::unique_ptr<BoxSource> source);
   VertexBox FindChunkBox(const Array& array, const Index3& chunk) const;
   /// All components of an array in a chunk, one after another, each x fastest.
   Result<Chunk> Decode(Array& array, const VertexBox& box);

@@ -28,7 +28,7 @@ struct SlabLimit
       this->Source.GetReadBytes(box) <= this->Memory;
   }
 
-  const SlabSource& Source;
+  const BoxSource& Source;
   std::uint64_t VertexBytes; ///< of the samples at a vertex
   std::uint64_t Memory;
 };
@@ -128,7 +128,7 @@ std::vector<BlockProfile> BlockRangeScan::TakeProfiles()
   return profiles;
 }
 
-Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& owned,
+Status BlockRangeScan::Scan(BoxSource& source, const std::vector<VertexBox>& owned,
   std::uint64_t memoryBytes, const Progress& progress)
 {
   const SlabLimit limit{ source, SumValueSizes(this->Variables.GetStoredTypes()), memoryBytes / 2 };
@@ -142,7 +142,7 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
     return std::async(source.CanReadAhead() ? std::launch::async : std::launch::deferred,
       [&source, box = slabs[slab]] { return source.Read(box); });
   };
-  std::future<Result<SampleSlab>> next;
+  std::future<Result<BoxSamples>> next;
   if (!slabs.empty())
   {
     next = read(0);
@@ -173,7 +173,7 @@ Status BlockRangeScan::Scan(SlabSource& source, const std::vector<VertexBox>& ow
   return Status::Ok();
 }
 
-KeyRange BlockRangeScan::FindRange(const SampleSlab& slab, const VertexBox& part) const
+KeyRange BlockRangeScan::FindRange(const BoxSamples& slab, const VertexBox& part) const
 {
   const int count = this->Variables.GetComponents(0);
   if (count == 1)
@@ -186,7 +186,7 @@ KeyRange BlockRangeScan::FindRange(const SampleSlab& slab, const VertexBox& part
   return FindSampleRange(MakeMagnitudeView(part, magnitudes.data()), part).All;
 }
 
-void BlockRangeScan::AddToProfiles(const SampleSlab& slab, const VertexBox& box)
+void BlockRangeScan::AddToProfiles(const BoxSamples& slab, const VertexBox& box)
 {
   const int components = this->Variables.GetComponents(0);
   if (components == 1)
@@ -209,7 +209,7 @@ void BlockRangeScan::AddToProfiles(const SampleSlab& slab, const VertexBox& box)
   }
 }
 
-void BlockRangeScan::AddSlab(const SampleSlab& slab, const VertexBox& box)
+void BlockRangeScan::AddSlab(const BoxSamples& slab, const VertexBox& box)
 {
   const auto x = FindBlocks(this->Grid, box.Low[0], box.High[0], 0);
   const auto y = FindBlocks(this->Grid, box.Low[1], box.High[1], 1);

@@ -7,7 +7,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/BlockGrid.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Storage/Writing/BlockProfileScan.h"
 
@@ -32,7 +32,7 @@ public:
   /// Reads this rank's vertices, the boxes `owned` of the source, once, in slabs of at least a row
   /// of vertices that take at most `memoryBytes`, with the one read ahead. Aborted if `progress`
   /// asked to stop.
-  Status Scan(SlabSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
+  Status Scan(BoxSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
     const Progress& progress);
 
   /// Collective. Joins the ranges of all ranks.
@@ -44,9 +44,9 @@ public:
   std::vector<BlockProfile> TakeProfiles();
 
 private:
-  void AddSlab(const SampleSlab& slab, const VertexBox& box);
-  void AddToProfiles(const SampleSlab& slab, const VertexBox& box);
-  KeyRange FindRange(const SampleSlab& slab, const VertexBox& part) const;
+  void AddSlab(const BoxSamples& slab, const VertexBox& box);
+  void AddToProfiles(const BoxSamples& slab, const VertexBox& box);
+  KeyRange FindRange(const BoxSamples& slab, const VertexBox& part) const;
 
   BlockGrid Grid;
   ArrayVariables Variables;

@@ -40,7 +40,7 @@ std::uint64_t FindLargestRecord(const BlockGrid& grid, const std::vector<ValueTy
 
 } // namespace
 
-BlockRounds::BlockRounds(Communicator& ranks, SlabSource& source, const BlockGrid& grid,
+BlockRounds::BlockRounds(Communicator& ranks, BoxSource& source, const BlockGrid& grid,
   const std::vector<ValueType>& types, const BlockExchange& exchange, const BlockShipment& shipment,
   RoundPlan& plan, int threads, std::uint64_t memoryBytes)
   : Ranks(ranks)

@@ -5,7 +5,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockShipment.h"
 #include "Storage/Writing/RecordBuffers.h"
@@ -52,7 +52,7 @@ class BlockRounds
 {
 public:
   /// The references must outlive this object. `memoryBytes` is the same on all ranks.
-  BlockRounds(Communicator& ranks, SlabSource& source, const BlockGrid& grid,
+  BlockRounds(Communicator& ranks, BoxSource& source, const BlockGrid& grid,
     const std::vector<ValueType>& types, const BlockExchange& exchange,
     const BlockShipment& shipment, RoundPlan& plan, int threads, std::uint64_t memoryBytes);
 
@@ -102,7 +102,7 @@ private:
     std::vector<PendingBlock> blocks, const std::shared_ptr<RoundWriting>& before);
 
   Communicator& Ranks;
-  SlabSource& Source;
+  BoxSource& Source;
   const BlockGrid& Grid;
   const std::vector<ValueType>& Types;
   const BlockExchange& Exchange;

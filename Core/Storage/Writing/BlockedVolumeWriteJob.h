@@ -6,7 +6,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 #include "Storage/Writing/ResolutionWriter.h"
@@ -29,8 +29,8 @@ namespace isosurface
 class BlockedVolumeWriteJob
 {
 public:
-  BlockedVolumeWriteJob(Communicator& ranks, FileSystem& files, std::string path,
-    SlabSource& source, const BlockedVolumeSettings& settings, Progress progress)
+  BlockedVolumeWriteJob(Communicator& ranks, FileSystem& files, std::string path, BoxSource& source,
+    const BlockedVolumeSettings& settings, Progress progress)
     : Context(ranks, files, std::move(path), settings)
     , Source(source)
     , Tell(std::move(progress))
@@ -73,7 +73,7 @@ private:
   Progress MakeProgress(double begin, double end) const;
 
   WriteContext Context;
-  SlabSource& Source;
+  BoxSource& Source;
   Progress Tell;
   std::unique_ptr<ResolutionWriter> Volume;
   std::unique_ptr<PathLock> Lock; ///< of rank 0

@@ -8,7 +8,7 @@ namespace isosurface
 {
 
 Result<WriteStatistics> BlockedVolumeWriter::Write(const std::string& path,
-  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays, SlabSource& source,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays, BoxSource& source,
   const BlockedVolumeSettings& settings, const Progress& progress)
 {
   if (!settings.Append || path != this->PendingPath)

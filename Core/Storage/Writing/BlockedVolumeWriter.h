@@ -6,10 +6,10 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/MemorySource.h"
-#include "Ground/Volume/SlabSource.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/BlockCompression.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
@@ -108,7 +108,7 @@ public:
   /// Collective. All arguments but the source and the progress are equal on all ranks. Steps that
   /// were not published are removed when a later one fails, or with the writer.
   Result<WriteStatistics> Write(const std::string& path, const GridGeometry& grid,
-    const std::vector<ArrayDescription>& arrays, SlabSource& source,
+    const std::vector<ArrayDescription>& arrays, BoxSource& source,
     const BlockedVolumeSettings& settings, const Progress& progress = {});
 
   /// The same for a piece in memory: a view for each component, array after array.

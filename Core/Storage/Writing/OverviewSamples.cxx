@@ -172,7 +172,7 @@ Status OverviewSource::ReadPart(const Part& part, std::size_t store, const Verte
   return Status::Ok();
 }
 
-Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
+Result<BoxSamples> OverviewSource::Read(const VertexBox& box)
 {
   const auto vertices = static_cast<std::size_t>(box.GetNumberOfVertices());
   // Every array at an address that suits all types.
@@ -185,13 +185,13 @@ Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
   const auto buffer = this->Pool->Take(bytes);
   ISOSURFACE_RETURN_IF_ERROR(buffer.GetStatus());
   std::vector<std::uint8_t*> samples;
-  SampleSlab slab;
-  slab.Owner = *buffer;
+  BoxSamples result;
+  result.Owner = *buffer;
   std::uint8_t* next = (*buffer)->GetData();
   for (const ValueType type : this->Types)
   {
     samples.push_back(next);
-    slab.Arrays.push_back(MakeSampleView(type, box, next));
+    result.Arrays.push_back(MakeSampleView(type, box, next));
     next += align(vertices * GetValueSize(type));
   }
   const std::int64_t beginRow = this->FindBlock(box.Low[1], 1);
@@ -208,7 +208,7 @@ Result<SampleSlab> OverviewSource::Read(const VertexBox& box)
       }
     }
   }
-  return slab;
+  return result;
 }
 
 } // namespace isosurface

@@ -5,8 +5,8 @@
 #include "Ground/Base/Buffer.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/BlockGrid.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/PageBuffer.h"
-#include "Ground/Volume/SlabSource.h"
 #include "Storage/Writing/BlockExchange.h"
 
 #include <cstddef>
@@ -35,7 +35,7 @@ std::vector<std::uint8_t> PickOverviewSamples(
  * Each rank reads from all files: one read for each layer of blocks and store. Memory: 4 bytes a
  * block of the finer volume, 8 a layer of blocks and store.
  */
-class OverviewSource : public SlabSource
+class OverviewSource : public BoxSource
 {
 public:
   static std::string GetPath(const std::string& folder, std::size_t store);
@@ -48,7 +48,7 @@ public:
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override;
-  Result<SampleSlab> Read(const VertexBox& box) override;
+  Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
   /// Blocks of one layer, in whole rows [Begin, End), of one store.

@@ -6,7 +6,6 @@
 #include "Ground/Volume/SampleRange.h"
 #include "Storage/Distribution/BlockBalancer.h"
 #include "Storage/Distribution/BlockDistribution.h"
-#include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/RecordCodec.h"
 #include "Storage/Store/SpectraFile.h"
 #include "Storage/Store/VolumeSpectra.h"
@@ -34,7 +33,7 @@ constexpr double CheckpointShare = 0.1;
 
 } // namespace
 
-ResolutionWriter::ResolutionWriter(const WriteContext& context, SlabSource& source,
+ResolutionWriter::ResolutionWriter(const WriteContext& context, BoxSource& source,
   const BlockedVolumeHeader& header, bool hasCoarser, Progress progress)
   : Context(context)
   , Source(source)
@@ -102,9 +101,9 @@ std::uint64_t ResolutionWriter::GetTableBytes() const
     mine += this->Context.IsMine(store) ? 1 : 0;
   }
   bytes += mine * BlockStoreWriter::GetEntryBytes(this->GetSegments());
-  if (this->Spectra)
+  if (this->Counts)
   {
-    bytes += this->Spectra->GetBytes();
+    bytes += this->Counts->GetSpectra().GetBytes();
   }
   return bytes + this->Source.GetHeldBytes();
 }
@@ -262,20 +261,18 @@ Status ResolutionWriter::TakeStore(std::uint32_t store, std::size_t blocks)
   FileSystem& files = this->Context.Files;
   open.Journal = std::make_unique<StoreJournal>(files, this->GetStorePath(store));
   std::vector<BlockDirectoryEntry> entries;
-  const auto checkpoint =
-    open.Journal->Take(this->Journal->Checkpoint, this->GetSegments(), entries, this->Ranges);
+  const auto checkpoint = open.Journal->Take(
+    this->Journal->Checkpoint, this->GetSegments(), entries, this->Counts->GetRanges());
   ISOSURFACE_RETURN_IF_ERROR(checkpoint.GetStatus());
   const bool isMine = std::all_of(entries.begin(), entries.end(),
     [&](const BlockDirectoryEntry& entry)
     { return this->BlockStores[static_cast<std::size_t>(entry.Block)] == store; });
-  if (!isMine || entries.size() != blocks || !this->Spectra->UnpackSums(store, checkpoint->Spectra))
+  if (!isMine || entries.size() != blocks ||
+    !this->Counts->GetSpectra().UnpackSums(store, checkpoint->Spectra))
   {
     return Status(StatusCode::Corrupt, this->GetStorePath(store) + ": its journal is of others");
   }
-  for (std::size_t variable = 0; variable < checkpoint->FiniteRanges.size(); ++variable)
-  {
-    this->Threads[0].FiniteRanges[variable].Add(checkpoint->FiniteRanges[variable]);
-  }
+  this->Counts->AddFiniteRanges(checkpoint->FiniteRanges);
   auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->GetSegments(),
     this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
     std::move(entries), checkpoint->BlocksBytes, checkpoint->BlocksChecksum);
@@ -297,18 +294,8 @@ Status ResolutionWriter::OpenStores()
   const auto clear = [&]
   {
     this->Stores.clear();
-    this->Spectra.emplace(
-      MeasuredGrid{ this->Header.Grid, this->Header.Lines ? &*this->Header.Lines : nullptr },
-      this->Variables, this->Header.NumberOfStores, this->Context.Rank, this->Context.Size);
-    this->Ranges.assign(this->Variables.GetCount(),
-      std::vector<KeyRange>(static_cast<std::size_t>(this->Grid.GetNumberOfBlocks())));
-    this->Threads.clear();
-    this->Threads.reserve(static_cast<std::size_t>(this->Context.Settings.Threads));
-    for (int thread = 0; thread < this->Context.Settings.Threads; ++thread)
-    {
-      this->Threads.push_back({ BlockSpectrum(this->Spectra->GetGrid()),
-        std::vector<KeyRange>(this->Variables.GetCount()) });
-    }
+    this->Counts.emplace(
+      this->Header, this->Context.Rank, this->Context.Size, this->Context.Settings.Threads);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(clear)));
@@ -381,7 +368,7 @@ Status ResolutionWriter::MakeCheckpoint(std::int64_t blocks)
 Status ResolutionWriter::AddCheckpoints(std::int64_t number)
 {
   StoreCheckpoint checkpoint;
-  checkpoint.FiniteRanges = this->JoinFiniteRanges();
+  checkpoint.FiniteRanges = this->Counts->JoinFiniteRanges();
   for (const auto& [store, open] : this->Stores)
   {
     ISOSURFACE_RETURN_IF_ERROR(open.Writer->Sync());
@@ -392,9 +379,9 @@ Status ResolutionWriter::AddCheckpoints(std::int64_t number)
       ISOSURFACE_RETURN_IF_ERROR(open.OverviewSamples->Sync());
       checkpoint.OverviewBytes = open.OverviewSamples->GetSize();
     }
-    checkpoint.Spectra = this->Spectra->PackSums(store);
+    checkpoint.Spectra = this->Counts->GetSpectra().PackSums(store);
     ISOSURFACE_RETURN_IF_ERROR(
-      open.Journal->Add(number, checkpoint, open.Writer->GetEntries(), this->Ranges));
+      open.Journal->Add(number, checkpoint, open.Writer->GetEntries(), this->Counts->GetRanges()));
   }
   return Status::Ok();
 }
@@ -419,7 +406,7 @@ Status ResolutionWriter::WriteBlocks()
   BlockRoundsSteps steps;
   steps.Agree = [&](const Status& mine) { return this->Context.AgreeOn(mine); };
   steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
-  { this->FinishBlock(block, views, this->Threads[static_cast<std::size_t>(thread)]); };
+  { this->FinishBlock(block, views, thread); };
   steps.Write = [&](const PendingBlock& block)
   {
     const OpenStore& store = this->Stores.at(block.Store);
@@ -456,24 +443,10 @@ Status ResolutionWriter::WriteBlocks()
     : Status(status.GetCode(), this->Context.Path + ": cannot be written: " + status.GetMessage());
 }
 
-/// The ranges of the finite values of the blocks so far, per variable.
-std::vector<KeyRange> ResolutionWriter::JoinFiniteRanges() const
-{
-  std::vector<KeyRange> finite(this->Variables.GetCount());
-  for (const Counters& ofThread : this->Threads)
-  {
-    for (std::size_t variable = 0; variable < finite.size(); ++variable)
-    {
-      finite[variable].Add(ofThread.FiniteRanges[variable]);
-    }
-  }
-  return finite;
-}
-
 /// Joins the ranges of the finite values of all ranks, which decide the bins of all spectra.
 void ResolutionWriter::ShareRanges()
 {
-  std::vector<KeyRange> finite = this->JoinFiniteRanges();
+  std::vector<KeyRange> finite = this->Counts->JoinFiniteRanges();
   CommonRanges common;
   for (KeyRange& range : finite)
   {
@@ -486,21 +459,11 @@ void ResolutionWriter::ShareRanges()
   }
 }
 
-/// Adds a filled block to the ranges and spectra, then encodes its record.
+/// Counts a filled block, then encodes its record.
 void ResolutionWriter::FinishBlock(
-  PendingBlock& block, const std::vector<SampleView>& views, Counters& counters)
+  PendingBlock& block, const std::vector<SampleView>& views, int thread)
 {
-  for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
-  {
-    if (variable < views.size())
-    {
-      this->CountVariable(block, variable, views[variable], counters);
-    }
-    else
-    {
-      this->CountVariable(block, variable, this->AssembleVariable(block, variable)->View, counters);
-    }
-  }
+  this->Counts->Add(block, views, thread);
   if (this->HasCoarser)
   {
     block.OverviewSamples = PickOverviewSamples(this->Grid, this->Types, block);
@@ -510,43 +473,9 @@ void ResolutionWriter::FinishBlock(
     block.Block, this->Types, block.Layout, block.Record);
 }
 
-void ResolutionWriter::CountVariable(
-  const PendingBlock& block, std::size_t variable, const SampleView& samples, Counters& counters)
-{
-  const SampleRange range = FindSampleRange(samples, samples.Box);
-  this->Ranges[variable][static_cast<std::size_t>(block.Block)] = range.All;
-  counters.FiniteRanges[variable].Add(range.Finite);
-  this->Spectra->Add(block.Store, variable, counters.Spectrum.Count(samples, range));
-}
-
-/// The samples of a filled block at full resolution.
-std::shared_ptr<DecodedBlock> ResolutionWriter::AssembleVariable(
-  const PendingBlock& block, std::size_t variable) const
-{
-  const Variable& wanted = this->Variables[variable];
-  if (wanted.IsMagnitude())
-  {
-    DecodedBlocks components;
-    for (int component = 0; component < this->Variables.GetComponents(wanted.Array); ++component)
-    {
-      components.push_back(
-        this->AssembleVariable(block, *this->Variables.Find(wanted.Array, component)));
-    }
-    return MakeMagnitudeBlock(components);
-  }
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  std::vector<const std::uint8_t*> segments;
-  for (std::size_t index = variable * levels; index < (variable + 1) * levels; ++index)
-  {
-    segments.push_back(
-      block.Record.GetData() + block.Layout.Offsets[index] + BlockRecord::SegmentHeaderSize);
-  }
-  return AssembleLevel(this->Grid, block.Block, 0, wanted.Type, segments);
-}
-
 Status ResolutionWriter::FinishStores()
 {
-  this->Spectra->SetRanges(this->GetStep().Ranges);
+  this->Counts->GetSpectra().SetRanges(this->GetStep().Ranges);
   this->GetStep().Stores.resize(this->Header.NumberOfStores);
   std::vector<std::uint32_t> mine;
   for (const auto& store : this->Stores)
@@ -565,8 +494,10 @@ Status ResolutionWriter::FinishStores()
     [&](std::size_t index, int)
     {
       OpenStore& store = this->Stores.at(mine[index]);
-      this->Spectra->FinishStore(mine[index], store.Writer->GetEntries(), this->Ranges);
-      const auto description = store.Writer->Finish(this->Variables, this->Ranges, memory);
+      this->Counts->GetSpectra().FinishStore(
+        mine[index], store.Writer->GetEntries(), this->Counts->GetRanges());
+      const auto description =
+        store.Writer->Finish(this->Variables, this->Counts->GetRanges(), memory);
       outcomes[index] = description.GetStatus();
       if (description.IsOk())
       {
@@ -618,8 +549,8 @@ Status ResolutionWriter::ShareSpectra()
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
-      outgoing[0] = this->Spectra->Pack();
-      totals = this->Spectra->GetTotals();
+      outgoing[0] = this->Counts->GetSpectra().Pack();
+      totals = this->Counts->GetSpectra().GetTotals();
       return Status::Ok();
     })));
   const std::vector<Message> incoming = this->Context.Ranks.Exchange(std::move(outgoing));
@@ -631,14 +562,14 @@ Status ResolutionWriter::ShareSpectra()
         ? Status::Ok()
         : SpectraFile::Write(this->Context.Files,
             VolumeSpectra::GetPath(this->Context.Path, this->GetStep().Folder),
-            VolumeSpectra::GetIdentity(this->GetStep()), totals, this->Spectra->Unpack(incoming));
+            VolumeSpectra::GetIdentity(this->GetStep()), totals,
+            this->Counts->GetSpectra().Unpack(incoming));
     }));
 }
 
 std::unique_ptr<OverviewSource> ResolutionWriter::MakeOverviewSource()
 {
-  this->Ranges.clear();
-  this->Spectra.reset();
+  this->Counts.reset();
   return std::make_unique<OverviewSource>(this->Context.Files, this->GetFolder(), this->Grid,
     this->Types, std::move(this->BlockStores), this->Header.NumberOfStores);
 }

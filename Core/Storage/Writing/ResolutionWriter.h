@@ -7,16 +7,15 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/BlockGrid.h"
-#include "Ground/Volume/SlabSource.h"
-#include "Storage/Record/DecodedBlock.h"
+#include "Ground/Volume/BoxSource.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Writing/BlockCounts.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockRangeScan.h"
 #include "Storage/Writing/BlockStoreWriter.h"
 #include "Storage/Writing/OverviewSamples.h"
 #include "Storage/Writing/RoundPlan.h"
 #include "Storage/Writing/StoreJournal.h"
-#include "Storage/Writing/StoreSpectra.h"
 #include "Storage/Writing/WriteContext.h"
 #include "Storage/Writing/WriteJournal.h"
 
@@ -40,7 +39,7 @@ public:
   /// `header`: its last time step is written. An overview's has the ranges of the volume, so that
   /// all spectra have the same bins. `hasCoarser`: whether an overview is made of this grid, so
   /// that its samples are kept. The references must outlive this object.
-  ResolutionWriter(const WriteContext& context, SlabSource& source,
+  ResolutionWriter(const WriteContext& context, BoxSource& source,
     const BlockedVolumeHeader& header, bool hasCoarser, Progress progress);
 
   /// Makes Write() go on where a journal says, and keep it at checkpoints, with the settings'
@@ -70,13 +69,6 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
-
-  /// What a thread counts in blocks.
-  struct Counters
-  {
-    BlockSpectrum Spectrum;             ///< of one variable after the other
-    std::vector<KeyRange> FiniteRanges; ///< per variable, of all blocks
-  };
 
   /// A store while this rank writes it.
   struct OpenStore
@@ -110,13 +102,8 @@ private:
   bool IsCheckpointDue(std::int64_t blocks, bool isStopping);
   Status MakeCheckpoint(std::int64_t blocks);
   Status AddCheckpoints(std::int64_t number);
-  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, Counters& counters);
-  void CountVariable(
-    const PendingBlock& block, std::size_t variable, const SampleView& samples, Counters& counters);
-  std::vector<KeyRange> JoinFiniteRanges() const;
+  void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, int thread);
   void ShareRanges();
-  std::shared_ptr<DecodedBlock> AssembleVariable(
-    const PendingBlock& block, std::size_t variable) const;
   Status FinishStores();
   void ShareDescriptions();
   Status ShareSpectra();
@@ -128,7 +115,7 @@ private:
   bool TellShare(double share) const { return !this->Tell || this->Tell(share); }
 
   const WriteContext& Context;
-  SlabSource& Source;
+  BoxSource& Source;
   Progress Tell;
   BlockedVolumeHeader Header;
   bool HasCoarser;
@@ -138,10 +125,8 @@ private:
   std::optional<BlockExchange> Exchange;
   std::optional<RoundPlan> Plan;
   std::vector<std::uint32_t> BlockStores;    ///< per block
-  std::vector<std::vector<KeyRange>> Ranges; ///< per variable and block of this rank
+  std::optional<BlockCounts> Counts;         ///< during Write()
   std::map<std::uint32_t, OpenStore> Stores; ///< those of this rank
-  std::vector<Counters> Threads;             ///< per thread
-  std::optional<StoreSpectra> Spectra;
   WriteJournal* Journal = nullptr;
   Clock::time_point Begin;          ///< of Write()
   Clock::time_point LastCheckpoint; ///< or Begin

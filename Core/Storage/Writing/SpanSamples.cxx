@@ -71,7 +71,7 @@ std::vector<VertexBox> SpanSamples::FindBoxes(
 }
 
 std::uint64_t SpanSamples::GetReadBytes(
-  const SlabSource& source, const std::vector<VertexBox>& boxes)
+  const BoxSource& source, const std::vector<VertexBox>& boxes)
 {
   std::uint64_t bytes = 0;
   for (const VertexBox& box : boxes)
@@ -82,7 +82,7 @@ std::uint64_t SpanSamples::GetReadBytes(
 }
 
 Status SpanSamples::Read(
-  SlabSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types)
+  BoxSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types)
 {
   this->FirstSlice = boxes.empty() ? 0 : boxes.front().Low[2];
   for (const VertexBox& box : boxes)
@@ -103,7 +103,7 @@ Status SpanSamples::Read(
 
 std::vector<SampleView> SpanSamples::FindViews(const VertexBox& box) const
 {
-  for (const SampleSlab& slab : this->Slabs)
+  for (const BoxSamples& slab : this->Slabs)
   {
     if (!slab.Arrays.empty() && slab.Arrays[0].Available.Intersect(box) == box)
     {

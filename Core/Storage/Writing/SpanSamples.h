@@ -4,7 +4,7 @@
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -40,11 +40,11 @@ public:
     const BlockGrid& grid, const BlockSpan& span, const VertexBox& part);
 
   /// The memory that reading some boxes takes.
-  static std::uint64_t GetReadBytes(const SlabSource& source, const std::vector<VertexBox>& boxes);
+  static std::uint64_t GetReadBytes(const BoxSource& source, const std::vector<VertexBox>& boxes);
 
   /// Fails if the source's samples are not of the given types.
   Status Read(
-    SlabSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types);
+    BoxSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types);
 
   /// The samples of a slice of one of the boxes.
   const SampleView& Find(std::size_t array, std::int64_t z) const
@@ -57,7 +57,7 @@ public:
   std::vector<SampleView> FindViews(const VertexBox& box) const;
 
 private:
-  std::vector<SampleSlab> Slabs;
+  std::vector<BoxSamples> Slabs;
   std::int64_t FirstSlice = 0;
   std::vector<std::uint32_t> SlabOfSlice;
 };

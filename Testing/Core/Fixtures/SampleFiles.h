@@ -72,7 +72,7 @@ SampleVolume<T> MakeRamp(const Index3& size)
 
 /// Checks that a source gives the volume's samples, in boxes of all kinds.
 template <typename T>
-void ExpectSamples(SlabSource& source, const SampleVolume<T>& volume)
+void ExpectSamples(BoxSource& source, const SampleVolume<T>& volume)
 {
   const VertexBox whole = { { 0, 0, 0 }, volume.GetDimensions() };
   ASSERT_TRUE(source.GetBox() == whole);

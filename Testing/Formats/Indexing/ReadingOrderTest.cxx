@@ -12,7 +12,7 @@ namespace
 {
 
 /// A source of which only the description matters.
-class DescribedSource : public SlabSource
+class DescribedSource : public BoxSource
 {
 public:
   DescribedSource(const Index3& size, std::optional<Index3> chunk, bool hasCheapRows)
@@ -25,7 +25,7 @@ public:
   std::uint64_t GetReadBytes(const VertexBox&) const override { return 0; }
   std::optional<Index3> GetChunk() const override { return this->Chunk; }
   bool HasCheapRows() const override { return this->CheapRows; }
-  Result<SampleSlab> Read(const VertexBox&) override { return SampleSlab{}; }
+  Result<BoxSamples> Read(const VertexBox&) override { return BoxSamples{}; }
 
 private:
   VertexBox Box;

@@ -6,7 +6,7 @@
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
-#include "Storage/Sampling/StoredSlabSource.h"
+#include "Storage/Sampling/StoredBoxSource.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Verification/VolumeRepair.h"
 #include "Storage/Verification/VolumeVerification.h"
@@ -365,7 +365,7 @@ TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
 TEST(VolumeInPlace, IsWrittenAnewAsACopy)
 {
   InPlaceDisk made({ 33, 20, 11 });
-  auto source = Require(StoredSlabSource::Make(OpenInPlace(made.Disk), 0, { 0 }, 2));
+  auto source = Require(StoredBoxSource::Make(OpenInPlace(made.Disk), 0, { 0 }, 2));
   MemoryDisk anew;
   ThreadCommunicator::Run(1,
     [&](Communicator& ranks)

@@ -63,7 +63,7 @@ public:
   {
   }
   bool HasCheapRows() const override { return this->IsByRows; }
-  Result<SampleSlab> Read(const VertexBox& box) override
+  Result<BoxSamples> Read(const VertexBox& box) override
   {
     this->Samples += box.GetNumberOfVertices();
     this->Largest = std::max(this->Largest, box.GetNumberOfVertices());
@@ -433,7 +433,7 @@ public:
     , Reads(reads)
   {
   }
-  Result<SampleSlab> Read(const VertexBox& box) override
+  Result<BoxSamples> Read(const VertexBox& box) override
   {
     if (this->Reads-- <= 0)
     {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_SlabSource_h
-#define isosurface_SlabSource_h
+#ifndef isosurface_BoxSource_h
+#define isosurface_BoxSource_h
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/SampleView.h"
@@ -16,7 +16,7 @@ namespace isosurface
 
 /// The samples of a box of vertices: a view for each array, with the box as its Box. The samples
 /// are valid as long as Owner is held; without an Owner, they outlive the source.
-struct SampleSlab
+struct BoxSamples
 {
   std::vector<SampleView> Arrays;
   std::shared_ptr<const void> Owner;
@@ -33,10 +33,10 @@ struct SampleSlab
  * A writer reads boxes more than once, mostly in the order of z, with single slices before and
  * after the slab on which it works.
  */
-class SlabSource
+class BoxSource
 {
 public:
-  virtual ~SlabSource() = default;
+  virtual ~BoxSource() = default;
 
   /// The vertices that this source can read: a rank's piece of the volume, or all of it. May be
   /// empty.
@@ -69,7 +69,7 @@ public:
   virtual bool CanReadAhead() const { return true; }
 
   /// The samples of a box within GetBox(). Errors name the file and the reason.
-  virtual Result<SampleSlab> Read(const VertexBox& box) = 0;
+  virtual Result<BoxSamples> Read(const VertexBox& box) = 0;
 };
 
 } // namespace isosurface

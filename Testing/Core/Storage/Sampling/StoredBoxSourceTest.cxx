@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Sampling/StoredSlabSource.h"
+#include "Storage/Sampling/StoredBoxSource.h"
 #include "Fixtures/VolumeOnDisk.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ VertexBox MakeRandomBox(const Index3& size, std::mt19937& random)
 
 } // namespace
 
-TEST(StoredSlabSource, BoxesHaveTheSamplesThatWereWritten)
+TEST(StoredBoxSource, BoxesHaveTheSamplesThatWereWritten)
 {
   std::mt19937 random(3);
   for (const Index3& size :
@@ -34,7 +34,7 @@ TEST(StoredSlabSource, BoxesHaveTheSamplesThatWereWritten)
     const auto written = MakeVolume<std::int16_t>(size);
     MemoryDisk disk;
     WriteVolumeOk(disk, written, MakeSettings(16, 3));
-    const auto source = Require(StoredSlabSource::Make(OpenVolume(disk), 0, { 0 }, 2));
+    const auto source = Require(StoredBoxSource::Make(OpenVolume(disk), 0, { 0 }, 2));
     EXPECT_EQ(source->GetBox(), (VertexBox{ { 0, 0, 0 }, size }));
     for (int repeat = 0; repeat < 20; ++repeat)
     {
@@ -46,7 +46,7 @@ TEST(StoredSlabSource, BoxesHaveTheSamplesThatWereWritten)
   }
 }
 
-TEST(StoredSlabSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
+TEST(StoredBoxSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
 {
   const Index3 size{ 37, 21, 19 };
   const auto bytes = MakeVolume<std::uint8_t>(size);
@@ -62,7 +62,7 @@ TEST(StoredSlabSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
                              { "shorts", ValueType::Int16 } },
                            piece, MakeSettings(16, 2));
   ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
-  const auto source = Require(StoredSlabSource::Make(OpenVolume(disk), 0, { 2, 0, 1 }, 2));
+  const auto source = Require(StoredBoxSource::Make(OpenVolume(disk), 0, { 2, 0, 1 }, 2));
   // Boxes of an odd number of vertices: what follows the bytes would not be aligned by itself.
   const VertexBox odd{ { 1, 2, 3 }, { 4, 7, 18 } };
   for (const VertexBox& box : { source->GetBox(), odd })
@@ -79,7 +79,7 @@ TEST(StoredSlabSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
   }
 }
 
-TEST(StoredSlabSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
+TEST(StoredBoxSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
 {
   const auto written = MakeVolume<std::int16_t>({ 70, 33, 50 });
   MemoryDisk first;
@@ -92,7 +92,7 @@ TEST(StoredSlabSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
     ThreadCommunicator::Run(ranks,
       [&](Communicator& communicator)
       {
-        auto source = StoredSlabSource::Make(volume, 0, { 0 }, 1);
+        auto source = StoredBoxSource::Make(volume, 0, { 0 }, 1);
         ASSERT_TRUE(source.IsOk());
         const auto result = BlockedVolumeWriter(communicator, again)
                               .Write(VolumePath, volume->GetHeader().Grid,
@@ -104,12 +104,12 @@ TEST(StoredSlabSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
   }
 }
 
-TEST(StoredSlabSource, TellsOfADamagedBlock)
+TEST(StoredBoxSource, TellsOfADamagedBlock)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
   disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
-  const auto source = Require(StoredSlabSource::Make(OpenVolume(disk), 0, { 0 }, 2));
+  const auto source = Require(StoredBoxSource::Make(OpenVolume(disk), 0, { 0 }, 2));
   const auto slab = source->Read(source->GetBox());
   ExpectError(slab.GetStatus(), StatusCode::Corrupt, "blocks");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Storage/Sampling/StoredSlabSource.h"
+#include "Storage/Sampling/StoredBoxSource.h"
 
 #include "Ground/Volume/SampleCopy.h"
 
@@ -8,13 +8,13 @@
 namespace isosurface
 {
 
-Result<std::unique_ptr<StoredSlabSource>> StoredSlabSource::Make(
+Result<std::unique_ptr<StoredBoxSource>> StoredBoxSource::Make(
   const std::shared_ptr<BlockedVolume>& volume, std::size_t timeStep,
   const std::vector<std::size_t>& arrays, int threads)
 {
   auto samples = LevelSamples::Open(volume, timeStep, 0);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  std::unique_ptr<StoredSlabSource> source(new StoredSlabSource);
+  std::unique_ptr<StoredBoxSource> source(new StoredBoxSource);
   for (const std::size_t array : arrays)
   {
     for (int component = 0; component < volume->GetVariables().GetComponents(array); ++component)
@@ -28,7 +28,7 @@ Result<std::unique_ptr<StoredSlabSource>> StoredSlabSource::Make(
   return source;
 }
 
-std::uint64_t StoredSlabSource::GetReadBytes(const VertexBox& box) const
+std::uint64_t StoredBoxSource::GetReadBytes(const VertexBox& box) const
 {
   std::uint64_t bytes = 0;
   for (const std::size_t variable : this->Variables)
@@ -38,18 +38,18 @@ std::uint64_t StoredSlabSource::GetReadBytes(const VertexBox& box) const
   return bytes * static_cast<std::uint64_t>(box.GetNumberOfVertices());
 }
 
-std::uint64_t StoredSlabSource::GetHeldBytes() const
+std::uint64_t StoredBoxSource::GetHeldBytes() const
 {
   return this->Samples->GetMemory();
 }
 
-Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
+Result<BoxSamples> StoredBoxSource::Read(const VertexBox& box)
 {
   // Each array begins where values of any type may.
   constexpr std::size_t alignment = sizeof(double);
   auto samples = std::make_shared<std::vector<std::uint8_t>>(
     this->GetReadBytes(box) + alignment * this->Variables.size());
-  SampleSlab slab;
+  BoxSamples result;
   std::uint8_t* first = samples->data();
   QueryStatistics statistics;
   for (const std::size_t variable : this->Variables)
@@ -61,10 +61,10 @@ Result<SampleSlab> StoredSlabSource::Read(const VertexBox& box)
     const std::size_t bytes =
       GetValueSize(view.Type) * static_cast<std::size_t>(box.GetNumberOfVertices());
     first += (bytes + alignment - 1) / alignment * alignment;
-    slab.Arrays.push_back(view);
+    result.Arrays.push_back(view);
   }
-  slab.Owner = std::move(samples);
-  return slab;
+  result.Owner = std::move(samples);
+  return result;
 }
 
 } // namespace isosurface

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Ground/Volume/SlabSource.h"
+#include "Ground/Volume/BoxSource.h"
 
 #include <cstddef>
 
 namespace isosurface
 {
 
-bool SampleSlab::Fits(const std::vector<ValueType>& types, const VertexBox& box) const
+bool BoxSamples::Fits(const std::vector<ValueType>& types, const VertexBox& box) const
 {
   bool fits = this->Arrays.size() == types.size();
   for (std::size_t array = 0; fits && array < types.size(); ++array)
