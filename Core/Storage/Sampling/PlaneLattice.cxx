@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace isosurface
 {
@@ -189,14 +190,20 @@ std::optional<PlaneLattice> PlaneLattice::Make(
   {
     lattice.AlignTo(grid, steepness.FindMaximum(), plane.Origin);
   }
-  else
+  if (!lattice.Axis || lattice.CountPoints() > maximumPoints)
   {
+    lattice.Axis.reset();
     const Vector3 axis = steepness.GetAxis(steepness.FindMinimum());
     const Vector3 first = Normalize(AddScaled(axis, -Dot(axis, normal), normal));
     lattice.Cover(cuts, { first, Cross(normal, first), normal },
       FindSpacing(lattice.Places, grid.GetDimensions()), maximumPoints);
   }
   return lattice;
+}
+
+double PlaneLattice::CountPoints() const
+{
+  return static_cast<double>(this->Image.GetNumberOfVertices());
 }
 
 void PlaneLattice::AlignTo(const GridGeometry& grid, std::size_t axis, const Vector3& point)
@@ -377,6 +384,42 @@ PointPortions PlaneLattice::MakePortions(const VertexBox& part) const
       });
   };
   return portions;
+}
+
+std::optional<LevelLattice> FindLatticeWithin(
+  const BlockedVolume& volume, const Plane& plane, double maximumPoints, int firstLevel)
+{
+  const GridGeometry& finest = volume.GetHeader().Grid;
+  const auto whole = PlaneLattice::Make(finest, volume.GetLines(0), plane);
+  Plane shown = plane;
+  std::optional<LevelLattice> found;
+  for (int level = firstLevel; whole && level < volume.GetNumberOfLevels(); ++level)
+  {
+    const GridGeometry grid = finest.Coarsen(level);
+    auto lattice = PlaneLattice::Make(grid, volume.GetLines(level), shown);
+    if (!lattice && whole->IsAligned())
+    {
+      const Index3 size = grid.GetDimensions();
+      shown.Origin = VertexPlaces(grid).FindPoint({ static_cast<double>(size[0] - 1),
+        static_cast<double>(size[1] - 1), static_cast<double>(size[2] - 1) });
+      lattice = PlaneLattice::Make(grid, nullptr, shown);
+    }
+    if (!lattice)
+    {
+      break;
+    }
+    found = LevelLattice{ level, std::move(*lattice) };
+    if (found->Lattice.CountPoints() <= maximumPoints)
+    {
+      return found;
+    }
+  }
+  if (found)
+  {
+    found->Lattice = *PlaneLattice::Make(
+      finest.Coarsen(found->Level), volume.GetLines(found->Level), shown, maximumPoints);
+  }
+  return found;
 }
 
 } // namespace isosurface

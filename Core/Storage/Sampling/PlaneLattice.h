@@ -40,8 +40,8 @@ public:
   static constexpr double Unlimited = 1e12;
 
   /// Nothing if the plane has no point of the grid, or if the grid has no vertices. `lines`: of a
-  /// rectilinear grid. `maximumPoints`, more than 1: a plane that is not aligned has larger cells if
-  /// it would have more points.
+  /// rectilinear grid. `maximumPoints`, more than 1: a plane that would have more points has larger
+  /// square cells, and is not aligned.
   static std::optional<PlaneLattice> Make(const GridGeometry& grid, const GridLines* lines,
     const Plane& plane, double maximumPoints = Unlimited);
 
@@ -50,6 +50,7 @@ public:
 
   /// Whether the plane is along two axes of a regular grid: then no point is beyond the grid.
   bool IsAligned() const { return this->Axis.has_value(); }
+  double CountPoints() const;
   /**
    * Fills `values` with one variable at the points of a part of the image, whose vertices are
    * counted from 0, x fastest; `isInside` (may be null) tells which points are within the grid, as
@@ -92,6 +93,24 @@ private:
   std::optional<std::size_t> Axis; ///< of the grid, to which an aligned plane is perpendicular
   double Vertex = 0;               ///< the vertex coordinate of an aligned plane on that axis
 };
+
+/// The lattice of a level of a volume.
+struct LevelLattice
+{
+  int Level = 0;
+  PlaneLattice Lattice;
+};
+
+/**
+ * The lattice of the finest level, from a first one on, at which it has at most `maximumPoints`. If
+ * none has so few, it has larger cells.
+ *
+ * The last vertices of a coarse level may lie before the plane. Then a plane along two axes is that
+ * of the last vertices; any other one stays at the coarsest level that it meets. Nothing if the
+ * plane does not meet the first level, or if level 0 has no lattice.
+ */
+std::optional<LevelLattice> FindLatticeWithin(
+  const BlockedVolume& volume, const Plane& plane, double maximumPoints, int firstLevel = 0);
 
 } // namespace isosurface
 

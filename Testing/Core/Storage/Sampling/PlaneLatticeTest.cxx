@@ -179,6 +179,74 @@ TEST(PlaneLattice, AnObliquePlaneHasNoMorePointsThanItMay)
   }
 }
 
+TEST(PlaneLattice, ASliceHasNoMorePointsThanItMayInEachLayerOfVertices)
+{
+  const Index3 size{ 50, 37, 70 };
+  MemoryDisk disk;
+  const auto volume = WriteAndOpen(disk, MakeVolume<std::int16_t>(size), MakeSettings(16, 2));
+  const GridGeometry& grid = volume->GetHeader().Grid;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::size_t first = axis == 0 ? 1 : 0;
+    const std::size_t second = axis == 2 ? 1 : 2;
+    std::array<double, 3> normal{};
+    normal[axis] = 1;
+    for (std::int64_t layer = 0; layer < size[axis]; ++layer)
+    {
+      std::array<double, 3> place{ 1, 1, 1 };
+      place[axis] = static_cast<double>(layer);
+      const Plane plane{ VertexPlaces(grid).FindPoint(place), normal };
+      for (const std::int64_t maximum : { 4, 100, 300, 1000, 3000, 100000 })
+      {
+        int level = 0;
+        const auto count = [&](std::size_t along, int of)
+        { return (size[along] - 1) / (std::int64_t{ 1 } << of) + 1; };
+        while (level < volume->GetNumberOfLevels() &&
+          count(first, level) * count(second, level) > maximum)
+        {
+          ++level;
+        }
+        const bool isThere = level < volume->GetNumberOfLevels();
+        const auto found = FindLatticeWithin(*volume, plane, static_cast<double>(maximum));
+        ASSERT_TRUE(found);
+        EXPECT_LE(found->Lattice.GetImage().GetNumberOfVertices(), maximum);
+        EXPECT_EQ(found->Level, isThere ? level : level - 1);
+        EXPECT_EQ(found->Lattice.IsAligned(), isThere);
+        // In its place, or, beyond the level's last vertices, at these.
+        const double shown = std::min(layer, (count(axis, found->Level) - 1) << found->Level);
+        const auto at = VertexPlaces(grid).FindVertex(found->Lattice.GetImage().Origin);
+        EXPECT_NEAR(at[axis], shown, 1e-6) << "axis " << axis << ", layer " << layer;
+      }
+    }
+  }
+}
+
+TEST(PlaneLattice, ATiltedSliceHasNoMorePointsThanItMayUpToTheLastCorner)
+{
+  const Index3 size{ 50, 37, 70 };
+  MemoryDisk disk;
+  const auto volume = WriteAndOpen(disk, MakeVolume<std::int16_t>(size), MakeSettings(16, 2));
+  const VertexPlaces places(volume->GetHeader().Grid);
+  for (const auto& normal : { std::array<double, 3>{ 0, 0.001, 1 }, { 1, 2, 3 }, { 1, -1e-6, 0 } })
+  {
+    for (int step = 0; step <= 200; ++step)
+    {
+      const double part = step / 200.0;
+      const Plane plane{ places.FindPoint({ part * 49, part * 36, part * 69 }), normal };
+      for (const double maximum : { 4.0, 100.0, 1000.0 })
+      {
+        for (const int firstLevel : { 0, 1 })
+        {
+          const auto found = FindLatticeWithin(*volume, plane, maximum, firstLevel);
+          EXPECT_TRUE(found || firstLevel > 0);
+          EXPECT_LE(found ? found->Lattice.CountPoints() : 0, maximum);
+          EXPECT_GE(found ? found->Level : firstLevel, firstLevel);
+        }
+      }
+    }
+  }
+}
+
 TEST(PlaneLattice, PartsHaveThePointsOfTheWhole)
 {
   const GridGeometry grid = MakeRotatedGrid();
