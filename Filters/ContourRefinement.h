@@ -2,6 +2,8 @@
 #ifndef isosurface_ContourRefinement_h
 #define isosurface_ContourRefinement_h
 
+#include <array>
+
 namespace isosurface
 {
 
@@ -14,7 +16,7 @@ enum class RefinementStage
   TooLarge = 3 ///< it is not extracted, since it would not fit into memory
 };
 
-/// Of a progressive surface; equal on all ranks.
+/// Of a progressive surface or slice; equal on all ranks.
 struct Refinement
 {
   RefinementStage Stage = RefinementStage::None;
@@ -26,6 +28,15 @@ struct Refinement
   double Triangles = 0; ///< of the next level, estimated, of all ranks
   double Bytes = 0;     ///< of memory that these need on a rank
   double FreeBytes = 0; ///< of memory that the rank with the minimum has; 0: unknown
+
+  /// As a window takes it.
+  std::array<double, 9> List() const
+  {
+    return { static_cast<double>(this->Stage), static_cast<double>(this->ShownLevel),
+      static_cast<double>(this->NextLevel), static_cast<double>(this->FinalLevel),
+      static_cast<double>(this->FittingLevel), this->Share, this->Triangles, this->Bytes,
+      this->FreeBytes };
+  }
 };
 
 } // namespace isosurface

@@ -3,6 +3,7 @@
 
 #include "Ranks/Query/QueryCost.h"
 
+#include "vtkPolyData.h"
 #include "vtkStringArray.h"
 
 namespace isosurface

@@ -2,13 +2,15 @@
 #ifndef isosurface_CostFieldData_h
 #define isosurface_CostFieldData_h
 
+#include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkIdTypeArray.h"
 #include "vtkNew.h"
-#include "vtkPolyData.h"
 
 #include <type_traits>
+
+class vtkPolyData;
 
 namespace isosurface
 {
@@ -17,7 +19,7 @@ struct QueryCost;
 
 /// Adds an array of one number to the output's field data.
 template <typename T>
-void AddToFieldData(vtkPolyData* output, const char* name, T value)
+void AddToFieldData(vtkDataSet* output, const char* name, T value)
 {
   using Array = std::conditional_t<std::is_floating_point_v<T>, vtkDoubleArray, vtkIdTypeArray>;
   vtkNew<Array> array;

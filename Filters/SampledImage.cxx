@@ -2,6 +2,7 @@
 #include "SampledImage.h"
 
 #include "BlockImage.h"
+#include "CostFieldData.h"
 #include "VolumeInput.h"
 #include "VolumeReading.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -23,6 +24,8 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "Ground/Base/BackgroundTask.h"
+#include "Ground/Base/Fingerprint.h"
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -70,6 +73,12 @@ VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformatio
   return part;
 }
 
+// Whether two plans of one plane or box are of the same image.
+bool IsSame(const ImagePlan& a, const ImagePlan& b)
+{
+  return a.Level == b.Level && a.Grid.Extent == b.Grid.Extent;
+}
+
 // Hides the points that are not within the volume from filters and from the Surface representation.
 // Parts without such points have the array, too: what joins or writes parts takes arrays of all.
 void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
@@ -88,8 +97,139 @@ void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
 
 } // namespace
 
+//------------------------------------------------------------------------------
+/// A part of an image, on its way. Fill, which may run beside the main thread, leaves VTK alone.
+struct SampledImage::Part
+{
+  ImagePlan Plan;
+  VertexBox Box;
+  std::shared_ptr<BlockedVolume> Volume;
+  std::size_t TimeStep = 0;
+  std::vector<std::size_t> Arrays;
+  int Threads = 1;
+  std::shared_ptr<const LevelSamples> Samples; ///< if null, Fill opens them
+
+  vtkSmartPointer<vtkImageData> Image;
+  std::vector<vtkSmartPointer<vtkDataArray>> Values; ///< of Arrays
+  std::vector<std::uint8_t> IsInside;
+  std::unique_ptr<BackgroundTask> Work; ///< the last member: it uses the others
+
+  void Allocate();
+  /// Fills it beside the calling thread.
+  void Begin();
+  void Stop();
+  Status Fill(const Progress& progress);
+  void Finish(vtkInformation* outInfo);
+  /// Whether it is the part that another one is to be.
+  bool IsOf(const Part& other) const;
+};
+
+void SampledImage::Part::Allocate()
+{
+  if (this->Box.IsEmpty())
+  {
+    return;
+  }
+  this->Image = MakeImage(this->Plan.Grid, this->Box);
+  this->IsInside.assign(
+    this->Plan.HasOutside ? static_cast<std::size_t>(this->Box.GetNumberOfVertices()) : 0, 1);
+  for (const std::size_t array : this->Arrays)
+  {
+    const ArrayDescription& description = this->Volume->GetHeader().Arrays[array];
+    this->Values.push_back(AddArray(this->Image, description));
+    for (int component = 0; this->Plan.HasOutside && component < description.Components;
+         ++component)
+    {
+      FillWithMinimum(*this->Volume, this->TimeStep, array, component, this->Values.back());
+    }
+  }
+}
+
+void SampledImage::Part::Begin()
+{
+  this->Allocate();
+  this->Work = std::make_unique<BackgroundTask>("the samples cannot be read",
+    [this](const Progress& progress) { return this->Fill(progress); });
+}
+
+void SampledImage::Part::Stop()
+{
+  this->Work.reset();
+  this->Values.clear();
+  this->Image = nullptr;
+}
+
+Status SampledImage::Part::Fill(const Progress& progress)
+{
+  if (!this->Samples)
+  {
+    auto opened = LevelSamples::Open(this->Volume, this->TimeStep, this->Plan.Level);
+    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+    this->Samples = std::move(*opened);
+  }
+  if (this->Box.IsEmpty())
+  {
+    return Status::Ok();
+  }
+  QueryStatistics statistics;
+  const int all = CountComponents(*this->Volume, this->Arrays);
+  int done = 0;
+  for (std::size_t number = 0; number < this->Arrays.size(); ++number)
+  {
+    const std::size_t array = this->Arrays[number];
+    const int components = this->Volume->GetHeader().Arrays[array].Components;
+    for (int component = 0; component < components; ++component, ++done)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->Plan.Fill(*this->Samples, *this->Volume->GetVariables().Find(array, component),
+          this->Box, this->Threads, this->Values[number]->GetVoidPointer(component), components,
+          this->IsInside.empty() ? nullptr : this->IsInside.data(), statistics,
+          [&](double part) { return !progress || progress((done + part) / all); }));
+    }
+  }
+  return Status::Ok();
+}
+
+void SampledImage::Part::Finish(vtkInformation* outInfo)
+{
+  if (this->Box.IsEmpty())
+  {
+    return;
+  }
+  for (std::size_t number = 0; number < this->Arrays.size(); ++number)
+  {
+    StoreVolumeRanges(*this->Volume, this->TimeStep, this->Arrays[number], this->Values[number]);
+  }
+  HideOutside(this->Image, this->IsInside);
+  AddToFieldData(this->Image, "Level", this->Plan.Level);
+  vtkDataObject* made = vtkDataObject::GetData(outInfo);
+  if (this->Plan.Lines)
+  {
+    made->ShallowCopy(MakeRectilinearGrid(this->Image, this->Plan.Lines->Cut(this->Box)));
+  }
+  else
+  {
+    made->ShallowCopy(this->Image);
+  }
+}
+
+bool SampledImage::Part::IsOf(const Part& other) const
+{
+  return this->Volume == other.Volume && this->TimeStep == other.TimeStep &&
+    this->Arrays == other.Arrays && this->Box.Low == other.Box.Low &&
+    this->Box.High == other.Box.High && IsSame(this->Plan, other.Plan);
+}
+
+//------------------------------------------------------------------------------
+SampledImage::SampledImage(vtkAlgorithm& filter)
+  : Filter(filter)
+{
+}
+
+SampledImage::~SampledImage() = default;
+
 void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
-  vtkMultiProcessController* controller, const Planner& plan)
+  vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan)
 {
   const VolumeInput input(inInfo);
   if (input && input.GetHandle().IsUntried())
@@ -105,7 +245,9 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   this->Text.clear();
   if (input && input.GetVolume())
   {
-    const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays());
+    const bool isNew = SumSource(input, properties) != this->Source;
+    const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays(),
+      isNew ? this->CoarseAllowed : this->IsCoarse);
     if (planned.IsOk()) // else RequestData tells why not
     {
       image = *planned;
@@ -131,23 +273,51 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
 
 bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   vtkInformationVector* output, vtkMultiProcessController* controller, std::uint64_t properties,
-  const Planner& plan, const Filler& fill, int& result)
+  const Planner& plan, int& result)
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
   const VolumeInput input(inInfo);
   ControllerCommunicator ranks(controller);
+  const std::uint64_t source = SumSource(input, properties);
+  // Whether it is another image than the last one, and must be exact; on any rank.
+  std::vector<std::uint64_t> decisive = { source != this->Source ? 1U : 0U,
+    this->CoarseAllowed ? 0U : 1U };
+  ranks.ReduceMaximum(decisive);
+  if (decisive[0] != 0)
+  {
+    this->Next.reset();
+    this->IsCoarse = decisive[1] == 0;
+  }
+  this->Source = source;
   const Status status = ReadVolume(this->Filter, ranks, input, properties,
     [&](int threads) -> Status
     {
-      const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays());
+      const BlockedVolume& volume = *input.GetVolume();
+      const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
+      const auto planned = plan(volume, arrays, this->IsCoarse);
       ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
       this->Text = Describe(*planned, input);
-      return this->FillPart(
-        input, FindPart(*planned, request, output), outInfo, threads, *planned, fill);
+      this->ShownLevel = planned->Level;
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->MakePart(input, FindPart(*planned, request, output), outInfo, threads, *planned));
+      if (!this->IsCoarse)
+      {
+        return Status::Ok();
+      }
+      const auto exact = plan(volume, arrays, false);
+      ISOSURFACE_RETURN_IF_ERROR(exact.GetStatus());
+      auto next = this->BeginPart(input, FindPart(*exact, request, output), threads, *exact);
+      if (!IsSame(*exact, *planned) && !(this->Next && this->Next->IsOf(*next)))
+      {
+        this->Next = std::move(next);
+      }
+      return Status::Ok();
     });
   if (!status.IsOk())
   {
+    this->Next.reset();
+    this->Source = 0;
     this->Text.clear();
     vtkDataObject::GetData(outInfo)->Initialize();
   }
@@ -155,66 +325,133 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   return status.IsOk();
 }
 
-Result<std::shared_ptr<const LevelSamples>> SampledImage::OpenSamples(
-  const VolumeInput& input, int level)
+std::uint64_t SampledImage::SumSource(const VolumeInput& input, std::uint64_t properties)
 {
-  if (!this->Samples || &this->Samples->GetVolume() != input.GetVolume().get() ||
-    this->Samples->GetTimeStep() != input.GetTimeStep() || this->Samples->GetLevel() != level)
+  Fingerprint source;
+  source.AddNumber(properties);
+  if (input && input.GetVolume())
   {
-    this->Samples = nullptr;
-    auto opened = LevelSamples::Open(input.GetVolume(), input.GetTimeStep(), level);
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-    this->Samples = std::move(*opened);
+    source.AddNumber(reinterpret_cast<std::uintptr_t>(input.GetVolume().get()));
+    source.AddNumber(input.GetTimeStep());
+    for (const std::size_t array : input.GetHandle().GetArrays())
+    {
+      source.AddNumber(array);
+    }
   }
-  return this->Samples;
+  return source.Get();
 }
 
-Status SampledImage::FillPart(const VolumeInput& input, const VertexBox& part,
-  vtkInformation* outInfo, int threads, const ImagePlan& plan, const Filler& fill)
+std::unique_ptr<SampledImage::Part> SampledImage::BeginPart(
+  const VolumeInput& input, const VertexBox& box, int threads, const ImagePlan& plan) const
 {
-  const auto samples = this->OpenSamples(input, plan.Level);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  if (part.IsEmpty())
+  auto part = std::make_unique<Part>();
+  part->Plan = plan;
+  part->Box = box;
+  part->Volume = input.GetVolume();
+  part->TimeStep = input.GetTimeStep();
+  part->Arrays = input.GetHandle().GetArrays();
+  part->Threads = threads;
+  const auto known = this->Samples.find(plan.Level);
+  if (known != this->Samples.end() && &known->second->GetVolume() == part->Volume.get() &&
+    known->second->GetTimeStep() == part->TimeStep)
   {
-    return Status::Ok();
+    part->Samples = known->second;
   }
-  BlockedVolume& volume = *input.GetVolume();
-  const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
-  vtkSmartPointer<vtkImageData> image = MakeImage(plan.Grid, part);
-  std::vector<std::uint8_t> isInside(
-    plan.HasOutside ? static_cast<std::size_t>(part.GetNumberOfVertices()) : 0, 1);
-  QueryStatistics statistics;
-  const int all = CountComponents(volume, arrays);
-  int done = 0;
-  for (const std::size_t array : arrays)
+  return part;
+}
+
+void SampledImage::KeepSamples(const std::shared_ptr<const LevelSamples>& samples)
+{
+  const auto isOther = [&](const auto& known)
   {
-    const ArrayDescription& description = volume.GetHeader().Arrays[array];
-    vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
-    for (int component = 0; component < description.Components; ++component, ++done)
+    return &known.second->GetVolume() != &samples->GetVolume() ||
+      known.second->GetTimeStep() != samples->GetTimeStep();
+  };
+  if (std::any_of(this->Samples.begin(), this->Samples.end(), isOther))
+  {
+    this->Samples.clear();
+  }
+  this->Samples[samples->GetLevel()] = samples;
+}
+
+Status SampledImage::MakePart(const VolumeInput& input, const VertexBox& box,
+  vtkInformation* outInfo, int threads, const ImagePlan& plan)
+{
+  std::unique_ptr<Part> part = this->BeginPart(input, box, threads, plan);
+  if (!this->IsCoarse && this->Next && this->Next->Work && this->Next->IsOf(*part))
+  {
+    part = std::move(this->Next);
+    constexpr double pollSeconds = 0.02;
+    const Progress progress = MakeProgress(this->Filter);
+    while (!part->Work->Wait(pollSeconds))
     {
-      if (plan.HasOutside)
+      if (!progress(part->Work->GetProgress()))
       {
-        FillWithMinimum(volume, input.GetTimeStep(), array, component, values);
+        return { StatusCode::Aborted, "Reading was aborted." };
       }
-      ISOSURFACE_RETURN_IF_ERROR(
-        fill(**samples, *volume.GetVariables().Find(array, component), part, threads,
-          values->GetVoidPointer(component), description.Components, isInside.data(), statistics,
-          MakeProgress(
-            this->Filter, static_cast<double>(done) / all, static_cast<double>(done + 1) / all)));
     }
-    StoreVolumeRanges(volume, input.GetTimeStep(), array, values);
-  }
-  HideOutside(image, isInside);
-  vtkDataObject* made = vtkDataObject::GetData(outInfo);
-  if (plan.Lines)
-  {
-    made->ShallowCopy(MakeRectilinearGrid(image, plan.Lines->Cut(part)));
+    ISOSURFACE_RETURN_IF_ERROR(part->Work->GetStatus());
   }
   else
   {
-    made->ShallowCopy(image);
+    part->Allocate();
+    ISOSURFACE_RETURN_IF_ERROR(part->Fill(MakeProgress(this->Filter)));
   }
+  if (!this->IsCoarse)
+  {
+    this->Next.reset();
+  }
+  this->KeepSamples(part->Samples);
+  part->Finish(outInfo);
   return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+// Refinement
+
+bool SampledImage::Refine()
+{
+  this->IsCoarse = false;
+  return !this->IsFinal();
+}
+
+void SampledImage::DropRefinement()
+{
+  if (this->Next)
+  {
+    this->Next->Stop();
+  }
+}
+
+Refinement SampledImage::PrepareRefinement(vtkMultiProcessController* controller, double seconds)
+{
+  ControllerCommunicator ranks(controller);
+  std::vector<std::uint64_t> may = { this->IsFinal() ? 0U : 1U };
+  ranks.ReduceMinimum(may);
+  Refinement refinement;
+  if (may[0] == 0)
+  {
+    this->DropRefinement();
+    return refinement;
+  }
+  Part& next = *this->Next;
+  const Status status = next.Work ? Status::Ok()
+                                  : Attempt("the samples cannot be read",
+                                      [&]
+                                      {
+                                        next.Begin();
+                                        return Status::Ok();
+                                      });
+  // If it cannot begin here, the execution after Refine tells why.
+  constexpr double millionths = 1e6;
+  std::vector<std::uint64_t> slowest = { !status.IsOk() || next.Work->Wait(seconds) ? 1U : 0U,
+    static_cast<std::uint64_t>(status.IsOk() ? next.Work->GetProgress() * millionths : 0) };
+  ranks.ReduceMinimum(slowest);
+  refinement.Stage = slowest[0] != 0 ? RefinementStage::Ready : RefinementStage::Working;
+  refinement.ShownLevel = this->ShownLevel;
+  refinement.NextLevel = refinement.FinalLevel = next.Plan.Level;
+  refinement.Share = static_cast<double>(slowest[1]) / millionths;
+  return refinement;
 }
 
 } // namespace isosurface

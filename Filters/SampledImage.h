@@ -2,6 +2,8 @@
 #ifndef isosurface_SampledImage_h
 #define isosurface_SampledImage_h
 
+#include "ContourRefinement.h"
+
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
@@ -14,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +33,12 @@ namespace isosurface
 class BlockedVolume;
 class VolumeInput;
 
+/// Fills in one component of an array in a part of an image, whose vertices are counted from 0; and
+/// whether they are within the volume, if some may not be. Called beside the main thread, too.
+using ImageFiller = std::function<Status(const LevelSamples& samples, std::size_t variable,
+  const VertexBox& part, int threads, void* values, std::ptrdiff_t stride, std::uint8_t* isInside,
+  QueryStatistics& statistics, const Progress& progress)>;
+
 /// What image a filter makes of a volume. Its vertices are those of Grid's extent.
 struct ImagePlan
 {
@@ -39,54 +48,73 @@ struct ImagePlan
   bool HasOutside = false;        ///< whether vertices may lie beyond the volume
   std::string Size;               ///< of it, for people
   std::string Note;               ///< what else people need to know; perhaps empty
+  ImageFiller Fill;               ///< keeps what it uses
 };
 
 /**
  * The common steps of filters that make an image of a blocked volume's samples, each rank a part of
  * it. All ranks of the controller execute together, and all must reach all stores.
+ *
+ * While AllowCoarse says so, an image of something new may be coarse. Then PrepareRefinement makes
+ * the exact one beside the main thread, and the execution after Refine gives it.
  */
 class SampledImage
 {
 public:
-  /// What to make of a volume; the arrays are those that are read. Errors: nothing of the volume is
-  /// wanted.
-  using Planner =
-    std::function<Result<ImagePlan>(const BlockedVolume&, const std::vector<std::size_t>& arrays)>;
-  /// Fills in one component of an array in a part of the image, whose vertices are counted from 0;
-  /// and whether they are within the volume, if some may not be.
-  using Filler = std::function<Status(const LevelSamples& samples, std::size_t variable,
-    const VertexBox& part, int threads, void* values, std::ptrdiff_t stride, std::uint8_t* isInside,
-    QueryStatistics& statistics, const Progress& progress)>;
+  /// What to make of a volume; the arrays are those that are read. `isCoarse`: at once, if the exact
+  /// image takes long. Errors: nothing of the volume is wanted.
+  using Planner = std::function<Result<ImagePlan>(
+    const BlockedVolume&, const std::vector<std::size_t>& arrays, bool isCoarse)>;
 
-  explicit SampledImage(vtkAlgorithm& filter)
-    : Filter(filter)
-  {
-  }
+  explicit SampledImage(vtkAlgorithm& filter);
+  ~SampledImage();
 
   /// Tells the pipeline the image's extent and place. Collective if the input's volume is made by
   /// its first update, as an index in place is: then that is done.
   void TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
-    vtkMultiProcessController* controller, const Planner& plan);
+    vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan);
 
   /// RequestData: fills the first output. `properties`: a checksum of those of the filter. False if
   /// there was an error, which is reported, or a stop: then the output is empty, and the caller
   /// returns `result`. Collective.
   bool Make(vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output,
     vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan,
-    const Filler& fill, int& result);
+    int& result);
 
   /// What the image is, once the pipeline's information is up to date.
   const std::string& GetText() const { return this->Text; }
 
+  void AllowCoarse(bool isAllowed) { this->CoarseAllowed = isAllowed; }
+  /// Whether the last image was exact, or failed.
+  bool IsFinal() const { return !this->Next; }
+  /// Begins to make the exact image, or waits for it, but not longer than this. Collective.
+  Refinement PrepareRefinement(vtkMultiProcessController* controller, double seconds);
+  /// Stops that.
+  void DropRefinement();
+  /// Makes the next execution exact; false if the last one was.
+  bool Refine();
+
 private:
-  Status FillPart(const VolumeInput& input, const VertexBox& part, vtkInformation* outInfo,
-    int threads, const ImagePlan& plan, const Filler& fill);
-  /// The samples of a level, kept for the next time.
-  Result<std::shared_ptr<const LevelSamples>> OpenSamples(const VolumeInput& input, int level);
+  struct Part;
+
+  /// What an image is made of; the filter's properties aside, the same on all ranks.
+  static std::uint64_t SumSource(const VolumeInput& input, std::uint64_t properties);
+  Status MakePart(const VolumeInput& input, const VertexBox& box, vtkInformation* outInfo,
+    int threads, const ImagePlan& plan);
+  /// A part to fill, with the samples of its level, if they are known.
+  std::unique_ptr<Part> BeginPart(
+    const VolumeInput& input, const VertexBox& box, int threads, const ImagePlan& plan) const;
+  /// Keeps the samples of a level for the next time.
+  void KeepSamples(const std::shared_ptr<const LevelSamples>& samples);
 
   vtkAlgorithm& Filter;
-  std::shared_ptr<const LevelSamples> Samples;
+  std::map<int, std::shared_ptr<const LevelSamples>> Samples; ///< of one volume and time step
   std::string Text;
+  bool CoarseAllowed = false;
+  std::uint64_t Source = 0; ///< of the last image
+  bool IsCoarse = false;    ///< whether images of this source may be
+  int ShownLevel = 0;
+  std::unique_ptr<Part> Next; ///< that is to follow a coarse image; perhaps a thread fills it
 };
 
 } // namespace isosurface

@@ -29,6 +29,7 @@
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 vtkStandardNewMacro(vtkStabbingContour);
@@ -201,13 +202,9 @@ void vtkStabbingContour::AllowCoarse(vtkTypeBool allowed)
 //------------------------------------------------------------------------------
 void vtkStabbingContour::PrepareRefinement(int milliseconds)
 {
-  const isosurface::Refinement refinement =
-    this->Work->PrepareRefinement(std::max(0, milliseconds) / 1000.0);
-  const double values[9] = { static_cast<double>(refinement.Stage),
-    static_cast<double>(refinement.ShownLevel), static_cast<double>(refinement.NextLevel),
-    static_cast<double>(refinement.FinalLevel), static_cast<double>(refinement.FittingLevel),
-    refinement.Share, refinement.Triangles, refinement.Bytes, refinement.FreeBytes };
-  std::copy(values, values + 9, this->Refinement);
+  const std::array<double, 9> values =
+    this->Work->PrepareRefinement(std::max(0, milliseconds) / 1000.0).List();
+  std::copy(values.begin(), values.end(), this->Refinement);
 }
 
 //------------------------------------------------------------------------------

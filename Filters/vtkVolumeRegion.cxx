@@ -84,10 +84,8 @@ struct vtkVolumeRegion::Steps
 
   vtkVolumeRegion& Filter;
   isosurface::SampledImage Image;
-  Index3 Low{}; ///< of the last plan's box, among the vertices of its level
 
   std::uint64_t SumProperties() const;
-  /// The vertices of a level around the box; empty if it is beside the volume.
   /// The vertices of full resolution around the box; empty if it is beside the volume.
   VertexBox FindVertices(const isosurface::BlockedVolume& volume) const;
   /// The finest level that keeps the memory limit.
@@ -142,8 +140,8 @@ int vtkVolumeRegion::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
-    output->GetInformationObject(0), this->Controller,
-    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+    output->GetInformationObject(0), this->Controller, this->Internals->SumProperties(),
+    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool)
     { return this->Internals->Plan(volume, arrays); });
   return 1;
 }
@@ -164,15 +162,8 @@ int vtkVolumeRegion::RequestData(
   int result = 0;
   steps.Image.Make(
     request, input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
-    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool)
     { return steps.Plan(volume, arrays); },
-    [&](const isosurface::LevelSamples& samples, std::size_t variable, const VertexBox& part,
-      int threads, void* values, std::ptrdiff_t stride, std::uint8_t*,
-      isosurface::QueryStatistics& statistics, const isosurface::Progress& progress)
-    {
-      return samples.Read(variable, part.Translate(steps.Low), { 1, 1, 1 }, threads, values, stride,
-        statistics, progress);
-    },
     result);
   return result;
 }
@@ -239,7 +230,14 @@ Result<ImagePlan> vtkVolumeRegion::Steps::Plan(
     {
       image.Lines = lines->Cut(box);
     }
-    this->Low = box.Low;
+    image.Fill = [low = box.Low](const isosurface::LevelSamples& samples, std::size_t variable,
+                   const VertexBox& part, int threads, void* values, std::ptrdiff_t stride,
+                   std::uint8_t*, isosurface::QueryStatistics& statistics,
+                   const isosurface::Progress& progress)
+    {
+      return samples.Read(
+        variable, part.Translate(low), { 1, 1, 1 }, threads, values, stride, statistics, progress);
+    };
     image.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
       std::to_string(size[2]) + " samples, " + DescribeMemory(bytes);
     image.Note = level == 0 ? "" : "full resolution takes " + DescribeMemory(countBytes(finest));

@@ -17,7 +17,9 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
 #include "vtkUnsignedCharArray.h"
 
 #include "ControllerCommunicator.h"
@@ -25,11 +27,12 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Sampling/PlaneLattice.h"
 #include "Storage/Sampling/PointSampling.h"
+#include "Storage/Sampling/SampledLines.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,50 +49,59 @@ using isosurface::StatusCode;
 namespace
 {
 
-// Removes the lines in cells with a hidden point: one of their ends has no sample. So have the lines
-// beside NaN: an end of them is nowhere.
+// Of a coarse slice: two cores read and draw it within some 0.1 s.
+constexpr double CoarsePoints = 3e5;
+// Level 1 is stored in the blocks of full resolution, and would read as much.
+constexpr int CoarseLevel = 2;
+
+// Leaves out the lines with a place without samples, and their points.
 void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
 {
-  vtkUnsignedCharArray* hidden = image->GetPointGhostArray();
-  const int* extent = image->GetExtent();
-  const vtkIdType row = extent[1] - extent[0] + 1;
-  const auto isHidden = [&](const double middle[3])
+  if (lines->GetNumberOfLines() == 0)
   {
-    if (std::isnan(middle[0] + middle[1] + middle[2]))
-    {
-      return true;
-    }
-    if (!hidden)
-    {
-      return false;
-    }
+    return;
+  }
+  const int* extent = image->GetExtent();
+  isosurface::ImageLines all;
+  for (vtkIdType point = 0; point < lines->GetNumberOfPoints(); ++point)
+  {
     double index[3];
-    image->TransformPhysicalPointToContinuousIndex(middle, index);
-    const auto i = std::clamp<vtkIdType>(
-      static_cast<vtkIdType>(std::floor(index[0])) - extent[0], 0, extent[1] - extent[0] - 1);
-    const auto j = std::clamp<vtkIdType>(
-      static_cast<vtkIdType>(std::floor(index[1])) - extent[2], 0, extent[3] - extent[2] - 1);
-    const vtkIdType low = i + row * j;
-    return (hidden->GetValue(low) | hidden->GetValue(low + 1) | hidden->GetValue(low + row) |
-             hidden->GetValue(low + row + 1)) != 0;
-  };
-  vtkNew<vtkCellArray> kept;
+    image->TransformPhysicalPointToContinuousIndex(lines->GetPoint(point), index);
+    all.Points.push_back({ index[0] - extent[0], index[1] - extent[2] });
+  }
   vtkNew<vtkIdList> ends;
   for (vtkIdType line = 0; line < lines->GetNumberOfLines(); ++line)
   {
     lines->GetLines()->GetCellAtId(line, ends);
-    double first[3];
-    double second[3];
-    lines->GetPoint(ends->GetId(0), first);
-    lines->GetPoint(ends->GetId(1), second);
-    const double middle[3] = { (first[0] + second[0]) / 2, (first[1] + second[1]) / 2,
-      (first[2] + second[2]) / 2 };
-    if (!isHidden(middle))
-    {
-      kept->InsertNextCell(ends);
-    }
+    all.Lines.push_back({ ends->GetId(0), ends->GetId(1) });
   }
-  lines->SetLines(kept);
+  vtkUnsignedCharArray* hidden = image->GetPointGhostArray();
+  const isosurface::KeptLines kept = isosurface::KeepSampledLines(all, extent[1] - extent[0] + 1,
+    extent[3] - extent[2] + 1, hidden ? hidden->GetPointer(0) : nullptr);
+
+  vtkNew<vtkIdList> numbers;
+  for (const std::int64_t point : kept.Points)
+  {
+    numbers->InsertNextId(point);
+  }
+  vtkNew<vtkPoints> points;
+  points->SetDataType(lines->GetPoints()->GetDataType());
+  lines->GetPoints()->GetPoints(numbers, points);
+  vtkNew<vtkCellArray> cells;
+  for (const auto& line : kept.Lines)
+  {
+    cells->InsertNextCell({ line[0], line[1] });
+  }
+  vtkNew<vtkPolyData> sampled;
+  sampled->SetPoints(points);
+  sampled->SetLines(cells);
+  vtkDataArray* scalars = lines->GetPointData()->GetScalars();
+  vtkSmartPointer<vtkDataArray> isovalues = vtk::TakeSmartPointer(scalars->NewInstance());
+  isovalues->SetName(scalars->GetName());
+  isovalues->SetNumberOfTuples(numbers->GetNumberOfIds());
+  scalars->GetTuples(numbers, isovalues);
+  sampled->GetPointData()->SetScalars(isovalues);
+  lines->ShallowCopy(sampled);
 }
 
 } // namespace
@@ -104,14 +116,13 @@ struct vtkVolumeSlice::Steps
 
   vtkVolumeSlice& Filter;
   isosurface::SampledImage Image;
-  std::optional<PlaneLattice> Lattice; ///< of the last plan
 
   std::uint64_t SumProperties() const;
   /// The isolines of an array of the image, without those in cells with a hidden point.
   void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
-  /// The lattice at the finest level that has few enough points, or at the coarsest one that the
-  /// plane meets.
-  Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume);
+  /// The plane at the finest level that has few enough points, or, if it may be coarse, at one that
+  /// is soon there.
+  Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume, bool isCoarse) const;
 };
 
 //------------------------------------------------------------------------------
@@ -120,6 +131,7 @@ vtkVolumeSlice::vtkVolumeSlice()
   , Normal{ 0, 0, 1 }
   , Interpolation(LINEAR)
   , MaximumPoints(16)
+  , Refinement{}
   , Controller(nullptr)
   , Internals(std::make_unique<Steps>(*this))
 {
@@ -177,14 +189,50 @@ const char* vtkVolumeSlice::GetShownText()
 }
 
 //------------------------------------------------------------------------------
+void vtkVolumeSlice::AllowCoarse(vtkTypeBool allowed)
+{
+  this->Internals->Image.AllowCoarse(allowed != 0);
+}
+
+//------------------------------------------------------------------------------
+int vtkVolumeSlice::GetFinal()
+{
+  return this->Internals->Image.IsFinal() ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeSlice::Refine()
+{
+  if (this->Internals->Image.Refine())
+  {
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeSlice::PrepareRefinement(int milliseconds)
+{
+  const std::array<double, 9> values =
+    this->Internals->Image.PrepareRefinement(this->Controller, std::max(0, milliseconds) / 1000.0)
+      .List();
+  std::copy(values.begin(), values.end(), this->Refinement);
+}
+
+//------------------------------------------------------------------------------
+void vtkVolumeSlice::DropRefinement()
+{
+  this->Internals->Image.DropRefinement();
+}
+
+//------------------------------------------------------------------------------
 int vtkVolumeSlice::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   output->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
-    output->GetInformationObject(0), this->Controller,
-    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&)
-    { return this->Internals->Plan(volume); });
+    output->GetInformationObject(0), this->Controller, this->Internals->SumProperties(),
+    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse)
+    { return this->Internals->Plan(volume, isCoarse); });
   return 1;
 }
 
@@ -203,23 +251,13 @@ int vtkVolumeSlice::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   Steps& steps = *this->Internals;
-  const auto interpolation = this->Interpolation == NEAREST ? isosurface::Interpolation::Nearest
-                                                            : isosurface::Interpolation::Linear;
   auto* isolines = vtkPolyData::GetData(output, 1);
   isolines->Initialize();
   int result = 0;
   const bool isMade = steps.Image.Make(
     request, input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
-    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&)
-    { return steps.Plan(volume); },
-    [&](const isosurface::LevelSamples& samples, std::size_t variable,
-      const isosurface::VertexBox& part, int threads, void* values, std::ptrdiff_t stride,
-      std::uint8_t* isInside, isosurface::QueryStatistics& statistics,
-      const isosurface::Progress& progress)
-    {
-      return steps.Lattice->Sample(samples, variable, interpolation, part, threads, values, stride,
-        isInside, statistics, progress);
-    },
+    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse)
+    { return steps.Plan(volume, isCoarse); },
     result);
   if (isMade)
   {
@@ -282,39 +320,42 @@ std::uint64_t vtkVolumeSlice::Steps::SumProperties() const
 }
 
 //------------------------------------------------------------------------------
-Result<ImagePlan> vtkVolumeSlice::Steps::Plan(const isosurface::BlockedVolume& volume)
+Result<ImagePlan> vtkVolumeSlice::Steps::Plan(
+  const isosurface::BlockedVolume& volume, bool isCoarse) const
 {
   isosurface::Plane plane;
   std::copy_n(this->Filter.Origin, 3, plane.Origin.begin());
   std::copy_n(this->Filter.Normal, 3, plane.Normal.begin());
-  ImagePlan image;
-  for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
+  auto found = isosurface::FindLatticeWithin(volume, plane, 1e6 * this->Filter.MaximumPoints);
+  if (!found)
   {
-    // An oblique slice of the last level has larger pixels, if need be.
-    const double maximum = 1e6 * this->Filter.MaximumPoints;
-    auto lattice =
-      PlaneLattice::Make(volume.GetHeader().Grid.Coarsen(level), volume.GetLines(level), plane,
-        level + 1 < volume.GetNumberOfLevels() ? PlaneLattice::Unlimited : maximum);
-    if (!lattice && level == 0)
-    {
-      return Status(StatusCode::InvalidArgument,
-        volume.GetPath() + ": the plane is beside the volume, or its normal is 0");
-    }
-    if (!lattice)
-    {
-      break; // the last vertices of a coarse level may lie before those of the volume
-    }
-    this->Lattice = std::move(lattice);
-    image.Level = level;
-    image.Grid = this->Lattice->GetImage();
-    image.HasOutside = !this->Lattice->IsAligned();
-    if (static_cast<double>(image.Grid.GetNumberOfVertices()) <= maximum)
-    {
-      break;
-    }
+    return Status(StatusCode::InvalidArgument,
+      volume.GetPath() + ": the plane is beside the volume, or its normal is 0");
   }
+  if (isCoarse && found->Lattice.CountPoints() > CoarsePoints)
+  {
+    auto coarse = isosurface::FindLatticeWithin(
+      volume, plane, CoarsePoints, std::max(found->Level, CoarseLevel));
+    found = coarse ? std::move(coarse) : std::move(found);
+  }
+  const auto lattice = std::make_shared<const PlaneLattice>(std::move(found->Lattice));
+  const auto interpolation = this->Filter.Interpolation == NEAREST
+    ? isosurface::Interpolation::Nearest
+    : isosurface::Interpolation::Linear;
+  ImagePlan image;
+  image.Level = found->Level;
+  image.Grid = lattice->GetImage();
+  image.HasOutside = !lattice->IsAligned();
   const isosurface::Index3 size = image.Grid.GetDimensions();
   image.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points";
+  image.Fill = [lattice, interpolation](const isosurface::LevelSamples& samples,
+                 std::size_t variable, const isosurface::VertexBox& part, int threads, void* values,
+                 std::ptrdiff_t stride, std::uint8_t* isInside,
+                 isosurface::QueryStatistics& statistics, const isosurface::Progress& progress)
+  {
+    return lattice->Sample(samples, variable, interpolation, part, threads, values, stride,
+      isInside, statistics, progress);
+  };
   return image;
 }
 

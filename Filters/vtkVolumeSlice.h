@@ -101,6 +101,23 @@ public:
 
   ///@{
   /**
+   * For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
+   * something new is coarse, and not final. PrepareRefinement then reads the exact one beside the
+   * calling thread, and waits for it, but not longer than this. Refinement has a stage (0: nothing
+   * to refine, 1: at work, 2: ready), the shown level, the next and the final one, and, at [5], the
+   * finished share. The execution after Refine gives the exact image. All ranks call these
+   * together. DropRefinement stops the reading.
+   */
+  void AllowCoarse(vtkTypeBool allowed);
+  int GetFinal();
+  void Refine();
+  void PrepareRefinement(int milliseconds);
+  void DropRefinement();
+  vtkGetVectorMacro(Refinement, double, 9);
+  ///@}
+
+  ///@{
+  /**
    * The ranks that execute together, the global controller by default. Null: this rank alone.
    */
   virtual void SetController(vtkMultiProcessController* controller);
@@ -132,6 +149,7 @@ private:
   double MaximumPoints;
   vtkNew<vtkContourValues> Isovalues;
   std::string IsolineArray;
+  double Refinement[9];
   vtkMultiProcessController* Controller;
   std::unique_ptr<Steps> Internals;
 };

@@ -21,6 +21,12 @@ bool IsStabbingContour(vtkSMProxy* proxy)
   return proxy && proxy->GetXMLName() && std::strcmp(proxy->GetXMLName(), "StabbingContour") == 0;
 }
 
+bool IsRefined(vtkSMProxy* proxy)
+{
+  return IsStabbingContour(proxy) ||
+    (proxy && proxy->GetXMLName() && std::strcmp(proxy->GetXMLName(), "VolumeSlice") == 0);
+}
+
 bool IsFinal(vtkSMProxy* contour)
 {
   contour->UpdatePropertyInformation(contour->GetProperty("Final"));

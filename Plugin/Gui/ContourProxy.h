@@ -7,7 +7,7 @@ class vtkSMProxy;
 namespace isosurface
 {
 
-/// vtkStabbingContour's Refinement, as its documentation says.
+/// The Refinement of vtkStabbingContour and vtkVolumeSlice, as their documentation says.
 struct RefinementReport
 {
   enum Stages
@@ -29,12 +29,14 @@ struct RefinementReport
 };
 
 bool IsStabbingContour(vtkSMProxy* proxy);
+/// Whether it is a filter that gives something coarse first: a contour or a slice.
+bool IsRefined(vtkSMProxy* proxy);
 /// Asks the server.
 bool IsFinal(vtkSMProxy* contour);
 /// Asks the server: what its last PrepareRefinement found.
 RefinementReport ReadRefinement(vtkSMProxy* contour);
 
-/// The level of its last surface, as the window knows it.
+/// The level of its last surface or slice, as the window knows it.
 int ReadLevel(vtkSMProxy* contour);
 
 /// Calls a method of a proxy's object wherever it is, on all ranks, without waiting for the end.

@@ -67,7 +67,7 @@ QList<pqPipelineSource*> FindSources(const Fits& fits)
 /// Whether what it makes can be coarse (AllowCoarse).
 bool CanBeCoarse(vtkSMProxy* proxy)
 {
-  return isosurface::IsStabbingContour(proxy) || pqIndexStatus::IsReader(proxy);
+  return isosurface::IsRefined(proxy) || pqIndexStatus::IsReader(proxy);
 }
 
 bool IsAnyServerWorking()
@@ -333,7 +333,7 @@ void pqProgressiveContourBehavior::RenderByHand()
 
 void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
 {
-  if (!isosurface::IsStabbingContour(source->getProxy()))
+  if (!isosurface::IsRefined(source->getProxy()))
   {
     if (this->Indices)
     {
@@ -475,7 +475,7 @@ void pqProgressiveContourBehavior::Finish()
   }
   // An update may process events.
   QList<QPointer<pqPipelineSource>> contours;
-  for (pqPipelineSource* source : FindSources(isosurface::IsStabbingContour))
+  for (pqPipelineSource* source : FindSources(isosurface::IsRefined))
   {
     contours.push_back(source);
   }

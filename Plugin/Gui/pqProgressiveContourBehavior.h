@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   pqProgressiveContourBehavior
- * @brief   surfaces that the user asks for by hand are coarse at once, and exact soon
+ * @brief   surfaces and slices that the user asks for by hand are coarse at once, and exact soon
  *
  * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time
- * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface, and every
- * Volume Reader (Any Size) a sample of its file (AllowCoarse). pqIndexStatus sees to the latter.
- * Scripts, state files and saved animations get exact ones. Afterwards each contour whose surface
- * is not final extracts the next level beside the window (PrepareRefinement); a timer asks how far
- * it is. When it is there on all ranks, and no mouse button is down, Refine and a rendering show
- * it. Until then the view keeps the surface that it has.
+ * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface, every Volume
+ * Slice a coarse slice, and every Volume Reader (Any Size) a sample of its file (AllowCoarse).
+ * pqIndexStatus sees to the latter. Scripts, state files and saved animations get exact ones.
+ * Afterwards each contour or slice that is not final makes the next level beside the window
+ * (PrepareRefinement); a timer asks how far it is. When it is there on all ranks, and no mouse
+ * button is down, Refine and a rendering show it. Until then the view keeps what it has.
  *
  * Before the window saves data, a screenshot or an animation, all surfaces are finished. One that
  * would not fit into the server's memory is not extracted without asking.

@@ -28,7 +28,8 @@ pqRefinementStatus::pqRefinementStatus(QWidget* parent)
   this->setAutoRaise(true);
   this->setPopupMode(QToolButton::InstantPopup);
   this->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  this->setToolTip(tr("Isosurfaces of blocked volumes are shown coarse first, then exactly."));
+  this->setToolTip(
+    tr("Isosurfaces and slices of blocked volumes are shown coarse first, then exactly."));
   pqSettings* settings = pqApplicationCore::instance()->settings();
   this->CoarseFirst->setObjectName("CoarseFirst");
   this->CoarseFirst->setCheckable(true);
@@ -66,11 +67,14 @@ void pqRefinementStatus::ShowBegin()
 //------------------------------------------------------------------------------
 void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
 {
-  this->setText(tr("Level %1 of %2 shown, refining: %3 % of about %4 triangles")
+  const QString triangles = report.Triangles > 0
+    ? tr(" of about %1 triangles").arg(isosurface::FormatCount(report.Triangles))
+    : QString(); // of a slice
+  this->setText(tr("Level %1 of %2 shown, refining: %3 %%4")
                   .arg(report.ShownLevel)
                   .arg(report.FinalLevel)
                   .arg(std::floor(100 * report.Share))
-                  .arg(isosurface::FormatCount(report.Triangles)));
+                  .arg(triangles));
   this->ShowBegin();
 }
 

@@ -35,7 +35,7 @@ TEST(SamplesOnRanks, WhatLiesBeyondTheLastVerticesOfCoarseLevelsIsShown)
   slice->SetOrigin(0, 0, 1);
   slice->SetMaximumPoints(0.1);
   UpdatePart(slice.Get());
-  EXPECT_EQ(std::string(slice->GetShownText()), "600 x 600 points, full resolution");
+  EXPECT_EQ(std::string(slice->GetShownText()), "300 x 300 points, level 1");
   if (slice->GetOutput()->GetNumberOfPoints() > 0)
   {
     ExpectStockValues(slice->GetOutput(), image);

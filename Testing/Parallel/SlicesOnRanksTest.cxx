@@ -16,6 +16,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <set>
 
@@ -167,11 +168,20 @@ TEST(SlicesOnRanks, IsolinesOfAnObliquePlaneDoNotFollowTheFacesOfTheVolume)
   const std::uint64_t lines =
     SumOverRanks(static_cast<std::uint64_t>(slice->GetIsolines()->GetNumberOfLines()));
   EXPECT_GT(lines, 10u);
+  std::set<vtkIdType> used;
   for (vtkIdType cell = 0; cell < slice->GetIsolines()->GetNumberOfCells(); ++cell)
   {
+    used.insert(slice->GetIsolines()->GetCell(cell)->GetPointId(0));
+    used.insert(slice->GetIsolines()->GetCell(cell)->GetPointId(1));
     // The samples that are below the isovalue are those at x = 0.
     const double* bounds = slice->GetIsolines()->GetCell(cell)->GetBounds();
     ASSERT_LE(std::abs(bounds[0]), 1.5);
+  }
+  EXPECT_EQ(static_cast<vtkIdType>(used.size()), slice->GetIsolines()->GetNumberOfPoints());
+  vtkDataArray* isovalues = slice->GetIsolines()->GetPointData()->GetScalars();
+  for (vtkIdType point = 0; point < slice->GetIsolines()->GetNumberOfPoints(); ++point)
+  {
+    EXPECT_EQ(isovalues->GetTuple1(point), 100);
   }
 }
 
@@ -243,4 +253,81 @@ TEST(SlicesOnRanks, ALargeSliceIsOfTheFinestLevelThatHasFewEnoughPoints)
   EXPECT_EQ(std::string(slice->GetShownText()), "75 x 75 points, level 1");
   ExpectWhole(
     slice->GetOutput(), SubsampleImage(CutImage(image, { 0, 149, 0, 149, 0, 0 }), 1)->GetExtent());
+}
+
+namespace
+{
+
+// Until the exact slice is there; returns the stage.
+double WaitForExact(vtkVolumeSlice* slice)
+{
+  do
+  {
+    slice->PrepareRefinement(20);
+  } while (slice->GetRefinement()[0] == 1);
+  return slice->GetRefinement()[0];
+}
+
+} // namespace
+
+TEST(SlicesOnRanks, AWindowGetsALargeSliceCoarseFirstAndScriptsGetTheExactOne)
+{
+  const auto image = MakeImage({ 0, 599, 0, 599, 0, 5 }, VTK_SHORT, MakeWaves(100));
+  const SharedVolume volume("WindowSlice", image, { 16, 3 });
+  const auto reader = OpenOnRanks(volume.Path);
+  const std::string coarse = "150 x 150 points, level 2";
+  const std::string exact = "600 x 600 points, full resolution";
+  const auto slice = MakeSlice(reader, image, { 0, 0, 1 });
+  const auto expect = [&](double z, const std::string& text)
+  {
+    slice->SetOrigin(0, 0, z);
+    UpdatePart(slice.Get());
+    EXPECT_EQ(std::string(slice->GetShownText()), text);
+    EXPECT_EQ(slice->GetFinal(), text == exact ? 1 : 0);
+    if (slice->GetOutput()->GetNumberOfPoints() > 0)
+    {
+      ExpectStockValues(slice->GetOutput(), image);
+    }
+  };
+  slice->AllowCoarse(1);
+  expect(4, coarse);
+  slice->AllowCoarse(0);
+  expect(4, coarse); // the same slice
+  EXPECT_EQ(WaitForExact(slice), 2);
+  expect(4, coarse);
+  slice->Refine();
+  expect(4, exact);
+  EXPECT_EQ(WaitForExact(slice), 0);
+
+  expect(3, exact);
+  slice->AllowCoarse(1);
+  for (const double z : { 0, 4 }) // the exact one is being made, or stopped, when another is wanted
+  {
+    expect(z, coarse);
+    slice->PrepareRefinement(0);
+  }
+  slice->DropRefinement();
+  slice->Refine(); // without preparation
+  expect(4, exact);
+}
+
+TEST(SlicesOnRanks, AnExactSliceThatCannotBeMadeIsAnErrorAfterRefine)
+{
+  const auto image = MakeImage({ 0, 599, 0, 599, 0, 5 }, VTK_SHORT, MakeWaves(100));
+  const SharedVolume volume("LostSlice", image, { 16, 3 });
+  const auto reader = OpenOnRanks(volume.Path);
+  const auto slice = MakeSlice(reader, image, { 0, 0, 1 });
+  slice->AllowCoarse(1);
+  slice->SetOrigin(0, 0, 4);
+  UpdatePart(slice.Get());
+  EXPECT_EQ(slice->GetFinal(), 0);
+  OnFirstRank(
+    [&] { std::filesystem::resize_file(volume.Path + ".stores/000001/store-00002/blocks", 4096); });
+  EXPECT_EQ(WaitForExact(slice), 2);
+  slice->Refine();
+  const ErrorCounter errors(slice);
+  slice->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  ExpectOneError(errors, { "store-00002/blocks" });
+  EXPECT_EQ(slice->GetOutput()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(slice->GetFinal(), 1);
 }

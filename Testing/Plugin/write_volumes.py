@@ -7,6 +7,7 @@
     wave.eix    its isosurface of 150
     series.bvol four time steps: RTData + 10 t
     pair.vtm    two images, of RTData and of RTData + 100
+    slab.bvol   RTData, 601 x 601 x 9: slices that are coarse first
     noise.bvol  129^3 samples without order: an isosurface of six million triangles
     large.zarr  161 x 131 x 111 samples of the Wavelet, more than a sample of a file has
     vectors.vti wave.vti with its gradient; here, since pieces would have seams of it between them
@@ -65,3 +66,5 @@ output.PointData.append(samples.astype(numpy.uint8), "Noise")
 output.VTKObject.GetPointData().SetActiveScalars("Noise")
 """
 simple.SaveData(os.path.join(folder, "noise.bvol"), proxy=noise)
+slab = simple.Wavelet(WholeExtent=[0, 600, 0, 600, 0, 8])
+simple.SaveData(os.path.join(folder, "slab.bvol"), proxy=slab)
