@@ -63,9 +63,10 @@ Result<vtkSmartPointer<vtkDataArray>> AverageToPoints(
   return points;
 }
 
-Result<vtkDataArray*> CellAverages::Find(vtkImageData* image, vtkDataArray* cells, int threads)
+Result<vtkDataArray*> CellAverages::Find(
+  vtkImageData* image, vtkMTimeType imageTime, vtkDataArray* cells, int threads)
 {
-  const vtkMTimeType time = std::max(image->GetMTime(), cells->GetMTime());
+  const vtkMTimeType time = std::max(imageTime, cells->GetMTime());
   for (Entry& entry : this->Entries)
   {
     if (entry.Cells == cells && entry.Time == time)

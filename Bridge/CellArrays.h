@@ -33,8 +33,9 @@ ISOSURFACEBRIDGE_EXPORT Result<vtkSmartPointer<vtkDataArray>> AverageToPoints(
 class ISOSURFACEBRIDGE_EXPORT CellAverages
 {
 public:
-  /// See AverageToPoints. The array belongs to this.
-  Result<vtkDataArray*> Find(vtkImageData* image, vtkDataArray* cells, int threads);
+  /// See AverageToPoints. The array belongs to this. `imageTime`: when the image was last modified.
+  Result<vtkDataArray*> Find(
+    vtkImageData* image, vtkMTimeType imageTime, vtkDataArray* cells, int threads);
 
   /// Forgets what was not asked for since the last call.
   void DropUnused();

@@ -260,7 +260,6 @@ Result<ImageSamples> MakeImageSamples(
   ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
   ImageSamples samples;
   samples.Array = MakePlainArray(array);
-  samples.Time = std::max(image->GetMTime(), samples.Array->GetMTime());
   samples.Hidden = FindBlanking(grid, image);
   samples.Components =
     MakeComponentViews(samples.Array, *type, MakeVertexBox(grid, image->GetExtent()));

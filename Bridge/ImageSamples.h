@@ -74,7 +74,6 @@ struct ImageSamples
   std::vector<SampleView> Components;
   Blanking Hidden;                     ///< see FindBlanking
   vtkSmartPointer<vtkDataArray> Array; ///< keeps the samples alive
-  vtkMTimeType Time = 0;               ///< when the image or the array was last modified
 };
 
 /**

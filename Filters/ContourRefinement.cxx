@@ -97,7 +97,7 @@ void ContourExecution::ChooseImagePass(Communicator& ranks, ImageContour::Query 
   {
     const VertexBox& box = piece.Samples.Components.front().Box;
     input.AddNumber(reinterpret_cast<std::uintptr_t>(piece.Samples.Array.Get()));
-    input.AddNumber(piece.Samples.Time);
+    input.AddNumber(piece.GetTime());
     input.AddNumber(static_cast<std::uint64_t>(box.GetNumberOfVertices()));
     vertices[0] += static_cast<std::uint64_t>(box.GetNumberOfVertices());
     isHidden = isHidden || !piece.Samples.Hidden.IsEmpty();

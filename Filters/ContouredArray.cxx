@@ -19,8 +19,8 @@ namespace isosurface
 namespace
 {
 
-Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* array, int association,
-  int component, CellAverages& averages, int threads)
+Result<vtkDataArray*> TakeContouredArray(vtkInformation* inInfo, vtkImageData* image,
+  vtkDataArray* array, int association, int component, CellAverages& averages, int threads)
 {
   if (!array)
   {
@@ -33,7 +33,7 @@ Result<vtkDataArray*> TakeContouredArray(vtkImageData* image, vtkDataArray* arra
   }
   if (association == vtkDataObject::FIELD_ASSOCIATION_CELLS)
   {
-    return averages.Find(image, array, threads);
+    return averages.Find(image, FindImageTime(inInfo, image), array, threads);
   }
   return association == vtkDataObject::FIELD_ASSOCIATION_POINTS
     ? Result<vtkDataArray*>(array)
@@ -68,7 +68,7 @@ Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* 
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
     vtkDataArray* array = choose(image, association);
-    return TakeContouredArray(image, array, association, component, averages, threads);
+    return TakeContouredArray(inInfo, image, array, association, component, averages, threads);
   };
   auto pieces = CollectImagePieces(ranks, input, inInfo, find);
   if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)

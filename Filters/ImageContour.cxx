@@ -30,11 +30,12 @@ std::vector<std::int64_t> FindFirstIds(const ImagePieces& pieces, const ContourR
 } // namespace
 
 Result<ImageContour::Entry> ImageContour::TakeEntry(
-  const ImageSamples& samples, int component, int threads)
+  const ImagePiece& piece, int component, int threads)
 {
+  const ImageSamples& samples = piece.Samples;
   for (Entry& kept : this->Entries)
   {
-    if (kept.Array == samples.Array && kept.Time == samples.Time &&
+    if (kept.Array == samples.Array && kept.Time == piece.GetTime() &&
       kept.Scalars.GetComponent() == component && kept.Box == samples.Components.front().Box)
     {
       return std::exchange(kept, Entry());
@@ -42,7 +43,7 @@ Result<ImageContour::Entry> ImageContour::TakeEntry(
   }
   Entry entry;
   entry.Array = samples.Array;
-  entry.Time = samples.Time;
+  entry.Time = piece.GetTime();
   entry.Box = samples.Components.front().Box;
   entry.Scalars = ChosenScalars(samples, component, threads);
   auto ranges = BlockRanges::Compute(entry.Scalars.GetView(samples), threads);
@@ -174,7 +175,7 @@ Status ImageContour::Prepare(const Query& query, Prepared& prepared)
   {
     const int component = *FindChosenComponent(
       static_cast<int>(piece.Samples.Components.size()), query.Choice.Component);
-    auto entry = this->TakeEntry(piece.Samples, component, query.Choice.Threads);
+    auto entry = this->TakeEntry(piece, component, query.Choice.Threads);
     ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
     prepared.Entries.push_back(std::move(*entry));
     prepared.Pieces.push_back({ piece.Grid, query.Pieces.Grids[piece.Grid].GetDimensions(),

@@ -102,7 +102,7 @@ private:
   };
 
   /// That of the last extraction, which is taken out, or one that is computed.
-  Result<Entry> TakeEntry(const ImageSamples& samples, int component, int threads);
+  Result<Entry> TakeEntry(const ImagePiece& piece, int component, int threads);
 
   /// What the pieces are contoured with.
   struct Prepared

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ImagePieces.h"
 
+#include "PassingFilters.h"
 #include "RectilinearGrids.h"
 
+#include "vtkAlgorithm.h"
 #include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
+#include "vtkDataSet.h"
+#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationExecutivePortKey.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkSmartPointer.h"
@@ -160,6 +165,34 @@ std::vector<std::size_t> UniteLeaves(
 
 } // namespace
 
+vtkMTimeType ImagePiece::GetTime() const
+{
+  return std::max(this->ImageTime, this->Samples.Array->GetMTime());
+}
+
+vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
+{
+  vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(inputInfo);
+  vtkInformation* original = inputInfo;
+  while (executive && FindPassedArrays(executive->GetAlgorithm()) != PassedArrays::None &&
+    executive->GetNumberOfInputConnections(0) > 0)
+  {
+    original = executive->GetInputInformation(0, 0);
+    executive = vtkExecutive::PRODUCER()->GetExecutive(original);
+  }
+  vtkDataObject* data = vtkDataObject::GetData(original);
+  if (original == inputInfo || !data)
+  {
+    return image->GetMTime();
+  }
+  vtkMTimeType time = data->GetMTime();
+  for (vtkDataSet* set : vtkCompositeDataSet::GetDataSets<vtkDataSet>(data))
+  {
+    time = std::max(time, set->GetMTime());
+  }
+  return std::min(time, image->GetMTime());
+}
+
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray)
 {
@@ -186,7 +219,8 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
       const std::size_t grid = numbers[n];
       Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
       ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-      pieces.Pieces.push_back({ leaf.Image, leaf.Owner, std::move(*samples), grid });
+      pieces.Pieces.push_back({ leaf.Image, leaf.Owner, std::move(*samples), grid,
+        FindImageTime(inputInfo, leaf.Image) });
     }
     return Status::Ok();
   };
@@ -204,7 +238,7 @@ Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
     vtkDataArray* cells = piece.Image->GetCellData()->GetArray(name.c_str());
     if (!array && cells)
     {
-      const auto average = averages.Find(piece.Image, cells, threads);
+      const auto average = averages.Find(piece.Image, piece.ImageTime, cells, threads);
       ISOSURFACE_RETURN_IF_ERROR(average.GetStatus());
       array = *average;
     }

@@ -3,6 +3,7 @@
 #define isosurface_ImagePieces_h
 
 #include "vtkSmartPointer.h"
+#include "vtkType.h"
 
 #include "CellArrays.h"
 #include "Ground/Base/Communicator.h"
@@ -33,8 +34,17 @@ struct ImagePiece
   vtkImageData* Image = nullptr;
   vtkSmartPointer<vtkImageData> Owner; ///< of an image that stands for a rectilinear grid
   ImageSamples Samples;
-  std::size_t Grid = 0; ///< into ImagePieces::Grids
+  std::size_t Grid = 0;       ///< into ImagePieces::Grids
+  vtkMTimeType ImageTime = 0; ///< see FindImageTime
+
+  /// When the image or the array was last modified.
+  vtkMTimeType GetTime() const;
 };
+
+/// When an image, or the one that stands for a rectilinear grid, was last modified. Filters that hand
+/// samples on unchanged (FindPassedArrays) make a copy that shares them, which may be a new one each
+/// time, as behind all of ParaView's sources and filters: then that of the original counts.
+vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image);
 
 /**
  * The images of all ranks as pieces of grids (UniteGrids), then their rectilinear grids

@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Surfaces that are extracted beside the window are those of all ranks together, taken by all at
 // once.
+#include "EventCounter.h"
 #include "ParallelVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"
+#include "vtkDataArray.h"
+#include "vtkDataObject.h"
+#include "vtkImageData.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPassInputTypeAlgorithm.h"
+#include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 
@@ -90,6 +99,23 @@ TEST_P(Refinement, EndsWithTheSurfaceOfTheWholeVolume)
   ExpectSurfaceOf(mine, this->Image, 60.5);
 }
 
+/// As ParaView's, of the same name, it makes a new copy, which shares the samples, at each update.
+class vtkPVPostFilter : public vtkPassInputTypeAlgorithm
+{
+public:
+  static vtkPVPostFilter* New();
+  vtkTypeMacro(vtkPVPostFilter, vtkPassInputTypeAlgorithm);
+
+protected:
+  int RequestData(
+    vtkInformation*, vtkInformationVector** input, vtkInformationVector* output) override
+  {
+    vtkDataObject::GetData(output)->ShallowCopy(vtkDataObject::GetData(input[0]));
+    return 1;
+  }
+};
+vtkStandardNewMacro(vtkPVPostFilter);
+
 /// Images in memory that are large enough for a coarse surface first.
 class ImageRefinement : public testing::Test
 {
@@ -103,11 +129,36 @@ protected:
   {
     return SumOverRanks(static_cast<std::uint64_t>(this->Update()->GetNumberOfPolys()));
   }
+  /// Shows a coarse surface and prepares the exact one.
+  void Prepare()
+  {
+    this->Contour->AllowCoarse(1);
+    this->Update();
+    this->Contour->AllowCoarse(0);
+    EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  }
+  /// Puts what ParaView has behind each source between the source and the contour.
+  void InsertPostFilter()
+  {
+    this->Copy->SetInputConnection(this->Source->GetOutputPort());
+    this->Contour->SetInputConnection(this->Copy->GetOutputPort());
+  }
+  /// Whether an update extracts here and now. Work tells how far it is; what is there does not.
+  bool Extracts()
+  {
+    const ProgressKeeper progress(this->Contour);
+    this->Copy->Modified();
+    this->Update();
+    const auto isWork = [](double share) { return share > 0 && share < 1; };
+    return SumOverRanks(static_cast<std::uint64_t>(
+             std::count_if(progress.Shares.begin(), progress.Shares.end(), isWork))) > 0;
+  }
 
   static constexpr double Isovalue = 60.5;
   const vtkSmartPointer<vtkImageData> Image =
     MakeClosedVolume({ -3, 207, 5, 214, 0, 203 }, VTK_UNSIGNED_CHAR);
   const vtkSmartPointer<PieceSource> Source = MakeSource(this->Image);
+  const vtkNew<vtkPVPostFilter> Copy;
   const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Source, Isovalue);
   const ExpectNoErrors Errors{ this->Contour };
 };
@@ -142,6 +193,40 @@ TEST_F(ImageRefinement, IsCoarseAtOnceAndExactAtTheEnd)
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
   EXPECT_TRUE(this->Contour->GetFinal());
   EXPECT_GT(this->CountTriangles(), 8 * coarse);
+}
+
+TEST_F(ImageRefinement, IsTakenWithoutBeingExtractedAgain)
+{
+  EXPECT_TRUE(this->Extracts());
+  this->Contour->Modified();
+  this->Prepare();
+  this->Contour->Refine();
+  EXPECT_FALSE(this->Extracts());
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
+}
+
+TEST_F(ImageRefinement, IsTakenWithoutBeingExtractedAgainBehindAParaViewSource)
+{
+  this->InsertPostFilter();
+  this->Prepare();
+  this->Contour->Refine();
+  EXPECT_FALSE(this->Extracts());
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
+}
+
+TEST_F(ImageRefinement, IsDroppedWhenTheImagesBehindAParaViewSourceChange)
+{
+  this->InsertPostFilter();
+  this->Prepare();
+  this->Contour->Refine();
+  // In place, so that the samples are where they were.
+  vtkDataArray* samples = this->Source->GetOutput()->GetPointData()->GetScalars();
+  for (vtkIdType n = 0; n < samples->GetNumberOfValues(); n += 5)
+  {
+    samples->SetComponent(n, 0, 0);
+  }
+  this->Source->GetOutput()->Modified();
+  EXPECT_TRUE(this->Extracts());
 }
 
 TEST_F(ImageRefinement, IsDroppedByAChangeWhileItIsMade)
