@@ -53,8 +53,12 @@ Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& 
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(opened, common));
   const int threads = ranks.ChooseThreads(0);
   BlockedVolume& volume = *input.GetVolume();
-  Status status =
-    RunWithinMemory(volume.GetPath(), BlockedVolume::NoMemoryReason, [&] { return read(threads); });
+  Status status = RunWithinMemory(volume.GetPath(), BlockedVolume::NoMemoryReason,
+    [&]
+    {
+      const Status unchanged = volume.CheckSource(input.GetTimeStep());
+      return unchanged.IsOk() ? read(threads) : unchanged;
+    });
   if (IsAborted(filter))
   {
     status = Status(StatusCode::Aborted, "reading was aborted");

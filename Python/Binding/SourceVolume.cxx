@@ -6,6 +6,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/MemoryFileSystem.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
@@ -119,7 +120,7 @@ LevelDescription SourceVolume::Describe(int) const
   return { this->Grid, this->Lines, this->Chunk };
 }
 
-Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep) const
+Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep)
 {
   VolumeChoice choice;
   choice.Step = timeStep;
@@ -135,7 +136,33 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep) const
       this->Path + ": time step " + std::to_string(timeStep) +
         " has not the grid and the arrays of the file when it was opened");
   }
+  {
+    const std::lock_guard<std::mutex> lock(this->KnownMutex);
+    const auto known = this->Known.try_emplace(timeStep);
+    if (known.second)
+    {
+      const auto state = FindStateOfAll(GetLocalFileSystem(), opened->Files);
+      ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+      known.first->second = { opened->Files, *state };
+    }
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
   return opened;
+}
+
+Status SourceVolume::CheckUnchanged(std::size_t timeStep)
+{
+  const std::lock_guard<std::mutex> lock(this->KnownMutex);
+  const auto known = this->Known.find(timeStep);
+  if (known == this->Known.end() || known->second.State.Files > SourceRecord::MaximumFilesToCheck)
+  {
+    return Status::Ok();
+  }
+  const auto state = FindStateOfAll(GetLocalFileSystem(), known->second.Paths);
+  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+  return *state == known->second.State
+    ? Status::Ok()
+    : Status(StatusCode::Corrupt, this->Path + ": was changed since it was opened; open it again");
 }
 
 Result<BoxSource*> SourceVolume::FindSource(std::size_t timeStep)
@@ -153,6 +180,7 @@ Result<BoxSource*> SourceVolume::FindSource(std::size_t timeStep)
 Status SourceVolume::Read(const SampleRequest& request, void* samples, const Progress& progress)
 {
   const std::lock_guard<std::mutex> lock(this->ReadMutex);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(request.TimeStep));
   const auto source = this->FindSource(request.TimeStep);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   const std::size_t first = ArrayVariables(this->Arrays).GetFirst(request.Array);
@@ -199,6 +227,7 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
   std::size_t timeStep, const Progress& progress, std::size_t& stepThere)
 {
   const std::lock_guard<std::mutex> lock(this->BlocksMutex);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
   stepThere = 0;
   std::shared_ptr<BlockedVolume>& kept = this->Blocks[timeStep];
   if (!kept)
@@ -211,7 +240,7 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
 }
 
 Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
-  std::size_t timeStep, const Progress& progress) const
+  std::size_t timeStep, const Progress& progress)
 {
   auto opened = this->OpenStep(timeStep);
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());

@@ -4,6 +4,7 @@
 
 #include "VolumeFile.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/VolumeOpener.h"
 
 #include <map>
@@ -34,11 +35,14 @@ public:
 
 private:
   SourceVolume() = default;
-  Result<OpenedVolume> OpenStep(std::size_t timeStep) const;
+  /// Opens the file, which must be as it was when the time step was first opened.
+  Result<OpenedVolume> OpenStep(std::size_t timeStep);
+  /// Corrupt if the files of a time step that was opened were changed since. Of thousands of files
+  /// this is not checked.
+  Status CheckUnchanged(std::size_t timeStep);
   /// That of a time step. ReadMutex is held.
   Result<BoxSource*> FindSource(std::size_t timeStep);
-  Result<std::shared_ptr<BlockedVolume>> MakeBlocks(
-    std::size_t timeStep, const Progress& progress) const;
+  Result<std::shared_ptr<BlockedVolume>> MakeBlocks(std::size_t timeStep, const Progress& progress);
 
   std::string Path;
   std::string Axes;
@@ -47,6 +51,14 @@ private:
   std::vector<ArrayDescription> Arrays;
   std::vector<std::optional<double>> Times;
   Index3 Chunk{ 1, 1, 1 };
+
+  struct KnownFiles
+  {
+    std::vector<std::string> Paths;
+    FileState State;
+  };
+  std::mutex KnownMutex;                   ///< guards Known
+  std::map<std::size_t, KnownFiles> Known; ///< of time steps
 
   std::mutex ReadMutex; ///< guards Source
   std::size_t SourceStep = 0;

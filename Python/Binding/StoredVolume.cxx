@@ -93,6 +93,7 @@ Result<std::shared_ptr<const LevelSamples>> StoredVolume::FindSamples(
 
 Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progress& progress)
 {
+  ISOSURFACE_RETURN_IF_ERROR(this->Volume->CheckSource(given.TimeStep));
   const SampleRequest request = Coarsen(given, this->GetNumberOfLevels());
   const auto level = this->FindSamples(request.TimeStep, request.Level);
   ISOSURFACE_RETURN_IF_ERROR(level.GetStatus());
@@ -121,6 +122,7 @@ Result<std::unique_ptr<BoxSource>> StoredVolume::OpenSource(std::size_t timeStep
 Result<std::shared_ptr<BlockedVolume>> StoredVolume::GetBlocks(
   std::size_t timeStep, const Progress&, std::size_t& stepThere)
 {
+  ISOSURFACE_RETURN_IF_ERROR(this->Volume->CheckSource(timeStep));
   stepThere = timeStep;
   return this->Volume;
 }

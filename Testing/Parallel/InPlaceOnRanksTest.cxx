@@ -11,7 +11,11 @@
 #include "vtkMultiProcessController.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
 #include "vtkStabbingContour.h"
+#include "vtkVolumeProbe.h"
+#include "vtkVolumeRegion.h"
 #include "vtkVolumeSlice.h"
 
 #include "ControllerCommunicator.h"
@@ -227,6 +231,55 @@ TEST(InPlaceOnRanks, AFileThatCannotBeIndexedIsToldOnceBehindASlice)
   ExpectOneError(ofReader, { path, "cannot be read" });
   EXPECT_EQ(ofSlice.Messages, std::vector<std::string>());
   EXPECT_EQ(slice->GetOutput()->GetNumberOfPoints(), 0);
+}
+
+TEST(InPlaceOnRanks, AFileThatIsRewrittenWhileItIsOpenIsToldByAll)
+{
+  const SharedFolder folder("Rewritten");
+  const std::string source = folder.GetPath("scan.mhd");
+  OnFirstRank([&] { WriteSource(MakeNoisyImage(), source); });
+  EXPECT_TRUE(IndexInPlace(source, folder.GetPath("volume.bvol")).IsOk());
+  vtkNew<vtkBlockedVolumeReader> reader;
+  reader->SetController(GetRanks());
+  reader->SetFileName(folder.GetPath("volume.bvol").c_str());
+  vtkNew<vtkVolumeSlice> slice;
+  slice->SetOrigin(0, 0, 20);
+  vtkNew<vtkVolumeRegion> region;
+  region->SetLength(20, 20, 20);
+  vtkNew<vtkVolumeProbe> probe;
+  vtkNew<vtkPolyData> points;
+  points->SetPoints(vtkNew<vtkPoints>());
+  points->GetPoints()->InsertNextPoint(3, 4, 5);
+  probe->SetSourceData(points);
+  const auto update = [&](auto* filter)
+  {
+    filter->SetController(GetRanks());
+    filter->SetInputConnection(reader->GetOutputPort());
+    filter->Modified();
+    filter->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  };
+  const auto updateAll = [&](const std::vector<std::string>& words)
+  {
+    const auto expect = [&](auto* filter)
+    {
+      const ErrorCounter errors(filter);
+      update(filter);
+      if (words.empty())
+      {
+        EXPECT_EQ(errors.Messages, std::vector<std::string>());
+      }
+      else
+      {
+        ExpectOneError(errors, words);
+      }
+    };
+    expect(slice.Get());
+    expect(region.Get());
+    expect(probe.Get());
+  };
+  updateAll({});
+  OnFirstRank([&] { std::filesystem::last_write_time(source + ".raw", {}); });
+  updateAll({ "scan.mhd", "was changed since", "index it again" });
 }
 
 TEST_F(FirstContact, WaitsForTheIndexOnceItMayNotBeCoarse)

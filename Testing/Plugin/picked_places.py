@@ -41,7 +41,7 @@ class PickedPlaces(testing.TestCase):
         connectivity.ExtractionMode = "Extract Closest Point Region"
         testing.show_surface(surface, self.view)
         found = set()
-        for place in ([x, y] for x in range(30, 300, 60) for y in range(30, 300, 60)):
+        for place in ([x, y] for x in range(30, 300, 40) for y in range(30, 300, 40)):
             surface.UseIslandPoint = 0
             simple.Render(self.view)
             point = pick(self.view, place)

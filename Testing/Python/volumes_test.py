@@ -185,6 +185,20 @@ class Files(VolumeTest):
         self.assertGreater(elsewhere.levels, 3)
         self.assertEqual(si.open(self.path("waves.nrrd"), index_folder=self.path("indices")).levels, elsewhere.levels)
 
+    def test_a_file_that_is_rewritten_while_it_is_open_is_an_error(self):
+        samples = make_waves()
+        for has_index in (False, True):
+            write_nrrd(self.path("waves.nrrd"), samples)
+            volume = si.index(self.path("waves.nrrd")) if has_index else si.open(self.path("waves.nrrd"))
+            numpy.testing.assert_array_equal(volume[3], samples[3])
+            volume.isosurface(0.4)
+            write_nrrd(self.path("waves.nrrd"), samples + 1)
+            os.utime(self.path("waves.nrrd"), ns=(0, 1))
+            for read in (lambda: volume[3], lambda: volume[4], lambda: volume.isosurface(0.4)):
+                with self.assertRaisesRegex(OSError, "waves.nrrd: was changed since"):
+                    read()
+            numpy.testing.assert_array_equal(si.open(self.path("waves.nrrd"))[3], samples[3] + 1)
+
     def test_errors_name_the_file(self):
         missing = self.path("missing.bvol")
         with self.assertRaisesRegex(FileNotFoundError, "missing.bvol"):

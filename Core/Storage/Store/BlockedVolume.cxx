@@ -206,6 +206,11 @@ void BlockedVolume::Prefetch(const BlockStore& store,
   store.Prefetch(ranges);
 }
 
+Status BlockedVolume::CheckSource(std::size_t timeStep)
+{
+  return this->Stores->CheckSource(timeStep);
+}
+
 StoreNews BlockedVolume::ShareStoreFaults(Communicator& ranks)
 {
   StoreNews news;

@@ -48,20 +48,6 @@ std::uint64_t ComputeMetadata(const OpenedVolume& volume, const Index3& chunk)
   return ComputeChecksum(text.data(), text.size());
 }
 
-Result<FileState> FindState(FileSystem& files, const std::vector<std::string>& paths)
-{
-  FileState all;
-  for (const std::string& path : paths)
-  {
-    const auto state = files.FindState(path);
-    ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-    all.Modified = all.Files == 0 ? state->Modified : std::max(all.Modified, state->Modified);
-    all.Files += state->Files;
-    all.Bytes += state->Bytes;
-  }
-  return all;
-}
-
 /// How the arrays of a source differ from those that are wanted, or "".
 std::string FindDifference(
   const OpenedVolume& volume, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
@@ -77,9 +63,12 @@ std::string FindDifference(
   return areSame ? "" : "it has other arrays";
 }
 
-std::string MakeAdvice(const std::string& header)
+Status MakeChanged(
+  const std::string& name, const std::string& header, const std::string& difference)
 {
-  return "; index it again, or name its new place: blockvolume --source PATH " + header;
+  return Status(StatusCode::Corrupt,
+    name + ": was changed since " + header + " was made of it: " + difference +
+      "; index it again, or name its new place: blockvolume --source PATH " + header);
 }
 
 } // namespace
@@ -160,7 +149,7 @@ Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
     record.Arrays.push_back(array.Name);
   }
   record.Metadata = ComputeMetadata(*volume, *chunk);
-  const auto state = FindState(files, volume->Files);
+  const auto state = FindStateOfAll(files, volume->Files);
   ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
   record.State = *state;
   return record;
@@ -199,19 +188,39 @@ Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& he
   {
     difference = "its samples are stored otherwise";
   }
-  if (difference.empty() && record.State.Files <= SourceRecord::MaximumFilesToCheck)
+  return difference.empty() ? CheckSourceFiles(files, header, name.GetText(), record, volume->Files)
+                            : MakeChanged(name.GetText(), header, difference);
+}
+
+Status CheckSourceFiles(FileSystem& files, const std::string& header, const std::string& name,
+  const SourceRecord& record, const std::vector<std::string>& paths)
+{
+  if (record.State.Files > SourceRecord::MaximumFilesToCheck)
   {
-    const auto state = FindState(files, volume->Files);
-    ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-    difference = state->Files != record.State.Files ? "it has another number of files"
-      : state->Bytes != record.State.Bytes          ? "it has another size"
-      : state->Modified != record.State.Modified    ? "it was modified at another time"
-                                                    : "";
+    return Status::Ok();
   }
-  return difference.empty() ? Status::Ok()
-                            : Status(StatusCode::Corrupt,
-                                name.GetText() + ": was changed since " + header +
-                                  " was made of it: " + difference + MakeAdvice(header));
+  const auto state = FindStateOfAll(files, paths);
+  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+  const std::string difference = state->Files != record.State.Files
+    ? "it has another number of files"
+    : state->Bytes != record.State.Bytes       ? "it has another size"
+    : state->Modified != record.State.Modified ? "it was modified at another time"
+                                               : "";
+  return difference.empty() ? Status::Ok() : MakeChanged(name, header, difference);
+}
+
+Result<FileState> FindStateOfAll(FileSystem& files, const std::vector<std::string>& paths)
+{
+  FileState all;
+  for (const std::string& path : paths)
+  {
+    const auto state = files.FindState(path);
+    ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+    all.Modified = all.Files == 0 ? state->Modified : std::max(all.Modified, state->Modified);
+    all.Files += state->Files;
+    all.Bytes += state->Bytes;
+  }
+  return all;
 }
 
 std::string MakeRelativePath(const std::string& header, const std::string& path)

@@ -73,6 +73,13 @@ Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& he
   const SourceRecord& record, const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays);
 
+/// The part of CheckSource that looks at the source's files (OpenedVolume::Files) alone.
+Status CheckSourceFiles(FileSystem& files, const std::string& header, const std::string& name,
+  const SourceRecord& record, const std::vector<std::string>& paths);
+
+/// Of all these files and folders.
+Result<FileState> FindStateOfAll(FileSystem& files, const std::vector<std::string>& paths);
+
 /// The path seen from the folder of the header, for SourceRecord::Path.
 std::string MakeRelativePath(const std::string& header, const std::string& path);
 

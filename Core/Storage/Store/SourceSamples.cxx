@@ -50,7 +50,7 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, Vo
   std::shared_ptr<SourceSamples> samples(
     new SourceSamples(files, opener, path, dataset, std::move(cache)));
   samples->Name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
-  samples->Choice = record.MakeChoice({});
+  samples->Record = record;
   samples->Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
   for (const ArrayDescription& described : header.Arrays)
   {
@@ -59,7 +59,7 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, Vo
     array.Type = described.Type;
     array.FirstComponent = samples->ArrayOf.size();
     array.Components = static_cast<std::size_t>(described.Components);
-    auto source = samples->OpenArray(array);
+    auto source = samples->OpenArray(array, &samples->Paths);
     ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
     array.Chunk = (*source)->GetChunk().value_or(samples->Box.High);
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -73,6 +73,11 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, Vo
   return samples;
 }
 
+Status SourceSamples::CheckUnchanged() const
+{
+  return CheckSourceFiles(this->Files, this->Volume, this->Name, this->Record, this->Paths);
+}
+
 Status SourceSamples::MakeChanged(std::int64_t block) const
 {
   return Status(StatusCode::Corrupt,
@@ -80,11 +85,11 @@ Status SourceSamples::MakeChanged(std::int64_t block) const
       std::to_string(block) + " has other samples; index it again");
 }
 
-Result<std::unique_ptr<BoxSource>> SourceSamples::OpenArray(const Array& array) const
+Result<std::unique_ptr<BoxSource>> SourceSamples::OpenArray(
+  const Array& array, std::vector<std::string>* paths) const
 {
-  VolumeChoice choice = this->Choice;
-  choice.Arrays = { array.Name };
-  auto volume = OpenSource(this->Files, this->Opener, this->Volume, this->Name, choice);
+  auto volume = OpenSource(
+    this->Files, this->Opener, this->Volume, this->Name, this->Record.MakeChoice({ array.Name }));
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   const bool isThere = volume->Arrays.size() == 1 && volume->Arrays[0].Name == array.Name &&
     volume->Arrays[0].Type == array.Type &&
@@ -94,6 +99,10 @@ Result<std::unique_ptr<BoxSource>> SourceSamples::OpenArray(const Array& array) 
   {
     return Status(StatusCode::Corrupt,
       this->Name + ": has no array \"" + array.Name + "\" as " + this->Volume + " knows it");
+  }
+  if (paths)
+  {
+    *paths = volume->Files;
   }
   return std::move(volume->Source);
 }

@@ -58,6 +58,8 @@ public:
   }
   /// The source's name, for messages.
   const std::string& GetName() const { return this->Name; }
+  /// Ok if the source's files are as they were when it was indexed (CheckSourceFiles).
+  Status CheckUnchanged() const;
   /// What follows if a block's samples are not those that were indexed. Corrupt.
   Status MakeChanged(std::int64_t block) const;
 
@@ -86,7 +88,9 @@ private:
   {
   }
 
-  Result<std::unique_ptr<BoxSource>> OpenArray(const Array& array) const;
+  /// `paths` (may be null): the files of the source.
+  Result<std::unique_ptr<BoxSource>> OpenArray(
+    const Array& array, std::vector<std::string>* paths = nullptr) const;
   Result<std::unique_ptr<BoxSource>> Take(Array& array);
   void GiveBack(Array& array, std::unique_ptr<BoxSource> source);
   VertexBox FindChunkBox(const Array& array, const Index3& chunk) const;
@@ -102,7 +106,8 @@ private:
   VolumeOpener Opener;
   std::string Volume; ///< path of the .bvol
   std::string Name;
-  VolumeChoice Choice;
+  SourceRecord Record;
+  std::vector<std::string> Paths; ///< of the source's files
   std::uint64_t Dataset;
   std::shared_ptr<BlockCache> Cache;
   VertexBox Box; ///< of the grid

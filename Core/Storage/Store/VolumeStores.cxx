@@ -317,6 +317,16 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   return kept;
 }
 
+Status VolumeStores::CheckSource(std::size_t timeStep)
+{
+  std::shared_ptr<SourceSamples> source;
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    source = this->Sources[timeStep];
+  }
+  return source ? source->CheckUnchanged() : Status::Ok();
+}
+
 Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
   std::size_t timeStep, std::uint32_t part)
 {

@@ -104,6 +104,8 @@ public:
 
   /// Ok if the header on disk still has the time step as it was when the volume was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
+  /// Ok unless the source of a time step is open, and its files were changed since it was indexed.
+  Status CheckSource(std::size_t timeStep);
 
 private:
   struct OpenStore

@@ -297,6 +297,23 @@ TEST(VolumeInPlace, AMissingOrChangedSourceIsOneClearError)
   EXPECT_TRUE(FindActiveBlocks(*volume, { { 0, 0, { Isovalue } } }, statistics, 1).IsOk());
 }
 
+TEST(VolumeInPlace, AVolumeThatIsOpenTellsThatItsSourceWasChanged)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  const auto volume = OpenInPlace(made.Disk);
+  EXPECT_TRUE(volume->CheckSource(0).IsOk()) << "nothing was read";
+  QueryStatistics statistics;
+  Contour(*volume, 1, false, statistics);
+  EXPECT_TRUE(volume->CheckSource(0).IsOk());
+  made.Disk.SetModified(InPlaceSource + "/0.0.0", 99);
+  const Status changed = volume->CheckSource(0);
+  EXPECT_EQ(changed.GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(changed.GetMessage().find("scan.zarr: was changed since"), std::string::npos);
+  EXPECT_NE(changed.GetMessage().find("modified at another time"), std::string::npos);
+  made.Disk.SetModified(InPlaceSource + "/0.0.0", 1);
+  EXPECT_TRUE(volume->CheckSource(0).IsOk());
+}
+
 TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
 {
   const Index3 chunk = { 33, 20, 11 };
