@@ -13,6 +13,8 @@ memory. Each in a process of its own that has loaded its libraries, without file
     drag      a tenth of the distance of slices away: the same blocks
     x, y      across x and y, through the middle
     oblique   a plane of normal 1 2 3
+    coarse    in a window: from a jump of that plane to the coarse slice, and the longest of 40 such
+              slices while the plane is dragged, beside the reading of the exact one
     box       256 samples a side around the middle
     line      1000 values along a diagonal
     surface   a million points of a ball
@@ -59,6 +61,22 @@ def make_points(bounds, kind):
     return points
 
 
+def measure_drag(cut, middle, step):
+    """The longest time in which a window would not answer."""
+    cut.AllowCoarse(1)
+    longest = 0
+    for drag in range(41):
+        cut.SetOrigin([middle[axis] + (100 + 3 * drag) * step[axis] * OBLIQUE[axis] for axis in range(3)])
+        begin = time.perf_counter()
+        cut.Update()
+        longest = max(longest, time.perf_counter() - begin)
+        cut.PrepareRefinement(0)
+        time.sleep(0.03)
+    cut.DropRefinement()
+    cut.AllowCoarse(0)
+    return round(longest, 3)
+
+
 def measure_ours(path):
     import scalable_isosurface as ours
 
@@ -91,6 +109,7 @@ def measure_ours(path):
     clock.measure("x", lambda: cut_at((1, 0, 0), middle))
     clock.measure("y", lambda: cut_at((0, 1, 0), middle))
     clock.measure("oblique", lambda: cut_at(OBLIQUE, middle))
+    clock.seconds["coarse"] = measure_drag(cut, middle, step)
     region = ours.vtkVolumeRegion()
     region.SetInputConnection(reader.GetOutputPort())
     region.SetPosition([middle[axis] - 127.5 * step[axis] for axis in range(3)])
