@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Optional, Sequence, Tuple
 import numpy
 
 from . import _core
-from ._indexing import parse_key
+from ._indexing import AxisRange, parse_key
 from ._surface import Surface
 
 
@@ -60,8 +60,9 @@ class Volume:
     has several components, these. All that lies in the world is in the order x, y, z, as in VTK, ITK and
     NIfTI: `spacing`, `origin`, `direction`, regions and the points of surfaces.
 
-    A key is that of NumPy's basic indexing: integers, slices of any step, ``...`` and ``numpy.newaxis``. The
-    result is what a NumPy array would give, errors included. Only blocks that have chosen samples are read.
+    A key is that of NumPy's basic indexing: integers, slices of any step, ``...`` and ``numpy.newaxis``; along
+    one axis also a list or an array of indices in any order, or of truth values. The result is what a NumPy
+    array would give, errors included. Only blocks that have chosen samples are read.
 
     Any number of threads may use a volume; reading and extracting release the GIL. A pickled volume opens
     its file anew, so it can be sent to other processes.
@@ -257,7 +258,13 @@ class Volume:
         selection = parse_key(key, self.shape, self.dtype)
         if selection.is_empty:
             return numpy.empty(selection.shape, self.dtype)
-        axes = selection.axes
+        if selection.runs is None:
+            return self._read(selection.axes)[selection.rest]
+        axis, runs = selection.runs
+        parts = [self._read((*selection.axes[:axis], run, *selection.axes[axis + 1 :])) for run in runs]
+        return numpy.concatenate(parts, axis)[selection.rest]
+
+    def _read(self, axes: Sequence[AxisRange]) -> numpy.ndarray:
         samples = numpy.empty([axis.size for axis in axes], self.dtype)
         components = list(range(*axes[3])) if len(axes) > 3 else [0]
         x_y_z = axes[2::-1]
@@ -272,7 +279,7 @@ class Volume:
             [axis.step for axis in x_y_z],
             self._opened.threads,
         )
-        return samples[selection.rest]
+        return samples
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> numpy.ndarray:
         if copy is False:

@@ -91,9 +91,29 @@ class Samples(VolumeTest):
         self.assertEqual(numpy.asarray(volume, numpy.float32).dtype, numpy.float32)
         numpy.testing.assert_array_equal(list(volume)[7], samples[7])
 
+    def test_an_array_along_one_axis_chooses_what_it_chooses_in_numpy(self):
+        samples = make_samples("int16", (*SHAPE, 3))
+        volume = si.create(samples, self.path("v.bvol"))
+        mask = numpy.arange(SHAPE[1]) % 5 < 2
+        keys = [
+            [1, 5, 9], [], (..., [2, 0]), numpy.array([7, 3, 3, -1], numpy.int8), (slice(None), mask),
+            (slice(3, 1, -1), slice(None, None, 7), [40, 1, 2]), (2, slice(None), [1, 5]), ([4, 2], 3),
+            (None, [0, 30], ..., 1), (slice(0, 0), [1]), (slice(None), numpy.zeros(SHAPE[1], bool)),
+            numpy.array([8], numpy.uint64), [numpy.int32(3)], [True] + [False] * (SHAPE[0] - 1),
+        ]  # fmt: skip
+        for key in keys:
+            with self.subTest(key=key):
+                numpy.testing.assert_array_equal(volume[key], samples[key])
+                self.assertEqual(volume[key].dtype, samples.dtype)
+        for key in ([SHAPE[0]], [-SHAPE[0] - 1], (slice(None), mask[1:])):
+            with self.subTest(key=key):
+                self.assertRaises(IndexError, lambda: samples[key])
+                self.assertRaises(IndexError, lambda: volume[key])
+
     def test_elements_one_by_one_are_refused_in_clear_words(self):
         volume = si.create(make_samples("uint8"), self.path("v.bvol"))
-        for key in ([1, 2], (0, [1, 2]), numpy.arange(3), numpy.ones(SHAPE, bool), True, (0, False)):
+        keys = ([1, 2], [1, 2]), [[1, 2]], [1.5], ["a"], numpy.ones(SHAPE, bool), True, (0, False)
+        for key in keys:
             with self.assertRaisesRegex(TypeError, "indexed by integers, slices, Ellipsis"):
                 volume[key]
 
@@ -128,7 +148,7 @@ class Samples(VolumeTest):
                     file.seek(0)
                     file.write(content.replace(b"\xab" * 9, b"\xba" * 9))
         volume = si.open(self.path("v.bvol"))
-        for key in (slice(0, 32), slice(64, None, 3), slice(None, None, 64), slice(90, None, -70), -1):
+        for key in (slice(0, 32), slice(64, None, 3), slice(None, None, 64), slice(90, None, -70), -1, [64, 0, 31]):
             numpy.testing.assert_array_equal(volume[..., key], samples[..., key])
         for key in (40, slice(None), slice(0, 41, 40)):
             with self.assertRaisesRegex(OSError, "v.bvol"):
