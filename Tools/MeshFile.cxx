@@ -23,9 +23,49 @@ bool MeshFile::Knows(const std::string& path)
   return EndsIn(path, ".stl") || EndsIn(path, ".ply") || EndsIn(path, ".glb");
 }
 
+std::uint64_t MeshFile::EstimateBytes(const Settings& settings)
+{
+  constexpr std::uint64_t cornersBytes = 3 * sizeof(std::uint32_t);
+  if (EndsIn(settings.Path, ".stl"))
+  {
+    return StlFile::TriangleSize * settings.Triangles;
+  }
+  const std::uint64_t pointBytes = (settings.HasNormals ? 6 : 3) * sizeof(float);
+  return pointBytes * settings.Points + cornersBytes * settings.Triangles +
+    (EndsIn(settings.Path, ".ply") ? settings.Triangles : 0);
+}
+
+Status MeshFile::CheckLimits(const Settings& settings)
+{
+  constexpr double limit = 4294967296.0;
+  // Points on the faces of blocks are counted twice, and not all have two triangles.
+  constexpr double certain = 0.8;
+  const auto isBeyond = [](std::uint64_t estimate)
+  { return certain * static_cast<double>(estimate) > limit; };
+  const auto refuse = [&settings](std::uint64_t estimate, const char* most)
+  {
+    return Status(StatusCode::Unsupported,
+      settings.Path + ": would have about " + std::to_string(estimate) + " " + most +
+        ": take another format, or fewer triangles (--triangles)");
+  };
+  if (EndsIn(settings.Path, ".stl") && isBeyond(settings.Triangles))
+  {
+    return refuse(settings.Triangles, "triangles, and an .stl file at most 4,294,967,295");
+  }
+  if (EndsIn(settings.Path, ".ply") && isBeyond(settings.Points))
+  {
+    return refuse(settings.Points, "points, and a .ply file at most 4,294,967,295");
+  }
+  const std::uint64_t bytes = EstimateBytes(settings);
+  return EndsIn(settings.Path, ".glb") && !settings.IsCompressed && isBeyond(bytes)
+    ? refuse(bytes >> 20, "MiB, and a .glb file at most 4096 MiB; --compress makes it smaller")
+    : Status::Ok();
+}
+
 Result<std::unique_ptr<MeshFile>> MeshFile::Create(
   FileSystem& files, const EdgeIndexHeader& header, const Settings& settings)
 {
+  ISOSURFACE_RETURN_IF_ERROR(CheckLimits(settings));
   auto file = files.CreateForWriting(settings.Path);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   if (EndsIn(settings.Path, ".stl"))

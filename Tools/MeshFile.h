@@ -42,11 +42,17 @@ public:
   struct Settings
   {
     std::string Path;
-    std::size_t MostMeshes = 0; ///< that will be appended
-    bool HasNormals = false;    ///< every mesh has them
-    bool IsCompressed = false;  ///< only of .glb
+    std::size_t MostMeshes = 0;  ///< that will be appended
+    bool HasNormals = false;     ///< every mesh has them
+    bool IsCompressed = false;   ///< only of .glb
+    std::uint64_t Points = 0;    ///< about how many will be appended
+    std::uint64_t Triangles = 0; ///< likewise
   };
 
+  /// About how many bytes the file will have; at most so many if it is compressed.
+  static std::uint64_t EstimateBytes(const Settings& settings);
+  /// Unsupported if the format certainly has no room for so many points and triangles.
+  static Status CheckLimits(const Settings& settings);
   /// The file of the format that the end of the path names: .stl, .ply or .glb. `header` must
   /// outlive it.
   static Result<std::unique_ptr<MeshFile>> Create(

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace isosurface
 {
@@ -70,6 +71,16 @@ Status MeshWriteJob::Write(const std::string& path, const Progress& progress)
   settings.MostMeshes = pieces.size() * header.Isovalues.size();
   settings.HasNormals = this->HasNormals;
   settings.IsCompressed = this->Chosen.IsCompressed;
+  // A closed surface has two triangles a point.
+  const std::uint64_t kept = this->Chosen.NumberOfTriangles;
+  settings.Triangles = kept > 0 ? std::min(kept, 2 * this->PointsInAll) : 2 * this->PointsInAll;
+  settings.Points = settings.Triangles / 2;
+  const std::string warning =
+    DescribeLackOfRoom(GetLocalFileSystem(), path, MeshFile::EstimateBytes(settings));
+  if (!warning.empty())
+  {
+    std::fprintf(stderr, "edgeindex: warning: %s\n", warning.c_str());
+  }
   const auto output = MeshFile::Create(GetLocalFileSystem(), header, settings);
   ISOSURFACE_RETURN_IF_ERROR(output.GetStatus());
   std::uint64_t done = 0;

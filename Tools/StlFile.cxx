@@ -15,7 +15,6 @@ namespace
 {
 
 constexpr std::size_t TextSize = 80;
-constexpr std::size_t TriangleSize = 50;
 constexpr std::size_t TrianglesAtOnce = 65536;
 
 using Vector = std::array<float, 3>;

@@ -11,6 +11,8 @@ namespace isosurface
 class StlFile : public MeshFile
 {
 public:
+  static constexpr std::size_t TriangleSize = 50;
+
   static Result<std::unique_ptr<MeshFile>> Create(std::unique_ptr<WritableFile> file);
 
   Status Append(const Mesh& mesh, const PointNumbers& numbers) override;

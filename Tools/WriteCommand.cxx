@@ -80,6 +80,8 @@ Status WriteStep(
   {
     settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   }
+  settings.Warn = [](const std::string& warning)
+  { std::fprintf(stderr, "blockvolume: warning: %s\n", warning.c_str()); };
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
   const auto written = BlockedVolumeWriter(ranks).Write(

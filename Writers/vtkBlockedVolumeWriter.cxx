@@ -368,6 +368,8 @@ isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
   {
     settings.Time = local.Time[1];
   }
+  settings.Warn = [this](const std::string& warning)
+  { vtkWarningWithObjectMacro(&this->Owner, << warning); };
   settings.Append = this->Owner.AppendTimeStep || this->Owner.TimeIndex > 0;
   settings.Publish = this->Owner.IsLastTimeStep();
   if (this->Owner.MemoryLimit > 0)

@@ -403,7 +403,7 @@ class ErrorsAreOneLine(Case):
         self.check("--verify", "--info", "--verify", "o.bvol")
         self.check("--repair", "--info", "--repair", "o.bvol")
         self.check("--replicas", source, "o.bvol", "--stores", "20", "--replicas", "17")
-        self.check("replicas is 3, which takes as many stores; there are 2", source, "o.bvol",
+        self.check("3 replicas take as many stores; there are 2", source, "o.bvol",
                    "--stores", "2", "--replicas", "3", ranks=2)
         self.check("--unknown", source, "o.bvol", "--unknown")
         self.check("one file at a time", "--info", "a.bvol", "b.bvol")

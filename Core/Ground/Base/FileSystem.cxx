@@ -330,6 +330,19 @@ public:
     return error != 0 ? Result<FileState>(MakeSystemError(path, "look at", error)) : state;
   }
 
+  std::optional<std::uint64_t> FindFreeBytes(const std::string& path) override
+  {
+    std::error_code error;
+    std::filesystem::path folder = std::filesystem::absolute(path, error);
+    while (!error && !std::filesystem::is_directory(folder, error) && folder.has_relative_path())
+    {
+      folder = folder.parent_path();
+      error.clear();
+    }
+    const std::filesystem::space_info space = std::filesystem::space(folder, error);
+    return error ? std::nullopt : std::optional<std::uint64_t>(space.available);
+  }
+
   Result<std::unique_ptr<PathLock>> LockFolder(const std::string& path) override
   {
     for (;;)
@@ -415,6 +428,14 @@ FileSystem& GetLocalFileSystem()
   // Never destroyed: files may be open until the very end of the process.
   static LocalFileSystem& fileSystem = *new LocalFileSystem;
   return fileSystem;
+}
+
+std::string DescribeLackOfRoom(FileSystem& files, const std::string& path, std::uint64_t bytes)
+{
+  const std::optional<std::uint64_t> room = files.FindFreeBytes(path);
+  return !room || bytes <= *room ? std::string()
+                                 : path + ": takes up to " + std::to_string((bytes >> 20) + 1) +
+      " MiB, but its disk has room for " + std::to_string(*room >> 20) + " MiB";
 }
 
 Status CopyFile(

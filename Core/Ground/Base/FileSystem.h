@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -116,6 +117,9 @@ public:
   {
     return Status(StatusCode::Unsupported, path + ": has no state");
   }
+  /// The bytes that files at the path, which need not exist, can have on their disk. Nothing where
+  /// that is not known.
+  virtual std::optional<std::uint64_t> FindFreeBytes(const std::string& /*path*/) { return {}; }
   /// Ok if there is nothing at the path, or a regular file: a FIFO or a device is neither read nor
   /// replaced. `action` is what cannot be done with it, for the message.
   virtual Status CheckRegular(const std::string&, const char* /*action*/) { return Status::Ok(); }
@@ -126,6 +130,9 @@ public:
 /// The local file system; any thread may use it. All files of the process share a limited number of
 /// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();
+
+/// A warning if a path's disk has no room for so many bytes; empty if it has, or is not known.
+std::string DescribeLackOfRoom(FileSystem& files, const std::string& path, std::uint64_t bytes);
 
 /// Copies a file from one file system to another, or within one, and brings it to stable storage.
 Status CopyFile(

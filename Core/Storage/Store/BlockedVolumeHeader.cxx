@@ -24,6 +24,12 @@ Status MakeMemberError(const char* member, const std::string& reason)
   return Status(StatusCode::InvalidArgument, std::string("member ") + member + " " + reason);
 }
 
+/// For what a user may have given: so a writer can report it, too.
+Status MakeVolumeError(const std::string& reason)
+{
+  return Status(StatusCode::InvalidArgument, reason);
+}
+
 Status ValidateGrid(const GridGeometry& grid)
 {
   double vertices = 1;
@@ -34,28 +40,24 @@ Status ValidateGrid(const GridGeometry& grid)
     if (low < -BlockedVolumeHeader::MaximumCoordinate ||
       high > BlockedVolumeHeader::MaximumCoordinate || low > high)
     {
-      return MakeMemberError("grid.extent", "is empty or beyond 2^40");
+      return MakeVolumeError("the grid is empty, or its extent is beyond 2^40");
     }
     vertices *= static_cast<double>(high - low + 1);
   }
   if (vertices > MaximumVertices)
   {
-    return MakeMemberError("grid.extent", "has more than 2^60 vertices");
+    return MakeVolumeError("the grid has more than 2^60 vertices");
   }
   const char* fault = grid.FindFault();
-  return fault ? MakeMemberError("grid", fault) : Status::Ok();
+  return fault ? MakeVolumeError(std::string("the grid ") + fault) : Status::Ok();
 }
 
 Status ValidateLines(const GridGeometry& grid, const GridLines& lines)
 {
-  const Status status = lines.Check(grid.GetDimensions());
-  if (!status.IsOk())
-  {
-    return MakeMemberError("grid.coordinates", "is wrong: " + status.GetMessage());
-  }
+  ISOSURFACE_RETURN_IF_ERROR(lines.Check(grid.GetDimensions()));
   return grid.Direction == GridGeometry().Direction
     ? Status::Ok()
-    : MakeMemberError("grid.direction", "turns a rectilinear grid");
+    : MakeVolumeError("the grid is rectilinear, and has a direction");
 }
 
 Status ValidateStores(
@@ -124,20 +126,18 @@ Status ValidateReplicas(std::uint32_t replicas, std::uint32_t stores)
 {
   if (replicas < 1 || replicas > BlockedVolumeHeader::MaximumReplicas)
   {
-    return MakeMemberError("replicas",
-      "is not from 1 to " + std::to_string(BlockedVolumeHeader::MaximumReplicas) + ": " +
-        std::to_string(replicas));
+    return MakeVolumeError("the number of replicas, " + std::to_string(replicas) +
+      ", is not from 1 to " + std::to_string(BlockedVolumeHeader::MaximumReplicas));
   }
   // Each replica costs memory when all are checked.
   if (replicas > 1 && std::int64_t{ replicas } * stores > BlockedVolumeHeader::MaximumStores)
   {
-    return MakeMemberError("replicas", "times the number of stores is above 2^20");
+    return MakeVolumeError("the number of replicas times that of stores is above 2^20");
   }
   return replicas <= stores
     ? Status::Ok()
-    : MakeMemberError("replicas",
-        "is " + std::to_string(replicas) + ", which takes as many stores; there are " +
-          std::to_string(stores));
+    : MakeVolumeError(std::to_string(replicas) + " replicas take as many stores; there are " +
+        std::to_string(stores));
 }
 
 /// An overview is made of a volume of several blocks, and it has all blocks in its stores.
@@ -206,7 +206,8 @@ Status BlockedVolumeHeader::ValidateVolume() const
   }
   if (!IsBlockSize(this->BlockSize))
   {
-    return MakeMemberError("blockSize", "is not 16, 32 or 64");
+    return MakeVolumeError(
+      "the block size, " + std::to_string(this->BlockSize) + ", is not 16, 32 or 64");
   }
   double blocks = 1;
   for (const std::int64_t vertices : this->Grid.GetDimensions())
@@ -215,19 +216,18 @@ Status BlockedVolumeHeader::ValidateVolume() const
   }
   if (blocks > std::numeric_limits<std::uint32_t>::max())
   {
-    return MakeMemberError("blockSize", "gives more than 2^32 blocks");
+    return MakeVolumeError("the grid has more than 2^32 blocks: take a larger block size");
   }
   const std::int64_t storeLimit = GetStoreLimit(this->Grid, this->BlockSize);
   if (this->NumberOfStores < 1 || this->NumberOfStores > storeLimit)
   {
-    return MakeMemberError("stores",
-      "is not from 1 to " + std::to_string(storeLimit) +
-        ", which is the maximum for so few blocks: " + std::to_string(this->NumberOfStores));
+    return MakeVolumeError("the number of stores, " + std::to_string(this->NumberOfStores) +
+      ", is not from 1 to " + std::to_string(storeLimit) + ", the maximum for so few blocks");
   }
   ISOSURFACE_RETURN_IF_ERROR(ValidateReplicas(this->NumberOfReplicas, this->NumberOfStores));
   if (!this->Compression.IsValid())
   {
-    return MakeMemberError("compressionLevel", "is beyond those of the codec");
+    return MakeVolumeError("the compression level is beyond those of the codec");
   }
   std::set<std::string> names;
   std::size_t components = 0;
@@ -235,12 +235,16 @@ Status BlockedVolumeHeader::ValidateVolume() const
   {
     if (array.Components < 1)
     {
-      return MakeMemberError("arrays[].components", "is below 1");
+      return MakeVolumeError("array \"" + array.Name + "\" has no components");
     }
     components += static_cast<std::size_t>(array.Components);
-    if (!names.insert(array.Name).second || !IsUtf8(array.Name))
+    if (!names.insert(array.Name).second)
     {
-      return MakeMemberError("arrays[].name", "is there twice or not UTF-8: " + array.Name);
+      return MakeVolumeError("two arrays have the name \"" + array.Name + "\"");
+    }
+    if (!IsUtf8(array.Name))
+    {
+      return MakeVolumeError("the name of array \"" + array.Name + "\" is not UTF-8");
     }
   }
   const int maximumLevels = GetMaximumNumberOfLevels(this->BlockSize);
@@ -252,9 +256,8 @@ Status BlockedVolumeHeader::ValidateVolume() const
   const auto levels = static_cast<std::size_t>(maximumLevels);
   if (this->Arrays.empty() || components > BlockDirectory::MaximumSegments / levels)
   {
-    return MakeMemberError("arrays",
-      "does not have from 1 to " + std::to_string(BlockDirectory::MaximumSegments / levels) +
-        " components in all");
+    return MakeVolumeError("the arrays do not have from 1 to " +
+      std::to_string(BlockDirectory::MaximumSegments / levels) + " components in all");
   }
   return Status::Ok();
 }

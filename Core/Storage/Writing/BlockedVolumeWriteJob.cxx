@@ -66,12 +66,26 @@ Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
   {
     return Status::Ok();
   }
+  this->WarnOfLackOfRoom();
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->Distribute());
   ISOSURFACE_RETURN_IF_ERROR(this->MakeGeneration());
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->Write());
   this->Statistics = this->Volume->GetStatistics();
   ISOSURFACE_RETURN_IF_ERROR(this->WriteOverviews());
   return this->Commit();
+}
+
+void BlockedVolumeWriteJob::WarnOfLackOfRoom() const
+{
+  if (this->Context.Rank == 0 && this->Context.Settings.Warn)
+  {
+    const std::string warning = DescribeLackOfRoom(
+      this->Context.Files, this->Context.Path, CountRecordBytes(this->Volume->GetHeader()));
+    if (!warning.empty())
+    {
+      this->Context.Settings.Warn(warning);
+    }
+  }
 }
 
 /// Finds what an earlier write has left, for all ranks. What cannot be read is nothing.

@@ -52,6 +52,7 @@ public:
 
 private:
   Status LockVolume();
+  void WarnOfLackOfRoom() const;
   void ReadJournal();
   Result<BlockedVolumeHeader> Plan(const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays,

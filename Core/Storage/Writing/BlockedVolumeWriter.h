@@ -15,6 +15,7 @@
 #include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +56,9 @@ struct BlockedVolumeSettings
   std::optional<double> JournalSeconds;
   /// Of these, a write that takes less need not wait for the disk.
   static constexpr double UsualJournalSeconds = 10;
+  /// Called on the first rank, before anything is written, if the disk has not the room that the
+  /// samples take uncompressed.
+  std::function<void(const std::string& warning)> Warn;
   /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores

@@ -2,6 +2,7 @@
 #include "Storage/Writing/VolumePlan.h"
 
 #include "Ground/Volume/BlockGrid.h"
+#include "Storage/Record/BlockRecord.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -160,6 +161,34 @@ std::uint32_t ChooseStores(
     std::min<std::uint64_t>(ranks, static_cast<std::uint64_t>(limit)));
 }
 
+/// The bytes of a grid's records before compression.
+std::uint64_t CountGridBytes(const BlockGrid& grid, const std::vector<ValueType>& types)
+{
+  // On an axis, blocks that are neither the first nor one of the last two are like the second. The
+  // last can be too thin to give the one before it all levels.
+  const Index3& blocks = grid.GetNumberOfBlocksPerAxis();
+  Index3 kinds;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    kinds[axis] = std::min<std::int64_t>(4, blocks[axis]);
+  }
+  std::uint64_t bytes = 0;
+  VisitVertices({ { 0, 0, 0 }, kinds },
+    [&](const Index3& kind)
+    {
+      Index3 block = kind;
+      std::int64_t alike = 1;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        block[axis] = kind[axis] < 2 ? kind[axis] : blocks[axis] - kinds[axis] + kind[axis];
+        alike *= kind[axis] == 1 ? std::max<std::int64_t>(1, blocks[axis] - 3) : 1;
+      }
+      const BlockRecordLayout layout(grid, grid.GetBlockIndex(block), types);
+      bytes += static_cast<std::uint64_t>(alike) * BlockRecord::AlignUp(layout.Size);
+    });
+  return bytes;
+}
+
 } // namespace
 
 Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeometry& grid,
@@ -221,6 +250,22 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   header.TimeSteps.back().Source = settings.InPlace;
   header.TimeSteps.back().Overviews.resize(header.Overviews.size());
   return header;
+}
+
+std::uint64_t CountRecordBytes(const BlockedVolumeHeader& planned)
+{
+  const std::vector<ValueType> types = planned.GetVariables().GetStoredTypes();
+  BlockGrid grid = planned.GetBlockGrid();
+  GridGeometry geometry = planned.Grid;
+  // In place, the volume's own samples are not stored.
+  std::uint64_t bytes = planned.IsInPlace() ? 0 : CountGridBytes(grid, types);
+  for (const OverviewDescription& overview : planned.Overviews)
+  {
+    geometry = geometry.Coarsen(grid.GetNumberOfLevels());
+    grid = BlockGrid(geometry.GetDimensions(), planned.BlockSize, overview.NumberOfLevels);
+    bytes += CountGridBytes(grid, types);
+  }
+  return bytes * planned.NumberOfReplicas;
 }
 
 } // namespace isosurface

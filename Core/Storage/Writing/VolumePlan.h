@@ -33,6 +33,10 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   const std::vector<ArrayDescription>& arrays, const BlockedVolumeSettings& settings,
   const std::optional<BlockedVolumeHeader>& existing, std::size_t ranks);
 
+/// The bytes of the records of a planned time step, those of its overviews and replicas included, if
+/// they cannot be compressed. Directories, trees and spectra add a few in a thousand.
+std::uint64_t CountRecordBytes(const BlockedVolumeHeader& planned);
+
 } // namespace isosurface
 
 #endif

@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -64,6 +65,11 @@ public:
   }
   /// Calls a function before each read, by the thread that reads.
   void SetBeforeRead(std::function<void()> call) { this->BeforeRead = std::move(call); }
+  void SetFreeBytes(std::uint64_t bytes) { this->FreeBytes = bytes; }
+  std::optional<std::uint64_t> FindFreeBytes(const std::string&) override
+  {
+    return this->FreeBytes;
+  }
   std::uint64_t GetWrites() const { return this->Writes; }
   std::uint64_t GetCreatedFiles() const { return this->CreatedFiles; }
   std::uint64_t GetBytesRead(const std::string& nameEnd) const
@@ -339,6 +345,7 @@ private:
   std::map<std::string, std::uint64_t> BytesRead;
   std::vector<Access> Accesses;
   std::uint64_t Reads = 0;
+  std::optional<std::uint64_t> FreeBytes;
   std::uint64_t Writes = 0;
   std::uint64_t CreatedFiles = 0;
   std::uint64_t FirstFailingRead = Never;

@@ -92,7 +92,7 @@ TEST(BlockedVolumeCompression, RefusesLevelsThatACodecDoesNotHave)
   {
     const auto result = WriteVolume(disk, volume, settings)[0];
     ASSERT_EQ(result.GetStatus().GetCode(), StatusCode::InvalidArgument);
-    ExpectMessage(result.GetStatus(), "compressionLevel");
+    ExpectMessage(result.GetStatus(), "the compression level is beyond");
   }
   EXPECT_TRUE(disk.GetFiles().empty());
 }

@@ -177,7 +177,7 @@ TEST(BlockedVolumeHeader, RefusesMoreStoresThanTheVolumeCanUse)
     header.TimeSteps[0].Stores.resize(stores, { 0, 0, 1 });
     const auto parsed = BlockedVolumeHeader::Parse(header.Format(), Path);
     EXPECT_EQ(parsed.IsOk(), stores == 4096u);
-    EXPECT_NE(parsed.GetStatus().GetMessage().find(stores == 4096u ? "" : "member stores"),
+    EXPECT_NE(parsed.GetStatus().GetMessage().find(stores == 4096u ? "" : "number of stores"),
       std::string::npos)
       << parsed.GetStatus().GetMessage();
   }
@@ -233,7 +233,7 @@ TEST(BlockedVolumeHeader, RefusesANewerVersionWithAdvice)
     StatusCode::Unsupported);
 }
 
-TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
+TEST(BlockedVolumeHeader, NamesWhatIsWrong)
 {
   const Json huge = Json::parse("18446744073709551615");
   const std::pair<const char*, std::function<void(Json&)>> changes[] = {
@@ -247,11 +247,11 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
       } },
     { "grid.extent", [](Json& d) { d["grid"]["extent"][0] = 1.5; } },
     { "grid.extent", [&](Json& d) { d["grid"]["extent"][1] = huge; } },
-    { "grid.extent",
+    { "the grid is empty",
       [](Json& d) {
         d["grid"]["extent"] = { 0, -1, 0, 1, 0, 1 };
       } },
-    { "grid.extent",
+    { "the grid has more than 2^60 vertices",
       [](Json& d) {
         d["grid"]["extent"] = { 0, 1LL << 39, 0, 1LL << 39, 0, 1LL << 39 };
       } },
@@ -270,7 +270,7 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "grid.", [](Json& d) { d["grid"] = 5; } },
     { "blockSize", [](Json& d) { d["blockSize"] = 48; } },
     { "blockSize", [](Json& d) { d["blockSize"] = -16; } },
-    { "blockSize",
+    { "the grid has more than 2^32 blocks",
       [](Json& d) {
         d["grid"]["extent"] = { 0, 1LL << 24, 0, 1LL << 24, 0, 3000 };
       } },
@@ -284,11 +284,10 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "replicas", [](Json& d) { d["replicas"] = 17; } },
     { "replicas", [](Json& d) { d["replicas"] = "2"; } },
     { "replicas", [](Json& d) { d["replicas"] = 1.5; } },
-    { "replicas is 3, which takes as many stores; there are 2",
-      [](Json& d) { d["replicas"] = 3; } },
+    { "3 replicas take as many stores; there are 2", [](Json& d) { d["replicas"] = 3; } },
     { "compression", [](Json& d) { d["compression"] = 3; } },
     { "compressionLevel", [](Json& d) { d["compression"] = "lz4"; } },
-    { "compressionLevel",
+    { "the compression level is beyond",
       [](Json& d)
       {
         d["compression"] = "lz4";
@@ -320,7 +319,7 @@ TEST(BlockedVolumeHeader, NamesTheMemberThatIsWrong)
     { "timeSteps[].time", [](Json& d) { d["timeSteps"][0]["time"] = nullptr; } },
     { "timeSteps[].time", [](Json& d) { d["timeSteps"][1]["time"] = 0.3; } },
     { "timeSteps[].time", [](Json& d) { d["timeSteps"][1]["time"] = -4; } },
-    { "arrays[].name", [](Json& d) { d["arrays"][1]["name"] = "a"; } },
+    { "two arrays have the name \"a\"", [](Json& d) { d["arrays"][1]["name"] = "a"; } },
     { "timeSteps", [](Json& d) { d["timeSteps"] = Json::array(); } },
     { "timeSteps[1].folder", [](Json& d) { d["timeSteps"][1]["folder"] = 7; } },
     { "timeSteps[].folder", [](Json& d) { d["timeSteps"][1]["folder"] = "../../etc"; } },

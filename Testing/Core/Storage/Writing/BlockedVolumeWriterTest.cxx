@@ -287,29 +287,46 @@ TEST(BlockedVolumeWriter, RefusesPiecesThatDoNotCoverTheGrid)
   EXPECT_TRUE(disk.GetFiles().empty());
 }
 
-TEST(BlockedVolumeWriter, RefusesInvalidArguments)
+TEST(BlockedVolumeWriter, RefusesInvalidArgumentsInTheWordsOfWhoGaveThem)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
   MemoryDisk disk;
-  EXPECT_FALSE(WriteVolume(disk, volume, MakeSettings(48, 2))[0].IsOk());
-  EXPECT_FALSE(WriteVolume(disk, volume, MakeSettings(16, 1u << 30))[0].IsOk());
+  ExpectError(WriteVolume(disk, volume, MakeSettings(48, 2))[0].GetStatus(),
+    StatusCode::InvalidArgument, "the block size, 48, is not 16, 32 or 64");
+  ExpectError(WriteVolume(disk, volume, MakeSettings(16, 1u << 30))[0].GetStatus(),
+    StatusCode::InvalidArgument, "the number of stores, 1073741824, is not from 1 to 4096");
   SerialCommunicator serial;
   BlockedVolumeWriter writer(serial, disk);
   const VolumePiece piece{ { { 0, 0, 0 }, volume.GetDimensions() }, { volume.GetView() } };
   const auto write = [&](const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
-  { return writer.Write(VolumePath, grid, arrays, piece, MakeSettings(16, 1)).IsOk(); };
+  { return writer.Write(VolumePath, grid, arrays, piece, MakeSettings(16, 1)).GetStatus(); };
   const GridGeometry grid = MakeGeometry(volume.GetDimensions());
-  GridGeometry wrong = grid;
-  wrong.Spacing[1] = std::nan("");
-  EXPECT_FALSE(write(wrong, { { "a", ValueType::UInt8 } }));
-  EXPECT_FALSE(write(GridGeometry{}, { { "a", ValueType::UInt8 } }));
-  EXPECT_FALSE(write(grid, {}));
-  EXPECT_FALSE(write(grid, { { "a", ValueType::UInt16 } }));
-  EXPECT_FALSE(write(grid, { { "a", ValueType::UInt8 }, { "a", ValueType::UInt8 } }));
-  EXPECT_FALSE(write(grid, { { "\xff", ValueType::UInt8 } }));
-  EXPECT_FALSE(write(MakeGeometry({ 10, 20, 20 }), { { "a", ValueType::UInt8 } }));
+  const ArrayDescription array = { "a", ValueType::UInt8 };
+  GridGeometry infinite = grid;
+  infinite.Spacing[1] = std::nan("");
+  GridGeometry flat = grid;
+  flat.Spacing[2] = 0;
+  const struct
+  {
+    GridGeometry Grid;
+    std::vector<ArrayDescription> Arrays;
+    const char* Reason;
+  } refused[] = {
+    { infinite, { array }, "the grid has an origin, spacing or direction that is not finite" },
+    { flat, { array }, "the grid has a spacing of 0" },
+    { GridGeometry{}, { array }, "the grid is empty" },
+    { grid, {}, "the arrays do not have from 1 to" },
+    { grid, { { "a", ValueType::UInt16 } }, "samples do not fit the grid or the arrays" },
+    { grid, { array, array }, "two arrays have the name \"a\"" },
+    { grid, { { "\xff", ValueType::UInt8 } }, "is not UTF-8" },
+    { MakeGeometry({ 10, 20, 20 }), { array }, "piece does not fit" },
+  };
+  for (const auto& bad : refused)
+  {
+    ExpectError(write(bad.Grid, bad.Arrays), StatusCode::InvalidArgument, bad.Reason);
+  }
   EXPECT_TRUE(disk.GetFiles().empty());
-  EXPECT_TRUE(write(grid, { { "a", ValueType::UInt8 } }));
+  EXPECT_TRUE(write(grid, { array }).IsOk());
 }
 
 TEST(BlockedVolumeWriter, RefusesRanksThatDisagree)
@@ -329,6 +346,47 @@ TEST(BlockedVolumeWriter, RefusesRanksThatDisagree)
            .IsOk();
     });
   EXPECT_EQ(refused, 3);
+}
+
+TEST(BlockedVolumeWriter, WarnsBeforeItWritesToADiskWithoutRoom)
+{
+  for (const int blockSize : { 16, 32, 64 })
+  {
+    const auto volume = MakeVolume<std::uint16_t>({ 150, 66, 90 });
+    BlockedVolumeSettings settings = MakeSettings(blockSize, 2);
+    settings.NumberOfReplicas = 2;
+    MemoryDisk disk;
+    std::string warning;
+    std::size_t files = 0;
+    settings.Warn = [&](const std::string& text)
+    {
+      warning = text;
+      files = disk.GetFiles().size();
+    };
+    EXPECT_TRUE(WriteVolume(disk, volume, settings)[0].IsOk());
+    EXPECT_EQ(warning, "") << "nobody knows how much room there is";
+    std::uint64_t written = 0;
+    for (const auto& file : disk.GetFiles())
+    {
+      const std::string& path = file.first;
+      written += path.substr(path.rfind('/') + 1) == "blocks" ? file.second->size() : 0;
+    }
+    MemoryDisk small;
+    small.SetFreeBytes(written - 1);
+    settings.Warn = [&](const std::string& text)
+    {
+      warning = text;
+      files = small.GetFiles().size();
+    };
+    EXPECT_TRUE(WriteVolume(small, volume, settings)[0].IsOk()) << "it is only a warning";
+    EXPECT_NE(warning.find("volume.bvol: takes up to "), std::string::npos) << warning;
+    EXPECT_EQ(files, 0u);
+    warning = "";
+    MemoryDisk large;
+    large.SetFreeBytes(written);
+    EXPECT_TRUE(WriteVolume(large, volume, settings)[0].IsOk());
+    EXPECT_EQ(warning, "");
+  }
 }
 
 TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenTheDiskIsFull)
