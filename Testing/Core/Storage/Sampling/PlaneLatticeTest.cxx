@@ -213,7 +213,8 @@ TEST(PlaneLattice, ASliceHasNoMorePointsThanItMayInEachLayerOfVertices)
         EXPECT_EQ(found->Level, isThere ? level : level - 1);
         EXPECT_EQ(found->Lattice.IsAligned(), isThere);
         // In its place, or, beyond the level's last vertices, at these.
-        const double shown = std::min(layer, (count(axis, found->Level) - 1) << found->Level);
+        const auto shown =
+          static_cast<double>(std::min(layer, (count(axis, found->Level) - 1) << found->Level));
         const auto at = VertexPlaces(grid).FindVertex(found->Lattice.GetImage().Origin);
         EXPECT_NEAR(at[axis], shown, 1e-6) << "axis " << axis << ", layer " << layer;
       }
