@@ -374,18 +374,27 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
     this->MakeRequest());
   ISOSURFACE_RETURN_IF_ERROR(query.GetStatus());
   this->Averages.DropUnused();
-  this->ChooseImagePass(ranks, std::move(*query));
-  const int level = this->LastImages.Level;
-  outcome.Final = level == 0;
-  outcome.Cost.Level = level;
-  // What may be refined keeps its arrays alive.
-  const ImageContour::Query now =
-    level == 0 ? std::exchange(this->LastImages.Exact, {}) : this->LastImages.Exact.Coarsen(level);
-  const Status status = level == 0
-    ? this->ExtractExactly(ranks, now, outcome)
-    : this->OfCoarseImages.Extract(ranks, now, isosurface::MakeProgress(this->Contour), outcome);
-  return this->ChooseIslands(
-    ranks, status, [&] { return now.MakeIslandGrids(ranks); }, outcome);
+  const std::uint64_t vertices = this->BeginImagePass(ranks, std::move(*query));
+  const ImagePass& pass = this->LastImages;
+  Status status;
+  if (vertices > 0)
+  {
+    status = this->ExtractFirst(ranks, vertices, outcome);
+  }
+  else
+  {
+    status =
+      pass.Level > 0 ? this->ExtractCoarsely(ranks, outcome) : this->ExtractExactly(ranks, outcome);
+  }
+  outcome.Final = pass.Level == 0;
+  outcome.Cost.Level = pass.Level;
+  status = this->ChooseIslands(
+    ranks, status, [&] { return this->MakeImageQuery().MakeIslandGrids(ranks); }, outcome);
+  if (pass.Level == 0)
+  {
+    this->LastImages.Exact = {}; // only what may be refined keeps its arrays alive
+  }
+  return status;
 }
 
 Result<ImagePieces> ContourExecution::CollectPieces(

@@ -97,7 +97,8 @@ private:
   /// The same of images in memory.
   struct ImagePass
   {
-    int Level = 0; ///< 0: nothing is finer
+    int Level = 0;          ///< 0: nothing is finer
+    bool HasPieces = false; ///< whether the ranks have more than one together
     bool Shown = false;
     vtkMTimeType Time = 0;
     std::uint64_t Input = 0; ///< a fingerprint of the images
@@ -149,11 +150,18 @@ private:
   /// on this rank. `makeGrids` gives the grids of the surface. Collective.
   Status ChooseIslands(Communicator& ranks, const Status& extracted,
     const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome);
-  /// Decides what this execution extracts of the images. Collective.
-  void ChooseImagePass(Communicator& ranks, ImageContour::Query query);
+  /// Remembers what this execution extracts. Returns the vertices of all ranks if it is the first one
+  /// of the images and may be coarse, else 0. Collective.
+  std::uint64_t BeginImagePass(Communicator& ranks, ImageContour::Query query);
+  /// The finest surface of images that two cores extract and draw within some 0.1 s, if the exact one
+  /// takes longer. Chooses the level. Collective.
+  Status ExtractFirst(Communicator& ranks, std::uint64_t vertices, ContourOutcome& outcome);
+  /// What is contoured at the level.
+  ImageContour::Query MakeImageQuery() const;
+  /// The surface of the level. Collective.
+  Status ExtractCoarsely(Communicator& ranks, ContourOutcome& outcome);
   /// The exact surface, the prepared one if there is one. Collective.
-  Status ExtractExactly(
-    Communicator& ranks, const ImageContour::Query& query, ContourOutcome& outcome);
+  Status ExtractExactly(Communicator& ranks, ContourOutcome& outcome);
   /// PrepareRefinement of images. Collective.
   Refinement PrepareImages(Communicator& ranks, double seconds);
   Status BeginImages(Communicator& ranks);

@@ -25,8 +25,12 @@ namespace
 
 constexpr double Millionths = 1e6;
 constexpr double MebiByte = 1 << 20;
-/// Of a coarse surface of images: two cores extract and draw it within some 0.1 s.
+/// No coarse surface of images has more, so that it takes a few hundredths of a second on two cores.
 constexpr std::uint64_t CoarseVertices = 1 << 20;
+/// Surfaces of so few have at most FirstSurfaceTriangles, about, even in noise.
+constexpr std::uint64_t ProbedVertices = 1 << 15;
+/// To look at each of so many takes a hundredth of a second.
+constexpr std::uint64_t DirectVertices = 1 << 23;
 
 } // namespace
 
@@ -87,11 +91,11 @@ int ContourExecution::GetLevelAfterPass(const BlockedVolume& volume)
 //------------------------------------------------------------------------------
 // Images
 
-void ContourExecution::ChooseImagePass(Communicator& ranks, ImageContour::Query query)
+std::uint64_t ContourExecution::BeginImagePass(Communicator& ranks, ImageContour::Query query)
 {
   ImagePass& pass = this->LastImages;
   Fingerprint input;
-  std::vector<std::uint64_t> vertices = { 0 };
+  std::vector<std::uint64_t> sums = { 0, query.Pieces.Pieces.size() };
   bool isHidden = false;
   for (const ImagePiece& piece : query.Pieces.Pieces)
   {
@@ -99,7 +103,7 @@ void ContourExecution::ChooseImagePass(Communicator& ranks, ImageContour::Query 
     input.AddNumber(reinterpret_cast<std::uintptr_t>(piece.Samples.Array.Get()));
     input.AddNumber(piece.GetTime());
     input.AddNumber(static_cast<std::uint64_t>(box.GetNumberOfVertices()));
-    vertices[0] += static_cast<std::uint64_t>(box.GetNumberOfVertices());
+    sums[0] += static_cast<std::uint64_t>(box.GetNumberOfVertices());
     isHidden = isHidden || !piece.Samples.Hidden.IsEmpty();
   }
   const vtkMTimeType time = this->Contour.GetMTime();
@@ -107,27 +111,71 @@ void ContourExecution::ChooseImagePass(Communicator& ranks, ImageContour::Query 
   std::vector<std::uint64_t> decisive = { isNew ? 1U : 0U,
     this->CoarseAllowed && !isHidden ? 0U : 1U };
   ranks.ReduceMaximum(decisive);
-  ranks.ReduceSum(vertices);
+  ranks.ReduceSum(sums);
   this->LastPass = {};
   if (decisive[0] != 0)
   {
     this->DropRefinement();
     pass = {};
-    while (decisive[1] == 0 && (vertices[0] >> (3 * pass.Level)) > CoarseVertices)
-    {
-      ++pass.Level;
-    }
-    // Images for which level 1 would be coarse enough are quick to contour as they are.
-    pass.Level = pass.Level > 1 ? pass.Level : 0;
   }
   pass.Time = time;
   pass.Input = input.Get();
+  pass.HasPieces = sums[1] > 1;
   pass.Exact = std::move(query);
+  return decisive[0] != 0 && decisive[1] == 0 ? sums[0] : 0;
 }
 
 //------------------------------------------------------------------------------
-Status ContourExecution::ExtractExactly(
-  Communicator& ranks, const ImageContour::Query& query, ContourOutcome& outcome)
+Status ContourExecution::ExtractFirst(
+  Communicator& ranks, std::uint64_t vertices, ContourOutcome& outcome)
+{
+  constexpr double growth = 4; // of triangles from a level to the next finer one
+  const auto countVertices = [vertices](int level) { return vertices >> (3 * level); };
+  int& level = this->LastImages.Level;
+  while (countVertices(level) > ProbedVertices)
+  {
+    ++level;
+  }
+  for (; level > 0; --level)
+  {
+    ContourOutcome coarse;
+    coarse.ArrayName = outcome.ArrayName;
+    ISOSURFACE_RETURN_IF_ERROR(this->ExtractCoarsely(ranks, coarse));
+    std::vector<std::uint64_t> triangles = { coarse.Extracted.NumberOfTriangles };
+    ranks.ReduceSum(triangles);
+    const auto count = static_cast<double>(triangles[0]);
+    if (vertices <= DirectVertices && count * std::pow(growth, level) <= FirstSurfaceTriangles)
+    {
+      level = 0;
+      break;
+    }
+    if (countVertices(level - 1) > CoarseVertices || growth * count > FirstSurfaceTriangles)
+    {
+      outcome = std::move(coarse);
+      return Status::Ok();
+    }
+  }
+  return this->ExtractExactly(ranks, outcome);
+}
+
+//------------------------------------------------------------------------------
+ImageContour::Query ContourExecution::MakeImageQuery() const
+{
+  const ImagePass& pass = this->LastImages;
+  // Blocks with nothing but samples inside have a surface, too, if sides are closed.
+  const bool joins = pass.HasPieces && pass.Exact.Request.ClosedSides.IsEmpty();
+  return pass.Level > 0 ? pass.Exact.Coarsen(pass.Level, joins) : pass.Exact;
+}
+
+//------------------------------------------------------------------------------
+Status ContourExecution::ExtractCoarsely(Communicator& ranks, ContourOutcome& outcome)
+{
+  return ranks.Agree(this->OfCoarseImages.Extract(
+    ranks, this->MakeImageQuery(), isosurface::MakeProgress(this->Contour), outcome));
+}
+
+//------------------------------------------------------------------------------
+Status ContourExecution::ExtractExactly(Communicator& ranks, ContourOutcome& outcome)
 {
   std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
   ranks.ReduceMinimum(prepared);
@@ -135,7 +183,7 @@ Status ContourExecution::ExtractExactly(
   if (prepared[0] == 0)
   {
     this->Prepared.reset();
-    return this->OfImages.Extract(ranks, query, progress, outcome);
+    return this->OfImages.Extract(ranks, this->LastImages.Exact, progress, outcome);
   }
   const std::unique_ptr<ImageRefinement> refinement = std::move(this->Prepared);
   ISOSURFACE_RETURN_IF_ERROR(refinement->Work->Finish(ranks, progress));

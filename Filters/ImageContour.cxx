@@ -7,6 +7,7 @@
 #include "Ground/Volume/SampleCopy.h"
 #include "Surface/Contour/GridBlockSource.h"
 #include "Surface/Contour/SurfaceMerge.h"
+#include "Surface/Pieces/PieceBlockSource.h"
 
 #include <utility>
 
@@ -15,6 +16,9 @@ namespace isosurface
 
 namespace
 {
+
+/// Cells along a side; small, so that ranks share a coarse level out evenly.
+constexpr int JoinedBlockSize = 16;
 
 // The first id of each grid, and the one behind the last.
 std::vector<std::int64_t> FindFirstIds(const ImagePieces& pieces, const ContourRequest& request)
@@ -86,9 +90,10 @@ Result<ImageContour::Query> ImageContour::Query::Make(
   return query;
 }
 
-ImageContour::Query ImageContour::Query::Coarsen(int level) const
+ImageContour::Query ImageContour::Query::Coarsen(int level, bool joins) const
 {
   Query coarse = *this;
+  coarse.Joins = joins;
   for (std::size_t grid = 0; grid < coarse.Pieces.Grids.size(); ++grid)
   {
     coarse.Pieces.Grids[grid] = this->Pieces.Grids[grid].Coarsen(level);
@@ -132,6 +137,10 @@ IslandGrids ImageContour::Query::MakeIslandGrids(const Communicator& ranks) cons
     const auto& lines = this->Pieces.Lines[grid];
     islands.Bounds.Extend(TriangleBounds::Of(this->Pieces.Grids[grid], lines ? &*lines : nullptr));
     islands.Shared.emplace_back(this->Pieces.Grids[grid], this->Request, firstIds[grid]);
+    if (this->Joins)
+    {
+      islands.Shared.back().AddFacesOfBlocks(JoinedBlockSize);
+    }
   }
   const bool areAlone = ranks.GetSize() == 1 && this->Pieces.Pieces.size() == 1;
   for (const ImagePiece& piece : this->Pieces.Pieces)
@@ -185,6 +194,72 @@ Status ImageContour::Prepare(const Query& query, Prepared& prepared)
 }
 
 Status ImageContour::Extract(
+  Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome)
+{
+  if (query.Joins)
+  {
+    const Status status = ExtractJoined(ranks, query, progress, outcome);
+    if (status.GetCode() != StatusCode::InvalidArgument)
+    {
+      return status;
+    }
+  }
+  return this->ExtractPieces(ranks, query, progress, outcome);
+}
+
+Status ImageContour::ExtractJoined(
+  Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome)
+{
+  const std::vector<ImagePiece>& pieces = query.Pieces.Pieces;
+  std::vector<ChosenScalars> scalars;
+  const auto choose = [&]
+  {
+    for (const ImagePiece& piece : pieces)
+    {
+      const auto components = static_cast<int>(piece.Samples.Components.size());
+      scalars.emplace_back(piece.Samples, *FindChosenComponent(components, query.Choice.Component),
+        query.Choice.Threads);
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(Attempt("the images of the input cannot be contoured", choose)));
+  const std::vector<std::int64_t> firstIds = FindFirstIds(query.Pieces, query.Request);
+  std::vector<Surface> surfaces;
+  std::size_t blocks = 0;
+  for (std::size_t grid = 0; grid < query.Pieces.Grids.size(); ++grid)
+  {
+    std::vector<GridPiece> ofGrid;
+    for (std::size_t number = 0; number < pieces.size(); ++number)
+    {
+      if (pieces[number].Grid == grid)
+      {
+        ofGrid.push_back(
+          { scalars[number].GetView(pieces[number].Samples), query.Attributes[number].Views });
+      }
+    }
+    const PieceBlockSelection selection = { query.Request.Isovalues, query.Choice.Region,
+      JoinedBlockSize, query.Request.Normals };
+    const auto source = PieceBlockSource::Make(
+      ranks, query.Pieces.Grids[grid], std::move(ofGrid), selection, query.Choice.Threads);
+    ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+    ContourRequest request = query.Request;
+    const std::optional<GridLines>& lines = query.Pieces.Lines[grid];
+    request.Lines = lines ? &*lines : nullptr;
+    auto extracted =
+      ExtractSurface(query.Pieces.Grids[grid], **source, request, query.Choice.Threads, progress);
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(extracted.GetStatus()));
+    blocks += extracted->NumberOfBlocks;
+    ShiftGlobalIds(firstIds[grid], *extracted);
+    surfaces.push_back(std::move(*extracted));
+  }
+  outcome.Arrays = query.Arrays;
+  outcome.Cost.Reading.ActiveBlocks += blocks;
+  outcome.Extracted = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
+  return Status::Ok();
+}
+
+Status ImageContour::ExtractPieces(
   Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome)
 {
   Prepared prepared;

@@ -66,9 +66,9 @@ public:
     static Result<Query> Make(Communicator& ranks, ImagePieces pieces, const Settings& settings,
       const ContourRequest& request);
 
-    /// The same of every 2^level-th vertex of the grids, without a copy of samples. Where pieces of
-    /// several ranks meet, the surface may have a gap of a cell.
-    Query Coarsen(int level) const;
+    /// The same of every 2^level-th vertex of the grids, without a copy of samples. `joins`: pieces
+    /// may end between these vertices, so they are contoured as one.
+    Query Coarsen(int level, bool joins) const;
 
     /// The grids, and the planes in which their pieces meet.
     IslandGrids MakeIslandGrids(const Communicator& ranks) const;
@@ -78,12 +78,16 @@ public:
     std::vector<InterpolatedArray> Arrays;
     ContourRequest Request; ///< its attributes are those of Arrays
     Settings Choice;
+    /// Whether the blocks of whole grids are contoured, each by one rank, which is sent what it does
+    /// not have; else those of each piece.
+    bool Joins = false;
   };
 
   /**
    * The surface of this rank's pieces. The ids of several grids follow each other. Normals where
-   * pieces of a grid meet are those of the whole grid. Collective. It touches arrays alone, so
-   * another thread may call it than the one that runs the pipeline.
+   * pieces of a grid meet are those of the whole grid. Pieces that shall be joined, but have gaps or
+   * differ in type, are not. Collective. It touches arrays alone, so another thread may call it than
+   * the one that runs the pipeline.
    *
    * Errors: those of BlockRanges::Compute; Aborted when `progress` says so.
    */
@@ -114,6 +118,13 @@ private:
 
   /// Not collective.
   Status Prepare(const Query& query, Prepared& prepared);
+
+  /// See Extract. Both are collective.
+  Status ExtractPieces(
+    Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome);
+  /// Errors: those of PieceBlockSource::Make.
+  static Status ExtractJoined(
+    Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome);
 
   static Result<Surface> ExtractPiece(
     const Query& query, std::size_t number, const Prepared& prepared, const Progress& progress);

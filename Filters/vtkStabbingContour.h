@@ -176,10 +176,10 @@ public:
 
   /**
    * While on, the first execution after a change is as if the filter were progressive. Of image data
-   * with more than 8 million vertices it gives the surface of every 2^l-th vertex on each axis, l
-   * such that about a million are left. Not a property: it neither modifies the filter nor is it
-   * saved. ParaView's window switches it on while it applies what the user has changed by hand, so
-   * scripts and animations never see it.
+   * it gives the surface of every 2^l-th vertex on each axis, the finest one with about 100,000
+   * triangles and at most a million vertices; the exact one if that is as small. Not a property: it
+   * neither modifies the filter nor is it saved. ParaView's window switches it on while it applies
+   * what the user has changed by hand, so scripts and animations never see it.
    */
   void AllowCoarse(vtkTypeBool allowed);
 

@@ -4,6 +4,8 @@
 #include "EventCounter.h"
 #include "ParallelVolumes.h"
 
+#include "TestImages.h"
+#include "TestVolumes.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -116,7 +118,8 @@ protected:
 };
 vtkStandardNewMacro(vtkPVPostFilter);
 
-/// Images in memory that are large enough for a coarse surface first.
+/// Images in memory that are large enough for a coarse surface first. Pieces of three ranks end at
+/// vertices that are not of level 2.
 class ImageRefinement : public testing::Test
 {
 protected:
@@ -156,7 +159,7 @@ protected:
 
   static constexpr double Isovalue = 60.5;
   const vtkSmartPointer<vtkImageData> Image =
-    MakeClosedVolume({ -3, 207, 5, 214, 0, 203 }, VTK_UNSIGNED_CHAR);
+    MakeClosedVolume({ -3, 207, 5, 214, 0, 201 }, VTK_UNSIGNED_CHAR);
   const vtkSmartPointer<PieceSource> Source = MakeSource(this->Image);
   const vtkNew<vtkPVPostFilter> Copy;
   const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Source, Isovalue);
@@ -193,6 +196,45 @@ TEST_F(ImageRefinement, IsCoarseAtOnceAndExactAtTheEnd)
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
   EXPECT_TRUE(this->Contour->GetFinal());
   EXPECT_GT(this->CountTriangles(), 8 * coarse);
+}
+
+/// A coarse surface is that of every 2^level-th vertex, wherever the pieces of ranks end.
+TEST_F(ImageRefinement, BeginsWithTheSurfaceOfTheSubsampledImage)
+{
+  this->Contour->AllowCoarse(1);
+  vtkPolyData* mine = this->Update();
+  EXPECT_EQ(GetCost(mine, "Level"), 2);
+  ExpectSurfaceOf(mine, SubsampleImage(this->Image, 2), Isovalue);
+}
+
+/// A grid of so many samples a side that change from one to the next.
+vtkSmartPointer<vtkImageData> MakeNoise(int side)
+{
+  return MakeImage({ 0, side - 1, 0, side - 1, 0, side - 1 }, VTK_UNSIGNED_CHAR,
+    [](int i, int j, int k) { return ((i * 7919) ^ (j * 104729) ^ (k * 1299709)) >> 3 & 255; });
+}
+
+TEST_F(ImageRefinement, BeginsWithAFewTrianglesHoweverManyTheExactOneHas)
+{
+  const auto noise = MakeNoise(100);
+  this->Source->SetImage(noise);
+  this->Contour->AllowCoarse(1);
+  EXPECT_LT(this->CountTriangles(), 100'000U);
+  EXPECT_FALSE(this->Contour->GetFinal());
+  this->Contour->AllowCoarse(0);
+  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  this->Contour->Refine();
+  ExpectSurfaceOf(this->Update(), noise, Isovalue);
+}
+
+TEST_F(ImageRefinement, IsNotNeededForASmallSurface)
+{
+  const vtkSmartPointer<vtkImageData> small =
+    MakeClosedVolume({ 0, 60, 0, 60, 0, 60 }, VTK_UNSIGNED_CHAR);
+  this->Source->SetImage(small);
+  this->Contour->AllowCoarse(1);
+  ExpectSurfaceOf(this->Update(), small, Isovalue);
+  EXPECT_TRUE(this->Contour->GetFinal());
 }
 
 TEST_F(ImageRefinement, IsTakenWithoutBeingExtractedAgain)
