@@ -175,6 +175,19 @@ Result<std::shared_ptr<Descriptor>> PooledFile::OpenPath(int flags, const char* 
   return std::make_shared<Descriptor>(number);
 }
 
+Result<std::shared_ptr<Descriptor>> PooledFile::Renew(const std::shared_ptr<Descriptor>& stale)
+{
+  {
+    const std::lock_guard<std::mutex> lock(this->Pool.Mutex);
+    if (this->Current == stale)
+    {
+      this->Current.reset();
+      this->Pool.Open.erase(this->Place);
+    }
+  }
+  return this->Use();
+}
+
 Result<std::shared_ptr<Descriptor>> PooledFile::Use()
 {
   {

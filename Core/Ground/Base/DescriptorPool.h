@@ -83,6 +83,8 @@ public:
 
   /// The descriptor; an error if another file is at the path when it is opened again.
   Result<std::shared_ptr<Descriptor>> Use();
+  /// The same, opened anew if it is still `stale`: a server of files has forgotten that one.
+  Result<std::shared_ptr<Descriptor>> Renew(const std::shared_ptr<Descriptor>& stale);
 
 private:
   friend class DescriptorPool;

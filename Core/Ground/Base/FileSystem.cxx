@@ -39,8 +39,9 @@ public:
 
   Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
   {
-    const auto descriptor = this->File->Use();
+    auto descriptor = this->File->Use();
     ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+    bool isRenewed = false;
     auto* to = static_cast<std::uint8_t*>(bytes);
     while (size > 0)
     {
@@ -49,6 +50,13 @@ public:
       {
         if (errno == EINTR)
         {
+          continue;
+        }
+        if (errno == ESTALE && !isRenewed)
+        {
+          isRenewed = true;
+          descriptor = this->File->Renew(*descriptor);
+          ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
           continue;
         }
         return MakeSystemError(this->GetPath(), "read", errno);

@@ -26,7 +26,8 @@ enum class Deed
   Work,
   Fail,
   Half,
-  HalfThenEnd
+  HalfThenEnd,
+  Flip
 };
 
 std::string Folder;
@@ -36,6 +37,7 @@ std::atomic<std::uint64_t> Target{ 0 };
 std::atomic<std::uint64_t> Count{ 0 };
 std::atomic<bool> Happened{ false };
 std::array<std::atomic<bool>, 65536> IsWatched;
+std::array<std::atomic<bool>, 65536> IsStale;
 
 bool IsBelow(const char* path)
 {
@@ -67,13 +69,18 @@ bool IsPossible(Call call)
   {
     case Kind::Fail:
     case Kind::FailFromNow:
-      return Error == EMFILE ? call == Call::Open || call == Call::Create
-        : Error == ENOSPC    ? call != Call::Open && call != Call::Read
-                             : true;
+      return Error == EMFILE                ? call == Call::Open || call == Call::Create
+        : Error == ENOSPC || Error == EROFS ? call != Call::Open && call != Call::Read
+                                            : true;
     case Kind::Interrupt:
       return call != Call::Name;
     case Kind::Short:
       return call == Call::Read || call == Call::Write;
+    case Kind::Stale:
+    case Kind::Flip:
+      return call == Call::Read;
+    case Kind::NoLocks:
+      return false;
     default:
       return Armed != Kind::None;
   }
@@ -92,6 +99,8 @@ Deed Ask(Call call)
   {
     case Kind::Short:
       return Deed::Half;
+    case Kind::Flip:
+      return Deed::Flip;
     case Kind::Kill:
       ::_exit(EndOfKilled);
     case Kind::Tear:
@@ -101,7 +110,7 @@ Deed Ask(Call call)
       }
       return Deed::HalfThenEnd;
     default:
-      errno = Armed == Kind::Interrupt ? EINTR : Error.load();
+      errno = Armed == Kind::Interrupt ? EINTR : Armed == Kind::Stale ? ESTALE : Error.load();
       return Deed::Fail;
   }
 }
@@ -124,6 +133,7 @@ int OpenWatched(const char* path, int flags, mode_t mode)
   if (descriptor >= 0 && static_cast<std::size_t>(descriptor) < IsWatched.size())
   {
     IsWatched[static_cast<std::size_t>(descriptor)] = isBelow;
+    IsStale[static_cast<std::size_t>(descriptor)] = false;
   }
   return descriptor;
 }
@@ -131,17 +141,33 @@ int OpenWatched(const char* path, int flags, mode_t mode)
 /// The number of bytes that a call is to move; -1 if it fails.
 ssize_t FindBytes(Deed deed, std::size_t size)
 {
-  return deed == Deed::Fail          ? -1
-    : deed == Deed::Work || size < 2 ? static_cast<ssize_t>(size)
-                                     : static_cast<ssize_t>(size / 2);
+  return deed == Deed::Fail                                ? -1
+    : deed == Deed::Work || deed == Deed::Flip || size < 2 ? static_cast<ssize_t>(size)
+                                                           : static_cast<ssize_t>(size / 2);
 }
 
 ssize_t ReadWatched(int descriptor, void* bytes, std::size_t size, off_t offset)
 {
   static auto* const next = FindNext<ssize_t(int, void*, std::size_t, off_t)>("pread");
-  const Deed deed = IsWatchedDescriptor(descriptor) ? Ask(Call::Read) : Deed::Work;
+  const bool isWatched = IsWatchedDescriptor(descriptor);
+  if (isWatched && IsStale[static_cast<std::size_t>(descriptor)])
+  {
+    errno = ESTALE;
+    return -1;
+  }
+  const Deed deed = isWatched ? Ask(Call::Read) : Deed::Work;
   const ssize_t wanted = FindBytes(deed, size);
-  return wanted < 0 ? -1 : next(descriptor, bytes, static_cast<std::size_t>(wanted), offset);
+  if (wanted < 0)
+  {
+    IsStale[static_cast<std::size_t>(descriptor)] = Armed == Kind::Stale;
+    return -1;
+  }
+  const ssize_t done = next(descriptor, bytes, static_cast<std::size_t>(wanted), offset);
+  if (deed == Deed::Flip && done > 0)
+  {
+    static_cast<unsigned char*>(bytes)[done / 2] ^= 0x10;
+  }
+  return done;
 }
 
 ssize_t WriteWatched(int descriptor, const void* bytes, std::size_t size, off_t offset)
@@ -213,6 +239,22 @@ extern "C"
       ? -1
       : 0;
   }
+// There is a struct of this name, too.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+  int flock(int descriptor, int operation)
+  {
+    static auto* const next = isosurface::FindNext<int(int, int)>("flock");
+    if (isosurface::IsWatchedDescriptor(descriptor) &&
+      isosurface::Armed == isosurface::Kind::NoLocks)
+    {
+      isosurface::Happened = true;
+      errno = ENOLCK;
+      return -1;
+    }
+    return next(descriptor, operation);
+  }
+#pragma GCC diagnostic pop
   int rename(const char* from, const char* to)
   {
     static auto* const next = isosurface::FindNext<int(const char*, const char*)>("rename");

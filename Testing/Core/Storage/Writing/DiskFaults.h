@@ -10,7 +10,7 @@ namespace isosurface
 
 /**
  * Faults of the operating system below Core's local file system: this program's calls of open,
- * pread, pwrite, fsync, rename and mkdir for files in one folder are counted, and one of them, or
+ * pread, pwrite, fsync, flock, rename and mkdir for files in one folder are counted, and one of them, or
  * all from one on, do something else than they should. Any thread may call them meanwhile.
  */
 class DiskFaults
@@ -23,6 +23,9 @@ public:
     FailFromNow, ///< this call and all later ones of its sort do: the disk is full
     Interrupt,   ///< this call returns EINTR; the next one works
     Short,       ///< a read or write does half of what it is asked
+    Stale,       ///< from this read on, its descriptor fails with ESTALE: a server was started anew
+    Flip,        ///< this read returns another byte in the middle
+    NoLocks,     ///< all locks fail with ENOLCK
     Kill,        ///< the process ends before the call
     Tear         ///< the process ends in the middle of a write
   };

@@ -43,11 +43,12 @@ struct Fault
 const std::vector<Fault> Disturbances = {
   { Kind::Fail, EIO, true, 1 },
   { Kind::Fail, EIO, true, 2 },
-  { Kind::FailFromNow, ENOSPC, true, 1 },
+  { Kind::FailFromNow, EROFS, true, 1 },
   { Kind::FailFromNow, ENOSPC, true, 2 },
   { Kind::FailFromNow, EMFILE, true, 1 },
   { Kind::Interrupt, EINTR, false, 2 },
   { Kind::Short, 0, false, 2 },
+  { Kind::Stale, ESTALE, false, 1 },
 };
 const std::vector<Fault> Kills = { { Kind::Kill }, { Kind::Tear } };
 
@@ -299,6 +300,15 @@ TEST_F(DiskFaultsOfWriting, LeaveTheOldVolumeOrTheNewOneWhenTheWriterDies)
     [&] { return this->Write(this->New, 1); }, [&](bool isDone) { this->Look(isDone); });
 }
 
+TEST_F(DiskFaultsOfWriting, AreNotThatAFileSystemHasNoLocks)
+{
+  DiskFaults::Arm(Kind::NoLocks, 0, 0);
+  EXPECT_TRUE(this->Write(this->New, 2).front().IsOk());
+  EXPECT_TRUE(DiskFaults::HasHappened());
+  DiskFaults::Disarm();
+  this->Look(true);
+}
+
 TEST_F(DiskFaultsAtEveryOperation, OfAppendingLeaveAllTimeStepsBefore)
 {
   ASSERT_TRUE(this->Write(this->Old, 1, 0.0).front().IsOk());
@@ -376,4 +386,32 @@ TEST_F(DiskFaultsAtEveryOperation, OfQueriesAreToldAndPass)
       const auto again = Require(this->CountTriangles());
       EXPECT_EQ(again, triangles);
     });
+}
+
+TEST_F(DiskFaultsAtEveryOperation, OfReadingOtherBytesAreFoundAndAreNotKept)
+{
+  ASSERT_TRUE(this->Write(this->Old, 1).front().IsOk());
+  const std::size_t triangles = *this->CountTriangles();
+  DiskFaults::Disarm();
+  EXPECT_EQ(Require(this->CountTriangles()), triangles);
+  const std::uint64_t operations = DiskFaults::GetOperations();
+  std::size_t refused = 0;
+  for (std::uint64_t operation = 0; operation < operations; ++operation)
+  {
+    DiskFaults::Arm(Kind::Flip, 0, operation);
+    const auto count = this->CountTriangles();
+    this->Faults += DiskFaults::HasHappened() ? 1 : 0;
+    DiskFaults::Disarm();
+    refused += count.IsOk() ? 0 : 1;
+    if (count.IsOk())
+    {
+      EXPECT_EQ(*count, triangles) << "operation " << operation;
+    }
+    else
+    {
+      ExpectMessage(count.GetStatus(), this->Folder);
+    }
+    EXPECT_EQ(Require(this->CountTriangles()), triangles);
+  }
+  EXPECT_GT(refused, 5u);
 }
