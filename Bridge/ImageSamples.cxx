@@ -7,6 +7,7 @@
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationStringKey.h"
 #include "vtkIntArray.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
@@ -73,6 +74,13 @@ std::vector<SampleView> MakeComponentViews(
     views.push_back(MakeSampleView(type, box, array->GetVoidPointer(component), components));
   }
   return views;
+}
+
+std::string GetUnitOf(vtkDataArray* array)
+{
+  const char* unit =
+    array->HasInformation() ? array->GetInformation()->Get(vtkDataArray::UNITS_LABEL()) : nullptr;
+  return unit ? unit : "";
 }
 
 int GetVTKType(ValueType type)

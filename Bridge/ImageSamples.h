@@ -13,6 +13,7 @@
 #include "Ground/Volume/SampleView.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 class vtkDataArray;
@@ -31,6 +32,9 @@ ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkDataArray> MakePlainArray(vtkDataArra
 /// Views of the components of such an array, which has a tuple for each vertex of a box.
 ISOSURFACEBRIDGE_EXPORT std::vector<SampleView> MakeComponentViews(
   vtkDataArray* array, ValueType type, const VertexBox& box);
+
+/// The unit of an array's values (vtkDataArray::UNITS_LABEL); empty if it has none.
+ISOSURFACEBRIDGE_EXPORT std::string GetUnitOf(vtkDataArray* array);
 
 /// The VTK data type of a Core type.
 ISOSURFACEBRIDGE_EXPORT int GetVTKType(ValueType type);

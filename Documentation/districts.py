@@ -33,7 +33,7 @@ MAY_INCLUDE = {
     "Rendering": CORE + ["Bridge"],
     "Surfaces": CORE + ["Bridge"],
     "Representation": CORE + ["Bridge", "Surfaces"],
-    "Plugin": CORE + ["Bridge"],
+    "Plugin": CORE + ["Bridge", "Representation"],
     "Tools": CORE + ["Formats", "Bridge", "Writers"],
     "Python": CORE + ["Formats"],
 }

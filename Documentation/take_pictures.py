@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Takes the pictures of ParaView's window that the documents show, by playing what a user does.
 
-    take_pictures.py --plugin .../ScalableIsosurface.so --volume head.bvol [NAME...]
+    take_pictures.py --plugin .../ScalableIsosurface.so --volume head.bvol --ct cranium.vti [NAME...]
 
 Each picture is a list of events of ParaView's test player, and is taken when nothing on the screen
 has changed for a while. Without names all are taken, into Documentation/images. Needs Xvfb,
@@ -104,7 +104,7 @@ def write_zarr(folder, side=64):
         file.write(bytes(int(85 * (x + y + z)) for z in squares for y in squares for x in squares))
 
 
-def make_pictures(volume, folder):
+def make_pictures(volume, ct, folder):
     """Lists of events by the pictures' names."""
     opened = [*open_file(volume), APPLY]
     proposed = [*opened, choose_filter("StabbingContour"), REST]
@@ -127,6 +127,7 @@ def make_pictures(volume, folder):
     zarr = os.path.join(folder, "scan.zarr")
     write_zarr(zarr)
     image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
+    tissues = [(f"{PROPERTIES}/ContourValues/Tissues/{name}", "activate", "") for name in ("Skin", "Bone")]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],
         "panels/in-place": [*open_file(zarr), APPLY, ALL_PROPERTIES, REST],
@@ -148,6 +149,7 @@ def make_pictures(volume, folder):
         "tour/7": [*added, live, *drag(120, 170, 60), REST],
         "tour/8": picked,
         "tour/10": reopened,
+        "tour/11": [*open_file(ct), APPLY, choose_filter("StabbingContour"), REST, *tissues, APPLY, REST],
     }
 
 
@@ -323,12 +325,13 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--plugin", required=True)
     parser.add_argument("--volume", required=True)
+    parser.add_argument("--ct", required=True, help="Examples/debian_scans.py's cranium_ct")
     parser.add_argument("--output", default=images, help="default: Documentation/images")
     parser.add_argument("names", nargs="*", help="of pictures; default: all")
     arguments = parser.parse_args()
     arguments.plugin = os.path.abspath(arguments.plugin)
     with tempfile.TemporaryDirectory() as folder:
-        pictures = make_pictures(os.path.abspath(arguments.volume), folder)
+        pictures = make_pictures(os.path.abspath(arguments.volume), os.path.abspath(arguments.ct), folder)
         for name in arguments.names or pictures:
             path = os.path.join(arguments.output, f"{name}.png")
             os.makedirs(os.path.dirname(path), exist_ok=True)

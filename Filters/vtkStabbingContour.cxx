@@ -7,6 +7,7 @@
 #include "ContouredArray.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
+#include "ImageSamples.h"
 #include "IslandData.h"
 #include "PassingFilters.h"
 #include "SurfacePolyData.h"
@@ -15,7 +16,9 @@
 #include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -30,6 +33,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <string>
 
 vtkStandardNewMacro(vtkStabbingContour);
@@ -291,6 +295,20 @@ void vtkStabbingContour::ReleaseInput(vtkInformation* inInfo)
   {
     handle->EndTaking(this);
   }
+}
+
+//------------------------------------------------------------------------------
+const char* vtkStabbingContour::GetUnit()
+{
+  auto* input = vtkDataSet::SafeDownCast(
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr);
+  vtkDataArray* array = input ? this->GetInputArrayToProcess(0, input) : nullptr;
+  this->Unit = array ? isosurface::GetUnitOf(array) : "";
+  if (this->Unit.empty() && array && array->GetName() && std::strcmp(array->GetName(), "HU") == 0)
+  {
+    this->Unit = array->GetName();
+  }
+  return this->Unit.c_str();
 }
 
 //------------------------------------------------------------------------------

@@ -101,6 +101,13 @@ public:
   vtkBooleanMacro(ComputeScalars, vtkTypeBool);
   ///@}
 
+  /**
+   * The unit of the isovalues: what the input says of the contoured array (vtkDataArray::UNITS_LABEL), or
+   * "HU" (Hounsfield) if that is the array's name; empty if it is not known, and of composites. The input
+   * must be up to date.
+   */
+  const char* GetUnit();
+
   ///@{
   /**
    * Whether cells are triangles. If off, one polygon for each loop of the surface in a cell of the
@@ -427,6 +434,7 @@ private:
   double IslandPoint[3];
   vtkTypeBool ComputeIslandIds;
   std::string IslandSummary;
+  std::string Unit;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
   std::unique_ptr<isosurface::ContourExecution> Work;

@@ -85,6 +85,24 @@ vtkPolyData* GetSurface(const Block& block)
 }
 #endif
 
+// A surface that has these tuples of an array alone.
+vtkSmartPointer<vtkPolyData> MakeSurfaceOf(
+  vtkDataArray* array, const std::vector<vtkIdType>& tuples)
+{
+  const auto some = vtkSmartPointer<vtkDataArray>::Take(array->NewInstance());
+  some->SetName(array->GetName());
+  some->SetLookupTable(array->GetLookupTable());
+  some->SetNumberOfComponents(array->GetNumberOfComponents());
+  some->SetNumberOfTuples(static_cast<vtkIdType>(tuples.size()));
+  for (std::size_t n = 0; n < tuples.size(); ++n)
+  {
+    some->SetTuple(static_cast<vtkIdType>(n), tuples[n], array);
+  }
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  surface->GetPointData()->AddArray(some);
+  return surface;
+}
+
 // Gives a variable another value until the end of the scope.
 template <typename T>
 class ScopedValue
@@ -278,7 +296,7 @@ void vtkIsosurfaceMapperHelper::MapColors(vtkPolyData* surface)
   Drop(this->ColorCoordinates, this);
   Drop(this->Colors, this);
   this->ColorValues = nullptr;
-  if (!this->MapColorsToTexture(surface))
+  if (!this->MapColorsToTexture(surface) && !this->MapColorsOfRuns(surface))
   {
     this->MapScalars(surface, 1.0);
   }
@@ -294,31 +312,85 @@ void vtkIsosurfaceMapperHelper::MapColors(vtkPolyData* surface)
 }
 
 //------------------------------------------------------------------------------
-bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
+vtkDataArray* vtkIsosurfaceMapperHelper::FindNamedScalars(vtkPolyData* surface) const
 {
   if (!this->ScalarVisibility || this->ScalarMode != VTK_SCALAR_MODE_USE_POINT_FIELD_DATA ||
-    this->ArrayAccessMode != VTK_GET_ARRAY_BY_NAME || !this->ArrayName ||
-    !this->CanUseTextureMapForColoring(surface))
+    this->ArrayAccessMode != VTK_GET_ARRAY_BY_NAME || !this->ArrayName)
+  {
+    return nullptr;
+  }
+  vtkDataArray* scalars = surface->GetPointData()->GetArray(this->ArrayName);
+  const bool isTaken = scalars && scalars->HasStandardMemoryLayout() &&
+    scalars->GetDataType() != VTK_BIT && scalars->GetNumberOfTuples() > 0;
+  return isTaken ? scalars : nullptr;
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::MapColorsOfRuns(vtkPolyData* surface)
+{
+  constexpr std::size_t most = 4096;
+  vtkDataArray* scalars = this->FindNamedScalars(surface);
+  if (!scalars || scalars->GetNumberOfComponents() != 1 || !this->LookupTable ||
+    !this->LookupTable->GetIndexedLookup())
   {
     return false;
   }
-  vtkDataArray* scalars = surface->GetPointData()->GetArray(this->ArrayName);
-  if (!scalars || !scalars->HasStandardMemoryLayout() || scalars->GetDataType() == VTK_BIT ||
-    scalars->GetNumberOfTuples() == 0)
+  std::vector<std::size_t> ends;
+  switch (scalars->GetDataType())
+  {
+    vtkTemplateMacro(
+      ends = isosurface::FindRuns(static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)),
+        static_cast<std::size_t>(scalars->GetNumberOfTuples()), most));
+    default:
+      break; // bits are not taken
+  }
+  if (ends.empty())
+  {
+    return false;
+  }
+
+  // VTK, which looks each value up by itself, maps one of each run.
+  std::vector<vtkIdType> places;
+  for (const std::size_t end : ends)
+  {
+    places.push_back(static_cast<vtkIdType>(end) - 1);
+  }
+  this->MapScalars(MakeSurfaceOf(scalars, places), 1.0);
+  if (!this->Colors)
+  {
+    return false;
+  }
+  auto* colors = vtkUnsignedCharArray::New();
+  colors->SetNumberOfComponents(this->Colors->GetNumberOfComponents());
+  colors->SetNumberOfTuples(scalars->GetNumberOfTuples());
+  std::size_t point = 0;
+  for (std::size_t run = 0; run < ends.size(); ++run)
+  {
+    for (; point < ends[run]; ++point)
+    {
+      colors->SetTypedTuple(static_cast<vtkIdType>(point),
+        this->Colors->GetPointer(
+          static_cast<vtkIdType>(run) * this->Colors->GetNumberOfComponents()));
+    }
+  }
+  Drop(this->Colors, this);
+  this->Colors = colors;
+  this->Colors->Register(this);
+  colors->Delete();
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
+{
+  vtkDataArray* scalars = this->FindNamedScalars(surface);
+  if (!scalars || !this->CanUseTextureMapForColoring(surface))
   {
     return false;
   }
 
   // The superclass makes the texture, with the coordinates of one value.
-  const auto first = vtkSmartPointer<vtkDataArray>::Take(scalars->NewInstance());
-  first->SetName(scalars->GetName());
-  first->SetLookupTable(scalars->GetLookupTable());
-  first->SetNumberOfComponents(scalars->GetNumberOfComponents());
-  first->SetNumberOfTuples(1);
-  first->SetTuple(0, 0, scalars);
-  vtkNew<vtkPolyData> one;
-  one->GetPointData()->AddArray(first);
-  this->MapScalars(one, 1.0);
+  this->MapScalars(MakeSurfaceOf(scalars, { 0 }), 1.0);
   if (!this->ColorCoordinates || !this->LookupTable || this->LookupTable->UsingLogScale())
   {
     Drop(this->ColorCoordinates, this);

@@ -64,6 +64,9 @@ private:
   /// Sets Colors, or ColorCoordinates and the texture, as MapScalars does.
   void MapColors(vtkPolyData* surface);
   bool MapColorsToTexture(vtkPolyData* surface);
+  bool MapColorsOfRuns(vtkPolyData* surface);
+  /// The point array that gives the colors; null if it is not one of numbers, chosen by its name.
+  vtkDataArray* FindNamedScalars(vtkPolyData* surface) const;
   /// The coordinates in the texture of ColorValues, two for each.
   void WriteColorCoordinates(float* coordinates);
   /// Makes the buffer of an attribute that the group knows as long as the surface, and fills it.

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqIsosurfaceMenuBehavior.h"
 
-#include "ContourProxy.h"
 #include "WindowCall.h"
 
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
 #include "pqDataRepresentation.h"
-#include "pqObjectBuilder.h"
-#include "pqPipelineSource.h"
 #include "pqProxyGroupMenuManager.h"
 #include "pqServerManagerModel.h"
 #include "pqView.h"
 #include "vtkCommand.h"
-#include "vtkDataObject.h"
-#include "vtkNew.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
-#include "vtkSMTransferFunctionManager.h"
 
 #include <QAction>
 #include <QMainWindow>
@@ -63,26 +57,6 @@ bool IsOfSpectrum(const pqDataRepresentation* representation)
     std::strcmp(representation->getProxy()->GetXMLName(), "ContourSpectrumRepresentation") == 0;
 }
 
-/// Shows a surface of one isovalue in one color, if it was to have that of the isovalue.
-void ShowInOneColor(pqDataRepresentation* surface)
-{
-  vtkSMProxy* contour = surface->getInput()->getProxy();
-  vtkSMPropertyHelper color(surface->getProxy(), "ColorArrayName");
-  vtkSMPropertyHelper contoured(contour, "SelectInputScalars");
-  if (!surface->getView() ||
-    vtkSMPropertyHelper(contour, "ContourValues").GetNumberOfElements() != 1 ||
-    QString(color.GetInputArrayNameToProcess()) != contoured.GetInputArrayNameToProcess())
-  {
-    return;
-  }
-  color.SetInputArrayToProcess(vtkDataObject::POINT, "");
-  surface->getProxy()->UpdateVTKObjects();
-  vtkNew<vtkSMTransferFunctionManager> colors;
-  colors->UpdateScalarBars(
-    surface->getView()->getProxy(), vtkSMTransferFunctionManager::HIDE_UNUSED_SCALAR_BARS);
-  surface->renderViewEventually();
-}
-
 /// Gives the left axis a range without 0, which no logarithmic axis can have.
 void SetRange(vtkSMProxy* view, const std::pair<double, double>& triangles)
 {
@@ -108,8 +82,6 @@ void pqIsosurfaceMenuBehavior::OnStartup()
   const pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   QObject::connect(
     model, &pqServerManagerModel::viewAdded, this, &pqIsosurfaceMenuBehavior::ObserveView);
-  QObject::connect(pqApplicationCore::instance()->getObjectBuilder(),
-    &pqObjectBuilder::filterCreated, this, &pqIsosurfaceMenuBehavior::ObserveFilter);
   isosurface::CallWithWindow(this, &pqIsosurfaceMenuBehavior::ObserveMenus);
   QObject::connect(pqApplicationCore::instance(), &pqApplicationCore::clientEnvironmentDone, this,
     &pqIsosurfaceMenuBehavior::MoveToolBar);
@@ -153,18 +125,6 @@ void pqIsosurfaceMenuBehavior::NameActions()
         action->setText(tr("Isosurface (Stabbing Contour)"));
       }
     }
-  }
-}
-
-//------------------------------------------------------------------------------
-void pqIsosurfaceMenuBehavior::ObserveFilter(pqPipelineSource* filter)
-{
-  if (isosurface::IsStabbingContour(filter->getProxy()))
-  {
-    // ParaView chooses colors after this signal.
-    QObject::connect(filter, &pqPipelineSource::representationAdded, this,
-      [](pqPipelineSource*, pqDataRepresentation* surface)
-      { QTimer::singleShot(0, surface, [surface] { ShowInOneColor(surface); }); });
   }
 }
 

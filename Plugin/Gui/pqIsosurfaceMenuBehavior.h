@@ -7,8 +7,6 @@
  *   the server manager stays, since scripts call the filter by that.
  * - The tool bar of the filters is the last one. ParaView makes that of a plugin which is loaded at its
  *   start (PV_PLUGIN_PATH, Auto Load) before its own, in a full line, where its buttons do not show.
- * - A surface of one isovalue is shown in one color: all of it has the same value, and a legend of that
- *   would have a range of rounding errors.
  * - A new chart of a contour spectrum shows the triangles alone, on a logarithmic axis where they
  *   span more than two decades, with the axes' titles.
  *
@@ -21,7 +19,6 @@
 #include <QObject>
 
 class pqDataRepresentation;
-class pqPipelineSource;
 class pqRepresentation;
 class pqView;
 
@@ -40,7 +37,6 @@ private Q_SLOTS:
   void ObserveMenus();
   void MoveToolBar();
   void NameActions();
-  void ObserveFilter(pqPipelineSource* filter);
   void ObserveView(pqView* view);
   void ArrangeChart(pqRepresentation* representation);
   void ExpectReset();

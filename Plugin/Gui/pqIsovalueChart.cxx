@@ -148,6 +148,13 @@ void pqIsovalueChart::SetIsovalues(const QVariantList& isovalues)
 }
 
 //------------------------------------------------------------------------------
+void pqIsovalueChart::ChangeIsovalues(const QVariantList& isovalues)
+{
+  this->SetIsovalues(isovalues);
+  Q_EMIT this->isovaluesChanged();
+}
+
+//------------------------------------------------------------------------------
 QString pqIsovalueChart::GetIsovalueText() const
 {
   QStringList words;

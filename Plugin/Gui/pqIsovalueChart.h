@@ -72,6 +72,8 @@ public:
 
   QVariantList GetIsovalues() const;
   void SetIsovalues(const QVariantList& isovalues);
+  /// As by hand.
+  void ChangeIsovalues(const QVariantList& isovalues);
   QString GetIsovalueText() const;
   QString GetRangeText() const; ///< of the values that are visible
 

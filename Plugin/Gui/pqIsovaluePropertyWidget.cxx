@@ -2,6 +2,7 @@
 #include "pqIsovaluePropertyWidget.h"
 
 #include "CountWords.h"
+#include "Tissues.h"
 #include "pqExtractionForecast.h"
 #include "pqIsovalueChart.h"
 #include "pqSpectrumSource.h"
@@ -33,11 +34,14 @@
 #include <QComboBox>
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QPixmap>
 #include <QStyle>
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <vector>
 
@@ -75,6 +79,7 @@ pqIsovaluePropertyWidget::pqIsovaluePropertyWidget(
   , Quantities(new QComboBox(this))
   , Live(new QCheckBox(tr("Live"), this))
   , Compute(new QToolButton(this))
+  , Tissues(new QWidget(this))
   , FetchTimer(new pqTimer(this))
   , LiveTimer(new pqTimer(this))
 {
@@ -135,6 +140,8 @@ void pqIsovaluePropertyWidget::LayOut()
     tr("Count the contour spectrum of these samples, which takes a while."));
   this->Compute->hide();
 
+  this->LayOutTissues();
+
   auto* choices = new QHBoxLayout;
   choices->setSpacing(row->spacing());
   choices->addWidget(this->Live);
@@ -145,7 +152,67 @@ void pqIsovaluePropertyWidget::LayOut()
   column->setSpacing(row->spacing());
   column->addWidget(this->Chart);
   column->addLayout(choices);
+  column->addWidget(this->Tissues);
   column->addLayout(row);
+}
+
+//------------------------------------------------------------------------------
+void pqIsovaluePropertyWidget::LayOutTissues()
+{
+  auto* row = new QHBoxLayout(this->Tissues);
+  row->setContentsMargins(0, 0, 0, 0);
+  for (const isosurface::Tissue& tissue : isosurface::Tissues)
+  {
+    auto* button = new QToolButton(this->Tissues);
+    button->setObjectName(tissue.Name);
+    button->setText(tr(tissue.Name));
+    button->setToolTip(
+      tr("The isosurface at %1 HU, or not: usual for this tissue in a CT.").arg(tissue.Isovalue));
+    button->setCheckable(true);
+    button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed); // no wider than the panel
+    QPixmap color(12, 12);
+    color.fill(QColor::fromRgbF(tissue.Color[0], tissue.Color[1], tissue.Color[2]));
+    button->setIcon(color);
+    button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    QObject::connect(button, &QToolButton::clicked, this,
+      [this, isovalue = tissue.Isovalue] { this->ToggleIsovalue(isovalue); });
+    row->addWidget(button);
+  }
+  this->Tissues->setObjectName("Tissues");
+  this->Tissues->hide();
+}
+
+//------------------------------------------------------------------------------
+void pqIsovaluePropertyWidget::ToggleIsovalue(double isovalue)
+{
+  QVariantList isovalues = this->Chart->GetIsovalues();
+  // The isovalue that ParaView proposed is not what somebody wants who asks for a tissue.
+  auto* range = this->property()->FindDomain<vtkSMDoubleRangeDomain>();
+  const bool isProposed = isovalues.size() == 1 && range && range->GetMinimumExists(0) &&
+    range->GetMaximumExists(0) &&
+    isovalues[0].toDouble() == (range->GetMinimum(0) + range->GetMaximum(0)) / 2;
+  if (isProposed)
+  {
+    isovalues.clear();
+  }
+  if (!isovalues.removeOne(isovalue))
+  {
+    isovalues.push_back(isovalue);
+  }
+  this->Chart->ChangeIsovalues(isovalues);
+}
+
+//------------------------------------------------------------------------------
+void pqIsovaluePropertyWidget::UpdateTissues()
+{
+  const std::vector<double> isovalues =
+    vtkSMUncheckedPropertyHelper(this->property()).GetDoubleArray();
+  for (const isosurface::Tissue& tissue : isosurface::Tissues)
+  {
+    const bool isShown =
+      std::find(isovalues.begin(), isovalues.end(), tissue.Isovalue) != isovalues.end();
+    this->Tissues->findChild<QToolButton*>(tissue.Name)->setChecked(isShown);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -180,6 +247,8 @@ void pqIsovaluePropertyWidget::Observe()
       property, vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(ExpectSpectrum()));
     this->Connections->Connect(property, vtkCommand::ModifiedEvent, this, SLOT(ExpectSpectrum()));
   }
+  this->Connections->Connect(
+    this->property(), vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(UpdateTissues()));
   this->Connections->Connect(
     this->proxy(), vtkCommand::UpdateDataEvent, this, SLOT(LearnFromSurface()));
   if (pqServer* server = this->FindServer())
@@ -267,6 +336,10 @@ void pqIsovaluePropertyWidget::FetchSpectrum()
     return;
   }
   this->ObserveInput();
+  this->proxy()->UpdatePropertyInformation(this->proxy()->GetProperty("Unit"));
+  this->Tissues->setVisible(
+    isosurface::AreTissuesIn(vtkSMPropertyHelper(this->proxy(), "Unit").GetAsString()));
+  this->UpdateTissues();
   const bool slow = this->Source->CountSamples() > SamplesCountedUnasked;
   this->Compute->setVisible(slow && !this->Asked);
   this->Stale = false;
@@ -360,12 +433,22 @@ void pqIsovaluePropertyWidget::UpdateColors()
   }
   double color[3];
   vtkSMPropertyHelper(display, "DiffuseColor").Get(color, 3);
+  const std::vector<double> applied =
+    vtkSMPropertyHelper(this->proxy(), "ContourValues").GetDoubleArray();
   QVector<QColor> colors;
   for (const QVariant& isovalue : this->Chart->GetIsovalues())
   {
+    const auto place = static_cast<std::size_t>(colors.size());
+    double value = isovalue.toDouble();
+    // One that is not applied has no category yet. Where it was moved, it will get that of its old value.
+    if (map && map->GetIndexedLookup() && map->GetAnnotatedValueIndex(value) < 0 &&
+      place < applied.size())
+    {
+      value = applied[place];
+    }
     if (map)
     {
-      map->GetColor(isovalue.toDouble(), color);
+      map->GetColor(value, color);
     }
     colors.push_back(QColor::fromRgbF(color[0], color[1], color[2]));
   }

@@ -25,6 +25,7 @@ class pqTimer;
 class QCheckBox;
 class QComboBox;
 class QToolButton;
+class QWidget;
 class vtkEventQtSlotConnect;
 class vtkSMProxy;
 
@@ -56,11 +57,14 @@ private Q_SLOTS:
   void EndDrag();
   void FollowIfLive();
   void ApplyNow();
+  void UpdateTissues();
 
 private:
   Q_DISABLE_COPY(pqIsovaluePropertyWidget)
 
   void LayOut();
+  void LayOutTissues();
+  void ToggleIsovalue(double isovalue);
   void Observe();
   void ObserveInput();
   pqServer* FindServer() const;
@@ -71,6 +75,7 @@ private:
   QComboBox* Quantities;
   QCheckBox* Live;
   QToolButton* Compute; ///< shown where computing the spectrum would take long
+  QWidget* Tissues;     ///< a button for each, shown where values are Hounsfield units
   pqTimer* FetchTimer;
   pqTimer* LiveTimer;
   vtkNew<vtkEventQtSlotConnect> Connections;

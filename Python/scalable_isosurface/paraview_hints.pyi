@@ -7,4 +7,5 @@ from .IsosurfaceRendering import (
 from .IsosurfaceRepresentation import (
     vtkIsosurfaceCompositeRepresentation as vtkIsosurfaceCompositeRepresentation,
     vtkIsosurfaceRepresentation as vtkIsosurfaceRepresentation,
+    vtkSMIsosurfaceRepresentationProxy as vtkSMIsosurfaceRepresentationProxy,
 )

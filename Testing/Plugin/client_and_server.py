@@ -151,6 +151,9 @@ class ClientAndServer(testing.TestCase):
     def test_surfaces_have_the_stock_image(self):
         self.run_client_and_server("surface_representation.py")
 
+    def test_isosurfaces_have_a_color_each(self):
+        self.run_client_and_server("isosurface_colors.py")
+
     def test_wall_shows_the_one_big_image_of_the_stock_view(self):
         import numpy
 

@@ -118,6 +118,8 @@ class SurfaceRepresentation(testing.TestCase):
             simple.Render(view)  # the first one of a session sets the camera
         display = simple.Show(surface or self.surface, view, representation)
         self.assertEqual(display.SMProxy.GetXMLName(), representation)
+        if representation == OURS:
+            display.IsosurfaceColors = 0  # the stock one has none
         view.CameraPosition, view.CameraFocalPoint = (38, 30, 57), (0, 0, 0)
         view.CameraViewUp, view.CameraViewAngle = (0, 1, 0), 30
         return view, display

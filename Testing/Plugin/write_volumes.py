@@ -38,6 +38,10 @@ writer.SetCompression(False)
 writer.Write()
 vectors = simple.Gradient(Input=wave, ScalarArray=["POINTS", "RTData"])
 simple.SaveData(os.path.join(folder, "vectors.vti"), proxy=vectors, DataMode="Binary")
+ct = simple.Calculator(
+    Input=wave, ResultArrayName="HU", Function="(RTData - 150) * 10", ResultArrayType="Float"
+)
+simple.SaveData(os.path.join(folder, "ct.vti"), proxy=ct, DataMode="Binary", PointDataArrays=["HU"])
 simple.SaveData(
     os.path.join(folder, "wave.bvol"), proxy=wave, BlockSize=16, NumberOfStores=4
 )

@@ -5,8 +5,10 @@
 #include "Surface/Drawing/TriangleMeasure.h"
 #include "Surface/Drawing/TriangleSurface.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace isosurface
 {
@@ -46,6 +48,27 @@ struct TextureRange
 template <typename T>
 void FindTextureCoordinates(const T* values, std::size_t count, int components, int component,
   const TextureRange& range, float* coordinates, int threads);
+
+/**
+ * Finds the runs of equal values: for each the place behind its last one. Empty if there are more than
+ * `most`. The points of an isosurface are one run, and have one color.
+ */
+template <typename T>
+std::vector<std::size_t> FindRuns(const T* values, std::size_t count, std::size_t most)
+{
+  std::vector<std::size_t> ends;
+  for (const T* at = values; at != values + count;)
+  {
+    if (ends.size() == most)
+    {
+      return {};
+    }
+    at = std::find_if(
+      at + 1, values + count, [value = *at](const T& other) { return !(other == value); });
+    ends.push_back(static_cast<std::size_t>(at - values));
+  }
+  return ends;
+}
 
 } // namespace isosurface
 

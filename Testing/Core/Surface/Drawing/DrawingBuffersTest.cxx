@@ -145,3 +145,15 @@ TEST(DrawingBuffers, TextureCoordinatesDoNotDependOnThreads)
   EXPECT_EQ(FindCoordinates(sphere.Points, 3, -1, range, 1),
     FindCoordinates(sphere.Points, 3, -1, range, 4));
 }
+
+TEST(DrawingBuffers, RunsEndWhereAnotherValueBegins)
+{
+  const std::vector<float> values = { 3, 3, 3, 1, 3, 3 };
+  using Ends = std::vector<std::size_t>;
+  EXPECT_EQ(FindRuns(values.data(), values.size(), 3), (Ends{ 3, 4, 6 }));
+  EXPECT_EQ(FindRuns(values.data(), values.size(), 2), Ends{});
+  EXPECT_EQ(FindRuns(values.data(), 0, 2), Ends{});
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> unlike = { none, none };
+  EXPECT_EQ(FindRuns(unlike.data(), unlike.size(), 2), (Ends{ 1, 2 }));
+}
