@@ -207,6 +207,25 @@ TEST_F(ImageRefinement, BeginsWithTheSurfaceOfTheSubsampledImage)
   ExpectSurfaceOf(mine, SubsampleImage(this->Image, 2), Isovalue);
 }
 
+// The contoured array is what it was contoured at, up to the rounding of its type.
+TEST_F(ImageRefinement, BeginsWithInterpolatedArrays)
+{
+  const char* name = this->Image->GetPointData()->GetScalars()->GetName();
+  this->Contour->ComputeScalarsOff();
+  this->Contour->AddInterpolatedArray(name);
+  this->Contour->AllowCoarse(1);
+  EXPECT_GT(this->CountTriangles(), 0u);
+  EXPECT_FALSE(this->Contour->GetFinal());
+  vtkPolyData* mine = this->Contour->GetOutput();
+  vtkDataArray* values = mine->GetPointData()->GetArray(name);
+  ASSERT_TRUE(values);
+  ASSERT_EQ(values->GetNumberOfTuples(), mine->GetNumberOfPoints());
+  for (vtkIdType n = 0; n < values->GetNumberOfTuples(); ++n)
+  {
+    EXPECT_NEAR(values->GetComponent(n, 0), Isovalue, 0.5);
+  }
+}
+
 /// A grid of so many samples a side that change from one to the next.
 vtkSmartPointer<vtkImageData> MakeNoise(int side)
 {
