@@ -42,13 +42,11 @@ using isosurface::StatusCode;
 constexpr const char* Automatic = "automatic";
 constexpr std::uint64_t Mebibyte = 1024 * 1024;
 
-enum Stages
-{
-  Nothing,
-  Working,
-  Ready,
-  Failed
-};
+// The stages in Indexing, whose numbers are doubles.
+constexpr double Nothing = 0;
+constexpr double Working = 1;
+constexpr double Ready = 2;
+constexpr double Failed = 3;
 
 std::string ToText(const char* text)
 {
