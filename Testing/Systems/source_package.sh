@@ -54,8 +54,10 @@ inside "$release-build" "set -e
   tail -n 20 "$folder/$release-build.log"
   exit 1
 }
-inside "$release-build" "cd /source && lintian --allow-root --fail-on error,warning *.changes" |
-  tee "$folder/$release-lintian.log"
+failed=0
+inside "$release-build" "cd /source && lintian --allow-root --fail-on error,warning *.changes" \
+  >"$folder/$release-lintian.log" 2>&1 || failed=1
+cat "$folder/$release-lintian.log"
 
 mkdir -p "$folder/$release-packages"
 cp "$source"/*.deb "$source"/*.changes "$source"/*.buildinfo "$source"/*.dsc "$folder/$release-packages"
@@ -67,4 +69,4 @@ inside "$release-test" "apt-get update -q && apt-get install -q -y --no-install-
   cd /source && rm -f *-dbgsym_*.deb && autopkgtest *.deb *.dsc -- null" >"$folder/$release-test.log" 2>&1 ||
   failed=1
 sed -n '/^autopkgtest .*: @@@@* summary/,$p' "$folder/$release-test.log"
-exit ${failed:-0}
+exit $failed
