@@ -10,8 +10,6 @@ import numpy
 from pydicom import dcmread
 from pydicom.data import get_testdata_file
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
-from pydicom.encaps import encapsulate
-from pydicom.pixel_data_handlers.rle_handler import rle_encode_frame
 from pydicom.uid import DeflatedExplicitVRLittleEndian, ExplicitVRBigEndian, \
     ExplicitVRLittleEndian, ImplicitVRLittleEndian, RLELossless
 
@@ -33,9 +31,9 @@ class Files(SourceCase):
             meta.MediaStorageSOPInstanceUID = f"{series}.{number + 1}"
             meta.TransferSyntaxUID = syntax
             name = self.path(f"{folder}/{series}-{(7 * number) % len(samples)}")
-            file = FileDataset(name, Dataset(), file_meta=meta, preamble=b"\0" * 128)
-            file.is_little_endian = syntax != ExplicitVRBigEndian
-            file.is_implicit_VR = syntax == ImplicitVRLittleEndian
+            file = FileDataset(name, Dataset(), file_meta=meta, preamble=b"\0" * 128,
+                               is_little_endian=syntax != ExplicitVRBigEndian,
+                               is_implicit_VR=syntax == ImplicitVRLittleEndian)
             file.SOPClassUID = meta.MediaStorageSOPClassUID
             file.SOPInstanceUID = meta.MediaStorageSOPInstanceUID
             file.SeriesInstanceUID = series
@@ -54,7 +52,7 @@ class Files(SourceCase):
             file.PixelRepresentation = int(samples.dtype.kind == "i")
             file.RescaleSlope, file.RescaleIntercept = slope, intercept
             if syntax == RLELossless:
-                file.PixelData = encapsulate([rle_encode_frame(slice_samples)])
+                file.compress(RLELossless, slice_samples)
             else:
                 order = ">" if syntax == ExplicitVRBigEndian else "<"
                 pixels = slice_samples.astype(slice_samples.dtype.newbyteorder(order))
