@@ -82,7 +82,6 @@ class ClientAndServer(testing.TestCase):
 
     def run_gui(self, script, baseline="StabbingContour.png"):
         """The GUI as client, which plays the script and compares its view with the baseline, if any."""
-        here = os.path.dirname(os.path.abspath(__file__))
         folder = os.path.dirname(testing.arguments.plugin)
         plugin = [f"--plugin-search-paths={folder}", "--plugins=ScalableIsosurface"]
         window_environment = {"PYTHONPATH": testing.arguments.window_python_path}
@@ -101,7 +100,7 @@ class ClientAndServer(testing.TestCase):
                     f"--server-url=cs://localhost:{port}",
                     f"--data-directory={testing.arguments.volumes}",
                     f"--test-directory={testing.output('gui')}",
-                    f"--test-script={os.path.join(here, script)}",
+                    f"--test-script={os.path.join(testing.arguments.played, script)}",
                     *compared,
                     "--exit",
                 ],

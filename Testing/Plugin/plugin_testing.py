@@ -59,6 +59,7 @@ def parse_arguments():
     parser.add_argument("--mpiexec", help="up to the number of ranks")
     for name in ("pvbatch", "pvserver", "pvpython", "paraview"):
         parser.add_argument("--" + name)
+    parser.add_argument("--played", help="the folder of what the GUI plays")
     parser.add_argument("--window-python-path", help="PYTHONPATH of the GUI")
     parser.add_argument("--in-window", action="store_true", help="run the tests of the GUI alone")
     parser.add_argument("--python", help="a Python with h5py")
