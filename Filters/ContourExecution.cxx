@@ -23,6 +23,8 @@
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Base/Stopwatch.h"
 #include "Ground/Volume/BlockSelection.h"
+#include "Ranks/Query/LevelChoice.h"
+#include "Ranks/Query/SurfaceMemory.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -339,6 +341,38 @@ Status ContourExecution::ChooseIslands(Communicator& ranks, const Status& extrac
     this->ChooseThreads(), outcome.Extracted, *outcome.Islands);
 }
 
+/// Says so before the first rank extracts more than it has memory for. In the window, a question
+/// stands in front of such a surface.
+void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
+{
+  constexpr double mebiByte = 1 << 20;
+  const auto free = static_cast<double>(this->FindFreeMemory());
+  if (task.Query.Rank != 0 || this->Contour.GetProgressive() || free <= 0 ||
+    !task.Query.Selection.Region.GetHalfSpaces().empty())
+  {
+    return;
+  }
+  double triangles = 0;
+  const auto estimate = [&]
+  {
+    const auto all = EstimateTriangles(*task.Volume, task.Query, level);
+    triangles = all.IsOk() ? *all : 0;
+    return all.GetStatus();
+  };
+  // What is wrong with the volume is told by all ranks, when they extract the surface.
+  static_cast<void>(Attempt("", estimate));
+  const double bytes = triangles / task.Query.Ranks * EstimateBytesPerTriangle(task.Request);
+  if (bytes > free)
+  {
+    vtkWarningWithObjectMacro(&this->Contour,
+      "The surface has about "
+        << std::llround(triangles / 1e6) << " million triangles, which need "
+        << std::llround(bytes / mebiByte) << " MiB of memory on a rank, and "
+        << std::llround(free / mebiByte)
+        << " MiB are free. MaximumTriangles, Level or UseRegion make it smaller.");
+  }
+}
+
 Status ContourExecution::ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome)
 {
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
@@ -359,6 +393,7 @@ Status ContourExecution::ExtractOnce(const ExtractionTask& task, ContourOutcome&
   }
   LevelChoice choice;
   choice.Level = *finest;
+  this->WarnOfLackOfMemory(task, choice.Level);
   return this->OfVolumes.ExtractAtLevel(task, choice, outcome);
 }
 

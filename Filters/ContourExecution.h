@@ -131,6 +131,9 @@ private:
   Status ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& query,
     vtkInformation* outInfo, ContourOutcome& outcome);
   Status ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome);
+  /// The bytes of memory that this rank can still have; 0 if that is not known.
+  std::uint64_t FindFreeMemory();
+  void WarnOfLackOfMemory(const ExtractionTask& task, int level);
   /// The finest level that this execution may extract. Collective.
   Result<int> ChoosePassLevel(
     const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);

@@ -382,14 +382,20 @@ Status ContourExecution::Prepare(
 }
 
 //------------------------------------------------------------------------------
+std::uint64_t ContourExecution::FindFreeMemory()
+{
+  const double limit = this->Contour.GetRefinementMemory() * MebiByte;
+  return limit > 0
+    ? static_cast<std::uint64_t>(limit)
+    : GetAvailableMemory() / static_cast<std::uint64_t>(std::max(1, this->RanksOnNode));
+}
+
+//------------------------------------------------------------------------------
 Status ContourExecution::FindFittingLevel(
   Communicator& ranks, BlockedVolume& volume, Refinement& refinement)
 {
   const Pass& pass = this->LastPass;
-  const double limit = this->Contour.GetRefinementMemory() * MebiByte;
-  std::vector<std::uint64_t> free = { limit > 0
-      ? static_cast<std::uint64_t>(limit)
-      : GetAvailableMemory() / static_cast<std::uint64_t>(std::max(1, this->RanksOnNode)) };
+  std::vector<std::uint64_t> free = { this->FindFreeMemory() };
   std::vector<std::uint64_t> shown = { pass.Triangles };
   ranks.ReduceMinimum(free);
   ranks.ReduceSum(shown);

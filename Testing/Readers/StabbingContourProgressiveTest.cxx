@@ -365,6 +365,21 @@ TEST_F(StabbingContourProgressive, AsksBeforeASurfaceThatDoesNotFitIntoMemory)
   this->ExpectNoErrors();
 }
 
+TEST_F(StabbingContourProgressive, WarnsInScriptsBeforeASurfaceThatDoesNotFitIntoMemory)
+{
+  const MessageKeeper warnings(this->Contour, vtkCommand::WarningEvent);
+  this->Contour->ProgressiveOff();
+  this->Contour->Update();
+  EXPECT_TRUE(warnings.Messages.empty());
+  this->Contour->SetRefinementMemory(0.01);
+  this->Contour->SetValue(0, 0.3001);
+  this->Contour->Update();
+  ASSERT_EQ(warnings.Messages.size(), 1u);
+  EXPECT_NE(warnings.Messages[0].find(" MiB of memory on a rank"), std::string::npos);
+  EXPECT_GT(this->Contour->GetOutput()->GetNumberOfPolys(), 0) << "it is only a warning";
+  this->ExpectNoErrors();
+}
+
 TEST_F(StabbingContourProgressive, TellsOfErrorsOfWhatWasExtractedBeside)
 {
   this->Contour->Update();
