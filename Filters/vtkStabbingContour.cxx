@@ -16,6 +16,7 @@
 #include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
 #include "vtkDataSet.h"
@@ -300,13 +301,17 @@ void vtkStabbingContour::ReleaseInput(vtkInformation* inInfo)
 //------------------------------------------------------------------------------
 const char* vtkStabbingContour::GetUnit()
 {
-  auto* input = vtkDataSet::SafeDownCast(
-    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr);
-  vtkDataArray* array = input ? this->GetInputArrayToProcess(0, input) : nullptr;
-  this->Unit = array ? isosurface::GetUnitOf(array) : "";
-  if (this->Unit.empty() && array && array->GetName() && std::strcmp(array->GetName(), "HU") == 0)
+  this->Unit.clear();
+  vtkDataObject* input =
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr;
+  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
   {
-    this->Unit = array->GetName();
+    vtkDataArray* array = this->GetInputArrayToProcess(0, data);
+    if (array && this->Unit.empty())
+    {
+      const bool isNamed = array->GetName() && std::strcmp(array->GetName(), "HU") == 0;
+      this->Unit = isNamed ? "HU" : isosurface::GetUnitOf(array);
+    }
   }
   return this->Unit.c_str();
 }

@@ -12,6 +12,7 @@
 #include "vtkInformation.h"
 #include "vtkInformationDoubleVectorKey.h"
 #include "vtkInformationInformationVectorKey.h"
+#include "vtkInformationStringKey.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -83,6 +84,10 @@ vtkSmartPointer<vtkDataArray> MakeArray(vtkImageData* image, const ArrayDescript
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);
   values->SetNumberOfTuples(image->GetNumberOfPoints());
+  if (!description.Unit.empty())
+  {
+    values->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), description.Unit.c_str());
+  }
   return values;
 }
 

@@ -33,7 +33,7 @@ Message Describe(const LocalVolume& local)
   for (const ArrayDescription& array : local.Arrays)
   {
     text += GetValueTypeName(array.Type) + std::string("\n") + std::to_string(array.Components) +
-      "\n" + array.Name + '\0';
+      "\n" + array.Name + '\0' + array.Unit + '\0';
   }
   return Message(text.begin(), text.end());
 }
@@ -71,7 +71,7 @@ Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelect
     ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
     auto samples = MakeImageSamples(this->Grid, image, array);
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->Arrays.push_back({ name, *type, array->GetNumberOfComponents() });
+    this->Arrays.push_back({ name, *type, array->GetNumberOfComponents(), GetUnitOf(array) });
     for (SampleView& view : samples->Components)
     {
       // A writer needs what there is, ghosts included: they are samples like all others.
@@ -171,9 +171,10 @@ Status LocalVolume::Agree(Communicator& ranks)
       const char* line = std::find(from, end, '\n');
       const char* name = std::find(line + 1, end, '\n') + 1;
       const char* stop = std::find(name, end, '\0');
+      const char* unit = stop + 1;
       this->Arrays.push_back({ std::string(name, stop), *FindValueType(std::string(from, line)),
-        std::stoi(std::string(line + 1, name)) });
-      from = stop + 1;
+        std::stoi(std::string(line + 1, name)), unit });
+      from = std::find(unit, end, '\0') + 1;
     }
     this->Piece = {};
     const ArrayVariables variables(this->Arrays);

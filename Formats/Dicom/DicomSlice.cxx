@@ -97,6 +97,9 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
   slice.BitsStored =
     static_cast<int>(std::clamp<double>(tags.GetNumber(0x00280101, bits), 1, bits));
   slice.Scale = { tags.GetNumber(0x00281053, 1), tags.GetNumber(0x00281052, 0) };
+  // The images of CT say which type they have if it is not this one (PS3.3, C.8.2.1).
+  const std::string scaledTo = tags.GetText(0x00281054);
+  slice.IsHounsfield = scaledTo == "HU" || (scaledTo.empty() && tags.GetText(0x00080060) == "CT");
   TakePlace(tags, slice);
   return CheckBits(tags, slice);
 }

@@ -29,11 +29,12 @@ struct DicomSlice
   ValueType Type = ValueType::UInt8; ///< as stored
   int BitsStored = 8;
   SampleScale Scale;
-  bool HasPlace = false;  ///< whether the next three are in the header
-  Vector3 Position{};     ///< of the first pixel, in millimetres: left, back, up
-  Vector3 AlongRow{};     ///< unit vector from column to column
-  Vector3 AlongColumn{};  ///< unit vector from row to row
-  double RowDistance = 1; ///< between rows
+  bool IsHounsfield = false; ///< whether scaled samples are Hounsfield units
+  bool HasPlace = false;     ///< whether the next three are in the header
+  Vector3 Position{};        ///< of the first pixel, in millimetres: left, back, up
+  Vector3 AlongRow{};        ///< unit vector from column to column
+  Vector3 AlongColumn{};     ///< unit vector from row to row
+  double RowDistance = 1;    ///< between rows
   double ColumnDistance = 1;
 
   /// Reads the header. NotFound if the file is no DICOM image; otherwise as the errors of files.

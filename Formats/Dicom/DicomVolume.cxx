@@ -328,7 +328,9 @@ Result<OpenedVolume> OpenDicomVolume(
   OpenedVolume volume;
   ISOSURFACE_RETURN_IF_ERROR(TakeGrid(*slices, volume));
   const ValueType type = FindType(*slices);
-  volume.Arrays = { { "DICOM", type, 1 } };
+  const bool isHounsfield = std::all_of(
+    slices->begin(), slices->end(), [](const DicomSlice& slice) { return slice.IsHounsfield; });
+  volume.Arrays = { { "DICOM", type, 1, isHounsfield ? "HU" : "" } };
   for (const DicomSlice& slice : *slices)
   {
     volume.Files.push_back(slice.Path);

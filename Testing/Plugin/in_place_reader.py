@@ -85,6 +85,7 @@ def write_dicom(folder, samples):
         "    file.SOPClassUID = meta.MediaStorageSOPClassUID\n"
         "    file.SOPInstanceUID = meta.MediaStorageSOPInstanceUID\n"
         "    file.SeriesInstanceUID = '1.2'\n"
+        "    file.Modality = 'CT'\n"
         "    file.ImagePositionPatient = [0, 0, number]\n"
         "    file.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]\n"
         "    file.PixelSpacing = [1, 1]\n"
@@ -234,6 +235,13 @@ class InPlaceReader(testing.TestCase):
             with self.subTest(path=path):
                 self.assertEqual(count_triangles(self.open(path), 150.5), expected)
                 self.assertTrue(os.path.exists(path + ".bvol"))
+                indexed, copied = simple.OpenDataFile(path + ".bvol"), testing.output("copy.bvol")
+                simple.SaveData(copied, proxy=indexed)
+                for volume in (indexed, simple.OpenDataFile(copied)):
+                    contour = simple.StabbingContour(Input=volume)
+                    contour.UpdatePipeline()
+                    contour.UpdatePropertyInformation()
+                    self.assertEqual(contour.Unit, "HU")
 
     def test_raw_samples_are_described_by_the_name_or_the_property(self):
         size = "x".join(map(str, self.samples.shape[::-1]))

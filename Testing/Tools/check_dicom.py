@@ -21,7 +21,7 @@ SHAPE = (9, 37, 70)
 class Files(SourceCase):
     def save(self, folder, samples, series="1.2.3", syntax=ExplicitVRLittleEndian, origin=(0, 0, 0),
              spacing=(1, 1, 1), row=(1, 0, 0), column=(0, 1, 0), step=None, slope=1, intercept=0,
-             bits=None):
+             bits=None, modality="MR", scaled_to=None):
         """A file a slice, with names in an order that is not that of the places."""
         os.makedirs(self.path(folder), exist_ok=True)
         step = numpy.cross(row, column) if step is None else numpy.asarray(step)
@@ -38,7 +38,9 @@ class Files(SourceCase):
             file.SOPInstanceUID = meta.MediaStorageSOPInstanceUID
             file.SeriesInstanceUID = series
             file.SeriesDescription = "head " + series
-            file.Modality = "CT"
+            file.Modality = modality
+            if scaled_to is not None:
+                file.RescaleType = scaled_to
             file.ImagePositionPatient = [float(value) for value in
                                          numpy.array(origin) + number * spacing[2] * step]
             file.ImageOrientationPatient = [*map(float, row), *map(float, column)]
@@ -104,6 +106,16 @@ class Series(Files):
                 values = (samples * float(slope) + intercept).astype(dtype)
                 self.assert_equal_volumes(self.write("r", "o.bvol"),
                                           self.write_raw(values, "DICOM"))
+
+    def test_hounsfield_units_are_told(self):
+        samples = make_samples("int16", SHAPE)
+        for number, (modality, scaled_to, unit) in enumerate(
+                [("CT", None, "HU"), ("CT", "US", None), ("MR", None, None), ("PT", "HU", "HU")]):
+            with self.subTest(modality=modality, scaled_to=scaled_to):
+                self.save(f"u{number}", samples, modality=modality, scaled_to=scaled_to)
+                path = self.write(f"u{number}", f"u{number}.bvol")
+                with open(path, encoding="utf-8") as file:
+                    self.assertEqual(json.load(file)["arrays"][0].get("unit"), unit)
 
     def test_in_place(self):
         samples = make_samples("int16", SHAPE)

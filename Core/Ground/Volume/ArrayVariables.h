@@ -18,6 +18,7 @@ struct ArrayDescription
   std::string Name;
   ValueType Type = ValueType::UInt8;
   int Components = 1;
+  std::string Unit = {}; ///< of the samples, as "HU" (Hounsfield); empty if it is not known
 };
 
 /// A scalar on the vertices of the grid that can be contoured.

@@ -246,6 +246,10 @@ Status BlockedVolumeHeader::ValidateVolume() const
     {
       return MakeVolumeError("the name of array \"" + array.Name + "\" is not UTF-8");
     }
+    if (!IsUtf8(array.Unit))
+    {
+      return MakeVolumeError("the unit of array \"" + array.Name + "\" is not UTF-8");
+    }
   }
   const int maximumLevels = GetMaximumNumberOfLevels(this->BlockSize);
   if (this->NumberOfLevels < 0 || this->NumberOfLevels > maximumLevels)

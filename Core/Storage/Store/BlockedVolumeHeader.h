@@ -65,7 +65,8 @@ struct TimeStepDescription
  *     "overviews": [ { "numberOfLevels": L, "stores": D }, ... ],
  *     "distribution": { "method": string, "seed": integer },
  *     "compression": "none" | "lz4" | "zstd", "compressionLevel": integer, unless "none",
- *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": n }, ... ],
+ *     "arrays": [ { "name": string, "type": "uint8" | ..., "components": n,
+ *                   "unit": string, if it is known }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
  *                      "ranges": [ [minimum, maximum] | null, ... ],            per variable
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ],

@@ -33,6 +33,10 @@ static void to_json(Json& json, const ArrayDescription& array)
 {
   json = { { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
     { "components", array.Components } };
+  if (!array.Unit.empty())
+  {
+    json["unit"] = array.Unit;
+  }
 }
 
 static void to_json(Json& json, const SourceRecord& record)
@@ -219,6 +223,7 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document)
       array.Type = type.value_or(ValueType::UInt8);
       array.Components = static_cast<int>(members.GetInteger("components", 1, left));
       left -= array.Components;
+      array.Unit = members.Has("unit") ? members.GetString("unit") : "";
       arrays.push_back(array);
     });
   return arrays;

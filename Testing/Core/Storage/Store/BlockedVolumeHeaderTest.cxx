@@ -211,13 +211,25 @@ TEST(BlockedVolumeHeader, StatesTheCompression)
   EXPECT_EQ(parsed.Format(), header.Format());
 }
 
+TEST(BlockedVolumeHeader, HasTheUnitOfAnArrayOnlyIfItIsKnown)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  EXPECT_EQ(header.Format().find("\"unit\""), std::string::npos);
+  header.Arrays[0].Unit = "HU";
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.Arrays[0].Unit, "HU");
+  EXPECT_EQ(parsed.Arrays[1].Unit, "");
+  header.Arrays[0].Unit = "\xFF";
+  EXPECT_EQ(header.ValidateVolume().GetCode(), StatusCode::InvalidArgument);
+}
+
 TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
 {
   const auto header = BlockedVolumeHeader::Parse(Change(
                                                    [](Json& document)
                                                    {
                                                      document["comment"] = { 1, 2, 3 };
-                                                     document["arrays"][0]["unit"] = "HU";
+                                                     document["arrays"][0]["history"] = "none";
                                                      document["timeSteps"][0]["stores"][0]["host"] =
                                                        nullptr;
                                                    }),
