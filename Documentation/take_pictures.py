@@ -128,6 +128,7 @@ def make_pictures(volume, ct, folder):
     write_zarr(zarr)
     image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
     tissues = [(f"{PROPERTIES}/ContourValues/Tissues/{name}", "activate", "") for name in ("Skin", "Bone")]
+    chosen = [*open_file(ct), APPLY, choose_filter("StabbingContour"), REST, *tissues]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],
         "panels/in-place": [*open_file(zarr), APPLY, ALL_PROPERTIES, REST],
@@ -149,7 +150,8 @@ def make_pictures(volume, ct, folder):
         "tour/7": [*added, live, *drag(120, 170, 60), REST],
         "tour/8": picked,
         "tour/10": reopened,
-        "tour/11": [*open_file(ct), APPLY, choose_filter("StabbingContour"), REST, *tissues, APPLY, REST],
+        "panels/tissues": [*chosen, ALL_PROPERTIES],
+        "tour/11": [*chosen, APPLY, REST],
     }
 
 
