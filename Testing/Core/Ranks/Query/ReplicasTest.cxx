@@ -394,6 +394,6 @@ TEST(Replicas, MoreReplicasThanStoresAreRefused)
 {
   MemoryDisk disk;
   const auto refused = WriteVolume(disk, GetSamples(), MakeReplicated(3, 2));
-  ExpectMessage(refused[0].GetStatus(), "takes as many stores; there are 2");
+  ExpectMessage(refused[0].GetStatus(), "3 replicas take as many stores; there are 2");
   EXPECT_TRUE(disk.GetFiles().empty());
 }
