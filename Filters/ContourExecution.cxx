@@ -362,13 +362,12 @@ void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
   // What is wrong with the volume is told by all ranks, when they extract the surface.
   static_cast<void>(Attempt("", estimate));
   const double bytes = triangles / task.Query.Ranks * EstimateBytesPerTriangle(task.Request);
-  if (bytes > free)
+  if (bytes > UsableMemoryShare * free)
   {
     vtkWarningWithObjectMacro(&this->Contour,
       "The surface has about "
-        << std::llround(triangles / 1e6) << " million triangles, which need "
-        << std::llround(bytes / mebiByte) << " MiB of memory on a rank, and "
-        << std::llround(free / mebiByte)
+        << std::llround(triangles) << " triangles, which need " << std::llround(bytes / mebiByte)
+        << " MiB of memory on a rank, and " << std::llround(free / mebiByte)
         << " MiB are free. MaximumTriangles, Level or UseRegion make it smaller.");
   }
 }

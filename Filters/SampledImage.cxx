@@ -126,6 +126,7 @@ struct SampledImage::Part
 
 void SampledImage::Part::Allocate()
 {
+  this->Values.clear(); // of a beginning that failed on another rank
   if (this->Box.IsEmpty())
   {
     return;

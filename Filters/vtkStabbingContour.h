@@ -205,7 +205,8 @@ public:
    * and the free ones (0: unknown).
    *
    * AcceptSize allows surfaces that do not fit, until the next change. RefinementMemory: MiB that a
-   * rank has; 0, the default: what is free.
+   * rank has; 0, the default: what is free. Without Progressive, budget and region, the surface of a
+   * blocked volume that needs more is made after a warning.
    */
   void PrepareRefinement(int milliseconds);
   void DropRefinement();

@@ -46,19 +46,19 @@ Status MeshFile::CheckLimits(const Settings& settings)
   {
     return Status(StatusCode::Unsupported,
       settings.Path + ": would have about " + std::to_string(estimate) + " " + most +
-        ": take another format, or fewer triangles (--triangles)");
+        ". Take another format, or fewer triangles (--triangles)");
   };
   if (EndsIn(settings.Path, ".stl") && isBeyond(settings.Triangles))
   {
-    return refuse(settings.Triangles, "triangles, and an .stl file at most 4,294,967,295");
+    return refuse(settings.Triangles, "triangles; an .stl file has at most 4,294,967,295");
   }
   if (EndsIn(settings.Path, ".ply") && isBeyond(settings.Points))
   {
-    return refuse(settings.Points, "points, and a .ply file at most 4,294,967,295");
+    return refuse(settings.Points, "points; a .ply file has at most 4,294,967,295");
   }
   const std::uint64_t bytes = EstimateBytes(settings);
   return EndsIn(settings.Path, ".glb") && !settings.IsCompressed && isBeyond(bytes)
-    ? refuse(bytes >> 20, "MiB, and a .glb file at most 4096 MiB; --compress makes it smaller")
+    ? refuse(bytes >> 20, "MiB; a .glb file has at most 4096 MiB, and --compress makes it smaller")
     : Status::Ok();
 }
 

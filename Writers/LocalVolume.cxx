@@ -10,6 +10,7 @@
 #include "CellArrays.h"
 #include "Ground/Base/ParallelFor.h"
 #include "ImageSamples.h"
+#include "Storage/Store/JsonDocument.h"
 
 #include <algorithm>
 #include <string>
@@ -71,7 +72,10 @@ Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelect
     ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
     auto samples = MakeImageSamples(this->Grid, image, array);
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->Arrays.push_back({ name, *type, array->GetNumberOfComponents(), GetUnitOf(array) });
+    // A label is only for people to read: one that no header can have is left out.
+    const std::string unit = GetUnitOf(array);
+    this->Arrays.push_back(
+      { name, *type, array->GetNumberOfComponents(), IsUtf8(unit) ? unit : std::string() });
     for (SampleView& view : samples->Components)
     {
       // A writer needs what there is, ghosts included: they are samples like all others.

@@ -189,7 +189,7 @@ void pqIsovaluePropertyWidget::ToggleIsovalue(double isovalue)
   // The isovalue that ParaView proposed is not what somebody wants who asks for a tissue.
   auto* range = this->property()->FindDomain<vtkSMDoubleRangeDomain>();
   const bool isProposed = isovalues.size() == 1 && range && range->GetMinimumExists(0) &&
-    range->GetMaximumExists(0) &&
+    range->GetMaximumExists(0) && isovalues[0].toDouble() != isovalue &&
     isovalues[0].toDouble() == (range->GetMinimum(0) + range->GetMaximum(0)) / 2;
   if (isProposed)
   {

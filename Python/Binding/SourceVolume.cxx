@@ -144,6 +144,7 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep)
       const auto state = FindStateOfAll(GetLocalFileSystem(), opened->Files);
       ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
       known.first->second = { opened->Files, *state };
+      return opened;
     }
   }
   ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));

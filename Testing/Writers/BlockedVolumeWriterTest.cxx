@@ -11,13 +11,19 @@
 #include "vtkErrorCode.h"
 #include "vtkExecutive.h"
 #include "vtkFloatArray.h"
+#include "vtkInformation.h"
+#include "vtkInformationStringKey.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStringArray.h"
 #include "vtkUniformGrid.h"
 
+#include "Ground/Base/FileSystem.h"
+#include "Storage/Store/BlockedVolumeHeader.h"
+
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 using namespace isosurface;
 
@@ -65,6 +71,20 @@ TEST_F(BlockedVolumeWriter, KeepsInfinities)
   samples->SetComponent(78, 0, -std::numeric_limits<double>::infinity());
   WriteVolume(image, this->GetPath());
   this->ExpectRead(image, "density");
+}
+
+TEST_F(BlockedVolumeWriter, KeepsUnitsAndLeavesOutThoseThatAreNoText)
+{
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
+  vtkDataArray* samples = image->GetPointData()->GetScalars();
+  for (const auto& [label, unit] : { std::pair("HU", "HU"), std::pair("\xb5m", "") })
+  {
+    samples->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), label);
+    WriteVolume(image, this->GetPath());
+    const auto header = BlockedVolumeHeader::Read(GetLocalFileSystem(), this->GetPath());
+    ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
+    EXPECT_EQ(header->Arrays[0].Unit, unit);
+  }
 }
 
 TEST_F(BlockedVolumeWriter, RefusesWhatIsHidden)

@@ -77,15 +77,22 @@ Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
 
 void BlockedVolumeWriteJob::WarnOfLackOfRoom() const
 {
-  if (this->Context.Rank == 0 && this->Context.Settings.Warn)
+  if (this->Context.Rank != 0 || !this->Context.Settings.Warn)
   {
-    const std::string warning = DescribeLackOfRoom(
-      this->Context.Files, this->Context.Path, CountRecordBytes(this->Volume->GetHeader()));
-    if (!warning.empty())
-    {
-      this->Context.Settings.Warn(warning);
-    }
+    return;
   }
+  // The other ranks go on to a collective: if a warning cannot be made, there is none.
+  static_cast<void>(this->Context.Attempt(
+    [&]
+    {
+      const std::string warning = DescribeLackOfRoom(
+        this->Context.Files, this->Context.Path, CountRecordBytes(this->Volume->GetHeader()));
+      if (!warning.empty())
+      {
+        this->Context.Settings.Warn(warning);
+      }
+      return Status::Ok();
+    }));
 }
 
 /// Finds what an earlier write has left, for all ranks. What cannot be read is nothing.
