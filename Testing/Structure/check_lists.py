@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What one list has is in the other places that list it, which no compiler compares: names of types, codecs,
-distributions and formats, properties of the contour filter, files of tests. check_lists.py FOLDER"""
+distributions, formats and quantities, properties of the contour filter, files of tests. check_lists.py FOLDER"""
 import pathlib
 import re
 import sys
@@ -9,25 +9,38 @@ import sys
 # Where the names are, how they are found there, and which other files have each of them as a word.
 NAMES = (
     ("Core/Ground/Volume/ValueType.cxx", r'return "(\w+)"', (
-        "Documentation/formats/blocked-volume.md", "Packaging/completion.bash",
-        "Testing/Readers/read_blocked_volume.py", "Tools/BlockVolumeOptions.cxx")),
+        "Documentation/formats/blocked-volume.md", "Documentation/formats/edge-index.md",
+        "Packaging/completion.bash", "Testing/Readers/read_blocked_volume.py",
+        "Testing/Readers/read_edge_index.py", "Tools/BlockVolumeOptions.cxx")),
     ("Core/Storage/Record/BlockCompression.cxx", r'return \{ "(\w+)"', (
         "Documentation/formats/block-compression.md", "Documentation/formats/blocked-volume.md",
         "Documentation/reference/writing.md", "Packaging/completion.bash", "Plugin/XML/BlockedVolumeWriter.xml",
+        "Python/Binding/BindingModule.cxx", "Python/scalable_isosurface/_writing.py",
         "Testing/Readers/read_blocked_volume.py", "Tools/BlockVolumeOptions.cxx",
         "Writers/vtkBlockedVolumeWriter.h")),
     ("Core/Storage/Record/BlockCompression.cxx", r'return \{ "(?!none)(\w+)"', (
         "Testing/Fuzz/WriteFuzzCorpus.cxx", "Testing/Readers/WriteSampleVolumes.cxx")),
     ("Core/Storage/Distribution/BlockDistribution.cxx", r'return "(\w+)"', (
         "Documentation/formats/blocked-volume.md", "Documentation/reference/writing.md", "Packaging/completion.bash",
-        "Plugin/XML/BlockedVolumeWriter.xml", "Tools/BlockVolumeOptions.cxx", "Writers/vtkBlockedVolumeWriter.h")),
+        "Plugin/XML/BlockedVolumeWriter.xml", "Testing/Core/Storage/Writing/BlockedVolumeWriterTest.cxx",
+        "Tools/BlockVolumeOptions.cxx", "Writers/vtkBlockedVolumeWriter.h")),
     ("Formats/Opener/VolumeFormat.cxx", r'^    \{ "(\w+)"', (
-        "Documentation/dev/sources.md", "Documentation/reference/command-line.md", "Tools/BlockVolumeOptions.cxx")),
+        "Documentation/architecture/formats.md", "Documentation/dev/sources.md",
+        "Documentation/reference/command-line.md", "Documentation/reference/in-place.md",
+        "Documentation/user-guide.md", "Plugin/XML/InPlaceVolumeReader.xml",
+        "Python/scalable_isosurface/_opening.py", "Tools/BlockVolumeOptions.cxx",
+        "Writers/vtkInPlaceVolumeReader.h")),
+    ("Formats/Opener/VolumeFormat.cxx", r'"\.([\w.]+)"', ("Plugin/XML/InPlaceVolumeReader.xml",)),
+    ("Core/Surface/Spectrum/WorkloadSpectrum.h", r"^  Counts (\w+);", (
+        "Filters/SpectrumTable.cxx", "Filters/vtkContourSpectrum.h", "Plugin/Gui/SpectrumCurve.h",
+        "Python/Binding/BindingModule.cxx", "Testing/Readers/read_blocked_volume.py",
+        "Tools/PrintedSpectrum.cxx")),
 )
 CONTOUR = "Filters/vtkStabbingContour.h"
 # What each property of the filter has in other files.
 PROPERTY = (
     ("Filters/vtkStabbingContour.cxx", r'"{}: '),
+    ("Filters/vtkStabbingContour.cxx", r"  [:,] {}[({{]"),
     ("Filters/ContourExecution.cxx", r"Get{}\(\)"),
     ("Plugin/XML/StabbingContour.xml", r'"Set{}"'),
     ("Documentation/reference/isosurfaces.md Documentation/reference/many-ranks.md", r"\b{}\b"),
@@ -59,10 +72,12 @@ def main():
             for place in places:
                 expect(rf"\b{name}\b", place, f"{name} of {path}")
     # A clamp turns what is beyond its last number into that one.
-    for member, (path, pattern, _) in (("Compression", NAMES[1]), ("Distribution", NAMES[3])):
+    for member, (path, pattern, _), place in (
+            ("Compression", NAMES[1], "Writers/vtkBlockedVolumeWriter.h"),
+            ("Distribution", NAMES[3], "Writers/vtkBlockedVolumeWriter.h"),
+            ("StoreQuantity", NAMES[6], "Filters/vtkContourSpectrum.h")):
         last = find_all(pattern, path)[-1]
-        expect(rf"vtkSetClampMacro\({member}, int, \w+, {last}\)", "Writers/vtkBlockedVolumeWriter.h",
-               f"{last} as the last {member}")
+        expect(rf"vtkSetClampMacro\({member}, int, -?\w+, {last}\)", place, f"{last} as the last {member}")
     fingerprint = find_all(r"(?s)::ComputeFingerprint\(.*?^}", "Filters/ContourExecution.cxx")[0]
     for name in find_all(r"vtkSet(?:Clamp|Vector3)?Macro\((\w+)", CONTOUR):
         for place, pattern in PROPERTY:
