@@ -85,8 +85,8 @@ public:
 
   /**
    * The surface of this rank's pieces. The ids of several grids follow each other. Normals where
-   * pieces of a grid meet are those of the whole grid. Pieces that shall be joined, but have gaps or
-   * differ in type, are not. Collective. It touches arrays alone, so another thread may call it than
+   * pieces of a grid meet are those of the whole grid. Pieces with gaps between them, or of
+   * different types, are contoured one by one in any case. Collective. It touches arrays alone, so another thread may call it than
    * the one that runs the pipeline.
    *
    * Errors: those of BlockRanges::Compute; Aborted when `progress` says so.
@@ -122,7 +122,7 @@ private:
   /// See Extract. Both are collective.
   Status ExtractPieces(
     Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome);
-  /// Errors: those of PieceBlockSource::Make.
+  /// Errors: those of PieceBlockSource::Make and ExtractSurface.
   static Status ExtractJoined(
     Communicator& ranks, const Query& query, const Progress& progress, ContourOutcome& outcome);
 

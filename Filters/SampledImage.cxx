@@ -95,6 +95,16 @@ void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
   }
 }
 
+void TellGrid(const GridGeometry& grid, vtkInformation* outInfo)
+{
+  int extent[6];
+  std::copy(grid.Extent.begin(), grid.Extent.end(), extent);
+  outInfo->Set(Pipeline::WHOLE_EXTENT(), extent, 6);
+  outInfo->Set(vtkDataObject::ORIGIN(), grid.Origin.data(), 3);
+  outInfo->Set(vtkDataObject::SPACING(), grid.Spacing.data(), 3);
+  outInfo->Set(vtkDataObject::DIRECTION(), grid.Direction.data(), 9);
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -241,8 +251,8 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
       controller ? controller->GetNumberOfProcesses() : 1, 0);
   }
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  int extent[6] = { 0, -1, 0, -1, 0, -1 };
   ImagePlan image;
+  image.Grid.Extent = { 0, -1, 0, -1, 0, -1 };
   this->Text.clear();
   if (input && input.GetVolume())
   {
@@ -253,13 +263,9 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
     {
       image = *planned;
       this->Text = Describe(image, input);
-      std::copy(image.Grid.Extent.begin(), image.Grid.Extent.end(), extent);
     }
   }
-  outInfo->Set(Pipeline::WHOLE_EXTENT(), extent, 6);
-  outInfo->Set(vtkDataObject::ORIGIN(), image.Grid.Origin.data(), 3);
-  outInfo->Set(vtkDataObject::SPACING(), image.Grid.Spacing.data(), 3);
-  outInfo->Set(vtkDataObject::DIRECTION(), image.Grid.Direction.data(), 9);
+  TellGrid(image.Grid, outInfo);
   // What kind of grid it is, is known no earlier.
   vtkDataObject* made = vtkDataObject::GetData(outInfo);
   if (image.Lines && !vtkRectilinearGrid::SafeDownCast(made))
@@ -298,17 +304,19 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
       const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
       const auto planned = plan(volume, arrays, this->IsCoarse);
       ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
+      // Coarse images may have been allowed, or not any longer, since the pipeline was told.
+      TellGrid(planned->Grid, outInfo);
       this->Text = Describe(*planned, input);
       this->ShownLevel = planned->Level;
       ISOSURFACE_RETURN_IF_ERROR(
-        this->MakePart(input, FindPart(*planned, request, output), outInfo, threads, *planned));
+        this->FillOutput(input, FindPart(*planned, request, output), outInfo, threads, *planned));
       if (!this->IsCoarse)
       {
         return Status::Ok();
       }
       const auto exact = plan(volume, arrays, false);
       ISOSURFACE_RETURN_IF_ERROR(exact.GetStatus());
-      auto next = this->BeginPart(input, FindPart(*exact, request, output), threads, *exact);
+      auto next = this->DescribePart(input, FindPart(*exact, request, output), threads, *exact);
       if (!IsSame(*exact, *planned) && !(this->Next && this->Next->IsOf(*next)))
       {
         this->Next = std::move(next);
@@ -342,7 +350,7 @@ std::uint64_t SampledImage::SumSource(const VolumeInput& input, std::uint64_t pr
   return source.Get();
 }
 
-std::unique_ptr<SampledImage::Part> SampledImage::BeginPart(
+std::unique_ptr<SampledImage::Part> SampledImage::DescribePart(
   const VolumeInput& input, const VertexBox& box, int threads, const ImagePlan& plan) const
 {
   auto part = std::make_unique<Part>();
@@ -375,10 +383,10 @@ void SampledImage::KeepSamples(const std::shared_ptr<const LevelSamples>& sample
   this->Samples[samples->GetLevel()] = samples;
 }
 
-Status SampledImage::MakePart(const VolumeInput& input, const VertexBox& box,
+Status SampledImage::FillOutput(const VolumeInput& input, const VertexBox& box,
   vtkInformation* outInfo, int threads, const ImagePlan& plan)
 {
-  std::unique_ptr<Part> part = this->BeginPart(input, box, threads, plan);
+  std::unique_ptr<Part> part = this->DescribePart(input, box, threads, plan);
   if (!this->IsCoarse && this->Next && this->Next->Work && this->Next->IsOf(*part))
   {
     part = std::move(this->Next);

@@ -99,10 +99,10 @@ private:
 
   /// What an image is made of; the filter's properties aside, the same on all ranks.
   static std::uint64_t SumSource(const VolumeInput& input, std::uint64_t properties);
-  Status MakePart(const VolumeInput& input, const VertexBox& box, vtkInformation* outInfo,
+  Status FillOutput(const VolumeInput& input, const VertexBox& box, vtkInformation* outInfo,
     int threads, const ImagePlan& plan);
   /// A part to fill, with the samples of its level, if they are known.
-  std::unique_ptr<Part> BeginPart(
+  std::unique_ptr<Part> DescribePart(
     const VolumeInput& input, const VertexBox& box, int threads, const ImagePlan& plan) const;
   /// Keeps the samples of a level for the next time.
   void KeepSamples(const std::shared_ptr<const LevelSamples>& samples);

@@ -309,8 +309,11 @@ const char* vtkStabbingContour::GetUnit()
     vtkDataArray* array = this->GetInputArrayToProcess(0, data);
     if (array && this->Unit.empty())
     {
-      const bool isNamed = array->GetName() && std::strcmp(array->GetName(), "HU") == 0;
-      this->Unit = isNamed ? "HU" : isosurface::GetUnitOf(array);
+      this->Unit = isosurface::GetUnitOf(array);
+      if (this->Unit.empty() && array->GetName() && std::strcmp(array->GetName(), "HU") == 0)
+      {
+        this->Unit = "HU";
+      }
     }
   }
   return this->Unit.c_str();

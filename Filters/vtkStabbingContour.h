@@ -102,9 +102,9 @@ public:
   ///@}
 
   /**
-   * The unit of the isovalues: what the input says of the contoured array (vtkDataArray::UNITS_LABEL), or
-   * "HU" (Hounsfield) if that is the array's name; empty if it is not known. The input
-   * must be up to date.
+   * The unit of the isovalues: what the input says of the contoured array (vtkDataArray::UNITS_LABEL),
+   * else "HU" (Hounsfield) if that is the array's name; empty if it is not known. The input must be up
+   * to date.
    */
   const char* GetUnit();
 

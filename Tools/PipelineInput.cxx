@@ -213,17 +213,17 @@ public:
 
   Result<BoxSamples> Read(const VertexBox& box) override
   {
-    Result<BoxSamples> slab = BoxSamples();
+    Result<BoxSamples> samples = BoxSamples();
     ISOSURFACE_RETURN_IF_ERROR(
-      RunReader(this->Path, this->Reader, [&] { slab = PipelineSource::Read(box); }));
+      RunReader(this->Path, this->Reader, [&] { samples = PipelineSource::Read(box); }));
     const std::string error = GetErrorKeeper()->TakeError();
-    if (!error.empty() || !slab.IsOk())
+    if (!error.empty() || !samples.IsOk())
     {
       return Status(StatusCode::Corrupt,
         this->Path +
-          ": cannot be read: " + (error.empty() ? slab.GetStatus().GetMessage() : error));
+          ": cannot be read: " + (error.empty() ? samples.GetStatus().GetMessage() : error));
     }
-    return slab;
+    return samples;
   }
 
 private:

@@ -103,7 +103,7 @@ vtkDataObject* PipelineSource::Update(
 }
 
 bool PipelineSource::TakeArrays(
-  const LocalVolume& local, const VertexBox& box, BoxSamples& slab) const
+  const LocalVolume& local, const VertexBox& box, BoxSamples& samples) const
 {
   for (const ArrayDescription& wanted : this->Arrays)
   {
@@ -127,7 +127,7 @@ bool PipelineSource::TakeArrays(
         return false;
       }
       view.Box = box;
-      slab.Arrays.push_back(view);
+      samples.Arrays.push_back(view);
     }
   }
   return true;
@@ -150,16 +150,16 @@ Result<BoxSamples> PipelineSource::Read(const VertexBox& box)
       return std::any_of(this->Arrays.begin(), this->Arrays.end(),
         [&name](const ArrayDescription& array) { return array.Name == name; });
     }));
-  BoxSamples slab;
-  if (!this->TakeArrays(*local, box, slab))
+  BoxSamples samples;
+  if (!this->TakeArrays(*local, box, samples))
   {
     return Status(StatusCode::Unsupported,
       std::string("the input (") + this->Input->GetProducer()->GetClassName() +
         ") does not deliver the part of its extent that it is asked for, with the same arrays; "
         "without a memory limit it is asked for its piece at once");
   }
-  slab.Owner = std::move(local);
-  return slab;
+  samples.Owner = std::move(local);
+  return samples;
 }
 
 } // namespace isosurface

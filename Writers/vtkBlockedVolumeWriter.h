@@ -7,7 +7,7 @@
  * The grid may be distributed over the ranks of the controller in any pieces, overlapping
  * ones included; every rank calls Write(). All numeric point arrays are written, with any number of
  * components, or only the chosen ones. Cell arrays give a warning; an input with only cell arrays
- * is an error.
+ * is an error. A disk without room for the samples uncompressed gives a warning before anything is written.
  *
  * Behind a blocked volume whose samples arrive unchanged, the whole volume is written, at full
  * resolution, whatever level the reader gives: of each store all blocks are read, in slabs. So a

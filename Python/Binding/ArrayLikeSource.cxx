@@ -104,14 +104,14 @@ Result<BoxSamples> ArrayLikeSource::Read(const VertexBox& box)
         const pybind11::gil_scoped_acquire heldToFree;
         delete owned;
       });
-    BoxSamples slab;
+    BoxSamples samples;
     for (const ArrayLike& array : this->Arrays)
     {
       slices->push_back(TakeSlice(array, box));
-      AddViews(slices->back(), array, box, slab.Arrays);
+      AddViews(slices->back(), array, box, samples.Arrays);
     }
-    slab.Owner = slices;
-    return slab;
+    samples.Owner = slices;
+    return samples;
   }
   catch (pybind11::error_already_set& error)
   {

@@ -311,6 +311,31 @@ TEST(SlicesOnRanks, AWindowGetsALargeSliceCoarseFirstAndScriptsGetTheExactOne)
   expect(4, exact);
 }
 
+TEST(SlicesOnRanks, AreWhatThePipelineIsToldAlsoIfCoarseOnesAreAllowedAfterIt)
+{
+  const auto image = MakeImage({ 0, 599, 0, 599, 0, 5 }, VTK_SHORT, MakeWaves(100));
+  const SharedVolume volume("ToldSlice", image, { 16, 3 });
+  const auto slice = MakeSlice(OpenOnRanks(volume.Path), image, { 0, 0, 1 });
+  for (const bool isCoarse : { true, false })
+  {
+    slice->AllowCoarse(isCoarse ? 0 : 1);
+    slice->SetOrigin(0, 0, isCoarse ? 3 : 4);
+    slice->UpdateInformation();
+    slice->AllowCoarse(isCoarse ? 1 : 0);
+    UpdatePart(slice.Get());
+    EXPECT_EQ(slice->GetFinal(), isCoarse ? 0 : 1);
+    vtkInformation* told = slice->GetOutputInformation(0);
+    const int* whole = told->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+    EXPECT_EQ(whole[1], isCoarse ? 149 : 599);
+    vtkImageData* made = slice->GetOutput();
+    if (made->GetNumberOfPoints() > 0)
+    {
+      EXPECT_EQ(made->GetSpacing()[0], told->Get(vtkDataObject::SPACING())[0]);
+      EXPECT_LE(made->GetExtent()[1], whole[1]);
+    }
+  }
+}
+
 TEST(SlicesOnRanks, AnExactSliceThatCannotBeMadeIsAnErrorAfterRefine)
 {
   const auto image = MakeImage({ 0, 599, 0, 599, 0, 5 }, VTK_SHORT, MakeWaves(100));

@@ -203,6 +203,20 @@ TEST(UnfinishedIndex, IsThatOfAWriteAtOnceAfterTheDiskFailedAtAnyOperation)
   }
 }
 
+TEST(UnfinishedIndex, IsNotKeptWhereFoldersCannotBeLocked)
+{
+  for (const bool canLock : { true, false })
+  {
+    LockingDisk locking;
+    MemoryDisk plain;
+    MemoryDisk& disk = canLock ? locking : plain;
+    SetSources(disk, 1);
+    const std::size_t sources = disk.GetFiles().size();
+    EXPECT_EQ(WriteByRanks(disk, "/data", 1, 1, StopAtCall(6)).GetCode(), StatusCode::Aborted);
+    EXPECT_EQ(disk.GetFiles().size() > sources, canLock);
+  }
+}
+
 TEST(UnfinishedIndex, ReadsTimeStepsThatAreFinishedNoMore)
 {
   LockingDisk disk;

@@ -39,9 +39,9 @@ TEST(StoredBoxSource, BoxesHaveTheSamplesThatWereWritten)
     for (int repeat = 0; repeat < 20; ++repeat)
     {
       const VertexBox box = repeat == 0 ? source->GetBox() : MakeRandomBox(size, random);
-      const auto slab = Require(source->Read(box));
-      ASSERT_TRUE(slab.Fits({ ValueType::Int16 }, box));
-      ExpectSamples(slab.Arrays[0], slab.Arrays[0].Box, written);
+      const auto samples = Require(source->Read(box));
+      ASSERT_TRUE(samples.Fits({ ValueType::Int16 }, box));
+      ExpectSamples(samples.Arrays[0], samples.Arrays[0].Box, written);
     }
   }
 }
@@ -67,15 +67,15 @@ TEST(StoredBoxSource, ArraysOfUnlikeTypesBeginWhereTheirValuesMay)
   const VertexBox odd{ { 1, 2, 3 }, { 4, 7, 18 } };
   for (const VertexBox& box : { source->GetBox(), odd })
   {
-    const auto slab = Require(source->Read(box));
-    ASSERT_TRUE(slab.Fits({ ValueType::Int16, ValueType::UInt8, ValueType::Float64 }, box));
-    for (const SampleView& view : slab.Arrays)
+    const auto samples = Require(source->Read(box));
+    ASSERT_TRUE(samples.Fits({ ValueType::Int16, ValueType::UInt8, ValueType::Float64 }, box));
+    for (const SampleView& view : samples.Arrays)
     {
       EXPECT_EQ(reinterpret_cast<std::uintptr_t>(view.First) % GetValueSize(view.Type), 0u);
     }
-    ExpectSamples(slab.Arrays[0], slab.Arrays[0].Box, shorts);
-    ExpectSamples(slab.Arrays[1], slab.Arrays[1].Box, bytes);
-    ExpectSamples(slab.Arrays[2], slab.Arrays[2].Box, doubles);
+    ExpectSamples(samples.Arrays[0], samples.Arrays[0].Box, shorts);
+    ExpectSamples(samples.Arrays[1], samples.Arrays[1].Box, bytes);
+    ExpectSamples(samples.Arrays[2], samples.Arrays[2].Box, doubles);
   }
 }
 
@@ -110,6 +110,6 @@ TEST(StoredBoxSource, TellsOfADamagedBlock)
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
   disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
   const auto source = Require(StoredBoxSource::Make(OpenVolume(disk), 0, { 0 }, 2));
-  const auto slab = source->Read(source->GetBox());
-  ExpectError(slab.GetStatus(), StatusCode::Corrupt, "blocks");
+  const auto samples = source->Read(source->GetBox());
+  ExpectError(samples.GetStatus(), StatusCode::Corrupt, "blocks");
 }
