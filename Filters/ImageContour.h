@@ -86,8 +86,8 @@ public:
   /**
    * The surface of this rank's pieces. The ids of several grids follow each other. Normals where
    * pieces of a grid meet are those of the whole grid. Pieces with gaps between them, or of
-   * different types, are contoured one by one in any case. Collective. It touches arrays alone, so another thread may call it than
-   * the one that runs the pipeline.
+   * different types, are contoured one by one in any case. Collective. It touches arrays alone, so
+   * another thread may call it than the one that runs the pipeline.
    *
    * Errors: those of BlockRanges::Compute; Aborted when `progress` says so.
    */

@@ -151,7 +151,7 @@ Status LocalVolume::Agree(Communicator& ranks)
     if (!text.empty() && text != *first)
     {
       return Status(StatusCode::InvalidArgument,
-        "the ranks' pieces differ in whole extent, origin, spacing, direction, time or arrays");
+        "the ranks' pieces differ in whole extent, origin, spacing, direction, time, arrays or units");
     }
   }
   if (!hasPart)
