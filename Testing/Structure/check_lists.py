@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What one list has is in the other places that list it, which no compiler compares: names of types, codecs,
-distributions, formats and quantities, properties of the contour filter, files of tests. check_lists.py FOLDER"""
+distributions, formats, quantities and options of commands, properties of the contour filter, files of tests.
+check_lists.py FOLDER"""
 import pathlib
 import re
 import sys
@@ -35,6 +36,10 @@ NAMES = (
         "Filters/SpectrumTable.cxx", "Filters/vtkContourSpectrum.h", "Plugin/Gui/SpectrumCurve.h",
         "Python/Binding/BindingModule.cxx", "Testing/Readers/read_blocked_volume.py",
         "Tools/PrintedSpectrum.cxx")),
+    ("Tools/BlockVolumeOptions.cxx", r'add_(?:option|flag)\(\s*"(--[\w-]+)"', (
+        "Documentation/reference/command-line.md",)),
+    ("Tools/EdgeIndexOptions.cxx", r'add_(?:option|flag)\(\s*"(--[\w-]+)"', (
+        "Documentation/reference/command-line.md",)),
 )
 CONTOUR = "Filters/vtkStabbingContour.h"
 # What each property of the filter has in other files.
@@ -70,7 +75,7 @@ def main():
     for path, pattern, places in NAMES:
         for name in find_all(pattern, path):
             for place in places:
-                expect(rf"\b{name}\b", place, f"{name} of {path}")
+                expect(rf"(?<!\w){name}\b", place, f"{name} of {path}")
     # A clamp turns what is beyond its last number into that one.
     for member, (path, pattern, _), place in (
             ("Compression", NAMES[1], "Writers/vtkBlockedVolumeWriter.h"),
