@@ -4,6 +4,7 @@
 #include "PrintedSpectrum.h"
 #include "ProgressDisplay.h"
 
+#include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -140,13 +141,20 @@ Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
         ? Json()
         : Json::array({ MakeValue(type, range.Minimum), MakeValue(type, range.Maximum) }));
   }
-  if (step.Source)
+  for (const auto& [name, record] :
+    { std::pair<const char*, const std::optional<SourceRecord>&>{ "source", step.Source },
+      { "copyOf", step.CopyOf } })
   {
-    const std::string path = step.Source->FindPath(GetLocalFileSystem(), volume.GetPath());
-    result["source"] = { { "path", path }, { "within", step.Source->Within },
-      { "step", step.Source->Step }, { "arrays", step.Source->Arrays },
-      { "chunk", step.Source->Chunk }, { "files", step.Source->State.Files },
-      { "bytes", step.Source->State.Bytes } };
+    if (record)
+    {
+      result[name] = { { "path", record->FindPath(GetLocalFileSystem(), volume.GetPath()) },
+        { "within", record->Within }, { "step", record->Step }, { "arrays", record->Arrays },
+        { "files", record->State.Files }, { "bytes", record->State.Bytes } };
+      if (record->Chunk)
+      {
+        result[name]["chunk"] = *record->Chunk;
+      }
+    }
   }
   std::vector<std::uint64_t> blocks;
   std::vector<std::uint64_t> bytes;
@@ -235,6 +243,12 @@ std::string FormatRatio(const Json& ratio)
   return text;
 }
 
+std::string FormatSource(const Json& source)
+{
+  return VolumeName{ source["path"].get<std::string>(), source["within"].get<std::string>() }
+    .GetText();
+}
+
 void PrintTimeStep(const Json& volume, const Json& step)
 {
   std::printf("time step     %s%s\n", step["folder"].get<std::string>().c_str(),
@@ -250,11 +264,12 @@ void PrintTimeStep(const Json& volume, const Json& step)
     FormatBytes(bytes).c_str(), FormatBytes(volume["sampleBytes"].get<double>()).c_str());
   if (step.contains("source"))
   {
-    const Json& source = step["source"];
-    const auto within = source["within"].get<std::string>();
-    std::printf("  in place    the samples are in %s%s, chunks of %s\n",
-      source["path"].get<std::string>().c_str(), within.empty() ? "" : (":" + within).c_str(),
-      Join(source["chunk"], " x ").c_str());
+    std::printf("  in place    the samples are in %s, chunks of %s\n",
+      FormatSource(step["source"]).c_str(), Join(step["source"]["chunk"], " x ").c_str());
+  }
+  if (step.contains("copyOf"))
+  {
+    std::printf("  copy        of %s\n", FormatSource(step["copyOf"]).c_str());
   }
   if (volume["replicas"].get<int>() > 1)
   {

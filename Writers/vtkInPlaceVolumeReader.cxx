@@ -196,16 +196,9 @@ Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks)
   }
   auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
     {}, isosurface::MakeProgress(this->Reader));
-  std::vector<std::uint64_t> isSample = {
-    sample.GetStatus().GetCode() == StatusCode::Unsupported ? 0U : 1U
-  };
-  ranks.ReduceMaximum(isSample);
-  if (isSample[0] == 0 || (sample.IsOk() && sample->IsWhole))
-  {
-    return this->Update(ranks); // which is as quick, or tells what to do with a stream
-  }
   ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
-  return this->Grow(ranks, std::move(*sample));
+  // The index of a small file is there as soon as a sample.
+  return sample->IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(*sample));
 }
 
 Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
@@ -353,7 +346,7 @@ bool vtkInPlaceVolumeReader::IsPending()
     (isCurrent                          ? ": up to date"
         : !state.IsOk()                 ? ": " + state.GetStatus().GetMessage()
         : *state == IndexState::Changed ? ": out of date, Apply indexes anew"
-                                        : ": Apply indexes the file in place");
+                                        : ": Apply indexes the file");
   if (isCurrent)
   {
     this->SetFileName(steps.Index.Path.c_str());

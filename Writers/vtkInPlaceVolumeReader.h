@@ -5,9 +5,10 @@
  * @brief   reads files of other formats as volumes in place, which it indexes first
  *
  * The first update indexes the source: it writes a blocked volume (.bvol) beside it, or into
- * IndexFolder, without the samples at full resolution, which stay in the source. From then on the
- * reader is a vtkBlockedVolumeReader of that index, which opens at once. If the source has changed
- * since, the next update after a modification indexes it anew.
+ * IndexFolder, without the samples at full resolution, which stay in the source. (Of a gzip stream,
+ * which can only be read in order, it has the samples.) From then on the reader is a
+ * vtkBlockedVolumeReader of that index, which opens at once. If the source has changed since, the
+ * next update after a modification indexes it anew.
  *
  * In ParaView's window nobody waits for the index (AllowCoarse): the reader shows a sample of the
  * file, and writes the index beside the calling thread.
@@ -55,8 +56,8 @@ public:
   ///@}
 
   /**
-   * Whether a file or a folder has a volume that can be indexed in place. Also true of a damaged one,
-   * and of a .gz, which cannot: the update tells what is wrong, and what to do. Cost: reading headers.
+   * Whether a file or a folder has a volume that can be indexed. Also true of a damaged one, of which
+   * the update tells what is wrong. Cost: reading headers.
    */
   static int CanReadFile(const char* fileName);
 

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a file that nobody has indexed to a picture, beside programs that read the file first.
 
-    first_contact.py [FOLDER] [--sides N N N] [--formats mhd zarr ome h5] [--isovalue V] [--no-peers] [--warm]
+    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz zarr ome h5] [--isovalue V] [--no-peers] [--warm]
 
-Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, Zarr
-(blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64, into the
-folder. Then, each in a process of its own that has loaded its libraries, without the file in the
+Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, NIfTI
+(gzip 1), Zarr (blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64,
+into the folder. Then, each in a process of its own that has loaded its libraries, without the file in the
 system's cache (that takes root; --warm leaves it there):
 
     picture   seconds from opening the file to the first picture of the surface, that of a sample
@@ -16,14 +16,16 @@ system's cache (that takes root; --warm leaves it there):
               a coarse surface of the indexed file
     processor, peak memory: of all of that
 
-of Volume Reader (Any Size) and Stabbing Contour, as ParaView's window uses them, and of VTK's own reader,
-zarr or h5py with vtkFlyingEdges3D, whose first picture is exact. Needs an X display, python3-h5py,
-python3-zarr (version 2) and the package scalable_isosurface on PYTHONPATH.
+of Volume Reader (Any Size), Stabbing Contour and Isosurface Mapper, as ParaView's window uses them, and of
+VTK's own reader, zarr or h5py with vtkFlyingEdges3D and vtkPolyDataMapper, whose first picture is exact.
+Needs an X display, python3-h5py, python3-zarr (version 2) and the package scalable_isosurface on PYTHONPATH.
 """
 import argparse
+import gzip
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -65,6 +67,18 @@ def write_volume(kind, folder, sides):
         with open(os.path.join(folder, "scan.raw"), "wb") as file:
             for _, samples in make_slabs(sides):
                 samples.astype("<i2").tofile(file)
+    elif kind == "nii.gz":
+        header = bytearray(352)
+        struct.pack_into("<i", header, 0, 348)
+        struct.pack_into("<8h", header, 40, 3, *sides, 1, 1, 1, 1)
+        struct.pack_into("<2h", header, 70, 4, 16)
+        struct.pack_into("<8f", header, 76, *[1] * 8)
+        struct.pack_into("<f", header, 108, 352)
+        header[344:347] = b"n+1"
+        with gzip.open(path, "wb", 1) as file:
+            file.write(header)
+            for _, samples in make_slabs(sides):
+                file.write(samples.astype("<i2").tobytes())
     elif kind == "h5":
         with h5py.File(path, "w") as file:
             dataset = file.create_dataset("scan", shape=shape, dtype="i2", chunks=chunks,
@@ -97,11 +111,11 @@ def write_volume(kind, folder, sides):
 class Picture:
     """A window that shows what a filter makes."""
 
-    def __init__(self, contour):
+    def __init__(self, contour, mapper=None):
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401: makes the classes below draw
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow
 
-        mapper = vtkPolyDataMapper()
+        mapper = mapper or vtkPolyDataMapper()
         mapper.ScalarVisibilityOff()
         mapper.SetInputConnection(contour.GetOutputPort())
         actor = vtkActor()
@@ -121,14 +135,14 @@ class Picture:
 
 def show_at_once(path, isovalue, begin):
     """The times of ours."""
-    from scalable_isosurface import vtkInPlaceVolumeReader, vtkStabbingContour
+    from scalable_isosurface import vtkInPlaceVolumeReader, vtkIsosurfaceMapper, vtkStabbingContour
 
     reader = vtkInPlaceVolumeReader()
     reader.SetSourceName(path)
     contour = vtkStabbingContour()
     contour.SetInputConnection(reader.GetOutputPort())
     contour.SetValue(0, isovalue)
-    picture = Picture(contour)
+    picture = Picture(contour, vtkIsosurfaceMapper())
     reader.AllowCoarse(True)
     contour.AllowCoarse(True)
     picture.show()
@@ -157,10 +171,10 @@ def read_first(path, isovalue):
 
     contour = vtkFlyingEdges3D()
     contour.SetValue(0, isovalue)
-    if path.endswith(".mhd"):
-        from vtkmodules.vtkIOImage import vtkMetaImageReader
+    if path.endswith((".mhd", ".gz")):
+        from vtkmodules.vtkIOImage import vtkMetaImageReader, vtkNIFTIImageReader
 
-        reader = vtkMetaImageReader()
+        reader = vtkMetaImageReader() if path.endswith(".mhd") else vtkNIFTIImageReader()
         reader.SetFileName(path)
         contour.SetInputConnection(reader.GetOutputPort())
         return contour, reader
@@ -230,7 +244,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", nargs="?")
     parser.add_argument("--sides", type=int, nargs=3, default=[816, 816, 816])
-    parser.add_argument("--formats", nargs="+", default=["mhd", "zarr", "ome", "h5"])
+    parser.add_argument("--formats", nargs="+", default=["mhd", "nii.gz", "zarr", "ome", "h5"])
     parser.add_argument("--isovalue", type=float, default=1500)
     parser.add_argument("--no-peers", action="store_true", help="for volumes larger than memory")
     parser.add_argument("--warm", action="store_true")

@@ -12,6 +12,8 @@ namespace
 
 /// The first slices are at most so many times as far apart as the last ones.
 constexpr std::int64_t CoarsestSlices = 8;
+/// What is read of a stream at once; it takes a small part of a second.
+constexpr std::uint64_t StreamBytes = std::uint64_t{ 1 } << 24;
 
 std::int64_t DivideUp(std::int64_t number, std::int64_t by)
 {
@@ -177,6 +179,40 @@ private:
   VertexBox Read;   ///< those of the boxes so far
 };
 
+/// Slices from the first one on, of a stream, of which nothing can be skipped.
+class StreamOrder : public ReadingOrder
+{
+public:
+  /// Reads so many slices at once.
+  StreamOrder(const VertexBox& box, const Index3& step, std::int64_t slices)
+    : ReadingOrder(step)
+    , Box(box)
+    , Slices(slices)
+  {
+  }
+
+  std::vector<VertexBox> FindNext() override
+  {
+    VertexBox slab = this->Box;
+    slab.Low[2] = this->End;
+    this->End = slab.High[2] = std::min(slab.Low[2] + this->Slices, this->Box.High[2]);
+    return slab.IsEmpty() ? std::vector<VertexBox>() : std::vector<VertexBox>{ slab };
+  }
+
+  Lattice GetLattice() const override
+  {
+    VertexBox box = this->Box;
+    box.High[2] = this->End;
+    return { box, this->Step };
+  }
+  const char* GetPart() const override { return "first"; }
+
+private:
+  const VertexBox Box;
+  const std::int64_t Slices;
+  std::int64_t End = 0; ///< of the slices so far
+};
+
 } // namespace
 
 VertexBox Lattice::GetNumbers() const
@@ -199,7 +235,15 @@ std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const BoxSource& source, std:
   {
     return std::make_unique<SliceOrder>(box, step, source.HasCheapRows());
   }
-  return chunk ? std::make_unique<ChunkOrder>(box, *chunk, step) : nullptr;
+  if (chunk)
+  {
+    return std::make_unique<ChunkOrder>(box, *chunk, step);
+  }
+  VertexBox slice = box;
+  slice.High[2] = std::min<std::int64_t>(1, box.High[2]);
+  const auto slices =
+    static_cast<std::int64_t>(StreamBytes / std::max<std::uint64_t>(1, source.GetReadBytes(slice)));
+  return std::make_unique<StreamOrder>(box, step, std::max<std::int64_t>(1, slices));
 }
 
 } // namespace isosurface

@@ -28,8 +28,7 @@ struct Lattice
 class ReadingOrder
 {
 public:
-  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`; null for
-  /// a stream, of which nothing can be skipped.
+  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`.
   static std::unique_ptr<ReadingOrder> Choose(const BoxSource& source, std::int64_t vertices);
   virtual ~ReadingOrder() = default;
 
@@ -42,6 +41,8 @@ public:
   const Index3& GetStep() const { return this->Step; }
   /// That of a lattice of all vertices.
   virtual const Index3& GetWholeStep() const { return this->Step; }
+  /// Which part of the source a lattice is that is not all of it.
+  virtual const char* GetPart() const { return "middle"; }
   /// Whether boxes are best read row by row, each row of the lattice alone.
   virtual bool IsByRows() const { return false; }
 

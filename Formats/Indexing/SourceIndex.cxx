@@ -42,17 +42,15 @@ VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
   return { outermost.string(), within == "." ? "" : within };
 }
 
-/// Whether it is a volume that can be indexed. Images of one slice are left to readers of images,
-/// streams to those that read them as a whole, if there are any.
-bool IsWanted(const Result<OpenedVolume>& volume, const std::string& path)
+/// Whether it is a volume that can be indexed. Images of one slice are left to readers of images.
+bool IsWanted(const Result<OpenedVolume>& volume)
 {
   if (!volume.IsOk())
   {
     return false;
   }
   const Index3 size = volume->Grid.GetDimensions();
-  return *std::min_element(size.begin(), size.end()) > 1 &&
-    (volume->Source->GetChunk() || std::filesystem::path(path).extension() == ".gz");
+  return *std::min_element(size.begin(), size.end()) > 1;
 }
 
 struct OpenedStep
@@ -83,7 +81,9 @@ Result<OpenedStep> OpenStep(
   OpenedStep opened{ std::move(*volume), {} };
   opened.Settings.Distribution = DistributionMethod::Slab;
   opened.Settings.Lines = opened.Volume.Lines;
-  opened.Settings.InPlace = std::move(*record);
+  // Each query would decode a stream from the front, so its samples are copied.
+  (record->Chunk ? opened.Settings.InPlace : opened.Settings.CopyOf) = std::move(*record);
+  opened.Settings.Compression.Codec = SegmentCodec::Lz4;
   opened.Settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   opened.Settings.MemoryLimit = memoryBytes;
   opened.Settings.Append = step > 0;
@@ -133,7 +133,7 @@ bool CanBeIndexed(FileSystem& files, const std::string& chosen)
   const auto whole = OpenForeignVolume(files, index.Source);
   if (whole.IsOk())
   {
-    return IsWanted(whole, name.Path);
+    return IsWanted(whole);
   }
   if (whole.GetStatus().GetCode() == StatusCode::Corrupt)
   {
@@ -146,7 +146,7 @@ bool CanBeIndexed(FileSystem& files, const std::string& chosen)
     [&](const std::string& within)
     {
       return within.compare(0, name.Within.size(), name.Within) == 0 &&
-        IsWanted(OpenForeignVolume(files, name.Path + ":" + within), name.Path);
+        IsWanted(OpenForeignVolume(files, name.Path + ":" + within));
     });
 }
 
@@ -187,16 +187,16 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
   const VolumeName name = VolumeName::Parse(files, index.Source);
   for (const TimeStepDescription& step : header.TimeSteps)
   {
-    const bool isMine = step.Source && step.Source->Within == name.Within &&
-      step.Source->Axes == index.Axes &&
-      MakeAbsolute(step.Source->FindPath(files, index.Path)) == MakeAbsolute(name.Path);
+    const std::optional<SourceRecord>& record = step.Source ? step.Source : step.CopyOf;
+    const bool isMine = record && record->Within == name.Within && record->Axes == index.Axes &&
+      MakeAbsolute(record->FindPath(files, index.Path)) == MakeAbsolute(name.Path);
     if (!isMine)
     {
       return Status(StatusCode::InvalidArgument,
         index.Path + ": is there already and is no index of " + index.Source +
           "; choose another folder for the index");
     }
-    if (!CheckSource(files, OpenForeignVolume, index.Path, *step.Source, header.Grid, header.Arrays)
+    if (!CheckSource(files, OpenForeignVolume, index.Path, *record, header.Grid, header.Arrays)
            .IsOk())
     {
       return IndexState::Changed;

@@ -16,7 +16,8 @@ namespace isosurface
 
 class SampleCollector;
 
-/// A file of another format, and the volume in place that is its index.
+/// A file of another format, and the blocked volume that is its index: in place, or of a stream, which
+/// can only be read in order, a copy.
 struct SourceIndex
 {
   std::string Source; ///< VolumeName
@@ -41,8 +42,8 @@ struct SourceIndex
 
 /**
  * Whether a program that opens files should offer to index `chosen` (SourceIndex::Find): it has a
- * volume, of more than one slice, whose samples can be read where they lie; a .gz, too, which nobody
- * else reads. So is a damaged file of such a format, of which WriteSourceIndex() tells what is wrong.
+ * volume of more than one slice. So does a damaged file of such a format, of which WriteSourceIndex()
+ * tells what is wrong.
  * Cost: reading headers.
  */
 bool CanBeIndexed(FileSystem& files, const std::string& chosen);
@@ -70,7 +71,7 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
 bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
 
 /**
- * Collective. Indexes all time steps of a source in place, its blocks in slabs over as many stores
+ * Collective. Indexes all time steps of a source, its blocks in slabs over as many stores
  * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an
  * error or stop, an older index stays as it was; what was written of this one is kept, too, and the
  * next call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds).

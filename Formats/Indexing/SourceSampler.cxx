@@ -102,16 +102,13 @@ Status Sampler::Open()
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   this->Volume = SampledVolume(*volume);
   this->Order = ReadingOrder::Choose(*volume->Source, this->Limits.Vertices);
-  if (!this->Order)
-  {
-    return { StatusCode::Unsupported,
-      this->Index.Source + ": cannot be sampled: it can only be read in order" };
-  }
   const VertexBox& box = volume->Source->GetBox();
-  const Index3 chunk = volume->Source->GetChunk().value_or(box.High);
-  const std::uint64_t bytes = std::max<std::uint64_t>(
-    1, volume->Source->GetReadBytes(VertexBox{ { 0, 0, 0 }, chunk }.Intersect(box)));
-  this->Volumes.resize(std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads));
+  const auto chunk = volume->Source->GetChunk();
+  const std::uint64_t bytes = std::max<std::uint64_t>(1,
+    volume->Source->GetReadBytes(
+      VertexBox{ { 0, 0, 0 }, chunk.value_or(box.High) }.Intersect(box)));
+  // A second reader of a stream would read it from the front.
+  this->Volumes.resize(chunk ? std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads) : 1);
   this->Volumes.front() = std::move(*volume);
   return Status::Ok();
 }
@@ -304,8 +301,8 @@ Result<SourceSample> Sampler::MakeVolume(const std::vector<Message>& messages) c
   {
     samples.push_back(this->Assemble(tiles, this->Complete, variable));
   }
-  auto sample =
-    MakeSourceSample(this->Files, this->Index, this->Volume, this->Complete, samples, "middle");
+  auto sample = MakeSourceSample(
+    this->Files, this->Index, this->Volume, this->Complete, samples, this->Order->GetPart());
   if (sample.IsOk())
   {
     sample->WholeStep = this->Order->GetWholeStep();

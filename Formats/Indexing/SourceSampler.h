@@ -29,10 +29,10 @@ struct SampleLimits
  *     every n-th row of every m-th slice     of files whose rows can be read alone
  *     every m-th slice       of files whose slices are decoded one by one
  *     a box of whole chunks  of other files, which grows from the middle
+ *     the first slices       of streams, which can only be read in order
  *
  * Slices are read in such an order, m from large to small, that they can end at any time; so can
- * boxes. Collective. Errors: Unsupported for streams; those of the source;
- * Aborted. Memory: some times the sample; and a chunk, or a slice, for each thread.
+ * boxes. Collective. Errors: those of the source; Aborted. Memory: some times the sample; and a chunk, or a slice, for each thread.
  */
 Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, const SampleLimits& limits, const Progress& progress = {});

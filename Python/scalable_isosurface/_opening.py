@@ -80,8 +80,9 @@ def index(
     """Indexes a file of another format where it lies, and opens it by the index.
 
     The index is a small blocked volume beside the file (``scan.nrrd.bvol``), the same that ParaView's reader
-    makes: what isosurfaces need to find their blocks, and all coarser levels. Samples stay in the file.
-    If there is a current index, nothing is written. Cost: one pass over the file.
+    makes: what isosurfaces need to find their blocks, and all coarser levels. Samples stay in the file; of a
+    gzip stream, which can only be read in order, the index has them. If there is a current index, nothing is
+    written. Cost: one pass over the file.
 
     Parameters
     ----------
@@ -91,8 +92,7 @@ def index(
     Raises
     ------
     OSError
-        The file cannot be read, or is a stream (.gz), which `create` can make a volume of; or the index cannot
-        be written.
+        The file cannot be read, or the index cannot be written.
 
     Examples
     --------

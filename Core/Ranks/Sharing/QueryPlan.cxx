@@ -273,7 +273,7 @@ private:
     }
     // With fewer chunks a rank, shares would differ too much.
     constexpr std::int64_t chunksOfRank = 16;
-    Index3 chunk = this->Volume.GetHeader().TimeSteps[this->Query.TimeStep].Source->Chunk;
+    Index3 chunk = this->Volume.GetHeader().TimeSteps[this->Query.TimeStep].Source->Chunk.value_or(size);
     std::int64_t chunks = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {

@@ -107,13 +107,17 @@ Status ValidateSources(const BlockedVolumeHeader& header)
     {
       return MakeMemberError("timeSteps[].source", "is not there for all time steps");
     }
-    if (step.Source)
+    for (const std::optional<SourceRecord>& record : { step.Source, step.CopyOf })
     {
-      if (step.Source->Arrays.size() != header.Arrays.size())
+      if (record && record->Arrays.size() != header.Arrays.size())
       {
         return MakeMemberError("timeSteps[].source.arrays", "does not fit the number of arrays");
       }
-      ISOSURFACE_RETURN_IF_ERROR(step.Source->Validate());
+      ISOSURFACE_RETURN_IF_ERROR(record ? record->Validate() : Status::Ok());
+    }
+    if (step.Source && !step.Source->Chunk)
+    {
+      return MakeMemberError("timeSteps[].source.chunk", "is missing");
     }
   }
   return header.IsInPlace() && header.NumberOfLevels != 1

@@ -50,6 +50,7 @@ struct TimeStepDescription
   std::vector<StoreDescription> Stores;
   std::vector<std::vector<StoreDescription>> Overviews; ///< per overview: its stores
   std::optional<SourceRecord> Source; ///< what has the samples at level 0, if the stores have not
+  std::optional<SourceRecord> CopyOf; ///< what the samples were copied from, if that is recorded
 };
 
 // clang-format off
@@ -71,7 +72,8 @@ struct TimeStepDescription
  *                      "ranges": [ [minimum, maximum] | null, ... ],            per variable
  *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ],
  *                      "overviews": [ { "stores": as above }, ... ],
- *                      "source": { ... } }, ... ],               in place alone (SourceRecord.h)
+ *                      "source": { ... },                        in place alone (SourceRecord.h)
+ *                      "copyOf": { ... } }, ... ],               of copies of streams (SourceIndex.h)
  *     "checksum": hex }
  */
 // clang-format on

@@ -43,9 +43,12 @@ static void to_json(Json& json, const SourceRecord& record)
 {
   json = { { "path", record.Path }, { "absolutePath", record.AbsolutePath },
     { "within", record.Within }, { "axes", record.Axes }, { "step", record.Step },
-    { "arrays", record.Arrays }, { "chunk", record.Chunk }, { "files", record.State.Files },
-    { "bytes", record.State.Bytes }, { "modified", record.State.Modified },
-    { "metadata", FormatChecksum(record.Metadata) } };
+    { "arrays", record.Arrays }, { "files", record.State.Files }, { "bytes", record.State.Bytes },
+    { "modified", record.State.Modified }, { "metadata", FormatChecksum(record.Metadata) } };
+  if (record.Chunk)
+  {
+    json["chunk"] = *record.Chunk;
+  }
 }
 
 namespace
@@ -260,7 +263,11 @@ SourceRecord ReadSource(JsonMembers members)
     return json.is_number_unsigned() &&
       json.get<std::uint64_t>() <= static_cast<std::uint64_t>(SourceRecord::MaximumChunk);
   };
-  ReadNumbers(members, "chunk", record.Chunk, isSize, "is not an array of numbers of vertices");
+  if (members.Has("chunk"))
+  {
+    ReadNumbers(
+      members, "chunk", record.Chunk.emplace(), isSize, "is not an array of numbers of vertices");
+  }
   record.State.Files = members.GetUnsigned("files");
   record.State.Bytes = members.GetUnsigned("bytes");
   record.State.Modified = members.GetInteger("modified", -maximum, maximum);
@@ -292,6 +299,10 @@ TimeStepDescription ReadTimeStep(JsonMembers& members, const BlockedVolumeHeader
   if (members.Has("source"))
   {
     step.Source = ReadSource(members.GetObject("source"));
+  }
+  if (members.Has("copyOf"))
+  {
+    step.CopyOf = ReadSource(members.GetObject("copyOf"));
   }
   return step;
 }
@@ -325,6 +336,10 @@ Json FormatTimeStep(const TimeStepDescription& step, const ArrayVariables& varia
   if (step.Source)
   {
     json["source"] = *step.Source;
+  }
+  if (step.CopyOf)
+  {
+    json["copyOf"] = *step.CopyOf;
   }
   return json;
 }

@@ -29,14 +29,14 @@ std::string MakeAbsolutePath(const std::string& path)
 }
 
 /// Everything that decides which bytes are which samples.
-std::uint64_t ComputeMetadata(const OpenedVolume& volume, const Index3& chunk)
+std::uint64_t ComputeMetadata(const OpenedVolume& volume)
 {
   std::string text = volume.Storage;
   for (const std::int64_t size : volume.Grid.GetDimensions())
   {
     text += "\n" + std::to_string(size);
   }
-  for (const std::int64_t size : chunk)
+  for (const std::int64_t size : volume.Source->GetChunk().value_or(Index3{}))
   {
     text += "\n" + std::to_string(size);
   }
@@ -94,14 +94,15 @@ Status SourceRecord::Validate() const
 {
   const bool isText =
     IsUtf8(this->Path) && IsUtf8(this->AbsolutePath) && IsUtf8(this->Within) && IsUtf8(this->Axes);
-  const bool isChunk = std::all_of(this->Chunk.begin(), this->Chunk.end(),
+  const Index3 chunk = this->Chunk.value_or(Index3{ 1, 1, 1 });
+  const bool isChunk = std::all_of(chunk.begin(), chunk.end(),
     [](std::int64_t size) { return size >= 1 && size <= MaximumChunk; });
   const bool areNames =
     !this->Arrays.empty() && std::all_of(this->Arrays.begin(), this->Arrays.end(), IsUtf8);
   return isText && isChunk && areNames && !this->Path.empty()
     ? Status::Ok()
     : Status(StatusCode::InvalidArgument,
-        "member timeSteps[].source has no path or arrays, an impossible chunk, or is not UTF-8");
+        "a source of timeSteps[] has no path or arrays, an impossible chunk, or is not UTF-8");
 }
 
 Result<OpenedVolume> OpenSource(FileSystem& files, VolumeOpener opener, const std::string& header,
@@ -131,24 +132,14 @@ Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
   const std::string difference = FindDifference(*volume, grid, arrays);
   if (!difference.empty())
   {
-    return Status(
-      StatusCode::InvalidArgument, text + ": cannot be indexed in place: " + difference);
+    return Status(StatusCode::InvalidArgument, text + ": cannot be indexed: " + difference);
   }
-  const auto chunk = volume->Source->GetChunk();
-  if (!chunk)
-  {
-    return Status(StatusCode::Unsupported,
-      text +
-        ": cannot be indexed in place: its samples are a compressed stream, which can only be read "
-        "in order; copy it: blockvolume " +
-        text + " " + header);
-  }
-  record.Chunk = *chunk;
+  record.Chunk = volume->Source->GetChunk();
   for (const ArrayDescription& array : volume->Arrays)
   {
     record.Arrays.push_back(array.Name);
   }
-  record.Metadata = ComputeMetadata(*volume, *chunk);
+  record.Metadata = ComputeMetadata(*volume);
   const auto state = FindStateOfAll(files, volume->Files);
   ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
   record.State = *state;
@@ -176,7 +167,6 @@ Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& he
   const auto volume =
     OpenSource(files, opener, header, name.GetText(), record.MakeChoice(record.Arrays));
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  const auto chunk = volume->Source->GetChunk();
   std::string difference = FindDifference(*volume, grid, arrays);
   for (std::size_t array = 0; difference.empty() && array < volume->Arrays.size(); ++array)
   {
@@ -184,7 +174,7 @@ Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& he
       ? ""
       : "it has no array \"" + record.Arrays[array] + "\"";
   }
-  if (difference.empty() && (!chunk || ComputeMetadata(*volume, *chunk) != record.Metadata))
+  if (difference.empty() && ComputeMetadata(*volume) != record.Metadata)
   {
     difference = "its samples are stored otherwise";
   }

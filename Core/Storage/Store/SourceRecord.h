@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,12 @@ namespace isosurface
 
 /**
  * Where the samples at full resolution of a time step are, if the blocked volume itself has none
- * (a volume in place): in a file of another format, as it was when it was indexed.
+ * (a volume in place): in a file of another format, as it was when it was indexed. Or, as "copyOf",
+ * what the volume's own samples were copied from.
  *
  *     "source": { "path": string, "absolutePath": string, "within": string, "axes": string,
- *                 "step": integer, "arrays": [string, ...], "chunk": [x, y, z], "files": integer, "bytes": integer,
- *                 "modified": integer, "metadata": hex }
+ *                 "step": integer, "arrays": [string, ...], "chunk": [x, y, z], unless it is a stream,
+ *                 "files": integer, "bytes": integer, "modified": integer, "metadata": hex }
  */
 struct SourceRecord
 {
@@ -36,7 +38,7 @@ struct SourceRecord
   std::string Axes;                ///< VolumeChoice::Axes
   std::size_t Step = 0;            ///< number of the time step in the source
   std::vector<std::string> Arrays; ///< the source's own names of the volume's arrays
-  Index3 Chunk = { 1, 1, 1 };      ///< BoxSource::GetChunk() of the first array
+  std::optional<Index3> Chunk;     ///< BoxSource::GetChunk() of the first array
   FileState State;                 ///< of all files that have the samples
   std::uint64_t Metadata = 0;      ///< checksum of shape, types, chunks and storage
 
@@ -59,7 +61,7 @@ Result<OpenedVolume> OpenSource(FileSystem& files, VolumeOpener opener, const st
  * Describes a source for the blocked volume `header`. `name`: as the user gives it (VolumeName).
  * `wanted`: what of it is meant: Axes, Step and Arrays; if the source does not have all names, but as
  * many arrays, all are meant. `arrays`: what they have to be, names apart. Errors name the source:
- * NotFound, Unsupported if it can only be read in order, InvalidArgument if it has other arrays or
+ * NotFound, InvalidArgument if it has other arrays or
  * another size than `grid`.
  */
 Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,

@@ -46,13 +46,15 @@ struct BlockedVolumeSettings
   /// Writes no samples at level 0: they stay in this source (DescribeSource), which the writer's
   /// own source has to agree with. All time steps of a volume have one, or none has.
   std::optional<SourceRecord> InPlace;
+  /// Of a volume that is not in place: what its samples are copied from, to be kept in the header.
+  std::optional<SourceRecord> CopyOf;
   /// Whether the time step is visible at the end. If not, it becomes visible together with the next
   /// one that the same writer appends and publishes.
   bool Publish = true;
   /// Keeps what is written if the write ends before all is, even if the program is killed: with at
   /// least so many seconds between two checkpoints (0: after each round). The next write of the same
-  /// volume in place, from the same source, goes on there, with any number of ranks; it keeps the
-  /// stores, unless the settings name a number. Only for volumes in place on file systems with locks.
+  /// volume, from the same source, goes on there, with any number of ranks; it keeps the stores,
+  /// unless the settings name a number. Only with InPlace or CopyOf, on file systems with locks.
   std::optional<double> JournalSeconds;
   /// Of these, a write that takes less need not wait for the disk.
   static constexpr double UsualJournalSeconds = 10;

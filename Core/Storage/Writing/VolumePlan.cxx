@@ -228,6 +228,13 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
     {
       return Status(source.GetCode(), path + ": cannot be written: " + source.GetMessage());
     }
+    if (!settings.InPlace->Chunk)
+    {
+      return Status(StatusCode::Unsupported,
+        settings.InPlace->AbsolutePath +
+          ": cannot be indexed in place: its samples are a compressed stream, which can only be "
+          "read in order; copy it, without --in-place");
+    }
   }
   if (existing)
   {
@@ -248,6 +255,7 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   header.TimeSteps.emplace_back();
   header.TimeSteps.back().Time = settings.Time;
   header.TimeSteps.back().Source = settings.InPlace;
+  header.TimeSteps.back().CopyOf = settings.CopyOf;
   header.TimeSteps.back().Overviews.resize(header.Overviews.size());
   return header;
 }

@@ -126,6 +126,29 @@ TEST(SourceSample, OfChunksIsABoxInTheMiddleUntilThereIsTimeForAll)
   }
 }
 
+TEST(SourceSample, OfAStreamIsItsFirstSlicesUntilThereIsTimeForAll)
+{
+  MemoryDisk disk;
+  const auto volume = MakeRamp<std::int16_t>({ 256, 256, 200 });
+  const std::string source = "/data/scan.nrrd";
+  MemoryDisk::Bytes bytes = MakeBytes("NRRD0004\ntype: short\nendian: little\ndimension: 3\nsizes: "
+                                      "256 256 200\nencoding: gzip\n\n");
+  const MemoryDisk::Bytes stream = Deflate(MakeBytes(volume));
+  bytes.insert(bytes.end(), stream.begin(), stream.end());
+  disk.SetFile(source, bytes);
+  for (const int ranks : { 1, 3 })
+  {
+    const SourceSample first = ReadSamplesOf(disk, source, { 0, 200000 }, ranks)[0];
+    EXPECT_NE(first.Text.find("one of 4 x 4 x 4 samples, the first "), std::string::npos)
+      << first.Text;
+    EXPECT_LT(first.Share, 0.9);
+    ExpectSample(first, volume, { 0, 0, 0 }, { 4, 4, 4 });
+    const auto all = ReadSamplesOf(disk, source, { 1000, 200000 }, ranks);
+    EXPECT_EQ(all.back().Text, "one of 4 x 4 x 4 samples");
+    ExpectSample(all.back(), volume, { 0, 0, 0 }, { 4, 4, 4 });
+  }
+}
+
 TEST(SourceSample, OfAPyramidIsItsOwnCoarseLevel)
 {
   MemoryDisk disk;

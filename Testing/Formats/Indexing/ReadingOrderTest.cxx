@@ -22,7 +22,10 @@ public:
   {
   }
   const VertexBox& GetBox() const override { return this->Box; }
-  std::uint64_t GetReadBytes(const VertexBox&) const override { return 0; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override
+  {
+    return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * 4096;
+  }
   std::optional<Index3> GetChunk() const override { return this->Chunk; }
   bool HasCheapRows() const override { return this->CheapRows; }
   Result<BoxSamples> Read(const VertexBox&) override { return BoxSamples{}; }
@@ -49,6 +52,7 @@ std::vector<Source> MakeSources()
     { "slices", { DescribedSize, Index3{ 40, 33, 1 }, false } },
     { "chunks", { DescribedSize, Index3{ 7, 16, 9 }, false } },
     { "one chunk", { DescribedSize, DescribedSize, false } },
+    { "a stream", { DescribedSize, std::nullopt, false } },
   };
 }
 
@@ -111,10 +115,22 @@ TEST(ReadingOrder, SlicesCanEndEarlyAndShowTheWholeVolume)
   }
 }
 
-TEST(ReadingOrder, AStreamHasNone)
+TEST(ReadingOrder, AStreamIsReadFromTheFrontASlabAtATime)
 {
-  EXPECT_EQ(ReadingOrder::Choose(DescribedSource(DescribedSize, std::nullopt, false), MostVertices),
-    nullptr);
+  const Source source = MakeSources()[4];
+  const auto order = ReadingOrder::Choose(source.Described, MostVertices);
+  std::int64_t slices = 0;
+  int parts = 0;
+  for (auto boxes = order->FindNext(); !boxes.empty(); boxes = order->FindNext())
+  {
+    ASSERT_EQ(boxes.size(), 1u) << "two would be read at the same time";
+    EXPECT_TRUE((boxes[0] ==
+      VertexBox{ { 0, 0, slices }, { DescribedSize[0], DescribedSize[1], boxes[0].High[2] } }));
+    slices = boxes[0].High[2];
+    ++parts;
+  }
+  EXPECT_EQ(slices, DescribedSize[2]);
+  EXPECT_GT(parts, 10);
 }
 
 TEST(ReadingOrder, ChunksAreWholeAndGrowFromTheMiddle)

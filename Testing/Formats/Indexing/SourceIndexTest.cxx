@@ -4,6 +4,7 @@
 #include "Fixtures/SampleFiles.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
+#include "Storage/Sampling/StoredBoxSource.h"
 
 using namespace isosurface;
 
@@ -77,7 +78,7 @@ TEST(SourceIndex, VolumesAreOfferedAndOtherFilesAreNot)
   EXPECT_FALSE(offers("a.txt", volume, 64));
   EXPECT_FALSE(offers(
     "slice.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 1\nencoding: raw\n\n", 64));
-  EXPECT_FALSE(offers(
+  EXPECT_TRUE(offers(
     "stream.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: gzip\n\n", 64));
   EXPECT_FALSE(offers("a.map", "no MRC", 4096));
   EXPECT_FALSE(offers("a.raw", "", 64)) << "nobody knows what it is";
@@ -121,6 +122,44 @@ TEST(SourceIndex, IsCurrentUntilTheSourceChanges)
   EXPECT_EQ(FindState(disk, index), IndexState::Changed);
   WriteOk(disk, index, 2);
   EXPECT_EQ(FindState(disk, index), IndexState::Current);
+}
+
+TEST(SourceIndex, OfAStreamHasItsSamplesUntilTheStreamChanges)
+{
+  const std::string source = "/data/scan.nrrd";
+  const std::string header =
+    "NRRD0004\ntype: short\nendian: little\ndimension: 3\nsizes: 40 33 36\nencoding: gzip\n\n";
+  MemoryDisk disk;
+  const auto setStream = [&](const SampleVolume<std::int16_t>& volume)
+  {
+    MemoryDisk::Bytes bytes = MakeBytes(header);
+    const MemoryDisk::Bytes stream = Deflate(MakeBytes(volume));
+    bytes.insert(bytes.end(), stream.begin(), stream.end());
+    disk.SetFile(source, bytes);
+  };
+  const auto first = MakeVolume<std::int16_t>({ 40, 33, 36 });
+  const auto second = MakeVolume<std::int16_t>({ 40, 33, 36 }, 2);
+  const SourceIndex index = Find(disk, source);
+  const auto expectVolume = [&](const SampleVolume<std::int16_t>& volume, int ranks)
+  {
+    WriteOk(disk, index, ranks);
+    EXPECT_EQ(FindState(disk, index), IndexState::Current);
+    const MemoryDisk::Bytes kept = disk.GetFile(source);
+    EXPECT_TRUE(disk.RemoveAll(source).IsOk());
+    const auto opened = Require(BlockedVolume::Open(index.Path, disk));
+    EXPECT_FALSE(opened->GetHeader().IsInPlace());
+    ExpectSamples(*Require(StoredBoxSource::Make(opened, 0, { 0 }, 2)), volume);
+    EXPECT_EQ(FindState(disk, index), IndexState::Changed);
+    disk.SetFile(source, kept);
+  };
+  setStream(first);
+  expectVolume(first, 1);
+  setStream(second);
+  disk.SetModified(source, 7);
+  EXPECT_EQ(FindState(disk, index), IndexState::Changed);
+  expectVolume(second, 3);
+  ExpectError(FindIndexState(disk, { "/data/other.nrrd", "", index.Path }).GetStatus(),
+    StatusCode::InvalidArgument, "is no index of /data/other.nrrd");
 }
 
 TEST(SourceIndex, IsNeverMadeOfAnotherVolume)

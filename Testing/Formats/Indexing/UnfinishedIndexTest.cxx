@@ -62,9 +62,10 @@ MemoryDisk::Bytes MakeSamples(std::uint32_t seed)
   return MakeBytes(MakeVolume<std::int16_t>(UnfinishedSize, seed));
 }
 
-/// Indexes a series with a checkpoint after each round, of which there are many.
+/// Indexes a series with a checkpoint after each round, of which there are many: in place, or as the
+/// indices of streams, by copies.
 Status WriteIndex(Communicator& ranks, FileSystem& files, const std::string& folder,
-  std::size_t steps, const Progress& progress)
+  std::size_t steps, bool isCopied, const Progress& progress)
 {
   BlockedVolumeWriter writer(ranks, files);
   const std::string path = folder + "/" + IndexName;
@@ -79,7 +80,7 @@ Status WriteIndex(Communicator& ranks, FileSystem& files, const std::string& fol
     BlockedVolumeSettings settings;
     settings.BlockSize = 16;
     settings.Distribution = DistributionMethod::Slab;
-    settings.InPlace = *record;
+    (isCopied ? settings.CopyOf : settings.InPlace) = *record;
     settings.JournalSeconds = 0;
     settings.MemoryLimit = 2400000;
     settings.Threads = 1;
@@ -95,13 +96,13 @@ Status WriteIndex(Communicator& ranks, FileSystem& files, const std::string& fol
 
 /// The same by several ranks, each of which calls `progress`.
 Status WriteByRanks(FileSystem& files, const std::string& folder, int ranks, std::size_t steps,
-  const std::function<bool(int rank)>& goesOn)
+  const std::function<bool(int rank)>& goesOn, bool isCopied = false)
 {
   return ThreadCommunicator::Collect(ranks,
     [&](Communicator& communicator)
     {
-      return WriteIndex(
-        communicator, files, folder, steps, [&](double) { return goesOn(communicator.GetRank()); });
+      return WriteIndex(communicator, files, folder, steps, isCopied,
+        [&](double) { return goesOn(communicator.GetRank()); });
     })[0];
 }
 
@@ -138,32 +139,38 @@ std::map<std::string, MemoryDisk::Bytes> WriteAtOnce(int ranks, std::size_t step
 }
 
 /// Goes on with what is on the disk. Returns the share of the sources that is read for it.
-double Finish(LockingDisk& disk, int ranks, std::size_t steps)
+double Finish(LockingDisk& disk, int ranks, std::size_t steps, bool isCopied = false)
 {
   const std::uint64_t before = disk.GetBytesRead(".raw");
-  const Status status = WriteByRanks(disk, "/data", ranks, steps, GoOn);
+  const Status status = WriteByRanks(disk, "/data", ranks, steps, GoOn, isCopied);
   EXPECT_TRUE(status.IsOk()) << status.GetMessage();
   return static_cast<double>(disk.GetBytesRead(".raw") - before) /
     static_cast<double>(steps * disk.GetFile(GetSource("/data", 0) + ".raw").size());
 }
 
+/// Whether the samples are copied.
+class UnfinishedIndexTest : public testing::TestWithParam<bool>
+{
+};
+
 } // namespace
 
-TEST(UnfinishedIndex, GoesOnWhereItWasStoppedWithAnyNumberOfRanks)
+TEST_P(UnfinishedIndexTest, GoesOnWhereItWasStoppedWithAnyNumberOfRanks)
 {
+  const bool isCopied = this->GetParam();
   const std::vector<std::pair<int, int>> pairs = { { 1, 1 }, { 1, 3 }, { 3, 1 }, { 4, 7 } };
   for (const auto& [first, later] : pairs)
   {
     LockingDisk atOnce;
     SetSources(atOnce, 1);
-    const double whole = Finish(atOnce, first, 1);
+    const double whole = Finish(atOnce, first, 1, isCopied);
     double last = 0;
     for (int call = 0;; call += LongTests ? 1 : 4)
     {
       SCOPED_TRACE(std::to_string(first) + " ranks, stopped at call " + std::to_string(call));
       LockingDisk disk;
       SetSources(disk, 1);
-      const Status stopped = WriteByRanks(disk, "/data", first, 1, StopAtCall(call));
+      const Status stopped = WriteByRanks(disk, "/data", first, 1, StopAtCall(call), isCopied);
       if (stopped.IsOk())
       {
         EXPECT_GT(call, 6) << "there should have been more rounds";
@@ -171,13 +178,15 @@ TEST(UnfinishedIndex, GoesOnWhereItWasStoppedWithAnyNumberOfRanks)
       }
       ASSERT_EQ(stopped.GetCode(), StatusCode::Aborted) << stopped.GetMessage();
       EXPECT_FALSE(disk.Exists("/data/" + IndexName));
-      last = Finish(disk, later, 1);
+      last = Finish(disk, later, 1, isCopied);
       EXPECT_TRUE(first != later || last < whole);
       ASSERT_EQ(disk.Copy(), atOnce.Copy());
     }
     EXPECT_LT(last, 0.1 * whole) << "at the end nearly nothing was left to read";
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(InPlaceAndCopied, UnfinishedIndexTest, testing::Bool());
 
 TEST(UnfinishedIndex, IsThatOfAWriteAtOnceAfterTheDiskFailedAtAnyOperation)
 {

@@ -407,7 +407,17 @@ TEST(VolumeInPlace, SourcesThatCanOnlyBeReadInOrderAreRefused)
   grid.Extent = { 0, 3, 0, 3, 0, 3 };
   const auto record = DescribeSource(disk, OpenForeignVolume, VolumePath, "/data/a.mha", {}, grid,
     { { "density", ValueType::UInt8 } });
-  ExpectError(record.GetStatus(), StatusCode::Unsupported, "only be read in order");
+  BlockedVolumeSettings settings;
+  settings.InPlace = Require(record);
+  auto opened = Require(OpenForeignVolume(disk, "/data/a.mha"));
+  ThreadCommunicator::Run(2,
+    [&](Communicator& ranks)
+    {
+      const auto written = BlockedVolumeWriter(ranks, disk)
+                             .Write(VolumePath, grid, opened.Arrays, *opened.Source, settings);
+      ExpectError(written.GetStatus(), StatusCode::Unsupported, "/data/a.mha");
+      ExpectError(written.GetStatus(), StatusCode::Unsupported, "only be read in order");
+    });
 }
 
 TEST(VolumeInPlace, HeadersWithImpossibleSourcesAreRefused)
@@ -418,7 +428,14 @@ TEST(VolumeInPlace, HeadersWithImpossibleSourcesAreRefused)
   { return BlockedVolumeHeader::Parse(header.Format(), VolumePath).GetStatus().GetCode(); };
   EXPECT_EQ(parse(good), StatusCode::Ok);
   BlockedVolumeHeader bad = good;
-  bad.TimeSteps[0].Source->Chunk[1] = 0;
+  (*bad.TimeSteps[0].Source->Chunk)[1] = 0;
+  EXPECT_EQ(parse(bad), StatusCode::Corrupt);
+  bad.TimeSteps[0].Source->Chunk.reset();
+  EXPECT_EQ(parse(bad), StatusCode::Corrupt);
+  bad = good;
+  bad.TimeSteps[0].CopyOf = bad.TimeSteps[0].Source;
+  EXPECT_EQ(parse(bad), StatusCode::Ok);
+  bad.TimeSteps[0].CopyOf->Arrays.clear();
   EXPECT_EQ(parse(bad), StatusCode::Corrupt);
   bad = good;
   bad.TimeSteps[0].Source->Path.clear();
