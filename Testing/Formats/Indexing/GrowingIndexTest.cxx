@@ -138,12 +138,12 @@ TEST(SourceSample, OfAStreamIsItsFirstSlicesUntilThereIsTimeForAll)
   disk.SetFile(source, bytes);
   for (const int ranks : { 1, 3 })
   {
-    const SourceSample first = ReadSamplesOf(disk, source, { 0, 200000 }, ranks)[0];
+    const SourceSample first = ReadSamplesOf(disk, source, { 0, 210000 }, ranks)[0];
     EXPECT_NE(first.Text.find("one of 4 x 4 x 4 samples, the first "), std::string::npos)
       << first.Text;
     EXPECT_LT(first.Share, 0.9);
     ExpectSample(first, volume, { 0, 0, 0 }, { 4, 4, 4 });
-    const auto all = ReadSamplesOf(disk, source, { 1000, 200000 }, ranks);
+    const auto all = ReadSamplesOf(disk, source, { 1000, 210000 }, ranks);
     EXPECT_EQ(all.back().Text, "one of 4 x 4 x 4 samples");
     ExpectSample(all.back(), volume, { 0, 0, 0 }, { 4, 4, 4 });
   }
