@@ -38,12 +38,18 @@ struct PointBounds
     this->Low = Minimum(other.Low, this->Low);
     this->High = Maximum(other.High, this->High);
   }
-  std::array<double, 6> Widen() const
+  std::array<float, 6> GetValues() const
   {
     const std::array<float, 3> low = this->Low.GetCoordinates();
     const std::array<float, 3> high = this->High.GetCoordinates();
-    return { static_cast<double>(low[0]), static_cast<double>(high[0]), static_cast<double>(low[1]),
-      static_cast<double>(high[1]), static_cast<double>(low[2]), static_cast<double>(high[2]) };
+    return { low[0], high[0], low[1], high[1], low[2], high[2] };
+  }
+  std::array<double, 6> Widen() const
+  {
+    const std::array<float, 6> values = this->GetValues();
+    std::array<double, 6> wide{};
+    std::copy(values.begin(), values.end(), wide.begin());
+    return wide;
   }
 };
 
@@ -157,6 +163,7 @@ TriangleMeasure MeasureTriangles(const TriangleSurface& surface, int threads)
   {
     measure.IsValid = measure.IsValid && run.IsValid;
     measure.ProperTriangles.push_back(run.ProperTriangles);
+    measure.RunBounds.push_back(run.Bounds.GetValues());
     bounds.Add(run.Bounds);
   }
   if (measure.IsValid && surface.NumberOfTriangles > 0)

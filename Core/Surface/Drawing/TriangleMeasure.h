@@ -15,8 +15,9 @@ namespace isosurface
 /// What drawing has to know of a surface.
 struct TriangleMeasure
 {
-  /// Triangles are counted and copied in runs of so many.
-  static constexpr std::size_t TrianglesOfRun = std::size_t{ 1 } << 16;
+  /// Triangles are counted, copied and left out of an image in runs of so many. The triangles of an
+  /// isosurface come block by block, so those of a run are close to each other.
+  static constexpr std::size_t TrianglesOfRun = std::size_t{ 1 } << 9;
 
   bool IsValid = false; ///< whether every point number is one of the surface's points
   /// Of the points that triangles use: xmin, xmax, ymin ...; minimum > maximum if there are none.
@@ -25,6 +26,8 @@ struct TriangleMeasure
   std::array<double, 6> PointBounds = { 1, -1, 1, -1, 1, -1 };
   /// By run: how many triangles have three points in different places.
   std::vector<std::uint32_t> ProperTriangles;
+  /// By run, as Bounds.
+  std::vector<std::array<float, 6>> RunBounds;
 
   /// The sum of ProperTriangles.
   std::size_t CountProperTriangles() const;

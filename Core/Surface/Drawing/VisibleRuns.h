@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_VisibleRuns_h
+#define isosurface_VisibleRuns_h
+
+#include "Surface/Drawing/BoxProjection.h"
+#include "Surface/Drawing/DepthPyramid.h"
+#include "Surface/Drawing/TriangleMeasure.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace isosurface
+{
+
+/**
+ * Chooses which runs of a surface's triangles an image needs (TriangleMeasure). The caller draws
+ * what FindFirst() returns, reads the depths of the image, and draws what FindNext() returns, until
+ * that is nothing. What was visible in the image before is drawn first, or, of a new surface, what
+ * would have been; of the rest what is not behind that. So no run is left out that has a visible
+ * triangle.
+ *
+ * Sources: L. Livnat, C. Hansen, "View dependent isosurface extraction", 1998, for surfaces in
+ * blocks; U. Haar, S. Aaltonen, "GPU-driven rendering pipelines", 2015, for what was visible before.
+ */
+class VisibleRuns
+{
+public:
+  /// Proper triangles [First, Last), counted over the surface.
+  struct Range
+  {
+    std::size_t First = 0;
+    std::size_t Last = 0;
+  };
+
+  /// Takes a surface, of which no image is known.
+  void Take(const TriangleMeasure& measure);
+  /// Begins an image.
+  void Begin(const BoxProjection& projection);
+
+  /// The triangles to draw first, in their order. `before`: the image before, of any surface.
+  std::vector<Range> FindFirst(const DepthPyramid& before);
+  /// The triangles to draw next, in their order, and none at the end. `drawn`: the image so far.
+  std::vector<Range> FindNext(const DepthPyramid& drawn);
+  /// Whether what FindNext() has returned is all of the surface that is in the image: too little of it
+  /// was drawn first.
+  bool HasBegunAnew() const { return this->BegunAnew; }
+
+  /// All triangles that have been drawn, in their order; those of runs that may cover a pixel.
+  std::vector<Range> FindDrawn();
+  std::vector<Range> FindDrawnAt(int x, int y);
+  std::size_t CountDrawn() const;
+
+private:
+  struct Run
+  {
+    std::size_t First = 0; ///< proper triangle
+    std::size_t Count = 0; ///< of proper triangles
+    std::array<float, 6> Bounds{};
+    ProjectedBox Box;
+    bool IsWaiting = false;  ///< neither drawn nor left out
+    bool IsDrawn = false;    ///< in this image
+    bool WasVisible = false; ///< in the image before
+  };
+
+  template <typename IsMeantT>
+  std::size_t Count(const IsMeantT& isMeant) const;
+  /// The waiting runs that are nearest, of about so many triangles.
+  std::vector<Range> DrawNearest(std::size_t triangles);
+  template <typename IsMeantT>
+  std::vector<Range> Draw(const IsMeantT& isMeant);
+
+  std::vector<Run> Runs;
+  bool BegunAnew = false;
+};
+
+} // namespace isosurface
+
+#endif
