@@ -3,6 +3,7 @@
 #include "vtkIsosurfaceMapper.h"
 
 #include "MeasuredTriangles.h"
+#include "OcclusionCulling.h"
 #include "vtkIsosurfaceMapperHelper.h"
 
 #include "vtkObjectFactory.h"
@@ -21,9 +22,10 @@ public:
   static IsosurfaceDelegator* New();
   vtkTypeMacro(IsosurfaceDelegator, vtkOpenGLCompositePolyDataMapperDelegator);
 
-  void SetTriangles(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles)
+  void Share(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles,
+    const std::shared_ptr<isosurface::OcclusionCulling>& culling)
   {
-    this->Helper->SetTriangles(triangles);
+    this->Helper->Share(triangles, culling);
   }
 
   IsosurfaceDelegator(const IsosurfaceDelegator&) = delete;
@@ -52,6 +54,8 @@ vtkStandardNewMacro(vtkIsosurfaceMapper);
 //------------------------------------------------------------------------------
 vtkIsosurfaceMapper::vtkIsosurfaceMapper()
   : Triangles(std::make_shared<isosurface::MeasuredTriangles>())
+  , Culling(std::make_shared<isosurface::OcclusionCulling>())
+  , OcclusionCulling(SOFTWARE)
 {
 }
 
@@ -63,7 +67,7 @@ vtkIsosurfaceMapper::~vtkIsosurfaceMapper() = default;
 vtkCompositePolyDataMapperDelegator* vtkIsosurfaceMapper::CreateADelegator()
 {
   IsosurfaceDelegator* delegator = IsosurfaceDelegator::New();
-  delegator->SetTriangles(this->Triangles);
+  delegator->Share(this->Triangles, this->Culling);
   return delegator;
 }
 #else
@@ -71,13 +75,20 @@ vtkCompositePolyDataMapperDelegator* vtkIsosurfaceMapper::CreateADelegator()
 vtkCompositeMapperHelper2* vtkIsosurfaceMapper::CreateHelper()
 {
   vtkIsosurfaceMapperHelper* helper = vtkIsosurfaceMapperHelper::New();
-  helper->SetTriangles(this->Triangles);
+  helper->Share(this->Triangles, this->Culling);
   return helper;
 }
 #endif
 
 //------------------------------------------------------------------------------
+vtkIdType vtkIsosurfaceMapper::GetNumberOfDrawnTriangles()
+{
+  return static_cast<vtkIdType>(this->Culling->GetDrawn());
+}
+
+//------------------------------------------------------------------------------
 void vtkIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+  os << indent << "OcclusionCulling: " << this->OcclusionCulling << "\n";
 }

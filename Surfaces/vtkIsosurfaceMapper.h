@@ -31,6 +31,7 @@
 namespace isosurface
 {
 class MeasuredTriangles;
+class OcclusionCulling;
 }
 
 class ISOSURFACESURFACES_EXPORT vtkIsosurfaceMapper : public vtkIsosurfaceMapperSuperclass
@@ -39,6 +40,26 @@ public:
   static vtkIsosurfaceMapper* New();
   vtkTypeMacro(vtkIsosurfaceMapper, vtkIsosurfaceMapperSuperclass);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// When hidden triangles are left out.
+  enum
+  {
+    NEVER = 0,
+    SOFTWARE = 1, ///< where the processor draws, which takes long for each triangle
+    ALWAYS = 2
+  };
+
+  ///@{
+  /**
+   * Whether triangles behind others, or outside of the image, are left out: of opaque surfaces of more
+   * than half a million triangles. The image is the same, to the last pixel. Default: SOFTWARE.
+   */
+  vtkSetClampMacro(OcclusionCulling, int, NEVER, ALWAYS);
+  vtkGetMacro(OcclusionCulling, int);
+  ///@}
+
+  /// How many triangles the last image needed: all, unless some were left out.
+  vtkIdType GetNumberOfDrawnTriangles();
 
   /// What measures the surface. Others that need the measure use this, so that it is made once.
   const std::shared_ptr<isosurface::MeasuredTriangles>& GetTriangles() const
@@ -61,6 +82,8 @@ private:
   void operator=(const vtkIsosurfaceMapper&) = delete;
 
   std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
+  std::shared_ptr<isosurface::OcclusionCulling> Culling;
+  int OcclusionCulling;
 };
 
 #endif

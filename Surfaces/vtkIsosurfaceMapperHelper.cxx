@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkIsosurfaceMapperHelper.h"
 
+#include "OcclusionCulling.h"
 #include "OpenGLFunctions.h"
+#include "vtkIsosurfaceMapper.h"
 
 #include "vtkActor.h"
 #include "vtkCellData.h"
@@ -23,6 +25,7 @@
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkScalarsToColors.h"
+#include "vtkSelection.h"
 #include "vtkSmartPointer.h"
 #include "vtkTransform.h"
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
@@ -228,6 +231,7 @@ bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor, c
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor)
 {
+  this->HasOwnBuffers = false;
   if (Block* block = this->GetBlockAlone())
   {
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
@@ -280,6 +284,8 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
     primitive.IBO->IndexCount = 0;
   }
   this->UploadIndices(this->Primitives[PrimitiveTris].IBO);
+  this->HasOwnBuffers = true;
+  this->Culling->Take(this->Triangles->GetMeasure());
 
   block.StartVertex = 0;
   block.NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
@@ -519,6 +525,61 @@ void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer
       isosurface::CopyProperTriangles(
         this->Triangles->GetSurface(), measure, indices, this->Threads);
     });
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
+{
+  // Fewer triangles are drawn before the depths are read.
+  constexpr std::size_t fewestIndices = 3 * 500000;
+  const bool isSelected = this->GetSelection() && this->GetSelection()->GetNumberOfNodes() > 0;
+  if (!this->HasOwnBuffers || !this->GetBlockAlone() || isSelected ||
+    this->Primitives[PrimitiveTris].IBO->IndexCount < fewestIndices)
+  {
+    return false;
+  }
+  auto* mapper = vtkIsosurfaceMapper::SafeDownCast(this->Parent);
+  const int culling = mapper ? mapper->GetOcclusionCulling() : vtkIsosurfaceMapper::NEVER;
+  const bool isWanted = culling == vtkIsosurfaceMapper::ALWAYS ||
+    (culling == vtkIsosurfaceMapper::SOFTWARE && isosurface::OcclusionCulling::IsSoftware());
+  double factor = 0;
+  double units = 0;
+  this->GetCoincidentTopologyPolygonOffsetParameters(factor, units);
+  // Triangles that are moved to the eye would be in front of their boxes.
+  const int coincident = vtkMapper::GetResolveCoincidentTopology();
+  const bool isMoved = coincident == VTK_RESOLVE_SHIFT_ZBUFFER ||
+    (coincident == VTK_RESOLVE_POLYGON_OFFSET && (factor < 0 || units < 0));
+  return isWanted && !isMoved && isosurface::OcclusionCulling::IsPossible(renderer, actor);
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
+{
+  if (!this->CanCull(renderer, actor))
+  {
+    this->Culling->SetDrawn(this->Primitives[PrimitiveTris].IBO->IndexCount / 3);
+    this->Superclass::RenderPieceDraw(renderer, actor);
+    return;
+  }
+  Block& block = *this->GetBlockAlone();
+  vtkOpenGLIndexBufferObject*& indices = this->Primitives[PrimitiveTris].IBO;
+  vtkOpenGLIndexBufferObject* all = indices;
+  this->Culling->Draw(renderer, actor, all,
+    [&](vtkOpenGLIndexBufferObject* some)
+    {
+      indices = some;
+      block.NextIndex[PrimitiveTris] = static_cast<unsigned int>(some->IndexCount);
+      this->Superclass::RenderPieceDraw(renderer, actor);
+    });
+  indices = all;
+  block.NextIndex[PrimitiveTris] = static_cast<unsigned int>(all->IndexCount);
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  this->Culling->ReleaseGraphicsResources();
+  this->Superclass::ReleaseGraphicsResources(window);
 }
 
 //------------------------------------------------------------------------------

@@ -25,6 +25,11 @@
 
 #include <memory> // For what is shared
 
+namespace isosurface
+{
+class OcclusionCulling;
+}
+
 class vtkIsosurfaceMapperHelper : public vtkIsosurfaceMapperHelperSuperclass
 {
 public:
@@ -32,17 +37,22 @@ public:
   vtkTypeMacro(vtkIsosurfaceMapperHelper, vtkIsosurfaceMapperHelperSuperclass);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// What measures the surface, shared with the mapper.
-  void SetTriangles(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles)
+  /// What the mapper has beyond a helper: what measures the surface, and what knows its last image.
+  void Share(const std::shared_ptr<isosurface::MeasuredTriangles>& triangles,
+    const std::shared_ptr<isosurface::OcclusionCulling>& culling)
   {
     this->Triangles = triangles;
+    this->Culling = culling;
   }
+
+  void ReleaseGraphicsResources(vtkWindow* window) override;
 
 protected:
   vtkIsosurfaceMapperHelper() = default;
   ~vtkIsosurfaceMapperHelper() override = default;
 
   void BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor) override;
+  void RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor) override;
   void BuildSelectionIBO(
     vtkPolyData* surface, std::vector<unsigned int> (&indices)[4], vtkIdType offset) override;
 
@@ -74,11 +84,15 @@ private:
   void FillVertices(const char* attribute, int components, std::size_t tuples, WriteT&& write);
   void UploadVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
   void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
+  /// Whether hidden triangles may be left out.
+  bool CanCull(vtkRenderer* renderer, vtkActor* actor);
 
   std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
   /// The array that colors the surface by a texture, if texture coordinates are written here; used
   /// only while buffers are made.
   vtkDataArray* ColorValues = nullptr;
+  std::shared_ptr<isosurface::OcclusionCulling> Culling;
+  bool HasOwnBuffers = false; ///< whether the buffers are not those of the superclass
   int Threads = 1;
 };
 

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "OcclusionCulling.h"
+
+#include "OpenGLFunctions.h"
+
+#include "vtkActor.h"
+#include "vtkInformation.h"
+#include "vtkInformationObjectBaseVectorKey.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
+#include "vtkOpenGLCamera.h"
+#include "vtkOpenGLRenderPass.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLState.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProperty.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+
+namespace isosurface
+{
+namespace
+{
+
+GLint GetInteger(GLenum name)
+{
+  GLint value = 0;
+  glGetIntegerv(name, &value);
+  return value;
+}
+
+std::size_t CountPixels(const std::array<int, 4>& viewport)
+{
+  return static_cast<std::size_t>(viewport[2]) * static_cast<std::size_t>(viewport[3]);
+}
+
+/// Reads the viewport from the framebuffer that is drawn to.
+void ReadImage(const std::array<int, 4>& viewport, GLenum format, GLenum type, void* pixels)
+{
+  const auto before = static_cast<GLuint>(GetInteger(GL_READ_FRAMEBUFFER_BINDING));
+  glBindFramebuffer(
+    GL_READ_FRAMEBUFFER, static_cast<GLuint>(GetInteger(GL_DRAW_FRAMEBUFFER_BINDING)));
+  const auto bufferBefore = static_cast<GLenum>(GetInteger(GL_READ_BUFFER));
+  glReadBuffer(static_cast<GLenum>(GetInteger(GL_DRAW_BUFFER0)));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(viewport[0], viewport[1], viewport[2], viewport[3], format, type, pixels);
+  glReadBuffer(bufferBefore);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, before);
+}
+
+/// What the shaders do to a point of the surface.
+std::array<double, 16> FindModelToClip(vtkRenderer* renderer, vtkActor* actor)
+{
+  auto* camera = static_cast<vtkOpenGLCamera*>(renderer->GetActiveCamera());
+  vtkMatrix4x4* worldToView = nullptr;
+  vtkMatrix3x3* normals = nullptr;
+  vtkMatrix4x4* viewToClip = nullptr;
+  vtkMatrix4x4* worldToClip = nullptr;
+  camera->GetKeyMatrices(renderer, worldToView, normals, viewToClip, worldToClip);
+  vtkNew<vtkMatrix4x4> all;
+  vtkMatrix4x4::Transpose(worldToClip, all); // shaders have them transposed
+  vtkMatrix4x4::Multiply4x4(all, actor->GetMatrix(), all);
+  std::array<double, 16> values{};
+  std::memcpy(values.data(), all->GetData(), sizeof(values));
+  return values;
+}
+
+} // namespace
+
+bool OcclusionCulling::IsSoftware()
+{
+  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return name &&
+    (std::strstr(name, "llvmpipe") || std::strstr(name, "SWR") || std::strstr(name, "softpipe"));
+}
+
+bool OcclusionCulling::IsPossible(vtkRenderer* renderer, vtkActor* actor)
+{
+  vtkShaderProperty* shaders = actor->GetShaderProperty();
+  vtkInformation* keys = actor->GetPropertyKeys();
+  const bool isPlain = !renderer->GetSelector() &&
+    !actor->IsRenderingTranslucentPolygonalGeometry() && !actor->GetForceOpaque() &&
+    !(keys && keys->Has(vtkOpenGLRenderPass::RenderPasses())) &&
+    vtkOpenGLCamera::SafeDownCast(renderer->GetActiveCamera()) &&
+    actor->GetCoordinateSystem() == vtkProp3D::WORLD &&
+    !(shaders &&
+      (shaders->HasVertexShaderCode() || shaders->HasFragmentShaderCode() ||
+        shaders->HasGeometryShaderCode() || shaders->GetNumberOfShaderReplacements() > 0));
+  if (!isPlain)
+  {
+    return false;
+  }
+  std::array<GLfloat, 2> range{};
+  glGetFloatv(GL_DEPTH_RANGE, range.data());
+  GLboolean writes = GL_FALSE;
+  glGetBooleanv(GL_DEPTH_WRITEMASK, &writes);
+  return glIsEnabled(GL_DEPTH_TEST) == GL_TRUE && writes == GL_TRUE &&
+    GetInteger(GL_DEPTH_FUNC) == GL_LEQUAL && range[0] == 0 && range[1] == 1 &&
+    GetInteger(GL_SAMPLE_BUFFERS) == 0 && GetInteger(GL_DRAW_BUFFER0) != GL_NONE &&
+    GetInteger(GL_DRAW_BUFFER1) == GL_NONE && glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
+}
+
+void OcclusionCulling::Take(const TriangleMeasure& measure)
+{
+  this->Runs.Take(measure);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    this->Centre[axis] = (measure.PointBounds[2 * axis] + measure.PointBounds[2 * axis + 1]) / 2;
+  }
+}
+
+void OcclusionCulling::Draw(
+  vtkRenderer* renderer, vtkActor* actor, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+{
+  vtkOpenGLState* state =
+    static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow())->GetState();
+  glGetIntegerv(GL_VIEWPORT, this->Viewport.data());
+  this->Ties.clear();
+  this->Runs.Begin(BoxProjection(
+    FindModelToClip(renderer, actor), this->Viewport[2], this->Viewport[3], this->Centre));
+  Ranges ranges = this->Runs.FindFirst(this->Pyramid);
+  if (!ranges.empty())
+  {
+    draw(this->CopyIndices(all, ranges));
+  }
+  this->ReadDepths();
+  for (ranges = this->Runs.FindNext(this->Pyramid); !ranges.empty();
+       ranges = this->Runs.FindNext(this->Pyramid))
+  {
+    vtkOpenGLIndexBufferObject* indices = this->CopyIndices(all, ranges);
+    if (!this->Runs.HasBegunAnew())
+    {
+      this->FindTies(state, indices, draw);
+    }
+    draw(indices);
+    this->ReadDepths();
+  }
+  this->DrawTies(state, all, draw);
+  this->Drawn = this->Runs.CountDrawn();
+}
+
+void OcclusionCulling::ReleaseGraphicsResources()
+{
+  this->Some->ReleaseGraphicsResources();
+  this->Room = 0;
+}
+
+vtkOpenGLIndexBufferObject* OcclusionCulling::CopyIndices(
+  vtkOpenGLIndexBufferObject* all, const Ranges& triangles)
+{
+  constexpr std::size_t size = 3 * sizeof(std::uint32_t);
+  std::size_t count = 0;
+  for (const VisibleRuns::Range& range : triangles)
+  {
+    count += range.Last - range.First;
+  }
+  if (3 * count == all->IndexCount)
+  {
+    return all;
+  }
+  this->Some->GenerateBuffer(vtkOpenGLBufferObject::ElementArrayBuffer);
+  glBindBuffer(GL_COPY_READ_BUFFER, static_cast<GLuint>(all->GetHandle()));
+  glBindBuffer(GL_COPY_WRITE_BUFFER, static_cast<GLuint>(this->Some->GetHandle()));
+  if (this->Room < count * size)
+  {
+    this->Room = count * size;
+    glBufferData(
+      GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(this->Room), nullptr, GL_DYNAMIC_DRAW);
+  }
+  std::size_t to = 0;
+  for (const VisibleRuns::Range& range : triangles)
+  {
+    const std::size_t bytes = (range.Last - range.First) * size;
+    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER,
+      static_cast<GLintptr>(range.First * size), static_cast<GLintptr>(to),
+      static_cast<GLsizeiptr>(bytes));
+    to += bytes;
+  }
+  glBindBuffer(GL_COPY_READ_BUFFER, 0);
+  glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
+  this->Some->IndexCount = 3 * count;
+  return this->Some;
+}
+
+void OcclusionCulling::ReadDepths()
+{
+  this->Depths.resize(CountPixels(this->Viewport));
+  ReadImage(this->Viewport, GL_DEPTH_COMPONENT, GL_FLOAT, this->Depths.data());
+  this->Pyramid.Build(this->Depths, this->Viewport[2], this->Viewport[3]);
+}
+
+void OcclusionCulling::ReadColors(Colors& colors) const
+{
+  colors.resize(CountPixels(this->Viewport));
+  ReadImage(this->Viewport, GL_RGBA, GL_UNSIGNED_BYTE, colors.data());
+}
+
+void OcclusionCulling::FindTies(
+  vtkOpenGLState* state, vtkOpenGLIndexBufferObject* indices, const DrawIndices& draw)
+{
+  this->ReadColors(this->Before);
+  {
+    const vtkOpenGLState::ScopedglDepthFunc savedOrder(state);
+    const vtkOpenGLState::ScopedglDepthMask savedMask(state);
+    state->vtkglDepthFunc(GL_EQUAL);
+    state->vtkglDepthMask(GL_FALSE);
+    draw(indices);
+  }
+  this->ReadColors(this->After);
+  for (std::size_t pixel = 0; pixel < this->After.size(); ++pixel)
+  {
+    if (this->Before[pixel] != this->After[pixel])
+    {
+      this->Ties.push_back(pixel);
+    }
+  }
+}
+
+void OcclusionCulling::DrawTies(
+  vtkOpenGLState* state, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+{
+  constexpr std::size_t few = 32;
+  if (this->Ties.size() > few)
+  {
+    draw(this->CopyIndices(all, this->Runs.FindDrawn()));
+    return;
+  }
+  const vtkOpenGLState::ScopedglScissor saved(state);
+  for (const std::size_t pixel : this->Ties)
+  {
+    const auto width = static_cast<std::size_t>(this->Viewport[2]);
+    const int x = static_cast<int>(pixel % width);
+    const int y = static_cast<int>(pixel / width);
+    state->vtkglScissor(this->Viewport[0] + x, this->Viewport[1] + y, 1, 1);
+    draw(this->CopyIndices(all, this->Runs.FindDrawnAt(x, y)));
+  }
+}
+
+} // namespace isosurface
