@@ -30,27 +30,23 @@
 #include <ctime>
 #include <utility>
 
-namespace
-{
-
-/// Seconds of the wall clock, and of this rank's processor time.
-struct Clocks
-{
-  double Wall = 0;
-  double Work = 0;
-
-  static Clocks Read()
-  {
-    return { vtkTimerLog::GetUniversalTime(), static_cast<double>(std::clock()) / CLOCKS_PER_SEC };
-  }
-};
-
-} // namespace
-
 /// Draws, and measures the time until the image is there.
 class TimedPass : public vtkRenderPass
 {
 public:
+  /// Seconds of the wall clock, and of this rank's processor time.
+  struct Clocks
+  {
+    double Wall = 0;
+    double Work = 0;
+
+    static Clocks Read()
+    {
+      return { vtkTimerLog::GetUniversalTime(),
+        static_cast<double>(std::clock()) / CLOCKS_PER_SEC };
+    }
+  };
+
   static TimedPass* New();
   vtkTypeMacro(TimedPass, vtkRenderPass);
   void Render(const vtkRenderState* state) override
@@ -162,9 +158,9 @@ double TimedDisplay::DrawFrame(Way& way)
   {
     this->Controller->ProcessRMIs();
   }
-  const Clocks end = Clocks::Read();
+  const TimedPass::Clocks end = TimedPass::Clocks::Read();
   this->Controller->Barrier();
-  const Clocks& rendered = this->Pass->GetEnd();
+  const TimedPass::Clocks& rendered = this->Pass->GetEnd();
   // Render, read, deliver, frame, after.
   std::array<double, 5> seconds = { this->Pass->TakeSeconds(), 0,
     isRoot ? end.Wall - this->BeginOfDelivery : 0, vtkTimerLog::GetUniversalTime() - begin,
