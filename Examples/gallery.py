@@ -19,7 +19,8 @@ ROCK = """
 import numpy
 size = 144
 noise = numpy.random.default_rng(5).standard_normal((size, size, size))
-frequency = numpy.sqrt(sum(axis ** 2 for axis in numpy.meshgrid(*[numpy.fft.fftfreq(size)] * 3)))
+axes = numpy.meshgrid(*[numpy.fft.fftfreq(size)] * 3)
+frequency = numpy.sqrt(numpy.sum([axis ** 2 for axis in axes], axis=0))
 rock = numpy.fft.ifftn(numpy.fft.fftn(noise) * numpy.exp(-((frequency / 0.035) ** 2))).real
 rock = rock / rock.std() + 0.25
 output.SetDimensions(size, size, size)
@@ -35,10 +36,12 @@ time = self.GetOutputInformation(0).Get(pipeline.UPDATE_TIME_STEP())
 size = 96
 z, y, x = numpy.meshgrid(*[numpy.linspace(-1, 1, size)] * 3, indexing="ij")
 far = 0.65 * (1 - time)
-field = sum(
+drops = ((0.16, 1, 0, 0), (0.14, -0.8, 0.6, 0), (0.12, 0, -0.8, 0.6))
+fields = [
     radius / numpy.sqrt((x - far * a) ** 2 + (y - far * b) ** 2 + (z - far * c) ** 2 + 1e-3)
-    for radius, a, b, c in ((0.16, 1, 0, 0), (0.14, -0.8, 0.6, 0), (0.12, 0, -0.8, 0.6))
-)
+    for radius, a, b, c in drops
+]
+field = numpy.sum(fields, axis=0)
 output.SetDimensions(size, size, size)
 output.PointData.append(field.astype(numpy.float32).ravel(), "field")
 output.VTKObject.GetPointData().SetActiveScalars("field")
