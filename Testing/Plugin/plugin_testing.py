@@ -158,7 +158,8 @@ class TestCase(unittest.TestCase):
         self.assertEqual(count_cells(surface), expected, f"at {isovalue}")
 
     def load_state(self, path):
-        if arguments.ranks > 1 and simple.GetParaViewVersion() >= (6, 1):
+        ranks = simple.servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
+        if ranks > 1 and simple.GetParaViewVersion() >= (6, 1):
             # Otherwise one rank reads the file, all are to reduce its error, and ParaView waits forever.
             simple.LoadState(path, location=simple.servermanager.vtkPVSession.SERVERS)
         else:
