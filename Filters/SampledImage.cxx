@@ -100,6 +100,8 @@ void TellGrid(const GridGeometry& grid, vtkInformation* outInfo)
   int extent[6];
   std::copy(grid.Extent.begin(), grid.Extent.end(), extent);
   outInfo->Set(Pipeline::WHOLE_EXTENT(), extent, 6);
+  // What was asked for of another image may be outside of this one, which VTK 9.6 refuses.
+  outInfo->Set(Pipeline::UPDATE_EXTENT(), extent, 6);
   outInfo->Set(vtkDataObject::ORIGIN(), grid.Origin.data(), 3);
   outInfo->Set(vtkDataObject::SPACING(), grid.Spacing.data(), 3);
   outInfo->Set(vtkDataObject::DIRECTION(), grid.Direction.data(), 9);
