@@ -4,6 +4,7 @@
 #include "InfoCommand.h"
 #include "ListCommand.h"
 #include "RepairCommand.h"
+#include "Sandbox.h"
 #include "SourceCommand.h"
 #include "StopSignal.h"
 #include "VerifyCommand.h"
@@ -14,16 +15,22 @@
 #include "vtkSmartPointer.h"
 
 #include "ControllerCommunicator.h"
+#include "Ground/Base/FileSystem.h"
+#include "Storage/Writing/GenerationFolder.h"
 
 #include <malloc.h>
 #include <mpi.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iterator>
 #include <new>
+#include <string>
+#include <system_error>
 
 using namespace isosurface;
 
@@ -35,6 +42,11 @@ using Command = BlockVolumeOptions::Command;
 Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
 {
   ISOSURFACE_RETURN_IF_ERROR(options.GetStatus());
+  if (options->IsSandboxed && ranks.GetSize() > 1)
+  {
+    return Status(StatusCode::InvalidArgument,
+      "--sandbox: ranks need the network, which it denies; one process takes all cores, too");
+  }
   if (options->What == Command::Write)
   {
     return RunWriteCommand(*options, ranks);
@@ -107,6 +119,81 @@ void ReturnLargeMemory()
 #endif
 }
 
+/// Runs the command, and tells its error. `controller`: of all ranks; null: one process.
+int RunAndTell(const Result<BlockVolumeOptions>& options, vtkMultiProcessController* controller)
+{
+  const int ranks = controller ? controller->GetNumberOfProcesses() : 1;
+  try
+  {
+    ControllerCommunicator communicator(controller);
+    return Finish(Run(options, communicator), communicator.GetRank());
+  }
+  catch (const std::bad_alloc&)
+  {
+    const std::string reason = IsInSandbox()
+      ? options->Input + ": out of memory; --sandbox-memory allows more"
+      : "out of memory; a smaller --memory may help";
+    return FailAtOnce(reason.c_str(), ranks);
+  }
+  catch (const std::exception& error)
+  {
+    return FailAtOnce(error.what(), ranks);
+  }
+}
+
+/// The folder where a path is or, if there is none yet, the one where that is made.
+std::string FindFolder(const std::string& path)
+{
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::absolute(path, error).parent_path();
+  while (!std::filesystem::is_directory(folder, error) && folder.has_relative_path())
+  {
+    folder = folder.parent_path();
+  }
+  return folder.string();
+}
+
+/// Runs the command in a process with limits, and removes what that one left if it could not.
+int RunInSandboxAndTell(const Result<BlockVolumeOptions>& options)
+{
+  FileSystem& files = GetLocalFileSystem();
+  // What is written, if anything is: a volume, or stores beside one.
+  const std::string& path = options->Output.empty() ? options->Input : options->Output;
+  SandboxLimits limits;
+  limits.MemoryBytes = options->SandboxMemory;
+  limits.Seconds = options->SandboxSeconds;
+  // A tenth of the disk stays free. Messages may go to a file, wherever that is.
+  constexpr std::uint64_t messages = std::uint64_t{ 1 } << 24;
+  limits.FileBytes = std::max(files.FindFreeBytes(path).value_or(0) / 10 * 9, messages);
+  if (options->What != Command::Info && options->What != Command::List &&
+    options->What != Command::Verify)
+  {
+    limits.Folder = FindFolder(path);
+  }
+  const auto ended = RunInSandbox(limits,
+    [&](const Status& limited)
+    { return limited.IsOk() ? RunAndTell(options, nullptr) : Finish(limited, 0); });
+  const int code = ended.IsOk() ? *ended
+                                : Finish(Status(ended.GetStatus().GetCode(),
+                                           options->Input + ": " + ended.GetStatus().GetMessage()),
+                                    0);
+  if (code != 0 && !limits.Folder.empty())
+  {
+    GenerationFolder::RemoveUnfinished(files, path);
+  }
+  return code;
+}
+
+void EndRanks(vtkSmartPointer<vtkMPIController>& controller)
+{
+  if (controller)
+  {
+    vtkMultiProcessController::SetGlobalController(nullptr);
+    controller->Finalize();
+    controller = nullptr;
+  }
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -121,26 +208,15 @@ int main(int argc, char** argv)
     vtkMultiProcessController::SetGlobalController(controller);
   }
   CatchStopSignals("blockvolume");
-  const int ranks = controller ? controller->GetNumberOfProcesses() : 1;
-  int code = 1;
-  try
+  const auto options = BlockVolumeOptions::Parse(argc, argv);
+  if (options.IsOk() && options->IsSandboxed &&
+    (!controller || controller->GetNumberOfProcesses() == 1))
   {
-    ControllerCommunicator communicator(controller);
-    const auto options = BlockVolumeOptions::Parse(argc, argv);
-    code = Finish(Run(options, communicator), communicator.GetRank());
+    // The threads of MPI do not follow into another process.
+    EndRanks(controller);
+    return RunInSandboxAndTell(options);
   }
-  catch (const std::bad_alloc&)
-  {
-    code = FailAtOnce("out of memory; a smaller --memory may help", ranks);
-  }
-  catch (const std::exception& error)
-  {
-    code = FailAtOnce(error.what(), ranks);
-  }
-  if (controller)
-  {
-    vtkMultiProcessController::SetGlobalController(nullptr);
-    controller->Finalize();
-  }
+  const int code = RunAndTell(options, controller);
+  EndRanks(controller);
   return code;
 }

@@ -48,6 +48,7 @@ Examples:
   blockvolume --verify scan.bvol
   blockvolume head.mhd head.bvol --stores 8 --replicas 2
   blockvolume --repair head.bvol
+  blockvolume --sandbox mail/unknown.dcm unknown.bvol
 
 Exit status: 0 for success, 1 for an error or a fault found, 130 if the command was interrupted. OUT.bvol
 appears in one step at the end; until then, and after an error, an older file stays unchanged.)";
@@ -125,6 +126,7 @@ struct RawTexts
   bool IsBigEndian = false;
   bool IsGzip = false;
   std::uint64_t MemoryMebibytes = 1024;
+  std::uint64_t SandboxMebibytes = 2048;
   bool IsInfo = false;
   bool IsVerify = false;
   bool IsRepair = false;
@@ -221,6 +223,27 @@ void AddSourceOptions(CLI::App& app, BlockVolumeOptions& options)
     "Write nothing, but tell IN.bvol, which was written in place, where its IN is now");
 }
 
+void AddSandboxOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
+{
+  app.option_defaults()->group("Files of strangers");
+  CLI::Option* sandbox = app.add_flag("--sandbox", options.IsSandboxed,
+    "Work in a process of its own, with limits: what crashes a library that reads IN, loops or "
+    "takes\n"
+    "all memory is an error; nothing else is reached. One process, no mpirun");
+  app
+    .add_option("--sandbox-memory", texts.SandboxMebibytes,
+      "MiB of address space of that process, besides --memory")
+    ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
+    ->capture_default_str()
+    ->needs(sandbox);
+  app
+    .add_option("--sandbox-seconds", options.SandboxSeconds,
+      "Processor time of that process, until it comes forward")
+    ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
+    ->capture_default_str()
+    ->needs(sandbox);
+}
+
 void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
 {
   app.option_defaults()->group("Inspecting a blocked volume");
@@ -295,6 +318,7 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
   ISOSURFACE_RETURN_IF_ERROR(compression.GetStatus());
   options.Settings.Compression = *compression;
   options.Settings.MemoryLimit = texts.MemoryMebibytes << 20;
+  options.SandboxMemory = (texts.MemoryMebibytes + texts.SandboxMebibytes) << 20;
   if (!texts.Arrays.empty())
   {
     options.Arrays = SplitAtCommas(texts.Arrays);
@@ -384,6 +408,7 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   AddDatasetOptions(app, texts, options);
   AddInputOptions(app, texts);
   AddSourceOptions(app, options);
+  AddSandboxOptions(app, texts, options);
   AddInspectingOptions(app, texts, options);
   try
   {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,10 @@ struct BlockVolumeOptions
   std::string Input;
   std::string Output;
   bool IsQuiet = false;
+
+  bool IsSandboxed = false;            ///< whether all is done in a process with limits (Sandbox.h)
+  std::uint64_t SandboxMemory = 0;     ///< bytes of its address space
+  std::uint64_t SandboxSeconds = 3600; ///< of its processor time without progress
 
   // Writing
   BlockedVolumeSettings Settings;

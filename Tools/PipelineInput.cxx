@@ -2,6 +2,7 @@
 #include "PipelineInput.h"
 
 #include "ReaderCrash.h"
+#include "Sandbox.h"
 
 #include "vtkAlgorithm.h"
 #include "vtkImageData.h"
@@ -36,6 +37,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -164,7 +166,11 @@ std::string DescribeCrash(const std::string& path, vtkAlgorithm* reader)
 template <typename Step>
 Status RunReader(const std::string& path, vtkAlgorithm* reader, Step&& step)
 {
-  const ReaderCrash crash(DescribeCrash(path, reader));
+  std::optional<ReaderCrash> crash;
+  if (!IsInSandbox()) // whose other process tells of it
+  {
+    crash.emplace(DescribeCrash(path, reader));
+  }
   try
   {
     step();

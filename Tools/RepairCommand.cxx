@@ -2,6 +2,7 @@
 #include "RepairCommand.h"
 
 #include "ProgressDisplay.h"
+#include "Sandbox.h"
 
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Verification/VolumeRepair.h"
@@ -17,8 +18,9 @@ Status RunRepairCommand(const BlockVolumeOptions& options)
   const int threads =
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
   ProgressDisplay display(options.Input, 0, !options.IsQuiet);
+  const Progress progress = display.GetProgress();
   const auto done =
-    RepairBlockedVolume(options.Input, GetLocalFileSystem(), threads, display.GetProgress());
+    RepairBlockedVolume(options.Input, GetLocalFileSystem(), threads, RenewTimeWith(progress));
   display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(done.GetStatus());
   if (!options.IsQuiet)

@@ -2,6 +2,7 @@
 #include "SourceCommand.h"
 
 #include "ProgressDisplay.h"
+#include "Sandbox.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/ParallelFor.h"
@@ -17,8 +18,9 @@ Status RunSourceCommand(const BlockVolumeOptions& options)
   const int threads =
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
   ProgressDisplay display(options.Input, 0, !options.IsQuiet);
+  const Progress progress = display.GetProgress();
   ISOSURFACE_RETURN_IF_ERROR(RelocateSource(GetLocalFileSystem(), OpenForeignVolume, options.Input,
-    options.Source, threads, display.GetProgress()));
+    options.Source, threads, RenewTimeWith(progress)));
   display.Clear();
   if (!options.IsQuiet)
   {

@@ -2,6 +2,7 @@
 #include "VerifyCommand.h"
 
 #include "ProgressDisplay.h"
+#include "Sandbox.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/ParallelFor.h"
@@ -42,8 +43,9 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
   const int threads =
     options.Settings.Threads > 0 ? options.Settings.Threads : ChooseThreadCount(1);
   ProgressDisplay display(options.Input, CountBytes(options.Input), !options.IsQuiet);
+  const Progress progress = display.GetProgress();
   const auto found = VerifyBlockedVolume(
-    options.Input, GetLocalFileSystem(), threads, display.GetProgress(), OpenForeignVolume);
+    options.Input, GetLocalFileSystem(), threads, RenewTimeWith(progress), OpenForeignVolume);
   const double seconds = display.GetSeconds();
   display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());

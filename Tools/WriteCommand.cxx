@@ -3,6 +3,7 @@
 
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
+#include "Sandbox.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/SourceRecord.h"
@@ -84,8 +85,9 @@ Status WriteStep(
   { std::fprintf(stderr, "blockvolume: warning: %s\n", warning.c_str()); };
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
+  const Progress progress = display.GetProgress();
   const auto written = BlockedVolumeWriter(ranks).Write(
-    options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, display.GetProgress());
+    options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, RenewTimeWith(progress));
   const double seconds = display.GetSeconds();
   display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());

@@ -103,15 +103,16 @@ void BlockedVolumeWriteJob::ReadJournal()
   if (this->Context.Rank == 0 && this->Context.Settings.JournalSeconds && this->Lock->IsExclusive())
   {
     mine.push_back(1);
-    const auto read = [&]() -> Status
-    {
-      const auto file =
-        this->Context.Files.OpenForReading(WriteJournal::GetPath(this->Context.Path));
-      ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-      mine.resize(1 + static_cast<std::size_t>((*file)->GetSize()));
-      return (*file)->Read(0, mine.size() - 1, mine.data() + 1);
-    };
-    mine.resize(this->Context.Attempt(read).IsOk() ? mine.size() : 1);
+    static_cast<void>(this->Context.Attempt(
+      [&]
+      {
+        const auto text = WriteJournal::ReadText(this->Context.Files, this->Context.Path);
+        if (text.IsOk())
+        {
+          mine.insert(mine.end(), text->begin(), text->end());
+        }
+        return text.GetStatus();
+      }));
   }
   const Message shared = this->Context.Ranks.AllGather(mine)[0];
   if (shared.empty())

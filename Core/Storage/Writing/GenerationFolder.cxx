@@ -66,6 +66,32 @@ void GenerationFolder::RemoveUnnamed(
   }
 }
 
+void GenerationFolder::RemoveUnfinished(FileSystem& files, const std::string& path)
+{
+  const std::string folder = GetStoresFolder(path);
+  if (!files.Exists(folder))
+  {
+    return;
+  }
+  const auto lock = files.LockFolder(folder);
+  if (!lock.IsOk() || !(*lock)->IsExclusive())
+  {
+    return;
+  }
+  BlockedVolumeHeader kept;
+  const auto text = WriteJournal::ReadText(files, path);
+  const auto journal = text.IsOk() ? WriteJournal::Parse(*text, path) : text.GetStatus();
+  if (journal.IsOk())
+  {
+    kept = journal->Finished.value_or(kept);
+    kept.TimeSteps.emplace_back().Folder = journal->Folder;
+  }
+  RemoveUnnamed(files, path, kept, journal.IsOk());
+  static_cast<void>(files.RemoveAll(WriteJournal::GetPath(path) + ".partial"));
+  static_cast<void>(files.RemoveAll(GetPartialPath(path)));
+  Discard(files, path, "");
+}
+
 Result<std::string> GenerationFolder::Create(FileSystem& files, const std::string& path)
 {
   const auto names = files.List(GetStoresFolder(path));

@@ -38,6 +38,10 @@ public:
   static void RemoveUnnamed(FileSystem& files, const std::string& path,
     const BlockedVolumeHeader& pending, bool isJournaled);
 
+  /// Removes what a write has left that was killed, now and not with the next write. What its journal
+  /// has stays for the next one. Does nothing if somebody is writing there.
+  static void RemoveUnfinished(FileSystem& files, const std::string& path);
+
   /// Makes a folder with a number above all existing ones; returns its name. An error if another
   /// process makes the same one meanwhile.
   static Result<std::string> Create(FileSystem& files, const std::string& path);

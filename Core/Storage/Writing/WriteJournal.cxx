@@ -47,6 +47,15 @@ Status WriteJournal::Write(FileSystem& files, const std::string& volumePath) con
   return files.SyncDirectory(GetStoresFolder(volumePath));
 }
 
+Result<std::string> WriteJournal::ReadText(FileSystem& files, const std::string& volumePath)
+{
+  const auto file = files.OpenForReading(GetPath(volumePath));
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  return text;
+}
+
 Result<WriteJournal> WriteJournal::Parse(const std::string& text, const std::string& volumePath)
 {
   const std::string path = GetPath(volumePath);

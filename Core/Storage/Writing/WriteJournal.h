@@ -36,6 +36,7 @@ struct WriteJournal
 
   /// Replaces the file.
   Status Write(FileSystem& files, const std::string& volumePath) const;
+  static Result<std::string> ReadText(FileSystem& files, const std::string& volumePath);
   /// Parses the text of the file. Errors: Corrupt, Unsupported.
   static Result<WriteJournal> Parse(const std::string& text, const std::string& volumePath);
 

@@ -5,6 +5,8 @@
 #include "Fixtures/VolumeOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
+#include "Storage/Writing/GenerationFolder.h"
+#include "Storage/Writing/WriteJournal.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -345,6 +347,29 @@ bool WriteAndKill(const std::string& folder, int ranks, useconds_t after)
   return WIFEXITED(state);
 }
 
+/// Has what the next program would remove removed now: the journal and what it names stay.
+void RemoveUnfinished(const std::string& folder)
+{
+  const std::string path = folder + "/" + IndexName;
+  const auto before = ReadStores(folder);
+  GenerationFolder::RemoveUnfinished(GetLocalFileSystem(), path);
+  const auto found = before.find("journal");
+  if (found == before.end())
+  {
+    EXPECT_FALSE(std::filesystem::exists(path + ".stores"));
+    return;
+  }
+  auto kept = before;
+  const std::string named = Require(WriteJournal::Parse(found->second, path)).Folder + "/";
+  for (auto file = kept.begin(); file != kept.end();)
+  {
+    const bool isNamed =
+      file->first == "journal" || file->first.compare(0, named.size(), named) == 0;
+    file = isNamed ? std::next(file) : kept.erase(file);
+  }
+  EXPECT_EQ(ReadStores(folder), kept);
+}
+
 } // namespace
 
 TEST(UnfinishedIndex, IsThatOfAWriteAtOnceHoweverOftenTheProgramIsKilled)
@@ -364,6 +389,10 @@ TEST(UnfinishedIndex, IsThatOfAWriteAtOnceHoweverOftenTheProgramIsKilled)
          longest += longest / 4)
     {
       ++killed;
+      if (killed % 2 == 0)
+      {
+        RemoveUnfinished(folder);
+      }
     }
     const auto header =
       Require(BlockedVolumeHeader::Read(GetLocalFileSystem(), folder + "/" + IndexName));

@@ -6,6 +6,7 @@
 #include "Formats/Plain/RawVolume.h"
 #include "Storage/Verification/VolumeVerification.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
+#include "Storage/Writing/GenerationFolder.h"
 
 #include <algorithm>
 #include <chrono>
@@ -237,6 +238,33 @@ TEST_F(BlockedVolumeCrash, LeavesRoomForTheNextRunAfterAKilledOne)
   ASSERT_TRUE(this->Write(after, look).IsOk());
   EXPECT_EQ(atBegin, 2u) << "the killed run's folder stood beside the old one and the new one";
   EXPECT_EQ(this->CountGenerations(), 1u);
+  EXPECT_TRUE(this->Holds(after));
+}
+
+TEST_F(BlockedVolumeCrash, IsCleanedBehindWithoutAnotherRun)
+{
+  const Index3 size = { 60, 50, 40 };
+  const auto before = MakeVolume<std::uint8_t>(size, 1);
+  const auto after = MakeVolume<std::uint8_t>(size, 2);
+  const auto killItself = [](double share) { return share < 0.9 || ::raise(SIGKILL) == 0; };
+  const auto writeAndClean = [&]
+  {
+    EXPECT_EQ(Wait(Start([&] { return this->Write(after, killItself).IsOk() ? 0 : 1; })), -SIGKILL);
+    GenerationFolder::RemoveUnfinished(this->Files, this->Path);
+  };
+  writeAndClean();
+  EXPECT_EQ(this->Files.List(this->Folder)->size(), 0u);
+  ASSERT_TRUE(this->Write(before).IsOk());
+  writeAndClean();
+  EXPECT_EQ(this->CountGenerations(), 1u);
+  EXPECT_TRUE(this->Holds(before));
+  // While somebody writes, nothing is removed.
+  const auto clean = [&](double)
+  {
+    GenerationFolder::RemoveUnfinished(this->Files, this->Path);
+    return true;
+  };
+  ASSERT_TRUE(this->Write(after, clean).IsOk());
   EXPECT_TRUE(this->Holds(after));
 }
 
