@@ -117,6 +117,13 @@ class Store:
         check(all(tree.identity == hash64(sum_of_store, variable)
                   for variable, tree in enumerate(self.trees)), f"{folder}: another store's tree")
 
+        if "seals" in description:
+            seals = description["seals"]
+            files = [self.directory] + [tree.file for tree in self.trees]
+            check(len(seals) == 16 * len(files), f"{folder}: another number of seals")
+            for number, file in enumerate(files):
+                file.check_seal(int(seals[16 * number:16 * (number + 1)], 16))
+
     def find_block(self, ordinal):
         """Index, offset, and the segments' lengths of a block."""
         page, entry = divmod(ordinal, self.per_page)

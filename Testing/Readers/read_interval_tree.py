@@ -45,8 +45,29 @@ class PagedFile:
         self.page_reads = 0
         first = self.read(0)
         check(first[24:32] == kind, f"{path}: is not of kind {kind}")
-        check(not any(first[288:]), f"{path}: page 0 does not end with zeros")
+        self.seal, = struct.unpack_from("<Q", self.bytes, self.page_size - 8)
+        self.check_sums(first)
         self.client_area = first[32:288]
+
+    def check_sums(self, first):
+        self.group, = struct.unpack_from("<Q", first, 288)
+        if self.group == 0:
+            check(not any(first[288:]), f"{self.path}: page 0 does not end with zeros")
+            return
+        pages = range(1, self.page_count)
+        limit = (self.page_size - 304) // 8
+        check(self.group & (self.group - 1) == 0 and -(-len(pages) // self.group) <= limit
+              and (self.group == 1 or -(-len(pages) // (self.group // 2)) > limit),
+              f"{self.path}: impossible groups of pages")
+        sums = [0] * limit
+        for page in pages:
+            checksum, = struct.unpack_from("<Q", self.bytes, (page + 1) * self.page_size - 8)
+            sums[(page - 1) // self.group] += checksum
+        check(first[296:] == struct.pack(f"<{limit}Q", *(of % 2**64 for of in sums)),
+              f"{self.path}: wrong sums of checksums")
+
+    def check_seal(self, seal):
+        check(self.group > 0 and self.seal == seal, f"{self.path}: another file's seal")
 
     def read(self, page):
         """The payload of a page."""

@@ -23,6 +23,8 @@ constexpr std::size_t PageCountOffset = 16;
 constexpr std::size_t KindOffset = 24;
 constexpr std::size_t ClientAreaOffset = 32;
 constexpr std::size_t FixedHeaderSize = ClientAreaOffset + PagedFile::ClientAreaSize;
+constexpr std::size_t GroupSizeOffset = FixedHeaderSize;
+static_assert(GroupSizeOffset + sizeof(std::uint64_t) == PagedFile::SumsOffset);
 
 // The memory of a cached page besides its bytes: nodes of list and map, vector, shared pointer,
 // malloc.
@@ -77,7 +79,15 @@ Status PagedFileWriter::WritePage(std::uint32_t page, const std::uint8_t* payloa
     ? this->Pending.data() + static_cast<std::size_t>(page - this->FlushedPages) * this->PageSize
     : this->Scratch.data();
   std::copy(payload, payload + this->GetPayloadSize(), bytes);
-  this->Seal(page, bytes);
+  const std::uint64_t checksum = this->Seal(page, bytes);
+  if (page == 0)
+  {
+    this->SealOfFile = checksum;
+  }
+  else
+  {
+    this->AddToSums(page, checksum);
+  }
   if (pending)
   {
     return Status::Ok();
@@ -96,6 +106,12 @@ Status PagedFileWriter::Finish(const PagedFile::ClientArea& clientArea)
   StoreLittleEndian(&header[PageCountOffset], this->PageCount);
   std::copy(this->Kind.begin(), this->Kind.end(), header.begin() + KindOffset);
   std::copy(clientArea.begin(), clientArea.end(), header.begin() + ClientAreaOffset);
+  StoreLittleEndian(&header[GroupSizeOffset], this->GroupSize);
+  for (std::size_t group = 0; group < this->Sums.size(); ++group)
+  {
+    StoreLittleEndian(
+      &header[PagedFile::SumsOffset + group * sizeof(std::uint64_t)], this->Sums[group]);
+  }
   ISOSURFACE_RETURN_IF_ERROR(this->WritePage(0, header.data()));
   return this->File->SyncAndClose();
 }
@@ -108,10 +124,31 @@ Status PagedFileWriter::Flush()
   return Status::Ok();
 }
 
-void PagedFileWriter::Seal(std::uint64_t page, std::uint8_t* bytes) const
+std::uint64_t PagedFileWriter::Seal(std::uint64_t page, std::uint8_t* bytes) const
 {
   const std::size_t size = this->GetPayloadSize();
-  StoreLittleEndian(bytes + size, ComputeChecksum(bytes, size, page));
+  const std::uint64_t checksum = ComputeChecksum(bytes, size, page);
+  StoreLittleEndian(bytes + size, checksum);
+  return checksum;
+}
+
+void PagedFileWriter::AddToSums(std::uint64_t page, std::uint64_t checksum)
+{
+  while ((page - 1) / this->GroupSize >= PagedFile::GetSumLimit(this->PageSize))
+  {
+    // Two groups become one: their sums can be added, whichever pages were written so far.
+    this->GroupSize *= 2;
+    for (std::size_t group = 0; group < this->Sums.size(); ++group)
+    {
+      const std::uint64_t sum = this->Sums[group];
+      this->Sums[group] = 0;
+      this->Sums[group / 2] += sum;
+    }
+    this->Sums.resize((this->Sums.size() + 1) / 2);
+  }
+  const auto group = static_cast<std::size_t>((page - 1) / this->GroupSize);
+  this->Sums.resize(std::max(this->Sums.size(), group + 1));
+  this->Sums[group] += checksum;
 }
 
 Result<std::unique_ptr<PagedFileReader>> PagedFileReader::Open(
@@ -172,7 +209,43 @@ Status PagedFileReader::ReadHeader(const PagedFile::Kind& kind)
   }
   std::copy_n(
     (*page)->begin() + ClientAreaOffset, PagedFile::ClientAreaSize, this->ClientArea.begin());
+  return this->TakeSums(**page);
+}
+
+Status PagedFileReader::TakeSums(const std::vector<std::uint8_t>& first)
+{
+  this->Seal = LoadLittleEndian<std::uint64_t>(first.data() + this->GetPayloadSize());
+  const auto size = LoadLittleEndian<std::uint64_t>(first.data() + GroupSizeOffset);
+  const std::uint64_t pages = this->PageCount - 1;
+  const std::size_t limit = PagedFile::GetSumLimit(this->PageSize);
+  const auto countGroups = [&](std::uint64_t ofSize)
+  { return pages / ofSize + (pages % ofSize != 0 ? 1 : 0); };
+  if (size == 0)
+  {
+    return Status::Ok();
+  }
+  if ((size & (size - 1)) != 0 || countGroups(size) > limit ||
+    (size > 1 && countGroups(size / 2) <= limit))
+  {
+    return this->MakeCorrupt(0, "its pages cannot be in groups of " + std::to_string(size));
+  }
+  this->GroupSize = size;
+  this->Sums.resize(static_cast<std::size_t>(countGroups(size)));
+  for (std::size_t group = 0; group < this->Sums.size(); ++group)
+  {
+    this->Sums[group] = LoadLittleEndian<std::uint64_t>(
+      first.data() + PagedFile::SumsOffset + group * sizeof(std::uint64_t));
+  }
   return Status::Ok();
+}
+
+Status PagedFileReader::CheckSeal(std::uint64_t seal) const
+{
+  return this->GroupSize > 0 && this->Seal == seal
+    ? Status::Ok()
+    : this->MakeCorrupt(0,
+        "this is not the file that was written: its seal is " + FormatChecksum(this->Seal) +
+          ", not " + FormatChecksum(seal) + " as the volume's header says");
 }
 
 Result<PagedFileReader::Page> PagedFileReader::ReadPage(
@@ -202,12 +275,63 @@ Result<PagedFileReader::Page> PagedFileReader::ReadFromDisk(std::uint64_t page) 
   ISOSURFACE_RETURN_IF_ERROR(
     this->File->Read(page * this->PageSize, this->PageSize, bytes->data()));
   const std::size_t size = this->GetPayloadSize();
-  if (LoadLittleEndian<std::uint64_t>(bytes->data() + size) !=
-    ComputeChecksum(bytes->data(), size, page))
+  const auto checksum = LoadLittleEndian<std::uint64_t>(bytes->data() + size);
+  if (checksum != ComputeChecksum(bytes->data(), size, page))
   {
     return this->MakeCorrupt(page, "wrong checksum");
   }
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckGroup(page, checksum));
   return Page(std::move(bytes));
+}
+
+Status PagedFileReader::CheckGroup(std::uint64_t page, std::uint64_t checksum) const
+{
+  if (page == 0 || this->GroupSize == 0)
+  {
+    return Status::Ok();
+  }
+  const std::uint64_t group = (page - 1) / this->GroupSize;
+  const std::uint64_t first = 1 + group * this->GroupSize;
+  std::vector<std::uint64_t> checksums;
+  {
+    const std::lock_guard<std::mutex> lock(this->CacheMutex);
+    const auto known = this->KnownGroups.find(group);
+    if (known != this->KnownGroups.end())
+    {
+      return known->second[static_cast<std::size_t>(page - first)] == checksum
+        ? Status::Ok()
+        : this->MakeCorrupt(page, "was changed since the file was opened");
+    }
+  }
+  std::uint64_t sum = 0;
+  for (std::uint64_t other = first; other < std::min(first + this->GroupSize, this->PageCount);
+       ++other)
+  {
+    std::array<std::uint8_t, PagedFile::ChecksumSize> bytes{};
+    StoreLittleEndian(bytes.data(), checksum);
+    if (other != page)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->File->Read(
+        other * this->PageSize + this->GetPayloadSize(), bytes.size(), bytes.data()));
+    }
+    checksums.push_back(LoadLittleEndian<std::uint64_t>(bytes.data()));
+    sum += checksums.back();
+  }
+  if (sum != this->Sums[static_cast<std::size_t>(group)])
+  {
+    return this->MakeCorrupt(page,
+      this->GroupSize == 1
+        ? "this is not the page that was written: its checksum is not the one that page 0 has"
+        : "the pages " + std::to_string(first) + " to " +
+          std::to_string(first + checksums.size() - 1) +
+          " are not those that were written: page 0 has another sum of their checksums");
+  }
+  if (this->GroupSize > 1)
+  {
+    const std::lock_guard<std::mutex> lock(this->CacheMutex);
+    this->KnownGroups.emplace(group, std::move(checksums));
+  }
+  return Status::Ok();
 }
 
 PagedFileReader::Page PagedFileReader::FindInCache(std::uint64_t page) const

@@ -38,9 +38,16 @@ struct PageStatistics
  *     |   16 | number of pages    (uint64)    |     +------+--------------------------------+
  *     |   24 | kind, 8 characters             |
  *     |   32 | client area, 256 bytes         |     checksum = XXH3-64 of the payload, with the
- *     |  288 | zeros                          |     page's number as seed: a page in a wrong place
- *     | PageSize - 8 : checksum (uint64)      |     does not match its checksum
+ *     |  288 | pages a group G    (uint64)    |     page's number as seed: a page in a wrong place
+ *     |  296 | sums of groups     (uint64)    |     does not match its checksum
+ *     |  ... | zeros                          |
+ *     | PageSize - 8 : checksum (uint64)      |
  *     +------+--------------------------------+
+ *
+ * The pages from 1 on are in groups of G, the last one may be smaller. The sum of a group is that of
+ * its pages' checksums, modulo 2^64. G is the minimum power of two with which all sums fit. So the
+ * checksum of page 0, the file's seal, stands for every byte of the file: a page that is whole, but
+ * not the one that was written, does not match its sum. Files without sums have G = 0.
  */
 struct PagedFile
 {
@@ -48,6 +55,7 @@ struct PagedFile
   static constexpr std::uint32_t DefaultPageSize = 4096;
   static constexpr std::size_t ChecksumSize = 8;
   static constexpr std::size_t ClientAreaSize = 256;
+  static constexpr std::size_t SumsOffset = 296;
 
   /// Eight characters that name the content of the pages.
   using Kind = std::array<char, 8>;
@@ -58,12 +66,18 @@ struct PagedFile
   {
     return size == 4096 || size == 8192 || size == 16384;
   }
+
+  /// The number of sums that fit page 0: 474 in pages of 4096 bytes.
+  static std::size_t GetSumLimit(std::size_t pageSize)
+  {
+    return (pageSize - SumsOffset - ChecksumSize) / sizeof(std::uint64_t);
+  }
 };
 
 /**
- * Writes a paged file. Pages are allocated in order and may be written in any order. Finish()
- * writes page 0 last: a file without it is not valid. Memory: WriteBehindSize bytes, so that
- * successive pages reach the disk in one write.
+ * Writes a paged file. Pages are allocated in order and may be written in any order, each once.
+ * Finish() writes page 0 last: a file without it is not valid. Memory: WriteBehindSize bytes, so that
+ * successive pages reach the disk in one write, and two pages.
  */
 class PagedFileWriter
 {
@@ -84,11 +98,16 @@ public:
   /// Writes page 0, flushes the file to stable storage and closes it.
   Status Finish(const PagedFile::ClientArea& clientArea);
 
+  /// The checksum of page 0, after Finish().
+  std::uint64_t GetSeal() const { return this->SealOfFile; }
+
 private:
   PagedFileWriter(
     std::unique_ptr<WritableFile> file, std::uint32_t pageSize, const PagedFile::Kind& kind);
   Status Flush();
-  void Seal(std::uint64_t page, std::uint8_t* bytes) const;
+  /// Puts the checksum of a page behind its payload; returns it.
+  std::uint64_t Seal(std::uint64_t page, std::uint8_t* bytes) const;
+  void AddToSums(std::uint64_t page, std::uint64_t checksum);
 
   std::unique_ptr<WritableFile> File;
   std::uint32_t PageSize;
@@ -97,12 +116,17 @@ private:
   std::uint64_t FlushedPages = 0;
   std::vector<std::uint8_t> Pending; // pages FlushedPages .. PageCount - 1
   std::vector<std::uint8_t> Scratch; // one page
+  std::uint64_t GroupSize = 1;
+  std::vector<std::uint64_t> Sums; // by group
+  std::uint64_t SealOfFile = 0;
 };
 
 /**
- * Reads a paged file. Checks the checksum of every page that it reads from disk. Keeps pages in a
- * least-recently-used cache of at most `cacheBytes` bytes (0: none), overhead included. Any number
- * of threads may read at once.
+ * Reads a paged file. Checks the checksum of every page that it reads from disk, and the sum of its
+ * group, if the file has sums: then the first page of a group costs a read of 8 bytes for each other
+ * page of it. Keeps pages in a least-recently-used cache of at most `cacheBytes` bytes (0: none),
+ * overhead included; besides, 8 bytes for each page of the groups it has read from, if a group has
+ * several. Any number of threads may read at once.
  *
  * Errors: Corrupt (not a paged file, another kind, truncated, longer than its header says, altered;
  * the message names file, page and reason), Unsupported (a newer format version), those of the
@@ -124,6 +148,9 @@ public:
   const PagedFile::ClientArea& GetClientArea() const { return this->ClientArea; }
   const std::string& GetPath() const { return this->File->GetPath(); }
 
+  /// Corrupt unless the file has sums, and its seal is this one (PagedFileWriter::GetSeal()).
+  Status CheckSeal(std::uint64_t seal) const;
+
   /// Reads a page, or takes it from the cache; counts that in `statistics`.
   Result<Page> ReadPage(std::uint64_t page, PageStatistics& statistics) const;
 
@@ -133,7 +160,10 @@ public:
 private:
   explicit PagedFileReader(std::unique_ptr<RandomAccessFile> file);
   Status ReadHeader(const PagedFile::Kind& kind);
+  Status TakeSums(const std::vector<std::uint8_t>& first);
   Result<Page> ReadFromDisk(std::uint64_t page) const;
+  /// Corrupt if the pages of a page's group are not those that were written.
+  Status CheckGroup(std::uint64_t page, std::uint64_t checksum) const;
   Page FindInCache(std::uint64_t page) const;
   void PutIntoCache(std::uint64_t page, const Page& bytes) const;
 
@@ -148,10 +178,15 @@ private:
   std::uint32_t PageSize = 0;
   std::uint64_t PageCount = 0;
   PagedFile::ClientArea ClientArea = {};
+  std::uint64_t Seal = 0;
+  std::uint64_t GroupSize = 0;     // 0: the file has no sums
+  std::vector<std::uint64_t> Sums; // by group
   std::size_t CachePages = 0;
   mutable std::mutex CacheMutex;
   mutable CacheList Cache; // the most recently used page first
   mutable std::unordered_map<std::uint64_t, CacheList::iterator> CacheIndex;
+  /// The checksums of the pages of groups of several that match their sums.
+  mutable std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> KnownGroups;
 };
 
 } // namespace isosurface

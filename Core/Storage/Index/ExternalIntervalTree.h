@@ -49,6 +49,8 @@ public:
   std::uint64_t GetCount() const { return this->Header.Count; }
   /// What the intervals are of, as ExternalIntervalTreeBuilder::SetIdentity() had it.
   std::uint64_t GetIdentity() const { return this->Header.Identity; }
+  /// Corrupt unless the file is the one whose builder had this seal.
+  Status CheckSeal(std::uint64_t seal) const { return this->File->CheckSeal(seal); }
   /// An error that names the file.
   Status MakeCorrupt(const std::string& reason) const { return this->File->MakeCorrupt(0, reason); }
   /// The number of pages of the file, page 0 included.

@@ -104,7 +104,9 @@ Status ExternalIntervalTreeBuilder::Write(const std::string& path)
   header.Root = *root;
   header.Minimum = this->Minimum;
   header.Maximum = this->Maximum;
-  return (*file)->Finish(header.Encode());
+  ISOSURFACE_RETURN_IF_ERROR((*file)->Finish(header.Encode()));
+  this->Seal = (*file)->GetSeal();
+  return Status::Ok();
 }
 
 } // namespace isosurface

@@ -52,6 +52,9 @@ public:
   /// Writes the tree. Called once, last.
   Status Finish();
 
+  /// What stands for every byte of the file, after Finish() (PagedFile.h).
+  std::uint64_t GetSeal() const { return this->Seal; }
+
   std::uint64_t GetCount() const { return this->Count; }
 
 private:
@@ -64,6 +67,7 @@ private:
   std::uint32_t PageSize;
   std::uint64_t Count = 0;
   std::uint64_t Identity = 0;
+  std::uint64_t Seal = 0;
   ValueKey Minimum; ///< of all intervals
   ValueKey Maximum;
   std::unique_ptr<IntervalSorter> Sorter;

@@ -40,8 +40,8 @@ std::uint64_t BlockDirectoryEntry::FindSegment(std::size_t segment) const
   return offset;
 }
 
-Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, std::size_t segments,
-  std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries)
+Result<std::uint64_t> BlockDirectory::Write(FileSystem& fileSystem, const std::string& path,
+  std::size_t segments, std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries)
 {
   auto file = PagedFileWriter::Create(fileSystem, path, ChoosePageSize(segments), DirectoryKind);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
@@ -72,7 +72,8 @@ Status BlockDirectory::Write(FileSystem& fileSystem, const std::string& path, st
   StoreLittleEndian(area.data(), static_cast<std::uint64_t>(entries.size()));
   StoreLittleEndian(area.data() + 8, static_cast<std::uint32_t>(segments));
   StoreLittleEndian(area.data() + 16, identity);
-  return writer.Finish(area);
+  ISOSURFACE_RETURN_IF_ERROR(writer.Finish(area));
+  return writer.GetSeal();
 }
 
 BlockDirectory::BlockDirectory(std::unique_ptr<PagedFileReader> file, std::uint64_t count,

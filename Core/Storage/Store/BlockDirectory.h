@@ -56,9 +56,9 @@ public:
   /// The maximum number of segments (components times levels) of an entry, by the page size.
   static constexpr std::size_t MaximumSegments = (16384 - PagedFile::ChecksumSize - 16) / 4;
 
-  /// `identity`: the checksum of the store, which the header has too.
-  static Status Write(FileSystem& fileSystem, const std::string& path, std::size_t segments,
-    std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries);
+  /// `identity`: the checksum of the store, which the header has too. Returns the file's seal.
+  static Result<std::uint64_t> Write(FileSystem& fileSystem, const std::string& path,
+    std::size_t segments, std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries);
 
   /// Reads page 0. Corrupt if the file has other numbers of entries or segments, or is that of
   /// another store.
@@ -68,6 +68,8 @@ public:
 
   std::uint64_t GetCount() const { return this->Count; }
   const std::string& GetPath() const { return this->File->GetPath(); }
+  /// Corrupt unless the file is the one that Write() gave this seal.
+  Status CheckSeal(std::uint64_t seal) const { return this->File->CheckSeal(seal); }
 
   /// Cost: at most one page read. Corrupt unless the entry's block is below `blocks` and its record
   /// within `fileSize`.

@@ -81,10 +81,10 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
       store->Blocks->GetPath() + ": has " + std::to_string(store->Blocks->GetSize()) +
         " bytes instead of the " + std::to_string(description.Bytes) + " that the header states");
   }
-  auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
+  auto directory = OpenDirectory(files, folder, description,
     store->Variables.GetNumberOfStored() *
       static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
-    description.Checksum, PageCacheBytes, source ? SamplePlace::Source : SamplePlace::Store);
+    source ? SamplePlace::Source : SamplePlace::Store);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   store->Directory = std::move(*directory);
   store->Source = std::move(source);
@@ -98,9 +98,25 @@ Status BlockStore::CheckTree(
   {
     return tree.MakeCorrupt("has another number of intervals than the store has blocks");
   }
-  return tree.GetIdentity() == GetTreeIdentity(description, variable)
-    ? Status::Ok()
-    : tree.MakeCorrupt("it is the tree of another store, array, component or time step");
+  if (tree.GetIdentity() != GetTreeIdentity(description, variable))
+  {
+    return tree.MakeCorrupt("it is the tree of another store, array, component or time step");
+  }
+  return description.Seals.empty() ? Status::Ok() : tree.CheckSeal(description.Seals[1 + variable]);
+}
+
+Result<std::unique_ptr<BlockDirectory>> BlockStore::OpenDirectory(FileSystem& files,
+  const std::string& folder, const StoreDescription& description, std::size_t segments,
+  SamplePlace place)
+{
+  auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
+    segments, description.Checksum, PageCacheBytes, place);
+  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
+  if (!description.Seals.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR((*directory)->CheckSeal(description.Seals.front()));
+  }
+  return directory;
 }
 
 Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)

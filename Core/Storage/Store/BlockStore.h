@@ -53,9 +53,13 @@ public:
   /// What a tree of a variable has in its header: it belongs to the records of this store of this
   /// time step, whose checksum the description has, and to the variable.
   static std::uint64_t GetTreeIdentity(const StoreDescription& description, std::size_t variable);
-  /// Corrupt unless the tree is that of the store and the variable.
+  /// Corrupt unless the tree is that of the store and the variable, as it was written.
   static Status CheckTree(
     const ExternalIntervalTree& tree, const StoreDescription& description, std::size_t variable);
+  /// The directory of a store of `segments` segments a block, as it was written.
+  static Result<std::unique_ptr<BlockDirectory>> OpenDirectory(FileSystem& files,
+    const std::string& folder, const StoreDescription& description, std::size_t segments,
+    SamplePlace place);
 
   /// Opens the records and the directory. NotFound if the folder is missing, Corrupt if the files
   /// do not fit `description`. `source`: what has the samples of a volume in place, else null.

@@ -28,6 +28,8 @@ struct StoreDescription
   std::uint64_t Blocks = 0;   ///< number of blocks
   std::uint64_t Bytes = 0;    ///< size of its file of blocks
   std::uint64_t Checksum = 0; ///< of all its blocks' checksums; it identifies the contents
+  /// Of its directory, then of the tree of each variable (PagedFile.h); none in volumes of early writers.
+  std::vector<std::uint64_t> Seals = {};
 };
 
 /**
@@ -70,7 +72,8 @@ struct TimeStepDescription
  *                   "unit": string, if it is known }, ... ],
  *     "timeSteps": [ { "time": number | null, "folder": "000001",
  *                      "ranges": [ [minimum, maximum] | null, ... ],            per variable
- *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex }, ... ],
+ *                      "stores": [ { "blocks": n, "bytes": n, "checksum": hex,
+ *                                    "seals": hex of directory and trees }, ... ],
  *                      "overviews": [ { "stores": as above }, ... ],
  *                      "source": { ... },                        in place alone (SourceRecord.h)
  *                      "copyOf": { ... } }, ... ],               of copies of streams (SourceIndex.h)

@@ -22,6 +22,15 @@ static void to_json(Json& json, const StoreDescription& store)
 {
   json = { { "blocks", store.Blocks }, { "bytes", store.Bytes },
     { "checksum", FormatChecksum(store.Checksum) } };
+  std::string seals;
+  for (const std::uint64_t seal : store.Seals)
+  {
+    seals += FormatChecksum(seal);
+  }
+  if (!seals.empty())
+  {
+    json["seals"] = seals;
+  }
 }
 
 static void to_json(Json& json, const OverviewDescription& overview)
@@ -232,14 +241,17 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document)
   return arrays;
 }
 
-std::vector<StoreDescription> ReadStores(JsonMembers& members, std::uint32_t count)
+std::vector<StoreDescription> ReadStores(
+  JsonMembers& members, std::uint32_t count, std::size_t variables)
 {
   std::vector<StoreDescription> stores;
   members.Visit("stores", count,
     [&](JsonMembers& store)
     {
       stores.push_back(
-        { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum") });
+        { store.GetUnsigned("blocks"), store.GetUnsigned("bytes"), store.GetChecksum("checksum"),
+          store.Has("seals") ? store.GetChecksums("seals", 1 + variables)
+                             : std::vector<std::uint64_t>() });
     });
   return stores;
 }
@@ -289,12 +301,13 @@ TimeStepDescription ReadTimeStep(JsonMembers& members, const BlockedVolumeHeader
   {
     step.Ranges.push_back(ReadRange(members, ranges[variable], variables[variable].Type));
   }
-  step.Stores = ReadStores(members, header.NumberOfStores);
+  step.Stores = ReadStores(members, header.NumberOfStores, variables.GetCount());
   members.Visit("overviews", header.Overviews.size(),
     [&](JsonMembers& overview)
     {
       const OverviewDescription& described = header.Overviews[step.Overviews.size()];
-      step.Overviews.push_back(ReadStores(overview, described.NumberOfStores));
+      step.Overviews.push_back(
+        ReadStores(overview, described.NumberOfStores, variables.GetCount()));
     });
   if (members.Has("source"))
   {

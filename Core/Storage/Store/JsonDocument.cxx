@@ -215,23 +215,29 @@ std::string JsonMembers::GetString(const char* member)
 
 std::uint64_t JsonMembers::GetChecksum(const char* member)
 {
+  return this->GetChecksums(member, 1).front();
+}
+
+std::vector<std::uint64_t> JsonMembers::GetChecksums(const char* member, std::size_t count)
+{
+  constexpr std::size_t digits = 16;
   const std::string text = this->GetString(member);
-  std::uint64_t checksum = 0;
-  for (const char character : text)
+  std::vector<std::uint64_t> checksums(count);
+  if (text.size() != count * digits ||
+    text.find_first_not_of("0123456789abcdef") != std::string::npos)
   {
-    const std::size_t digit = std::string("0123456789abcdef").find(character);
-    if (digit == std::string::npos || text.size() != 16)
-    {
-      this->Fail(member, "is not a number of 16 hexadecimal digits");
-      return 0;
-    }
-    checksum = checksum << 4 | digit;
+    this->Fail(member,
+      (count == 1 ? "is not a number of " : "is not " + std::to_string(count) + " numbers of ") +
+        std::to_string(digits) + " hexadecimal digits");
+    return checksums;
   }
-  if (text.empty())
+  for (std::size_t index = 0; index < text.size(); ++index)
   {
-    this->Fail(member, "is not a number of 16 hexadecimal digits");
+    const char digit = text[index];
+    checksums[index / digits] = checksums[index / digits] << 4 |
+      static_cast<std::uint64_t>(digit <= '9' ? digit - '0' : digit - 'a' + 10);
   }
-  return checksum;
+  return checksums;
 }
 
 const Json& JsonMembers::GetArray(const char* member, std::size_t size)

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
@@ -55,6 +56,8 @@ public:
   double GetNumber(const char* member);
   std::string GetString(const char* member);
   std::uint64_t GetChecksum(const char* member);
+  /// `count` checksums, the digits of which follow each other.
+  std::vector<std::uint64_t> GetChecksums(const char* member, std::size_t count);
   /// An array of `size` elements, or of any number if size is AnySize.
   const Json& GetArray(const char* member, std::size_t size);
   /// Any value; an error if the member is missing.

@@ -260,9 +260,8 @@ bool MergedStore::IsIntact(const RandomAccessFile& file, const BlockDirectoryEnt
 template <typename Visit>
 Status MergedStore::VisitEntries(const Visit& visit)
 {
-  const auto directory = BlockDirectory::Open(*this,
-    BlockStore::GetDirectoryPath(this->Folders.front()), this->Description.Blocks, this->Segments,
-    this->Description.Checksum, BlockStore::PageCacheBytes, this->Place);
+  const auto directory = BlockStore::OpenDirectory(
+    *this, this->Folders.front(), this->Description, this->Segments, this->Place);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   QueryStatistics statistics;
   for (std::uint64_t ordinal = 0; ordinal < this->Description.Blocks; ++ordinal)

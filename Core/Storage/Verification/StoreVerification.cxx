@@ -61,9 +61,8 @@ Status StoreVerification::OpenFiles()
       this->MakeFault("has " + std::to_string(this->Blocks->GetSize()) + " bytes instead of the " +
         std::to_string(this->Description.Bytes) + " that the header states"));
   }
-  auto directory = BlockDirectory::Open(this->Files, BlockStore::GetDirectoryPath(this->Folder),
-    this->Description.Blocks, this->Segments, this->Description.Checksum,
-    BlockStore::PageCacheBytes, this->Place);
+  auto directory = BlockStore::OpenDirectory(
+    this->Files, this->Folder, this->Description, this->Segments, this->Place);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   this->Directory = std::move(*directory);
   return Status::Ok();
@@ -93,9 +92,9 @@ Status StoreVerification::ReadTree(std::size_t variable, std::vector<KeyRange>& 
   const std::string path = this->GetTreePath(variable);
   const auto tree = ExternalIntervalTree::Open(this->Files, path, BlockStore::PageCacheBytes);
   ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(BlockStore::CheckTree(**tree, this->Description, variable));
   PageStatistics pages;
   ISOSURFACE_RETURN_IF_ERROR((*tree)->Verify(pages));
-  ISOSURFACE_RETURN_IF_ERROR(BlockStore::CheckTree(**tree, this->Description, variable));
   bool isKnown = true;
   ranges.resize(static_cast<std::size_t>(this->Description.Blocks));
   ISOSURFACE_RETURN_IF_ERROR((*tree)->FindOverlapping(

@@ -85,22 +85,26 @@ Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variable
       static_cast<std::size_t>(BlockRecord::AlignUp(size) - size), 0);
     ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Append(zeros.data(), zeros.size()));
   }
-  const StoreDescription description = { this->Entries.size(), this->Blocks->GetSize(),
-    this->Checksum };
+  StoreDescription description = { this->Entries.size(), this->Blocks->GetSize(), this->Checksum,
+    std::vector<std::uint64_t>(1 + ranges.size()) };
   ISOSURFACE_RETURN_IF_ERROR(this->Blocks->SyncAndClose());
   for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
     const std::string path = BlockStore::GetTreePath(this->Folder, variables, variable);
-    ISOSURFACE_RETURN_IF_ERROR(this->WriteTree(
-      path, BlockStore::GetTreeIdentity(description, variable), ranges[variable], memoryBytes));
+    const auto seal = this->WriteTree(
+      path, BlockStore::GetTreeIdentity(description, variable), ranges[variable], memoryBytes);
+    ISOSURFACE_RETURN_IF_ERROR(seal.GetStatus());
+    description.Seals[1 + variable] = *seal;
   }
-  ISOSURFACE_RETURN_IF_ERROR(BlockDirectory::Write(this->Files,
-    BlockStore::GetDirectoryPath(this->Folder), this->Segments, this->Checksum, this->Entries));
+  const auto seal = BlockDirectory::Write(this->Files, BlockStore::GetDirectoryPath(this->Folder),
+    this->Segments, this->Checksum, this->Entries);
+  ISOSURFACE_RETURN_IF_ERROR(seal.GetStatus());
+  description.Seals.front() = *seal;
   ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->Folder));
   return description;
 }
 
-Status BlockStoreWriter::WriteTree(const std::string& path, std::uint64_t identity,
+Result<std::uint64_t> BlockStoreWriter::WriteTree(const std::string& path, std::uint64_t identity,
   const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const
 {
   ExternalIntervalTreeBuilder builder(
@@ -112,7 +116,8 @@ Status BlockStoreWriter::WriteTree(const std::string& path, std::uint64_t identi
     ISOSURFACE_RETURN_IF_ERROR(
       builder.Add({ range.Minimum, range.Maximum, static_cast<std::uint32_t>(ordinal) }));
   }
-  return builder.Finish();
+  ISOSURFACE_RETURN_IF_ERROR(builder.Finish());
+  return builder.GetSeal();
 }
 
 } // namespace isosurface

@@ -63,7 +63,8 @@ private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
     std::unique_ptr<WritableFile> blocksFile, std::size_t blocks, SamplePlace place);
   Status AppendHeaders(const PendingBlock& block);
-  Status WriteTree(const std::string& path, std::uint64_t identity,
+  /// Returns the tree's seal.
+  Result<std::uint64_t> WriteTree(const std::string& path, std::uint64_t identity,
     const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
 
   FileSystem& Files;

@@ -115,6 +115,12 @@ Status GenerationFolder::Commit(
   isVisible = false;
   ISOSURFACE_RETURN_IF_ERROR(header.Validate());
   const std::string text = header.Format();
+  if (text.size() > BlockedVolumeHeader::MaximumSize)
+  {
+    return Status(StatusCode::InvalidArgument,
+      path + ": its header would have " + std::to_string(text.size()) + " bytes, more than the " +
+        std::to_string(BlockedVolumeHeader::MaximumSize) + " of a header; write fewer stores");
+  }
   const std::string partial = GetPartialPath(path);
   auto file = files.CreateForWriting(partial);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());

@@ -319,7 +319,7 @@ Status ResolutionWriter::Write()
   ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
   ISOSURFACE_RETURN_IF_ERROR(
     this->Context.AgreeOn(this->Context.Attempt([&] { return this->FinishStores(); })));
-  this->ShareDescriptions();
+  ISOSURFACE_RETURN_IF_ERROR(this->ShareDescriptions());
   return this->ShareSpectra();
 }
 
@@ -522,23 +522,37 @@ Status ResolutionWriter::FinishStores()
   return isDone ? Status::Ok() : this->Context.MakeAborted();
 }
 
-void ResolutionWriter::ShareDescriptions()
+Status ResolutionWriter::ShareDescriptions()
 {
   // A store is described by its writer, by zeros elsewhere.
   std::vector<std::uint64_t> values;
-  for (const StoreDescription& store : this->GetStep().Stores)
-  {
-    values.insert(values.end(), { store.Blocks, store.Bytes, store.Checksum });
-  }
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&]
+    {
+      for (StoreDescription& store : this->GetStep().Stores)
+      {
+        store.Seals.resize(1 + this->Variables.GetCount());
+        values.insert(values.end(), { store.Blocks, store.Bytes, store.Checksum });
+        values.insert(values.end(), store.Seals.begin(), store.Seals.end());
+      }
+      this->Statistics.Stores = this->GetStep().Stores;
+      return Status::Ok();
+    })));
   this->Context.Ranks.ReduceSum(values);
-  for (std::size_t store = 0; store < this->GetStep().Stores.size(); ++store)
+  auto value = values.begin();
+  for (StoreDescription& store : this->Statistics.Stores)
   {
-    this->GetStep().Stores[store] = { values[3 * store], values[3 * store + 1],
-      values[3 * store + 2] };
-    this->Statistics.Blocks += values[3 * store];
-    this->Statistics.Bytes += values[3 * store + 1];
+    store.Blocks = *value++;
+    store.Bytes = *value++;
+    store.Checksum = *value++;
+    std::copy_n(value, store.Seals.size(), store.Seals.begin());
+    value += static_cast<std::ptrdiff_t>(store.Seals.size());
+    this->Statistics.Blocks += store.Blocks;
+    this->Statistics.Bytes += store.Bytes;
   }
-  this->Statistics.Stores = this->GetStep().Stores;
+  // Its lists are as long as those of the statistics.
+  this->GetStep().Stores = this->Statistics.Stores;
+  return Status::Ok();
 }
 
 /// Brings the spectra of all stores to rank 0, which writes them.

@@ -105,7 +105,7 @@ private:
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, int thread);
   void ShareRanges();
   Status FinishStores();
-  void ShareDescriptions();
+  Status ShareDescriptions();
   Status ShareSpectra();
 
   std::uint64_t GetTableBytes() const;

@@ -3,6 +3,7 @@
 
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/Require.h"
+#include "Fixtures/ResealedPages.h"
 
 #include <gtest/gtest.h>
 
@@ -113,11 +114,83 @@ TEST(PagedFile, APageInTheWrongPlaceIsCorrupt)
   EXPECT_EQ(page.GetStatus().GetMessage(), "pages: page 4: wrong checksum");
 }
 
+// 474 sums fit page 0: one page a group; two, the last group of one; eight.
+TEST(PagedFile, AResealedPageIsFoundWhereItIsRead)
+{
+  for (const std::uint32_t count : { 1u, 474u, 475u, 948u, 2000u })
+  {
+    MemoryDisk disk;
+    WritePages(disk, 4096, count);
+    const auto good = disk.GetFile("pages");
+    const std::uint32_t group = count <= 474 ? 1 : count <= 948 ? 2 : 8;
+    ASSERT_EQ(LoadLittleEndian<std::uint64_t>(good.data() + 288), group);
+    for (const std::uint32_t forged : { 1u, count / 2 + 1, count })
+    {
+      disk.SetFile("pages", good);
+      auto& bytes = disk.GetFile("pages");
+      bytes[std::size_t{ forged } * 4096 + 100] ^= 1;
+      ResealPage(bytes, forged);
+      auto reader = Require(OpenPages(disk, 0));
+      PageStatistics statistics;
+      for (std::uint32_t page = 1; page <= count; ++page)
+      {
+        const auto read = reader->ReadPage(page, statistics);
+        ASSERT_EQ(read.IsOk(), (page - 1) / group != (forged - 1) / group)
+          << page << " of " << count << ", " << forged << " is forged";
+        if (!read.IsOk())
+        {
+          ExpectError(read.GetStatus(), StatusCode::Corrupt,
+            "pages: page " + std::to_string(page) + ": th"); // this is, or the pages are
+        }
+      }
+    }
+  }
+}
+
+TEST(PagedFile, TheSealStandsForEveryByte)
+{
+  for (const std::uint32_t count : { 0u, 3u, 1000u })
+  {
+    MemoryDisk disk;
+    WritePages(disk, 4096, count);
+    auto& bytes = disk.GetFile("pages");
+    const auto good = bytes;
+    const auto seal = LoadLittleEndian<std::uint64_t>(good.data() + 4096 - 8);
+    EXPECT_TRUE(Require(OpenPages(disk, 0))->CheckSeal(seal).IsOk());
+    for (std::size_t at = 32; at < bytes.size(); at += bytes.size() / 50 + 1)
+    {
+      bytes[at] ^= 1;
+      ResealPages(bytes);
+      const auto reader = OpenPages(disk, 0);
+      EXPECT_TRUE(!reader.IsOk() || bytes == good || !(*reader)->CheckSeal(seal).IsOk()) << at;
+      bytes = good;
+    }
+    RemoveSums(bytes);
+    const auto unsealed = Require(OpenPages(disk, 0));
+    ExpectError(unsealed->CheckSeal(LoadLittleEndian<std::uint64_t>(bytes.data() + 4096 - 8)),
+      StatusCode::Corrupt, "pages: page 0: this is not the file that was written");
+  }
+}
+
+TEST(PagedFile, GroupsThatPage0CannotHaveAreCorrupt)
+{
+  MemoryDisk disk;
+  WritePages(disk, 4096, 1000);
+  for (const std::uint64_t group : { std::uint64_t{ 1 }, std::uint64_t{ 2 }, std::uint64_t{ 3 },
+         std::uint64_t{ 8 }, std::uint64_t{ 1 } << 63 })
+  {
+    auto& bytes = disk.GetFile("pages");
+    StoreLittleEndian(bytes.data() + 288, group);
+    ResealPage(bytes, 0);
+    ExpectError(OpenPages(disk, 0).GetStatus(), StatusCode::Corrupt, "cannot be in groups of");
+  }
+}
+
 TEST(PagedFile, ThreadsShareOneCache)
 {
   MemoryDisk disk;
-  WritePages(disk, 4096, 50);
-  auto reader = Require(OpenPages(disk, 20 * 4400));
+  WritePages(disk, 4096, 500); // in groups of two
+  auto reader = Require(OpenPages(disk, 200 * 4400));
   std::atomic<int> faults(0);
   std::vector<std::thread> threads;
   for (unsigned seed = 0; seed < 4; ++seed)
@@ -129,7 +202,7 @@ TEST(PagedFile, ThreadsShareOneCache)
         PageStatistics statistics;
         for (int index = 0; index < 2000; ++index)
         {
-          const std::uint32_t number = 1 + random() % 50;
+          const std::uint32_t number = 1 + random() % 500;
           const auto page = reader->ReadPage(number, statistics);
           faults += !page.IsOk() || (**page)[0] != static_cast<std::uint8_t>(number);
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AllocationCounter.h"
 #include "Fixtures/Require.h"
+#include "Fixtures/ResealedPages.h"
 #include "Ground/Base/Checksum.h"
 #include "IntervalSets.h"
 
@@ -120,7 +121,9 @@ TEST(ExternalIntervalTreeBuilder, TheFormatHasNotChanged)
   }
   MemoryDisk disk;
   ASSERT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
-  const auto& bytes = disk.GetFile("tree");
+  // All but the sums, which early writers did not know.
+  auto& bytes = disk.GetFile("tree");
+  RemoveSums(bytes);
   EXPECT_EQ(ComputeChecksum(bytes.data(), bytes.size()), 17274510250033190819u);
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/LongTests.h"
 #include "Fixtures/Require.h"
-#include "Ground/Base/Checksum.h"
-#include "Ground/Base/Coding.h"
+#include "Fixtures/ResealedPages.h"
 #include "IntervalSets.h"
 
 #include <memory>
@@ -21,16 +20,6 @@ Bytes MakeTreeBytes(const IntervalVector& intervals)
   MemoryDisk disk;
   EXPECT_TRUE(WriteTree(disk, "tree", intervals).IsOk());
   return disk.GetFile("tree");
-}
-
-/// Computes the checksums of all complete pages again.
-void Reseal(Bytes& bytes)
-{
-  for (std::size_t page = 0; page < bytes.size() / PageSize; ++page)
-  {
-    std::uint8_t* begin = bytes.data() + page * PageSize;
-    StoreLittleEndian(begin + PageSize - 8, ComputeChecksum(begin, PageSize - 8, page));
-  }
 }
 
 Result<std::unique_ptr<ExternalIntervalTree>> OpenBytes(MemoryDisk& disk, Bytes bytes)
@@ -110,7 +99,7 @@ TEST(ExternalIntervalTreeCorruption, NewerVersionsAreUnsupportedAndOtherFilesCor
   {
     Bytes newer = good;
     ++newer[offset];
-    Reseal(newer);
+    ResealPages(newer);
     const auto tree = OpenBytes(disk, newer);
     ExpectError(tree.GetStatus(), StatusCode::Unsupported, "newer version");
   }
@@ -118,7 +107,7 @@ TEST(ExternalIntervalTreeCorruption, NewerVersionsAreUnsupportedAndOtherFilesCor
   {
     Bytes other = good;
     other[offset] = 'x';
-    Reseal(other);
+    ResealPages(other);
     EXPECT_EQ(OpenBytes(disk, other).GetStatus().GetCode(), StatusCode::Corrupt);
   }
   EXPECT_EQ(
@@ -157,7 +146,7 @@ TEST(ExternalIntervalTreeCorruption, HostilePagesWithMatchingChecksumsNeitherCra
         const std::uint64_t value = random() >> (random() % 64);
         std::memcpy(bad.data() + offset, &value, width);
       }
-      Reseal(bad);
+      ResealPages(bad);
       const std::uint64_t limit = 2 * (64 + 16 * (bad.size() / PageSize)) + 2;
       const auto tree = OpenBytes(disk, std::move(bad));
       if (!tree.IsOk())
@@ -211,7 +200,7 @@ TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyReferencesLeadToTheSamePage
   ASSERT_GT(height, 10);
   StoreLittleEndian(bytes.data() + 32 + 32, before);
   StoreLittleEndian(bytes.data() + 32 + 42, height);
-  Reseal(bytes);
+  ResealPages(bytes);
   MemoryDisk disk;
   const auto tree = Require(OpenBytes(disk, bytes));
   PageStatistics statistics;
@@ -248,7 +237,7 @@ TEST(ExternalIntervalTreeCorruption, AQueryEndsIfManyListsAreTheSameRecords)
   }
   StoreLittleEndian(root + 8, static_cast<std::uint16_t>(multislabs));
   StoreLittleEndian(root + 10, std::uint16_t(0));
-  Reseal(bytes);
+  ResealPages(bytes);
   MemoryDisk disk;
   const auto tree = Require(OpenBytes(disk, bytes));
   PageStatistics statistics;
@@ -297,7 +286,7 @@ TEST(ExternalIntervalTreeCorruption, VerifyFindsEveryForgedBound)
         Bytes bad = good;
         StoreLittleEndian(bad.data() + bound,
           LoadLittleEndian<std::uint64_t>(bad.data() + bound) + static_cast<std::uint64_t>(change));
-        Reseal(bad);
+        ResealPages(bad);
         const auto tree = Require(OpenBytes(disk, std::move(bad)));
         ASSERT_EQ(tree->Verify(statistics).GetCode(), StatusCode::Corrupt) << "at " << bound;
       }
@@ -323,7 +312,7 @@ TEST(ExternalIntervalTreeCorruption, WhatVerifiesAnswersRightly)
         random() % 3 ? pages - 1 - random() % std::min<std::size_t>(2, pages) : random() % pages;
       const std::size_t offset = page * PageSize + random() % (PageSize - 8);
       bad[offset] ^= static_cast<std::uint8_t>(1u << random() % 8);
-      Reseal(bad);
+      ResealPages(bad);
       const auto tree = OpenBytes(disk, std::move(bad));
       PageStatistics statistics;
       if (!tree.IsOk() || !(*tree)->Verify(statistics).IsOk())
@@ -367,7 +356,7 @@ TEST(ExternalIntervalTreeCorruption, VerifyFindsIntervalsThatNoReferenceLeadsTo)
   ASSERT_EQ(std::memcmp(root, "NODE", 4), 0);
   const auto slabs = LoadLittleEndian<std::uint16_t>(root + 6);
   StoreLittleEndian(root + 8 + 8u * slabs + 36 + 6, std::uint32_t(0)); // the first child's count
-  Reseal(bytes);
+  ResealPages(bytes);
   MemoryDisk disk;
   const auto tree = Require(OpenBytes(disk, bytes));
   PageStatistics statistics;
