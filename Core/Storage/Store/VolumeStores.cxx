@@ -4,6 +4,7 @@
 #include "Storage/Store/SourceSamples.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace isosurface
@@ -25,6 +26,19 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
   return equal;
 }
 
+/// Whether a file can be read, and is this header. Each store that is opened asks, so only its end is
+/// read: there the header has the checksum of all of it.
+bool HasHeader(FileSystem& files, const std::string& path, const std::string& text)
+{
+  std::array<char, 64> end{};
+  const std::size_t size = std::min(end.size(), text.size());
+  const std::size_t begin = text.size() - size;
+  const auto file = files.OpenForReading(path);
+  return file.IsOk() && (*file)->GetSize() == text.size() &&
+    (*file)->Read(begin, size, end.data()).IsOk() &&
+    text.compare(begin, size, end.data(), size) == 0;
+}
+
 } // namespace
 
 VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
@@ -44,11 +58,11 @@ VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
 
 Status VolumeStores::CheckNotRewritten(std::size_t timeStep) const
 {
-  const auto text = BlockedVolumeHeader::ReadText(this->Files, this->Layout.GetPath());
-  if (text.IsOk() && *text == this->Layout.GetHeaderText())
+  if (HasHeader(this->Files, this->Layout.GetPath(), this->Layout.GetHeaderText()))
   {
     return Status::Ok();
   }
+  const auto text = BlockedVolumeHeader::ReadText(this->Files, this->Layout.GetPath());
   if (!text.IsOk() && text.GetStatus().GetCode() != StatusCode::NotFound)
   {
     // No descriptors, no permission: nobody knows whether it was rewritten.
