@@ -289,7 +289,8 @@ Result<int> Explain(int ended, const SandboxLimits& limits)
   {
     case SIGXCPU:
       return Status(StatusCode::IoError,
-        "took " + std::to_string(limits.Seconds) + " s of processor time without progress");
+        "took " + std::to_string(limits.Seconds) +
+          " s of processor time without progress; --sandbox-seconds allows more");
     case SIGKILL:
       return Status(StatusCode::OutOfMemory,
         "the process that read it was killed, as by a system that has no memory left");

@@ -31,6 +31,7 @@ mount -t overlay -o "lowerdir=/,upperdir=$folder/upper,workdir=$folder/work" ove
 root=$folder/root
 mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
+mount -t tmpfs tmpfs "$root/dev/shm" # jobs of MPI name memory there by numbers of processes, which are this namespace's
 mount --rbind /sys "$root/sys"
 for path in "$build" "$source"; do # elsewhere than on the disk of /
   mkdir -p "$root$path"

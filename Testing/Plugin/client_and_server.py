@@ -6,17 +6,10 @@
 """
 import os
 import re
-import socket
 import subprocess
 import time
 
 import plugin_testing as testing
-
-
-def find_free_port():
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return probe.getsockname()[1]
 
 
 class ClientAndServer(testing.TestCase):
@@ -28,14 +21,15 @@ class ClientAndServer(testing.TestCase):
         with open(testing.output("server.log"), errors="replace") as file:
             return file.read()
 
-    def start_server(self, port, *options):
+    def start_server(self, *options):
+        """A server, and its port, which the system chooses."""
         with open(testing.output("server.log"), "wb") as log:
             server = subprocess.Popen(
                 [
                     *testing.arguments.mpiexec.split(),
                     str(testing.arguments.ranks),
                     testing.arguments.pvserver,
-                    f"--server-port={port}",
+                    "--server-port=0",
                     "--verbosity=1",
                     *options,
                 ],
@@ -43,12 +37,12 @@ class ClientAndServer(testing.TestCase):
                 stderr=subprocess.STDOUT,
                 env=testing.make_mpi_environment(),
             )
-        deadline = time.monotonic() + 30
-        while "Accepting connection" not in self.read_log():
+        deadline = time.monotonic() + testing.WAIT_SECONDS
+        while not (accepts := re.search(r"Accepting connection.*:(\d+)\n", self.read_log())):
             self.assertIsNone(server.poll(), "the server has ended")
             self.assertLess(time.monotonic(), deadline, "the server does not start")
             time.sleep(0.1)
-        return server
+        return server, int(accepts[1])
 
     def run_client(self, port, script, output="client", options=()):
         here = os.path.dirname(os.path.abspath(__file__))
@@ -65,17 +59,16 @@ class ClientAndServer(testing.TestCase):
                 *options,
             ],
             env=testing.make_mpi_environment(),
-            timeout=600,  # else it hangs
+            timeout=testing.WAIT_SECONDS,
             check=False,
         )
 
     def run_client_and_server(self, script, server_options=(), output="client", options=()):
-        port = find_free_port()
-        server = self.start_server(port, *server_options)
+        server, port = self.start_server(*server_options)
         try:
             self.assertEqual(self.run_client(port, script, output, options).returncode, 0)
             # A server ends with its client.
-            self.assertEqual(server.wait(timeout=600), 0)
+            self.assertEqual(server.wait(timeout=testing.WAIT_SECONDS), 0)
         finally:
             server.kill()
             server.wait()
@@ -89,8 +82,7 @@ class ClientAndServer(testing.TestCase):
         compared = []
         if baseline:
             compared = [f"--test-baseline={testing.baseline(baseline)}", "--test-threshold=3"]
-        port = find_free_port()
-        server = self.start_server(port, *plugin)
+        server, port = self.start_server(*plugin)
         try:
             gui = subprocess.run(
                 [
@@ -105,11 +97,11 @@ class ClientAndServer(testing.TestCase):
                     "--exit",
                 ],
                 env={**testing.make_mpi_environment(), **window_environment},
-                timeout=600,
+                timeout=testing.WAIT_SECONDS,
                 check=False,
             )
             self.assertEqual(gui.returncode, 0)
-            server.wait(timeout=600)
+            server.wait(timeout=testing.WAIT_SECONDS)
         finally:
             server.kill()
             server.wait()

@@ -28,7 +28,7 @@ class FaultyVolumes(testing.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
-        cls.stdout, told = cls.done.communicate(timeout=600)  # else it hangs
+        cls.stdout, told = cls.done.communicate(timeout=testing.WAIT_SECONDS)
         logs = [told]
         for path in sorted(glob.glob(glob.escape(errors) + ".*")):
             with open(path, encoding="utf-8", errors="replace") as file:

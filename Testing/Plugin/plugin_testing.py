@@ -19,6 +19,9 @@ import xml.etree.ElementTree
 
 from paraview import simple
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from time_limits import WAIT_SECONDS  # noqa: E402, F401  (found in the folder above)
+
 ISOVALUE = 150.0
 IMAGE_SIZE = [300, 300]
 # vtkImageDifference's thresholded error, which is also that of ParaView's GUI tests. It is 0 on one

@@ -16,7 +16,7 @@ def run_queries(*options):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
     ) as job:
-        printed, _ = job.communicate(timeout=600)  # else it hangs
+        printed, _ = job.communicate(timeout=testing.WAIT_SECONDS)
     assert job.returncode == 0
     return printed
 

@@ -26,7 +26,7 @@ class RankDeath(testing.TestCase):
             stdout=subprocess.DEVNULL,
         )
         try:
-            deadline = time.monotonic() + 600
+            deadline = time.monotonic() + testing.WAIT_SECONDS
             while not os.path.exists(os.path.join(folder, "drawn")):
                 self.assertIsNone(job.poll(), "the job has ended by itself")
                 self.assertLess(time.monotonic(), deadline, "nothing is drawn")
@@ -34,7 +34,7 @@ class RankDeath(testing.TestCase):
             with open(os.path.join(folder, str(victim))) as file:
                 os.kill(int(file.read()), signal.SIGKILL)
             # Those that wait for the dead rank would do so for ever.
-            self.assertNotEqual(job.wait(timeout=600), 0)
+            self.assertNotEqual(job.wait(timeout=testing.WAIT_SECONDS), 0)
         finally:
             job.kill()
             job.wait()

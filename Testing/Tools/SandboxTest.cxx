@@ -116,7 +116,8 @@ TEST_F(SandboxTest, EndsWhatTakesTimeAndDoesNotComeForward)
                 return 0;
               }),
     -1);
-  EXPECT_EQ(this->Message, "took 1 s of processor time without progress");
+  EXPECT_EQ(
+    this->Message, "took 1 s of processor time without progress; --sandbox-seconds allows more");
   EXPECT_EQ(this->Run(
               []
               {

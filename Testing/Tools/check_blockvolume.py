@@ -16,7 +16,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Readers"))
 from read_blocked_volume import BlockedVolume  # noqa: E402  (found beside this script)
-from sample_volumes import VolumeCase, list_files, remove_volume, run_command  # noqa: E402
+from sample_volumes import WAIT_SECONDS, VolumeCase, list_files, remove_volume, run_command  # noqa: E402
 
 TOOL, MPIEXEC, INPUTS, SCRATCH, CLAIM = sys.argv[1:6]
 HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
@@ -495,12 +495,12 @@ class StopsWithoutLeavingAnything(Case):
             command = [MPIEXEC, "--oversubscribe", "-n", str(ranks)] + command
         with subprocess.Popen(command, cwd=SCRATCH, stderr=subprocess.PIPE, text=True) as process:
             folder = os.path.join(SCRATCH, name + ".stores")
-            end = time.monotonic() + 600
+            end = time.monotonic() + WAIT_SECONDS
             while not glob.glob(folder + "/*") and time.monotonic() < end:
                 time.sleep(0.02)
             time.sleep(0.1)
             process.send_signal(signal.SIGINT)
-            text = process.communicate(timeout=600)[1]
+            text = process.communicate(timeout=WAIT_SECONDS)[1]
         os.remove(raw)
         self.assertIn(process.returncode, expected, text)
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, name)))

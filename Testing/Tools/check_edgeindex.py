@@ -16,6 +16,9 @@ import subprocess
 import sys
 import unittest
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
+
 TOOL, FILES, SCRATCH, CLAIM = sys.argv[1:5]
 NAMES = sorted(name for name in os.listdir(FILES) if name.endswith(".eix"))
 
@@ -23,7 +26,7 @@ NAMES = sorted(name for name in os.listdir(FILES) if name.endswith(".eix"))
 def run(*arguments):
     """Return code, standard output and standard error of a run."""
     result = subprocess.run(
-        [TOOL, *arguments], capture_output=True, text=True, cwd=SCRATCH, timeout=600
+        [TOOL, *arguments], capture_output=True, text=True, cwd=SCRATCH, timeout=WAIT_SECONDS
     )
     return result.returncode, result.stdout, result.stderr
 

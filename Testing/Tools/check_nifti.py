@@ -10,7 +10,7 @@ import sys
 import nibabel
 import numpy
 
-from sample_volumes import TYPES, SourceCase, make_samples, run_claim
+from sample_volumes import TYPES, WAIT_SECONDS, SourceCase, make_samples, run_claim
 
 
 class Files(SourceCase):
@@ -75,7 +75,8 @@ class Samples(Files):
                 command += ["-n", "1", "-wdir", folder, self.tool, "t.nii", self.path("e.bvol"),
                             *arguments, ":"]
             with self.subTest(arguments=arguments):
-                result = subprocess.run(command[:-1], text=True, capture_output=True, timeout=600)
+                result = subprocess.run(command[:-1], text=True, capture_output=True,
+                                        timeout=WAIT_SECONDS)
                 lines = [line for line in result.stderr.splitlines() if "blockvolume:" in line]
                 self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
                 self.assertIn("t.nii: the ranks see different numbers of time steps", lines[0])

@@ -10,7 +10,7 @@ import sys
 import time
 import zlib
 
-from sample_volumes import SourceCase, list_files, make_samples, remove_volume, run_claim
+from sample_volumes import WAIT_SECONDS, SourceCase, list_files, make_samples, remove_volume, run_claim
 
 FAULTY_TIFF = sys.argv.pop()
 
@@ -81,7 +81,7 @@ class FaultsOfALibraryAreErrors(SourceCase):
         environment = dict(os.environ, LD_PRELOAD=FAULTY_TIFF, FAULT=fault)
         return subprocess.run([self.tool, *arguments, "--sandbox", "--sandbox-memory", "500",
                                "--sandbox-seconds", "1"], env=environment, cwd=self.scratch,
-                              capture_output=True, text=True, timeout=600)
+                              capture_output=True, text=True, timeout=WAIT_SECONDS)
 
     def check(self, fault, reason, *arguments):
         done = self.run_faulty(fault, "a.tif", "e.bvol", *arguments)
@@ -142,7 +142,7 @@ class EndsWithTheProcessThatWaits(SourceCase):
             [self.tool, "large.raw", "s.bvol", "--dimensions", "1024,1024,1024", "--memory", "100",
              "--compression", "zstd:19", "--block-size", "16", "--quiet", "--sandbox"],
             cwd=self.scratch, stderr=subprocess.PIPE, text=True)
-        end = time.monotonic() + 600
+        end = time.monotonic() + WAIT_SECONDS
         while not (os.path.isdir(folder) and os.listdir(folder)) and time.monotonic() < end:
             time.sleep(0.02)
         with open(f"/proc/{run.pid}/task/{run.pid}/children", encoding="ascii") as file:
@@ -152,7 +152,7 @@ class EndsWithTheProcessThatWaits(SourceCase):
         for name in (signal.SIGINT, signal.SIGTERM):
             run, _, folder = self.start()
             run.send_signal(name)
-            told = run.communicate(timeout=600)[1]
+            told = run.communicate(timeout=WAIT_SECONDS)[1]
             self.assertEqual(run.returncode, 130, told)
             self.assertRegex(told, r"^blockvolume: [^\n]*\n$")
             self.assertFalse(os.path.exists(folder))
@@ -160,8 +160,8 @@ class EndsWithTheProcessThatWaits(SourceCase):
     def test_that_is_killed(self):
         run, reader, _ = self.start()
         run.kill()
-        run.communicate(timeout=600)
-        end = time.monotonic() + 600
+        run.communicate(timeout=WAIT_SECONDS)
+        end = time.monotonic() + WAIT_SECONDS
         while os.path.exists(f"/proc/{reader}") and time.monotonic() < end:
             time.sleep(0.02)
         self.assertFalse(os.path.exists(f"/proc/{reader}"))
@@ -169,7 +169,7 @@ class EndsWithTheProcessThatWaits(SourceCase):
     def test_and_is_cleaned_behind_if_it_is_killed(self):
         run, reader, folder = self.start()
         os.kill(reader, signal.SIGKILL)
-        told = run.communicate(timeout=600)[1]
+        told = run.communicate(timeout=WAIT_SECONDS)[1]
         self.assertEqual(run.returncode, 1, told)
         self.assertRegex(told, r"^blockvolume: large.raw: the process that read it was killed[^\n]*\n$")
         self.assertFalse(os.path.exists(folder))

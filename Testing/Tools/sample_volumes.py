@@ -5,9 +5,13 @@ import glob
 import os
 import shutil
 import subprocess
+import sys
 import unittest
 
 import numpy
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
 
 TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
          "float64")
@@ -34,7 +38,8 @@ def run_command(command, mpiexec, folder, ranks=1):
     """Return code, standard output and standard error of a run in a folder."""
     if ranks > 1:
         command = [mpiexec, "--oversubscribe", "-n", str(ranks)] + command
-    result = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=600)
+    result = subprocess.run(command, capture_output=True, text=True, cwd=folder,
+                            timeout=WAIT_SECONDS)
     return result.returncode, result.stdout, result.stderr
 
 

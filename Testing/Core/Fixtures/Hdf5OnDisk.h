@@ -18,6 +18,7 @@
 #include <vector>
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace isosurface
 {
@@ -29,7 +30,8 @@ public:
   ScratchFolder()
     : Path(testing::TempDir() + "isosurface-" +
         testing::UnitTest::GetInstance()->current_test_info()->test_suite_name() + "-" +
-        testing::UnitTest::GetInstance()->current_test_info()->name() + "/")
+        testing::UnitTest::GetInstance()->current_test_info()->name() + "-" +
+        std::to_string(::getpid()) + "/")
   {
     std::filesystem::remove_all(this->Path);
     std::filesystem::create_directories(this->Path);

@@ -7,8 +7,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 using namespace isosurface;
 
@@ -24,7 +26,8 @@ class File
 public:
   explicit File(const Bytes& bytes)
     : Path(testing::TempDir() + "DicomSlice-" +
-        testing::UnitTest::GetInstance()->current_test_info()->name() + ".dcm")
+        testing::UnitTest::GetInstance()->current_test_info()->name() + "-" +
+        std::to_string(::getpid()) + ".dcm")
   {
     std::ofstream(this->Path, std::ios::binary)
       .write(

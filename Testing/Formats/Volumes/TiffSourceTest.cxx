@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 using namespace isosurface;
 
@@ -32,7 +34,8 @@ class Folder
 public:
   Folder()
     : Path(testing::TempDir() + "TiffSource-" +
-        testing::UnitTest::GetInstance()->current_test_info()->name())
+        testing::UnitTest::GetInstance()->current_test_info()->name() + "-" +
+        std::to_string(::getpid()))
   {
     std::filesystem::remove_all(this->Path);
     std::filesystem::create_directories(this->Path);

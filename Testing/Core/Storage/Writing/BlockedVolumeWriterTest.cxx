@@ -9,6 +9,8 @@
 
 #include <atomic>
 
+#include <unistd.h>
+
 using namespace isosurface;
 
 namespace
@@ -542,7 +544,8 @@ TEST(BlockedVolumeWriter, LeavesTheOldVolumeWhenARankCannotRead)
 
 TEST(BlockedVolumeWriter, WritesToTheLocalDisk)
 {
-  const std::string folder = ::testing::TempDir() + "isosurface-writer-test";
+  const std::string folder =
+    ::testing::TempDir() + "isosurface-writer-test-" + std::to_string(::getpid());
   FileSystem& files = GetLocalFileSystem();
   ASSERT_TRUE(files.RemoveAll(folder).IsOk());
   ASSERT_TRUE(files.MakeDirectories(folder).IsOk());
