@@ -11,10 +11,14 @@
 #include <gdcmTransferSyntax.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <istream>
+#include <limits>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <streambuf>
 
 namespace isosurface
@@ -29,6 +33,17 @@ Status MakeError(const std::string& path, const std::string& reason)
   return Status(StatusCode::Corrupt, path + ": cannot be read: " + reason);
 }
 
+/// A step of the last digit of a decimal number.
+double FindUnit(const std::string& number)
+{
+  const std::size_t exponent = std::min(number.find_first_of("eE"), number.size());
+  const std::size_t point = std::min(number.find('.'), exponent);
+  const std::size_t last = std::min(number.find_last_of("0123456789", exponent), exponent);
+  const double decimals = point < last ? static_cast<double>(last - point) : 0;
+  const double scale = exponent < number.size() ? std::atof(number.c_str() + exponent + 1) : 0;
+  return std::pow(10, scale - decimals);
+}
+
 void TakePlace(const DicomDataSet& tags, DicomSlice& slice)
 {
   const auto position = tags.GetNumbers(0x00200032, 3);
@@ -37,6 +52,12 @@ void TakePlace(const DicomDataSet& tags, DicomSlice& slice)
   if (slice.HasPlace)
   {
     std::copy(position->begin(), position->end(), slice.Position.begin());
+    std::istringstream numbers(tags.GetText(0x00200032));
+    slice.PositionUnit = std::numeric_limits<double>::max();
+    for (std::string number; std::getline(numbers, number, '\\');)
+    {
+      slice.PositionUnit = std::min(slice.PositionUnit, FindUnit(number));
+    }
     std::copy_n(orientation->begin(), 3, slice.AlongRow.begin());
     std::copy_n(orientation->begin() + 3, 3, slice.AlongColumn.begin());
   }

@@ -32,6 +32,7 @@ struct DicomSlice
   bool IsHounsfield = false; ///< whether scaled samples are Hounsfield units
   bool HasPlace = false;     ///< whether the next three are in the header
   Vector3 Position{};        ///< of the first pixel, in millimetres: left, back, up
+  double PositionUnit = 0;   ///< a step of the last digit of those, in millimetres
   Vector3 AlongRow{};        ///< unit vector from column to column
   Vector3 AlongColumn{};     ///< unit vector from row to row
   double RowDistance = 1;    ///< between rows

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -209,13 +210,67 @@ Status SortSlices(Slices& slices)
   return Status::Ok();
 }
 
-/// A distance that was computed from positions with a few decimals: 1 in place of
-/// 0.9999999999999998.
-double RemoveRoundingError(double distance)
+/// What the digits of two positions do not tell of the way from one to the other. Some write no zeros at
+/// the end, so the number with the most decimals counts. Numbers that are float32, written with more
+/// digits than that has ("-113.699997"), are no more exact than two steps of float32.
+double FindUncertainty(const Slices& slices)
 {
-  constexpr double digits = 1e6; // more than millimetres are written with
-  const double rounded = std::round(distance * digits) / digits;
-  return std::abs(rounded - distance) < 1e-10 * distance ? rounded : distance;
+  double unit = std::numeric_limits<double>::max();
+  float largest = 0;
+  for (const DicomSlice& slice : slices)
+  {
+    unit = std::min(unit, slice.PositionUnit);
+    for (const double number : slice.Position)
+    {
+      largest = std::max(largest, std::abs(static_cast<float>(number)));
+    }
+  }
+  const bool isSingle = std::all_of(slices.begin(), slices.end(),
+    [unit](const DicomSlice& slice)
+    {
+      return std::all_of(slice.Position.begin(), slice.Position.end(),
+        [unit](double number)
+        { return std::abs(static_cast<double>(static_cast<float>(number)) - number) <= unit / 2; });
+    });
+  constexpr double step = std::numeric_limits<float>::epsilon();
+  // Half a unit of each of the three numbers, twice; and the rounding of this program.
+  return std::sqrt(3.0) * (isSingle ? std::max(unit, 2 * step * largest) : unit) + 1e-13 * largest;
+}
+
+/// The distance of the fewest decimals with which the last slice lies where it does, as far as the
+/// digits of its position tell: 1 in place of 0.9999999999999998.
+double ShortenDistance(double distance, std::size_t steps, double uncertainty)
+{
+  double digits = 1;
+  for (int decimals = 0; decimals <= 12; ++decimals)
+  {
+    const double shorter = std::round(distance * digits) / digits;
+    if (std::abs(shorter - distance) * static_cast<double>(steps) <= uncertainty / 2)
+    {
+      return shorter;
+    }
+    digits *= 10;
+  }
+  return distance;
+}
+
+/// Whether slice after slice is where it should be, a step each from the first one on: to a hundredth
+/// of the distance, or as far as the digits of the positions tell. A step that is missing is told.
+bool IsInStep(
+  const Slices& slices, std::size_t slice, const Vector3& step, double distance, double uncertainty)
+{
+  const auto findFault = [&](std::size_t from)
+  {
+    Vector3 fault = Subtract(slices[slice].Position, slices[from].Position);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      fault[axis] -= step[axis] * distance * static_cast<double>(slice - from);
+    }
+    return std::sqrt(Dot(fault, fault));
+  };
+  const double fault = findFault(slice - 1);
+  return fault <= 0.01 * distance + 1e-3 ||
+    (fault <= std::min(uncertainty, 0.4 * distance) && findFault(0) <= uncertainty);
 }
 
 /// Sets the grid from slices in their order. Says how far a gantry is tilted.
@@ -224,6 +279,7 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   const DicomSlice& first = slices.front();
   const auto count = static_cast<std::int64_t>(slices.size());
   const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
+  const double uncertainty = FindUncertainty(slices);
   Vector3 step = normal;
   double distance = 1;
   if (count > 1)
@@ -243,12 +299,7 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
       return MakeError(StatusCode::Unsupported, slices[slice],
         "it lies where " + slices[slice - 1].Path + " does; are there several times or echoes?");
     }
-    Vector3 fault = moved;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      fault[axis] -= step[axis] * distance;
-    }
-    if (!(std::sqrt(Dot(fault, fault)) <= 0.01 * distance + 1e-3))
+    if (!IsInStep(slices, slice, step, distance, uncertainty))
     {
       return MakeError(StatusCode::Unsupported, slices[slice],
         "its distance to " + slices[slice - 1].Path + " is " + std::to_string(Dot(moved, normal)) +
@@ -259,8 +310,12 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   GridGeometry& grid = volume.Grid;
   grid.Extent = { 0, first.Columns - 1, 0, first.Rows - 1, 0, count - 1 };
   grid.Origin = first.Position;
-  grid.Spacing = { first.ColumnDistance, first.RowDistance, RemoveRoundingError(distance) };
-  const bool isTilted = Dot(step, normal) < 1 - 1e-5;
+  grid.Spacing = { first.ColumnDistance, first.RowDistance,
+    ShortenDistance(distance, slices.size() - 1, uncertainty) };
+  // By more than the digits may be wrong.
+  const double aside = std::sqrt(std::max(0.0, 1 - Dot(step, normal) * Dot(step, normal))) *
+    distance * static_cast<double>(count - 1);
+  const bool isTilted = Dot(step, normal) < 1 - 1e-5 && aside > uncertainty;
   const Vector3 third = isTilted ? step : normal;
   for (std::size_t row = 0; row < 3; ++row)
   {

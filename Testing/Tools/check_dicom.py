@@ -21,7 +21,7 @@ SHAPE = (9, 37, 70)
 class Files(SourceCase):
     def save(self, folder, samples, series="1.2.3", syntax=ExplicitVRLittleEndian, origin=(0, 0, 0),
              spacing=(1, 1, 1), row=(1, 0, 0), column=(0, 1, 0), step=None, slope=1, intercept=0,
-             bits=None, modality="MR", scaled_to=None):
+             bits=None, modality="MR", scaled_to=None, write=float):
         """A file a slice, with names in an order that is not that of the places."""
         os.makedirs(self.path(folder), exist_ok=True)
         step = numpy.cross(row, column) if step is None else numpy.asarray(step)
@@ -41,7 +41,7 @@ class Files(SourceCase):
             file.Modality = modality
             if scaled_to is not None:
                 file.RescaleType = scaled_to
-            file.ImagePositionPatient = [float(value) for value in
+            file.ImagePositionPatient = [write(value) for value in
                                          numpy.array(origin) + number * spacing[2] * step]
             file.ImageOrientationPatient = [*map(float, row), *map(float, column)]
             file.PixelSpacing = [spacing[1], spacing[0]]
@@ -175,6 +175,80 @@ class PlacesAndErrors(Files):
                 self.assertEqual(grid["spacing"], [0.5, 0.25, distance])
             else:
                 self.assertAlmostEqual(grid["spacing"][2], distance, places=12)
+
+    def test_distances_are_as_exact_as_the_digits_of_the_headers(self):
+        samples = make_samples("int16", SHAPE)
+        row = (0.8, 0.6, 0)
+        for number, (write, unit, distance, expected, options) in enumerate((
+            (lambda v: f"{v:.1f}", 0.1, 1 / 3, 0.34, {}),  # 8 steps are 2.7
+            (lambda v: f"{v:.1f}", 0.1, 1.25, 1.25, {}),
+            (lambda v: f"{v:.3f}", 0.001, 0.625, 0.625, {}),
+            # -113.699997, -112.999997, ...
+            (lambda v: f"{numpy.float32(v):.6f}", 1.6e-5, 0.7, 0.7, {}),
+            (lambda v: f"{v:.6e}", 1e-4, 0.7, 0.7, {}),
+            (lambda v: f"{v:.4f}", 1e-4, 0.7, 0.7, {"column": (0, 0, 1), "row": (0.8, 0.6, 0)}),
+        )):
+            folder = f"e{number}"
+            self.save(folder, samples, spacing=(0.5, 0.25, distance), origin=(1, 2, -113.7),
+                      write=write, **options)
+            self.write(folder, "o.bvol")
+            grid = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["grid"]
+            self.assertEqual(grid["spacing"], [0.5, 0.25, expected])
+            # The last slice is where its header says, to the last digit.
+            places = [numpy.array([*map(float, dcmread(self.path(f"{folder}/1.2.3-{name}"))
+                                        .ImagePositionPatient)]) for name in (0, 7 * 8 % 9)]
+            self.assertLessEqual(abs(numpy.linalg.norm(places[1] - places[0]) - 8 * expected), unit)
+        # However they are rounded, a slice that is missing is found.
+        for number, digits in enumerate((1, 2, 6)):
+            folder = f"m{number}"
+            self.save(folder, samples, spacing=(1, 1, 1 / 3), write=lambda v: f"{v:.{digits}f}")
+            os.remove(self.path(f"{folder}/1.2.3-1"))
+            self.assert_error(folder, folder + "/1.2.3-", "a slice is missing")
+
+    def test_no_tilt_is_told_of_digits_that_lack(self):
+        samples = make_samples("int16", SHAPE)[:2]
+        self.save("n", samples, row=(0.8, 0.6, 0), column=(0, 0, 1), spacing=(1, 1, 1.25),
+                  origin=(0.3, 0.3, 0), write=lambda v: f"{v:.1f}")
+        code, _, err = self.run_tool("n", "o.bvol")
+        self.assertEqual(code, 0)
+        self.assertNotIn("tilted", err)
+
+    def test_files_of_other_kinds_are_told(self):
+        samples = make_samples("int16", SHAPE)
+        path = self.save("frames", samples[:1])
+        file = dcmread(path)
+        file.SOPClassUID = file.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2.1"
+        file.NumberOfFrames = len(samples)
+        file.PerFrameFunctionalGroupsSequence = []
+        for number in range(len(samples)):  # as an enhanced CT has them
+            groups, place = Dataset(), Dataset()
+            place.ImagePositionPatient = [0, 0, number]
+            groups.PlanePositionSequence = [place]
+            file.PerFrameFunctionalGroupsSequence.append(groups)
+        del file.ImagePositionPatient
+        file.PixelData = samples.tobytes()
+        file.save_as(path)
+        self.assert_error("frames", "frames/1.2.3-0", "it has 9 frames")
+
+        path = self.save("palette", samples.astype("uint8")[:1])
+        file = dcmread(path)
+        file.PhotometricInterpretation = "PALETTE COLOR"
+        file.save_as(path)
+        self.assert_error("palette", "palette/1.2.3-0", "colours (PALETTE COLOR)")
+        path = self.save("colors", samples.astype("uint8")[:1])
+        file = dcmread(path)
+        file.PhotometricInterpretation, file.SamplesPerPixel = "RGB", 3
+        file.PlanarConfiguration = 0
+        file.PixelData = numpy.repeat(samples[0].astype("uint8"), 3).tobytes()
+        file.save_as(path)
+        self.assert_error("colors", "colors/1.2.3-0", "colours (RGB)")
+
+        self.save("mixed", samples)
+        other = self.path("other")
+        os.rename(self.path("mixed/1.2.3-1"), other)
+        self.save("unsigned", samples.astype("uint16"))
+        shutil.copy(self.path("unsigned/1.2.3-1"), self.path("mixed/1.2.3-1"))
+        self.assert_error("mixed", "mixed/1.2.3-", "its size or type differs from that of mixed/")
 
     def test_what_is_no_series_of_slices_is_told(self):
         samples = make_samples("int16", SHAPE)
