@@ -52,6 +52,8 @@ const char* GetProfileName(EdgeIndexProfile profile)
       return "fast";
     case EdgeIndexProfile::Compact:
       return "compact";
+    case EdgeIndexProfile::Working:
+      return "working";
     default:
       return "default";
   }

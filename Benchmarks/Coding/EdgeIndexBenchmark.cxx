@@ -356,11 +356,14 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
   settings.Profile = EdgeIndexProfile::Fast;
   const Outcome fast = benchmark.MeasureOurs(settings);
   Print("lossless, fast", fast, exact);
+  settings.Profile = EdgeIndexProfile::Working;
+  const Outcome working = benchmark.MeasureOurs(settings);
+  Print("lossless, working", working, exact);
   settings.Profile = EdgeIndexProfile::Compact;
   const Outcome compact = benchmark.MeasureOurs(settings);
   Print("lossless, compact", compact, exact);
-  std::printf("  of default's bytes: fast %.3f, compact %.3f\n", fast.Bytes / lossless.Bytes,
-    compact.Bytes / lossless.Bytes);
+  std::printf("  of default's bytes: fast %.3f, working %.3f, compact %.3f\n",
+    fast.Bytes / lossless.Bytes, working.Bytes / lossless.Bytes, compact.Bytes / lossless.Bytes);
   if (peers)
   {
     PrintQuantized(volume, benchmark);
@@ -389,6 +392,14 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
     settings.Profile = EdgeIndexProfile::Fast;
     const Outcome boundedFast = benchmark.MeasureOurs(settings);
     Print("bounded, fast, same error", boundedFast, exact);
+    settings.Profile = EdgeIndexProfile::Working;
+    const Outcome boundedWorking = benchmark.MeasureOurs(settings);
+    Print("bounded, working, the same", boundedWorking, exact);
+    std::printf("  working / Draco: out x %.2f of level 10, x %.2f of level 7;  bounded x %.2f, "
+                "x %.2f, bytes %.2f of default's\n",
+      ten.DecodeSeconds / working.DecodeSeconds, seven.DecodeSeconds / working.DecodeSeconds,
+      ten.DecodeSeconds / boundedWorking.DecodeSeconds,
+      seven.DecodeSeconds / boundedWorking.DecodeSeconds, boundedWorking.Bytes / bounded.Bytes);
     std::printf("  Draco / ours: bytes %.2f (compact %.2f, fast %.2f);  lossless in x %.2f of "
                 "level 10, out x %.2f;"
                 "  fast in x %.2f of level 7, out x %.2f\n",

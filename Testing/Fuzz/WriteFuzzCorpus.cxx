@@ -290,7 +290,10 @@ void AddEdgeIndexFiles(Corpus& corpus)
   AddEdgeIndexFile<std::int16_t>(corpus, "compact-int16", 1, header);
   header.Settings.Mode = EdgeIndexMode::Bounded;
   AddEdgeIndexFile<std::uint16_t>(corpus, "compact-bounded", 1, header);
+  header.Settings.Profile = EdgeIndexProfile::Working;
+  AddEdgeIndexFile<float>(corpus, "working-bounded", 1, header);
   header.Settings.Mode = EdgeIndexMode::Lossless;
+  AddEdgeIndexFile<std::int16_t>(corpus, "working-int16", 1, header);
   header.Settings.Profile = EdgeIndexProfile::Fast;
   header.Attributes = { { "Normals", ValueType::Float32, 3, 0, true } };
   AddEdgeIndexFile<std::uint8_t>(corpus, "normals", 1, header);

@@ -70,7 +70,10 @@ bool WriteTypes(const std::string& folder)
     WriteLossless<std::int64_t>(folder, "int64", Profile::Compact) &&
     WriteLossless<std::uint64_t>(folder, "uint64", Profile::Default) &&
     WriteLossless<float>(folder, "float32", Profile::Default) &&
-    WriteLossless<double>(folder, "float64", Profile::Compact);
+    WriteLossless<double>(folder, "float64", Profile::Compact) &&
+    WriteLossless<std::int16_t>(folder, "int16", Profile::Working) &&
+    WriteLossless<std::uint16_t>(folder, "uint16", Profile::Working) &&
+    WriteLossless<std::int32_t>(folder, "int32", Profile::Working);
 }
 
 /// Few values, many of them the isovalue, some of them NaN: of floats also infinities, and numbers
@@ -115,7 +118,13 @@ bool WriteWild(const std::string& folder)
       MakeNamedHeader(narrow, { 0, 1 }, Mode::Bounded, Profile::Default), narrow) &&
     Write(folder, "wild-bounded-fast", MakeNamedHeader(wide, { 0.5 }, Mode::Bounded, Profile::Fast),
       wide) &&
-    Write(folder, "wild-smallest", smallest, wide);
+    Write(folder, "wild-smallest", smallest, wide) &&
+    Write(folder, "wild-working",
+      MakeNamedHeader(wide, { 0, 1e-300 }, Mode::Lossless, Profile::Working), wide) &&
+    Write(folder, "wild-narrow-working",
+      MakeNamedHeader(narrow, { 0, 1e-40 }, Mode::Lossless, Profile::Working), narrow) &&
+    Write(folder, "wild-bounded-working",
+      MakeNamedHeader(narrow, { 0, 1 }, Mode::Bounded, Profile::Working), narrow);
 }
 
 bool WriteModes(const std::string& folder)
@@ -135,7 +144,12 @@ bool WriteModes(const std::string& folder)
   fine.Settings.QuantizationBits = 24;
   fine.Settings.QuantizationMinimum = -0.5;
   fine.Settings.QuantizationMaximum = 0.3;
+  EdgeIndexHeader working = MakeNamedHeader(waves, { 0.1 }, Mode::Quantized, Profile::Working);
+  working.PreviewLevel = 1;
+  working.Settings.QuantizationMinimum = -0.5;
+  working.Settings.QuantizationMaximum = 0.3;
   return Write(folder, "bounded-compact", bounded, waves) &&
+    Write(folder, "quantized-working", working, waves) &&
     Write(folder, "quantized-coarsely", coarse, bytes) &&
     Write(folder, "quantized-finely", fine, waves);
 }
@@ -171,7 +185,9 @@ bool WriteLarge(const std::string& folder)
     Write(folder, "large-fast", MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Fast),
       source) &&
     Write(folder, "large-compact",
-      MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Compact), source);
+      MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Compact), source) &&
+    Write(folder, "large-working",
+      MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Working), source);
 }
 
 bool WriteAttributed(const std::string& folder)
@@ -189,7 +205,8 @@ bool WriteAttributed(const std::string& folder)
   };
   return write("attributes-as-they-are", Mode::Lossless, Profile::Default, 0) &&
     write("attributes-bounded", Mode::Bounded, Profile::Fast, 0.01) &&
-    write("attributes-with-exceptions", Mode::Quantized, Profile::Compact, 1e-30);
+    write("attributes-with-exceptions", Mode::Quantized, Profile::Compact, 1e-30) &&
+    write("attributes-working", Mode::Lossless, Profile::Working, 0.01);
 }
 
 } // namespace

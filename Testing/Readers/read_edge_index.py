@@ -19,6 +19,7 @@ from edge_index_attributes import Attribute
 from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder, clamp
 from edge_index_crossings import Crossings, EqualIntervals, MeanPrediction, PlanePrediction
 from edge_index_curved_crossings import CurvedCrossings, WideIntervals
+from edge_index_planes import PlaneCrossings, Planes, PlaneSigns, PlaneValues
 from edge_index_signs import FastSigns, MixedSigns, NetworkSigns
 from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
                                round_to_float32)
@@ -27,7 +28,7 @@ from read_interval_tree import FormatError, check, hash64, read_file
 TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
               "float64")
 MODES = ("lossless", "bounded", "quantized", "smallest")
-PROFILES = ("default", "fast", "compact")
+PROFILES = ("default", "fast", "compact", "working")
 VERSION = 1
 
 
@@ -246,7 +247,9 @@ class Block:
                 for x in range(self.nx) if self.is_crossed(x, y, z, axis)]
 
 
-def make_signs(profile):
+def make_signs(profile, planes):
+    if planes:
+        return PlaneSigns(planes)
     if profile == "compact":
         return NetworkSigns()
     return FastSigns() if profile == "fast" else MixedSigns()
@@ -256,16 +259,20 @@ def make_magnitudes(profile, priors):
     return FastMagnitudes(priors) if profile == "fast" else MixedMagnitudes(priors)
 
 
-def make_values(profile, domain):
+def make_values(profile, domain, planes):
+    if planes:
+        return PlaneValues(planes, domain)
     prediction = LeastSquaresPrediction() if profile == "compact" else FilterPrediction()
     return Values(domain, make_magnitudes(profile, PRIORS.values), prediction, profile != "fast")
 
 
-def make_crossings(profile, grid, maximum_error, some_missing):
+def make_crossings(profile, grid, maximum_error, some_missing, planes):
     if profile == "compact":
         width = math.floor(grid.find_error_left(maximum_error) * 2**31)
         return CurvedCrossings(WideIntervals(width), some_missing)
     cut = EqualIntervals(grid.count_intervals(maximum_error))
+    if planes:
+        return PlaneCrossings(planes, cut, some_missing)
     prediction = MeanPrediction() if profile == "fast" else PlanePrediction()
     magnitudes = make_magnitudes(profile, PRIORS.crossings)
     return Crossings(cut, some_missing, magnitudes, prediction)
@@ -279,18 +286,23 @@ class DecodedBlock:
         self.block = block = Block(record.cells)
         self.parameters = {}
         self.attributes = [{} for _ in header.attributes] if not record.preview else []
+        planes = None
+        if profile == "working":
+            source = Bytes(code)
+            planes = Planes(source, block)
+            code = code[source.position:]
         decoder = RangeDecoder(code)
         attributes = [Attribute(decoder, description) for description in header.attributes
                       ] if not record.preview else []
-        signs = make_signs(profile)
+        signs = make_signs(profile, planes)
         isovalue = header.isovalues[record.isovalue]
         if record.codes_crossings:
             grid = header.make_preview_grid() if record.preview else header.grid
             error = header.preview_error if record.preview else header.maximum_error
             geometry = make_crossings(
-                profile, grid, error, record.some_missing)
+                profile, grid, error, record.some_missing, planes)
         else:
-            geometry = make_values(profile, make_domain(header, isovalue, scale))
+            geometry = make_values(profile, make_domain(header, isovalue, scale), planes)
         values = {}
         for z in range(block.nz):
             while len(block.slices) < min(z + 2, block.nz):
@@ -305,6 +317,8 @@ class DecodedBlock:
                 self.attributes[number].update(
                     {(x, y, z, axis): value for (x, y, axis), value in found.items()})
         decoder.check_end()
+        if planes:
+            planes.check_end()
         if not record.codes_crossings:
             self._add_values(
                 values, isovalue, "float32" if header.mode == "quantized" else header.type_name)

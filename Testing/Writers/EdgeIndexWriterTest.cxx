@@ -123,8 +123,8 @@ TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
     TurnObliquely(image);
     this->Contour->SetInputData(image);
     this->SetIsovalues({ 70 });
-    for (const int profile :
-      { vtkEdgeIndexWriter::DEFAULT, vtkEdgeIndexWriter::FAST, vtkEdgeIndexWriter::COMPACT })
+    for (const int profile : { vtkEdgeIndexWriter::DEFAULT, vtkEdgeIndexWriter::FAST,
+           vtkEdgeIndexWriter::COMPACT, vtkEdgeIndexWriter::WORKING })
     {
       this->Writer->SetProfile(profile);
       this->Write();

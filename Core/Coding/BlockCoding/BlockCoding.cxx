@@ -15,13 +15,16 @@ void CodeLayers(Coder& coder, BlockModel& model, const BlockContent& content, Bl
   CoderInstructions instructions)
 {
   std::vector<std::unique_ptr<SliceLayer>> layers;
-  layers.push_back(content.Domain ? MakeValueLayer(coder, model, content, values, instructions)
+  layers.push_back(content.Planes ? MakePlaneNumbers<Coder::Encodes>(content, values, instructions)
+      : content.Domain            ? MakeValueLayer(coder, model, content, values, instructions)
                                   : MakeCrossingLayer(coder, model, content, values, instructions));
   for (const CodedAttribute& attribute : content.Attributes)
   {
     layers.push_back(MakeAttributeLayer(coder, content, attribute, instructions));
   }
-  const std::unique_ptr<SignLayer> signs = MakeSignLayer(coder, model, content, instructions);
+  const std::unique_ptr<SignLayer> signs = content.Planes
+    ? MakePlaneSigns<Coder::Encodes>(content, instructions)
+    : MakeSignLayer(coder, model, content, instructions);
 
   const SignSlice* below = nullptr;
   SignSlice* slice = &values.GetSigns(0);

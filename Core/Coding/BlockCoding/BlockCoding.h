@@ -41,6 +41,8 @@ public:
   virtual bool FinishSlice(int z) = 0;
 };
 
+class BytePlanes;
+
 /// What is coded of a block besides its signs: either values or crossings, and attributes.
 struct BlockContent
 {
@@ -48,6 +50,8 @@ struct BlockContent
   const ValueDomain* Domain = nullptr; ///< of the values, not owned; null to code crossings
   CrossingIntervals Intervals;         ///< of crossings; not used with values
   bool HasMissing = false;             ///< some crossings are NaN
+  /// Not owned; in the profile working signs and numbers go there, and only attributes to the coder.
+  BytePlanes* Planes = nullptr;
   std::vector<CodedAttribute> Attributes;
 };
 

@@ -51,6 +51,22 @@ template <typename Coder>
 std::unique_ptr<SliceLayer> MakeAttributeLayer(Coder& coder, const BlockContent& content,
   const CodedAttribute& attribute, CoderInstructions instructions);
 
+/// The layers of the profile working, whose signs and numbers are in content.Planes.
+template <bool Encodes>
+std::unique_ptr<SignLayer> MakePlaneSigns(
+  const BlockContent& content, CoderInstructions instructions);
+template <bool Encodes>
+std::unique_ptr<SliceLayer> MakePlaneNumbers(
+  const BlockContent& content, BlockValues& values, CoderInstructions instructions);
+
+extern template std::unique_ptr<SignLayer> MakePlaneSigns<false>(
+  const BlockContent&, CoderInstructions);
+extern template std::unique_ptr<SignLayer> MakePlaneSigns<true>(
+  const BlockContent&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakePlaneNumbers<false>(
+  const BlockContent&, BlockValues&, CoderInstructions);
+extern template std::unique_ptr<SliceLayer> MakePlaneNumbers<true>(
+  const BlockContent&, BlockValues&, CoderInstructions);
 extern template std::unique_ptr<SignLayer> MakeSignLayer(
   RangeEncoder&, BlockModel&, const BlockContent&, CoderInstructions);
 extern template std::unique_ptr<SignLayer> MakeSignLayer(

@@ -144,7 +144,8 @@ void BlockModel::Reset(bool forValues)
 const BlockModel& GetFreshModel(EdgeIndexProfile profile)
 {
   static const BlockModel models[] = { BlockModel(EdgeIndexProfile::Default),
-    BlockModel(EdgeIndexProfile::Fast), BlockModel(EdgeIndexProfile::Compact) };
+    BlockModel(EdgeIndexProfile::Fast), BlockModel(EdgeIndexProfile::Compact),
+    BlockModel(EdgeIndexProfile::Working) };
   return models[static_cast<std::size_t>(profile)];
 }
 

@@ -2,6 +2,7 @@
 #include "Coding/EdgeIndex/EdgeIndexDecoder.h"
 
 #include "Coding/BlockCoding/BlockCoding.h"
+#include "Coding/BlockCoding/BytePlanes.h"
 #include "Coding/BlockCoding/Quantizer.h"
 #include "Coding/EdgeIndex/IsovalueJoin.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
@@ -215,8 +216,9 @@ ValueDomain MakeDomain(const EdgeIndexHeader& header, const EdgeIndexRecord& rec
     : domain;
 }
 
-void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
-  const PointAttributes& attributes, BlockModel& model, RangeDecoder& decoder, DecodedBlock& block)
+// Returns whether the code ends where its block does.
+bool DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
+  const PointAttributes& attributes, BlockModel& model, DecodedBlock& block)
 {
   BlockContent content;
   content.Size = block.GetSize();
@@ -240,8 +242,22 @@ void DecodeCode(const EdgeIndexHeader& header, const EdgeIndexRecord& record,
     content.Domain = &*domain;
     block.SetDomain(&*domain);
   }
+  BytePlanes planes;
+  std::size_t begin = 0;
+  if (header.Settings.Profile == EdgeIndexProfile::Working)
+  {
+    begin = planes.Begin(content.Size, record.Code, record.CodeSize);
+    if (begin == 0 || (content.Attributes.empty() && begin != record.CodeSize))
+    {
+      return false;
+    }
+    content.Planes = &planes;
+  }
+  RangeDecoder decoder(record.Code + begin, record.CodeSize - begin);
+  block.SetDecoder(&decoder);
   model.Reset(content.Domain != nullptr);
   CodeBlock(decoder, model, content, block);
+  return !decoder.IsExhausted() && !decoder.HasMore() && (!content.Planes || planes.IsComplete());
 }
 
 } // namespace
@@ -272,15 +288,13 @@ Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record
   const auto memory =
     std::make_shared<DecodedMemory>(PointAttributes(this->Header, record.Block.Vertices));
   const auto block = std::make_unique<DecodedBlock>(this->Header, record, *memory);
-  RangeDecoder decoder(record.Code, record.CodeSize);
-  block->SetDecoder(&decoder);
   std::unique_ptr<BlockModel> model = this->TakeModel();
-  DecodeCode(this->Header, record, memory->Attributes, *model, decoder, *block);
+  const bool isWhole = DecodeCode(this->Header, record, memory->Attributes, *model, *block);
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
     this->Models.push_back(std::move(model));
   }
-  if (decoder.IsExhausted() || decoder.HasMore())
+  if (!isWhole)
   {
     return Status(
       StatusCode::Corrupt, "The code of an edge-index block does not end where its block does.");

@@ -2,6 +2,7 @@
 #include "Coding/EdgeIndex/EdgeIndexEncoder.h"
 
 #include "Coding/BlockCoding/BlockCoding.h"
+#include "Coding/BlockCoding/BytePlanes.h"
 #include "Coding/EdgeIndex/BlockRecordFormat.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
 #include "Coding/EdgeIndex/SampledBlock.h"
@@ -140,9 +141,25 @@ private:
     content.Attributes = block.GetAttributes();
     BlockModel& model = isPreview ? this->PreviewModel : this->Model;
     model.Reset(content.Domain != nullptr);
-    RangeEncoder encoder(code);
+    if (model.Profile != EdgeIndexProfile::Working)
+    {
+      RangeEncoder encoder(code);
+      CodeBlock(encoder, model, content, block);
+      encoder.Finish();
+      return;
+    }
+    BytePlanes planes;
+    planes.Begin(content.Size);
+    content.Planes = &planes;
+    std::vector<std::uint8_t> attributes;
+    RangeEncoder encoder(attributes);
     CodeBlock(encoder, model, content, block);
-    encoder.Finish();
+    planes.Append(code);
+    if (!content.Attributes.empty())
+    {
+      encoder.Finish();
+      code.insert(code.end(), attributes.begin(), attributes.end());
+    }
   }
 
   BlockModel Model;

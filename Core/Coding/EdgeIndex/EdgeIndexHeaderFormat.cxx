@@ -118,7 +118,7 @@ private:
   {
     header.Type = this->ReadValueType();
     header.Settings.Mode = this->ReadEnumerator(EdgeIndexMode::Smallest);
-    header.Settings.Profile = this->ReadEnumerator(EdgeIndexProfile::Compact);
+    header.Settings.Profile = this->ReadEnumerator(EdgeIndexProfile::Working);
     header.Settings.QuantizationBits = this->Reader.Read<std::uint8_t>();
     this->Isovalues = this->Reader.Read<std::uint32_t>();
     header.Settings.MaximumError = this->Reader.Read<double>();

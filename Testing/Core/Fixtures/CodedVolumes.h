@@ -58,7 +58,7 @@ void Displace(SampleVolume<T>& volume)
 }
 
 constexpr EdgeIndexProfile AllProfiles[] = { EdgeIndexProfile::Default, EdgeIndexProfile::Fast,
-  EdgeIndexProfile::Compact };
+  EdgeIndexProfile::Compact, EdgeIndexProfile::Working };
 
 template <typename T>
 EdgeIndexHeader MakeHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The coders are compiled for two instruction sets; both must write and read the same bytes.
 #include "Coding/BlockCoding/BlockCoding.h"
+#include "Coding/BlockCoding/BytePlanes.h"
 
 #include <gtest/gtest.h>
 
@@ -119,6 +120,48 @@ TEST(BlockCoding, BothInstructionSetsGiveTheSameBytesAndNumbers)
         EXPECT_FALSE(decoder.IsExhausted());
         EXPECT_FALSE(decoder.HasMore());
       }
+    }
+  }
+}
+
+TEST(BlockCoding, PlanesOfBothInstructionSetsHaveTheSameBytesAndNumbers)
+{
+  for (const bool hasValues : { false, true })
+  {
+    const auto domain = std::make_unique<ValueDomain>(ValueType::Int16, 0.0, 3);
+    BlockContent content;
+    content.Size = Size;
+    content.Domain = hasValues ? domain.get() : nullptr;
+    content.Intervals = CrossingIntervals::MakeEqual(100);
+    BytePlanes planes;
+    content.Planes = &planes;
+    BlockModel model = GetFreshModel(EdgeIndexProfile::Working);
+    std::vector<std::uint8_t> bytes[2];
+    std::vector<std::uint8_t> unused;
+    RememberedBlock given;
+    for (int n = 0; n < 2; ++n)
+    {
+      given.Gives = true;
+      given.Signs = MakeSigns();
+      RangeEncoder encoder(unused);
+      planes.Begin(Size);
+      CodeBlock(encoder, model, content, given,
+        n == 0 ? CoderInstructions::Baseline : CoderInstructions::Newest);
+      planes.Append(bytes[n]);
+    }
+    EXPECT_EQ(bytes[0], bytes[1]);
+    EXPECT_TRUE(unused.empty());
+    EXPECT_GT(given.Numbers.size(), 1000u);
+    for (const CoderInstructions instructions :
+      { CoderInstructions::Baseline, CoderInstructions::Newest })
+    {
+      RememberedBlock taken;
+      taken.Signs.resize(static_cast<std::size_t>(Size[2]));
+      EXPECT_EQ(planes.Begin(Size, bytes[0].data(), bytes[0].size()), bytes[0].size());
+      RangeDecoder decoder(nullptr, 0);
+      CodeBlock(decoder, model, content, taken, instructions);
+      EXPECT_EQ(given.Numbers, taken.Numbers);
+      EXPECT_TRUE(planes.IsComplete());
     }
   }
 }

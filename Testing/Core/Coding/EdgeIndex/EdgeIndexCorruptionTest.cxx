@@ -33,29 +33,33 @@ bool Decodes(const std::vector<std::uint8_t>& bytes)
 
 TEST(EdgeIndexCorruption, EveryFlippedByteIsFound)
 {
-  const std::vector<std::uint8_t> good =
-    EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
-  ASSERT_TRUE(Decodes(good));
-  for (std::size_t n = 0; n < good.size(); ++n)
+  for (const auto profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Working })
   {
-    std::vector<std::uint8_t> bad = good;
-    bad[n] = static_cast<std::uint8_t>(~bad[n]);
-    EXPECT_FALSE(Decodes(bad)) << n;
-    bad[n] = static_cast<std::uint8_t>(good[n] ^ 1u << (n % 8));
-    EXPECT_FALSE(Decodes(bad)) << n;
+    const std::vector<std::uint8_t> good = EncodeSmall(EdgeIndexMode::Lossless, profile);
+    ASSERT_TRUE(Decodes(good));
+    for (std::size_t n = 0; n < good.size(); ++n)
+    {
+      std::vector<std::uint8_t> bad = good;
+      bad[n] = static_cast<std::uint8_t>(~bad[n]);
+      EXPECT_FALSE(Decodes(bad)) << n;
+      bad[n] = static_cast<std::uint8_t>(good[n] ^ 1u << (n % 8));
+      EXPECT_FALSE(Decodes(bad)) << n;
+    }
   }
 }
 
 TEST(EdgeIndexCorruption, EveryCutIsFoundUnlessItLeavesWholeBlocks)
 {
-  const std::vector<std::uint8_t> good =
-    EncodeSmall(EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
-  int decoded = 0;
-  for (std::size_t size = 0; size < good.size(); ++size)
+  for (const auto profile : { EdgeIndexProfile::Fast, EdgeIndexProfile::Working })
   {
-    decoded += Decodes(std::vector<std::uint8_t>(good.begin(), good.begin() + size)) ? 1 : 0;
+    const std::vector<std::uint8_t> good = EncodeSmall(EdgeIndexMode::Bounded, profile);
+    int decoded = 0;
+    for (std::size_t size = 0; size < good.size(); ++size)
+    {
+      decoded += Decodes(std::vector<std::uint8_t>(good.begin(), good.begin() + size)) ? 1 : 0;
+    }
+    EXPECT_EQ(decoded, 2); // the header alone, and with the first of two blocks
   }
-  EXPECT_EQ(decoded, 2); // the header alone, and with the first of two blocks
 }
 
 TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
@@ -89,6 +93,31 @@ TEST(EdgeIndexCorruption, CodesThatNoEncoderWroteDecodeWithoutHarm)
   }
 }
 
+// With the right checksum, so that the decoder itself has to find it.
+TEST(EdgeIndexCorruption, ACodeOfTheProfileWorkingThatIsCutOffOrGoesOnIsCorrupt)
+{
+  for (const EdgeIndexMode mode : { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded })
+  {
+    const std::vector<std::uint8_t> good = EncodeSmall(mode, EdgeIndexProfile::Working);
+    std::size_t first = 0;
+    const auto header = Require(EdgeIndexHeader::Parse(good.data(), good.size(), first));
+    std::size_t used = 0;
+    const auto parsed =
+      Require(EdgeIndexRecord::Parse(header, good.data() + first, good.size() - first, used));
+    std::vector<std::uint8_t> code(parsed.Code, parsed.Code + parsed.CodeSize);
+    code.push_back(0);
+    for (std::size_t size = 0; size <= code.size(); ++size)
+    {
+      EdgeIndexRecord record = parsed;
+      record.Code = code.data();
+      record.CodeSize = size;
+      std::vector<std::uint8_t> bytes(good.begin(), good.begin() + first);
+      record.Append(bytes);
+      EXPECT_EQ(Decodes(bytes), size == parsed.CodeSize) << size;
+    }
+  }
+}
+
 TEST(EdgeIndexCorruption, NormalsThatAreNotInTheStreamAreRefused)
 {
   const std::vector<std::uint8_t> good =
@@ -104,7 +133,7 @@ TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
   std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
   std::size_t size = 0;
   ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
-  bytes[18] = 3;
+  bytes[18] = 4;
   StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
   EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
     StatusCode::Corrupt);

@@ -250,10 +250,35 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
       }
       sum /= static_cast<double>(expected->NumberOfPoints);
       EXPECT_LT(sum, last) << bits;
-      if (profile == EdgeIndexProfile::Compact)
+      if (profile == EdgeIndexProfile::Working)
       {
         last = sum;
       }
+    }
+  }
+}
+
+TEST(EdgeIndex, TheProfileWorkingGivesTheBytesOfTheDefaultProfileOnAnyNumberOfThreads)
+{
+  auto volume = MakeWaves<float>({ 70, 50, 40 }, 0.1);
+  TestBlockSource<float> source(volume, 16);
+  const ContourRequest request = MakeRequest({ 0.05, -0.2 });
+  for (const EdgeIndexMode mode :
+    { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
+  {
+    EdgeIndexHeader header = MakeHeader(volume, request.Isovalues, mode, EdgeIndexProfile::Default);
+    header.Settings.QuantizationMinimum = -1;
+    header.Settings.QuantizationMaximum = 1;
+    const Surface expected = EncodeAndDecode(header, source, request);
+    ASSERT_GT(expected.NumberOfTriangles, 10000u);
+    header.Settings.Profile = EdgeIndexProfile::Working;
+    const auto bytes = Require(EncodeSurface(header, source, 1));
+    for (const int threads : { 1, 2, 3, 8 })
+    {
+      EXPECT_EQ(bytes, Require(EncodeSurface(header, source, threads)));
+      const Surface decoded = Require(DecodeSurface(bytes.data(), bytes.size(), request, threads));
+      ExpectSameTopology(expected, decoded);
+      EXPECT_TRUE(HaveEqualBytes(expected.Points, decoded.Points)) << threads;
     }
   }
 }
