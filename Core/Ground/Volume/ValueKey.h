@@ -130,6 +130,10 @@ struct KeyRange
   ValueKey Maximum = 0;
 
   bool IsEmpty() const { return this->Minimum > this->Maximum; }
+  bool Contains(const KeyRange& other) const
+  {
+    return other.IsEmpty() || (this->Minimum <= other.Minimum && other.Maximum <= this->Maximum);
+  }
   void Add(const KeyRange& other)
   {
     this->Minimum = std::min(this->Minimum, other.Minimum);

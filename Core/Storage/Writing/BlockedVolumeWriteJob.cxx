@@ -34,6 +34,10 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
     const bool isKept = this->KeepsJournal() && this->Journal.Blocks > 0;
     if (this->Context.Rank == 0 && !this->IsVisible && !isKept)
     {
+      if (this->KeepsJournal() && !this->Journal.Finished)
+      {
+        static_cast<void>(this->Context.Files.RemoveAll(WriteJournal::GetPath(this->Context.Path)));
+      }
       GenerationFolder::Discard(this->Context.Files, this->Context.Path, this->NewFolder);
     }
     return status;
@@ -284,7 +288,12 @@ Result<std::unique_ptr<ResolutionWriter>> BlockedVolumeWriteJob::WriteOverview(
     })));
   ISOSURFACE_RETURN_IF_ERROR(writer->Prepare());
   ISOSURFACE_RETURN_IF_ERROR(writer->Distribute());
-  ISOSURFACE_RETURN_IF_ERROR(writer->Write());
+  const Status written = writer->Write();
+  if (written.GetCode() == StatusCode::Corrupt)
+  {
+    this->Journal.Blocks = 0; // the next write does not go on with the temporary files
+  }
+  ISOSURFACE_RETURN_IF_ERROR(written);
   if (&finer != this->Volume.get())
   {
     ISOSURFACE_RETURN_IF_ERROR(finer.RemoveTemporaryFiles());

@@ -317,8 +317,13 @@ Status ResolutionWriter::Write()
   this->Begin = this->LastCheckpoint = Clock::now();
   ISOSURFACE_RETURN_IF_ERROR(this->OpenStores());
   ISOSURFACE_RETURN_IF_ERROR(this->WriteBlocks());
-  ISOSURFACE_RETURN_IF_ERROR(
-    this->Context.AgreeOn(this->Context.Attempt([&] { return this->FinishStores(); })));
+  const Status finished =
+    this->Context.AgreeOn(this->Context.Attempt([&] { return this->FinishStores(); }));
+  if (finished.GetCode() == StatusCode::Corrupt && this->Journal)
+  {
+    this->Journal->Blocks = 0; // the next write does not go on with these files
+  }
+  ISOSURFACE_RETURN_IF_ERROR(finished);
   ISOSURFACE_RETURN_IF_ERROR(this->ShareDescriptions());
   return this->ShareSpectra();
 }
@@ -494,8 +499,14 @@ Status ResolutionWriter::FinishStores()
     [&](std::size_t index, int)
     {
       OpenStore& store = this->Stores.at(mine[index]);
-      this->Counts->GetSpectra().FinishStore(
-        mine[index], store.Writer->GetEntries(), this->Counts->GetRanges());
+      if (!this->Counts->GetSpectra().FinishStore(
+            mine[index], store.Writer->GetEntries(), this->Counts->GetRanges()))
+      {
+        // Samples of coarser levels and checkpoints come from the disk.
+        outcomes[index] =
+          Status(StatusCode::Corrupt, this->GetFolder() + ": its temporary files are damaged");
+        return;
+      }
       const auto description =
         store.Writer->Finish(this->Variables, this->Counts->GetRanges(), memory);
       outcomes[index] = description.GetStatus();

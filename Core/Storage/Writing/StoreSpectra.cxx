@@ -83,7 +83,7 @@ WorkloadSpectrum StoreSpectra::MakeSpectrum(std::size_t variable) const
   return spectrum;
 }
 
-void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
+bool StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
   const std::vector<std::vector<KeyRange>>& ranges)
 {
   Store& mine = *this->Mine[store / this->Ranks];
@@ -106,12 +106,16 @@ void StoreSpectra::FinishStore(std::uint32_t store, const std::vector<BlockDirec
         entry.FindSegment(end * levels) - entry.FindSegment(first * levels));
     }
     activity.SetActivity(spectrum);
-    std::exchange(mine.Sums[variable], GrowingSpectrum(counted.Type))
-      .SetSums(spectrum, this->FiniteRanges[variable]);
+    if (!std::exchange(mine.Sums[variable], GrowingSpectrum(counted.Type))
+           .SetSums(spectrum, this->FiniteRanges[variable]))
+    {
+      return false;
+    }
     mine.Packed.push_back(SpectraFile::Pack(spectrum));
     const std::lock_guard<std::mutex> lock(this->TotalsMutex);
     static_cast<void>(this->Totals[variable].Add(spectrum));
   }
+  return true;
 }
 
 void StoreSpectra::ReduceTotals(Communicator& communicator, std::vector<WorkloadSpectrum>& totals)

@@ -45,8 +45,8 @@ public:
 
   /// Adds a store's active blocks and packs its spectra. `entries`: those of its blocks;
   /// ranges[variable][block]: the value ranges of all blocks of the volume. Threads may finish
-  /// several stores at once.
-  void FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
+  /// several stores at once. False if what was counted is beyond the ranges.
+  bool FinishStore(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
     const std::vector<std::vector<KeyRange>>& ranges);
 
   /// When all stores are finished: the sum of those of this rank, per variable.

@@ -132,8 +132,12 @@ EdgeSums GrowingSpectrum::Resolve() const
   return sums;
 }
 
-void GrowingSpectrum::SetSums(WorkloadSpectrum& spectrum, const KeyRange& range)
+bool GrowingSpectrum::SetSums(WorkloadSpectrum& spectrum, const KeyRange& range)
 {
+  if (!range.Contains(this->Range))
+  {
+    return false;
+  }
   this->Grow(range);
   SurfaceSums sum = this->Below;
   for (std::size_t bin = 0; bin < this->Bins.Count; ++bin)
@@ -144,6 +148,7 @@ void GrowingSpectrum::SetSums(WorkloadSpectrum& spectrum, const KeyRange& range)
     spectrum.Area[bin] = MeasureSums::Round(sum.Area);
     spectrum.Volume[bin] = MeasureSums::Round(sum.Volume);
   }
+  return true;
 }
 
 void GrowingSpectrum::AppendTo(std::vector<std::uint8_t>& bytes) const

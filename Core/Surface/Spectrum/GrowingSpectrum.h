@@ -82,9 +82,9 @@ public:
   /// Makes the bins those of this range and the range so far.
   void Grow(const KeyRange& range);
 
-  /// Sets triangles, cells, area and volume of a spectrum whose bins are those of this range, which
-  /// contains the ranges of all blocks.
-  void SetSums(WorkloadSpectrum& spectrum, const KeyRange& range);
+  /// Sets triangles, cells, area and volume of a spectrum whose bins are those of this range. False if
+  /// that does not contain the ranges of all blocks.
+  bool SetSums(WorkloadSpectrum& spectrum, const KeyRange& range);
 
   /// Appends all it knows, about 32 bytes a bin, and sets another one of the type by that. False if
   /// the bytes are of no spectrum of the type.

@@ -295,6 +295,32 @@ TEST(UnfinishedIndex, IsWrittenAnewIfTheSourceHasChangedOrTheJournalIsDamaged)
   EXPECT_GT(damaged, 5);
 }
 
+TEST(UnfinishedIndex, IsWrittenAnewAfterAnErrorIfTheSamplesOfItsCoarserLevelsAreDamaged)
+{
+  for (const int ranks : { 1, 3 })
+  {
+    LockingDisk disk;
+    SetSources(disk, 1);
+    EXPECT_FALSE(WriteByRanks(disk, "/data", ranks, 1, StopAtCall(4)).IsOk());
+    int damaged = 0;
+    for (const auto& [path, bytes] : disk.GetFiles())
+    {
+      if (path.find("overview-samples") != std::string::npos)
+      {
+        bytes->assign(bytes->size(), 0x7f);
+        ++damaged;
+      }
+    }
+    ASSERT_GT(damaged, 0);
+    const Status status = WriteByRanks(disk, "/data", ranks, 1, GoOn);
+    EXPECT_EQ(status.GetCode(), StatusCode::Corrupt) << status.GetMessage();
+    EXPECT_NE(status.GetMessage().find("temporary files are damaged"), std::string::npos);
+    EXPECT_EQ(disk.Copy().size(), 2u) << "the source alone is left";
+    Finish(disk, ranks, 1);
+    EXPECT_EQ(disk.Copy(), WriteAtOnce(ranks, 1));
+  }
+}
+
 namespace
 {
 
